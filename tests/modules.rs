@@ -14,7 +14,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 12] = [
+const ROOTS: [&str; 13] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -27,6 +27,7 @@ const ROOTS: [&str; 12] = [
     "crates/viewer/src",
     "crates/lab/src",
     "crates/lab/src/bin/casca-lab",
+    "crates/bevy_casca/src",
 ];
 
 /// More sources whose files are checked for their length.
@@ -36,7 +37,7 @@ const MORE: [&str; 1] = ["crates/slots/src"];
 const LONGEST: usize = 450;
 
 /// The sources whose comments and functions are checked for their size: all files below them.
-const TIDY: [&str; 12] = [
+const TIDY: [&str; 13] = [
     "src",
     "crates/plane/src",
     "crates/slots/src",
@@ -49,6 +50,7 @@ const TIDY: [&str; 12] = [
     "crates/fur/src",
     "crates/lab/src",
     "crates/viewer/src",
+    "crates/bevy_casca/src",
 ];
 
 /// The most columns of a line that is a comment. Tables and code in comments may be wider.

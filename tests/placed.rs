@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use casca::internals::{SceneInternals, Shape};
 use casca::{
-    Aabb, Bounds, Convex, Error, GridSpec, Instance, Method, Obb, ObjectDesc, Occluder, Query, Scene, Sphere,
-    TriMesh, View,
+    Aabb, Bounds, Convex, Error, Facing, GridSpec, Instance, MeshOptions, Method, Obb, ObjectDesc, Occluder,
+    Query, Scene, Sphere, TriMesh, View,
 };
 use casca_truth::cases;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Quat, UVec3, Vec3};
@@ -277,4 +277,33 @@ fn refusals_name_the_reason_and_move_nothing() {
     scene.remove(id).unwrap();
     assert_eq!(scene.set_transform(id, to), Err(Error::UnknownObject(id)));
     assert_eq!(scene.transform(id), Err(Error::UnknownObject(id)));
+}
+
+/// A box of triangles that hide from their front, and a ball behind it: as placed, does it hide the
+/// ball from outside, and does an eye inside see out?
+#[test]
+fn fronts_of_solids_hide_under_unequal_scales_but_not_mirrored() {
+    let corner = |i: u32| Vec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -0.5 } else { 0.5 }));
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let how = MeshOptions::default().facing(Facing::Front);
+    let go_on = &mut |_: f32| std::ops::ControlFlow::Continue(());
+    let cube = Arc::new(TriMesh::prepare((0..8).map(corner).collect(), triangles, &how, go_on).unwrap());
+    let sees = |scale: Vec3, eye: Vec3| {
+        let mut scene = scene();
+        let turned = Affine3A::from_rotation_y(0.2) * Affine3A::from_scale(scale);
+        let place = Affine3A::from_translation(Vec3::splat(16.0)) * turned;
+        let bounds = Aabb::new(Vec3::splat(-0.5), Vec3::splat(0.5));
+        scene.insert(ObjectDesc::fixed(bounds).occluder(cube.clone()).placed(place)).unwrap();
+        let ball = Sphere::new(Vec3::new(24.0, 16.0, 16.0), 0.5);
+        let ball = scene.insert(ObjectDesc::fixed(ball)).unwrap();
+        Query::new().run(&scene, &View::omnidirectional(eye).unwrap()).contains(ball)
+    };
+    let (outside, inside) = (Vec3::new(8.0, 16.0, 16.0), Vec3::splat(16.1));
+    for scale in [Vec3::splat(10.0), Vec3::new(2.0, 10.0, 14.0)] {
+        assert!(!sees(scale, outside), "{scale} hides");
+        assert!(sees(scale, inside), "{scale}: only backs are before the eye");
+        let mirror = scale * Vec3::new(-1.0, 1.0, 1.0);
+        assert!(sees(mirror, inside) && sees(mirror, outside), "{mirror} hides nothing");
+    }
 }

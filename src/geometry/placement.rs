@@ -19,6 +19,8 @@ pub(crate) struct Placement {
     pub(crate) normals: Option<DMat3>,
     /// Whether it turns, moves and scales all axes alike, and mirrors nothing.
     pub(crate) keeps_angles: bool,
+    /// Whether it mirrors space, or flattens it.
+    pub(crate) mirrors: bool,
 }
 
 impl Placement {
@@ -52,10 +54,11 @@ impl Placement {
         let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         let turned = m.determinant();
         let normals = (turned.abs() > FLATTENS * growth.powi(3)).then(|| cofactors * turned.signum());
-        let keeps_angles = turned > 0.0 && scales_alike(&m);
+        let mirrors = turned.is_nan() || turned <= 0.0;
+        let keeps_angles = !mirrors && scales_alike(&m);
         // An offset may be rounded, and so is its sum with the translation, once.
         let error = SINGLE * bound + offset.error + ONE_ROUNDING * offset.by.abs().max_element();
-        Ok(Self { affine, growth, error, normals, keeps_angles })
+        Ok(Self { affine, growth, error, normals, keeps_angles, mirrors })
     }
 }
 

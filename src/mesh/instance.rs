@@ -215,7 +215,8 @@ impl Instance {
     /// A convex solid inside the mesh as placed, relative to an origin.
     fn solid_from(&self, convex: &Convex, origin: DVec3) -> Option<(Polytope, f64)> {
         let (mesh, placement) = (&self.inner.mesh, &self.inner.placement);
-        if mesh.surface().front && !placement.keeps_angles {
+        // Unequal scales turn no front away from a ray that enters; a mirror turns all.
+        if mesh.surface().front && placement.mirrors {
             return None;
         }
         let placed = self.placed(convex, origin, f64::min)?;

@@ -100,5 +100,6 @@ fn carried(solid: &Convex, offset: &Offset) -> Option<Convex> {
     let (affine, error) =
         (DAffine3::from_translation(offset.by), offset.error + ONE_ROUNDING * offset.by.abs().max_element());
     let normals = Some(DMat3::IDENTITY);
-    solid.placed(&Placement { affine, growth: 1.0, error, normals, keeps_angles: true })
+    let (keeps_angles, mirrors) = (true, false);
+    solid.placed(&Placement { affine, growth: 1.0, error, normals, keeps_angles, mirrors })
 }

@@ -1,0 +1,67 @@
+//! The border between two versions of glam: Bevy's own, and the one that casca was built with.
+//! Numbers cross it as arrays, so that nobody else has to know.
+
+use bevy_camera::primitives::Aabb;
+use bevy_math::{Affine3A, Mat4, Vec3, Vec3A};
+use casca::glam;
+
+pub(crate) fn vec3(v: Vec3) -> glam::Vec3 {
+    v.to_array().into()
+}
+
+pub(crate) fn mat4(m: &Mat4) -> glam::Mat4 {
+    glam::Mat4::from_cols_array(&m.to_cols_array())
+}
+
+pub(crate) fn affine(a: &Affine3A) -> glam::Affine3A {
+    glam::Affine3A::from_cols_array(&a.to_cols_array())
+}
+
+/// The box, with room for the rounding of a middle and half of an edge.
+pub(crate) fn aabb(b: &Aabb) -> casca::Aabb {
+    let room = (b.center.abs() + b.half_extents.abs()) * (4.0 * f32::EPSILON);
+    casca::Aabb::new(vec3((b.min() - room).into()), vec3((b.max() + room).into()))
+}
+
+/// A box in world space around a box under a transform.
+pub(crate) fn world_box(b: &Aabb, transform: &Affine3A) -> (Vec3A, Vec3A) {
+    let middle = transform.transform_point3a(b.center);
+    let half = transform.matrix3.abs() * b.half_extents.abs();
+    (middle - half, middle + half)
+}
+
+/// A box of casca's, as its corners.
+pub(crate) fn back(b: &casca::Aabb) -> (Vec3A, Vec3A) {
+    (b.min.to_array().into(), b.max.to_array().into())
+}
+
+/// Whether a box lies in another one, but for rounding.
+pub(crate) fn holds(outer: &casca::Aabb, inner: &casca::Aabb) -> bool {
+    let room = glam::Vec3::splat((outer.max - outer.min).length() * 1e-5);
+    (outer.min - room).cmple(inner.min).all() && (outer.max + room).cmpge(inner.max).all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_cross_the_border_as_they_are() {
+        let matrix = Mat4::from_cols_array(&std::array::from_fn(|i| i as f32));
+        assert_eq!(mat4(&matrix).to_cols_array(), matrix.to_cols_array());
+        let placed = Affine3A::from_scale_rotation_translation(
+            Vec3::new(1.0, 2.0, 3.0),
+            bevy_math::Quat::from_rotation_y(0.5),
+            Vec3::new(4.0, 5.0, 6.0),
+        );
+        let point = vec3(placed.transform_point3(Vec3::ONE));
+        assert_eq!(affine(&placed).transform_point3(glam::Vec3::ONE), point);
+    }
+
+    #[test]
+    fn boxes_do_not_shrink_by_rounding() {
+        let (min, max) = (Vec3::splat(0.1), Vec3::new(0.7, 1e6, 0.3));
+        let there = aabb(&Aabb::from_min_max(min, max));
+        assert!(there.min.cmple(vec3(min)).all() && there.max.cmpge(vec3(max)).all(), "{there:?}");
+    }
+}

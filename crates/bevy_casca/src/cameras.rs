@@ -1,0 +1,160 @@
+//! What cameras see.
+
+use bevy_camera::primitives::Frustum;
+use bevy_camera::visibility::{
+    NoCpuCulling, RenderLayers, SetViewVisibility, VisibleEntities, VisibleEntityRanges,
+};
+use bevy_camera::{Camera, Projection};
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_math::{Mat4, Vec3};
+use bevy_platform::time::Instant;
+use bevy_transform::components::GlobalTransform;
+use bevy_utils::{Parallel, TypeIdHashMap};
+use casca::{Method, View};
+
+use crate::candidate::{Candidate, CandidateItem, Viewer};
+use crate::run::run_all;
+use crate::scene::{CascaScene, InScene};
+use crate::settings::{CascaSettings, NoOcclusionCulling};
+use crate::{border, layers};
+
+type Managed = (With<InScene>, Without<NoCpuCulling>);
+type Unmanaged = (Without<InScene>, Without<NoCpuCulling>);
+
+/// A camera, and the list of what it sees.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Cameras {
+    entity: Entity,
+    visible: &'static mut VisibleEntities,
+    frustum: &'static Frustum,
+    layers: Option<&'static RenderLayers>,
+    camera: &'static Camera,
+    projection: Option<&'static Projection>,
+    transform: Option<&'static GlobalTransform>,
+    no_cpu_culling: Has<NoCpuCulling>,
+    no_occlusion: Has<NoOcclusionCulling>,
+}
+
+/// The lists of a camera, by classes.
+type Lists = TypeIdHashMap<Vec<Entity>>;
+
+/// Fills the lists of all active cameras.
+pub(crate) fn check_cameras(
+    mut queues: Local<Parallel<Lists>>,
+    mut casca: ResMut<CascaScene>,
+    settings: Res<CascaSettings>,
+    mut cameras: Query<Cameras>,
+    mut managed: Query<Candidate, Managed>,
+    mut unmanaged: Query<Candidate, Unmanaged>,
+    ranges: Option<Res<VisibleEntityRanges>>,
+) {
+    let start = Instant::now();
+    let casca = &mut *casca;
+    // Whoever was despawned meanwhile may not hide in this frame.
+    let lost = casca.fresh.extract_if(.., |(entity, _)| !managed.contains(*entity));
+    for (entity, id) in lost {
+        casca.left.push((entity, id, None));
+    }
+    casca.fresh.clear();
+    casca.forget();
+    let views: Vec<(Entity, View)> = cameras
+        .iter()
+        .filter(|camera| camera.camera.is_active && settings.enabled)
+        .filter_map(|camera| Some((camera.entity, camera.view()?)))
+        .collect();
+    run(casca, &settings, &views);
+    let ranges = ranges.as_deref();
+    for mut camera in &mut cameras {
+        if !camera.camera.is_active {
+            continue;
+        }
+        let viewer = Viewer {
+            entity: camera.entity,
+            layers: camera.layers.unwrap_or_default(),
+            ranges,
+            frustum: Some(camera.frustum).filter(|_| !camera.no_cpu_culling),
+        };
+        let note = |queue: &mut Lists, mut item: CandidateItem| {
+            let seen = item.is_seen(&viewer);
+            if seen {
+                item.view_visibility.set_visible();
+                for class in item.classes.iter().flat_map(|classes| classes.iter()) {
+                    queue.entry(*class).or_default().push(item.entity);
+                }
+            }
+            seen
+        };
+        unmanaged
+            .par_iter_mut()
+            .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item));
+        match (casca.cameras.get(&camera.entity), &casca.scene) {
+            (Some(query), Some(scene)) => {
+                let mut queue = queues.borrow_local_mut();
+                let mut seen = 0;
+                for &id in query.pvs().visible() {
+                    let entity = scene.user_data(id).ok().and_then(Entity::try_from_bits);
+                    if let Some(item) = entity.and_then(|entity| managed.get_mut(entity).ok()) {
+                        seen += usize::from(note(&mut queue, item));
+                    }
+                }
+                casca.counts.visible += seen;
+                casca.counts.culled += scene.len().saturating_sub(seen);
+            }
+            _ => managed
+                .par_iter_mut()
+                .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item)),
+        }
+        camera.visible.clear_all();
+        for (class, entities) in queues.iter_mut().flatten() {
+            camera.visible.get_mut(*class).append(entities);
+        }
+        // Renderers compare the lists of two frames in their order.
+        camera.visible.entities.values_mut().for_each(|list| list.sort_unstable());
+    }
+    casca.counts.time += start.elapsed();
+}
+
+impl CamerasReadOnlyItem<'_, '_> {
+    /// The view that is drawn; `None` if it is to be culled by frustum only.
+    fn view(&self) -> Option<View> {
+        let layers = layers::of_camera(self.layers);
+        // Mirrors draw the back sides of meshes.
+        if self.no_cpu_culling || self.no_occlusion || self.camera.invert_culling || layers == 0 {
+            return None;
+        }
+        let (projection, transform) = (self.projection?, self.transform?);
+        // Renderers draw with the matrix that was computed for the target, if there is one.
+        let clip_from_view = match (&self.camera.computed.target_info, &self.camera.sub_camera_view) {
+            (Some(_), _) => self.camera.computed.clip_from_view,
+            (None, Some(sub)) => projection.get_clip_from_view_for_sub(sub),
+            (None, None) => projection.get_clip_from_view(),
+        };
+        let matrix = border::mat4(&(clip_from_view * Mat4::from(transform.affine().inverse())));
+        // `GlobalTransform::forward` panics for transforms that have none.
+        let forward = Vec3::from(-transform.affine().matrix3.z_axis);
+        let view = View::perspective(border::vec3(transform.translation()), matrix)
+            .or_else(|_| View::orthographic(border::vec3(forward), matrix));
+        Some(view.ok()?.with_layers(layers))
+    }
+}
+
+/// Runs the queries of some cameras, and forgets those of others.
+fn run(casca: &mut CascaScene, settings: &CascaSettings, views: &[(Entity, View)]) {
+    let culls = settings.enabled && !matches!(settings.method, Method::Frustum);
+    match casca.scene.as_ref().filter(|_| culls) {
+        Some(scene) => run_all(scene, &mut casca.cameras, settings, views),
+        None => casca.cameras.clear(),
+    }
+}
+
+/// Ends the frame of the scene with the sets of all cameras and lights.
+pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
+    let start = Instant::now();
+    let CascaScene { scene: Some(scene), cameras, suns, lamps, counts, .. } = &mut *casca else { return };
+    let queries = cameras.values().chain(suns.values()).chain(lamps.values());
+    // All sets are of this scene and frame. Would one be refused, hidden entities only cost more.
+    let _ = scene.end_frame(queries.map(casca::Query::pvs));
+    counts.time += start.elapsed();
+}

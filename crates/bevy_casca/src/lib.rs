@@ -1,0 +1,72 @@
+//! Conservative occlusion culling for Bevy 0.20, on the processor: entities that are hidden behind
+//! others are neither drawn nor put into shadow maps. **What can be seen is never left out.**
+//!
+//! ```
+//! use bevy_app::App;
+//! use bevy_casca::CascaPlugin;
+//!
+//! let mut app = App::new();
+//! // With Bevy: `App::new().add_plugins((DefaultPlugins, CascaPlugin))`.
+//! app.add_plugins(CascaPlugin);
+//! ```
+//!
+//! # What it does
+//!
+//! The plugin takes the place of three of Bevy's systems: the one that culls for cameras, and the
+//! two that cull for lights. Each frame
+//!
+//! 1. entities with `Mesh3d`, `Aabb` and `GlobalTransform` are brought up to date in a
+//!    [`casca::Scene`] ([`CascaSystems::Sync`]);
+//! 2. each active camera asks it what it can see ([`CascaSystems::Cameras`]). What is in that set
+//!    passes Bevy's own test besides, so that no set is larger than Bevy's;
+//! 3. each light with shadows asks what it shines on ([`CascaSystems::Lights`]);
+//! 4. what nobody sees waits in volumes that cost nothing until they come into sight
+//!    ([`CascaSystems::End`]).
+//!
+//! All else is culled as Bevy does it, by the same tests: sprites, lights (also with a mesh),
+//! entities without `Aabb`, with `NoFrustumCulling`, `VisibilityRange` or morph targets, skinned
+//! meshes unless they have `DynamicSkinnedMeshBounds`, cameras with `NoCpuCulling`, and whatever
+//! casca refuses, such as transforms that are not finite.
+//!
+//! # What hides
+//!
+//! A mesh hides others if it is known to be opaque, does not move, and its triangles can be read.
+//! It is prepared in the background, once for all entities that share it. Known to be opaque are
+//! entities with the component [`Opaque`], and those with materials that a rule of the program
+//! calls so ([`MaterialsPlugin`]). An [`Occluder`] hides wherever it moves; [`NotOccluder`] and
+//! [`NoOcclusionCulling`] take exceptions.
+//!
+//! # Limits
+//!
+//! - An entity hides others from the frame on in which its mesh is prepared, also while the
+//!   renderer still compiles the pipeline that draws it: behind it there may be nothing until then.
+//! - What is drawn in front of what hides it needs [`NoOcclusionCulling`]: materials that ignore
+//!   depth, and vertices that a shader moves out of the `Aabb`.
+#![deny(missing_docs)]
+
+mod border;
+mod cameras;
+mod candidate;
+mod casters;
+mod diagnostics;
+mod grid;
+mod lamps;
+mod layers;
+mod lights;
+mod materials;
+mod occluders;
+mod plugin;
+mod run;
+mod scene;
+mod settings;
+mod suns;
+mod sync;
+mod systems;
+
+pub use casca;
+pub use diagnostics::CascaDiagnostics;
+pub use materials::{MaterialsPlugin, Surface};
+pub use plugin::CascaPlugin;
+pub use scene::{CascaScene, InScene};
+pub use settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};
+pub use systems::CascaSystems;

@@ -1,0 +1,180 @@
+//! Meshes that hide others: prepared once in the background, and shared by all entities with them.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use bevy_asset::{AssetId, Assets};
+use bevy_ecs::entity::{Entity, EntityHashSet};
+use bevy_mesh::{Mesh, PrimitiveTopology, VertexAttributeValues};
+use bevy_platform::collections::HashMap;
+use bevy_tasks::futures::check_ready;
+use bevy_tasks::{AsyncComputeTaskPool, Task};
+use casca::glam::Vec3;
+use casca::{Facing, MeshOptions, TriMesh};
+
+use crate::settings::Opaque;
+
+/// A mesh, and the sides from which it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Key {
+    pub(crate) mesh: AssetId<Mesh>,
+    pub(crate) sides: Opaque,
+}
+
+#[derive(Debug)]
+enum State {
+    /// The asset is not there.
+    Missing,
+    Preparing(Task<Option<TriMesh>>),
+    Ready(Arc<TriMesh>),
+    /// It hides nothing: it has no triangles, too many, or none that can be read.
+    Useless,
+}
+
+#[derive(Debug)]
+struct Entry {
+    state: State,
+    /// The entities that asked for it.
+    users: EntityHashSet,
+}
+
+/// All meshes that entities asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Occluders {
+    entries: HashMap<Key, Entry>,
+    preparing: Vec<Key>,
+    /// Meshes of which only the graphics processor has a copy.
+    pub(crate) unreadable: usize,
+}
+
+impl Occluders {
+    /// The prepared mesh, if it is ready. Else it is prepared, and [`Occluders::poll`] names the
+    /// entity when it is.
+    pub(crate) fn ask(
+        &mut self,
+        key: Key,
+        entity: Entity,
+        meshes: &Assets<Mesh>,
+        most_triangles: usize,
+    ) -> Option<Arc<TriMesh>> {
+        let entry = self
+            .entries
+            .entry(key)
+            .or_insert_with(|| Entry { state: State::Missing, users: EntityHashSet::default() });
+        entry.users.insert(entity);
+        if let (State::Missing, Some(mesh)) = (&entry.state, meshes.get(key.mesh)) {
+            self.unreadable += usize::from(mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).is_err());
+            entry.state = match triangles(mesh, most_triangles) {
+                Some((positions, triangles)) => {
+                    self.preparing.push(key);
+                    let pool = AsyncComputeTaskPool::get_or_init(Default::default);
+                    State::Preparing(pool.spawn(async move { prepare(positions, triangles, key.sides) }))
+                }
+                None => State::Useless,
+            };
+        }
+        match &entry.state {
+            State::Ready(mesh) => Some(mesh.clone()),
+            _ => None,
+        }
+    }
+
+    /// An entity does not need the mesh any more.
+    pub(crate) fn leave(&mut self, key: Key, entity: Entity) {
+        if let Some(entry) = self.entries.get_mut(&key) {
+            entry.users.remove(&entity);
+        }
+    }
+
+    /// Takes over meshes that have become ready. Appends the entities that wait for them.
+    pub(crate) fn poll(&mut self, out: &mut Vec<Entity>) {
+        let entries = &mut self.entries;
+        self.preparing.retain(|key| {
+            let Some(entry) = entries.get_mut(key) else { return false };
+            let State::Preparing(task) = &mut entry.state else { return false };
+            let Some(done) = check_ready(task) else { return true };
+            entry.state = done.map_or(State::Useless, |mesh| State::Ready(Arc::new(mesh)));
+            out.extend(entry.users.iter());
+            false
+        });
+    }
+
+    /// A mesh came, changed or went. Forgets what was prepared of it, and appends its users.
+    pub(crate) fn changed(&mut self, mesh: AssetId<Mesh>, out: &mut Vec<Entity>) {
+        for sides in [Opaque::Front, Opaque::Both] {
+            if let Some(entry) = self.entries.remove(&Key { mesh, sides }) {
+                out.extend(entry.users.iter());
+            }
+        }
+    }
+
+    /// The number of meshes that are ready.
+    pub(crate) fn ready(&self) -> usize {
+        self.entries.values().filter(|entry| matches!(entry.state, State::Ready(_))).count()
+    }
+
+    /// Whether some are being prepared.
+    pub(crate) fn are_preparing(&self) -> bool {
+        !self.preparing.is_empty()
+    }
+}
+
+/// The triangles of a mesh, if it is made of them and they can be read.
+fn triangles(mesh: &Mesh, most: usize) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
+    if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+        return None;
+    }
+    let Ok(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) else {
+        return None;
+    };
+    let mut corners: Box<dyn ExactSizeIterator<Item = u32>> = match mesh.try_indices_option().ok()? {
+        Some(bevy_mesh::Indices::U16(indices)) => Box::new(indices.iter().map(|&i| u32::from(i))),
+        Some(bevy_mesh::Indices::U32(indices)) => Box::new(indices.iter().copied()),
+        None => Box::new(0..u32::try_from(positions.len()).ok()?),
+    };
+    let count = corners.len() / 3;
+    if count == 0 || count > most {
+        return None;
+    }
+    let mut triangles = Vec::with_capacity(count);
+    while let (Some(a), Some(b), Some(c)) = (corners.next(), corners.next(), corners.next()) {
+        triangles.push([a, b, c]);
+    }
+    Some((positions.iter().map(|&p| p.into()).collect(), triangles))
+}
+
+fn prepare(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, sides: Opaque) -> Option<TriMesh> {
+    let facing = match sides {
+        Opaque::Front => Facing::Front,
+        Opaque::Both => Facing::Both,
+    };
+    let how = MeshOptions::default().facing(facing);
+    TriMesh::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(())).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use casca::glam::{Affine3A, UVec3};
+    use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+
+    use super::*;
+
+    #[test]
+    fn a_cuboid_of_bevys_hides_what_is_behind_it() {
+        let cube = Mesh::from(bevy_shape::Cuboid::new(1.0, 1.0, 1.0));
+        let (positions, corners) = triangles(&cube, 100).unwrap();
+        for sides in [Opaque::Front, Opaque::Both] {
+            let mesh = Arc::new(prepare(positions.clone(), corners.clone(), sides).unwrap());
+            assert!(mesh.is_closed());
+            let mut scene =
+                Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
+            let bounds = Aabb::new(Vec3::splat(-0.5), Vec3::splat(0.5));
+            let place = Affine3A::from_scale(Vec3::new(2.0, 20.0, 20.0));
+            let place = Affine3A::from_translation(Vec3::splat(16.0)) * place;
+            scene.insert(ObjectDesc::fixed(bounds).occluder(mesh).placed(place)).unwrap();
+            scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(24.0, 16.0, 16.0), 0.5))).unwrap();
+            let eye = View::omnidirectional(Vec3::new(8.0, 16.0, 16.0)).unwrap();
+            assert_eq!(Query::new().run(&scene, &eye).len(), 1, "{sides:?}");
+        }
+    }
+}

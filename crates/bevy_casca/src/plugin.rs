@@ -1,0 +1,83 @@
+//! The plugin: what it takes over, and in which order its systems run.
+
+use bevy_app::{App, Plugin, PostUpdate, PreStartup};
+use bevy_camera::visibility::{VisibilitySystems, check_visibility_cpu_culling, check_visibility_ranges};
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleCleanupPolicy;
+use bevy_light::{
+    SimulationLightSystems, check_dir_light_mesh_visibility, check_point_light_mesh_visibility,
+};
+use bevy_log::warn;
+use bevy_transform::TransformSystems;
+
+use crate::scene::CascaScene;
+use crate::settings::CascaSettings;
+use crate::systems::CascaSystems;
+use crate::{cameras, diagnostics, lamps, suns, sync};
+
+/// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
+/// the choices.
+#[derive(Debug, Default, Clone, Copy)]
+pub struct CascaPlugin;
+
+impl Plugin for CascaPlugin {
+    fn build(&self, app: &mut App) {
+        diagnostics::register(app);
+        app.init_resource::<CascaSettings>()
+            .init_resource::<CascaScene>()
+            .configure_sets(
+                PostUpdate,
+                (
+                    CascaSystems::Materials.before(CascaSystems::Sync),
+                    CascaSystems::Sync
+                        .after(TransformSystems::Propagate)
+                        .after(VisibilitySystems::CalculateBounds)
+                        .after(VisibilitySystems::VisibilityPropagate)
+                        .before(CascaSystems::Cameras),
+                    CascaSystems::Cameras
+                        .in_set(VisibilitySystems::CheckVisibility)
+                        .after(check_visibility_ranges)
+                        .before(SimulationLightSystems::UpdateLightFrusta)
+                        .before(SimulationLightSystems::AssignLightsToClusters),
+                    CascaSystems::Lights
+                        .in_set(SimulationLightSystems::CheckLightVisibility)
+                        .after(VisibilitySystems::CalculateBounds)
+                        .after(VisibilitySystems::CheckVisibility)
+                        .after(TransformSystems::Propagate)
+                        .after(SimulationLightSystems::UpdateLightFrusta)
+                        .before(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
+                    CascaSystems::End
+                        .after(CascaSystems::Cameras)
+                        .after(SimulationLightSystems::CheckLightVisibility)
+                        .before(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
+                ),
+            )
+            .add_systems(PreStartup, take_over)
+            .add_systems(
+                PostUpdate,
+                (
+                    sync::sync.in_set(CascaSystems::Sync),
+                    cameras::check_cameras.in_set(CascaSystems::Cameras),
+                    (suns::check_suns, lamps::check_lamps).chain().in_set(CascaSystems::Lights),
+                    (cameras::end_frame, diagnostics::measure).chain().in_set(CascaSystems::End),
+                ),
+            );
+    }
+}
+
+/// Takes Bevy's systems out whose work is done here. At start, when all plugins have been added.
+fn take_over(world: &mut World) {
+    let taken = world.try_schedule_scope(PostUpdate, |world, schedule| {
+        let how = ScheduleCleanupPolicy::RemoveSystemsOnly;
+        [
+            schedule.remove_systems_in_set(check_visibility_cpu_culling, world, how),
+            schedule.remove_systems_in_set(check_dir_light_mesh_visibility, world, how),
+            schedule.remove_systems_in_set(check_point_light_mesh_visibility, world, how),
+        ]
+        .into_iter()
+        .all(|done| done.is_ok_and(|systems| systems == 1))
+    });
+    if !taken.unwrap_or(false) {
+        warn!("a system that culls in Bevy was not found: it may show what casca hides");
+    }
+}

@@ -1,0 +1,41 @@
+//! The queries of a frame, each in a task of its own.
+
+use std::hash::{BuildHasher, Hash};
+
+use bevy_platform::collections::HashMap;
+use bevy_tasks::ComputeTaskPool;
+use casca::{Query, Scene, View};
+
+use crate::settings::CascaSettings;
+
+/// Runs a query for each view, the one of the frame before if there is one, and forgets others. A
+/// view has none if the method is refused.
+pub(crate) fn run_all<K: Eq + Hash + Copy + Send, S: BuildHasher + Default>(
+    scene: &Scene,
+    queries: &mut HashMap<K, Query, S>,
+    settings: &CascaSettings,
+    views: &[(K, View)],
+) {
+    let mut old = std::mem::take(queries);
+    let mut jobs: Vec<(K, Query, &View)> = Vec::with_capacity(views.len());
+    for (key, view) in views {
+        let mut query = old.remove(key).unwrap_or_default();
+        if query.method() == settings.method || query.set_method(settings.method).is_ok() {
+            jobs.push((*key, query, view));
+        }
+    }
+    if jobs.len() < 2 || !settings.parallel {
+        for (_, query, view) in &mut jobs {
+            query.run(scene, view);
+        }
+    } else {
+        ComputeTaskPool::get_or_init(Default::default).scope(|scope| {
+            for (_, query, view) in &mut jobs {
+                scope.spawn(async move {
+                    query.run(scene, view);
+                });
+            }
+        });
+    }
+    queries.extend(jobs.into_iter().map(|(key, query, _)| (key, query)));
+}

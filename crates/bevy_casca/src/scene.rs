@@ -1,0 +1,133 @@
+//! The scene behind the entities, and the component of those that are in it.
+
+use std::time::Duration;
+
+use bevy_camera::primitives::Aabb;
+use bevy_ecs::entity::EntityHashMap;
+use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
+use casca::{ObjectId, Scene};
+
+use crate::lights::Queries;
+use crate::occluders::{Key, Occluders};
+
+/// The entities as casca sees them: a [`casca::Scene`], and the queries of cameras.
+///
+/// An object's [user data](casca::Scene::user_data) are the bits of its entity.
+#[derive(Resource, Default)]
+pub struct CascaScene {
+    pub(crate) scene: Option<Scene>,
+    pub(crate) occluders: Occluders,
+    pub(crate) cameras: EntityHashMap<casca::Query>,
+    /// Of the cascades of directional lights.
+    pub(crate) suns: Queries,
+    /// Of point lights and spot lights.
+    pub(crate) lamps: Queries,
+    /// No coordinate of an entity in the scene was greater.
+    pub(crate) farthest: f32,
+    /// Entities whose component went, with what it held.
+    pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
+    /// Entities that were put into the scene in this frame, and do not have their component yet.
+    pub(crate) fresh: Vec<(Entity, ObjectId)>,
+    /// Entities that move, and the frame from which on each counts as still if it stays.
+    pub(crate) movers: EntityHashMap<u32>,
+    pub(crate) counts: Counts,
+    pub(crate) frame: u32,
+    /// The frame in which the grid was made.
+    pub(crate) grid_made: u32,
+}
+
+/// What a frame came to: see [`CascaDiagnostics`](crate::CascaDiagnostics).
+#[derive(Debug, Default)]
+pub(crate) struct Counts {
+    pub(crate) visible: usize,
+    pub(crate) culled: usize,
+    pub(crate) casters: usize,
+    pub(crate) time: Duration,
+}
+
+impl CascaScene {
+    /// The scene; `None` as long as no entity is in it.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
+    }
+
+    /// What a camera may see of the entities in the scene, found in this frame. `None` if it is
+    /// culled by frustum only.
+    pub fn camera(&self, entity: Entity) -> Option<&casca::Query> {
+        self.cameras.get(&entity)
+    }
+
+    /// Takes out of the scene what is not in it any more.
+    pub(crate) fn forget(&mut self) {
+        for (entity, id, key) in self.left.drain(..) {
+            self.movers.remove(&entity);
+            key.iter().for_each(|key| self.occluders.leave(*key, entity));
+            // An id of an earlier grid names nothing any more.
+            let _ = self.scene.as_mut().map(|scene| scene.remove(id));
+        }
+    }
+
+    /// The number of meshes that are prepared to hide.
+    pub fn occluders(&self) -> usize {
+        self.occluders.ready()
+    }
+
+    /// Whether meshes are being prepared in the background.
+    pub fn is_preparing(&self) -> bool {
+        self.occluders.are_preparing()
+    }
+
+    /// The number of meshes that hide nothing because only the graphics processor has them.
+    pub fn unreadable(&self) -> usize {
+        self.occluders.unreadable
+    }
+}
+
+/// On entities that are in the scene. Put there and taken away by the plugin.
+#[derive(Component, Debug)]
+#[component(clone_behavior = Ignore, on_remove = leave)]
+pub struct InScene {
+    pub(crate) id: ObjectId,
+    /// Whether it is dynamic in the scene.
+    pub(crate) moves: bool,
+    /// The mesh that it hides with, or will when that is ready.
+    pub(crate) key: Option<Key>,
+    /// Whether that mesh was refused, because it reaches out of the box.
+    pub(crate) refused: bool,
+    pub(crate) layers: u64,
+    pub(crate) aabb: Aabb,
+    /// After so many frames without a move it counts as still.
+    pub(crate) patience: u32,
+    /// The frame in which it was put there.
+    pub(crate) since: u32,
+    /// Whether it was put there for the first time.
+    pub(crate) is_new: bool,
+}
+
+impl InScene {
+    /// The object that stands for the entity. It changes when the entity begins or ends to move,
+    /// or hides by another mesh.
+    pub fn id(&self) -> ObjectId {
+        self.id
+    }
+
+    /// Whether it counts as moving.
+    pub fn moves(&self) -> bool {
+        self.moves
+    }
+}
+
+impl InScene {
+    pub(crate) fn copy(&self) -> Self {
+        Self { ..*self }
+    }
+}
+
+fn leave(mut world: DeferredWorld, HookContext { entity, .. }: HookContext) {
+    let Some(&InScene { id, key, .. }) = world.get::<InScene>(entity) else { return };
+    if let Some(mut casca) = world.get_resource_mut::<CascaScene>() {
+        casca.left.push((entity, id, key));
+    }
+}

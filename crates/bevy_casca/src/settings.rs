@@ -1,0 +1,95 @@
+//! What a program may choose: a resource, and components of single entities.
+
+use bevy_asset::Handle;
+use bevy_ecs::prelude::*;
+use bevy_mesh::Mesh;
+use casca::{GridSpec, Method};
+
+/// How entities are culled. Change it at any time; it counts from the next frame on.
+///
+/// ```
+/// use bevy_casca::{CascaSettings, casca::{Method, PointOptions}};
+///
+/// let settings = CascaSettings {
+///     method: Method::Point(PointOptions::fast()),
+///     ..CascaSettings::default()
+/// };
+/// # let _ = settings;
+/// ```
+#[derive(Resource, Debug, Clone, PartialEq)]
+pub struct CascaSettings {
+    /// Whether casca culls. If not, entities are culled by frustum as Bevy does it. Default: true.
+    pub enabled: bool,
+    /// How cameras find what they see, and lights what they shine on. [`Method::Frustum`] hides
+    /// nothing behind anything. An invalid method counts as that one. Default: [`Method::Point`].
+    pub method: Method,
+    /// Which shadow casters are left out. Default: [`Shadows::Lit`].
+    pub shadows: Shadows,
+    /// An entity that has not moved for so many frames counts as still, and may hide others.
+    /// Default: 8.
+    pub still_after: u32,
+    /// The most entities that are taken over in a frame; others are culled by frustum until it is
+    /// their turn. Default: 16,384.
+    pub most_new: usize,
+    /// Meshes with more triangles than this hide nothing by themselves; give such entities an
+    /// [`Occluder`]. Default: 200,000.
+    pub most_triangles: usize,
+    /// Whether views are examined in parallel, by Bevy's compute tasks. Default: true.
+    pub parallel: bool,
+    /// The grid; `None` makes one that suits the entities, and another one when they outgrow it.
+    /// Counts from the next grid on. Default: `None`.
+    pub grid: Option<GridSpec>,
+}
+
+impl Default for CascaSettings {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            method: Method::point(),
+            shadows: Shadows::Lit,
+            still_after: 8,
+            most_new: 1 << 14,
+            most_triangles: 200_000,
+            parallel: true,
+            grid: None,
+        }
+    }
+}
+
+/// Which shadow casters are left out of shadow maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shadows {
+    /// None but those that Bevy leaves out.
+    All,
+    /// Those that lie in the shadow of others: the shadow map stays the same without them.
+    #[default]
+    Lit,
+}
+
+/// On an entity: whatever is behind its [`Mesh3d`](bevy_mesh::Mesh3d) cannot be seen through it.
+/// While it stays where it is, it hides others.
+///
+/// Give it to entities with a material that is opaque, casts the shadow of the mesh (or add
+/// [`NotShadowCaster`](bevy_light::NotShadowCaster)) and moves no vertices. Where materials tell by
+/// themselves, a [`MaterialsPlugin`](crate::MaterialsPlugin) does for all entities.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Opaque {
+    /// Drawn from its front only: back faces are culled, as by default.
+    Front,
+    /// Drawn from both sides.
+    Both,
+}
+
+/// On an entity: what hides others in its place, wherever it moves. A simple mesh that is smaller
+/// than what is drawn, in the space of the entity. It hides from both sides.
+#[derive(Component, Debug, Clone, PartialEq, Eq)]
+pub struct Occluder(pub Handle<Mesh>);
+
+/// On an entity: it hides nothing.
+#[derive(Component, Debug, Clone, Copy, Default)]
+pub struct NotOccluder;
+
+/// On an entity: nothing hides it, and it hides nothing. It is culled by frustum only. On a camera:
+/// all that it looks at is culled by frustum only.
+#[derive(Component, Debug, Clone, Copy, Default)]
+pub struct NoOcclusionCulling;

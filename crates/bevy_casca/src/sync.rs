@@ -1,0 +1,410 @@
+//! Brings the scene up to date with the entities.
+
+use std::any::TypeId;
+use std::sync::Arc;
+
+use bevy_asset::{AssetEvent, Assets};
+use bevy_camera::primitives::Aabb;
+use bevy_camera::visibility::{
+    DynamicSkinnedMeshBounds, InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers,
+    VisibilityClass, VisibilityRange,
+};
+use bevy_ecs::entity::EntityHashMap;
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemParam;
+use bevy_light::NotShadowCaster;
+use bevy_log::warn_once;
+use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy_mesh::skinning::SkinnedMesh;
+use bevy_mesh::{Mesh, Mesh3d};
+use bevy_platform::time::Instant;
+use bevy_transform::components::GlobalTransform;
+
+use casca::{ObjectDesc, Scene, TriMesh};
+
+use crate::materials::{Hides, InFront};
+use crate::occluders::{Key, Occluders};
+use crate::scene::{CascaScene, InScene};
+use crate::settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
+use crate::{border, grid, layers};
+
+/// After a move, an entity has to rest twice as long as before to count as still, up to this.
+const MOST_PATIENCE: u32 = 1024;
+
+/// A grid is kept for so many frames at least.
+const GRID_FRAMES: u32 = 64;
+
+/// Of the entities in the scene, so many tell whether the grid still suits them.
+const GRID_SAMPLE: usize = 4096;
+
+/// All that decides how an entity is in the scene.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Managed {
+    entity: Entity,
+    mesh: &'static Mesh3d,
+    aabb: &'static Aabb,
+    transform: &'static GlobalTransform,
+    visible: &'static InheritedVisibility,
+    layers: Option<&'static RenderLayers>,
+    opaque: Option<&'static Opaque>,
+    material: Option<&'static Hides>,
+    proxy: Option<&'static Occluder>,
+    not_occluder: Has<NotOccluder>,
+    not_caster: Has<NotShadowCaster>,
+    skinned: Has<SkinnedMesh>,
+    classes: Option<&'static VisibilityClass>,
+    known: Option<&'static mut InScene>,
+}
+
+/// Components of which casca manages no entity, whatever else it has.
+type Excluded = Or<(
+    With<NoFrustumCulling>,
+    With<NoCpuCulling>,
+    With<NoOcclusionCulling>,
+    With<InFront>,
+    With<VisibilityRange>,
+    With<MorphWeights>,
+    With<MeshMorphWeights>,
+    (With<SkinnedMesh>, Without<DynamicSkinnedMeshBounds>),
+)>;
+
+/// The opposite.
+type Manageable = (
+    Without<NoFrustumCulling>,
+    Without<NoCpuCulling>,
+    Without<NoOcclusionCulling>,
+    Without<InFront>,
+    Without<VisibilityRange>,
+    Without<MorphWeights>,
+    Without<MeshMorphWeights>,
+    Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>,
+);
+
+/// Entities that have all that is needed.
+type Complete = (With<Mesh3d>, With<Aabb>, With<GlobalTransform>, With<InheritedVisibility>);
+
+/// Entities in the scene that have no place there any more.
+type Gone = (With<InScene>, Or<(Excluded, Without<Mesh3d>, Without<Aabb>, Without<GlobalTransform>)>);
+
+/// Entities that are not in the scene yet.
+type New = (Complete, Manageable, Without<InScene>, Without<Refused>);
+
+type Changes = Or<(
+    Changed<GlobalTransform>,
+    Changed<Aabb>,
+    Changed<InheritedVisibility>,
+    Changed<RenderLayers>,
+    Changed<Mesh3d>,
+    Changed<Opaque>,
+    Changed<Hides>,
+    Changed<VisibilityClass>,
+    Changed<Occluder>,
+    Added<NotOccluder>,
+    Added<NotShadowCaster>,
+)>;
+
+/// On entities that casca refused, until they change.
+#[derive(Component)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Refused;
+
+/// The entities whose state in the scene is to be looked at.
+#[derive(SystemParam)]
+pub(crate) struct Candidates<'w, 's> {
+    new: Query<'w, 's, (Entity, &'static Aabb, &'static GlobalTransform), New>,
+    gone: Query<'w, 's, (Entity, &'static InScene), Gone>,
+    changed: Query<'w, 's, Entity, (With<InScene>, Changes)>,
+    refused: Query<'w, 's, Entity, (With<Refused>, Changes)>,
+    all: Query<'w, 's, Entity, With<InScene>>,
+    no_layers: RemovedComponents<'w, 's, RenderLayers>,
+    no_opaque: RemovedComponents<'w, 's, Opaque>,
+    not_by_material: RemovedComponents<'w, 's, Hides>,
+    no_proxy: RemovedComponents<'w, 's, Occluder>,
+    hides_again: RemovedComponents<'w, 's, NotOccluder>,
+    casts_again: RemovedComponents<'w, 's, NotShadowCaster>,
+}
+
+/// The system of [`CascaSystems::Sync`](crate::CascaSystems::Sync).
+pub(crate) fn sync(
+    mut commands: Commands,
+    mut casca: ResMut<CascaScene>,
+    settings: Res<CascaSettings>,
+    meshes: Option<Res<Assets<Mesh>>>,
+    mut events: Option<MessageReader<AssetEvent<Mesh>>>,
+    mut candidates: Candidates,
+    mut managed: Query<Managed, (Manageable, Without<Refused>)>,
+) {
+    let Some(meshes) = meshes else { return };
+    let start = Instant::now();
+    let casca = &mut *casca;
+    casca.frame = casca.frame.wrapping_add(1);
+    casca.forget();
+    for (entity, known) in &candidates.gone {
+        // At once: it may not hide any more in this frame.
+        let _ = casca.scene.as_mut().map(|scene| scene.remove(known.id));
+        commands.entity(entity).try_remove::<InScene>();
+    }
+    for entity in &candidates.refused {
+        commands.entity(entity).try_remove::<Refused>();
+    }
+    if choose_grid(casca, &settings, &candidates) {
+        // All are taken over anew, from the next frame on.
+        candidates.all.iter().for_each(|entity| {
+            commands.entity(entity).try_remove::<InScene>();
+        });
+        return;
+    }
+    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, counts, fresh, .. } = casca
+    else {
+        return;
+    };
+    // The clock only has to run.
+    let _ = scene.begin_frame(f64::from(*frame) / 60.0);
+    let mut look = Vec::new();
+    for event in events.iter_mut().flat_map(|events| events.read()) {
+        if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
+            occluders.changed(*id, &mut look);
+        }
+    }
+    occluders.poll(&mut look);
+    look.extend(&candidates.changed);
+    candidates.extend_removed(&mut look);
+    let rested = movers.iter().filter(|(_, at)| **at <= *frame).map(|(entity, _)| *entity);
+    look.extend(rested.take(settings.most_new));
+    look.extend(candidates.new.iter().map(|(entity, ..)| entity).take(settings.most_new));
+    // Twice would be two objects.
+    look.sort_unstable();
+    look.dedup();
+    let (frame, settings, meshes) = (*frame, &*settings, &*meshes);
+    let mut sync = Sync { scene, occluders, movers, farthest, frame, settings, meshes };
+    for &entity in &look {
+        let Ok(mut item) = managed.get_mut(entity) else { continue };
+        match sync.bring_up_to_date(&mut item) {
+            Ok(None) => {}
+            Ok(Some(known)) => {
+                fresh.push((entity, known.id));
+                commands.entity(entity).try_insert(known);
+            }
+            Err(refusal) => {
+                if let Refusal::Of(error) = refusal {
+                    warn_once!("{entity} is culled by frustum only: {error}");
+                }
+                commands.entity(entity).try_remove::<InScene>().try_insert(Refused);
+            }
+        }
+    }
+    counts.time += start.elapsed();
+}
+
+impl Candidates<'_, '_> {
+    /// Appends entities that lost a component which counts.
+    fn extend_removed(&mut self, out: &mut Vec<Entity>) {
+        out.extend(self.no_layers.read());
+        out.extend(self.no_opaque.read());
+        out.extend(self.not_by_material.read());
+        out.extend(self.no_proxy.read());
+        out.extend(self.hides_again.read());
+        out.extend(self.casts_again.read());
+    }
+}
+
+/// Makes a grid if there is none, or if the world has outgrown it: then says that the scene is
+/// empty.
+fn choose_grid(casca: &mut CascaScene, settings: &CascaSettings, candidates: &Candidates) -> bool {
+    let new = candidates.new.iter();
+    let new = new.map(|(_, aabb, transform)| border::world_box(aabb, &transform.affine()));
+    let make = |spec: Option<casca::GridSpec>| spec.and_then(|spec| Scene::new(&spec).ok());
+    let Some(scene) = &casca.scene else {
+        let boxes: Vec<_> = new.collect();
+        if !boxes.is_empty() {
+            casca.scene = make(settings.grid).or_else(|| make(grid::around(&boxes)));
+            casca.grid_made = casca.frame;
+        }
+        return false;
+    };
+    if settings.grid.is_some() || casca.frame.wrapping_sub(casca.grid_made) < GRID_FRAMES {
+        return false;
+    }
+    casca.grid_made = casca.frame;
+    let step = (scene.len() / GRID_SAMPLE).max(1);
+    let known = scene.iter().step_by(step).map(|(_, object)| border::back(&object.bounds().aabb()));
+    let boxes: Vec<_> = known.chain(new).collect();
+    let outside = boxes.iter().filter(|b| grid::is_outside(scene.grid(), **b)).count();
+    // The estimate of cells is for a sample of them.
+    let Some(scene) = make(grid::around(&boxes)).filter(|_| outside * 4 > boxes.len()) else { return false };
+    casca.scene = Some(scene);
+    casca.movers.clear();
+    casca.cameras.clear();
+    casca.suns.clear();
+    casca.lamps.clear();
+    true
+}
+
+/// Why an entity is not in the scene.
+enum Refusal {
+    /// It is more than a mesh.
+    NotMeshAlone,
+    Of(casca::Error),
+}
+
+impl From<casca::Error> for Refusal {
+    fn from(error: casca::Error) -> Self {
+        Self::Of(error)
+    }
+}
+
+struct Sync<'a> {
+    scene: &'a mut Scene,
+    occluders: &'a mut Occluders,
+    movers: &'a mut EntityHashMap<u32>,
+    farthest: &'a mut f32,
+    frame: u32,
+    settings: &'a CascaSettings,
+    meshes: &'a Assets<Mesh>,
+}
+
+impl Sync<'_> {
+    /// Puts an entity into the scene or changes it there. Returns the component that it needs.
+    ///
+    /// # Errors
+    /// If it may not be hidden. It is not in the scene then.
+    fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, Refusal> {
+        let done = match item.known.as_deref() {
+            // A lamp with a light in it goes on shining where nobody sees it.
+            _ if !is_mesh_alone(item) => Err(Refusal::NotMeshAlone),
+            None => self.put(item, item.skinned, self.settings.still_after.max(1)).map(Some),
+            Some(_) => self.change(item),
+        };
+        if done.is_ok() {
+            let (min, max) = border::world_box(item.aabb, &item.transform.affine());
+            *self.farthest = self.farthest.max(min.abs().max(max.abs()).max_element());
+        }
+        let Some(known) = item.known.as_deref_mut() else { return done };
+        let leaves = match &done {
+            Ok(None) => false,
+            Ok(Some(new)) => new.key != known.key,
+            Err(_) => true,
+        };
+        if let Some(key) = known.key.filter(|_| leaves) {
+            self.occluders.leave(key, item.entity);
+        }
+        match done {
+            Ok(new) => new.into_iter().for_each(|new| *known = new),
+            Err(refusal) => {
+                // Unless it was taken out already.
+                let _ = self.scene.remove(known.id);
+                return Err(refusal);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Changes an entity that is in the scene. Returns its state if that is another one now.
+    fn change(&mut self, item: &ManagedItem) -> Result<Option<InScene>, Refusal> {
+        let Some(known) = item.known.as_deref() else { return Ok(None) };
+        let id = known.id;
+        let transform = border::affine(&item.transform.affine());
+        let moved = self.scene.transform(id)? != Some(transform);
+        let rested = self.movers.get(&item.entity).is_none_or(|at| *at <= self.frame);
+        let moves = moved || item.skinned || known.moves && !rested;
+        let key = self.key(item, moves);
+        let ready = key.and_then(|key| self.ask(key, item));
+        let hides = self.scene.occluder(id)?.is_some();
+        let other_box = known.aabb != *item.aabb;
+        let keeps_occluder =
+            key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
+        if moves != known.moves || !keeps_occluder || other_box && !item.skinned {
+            self.scene.remove(id)?;
+            let patience = if moves && !known.moves { self.patience(known) } else { known.patience };
+            return self.put(item, moves, patience).map(Some);
+        }
+        let layers = layers_of(item);
+        if moved {
+            self.scene.set_transform(id, transform)?;
+        }
+        if moved && !item.skinned {
+            self.movers.insert(item.entity, self.frame.saturating_add(known.patience));
+        }
+        if other_box {
+            self.scene.set_bounds(id, border::aabb(item.aabb))?;
+        }
+        self.scene.set_layers(id, layers)?;
+        let changed = other_box || layers != known.layers;
+        Ok(changed.then(|| InScene { layers, aabb: *item.aabb, ..known.copy() }))
+    }
+
+    /// For how many frames an entity has to rest that begins to move: who moves often for longer.
+    fn patience(&self, known: &InScene) -> u32 {
+        let first = self.settings.still_after.max(1);
+        let rested = self.frame.saturating_sub(known.since);
+        let again = known.patience.saturating_mul(2).min(MOST_PATIENCE).max(first);
+        if known.is_new || rested > again.saturating_mul(4) { first } else { again }
+    }
+
+    /// Puts an entity into the scene.
+    fn put(&mut self, item: &ManagedItem, moves: bool, patience: u32) -> Result<InScene, Refusal> {
+        let (bounds, layers) = (border::aabb(item.aabb), layers_of(item));
+        let desc = if moves { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
+        let desc = desc
+            .placed(border::affine(&item.transform.affine()))
+            .layers(layers)
+            .user_data(item.entity.to_bits());
+        let key = self.key(item, moves);
+        let mesh = key.and_then(|key| self.ask(key, item));
+        // A mesh that reaches out of the box is drawn where that is not looked for.
+        let fits = |mesh: &Arc<TriMesh>| border::holds(&bounds, &mesh.aabb());
+        let hider = mesh.as_ref().filter(|mesh| fits(mesh));
+        let placed = hider.and_then(|mesh| self.scene.insert(desc.clone().occluder(mesh.clone())).ok());
+        let refused = mesh.is_some() && placed.is_none();
+        let id = placed.map_or_else(|| self.scene.insert(desc), Ok)?;
+        if moves && !item.skinned {
+            self.movers.insert(item.entity, self.frame.saturating_add(patience));
+        } else {
+            self.movers.remove(&item.entity);
+        }
+        Ok(InScene {
+            id,
+            moves,
+            key,
+            refused,
+            layers,
+            aabb: *item.aabb,
+            patience,
+            since: self.frame,
+            is_new: item.known.is_none(),
+        })
+    }
+
+    /// The mesh that an entity hides with, if it does.
+    fn key(&self, item: &ManagedItem, moves: bool) -> Option<Key> {
+        let determinant = item.transform.affine().matrix3.determinant();
+        let hides = !item.not_occluder
+            && !item.skinned
+            && layers::may_hide(layers_of(item))
+            && determinant.is_finite()
+            && determinant != 0.0;
+        if !hides {
+            return None;
+        }
+        if let Some(Occluder(proxy)) = item.proxy {
+            return Some(Key { mesh: proxy.id(), sides: Opaque::Both });
+        }
+        let by_material = item.material.map(|hides| hides.0);
+        let sides = item.opaque.copied().or(by_material).filter(|_| !moves)?;
+        Some(Key { mesh: item.mesh.id(), sides })
+    }
+
+    fn ask(&mut self, key: Key, item: &ManagedItem) -> Option<Arc<TriMesh>> {
+        self.occluders.ask(key, item.entity, self.meshes, self.settings.most_triangles)
+    }
+}
+
+fn is_mesh_alone(item: &ManagedItem) -> bool {
+    item.classes.is_some_and(|classes| classes.0.as_slice() == [TypeId::of::<Mesh3d>()])
+}
+
+fn layers_of(item: &ManagedItem) -> u64 {
+    layers::of_entity(item.layers, !item.visible.get(), !item.not_caster)
+}

@@ -1,0 +1,245 @@
+//! Input that makes no sense: nothing is culled wrongly, nothing panics.
+
+mod common;
+
+use bevy_asset::{Assets, Handle, RenderAssetUsages};
+use bevy_camera::primitives::Aabb;
+use bevy_camera::{Camera, PerspectiveProjection, Projection};
+use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque, casca};
+use bevy_ecs::prelude::*;
+use bevy_light::{DirectionalLight, PointLight};
+use bevy_math::{Quat, Vec3};
+use bevy_mesh::{Indices, Mesh, Mesh3d, PrimitiveTopology};
+use bevy_transform::components::Transform;
+use common::{Cube, Nr, Pair, entity, eye, judge, settle, spawn_box, spawn_camera};
+
+const CAMERA: u32 = 1_000_000;
+
+fn view(world: &mut World, nr: u32) {
+    spawn_camera(world, nr, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+}
+
+/// Small boxes behind whatever stands at the origin.
+fn background(world: &mut World, from: u32) {
+    for i in 0..50 {
+        let at = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, -10.0);
+        spawn_box(world, from + i, at, Vec3::splat(0.4));
+    }
+}
+
+#[test]
+fn transforms_that_make_no_sense_hide_nothing() {
+    let bad = [
+        Transform::from_xyz(f32::NAN, 0.0, 0.0),
+        Transform::from_xyz(f32::INFINITY, 0.0, 0.0),
+        Transform::from_scale(Vec3::ZERO),
+        Transform::from_scale(Vec3::new(9.0, 0.0, 9.0)),
+        Transform::from_scale(Vec3::splat(f32::NAN)),
+        Transform::from_scale(Vec3::splat(1e30)),
+        Transform::from_scale(Vec3::splat(f32::MAX)),
+        Transform::from_scale(Vec3::splat(1e-40)),
+        Transform::from_scale(Vec3::new(-9.0, 9.0, 9.0)),
+        Transform::from_rotation(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
+        Transform::from_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
+    ];
+    let count = bad.len() as u32;
+    let mut pair = Pair::new(|world| {
+        for (nr, _) in (0..).zip(&bad) {
+            let entity = spawn_box(world, nr, Vec3::new(0.0, 0.0, 40.0), Vec3::ONE);
+            world.entity_mut(entity).insert(Opaque::Front);
+        }
+        background(world, count);
+        view(world, CAMERA);
+    });
+    for frame in 0..40 {
+        let (ours, bevys) = pair.frame(|world| {
+            for (nr, bad) in (0..).zip(&bad).filter(|_| frame % 20 == 10) {
+                let entity = entity(world, nr);
+                *world.get_mut::<Transform>(entity).unwrap() = *bad;
+            }
+            for nr in (0..count).filter(|_| frame % 20 == 15) {
+                let entity = entity(world, nr);
+                *world.get_mut::<Transform>(entity).unwrap() = Transform::from_xyz(0.0, 0.0, 40.0);
+            }
+        });
+        assert_eq!(ours, bevys, "frame {frame}");
+    }
+    // All are managed again.
+    let world = pair.ours.world_mut();
+    let mut managed = world.query::<(&Nr, &InScene)>();
+    assert_eq!(managed.iter(world).count() as u32, count + 50);
+}
+
+#[test]
+fn an_occluder_that_loses_its_place_hides_nothing_in_the_same_frame() {
+    for moves in [false, true] {
+        let mut pair = Pair::new(|world| {
+            let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
+            let cube = world.resource::<Cube>().0.clone();
+            match moves {
+                false => world.entity_mut(wall).insert(Opaque::Front),
+                true => world.entity_mut(wall).insert(Occluder(cube)),
+            };
+            background(world, 1);
+            view(world, CAMERA);
+        });
+        let step = |world: &mut World, by: f32| {
+            let wall = entity(world, 0);
+            world.get_mut::<Transform>(wall).unwrap().translation.y += by;
+        };
+        for _ in 0..3 {
+            let (ours, _) = pair.frame(|world| {
+                if moves {
+                    step(world, 0.1)
+                }
+            });
+            assert_eq!(ours[&CAMERA].len(), 1);
+        }
+        let (ours, bevys) = pair.frame(|world| step(world, f32::NAN));
+        assert_eq!(ours, bevys);
+    }
+}
+
+#[test]
+fn meshes_that_make_no_sense_hide_nothing() {
+    let square = || vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0f32, 9.0, 0.0]];
+    let mesh = |topology, positions: Option<Vec<[f32; 3]>>, indices: Option<Vec<u32>>| {
+        let mut mesh = Mesh::new(topology, RenderAssetUsages::default());
+        if let Some(positions) = positions {
+            mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+        }
+        if let Some(indices) = indices {
+            mesh.insert_indices(Indices::U32(indices));
+        }
+        mesh
+    };
+    use PrimitiveTopology::{LineList, TriangleList, TriangleStrip};
+    let good = || Some(vec![0, 1, 2, 0, 2, 3]);
+    let make = || {
+        let nan = square().into_iter().map(|[x, y, _]| [x, y, f32::NAN]).collect();
+        [
+            mesh(TriangleList, None, None),
+            mesh(TriangleList, Some(vec![]), Some(vec![])),
+            mesh(TriangleList, Some(square()), Some(vec![0, 1, 2, 0, 2, 9])),
+            mesh(TriangleList, Some(square()), Some(vec![0, 1])),
+            mesh(TriangleList, Some(nan), good()),
+            mesh(LineList, Some(square()), good()),
+            mesh(TriangleStrip, Some(square()), good()),
+        ]
+    };
+    let mut pair = Pair::new(|world| {
+        let meshes = make().map(|mesh| world.resource_mut::<Assets<Mesh>>().add(mesh));
+        let count = meshes.len() as u32;
+        for (nr, mesh) in (0..).zip(meshes) {
+            // With bounds of their own, since some have none.
+            let bounds = Aabb::from_min_max(Vec3::splat(-9.0), Vec3::splat(9.0));
+            world.spawn((Nr(nr), Mesh3d(mesh.clone()), Transform::default(), bounds, Opaque::Both));
+            world.spawn((Nr(nr + count), Mesh3d(mesh.clone()), Transform::default(), bounds, Occluder(mesh)));
+        }
+        world.spawn((Nr(900), Mesh3d(Handle::default()), Transform::default(), Opaque::Both));
+        background(world, 2 * count);
+        view(world, CAMERA);
+    });
+    for _ in 0..10 {
+        let (ours, bevys) = pair.frame(|_| {});
+        assert_eq!(ours, bevys);
+    }
+    assert_eq!(pair.ours.world().resource::<CascaScene>().occluders(), 0);
+}
+
+#[test]
+fn cameras_and_lights_that_make_no_sense_cull_as_bevy_does() {
+    let lens = |fov, aspect_ratio, near| {
+        Projection::Perspective(PerspectiveProjection { fov, aspect_ratio, near, ..Default::default() })
+    };
+    let lenses = [
+        lens(0.0, 1.0, 0.1),
+        lens(f32::NAN, 1.0, 0.1),
+        lens(1.0, 0.0, 0.1),
+        lens(1.0, f32::INFINITY, 0.1),
+        lens(1.0, 1.0, 0.0),
+        lens(1.0, 1.0, f32::NAN),
+        lens(1.0, 1.0, 0.1),
+    ];
+    // Bevy itself takes no others in a build with assertions: they have no direction.
+    let places = [Transform::from_xyz(f32::NAN, 0.0, 0.0), Transform::from_xyz(0.0, f32::INFINITY, 0.0)];
+    let mut pair = Pair::new(|world| {
+        background(world, 0);
+        let cameras = lenses.iter().map(|lens| (lens.clone(), Transform::from_xyz(0.0, 0.0, 20.0)));
+        let strange = places.iter().map(|place| (lens(1.0, 1.0, 0.1), *place));
+        for (nr, (lens, place)) in (CAMERA..).zip(cameras.chain(strange)) {
+            let camera = Camera { order: nr as isize, ..Default::default() };
+            world.spawn((Nr(nr), bevy_camera::Camera3d::default(), camera, lens, place));
+        }
+        for (nr, place) in (2_000_000..).zip(&places) {
+            world.spawn((
+                Nr(nr),
+                DirectionalLight { shadow_maps_enabled: true, ..Default::default() },
+                *place,
+            ));
+            let lamp = PointLight { shadow_maps_enabled: true, range: f32::NAN, ..Default::default() };
+            world.spawn((Nr(nr + 10), lamp, *place));
+        }
+    });
+    for _ in 0..5 {
+        let (ours, bevys) = pair.frame(|_| {});
+        assert_eq!(ours, bevys);
+    }
+}
+
+#[test]
+fn settings_that_make_no_sense_cull_by_frustum() {
+    let mut pair = Pair::new(|world| {
+        let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
+        world.entity_mut(wall).insert(Opaque::Front);
+        background(world, 1);
+        view(world, CAMERA);
+    });
+    let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
+    settings.method = casca::Method::Point(casca::PointOptions::new().pixel_degrees(f32::NAN));
+    let (ours, bevys) = pair.frame(|_| {});
+    assert_eq!(ours, bevys);
+    // Nothing is taken over, and nothing is ever still.
+    let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
+    *settings = CascaSettings { most_new: 0, still_after: u32::MAX, most_triangles: 0, ..Default::default() };
+    for i in 0..5 {
+        pair.frame(|world| {
+            let wall = entity(world, 0);
+            world.get_mut::<Transform>(wall).unwrap().translation.x += 1.0;
+            spawn_box(world, 100 + i, Vec3::ZERO, Vec3::ONE);
+        });
+    }
+}
+
+#[test]
+fn far_from_the_origin_and_in_huge_worlds_nothing_visible_is_lost() {
+    for far in [1e4, 1e6] {
+        let mut pair = Pair::new(|world| {
+            let origin = Vec3::new(far, 0.0, -far);
+            for i in 0..200u32 {
+                let at = Vec3::new((i % 20) as f32 * 6.0, 0.0, (i / 20) as f32 * 9.0);
+                let size = Vec3::new(1.0 + (i % 7) as f32, 6.0, 2.0);
+                let entity = spawn_box(world, i, origin + at, size);
+                world.entity_mut(entity).insert(Opaque::Front);
+            }
+            // Things at the ends of the world.
+            for (nr, at) in (200..).zip([-far * 30.0, far * 30.0, far * 1e6]) {
+                let entity = spawn_box(world, nr, Vec3::new(at, 0.0, 0.0), Vec3::splat(far));
+                world.entity_mut(entity).insert(Opaque::Front);
+            }
+            let eye = Transform::from_translation(origin + Vec3::new(50.0, 1.0, -30.0));
+            spawn_camera(world, CAMERA, eye.looking_to(Vec3::Z, Vec3::Y));
+        });
+        settle(&mut pair.ours);
+        let (ours, bevys) = pair.frame(|_| {});
+        let camera = eye(&mut pair.ours, CAMERA);
+        judge(&mut pair.ours, &camera, &ours[&CAMERA]);
+        // Single precision leaves half a metre open at the far end.
+        assert!(
+            far > 1e5 || ours[&CAMERA].len() * 2 < bevys[&CAMERA].len(),
+            "{} {}",
+            ours[&CAMERA].len(),
+            bevys[&CAMERA].len()
+        );
+    }
+}

@@ -1,0 +1,228 @@
+//! Apps without a window: one with casca and one with Bevy's own culling, in step.
+#![allow(dead_code)]
+
+use std::any::TypeId;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use bevy_app::{App, Last, TaskPoolPlugin};
+use bevy_asset::{AssetApp, AssetPlugin, Assets, Handle};
+use bevy_camera::visibility::{
+    CascadesVisibleEntities, CubemapVisibleEntities, InheritedVisibility, NoCpuCulling, ViewVisibility,
+    VisibleEntities, VisibleMeshEntities,
+};
+use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
+use bevy_casca::casca::glam;
+use bevy_casca::{CascaPlugin, CascaScene};
+use bevy_ecs::prelude::*;
+use bevy_light::LightPlugin;
+use bevy_math::{Affine3A, Vec3};
+use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
+use bevy_shape::Cuboid;
+use bevy_transform::TransformPlugin;
+use bevy_transform::components::{GlobalTransform, Transform};
+use casca_scenes::world::{Camera, Motion, Object, Shape};
+use casca_truth::oracle::{Oracle, OracleOptions};
+
+/// The number of an entity, the same in both apps.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Nr(pub u32);
+
+/// The mesh of all boxes: a cube of edge 1.
+#[derive(Resource, Clone)]
+pub struct Cube(pub Handle<Mesh>);
+
+/// Entities of which `ViewVisibility` was marked changed in the last frame, and what it is.
+#[derive(Resource, Default)]
+pub struct Changes {
+    pub changed: BTreeSet<u32>,
+    pub visible: BTreeSet<u32>,
+}
+
+/// An app without renderer and window.
+pub fn headless(with_casca: bool) -> App {
+    let mut app = App::new();
+    // Before Bevy's own: the order of plugins does not matter.
+    if with_casca {
+        app.add_plugins(CascaPlugin);
+    }
+    app.add_plugins((TaskPoolPlugin::default(), TransformPlugin, AssetPlugin::default(), MeshPlugin));
+    app.init_asset::<bevy_image::Image>();
+    app.add_plugins((CameraPlugin, LightPlugin));
+    app.init_resource::<Changes>();
+    app.add_systems(Last, note_changes);
+    let cube = app.world_mut().resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
+    app.insert_resource(Cube(cube));
+    app
+}
+
+fn note_changes(
+    mut changes: ResMut<Changes>,
+    all: Query<(&Nr, &ViewVisibility)>,
+    changed: Query<(&Nr, Ref<ViewVisibility>), Changed<ViewVisibility>>,
+) {
+    let old = changed.iter().filter(|(_, seen)| !seen.is_added());
+    changes.changed = old.map(|(nr, _)| nr.0).collect();
+    changes.visible = all.iter().filter(|(_, seen)| seen.get()).map(|(nr, _)| nr.0).collect();
+}
+
+/// A box around a middle.
+pub fn spawn_box(world: &mut World, nr: u32, middle: Vec3, size: Vec3) -> Entity {
+    let cube = world.resource::<Cube>().0.clone();
+    world.spawn((Nr(nr), Mesh3d(cube), Transform::from_translation(middle).with_scale(size))).id()
+}
+
+pub fn spawn_camera(world: &mut World, nr: u32, at: Transform) -> Entity {
+    let lens = PerspectiveProjection { aspect_ratio: 16.0 / 9.0, ..Default::default() };
+    world.spawn((Nr(nr), Camera3d::default(), Projection::Perspective(lens), at)).id()
+}
+
+/// The entity of a number.
+pub fn entity(world: &mut World, nr: u32) -> Entity {
+    let mut all = world.query::<(Entity, &Nr)>();
+    all.iter(world).find(|(_, found)| found.0 == nr).map(|(entity, _)| entity).unwrap()
+}
+
+/// The numbers in the list of each camera, in its order; the lists by their classes.
+pub fn lists(app: &mut App) -> BTreeMap<u32, BTreeSet<u32>> {
+    let world = app.world_mut();
+    let mut cameras = world.query::<(&Nr, &VisibleEntities)>();
+    let found: Vec<_> = cameras.iter(world).map(|(nr, seen)| (nr.0, seen.entities.clone())).collect();
+    let number = |entity: &Entity| world.get::<Nr>(*entity).map(|nr| nr.0);
+    let mut out = BTreeMap::new();
+    for (camera, classes) in found {
+        assert!(classes.values().all(|list| list.is_sorted()), "a list is not in order");
+        let list = &classes[&TypeId::of::<Mesh3d>()];
+        let set: BTreeSet<u32> = list.iter().filter_map(number).collect();
+        assert_eq!(set.len(), list.len(), "an entity is listed twice");
+        out.insert(camera, set);
+    }
+    out
+}
+
+/// The numbers of meshes that are culled here, and of those in any list.
+fn culled_and_listed(app: &mut App) -> (BTreeSet<u32>, BTreeSet<u32>) {
+    let world = app.world_mut();
+    let mut meshes = world.query_filtered::<&Nr, (With<Mesh3d>, Without<NoCpuCulling>)>();
+    let culled = meshes.iter(world).map(|nr| nr.0).collect();
+    let mut listed = Vec::new();
+    let mut cameras = world.query::<&VisibleEntities>();
+    listed.extend(cameras.iter(world).flat_map(|seen| seen.get(TypeId::of::<Mesh3d>())).copied());
+    let mut suns = world.query::<&CascadesVisibleEntities>();
+    let cascades = suns.iter(world).flat_map(|sun| sun.entities.values().flatten());
+    listed.extend(cascades.flat_map(|list| &list.entities).copied());
+    let mut bulbs = world.query::<&CubemapVisibleEntities>();
+    listed.extend(bulbs.iter(world).flat_map(|bulb| bulb.iter()).flat_map(|list| &list.entities).copied());
+    let mut spots = world.query::<&VisibleMeshEntities>();
+    listed.extend(spots.iter(world).flat_map(|list| &list.entities).copied());
+    let number = |entity: Entity| world.get::<Nr>(entity).map(|nr| nr.0);
+    (culled, listed.into_iter().filter_map(number).collect())
+}
+
+/// Runs an app until no mesh is being prepared, and all that waits has been taken over.
+pub fn settle(app: &mut App) {
+    for _ in 0..200 {
+        app.update();
+        let preparing = app.world().get_resource::<CascaScene>().is_some_and(CascaScene::is_preparing);
+        if !preparing {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    app.update();
+    app.update();
+}
+
+/// Two apps in step.
+pub struct Pair {
+    pub ours: App,
+    pub bevys: App,
+    before: BTreeSet<u32>,
+}
+
+impl Pair {
+    pub fn new(fill: impl Fn(&mut World)) -> Self {
+        let (mut ours, mut bevys) = (headless(true), headless(false));
+        fill(ours.world_mut());
+        fill(bevys.world_mut());
+        settle(&mut ours);
+        settle(&mut bevys);
+        let before = ours.world().resource::<Changes>().visible.clone();
+        Self { ours, bevys, before }
+    }
+
+    /// Changes both worlds alike, and runs a frame of both. Looks at what must hold in any.
+    pub fn frame(&mut self, change: impl Fn(&mut World)) -> (Lists, Lists) {
+        for app in [&mut self.ours, &mut self.bevys] {
+            change(app.world_mut());
+            app.update();
+        }
+        let (ours, bevys) = (lists(&mut self.ours), lists(&mut self.bevys));
+        for (camera, seen) in &ours {
+            let more: Vec<_> = seen.difference(&bevys[camera]).collect();
+            assert!(more.is_empty(), "camera {camera} sees more than Bevy lets it: {more:?}");
+        }
+        let changes = self.ours.world().resource::<Changes>();
+        let other: BTreeSet<u32> = changes.visible.symmetric_difference(&self.before).copied().collect();
+        let needless: Vec<_> = changes.changed.difference(&other).collect();
+        assert!(needless.is_empty(), "marked changed, but as before: {needless:?}");
+        self.before.clone_from(&changes.visible);
+        let visible = changes.visible.clone();
+        let (culled, listed) = culled_and_listed(&mut self.ours);
+        let hidden: Vec<_> = visible.intersection(&culled).filter(|nr| !listed.contains(nr)).collect();
+        assert!(hidden.is_empty(), "visible, but in no list: {hidden:?}");
+        assert!(ours.values().flatten().all(|nr| visible.contains(nr)), "listed, but not visible");
+        (ours, bevys)
+    }
+}
+
+pub type Lists = BTreeMap<u32, BTreeSet<u32>>;
+
+/// The boxes of an app as the oracle takes them, with their numbers.
+pub fn truth(app: &mut App) -> (Vec<u32>, Vec<Object>) {
+    let cube = Arc::new(casca_scenes::world::Mesh::cuboid(glam::Vec3::splat(-0.5), glam::Vec3::splat(0.5)));
+    let world = app.world_mut();
+    let mut all = world.query_filtered::<(&Nr, &GlobalTransform, &InheritedVisibility), With<Mesh3d>>();
+    let drawn = all.iter(world).filter(|(.., drawn)| drawn.get());
+    let mut boxes: Vec<(u32, Affine3A)> = drawn.map(|(nr, at, _)| (nr.0, at.affine())).collect();
+    boxes.sort_by_key(|(nr, _)| *nr);
+    let shape = |at: &Affine3A| Shape::Mesh {
+        mesh: cube.clone(),
+        transform: glam::Affine3A::from_cols_array(&at.to_cols_array()),
+    };
+    let object = |at: &Affine3A| Object {
+        name: String::new(),
+        shape: shape(at),
+        motion: Motion::Dynamic { max_speed: 1e3 },
+        occludes: true,
+        tested: true,
+    };
+    let objects = boxes.iter().map(|(_, at)| object(at)).collect();
+    (boxes.into_iter().map(|(nr, _)| nr).collect(), objects)
+}
+
+/// Asks the oracle whether a set of numbers lacks anything that a camera sees. Returns how many
+/// boxes it sees.
+pub fn judge(app: &mut App, camera: &Camera, set: &BTreeSet<u32>) -> usize {
+    let (numbers, objects) = truth(app);
+    let options = OracleOptions { width: 96, height: 54, samples_per_object: 4, ..Default::default() };
+    let all: Vec<usize> = (0..objects.len()).collect();
+    let verdict =
+        Oracle::new(&objects, options).frame(&objects, &all, camera, &|i| set.contains(&numbers[i]));
+    let lost: Vec<u32> = verdict.false_negatives.iter().map(|lost| numbers[lost.object]).collect();
+    assert_eq!(lost, [0; 0], "visible, but not in the set");
+    verdict.exact.len()
+}
+
+/// A camera as the oracle takes it.
+pub fn eye(app: &mut App, nr: u32) -> Camera {
+    let entity = entity(app.world_mut(), nr);
+    let at = *app.world().get::<GlobalTransform>(entity).unwrap();
+    let view = glam::Affine3A::from_cols_array(&at.affine().to_cols_array()).inverse();
+    let lens = PerspectiveProjection::default();
+    Camera {
+        eye: glam::Vec3::from(at.translation().to_array()),
+        view: view.into(),
+        projection: glam::camera::rh::proj::directx::perspective(lens.fov, 16.0 / 9.0, lens.near, lens.far),
+    }
+}

@@ -1,0 +1,305 @@
+//! Kinds of entities and cameras: who is culled, who hides, and who is left to Bevy's own test.
+
+mod common;
+
+use std::any::TypeId;
+use std::collections::BTreeSet;
+
+use bevy_asset::Assets;
+use bevy_camera::primitives::{Aabb, Sphere};
+use bevy_camera::visibility::{
+    DynamicSkinnedMeshBounds, NoAutoAabb, NoCpuCulling, NoFrustumCulling, RenderLayers, ViewVisibility,
+    Visibility, VisibilityClass, VisibilityRange, VisibleEntities,
+};
+use bevy_camera::{
+    Camera, OrthographicProjection, PerspectiveProjection, Projection, ScalingMode, SubCameraView,
+};
+use bevy_casca::{CascaScene, InScene, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
+use bevy_ecs::prelude::*;
+use bevy_light::{NotShadowCaster, PointLight};
+use bevy_math::{UVec2, Vec2, Vec3};
+use bevy_mesh::morph::MorphWeights;
+use bevy_mesh::skinning::SkinnedMesh;
+use bevy_mesh::{Indices, Mesh, Mesh3d};
+use bevy_shape::Cuboid;
+use bevy_transform::components::Transform;
+use common::{Changes, Cube, Lists, Nr, Pair, entity, settle, spawn_box, spawn_camera};
+
+const CAMERA: u32 = 1_000_000;
+
+/// Ends a statement in the place of an expression.
+fn done<T>(_: T) {}
+const WALL: u32 = 0;
+
+/// A wall, and 50 boxes behind it.
+fn stage(world: &mut World) {
+    let wall = spawn_box(world, WALL, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
+    world.entity_mut(wall).insert(Opaque::Front);
+    for i in 0..50 {
+        let at = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, -10.0);
+        spawn_box(world, 1 + i, at, Vec3::splat(0.4));
+    }
+    spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+}
+
+fn on(world: &mut World, nr: u32, change: impl Fn(&mut EntityWorldMut)) {
+    let entity = entity(world, nr);
+    change(&mut world.entity_mut(entity));
+}
+
+/// Runs some frames, so that what is prepared is ready and what rests is still.
+fn rest(pair: &mut Pair) -> (Lists, Lists) {
+    settle(&mut pair.ours);
+    for _ in 0..20 {
+        pair.frame(|_| {});
+    }
+    pair.frame(|_| {})
+}
+
+/// How many of the 50 boxes are hidden from the camera.
+fn hidden((ours, bevys): &(Lists, Lists)) -> usize {
+    bevys[&CAMERA].len() - ours[&CAMERA].len()
+}
+
+#[test]
+fn who_hides() {
+    // What is changed on the wall, and how much it hides at once and after a rest.
+    type Change = fn(&mut EntityWorldMut);
+    let cases: &[(&str, Change, usize, usize)] = &[
+        ("an opaque wall", |_| {}, 50, 50),
+        ("one of unknown material", |wall| done(wall.remove::<Opaque>()), 0, 0),
+        ("one that is told not to hide", |wall| done(wall.insert(NotOccluder)), 0, 0),
+        ("one with an opinion of its own", |wall| done(wall.insert(NoOcclusionCulling)), 0, 0),
+        ("one that is not drawn", |wall| done(wall.insert(Visibility::Hidden)), 0, 0),
+        ("one on another layer", |wall| done(wall.insert(RenderLayers::layer(2))), 0, 0),
+        ("one on a layer without a bit", |wall| done(wall.insert(RenderLayers::from_layers(&[0, 40]))), 0, 0),
+        ("one on more layers", |wall| done(wall.insert(RenderLayers::from_layers(&[0, 7]))), 50, 50),
+        ("one that casts no shadow", |wall| done(wall.insert(NotShadowCaster)), 50, 50),
+        ("one that is never culled", |wall| done(wall.insert(NoFrustumCulling)), 0, 0),
+        ("one that the graphics processor culls", |wall| done(wall.insert(NoCpuCulling)), 0, 0),
+        (
+            "one that is seen from afar only",
+            |wall| done(wall.insert(VisibilityRange::abrupt(5.0, 1e9))),
+            0,
+            0,
+        ),
+        ("one that is skinned", |wall| done(wall.insert(SkinnedMesh::default())), 0, 0),
+        (
+            "one that reaches out of its box",
+            |wall| {
+                let bounds = Aabb::from_min_max(Vec3::splat(-0.4999), Vec3::splat(0.4999));
+                done(wall.insert((NoAutoAabb, bounds)));
+            },
+            0,
+            0,
+        ),
+        ("one that morphs", |wall| done(wall.insert(MorphWeights::default())), 0, 0),
+        ("one that moves", |wall| wall.get_mut::<Transform>().unwrap().translation.x += 0.5, 0, 50),
+        (
+            "a mirrored one of which fronts are drawn",
+            |wall| wall.get_mut::<Transform>().unwrap().scale.x = -30.0,
+            0,
+            0,
+        ),
+        (
+            "a mirrored one of which both sides are drawn",
+            |wall| {
+                wall.insert(Opaque::Both).get_mut::<Transform>().unwrap().scale.x = -30.0;
+            },
+            0,
+            50,
+        ),
+    ];
+    for (what, change, at_once, later) in cases {
+        let mut pair = Pair::new(stage);
+        assert_eq!(hidden(&rest(&mut pair)), 50);
+        let found = pair.frame(|world| on(world, WALL, change));
+        assert_eq!(hidden(&found), *at_once, "{what}, at once");
+        assert_eq!(hidden(&rest(&mut pair)), *later, "{what}, later");
+    }
+}
+
+#[test]
+fn what_is_taken_away_counts_no_more() {
+    let mut pair = Pair::new(stage);
+    rest(&mut pair);
+    on(pair.ours.world_mut(), WALL, |wall| done(wall.insert((NotOccluder, RenderLayers::layer(2)))));
+    on(pair.bevys.world_mut(), WALL, |wall| done(wall.insert(RenderLayers::layer(2))));
+    assert_eq!(hidden(&rest(&mut pair)), 0);
+    pair.frame(|world| on(world, WALL, |wall| done(wall.remove::<(NotOccluder, RenderLayers)>())));
+    assert_eq!(hidden(&rest(&mut pair)), 50);
+    let found = pair.frame(|world| {
+        let wall = entity(world, WALL);
+        world.despawn(wall);
+    });
+    assert_eq!(hidden(&found), 0, "it is gone");
+    assert_eq!(pair.ours.world().resource::<CascaScene>().scene().unwrap().len(), 50);
+}
+
+#[test]
+fn a_proxy_hides_while_it_moves() {
+    let mut pair = Pair::new(|world| {
+        stage(world);
+        let proxy = world.resource::<Cube>().0.clone();
+        on(world, WALL, |wall| done(wall.remove::<Opaque>().insert(Occluder(proxy.clone()))));
+    });
+    rest(&mut pair);
+    for i in 0..30 {
+        let step =
+            |wall: &mut EntityWorldMut| wall.get_mut::<Transform>().unwrap().translation.x = 0.01 * i as f32;
+        assert_eq!(hidden(&pair.frame(|world| on(world, WALL, step))), 50);
+    }
+}
+
+#[test]
+fn meshes_that_change_or_go_hide_as_they_are() {
+    let mut pair = Pair::new(stage);
+    assert_eq!(hidden(&rest(&mut pair)), 50);
+    // In the same box, two of its twelve triangles, which the camera sees from their edge.
+    let found = pair.frame(|world| {
+        let cube = world.resource::<Cube>().0.clone();
+        let mut sides = Mesh::from(Cuboid::new(1.0, 1.0, 1.0));
+        sides.insert_indices(Indices::U32(vec![8, 9, 10, 10, 11, 8]));
+        *world.resource_mut::<Assets<Mesh>>().get_mut(&cube).unwrap() = sides;
+    });
+    assert_eq!(hidden(&found), 0);
+    assert_eq!(hidden(&rest(&mut pair)), 0);
+    // A plate of another size in the same asset.
+    let found = pair.frame(|world| {
+        let cube = world.resource::<Cube>().0.clone();
+        let mut meshes = world.resource_mut::<Assets<Mesh>>();
+        *meshes.get_mut(&cube).unwrap() = Mesh::from(Cuboid::new(0.01, 0.01, 0.01));
+    });
+    assert!(hidden(&found) < 5);
+    assert!(hidden(&rest(&mut pair)) < 5);
+    assert_eq!(pair.ours.world().resource::<CascaScene>().occluders(), 1);
+    let found = pair.frame(|world| {
+        let cube = world.resource::<Cube>().0.id();
+        world.resource_mut::<Assets<Mesh>>().remove(cube);
+    });
+    assert_eq!(hidden(&found), 0, "nothing is drawn without a mesh");
+}
+
+#[test]
+fn who_is_never_hidden() {
+    let mut pair = Pair::new(|world| {
+        stage(world);
+        on(world, 1, |thing| done(thing.insert(NoFrustumCulling)));
+        on(world, 2, |thing| done(thing.insert(VisibilityRange::abrupt(0.0, 1e9))));
+        on(world, 3, |thing| done(thing.insert(SkinnedMesh::default())));
+        on(world, 4, |thing| done(thing.insert(MorphWeights::default())));
+        on(world, 5, |thing| done(thing.insert(NoOcclusionCulling)));
+        // A sprite, say, of a class of its own, and one without bounds.
+        let class = || VisibilityClass([TypeId::of::<Mesh3d>()].into_iter().collect());
+        let at = Transform::from_xyz(0.0, 0.0, -10.0);
+        let around = Sphere { center: Vec3::new(0.0, 0.0, -10.0).into(), radius: 1.0 };
+        world.spawn((Nr(51), Visibility::default(), class(), at, around));
+        world.spawn((Nr(52), Visibility::default(), class(), at));
+        // With bounds that follow its bones.
+        on(world, 6, |thing| done(thing.insert((SkinnedMesh::default(), DynamicSkinnedMeshBounds))));
+    });
+    let (ours, _) = rest(&mut pair);
+    assert_eq!(ours[&CAMERA], BTreeSet::from([WALL, 1, 2, 3, 4, 5, 51, 52]));
+    // A lamp shines past the wall, and so may one that gets its light later.
+    let (ours, bevys) = pair.frame(|world| on(world, 8, |thing| done(thing.insert(PointLight::default()))));
+    assert!(ours[&CAMERA].contains(&8) && bevys[&CAMERA].contains(&8));
+    let (ours, _) = rest(&mut pair);
+    assert!(ours[&CAMERA].contains(&8));
+    // A culler on the graphics processor: the entity is in no list, and is drawn all the same.
+    pair.frame(|world| on(world, 7, |thing| done(thing.insert(NoCpuCulling))));
+    let thing = entity(pair.ours.world_mut(), 7);
+    assert!(pair.ours.world().get::<ViewVisibility>(thing).unwrap().get());
+    assert!(pair.ours.world().get::<InScene>(thing).is_none());
+}
+
+#[test]
+fn hidden_parents_and_clones() {
+    let mut pair = Pair::new(|world| {
+        stage(world);
+        let parent = world.spawn((Nr(60), Transform::default(), Visibility::default())).id();
+        let (wall, thing) = (entity(world, WALL), entity(world, 1));
+        world.entity_mut(parent).add_children(&[wall, thing]);
+    });
+    assert_eq!(hidden(&rest(&mut pair)), 50);
+    let found = pair.frame(|world| on(world, 60, |parent| done(parent.insert(Visibility::Hidden))));
+    assert_eq!((hidden(&found), found.0[&CAMERA].len()), (0, 49));
+    let found = pair.frame(|world| on(world, 60, |parent| done(parent.insert(Visibility::Visible))));
+    assert_eq!(hidden(&found), 50);
+    // Away with its parent, and back without.
+    let aside = |parent: &mut EntityWorldMut| parent.get_mut::<Transform>().unwrap().translation.x = 100.0;
+    assert_eq!(hidden(&pair.frame(|world| on(world, 60, aside))), 0);
+    pair.frame(|world| on(world, WALL, |wall| done(wall.remove::<ChildOf>())));
+    assert_eq!(hidden(&rest(&mut pair)), 49);
+    // A clone is another object.
+    pair.frame(|world| {
+        let thing = entity(world, 2);
+        let clone = world.entity_mut(thing).clone_and_spawn();
+        world.entity_mut(clone).insert(Nr(61));
+    });
+    let (thing, clone) = (entity(pair.ours.world_mut(), 2), entity(pair.ours.world_mut(), 61));
+    let id = |entity| pair.ours.world().get::<InScene>(entity).unwrap().id();
+    assert_ne!(id(thing), id(clone));
+    assert_eq!(pair.ours.world().resource::<CascaScene>().scene().unwrap().len(), 52);
+}
+
+#[test]
+fn kinds_of_cameras() {
+    let lens = |area| {
+        Projection::Orthographic(OrthographicProjection {
+            scaling_mode: ScalingMode::Fixed { width: area, height: area },
+            area: bevy_math::Rect::from_center_size(Vec2::ZERO, Vec2::splat(area)),
+            ..OrthographicProjection::default_3d()
+        })
+    };
+    let place = Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y);
+    let sub = SubCameraView { full_size: UVec2::splat(100), offset: Vec2::ZERO, size: UVec2::splat(50) };
+    let wide = || {
+        let lens = PerspectiveProjection { aspect_ratio: 16.0 / 9.0, ..Default::default() };
+        Projection::Perspective(lens)
+    };
+    let mut pair = Pair::new(|world| {
+        stage(world);
+        let camera = bevy_camera::Camera3d::default;
+        let active = |is_active| Camera { is_active, ..Default::default() };
+        world.spawn((Nr(CAMERA + 1), camera(), lens(12.0), place));
+        world.spawn((Nr(CAMERA + 2), camera(), wide(), place, NoCpuCulling));
+        world.spawn((Nr(CAMERA + 3), camera(), wide(), place, NoOcclusionCulling));
+        world.spawn((Nr(CAMERA + 4), camera(), wide(), place, RenderLayers::layer(5)));
+        world.spawn((Nr(CAMERA + 5), camera(), wide(), place, active(false)));
+        let mirror = Camera { invert_culling: true, ..Default::default() };
+        world.spawn((Nr(CAMERA + 6), camera(), wide(), place, mirror));
+        let part = Camera { sub_camera_view: Some(sub), ..Default::default() };
+        world.spawn((Nr(CAMERA + 7), camera(), wide(), place, part));
+        // From behind the wall.
+        let back = Transform::from_xyz(0.0, 0.0, -20.0).looking_to(Vec3::Z, Vec3::Y);
+        world.spawn((Nr(CAMERA + 8), camera(), wide(), back));
+        // Before the wall, and not in the part of the view.
+        spawn_box(world, 62, Vec3::new(4.0, -4.0, 5.0), Vec3::splat(0.4));
+        // On another layer than the wall, together with two of the things.
+        for nr in [1, 2] {
+            on(world, nr, |thing| done(thing.insert(RenderLayers::from_layers(&[0, 5]))));
+        }
+    });
+    let (ours, bevys) = rest(&mut pair);
+    let of = |lists: &Lists, n: u32| lists[&(CAMERA + n)].clone();
+    assert_eq!(of(&ours, 0), BTreeSet::from([WALL, 62]));
+    assert_eq!(of(&ours, 1), BTreeSet::from([WALL, 62]), "parallel rays");
+    assert!(of(&bevys, 1).len() > 40);
+    for n in [2, 3, 4, 5, 6] {
+        assert_eq!(of(&ours, n), of(&bevys, n), "camera {n}");
+    }
+    assert_eq!(of(&ours, 4), BTreeSet::from([1, 2]));
+    assert!(of(&ours, 5).is_empty() && of(&ours, 8).len() == 51);
+    assert_eq!(of(&ours, 7), BTreeSet::from([WALL]), "a part of a view");
+    // What one camera of several sees is drawn.
+    let visible = &pair.ours.world().resource::<Changes>().visible;
+    assert_eq!(visible.iter().filter(|nr| **nr < CAMERA).count(), 52);
+    // Cameras that go are forgotten.
+    let gone = entity(pair.ours.world_mut(), CAMERA);
+    pair.frame(|world| {
+        let camera = entity(world, CAMERA);
+        world.despawn(camera);
+    });
+    assert!(pair.ours.world().resource::<CascaScene>().camera(gone).is_none());
+    assert!(pair.ours.world().get::<VisibleEntities>(gone).is_none());
+}

@@ -1,0 +1,219 @@
+//! Casters of each kind of light, beside Bevy's lists and under the eyes of an exact oracle.
+
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use bevy_app::App;
+use bevy_camera::primitives::CUBE_MAP_FACES;
+use bevy_camera::visibility::{
+    CascadesVisibleEntities, CubemapVisibleEntities, RenderLayers, VisibleMeshEntities,
+};
+use bevy_casca::casca::glam;
+use bevy_casca::{CascaSettings, Opaque, Shadows};
+use bevy_ecs::prelude::*;
+use bevy_light::{
+    Cascades, DirectionalLight, NotShadowCaster, PointLight, SpotLight, spot_light_world_from_view,
+};
+use bevy_math::{Affine3A, Mat4, Quat, Vec3};
+use bevy_transform::components::{GlobalTransform, Transform};
+use casca_scenes::world::{Camera, Object};
+use casca_truth::oracle::{Oracle, OracleOptions};
+use common::{Nr, Pair, entity, spawn_box, spawn_camera, truth};
+use glam::camera::rh::proj::directx;
+
+const CAMERA: u32 = 1_000_000;
+
+/// Ends a statement in the place of an expression.
+fn done<T>(_: T) {}
+const SUN: u32 = 1_000_001;
+const BULB: u32 = 1_000_002;
+const SPOT: u32 = 1_000_003;
+/// It casts no shadow, though it hides from cameras.
+const GHOST: u32 = 40;
+
+/// A light, a camera for suns, and the number of the view.
+type Lists = BTreeMap<(u32, u32, usize), BTreeSet<u32>>;
+
+fn light_lists(app: &mut App) -> Lists {
+    let world = app.world_mut();
+    let mut found = Vec::new();
+    let mut suns = world.query::<(&Nr, &CascadesVisibleEntities)>();
+    for (nr, lists) in suns.iter(world) {
+        for (camera, lists) in &lists.entities {
+            let camera = world.get::<Nr>(*camera).unwrap().0;
+            found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, camera, i), list.clone())));
+        }
+    }
+    let mut bulbs = world.query::<(&Nr, &CubemapVisibleEntities)>();
+    for (nr, lists) in bulbs.iter(world) {
+        found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, nr.0, i), list.clone())));
+    }
+    let mut spots = world.query_filtered::<(&Nr, &VisibleMeshEntities), With<SpotLight>>();
+    found.extend(spots.iter(world).map(|(nr, list)| ((nr.0, nr.0, 0), list.clone())));
+    let numbers = |list: VisibleMeshEntities| {
+        assert!(list.entities.is_sorted(), "a list is not in order");
+        let set: BTreeSet<u32> = list.entities.iter().map(|e| world.get::<Nr>(*e).unwrap().0).collect();
+        assert_eq!(set.len(), list.entities.len(), "a caster is listed twice");
+        set
+    };
+    found.into_iter().map(|(key, list)| (key, numbers(list))).collect()
+}
+
+fn dice(n: u32) -> f32 {
+    let x = n.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
+    ((x ^ x >> 15).wrapping_mul(0xc2b2_ae35) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// A yard with walls, a roof, a ghost, and small things all over the place, some of which move.
+fn yard(world: &mut World) {
+    let mut solid = |nr: u32, middle: [f32; 3], size: [f32; 3]| {
+        let entity = spawn_box(world, nr, middle.into(), size.into());
+        world.entity_mut(entity).insert(Opaque::Front);
+        entity
+    };
+    solid(0, [0.0, -0.5, 0.0], [80.0, 1.0, 80.0]);
+    // A roof, which the sun shines on, and walls, which the lamps shine on.
+    solid(1, [-15.0, 6.0, 0.0], [20.0, 0.5, 30.0]);
+    // A tower behind the camera, whose shadow falls before it.
+    solid(2, [0.0, 30.0, 36.0], [6.0, 60.0, 3.0]);
+    for i in 0..37 {
+        let at = [dice(i) * 60.0 - 30.0, 2.0, dice(i + 50) * 60.0 - 30.0];
+        solid(3 + i, at, [1.0 + 5.0 * dice(i + 100), 4.0, 0.8]);
+    }
+    let ghost = solid(GHOST, [6.0, 2.0, 0.0], [0.5, 6.0, 30.0]);
+    world.entity_mut(ghost).insert(NotShadowCaster);
+    for i in 41..400 {
+        let at = Vec3::new(dice(i) * 70.0 - 35.0, 0.3 + 5.0 * dice(i + 1), dice(i + 2) * 70.0 - 35.0);
+        spawn_box(world, i, at, Vec3::splat(0.4));
+    }
+    // High in the air, before the near planes of all cascades.
+    spawn_box(world, 400, Vec3::new(-36.0, 180.0, 108.0), Vec3::new(40.0, 1.0, 40.0));
+    let front = Transform::from_xyz(0.0, 3.0, 30.0).looking_at(Vec3::new(0.0, 2.0, 0.0), Vec3::Y);
+    spawn_camera(world, CAMERA, front);
+    let down = Transform::default().looking_to(Vec3::new(0.2, -1.0, -0.6), Vec3::Y);
+    world.spawn((Nr(SUN), DirectionalLight { shadow_maps_enabled: true, ..Default::default() }, down));
+    let bulb = PointLight { shadow_maps_enabled: true, range: 40.0, ..Default::default() };
+    world.spawn((Nr(BULB), bulb, Transform::from_xyz(4.0, 2.5, 6.0)));
+    let spot = SpotLight { shadow_maps_enabled: true, range: 50.0, outer_angle: 0.6, ..Default::default() };
+    let aim = Transform::from_xyz(-6.0, 3.0, 14.0).looking_to(Vec3::new(0.2, -0.1, -1.0), Vec3::Y);
+    world.spawn((Nr(SPOT), spot, aim));
+}
+
+/// A tick of the yard: things move, lights turn.
+fn tick(world: &mut World, frame: u32) {
+    let mut things = world.query::<(&Nr, &mut Transform)>();
+    for (nr, mut transform) in things.iter_mut(world) {
+        let t = frame as f32 * 0.05;
+        match nr.0 {
+            300..400 => transform.translation.x += 0.1 * (t + nr.0 as f32).cos(),
+            BULB => transform.translation.z += 0.05 * t.cos(),
+            SPOT => transform.rotate_y(0.01),
+            SUN => transform.rotate(Quat::from_rotation_y(0.003)),
+            _ => {}
+        }
+    }
+}
+
+fn camera(view: Mat4, projection: glam::Mat4) -> Camera {
+    let view = glam::Mat4::from_cols_array(&view.to_cols_array());
+    Camera { eye: view.inverse().w_axis.truncate(), view, projection }
+}
+
+/// The cameras of the shadow maps of all lights.
+fn shadow_cameras(app: &mut App) -> BTreeMap<(u32, u32, usize), Camera> {
+    let mut out = BTreeMap::new();
+    let sun = entity(app.world_mut(), SUN);
+    for (i, cascade) in app.world().get::<Cascades>(sun).unwrap().cascades.values().flatten().enumerate() {
+        // Depths are clamped: rays start far before the near plane.
+        let (side, depth) =
+            (1.0 / cascade.clip_from_cascade.x_axis.x, 1.0 / cascade.clip_from_cascade.z_axis.z);
+        let lens = directx::orthographic(-side, side, -side, side, -300.0, depth);
+        out.insert((SUN, CAMERA, i), camera(cascade.world_from_cascade.inverse(), lens));
+    }
+    let place = |app: &mut App, nr| {
+        let entity = entity(app.world_mut(), nr);
+        (entity, *app.world().get::<GlobalTransform>(entity).unwrap())
+    };
+    let (bulb, at) = place(app, BULB);
+    let lamp = app.world().get::<PointLight>(bulb).unwrap();
+    for (i, face) in CUBE_MAP_FACES.iter().enumerate() {
+        let turned = Transform::IDENTITY.looking_at(face.target, face.up);
+        let view = (Transform::from_translation(at.translation()) * turned).compute_affine().inverse();
+        let lens = directx::perspective(1.570_796_4, 1.0, lamp.shadow_map_near_z, lamp.range);
+        out.insert((BULB, BULB, i), camera(view.into(), lens));
+    }
+    let (spot, at) = place(app, SPOT);
+    let lamp = app.world().get::<SpotLight>(spot).unwrap();
+    let lens = directx::perspective(2.0 * lamp.outer_angle, 1.0, lamp.shadow_map_near_z, lamp.range);
+    let view: Affine3A = spot_light_world_from_view(&at).inverse();
+    out.insert((SPOT, SPOT, 0), camera(view.into(), lens));
+    out
+}
+
+/// What is not in Bevy's list of a view is not asked for, as it lies beyond the light's range.
+fn asked(mut objects: Vec<Object>, bevys: &BTreeSet<u32>) -> Vec<Object> {
+    objects[GHOST as usize].occludes = false;
+    for (nr, object) in (0..).zip(&mut objects) {
+        object.tested = bevys.contains(&nr);
+    }
+    objects
+}
+
+#[test]
+fn casters_that_are_left_out_are_hidden_from_the_light() {
+    let mut pair = Pair::new(yard);
+    let options = OracleOptions { width: 48, height: 48, samples_per_object: 6, ..Default::default() };
+    let mut left_out = BTreeMap::<u32, usize>::new();
+    for frame in 0..60 {
+        pair.frame(|world| tick(world, frame));
+        let (ours, bevys) = (light_lists(&mut pair.ours), light_lists(&mut pair.bevys));
+        assert!(ours.keys().eq(bevys.keys()), "{:?} {:?}", ours.keys(), bevys.keys());
+        let cameras = shadow_cameras(&mut pair.ours);
+        assert!(ours.keys().eq(cameras.keys()));
+        for (key, list) in &ours {
+            assert!(list.is_subset(&bevys[key]), "{key:?}: {:?}", list.difference(&bevys[key]));
+            *left_out.entry(key.0).or_default() += bevys[key].len() - list.len();
+            if frame % 6 != 0 {
+                continue;
+            }
+            let objects = asked(truth(&mut pair.ours).1, &bevys[key]);
+            let all: Vec<usize> = (0..objects.len()).collect();
+            let mut oracle = Oracle::new(&objects, options);
+            let verdict = oracle.frame(&objects, &all, &cameras[key], &|i| list.contains(&(i as u32)));
+            assert_eq!(verdict.false_negatives, [], "frame {frame}, view {key:?}");
+        }
+        assert!(
+            ours.iter().any(|(key, list)| key.0 == SUN && list.contains(&2)),
+            "the tower casts no shadow"
+        );
+    }
+    println!("casters left out in 60 frames: {left_out:?}");
+    for light in [SUN, BULB, SPOT] {
+        assert!(left_out[&light] > 500, "{light}: {left_out:?}");
+    }
+}
+
+#[test]
+fn lists_are_bevys_where_all_casters_are_asked_for() {
+    let mut pair = Pair::new(yard);
+    pair.ours.world_mut().resource_mut::<CascaSettings>().shadows = Shadows::All;
+    for frame in 0..20 {
+        pair.frame(|world| {
+            tick(world, frame);
+            let bulb = entity(world, BULB);
+            // On other layers, off, and with things on layers of which the lamps know nothing.
+            match frame {
+                3 => {
+                    let thing = entity(world, 50);
+                    done(world.entity_mut(thing).insert(RenderLayers::layer(4)));
+                }
+                5 => done(world.entity_mut(bulb).insert(RenderLayers::layer(3))),
+                10 => done(world.entity_mut(bulb).remove::<RenderLayers>()),
+                12 => world.get_mut::<PointLight>(bulb).unwrap().shadow_maps_enabled = false,
+                _ => {}
+            }
+        });
+        assert_eq!(light_lists(&mut pair.ours), light_lists(&mut pair.bevys), "frame {frame}");
+    }
+}

@@ -1,0 +1,141 @@
+//! Entities that come and go by thousands, and worlds that move away.
+
+mod common;
+
+use std::collections::BTreeSet;
+
+use bevy_app::PostUpdate;
+use bevy_camera::primitives::Aabb;
+use bevy_camera::visibility::VisibilitySystems;
+use bevy_casca::{CascaScene, CascaSettings, CascaSystems, InScene, Opaque};
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_mesh::Mesh3d;
+use bevy_transform::TransformSystems;
+use bevy_transform::components::Transform;
+use common::{Nr, Pair, entity, eye, judge, spawn_box, spawn_camera};
+
+const CAMERA: u32 = 1_000_000;
+const PAGE: u32 = 1000;
+
+/// A page of a land: a wall across the way, and things before and behind it.
+fn page(world: &mut World, n: u32) {
+    let x = n as f32 * 20.0;
+    let wall = spawn_box(world, n * PAGE, Vec3::new(x, 3.0, 0.0), Vec3::new(0.5, 6.0, 14.0 + (n % 3) as f32));
+    world.entity_mut(wall).insert(Opaque::Front);
+    for i in 1..PAGE {
+        let at = Vec3::new(x + (i % 20) as f32, (i / 400) as f32 + 0.3, ((i / 20) % 20) as f32 - 9.5);
+        spawn_box(world, n * PAGE + i, at, Vec3::splat(0.3));
+    }
+}
+
+fn despawn_page(world: &mut World, n: u32) {
+    let mut all = world.query::<(Entity, &Nr)>();
+    let gone: Vec<Entity> = all.iter(world).filter(|(_, nr)| nr.0 / PAGE == n).map(|(e, _)| e).collect();
+    for entity in gone {
+        world.despawn(entity);
+    }
+}
+
+#[test]
+fn pages_come_and_go() {
+    for most_new in [300, 1 << 14] {
+        let mut pair = Pair::new(|world| {
+            (0..4).for_each(|n| page(world, n));
+            spawn_camera(world, CAMERA, Transform::from_xyz(-10.0, 1.5, 0.0).looking_to(Vec3::X, Vec3::Y));
+        });
+        pair.ours.world_mut().resource_mut::<CascaSettings>().most_new = most_new;
+        let (mut hidden, mut grids) = (0, BTreeSet::new());
+        for frame in 0..160u32 {
+            let (ours, bevys) = pair.frame(|world| {
+                if frame.is_multiple_of(4) {
+                    page(world, frame / 4 + 4);
+                    despawn_page(world, frame / 4);
+                }
+                let camera = entity(world, CAMERA);
+                world.get_mut::<Transform>(camera).unwrap().translation.x += 5.0;
+            });
+            hidden += bevys[&CAMERA].len() - ours[&CAMERA].len();
+            if frame % 20 == 3 {
+                let camera = eye(&mut pair.ours, CAMERA);
+                judge(&mut pair.ours, &camera, &ours[&CAMERA]);
+            }
+            let scene = pair.ours.world().resource::<CascaScene>().scene().unwrap();
+            grids.insert(format!("{:?}", scene.grid().min()));
+        }
+        println!("{most_new}: {} hidden in a frame, {} grids", hidden / 160, grids.len());
+        assert!(hidden > 160 * 300 && grids.len() > 1, "{hidden} {grids:?}");
+        // The scene holds what lives, and nothing else.
+        for _ in 0..20 {
+            pair.frame(|_| {});
+        }
+        let world = pair.ours.world_mut();
+        let mut known = world.query_filtered::<(Entity, &InScene), With<Mesh3d>>();
+        let scene = world.resource::<CascaScene>().scene().unwrap();
+        let ids: BTreeSet<_> = known.iter(world).map(|(_, known)| known.id()).collect();
+        assert_eq!(ids.len(), 4 * PAGE as usize);
+        assert_eq!(ids, scene.ids().collect());
+    }
+}
+
+/// A system that runs beside the plugin's, and takes its time to say who is gone.
+fn despawn_late(mut commands: Commands, gone: Query<Entity, With<Gone>>) {
+    gone.iter().for_each(|entity| commands.entity(entity).despawn());
+}
+
+#[derive(Component)]
+struct Gone;
+
+#[test]
+fn who_goes_while_it_is_taken_over_hides_nothing() {
+    let mut app = common::headless(true);
+    let late = despawn_late.after(TransformSystems::Propagate).before_ignore_deferred(CascaSystems::Sync);
+    app.add_systems(PostUpdate, late.after(VisibilitySystems::CalculateBounds));
+    let world = app.world_mut();
+    spawn_box(world, 1, Vec3::new(0.0, 0.0, -10.0), Vec3::ONE);
+    spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+    let wall = |world: &mut World| {
+        let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::splat(20.0));
+        world
+            .entity_mut(wall)
+            .insert((Opaque::Front, Aabb::from_min_max(Vec3::splat(-0.5), Vec3::splat(0.5))));
+        wall
+    };
+    // The mesh is prepared.
+    let first = wall(world);
+    common::settle(&mut app);
+    assert!(!common::lists(&mut app)[&CAMERA].contains(&1));
+    app.world_mut().despawn(first);
+    app.update();
+    assert!(common::lists(&mut app)[&CAMERA].contains(&1));
+    for frame in 0..3 {
+        let second = wall(app.world_mut());
+        app.world_mut().entity_mut(second).insert(Gone);
+        app.update();
+        assert!(common::lists(&mut app)[&CAMERA].contains(&1), "frame {frame}");
+        assert_eq!(app.world().resource::<CascaScene>().scene().unwrap().len(), 1, "frame {frame}");
+    }
+}
+
+#[test]
+fn a_world_that_moves_its_origin_loses_nothing() {
+    let mut pair = Pair::new(|world| {
+        (0..3).for_each(|n| page(world, n));
+        spawn_camera(world, CAMERA, Transform::from_xyz(-10.0, 1.5, 0.0).looking_to(Vec3::X, Vec3::Y));
+    });
+    let mut hidden = Vec::new();
+    for frame in 0..120 {
+        let (ours, bevys) = pair.frame(|world| {
+            if frame == 30 || frame == 70 {
+                let mut all = world.query::<&mut Transform>();
+                all.iter_mut(world).for_each(|mut at| at.translation.x -= 700.0);
+            }
+        });
+        hidden.push(bevys[&CAMERA].len() - ours[&CAMERA].len());
+        if frame % 10 == 0 || frame == 30 || frame == 70 {
+            let camera = eye(&mut pair.ours, CAMERA);
+            judge(&mut pair.ours, &camera, &ours[&CAMERA]);
+        }
+    }
+    assert!(hidden[20] > 1000 && hidden[119] > 1000, "{hidden:?}");
+}

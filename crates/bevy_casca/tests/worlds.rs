@@ -1,0 +1,224 @@
+//! Worlds of three kinds, in step with Bevy's own culling and under the eyes of an exact oracle.
+
+mod common;
+
+use bevy_asset::Handle;
+use bevy_camera::visibility::VisibleEntities;
+use bevy_casca::casca::{self, Method};
+use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque};
+use bevy_ecs::prelude::*;
+use bevy_math::{Quat, Vec3};
+use bevy_mesh::Mesh;
+use bevy_transform::components::Transform;
+use common::{Cube, Nr, Pair, entity, eye, judge, settle, spawn_box, spawn_camera};
+
+const FRAMES: u32 = 300;
+const CAMERA: u32 = 1_000_000;
+
+/// Numbers that look like chance.
+fn dice(n: u32) -> f32 {
+    let x = n.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
+    ((x ^ x >> 15).wrapping_mul(0xc2b2_ae35) >> 8) as f32 / (1 << 24) as f32
+}
+
+fn opaque(world: &mut World, nr: u32, middle: Vec3, size: Vec3) {
+    let entity = spawn_box(world, nr, middle, size);
+    world.entity_mut(entity).insert(Opaque::Front);
+}
+
+/// Blocks of houses with people among them. Returns the number of things.
+fn city(world: &mut World) -> u32 {
+    opaque(world, 0, Vec3::new(0.0, -0.5, 0.0), Vec3::new(400.0, 1.0, 400.0));
+    let mut n = 1;
+    for i in 0..12 {
+        for j in 0..12 {
+            let height = 10.0 + 30.0 * dice(n);
+            let middle = Vec3::new(i as f32 * 24.0 - 132.0, height / 2.0, j as f32 * 24.0 - 132.0);
+            opaque(world, n, middle, Vec3::new(17.0, height, 17.0));
+            n += 1;
+        }
+    }
+    for _ in 0..600 {
+        let middle = Vec3::new(dice(n) * 280.0 - 140.0, 0.9, dice(n + 7777) * 280.0 - 140.0);
+        spawn_box(world, n, middle, Vec3::new(0.6, 1.8, 0.4));
+        n += 1;
+    }
+    n
+}
+
+/// What must hold after each frame, and by the oracle after some.
+fn check(pair: &mut Pair, frame: u32, change: impl Fn(&mut World), every: u32) -> usize {
+    let (ours, bevys) = pair.frame(change);
+    let world = pair.ours.world_mut();
+    let camera = entity(world, CAMERA);
+    // The set of the library for this camera, and Bevy's, are ours.
+    let scene = world.resource::<CascaScene>();
+    let found = scene.camera(camera).expect("the camera has occlusion").pvs();
+    let number = |id: &casca::ObjectId| {
+        let bits = scene.scene().unwrap().user_data(*id).unwrap();
+        world.get::<Nr>(Entity::from_bits(bits)).unwrap().0
+    };
+    let both = found.visible().iter().map(number).filter(|nr| bevys[&CAMERA].contains(nr)).collect();
+    assert_eq!(ours[&CAMERA], both, "frame {frame}");
+    if frame.is_multiple_of(every) {
+        let eye = eye(&mut pair.ours, CAMERA);
+        assert!(judge(&mut pair.ours, &eye, &ours[&CAMERA]) > 0, "frame {frame}");
+    }
+    bevys[&CAMERA].len() - ours[&CAMERA].len()
+}
+
+fn place(world: &mut World, nr: u32, change: impl Fn(&mut Transform)) {
+    let entity = entity(world, nr);
+    change(&mut world.get_mut::<Transform>(entity).unwrap());
+}
+
+fn look(world: &mut World, at: Vec3, to: Vec3) {
+    place(world, CAMERA, |transform| *transform = Transform::from_translation(at).looking_at(to, Vec3::Y));
+}
+
+#[test]
+fn a_walk_through_a_city() {
+    let mut pair = Pair::new(|world| {
+        city(world);
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.0).looking_to(Vec3::X, Vec3::Y));
+    });
+    let mut hidden = 0;
+    for frame in 0..FRAMES {
+        let t = frame as f32 / FRAMES as f32;
+        let at = Vec3::new(-140.0 + 280.0 * t, 1.7, 0.5);
+        let to = at + Vec3::new((t * 9.0).cos(), 0.05 * (t * 31.0).sin(), (t * 9.0).sin());
+        hidden += check(&mut pair, frame, |world| look(world, at, to), 6);
+    }
+    println!("{} entities of Bevy's set are hidden in a frame", hidden as f32 / FRAMES as f32);
+    assert!(hidden > 100 * FRAMES as usize, "little is hidden: {hidden}");
+}
+
+#[test]
+fn a_building_with_doors_that_open() {
+    let doors = 4;
+    let mut pair = Pair::new(|world| {
+        // Five rooms in a row along x, with doors between them, and things in each.
+        let size = Vec3::new(60.0, 0.2, 8.0);
+        opaque(world, 0, Vec3::new(24.0, -0.1, 0.0), size);
+        opaque(world, 1, Vec3::new(24.0, 3.1, 0.0), size);
+        opaque(world, 2, Vec3::new(24.0, 1.5, -4.1), Vec3::new(60.0, 3.4, 0.2));
+        opaque(world, 3, Vec3::new(24.0, 1.5, 4.1), Vec3::new(60.0, 3.4, 0.2));
+        for i in 0..doors {
+            let x = 6.0 + 12.0 * i as f32;
+            opaque(world, 4 + 3 * i, Vec3::new(x, 1.5, -2.4), Vec3::new(0.3, 3.2, 3.4));
+            opaque(world, 5 + 3 * i, Vec3::new(x, 1.5, 2.4), Vec3::new(0.3, 3.2, 3.4));
+            let door = spawn_box(world, 6 + 3 * i, Vec3::new(x, 1.5, 0.0), Vec3::new(0.2, 3.2, 1.6));
+            let proxy: Handle<Mesh> = world.resource::<Cube>().0.clone();
+            world.entity_mut(door).insert(Occluder(proxy));
+        }
+        for n in 4 + 3 * doors..200 {
+            let middle = Vec3::new(dice(n) * 56.0 - 4.0, 0.2 + dice(n + 1) * 2.0, dice(n + 2) * 7.0 - 3.5);
+            spawn_box(world, n, middle, Vec3::splat(0.3));
+        }
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.0).looking_to(Vec3::X, Vec3::Y));
+    });
+    let (mut hidden, mut least, mut most) = (0, usize::MAX, 0);
+    for frame in 0..FRAMES {
+        let t = frame as f32;
+        let change = |world: &mut World| {
+            let at = Vec3::new(-3.0 + 0.02 * t, 1.7, 0.2);
+            look(world, at, at + Vec3::new(1.0, 0.0, 0.1 * (0.03 * t).sin()));
+            for i in 0..doors {
+                // Open for a while, each in its turn, and all for a while.
+                let open = (0.05 * t + i as f32).sin().max(0.0) * 1.5;
+                place(world, 6 + 3 * i, |door| {
+                    let hinge = Vec3::new(6.0 + 12.0 * i as f32, 1.5, -0.8);
+                    door.rotation = Quat::from_rotation_y(open);
+                    door.translation = hinge + door.rotation * Vec3::new(0.0, 0.0, 0.8);
+                });
+            }
+        };
+        let n = check(&mut pair, frame, change, 2);
+        (hidden, least, most) = (hidden + n, least.min(n), most.max(n));
+    }
+    println!("{} hidden in a frame, {least} to {most}", hidden as f32 / FRAMES as f32);
+    assert!(hidden > 60 * FRAMES as usize, "little is hidden: {hidden}");
+    assert!(least + 5 < most, "doors change nothing");
+}
+
+/// Where the people of the crowd are at a time.
+fn walk(world: &mut World, t: f32) {
+    let mut people = world.query::<(&Nr, &mut Transform)>();
+    for (nr, mut transform) in people.iter_mut(world).filter(|(nr, _)| (21..5021).contains(&nr.0)) {
+        // Half of them stand still half of the time.
+        let t = if nr.0.is_multiple_of(2) { t } else { t.min(120.0) };
+        let angle = dice(nr.0) * 6.3 + 0.01 * t;
+        let middle = Vec3::new(dice(nr.0 + 1) * 160.0 - 80.0, 0.9, dice(nr.0 + 2) * 160.0 - 80.0);
+        let to = middle + Vec3::new(angle.cos(), 0.0, angle.sin()) * 6.0;
+        if transform.translation != to {
+            transform.translation = to;
+        }
+    }
+}
+
+#[test]
+fn a_crowd_of_5000_that_moves() {
+    let mut n = 0;
+    let mut pair = Pair::new(|world| {
+        opaque(world, 0, Vec3::new(0.0, -0.5, 0.0), Vec3::new(200.0, 1.0, 200.0));
+        for i in 0..20 {
+            let middle = Vec3::new(dice(i) * 160.0 - 80.0, 4.0, dice(i + 100) * 160.0 - 80.0);
+            opaque(world, 1 + i, middle, Vec3::new(20.0 * dice(i + 200) + 6.0, 8.0, 3.0));
+        }
+        for i in 21..5021 {
+            spawn_box(world, i, Vec3::ZERO, Vec3::new(0.5, 1.8, 0.5));
+        }
+        walk(world, 0.0);
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 90.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+    });
+    for frame in 0..FRAMES {
+        let t = frame as f32;
+        let change = |world: &mut World| {
+            walk(world, t);
+            let at = Vec3::new(20.0 * (0.01 * t).sin(), 1.7, 90.0 - 0.3 * t);
+            look(world, at, at + Vec3::new((0.02 * t).sin() * 0.5, 0.0, -1.0));
+        };
+        n += check(&mut pair, frame, change, 20);
+    }
+    let world = pair.ours.world_mut();
+    let ids: Vec<_> = world.query::<&InScene>().iter(world).map(InScene::id).collect();
+    let scene = world.resource::<CascaScene>().scene().unwrap();
+    let waiting = ids.iter().filter(|id| scene.tbv(**id).unwrap().is_some()).count();
+    println!("{} hidden in a frame; at the end {waiting} wait in volumes", n as f32 / FRAMES as f32);
+    assert!(waiting > 0, "the scene is not told that frames end");
+    assert!(n > 500 * FRAMES as usize, "little is hidden: {n}");
+}
+
+#[test]
+fn without_occlusion_sets_are_bevys() {
+    for (enabled, method) in [(false, Method::point()), (true, Method::Frustum)] {
+        let mut pair = Pair::new(|world| {
+            city(world);
+            spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.5).looking_to(Vec3::X, Vec3::Y));
+        });
+        let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
+        (settings.enabled, settings.method) = (enabled, method);
+        for frame in 0..30 {
+            let to = Vec3::new((frame as f32).cos(), 0.0, (frame as f32).sin());
+            let (ours, bevys) = pair.frame(|world| look(world, Vec3::Y, Vec3::Y + to));
+            assert_eq!(ours, bevys);
+        }
+    }
+}
+
+#[test]
+fn nothing_changes_in_a_still_scene() {
+    let mut pair = Pair::new(|world| {
+        city(world);
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.5).looking_to(Vec3::X, Vec3::Y));
+    });
+    settle(&mut pair.ours);
+    for _ in 0..40 {
+        pair.ours.update();
+        let changes = pair.ours.world().resource::<common::Changes>();
+        assert!(changes.changed.is_empty(), "{:?}", changes.changed);
+        assert!(!changes.visible.is_empty());
+    }
+    let camera = entity(pair.ours.world_mut(), CAMERA);
+    assert!(pair.ours.world().get::<VisibleEntities>(camera).is_some());
+}
