@@ -6,7 +6,7 @@
 //! use bevy_casca::CascaPlugin;
 //!
 //! let mut app = App::new();
-//! // With Bevy: `App::new().add_plugins((DefaultPlugins, CascaPlugin))`.
+//! // With all of Bevy: `(DefaultPlugins, CascaPlugin, standard_materials!(bevy::pbr))`.
 //! app.add_plugins(CascaPlugin);
 //! ```
 //!
@@ -32,9 +32,9 @@
 //!
 //! A mesh hides others if it is known to be opaque, does not move, and its triangles can be read.
 //! It is prepared in the background, once for all entities that share it. Known to be opaque are
-//! entities with the component [`Opaque`], and those with materials that a rule of the program
-//! calls so ([`MaterialsPlugin`]). An [`Occluder`] hides wherever it moves; [`NotOccluder`] and
-//! [`NoOcclusionCulling`] take exceptions.
+//! entities with the component [`Opaque`], and those with materials that a rule calls so: for
+//! Bevy's own [`standard_materials!`], for others a [`MaterialsPlugin`]. An [`Occluder`] hides
+//! wherever it moves; [`NotOccluder`] and [`NoOcclusionCulling`] take exceptions.
 //!
 //! # Limits
 //!

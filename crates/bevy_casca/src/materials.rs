@@ -27,21 +27,12 @@ pub enum Surface {
 ///
 /// `C` is the component that holds the material: with Bevy's own
 /// `MeshMaterial3d<StandardMaterial>`. The rule says what a material is, and is asked again
-/// when one changes. This one is for Bevy's standard material:
+/// when one changes. [`standard_materials!`](crate::standard_materials) has the one for Bevy's
+/// standard material.
 ///
 /// ```ignore
-/// use bevy::render::render_resource::Face;
-/// use bevy_casca::{MaterialsPlugin, Opaque, Surface};
-///
-/// app.add_plugins(MaterialsPlugin::<MeshMaterial3d<StandardMaterial>>::new(|material| {
-///     match (material.alpha_mode, material.cull_mode) {
-///         _ if material.depth_bias != 0.0 => Surface::InFront,
-///         _ if material.specular_transmission > 0.0 => Surface::Unknown,
-///         (AlphaMode::Opaque, Some(Face::Back)) => Surface::Opaque(Opaque::Front),
-///         (AlphaMode::Opaque, None) => Surface::Opaque(Opaque::Both),
-///         _ => Surface::Unknown,
-///     }
-/// }));
+/// // Opaque, and drawn from its front only: see the pipeline of the material.
+/// app.add_plugins(MaterialsPlugin::<MeshMaterial3d<Rock>>::new(|_| Surface::Opaque(Opaque::Front)));
 /// ```
 pub struct MaterialsPlugin<C: Component + AsAssetId> {
     rule: fn(&C::Asset) -> Surface,
@@ -60,6 +51,37 @@ impl<C: Component + AsAssetId> Plugin for MaterialsPlugin<C> {
         app.insert_resource(Rule::<C>(self.rule))
             .add_systems(PostUpdate, judge::<C>.after(AssetEventSystems).in_set(CascaSystems::Materials));
     }
+}
+
+/// The [`MaterialsPlugin`] for Bevy's `StandardMaterial`, by the path of the module that has it. A
+/// macro, because this crate does not depend on `bevy_pbr`.
+///
+/// Entities with materials whose `alpha_mode` is `Opaque` and that let no light through
+/// (`specular_transmission`) hide others: from their front if back faces are culled, as by default,
+/// from both sides if no face is. Nothing hides those with a `depth_bias`.
+///
+/// ```ignore
+/// App::new().add_plugins((DefaultPlugins, CascaPlugin, standard_materials!(bevy::pbr)));
+/// ```
+#[macro_export]
+macro_rules! standard_materials {
+    ($($pbr:ident)::+) => {
+        $crate::MaterialsPlugin::<$($pbr)::+::MeshMaterial3d<$($pbr)::+::StandardMaterial>>::new(|material| {
+            // By default it is opaque, and its back faces are culled.
+            let plain = <$($pbr)::+::StandardMaterial as ::core::default::Default>::default();
+            if material.depth_bias != 0.0 {
+                $crate::Surface::InFront
+            } else if material.alpha_mode != plain.alpha_mode || material.specular_transmission != 0.0 {
+                $crate::Surface::Unknown
+            } else if material.cull_mode.is_none() {
+                $crate::Surface::Opaque($crate::Opaque::Both)
+            } else if material.cull_mode == plain.cull_mode {
+                $crate::Surface::Opaque($crate::Opaque::Front)
+            } else {
+                $crate::Surface::Unknown
+            }
+        })
+    };
 }
 
 #[derive(Resource)]

@@ -97,3 +97,84 @@ fn a_material_decides_who_hides_and_who_is_never_hidden() {
     assert_eq!(seen(&mut app), 5);
     assert!(app.world().get::<Nr>(thing).is_some() && app.world().resource::<CascaScene>().unreadable() == 0);
 }
+
+/// As much of `bevy_pbr` as the rule for its material asks for.
+mod pbr {
+    use super::*;
+
+    #[derive(Debug, Clone, Copy, PartialEq, Default)]
+    pub enum AlphaMode {
+        #[default]
+        Opaque,
+        Mask(f32),
+        Blend,
+    }
+
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum Face {
+        Front,
+        Back,
+    }
+
+    #[derive(Asset, TypePath, Clone, Copy)]
+    pub struct StandardMaterial {
+        pub alpha_mode: AlphaMode,
+        pub cull_mode: Option<Face>,
+        pub depth_bias: f32,
+        pub specular_transmission: f32,
+    }
+
+    impl Default for StandardMaterial {
+        fn default() -> Self {
+            Self {
+                alpha_mode: AlphaMode::Opaque,
+                cull_mode: Some(Face::Back),
+                depth_bias: 0.0,
+                specular_transmission: 0.0,
+            }
+        }
+    }
+
+    #[derive(Component, Clone)]
+    pub struct MeshMaterial3d<M: Asset>(pub Handle<M>);
+
+    impl<M: Asset> AsAssetId for MeshMaterial3d<M> {
+        type Asset = M;
+
+        fn as_asset_id(&self) -> AssetId<M> {
+            self.0.id()
+        }
+    }
+}
+
+#[test]
+fn standard_materials_hide_if_they_are_opaque_from_the_sides_that_are_drawn() {
+    use pbr::{AlphaMode, Face, MeshMaterial3d, StandardMaterial};
+    let plain = StandardMaterial::default();
+    // What a camera sees of a wall and of what is behind it, from outside and from within the wall.
+    let table = [
+        (plain, [1, 2]),
+        (StandardMaterial { cull_mode: None, ..plain }, [1, 1]),
+        (StandardMaterial { cull_mode: Some(Face::Front), ..plain }, [2, 2]),
+        (StandardMaterial { alpha_mode: AlphaMode::Blend, ..plain }, [2, 2]),
+        (StandardMaterial { alpha_mode: AlphaMode::Mask(0.5), ..plain }, [2, 2]),
+        (StandardMaterial { specular_transmission: 0.1, ..plain }, [2, 2]),
+        (StandardMaterial { depth_bias: -1.0, ..plain }, [2, 2]),
+    ];
+    for (row, (material, expected)) in table.into_iter().enumerate() {
+        for (z, expected) in [20.0, 0.0].into_iter().zip(expected) {
+            let mut app = headless(true);
+            app.init_asset::<StandardMaterial>().add_plugins(bevy_casca::standard_materials!(pbr));
+            let world = app.world_mut();
+            let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
+            let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 4.0));
+            world.entity_mut(wall).insert(MeshMaterial3d(material));
+            spawn_box(world, 1, Vec3::new(0.0, 0.0, -10.0), Vec3::splat(0.4));
+            let eye = Transform::from_xyz(0.1, 0.1, z).looking_to(Vec3::NEG_Z, Vec3::Y);
+            spawn_camera(world, CAMERA, eye);
+            settle(&mut app);
+            app.update();
+            assert_eq!(lists(&mut app)[&CAMERA].len(), expected, "row {row}, from {z}");
+        }
+    }
+}

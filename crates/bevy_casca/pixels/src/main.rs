@@ -1,0 +1,89 @@
+//! Renders scenes by Bevy with and without `bevy_casca`, and compares the pictures in every pixel.
+//!
+//! `cargo run -- --frames 20`, with Rust 1.97.1 or newer. Any graphics adapter will do, also one in
+//! software. Both apps draw the same frames. What differs is written as two PNG files.
+
+mod rendered;
+mod scenes;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use bevy_casca::Shadows;
+use clap::Parser;
+
+use crate::rendered::{HEIGHT, Rendered, WIDTH};
+use crate::scenes::Scene;
+
+/// Renders scenes by Bevy with and without bevy_casca, and compares all pixels.
+#[derive(Parser)]
+struct Arguments {
+    /// Pictures of each scene
+    #[arg(long, default_value_t = 20)]
+    frames: u32,
+    /// The scene; all if none is named
+    #[arg(long)]
+    scene: Option<Scene>,
+    /// Casters that lie in the shadow of others stay in shadow maps
+    #[arg(long)]
+    all_casters: bool,
+    /// The folder of PNG files: the picture in the middle of each scene, and all that differ
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let shadows = if arguments.all_casters { Shadows::All } else { Shadows::Lit };
+    let mut alike = true;
+    for scene in arguments.scene.map_or(Scene::ALL.to_vec(), |scene| vec![scene]) {
+        match compare(scene, shadows, arguments.frames, arguments.out.as_deref()) {
+            Ok(differ) => alike &= differ == 0,
+            Err(why) => {
+                eprintln!("{scene:?}: {why}");
+                alike = false;
+            }
+        }
+    }
+    ExitCode::from(u8::from(!alike))
+}
+
+/// Renders a scene twice. Returns the number of pictures that differ.
+fn compare(scene: Scene, shadows: Shadows, frames: u32, out: Option<&Path>) -> Result<u32, String> {
+    let (mut casca, mut bevy) = (Rendered::new(scene, Some(shadows))?, Rendered::new(scene, None)?);
+    let (mut pictures, mut pixels, mut greatest) = (0, 0, 0);
+    let mut counts = [[0; 2]; 2];
+    for frame in 0..frames {
+        let (with, without) = (casca.picture(frame)?, bevy.picture(frame)?);
+        let differ = with.chunks(4).zip(without.chunks(4)).filter(|(a, b)| a != b).count();
+        let most = with.iter().zip(&without).map(|(a, b)| a.abs_diff(*b)).max();
+        pictures += u32::from(differ > 0);
+        pixels += differ;
+        greatest = greatest.max(most.unwrap_or(0));
+        for (count, app) in counts.iter_mut().zip([&mut casca, &mut bevy]) {
+            count[0] += app.drawn();
+            count[1] += app.casters();
+        }
+        if let Some(folder) = out.filter(|_| differ > 0 || frame == frames / 2) {
+            for (name, picture) in [("casca", with), ("bevy", without)] {
+                save(&folder.join(format!("{scene:?}-{frame}-{name}.png").to_lowercase()), picture)?;
+            }
+        }
+    }
+    let of = |sum: usize| sum / frames.max(1) as usize;
+    println!(
+        "{scene:?}: {pictures} of {frames} pictures differ, in {pixels} pixels, by {greatest} of 255 at most; \
+         drawn {} of {}, casters {} of {}; {} meshes hide",
+        of(counts[0][0]),
+        of(counts[1][0]),
+        of(counts[0][1]),
+        of(counts[1][1]),
+        casca.occluders()
+    );
+    Ok(pictures)
+}
+
+fn save(path: &Path, rgba: Vec<u8>) -> Result<(), String> {
+    let picture = image::RgbaImage::from_raw(WIDTH, HEIGHT, rgba).ok_or("a picture of another size")?;
+    picture.save(path).map_err(|why| format!("{}: {why}", path.display()))
+}
