@@ -95,10 +95,12 @@ impl Scene {
     /// At most [`MOST_NEW_VOLUMES`] unseen objects are put into volumes by one call, in turn; the
     /// others stay listed, are tested by queries as the visible ones are, and follow in the next
     /// frames. So the first frame with 100,000 movers costs no more than any other, and 49 frames
-    /// put all of them into volumes. Small objects that hide nothing and left their volume within
-    /// 32 frames, or within 8 if they are reported on expiry, stay listed for the next 256, in
-    /// which the latter are due in each frame: what hides their zones hides them too, and lists of
-    /// zones cost less than a volume that does not last.
+    /// put all of them into volumes.
+    ///
+    /// Small objects that hide nothing stay listed for 256 frames once they left their volume
+    /// within 32 frames; if they are reported on expiry, within 8 frames and a quarter of a second,
+    /// and then they are due in each of these frames. What hides their zones hides them too, and
+    /// lists of zones cost less than a volume that does not last.
     ///
     /// Costs the dynamic objects that are in no volume, and the volumes that are made.
     ///
@@ -129,7 +131,7 @@ impl Scene {
 
     /// Notes the objects that are in one of the sets.
     fn see(&mut self, views: &[&Pvs]) {
-        self.seen.begin(self.slots.count(), self.frame);
+        self.seen.begin(self.frame);
         for pvs in views {
             // Most results are fresh: then no object needs to be looked up.
             let fresh = pvs.is_fresh(self.revision(), self.moves());

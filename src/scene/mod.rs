@@ -58,6 +58,7 @@ mod resting;
 mod rooms;
 mod seen;
 mod shift;
+mod slot_bits;
 mod solids;
 mod state;
 mod succession;

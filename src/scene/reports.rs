@@ -5,7 +5,9 @@
 //! ([`crate::scene::movers`]) become overdue without a change of any list: this log tells which
 //! ones are, and how many. The others change their state ([`crate::scene::state`]).
 
-use casca_slots::{Slot, SlotSet};
+use casca_slots::Slot;
+
+use crate::scene::slot_bits::SlotBits;
 
 /// The last reports of objects that are reported on expiry.
 #[derive(Debug, Clone)]
@@ -14,15 +16,16 @@ pub(super) struct ReportLog {
     tick: u64,
     /// By slot: the tick of the last report, or 0.
     last: Vec<u64>,
-    /// Those listed in zones.
-    zoned: SlotSet,
+    /// Those listed in zones, and how many they are.
+    zoned: SlotBits,
+    count: usize,
     /// How many of these are overdue.
     overdue: usize,
 }
 
 impl Default for ReportLog {
     fn default() -> Self {
-        Self { tick: 1, last: Vec::new(), zoned: SlotSet::default(), overdue: 0 }
+        Self { tick: 1, last: Vec::new(), zoned: SlotBits::default(), count: 0, overdue: 0 }
     }
 }
 
@@ -30,7 +33,7 @@ impl ReportLog {
     /// The clock moves: no report tells where an object is any more.
     pub(super) fn clock_moved(&mut self) {
         self.tick += 1;
-        self.overdue = self.zoned.as_slice().len();
+        self.overdue = self.count;
     }
 
     /// An object is reported. Returns whether it is in a zone and was overdue.
@@ -60,21 +63,24 @@ impl ReportLog {
 
     /// An object is listed in a zone from now on.
     pub(super) fn enter_zone(&mut self, slot: Slot) {
-        if self.zoned.insert(slot) && !self.is_current(slot) {
-            self.overdue += 1;
+        if self.zoned.insert(slot) {
+            self.count += 1;
+            self.overdue += usize::from(!self.is_current(slot));
         }
     }
 
     /// An object is in no zone any more; nothing changes if it was in none.
     pub(super) fn leave_zone(&mut self, slot: Slot) {
-        if self.zoned.remove(slot) && !self.is_current(slot) {
-            self.overdue -= 1;
+        if self.zoned.remove(slot) {
+            self.count -= 1;
+            self.overdue -= usize::from(!self.is_current(slot));
         }
     }
 
     /// No object is in a zone any more.
     pub(super) fn leave_all_zones(&mut self) {
-        (self.zoned, self.overdue) = (SlotSet::default(), 0);
+        self.zoned.clear();
+        (self.count, self.overdue) = (0, 0);
     }
 
     /// How many objects in zones are overdue.
@@ -83,11 +89,11 @@ impl ReportLog {
         self.overdue
     }
 
-    /// The objects in zones that are overdue. Costs nothing if there are none, else a look at each
-    /// object in a zone that is reported on expiry.
+    /// The objects in zones that are overdue, in the order of slots. Costs nothing if there are
+    /// none, else a look at each object in a zone that is reported on expiry.
     pub(super) fn overdue(&self) -> impl Iterator<Item = Slot> {
-        let all = if self.overdue > 0 { self.zoned.as_slice() } else { &[] };
-        all.iter().copied().filter(|&slot| !self.is_current(slot))
+        let all = (self.overdue > 0).then(|| self.zoned.iter());
+        all.into_iter().flatten().filter(|&slot| !self.is_current(slot))
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -5,11 +5,12 @@ use std::collections::VecDeque;
 
 use casca_slots::Slot;
 
+use crate::scene::slot_bits::SlotBits;
+
 /// Sets of objects by the frame until which they rest.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Resting {
-    /// By slot, a bit for each.
-    bits: Vec<u64>,
+    slots: SlotBits,
     /// In the order of frames.
     queue: VecDeque<(u64, Slot)>,
 }
@@ -17,12 +18,7 @@ pub(super) struct Resting {
 impl Resting {
     /// An object rests until a frame, which comes no sooner than those of the calls before.
     pub(super) fn rest(&mut self, slot: Slot, until: u64) {
-        let (word, bit) = (slot.index() / 64, 1 << (slot.index() % 64));
-        if self.bits.len() <= word {
-            self.bits.resize(word + 1, 0);
-        }
-        if self.bits[word] & bit == 0 {
-            self.bits[word] |= bit;
+        if self.slots.insert(slot) {
             self.queue.push_back((until, slot));
         }
     }
@@ -31,17 +27,17 @@ impl Resting {
     pub(super) fn wake(&mut self, frame: u64) {
         while let Some(&(_, slot)) = self.queue.front().filter(|next| next.0 <= frame) {
             self.queue.pop_front();
-            self.bits[slot.index() / 64] &= !(1 << (slot.index() % 64));
+            self.slots.remove(slot);
         }
     }
 
     /// Whether the object in a slot rests, or one that had the slot before would.
     pub(super) fn contains(&self, slot: Slot) -> bool {
-        self.bits.get(slot.index() / 64).is_some_and(|word| word >> (slot.index() % 64) & 1 != 0)
+        self.slots.contains(slot)
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.bits.capacity() * size_of::<u64>() + self.queue.capacity() * size_of::<(u64, Slot)>()
+        self.slots.bytes() + self.queue.capacity() * size_of::<(u64, Slot)>()
     }
 }
 

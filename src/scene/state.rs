@@ -73,6 +73,8 @@ pub(super) struct Hidden {
     pub(super) queued: f64,
     /// The number of the frame in which the volume was made.
     pub(super) since: u64,
+    /// The time at which it was made.
+    pub(super) made: f64,
 }
 
 /// What happens to an object. The table of this module says which states it leads to.
@@ -119,7 +121,7 @@ mod tests {
     fn hidden(side: i32, queued: f64) -> Hidden {
         let cells = CellBox { lo: IVec3::ZERO, hi: IVec3::splat(side - 1) };
         let block = Block { min: DVec3::ZERO, max: DVec3::splat(f64::from(side)) };
-        Hidden { tbv: Tbv { cells, block, slack: 1.0 }, expires: 5.0, queued, since: 1 }
+        Hidden { tbv: Tbv { cells, block, slack: 1.0 }, expires: 5.0, queued, since: 1, made: 0.0 }
     }
 
     #[test]

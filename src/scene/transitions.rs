@@ -26,6 +26,9 @@ const WORTH_FRAMES: u64 = 32;
 /// application, too. One that did not last for so many frames costs more than these reports.
 const WORTH_ASKING: u64 = 8;
 
+/// A volume that lasted for so many seconds did last, however few frames there were.
+const WORTH_SECONDS: f64 = 0.25;
+
 /// For so many frames from then on it gets no volume.
 const REST: u64 = 256;
 
@@ -186,6 +189,7 @@ impl Scene {
         if let State::Hidden(hidden) = object.state()
             && object.on_expiry()
             && self.frame.saturating_sub(hidden.since) < WORTH_ASKING
+            && self.now - hidden.made < WORTH_SECONDS
             && self.zone_to_list(slot, &object.bounds).is_some()
         {
             self.resting.rest(slot, self.frame + REST);
@@ -294,7 +298,7 @@ impl Scene {
         };
         let tbv = Tbv::around(&self.grid, &block, distance, &self.viewers, border)?;
         let expires = earliest_arrival(self.now, tbv.room(&block), speed.unwrap_or(0.0));
-        Some(Hidden { tbv, expires, queued: f64::INFINITY, since: self.frame })
+        Some(Hidden { tbv, expires, queued: f64::INFINITY, since: self.frame, made: self.now })
     }
 
     /// Takes the volume of an object out of the matrices.

@@ -137,8 +137,15 @@ fn plain_hidden() -> World {
     World::hidden(false)
 }
 
-/// A world whose ball left its volume at once.
+/// A world whose ball could leave its volume at once.
 fn expired_soon() -> World {
+    let world = hidden();
+    let wall = world.hiding().tbv.block.max.x as f32;
+    world.update(wall - 0.55).begin(0.1)
+}
+
+/// A world in which the next frame after the first came late.
+fn expired_late() -> World {
     hidden().begin(100.0)
 }
 
@@ -166,7 +173,7 @@ fn put_off() -> World {
 fn every_call_changes_states_as_the_table_says() {
     /// Name, world before with the state of its ball, the call, and the state after it.
     type Row = (&'static str, fn() -> World, Kind, fn(World) -> World, Kind);
-    let table: [Row; 32] = [
+    let table: [Row; 33] = [
         ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
         ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
         ("begin: still no report", overdue, Overdue, |w| w.begin(2.0), Overdue),
@@ -186,6 +193,7 @@ fn every_call_changes_states_as_the_table_says() {
         ("update: expired, inside", expired, EXPIRED, |w| w.update(BEHIND), InVolume),
         ("update: expired, outside", expired, EXPIRED, |w| w.update(14.0), InVolume),
         ("update: expired, no volume fits", expired, EXPIRED, |w| w.update(2.5), Listed),
+        ("update: expired late, inside", expired_late, EXPIRED, |w| w.update(BEHIND), InVolume),
         ("update: expired soon, inside", expired_soon, EXPIRED, |w| w.update(BEHIND), Listed),
         (
             "update: expired soon, and unseen",

@@ -40,11 +40,8 @@ impl Rendered {
     /// An app with a scene; with the plugin if shadows are given.
     pub fn new(scene: Scene, shadows: Option<Shadows>) -> Result<Self, String> {
         let mut app = App::new();
-        let window = WindowPlugin {
-            primary_window: None,
-            exit_condition: ExitCondition::DontExit,
-            ..default()
-        };
+        let window =
+            WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
         let render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
         app.add_plugins(DefaultPlugins.set(window).set(render).disable::<LogPlugin>());
         if let Some(shadows) = shadows {
@@ -104,7 +101,8 @@ impl Rendered {
         let cascades = suns.iter(world).flat_map(|sun| sun.entities.values().flatten());
         let mut count: usize = cascades.map(|cascade| cascade.entities.len()).sum();
         let mut bulbs = world.query::<&CubemapVisibleEntities>();
-        count += bulbs.iter(world).flat_map(|bulb| bulb.iter()).map(|face| face.entities.len()).sum::<usize>();
+        count +=
+            bulbs.iter(world).flat_map(|bulb| bulb.iter()).map(|face| face.entities.len()).sum::<usize>();
         let mut spots = world.query::<&VisibleMeshEntities>();
         count + spots.iter(world).map(|spot| spot.entities.len()).sum::<usize>()
     }

@@ -50,7 +50,8 @@ impl Scene {
             Self::City => {
                 let height = 1.7 + (time * 0.7).sin().max(0.0) * 14.0;
                 let at = Vec3::new(time * 6.0 - 60.0, height, (time * 0.31).sin() * 1.2);
-                (at, Vec3::new((time * 0.4).cos(), -0.05, (time * 0.4).sin()))
+                let angle = (time * 0.4).sin() * 0.9;
+                (at, Vec3::new(angle.cos(), -0.05, angle.sin()))
             }
             Self::House => {
                 let at = Vec3::new(4.0 + 36.0 * (1.0 - (time * 0.2).cos()), 1.6, 0.3 * time.sin());
@@ -99,7 +100,9 @@ impl<'a> Set<'a> {
         };
         let mut add = |material| materials.add(material);
         let colors = (0..16)
-            .map(|_| add(StandardMaterial { base_color: color(&mut dice), perceptual_roughness: 0.8, ..default() }))
+            .map(|_| {
+                add(StandardMaterial { base_color: color(&mut dice), perceptual_roughness: 0.8, ..default() })
+            })
             .collect();
         let glass = add(StandardMaterial {
             base_color: Color::srgba(0.6, 0.8, 1.0, 0.3),
@@ -110,7 +113,13 @@ impl<'a> Set<'a> {
     }
 
     /// Spawns a mesh.
-    fn put(&mut self, mesh: &Handle<Mesh>, material: &Handle<StandardMaterial>, at: Vec3, size: Vec3) -> Entity {
+    fn put(
+        &mut self,
+        mesh: &Handle<Mesh>,
+        material: &Handle<StandardMaterial>,
+        at: Vec3,
+        size: Vec3,
+    ) -> Entity {
         let place = Transform::from_translation(at).with_scale(size);
         self.world.spawn((Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()), place)).id()
     }
