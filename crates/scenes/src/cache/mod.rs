@@ -37,6 +37,9 @@ const ABANDONED: Duration = Duration::from_secs(3600);
 /// Once the entries are larger than allowed, they are cut down to this share of it.
 const KEPT: f64 = 0.75;
 
+/// Tells the unfinished files of this process apart, also those of several caches in one folder.
+static FILES: AtomicUsize = AtomicUsize::new(0);
+
 /// A folder of prepared meshes. Threads share it by reference.
 #[derive(Debug)]
 pub struct MeshCache {
@@ -50,8 +53,6 @@ pub struct MeshCache {
     hits: AtomicUsize,
     misses: AtomicUsize,
     unwritten: AtomicUsize,
-    /// Tells the unfinished files of this process apart.
-    files: AtomicUsize,
 }
 
 /// How often a cache was asked, and what came of it.
@@ -82,7 +83,6 @@ impl MeshCache {
             hits: AtomicUsize::new(0),
             misses: AtomicUsize::new(0),
             unwritten: AtomicUsize::new(0),
-            files: AtomicUsize::new(0),
         })
     }
 
@@ -199,7 +199,7 @@ impl MeshCache {
     fn write(&self, path: &Path, mesh: &TriMesh) -> io::Result<()> {
         let mut bytes = Vec::new();
         mesh.write(&mut bytes)?;
-        let number = self.files.fetch_add(1, Ordering::Relaxed);
+        let number = FILES.fetch_add(1, Ordering::Relaxed);
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let unfinished = format!("{name}-{}-{number}{UNFINISHED}", std::process::id());
         let unfinished = self.folder.join(unfinished);
