@@ -1,4 +1,5 @@
-//! A city without a window: what Bevy's culling and casca leave to draw, and what they cost.
+//! A city without a window: how many entities Bevy's culling and casca leave to draw, and how long
+//! both take.
 //!
 //! `cargo run --release -p bevy_casca --example headless`, or with numbers of entities behind `--`.
 //!

@@ -22,7 +22,7 @@ use crate::{border, layers};
 type Managed = (With<InScene>, Without<NoCpuCulling>);
 type Unmanaged = (Without<InScene>, Without<NoCpuCulling>);
 
-/// A camera, and the list of what it sees.
+/// A camera with the list of entities that it sees.
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(crate) struct Cameras {

@@ -14,6 +14,12 @@ const FEW: usize = 64;
 /// Around the entities the grid has room for this share of its size.
 const ROOM: f32 = 0.1;
 
+/// A grid has this size at least, in world units: entities may all be in one point.
+const LEAST: f32 = 1e-3;
+
+/// The least side of a grid, as a share of the greatest: entities may all lie in a plane.
+const FLATTEST: f32 = 0.01;
+
 /// A grid around boxes in world space. `None` without boxes, or if none suits them.
 pub(crate) fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
     let stray = if boxes.len() < FEW { 0 } else { (boxes.len() as f64 * STRAY) as usize };
@@ -28,8 +34,8 @@ pub(crate) fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
     let (min, max) = (Vec3::from(min), Vec3::from(max));
     // Where many are far larger than others, sides may cross.
     let (min, max) = (min.min(max), min.max(max));
-    let size = (max - min).max_element().max(1e-3);
-    let room = (max - min).max(Vec3::splat(size * 0.01)) * ROOM;
+    let size = (max - min).max_element().max(LEAST);
+    let room = (max - min).max(Vec3::splat(size * FLATTEST)) * ROOM;
     GridSpec::fit(Aabb::new(min - room, max + room), boxes.len()).ok()
 }
 

@@ -17,11 +17,11 @@
 //!
 //! 1. entities with `Mesh3d`, `Aabb` and `GlobalTransform` are brought up to date in a
 //!    [`casca::Scene`] ([`CascaSystems::Sync`]);
-//! 2. each active camera asks it what it can see ([`CascaSystems::Cameras`]). What is in that set
-//!    passes Bevy's own test besides, so that no set is larger than Bevy's;
-//! 3. each light with shadows asks what it shines on ([`CascaSystems::Lights`]);
-//! 4. what nobody sees waits in volumes that cost nothing until they come into sight
-//!    ([`CascaSystems::End`]).
+//! 2. each active camera queries the scene ([`CascaSystems::Cameras`]). Entities that the query
+//!    finds must pass Bevy's own test, too, so that no set is larger than Bevy's;
+//! 3. each light with shadows queries the scene for its shadow maps ([`CascaSystems::Lights`]);
+//! 4. moving entities that no camera sees are put into volumes, which cost nothing until they come
+//!    into sight ([`CascaSystems::End`]).
 //!
 //! All else is culled as Bevy does it, by the same tests: sprites, lights (also with a mesh),
 //! entities without `Aabb`, with `NoFrustumCulling`, `VisibilityRange` or morph targets, skinned
@@ -40,8 +40,8 @@
 //!
 //! - An entity hides others from the frame on in which its mesh is prepared, also while the
 //!   renderer still compiles the pipeline that draws it: behind it there may be nothing until then.
-//! - What is drawn in front of what hides it needs [`NoOcclusionCulling`]: materials that ignore
-//!   depth, and vertices that a shader moves out of the `Aabb`.
+//! - Entities that are drawn over nearer ones need [`NoOcclusionCulling`]: their materials ignore
+//!   depth, or a shader moves their vertices out of the `Aabb`.
 #![deny(missing_docs)]
 
 mod border;

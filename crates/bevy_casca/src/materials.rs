@@ -16,8 +16,8 @@ pub enum Surface {
     /// One may see through it, or it is not known whether: it hides nothing.
     #[default]
     Unknown,
-    /// Nothing can be seen through it, and its depth is that of the mesh: it hides what is behind
-    /// it. It also casts the shadow of the mesh, or none.
+    /// One cannot see through it, and its depth is that of the mesh: it hides entities behind it.
+    /// It also casts the shadow of the mesh, or none.
     Opaque(Opaque),
     /// It is drawn before things that are nearer, as with a depth bias: nothing hides it.
     InFront,
@@ -26,9 +26,9 @@ pub enum Surface {
 /// Lets the entities with materials of a kind hide others, and knows which ones nothing hides.
 ///
 /// `C` is the component that holds the material: with Bevy's own
-/// `MeshMaterial3d<StandardMaterial>`. The rule says what a material is, and is asked again
-/// when one changes. [`standard_materials!`](crate::standard_materials) has the one for Bevy's
-/// standard material.
+/// `MeshMaterial3d<StandardMaterial>`. The rule is called for each material of an entity, and
+/// again when the material changes. [`standard_materials!`](crate::standard_materials) has the
+/// rule for Bevy's standard material.
 ///
 /// ```ignore
 /// // Opaque, and drawn from its front only: see the pipeline of the material.

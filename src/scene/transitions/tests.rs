@@ -27,6 +27,8 @@ const REVEALED: Kind = Unlocated { volume: false };
 const BEFORE: f32 = 5.5;
 const BEHIND: f32 = 20.0;
 const OUTSIDE: f32 = 40.0;
+/// Seconds in which the ball hardly moves.
+const MOMENT: f64 = 1e-6;
 
 /// A wall that parts the grid, and a ball.
 struct World {
@@ -150,7 +152,7 @@ fn expired_late() -> World {
 }
 
 fn expired() -> World {
-    let frames = (1..=WORTH_ASKING).map(|frame| frame as f64 * 1e-6);
+    let frames = (1..=WORTH_ASKING).map(|frame| frame as f64 * MOMENT);
     frames.fold(hidden(), World::begin).begin(100.0)
 }
 

@@ -1,4 +1,4 @@
-//! Generated scenes, the same in each run: what is in them, how it moves, and the way of the camera.
+//! Generated scenes, the same in each run: entities, their motion, and the way of the camera.
 
 use std::f32::consts::{PI, TAU};
 
