@@ -44,6 +44,17 @@ pub(crate) fn holds(outer: &casca::Aabb, inner: &casca::Aabb) -> bool {
     outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all()
 }
 
+/// After a shift of the origin a place has the roundings of the one before it, of the shift, and of
+/// the parents of an entity: each of half an epsilon of the greatest coordinate. This is for some
+/// thirty of them; what differs by more counts as moved.
+const SHIFT_ROUNDING: f32 = 16.0 * f32::EPSILON;
+
+/// Whether two transforms are the same but for the rounding of a shift of the origin.
+pub(crate) fn is_shifted(a: &glam::Affine3A, b: &glam::Affine3A, shift: Vec3) -> bool {
+    let size = b.translation.abs().max_element() + shift.abs().max_element();
+    a.matrix3 == b.matrix3 && (a.translation - b.translation).abs().max_element() <= size * SHIFT_ROUNDING
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,7 +14,6 @@ use bevy_utils::{Parallel, TypeIdHashMap};
 use casca::{Method, View};
 
 use crate::candidate::{Candidate, CandidateItem, Viewer};
-use crate::run::run_all;
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
 use crate::{border, layers};
@@ -89,11 +88,11 @@ pub(crate) fn check_cameras(
         unmanaged
             .par_iter_mut()
             .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item));
-        match (casca.cameras.get(&camera.entity), &casca.scene) {
-            (Some(query), Some(scene)) => {
+        match (casca.cameras.pvs(camera.entity), &casca.scene) {
+            (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
                 let mut seen = 0;
-                for &id in query.pvs().visible() {
+                for &id in pvs.visible() {
                     let entity = scene.user_data(id).ok().and_then(Entity::try_from_bits);
                     if let Some(item) = entity.and_then(|entity| managed.get_mut(entity).ok()) {
                         seen += usize::from(note(&mut queue, item));
@@ -144,7 +143,7 @@ impl CamerasReadOnlyItem<'_, '_> {
 fn run(casca: &mut CascaScene, settings: &CascaSettings, views: &[(Entity, View)]) {
     let culls = settings.enabled && !matches!(settings.method, Method::Frustum);
     match casca.scene.as_ref().filter(|_| culls) {
-        Some(scene) => run_all(scene, &mut casca.cameras, settings, views),
+        Some(scene) => casca.cameras.run(scene, settings, views),
         None => casca.cameras.clear(),
     }
 }
@@ -153,8 +152,8 @@ fn run(casca: &mut CascaScene, settings: &CascaSettings, views: &[(Entity, View)
 pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
     let start = Instant::now();
     let CascaScene { scene: Some(scene), cameras, suns, lamps, counts, .. } = &mut *casca else { return };
-    let queries = cameras.values().chain(suns.values()).chain(lamps.values());
+    let lights = suns.values().chain(lamps.values());
     // All sets are of this scene and frame. Would one be refused, hidden entities only cost more.
-    let _ = scene.end_frame(queries.map(casca::Query::pvs));
+    let _ = scene.end_frame(cameras.all().chain(lights.map(casca::Query::pvs)));
     counts.time += start.elapsed();
 }

@@ -49,6 +49,9 @@ mod cameras;
 mod candidate;
 mod casters;
 mod diagnostics;
+mod eyes;
+#[cfg(feature = "gizmos")]
+mod gizmos;
 mod grid;
 mod lamps;
 mod layers;
@@ -59,12 +62,15 @@ mod plugin;
 mod run;
 mod scene;
 mod settings;
+mod stored;
 mod suns;
 mod sync;
 mod systems;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
+#[cfg(feature = "gizmos")]
+pub use gizmos::{CascaGizmos, CascaGizmosPlugin};
 pub use materials::{MaterialsPlugin, Surface};
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};

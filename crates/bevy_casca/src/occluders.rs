@@ -1,6 +1,5 @@
 //! Meshes that hide others: prepared once in the background, and shared by all entities with them.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use bevy_asset::{AssetId, Assets};
@@ -9,10 +8,11 @@ use bevy_mesh::{Mesh, PrimitiveTopology, VertexAttributeValues};
 use bevy_platform::collections::HashMap;
 use bevy_tasks::futures::check_ready;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
+use casca::TriMesh;
 use casca::glam::Vec3;
-use casca::{Facing, MeshOptions, TriMesh};
 
-use crate::settings::Opaque;
+use crate::settings::{CascaSettings, Opaque};
+use crate::stored::Stored;
 
 /// A mesh, and the sides from which it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -45,6 +45,7 @@ pub(crate) struct Occluders {
     preparing: Vec<Key>,
     /// Meshes of which only the graphics processor has a copy.
     pub(crate) unreadable: usize,
+    stored: Stored,
 }
 
 impl Occluders {
@@ -68,7 +69,10 @@ impl Occluders {
                 Some((positions, triangles)) => {
                     self.preparing.push(key);
                     let pool = AsyncComputeTaskPool::get_or_init(Default::default);
-                    State::Preparing(pool.spawn(async move { prepare(positions, triangles, key.sides) }))
+                    let stored = self.stored.clone();
+                    State::Preparing(
+                        pool.spawn(async move { stored.prepare(positions, triangles, key.sides) }),
+                    )
                 }
                 None => State::Useless,
             };
@@ -77,6 +81,11 @@ impl Occluders {
             State::Ready(mesh) => Some(mesh.clone()),
             _ => None,
         }
+    }
+
+    /// Meshes that are asked for from now on are stored where the settings say.
+    pub(crate) fn store(&mut self, settings: &CascaSettings) {
+        self.stored.follow(settings);
     }
 
     /// An entity does not need the mesh any more.
@@ -143,15 +152,6 @@ fn triangles(mesh: &Mesh, most: usize) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
     Some((positions.iter().map(|&p| p.into()).collect(), triangles))
 }
 
-fn prepare(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, sides: Opaque) -> Option<TriMesh> {
-    let facing = match sides {
-        Opaque::Front => Facing::Front,
-        Opaque::Both => Facing::Both,
-    };
-    let how = MeshOptions::default().facing(facing);
-    TriMesh::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(())).ok()
-}
-
 #[cfg(test)]
 mod tests {
     use casca::glam::{Affine3A, UVec3};
@@ -164,7 +164,8 @@ mod tests {
         let cube = Mesh::from(bevy_shape::Cuboid::new(1.0, 1.0, 1.0));
         let (positions, corners) = triangles(&cube, 100).unwrap();
         for sides in [Opaque::Front, Opaque::Both] {
-            let mesh = Arc::new(prepare(positions.clone(), corners.clone(), sides).unwrap());
+            let mesh = Stored::default().prepare(positions.clone(), corners.clone(), sides).unwrap();
+            let mesh = Arc::new(mesh);
             assert!(mesh.is_closed());
             let mut scene =
                 Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();

@@ -24,18 +24,17 @@ pub(crate) fn run_all<K: Eq + Hash + Copy + Send, S: BuildHasher + Default>(
             jobs.push((*key, query, view));
         }
     }
-    if jobs.len() < 2 || !settings.parallel {
-        for (_, query, view) in &mut jobs {
-            query.run(scene, view);
-        }
-    } else {
-        ComputeTaskPool::get_or_init(Default::default).scope(|scope| {
-            for (_, query, view) in &mut jobs {
-                scope.spawn(async move {
-                    query.run(scene, view);
-                });
-            }
-        });
-    }
+    each(&mut jobs, settings.parallel, |(_, query, view)| _ = query.run(scene, view));
     queries.extend(jobs.into_iter().map(|(key, query, _)| (key, query)));
+}
+
+/// Does something to each, in parallel if there are several.
+pub(crate) fn each<T: Send>(all: &mut [T], parallel: bool, does: impl Fn(&mut T) + Sync) {
+    if all.len() < 2 || !parallel {
+        return all.iter_mut().for_each(does);
+    }
+    let does = &does;
+    ComputeTaskPool::get_or_init(Default::default).scope(|scope| {
+        all.iter_mut().for_each(|one| scope.spawn(async move { does(one) }));
+    });
 }

@@ -7,10 +7,14 @@ use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use bevy_math::Vec3;
 use casca::{ObjectId, Scene};
 
+use crate::eyes::Eyes;
 use crate::lights::Queries;
 use crate::occluders::{Key, Occluders};
+#[cfg(doc)]
+use crate::settings::CascaSettings;
 
 /// The entities as casca sees them: a [`casca::Scene`], and the queries of cameras.
 ///
@@ -19,7 +23,7 @@ use crate::occluders::{Key, Occluders};
 pub struct CascaScene {
     pub(crate) scene: Option<Scene>,
     pub(crate) occluders: Occluders,
-    pub(crate) cameras: EntityHashMap<casca::Query>,
+    pub(crate) cameras: Eyes,
     /// Of the cascades of directional lights.
     pub(crate) suns: Queries,
     /// Of point lights and spot lights.
@@ -33,6 +37,8 @@ pub struct CascaScene {
     /// Entities that move, and the frame from which on each counts as still if it stays.
     pub(crate) movers: EntityHashMap<u32>,
     pub(crate) counts: Counts,
+    /// How far the origin was moved since the scene was brought up to date.
+    pub(crate) shifted: Option<Vec3>,
     pub(crate) frame: u32,
     /// The frame in which the grid was made.
     pub(crate) grid_made: u32,
@@ -55,8 +61,19 @@ impl CascaScene {
 
     /// What a camera may see of the entities in the scene, found in this frame. `None` if it is
     /// culled by frustum only.
-    pub fn camera(&self, entity: Entity) -> Option<&casca::Query> {
-        self.cameras.get(&entity)
+    pub fn seen_by(&self, camera: Entity) -> Option<&casca::Pvs> {
+        self.cameras.pvs(camera)
+    }
+
+    /// The query of a camera, for questions about anything in its view: see
+    /// [`casca::Query::sight`]. `None` if it is culled by frustum only, or keeps its results.
+    pub fn camera(&self, camera: Entity) -> Option<&casca::Query> {
+        self.cameras.fresh(camera)
+    }
+
+    /// The query of a camera that [keeps its results](CascaSettings::kept).
+    pub fn kept_camera(&self, camera: Entity) -> Option<&casca::KeptQuery> {
+        self.cameras.kept(camera)
     }
 
     /// Takes out of the scene what is not in it any more.
@@ -67,6 +84,17 @@ impl CascaScene {
             // An id of an earlier grid names nothing any more.
             let _ = self.scene.as_mut().map(|scene| scene.remove(id));
         }
+    }
+
+    /// Follows a program that moves the origin of its world to `offset`, as for worlds that are too
+    /// large for single precision. Call it in the frame in which transforms change by `-offset`,
+    /// before `PostUpdate`.
+    ///
+    /// Costs as taking all entities over again. What the call does not hold for counts as having
+    /// moved: entities that stay where they were, all of them if the call is missing or too late, or
+    /// if the offset is too large. They hide nothing for [`CascaSettings::still_after`] frames.
+    pub fn shift_origin(&mut self, offset: Vec3) {
+        self.shifted = Some(self.shifted.unwrap_or_default() + offset);
     }
 
     /// The number of meshes that are prepared to hide.

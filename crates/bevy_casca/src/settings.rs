@@ -3,7 +3,7 @@
 use bevy_asset::Handle;
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
-use casca::{GridSpec, Method};
+use casca::{GridSpec, KeptOptions, Method};
 
 /// How entities are culled. Change it at any time; it counts from the next frame on.
 ///
@@ -36,6 +36,17 @@ pub struct CascaSettings {
     pub most_triangles: usize,
     /// Whether views are examined in parallel, by Bevy's compute tasks. Default: true.
     pub parallel: bool,
+    /// Cameras keep what they find, and answer many frames from it; compute tasks find the next
+    /// result in time: see [`casca::KeptQuery`]. Sets are larger. Costs a copy of the scene for
+    /// each camera, and it pays where large things hide much and few things move. Needs
+    /// [`Method::Point`]; other methods find sets anew in each frame. Default: `None`, which does
+    /// so too.
+    pub kept: Option<KeptOptions>,
+    /// A folder of prepared meshes, made if it is missing: with it, a program prepares only meshes
+    /// that no earlier run did. Whoever can write there can make things hide others. Default:
+    /// `None`.
+    #[cfg(feature = "cache")]
+    pub cache: Option<std::path::PathBuf>,
     /// The grid; `None` makes one that suits the entities, and another one when they outgrow it.
     /// Counts from the next grid on. Default: `None`.
     pub grid: Option<GridSpec>,
@@ -51,6 +62,9 @@ impl Default for CascaSettings {
             most_new: 1 << 14,
             most_triangles: 200_000,
             parallel: true,
+            kept: None,
+            #[cfg(feature = "cache")]
+            cache: None,
             grid: None,
         }
     }

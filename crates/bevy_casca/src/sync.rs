@@ -15,6 +15,7 @@ use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use bevy_light::NotShadowCaster;
 use bevy_log::warn_once;
+use bevy_math::Vec3;
 use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Mesh, Mesh3d};
@@ -156,19 +157,24 @@ pub(crate) fn sync(
         });
         return;
     }
-    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, counts, fresh, .. } = casca
+    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, shifted, counts, fresh, .. } =
+        casca
     else {
         return;
     };
     // The clock only has to run.
     let _ = scene.begin_frame(f64::from(*frame) / 60.0);
     let mut look = Vec::new();
+    let shifted = shifted.take().inspect(|_| look.extend(&candidates.all));
+    // If it is refused, all have moved.
+    let shifted = shifted.filter(|by| scene.shift_origin(border::vec3(*by)).is_ok());
     for event in events.iter_mut().flat_map(|events| events.read()) {
         if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
             occluders.changed(*id, &mut look);
         }
     }
     occluders.poll(&mut look);
+    occluders.store(&settings);
     look.extend(&candidates.changed);
     candidates.extend_removed(&mut look);
     let rested = movers.iter().filter(|(_, at)| **at <= *frame).map(|(entity, _)| *entity);
@@ -178,7 +184,7 @@ pub(crate) fn sync(
     look.sort_unstable();
     look.dedup();
     let (frame, settings, meshes) = (*frame, &*settings, &*meshes);
-    let mut sync = Sync { scene, occluders, movers, farthest, frame, settings, meshes };
+    let mut sync = Sync { scene, occluders, movers, farthest, frame, shifted, settings, meshes };
     for &entity in &look {
         let Ok(mut item) = managed.get_mut(entity) else { continue };
         match sync.bring_up_to_date(&mut item) {
@@ -261,6 +267,7 @@ struct Sync<'a> {
     movers: &'a mut EntityHashMap<u32>,
     farthest: &'a mut f32,
     frame: u32,
+    shifted: Option<Vec3>,
     settings: &'a CascaSettings,
     meshes: &'a Assets<Mesh>,
 }
@@ -306,7 +313,11 @@ impl Sync<'_> {
         let Some(known) = item.known.as_deref() else { return Ok(None) };
         let id = known.id;
         let transform = border::affine(&item.transform.affine());
-        let moved = self.scene.transform(id)? != Some(transform);
+        let before = self.scene.transform(id)?;
+        let shifted =
+            |before: &_| self.shifted.is_some_and(|shift| border::is_shifted(before, &transform, shift));
+        let differs = before != Some(transform);
+        let moved = differs && !before.as_ref().is_some_and(shifted);
         let rested = self.movers.get(&item.entity).is_none_or(|at| *at <= self.frame);
         let moves = moved || item.skinned || known.moves && !rested;
         let key = self.key(item, moves);
@@ -321,7 +332,7 @@ impl Sync<'_> {
             return self.put(item, moves, patience).map(Some);
         }
         let layers = layers_of(item);
-        if moved {
+        if differs {
             self.scene.set_transform(id, transform)?;
         }
         if moved && !item.skinned {

@@ -139,3 +139,64 @@ fn a_world_that_moves_its_origin_loses_nothing() {
     }
     assert!(hidden[20] > 1000 && hidden[119] > 1000, "{hidden:?}");
 }
+
+#[test]
+fn who_is_told_of_a_new_origin_goes_on_hiding() {
+    let rig = 900_000;
+    let mut pair = Pair::new(|world| {
+        (0..3).for_each(|n| page(world, n));
+        spawn_camera(world, CAMERA, Transform::from_xyz(-10.0, 1.5, 0.0).looking_to(Vec3::X, Vec3::Y));
+        // One with a child, turned and scaled: its place has other roundings.
+        let turn = Transform::from_xyz(33.3, 2.0, 4.7).with_scale(Vec3::new(0.7, 1.3, 0.9));
+        let parent = spawn_box(world, rig, Vec3::ZERO, Vec3::ONE);
+        *world.get_mut(parent).unwrap() = turn.looking_to(Vec3::new(1.0, 0.3, 0.2), Vec3::Y);
+        let child = spawn_box(world, rig + 1, Vec3::new(0.3, 1.1, 0.77), Vec3::splat(0.4));
+        world.entity_mut(child).insert(ChildOf(parent));
+        // One that stays where it is when all else is moved: first before the camera, later behind
+        // a wall.
+        spawn_box(world, rig + 2, Vec3::new(-9.0, 1.5, 0.0), Vec3::splat(0.1));
+    });
+    let moving = |pair: &mut Pair| {
+        let world = pair.ours.world_mut();
+        let mut all = world.query::<(&Nr, &InScene)>();
+        let moves = all.iter(world).filter(|(_, known)| known.moves());
+        moves.map(|(nr, _)| nr.0).collect::<Vec<_>>()
+    };
+    let mut before = 0;
+    for frame in 0..90 {
+        let by = if frame == 30 { 700.25 } else { -1234.567 };
+        let is_shift = frame == 30 || frame == 60;
+        let (ours, bevys) = pair.frame(|world| {
+            if let Some(mut casca) = world.get_resource_mut::<CascaScene>().filter(|_| is_shift) {
+                casca.shift_origin(Vec3::new(by, 0.0, 0.0));
+            }
+            if is_shift {
+                let mut all = world.query_filtered::<(&Nr, &mut Transform), Without<ChildOf>>();
+                let moved = all.iter_mut(world).filter(|(nr, _)| nr.0 != rig + 2);
+                moved.for_each(|(_, mut at)| at.translation.x -= by);
+            }
+        });
+        let hidden = bevys[&CAMERA].len() - ours[&CAMERA].len();
+        let stays = if is_shift { vec![rig + 2] } else { vec![] };
+        if is_shift {
+            assert_eq!(moving(&mut pair), stays, "frame {frame}");
+            assert!(hidden > 1000 && hidden + 2 > before, "frame {frame}: {hidden} of {before}");
+        }
+        if frame % 15 == 0 || is_shift {
+            let camera = eye(&mut pair.ours, CAMERA);
+            judge(&mut pair.ours, &camera, &ours[&CAMERA]);
+        }
+        before = hidden;
+    }
+    // A shift that nobody can follow: all have moved, and none is lost.
+    let (ours, _) = pair.frame(|world| {
+        if let Some(mut casca) = world.get_resource_mut::<CascaScene>() {
+            casca.shift_origin(Vec3::new(f32::NAN, 0.0, 0.0));
+        }
+        let mut all = world.query_filtered::<&mut Transform, Without<ChildOf>>();
+        all.iter_mut(world).for_each(|mut at| at.translation.y += 5.0);
+    });
+    let camera = eye(&mut pair.ours, CAMERA);
+    judge(&mut pair.ours, &camera, &ours[&CAMERA]);
+    assert!(moving(&mut pair).len() > 2000);
+}

@@ -4,7 +4,7 @@ mod common;
 
 use bevy_asset::Handle;
 use bevy_camera::visibility::VisibleEntities;
-use bevy_casca::casca::{self, Method};
+use bevy_casca::casca::{self, KeptOptions, Method};
 use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque};
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
@@ -53,7 +53,7 @@ fn check(pair: &mut Pair, frame: u32, change: impl Fn(&mut World), every: u32) -
     let camera = entity(world, CAMERA);
     // The set of the library for this camera, and Bevy's, are ours.
     let scene = world.resource::<CascaScene>();
-    let found = scene.camera(camera).expect("the camera has occlusion").pvs();
+    let found = scene.seen_by(camera).expect("the camera has occlusion");
     let number = |id: &casca::ObjectId| {
         let bits = scene.scene().unwrap().user_data(*id).unwrap();
         world.get::<Nr>(Entity::from_bits(bits)).unwrap().0
@@ -91,6 +91,53 @@ fn a_walk_through_a_city() {
     }
     println!("{} entities of Bevy's set are hidden in a frame", hidden as f32 / FRAMES as f32);
     assert!(hidden > 100 * FRAMES as usize, "little is hidden: {hidden}");
+}
+
+#[test]
+fn a_walk_with_kept_results() {
+    let mut pair = Pair::new(|world| {
+        city(world);
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.0).looking_to(Vec3::X, Vec3::Y));
+    });
+    let kept = Some(KeptOptions::new().reach(0.5).turn(0.2));
+    pair.ours.world_mut().resource_mut::<CascaSettings>().kept = kept;
+    let mut hidden = 0;
+    for frame in 0..FRAMES {
+        let t = frame as f32 / FRAMES as f32;
+        let at = Vec3::new(-12.0, 1.7, -40.0 + 12.0 * t);
+        let to = at + Vec3::new((t * 4.0).cos(), 0.0, (t * 4.0).sin());
+        // A house goes, and another one comes.
+        let change = |world: &mut World| {
+            look(world, at, to);
+            if frame == 100 {
+                let house = entity(world, 80);
+                world.despawn(house);
+                opaque(world, 50_000, Vec3::new(-12.0, 4.0, -10.0), Vec3::new(5.0, 8.0, 1.0));
+            }
+        };
+        hidden += check(&mut pair, frame, change, 6);
+    }
+    let world = pair.ours.world_mut();
+    let camera = entity(world, CAMERA);
+    let casca = world.resource::<CascaScene>();
+    assert!(casca.camera(camera).is_none());
+    let found = casca.kept_camera(camera).unwrap().refreshes();
+    println!(
+        "{found} of {FRAMES} frames waited; {} entities are hidden in a frame",
+        hidden as f32 / FRAMES as f32
+    );
+    assert!(found < u64::from(FRAMES) / 4, "{found} results were found in frames that waited for them");
+    assert!(hidden > 100 * FRAMES as usize, "little is hidden: {hidden}");
+    // From one kind of query to the other, and back.
+    for kept in [None, kept, None] {
+        pair.ours.world_mut().resource_mut::<CascaSettings>().kept = kept;
+        check(&mut pair, FRAMES, |_| {}, 1);
+        let casca = pair.ours.world().resource::<CascaScene>();
+        assert_eq!(
+            (casca.camera(camera).is_some(), casca.kept_camera(camera).is_some()),
+            (kept.is_none(), kept.is_some())
+        );
+    }
 }
 
 #[test]

@@ -8,9 +8,9 @@ use casca::{
     Aabb, Bounds, Error, GridSpec, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere,
     TriMesh, View,
 };
+use casca_cache::MeshCache;
 use glam::{Affine3A, UVec3, Vec3};
 
-use crate::cache::MeshCache;
 use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
 
 /// An object as the scene is told of it: its id, its bounds, and its occluder if it has one.

@@ -7,13 +7,11 @@
 //! - [`import`]: scenes from glTF 2.0 files.
 //! - [`export`]: scenes written as such files.
 //! - [`lit`]: scenes with materials and lights.
-//! - [`cache`]: a folder of prepared meshes, found by their content.
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`measure`]: what benches and the laboratory share.
 //! - [`name`]: a scene on a command line, by its name or file.
 //! - [`random`]: random numbers from a seed.
 
-pub mod cache;
 pub mod drive;
 pub mod export;
 #[cfg(feature = "fur")]

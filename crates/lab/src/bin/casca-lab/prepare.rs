@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{FileError, MeshOptions, TriMesh};
-use casca_scenes::cache::MeshCache;
+use casca_cache::MeshCache;
 use casca_scenes::import;
 use casca_scenes::measure::timed_by_wall;
 use casca_scenes::world::{Mesh, Shape};

@@ -6,7 +6,7 @@ mod measured;
 
 use std::path::PathBuf;
 
-use casca_scenes::cache::MeshCache;
+use casca_cache::MeshCache;
 use casca_stage::command_line::PathError;
 use clap::{Arg, Args};
 

@@ -9,6 +9,30 @@
 //!
 //! Whoever can write into the folder can make meshes hide what their triangles do not: it is as
 //! trusted as the program.
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//!
+//! use casca::MeshOptions;
+//! use casca::glam::Vec3;
+//! use casca_cache::MeshCache;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let folder = std::env::temp_dir().join(format!("casca-cache-{}", std::process::id()));
+//! let cache = MeshCache::new(&folder)?.limit(64 << 20);
+//! for _ in 0..2 {
+//!     let (positions, triangles) = (vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
+//!     let how = MeshOptions::default();
+//!     let mesh = cache.prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(()))?;
+//!     assert_eq!(mesh.triangles().len(), 1);
+//! }
+//! assert_eq!((cache.counts().misses, cache.counts().hits), (1, 1));
+//! # std::fs::remove_dir_all(folder)?;
+//! # Ok(())
+//! # }
+//! ```
+
+#![deny(missing_docs)]
 
 #[cfg(test)]
 mod tests;
@@ -21,8 +45,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, SystemTime};
 
+use casca::glam::Vec3;
 use casca::{Error, MeshOptions, TriMesh};
-use glam::Vec3;
 
 /// What names of entries end with, and those of files that become entries.
 const ENTRY: &str = ".casca";

@@ -1,19 +1,15 @@
 //! Renders scenes by Bevy with and without `bevy_casca`, and compares the pictures in every pixel.
 //!
-//! `cargo run -- --frames 20`, with Rust 1.97.1 or newer. Any graphics adapter will do, also one in
+//! `cargo run --bin pixels -- --frames 20`, with Rust 1.97.1 or newer. Any graphics adapter will do, also one in
 //! software. Both apps draw the same frames. What differs is written as two PNG files.
-
-mod rendered;
-mod scenes;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use bevy_casca::Shadows;
+use bevy_casca::{CascaSettings, Shadows};
+use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH};
+use bevy_casca_rendered::scenes::Scene;
 use clap::Parser;
-
-use crate::rendered::{HEIGHT, Rendered, WIDTH};
-use crate::scenes::Scene;
 
 /// Renders scenes by Bevy with and without bevy_casca, and compares all pixels.
 #[derive(Parser)]
@@ -50,11 +46,12 @@ fn main() -> ExitCode {
 
 /// Renders a scene twice. Returns the number of pictures that differ.
 fn compare(scene: Scene, shadows: Shadows, frames: u32, out: Option<&Path>) -> Result<u32, String> {
-    let (mut casca, mut bevy) = (Rendered::new(scene, Some(shadows))?, Rendered::new(scene, None)?);
+    let settings = CascaSettings { shadows, ..CascaSettings::default() };
+    let (mut casca, mut bevy) = (Rendered::new(scene, Some(settings))?, Rendered::new(scene, None)?);
     let (mut pictures, mut pixels, mut greatest) = (0, 0, 0);
     let mut counts = [[0; 2]; 2];
     for frame in 0..frames {
-        let (with, without) = (casca.picture(frame)?, bevy.picture(frame)?);
+        let (with, without) = (casca.picture(scene, frame)?, bevy.picture(scene, frame)?);
         let differ = with.chunks(4).zip(without.chunks(4)).filter(|(a, b)| a != b).count();
         let most = with.iter().zip(&without).map(|(a, b)| a.abs_diff(*b)).max();
         pictures += u32::from(differ > 0);

@@ -12,10 +12,11 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::TextureFormat;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::window::ExitCondition;
-use bevy_casca::{CascaPlugin, CascaScene, CascaSettings, Shadows, standard_materials};
+use bevy_casca::{CascaPlugin, CascaScene, CascaSettings, standard_materials};
 
 use crate::scenes::{Moves, Scene};
 
@@ -31,22 +32,32 @@ const MOST_UPDATES: u32 = 400;
 
 pub struct Rendered {
     app: App,
-    scene: Scene,
     target: Handle<Image>,
     camera: Entity,
 }
 
 impl Rendered {
-    /// An app with a scene; with the plugin if shadows are given.
-    pub fn new(scene: Scene, shadows: Option<Shadows>) -> Result<Self, String> {
+    /// An app with what a function spawns, and a camera; with the plugin if there are settings.
+    ///
+    /// # Errors
+    /// Without a graphics adapter Bevy ends the program; otherwise there are none yet.
+    pub fn with(
+        settings: Option<CascaSettings>,
+        fill: impl FnOnce(&mut World),
+        eye: Transform,
+    ) -> Result<Self, String> {
         let mut app = App::new();
         let window =
             WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
         let render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
-        app.add_plugins(DefaultPlugins.set(window).set(render).disable::<LogPlugin>());
-        if let Some(shadows) = shadows {
+        let plugins = DefaultPlugins.set(window).set(render).disable::<LogPlugin>();
+        #[cfg(feature = "window")]
+        let plugins = plugins.disable::<bevy::winit::WinitPlugin>();
+        // Frames are timed by parts.
+        app.add_plugins(plugins.disable::<PipelinedRenderingPlugin>());
+        if let Some(settings) = settings {
             app.add_plugins((CascaPlugin, standard_materials!(bevy::pbr)));
-            app.insert_resource(CascaSettings { shadows, ..default() });
+            app.insert_resource(settings);
         }
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
@@ -55,30 +66,51 @@ impl Rendered {
         app.cleanup();
         let picture = Image::new_target_texture(WIDTH, HEIGHT, TextureFormat::Rgba8UnormSrgb, None);
         let target = app.world_mut().resource_mut::<Assets<Image>>().add(picture);
-        scene.fill(app.world_mut());
-        let eye = (
+        fill(app.world_mut());
+        let camera = (
             Camera3d::default(),
             RenderTarget::Image(target.clone().into()),
             Msaa::Off,
             Tonemapping::Reinhard,
+            eye,
         );
-        let camera = app.world_mut().spawn((eye, scene.eye(0.0))).id();
+        let camera = app.world_mut().spawn(camera).id();
+        Ok(Self { app, target, camera })
+    }
+
+    /// An app with a scene. Frames have been drawn until all meshes are prepared.
+    ///
+    /// # Errors
+    /// As [`Rendered::with`].
+    pub fn new(scene: Scene, settings: Option<CascaSettings>) -> Result<Self, String> {
+        let mut rendered = Self::with(settings, |world| scene.fill(world), scene.eye(0.0))?;
         for _ in 0..WARM_UP {
-            app.update();
+            rendered.app.update();
         }
-        Ok(Self { app, scene, target, camera })
+        Ok(rendered)
     }
 
     /// Moves everything to where it is in a frame, and gives the picture of the first frame with it.
-    pub fn picture(&mut self, frame: u32) -> Result<Vec<u8>, String> {
-        let time = frame as f32 * self.scene.step();
+    ///
+    /// # Errors
+    /// If no picture comes.
+    pub fn picture(&mut self, scene: Scene, frame: u32) -> Result<Vec<u8>, String> {
+        let time = frame as f32 * scene.step();
         let world = self.app.world_mut();
         let mut movers = world.query::<(&mut Transform, &Moves)>();
         movers.iter_mut(world).for_each(|(mut at, moves)| at.translation = moves.at(time));
         if let Some(mut at) = world.get_mut::<Transform>(self.camera) {
-            *at = self.scene.eye(time);
+            *at = scene.eye(time);
         }
-        let picture = capture(world, &self.target);
+        self.capture()
+    }
+
+    /// The picture of the next frame: four bytes a pixel.
+    ///
+    /// # Errors
+    /// If none comes.
+    pub fn capture(&mut self) -> Result<Vec<u8>, String> {
+        let picture = capture(self.app.world_mut(), &self.target);
         for _ in 0..MOST_UPDATES {
             self.app.update();
             if let Ok(picture) = picture.try_recv() {
@@ -86,6 +118,21 @@ impl Rendered {
             }
         }
         Err("no picture came".into())
+    }
+
+    /// The app.
+    pub fn app(&mut self) -> &mut App {
+        &mut self.app
+    }
+
+    /// The main world, and the camera in it.
+    pub fn world_and_camera(&mut self) -> (&mut World, Entity) {
+        (self.app.world_mut(), self.camera)
+    }
+
+    /// What the plugin made of the scene, if it is there.
+    pub fn casca(&self) -> Option<&CascaScene> {
+        self.app.world().get_resource()
     }
 
     /// The meshes in the list of the camera.
@@ -109,12 +156,12 @@ impl Rendered {
 
     /// The number of meshes that are prepared to hide others.
     pub fn occluders(&self) -> usize {
-        self.app.world().get_resource::<CascaScene>().map_or(0, CascaScene::occluders)
+        self.casca().map_or(0, CascaScene::occluders)
     }
 }
 
-/// Asks for a picture of the next frame.
-fn capture(world: &mut World, target: &Handle<Image>) -> Receiver<Option<Vec<u8>>> {
+/// Asks for a picture of the next frame: four bytes a pixel, or none.
+pub fn capture(world: &mut World, target: &Handle<Image>) -> Receiver<Option<Vec<u8>>> {
     let (send, receive) = channel();
     world.spawn(Screenshot::image(target.clone())).observe(move |shot: On<ScreenshotCaptured>| {
         // Nobody waits any more if it comes too late.

@@ -1,9 +1,9 @@
 //! Entries that are found, missing, damaged and of others.
 
 use casca::Facing;
+use casca_scenes::world::Mesh;
 
 use super::*;
-use crate::world::Mesh;
 
 /// A folder that is removed in the end.
 struct Folder(PathBuf);

@@ -1,0 +1,294 @@
+//! A town in a window, and from above what is culled in it.
+//!
+//! `cargo run --release --features window --bin city`. `--picture FILE` draws it without a window.
+
+use std::any::TypeId;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use bevy::app::PluginsState;
+use bevy::camera::primitives::{Aabb, Frustum};
+use bevy::camera::visibility::{
+    CascadesVisibleEntities, NoFrustumCulling, RenderLayers, VisibleEntities,
+};
+use bevy::camera::{RenderTarget, Viewport};
+use bevy::camera_controller::free_camera::{FreeCamera, FreeCameraPlugin};
+use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore, FrameTimeDiagnosticsPlugin};
+use bevy::ecs::entity::EntityHashSet;
+use bevy::light::{NotShadowCaster, NotShadowReceiver};
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::render_resource::TextureFormat;
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use bevy_casca::{
+    CascaDiagnostics, CascaPlugin, CascaSettings, NoOcclusionCulling, Shadows, standard_materials,
+};
+use bevy_casca_rendered::rendered::capture;
+use bevy_casca_rendered::town::{self, Thing, Walker};
+use clap::Parser;
+
+/// What only the camera above the town sees.
+const ABOVE: RenderLayers = RenderLayers::layer(1);
+
+/// The share of the window that the view from above takes, of its width and height.
+const SHARE: f32 = 0.45;
+
+/// A picture is taken after so many frames, of so many seconds each.
+const FRAMES: u32 = 60;
+const STEP: f32 = 1.0 / 60.0;
+
+/// A town that Bevy draws, with and without occlusion culling by casca
+#[derive(Parser)]
+struct Arguments {
+    /// How many things are in the town
+    #[arg(long, default_value_t = 5000)]
+    entities: usize,
+    /// Starts with Bevy's own culling
+    #[arg(long)]
+    off: bool,
+    /// Lights are culled as Bevy does it
+    #[arg(long)]
+    all_casters: bool,
+    /// Draws a picture into this PNG file instead of opening a window
+    #[arg(long)]
+    picture: Option<PathBuf>,
+    /// The width and height of the picture
+    #[arg(long, num_args = 2, default_values_t = [1280, 720])]
+    size: Vec<u32>,
+}
+
+/// The camera that walks.
+#[derive(Component)]
+struct Eye;
+
+/// The camera above.
+#[derive(Component)]
+struct Bird;
+
+/// What is drawn from above in the place of a thing.
+#[derive(Component)]
+struct Twin(Entity);
+
+#[derive(Component)]
+struct Words;
+
+/// The materials of things that are drawn, hidden, and out of view.
+#[derive(Resource)]
+struct Paints([Handle<StandardMaterial>; 3]);
+
+/// The walk down the street.
+#[derive(Resource)]
+struct Walk {
+    goes: bool,
+    time: f32,
+}
+
+/// Things in the view of the camera, hidden or not.
+#[derive(Resource, Default)]
+struct InView(usize);
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let size = UVec2::from_slice(&arguments.size).clamp(UVec2::splat(16), UVec2::splat(8192));
+    let mut app = App::new();
+    let render = RenderPlugin { synchronous_pipeline_compilation: arguments.picture.is_some(), ..default() };
+    let window = Window { title: "casca in Bevy".into(), ..default() };
+    let plugins = DefaultPlugins.set(render).disable::<LogPlugin>();
+    if arguments.picture.is_some() {
+        let window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
+        app.add_plugins(plugins.set(window).disable::<WinitPlugin>());
+    } else {
+        app.add_plugins(plugins.set(WindowPlugin { primary_window: Some(window), ..default() }));
+    }
+    let shadows = if arguments.all_casters { Shadows::All } else { Shadows::Lit };
+    app.insert_resource(CascaSettings { enabled: !arguments.off, shadows, ..default() })
+        .insert_resource(ClearColor(Color::srgb(0.62, 0.74, 0.86)))
+        .insert_resource(Walk { goes: true, time: 0.0 })
+        .init_resource::<InView>()
+        .add_plugins((CascaPlugin, standard_materials!(bevy::pbr)))
+        .add_plugins((FrameTimeDiagnosticsPlugin::default(), FreeCameraPlugin))
+        .add_systems(Update, (keys, walk, watch, paint, tell).chain());
+    match arguments.picture {
+        None => {
+            set_up(app.world_mut(), arguments.entities, &RenderTarget::default());
+            app.run();
+            ExitCode::SUCCESS
+        }
+        Some(file) => match picture(app, arguments.entities, size, &file) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::FAILURE
+            }
+        },
+    }
+}
+
+/// Runs some frames without a window, and writes the last one.
+fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -> Result<(), String> {
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+    }
+    app.finish();
+    app.cleanup();
+    let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
+    let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+    set_up(app.world_mut(), entities, &RenderTarget::Image(image.clone().into()));
+    for _ in 0..FRAMES {
+        app.update();
+    }
+    let picture = capture(app.world_mut(), &image);
+    for _ in 0..FRAMES {
+        app.update();
+        if let Ok(picture) = picture.try_recv() {
+            let picture = picture.and_then(|rgba| image::RgbaImage::from_raw(size.x, size.y, rgba));
+            let picture = picture.ok_or("a picture without pixels")?;
+            return picture.save(file).map_err(|why| format!("{}: {why}", file.display()));
+        }
+    }
+    Err("no picture came".into())
+}
+
+/// Spawns the town, its twin for the view from above, cameras and words.
+fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
+    town::fill(world, entities);
+    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+    let mut paint = |color| {
+        materials.add(StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() })
+    };
+    let seen = paint(Color::srgb(0.95, 0.75, 0.35));
+    let hidden = paint(Color::srgb(0.2, 0.4, 0.95));
+    let out = paint(Color::srgb(0.33, 0.34, 0.36));
+    let mut things = world.query_filtered::<(Entity, &Mesh3d), With<Thing>>();
+    let things: Vec<_> = things.iter(world).map(|(thing, mesh)| (thing, mesh.clone())).collect();
+    for (thing, mesh) in things {
+        let look = (mesh, MeshMaterial3d(out.clone()), ABOVE);
+        let culls = (NoOcclusionCulling, NotShadowCaster, NotShadowReceiver);
+        world.spawn((Twin(thing), look, culls, ChildOf(thing)));
+    }
+    world.insert_resource(Paints([seen, hidden, out]));
+    let light = DirectionalLight { illuminance: 7_000.0, ..default() };
+    world.spawn((light, Transform::default().looking_to(Vec3::new(0.4, -1.0, -0.6), Vec3::Y), ABOVE));
+    let light = AmbientLight { brightness: 250.0, ..default() };
+    let eye = (Camera3d::default(), target.clone(), Msaa::Off, light.clone(), town::street(0.0));
+    world.spawn((Eye, eye, FreeCamera::default(), ShowFrustumGizmo { color: Some(Color::WHITE) }, IsDefaultUiCamera));
+    let camera = Camera {
+        order: 1,
+        clear_color: ClearColorConfig::Custom(Color::srgb(0.1, 0.1, 0.12)),
+        ..default()
+    };
+    world.spawn((Bird, Camera3d::default(), camera, target.clone(), Msaa::Off, light, ABOVE, NoOcclusionCulling));
+    let mut gizmos = world.resource_mut::<GizmoConfigStore>();
+    gizmos.config_mut::<FrustumGizmoConfigGroup>().0.render_layers = ABOVE;
+    let font = TextFont { font_size: FontSize::Px(17.0), ..default() };
+    let place = Node { position_type: PositionType::Absolute, left: px(10), top: px(10), padding: UiRect::all(px(8)), ..default() };
+    world.spawn((Words, Text::default(), font, place, BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.65))));
+}
+
+/// F1 turns casca on and off, Space the walk, B the view from above.
+fn keys(
+    pressed: Res<ButtonInput<KeyCode>>,
+    mut settings: ResMut<CascaSettings>,
+    mut walk: ResMut<Walk>,
+    mut bird: Single<&mut Camera, With<Bird>>,
+) {
+    if pressed.just_pressed(KeyCode::F1) {
+        settings.enabled = !settings.enabled;
+    }
+    if pressed.just_pressed(KeyCode::Space) {
+        walk.goes = !walk.goes;
+    }
+    if pressed.just_pressed(KeyCode::KeyB) {
+        bird.is_active = !bird.is_active;
+    }
+    let flies = [KeyCode::KeyW, KeyCode::KeyA, KeyCode::KeyS, KeyCode::KeyD, KeyCode::KeyE, KeyCode::KeyQ];
+    walk.goes &= !pressed.any_pressed(flies);
+}
+
+/// Moves all that walks.
+fn walk(
+    time: Res<Time>,
+    mut walk: ResMut<Walk>,
+    mut eye: Single<&mut Transform, With<Eye>>,
+    mut walkers: Query<(&mut Transform, &Walker), Without<Eye>>,
+) {
+    walkers.iter_mut().for_each(|(mut at, walker)| at.translation = walker.at(time.elapsed_secs()));
+    if walk.goes {
+        walk.time += time.delta_secs().min(4.0 * STEP);
+        **eye = town::street(walk.time);
+    }
+}
+
+/// Keeps the second camera above the first, and its view in the corner of the window.
+fn watch(
+    eye: Single<(&Transform, &Camera), (With<Eye>, Without<Bird>)>,
+    mut bird: Single<(&mut Transform, &mut Camera), With<Bird>>,
+) {
+    let (at, camera) = (eye.0.translation, eye.1);
+    let above = Transform::from_translation(at + Vec3::new(0.0, 110.0, 75.0));
+    *bird.0 = above.looking_at(at + Vec3::new(0.0, 0.0, -25.0), Vec3::Y);
+    let Some(size) = camera.physical_target_size() else { return };
+    let part = (size.as_vec2() * SHARE).as_uvec2().max(UVec2::ONE);
+    let corner = UVec2::new(size.x - part.x.min(size.x), 0);
+    let same = bird.1.viewport.as_ref().is_some_and(|v| (v.physical_position, v.physical_size) == (corner, part));
+    if !same {
+        bird.1.viewport = Some(Viewport { physical_position: corner, physical_size: part, ..default() });
+    }
+}
+
+/// Gives each twin the color of what became of its thing in the last frame.
+fn paint(
+    eye: Single<(&VisibleEntities, &Frustum), With<Eye>>,
+    things: Query<(&Aabb, &GlobalTransform, Has<NoFrustumCulling>), With<Thing>>,
+    mut twins: Query<(&Twin, &mut MeshMaterial3d<StandardMaterial>)>,
+    paints: Res<Paints>,
+    mut in_view: ResMut<InView>,
+) {
+    let (visible, frustum) = *eye;
+    let drawn: EntityHashSet = visible.get(TypeId::of::<Mesh3d>()).iter().copied().collect();
+    let [seen, hidden, out] = &paints.0;
+    in_view.0 = 0;
+    for (twin, mut material) in &mut twins {
+        let Ok((aabb, transform, _)) = things.get(twin.0) else { continue };
+        let inside = frustum.intersects_obb(aabb, &transform.affine(), true, true);
+        in_view.0 += usize::from(inside);
+        let now = match (drawn.contains(&twin.0), inside) {
+            (true, _) => seen,
+            (false, true) => hidden,
+            (false, false) => out,
+        };
+        if material.0 != *now {
+            material.0 = now.clone();
+        }
+    }
+}
+
+/// Writes the counts.
+fn tell(
+    settings: Res<CascaSettings>,
+    store: Res<DiagnosticsStore>,
+    in_view: Res<InView>,
+    eye: Single<&VisibleEntities, With<Eye>>,
+    suns: Query<&CascadesVisibleEntities>,
+    things: Query<(), With<Thing>>,
+    mut words: Single<&mut Text, With<Words>>,
+) {
+    let time = |path: &DiagnosticPath| store.get(path).and_then(|d| d.smoothed()).unwrap_or_default();
+    let drawn = eye.get(TypeId::of::<Mesh3d>()).len();
+    let cascades = suns.iter().flat_map(|sun| sun.entities.values().flatten());
+    let who = if settings.enabled { "casca culls" } else { "Bevy culls, casca is off" };
+    words.0 = format!(
+        "{who}\n{} things, {} in view\n{drawn} drawn, {} hidden\n{} draws in shadow maps\n\
+         visibility {:.1} ms, frame {:.1} ms\n\n\
+         F1 turns casca on and off\nB the view from above: drawn, hidden (blue), out of view (grey)\n\
+         Space walks; W A S D Q E and the right mouse button fly",
+        things.iter().len(),
+        in_view.0,
+        in_view.0.saturating_sub(drawn),
+        cascades.map(|cascade| cascade.entities.len()).sum::<usize>(),
+        time(&CascaDiagnostics::TIME),
+        time(&FrameTimeDiagnosticsPlugin::FRAME_TIME),
+    );
+}

@@ -1,0 +1,61 @@
+//! Meshes that were prepared by an earlier run.
+#![cfg(feature = "cache")]
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use bevy_app::App;
+use bevy_casca::{CascaScene, CascaSettings, Opaque};
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+use common::{headless, lists, settle, spawn_box, spawn_camera};
+
+const CAMERA: u32 = 100;
+
+/// A run of a program: a wall with something behind it. Returns how many meshes hide, and how many
+/// entities the camera sees.
+fn run(cache: &Path) -> (usize, usize) {
+    let mut app: App = headless(true);
+    app.world_mut().resource_mut::<CascaSettings>().cache = Some(cache.into());
+    let world = app.world_mut();
+    let wall = spawn_box(world, 0, Vec3::new(0.0, 0.0, -10.0), Vec3::new(20.0, 20.0, 0.5));
+    world.entity_mut(wall).insert(Opaque::Front);
+    spawn_box(world, 1, Vec3::new(3.0, 0.0, -20.0), Vec3::ONE);
+    spawn_camera(world, CAMERA, Transform::default().looking_to(Vec3::NEG_Z, Vec3::Y));
+    settle(&mut app);
+    (app.world().resource::<CascaScene>().occluders(), lists(&mut app)[&CAMERA].len())
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("bevy-casca-{name}-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    let _ = fs::remove_file(&folder);
+    folder
+}
+
+#[test]
+fn the_second_run_reads_what_the_first_prepared() {
+    let folder = folder("cache");
+    assert_eq!(run(&folder), (1, 1));
+    let entries: Vec<_> = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert_eq!(entries.len(), 1);
+    // What is read is the entry: a damaged one is written anew, a sound one stays.
+    let sound = fs::read(&entries[0]).unwrap();
+    let written = fs::metadata(&entries[0]).unwrap().modified().unwrap();
+    assert_eq!(run(&folder), (1, 1));
+    assert_eq!(fs::metadata(&entries[0]).unwrap().modified().unwrap(), written);
+    fs::write(&entries[0], &sound[..sound.len() / 2]).unwrap();
+    assert_eq!(run(&folder), (1, 1));
+    assert_eq!(fs::read(&entries[0]).unwrap(), sound);
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn without_its_folder_meshes_are_prepared_all_the_same() {
+    let file = folder("no-cache");
+    fs::write(&file, "not a folder").unwrap();
+    assert_eq!(run(&file), (1, 1));
+    fs::remove_file(&file).unwrap();
+}
