@@ -13,6 +13,7 @@ use bevy_app::{App, TaskPoolPlugin};
 use bevy_asset::{AssetApp, AssetPlugin, Assets};
 use bevy_camera::visibility::{CascadesVisibleEntities, VisibleEntities};
 use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
+use bevy_casca::casca::KeptOptions;
 use bevy_casca::{CascaDiagnostics, CascaPlugin, CascaScene, CascaSettings, Opaque, Shadows};
 use bevy_diagnostic::DiagnosticsStore;
 use bevy_ecs::prelude::*;
@@ -35,6 +36,8 @@ enum Culls {
     Casca,
     /// Only for cameras: lights as Bevy does it.
     CascaForCameras,
+    /// So, and cameras keep their results.
+    CascaKept,
 }
 
 fn main() {
@@ -45,7 +48,7 @@ fn main() {
     );
     println!("|---|---|---|---|---|---|---|");
     for size in sizes {
-        for culls in [Culls::Bevy, Culls::CascaForCameras, Culls::Casca] {
+        for culls in [Culls::Bevy, Culls::CascaForCameras, Culls::CascaKept, Culls::Casca] {
             measure(size, culls);
         }
     }
@@ -105,7 +108,8 @@ fn measure(size: usize, culls: Culls) {
     if culls != Culls::Bevy {
         app.add_plugins(CascaPlugin);
         let shadows = if culls == Culls::Casca { Shadows::Lit } else { Shadows::All };
-        app.insert_resource(CascaSettings { shadows, ..CascaSettings::default() });
+        let kept = (culls == Culls::CascaKept).then(|| KeptOptions::new().reach(0.1).turn(0.1));
+        app.insert_resource(CascaSettings { shadows, kept, ..CascaSettings::default() });
     }
     fill(app.world_mut(), size);
     let start = Instant::now();
@@ -146,6 +150,7 @@ fn measure(size: usize, culls: Culls) {
         Culls::Bevy => "Bevy",
         Culls::Casca => "casca",
         Culls::CascaForCameras => "casca, cameras only",
+        Culls::CascaKept => "casca, cameras only, kept results",
     };
     println!(
         "| {size} | {name} | {} | {} | {:.2} ({:.2}) | {:.2} | {frames} frames, {ready:.2} s |",

@@ -18,6 +18,10 @@ const ROUND: f32 = 40.0;
 #[derive(Component)]
 pub struct Thing;
 
+/// The ground, a thing of the town.
+#[derive(Component)]
+pub struct Ground;
+
 /// A thing that walks about where it stands.
 #[derive(Component)]
 pub struct Walker {
@@ -43,9 +47,8 @@ fn dice(n: usize) -> f32 {
 pub fn fill(world: &mut World, size: usize) {
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-    let mut paint = |color| {
-        materials.add(StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() })
-    };
+    let mut paint =
+        |color| materials.add(StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() });
     let ground = paint(Color::srgb(0.32, 0.34, 0.33));
     let walls: Vec<_> =
         (0..12).map(|i| paint(Color::hsl(15.0 + 5.0 * i as f32, 0.35, 0.45 + 0.3 * dice(i)))).collect();
@@ -56,7 +59,7 @@ pub fn fill(world: &mut World, size: usize) {
     };
     let row = ((size / 20) as f32).sqrt().ceil() as usize;
     let side = row as f32 * PITCH;
-    put(&ground, Vec3::new(0.0, -0.5, 0.0), Vec3::new(side + 50.0, 1.0, side + 50.0));
+    let ground = put(&ground, Vec3::new(0.0, -0.5, 0.0), Vec3::new(side + 50.0, 1.0, side + 50.0));
     let houses = row * row;
     for i in 0..houses {
         let height = 8.0 + 30.0 * dice(i);
@@ -71,6 +74,7 @@ pub fn fill(world: &mut World, size: usize) {
             walkers.push((thing, Walker { home, phase: dice(i) * 6.3 }));
         }
     }
+    world.entity_mut(ground).insert(Ground);
     for (thing, walker) in walkers {
         world.entity_mut(thing).insert(walker);
     }

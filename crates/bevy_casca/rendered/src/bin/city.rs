@@ -8,11 +8,10 @@ use std::process::ExitCode;
 
 use bevy::app::PluginsState;
 use bevy::camera::primitives::{Aabb, Frustum};
-use bevy::camera::visibility::{
-    CascadesVisibleEntities, NoFrustumCulling, RenderLayers, VisibleEntities,
-};
+use bevy::camera::visibility::{CascadesVisibleEntities, NoFrustumCulling, RenderLayers, VisibleEntities};
 use bevy::camera::{RenderTarget, Viewport};
 use bevy::camera_controller::free_camera::{FreeCamera, FreeCameraPlugin};
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::ecs::entity::EntityHashSet;
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
@@ -26,7 +25,7 @@ use bevy_casca::{
     CascaDiagnostics, CascaPlugin, CascaSettings, NoOcclusionCulling, Shadows, standard_materials,
 };
 use bevy_casca_rendered::rendered::capture;
-use bevy_casca_rendered::town::{self, Thing, Walker};
+use bevy_casca_rendered::town::{self, Ground, Thing, Walker};
 use clap::Parser;
 
 /// What only the camera above the town sees.
@@ -97,7 +96,8 @@ fn main() -> ExitCode {
     let window = Window { title: "casca in Bevy".into(), ..default() };
     let plugins = DefaultPlugins.set(render).disable::<LogPlugin>();
     if arguments.picture.is_some() {
-        let window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
+        let window =
+            WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
         app.add_plugins(plugins.set(window).disable::<WinitPlugin>());
     } else {
         app.add_plugins(plugins.set(WindowPlugin { primary_window: Some(window), ..default() }));
@@ -155,35 +155,48 @@ fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -
 fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
     town::fill(world, entities);
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-    let mut paint = |color| {
-        materials.add(StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() })
-    };
+    let mut paint =
+        |color| materials.add(StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() });
     let seen = paint(Color::srgb(0.95, 0.75, 0.35));
     let hidden = paint(Color::srgb(0.2, 0.4, 0.95));
     let out = paint(Color::srgb(0.33, 0.34, 0.36));
-    let mut things = world.query_filtered::<(Entity, &Mesh3d), With<Thing>>();
-    let things: Vec<_> = things.iter(world).map(|(thing, mesh)| (thing, mesh.clone())).collect();
-    for (thing, mesh) in things {
-        let look = (mesh, MeshMaterial3d(out.clone()), ABOVE);
+    let ground = paint(Color::srgb(0.16, 0.17, 0.18));
+    let mut things = world.query_filtered::<(Entity, &Mesh3d, Has<Ground>), With<Thing>>();
+    let things: Vec<_> = things.iter(world).map(|(thing, mesh, flat)| (thing, mesh.clone(), flat)).collect();
+    for (thing, mesh, flat) in things {
+        let material = if flat { ground.clone() } else { out.clone() };
         let culls = (NoOcclusionCulling, NotShadowCaster, NotShadowReceiver);
-        world.spawn((Twin(thing), look, culls, ChildOf(thing)));
+        let mut twin = world.spawn((mesh, MeshMaterial3d(material), ABOVE, culls, ChildOf(thing)));
+        if !flat {
+            twin.insert(Twin(thing));
+        }
     }
     world.insert_resource(Paints([seen, hidden, out]));
     let light = DirectionalLight { illuminance: 7_000.0, ..default() };
     world.spawn((light, Transform::default().looking_to(Vec3::new(0.4, -1.0, -0.6), Vec3::Y), ABOVE));
-    let light = AmbientLight { brightness: 250.0, ..default() };
-    let eye = (Camera3d::default(), target.clone(), Msaa::Off, light.clone(), town::street(0.0));
-    world.spawn((Eye, eye, FreeCamera::default(), ShowFrustumGizmo { color: Some(Color::WHITE) }, IsDefaultUiCamera));
-    let camera = Camera {
-        order: 1,
-        clear_color: ClearColorConfig::Custom(Color::srgb(0.1, 0.1, 0.12)),
-        ..default()
-    };
-    world.spawn((Bird, Camera3d::default(), camera, target.clone(), Msaa::Off, light, ABOVE, NoOcclusionCulling));
+    let light = AmbientLight { brightness: 900.0, ..default() };
+    let camera = (Camera3d::default(), target.clone(), Msaa::Off, Tonemapping::AcesFitted, light);
+    let eye = (camera.clone(), town::street(0.0));
+    world.spawn((
+        Eye,
+        eye,
+        FreeCamera::default(),
+        ShowFrustumGizmo { color: Some(Color::WHITE) },
+        IsDefaultUiCamera,
+    ));
+    let second =
+        Camera { order: 1, clear_color: ClearColorConfig::Custom(Color::srgb(0.1, 0.1, 0.12)), ..default() };
+    world.spawn((Bird, camera, second, ABOVE, NoOcclusionCulling));
     let mut gizmos = world.resource_mut::<GizmoConfigStore>();
     gizmos.config_mut::<FrustumGizmoConfigGroup>().0.render_layers = ABOVE;
     let font = TextFont { font_size: FontSize::Px(17.0), ..default() };
-    let place = Node { position_type: PositionType::Absolute, left: px(10), top: px(10), padding: UiRect::all(px(8)), ..default() };
+    let place = Node {
+        position_type: PositionType::Absolute,
+        left: px(10),
+        top: px(10),
+        padding: UiRect::all(px(8)),
+        ..default()
+    };
     world.spawn((Words, Text::default(), font, place, BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.65))));
 }
 
@@ -232,7 +245,8 @@ fn watch(
     let Some(size) = camera.physical_target_size() else { return };
     let part = (size.as_vec2() * SHARE).as_uvec2().max(UVec2::ONE);
     let corner = UVec2::new(size.x - part.x.min(size.x), 0);
-    let same = bird.1.viewport.as_ref().is_some_and(|v| (v.physical_position, v.physical_size) == (corner, part));
+    let same =
+        bird.1.viewport.as_ref().is_some_and(|v| (v.physical_position, v.physical_size) == (corner, part));
     if !same {
         bird.1.viewport = Some(Viewport { physical_position: corner, physical_size: part, ..default() });
     }
@@ -270,14 +284,15 @@ fn tell(
     settings: Res<CascaSettings>,
     store: Res<DiagnosticsStore>,
     in_view: Res<InView>,
-    eye: Single<&VisibleEntities, With<Eye>>,
+    eye: Single<(Entity, &VisibleEntities), With<Eye>>,
     suns: Query<&CascadesVisibleEntities>,
     things: Query<(), With<Thing>>,
     mut words: Single<&mut Text, With<Words>>,
 ) {
     let time = |path: &DiagnosticPath| store.get(path).and_then(|d| d.smoothed()).unwrap_or_default();
-    let drawn = eye.get(TypeId::of::<Mesh3d>()).len();
-    let cascades = suns.iter().flat_map(|sun| sun.entities.values().flatten());
+    let (camera, visible) = *eye;
+    let drawn = visible.get(TypeId::of::<Mesh3d>()).len();
+    let cascades = suns.iter().filter_map(|sun| sun.entities.get(&camera)).flatten();
     let who = if settings.enabled { "casca culls" } else { "Bevy culls, casca is off" };
     words.0 = format!(
         "{who}\n{} things, {} in view\n{drawn} drawn, {} hidden\n{} draws in shadow maps\n\

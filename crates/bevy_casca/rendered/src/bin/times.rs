@@ -11,10 +11,10 @@ use bevy::app::AppLabel;
 use bevy::camera::Exposure;
 use bevy::core_pipeline::prepass::DepthPrepass;
 use bevy::prelude::*;
-use bevy::render::{Render, RenderApp, RenderSystems};
 use bevy::render::occlusion_culling::OcclusionCulling;
 use bevy::render::render_resource::PollType;
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice};
+use bevy::render::{Render, RenderApp, RenderSystems};
 use bevy_casca::{CascaScene, CascaSettings, Shadows};
 use bevy_casca_rendered::rendered::Rendered;
 use bevy_casca_rendered::town::{self, Walker};
@@ -98,7 +98,11 @@ fn measure(
     let draws = (|mut since: ResMut<DrawsSince>| since.0 = Instant::now())
         .after(RenderSystems::Prepare)
         .before(RenderSystems::Render);
-    rendered.app().sub_app_mut(RenderApp).insert_resource(DrawsSince(Instant::now())).add_systems(Render, draws);
+    rendered
+        .app()
+        .sub_app_mut(RenderApp)
+        .insert_resource(DrawsSince(Instant::now()))
+        .add_systems(Render, draws);
     let (world, camera) = rendered.world_and_camera();
     world.entity_mut(camera).insert((DepthPrepass, Exposure::default()));
     if culls == Culls::BevyOcclusion {
@@ -125,7 +129,8 @@ fn measure(
         all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
     };
     let picture = rendered.capture()?;
-    let differ = other.map_or(0, |other| picture.chunks(4).zip(other.chunks(4)).filter(|(a, b)| a != b).count());
+    let differ =
+        other.map_or(0, |other| picture.chunks(4).zip(other.chunks(4)).filter(|(a, b)| a != b).count());
     println!(
         "| {entities} | {} | {} | {} | {:.2} | {:.2} | {:.2} | {:.1} | {:.1} | {differ} |",
         culls.name(),
