@@ -11,7 +11,7 @@ use bevy::camera::primitives::{Aabb, Frustum};
 use bevy::camera::visibility::{CascadesVisibleEntities, NoFrustumCulling, RenderLayers, VisibleEntities};
 use bevy::camera::{RenderTarget, Viewport};
 use bevy::camera_controller::free_camera::{FreeCamera, FreeCameraPlugin};
-use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::ecs::entity::EntityHashSet;
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
@@ -84,6 +84,10 @@ struct Walk {
     time: f32,
 }
 
+/// Whether times are told: not in pictures, which are drawn as fast as it comes.
+#[derive(Resource)]
+struct Times(bool);
+
 /// Things in the view of the camera, hidden or not.
 #[derive(Resource, Default)]
 struct InView(usize);
@@ -106,6 +110,7 @@ fn main() -> ExitCode {
     app.insert_resource(CascaSettings { enabled: !arguments.off, shadows, ..default() })
         .insert_resource(ClearColor(Color::srgb(0.62, 0.74, 0.86)))
         .insert_resource(Walk { goes: true, time: 0.0 })
+        .insert_resource(Times(arguments.picture.is_none()))
         .init_resource::<InView>()
         .add_plugins((CascaPlugin, standard_materials!(bevy::pbr)))
         .add_plugins((FrameTimeDiagnosticsPlugin::default(), FreeCameraPlugin))
@@ -175,7 +180,14 @@ fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
     let light = DirectionalLight { illuminance: 7_000.0, ..default() };
     world.spawn((light, Transform::default().looking_to(Vec3::new(0.4, -1.0, -0.6), Vec3::Y), ABOVE));
     let light = AmbientLight { brightness: 900.0, ..default() };
-    let camera = (Camera3d::default(), target.clone(), Msaa::Off, Tonemapping::AcesFitted, light);
+    let camera = (
+        Camera3d::default(),
+        target.clone(),
+        Msaa::Off,
+        Tonemapping::AcesFitted,
+        DebandDither::Disabled,
+        light,
+    );
     let eye = (camera.clone(), town::street(0.0));
     world.spawn((
         Eye,
@@ -189,7 +201,7 @@ fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
     world.spawn((Bird, camera, second, ABOVE, NoOcclusionCulling));
     let mut gizmos = world.resource_mut::<GizmoConfigStore>();
     gizmos.config_mut::<FrustumGizmoConfigGroup>().0.render_layers = ABOVE;
-    let font = TextFont { font_size: FontSize::Px(17.0), ..default() };
+    let font = TextFont { font_size: FontSize::Px(14.0), ..default() };
     let place = Node {
         position_type: PositionType::Absolute,
         left: px(10),
@@ -283,7 +295,7 @@ fn paint(
 fn tell(
     settings: Res<CascaSettings>,
     store: Res<DiagnosticsStore>,
-    in_view: Res<InView>,
+    (in_view, times): (Res<InView>, Res<Times>),
     eye: Single<(Entity, &VisibleEntities), With<Eye>>,
     suns: Query<&CascadesVisibleEntities>,
     things: Query<(), With<Thing>>,
@@ -294,16 +306,16 @@ fn tell(
     let drawn = visible.get(TypeId::of::<Mesh3d>()).len();
     let cascades = suns.iter().filter_map(|sun| sun.entities.get(&camera)).flatten();
     let who = if settings.enabled { "casca culls" } else { "Bevy culls, casca is off" };
+    let (ours, all) = (time(&CascaDiagnostics::TIME), time(&FrameTimeDiagnosticsPlugin::FRAME_TIME));
+    let took = if times.0 { format!("visibility {ours:.1} ms, frame {all:.1} ms\n") } else { String::new() };
     words.0 = format!(
         "{who}\n{} things, {} in view\n{drawn} drawn, {} hidden\n{} draws in shadow maps\n\
-         visibility {:.1} ms, frame {:.1} ms\n\n\
-         F1 turns casca on and off\nB the view from above: drawn, hidden (blue), out of view (grey)\n\
+         {took}\nF1 turns casca on and off\nB the view from above:\n\
+         drawn (yellow), hidden (blue), out of view (grey)\n\
          Space walks; W A S D Q E and the right mouse button fly",
         things.iter().len(),
         in_view.0,
         in_view.0.saturating_sub(drawn),
         cascades.map(|cascade| cascade.entities.len()).sum::<usize>(),
-        time(&CascaDiagnostics::TIME),
-        time(&FrameTimeDiagnosticsPlugin::FRAME_TIME),
     );
 }
