@@ -162,7 +162,7 @@ fn check(seed: u64, pools: &[(usize, ThreadPool)]) -> Result<[u64; 2], TestCaseE
 
 fn pools() -> Vec<(usize, ThreadPool)> {
     let pool = |threads| (threads, ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
-    [1, 2, 3, 5].map(pool).into()
+    [1, 2, 3, 8].map(pool).into()
 }
 
 #[test]

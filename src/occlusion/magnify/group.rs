@@ -1,6 +1,5 @@
 //! Groups of magnified pixels.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use casca_slots::Slot;
@@ -10,6 +9,7 @@ use smallvec::SmallVec;
 use crate::numeric::occlusion::below;
 use crate::occlusion::coverage::{Coverage, Shades};
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
+use crate::occlusion::magnify::filled::Filled;
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::surface::near::{FINER, GROUP, GROUP_TILES};
 use crate::occlusion::tiles::Tile;
@@ -57,7 +57,7 @@ pub(super) struct FinePixel {
 pub(super) struct Group {
     /// The convex occluders that may reach into them, the nearest first.
     pub(super) solids: Vec<Listed>,
-    pub(super) tiles: OnceLock<Box<Tiles>>,
+    pub(super) tiles: Filled<Box<Tiles>>,
 }
 
 /// The finer pixels of a group. They follow from what the query drew, and from whether the patches
@@ -73,7 +73,7 @@ pub(super) struct Tiles {
     /// Whether they were left out.
     pub(super) bare: bool,
     pub(super) asked: Asked,
-    pixels: [OnceLock<FinePixel>; GROUP_TILES],
+    pixels: [Filled<FinePixel>; GROUP_TILES],
 }
 
 impl Group {
@@ -115,7 +115,7 @@ impl Tiles {
         if solids.is_empty() {
             return (tile, shades);
         }
-        let pixel = self.pixels[place].get_or_init(|| {
+        let pixel = self.pixels[place].get_or_fill(|| {
             let used = SmallVec::new();
             let mut pixel = FinePixel { tile: *tile, shades: *shades, used, asked: Asked::default() };
             vectorized!(simd => pixel.draw(simd, buffer, (fine, solids), at));
@@ -134,7 +134,7 @@ impl Tiles {
 
     /// The objects of the convex occluders that hid something in the pixels that were asked for.
     pub(super) fn used_solids(&self) -> impl Iterator<Item = Slot> {
-        let pixels = self.pixels.iter().filter_map(OnceLock::get);
+        let pixels = self.pixels.iter().filter_map(Filled::get);
         pixels.filter(|pixel| pixel.asked.get()).flat_map(|pixel| pixel.used.iter().copied())
     }
 }

@@ -12,9 +12,8 @@
 //! ask for the same wait for it.
 
 pub(crate) mod budget;
+mod filled;
 mod group;
-
-use std::sync::OnceLock;
 
 use casca_slots::Slot;
 
@@ -24,6 +23,7 @@ use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::search::search_tile;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
 use crate::occlusion::magnify::budget::Purse;
+use crate::occlusion::magnify::filled::Filled;
 use crate::occlusion::magnify::group::{Group, Tiles, place_in_group};
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::refine::Pixel;
@@ -45,7 +45,7 @@ const SIDES: u64 = 32;
 struct FineFace {
     window: Window,
     /// For each group of the face.
-    groups: Vec<OnceLock<Box<Group>>>,
+    groups: Vec<Filled<Box<Group>>>,
     /// Groups in a row.
     across: i64,
 }
@@ -61,7 +61,7 @@ impl FineFace {
         self.across = nx * (TILE / GROUP);
         let count = (self.across * ny * (TILE / GROUP)) as usize;
         if self.groups.len() < count {
-            self.groups.resize_with(count, OnceLock::new);
+            self.groups.resize_with(count, Filled::default);
         }
         self.window = Window::around(&Rect::FACE, coarse.face_pixels() * FINER);
     }
@@ -198,7 +198,7 @@ impl Magnifier {
         }
     }
 
-    fn group_mut(&mut self, (face, place): (u32, u32)) -> &mut OnceLock<Box<Group>> {
+    fn group_mut(&mut self, (face, place): (u32, u32)) -> &mut Filled<Box<Group>> {
         &mut self.faces[face as usize].groups[place as usize]
     }
 
@@ -262,7 +262,7 @@ impl Magnifier {
     fn group(&self, face: usize, buffer: &FaceBuffer, at: (i64, i64), hand: &mut Hand) -> (u32, &Group) {
         let fine = &self.faces[face];
         let place = fine.place(buffer.window(), at);
-        let group = fine.groups[place as usize].get_or_init(|| {
+        let group = fine.groups[place as usize].get_or_fill(|| {
             hand.listed.push((face as u32, place));
             let mut group = hand.spare.pop().unwrap_or_default();
             group.begin(buffer, at);
@@ -282,7 +282,7 @@ impl Magnifier {
     ) -> Magnified<'_> {
         let (place, group) = self.group(face, buffer, at, hand);
         let (window, solids) = (&self.faces[face].window, &group.solids[..]);
-        let tiles = group.tiles.get_or_init(|| {
+        let tiles = group.tiles.get_or_fill(|| {
             hand.filled.push((face as u32, place));
             let mut tiles = hand.spare_tiles.pop().unwrap_or_default();
             let pixels = tiles.begin(buffer, at);
