@@ -8,7 +8,7 @@ use crate::grid::Grid;
 use crate::grid::bricks::BRICK;
 use crate::grid::cell_box::{CellBox, volume};
 use crate::matrix::bits::NONE;
-use crate::object::{Bounds, Motion, Occluder};
+use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
 use crate::scene::movers::Movers;
 use crate::scene::state::Event;
@@ -276,9 +276,9 @@ impl Scene {
             self.rooms.close(slot);
         }
         let object = &mut self.slots[slot];
-        let motion = object.motion;
+        let is_static = object.is_static();
         // Only triangles that are drawn where they are share positions with others.
-        let fixed = |o: &Occluder| motion == Motion::Static && o.placement().is_none();
+        let fixed = |o: &Occluder| is_static && o.placement().is_none();
         let drawn =
             |o: Option<&Occluder>| o.and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))));
         if drawn(object.occluder()) == drawn(occluder.as_ref()) {

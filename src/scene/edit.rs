@@ -29,8 +29,10 @@ impl Scene {
         desc.check()?;
         let placed = desc.place()?;
         let occluder = desc.occluder.take();
+        let user_data = desc.user_data;
         let object = Object::new(desc, placed, self.changes.moves());
         let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
+        self.user_data.set(slot, user_data);
         self.changes.changed();
         self.note_report(slot);
         self.note_static(slot);
@@ -71,7 +73,7 @@ impl Scene {
         if occluder.is_none() && object.given_occluder().is_some() {
             return Err(Error::OccluderMissing(id));
         }
-        self.slots[id.slot()].placed = None;
+        self.slots[id.slot()].set_placed(None);
         self.report(id.slot(), bounds, occluder);
         Ok(())
     }
@@ -112,7 +114,7 @@ impl Scene {
         let bounds = bounds.into();
         let object = self.find(id)?;
         let occluder = object.given_occluder().cloned();
-        let Some(placed) = &object.placed else {
+        let Some(placed) = object.placed() else {
             check_pair(&bounds, occluder.as_ref())?;
             self.report(id.slot(), bounds, occluder);
             return Ok(());
@@ -120,7 +122,7 @@ impl Scene {
         check_pair(&bounds, placed.occluder.as_ref())?;
         let world = bounds.placed(placed.transform)?;
         check_pair(&world, None)?;
-        if let Some(placed) = &mut self.slots[id.slot()].placed {
+        if let Some(placed) = self.slots[id.slot()].placed_mut() {
             placed.bounds = bounds;
         }
         self.report(id.slot(), world, occluder);
@@ -137,7 +139,7 @@ impl Scene {
     pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Occluder>) -> Result<(), Error> {
         let bounds = self.bounds(id)?.clone();
         check_pair(&bounds, occluder.as_ref())?;
-        self.slots[id.slot()].placed = None;
+        self.slots[id.slot()].set_placed(None);
         self.report(id.slot(), bounds, occluder);
         Ok(())
     }
@@ -174,12 +176,12 @@ impl Scene {
     /// then stays where it is.
     pub fn set_transform(&mut self, id: ObjectId, transform: Affine3A) -> Result<(), Error> {
         let object = self.find(id)?;
-        let (bounds, occluder) = match &object.placed {
+        let (bounds, occluder) = match object.placed() {
             Some(placed) => placed.at(transform)?,
             None => instances_at(object.bounds(), object.given_occluder(), transform)?
                 .ok_or(Error::NotPlaced(id))?,
         };
-        if let Some(placed) = &mut self.slots[id.slot()].placed {
+        if let Some(placed) = self.slots[id.slot()].placed_mut() {
             placed.transform = transform;
         }
         self.report(id.slot(), bounds, occluder);
@@ -195,7 +197,7 @@ impl Scene {
     pub fn translate(&mut self, id: ObjectId, offset: Vec3) -> Result<(), Error> {
         finite3("the offset", offset)?;
         let object = self.find(id)?;
-        if let Some(mut transform) = object.placed.as_ref().map(|placed| placed.transform) {
+        if let Some(mut transform) = object.placed().map(|placed| placed.transform) {
             transform.translation += Vec3A::from(offset);
             return self.set_transform(id, transform);
         }
@@ -215,7 +217,7 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
         self.find(id)?;
-        self.slots[id.slot()].user_data = user_data;
+        self.user_data.set(id.slot(), user_data);
         Ok(())
     }
 

@@ -51,6 +51,7 @@ impl Scene {
                 + self.expiries.bytes()
                 + self.changes.bytes()
                 + self.seen.bytes()
+                + self.user_data.bytes()
                 + self.unseen.capacity() * size_of::<casca_slots::Slot>()
                 + self.moved.bytes(),
             shapes: self.shape_bytes(),
@@ -63,7 +64,7 @@ impl Scene {
         let mut once = |at: *const u8, bytes: usize| sum += if counted.insert(at) { bytes } else { 0 };
         for (_, object) in self.living() {
             object.bounds().shared(&mut once);
-            let local = object.placed.as_deref();
+            let local = object.placed();
             local.inspect(|placed| placed.bounds.shared(&mut once));
             let occluders =
                 object.given_occluder().into_iter().chain(local.and_then(|p| p.occluder.as_ref()));

@@ -63,6 +63,7 @@ mod solids;
 mod state;
 mod succession;
 mod transitions;
+mod user_data;
 mod validity;
 mod volume;
 mod volumes;
@@ -86,6 +87,7 @@ use crate::scene::reports::ReportLog;
 use crate::scene::resting::Resting;
 use crate::scene::rooms::Rooms;
 use crate::scene::seen::Seen;
+use crate::scene::user_data::UserData;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
@@ -185,6 +187,7 @@ pub struct Scene {
     changes: Changes,
     /// The objects that the last frame ended with in sight.
     seen: Seen,
+    user_data: UserData,
     /// Memory used again: listed objects out of sight, and the cells of an object that moves.
     unseen: Vec<Slot>,
     moved: Moved,
@@ -217,6 +220,7 @@ impl Scene {
             frame: 1,
             changes: Changes::default(),
             seen: Seen::default(),
+            user_data: UserData::default(),
             unseen: Vec::new(),
             moved: Moved::default(),
         })

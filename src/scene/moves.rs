@@ -51,7 +51,7 @@ impl Scene {
             return false;
         }
         let object = &mut self.slots[id.slot()];
-        if object.placed.is_some() {
+        if object.is_placed() {
             return false;
         }
         // Objects reported on expiry have no rooms but in zones.
@@ -73,7 +73,7 @@ impl Scene {
     pub(super) fn move_to_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
         let Some((lower, upper)) = quick_box(bounds) else { return false };
         let (slot, Some(object)) = (id.slot(), self.slots.find(id.0)) else { return false };
-        if !object.in_zone || object.placed.is_some() || self.ids.is_by_cell() {
+        if !object.in_zone || object.is_placed() || self.ids.is_by_cell() {
             return false;
         }
         // Numbers that are not finite are in no grid.

@@ -14,56 +14,107 @@ pub(crate) struct Object {
     pub(super) bounds: Bounds,
     /// The number of the move that last changed it.
     pub(super) moved: u64,
-    pub(super) motion: Motion,
+    is_static: bool,
+    on_expiry: bool,
     /// Whether its place is unknown, by the state of the mover: queries ask it of each object.
     is_unlocated: bool,
     /// Whether it is in a volume, by the same state.
     is_hidden: bool,
+    is_placed: bool,
     /// Whether its cells are in I; objects with too many cells are not.
     pub(super) in_cells: bool,
-    /// Its shapes in its own space, if it is placed by a transform.
-    pub(super) placed: Option<Box<Placed>>,
-    /// Of a dynamic object. Apart, so that static ones stay small.
-    mover: Option<Box<Mover>>,
-    pub(super) layers: u64,
     /// Whether it is listed in a zone instead of cells.
     pub(super) in_zone: bool,
     /// Where the cells of its occluder are, if they are in O.
     pub(super) opacity: Option<OpacityPart>,
+    /// What few static objects have, apart, so that the others stay small.
+    rare: Option<Box<Rare>>,
+    pub(super) layers: u64,
     /// The shape that hides others.
     occluder: Option<Occluder>,
-    /// An occluder for whose surface there is no room. It hides nothing.
-    idle_occluder: Option<Box<Occluder>>,
-    pub(super) user_data: u64,
+}
+
+/// A million static objects take a fifth of a gigabyte with their places in the grid.
+const _: () = assert!(size_of::<Object>() <= 160, "objects are small");
+
+/// The parts of an object that few static ones have.
+#[derive(Debug, Clone)]
+enum Rare {
+    Static {
+        /// Its shapes in its own space, if it is placed by a transform.
+        placed: Option<Placed>,
+        idle: Option<Box<Occluder>>,
+    },
+    Dynamic {
+        mover: Mover,
+        placed: Option<Box<Placed>>,
+        /// An occluder for whose surface there is no room. It hides nothing.
+        idle: Option<Box<Occluder>>,
+    },
 }
 
 /// The parts of an object that only dynamic ones have.
 #[derive(Debug, Clone)]
 pub(super) struct Mover {
+    motion: Motion,
     state: State,
     validity: Validity,
 }
 
+impl Rare {
+    const NONE: Self = Self::Static { placed: None, idle: None };
+
+    fn placed(&self) -> Option<&Placed> {
+        match self {
+            Self::Static { placed, .. } => placed.as_ref(),
+            Self::Dynamic { placed, .. } => placed.as_deref(),
+        }
+    }
+
+    fn idle(&self) -> Option<&Occluder> {
+        let (Self::Static { idle, .. } | Self::Dynamic { idle, .. }) = self;
+        idle.as_deref()
+    }
+
+    fn mover(&self) -> Option<&Mover> {
+        match self {
+            Self::Static { .. } => None,
+            Self::Dynamic { mover, .. } => Some(mover),
+        }
+    }
+
+    /// Bytes on the heap, without those of shapes that objects may share.
+    fn bytes(&self) -> usize {
+        let placed = matches!(self, Self::Dynamic { placed: Some(_), .. });
+        let idle = self.idle().map_or(0, |_| size_of::<Occluder>());
+        size_of::<Self>() + idle + if placed { size_of::<Placed>() } else { 0 }
+    }
+}
+
 impl Object {
-    /// A listed object as described, but without its occluder: the scene adds that.
+    /// A listed object as described, but without its occluder and its number for the application:
+    /// the scene adds those.
     pub(super) fn new(desc: ObjectDesc, placed: Option<Placed>, moved: u64) -> Self {
-        let mover = || Mover { state: State::Listed, validity: Validity::first() };
-        Self {
+        let motion = desc.motion;
+        let is_static = motion == Motion::Static;
+        let mover = Mover { motion, state: State::Listed, validity: Validity::first() };
+        let mut object = Self {
             bounds: desc.bounds,
-            occluder: None,
-            idle_occluder: None,
-            layers: desc.layers,
-            opacity: None,
-            motion: desc.motion,
-            user_data: desc.user_data,
-            placed: placed.map(Box::new),
-            mover: (desc.motion != Motion::Static).then(|| Box::new(mover())),
+            moved,
+            is_static,
+            on_expiry: matches!(motion, Motion::Dynamic { reports: Reports::OnExpiry, .. }),
             is_unlocated: false,
             is_hidden: false,
+            is_placed: false,
             in_cells: false,
             in_zone: false,
-            moved,
-        }
+            opacity: None,
+            rare: (!is_static).then(|| Box::new(Rare::Dynamic { mover, placed: None, idle: None })),
+            layers: desc.layers,
+            occluder: None,
+        };
+        object.set_placed(placed);
+        object
     }
 
     /// Whether a query that has its box needs nothing else of it: all views that show anything show
@@ -95,17 +146,73 @@ impl Object {
 
     /// The occluder that the application gave, also if it hides nothing.
     pub(crate) fn given_occluder(&self) -> Option<&Occluder> {
-        self.occluder.as_ref().or(self.idle_occluder.as_deref())
+        self.occluder.as_ref().or_else(|| self.rare.as_ref()?.idle())
     }
 
     /// Gives it another occluder.
     pub(super) fn set_occluder(&mut self, occluder: Option<Occluder>) {
-        (self.occluder, self.idle_occluder) = (occluder, None);
+        self.occluder = occluder;
+        self.set_idle(None);
     }
 
     /// Keeps the occluder, but hides nothing with it.
     pub(super) fn idle(&mut self) {
-        self.idle_occluder = self.occluder.take().map(Box::new);
+        let occluder = self.occluder.take();
+        self.set_idle(occluder);
+    }
+
+    fn set_idle(&mut self, occluder: Option<Occluder>) {
+        if self.rare.is_none() && occluder.is_none() {
+            return;
+        }
+        let rare = self.rare.get_or_insert_with(|| Box::new(Rare::NONE));
+        let (Rare::Static { idle, .. } | Rare::Dynamic { idle, .. }) = &mut **rare;
+        *idle = occluder.map(Box::new);
+        self.drop_empty();
+    }
+
+    /// Gives back the memory of a static object that has nothing rare any more.
+    fn drop_empty(&mut self) {
+        if matches!(self.rare.as_deref(), Some(Rare::Static { placed: None, idle: None })) {
+            self.rare = None;
+        }
+    }
+
+    /// Whether it is placed by a transform.
+    #[inline]
+    pub(super) fn is_placed(&self) -> bool {
+        self.is_placed
+    }
+
+    /// Its shapes in its own space, if it is placed by a transform.
+    pub(super) fn placed(&self) -> Option<&Placed> {
+        self.rare.as_ref()?.placed()
+    }
+
+    /// As [`Object::placed`], to change them.
+    pub(super) fn placed_mut(&mut self) -> Option<&mut Placed> {
+        match self.rare.as_deref_mut()? {
+            Rare::Static { placed, .. } => placed.as_mut(),
+            Rare::Dynamic { placed, .. } => placed.as_deref_mut(),
+        }
+    }
+
+    /// Places it by a transform, or no longer.
+    pub(super) fn set_placed(&mut self, shapes: Option<Placed>) {
+        if !self.is_placed && shapes.is_none() {
+            return;
+        }
+        self.is_placed = shapes.is_some();
+        match &mut **self.rare.get_or_insert_with(|| Box::new(Rare::NONE)) {
+            Rare::Static { placed, .. } => *placed = shapes,
+            Rare::Dynamic { placed, .. } => *placed = shapes.map(Box::new),
+        }
+        self.drop_empty();
+    }
+
+    /// Whether it moves, and how.
+    pub(super) fn motion(&self) -> Motion {
+        self.mover().map_or(Motion::Static, |mover| mover.motion)
     }
 
     /// Whether a view shows the layers that it is on.
@@ -116,24 +223,32 @@ impl Object {
 
     /// The parts that only a dynamic object has.
     #[inline]
-    pub(super) fn mover(&mut self) -> Option<&mut Mover> {
-        self.mover.as_deref_mut()
+    fn mover(&self) -> Option<&Mover> {
+        self.rare.as_ref()?.mover()
+    }
+
+    #[inline]
+    fn mover_mut(&mut self) -> Option<&mut Mover> {
+        match self.rare.as_deref_mut()? {
+            Rare::Static { .. } => None,
+            Rare::Dynamic { mover, .. } => Some(mover),
+        }
     }
 
     /// Where it is. Static objects are always listed.
     #[inline]
     pub(super) fn state(&self) -> State {
-        self.mover.as_ref().map_or(State::Listed, |mover| mover.state)
+        self.mover().map_or(State::Listed, |mover| mover.state)
     }
 
     /// For how long its next volume is made to last.
     pub(super) fn validity(&self) -> Validity {
-        self.mover.as_ref().map_or(Validity::first(), |mover| mover.validity)
+        self.mover().map_or(Validity::first(), |mover| mover.validity)
     }
 
     /// Adapts the validity of its next volume.
     pub(super) fn adapt(&mut self, change: impl FnOnce(&mut Validity)) {
-        if let Some(mover) = self.mover() {
+        if let Some(mover) = self.mover_mut() {
             change(&mut mover.validity);
         }
     }
@@ -142,10 +257,10 @@ impl Object {
     /// apply.
     pub(super) fn apply(&mut self, event: Event) -> bool {
         let next = self.state().after(event);
-        if let (Some(mover), Some(next)) = (self.mover.as_deref_mut(), next) {
+        if let (Some(mover), Some(next)) = (self.mover_mut(), next) {
+            mover.state = next;
             self.is_unlocated = matches!(next, State::Overdue | State::Unlocated { .. });
             self.is_hidden = matches!(next, State::Hidden(_));
-            mover.state = next;
         }
         next.is_some()
     }
@@ -159,7 +274,7 @@ impl Object {
 
     #[inline]
     pub(super) fn is_overdue(&self) -> bool {
-        self.mover.as_ref().is_some_and(|mover| matches!(mover.state, State::Overdue))
+        self.mover().is_some_and(|mover| matches!(mover.state, State::Overdue))
     }
 
     /// Whether it is in a volume.
@@ -177,7 +292,7 @@ impl Object {
     /// The volume of an object whose bounds are old: it may be anywhere in there.
     #[inline]
     pub(crate) fn unreported_volume(&self) -> Option<&Block> {
-        match &self.mover.as_ref()?.state {
+        match &self.mover()?.state {
             State::Hidden(hidden) if self.on_expiry() => Some(&hidden.tbv.block),
             _ => None,
         }
@@ -185,25 +300,23 @@ impl Object {
 
     /// Bytes on the heap, without those of shapes that objects may share.
     pub(super) fn bytes(&self) -> usize {
-        let idle = self.idle_occluder.as_ref().map_or(0, |_| size_of::<Occluder>());
-        let placed = self.placed.as_ref().map_or(0, |_| size_of::<Placed>());
-        idle + placed + self.mover.as_ref().map_or(0, |_| size_of::<Mover>())
+        self.rare.as_ref().map_or(0, |rare| rare.bytes())
     }
 
     #[inline]
     pub(crate) fn is_static(&self) -> bool {
-        self.motion == Motion::Static
+        self.is_static
     }
 
     /// Whether its motion goes unreported while it is hidden.
     #[inline]
     pub(crate) fn on_expiry(&self) -> bool {
-        matches!(self.motion, Motion::Dynamic { reports: Reports::OnExpiry, .. })
+        self.on_expiry
     }
 
     /// The promised greatest speed, in world units per second.
     pub(super) fn promised_speed(&self) -> Option<f64> {
-        match self.motion {
+        match self.motion() {
             Motion::Dynamic { max_speed: Some(v), .. } => Some(f64::from(v)),
             _ => None,
         }

@@ -14,32 +14,35 @@ use crate::scene::state::State;
 
 /// An object of a scene, to read. [`Scene::iter`] gives them.
 #[derive(Debug, Clone, Copy)]
-pub struct ObjectRef<'a>(&'a Object);
+pub struct ObjectRef<'a> {
+    object: &'a Object,
+    user_data: u64,
+}
 
 impl<'a> ObjectRef<'a> {
     /// The shape that is tested for visibility, as last reported.
     pub fn bounds(&self) -> &'a Bounds {
-        self.0.bounds()
+        self.object.bounds()
     }
 
     /// The shape that hides others, if it has one.
     pub fn occluder(&self) -> Option<&'a Occluder> {
-        self.0.given_occluder()
+        self.object.given_occluder()
     }
 
     /// Whether it moves, and how.
     pub fn motion(&self) -> Motion {
-        self.0.motion
+        self.object.motion()
     }
 
     /// The layers that it is on: see [`crate::ObjectDesc::layers`].
     pub fn layers(&self) -> u64 {
-        self.0.layers
+        self.object.layers
     }
 
     /// The number that the application gave it: see [`Scene::user_data`].
     pub fn user_data(&self) -> u64 {
-        self.0.user_data
+        self.user_data
     }
 }
 
@@ -80,7 +83,8 @@ impl Scene {
     /// # }
     /// ```
     pub fn iter(&self) -> impl Iterator<Item = (ObjectId, ObjectRef<'_>)> {
-        self.living().map(|(slot, object)| (self.id(slot), ObjectRef(object)))
+        self.living()
+            .map(|(slot, object)| (self.id(slot), ObjectRef { object, user_data: self.user_data.get(slot) }))
     }
 
     /// The shape by which an object's visibility is tested, as last reported.
@@ -106,7 +110,7 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn transform(&self, id: ObjectId) -> Result<Option<Affine3A>, Error> {
         let object = self.find(id)?;
-        let own = object.placed.as_ref().map(|placed| placed.transform);
+        let own = object.placed().map(|placed| placed.transform);
         Ok(own.or_else(|| transform_of_instances(object.bounds(), object.given_occluder())))
     }
 
@@ -136,7 +140,7 @@ impl Scene {
     /// # Errors
     /// Refuses an id that names no object of this scene.
     pub fn user_data(&self, id: ObjectId) -> Result<u64, Error> {
-        self.find(id).map(|object| object.user_data)
+        self.find(id).map(|_| self.user_data.get(id.slot()))
     }
 
     /// An id in 64 bits, for tables and interfaces that have no room for an [`ObjectId`]: its

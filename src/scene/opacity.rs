@@ -5,6 +5,8 @@
 //! and solids are joined only with solids on the same layers. A scene whose occluders are all on
 //! the same layers has one part, as if there were no layers.
 
+use std::num::NonZeroU8;
+
 use glam::IVec3;
 
 use crate::grid::Grid;
@@ -17,9 +19,19 @@ use crate::scene::opaque::OpaqueCells;
 /// each 64x64x64 cells of the grid and matrix, and each query asks all parts that its view shows.
 pub(crate) const MOST_PARTS: usize = 16;
 
-/// The place of a part in the list of a scene.
+/// The place of a part in the list of a scene, counted from 1, so that none takes a byte as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct OpacityPart(u8);
+pub(crate) struct OpacityPart(NonZeroU8);
+
+impl OpacityPart {
+    fn new(at: usize) -> Self {
+        Self(NonZeroU8::MIN.saturating_add(at as u8))
+    }
+
+    fn at(self) -> usize {
+        usize::from(self.0.get()) - 1
+    }
+}
 
 /// The opaque cells of the occluders with one mask of layers.
 #[derive(Clone)]
@@ -166,11 +178,11 @@ impl Opacity {
     }
 
     pub(super) fn part(&self, part: OpacityPart) -> &LayerOpacity {
-        &self.parts[usize::from(part.0)]
+        &self.parts[part.at()]
     }
 
     pub(super) fn part_mut(&mut self, part: OpacityPart) -> &mut LayerOpacity {
-        &mut self.parts[usize::from(part.0)]
+        &mut self.parts[part.at()]
     }
 
     /// The part for an occluder on some layers, which is now in it; none if no view shows it, or if
@@ -191,7 +203,7 @@ impl Opacity {
             self.parts[at] = LayerOpacity::new(layers, self.dims);
         }
         self.parts[at].occluders += 1;
-        Some(OpacityPart(at as u8))
+        Some(OpacityPart::new(at))
     }
 
     /// An occluder leaves its part. Its cells are cleared.

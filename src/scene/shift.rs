@@ -26,8 +26,8 @@ struct Shifted {
 impl Shifted {
     /// The shapes of an object; `None` if one is a mesh in world space.
     fn of(object: &Object, offset: Vec3) -> Result<Option<Self>, Error> {
-        if let Some(placed) = &object.placed {
-            let mut placed = (**placed).clone();
+        if let Some(placed) = object.placed() {
+            let mut placed = placed.clone();
             placed.transform.translation -= Vec3A::from(offset);
             let (bounds, occluder) = placed.at(placed.transform)?;
             return Ok(Some(Self { bounds, occluder, placed: Some(placed) }));
@@ -134,7 +134,7 @@ impl Scene {
     fn place_shifted(&mut self, slot: Slot, shape: Shifted, offset: Vec3) {
         let Shifted { bounds, occluder, placed } = shape;
         let object = &mut self.slots[slot];
-        object.placed = placed.map(Box::new);
+        object.set_placed(placed);
         (object.bounds, object.in_zone) = (bounds, false);
         self.exchange_occluder(slot, occluder);
         match self.object(slot).state() {

@@ -15,8 +15,10 @@ impl Scene {
     /// # Errors
     /// Refuses more than 2^31 objects.
     pub(crate) fn insert_checked(&mut self, desc: ObjectDesc) -> Result<ObjectId, Error> {
+        let user_data = desc.user_data;
         let (object, occluder) = self.object_of(desc);
         let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
+        self.user_data.set(slot, user_data);
         self.changes.changed();
         self.note_report(slot);
         self.note_static(slot);
@@ -35,12 +37,13 @@ impl Scene {
         occluder: Option<Occluder>,
     ) {
         let Ok(object) = from.find(id) else { return };
+        let user_data = from.user_data.get(id.slot());
         let desc = ObjectDesc {
             bounds,
             occluder,
-            motion: object.motion,
+            motion: object.motion(),
             contradicts: false,
-            user_data: object.user_data,
+            user_data,
             layers: object.layers,
             transform: None,
         };
@@ -50,6 +53,7 @@ impl Scene {
             return;
         }
         self.changes.changed();
+        self.user_data.set(slot, user_data);
         self.reports.forget(slot);
         self.note_static(slot);
         self.exchange_occluder(slot, occluder);

@@ -70,23 +70,19 @@ mod tests {
 
     #[test]
     fn a_value_is_filled_once_by_any_number_of_threads() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         let mut value = Filled::default();
         for round in 0..100 {
             let fills = AtomicU32::new(0);
-            std::thread::scope(|scope| {
-                for _ in 0..3 {
-                    scope.spawn(|| {
-                        let filled = value.get_or_fill(|| {
-                            fills.fetch_add(1, Ordering::Relaxed);
-                            // Longer than the others wait awake, in some rounds.
-                            if round % 50 == 0 {
-                                std::thread::sleep(std::time::Duration::from_millis(5));
-                            }
-                            round
-                        });
-                        assert_eq!(*filled, round);
-                    });
-                }
+            pool.broadcast(|_| {
+                let filled = value.get_or_fill(|| {
+                    fills.fetch_add(1, Ordering::Relaxed);
+                    // In some rounds longer than the others wait awake.
+                    let looks = if round % 10 == 0 { 4 * LOOKS } else { 0 };
+                    (0..looks).for_each(|_| std::hint::spin_loop());
+                    round
+                });
+                assert_eq!(*filled, round);
             });
             assert_eq!(fills.into_inner(), 1);
             assert_eq!((value.get_mut().copied(), value.take()), (Some(round), Some(round)));
