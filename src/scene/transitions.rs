@@ -279,7 +279,6 @@ impl Scene {
         }
         self.exchange_occluder(slot, None);
         self.seen.remove(slot);
-        self.user_data.set(slot, 0);
         self.slots.remove(slot);
     }
 
