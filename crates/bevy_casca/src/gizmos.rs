@@ -26,8 +26,8 @@ impl Plugin for CascaGizmosPlugin {
     }
 }
 
-/// Which boxes are drawn: a group of gizmos in Bevy's [`GizmoConfigStore`]. Give it the render layer
-/// of a second camera to see them from there.
+/// Which boxes are drawn: a group of gizmos in Bevy's [`GizmoConfigStore`]. Give it the render
+/// layer of a second camera to see them from there.
 ///
 /// Each box is looked up and drawn anew in each frame: this costs far more than to cull.
 #[derive(Debug, Clone, Reflect, GizmoConfigGroup)]

@@ -91,8 +91,8 @@ impl CascaScene {
     /// before `PostUpdate`.
     ///
     /// Costs as taking all entities over again. What the call does not hold for counts as having
-    /// moved: entities that stay where they were, all of them if the call is missing or too late, or
-    /// if the offset is too large. They hide nothing for [`CascaSettings::still_after`] frames.
+    /// moved: entities that stay where they were, all of them if the call is missing or too late,
+    /// or if the offset is too large. They hide nothing for [`CascaSettings::still_after`] frames.
     pub fn shift_origin(&mut self, offset: Vec3) {
         self.shifted = Some(self.shifted.unwrap_or_default() + offset);
     }
