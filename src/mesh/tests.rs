@@ -176,7 +176,7 @@ fn cells_are_held_for_one_grid_only() {
 #[test]
 fn what_is_bounds_only_hides_nothing_and_takes_less() {
     let full = Arc::new(ring(200));
-    let bounds = TriMesh::bounds_only(full.positions.to_vec(), full.triangles.clone()).unwrap();
+    let bounds = TriMesh::bounds_only(full.positions.to_vec(), full.triangles.to_vec()).unwrap();
     let bounds = Arc::new(bounds);
     assert!(full.occludes() && !bounds.occludes() && bounds.is_closed());
     assert_eq!((bounds.patches(), bounds.sides()), (0, 0));
@@ -205,6 +205,21 @@ fn memory_counts_what_is_held() {
     assert!(before > mesh.positions.len() * 12 + mesh.triangles.len() * 12 + mesh.sides() * 16);
     assert!(mesh.contains_point(DVec3::new(8.0, 5.0, 5.0)));
     assert!(mesh.memory_bytes() > before + mesh.triangles.len() * 4);
+}
+
+#[test]
+fn soups_take_little_and_so_do_those_that_are_read() {
+    let corner = |i: u32| Vec3::new((i * 37 % 101) as f32, (i * 53 % 103) as f32, (i * 71 % 107) as f32);
+    let positions: Vec<Vec3> = (0..600).map(corner).collect();
+    let triangles: Vec<[u32; 3]> = (0..200).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let soup = TriMesh::new(positions.clone(), triangles.clone()).unwrap();
+    let bounds = TriMesh::bounds_only(positions, triangles).unwrap();
+    let bytes = |mesh: &TriMesh| mesh.memory_bytes() - bounds.memory_bytes();
+    assert!(bytes(&soup) < 60 * 200, "{}", bytes(&soup));
+    let mut file = Vec::new();
+    soup.write(&mut file).unwrap();
+    let read = TriMesh::read(&mut file.as_slice()).unwrap();
+    assert_eq!((bytes(&read), read.sides()), (bytes(&soup), soup.sides()));
 }
 
 /// A hilly floor, boxes that abut and one beside a crack, in numbers that are not rounded.

@@ -92,7 +92,7 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 #[derive(Debug, Clone)]
 pub struct TriMesh {
     pub(crate) positions: Arc<[Vec3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Arc<[[u32; 3]]>,
     pub(crate) bounds: Aabb,
     pub(crate) closed: bool,
     /// Whether it can have opaque cells.
@@ -202,7 +202,11 @@ impl TriMesh {
                 false => Ok(Surface::default()),
             },
         );
-        let surface = surface?;
+        let mut surface = surface?;
+        if gap > 0.0 {
+            // Its triangles may be others.
+            surface.lone.clear();
+        }
         let Welded { first, .. } = welded;
         progress.tell(1.0)?;
         let flags = (topology, how.occludes);
@@ -213,7 +217,7 @@ impl TriMesh {
     /// the first position that is equal to each; the flag says whether it hides others.
     pub(crate) fn from_prepared(
         positions: Vec<Vec3>,
-        mut triangles: Vec<[u32; 3]>,
+        triangles: Vec<[u32; 3]>,
         first: &[u32],
         bounds: Aabb,
         (topology, occludes): (Topology, bool),
@@ -240,7 +244,9 @@ impl TriMesh {
         let middle = middle_of(&parts);
         let positions: Arc<[Vec3]> = positions.into();
         surface.positions = positions.clone();
-        triangles.shrink_to_fit();
+        let triangles: Arc<[[u32; 3]]> = triangles.into();
+        surface.triangles = triangles.clone();
+        surface.pack();
         let (index, cells) = (OnceLock::new(), CellCache::default());
         Self {
             positions,
@@ -291,7 +297,8 @@ impl TriMesh {
     pub fn memory_bytes(&self) -> usize {
         in_arc::<[Vec3; 0]>()
             + size_of_val(&*self.positions)
-            + self.triangles.capacity() * size_of::<[u32; 3]>()
+            + in_arc::<[[u32; 3]; 0]>()
+            + size_of_val(&*self.triangles)
             + self.surface.bytes()
             + self.parts.capacity() * size_of::<Convex>()
             + self.convex.as_ref().map_or(0, Convex::memory_bytes)
@@ -312,7 +319,7 @@ impl TriMesh {
     /// sides that are in sight, not its triangles; from afar, those of groups of patches, which are
     /// fewer.
     pub fn sides(&self) -> usize {
-        self.surface.sides.len()
+        self.surface.side_count()
     }
 
     /// Convex solids that together contain the mesh.

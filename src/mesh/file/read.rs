@@ -159,7 +159,7 @@ impl Contents<'_> {
         for (i, patch) in surface.indexed().filter(|(i, p)| p.next > i.after()) {
             let along = |p: Vec3| patch.normal.dot(p.as_dvec3());
             let inside = |p: Vec3| patch.lo <= along(p) && along(p) <= patch.hi;
-            let all = surface.outline(i).all(|(_, side)| surface.ends(side).into_iter().all(inside));
+            let all = surface.outline(i).all(|(_, side)| surface.ends(&side).into_iter().all(inside));
             self.check(i.index(), all, "has parts that leave its slab")?;
         }
         surface.shrink();

@@ -6,7 +6,6 @@ use glam::{DVec3, Vec3};
 
 use crate::geometry::plane::HalfSpace;
 use crate::mesh::file::{HEADER, MAGIC, VERSION, checksum};
-use crate::mesh::surface::Surface;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::shape::convex::Convex;
 
@@ -60,16 +59,16 @@ impl TriMesh {
         out.push(u8::from(self.closed));
         out.push(u8::from(self.occludes));
         out.push(u8::from(self.surface.front));
-        let Surface { sides, patches, .. } = &self.surface;
-        count(out, sides.len());
-        for side in sides {
+        let surface = &self.surface;
+        count(out, surface.side_count());
+        for (_, _, side) in surface.leaf_sides() {
             out.extend(side.ends.iter().flat_map(|v| v.to_le_bytes()));
             out.extend(side.slack.to_le_bytes());
             out.extend(side.twin().get().to_le_bytes());
             out.push(u8::from(side.opposite()));
         }
-        count(out, patches.len());
-        for (at, patch) in self.surface.indexed() {
+        count(out, surface.patch_count());
+        for (at, patch) in surface.indexed() {
             let inside = at.after().up_to(patch.next);
             let sides = if inside == 0 { patch.last - patch.first } else { 0 };
             out.extend(sides.to_le_bytes());
@@ -80,10 +79,13 @@ impl TriMesh {
             put3(out, patch.min);
             put3(out, patch.max);
         }
-        count(out, self.surface.open().count());
-        for (side, chain) in self.surface.open() {
-            out.extend(side.to_le_bytes());
-            out.extend(chain.to_le_bytes());
+        // In the file sides are numbered as they come.
+        let open = || (0u32..).zip(surface.leaf_sides()).filter(|(_, (_, _, side))| side.is_open());
+        count(out, open().count());
+        let mut chain = surface.chain();
+        for (place, (_, number, _)) in open() {
+            out.extend(place.to_le_bytes());
+            out.extend(chain(number).to_le_bytes());
         }
         count(out, self.parts.len());
         for Convex { vertices, faces, edges, .. } in &self.parts {

@@ -119,7 +119,7 @@ mod tests {
             }
             let mut balance = std::collections::BTreeMap::new();
             for (_, side) in surface.outline(i) {
-                let [from, to] = surface.ends(side);
+                let [from, to] = surface.ends(&side);
                 for p in [from, to] {
                     let along = patch.normal.dot(p.as_dvec3());
                     assert!(patch.lo <= along && along <= patch.hi, "{i:?}");
@@ -129,7 +129,7 @@ mod tests {
                 assert!(side.slack <= patch.slack);
             }
             assert!(balance.values().all(|&b| b == 0), "the outline of {i:?} is closed");
-            if !parts.is_empty() && patch.has_outline() {
+            if !parts.is_empty() && surface.has_outline(i) {
                 groups += 1;
                 let inside: usize = parts.iter().map(|&p| surface.outline(p).len()).sum();
                 assert!(surface.outline(i).len() < inside, "sides inside cancel");

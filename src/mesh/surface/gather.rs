@@ -138,6 +138,7 @@ pub(crate) fn gather(
     }
     let mut surface = Surface { front: rules.front, ..Surface::default() };
     surface.patches.reserve_exact(order.len());
+    surface.lone.resize(order.len(), false);
     surface.sides.reserve(outlines.len() + 3 * grown.lone as usize);
     let mut rings = Rings::default();
     let (mut outline, mut lone) = (Vec::new(), Vec::new());
@@ -153,6 +154,7 @@ pub(crate) fn gather(
             outline.clear();
             lone.clear();
             let ring = if node < grown.lone { lone_ring(mesh, grown, node, rules.tolerance) } else { None };
+            surface.lone[at] = ring.is_some();
             let edges = if let Some(ring) = ring {
                 surface.push_ring(mesh, ring);
                 lone.as_slice()

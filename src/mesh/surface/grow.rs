@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::mesh::parallel;
+use crate::mesh::surface::lone::direction;
 use crate::mesh::surface::patch::{NONE, Rules};
 use crate::mesh::surface::weld::{Neighbour, Welded};
 
@@ -118,10 +119,6 @@ fn lone(mesh: &Welded) -> Vec<u32> {
 /// Orders triangles, the largest first. Areas are not negative, so their bits are in order.
 fn rank(cross: DVec3, triangle: u32) -> (u64, u32) {
     (!cross.length_squared().to_bits(), triangle)
-}
-
-fn direction(cross: DVec3) -> DVec3 {
-    cross.normalize_or(DVec3::Z)
 }
 
 /// What the triangles of a patch have in common: a plane near which they lie.

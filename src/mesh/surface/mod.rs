@@ -26,6 +26,8 @@ mod grow;
 mod halves;
 mod index;
 mod interior;
+mod lone;
+mod packed;
 mod patch;
 mod position;
 pub(crate) mod seams;
@@ -35,6 +37,7 @@ mod weld;
 
 pub(crate) use equal::first_of_equals;
 pub(crate) use index::{PatchIndex, PatchNumber};
+pub(crate) use lone::Slab as PatchSlab;
 pub(crate) use patch::{Beyond, EDGE, Outline, Patch, Rules, Side, Surface, slack};
 pub(crate) use position::key;
 pub(crate) use weld::{Topology, Welded};

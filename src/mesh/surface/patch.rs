@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::geometry::Block;
 use crate::mesh::surface::index::PatchIndex;
+use crate::mesh::surface::lone::{Lone, Record, Slab, Stored, sine_of, slab_of};
 
 /// The number of a chain without points between its ends.
 pub(crate) const EDGE: u64 = 0xcbf2_9ce4_8422_2325;
@@ -110,12 +110,23 @@ pub(crate) struct Patch {
 pub(crate) struct Surface {
     /// The positions of the mesh.
     pub(crate) positions: Arc<[Vec3]>,
-    /// The sides of patches without parts, in their order.
+    /// Its triangles, once the surface is packed.
+    pub(crate) triangles: Arc<[[u32; 3]]>,
+    /// The sides of patches without parts, in their order; if packed, without those of lone
+    /// triangles.
     pub(crate) sides: Vec<Side>,
     /// The outlines of groups, as numbers of sides.
     pub(crate) group_outlines: Vec<u32>,
-    /// All patches; the first one contains all others.
+    /// All patches; the first one contains all others. If packed, those that are neither lone
+    /// triangles nor bundles.
     pub(crate) patches: Vec<Patch>,
+    /// Where each patch is stored; none if the surface is not packed.
+    pub(crate) records: Vec<Record>,
+    /// The boxes around them: the least and the greatest corner.
+    pub(crate) boxes: Vec<(Vec3, Vec3)>,
+    /// Whether each patch is a lone triangle as it is given, until the surface is packed; empty if
+    /// that is not known.
+    pub(crate) lone: Vec<bool>,
     /// Whether triangles hide from their front only.
     pub(crate) front: bool,
     /// The sign of the volume inside, if the surface is closed and wound alike: outsides are fronts
@@ -144,6 +155,8 @@ impl Surface {
     pub(crate) fn bytes(&self) -> usize {
         self.sides.capacity() * size_of::<Side>()
             + self.patches.capacity() * size_of::<Patch>()
+            + self.records.capacity() * size_of::<Record>()
+            + self.boxes.capacity() * size_of::<(Vec3, Vec3)>()
             + self.group_outlines.capacity() * size_of::<u32>()
             + self.chains.capacity() * size_of::<(u32, u64)>()
     }
@@ -154,18 +167,23 @@ impl Surface {
         side.ends.map(|v| self.positions[v as usize])
     }
 
-    /// The sides with one patch only, and numbers that tell their chains apart.
-    pub(crate) fn open(&self) -> impl Iterator<Item = (u32, u64)> {
+    /// The sides of patches without parts: the patch, the number of the side and the side.
+    pub(crate) fn leaf_sides(&self) -> impl Iterator<Item = (PatchIndex, u32, Side)> {
+        let leaves = self.places().filter(|&i| self.next(i) == i.after());
+        leaves.flat_map(|i| self.outline(i).map(move |(number, side)| (i, number, side)))
+    }
+
+    /// A number that tells the chain of each open side from others, by the numbers of sides in
+    /// order.
+    pub(crate) fn chain(&self) -> impl FnMut(u32) -> u64 {
         let mut chains = self.chains.as_slice();
-        self.sides.iter().zip(0u32..).filter(|(side, _)| side.is_open()).map(move |(_, number)| match chains
-            .split_first()
-        {
+        move |number| match chains.split_first() {
             Some((&(side, chain), rest)) if side == number => {
                 chains = rest;
-                (number, chain)
+                chain
             }
-            _ => (number, EDGE),
-        })
+            _ => EDGE,
+        }
     }
 
     /// Gives back memory that is not used.
@@ -176,46 +194,153 @@ impl Surface {
         self.chains.shrink_to_fit();
     }
 
+    /// How many patches there are.
+    #[inline]
+    pub(crate) fn patch_count(&self) -> usize {
+        self.patches.len().max(self.records.len())
+    }
+
+    /// Where a patch is stored.
+    #[inline]
+    fn stored(&self, patch: PatchIndex) -> Stored {
+        self.records.get(patch.index()).map_or(Stored::Patch(patch.index()), |record| record.stored())
+    }
+
+    /// The corners of a triangle, as it is given.
+    #[inline]
+    fn corners(&self, lone: Lone) -> [Vec3; 3] {
+        self.triangles[lone.triangle()].map(|v| self.positions[v as usize])
+    }
+
+    /// A bundle: it is only drawn in parts.
+    pub(super) fn bundle(next: PatchIndex, (min, max): (Vec3, Vec3)) -> Patch {
+        let (lo, hi) = (f64::INFINITY, f64::NEG_INFINITY);
+        Patch { first: 0, last: 0, next, sine: 1.0, normal: DVec3::Z, lo, hi, min, max, slack: 0.0 }
+    }
+
+    /// The patch that is a lone triangle.
+    pub(super) fn lone_patch(&self, lone: Lone, place: PatchIndex, (min, max): (Vec3, Vec3)) -> Patch {
+        let corners = self.corners(lone);
+        let Slab { normal, lo, hi, slack } = slab_of(corners);
+        let (first, next, sine) = (lone.first_side(), place.after(), sine_of(corners));
+        Patch { first, last: first + 3, next, sine, normal, lo, hi, min, max, slack }
+    }
+
     /// A patch.
     #[inline]
-    pub(crate) fn patch(&self, patch: PatchIndex) -> &Patch {
-        &self.patches[patch.index()]
+    pub(crate) fn patch(&self, patch: PatchIndex) -> Patch {
+        match self.stored(patch) {
+            Stored::Patch(at) => self.patches[at],
+            Stored::Bundle(next) => Self::bundle(next, self.boxes[patch.index()]),
+            Stored::Lone(lone) => self.lone_patch(lone, patch, self.boxes[patch.index()]),
+        }
+    }
+
+    /// The slab of a patch that has one.
+    #[inline]
+    pub(crate) fn slab(&self, patch: PatchIndex) -> Slab {
+        let whole = |&Patch { normal, lo, hi, slack, .. }: &Patch| Slab { normal, lo, hi, slack };
+        match self.stored(patch) {
+            Stored::Patch(at) => whole(&self.patches[at]),
+            Stored::Bundle(next) => whole(&Self::bundle(next, (Vec3::ZERO, Vec3::ZERO))),
+            Stored::Lone(lone) => slab_of(self.corners(lone)),
+        }
+    }
+
+    /// The place after that of the last part of a patch: [`Patch::next`].
+    #[inline]
+    pub(crate) fn next(&self, patch: PatchIndex) -> PatchIndex {
+        match self.stored(patch) {
+            Stored::Patch(at) => self.patches[at].next,
+            Stored::Bundle(next) => next,
+            Stored::Lone(_) => patch.after(),
+        }
+    }
+
+    /// The least and the greatest corner of the box around a patch.
+    #[inline]
+    pub(crate) fn extent(&self, patch: PatchIndex) -> (Vec3, Vec3) {
+        self.boxes.get(patch.index()).copied().unwrap_or_else(|| {
+            let Patch { min, max, .. } = self.patches[patch.index()];
+            (min, max)
+        })
+    }
+
+    /// Whether a patch has an outline, so that it can be drawn as one.
+    #[inline]
+    pub(crate) fn has_outline(&self, patch: PatchIndex) -> bool {
+        match self.stored(patch) {
+            Stored::Patch(at) => self.patches[at].first < self.patches[at].last,
+            Stored::Bundle(_) => false,
+            Stored::Lone(_) => true,
+        }
+    }
+
+    /// Whether a patch is known to be a triangle with nothing beyond its sides in this surface.
+    #[inline]
+    pub(crate) fn is_lone(&self, patch: PatchIndex) -> bool {
+        matches!(self.stored(patch), Stored::Lone(_))
+    }
+
+    /// The places of all patches, in order.
+    pub(crate) fn places(&self) -> impl Iterator<Item = PatchIndex> + use<> {
+        (0..self.patch_count() as u32).map(PatchIndex::new)
     }
 
     /// All patches with their places, in order.
-    pub(crate) fn indexed(&self) -> impl Iterator<Item = (PatchIndex, &Patch)> {
-        (0..).map(PatchIndex::new).zip(&self.patches)
+    pub(crate) fn indexed(&self) -> impl Iterator<Item = (PatchIndex, Patch)> {
+        self.places().map(|i| (i, self.patch(i)))
     }
 
     /// The sides of a patch, with their numbers.
     #[inline]
     pub(crate) fn outline(&self, patch: PatchIndex) -> Outline<'_> {
-        let Patch { first, last, next, .. } = *self.patch(patch);
-        let group =
-            if next > patch.after() { &self.group_outlines[first as usize..last as usize] } else { &[] };
-        Outline { sides: &self.sides, group, at: first, last }
+        let (sides, none) = (self.sides.as_slice(), [].as_slice());
+        match self.stored(patch) {
+            Stored::Patch(at) => {
+                let Patch { first, last, next, .. } = self.patches[at];
+                let group = if next > patch.after() {
+                    &self.group_outlines[first as usize..last as usize]
+                } else {
+                    none
+                };
+                Outline { sides, group, ring: [0; 3], at: first, last }
+            }
+            Stored::Bundle(_) => Outline { sides, group: none, ring: [0; 3], at: 0, last: 0 },
+            Stored::Lone(lone) => {
+                let (ring, at) = (lone.ring(&self.triangles), lone.first_side());
+                Outline { sides: &[], group: none, ring, at, last: at + 3 }
+            }
+        }
     }
 
     /// How many patches have no parts.
     pub(crate) fn leaves(&self) -> usize {
-        self.indexed().filter(|(at, patch)| patch.next == at.after()).count()
+        self.places().filter(|&at| self.next(at) == at.after()).count()
+    }
+
+    /// How many sides the patches without parts have.
+    pub(crate) fn side_count(&self) -> usize {
+        let lone = |record: &&Record| matches!(record.stored(), Stored::Lone(_));
+        self.sides.len() + 3 * self.records.iter().filter(lone).count()
     }
 
     /// The places of the parts of a patch.
     #[cfg(test)]
     pub(crate) fn parts(&self, patch: PatchIndex) -> impl Iterator<Item = PatchIndex> {
-        let end = self.patch(patch).next;
+        let end = self.next(patch);
         let mut part = patch.after();
         std::iter::from_fn(move || {
             let this = part;
             (this < end).then(|| {
-                part = self.patch(this).next;
+                part = self.next(this);
                 this
             })
         })
     }
 
-    /// Finds the outlines of all groups: the sides of their parts that no other part cancels.
+    /// Finds the outlines of all groups: the sides of their parts that no other part cancels. The
+    /// surface is not packed yet.
     pub(crate) fn find_group_outlines(&mut self) {
         self.group_outlines.clear();
         // Where the sides of each patch, or of its parts, begin.
@@ -229,7 +354,7 @@ impl Surface {
         }
         starts[self.patches.len()] = reached;
         for i in (0..self.patches.len() as u32).map(PatchIndex::new) {
-            let Patch { next, lo, hi, .. } = *self.patch(i);
+            let Patch { next, lo, hi, .. } = self.patches[i.index()];
             if next == i.after() {
                 continue;
             }
@@ -256,15 +381,18 @@ impl Surface {
 /// The sides of a patch with their numbers, in order.
 #[derive(Debug, Clone)]
 pub(crate) struct Outline<'a> {
+    /// All sides that are stored; none for a lone triangle.
     sides: &'a [Side],
     /// Their numbers, if the patch has parts.
     group: &'a [u32],
+    /// The corners of a lone triangle.
+    ring: [u32; 3],
     at: u32,
     last: u32,
 }
 
-impl<'a> Iterator for Outline<'a> {
-    type Item = (u32, &'a Side);
+impl Iterator for Outline<'_> {
+    type Item = (u32, Side);
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
@@ -279,7 +407,12 @@ impl<'a> Iterator for Outline<'a> {
             None => self.at,
         };
         self.at += 1;
-        Some((number, &self.sides[number as usize]))
+        let side = self.sides.get(number as usize).copied().unwrap_or_else(|| {
+            let [a, b, c] = self.ring;
+            self.ring = [b, c, a];
+            Side::new([a, b], 0.0, Beyond::Open)
+        });
+        Some((number, side))
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
@@ -290,18 +423,18 @@ impl<'a> Iterator for Outline<'a> {
 
 impl ExactSizeIterator for Outline<'_> {}
 
+impl Outline<'_> {
+    /// Passes over all sides of a lone triangle: its corners in order. Nothing is beyond them.
+    #[inline]
+    pub(crate) fn take_ring(&mut self) -> Option<[u32; 3]> {
+        (self.sides.is_empty() && self.last - self.at == 3).then(|| {
+            self.at = self.last;
+            self.ring
+        })
+    }
+}
+
 /// The greatest slack of sides.
 pub(crate) fn slack(sides: &[Side]) -> f32 {
     sides.iter().map(|s| s.slack).fold(0.0, f32::max)
-}
-
-impl Patch {
-    pub(crate) fn block(&self) -> Block {
-        Block { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
-    }
-
-    /// Whether it has an outline, so that it can be drawn as one.
-    pub(crate) fn has_outline(&self) -> bool {
-        self.first < self.last
-    }
 }

@@ -6,7 +6,7 @@ use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::heap::in_tree;
-use crate::mesh::surface::index::{PatchIndex, PatchNumber};
+use crate::mesh::surface::index::PatchNumber;
 use crate::mesh::surface::patch::Surface;
 use crate::mesh::surface::position::key;
 
@@ -82,7 +82,7 @@ impl Seams {
         if self.places.len() <= slot.index() {
             self.places.resize_with(slot.index() + 1, Place::default);
         }
-        let class = Self::class(surface.patches.len());
+        let class = Self::class(surface.patch_count());
         if self.free.len() <= class {
             self.free.resize_with(class + 1, Vec::new);
         }
@@ -157,7 +157,7 @@ impl Seams {
     /// Takes a surface out.
     pub(crate) fn remove(&mut self, slot: Slot, surface: &Surface, fixed: bool) {
         let place = std::mem::take(&mut self.places[slot.index()]);
-        self.free[Self::class(surface.patches.len())].push(place.base);
+        self.free[Self::class(surface.patch_count())].push(place.base);
         if !fixed {
             return;
         }
@@ -203,18 +203,11 @@ fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
 
 /// The open sides of a surface.
 fn opens(slot: Slot, surface: &Surface, base: PatchNumber) -> impl Iterator<Item = (Chain, Open)> {
-    let mut patch = PatchIndex::FIRST;
-    surface.open().map(move |(index, chain)| {
-        // Sides are in the order of their patches. Groups of those have no sides of their own.
-        let before = |i: PatchIndex| {
-            let p = surface.patch(i);
-            p.next > i.after() || p.last <= index
-        };
-        while before(patch) {
-            patch = patch.after();
-        }
-        let side = &surface.sides[index as usize];
-        let ends = surface.ends(side).map(key);
+    let mut chain = surface.chain();
+    let open = surface.leaf_sides().filter(|(_, _, side)| side.is_open());
+    open.map(move |(patch, index, side)| {
+        let chain = chain(index);
+        let ends = surface.ends(&side).map(key);
         let upwards = ends[0] <= ends[1];
         let ends = if upwards { ends } else { [ends[1], ends[0]] };
         ((ends, chain), Open { slot, side: index, number: base.of(patch), upwards })

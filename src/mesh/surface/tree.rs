@@ -21,10 +21,11 @@ use crate::mesh::surface::facets::Facets;
 use crate::mesh::surface::groups::{Border, Groups};
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::halves::{Item, halve, rank};
+use crate::mesh::surface::lone::sine;
 use crate::mesh::surface::patch::Rules;
 use crate::mesh::surface::weld::Welded;
 use crate::numeric::lesser;
-use crate::numeric::mesh::{SINE, SLAB};
+use crate::numeric::mesh::SLAB;
 
 /// A group grows until it is this many times as large as its first part.
 const GROWTH: f64 = 4.0;
@@ -123,8 +124,7 @@ impl Extent {
         let Self { normal, cosine, area, slab: (lo, hi), min, max } = self;
         let (min, max) = (Vec3::from(min), Vec3::from(max));
         let room = SLAB * f64::from(min.abs().max(max.abs()).max_element());
-        let sine = if cosine > 0.0 { (1.0 - cosine * cosine).max(0.0).sqrt() + SINE } else { 1.0 };
-        let sine = (sine.min(1.0) as f32).next_up().min(1.0);
+        let sine = sine(cosine);
         let (none, slab) = ((0, 0), (lo - room, hi + room));
         Node { parts: none, patches: none, normal, slab, sine, min, max, area }
     }

@@ -49,7 +49,13 @@ impl<'a> Drawable<'a> {
     /// The numbers of the patches beyond its sides.
     pub(crate) fn twins(&self) -> impl Iterator<Item = PatchNumber> + use<'a> {
         let (base, links) = (self.number.base(self.patch), self.links);
-        self.outline().filter_map(move |(number, side)| Some(beyond(base, links, number, side)?.0))
+        self.outline().filter_map(move |(number, side)| Some(beyond(base, links, number, &side)?.0))
+    }
+
+    /// Whether it is a triangle with nothing beyond its sides.
+    #[inline]
+    pub(crate) fn is_apart(&self) -> bool {
+        self.links.is_empty() && self.surface.is_lone(self.patch)
     }
 
     /// The sides of its outline, with their numbers.
@@ -60,7 +66,7 @@ impl<'a> Drawable<'a> {
 
     /// Its number among all patches of the scene, and those of its parts.
     pub(crate) fn numbers(&self) -> std::ops::Range<PatchNumber> {
-        let next = self.surface.patch(self.patch).next;
+        let next = self.surface.next(self.patch);
         self.number..self.number.base(self.patch).of(next)
     }
 }

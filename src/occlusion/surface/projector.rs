@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 use glam::{DMat3, DVec3, Vec3};
 
+use crate::mesh::surface::PatchIndex;
 use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
@@ -163,7 +164,7 @@ impl Projector {
         let Face { right, up, forward, parallel } = self.face;
         let axes = DMat3::from_cols(right, up, if parallel { DVec3::ZERO } else { forward }).transpose();
         let depth = if parallel { DVec3::Z } else { DVec3::ZERO };
-        let whole = &d.surface.patches[0];
+        let (min, max) = d.surface.extent(PatchIndex::FIRST);
         let unit = if parallel { right.length() } else { 1.0 };
         let frame = |eye: (Vec3, Vec3), turn: DMat3, at: DVec3, growth: f64, error: f64| {
             let rows = turn.transpose();
@@ -175,7 +176,7 @@ impl Projector {
                 error: ((d.error + error) * unit) as f32,
             }
         };
-        let reach = whole.min.abs().max(whole.max.abs()).as_dvec3();
+        let reach = min.abs().max(max.abs()).as_dvec3();
         match d.placement {
             None => {
                 let eye = origin.as_vec3();
@@ -208,10 +209,20 @@ impl Projector {
         let mut outline = d.outline();
         while outline.len() > 0 {
             let (mut twins, mut opposite, mut count) = ([NO_TWIN; LANES], 0, 0);
+            if d.links.is_empty()
+                && let Some(ring) = outline.take_ring()
+            {
+                let [a, b, c] = ring.map(|v| d.surface.positions[v as usize]);
+                [(a, b), (b, c), (c, a)]
+                    .into_iter()
+                    .zip(0..)
+                    .for_each(|((p, q), at)| ends.set(at, p, q, 0.0));
+                count = 3;
+            }
             for (number, side) in outline.by_ref().take(LANES) {
-                let [from, to] = d.surface.ends(side);
+                let [from, to] = d.surface.ends(&side);
                 ends.set(count, from, to, side.slack);
-                if let Some((twin, turned)) = d.beyond(number, side) {
+                if let Some((twin, turned)) = d.beyond(number, &side) {
                     twins[count] = twin;
                     opposite |= u8::from(turned) << count;
                 }
@@ -419,7 +430,7 @@ mod tests {
                         continue;
                     }
                     edges += 1;
-                    let [from, to] = drawable.surface.ends(side);
+                    let [from, to] = drawable.surface.ends(&side);
                     for (p, (x, y)) in [(from, (x0[i], y0[i])), (to, (x1[i], y1[i]))] {
                         let (u, v) = exact(&face, buffer.window().per_unit(), projector.first(), place(p));
                         let off = (f64::from(x) - u).abs().max((f64::from(y) - v).abs());

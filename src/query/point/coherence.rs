@@ -95,15 +95,17 @@ impl<'a> Walk<'a> {
         for &(_, patch) in patches {
             // Groups come before their parts: those that end before the patch are passed by, the
             // others contain it.
-            while at < patch && at.index() < surface.patches.len() {
-                let next = surface.patch(at).next;
+            while at < patch && at.index() < surface.patch_count() {
+                let next = surface.next(at);
                 if next > patch {
                     self.went_into(base.of(at));
                 }
                 at = if next > patch { at.after() } else { next };
             }
-            let Some(whole) = surface.patches.get(patch.index()).filter(|_| at == patch) else { continue };
-            at = whole.next;
+            if patch.index() >= surface.patch_count() || at != patch {
+                continue;
+            }
+            at = surface.next(patch);
             let drawn = self.scratch.drawn.get(base.of(patch)).epoch == self.marks.epoch();
             if !drawn && wanted(self, &source.block(patch)) {
                 self.collect_alone(source, patch, batch);
@@ -293,7 +295,7 @@ impl<'a> Walk<'a> {
         let scene = self.scene;
         let numbers = |slot: Slot, patch: PatchIndex| {
             let place = scene.seams().place(slot);
-            let next = self.source(slot).map_or(patch.after(), |s| s.surface.patch(patch).next);
+            let next = self.source(slot).map_or(patch.after(), |s| s.surface.next(patch));
             place.base.of(patch)..place.base.of(next)
         };
         let mut open = vec![false; coherence.changed.len()];

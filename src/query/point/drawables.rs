@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::mesh::surface::seams::Place;
-use crate::mesh::surface::{Patch, PatchIndex, Surface};
+use crate::mesh::surface::{PatchIndex, PatchSlab, Surface};
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::Walk;
@@ -35,7 +35,8 @@ struct Slab {
 impl Source<'_> {
     /// A box around a patch as it is placed, in world units.
     pub(super) fn block(&self, patch: PatchIndex) -> Block {
-        placed_block(&self.surface.patch(patch).block(), self.placement)
+        let (min, max) = self.surface.extent(patch);
+        placed_block(&Block { min: min.as_dvec3(), max: max.as_dvec3() }, self.placement)
     }
 }
 
@@ -64,9 +65,9 @@ impl<'a> Walk<'a> {
         let &Source { surface, placement, place, .. } = source;
         let buffers = &self.scratch.buffers;
         let eye = buffers.origin();
-        let own = surface.patch(patch);
         let block = buffers.relative(world);
-        let Slab { normal, lo, hi, error, slack } = placed_slab(own, placement, buffers.uncertainty())?;
+        let Slab { normal, lo, hi, error, slack } =
+            placed_slab(surface.slab(patch), placement, buffers.uncertainty())?;
         let base = normal.dot(eye);
         let room = error + SLAB * (base.abs() + eye.abs().max_element() + lo.abs().max(hi.abs()));
         let slab = (lo.min(hi) - base - room, lo.max(hi) - base + room);
@@ -78,14 +79,13 @@ impl<'a> Walk<'a> {
             }
         }
         // Unequal scales change the angles in a patch.
+        let sine = || f64::from(surface.patch(patch).sine);
         let keeps_angles = placement.is_none_or(|p| p.keeps_angles);
-        if surface.front && !(keeps_angles && self.is_front(normal, &block, f64::from(own.sine))) {
+        if surface.front && !(keeps_angles && self.is_front(normal, &block, sine())) {
             return None;
         }
         // The far side of a closed surface lies behind its near side.
-        if surface.outward != 0.0
-            && keeps_angles
-            && self.is_front(-surface.outward * normal, &block, f64::from(own.sine))
+        if surface.outward != 0.0 && keeps_angles && self.is_front(-surface.outward * normal, &block, sine())
         {
             return None;
         }
@@ -99,8 +99,8 @@ impl<'a> Walk<'a> {
             Some(d) => -normal.dot(d),
             None => -(slab.0 + slab.1) * 0.5,
         };
-        let faces_eye = buffers.reach() == 0.0
-            || keeps_angles && is_turned_to_eye(normal, slab, &block, f64::from(own.sine));
+        let faces_eye =
+            buffers.reach() == 0.0 || keeps_angles && is_turned_to_eye(normal, slab, &block, sine());
         Some(Drawable {
             surface,
             placement,
@@ -163,7 +163,7 @@ fn is_turned_to_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -
 
 /// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range
 /// of numbers.
-fn placed_slab(patch: &Patch, placement: Option<&Placement>, unsure: f64) -> Option<Slab> {
+fn placed_slab(patch: PatchSlab, placement: Option<&Placement>, unsure: f64) -> Option<Slab> {
     let (mut error, mut slack) = (unsure, f64::from(patch.slack));
     let Some(p) = placement else {
         return Some(Slab { normal: patch.normal, lo: patch.lo, hi: patch.hi, error, slack });

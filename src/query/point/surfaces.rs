@@ -37,13 +37,13 @@ impl<'a> Walk<'a> {
     /// Lists an object's surface for drawing, by the shell that it begins in.
     pub(super) fn list_surface(&mut self, slot: Slot) {
         if let Some(source) = self.source(slot)
-            && !source.surface.patches.is_empty()
+            && source.surface.patch_count() > 0
         {
             self.wait(
                 self.shell_of(&source.block(PatchIndex::FIRST)),
                 slot,
                 PatchIndex::FIRST,
-                source.surface.patches[0].next.get(),
+                source.surface.next(PatchIndex::FIRST).get(),
             );
         }
     }
@@ -163,23 +163,23 @@ impl<'a> Walk<'a> {
         let first = batch.drawables.len();
         let (mut number, mut waits) = (whole, false);
         // Groups come before their parts.
-        while number < surface.patch(whole).next {
+        while number < surface.next(whole) {
             let role = self.role(slot, number, source.place.base.of(number));
             if matches!(role, Role::Drawn | Role::Waits) {
-                number = surface.patch(number).next;
+                number = surface.next(number);
                 continue;
             }
             let world = source.block(number);
             let shell = if number == whole { 0 } else { self.shell_of(&world) };
             let next = if shell > m {
-                self.wait(shell, slot, number, number.up_to(surface.patch(number).next));
+                self.wait(shell, slot, number, number.up_to(surface.next(number)));
                 waits = true;
                 Next::Done
             } else {
                 self.collect_patch(&source, number, &world, role, batch)
             };
             number = match next {
-                Next::Done => surface.patch(number).next,
+                Next::Done => surface.next(number),
                 Next::Parts => {
                     self.went_into(source.place.base.of(number));
                     number.after()
@@ -207,8 +207,7 @@ impl<'a> Walk<'a> {
         role: Role,
         batch: &mut Batch<'a>,
     ) -> Next {
-        let patch = source.surface.patch(number);
-        let has_parts = patch.next > number.after();
+        let has_parts = source.surface.next(number) > number.after();
         let block = self.scratch.buffers.relative(world);
         if self.is_small(&block, SMALLEST_PATCH) {
             return Next::Done;
@@ -221,7 +220,7 @@ impl<'a> Walk<'a> {
             return Next::Done;
         }
         if (role == Role::Fresh || !has_parts)
-            && patch.has_outline()
+            && source.surface.has_outline(number)
             && let Some(mut drawable) = self.drawable_in(source, number, world)
             && (!has_parts || self.is_thin(&drawable))
         {
@@ -252,7 +251,7 @@ impl<'a> Walk<'a> {
     fn collect_neighbours(&mut self, batch: &mut Batch<'a>) {
         let (epoch, number) = (self.marks.epoch(), self.scratch.batches);
         for i in 0..batch.drawables.len() {
-            if batch.drawables[i].alone {
+            if batch.drawables[i].alone || batch.drawables[i].is_apart() {
                 continue;
             }
             for twin in batch.drawables[i].twins() {
