@@ -1,9 +1,11 @@
 //! The native part of the Python package `casca`: scenes, views, queries and exact visibility over
-//! numpy arrays. `python/casca/__init__.pyi` documents them for their users.
+//! numpy arrays, the plane and points. `python/casca/__init__.pyi` documents them for their users.
 
 mod arrays;
 mod error;
 mod mesh;
+mod plane;
+mod points;
 mod query;
 mod scene;
 mod truth;
@@ -23,5 +25,9 @@ fn _casca(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<query::Query>()?;
     module.add_function(wrap_pyfunction!(query::run_many, module)?)?;
     module.add_function(wrap_pyfunction!(truth::exact_visible, module)?)?;
+    module.add_function(wrap_pyfunction!(plane::field_of_view, module)?)?;
+    module.add_function(wrap_pyfunction!(plane::visible_region, module)?)?;
+    module.add_function(wrap_pyfunction!(points::hidden_point_removal, module)?)?;
+    module.add_function(wrap_pyfunction!(points::splat_visible, module)?)?;
     Ok(())
 }

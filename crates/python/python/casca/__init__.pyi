@@ -5,6 +5,8 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import plane as plane, points as points
+
 _Ids = NDArray[np.uint64]
 _Method = Literal["point", "cell", "frustum"]
 _Preset = Literal["fast", "balanced", "tight"]
@@ -19,6 +21,8 @@ __all__ = [
     "View",
     "__version__",
     "exact_visible",
+    "plane",
+    "points",
     "run_many",
 ]
 
