@@ -44,6 +44,8 @@ fn with_checksum(bytes: &mut [u8]) {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+
     #[test]
     fn what_was_written_is_read((cells, sets) in levels()) {
         let bytes = write(cells, &sets);
@@ -90,13 +92,19 @@ proptest! {
     }
 
     #[test]
-    fn a_place_is_in_its_cell(at in prop::array::uniform3(-0.1..1.1f64), edge in prop::array::uniform3(any::<bool>()), low in prop::array::uniform3(-1e6..1e6f64), size in prop::array::uniform3(0.01..50.0f64)) {
+    fn a_place_is_in_its_cell(at in prop::array::uniform3(-0.1..1.1f64), edge in prop::array::uniform3(0..6), low in prop::array::uniform3(prop_oneof![-1e6..1e6f64, -0.5..0.5f64]), size in prop::array::uniform3(0.01..50.0f64)) {
         let dims = [7, 1000, 3];
         let cells = Cells { low, size, dims };
         // Some places lie on borders.
         let place: [f64; 3] = std::array::from_fn(|i| {
             let at = at[i] * f64::from(dims[i]);
-            low[i] + size[i] * if edge[i] { at.round() } else { at }
+            let border = low[i] + size[i] * at.round();
+            match edge[i] {
+                0 => border,
+                1 => border.next_up(),
+                2 => border.next_down(),
+                _ => low[i] + size[i] * at,
+            }
         });
         if let Some(cell) = cells.at(place) {
             let (least, most) = cells.room(cell).unwrap();
@@ -104,7 +112,7 @@ proptest! {
             let middle: [f64; 3] = std::array::from_fn(|i| (least[i] + most[i]) / 2.0);
             prop_assert_eq!(cells.at(middle), Some(cell));
         } else {
-            prop_assert!((0..3).any(|i| !(0.001..0.999).contains(&at[i]) || edge[i]));
+            prop_assert!((0..3).any(|i| !(0.001..0.999).contains(&at[i]) || edge[i] < 3));
         }
     }
 }
@@ -154,9 +162,19 @@ fn refusals_name_the_reason() {
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Set(0)));
     let mut other = bytes.clone();
-    other[80] = 9;
+    other[80] = 1;
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Cell(0)));
+    let mut other = bytes.clone();
+    // There are as many objects as the greatest number in a set.
+    other[12..16].copy_from_slice(&5u32.to_le_bytes());
+    with_checksum(&mut other);
+    assert_eq!(read(&other), Err(ReadError::Set(0)));
+    let baked = Baked::read(&bytes).unwrap();
+    assert!(baked.set_at([-3.5, 0.25, 1e3]).is_some() && baked.set_at([-3.5, 2.75, 1e3]).is_none());
+    let four = cells([2, 2, 1]);
+    assert_eq!(four.at([-3.0, 0.3, 1e3]), Some(0));
+    assert_eq!(four.at([-1.5, 0.3, 1e3]), None, "no cell of the next row");
     for at in [16, 40, 64] {
         let mut other = bytes.clone();
         other[at..at + 8].fill(0xff);
