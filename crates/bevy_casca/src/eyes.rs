@@ -107,3 +107,29 @@ impl Kept {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use casca::glam::{UVec3, Vec3};
+    use casca::{Aabb, GridSpec, ObjectDesc, Sphere};
+
+    use super::*;
+
+    #[test]
+    fn tasks_find_the_next_result_in_time() {
+        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
+        let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0));
+        scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+        scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(16.0, 16.0, 24.0), 0.5))).unwrap();
+        let mut kept = Kept::new(KeptOptions::new().reach(0.5), PointOptions::fast()).unwrap();
+        for step in 0..40 {
+            let eye = Vec3::new(12.0 + 0.2 * step as f32, 16.0, 8.0);
+            kept.run(&scene, &View::omnidirectional(eye).unwrap());
+            assert_eq!(kept.query.pvs().len(), 1);
+            while !kept.task.as_ref().unwrap().is_finished() {
+                std::thread::yield_now();
+            }
+        }
+        assert_eq!(kept.query.refreshes(), 1, "only the first run waited");
+    }
+}

@@ -36,6 +36,13 @@
 //! Bevy's own [`standard_materials!`], for others a [`MaterialsPlugin`]. An [`Occluder`] hides
 //! wherever it moves; [`NotOccluder`] and [`NoOcclusionCulling`] take exceptions.
 //!
+//! # More
+//!
+//! - [`CascaSettings::kept`]: cameras answer many frames from one result.
+//! - [`CascaScene::shift_origin`]: worlds that move their origin.
+//! - Feature `cache`: `CascaSettings::cache` is a folder of prepared meshes.
+//! - Feature `gizmos`: `CascaGizmosPlugin` draws what is hidden.
+//!
 //! # Limits
 //!
 //! - An entity hides others from the frame on in which its mesh is prepared, also while the

@@ -12,7 +12,7 @@ use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_mesh::Mesh3d;
 use bevy_transform::TransformSystems;
-use bevy_transform::components::Transform;
+use bevy_transform::components::{GlobalTransform, Transform};
 use common::{Nr, Pair, entity, eye, judge, spawn_box, spawn_camera};
 
 const CAMERA: u32 = 1_000_000;
@@ -146,12 +146,15 @@ fn who_is_told_of_a_new_origin_goes_on_hiding() {
     let mut pair = Pair::new(|world| {
         (0..3).for_each(|n| page(world, n));
         spawn_camera(world, CAMERA, Transform::from_xyz(-10.0, 1.5, 0.0).looking_to(Vec3::X, Vec3::Y));
-        // One with a child, turned and scaled: its place has other roundings.
+        // One with children, turned and scaled: their places have other roundings.
         let turn = Transform::from_xyz(33.3, 2.0, 4.7).with_scale(Vec3::new(0.7, 1.3, 0.9));
         let parent = spawn_box(world, rig, Vec3::ZERO, Vec3::ONE);
         *world.get_mut(parent).unwrap() = turn.looking_to(Vec3::new(1.0, 0.3, 0.2), Vec3::Y);
-        let child = spawn_box(world, rig + 1, Vec3::new(0.3, 1.1, 0.77), Vec3::splat(0.4));
-        world.entity_mut(child).insert(ChildOf(parent));
+        for i in 0..20 {
+            let at = Vec3::new(0.3 + 0.317 * i as f32, 1.1, 0.77 - 0.239 * i as f32);
+            let child = spawn_box(world, rig + 10 + i, at, Vec3::splat(0.4));
+            world.entity_mut(child).insert(ChildOf(parent));
+        }
         // One that stays where it is when all else is moved: first before the camera, later behind
         // a wall.
         spawn_box(world, rig + 2, Vec3::new(-9.0, 1.5, 0.0), Vec3::splat(0.1));
@@ -181,6 +184,14 @@ fn who_is_told_of_a_new_origin_goes_on_hiding() {
         if is_shift {
             assert_eq!(moving(&mut pair), stays, "frame {frame}");
             assert!(hidden > 1000 && hidden + 2 > before, "frame {frame}: {hidden} of {before}");
+            // Places are those of the entities in every bit.
+            let world = pair.ours.world_mut();
+            let mut all = world.query::<(&InScene, &GlobalTransform)>();
+            let scene = world.resource::<CascaScene>().scene().unwrap();
+            for (known, place) in all.iter(world) {
+                let ours = scene.transform(known.id()).unwrap().unwrap().to_cols_array();
+                assert_eq!(ours, place.affine().to_cols_array());
+            }
         }
         if frame % 15 == 0 || is_shift {
             let camera = eye(&mut pair.ours, CAMERA);

@@ -3,7 +3,7 @@
 mod common;
 
 use bevy_asset::Handle;
-use bevy_camera::visibility::VisibleEntities;
+use bevy_camera::visibility::{ViewVisibility, VisibleEntities};
 use bevy_casca::casca::{self, KeptOptions, Method};
 use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque};
 use bevy_ecs::prelude::*;
@@ -102,6 +102,10 @@ fn a_walk_with_kept_results() {
     let kept = Some(KeptOptions::new().reach(0.5).turn(0.2));
     pair.ours.world_mut().resource_mut::<CascaSettings>().kept = kept;
     let mut hidden = 0;
+    let walker = 50_001;
+    for app in [&mut pair.ours, &mut pair.bevys] {
+        spawn_box(app.world_mut(), walker, Vec3::new(-12.0, 1.0, -37.0), Vec3::splat(0.5));
+    }
     for frame in 0..FRAMES {
         let t = frame as f32 / FRAMES as f32;
         let at = Vec3::new(-12.0, 1.7, -40.0 + 12.0 * t);
@@ -109,6 +113,8 @@ fn a_walk_with_kept_results() {
         // A house goes, and another one comes.
         let change = |world: &mut World| {
             look(world, at, to);
+            // It walks ahead until the camera turns away.
+            place(world, walker, |place| place.translation = at + Vec3::new(3.0, 0.1, 0.2));
             if frame == 100 {
                 let house = entity(world, 80);
                 world.despawn(house);
@@ -116,6 +122,15 @@ fn a_walk_with_kept_results() {
             }
         };
         hidden += check(&mut pair, frame, change, 6);
+        if frame == 20 {
+            // Who is seen is in no volume.
+            let world = pair.ours.world_mut();
+            let walker = entity(world, walker);
+            let known = world.get::<InScene>(walker).unwrap();
+            assert!(known.moves() && world.get::<ViewVisibility>(walker).unwrap().get());
+            let scene = world.resource::<CascaScene>().scene().unwrap();
+            assert_eq!(scene.tbv(known.id()).unwrap(), None);
+        }
     }
     let world = pair.ours.world_mut();
     let camera = entity(world, CAMERA);
@@ -128,8 +143,8 @@ fn a_walk_with_kept_results() {
     );
     assert!(found < u64::from(FRAMES) / 4, "{found} results were found in frames that waited for them");
     assert!(hidden > 100 * FRAMES as usize, "little is hidden: {hidden}");
-    // From one kind of query to the other, and back.
-    for kept in [None, kept, None] {
+    // From one kind of query to the other, to other options, and back.
+    for kept in [None, kept, Some(KeptOptions::new().reach(0.1)), None] {
         pair.ours.world_mut().resource_mut::<CascaSettings>().kept = kept;
         check(&mut pair, FRAMES, |_| {}, 1);
         let casca = pair.ours.world().resource::<CascaScene>();
@@ -137,6 +152,7 @@ fn a_walk_with_kept_results() {
             (casca.camera(camera).is_some(), casca.kept_camera(camera).is_some()),
             (kept.is_none(), kept.is_some())
         );
+        assert_eq!(casca.kept_camera(camera).map(casca::KeptQuery::options), kept);
     }
 }
 

@@ -1,6 +1,8 @@
 //! Scenes for `bevy_casca`, and an app that renders them by Bevy, with or without the plugin.
 
 pub mod level;
+/// Without a window; not in pages.
+#[cfg(not(target_family = "wasm"))]
 pub mod rendered;
 pub mod scenes;
 pub mod town;

@@ -6,7 +6,6 @@ use std::any::TypeId;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use bevy::app::PluginsState;
 use bevy::camera::primitives::{Aabb, Frustum};
 use bevy::camera::visibility::{CascadesVisibleEntities, NoFrustumCulling, RenderLayers, VisibleEntities};
 use bevy::camera::{RenderTarget, Viewport};
@@ -18,13 +17,11 @@ use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
-use bevy::render::render_resource::TextureFormat;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_casca::{
     CascaDiagnostics, CascaPlugin, CascaSettings, NoOcclusionCulling, Shadows, standard_materials,
 };
-use bevy_casca_rendered::rendered::capture;
 use bevy_casca_rendered::town::{self, Ground, Thing, Walker};
 use clap::Parser;
 
@@ -34,9 +31,8 @@ const ABOVE: RenderLayers = RenderLayers::layer(1);
 /// The share of the window that the view from above takes, of its width and height.
 const SHARE: f32 = 0.45;
 
-/// A picture is taken after so many frames, of so many seconds each.
-const FRAMES: u32 = 60;
-const STEP: f32 = 1.0 / 60.0;
+/// The longest step of the walk, in seconds.
+const STEP: f32 = 1.0 / 15.0;
 
 /// A town that Bevy draws, with and without occlusion culling by casca
 #[derive(Parser)]
@@ -132,19 +128,27 @@ fn main() -> ExitCode {
 }
 
 /// Runs some frames without a window, and writes the last one.
+#[cfg(not(target_family = "wasm"))]
 fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -> Result<(), String> {
-    while app.plugins_state() == PluginsState::Adding {
+    /// The picture is that of the frame after so many.
+    const FRAMES: u32 = 60;
+    while app.plugins_state() == bevy::app::PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
     app.finish();
     app.cleanup();
-    let image = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
+    let image = Image::new_target_texture(
+        size.x,
+        size.y,
+        bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
+        None,
+    );
     let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
     set_up(app.world_mut(), entities, &RenderTarget::Image(image.clone().into()));
     for _ in 0..FRAMES {
         app.update();
     }
-    let picture = capture(app.world_mut(), &image);
+    let picture = bevy_casca_rendered::rendered::capture(app.world_mut(), &image);
     for _ in 0..FRAMES {
         app.update();
         if let Ok(picture) = picture.try_recv() {
@@ -154,6 +158,12 @@ fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -
         }
     }
     Err("no picture came".into())
+}
+
+/// A page has no files.
+#[cfg(target_family = "wasm")]
+fn picture(_: App, _: usize, _: UVec2, file: &std::path::Path) -> Result<(), String> {
+    Err(format!("{}: a page has no files", file.display()))
 }
 
 /// Spawns the town, its twin for the view from above, cameras and words.
@@ -241,7 +251,7 @@ fn walk(
 ) {
     walkers.iter_mut().for_each(|(mut at, walker)| at.translation = walker.at(time.elapsed_secs()));
     if walk.goes {
-        walk.time += time.delta_secs().min(4.0 * STEP);
+        walk.time += time.delta_secs().min(STEP);
         **eye = town::street(walk.time);
     }
 }

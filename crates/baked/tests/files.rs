@@ -1,0 +1,194 @@
+//! Files against maps of sets, and bytes that are no files.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use casca_baked::{Baked, Cells, ReadError, WriteError, Writer};
+use proptest::prelude::*;
+
+const OBJECTS: u32 = 300;
+
+fn cells(dims: [u32; 3]) -> Cells {
+    Cells { low: [-3.5, 0.25, 1e3], size: [1.0, 2.5, 0.1], dims }
+}
+
+/// A grid with sets that are alike in neighbouring cells.
+fn levels() -> impl Strategy<Value = (Cells, BTreeMap<u32, BTreeSet<u32>>)> {
+    let dims = [1..6u32, 1..4u32, 1..6u32];
+    let cell = (any::<prop::sample::Index>(), prop::collection::btree_set(0..OBJECTS, 0..8), any::<bool>());
+    (dims, prop::collection::btree_set(0..OBJECTS, 0..60), prop::collection::vec(cell, 0..40)).prop_map(
+        |(dims, common, sets)| {
+            let cells = cells(dims);
+            let count = (dims[0] * dims[1] * dims[2]) as usize;
+            let sets = sets.into_iter().map(|(cell, own, shares)| {
+                let other: BTreeSet<u32> =
+                    if shares { common.symmetric_difference(&own).copied().collect() } else { own };
+                (cell.index(count) as u32, other)
+            });
+            (cells, sets.collect())
+        },
+    )
+}
+
+fn write(cells: Cells, sets: &BTreeMap<u32, BTreeSet<u32>>) -> Vec<u8> {
+    let mut writer = Writer::new(cells, OBJECTS).unwrap();
+    for (cell, set) in sets.iter().rev() {
+        writer.put(*cell, &set.iter().copied().collect::<Vec<_>>()).unwrap();
+    }
+    writer.finish()
+}
+
+fn with_checksum(bytes: &mut [u8]) {
+    let at = bytes.len() - 4;
+    let sum = crc32fast::hash(&bytes[..at]);
+    bytes[at..].copy_from_slice(&sum.to_le_bytes());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_was_written_is_read((cells, sets) in levels()) {
+        let bytes = write(cells, &sets);
+        let baked = Baked::read(&bytes).unwrap();
+        prop_assert_eq!((baked.cells(), baked.objects()), (&cells, OBJECTS));
+        let distinct: BTreeSet<_> = sets.values().collect();
+        prop_assert_eq!(baked.sets() as usize, distinct.len());
+        for cell in 0..cells.dims.iter().product() {
+            let set = baked.set(cell).map(|set| set.iter().collect::<BTreeSet<_>>());
+            prop_assert_eq!(set.as_ref(), sets.get(&cell));
+            if let (Some(set), Some(truth)) = (baked.set(cell), sets.get(&cell)) {
+                prop_assert!(set.iter().is_sorted());
+                prop_assert_eq!((set.len(), set.is_empty()), (truth.len(), truth.is_empty()));
+                prop_assert!((0..OBJECTS).all(|object| set.contains(object) == truth.contains(&object)));
+            }
+        }
+        prop_assert!(baked.set(cells.dims.iter().product()).is_none());
+    }
+
+    #[test]
+    fn no_bytes_make_it_fail((cells, sets) in levels(), changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4), cut in any::<prop::sample::Index>(), resum in any::<bool>()) {
+        let whole = write(cells, &sets);
+        let short = &whole[..cut.index(whole.len())];
+        prop_assert!(Baked::read(short).is_err());
+        let mut bytes = whole.clone();
+        for (at, byte) in &changes {
+            bytes[at.index(whole.len())] = *byte;
+        }
+        if resum {
+            with_checksum(&mut bytes);
+        }
+        match Baked::read(&bytes) {
+            Err(_) => prop_assert!(bytes != whole),
+            Ok(baked) => {
+                prop_assert!(resum || bytes == whole);
+                prop_assert!(each_is_a_set(&baked));
+            }
+        }
+        // Without a check, sets may be wrong, but reading them ends.
+        if let Ok(baked) = Baked::open(&bytes) {
+            let count: u32 = baked.cells().dims.iter().product();
+            (0..count.min(1000)).filter_map(|cell| baked.set(cell)).for_each(|set| _ = set.len());
+        }
+    }
+
+    #[test]
+    fn a_place_is_in_its_cell(at in prop::array::uniform3(-0.1..1.1f64), edge in prop::array::uniform3(0..6), low in prop::array::uniform3(prop_oneof![-1e6..1e6f64, -0.5..0.5f64]), size in prop::array::uniform3(0.01..50.0f64)) {
+        let dims = [7, 1000, 3];
+        let cells = Cells { low, size, dims };
+        // Some places lie on borders.
+        let place: [f64; 3] = std::array::from_fn(|i| {
+            let at = at[i] * f64::from(dims[i]);
+            let border = low[i] + size[i] * at.round();
+            match edge[i] {
+                0 => border,
+                1 => border.next_up(),
+                2 => border.next_down(),
+                _ => low[i] + size[i] * at,
+            }
+        });
+        if let Some(cell) = cells.at(place) {
+            let (least, most) = cells.room(cell).unwrap();
+            prop_assert!((0..3).all(|i| least[i] <= place[i] && place[i] <= most[i]));
+            let middle: [f64; 3] = std::array::from_fn(|i| (least[i] + most[i]) / 2.0);
+            prop_assert_eq!(cells.at(middle), Some(cell));
+        } else {
+            prop_assert!((0..3).any(|i| !(0.001..0.999).contains(&at[i]) || edge[i] < 3));
+        }
+    }
+}
+
+/// Whether all sets that cells have are ascending lists of objects.
+fn each_is_a_set(baked: &Baked) -> bool {
+    let count: u32 = baked.cells().dims.iter().product();
+    (0..count.min(1000)).filter_map(|cell| baked.set(cell)).all(|set| {
+        let objects: Vec<u32> = set.iter().collect();
+        objects.windows(2).all(|pair| pair[0] < pair[1])
+            && objects.iter().all(|object| *object < baked.objects())
+    })
+}
+
+#[test]
+fn neighbours_are_stored_by_what_differs() {
+    let cells = cells([50, 1, 1]);
+    let all: BTreeSet<u32> = (0..OBJECTS).step_by(2).collect();
+    let sets: BTreeMap<u32, BTreeSet<u32>> = (0..50)
+        .map(|cell| (cell, all.iter().copied().filter(|object| object % 50 != cell).collect()))
+        .collect();
+    let bytes = write(cells, &sets);
+    // One in four has a list of its own.
+    assert!(bytes.len() < 50 * 150 / 2, "{} bytes", bytes.len());
+    let same: BTreeMap<u32, BTreeSet<u32>> = (0..50).map(|cell| (cell, all.clone())).collect();
+    assert_eq!(Baked::read(&write(cells, &same)).unwrap().sets(), 1);
+}
+
+#[test]
+fn refusals_name_the_reason() {
+    let bytes = write(cells([2, 1, 1]), &BTreeMap::from([(0, BTreeSet::from([1, 5]))]));
+    let read = |bytes: &[u8]| Baked::read(bytes).map(|_| ());
+    assert_eq!(read(b""), Err(ReadError::NotBaked));
+    assert_eq!(read(b"CASCAPVT and more"), Err(ReadError::NotBaked));
+    let given = bytes.len() as u64 - 1;
+    assert_eq!(read(&bytes[..bytes.len() - 1]), Err(ReadError::Length { needed: given + 1, given }));
+    let mut other = bytes.clone();
+    other[8] = 2;
+    assert_eq!(read(&other), Err(ReadError::Version(2)));
+    let mut other = bytes.clone();
+    let body = other.len() - 5;
+    other[body] ^= 1;
+    assert_eq!(read(&other), Err(ReadError::Checksum));
+    let mut other = bytes.clone();
+    // The last number of the only set: an object that is not there.
+    other[body] = 0xff;
+    with_checksum(&mut other);
+    assert_eq!(read(&other), Err(ReadError::Set(0)));
+    let mut other = bytes.clone();
+    other[80] = 1;
+    with_checksum(&mut other);
+    assert_eq!(read(&other), Err(ReadError::Cell(0)));
+    let mut other = bytes.clone();
+    // There are as many objects as the greatest number in a set.
+    other[12..16].copy_from_slice(&5u32.to_le_bytes());
+    with_checksum(&mut other);
+    assert_eq!(read(&other), Err(ReadError::Set(0)));
+    let baked = Baked::read(&bytes).unwrap();
+    assert!(baked.set_at([-3.5, 0.25, 1e3]).is_some() && baked.set_at([-3.5, 2.75, 1e3]).is_none());
+    let four = cells([2, 2, 1]);
+    assert_eq!(four.at([-3.0, 0.3, 1e3]), Some(0));
+    assert_eq!(four.at([-1.5, 0.3, 1e3]), None, "no cell of the next row");
+    for at in [16, 40, 64] {
+        let mut other = bytes.clone();
+        other[at..at + 8].fill(0xff);
+        with_checksum(&mut other);
+        assert_eq!(read(&other), Err(ReadError::Cells), "byte {at}");
+    }
+    let wrong = Cells { size: [1.0, f64::NAN, 1.0], ..cells([1, 1, 1]) };
+    for cells in [wrong, cells([0, 1, 1]), cells([1 << 22, 1, 1]), cells([1 << 11, 1 << 11, 1 << 11])] {
+        assert_eq!(Writer::new(cells, 1).map(|_| ()), Err(WriteError::Cells));
+    }
+    let mut writer = Writer::new(cells([2, 1, 1]), 3).unwrap();
+    assert_eq!(writer.put(2, &[]), Err(WriteError::Cell(2)));
+    for (set, index) in [(&[0, 2, 2][..], 2), (&[1, 0], 1), (&[0, 1, 2, 3], 3), (&[7, 1], 0)] {
+        assert_eq!(writer.put(0, set), Err(WriteError::Objects { index }));
+    }
+    assert!(writer.is_empty());
+}

@@ -1,0 +1,31 @@
+"""Visibility culling for dynamic 3D scenes: conservative potentially visible sets.
+
+>>> import casca
+>>> scene = casca.Scene(low=(0, 0, 0), high=(32, 32, 32), cell=1.0)
+>>> wall = scene.insert_boxes([[[2, 2, 15], [30, 30, 17]]], occludes=True)
+>>> balls = scene.insert_spheres([[16, 16, 24, 0.5], [16, 16, 5, 0.5]])
+>>> view = casca.View.look_at(eye=(16, 16, 1), target=(16, 16, 20))
+>>> seen = casca.Query().run(scene, view)
+>>> bool(balls[0] in seen), bool(balls[1] in seen)
+(False, True)
+
+Ids are numpy arrays of ``uint64``. Arrays of ``float32`` are read where they are; others, and
+lists, are converted by numpy. Queries, scenes from files and exact visibility release the GIL.
+"""
+
+from . import plane, points
+from ._casca import SCENES, Error, Mesh, Query, Scene, View, __version__, exact_visible, run_many
+
+__all__ = [
+    "SCENES",
+    "Error",
+    "Mesh",
+    "Query",
+    "Scene",
+    "View",
+    "__version__",
+    "exact_visible",
+    "plane",
+    "points",
+    "run_many",
+]

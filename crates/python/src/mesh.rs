@@ -1,0 +1,96 @@
+//! Prepared meshes.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use casca::{Facing, MeshOptions, TriMesh};
+use numpy::{AllowTypeChange, PyArrayLike2};
+use pyo3::prelude::*;
+
+use crate::arrays::{Floats2, points, triangles};
+use crate::error::refused;
+
+/// Triangles that were prepared once, for any number of objects.
+#[pyclass(frozen, module = "casca")]
+pub struct Mesh {
+    pub(crate) mesh: Arc<TriMesh>,
+}
+
+#[pymethods]
+impl Mesh {
+    #[new]
+    #[pyo3(signature = (positions, triangles, *, occludes=true, two_sided=true, progress=None))]
+    fn new(
+        py: Python<'_>,
+        positions: Floats2,
+        triangles: PyArrayLike2<u32, AllowTypeChange>,
+        occludes: bool,
+        two_sided: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let positions = points("positions", positions.as_array())?;
+        let triangles = self::triangles(triangles.as_array())?;
+        let facing = if two_sided { Facing::Both } else { Facing::Front };
+        let how = MeshOptions::default().facing(facing).occludes(occludes);
+        let mesh = py.detach(|| {
+            let mut told = Told::new(progress);
+            let mesh = TriMesh::prepare(positions, triangles, &how, &mut |share| told.tell(share));
+            told.raised.map_or_else(|| mesh.map_err(refused), Err)
+        })?;
+        Ok(Self { mesh: Arc::new(mesh) })
+    }
+
+    /// Whether every edge has two triangles.
+    #[getter]
+    fn is_closed(&self) -> bool {
+        self.mesh.is_closed()
+    }
+
+    /// Whether it may hide others.
+    #[getter]
+    fn occludes(&self) -> bool {
+        self.mesh.occludes()
+    }
+
+    /// Bytes that it takes.
+    #[getter]
+    fn memory_bytes(&self) -> usize {
+        self.mesh.memory_bytes()
+    }
+
+    fn __len__(&self) -> usize {
+        self.mesh.triangles().len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Mesh({} triangles)", self.mesh.triangles().len())
+    }
+}
+
+/// A callback that is told the share of the work that is done.
+pub struct Told {
+    callback: Option<Py<PyAny>>,
+    /// What it raised: then the work ends.
+    pub raised: Option<PyErr>,
+}
+
+impl Told {
+    pub fn new(callback: Option<Py<PyAny>>) -> Self {
+        Self { callback, raised: None }
+    }
+
+    /// Tells it. Looks for an interrupt from the keyboard as well.
+    pub fn tell(&mut self, share: f32) -> ControlFlow<()> {
+        let asked = Python::attach(|py| {
+            py.check_signals()?;
+            self.callback.as_ref().map_or(Ok(()), |callback| callback.call1(py, (share,)).map(drop))
+        });
+        match asked {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(raised) => {
+                self.raised = Some(raised);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Queries.
+
+use casca::{Light, Method, ObjectId, PointOptions};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::arrays::{self, Floats1, Floats2, Floats3, check, vec3};
+use crate::error::refused;
+use crate::scene::Scene;
+use crate::view::View;
+
+/// Finds what views can see of a scene.
+#[pyclass(module = "casca")]
+pub struct Query {
+    pub(crate) query: casca::Query,
+    /// Another one, for lights.
+    light: casca::Query,
+}
+
+/// The method with a name.
+pub fn method(name: &str, preset: Option<&str>, pixel_degrees: Option<f32>) -> PyResult<Method> {
+    let is_point = name == "point";
+    check(is_point || preset.is_none() && pixel_degrees.is_none(), || {
+        format!("preset and pixel_degrees are options of the method \"point\", not of {name:?}")
+    })?;
+    let mut options = match preset {
+        None => PointOptions::new(),
+        Some("fast") => PointOptions::fast(),
+        Some("balanced") => PointOptions::balanced(),
+        Some("tight") => PointOptions::tight(),
+        Some(other) => {
+            return Err(refused(format!(
+                "the preset must be \"fast\", \"balanced\" or \"tight\", not {other:?}"
+            )));
+        }
+    };
+    if let Some(degrees) = pixel_degrees {
+        options = options.pixel_degrees(degrees);
+    }
+    match name {
+        "point" => Ok(Method::Point(options)),
+        "cell" => Ok(Method::cell()),
+        "frustum" => Ok(Method::Frustum),
+        _ => Err(refused(format!("the method must be \"point\", \"cell\" or \"frustum\", not {name:?}"))),
+    }
+}
+
+#[pymethods]
+impl Query {
+    #[new]
+    #[pyo3(signature = (method="point", *, preset=None, pixel_degrees=None, parallel=false))]
+    fn new(method: &str, preset: Option<&str>, pixel_degrees: Option<f32>, parallel: bool) -> PyResult<Self> {
+        let method = self::method(method, preset, pixel_degrees)?;
+        let make = || casca::Query::with_method(method).map_err(refused);
+        let mut query = make()?;
+        query.set_parallel(parallel);
+        Ok(Self { query, light: make()? })
+    }
+
+    /// Finds the objects that a view can see.
+    fn run<'py>(
+        &mut self,
+        py: Python<'py>,
+        scene: PyRef<'py, Scene>,
+        view: &View,
+    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let (query, scene, view) = (&mut self.query, &scene.scene, &view.view);
+        py.detach(|| query.run(scene, view).len());
+        arrays::keys(py, scene, self.query.pvs().iter())
+    }
+
+    /// Whether the view of the last run may see each of some boxes.
+    fn may_see_boxes<'py>(
+        &self,
+        py: Python<'py>,
+        scene: PyRef<'py, Scene>,
+        boxes: Floats3,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let boxes = arrays::boxes(boxes.as_array())?;
+        let (query, scene) = (&self.query, &scene.scene);
+        let seen = py.detach(|| {
+            let sight = query.sight(scene)?;
+            Some(boxes.iter().map(|b| sight.may_see_box(b)).collect::<Vec<bool>>())
+        });
+        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run"))?))
+    }
+
+    /// Whether the view of the last run may see each of some points.
+    fn may_see_points<'py>(
+        &self,
+        py: Python<'py>,
+        scene: PyRef<'py, Scene>,
+        points: Floats2,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let points = arrays::points("points", points.as_array())?;
+        let (query, scene) = (&self.query, &scene.scene);
+        let seen = py.detach(|| {
+            let sight = query.sight(scene)?;
+            Some(points.iter().map(|at| sight.may_see_point(*at)).collect::<Vec<bool>>())
+        });
+        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run"))?))
+    }
+
+    /// The objects whose shadows may fall on what the view of the last run sees.
+    #[pyo3(signature = (scene, *, direction=None, position=None, reach=f32::INFINITY))]
+    fn shadow_casters<'py>(
+        &mut self,
+        py: Python<'py>,
+        scene: PyRef<'py, Scene>,
+        direction: Option<Floats1>,
+        position: Option<Floats1>,
+        reach: f32,
+    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let light = match (direction, position) {
+            (Some(direction), None) => Light::directional(vec3("the direction", &direction)?),
+            (None, Some(position)) => Light::point(vec3("the position", &position)?, reach),
+            _ => return Err(refused("a light has a direction, or a position")),
+        };
+        let (query, lamp, scene) = (&self.query, &mut self.light, &scene.scene);
+        let mut casters: Vec<ObjectId> = Vec::new();
+        py.detach(|| lamp.shadow_casters(scene, query, &light, &mut casters)).map_err(refused)?;
+        arrays::keys(py, scene, casters.into_iter())
+    }
+
+    /// What the last run found.
+    fn visible<'py>(&self, py: Python<'py>, scene: PyRef<'py, Scene>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        arrays::keys(py, &scene.scene, self.query.pvs().iter())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Query({:?})", self.query.method().name())
+    }
+}
+
+/// Runs a new query for each of some views, by several threads.
+#[pyfunction]
+#[pyo3(signature = (scene, views, *, method="point", preset=None, pixel_degrees=None, threads=None))]
+pub fn run_many<'py>(
+    py: Python<'py>,
+    scene: PyRef<'py, Scene>,
+    views: Vec<PyRef<'py, View>>,
+    method: &str,
+    preset: Option<&str>,
+    pixel_degrees: Option<f32>,
+    threads: Option<usize>,
+) -> PyResult<Vec<Bound<'py, PyArray1<u64>>>> {
+    use rayon::prelude::*;
+    let query = casca::Query::with_method(self::method(method, preset, pixel_degrees)?).map_err(refused)?;
+    let views: Vec<casca::View> = views.iter().map(|view| view.view.clone()).collect();
+    check(threads != Some(0) && threads.is_none_or(|n| n <= 1024), || {
+        "threads must lie between 1 and 1024".into()
+    })?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(refused)?;
+    let scene = &scene.scene;
+    let find = |query: &mut casca::Query, view: &casca::View| query.run(scene, view).visible().to_vec();
+    let sets: Vec<Vec<ObjectId>> =
+        py.detach(|| pool.install(|| views.par_iter().map_init(|| query.clone(), find).collect()));
+    sets.into_iter().map(|set| arrays::keys(py, scene, set.into_iter())).collect()
+}

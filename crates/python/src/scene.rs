@@ -1,0 +1,331 @@
+//! Scenes.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use casca::glam::{Affine3A, Vec3};
+use casca::{Aabb, Bounds, GridSpec, Instance, ObjectDesc, ObjectId, Occluder};
+use casca_scenes::drive::{Driver, grid_for};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::world::World;
+use numpy::{IntoPyArray, PyArray1, PyArray3};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+
+use crate::arrays::{self, Floats1, Floats2, Floats3, Ids, check, same_length, vec3};
+use crate::error::{refused, refused_at};
+use crate::mesh::{Mesh, Told};
+use crate::query::Query;
+use crate::view::View;
+
+/// Objects on a grid.
+#[pyclass(module = "casca")]
+pub struct Scene {
+    pub(crate) scene: casca::Scene,
+    /// The scene that it was made of, with its path of the camera.
+    world: Option<World>,
+}
+
+/// The names of generated scenes.
+pub fn names() -> Vec<&'static str> {
+    SceneKind::ALL.iter().map(|kind| kind.name()).collect()
+}
+
+impl Scene {
+    /// A scene with the objects of a test scene.
+    fn of(py: Python, world: World, cell: Option<f32>, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+        let mut hint = world.grid;
+        hint.cell = cell.unwrap_or(hint.cell);
+        let grid = grid_for(&hint, None).map_err(refused)?;
+        let scene = py.detach(|| {
+            let mut told = Told::new(progress);
+            let count = world.objects.len().max(1);
+            let made = Driver::new(&world, &grid, |n| {
+                // A callback that raised is not called again.
+                if told.raised.is_none() {
+                    let _ = told.tell(n as f32 / count as f32);
+                }
+            });
+            told.raised.map_or_else(|| made.map(|driver| driver.scene).map_err(refused), Err)
+        })?;
+        Ok(Self { scene, world: Some(world) })
+    }
+
+    /// Inserts objects, all or none.
+    fn insert<'py>(
+        &mut self,
+        py: Python<'py>,
+        shapes: impl IntoIterator<Item = (Bounds, Option<Occluder>, Option<Affine3A>)>,
+        how: &How,
+    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let mut ids = Vec::new();
+        for (index, (bounds, occluder, place)) in shapes.into_iter().enumerate() {
+            let mut desc = match how.moves {
+                true => ObjectDesc::dynamic(bounds),
+                false => ObjectDesc::fixed(bounds),
+            };
+            desc = desc.layers(how.layers);
+            if let Some(speed) = how.max_speed {
+                desc = desc.max_speed(speed);
+            }
+            if let Some(occluder) = occluder {
+                desc = desc.occluder(occluder);
+            }
+            if let Some(place) = place {
+                desc = desc.placed(place);
+            }
+            match self.scene.insert(desc) {
+                Ok(id) => ids.push(id),
+                Err(why) => {
+                    // They were inserted just now.
+                    ids.into_iter().for_each(|id| _ = self.scene.remove(id));
+                    return Err(refused_at(index, why));
+                }
+            }
+        }
+        arrays::keys(py, &self.scene, ids.into_iter())
+    }
+
+    /// Moves objects to other shapes. An object that hides others hides by its new shape.
+    fn update<S: Into<Bounds> + Into<Occluder> + Copy>(
+        &mut self,
+        ids: &[ObjectId],
+        shapes: &[S],
+    ) -> PyResult<()> {
+        same_length(ids.len(), shapes.len())?;
+        for (index, (&id, &shape)) in ids.iter().zip(shapes).enumerate() {
+            let hides = self.scene.occluder(id).map_err(refused)?.is_some();
+            let occluder = hides.then(|| shape.into());
+            self.scene.update(id, shape, occluder).map_err(|why| refused_at(index, why))?;
+        }
+        Ok(())
+    }
+}
+
+/// What is the same for all objects of a call.
+struct How {
+    moves: bool,
+    max_speed: Option<f32>,
+    layers: u64,
+}
+
+impl How {
+    fn new(moves: bool, max_speed: Option<f32>, layers: u64) -> PyResult<Self> {
+        check(moves || max_speed.is_none(), || "only objects that move have a greatest speed".into())?;
+        Ok(Self { moves, max_speed, layers })
+    }
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new(low: Floats1, high: Floats1, cell: f32) -> PyResult<Self> {
+        let room = Aabb::new(vec3("low", &low)?, vec3("high", &high)?);
+        let grid = GridSpec::covering(room, cell).map_err(refused)?;
+        Ok(Self { scene: casca::Scene::new(&grid).map_err(refused)?, world: None })
+    }
+
+    /// A scene from a glTF 2.0 file.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, cell=None, progress=None))]
+    fn from_gltf(
+        py: Python,
+        path: PathBuf,
+        cell: Option<f32>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let world = py.detach(|| casca_scenes::import::load(&path)).map_err(|why| match &why.why {
+            casca_scenes::import::Trouble::Read(_) => PyOSError::new_err(why.to_string()),
+            _ => refused(&why),
+        })?;
+        Self::of(py, world, cell, progress)
+    }
+
+    /// A generated test scene.
+    #[staticmethod]
+    #[pyo3(signature = (name, *, seed=1, scale=1.0, cell=None, progress=None))]
+    fn generate(
+        py: Python,
+        name: &str,
+        seed: u64,
+        scale: f32,
+        cell: Option<f32>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let kind = SceneKind::ALL.into_iter().find(|kind| kind.name() == name);
+        let kind =
+            kind.ok_or_else(|| refused(format!("there is no scene {name:?}; there are {:?}", names())))?;
+        check(scale > 0.0 && scale <= 100.0, || format!("scale must lie between 0 and 100, not {scale}"))?;
+        let options = SceneOptions { seed, scale, ..SceneOptions::default() };
+        let world = py.detach(|| build(kind, &options));
+        Self::of(py, world, cell, progress)
+    }
+
+    /// Inserts boxes.
+    #[pyo3(signature = (boxes, *, occludes=false, moves=false, max_speed=None, layers=1))]
+    fn insert_boxes<'py>(
+        &mut self,
+        py: Python<'py>,
+        boxes: Floats3,
+        occludes: bool,
+        moves: bool,
+        max_speed: Option<f32>,
+        layers: u64,
+    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let shapes = arrays::boxes(boxes.as_array())?;
+        let shapes = shapes.into_iter().map(|b| (b.into(), occludes.then_some(b.into()), None));
+        self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
+    }
+
+    /// Inserts spheres.
+    #[pyo3(signature = (spheres, *, occludes=false, moves=false, max_speed=None, layers=1))]
+    fn insert_spheres<'py>(
+        &mut self,
+        py: Python<'py>,
+        spheres: Floats2,
+        occludes: bool,
+        moves: bool,
+        max_speed: Option<f32>,
+        layers: u64,
+    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let shapes = arrays::spheres(spheres.as_array())?;
+        let shapes = shapes.into_iter().map(|s| (s.into(), occludes.then_some(s.into()), None));
+        self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
+    }
+
+    /// Inserts a mesh under each of some transforms.
+    #[pyo3(signature = (mesh, transforms, *, moves=false, max_speed=None, layers=1))]
+    fn insert_meshes<'py>(
+        &mut self,
+        py: Python<'py>,
+        mesh: &Mesh,
+        transforms: Floats3,
+        moves: bool,
+        max_speed: Option<f32>,
+        layers: u64,
+    ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let mut shapes = Vec::new();
+        for (index, place) in arrays::affines(transforms.as_array())?.into_iter().enumerate() {
+            let mesh = Instance::new(Arc::clone(&mesh.mesh), place).map_err(|why| refused_at(index, why))?;
+            let occluder = mesh.mesh().occludes().then(|| mesh.clone().into());
+            shapes.push((mesh.into(), occluder, None));
+        }
+        self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
+    }
+
+    /// Moves many objects to other boxes.
+    fn update_boxes(&mut self, ids: Ids, boxes: Floats3) -> PyResult<()> {
+        let ids = arrays::ids(&self.scene, &ids)?;
+        self.update(&ids, &arrays::boxes(boxes.as_array())?)
+    }
+
+    /// Moves many objects to other spheres.
+    fn update_spheres(&mut self, ids: Ids, spheres: Floats2) -> PyResult<()> {
+        let ids = arrays::ids(&self.scene, &ids)?;
+        self.update(&ids, &arrays::spheres(spheres.as_array())?)
+    }
+
+    /// Gives many meshes other transforms.
+    fn set_transforms(&mut self, ids: Ids, transforms: Floats3) -> PyResult<()> {
+        let ids = arrays::ids(&self.scene, &ids)?;
+        let transforms = arrays::affines(transforms.as_array())?;
+        same_length(ids.len(), transforms.len())?;
+        self.scene
+            .set_transforms(ids.into_iter().zip(transforms))
+            .map_err(|(id, why)| refused(format!("{id}: {why}")))
+    }
+
+    /// Removes objects.
+    fn remove(&mut self, ids: Ids) -> PyResult<()> {
+        for id in arrays::ids(&self.scene, &ids)? {
+            self.scene.remove(id).map_err(refused)?;
+        }
+        Ok(())
+    }
+
+    /// Begins a frame at a time in seconds. Returns objects whose volumes expired.
+    fn begin_frame<'py>(&mut self, py: Python<'py>, now: f64) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let expired = self.scene.begin_frame(now).map_err(refused)?;
+        arrays::keys(py, &self.scene, expired.into_iter())
+    }
+
+    /// Ends a frame with the queries that ran in it.
+    fn end_frame(&mut self, queries: Vec<PyRef<Query>>) -> PyResult<()> {
+        let sets = queries.iter().map(|query| query.query.pvs());
+        self.scene.end_frame(sets).map(drop).map_err(refused)
+    }
+
+    /// The ids of all objects.
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        arrays::keys(py, &self.scene, self.scene.ids())
+    }
+
+    /// The boxes around objects.
+    #[pyo3(signature = (ids=None))]
+    fn boxes<'py>(&self, py: Python<'py>, ids: Option<Ids>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let ids = match ids {
+            Some(ids) => arrays::ids(&self.scene, &ids)?,
+            None => self.scene.ids().collect(),
+        };
+        let mut numbers = Vec::with_capacity(6 * ids.len());
+        for &id in &ids {
+            let b = self.scene.bounds(id).map_err(refused)?.aabb();
+            numbers.extend(b.min.to_array().into_iter().chain(b.max.to_array()));
+        }
+        let shaped = numpy::ndarray::Array3::from_shape_vec((ids.len(), 2, 3), numbers).map_err(refused)?;
+        Ok(shaped.into_pyarray(py))
+    }
+
+    /// Which objects hide others.
+    #[pyo3(signature = (ids=None))]
+    fn occluders<'py>(&self, py: Python<'py>, ids: Option<Ids>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let ids = match ids {
+            Some(ids) => arrays::ids(&self.scene, &ids)?,
+            None => self.scene.ids().collect(),
+        };
+        let hides = |id: &ObjectId| Ok(self.scene.occluder(*id).map_err(refused)?.is_some());
+        Ok(PyArray1::from_vec(py, ids.iter().map(hides).collect::<PyResult<_>>()?))
+    }
+
+    /// The frames of the path that came with the scene; 0 without one.
+    #[getter]
+    fn path_length(&self) -> usize {
+        self.world.as_ref().map_or(0, |world| world.frames)
+    }
+
+    /// The camera of a frame of that path.
+    #[pyo3(signature = (frame, *, aspect=16.0 / 9.0))]
+    fn path_view(&self, frame: usize, aspect: f32) -> PyResult<View> {
+        let world = self.world.as_ref().filter(|world| frame < world.frames);
+        let world = world
+            .ok_or_else(|| refused(format!("the path has {} frames, not {frame}", self.path_length())))?;
+        check(aspect > 0.0 && aspect.is_finite(), || format!("aspect must be positive, not {aspect}"))?;
+        View::from_camera(world.camera(frame, aspect))
+    }
+
+    /// The corners of the grid.
+    #[getter]
+    fn bounds(&self) -> [[f64; 3]; 2] {
+        [self.scene.grid().min().to_array(), self.scene.grid().max().to_array()]
+    }
+
+    /// Bytes that the scene takes, without its meshes.
+    #[getter]
+    fn memory_bytes(&self) -> usize {
+        self.scene.memory().total()
+    }
+
+    fn __len__(&self) -> usize {
+        self.scene.len()
+    }
+
+    fn __contains__(&self, id: u64) -> bool {
+        self.scene.id_from_key(id).is_ok_and(|id| self.scene.contains(id))
+    }
+
+    fn __repr__(&self) -> String {
+        let size: Vec3 = (self.scene.grid().max() - self.scene.grid().min()).as_vec3();
+        format!("Scene({} objects in {:.1} x {:.1} x {:.1})", self.scene.len(), size.x, size.y, size.z)
+    }
+}
