@@ -61,6 +61,8 @@ pub enum WriteError {
         /// Where in the list.
         index: usize,
     },
+    /// The sets take 4 GiB or more: cut the level into several files.
+    TooLarge,
 }
 
 impl fmt::Display for WriteError {
@@ -71,6 +73,7 @@ impl fmt::Display for WriteError {
             Self::Objects { index } => {
                 write!(f, "entry {index} is no object, or not greater than the one before it")
             }
+            Self::TooLarge => write!(f, "the sets take 4 GiB or more: cut the level into several files"),
         }
     }
 }

@@ -23,7 +23,7 @@ impl<'a> Baked<'a> {
     /// Takes bytes for a file. Checks all of it: about a second for a gigabyte. Nothing is copied.
     ///
     /// # Errors
-    /// [`ReadError`] tells what is wrong with the bytes.
+    /// Refuses bytes that are no file, of another version, cut off or changed: see [`ReadError`].
     pub fn read(bytes: &'a [u8]) -> Result<Self, ReadError> {
         let baked = Self::open(bytes)?;
         let at = bytes.len() - 4;
@@ -134,14 +134,14 @@ impl<'a> Baked<'a> {
     /// The number of a cell's set: equal ones have equal sets. `None` as for [`Baked::set`].
     #[inline]
     pub fn set_number(&self, cell: u32) -> Option<u32> {
-        u32_at(self.of_cells, 4 * cell as usize).filter(|set| *set != NONE)
+        u32_at(self.of_cells, (cell as usize).checked_mul(4)?).filter(|set| *set != NONE)
     }
 
     /// The lists that make up a set.
     fn lists(&self, mut set: u32) -> Option<[&'a [u8]; DEPTH]> {
         let mut lists = [&[][..]; DEPTH];
         for list in &mut lists {
-            let at = 4 * set as usize;
+            let at = (set as usize).checked_mul(4)?;
             let from = u32_at(self.ends, at)?..u32_at(self.ends, at + 4)?;
             let mut bytes = self.bodies.get(from.start as usize..from.end as usize)?;
             let back = take(&mut bytes)?;

@@ -69,7 +69,10 @@ impl Writer {
 
     /// The bytes of the file. A set is written as its difference from the one of a neighbour before
     /// it, where that is shorter.
-    pub fn finish(&self) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// [`WriteError::TooLarge`].
+    pub fn finish(&self) -> Result<Vec<u8>, WriteError> {
         let count = self.cells.count().unwrap_or(0);
         let [x, y, _] = self.cells.dims;
         let mut known: BTreeMap<&[u32], usize> = BTreeMap::new();
@@ -93,7 +96,9 @@ impl Writer {
             });
             of_cells[cell as usize] = number as u32;
         }
-        self.assemble(&of_cells, &ends, &bodies)
+        // Ends in between are less.
+        u32::try_from(bodies.len()).map_err(|_| WriteError::TooLarge)?;
+        Ok(self.assemble(&of_cells, &ends, &bodies))
     }
 
     fn assemble(&self, of_cells: &[u32], ends: &[u32], bodies: &[u8]) -> Vec<u8> {

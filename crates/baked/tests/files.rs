@@ -34,7 +34,7 @@ fn write(cells: Cells, sets: &BTreeMap<u32, BTreeSet<u32>>) -> Vec<u8> {
     for (cell, set) in sets.iter().rev() {
         writer.put(*cell, &set.iter().copied().collect::<Vec<_>>()).unwrap();
     }
-    writer.finish()
+    writer.finish().unwrap()
 }
 
 fn with_checksum(bytes: &mut [u8]) {

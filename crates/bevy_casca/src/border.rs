@@ -72,13 +72,16 @@ mod tests {
         assert_eq!(affine(&placed).transform_point3(glam::Vec3::ONE), point);
     }
 
+    /// More than rounding makes of a box, and less than a look at it tells.
+    const SLIVER: f32 = 1e-5;
+
     #[test]
     fn boxes_do_not_shrink_by_rounding() {
         let (min, max) = (Vec3::splat(0.1), Vec3::new(0.7, 1e6, 0.3));
         let there = aabb(&Aabb::from_min_max(min, max));
         let exact = casca::Aabb::new(vec3(min), vec3(max));
         assert!(holds(&there, &exact), "{there:?}");
-        let beyond = casca::Aabb { max: exact.max + glam::Vec3::Z * 1e-5, ..exact };
+        let beyond = casca::Aabb { max: exact.max + glam::Vec3::Z * SLIVER, ..exact };
         assert!(!holds(&there, &beyond), "it is drawn where its box is not: {there:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Draws what is culled.
+//! Draws boxes around hidden entities, and the volumes of those that move.
 
 use bevy_app::{App, Plugin, PostUpdate};
 use bevy_camera::Camera;

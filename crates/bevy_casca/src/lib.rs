@@ -41,7 +41,7 @@
 //! - [`CascaSettings::kept`]: cameras answer many frames from one result.
 //! - [`CascaScene::shift_origin`]: worlds that move their origin.
 //! - Feature `cache`: `CascaSettings::cache` is a folder of prepared meshes.
-//! - Feature `gizmos`: `CascaGizmosPlugin` draws what is hidden.
+//! - Feature `gizmos`: `CascaGizmosPlugin` draws boxes around hidden entities.
 //!
 //! # Limits
 //!

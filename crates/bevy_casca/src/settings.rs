@@ -36,9 +36,9 @@ pub struct CascaSettings {
     pub most_triangles: usize,
     /// Whether views are examined in parallel, by Bevy's compute tasks. Default: true.
     pub parallel: bool,
-    /// Cameras keep what they find, and answer many frames from it; compute tasks find the next
-    /// result in time: see [`casca::KeptQuery`]. Sets are larger. Costs a copy of the scene for
-    /// each camera, and it pays where large things hide much and few things move. Needs
+    /// A camera keeps the result of its query and answers many frames from it. Compute tasks find
+    /// the next result in time: see [`casca::KeptQuery`]. Sets are larger. Costs a copy of the
+    /// scene for each camera, and it pays where large things hide much and few things move. Needs
     /// [`Method::Point`]; other methods find sets anew in each frame. Default: `None`, which does
     /// so too.
     pub kept: Option<KeptOptions>,

@@ -1,4 +1,4 @@
-//! Boxes around what is hidden.
+//! Boxes around hidden entities.
 #![cfg(feature = "gizmos")]
 
 mod common;

@@ -5,7 +5,7 @@ use casca_plane::{
     BitGrid, FieldOfView, FovOptions, GridSpec, Method, ObjectDesc, OpaqueTiles, Query, Rect, Scene, Segment,
     TilePoint, View,
 };
-use numpy::ndarray::{Array2, s};
+use numpy::ndarray::Array2;
 use numpy::{AllowTypeChange, IntoPyArray, PyArray2, PyArrayLike2};
 use pyo3::prelude::*;
 
@@ -74,7 +74,7 @@ pub fn visible_region<'py>(
     check((ends, axes) == (2, 2), || format!("walls must be of shape (n, 2, 2), not {:?}", walls.dim()))?;
     let view = View::all_round(eye).and_then(|view| view.with_range(range)).map_err(refused)?;
     let end = |i, k| Vec2::from_array([walls[[i, k, 0]], walls[[i, k, 1]]]);
-    check(walls.slice(s![.., .., ..]).iter().all(|x| x.is_finite()), || "all walls must be finite".into())?;
+    check(walls.iter().all(|x| x.is_finite()), || "all walls must be finite".into())?;
     // Walls that cannot be seen have no part in it.
     let reach = |at: Vec2| at.clamp(eye - range, eye + range);
     let (mut min, mut max) = (eye, eye);

@@ -117,13 +117,16 @@ mod tests {
     use crate::mesh::surface::Rules;
     use crate::random::Random;
 
+    /// The width of a needle.
+    const NEEDLE: f64 = 1e-4;
+
     /// Lone triangles, needles and triangles without area among them, and pairs that share an edge
     /// or turn it into a group.
     fn soup(random: &mut Random, count: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for i in 0..count {
             let at = random.point(10.0).as_vec3();
-            let size = if i % 7 == 0 { 1e-4 } else { 1.0 };
+            let size = if i % 7 == 0 { NEEDLE } else { 1.0 };
             let first = positions.len() as u32;
             let side = random.point(1.0).as_vec3();
             positions.extend([at, at + side, at + random.point(size).as_vec3()]);

@@ -79,7 +79,7 @@ pub struct Rendered {
 }
 
 impl Rendered {
-    /// An app with what a function spawns, and a camera; with the plugin if there are settings.
+    /// An app with a camera. The function spawns the scene. The plugin is added if there are settings.
     ///
     /// # Errors
     /// Without a graphics adapter Bevy ends the program; otherwise there are none yet.

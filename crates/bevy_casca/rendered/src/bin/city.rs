@@ -1,4 +1,4 @@
-//! A town in a window, and from above what is culled in it.
+//! A town in a window. A second camera shows from above which things are culled.
 //!
 //! `cargo run --release --features window --bin city`. `--picture FILE` draws it without a window.
 
