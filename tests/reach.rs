@@ -45,6 +45,83 @@ proptest! {
     }
 }
 
+/// Half of an edge of a view cell, which may be flat.
+fn half() -> impl Strategy<Value = f32> {
+    prop_oneof![Just(0.0f32), 0.0f32..0.3, 0.0f32..3.0]
+}
+
+proptest! {
+    #![proptest_config(cases(256))]
+
+    #[test]
+    fn all_eyes_of_a_view_cell_are_served(
+        solids in prop::collection::vec(solid(), 1..14),
+        targets in prop::collection::vec(target(), 60),
+        middle in point(),
+        half in prop::array::uniform3(half()).prop_map(Vec3::from),
+        steps in prop::collection::vec(prop::array::uniform3(-1.5f32..1.5), 12),
+    ) {
+        let world = World::new(&solids, &targets);
+        let cell = Aabb::new(middle - half, middle + half);
+        let view = View::of_cell(cell).unwrap();
+        for method in [Method::point(), Method::Point(PointOptions::fast()), Method::cell(), Method::Frustum] {
+            let mut query = Query::with_method(method).unwrap();
+            let pvs = query.run(&world.scene, &view);
+            prop_assert!(pvs.is_valid_for(&world.scene, &view));
+            for step in &steps {
+                // Most on the sides, some in corners.
+                let at = (middle + half * Vec3::from(*step)).clamp(cell.min, cell.max);
+                for id in world.seen(at.as_dvec3(), &[]) {
+                    prop_assert!(pvs.contains(id), "{method:?}: {id} from {at} in {cell:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_view_cell_may_stand_beside_a_wall() {
+    let (world, eye) = wall();
+    let behind = world.targets[0].0;
+    let cell = |from: Vec3, to: Vec3| View::of_cell(Aabb::new(eye + from, eye + to)).unwrap();
+    let mut query = Query::new();
+    let mut sees = |view: View| query.run(&world.scene, &view).contains(behind);
+    // The wall begins 7 before the eye.
+    assert!(!sees(cell(Vec3::ZERO, Vec3::new(1.0, 1.0, 6.99))));
+    assert!(sees(cell(Vec3::ZERO, Vec3::new(1.0, 1.0, 7.01))), "it meets the wall");
+    assert!(sees(View::omnidirectional(eye + Vec3::Z * 3.5).unwrap().with_reach(3.57).unwrap()), "a ball");
+}
+
+#[test]
+fn the_result_of_a_view_cell_holds_for_eyes_in_it() {
+    let (world, eye) = wall();
+    let half = Vec3::new(0.5, 0.0, 0.25);
+    let view = View::of_cell(Aabb::new(eye - half, eye + half)).unwrap();
+    let mut query = Query::new();
+    let pvs = query.run(&world.scene, &view);
+    for (step, holds) in [([0.49, 0.0, 0.24], true), ([0.0, 0.01, 0.0], false), ([0.0, 0.0, 0.26], false)] {
+        let at = View::omnidirectional(eye + Vec3::from(step)).unwrap();
+        assert_eq!(pvs.is_valid_for(&world.scene, &at), holds, "{step:?}");
+    }
+    let ball = View::omnidirectional(eye).unwrap().with_reach(half.length()).unwrap();
+    assert!(!pvs.is_valid_for(&world.scene, &ball));
+    assert!(query.run(&world.scene, &ball.with_reach(0.6).unwrap()).is_valid_for(&world.scene, &view));
+}
+
+#[test]
+fn a_view_cell_is_a_box() {
+    let (low, high) = (Vec3::ONE, Vec3::splat(2.0));
+    let bad = [(high, low), (Vec3::NAN, high), (low, Vec3::INFINITY), (Vec3::NEG_INFINITY, high)];
+    for (low, high) in bad {
+        assert!(View::of_cell(Aabb::new(low, high)).is_err(), "{low} {high}");
+    }
+    let point = View::of_cell(Aabb::new(low, low)).unwrap();
+    assert_eq!(point, View::omnidirectional(low).unwrap());
+    let cell = View::of_cell(Aabb::new(low, high)).unwrap();
+    assert_eq!(cell.eye(), Some(DVec3::splat(1.5)));
+    assert!(cell.reach() >= 0.75f64.sqrt() && cell.reach() < 0.87);
+}
+
 #[test]
 fn sets_grow_with_the_reach() {
     let mut state = 5u64;

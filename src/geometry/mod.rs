@@ -8,9 +8,11 @@ pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod polytope;
 pub(crate) mod primitives;
+pub(crate) mod room;
 #[cfg(feature = "serde")]
 mod stored;
 
 pub(crate) use block::Block;
 pub use plane::Plane;
 pub use primitives::{Aabb, Obb, Sphere};
+pub(crate) use room::Room;

@@ -10,8 +10,8 @@
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
-use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
+use crate::geometry::{Block, Room};
 use crate::numeric::greater;
 use crate::numeric::occlusion::{REACH_SINE, REACH_STEEPEST};
 use crate::numeric::shape::{NEAREST_EDGE, NO_EDGE, NO_WIDTH, STEEPEST_EDGE};
@@ -162,7 +162,7 @@ impl Polytope {
     ///
     /// With `room`, only the directions whose rays keep farther than that from all edges of the
     /// silhouette.
-    pub(crate) fn outline(&self, direction: Option<DVec3>, room: f64) -> Outline {
+    pub(crate) fn outline(&self, direction: Option<DVec3>, room: &Room) -> Outline {
         let fronts: Turned = self.faces.iter().map(|face| is_front(face, direction)).collect();
         outline(&self.vertices, &self.edges, &fronts, direction, room)
     }
@@ -185,7 +185,7 @@ fn outline(
     edges: &[[u16; 4]],
     fronts: &[bool],
     direction: Option<DVec3>,
-    room: f64,
+    room: &Room,
 ) -> Outline {
     let mut planes = SmallVec::new();
     let center = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
@@ -224,7 +224,7 @@ fn outline(
             return Outline::Everything;
         }
         let (mut normal, offset) = if side < 0.0 { (-n, -h) } else { (n, h) };
-        if room > 0.0 {
+        if room.radius() > 0.0 {
             let Some(turned) = turned_past(normal, p, edge, room) else {
                 return Outline::Everything;
             };
@@ -265,7 +265,7 @@ impl Part<'_> {
     pub(crate) fn seen(
         &self,
         direction: Option<DVec3>,
-        room: f64,
+        room: &Room,
     ) -> (SmallVec<[DVec3; 8]>, Outline, SmallVec<[HalfSpace; 3]>) {
         let vertices: SmallVec<[DVec3; 8]> = self.vertices.iter().map(|&v| v - self.origin).collect();
         let mut turned = Turned::with_capacity(self.faces.len());
@@ -296,16 +296,21 @@ impl Part<'_> {
     }
 }
 
-/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until all
-/// points within `room` of the edge lie outside; `None` if the edge is too near.
+/// The normal of a plane through the eye and the edge from `p` along `edge`, turned until the edge
+/// lies outside, for eyes anywhere in a room; `None` if the edge is too near.
 ///
 /// Let c be the point of the edge that is nearest to the eye. Then c . x >= |c|^2 for each point x
-/// of the edge, so that the unit vector n cos a - c / |c| sin a with sin a = room / |c| has a
-/// product of -room with it at most.
-fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: f64) -> Option<DVec3> {
+/// of the edge, so that the unit vector m = n cos a - c / |c| sin a has a product of -|c| sin a
+/// with it at most. The room goes no farther along m than its radius, and than the sum of cos a
+/// times as far as along n and sin a times as far as along c. So it is enough if sin a is the
+/// radius over |c|, or if tan a is the way along n over |c| less the way along c.
+fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: &Room) -> Option<DVec3> {
     let nearest = p + edge * (-p.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
     let distance = nearest.length();
-    let sine = room / distance + REACH_SINE;
+    let left = distance - room.along(nearest / distance);
+    let tangent = room.along(normal) / left;
+    let of_box = if left > 0.0 { tangent / (1.0 + tangent * tangent).sqrt() } else { 1.0 };
+    let sine = (room.radius() / distance).min(of_box) + REACH_SINE;
     // Also not if it is not a number.
     (sine < REACH_STEEPEST).then(|| normal * (1.0 - sine * sine).sqrt() - nearest * (sine / distance))
 }
@@ -332,7 +337,7 @@ mod tests {
             let (outline, fronts) = outline_of_block(&block);
             let general = Polytope::block(&block);
             assert_eq!(fronts, general.fronts(None));
-            match (outline, general.outline(None, 0.0)) {
+            match (outline, general.outline(None, &Room::NONE)) {
                 (Outline::Cone(own), Outline::Cone(other)) => {
                     cones += 1;
                     assert_eq!(own.len(), other.len());

@@ -187,8 +187,9 @@ pub(crate) const ACROSS_AREA: f32 = 1e6;
 /// A patch that hides from all eyes within the reach is farther from the eye than this many
 /// reaches, beside the distance that all patches keep.
 ///
-/// Let no point of a patch be nearer than D, and let its outline be known to s along each axis. A
-/// point of the outline within the reach r of a ray is drawn within R = r + sqrt(3) s of a point of
+/// Of a patch that all eyes lie on one side of, it is enough that the outline is: nothing else of
+/// it is drawn. Let no point of an outline be nearer than D, and let it be known to s along each
+/// axis. A point of it within the reach r of a ray is drawn within R = r + sqrt(3) s of a point of
 /// the ray, which is farther away than D - R - sqrt(3) s. Its share along the axis of the face is 1
 /// / sqrt(3) at least, so the depth of the drawn point is more than (D - R - sqrt(3) s) / sqrt(3) -
 /// R. That is above the near limit n if D is at least sqrt(3) n + 2.8 r + 7 s; it is 8 n + 8 s + 3

@@ -6,7 +6,7 @@ use casca_slots::Slot;
 use glam::{DVec3, Vec3A};
 use smallvec::SmallVec;
 
-use crate::geometry::Block;
+use crate::geometry::{Block, Room};
 use crate::grid::side::Side;
 use crate::numeric::occlusion::{MIDDLE_DEPTH, NEAREST_IN_REACHES};
 use crate::occlusion::clear::Clear;
@@ -54,7 +54,7 @@ pub(crate) struct OcclusionBuffers {
     surfaces: SurfaceScratch,
     origin: DVec3,
     error: f64,
-    reach: f64,
+    room: Room,
     direction: Option<DVec3>,
     nearest: f64,
     /// Surfaces are cut at this depth: nothing nearer is drawn.
@@ -68,9 +68,11 @@ impl OcclusionBuffers {
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
         self.shadows.clear();
         self.clear.reset();
-        self.reach = if view.eye().is_some() { view.reach() } else { 0.0 };
+        self.room = if view.eye().is_some() { *view.room() } else { Room::NONE };
         self.limit = pitch.nearest * 0.5;
-        self.nearest = pitch.nearest.max(NEAREST_IN_REACHES * self.reach);
+        // Without planes the windows are wide enough for every target.
+        let reaches = if view.planes.is_empty() { 0.0 } else { NEAREST_IN_REACHES };
+        self.nearest = pitch.nearest.max(reaches * self.reach());
         let pitch = &Pitch { nearest: self.nearest, ..*pitch };
         let wanted = self.set_origin(view, pitch);
         self.faces.truncate(wanted.len());
@@ -95,7 +97,7 @@ impl OcclusionBuffers {
     /// in them: refinement and tests of single points need the buffers themselves.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
         self.shadows.clear();
-        (self.origin, self.error, self.reach) = (from.origin, from.error, from.reach);
+        (self.origin, self.error, self.room) = (from.origin, from.error, from.room);
         (self.direction, self.nearest, self.limit) = (from.direction, from.nearest, from.limit);
         self.pixels = from.pixels;
         self.faces.truncate(from.faces.len());
@@ -155,12 +157,17 @@ impl OcclusionBuffers {
 
     /// The eye may go this far from its place.
     pub(crate) fn reach(&self) -> f64 {
-        self.reach
+        self.room.radius()
+    }
+
+    /// Where the eye may go, around its place.
+    pub(crate) fn room(&self) -> &Room {
+        &self.room
     }
 
     /// How surfaces are seen.
     pub(crate) fn viewpoint(&self) -> Viewpoint {
-        Viewpoint { origin: self.origin, limit: self.limit, reach: self.reach }
+        Viewpoint { origin: self.origin, limit: self.limit, room: self.room }
     }
 
     /// Where a convex occluder hides, by its number in the order of drawing.
@@ -188,7 +195,8 @@ impl OcclusionBuffers {
     /// space that stays: rays that miss it keep farther than the reach from the box. Both are
     /// relative to the origin.
     pub(crate) fn within_reach(&self, block: &Block) -> Block {
-        if self.reach > 0.0 { block.grown(self.reach) } else { *block }
+        let half = self.room.half();
+        Block { min: block.min - half, max: block.max + half }
     }
 
     /// Hides everything before which rays of the view go to none of some boxes, given in world
@@ -343,7 +351,7 @@ mod tests {
             };
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
-            let Some(solid) = Solid::block(occluder, None, 0.0) else { continue };
+            let Some(solid) = Solid::block(occluder, None, &Room::NONE) else { continue };
             buffers.draw(solid, Slot::new(0));
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);

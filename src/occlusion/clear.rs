@@ -115,7 +115,7 @@ mod tests {
         let mut buffers = OcclusionBuffers::default();
         buffers.begin(&view, &pitch);
         let wall = Block { min: DVec3::new(3.0, -4.0, -1.5), max: DVec3::new(4.0, 1.0, 2.0) };
-        buffers.draw(Solid::block(wall, None, 0.0).unwrap(), Slot::new(0));
+        buffers.draw(Solid::block(wall, None, &crate::geometry::Room::NONE).unwrap(), Slot::new(0));
         buffers.read_clear();
         let mut random = Random(5);
         let (mut clear, mut shown) = (0, 0);

@@ -201,6 +201,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::Block;
+    use crate::geometry::Room;
     use crate::geometry::polytope::Polytope;
     use crate::occlusion::magnify::budget::Purse;
     use crate::occlusion::pitch::Pitch;
@@ -241,7 +242,7 @@ mod tests {
             buffers.begin(&view, &pitch);
             let occluders: Vec<Block> = (0..60).map(|_| block_at(&mut random, (2.0, 6.0), 0.12)).collect();
             for (i, block) in occluders.iter().enumerate() {
-                let solid = Solid::polytope(Polytope::block(block), None, 0.0).unwrap();
+                let solid = Solid::polytope(Polytope::block(block), None, &Room::NONE).unwrap();
                 buffers.draw(solid.clone(), Slot::new(i as u32));
             }
             magnifier.clear(std::slice::from_mut(&mut hand), &buffers);

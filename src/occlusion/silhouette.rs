@@ -330,6 +330,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::Block;
+    use crate::geometry::Room;
     use crate::geometry::polytope::Polytope;
     use crate::simd::vectorized;
 
@@ -342,8 +343,8 @@ mod tests {
             &glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2),
         );
         let outlines = [
-            Polytope::block(&block).outline(None, 0.0),
-            slanted.outline(None, 0.0),
+            Polytope::block(&block).outline(None, &Room::NONE),
+            slanted.outline(None, &Room::NONE),
             Outline::Sphere { center: DVec3::new(0.3, 0.2, 4.0), radius: 1.2 },
         ];
         let mut partly = 0;

@@ -3,10 +3,10 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Outline, Part, Polytope, outline_of_block};
+use crate::geometry::{Block, Room};
 use crate::numeric::occlusion::{BEHIND, SPHERE_AROUND_EYE};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::front::{Front, contour_depth};
@@ -46,25 +46,25 @@ pub(crate) struct Seen {
 impl Solid {
     /// A body to draw; `None` if the eye is in it or too close to tell.
     ///
-    /// With a `reach`, it hides a point only if it hides it from all eyes within that distance,
-    /// which all lie outside of it.
-    pub(crate) fn new(body: Body, direction: Option<DVec3>, reach: f64) -> Option<Self> {
+    /// With a `room`, it hides a point only if it hides it from all eyes in that, which all lie
+    /// outside of it.
+    pub(crate) fn new(body: Body, direction: Option<DVec3>, room: &Room) -> Option<Self> {
         match body {
             // A smaller sphere covers nearly the same directions.
-            Body::Sphere { center, radius } => Self::sphere(center, radius - reach, direction),
-            Body::Block(block) => Self::block(block, direction, reach),
+            Body::Sphere { center, radius } => Self::sphere(center, radius - room.radius(), direction),
+            Body::Block(block) => Self::block(block, direction, room),
             Body::Oriented { center, axes } => {
-                Self::polytope(Polytope::boxed(center, &axes), direction, reach)
+                Self::polytope(Polytope::boxed(center, &axes), direction, room)
             }
-            Body::Polytope(polytope) => Self::polytope(polytope, direction, reach),
+            Body::Polytope(polytope) => Self::polytope(polytope, direction, room),
         }
     }
 
     /// A box along the axes, as [`Solid::new`] draws it; `None` if the eye is in it or too close to
     /// tell.
-    pub(crate) fn block(block: Block, direction: Option<DVec3>, reach: f64) -> Option<Self> {
-        if direction.is_some() || reach > 0.0 {
-            return Self::polytope(Polytope::block(&block), direction, reach);
+    pub(crate) fn block(block: Block, direction: Option<DVec3>, room: &Room) -> Option<Self> {
+        if direction.is_some() || room.radius() > 0.0 {
+            return Self::polytope(Polytope::block(&block), direction, room);
         }
         let (outline, planes) = outline_of_block(&block);
         let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
@@ -93,8 +93,8 @@ impl Solid {
     }
 
     /// A polytope, as [`Solid::new`] draws it; `None` if the eye is in it or too close to tell.
-    pub(crate) fn polytope(polytope: Polytope, direction: Option<DVec3>, reach: f64) -> Option<Self> {
-        let outline = polytope.outline(direction, reach);
+    pub(crate) fn polytope(polytope: Polytope, direction: Option<DVec3>, room: &Room) -> Option<Self> {
+        let outline = polytope.outline(direction, room);
         let shadow = Shadow { planes: polytope.fronts(direction), ball: None };
         let drawable = matches!(outline, Outline::Cone(_)) && !shadow.planes.is_empty();
         let block = polytope.bounds();
@@ -103,8 +103,8 @@ impl Solid {
 
     /// A part of a mesh, as [`Solid::new`] draws it; `None` if the eye is in it or too close to
     /// tell.
-    pub(crate) fn part(part: &Part, direction: Option<DVec3>, reach: f64) -> Option<Self> {
-        let (vertices, outline, planes) = part.seen(direction, reach);
+    pub(crate) fn part(part: &Part, direction: Option<DVec3>, room: &Room) -> Option<Self> {
+        let (vertices, outline, planes) = part.seen(direction, room);
         let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
         let shadow = Shadow { planes, ball: None };
         drawable.then(|| Self { outline, shadow, vertices, block: part.bounds(), scale: 1.0 })
@@ -113,8 +113,8 @@ impl Solid {
     /// A solid inside a convex shell that reaches beyond its faces by some distance at most, and
     /// that each line through the solid meets: it hides what lies beyond the shell, seen from
     /// outside of it.
-    pub(crate) fn shell(part: &Part, beyond: f64, direction: Option<DVec3>, reach: f64) -> Option<Self> {
-        let (vertices, outline, _) = part.seen(direction, reach);
+    pub(crate) fn shell(part: &Part, beyond: f64, direction: Option<DVec3>, room: &Room) -> Option<Self> {
+        let (vertices, outline, _) = part.seen(direction, room);
         let middle = part.middle();
         let depth = part.faces().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
         // Scaled so about its middle, the solid contains the shell.
@@ -213,7 +213,7 @@ mod tests {
             let mut drawn = 0;
             for (part, beyond) in instance.shells_from(DVec3::ZERO) {
                 drawn += 1;
-                if let Some(solid) = Solid::shell(&part, beyond, None, 0.0) {
+                if let Some(solid) = Solid::shell(&part, beyond, None, &Room::NONE) {
                     buffers.draw(solid, Slot::new(0));
                 }
             }

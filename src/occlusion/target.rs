@@ -3,10 +3,10 @@
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
-use crate::geometry::Block;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Outline, Part, Polytope, outline_of_block};
+use crate::geometry::{Block, Room};
 use crate::numeric::occlusion::{BEHIND, above};
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::front::Front;
@@ -87,13 +87,13 @@ impl Target {
     }
 
     pub(crate) fn polytope(polytope: Polytope, block: Block, direction: Option<DVec3>) -> Self {
-        let (outline, fronts) = (polytope.outline(direction, 0.0), polytope.fronts(direction));
+        let (outline, fronts) = (polytope.outline(direction, &Room::NONE), polytope.fronts(direction));
         Self { outline, fronts, vertices: polytope.vertices, block }
     }
 
     /// A part of a mesh; the box around it is given.
     pub(crate) fn part(part: &Part, block: Block, direction: Option<DVec3>) -> Self {
-        let (vertices, outline, fronts) = part.seen(direction, 0.0);
+        let (vertices, outline, fronts) = part.seen(direction, &Room::NONE);
         Self { outline, fronts, vertices, block }
     }
 

@@ -111,7 +111,7 @@ impl<'a> Sight<'a> {
     /// against it (-1), at a coordinate on that axis; in doubt, yes.
     pub(crate) fn may_enter(&self, axis: usize, sign: f64, at: f64) -> bool {
         match self.view.origin {
-            Origin::Eye { at: eye, .. } => (eye[axis] - at) * sign >= -self.view.eye_room(),
+            Origin::Eye { at: eye, .. } => (eye[axis] - at) * sign >= -self.view.eye_box()[axis],
             Origin::Direction(d) => d[axis] * sign <= ALONG_RAYS,
         }
     }

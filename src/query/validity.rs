@@ -54,7 +54,7 @@ impl Pvs {
             // The half-spaces were widened to contain the whole cell: every point of it will do.
             Method::Cell(_) => {
                 let Some(at) = view.eye() else { return false };
-                let error = view.eye_room();
+                let error = view.eye_box();
                 let cell_of = |p| Some(scene.grid().cell_of(p));
                 cell_of(at - error) == self.cell
                     && cell_of(at + error) == self.cell

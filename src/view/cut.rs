@@ -58,16 +58,21 @@ impl View {
     /// its box.
     pub(crate) fn eye_region(&self) -> Option<(Self, Block)> {
         let Origin::Eye { at, .. } = self.origin else { return None };
-        let room = self.eye_room();
-        let region = self.region(cube(at, room).collect());
-        (room > 0.0).then_some((region, Block { min: at - room, max: at + room }))
+        let room = self.eye_box();
+        let region = self.region(cuboid(at, room).collect());
+        (room.max_element() > 0.0).then_some((region, Block { min: at - room, max: at + room }))
     }
 }
 
 /// The half-spaces of the cube of all points up to `room` from a point along each axis.
 pub(super) fn cube(at: DVec3, room: f64) -> impl Iterator<Item = HalfSpace> {
+    cuboid(at, DVec3::splat(room))
+}
+
+/// The half-spaces of the box of all points up to `room` from a point along each axis.
+fn cuboid(at: DVec3, room: DVec3) -> impl Iterator<Item = HalfSpace> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
-    axes.map(move |n| HalfSpace { normal: n, offset: room - n.dot(at) })
+    axes.map(move |n| HalfSpace { normal: n, offset: room.dot(n.abs()) - n.dot(at) })
 }
 
 /// Whether rays of a view may start inside an occluder, so that one sees through it: at the eye,

@@ -1,6 +1,7 @@
 //! The view: an eye or a direction, and the planes that bound the part of space that it sees.
 
 mod carried;
+mod cell;
 mod cone;
 pub(crate) mod cut;
 mod eye;
@@ -16,8 +17,8 @@ use glam::{DVec3, Mat4, Vec3};
 use smallvec::SmallVec;
 
 use crate::error::{Error, finite3, not_negative};
-use crate::geometry::Plane;
 use crate::geometry::plane::HalfSpace;
+use crate::geometry::{Plane, Room};
 use crate::numeric::shape::REGION;
 use crate::numeric::view::THROUGH_EYE;
 pub(crate) use crate::view::eye::Origin;
@@ -32,8 +33,9 @@ pub const MAX_PLANES: usize = 32;
 ///
 /// Give [`View::perspective`] the eye and the matrix with which the camera draws,
 /// [`View::orthographic`] the direction and the matrix of a camera or light with parallel rays, or
-/// [`View::omnidirectional`] the eye alone. Then say which layers it shows ([`View::with_layers`]),
-/// how far its eye may go ([`View::with_reach`]) and by how much it may turn ([`View::with_turn`])
+/// [`View::omnidirectional`] the eye alone; [`View::of_cell`] takes a box of eyes. Then say which
+/// layers it shows ([`View::with_layers`]), how far its eye may go ([`View::with_reach`]) and by
+/// how much it may turn ([`View::with_turn`])
 /// before the set is found anew.
 ///
 /// ```
@@ -92,8 +94,8 @@ pub struct View {
     ordered: bool,
     /// The layers that it shows, a bit for each.
     layers: u64,
-    /// How far the eye may go, in world units.
-    reach: f64,
+    /// How far the eye may go from its place.
+    room: Room,
     /// Set if the camera may turn.
     turned: Option<Box<Turned>>,
 }
@@ -206,7 +208,7 @@ impl View {
             widened: 0.0,
             ordered: false,
             layers: u64::MAX,
-            reach: 0.0,
+            room: Room::NONE,
             turned: None,
         }
     }
@@ -290,13 +292,13 @@ impl View {
     /// can see from anywhere there. It holds for many frames ([`crate::Pvs::is_valid_for`]), or for
     /// a client whose eye is known with delay.
     ///
-    /// The planes of the view go along with the eye. Objects nearer than eight times the reach are
-    /// visible without a test. Occluders hide less around their outlines, as far as one of these
-    /// eyes sees past them (after Wonka, Wimmer & Schmalstieg 2000, and Voglreiter et al. 2023);
-    /// those nearer than about three times the reach hide nothing. Objects are tested as they are.
-    /// Where parts that abut share no edges, each opens a gap of the reach: make them one mesh, or
-    /// let static ones share their vertices. The reach replaces that of an earlier call; 0 is the
-    /// view as it was.
+    /// The planes of the view go along with the eye. Unless it looks all round, objects nearer than
+    /// eight times the reach are visible without a test. Occluders hide less around their outlines,
+    /// as far as one of these eyes sees past them (after Wonka, Wimmer & Schmalstieg 2000, and
+    /// Voglreiter et al. 2023); those nearer than about three times the reach hide nothing. Objects
+    /// are tested as they are. Where parts that abut share no edges, each opens a gap of the reach:
+    /// make them one mesh, or let static ones share their vertices. The reach replaces that of an
+    /// earlier call; 0 is the view as it was.
     ///
     /// # Errors
     /// Refuses a reach that is negative or not finite.
@@ -310,23 +312,23 @@ impl View {
 
     /// A view that is not opened for turns, with a reach that is no length less than 0.
     fn reaching(mut self, reach: f64) -> Self {
-        let by = reach - self.reach;
+        let by = reach - self.reach();
         self.planes.iter_mut().for_each(|plane| plane.offset += by);
         self.widened += by;
-        self.reach = reach;
+        self.room = Room::ball(reach);
         self
     }
 
     /// How far the eye may go from its place, in world units: see [`View::with_reach`].
     pub fn reach(&self) -> f64 {
-        self.reach
+        self.room.radius()
     }
 
-    /// How far from its place the eye may be along an axis: as far as it is not known, and as it
+    /// How far from its place the eye may be along any axis: as far as it is not known, and as it
     /// may go.
     pub(crate) fn eye_room(&self) -> f64 {
         match self.origin {
-            Origin::Eye { error, .. } => error + self.reach,
+            Origin::Eye { error, .. } => error + self.reach(),
             Origin::Direction(_) => 0.0,
         }
     }
@@ -336,8 +338,12 @@ impl View {
         let (Origin::Eye { at, .. }, Origin::Eye { at: eye, error }) = (self.origin, other.origin) else {
             return false;
         };
-        let far = (eye - at).length() + error * 3f64.sqrt() + other.reach;
-        self.origin == other.origin && other.reach <= self.reach || far * (1.0 + REGION) <= self.reach
+        if self.origin == other.origin {
+            return self.room.holds(&other.room, DVec3::ZERO);
+        }
+        // What rounding adds to the offset.
+        let rounding = REGION * ((eye - at).length() + self.reach());
+        self.room.holds(&other.room.grown(error + rounding), eye - at)
     }
 
     /// The eye in world units; `None` for parallel rays.

@@ -70,7 +70,7 @@ impl View {
         if matches!(self.origin, Origin::Direction(_)) {
             return self.clone();
         }
-        let (reach, turn) = (self.reach + reach, self.turn() + turn);
+        let (reach, turn) = (self.reach() + reach, self.turn() + turn);
         self.clone().straight().reaching(reach).opened(turn)
     }
 
@@ -81,7 +81,7 @@ impl View {
         let cone = self.cone();
         // An eye that is not known exactly: the camera turns about another point.
         let slack = 2.0 * LENGTH_OF_ERROR * error + cone.as_ref().map_or(0.0, |cone| cone.slack);
-        let room = slack + self.reach + DISTANCE * at.length();
+        let room = slack + self.reach() + DISTANCE * at.length();
         let through_eye = |normal: DVec3| HalfSpace { normal, offset: room - normal.dot(at) };
         let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
         if let Some(cone) = &cone {
@@ -111,7 +111,7 @@ impl View {
     /// How far from the eye rays start at most: at the corners of its near plane.
     fn near(&self, cone: Option<&Cone>, at: DVec3) -> f64 {
         // How far the planes were moved outwards for their rounding.
-        let rounding = (self.widened - self.reach).max(0.0);
+        let rounding = (self.widened - self.reach()).max(0.0);
         let starts = self.marked(self.cutting).map(|p| {
             let depth = 2.0 * rounding - self.depth(at, p) + 2.0 * DISTANCE * (at.length() + p.offset.abs());
             cone.map_or(f64::INFINITY, |cone| cone.farthest(p.normal, depth) + NEAR_ROUNDINGS * rounding)
@@ -123,7 +123,7 @@ impl View {
     pub(super) fn before_turned(&self) -> Option<Self> {
         let near = self.turned.as_ref().map(|turned| turned.near).filter(|near| *near > 0.0)?;
         let Origin::Eye { at, error } = self.origin else { return None };
-        let ball = cube(at, near * (1.0 + NEAR_ROOM) + self.reach + LENGTH_OF_ERROR * error)
+        let ball = cube(at, near * (1.0 + NEAR_ROOM) + self.reach() + LENGTH_OF_ERROR * error)
             .filter(|p| p.offset.is_finite());
         Some(self.region(self.planes.iter().copied().chain(ball).collect()))
     }
@@ -135,11 +135,11 @@ impl View {
         let (Some(own), Origin::Eye { at, error }) = (&self.turned, self.origin) else { return false };
         let Origin::Eye { at: eye, error: unsure } = other.origin else { return false };
         let straight = other.turned.as_ref().map_or_else(
-            || other.near(other.cone().as_ref(), eye) - NEAR_ROUNDINGS * (other.widened - other.reach),
+            || other.near(other.cone().as_ref(), eye) - NEAR_ROUNDINGS * (other.widened - other.reach()),
             |turned| turned.near,
         );
-        let away = (eye - at).length() + LENGTH_OF_ERROR * (unsure + error) + other.reach;
-        (away + straight.max(0.0)) * (1.0 + REGION) <= own.near * (1.0 + NEAR_ROOM) + self.reach
+        let away = (eye - at).length() + LENGTH_OF_ERROR * (unsure + error) + other.reach();
+        (away + straight.max(0.0)) * (1.0 + REGION) <= own.near * (1.0 + NEAR_ROOM) + self.reach()
     }
 }
 

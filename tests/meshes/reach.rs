@@ -84,6 +84,31 @@ proptest! {
     }
 
     #[test]
+    fn meshes_hide_from_all_eyes_of_a_view_cell(
+        solids in prop::collection::vec(solid(), 1..7),
+        look in look(),
+        half in prop::array::uniform3(prop_oneof![Just(0.0), 0.0..0.3f64, 0.0..1.0f64]),
+        frame in frame(),
+        methods in options(),
+        seed in any::<u64>(),
+    ) {
+        let mut world = world(&solids, frame, 16);
+        let at = eye_at(&look.stand, &world.things, solids.len(), frame);
+        let half = (DVec3::from(half) * frame.scale).as_vec3();
+        let cell = Aabb::new(at - half, at + half);
+        let mut random = Random(seed);
+        let mut eye = |_| (at + half * random.vector(-1.5, 1.5).as_vec3()).clamp(cell.min, cell.max) - at;
+        let steps: Vec<Vec3> = (0..12).map(&mut eye).collect();
+        add_targets(&mut world, at, &steps, frame, 12, seed);
+        let mut query = Query::with_method(methods[0]).unwrap();
+        let pvs = query.run(&world.scene, &View::of_cell(cell).unwrap());
+        for (step, i) in steps.iter().zip(0..) {
+            let lost = lost(&world.things, &Eye::Around(at + *step), |id| !pvs.contains(id), 12, seed ^ i);
+            prop_assert!(lost.is_none(), "{lost:?} from {} in {cell:?}", at + *step);
+        }
+    }
+
+    #[test]
     fn sheets_drawn_in_many_batches_hide_from_all_eyes_within_reach(
         n in 6..24u32, rough in any::<u64>(), share in 0.0..0.2f64, angle in 0.0..80.0f32,
         size in 3.0..8.0f64, axis in prop::array::uniform3(-1.0..1.0f64), turn in 0.0..6.0f64,
@@ -189,6 +214,28 @@ fn a_sheet_nearer_than_the_reach_hides_nothing() {
         assert_eq!(behind.map(|id| room.sees(id, 0.5)), [true, true], "{z}");
         assert!(behind.iter().any(|&id| !room.sees(id, 0.01)), "{z}: a smaller reach ends before the sheet");
     }
+}
+
+#[test]
+fn a_sheet_beside_a_view_cell_hides_if_its_rim_is_far() {
+    for (z, tilt, hides) in [(6.6, 0.0, true), (6.8, 0.05, true), (6.4, 0.0, false), (6.6, 0.3, false)] {
+        let mut room = Room::new();
+        let corner = |x: f32, y: f32| Vec3::new(x, y, z + tilt * (x - 16.0));
+        room.wall(
+            vec![corner(2.0, 2.0), corner(30.0, 2.0), corner(30.0, 30.0), corner(2.0, 30.0)],
+            vec![[0, 1, 2], [0, 2, 3]],
+        );
+        let behind = room.ball(Vec3::new(16.0, 16.0, 12.0));
+        let view = View::of_cell(Aabb::new(EYE - 0.5, EYE + 0.5)).unwrap();
+        assert_eq!(!room.query.run(&room.scene, &view).contains(behind), hides, "{z} {tilt}");
+        assert!(room.sees(behind, 0.87), "{z} {tilt}: a ball around it meets the sheet, or nearly");
+    }
+    // A rim that is near opens all of it.
+    let mut room = Room::new();
+    room.rectangles(6.6, &[[15.0, 30.0, 2.0, 30.0]]);
+    let behind = room.ball(Vec3::new(22.0, 16.0, 8.0));
+    let view = View::of_cell(Aabb::new(EYE - 0.5, EYE + 0.5)).unwrap();
+    assert!(room.query.run(&room.scene, &view).contains(behind));
 }
 
 #[test]

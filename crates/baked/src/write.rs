@@ -57,6 +57,11 @@ impl Writer {
         Ok(())
     }
 
+    /// The set of a cell, if it has one.
+    pub fn get(&self, cell: u32) -> Option<&[u32]> {
+        self.sets.get(&cell).map(Vec::as_slice)
+    }
+
     /// The number of cells that have a set.
     pub fn len(&self) -> usize {
         self.sets.len()

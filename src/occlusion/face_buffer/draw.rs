@@ -102,6 +102,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::Block;
+    use crate::geometry::Room;
     use crate::geometry::polytope::Polytope;
     use crate::occlusion::face::{Face, Rect};
 
@@ -117,7 +118,7 @@ mod tests {
         let block = Block { min: DVec3::new(-1.1, -0.7, 4.0), max: DVec3::new(1.3, 0.9, 5.0) };
         let ball = (DVec3::new(0.3, 0.2, 5.0), 1.5);
         let solids = [
-            Solid::polytope(Polytope::block(&block), None, 0.0).unwrap(),
+            Solid::polytope(Polytope::block(&block), None, &Room::NONE).unwrap(),
             Solid::sphere(ball.0, ball.1, None).unwrap(),
         ];
         for (i, solid) in solids.iter().enumerate() {

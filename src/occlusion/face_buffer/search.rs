@@ -169,6 +169,7 @@ pub(crate) fn search_tile(
 mod tests {
     use super::*;
     use crate::geometry::Block;
+    use crate::geometry::Room;
     use crate::geometry::polytope::Polytope;
     use crate::occlusion::face::Face;
     use crate::occlusion::solid::Solid;
@@ -181,7 +182,7 @@ mod tests {
         buffer.clear(Some(Rect::FACE), 64);
         // Covers u < 0 but for a little.
         let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
-        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, 0.0).unwrap(), 0, Slot::new(0));
+        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, &Room::NONE).unwrap(), 0, Slot::new(0));
         let target = |x: f64| {
             let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));
             Target::block(Block { min: c - h, max: c + h }, None)

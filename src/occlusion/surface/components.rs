@@ -32,8 +32,8 @@ pub(super) fn draw_surfaces<S: Simd>(
     scratch.begin();
     let mut kept = std::mem::take(&mut scratch.kept);
     let projector = Projector::new(buffer, viewpoint);
-    see(simd, &projector, viewpoint.reach, batch, sights, &mut kept, scratch);
-    join(batch, viewpoint.reach, &mut kept, (ids, scratch));
+    see(simd, &projector, viewpoint.room.radius(), batch, sights, &mut kept, scratch);
+    join(batch, viewpoint.room.radius(), &mut kept, (ids, scratch));
     order(scratch);
     let mut first = 0;
     while first < scratch.order.len() {

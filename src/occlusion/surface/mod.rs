@@ -145,7 +145,7 @@ impl OcclusionBuffers {
     /// straight edge is less deep than twice the slack, neither it nor the chain that it replaces
     /// reaches into the face.
     pub(crate) fn clearance(&self, slack: f64) -> f64 {
-        let Viewpoint { limit, reach, .. } = self.viewpoint();
-        CLEARANCE * (limit + slack) + REACH_CLEARANCE * reach
+        let Viewpoint { limit, room, .. } = self.viewpoint();
+        CLEARANCE * (limit + slack) + REACH_CLEARANCE * room.radius()
     }
 }

@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 use glam::{DMat3, DVec3, Vec3};
 
+use crate::geometry::Room;
 use crate::mesh::surface::PatchIndex;
 use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECTED, REACH_ROOM, SLACK_ROOM};
 use crate::occlusion::face::Face;
@@ -29,8 +30,8 @@ pub(crate) struct Projector {
     /// Edges are cut off where they are less deep.
     limit: f32,
     origin: DVec3,
-    /// How far the eye may go from the origin.
-    reach: f64,
+    /// Where the eye may go, around the origin.
+    room: Room,
 }
 
 /// How the points of a drawable come to the face.
@@ -120,7 +121,7 @@ impl Frame {
 
 impl Projector {
     pub(crate) fn new(buffer: &FaceBuffer, viewpoint: Viewpoint) -> Self {
-        let Viewpoint { origin, limit, reach } = viewpoint;
+        let Viewpoint { origin, limit, room } = viewpoint;
         let (face, per_unit) = (*buffer.face(), buffer.window().per_unit());
         let (tx, ty) = buffer.window().first_tile();
         let first = (tx * TILE, ty * TILE);
@@ -131,7 +132,7 @@ impl Projector {
             middle: ((per_unit - first.0 as f64) as f32, (per_unit - first.1 as f64) as f32),
             limit: if face.parallel { 0.0 } else { (limit as f32).max(f32::MIN_POSITIVE) },
             origin,
-            reach,
+            room,
         }
     }
 
@@ -153,7 +154,8 @@ impl Projector {
 
     /// Draws the rims of components, if the eye may go some way.
     pub(super) fn rims(&self) -> Option<Rims> {
-        (self.reach > 0.0).then(|| Rims { sides: self.deep_sides(), reach: self.reach })
+        let axes = [self.face.right, self.face.up, self.face.forward];
+        (self.room.radius() > 0.0).then(|| Rims { sides: self.deep_sides(), room: self.room.turned(axes) })
     }
 
     /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere,
@@ -244,7 +246,7 @@ impl Projector {
                     out.deep.push(whole_side(&placed, &edges, group, lane));
                 }
             }
-            if self.reach > 0.0 {
+            if self.room.radius() > 0.0 {
                 let group = out.groups.len() as u32;
                 out.rims.extend((0..count).map(|lane| whole_side(&placed, &edges, group, lane)));
             }
@@ -305,8 +307,8 @@ impl Projector {
         extent.least = [x0.min(x1).min(extent.least[0]), y0.min(y1).min(extent.least[1])];
         extent.most = [x0.max(x1).max(extent.most[0]), y0.max(y1).max(extent.most[1])];
         extent.wide = extent.wide.max(wide);
-        if self.reach > 0.0 {
-            let room = REACH_ROOM * self.reach as f32 * self.per_unit;
+        if self.room.radius() > 0.0 {
+            let room = REACH_ROOM * self.room.radius() as f32 * self.per_unit;
             extent.wide = extent.wide.max(wide + a.max(b) * room);
         }
         let near = p.from[2].min(p.to[2]);
@@ -397,7 +399,7 @@ mod tests {
             let triangles: Vec<[u32; 3]> = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             let rules = Rules { tolerance: 0.0, cosine: 0.9, least: 0.0, front: false };
             let surface = Surface::new(&corners, &triangles, &rules);
-            let projector = Projector::new(&buffer, Viewpoint { origin: eye, limit: 0.01, reach: 0.0 });
+            let projector = Projector::new(&buffer, Viewpoint { origin: eye, limit: 0.01, room: Room::NONE });
             for (patch, _) in surface.indexed().filter(|(i, p)| p.next == i.after()) {
                 let drawable = Drawable {
                     surface: &surface,

@@ -7,6 +7,7 @@
 
 use glam::DVec3;
 
+use crate::geometry::Room;
 use crate::numeric::occlusion::{EDGE, PIECE_ROUNDING, RIM_SHORTEST};
 use crate::occlusion::surface::deep::{Cut, DeepSides};
 use crate::occlusion::surface::raster::Raster;
@@ -23,14 +24,14 @@ const NARROW: f64 = 0.25;
 /// Draws the sides of rims.
 pub(super) struct Rims {
     pub(super) sides: DeepSides,
-    /// How far the eye may go.
-    pub(super) reach: f64,
+    /// Where the eye may go, along the axes of the face.
+    pub(super) room: Room,
 }
 
 impl Rims {
     /// The same in pixels that are so many times as fine.
     pub(super) fn finer(&self, by: f64) -> Self {
-        Self { sides: self.sides.finer(by), reach: self.reach }
+        Self { sides: self.sides.finer(by), room: self.room }
     }
 
     /// Marks the pixels with rays that come within the reach of a side. Points of the side that are
@@ -51,17 +52,17 @@ impl Rims {
         let [a, b] = side.ends.map(|end| end.abs().max_element());
         let rounding = PIECE_ROUNDING * (a + b);
         // The slack bounds each coordinate.
-        let reach = self.reach + 3f64.sqrt() * side.slack;
+        let room = self.room.grown(side.slack);
         let mut start = near;
         loop {
-            let end = start.z * step(reach / start.z * self.sides.per_unit);
+            let end = start.z * step(room.radius() / start.z * self.sides.per_unit);
             let is_last = end.is_nan() || end >= far.z;
             let mut stop = far;
             if !is_last {
                 stop = near + (far - near) * ((end - near.z) / (far.z - near.z));
                 stop.z = end;
             }
-            self.piece(raster, start, stop, reach, rounding);
+            self.piece(raster, start, stop, &room, rounding);
             if is_last {
                 break;
             }
@@ -71,31 +72,37 @@ impl Rims {
 
     /// Draws a piece of a side, from its lesser to its greater depth.
     ///
-    /// Let a point at depth z lie within the reach r of a ray through p = (u, v). Then it lies at
-    /// p + d on the face, with d = A x / z, where |x| <= r and A has the rows (1, 0, -u) and (0, 1,
-    /// -v). Along a unit vector n that is at most r / z sqrt(1 + (n . p)^2).
-    fn piece(&self, raster: &mut Raster, start: DVec3, stop: DVec3, reach: f64, rounding: f64) {
+    /// Let a point at depth z be off a ray through p = (u, v) by x, a point of the room. Then it
+    /// lies at p + d on the face, with d = A x / z, where A has the rows (1, 0, -u) and (0, 1, -v).
+    /// Along a unit vector n that is as far as the room goes along (n, -n . p), over z.
+    fn piece(&self, raster: &mut Raster, start: DVec3, stop: DVec3, room: &Room, rounding: f64) {
         let per_unit = self.sides.per_unit;
-        let ratio = reach / start.z;
+        let ratio = room.radius() / start.z;
         let ([u0, v0], [u1, v1]) = ([start, stop].map(|p| [p.x / p.z, p.y / p.z])).into();
         let length = ((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0)).sqrt();
         // How far the line of the piece passes from the middle of the face.
         let beside = if length > RIM_SHORTEST { (u0 * v1 - u1 * v0).abs() / length } else { f64::INFINITY };
         let most = [u0, v0, u1, v1].map(f64::abs).into_iter().fold(0.0, f64::max);
         let unsure = EDGE + rounding / start.z * per_unit;
-        let across = widening(ratio, beside, 2f64.sqrt()) * per_unit + 2f64.sqrt() * unsure;
-        let around = widening(ratio, most, 1.0) * per_unit + unsure;
+        let normal = (length > RIM_SHORTEST).then(|| [(v0 - v1) / length, (u1 - u0) / length]);
+        let wide = match normal {
+            Some(normal) => widening(room, start.z, normal, beside, 2f64.sqrt()),
+            None => ratio * 3f64.sqrt(),
+        };
+        let along = |normal| widening(room, start.z, normal, most, 1.0);
+        let across = wide * per_unit + 2f64.sqrt() * unsure;
+        let around = along([1.0, 0.0]).max(along([0.0, 1.0])) * per_unit + unsure;
         raster.strip(self.sides.pixel(start), self.sides.pixel(stop), across, around);
     }
 }
 
-/// How far points of the face move along a direction, for points of space that move by `ratio` of
-/// their depth: the rays are those of the face, where that coordinate is at most `most`, and the
+/// How far points of the face move along a direction, for points of space at some depth that move
+/// in a room: the rays are those of the face, where that coordinate is at most `most`, and the
 /// points have up to `at` of it.
-fn widening(ratio: f64, at: f64, most: f64) -> f64 {
+fn widening(room: &Room, depth: f64, [u, v]: [f64; 2], at: f64, most: f64) -> f64 {
     // A ray is no farther than that from the point: sqrt(1 + most^2) is less than two.
-    let coordinate = (at + 2.0 * ratio).min(most);
-    ratio * (1.0 + coordinate * coordinate).sqrt()
+    let coordinate = (at + 2.0 * room.radius() / depth).min(most);
+    room.along(DVec3::new(u, v, coordinate)) / depth
 }
 
 /// The ratio of the depths of a piece whose strip is so many pixels wide.
@@ -130,10 +137,14 @@ mod tests {
         let area = Area { x: 0, y: 0, nx: SIZE / COLUMNS, ny: SIZE / 8 };
         let mut random = Random(9);
         let (mut checked, mut marked, mut near) = (0, 0, 0);
-        for round in 0..60 {
+        for round in 0..120 {
             let reach = [0.02, 0.1, 0.4][round % 3];
             let slack = if round % 4 == 0 { 0.03 } else { 0.0 };
             let limit = 0.01;
+            // Every second room is a box within the ball.
+            let is_box = round % 2 == 1;
+            let edges = random.point(1.0).abs().normalize() * reach;
+            let room = if is_box { Room::cuboid(edges, reach) } else { Room::ball(reach) };
             let clearance = 8.0 * (limit + slack) + 3.0 * reach;
             let ends = [random.point(6.0), random.point(6.0) + DVec3::Z * 6.0];
             if (0..=400).any(|i| ends[0].lerp(ends[1], f64::from(i) / 400.0).length() < clearance) {
@@ -143,13 +154,17 @@ mod tests {
             let mut raster = Raster::default();
             raster.begin(area, (0, 0));
             let side = WholeSide { group: 0, lane: 0, ends, pixels: [(0.0, 0.0); 2], slack };
-            Rims { sides, reach }.draw(&mut raster, &side);
+            Rims { sides, room }.draw(&mut raster, &side);
             let is_marked = |x: i64, y: i64| {
                 let block = (y / 8 * area.nx + x / COLUMNS) as usize;
                 raster.marks(block).open()[y as usize % 8] >> (x % COLUMNS) & 1 == 1
             };
             for _ in 0..3000 {
-                let by = random.point(1.0).normalize_or_zero() * (reach * 0.9999) + random.point(slack);
+                let by = match is_box {
+                    true => room.half() * random.point(1.5).clamp(-DVec3::ONE, DVec3::ONE),
+                    false => random.point(1.0).normalize_or_zero() * reach,
+                };
+                let by = by * 0.9999 + random.point(slack);
                 let x = ends[0].lerp(ends[1], random.within(0.0, 1.0)) + by;
                 let (u, v) = (x.x / x.z, x.y / x.z);
                 if x.z > 0.0 && u.abs() < 1.0 && v.abs() < 1.0 {
@@ -158,7 +173,7 @@ mod tests {
                     assert!(is_marked(pixel(u), pixel(v)), "{round}: {x} {ends:?}");
                 }
             }
-            if slack > 0.0 {
+            if slack > 0.0 || is_box {
                 continue;
             }
             for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::geometry::Room;
+
 /// How surfaces are seen.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Viewpoint {
@@ -9,6 +11,6 @@ pub(crate) struct Viewpoint {
     pub(crate) origin: DVec3,
     /// Surfaces are cut at this depth: nothing nearer is drawn.
     pub(crate) limit: f64,
-    /// How far the eye may go from the origin.
-    pub(crate) reach: f64,
+    /// Where the eye may go, around the origin.
+    pub(crate) room: Room,
 }

@@ -138,12 +138,12 @@ impl<'a> Walk<'a> {
     /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken
     /// to be hidden.
     fn occlusion_slack(&mut self) -> Option<f64> {
-        let (at, error) = (self.view.eye()?, self.view.eye_room());
+        let (at, error) = (self.view.eye()?, self.view.eye_box());
         let grid = self.scene.grid();
         self.stats.eye_in_occluder =
             rays_start_in_occluder(self.scene, self.view, &Starts::of(self.scene, self.view));
         let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
-        let slack = if sure { 0.0 } else { error / grid.cell_size() };
+        let slack = if sure { 0.0 } else { error.max_element() / grid.cell_size() };
         (!self.stats.eye_in_occluder && self.from_eye && slack <= UNCERTAIN_EYE).then_some(2.0 * slack)
     }
 

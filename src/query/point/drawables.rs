@@ -1,14 +1,16 @@
 //! Patches made ready to be drawn: placed, and turned to the eye.
 
 use casca_slots::Slot;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::mesh::surface::seams::Place;
-use crate::mesh::surface::{PatchIndex, PatchSlab, Surface};
+use crate::mesh::surface::{PatchIndex, PatchSlab, Side, Surface};
+use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::query::point::Walk;
 
 /// The surface of an object.
@@ -74,7 +76,8 @@ impl<'a> Walk<'a> {
         if buffers.direction().is_none() {
             let clear = buffers.clearance(error + slack);
             let outside = slab.0 > clear || slab.1 < -clear;
-            if !outside && block.min.max(-block.max).max_element() <= clear {
+            let nearby = !outside && block.min.max(-block.max).max_element() <= clear;
+            if nearby && !self.is_beside_room(source, patch, (normal, slab), error + slack) {
                 return None;
             }
         }
@@ -117,6 +120,36 @@ impl<'a> Walk<'a> {
             faces_eye,
             error,
         })
+    }
+
+    /// Whether all eyes lie on one side of a patch that is near, and its outline is far: then
+    /// nothing of it is drawn that is near ([`REACH_CLEARANCE`]).
+    fn is_beside_room(
+        &self,
+        source: &Source<'a>,
+        patch: PatchIndex,
+        (normal, slab): (DVec3, (f64, f64)),
+        slack: f64,
+    ) -> bool {
+        let buffers = &self.scratch.buffers;
+        let Viewpoint { origin, room, .. } = buffers.viewpoint();
+        if room.radius() == 0.0 {
+            return false;
+        }
+        let beside = room.along(normal) + buffers.clearance(slack) - REACH_CLEARANCE * room.radius();
+        let clear = buffers.clearance(slack);
+        let end = |p: Vec3| match source.placement {
+            Some(placement) => placement.affine.transform_point3(p.as_dvec3()) - origin,
+            None => p.as_dvec3() - origin,
+        };
+        let is_far = |side: Side| {
+            let [a, b] = source.surface.ends(&side).map(end);
+            let way = b - a;
+            let share = (-a.dot(way) / way.length_squared()).clamp(0.0, 1.0);
+            // Also not if it is not a number.
+            (a + way * share).length() > clear
+        };
+        (slab.0 > beside || slab.1 < -beside) && source.surface.outline(patch).all(|(_, side)| is_far(side))
     }
 
     /// Whether every triangle of a patch is turned to every ray: the directions from its points to

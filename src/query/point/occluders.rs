@@ -87,12 +87,15 @@ impl Walk<'_> {
         };
         let starts_outside = match buffers.direction() {
             Some(d) => !self.view.cuts_front(d, &occluder.block()),
-            None => outside(&Block { min: origin, max: origin }.grown(buffers.reach())),
+            None => {
+                let half = buffers.room().half();
+                outside(&Block { min: origin - half, max: origin + half })
+            }
         };
         if !(starts_outside && self.starts.cut().iter().all(|(_, region)| outside(region))) {
             return false;
         }
-        let Some(solid) = Solid::part(&part, buffers.direction(), buffers.reach()) else {
+        let Some(solid) = Solid::part(&part, buffers.direction(), buffers.room()) else {
             return false;
         };
         let changed = buffers.draw(solid, slot);
@@ -114,7 +117,7 @@ impl Walk<'_> {
         let is_alike = self.is_like_solid(&block, inner.gap);
         let buffers = &mut self.scratch.buffers;
         let part = occluder.inner_from(buffers.origin());
-        let Some(solid) = part.and_then(|part| Solid::part(&part, buffers.direction(), buffers.reach()))
+        let Some(solid) = part.and_then(|part| Solid::part(&part, buffers.direction(), buffers.room()))
         else {
             return false;
         };
@@ -133,10 +136,10 @@ impl Walk<'_> {
             return false;
         }
         let buffers = &mut self.scratch.buffers;
-        let (origin, direction, reach) = (buffers.origin(), buffers.direction(), buffers.reach());
+        let (origin, direction, room) = (buffers.origin(), buffers.direction(), *buffers.room());
         let mut changed = false;
         occluder.shells(origin, &mut |part, beyond| {
-            if let Some(solid) = Solid::shell(part, beyond, direction, reach) {
+            if let Some(solid) = Solid::shell(part, beyond, direction, &room) {
                 changed |= buffers.draw(solid, slot);
             }
         });
@@ -183,7 +186,7 @@ impl Walk<'_> {
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
             && !buffers.hides(&block)
-            && let Some(solid) = Solid::block(block, buffers.direction(), buffers.reach())
+            && let Some(solid) = Solid::block(block, buffers.direction(), buffers.room())
         {
             self.stats.cells_drawn += 1;
             buffers.draw(solid, NOBODY);
@@ -201,5 +204,5 @@ impl Walk<'_> {
 /// A convex occluder, smaller by how far the origin may be from the eye; `None` if nothing is left.
 pub(super) fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
     let inner = occluder.kind().inner(buffers.origin(), buffers.uncertainty())?;
-    Solid::new(inner, buffers.direction(), buffers.reach())
+    Solid::new(inner, buffers.direction(), buffers.room())
 }

@@ -1,0 +1,82 @@
+//! Why a bake ends early.
+
+use std::path::PathBuf;
+
+use casca_scenes::import::ImportError;
+
+/// Why a bake ends early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BakeError {
+    /// The edge of cells or the heights are not positive and finite, or make too many cells.
+    #[error(
+        "cells must have edges that are greater than 0, the greatest height must exceed the least, and there can be 2^28 cells at most"
+    )]
+    Places,
+    /// The level cannot be loaded.
+    #[error(transparent)]
+    Level(#[from] ImportError),
+    /// The level is none that casca takes.
+    #[error("the level cannot be used: {0}")]
+    Scene(#[from] casca::Error),
+    /// A part of several is none of them.
+    #[error("part {part} of {parts}: parts are counted from 1")]
+    Shard {
+        /// The number of the part.
+        part: u32,
+        /// How many there are.
+        parts: u32,
+    },
+    /// A file cannot be had.
+    #[error("cannot {act} {}: {why}", path.display())]
+    File {
+        /// As in "write" or "read".
+        act: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        why: std::io::Error,
+    },
+    /// A journal was begun with another level or other options.
+    #[error(
+        "{} was begun with another level or other options: delete it to begin anew", .0.display()
+    )]
+    OtherJournal(PathBuf),
+    /// A file of sets is damaged or of another version.
+    #[error("{}: {why}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: casca_baked::ReadError,
+    },
+    /// Files of parts are not of one bake.
+    #[error("{} has other cells or another number of objects than the first file", .0.display())]
+    OtherBake(PathBuf),
+    /// Two files have different sets for a cell.
+    #[error("{} has another set for cell {cell} than a file before it", path.display())]
+    Differs {
+        /// The second file.
+        path: PathBuf,
+        /// The cell.
+        cell: u32,
+    },
+    /// The sets make no file.
+    #[error("the sets cannot be stored: {0}")]
+    Write(#[from] casca_baked::WriteError),
+    /// There is nothing to merge.
+    #[error("no files were given")]
+    NoFiles,
+    /// The progress was told to stop.
+    #[error("stopped; the journal keeps what is done")]
+    Stopped,
+}
+
+impl BakeError {
+    pub(crate) fn file<'a>(
+        act: &'static str,
+        path: &'a std::path::Path,
+    ) -> impl FnOnce(std::io::Error) -> Self + use<'a> {
+        move |why| Self::File { act, path: path.to_owned(), why }
+    }
+}

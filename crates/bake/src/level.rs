@@ -1,0 +1,111 @@
+//! A level made ready for baking.
+
+use std::sync::Arc;
+
+use casca::{Aabb, Error, MeshOptions, ObjectDesc, Scene, TriMesh};
+use casca_scenes::drive::{Driver, grid_for};
+use casca_scenes::world::{Motion, Object, Shape, World};
+
+use crate::{solids, union};
+
+/// The static objects of a level, and what hides them.
+///
+/// The number of an object is its place in [`World::objects`], for a glTF file the order of its
+/// nodes. Objects that move are left to run time: they are in no set, and hide nothing.
+pub struct Level {
+    pub(crate) scene: Scene,
+    /// The box around each object; `None` if it moves, or its visibility is not asked for.
+    pub(crate) bounds: Vec<Option<Aabb>>,
+    /// Solid boxes, in the order of their least x, and the greatest extent of any along x.
+    pub(crate) solids: Vec<Aabb>,
+    pub(crate) longest: f32,
+    /// Whether some cells of the grid are opaque, so that `Method::Cell` hides something.
+    pub(crate) has_solids: bool,
+    room: Aabb,
+    objects: Vec<Object>,
+}
+
+/// Unions are given this number in the scene, which is none of an object.
+pub(crate) const NOBODY: u64 = u64::MAX;
+
+impl Level {
+    /// Takes the static objects of a scene as they are now. `cell` is the edge of a cell of the
+    /// grid, in metres: walls of solid boxes at least two cells thick hide most. `None` takes the
+    /// scene's own.
+    ///
+    /// # Errors
+    /// Refuses what casca refuses: a grid that is too large, or shapes that are not finite.
+    pub fn new(world: &World, cell: Option<f32>) -> Result<Self, Error> {
+        let is_static = |object: &Object| object.motion == Motion::Static;
+        let numbers: Vec<usize> =
+            (0..world.objects.len()).filter(|&i| is_static(&world.objects[i])).collect();
+        let objects: Vec<Object> = numbers.iter().map(|&i| world.objects[i].clone()).collect();
+        let mut hint = world.grid;
+        hint.cell = cell.unwrap_or(hint.cell);
+        let grid = grid_for(&hint, None)?;
+        let driver = Driver::with(&objects, &grid, |_, desc| desc, |_| ())?;
+        let mut bounds = vec![None; world.objects.len()];
+        for (&number, object) in numbers.iter().zip(&objects) {
+            bounds[number] = object.tested.then(|| bounds_of(&object.shape));
+        }
+        let ids: Vec<_> = (0..objects.len()).map(|i| driver.id(i)).collect();
+        let mut scene = driver.scene;
+        for (id, (&number, object)) in ids.into_iter().zip(numbers.iter().zip(&objects)) {
+            scene.set_user_data(id, if object.tested { number as u64 } else { NOBODY })?;
+        }
+        let mut solids = solids::boxes(&objects);
+        for group in solids::groups(&solids) {
+            let (positions, triangles) = union::surface(&group);
+            let how = MeshOptions::default();
+            let mesh =
+                TriMesh::prepare(positions, triangles, &how, &mut |_| std::ops::ControlFlow::Continue(()));
+            let mesh = Arc::new(mesh?);
+            scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh).user_data(NOBODY))?;
+        }
+        solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
+        let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
+        let thick = |b: &Aabb| (b.max - b.min).min_element() >= 2.0 * hint.cell;
+        let has_solids = solids.iter().any(thick);
+        Ok(Self { scene, bounds, solids, longest, has_solids, room: Aabb::new(hint.min, hint.max), objects })
+    }
+
+    /// The number of objects, those that move included.
+    pub fn len(&self) -> u32 {
+        self.bounds.len() as u32
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bounds.is_empty()
+    }
+
+    /// The box that the level lies in, in metres; y is up.
+    pub fn room(&self) -> Aabb {
+        self.room
+    }
+
+    /// The static objects, for those who place cells.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// The solid boxes that have points in common with a box.
+    pub(crate) fn solids_in(&self, b: &Aabb) -> impl Iterator<Item = &Aabb> {
+        let first = self.solids.partition_point(|s| s.min.x < b.min.x - self.longest);
+        let (min, max) = (b.min, b.max);
+        let near = self.solids[first..].iter().take_while(move |s| s.min.x <= max.x);
+        near.filter(move |s| s.min.cmple(max).all() && min.cmple(s.max).all())
+    }
+}
+
+/// The box around a shape.
+fn bounds_of(shape: &Shape) -> Aabb {
+    match shape {
+        Shape::Sphere { center, radius } => Aabb::new(center - *radius, center + *radius),
+        Shape::Box { min, max } => Aabb::new(*min, *max),
+        Shape::Mesh { mesh, transform } => {
+            let (min, max) = mesh.bounds(transform);
+            Aabb::new(min, max)
+        }
+    }
+}

@@ -1,0 +1,20 @@
+#![doc = include_str!("../README.md")]
+#![deny(missing_docs)]
+
+mod baker;
+mod error;
+mod find;
+mod journal;
+mod level;
+mod merge;
+mod places;
+mod solids;
+mod union;
+
+pub use baker::{Baker, Progress, journal_of, write_whole};
+pub use casca_baked::{Baked, Cells, Writer};
+pub use error::BakeError;
+pub use find::Finder;
+pub use level::Level;
+pub use merge::{merge, put_all};
+pub use places::{Places, eyes_of};

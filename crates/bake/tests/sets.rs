@@ -1,0 +1,127 @@
+//! Sets of cells against exact visibility: rays from eyes in the cells, by code that shares nothing
+//! with casca.
+
+use casca_bake::{Finder, Level, Places, eyes_of};
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::random::generator;
+use casca_scenes::world::{Motion, Object, Shape, World};
+use casca_truth::oracle::RayOracle;
+use glam::{DVec3, Vec3};
+use rand::RngExt;
+
+/// Rays that pass this close to a border between seen and hidden are in doubt, in metres.
+const DOUBT: f64 = 1e-4;
+
+fn world(kind: SceneKind, scale: f32) -> World {
+    let mut world = build(kind, &SceneOptions { scale, ..SceneOptions::default() });
+    world.objects.retain(|object| object.motion == Motion::Static);
+    world
+}
+
+/// A point of the surface of a shape, by three numbers from 0 to 1.
+fn point_of(shape: &Shape, [a, b, c]: [f32; 3]) -> Vec3 {
+    match shape {
+        Shape::Sphere { center, radius } => {
+            center + *radius * (Vec3::new(a, b, c) * 2.0 - 1.0).normalize_or(Vec3::Y) * 0.999
+        }
+        Shape::Box { min, max } => {
+            let mut share = Vec3::new(a, b, c);
+            let axis = (a * 3000.0) as usize % 3;
+            share[axis] = share[axis].round();
+            min + share * (max - min)
+        }
+        Shape::Mesh { mesh, transform } => {
+            let triangle = mesh.triangles[(c * mesh.triangles.len() as f32) as usize % mesh.triangles.len()];
+            let [p, q, r] = triangle.map(|v| transform.transform_point3(mesh.positions[v as usize]));
+            let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+            p + (q - p) * a + (r - p) * b
+        }
+    }
+}
+
+/// Whether a place is in a solid.
+fn in_solid(objects: &[Object], place: Vec3) -> bool {
+    objects.iter().filter(|o| o.occludes).any(|object| match &object.shape {
+        Shape::Sphere { center, radius } => center.distance(place) <= *radius * 1.001,
+        Shape::Box { min, max } => place.cmpge(min - 1e-3).all() && place.cmple(max + 1e-3).all(),
+        Shape::Mesh { mesh, transform } => {
+            let (min, max) = mesh.bounds(transform);
+            mesh.is_closed() && place.cmpge(min).all() && place.cmple(max).all()
+        }
+    })
+}
+
+/// Looks from many eyes of some cells. Returns the sizes of the sets, and how many objects the eyes
+/// saw.
+fn look(world: &World, places: &Places, cells: usize, queries: u32) -> (usize, usize) {
+    let level = Level::new(world, None).unwrap();
+    let grid = places.cells(&level).unwrap();
+    let numbers = places.numbers(&level).unwrap();
+    assert!(numbers.len() > cells);
+    let mut finder = Finder::new(&level, queries);
+    let rays = RayOracle::new(&world.objects);
+    let mut random = generator(7, 0xba8e);
+    let (mut sizes, mut seen_in_all) = (0, 0);
+    for i in 0..cells {
+        let number = numbers[i * numbers.len() / cells];
+        let eyes = eyes_of(&grid, number).unwrap();
+        let set = finder.set(eyes);
+        assert!(set.windows(2).all(|pair| pair[0] < pair[1]));
+        sizes += set.len();
+        let mut seen = vec![false; world.objects.len()];
+        for round in 0..150 {
+            let mut share = || random.random_range(0.0..1.0f32);
+            let mut at = Vec3::new(share(), share(), share());
+            if round % 2 == 0 {
+                // On a side.
+                at[round % 3] = at[round % 3].round();
+            }
+            let eye = eyes.min + at * (eyes.max - eyes.min);
+            if in_solid(&world.objects, eye) {
+                continue;
+            }
+            for (object, number) in world.objects.iter().zip(0u32..) {
+                if seen[number as usize] {
+                    continue;
+                }
+                let target = point_of(&object.shape, [share(), share(), share()]).as_dvec3();
+                let eye = eye.as_dvec3();
+                let aside = (target - eye).any_orthonormal_vector() * DOUBT;
+                let free = |by: DVec3| !rays.occluded(eye, target + by, number as usize);
+                if free(DVec3::ZERO) && free(aside) && free(-aside) {
+                    seen[number as usize] = true;
+                    assert!(
+                        set.binary_search(&number).is_ok(),
+                        "{number} is seen from {eye} in cell {i}: {eyes:?}"
+                    );
+                }
+            }
+        }
+        seen_in_all += seen.iter().filter(|seen| **seen).count();
+    }
+    (sizes, seen_in_all)
+}
+
+#[test]
+fn rooms_lose_nothing_and_their_walls_hide() {
+    let world = world(SceneKind::Rooms, 0.3);
+    let places = Places { edge: 4.0, height: Some((0.2, 2.0)) };
+    let (sizes, seen) = look(&world, &places, 8, 80);
+    let all = 8 * world.objects.len();
+    assert!(seen > 8 * 20 && sizes < all * 3 / 4, "{seen} {sizes} of {all}");
+}
+
+#[test]
+fn a_town_of_meshes_loses_nothing() {
+    let world = world(SceneKind::Town, 0.02);
+    let places = Places { edge: 6.0, height: Some((1.0, 2.0)) };
+    let (sizes, seen) = look(&world, &places, 4, 24);
+    assert!(seen > 4 * 20 && sizes >= seen, "{seen} {sizes}");
+}
+
+#[test]
+fn spheres_and_all_cells_lose_nothing() {
+    let world = world(SceneKind::Spheres, 0.2);
+    let (sizes, seen) = look(&world, &Places { edge: 16.0, height: None }, 4, 16);
+    assert!(seen > 4 * 20 && sizes >= seen, "{seen} {sizes}");
+}
