@@ -52,11 +52,10 @@ impl<'l> Baker<'l> {
         Ok(self)
     }
 
-    /// The same with these cells only, those that are none left out.
-    #[must_use]
-    pub fn only(mut self, numbers: &[u32]) -> Self {
-        self.numbers = numbers.iter().copied().filter(|&cell| eyes_of(&self.cells, cell).is_some()).collect();
-        self
+    /// A bake of some cells of a grid; those that are none are left out.
+    pub fn of(level: &'l Level, cells: Cells, numbers: &[u32], queries: u32) -> Self {
+        let is_one = |cell: &u32| eyes_of(&cells, *cell).is_some();
+        Self { level, cells, numbers: numbers.iter().copied().filter(is_one).collect(), queries }
     }
 
     /// The grid of cells.

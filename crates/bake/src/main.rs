@@ -4,6 +4,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use casca::Aabb;
+use casca::glam::DVec3;
 use casca_bake::{BakeError, Baked, Baker, Level, Places, merge, write_whole};
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::name::SceneName;
@@ -58,6 +60,9 @@ struct Bake {
     /// those are baked in which an eye may be so. Without it, all cells of the level's box are.
     #[arg(long, value_parser = heights)]
     height: Option<(f32, f32)>,
+    /// Bakes only cells whose middle lies in this box, as 0,0,0:40,2,40, in metres.
+    #[arg(long, value_parser = corners)]
+    within: Option<Aabb>,
     /// Up to about so many queries for each cell. More take longer and make smaller sets.
     #[arg(long, default_value_t = 200)]
     queries: u32,
@@ -89,6 +94,12 @@ fn shard(text: &str) -> Result<(u32, u32), String> {
     pair(text, '/').ok_or_else(|| "give a part and the number of parts, as 2/5".to_owned())
 }
 
+fn corners(text: &str) -> Result<Aabb, String> {
+    let (low, high) = text.split_once(':').ok_or("give two corners, as 0,0,0:40,2,40")?;
+    let [low, high] = [place(low)?, place(high)?].map(|corner| DVec3::from_array(corner).as_vec3());
+    Ok(Aabb::new(low, high))
+}
+
 fn place(text: &str) -> Result<[f64; 3], String> {
     let numbers: Vec<f64> = text.split(',').map_while(|n| n.trim().parse().ok()).collect();
     numbers.try_into().map_err(|_| "give three numbers, as 1.5,1.7,-4".to_owned())
@@ -98,7 +109,7 @@ impl Bake {
     fn run(&self) -> Result<(), BakeError> {
         let world = self.level.open(&SceneOptions::default())?;
         let level = Level::new(&world, self.grid)?;
-        let places = Places { edge: self.cell, height: self.height };
+        let places = Places { edge: self.cell, height: self.height, within: self.within };
         let mut baker = Baker::new(&level, &places, self.queries)?;
         if let Some((part, parts)) = self.shard {
             baker = baker.shard(part, parts)?;

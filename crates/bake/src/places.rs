@@ -23,6 +23,8 @@ pub struct Places {
     /// that, and only those are baked in which an eye may be so. `None` bakes all cells of the level's
     /// box, which are as high as they are wide.
     pub height: Option<(f32, f32)>,
+    /// Of these, only the cells are baked whose middle lies in this box. `None` bakes all.
+    pub within: Option<Aabb>,
 }
 
 impl Places {
@@ -56,14 +58,22 @@ impl Places {
     pub fn numbers(&self, level: &Level) -> Result<Vec<u32>, BakeError> {
         let cells = self.cells(level)?;
         let count = cells.dims.iter().product::<u32>();
-        let Some((least, most)) = self.height else { return Ok((0..count).collect()) };
+        let middle = |cell: u32| {
+            let [x, y, _] = cells.dims;
+            let at = [cell % x, cell / x % y, cell / x / y].map(|i| f64::from(i) + 0.5);
+            Vec3::from_array(std::array::from_fn(|i| (cells.low[i] + at[i] * cells.size[i]) as f32))
+        };
+        let is_within = |cell: &u32| {
+            self.within.is_none_or(|b| b.min.cmple(middle(*cell)).all() && middle(*cell).cmple(b.max).all())
+        };
+        let Some((least, most)) = self.height else { return Ok((0..count).filter(is_within).collect()) };
         let mut stands = vec![false; count as usize];
         for object in level.objects().iter().filter(|object| object.occludes) {
             for triangle in floors(object) {
                 mark(&cells, &triangle, (least, most), &mut stands);
             }
         }
-        Ok((0..count).filter(|&i| stands[i as usize]).collect())
+        Ok((0..count).filter(|&i| stands[i as usize]).filter(is_within).collect())
     }
 }
 

@@ -3,18 +3,53 @@
 use casca::glam::{Affine3A, Mat3A, Mat4, Vec3, Vec3A};
 use casca::{Aabb, ObjectId, Sphere};
 use numpy::ndarray::{ArrayView1, ArrayView2, ArrayView3, s};
-use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayLike2, PyArrayLike3};
+use numpy::ndarray::{Dimension, Ix1, Ix2, Ix3};
+use numpy::{
+    AllowTypeChange, Element, PyArray1, PyArrayLike, PyArrayMethods, PyReadonlyArray, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
 use crate::error::refused;
 
-/// An array of floats, or what numpy makes one of. Single precision is not copied.
-pub type Floats1<'py> = PyArrayLike1<'py, f32, AllowTypeChange>;
-pub type Floats2<'py> = PyArrayLike2<'py, f32, AllowTypeChange>;
-pub type Floats3<'py> = PyArrayLike3<'py, f32, AllowTypeChange>;
+/// An array, or what numpy makes one of. An array of the same type is not copied, unless its numbers
+/// do not lie at addresses of their size: those that came over a network often do not.
+pub struct Array<'py, T: Element, D: Dimension>(PyArrayLike<'py, T, D, AllowTypeChange>);
+
+impl<'a, 'py, T, D> FromPyObject<'a, 'py> for Array<'py, T, D>
+where
+    T: Element + 'py,
+    D: Dimension + 'py,
+    Vec<T>: FromPyObject<'a, 'py>,
+    PyArrayLike<'py, T, D, AllowTypeChange>: for<'b> FromPyObject<'b, 'py, Error = PyErr>,
+{
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array: PyArrayLike<'py, T, D, AllowTypeChange> = object.extract()?;
+        let at = array.data() as usize;
+        let off = |place: usize| !place.is_multiple_of(align_of::<T>());
+        if off(at) || array.strides().iter().any(|stride| off(stride.unsigned_abs())) {
+            return Ok(Self(array.call_method0("copy")?.extract()?));
+        }
+        Ok(Self(array))
+    }
+}
+
+impl<'py, T: Element, D: Dimension> std::ops::Deref for Array<'py, T, D> {
+    type Target = PyReadonlyArray<'py, T, D>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+/// Arrays of floats.
+pub type Floats1<'py> = Array<'py, f32, Ix1>;
+pub type Floats2<'py> = Array<'py, f32, Ix2>;
+pub type Floats3<'py> = Array<'py, f32, Ix3>;
 
 /// Ids as they come from a scene.
-pub type Ids<'py> = PyArrayLike1<'py, u64, AllowTypeChange>;
+pub type Ids<'py> = Array<'py, u64, Ix1>;
 
 fn vec3_of(row: ArrayView1<f32>) -> Vec3 {
     Vec3::new(row[0], row[1], row[2])

@@ -2,6 +2,7 @@
 //! numpy arrays, the plane and points. `python/casca/__init__.pyi` documents them for their users.
 
 mod arrays;
+mod bake;
 mod error;
 mod mesh;
 mod plane;
@@ -19,6 +20,9 @@ fn _casca(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<error::CascaError>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("SCENES", scene::names())?;
+    module.add_class::<bake::Bake>()?;
+    module.add_class::<bake::Baked>()?;
+    module.add_class::<bake::Merge>()?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<mesh::Mesh>()?;
     module.add_class::<view::View>()?;

@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use casca::{Facing, MeshOptions, TriMesh};
-use numpy::{AllowTypeChange, PyArrayLike2};
+use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats2, points, triangles};
+use crate::arrays::{Array, Floats2, points, triangles};
 use crate::error::refused;
 
 /// Triangles that were prepared once, for any number of objects.
@@ -23,7 +23,7 @@ impl Mesh {
     fn new(
         py: Python<'_>,
         positions: Floats2,
-        triangles: PyArrayLike2<u32, AllowTypeChange>,
+        triangles: Array<u32, Ix2>,
         occludes: bool,
         two_sided: bool,
         progress: Option<Py<PyAny>>,

@@ -5,11 +5,11 @@ use casca_plane::{
     BitGrid, FieldOfView, FovOptions, GridSpec, Method, ObjectDesc, OpaqueTiles, Query, Rect, Scene, Segment,
     TilePoint, View,
 };
-use numpy::ndarray::Array2;
-use numpy::{AllowTypeChange, IntoPyArray, PyArray2, PyArrayLike2};
+use numpy::ndarray::{Array2, Ix2};
+use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats1, Floats3, check};
+use crate::arrays::{Array, Floats1, Floats3, check};
 use crate::error::{refused, refused_at};
 
 /// Room around the segments and the eye, as a share of their extent: none lies on the border.
@@ -26,7 +26,7 @@ fn vec2(name: &str, array: &Floats1) -> PyResult<Vec2> {
 #[pyo3(signature = (walls, eye, *, radius=None, direction=None, half_angle=None))]
 pub fn field_of_view<'py>(
     py: Python<'py>,
-    walls: PyArrayLike2<'py, bool, AllowTypeChange>,
+    walls: Array<'py, bool, Ix2>,
     eye: (f64, f64),
     radius: Option<f32>,
     direction: Option<Floats1<'py>>,

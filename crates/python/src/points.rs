@@ -4,10 +4,11 @@ use casca_points::glam::{DVec3, Vec3};
 use casca_points::hpr::{self, Kernel};
 use casca_points::splat::{self, Bias, Filter, Radius, SplatOptions};
 use casca_points::{Camera, spacing};
-use numpy::{AllowTypeChange, PyArray1, PyArrayLike2};
+use numpy::PyArray1;
+use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats1, Floats2, check, points, vec3};
+use crate::arrays::{Array, Floats1, Floats2, check, points, vec3};
 use crate::error::refused;
 
 /// Hidden point removal.
@@ -15,7 +16,7 @@ use crate::error::refused;
 #[pyo3(signature = (points, eye, *, log10_radius=3.0))]
 pub fn hidden_point_removal<'py>(
     py: Python<'py>,
-    points: PyArrayLike2<'py, f64, AllowTypeChange>,
+    points: Array<'py, f64, Ix2>,
     eye: (f64, f64, f64),
     log10_radius: f64,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {

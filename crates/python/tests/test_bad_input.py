@@ -158,3 +158,26 @@ def test_a_scene_in_use_is_not_changed():
     reader.join()
     assert not wrong
     assert all("borrowed" in str(why) for why in refused)
+
+
+def unaligned(array):
+    """The same numbers at an odd address, as arrays have them that came over a network."""
+    array = np.asarray(array)
+    data = np.frombuffer(b"\0" + array.tobytes(), np.uint8)[1:]
+    moved = data.view(array.dtype).reshape(array.shape)
+    assert not moved.flags.aligned
+    return moved
+
+
+def test_arrays_at_odd_addresses(scene):
+    boxes = np.array([[[1, 1, 1], [2, 2, 2]], [[3, 3, 3], [4, 4, 4]]], np.float32)
+    ids = scene.insert_boxes(unaligned(boxes))
+    assert np.array_equal(scene.boxes(unaligned(ids)), boxes)
+    spheres = scene.insert_spheres(unaligned(np.array([[5, 5, 5, 1]], np.float32)))
+    assert np.allclose(scene.boxes(spheres), [[[4, 4, 4], [6, 6, 6]]])
+    corners = unaligned(np.eye(3, dtype=np.float32))
+    mesh = casca.Mesh(corners, unaligned(np.array([[0, 1, 2]], np.uint32)))
+    assert len(mesh) == 1
+    points = np.random.default_rng(1).normal(size=(50, 3))
+    seen = casca.points.hidden_point_removal(points, (9, 0, 0))
+    assert np.array_equal(casca.points.hidden_point_removal(unaligned(points), (9, 0, 0)), seen)

@@ -13,7 +13,7 @@ Ids are numpy arrays of ``uint64``. Arrays of ``float32`` are read where they ar
 lists, are converted by numpy. Queries, scenes from files and exact visibility release the GIL.
 """
 
-from . import plane, points
+from . import bake, plane, points
 from ._casca import SCENES, Error, Mesh, Query, Scene, View, __version__, exact_visible, run_many
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "Scene",
     "View",
     "__version__",
+    "bake",
     "exact_visible",
     "plane",
     "points",

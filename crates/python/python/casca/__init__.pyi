@@ -5,7 +5,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import plane as plane, points as points
+from . import bake as bake, plane as plane, points as points
 
 _Ids = NDArray[np.uint64]
 _Method = Literal["point", "cell", "frustum"]
@@ -21,6 +21,7 @@ __all__ = [
     "View",
     "__version__",
     "exact_visible",
+    "bake",
     "plane",
     "points",
     "run_many",

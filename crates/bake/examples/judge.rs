@@ -1,0 +1,170 @@
+//! Sets of cells beside exact visibility and beside bakes by samples, as engines make them.
+//!
+//! `cargo run --release -p casca-bake --features charts --example judge -- SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]`
+//!
+//! Looks from EYES random eyes in each of CELLS cells: six pictures each, and rays at objects that the
+//! set lacks. A bake by samples has what its first eyes see.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::time::Instant;
+
+use casca_bake::{Finder, Level, Places, eyes_of};
+use casca_scenes::generated::SceneOptions;
+use casca_scenes::name::SceneName;
+use casca_scenes::random::{Generator, generator};
+use casca_scenes::world::{Camera, Motion, Object, Shape};
+use casca_stage::pictures::palette::{POINT, RAYS};
+use casca_stage::pictures::{Axis, Line, lines};
+use casca_truth::oracle::{Oracle, OracleOptions};
+use glam::Vec3;
+use rand::RngExt;
+
+/// Pixels of each of the six pictures from an eye, along an edge.
+const PIXELS: usize = 128;
+/// Rays from each direction of an eye to each object that the set lacks, and objects looked at.
+const RAYS_EACH: usize = 1;
+const LOOKED_AT: usize = 500;
+/// Bakes by samples: so many eyes each.
+const SAMPLES: [usize; 6] = [1, 4, 16, 64, 256, 1024];
+/// Cells of 12 m where people walk, or so, are chosen among the places that a camera's path passes.
+const SEED: u64 = 11;
+
+/// Whether a place is in a solid box or ball.
+fn in_solid(objects: &[Object], place: Vec3) -> bool {
+    objects.iter().filter(|o| o.occludes).any(|object| match &object.shape {
+        Shape::Sphere { center, radius } => center.distance(place) <= *radius * 1.001,
+        Shape::Box { min, max } => place.cmpge(min - 1e-3).all() && place.cmple(max + 1e-3).all(),
+        Shape::Mesh { mesh, transform } => {
+            let (min, max) = mesh.bounds(transform);
+            mesh.triangles.len() == 12 && mesh.is_closed() && place.cmpge(min).all() && place.cmple(max).all()
+        }
+    })
+}
+
+struct Tally {
+    name: String,
+    seconds: f64,
+    size: usize,
+    lost: usize,
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [scene, cell, height, cells, eyes, out, queries @ ..] = &arguments[..] else {
+        return Err("SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]".into());
+    };
+    let (least, most) = height.split_once(':').ok_or("heights as 0.2:2.0")?;
+    let places = Places { edge: cell.parse()?, height: Some((least.parse()?, most.parse()?)), within: None };
+    let (count, eyes): (usize, usize) = (cells.parse()?, eyes.parse()?);
+    let mut world = scene.parse::<SceneName>()?.open(&SceneOptions::default())?;
+    let path: Vec<Vec3> = (0..world.frames).map(|frame| world.camera(frame, 1.0).eye).collect();
+    world.objects.retain(|object| object.motion == Motion::Static);
+    let began = Instant::now();
+    let level = Level::new(&world, None)?;
+    println!("{} objects, made ready in {:.1} s", level.len(), began.elapsed().as_secs_f64());
+    let grid = places.cells(&level)?;
+    let all = places.numbers(&level)?;
+    // Where the camera's path passes, or near it.
+    let on_path: BTreeSet<u32> = path.iter().filter_map(|p| grid.at(p.as_dvec3().to_array())).collect();
+    let chosen: Vec<u32> = on_path.into_iter().filter(|cell| all.contains(cell)).collect();
+    let step = (chosen.len() / count).max(1);
+    let chosen: Vec<u32> = chosen.into_iter().step_by(step).take(count).collect();
+    println!("{} of {} cells looked at", chosen.len(), all.len());
+
+    let queries: Vec<u32> = queries.iter().map(|q| q.parse()).collect::<Result<_, _>>()?;
+    let mut tallies: Vec<Tally> = Vec::new();
+    let mut sets: Vec<Vec<Vec<u32>>> = Vec::new();
+    for &most in &queries {
+        let mut finder = Finder::new(&level, most);
+        let began = Instant::now();
+        let found: Vec<Vec<u32>> =
+            chosen.iter().filter_map(|&cell| Some(finder.set(eyes_of(&grid, cell)?))).collect();
+        let seconds = began.elapsed().as_secs_f64() / chosen.len() as f64;
+        let size = found.iter().map(Vec::len).sum();
+        tallies.push(Tally { name: format!("casca, {most} queries"), seconds, size, lost: 0 });
+        sets.push(found);
+    }
+
+    let options = OracleOptions {
+        width: PIXELS,
+        height: PIXELS,
+        samples_per_object: RAYS_EACH,
+        max_candidates: LOOKED_AT,
+        seed: SEED,
+    };
+    let mut oracle = Oracle::new(&world.objects, options);
+    let mut random: Generator = generator(SEED, 0);
+    let (mut exact, mut sampled, mut looking) = (0, [0; SAMPLES.len()], 0.0);
+    let mut looked = 0;
+    for (i, &cell) in chosen.iter().enumerate() {
+        let Some(room) = eyes_of(&grid, cell) else { continue };
+        // The smallest set: what it has not, others may have.
+        let smallest: BTreeSet<usize> = sets
+            .iter()
+            .map(|of| &of[i])
+            .min_by_key(|set| set.len())
+            .map_or_else(BTreeSet::new, |set| set.iter().map(|&o| o as usize).collect());
+        let (mut seen, mut lost) = (BTreeSet::new(), BTreeSet::new());
+        let mut at = 0;
+        for _ in 0..4 * eyes {
+            if at == eyes {
+                break;
+            }
+            let mut share = || random.random_range(0.0..1.0f32);
+            let eye = room.min + Vec3::new(share(), share(), share()) * (room.max - room.min);
+            if in_solid(&world.objects, eye) {
+                continue;
+            }
+            let began = Instant::now();
+            for forward in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+                let camera = Camera::look_at(eye, eye + forward, 90.0, 1.0, 0.01, 1000.0);
+                let verdict = oracle.frame(&world.objects, &[], &camera, &|o| smallest.contains(&o));
+                seen.extend(verdict.exact);
+                lost.extend(verdict.false_negatives.iter().map(|found| found.object));
+            }
+            looking += began.elapsed().as_secs_f64();
+            at += 1;
+            if let Some(which) = SAMPLES.iter().position(|&n| n == at) {
+                sampled[which] += seen.len();
+            }
+        }
+        looked += at;
+        exact += seen.len();
+        for (tally, of) in tallies.iter_mut().zip(&sets) {
+            tally.lost += lost.iter().filter(|&&o| of[i].binary_search(&(o as u32)).is_err()).count();
+        }
+    }
+    println!("{looked} eyes, {exact} objects seen, {:.1} a cell", exact as f64 / chosen.len() as f64);
+    println!("\n| method | seconds a cell | set | set over exact | lost |\n|---|---|---|---|---|");
+    let row = |name: &str, seconds: f64, size: usize, lost: usize| {
+        let each = size as f64 / chosen.len() as f64;
+        println!("| {name} | {seconds:.2} | {each:.1} | {:.2} | {lost} |", size as f64 / exact as f64);
+    };
+    let level_size = level.len() as usize * chosen.len();
+    row("everything", 0.0, level_size, 0);
+    for tally in &tallies {
+        row(&tally.name, tally.seconds, tally.size, tally.lost);
+    }
+    let per_eye = looking / looked.max(1) as f64;
+    let mut of_samples = Vec::new();
+    for (&n, &size) in SAMPLES.iter().zip(&sampled).filter(|&(&n, _)| n <= eyes) {
+        row(&format!("samples, {n} eyes"), per_eye * n as f64, size, exact - size);
+        of_samples.push((per_eye * n as f64, size as f64 / exact as f64));
+    }
+    let of_casca = tallies.iter().map(|t| (t.seconds, t.size as f64 / exact as f64)).collect();
+    let (x, y) = (Axis::log("seconds a cell"), Axis::log("objects of the set, over those that any eye saw"));
+    let title =
+        format!("{scene}: casca's sets lose nothing and shrink with time; those by samples lose objects");
+    lines(
+        Path::new(out),
+        &title,
+        &format!(
+            "cells of {cell} m, {} of them, {eyes} eyes each; below 1 visible objects are missing",
+            chosen.len()
+        ),
+        (&x, &y),
+        &[Line::new("casca", POINT, of_casca), Line::new("samples, six pictures an eye", RAYS, of_samples)],
+    )?;
+    Ok(())
+}

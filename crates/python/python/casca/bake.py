@@ -1,0 +1,101 @@
+"""Visibility of a level found ahead of time, on this machine or on many.
+
+>>> import casca
+>>> bake = casca.bake.Bake("rooms", cell=10.0, height=(0.2, 2.0), within=((0, 0, 0), (10, 2, 10)), queries=16)
+>>> merge = casca.bake.Merge()
+>>> merge.put(bake.find(bake.cells[:2]))
+>>> len(merge)
+1
+
+The file holds, for each cell, the objects that can be seen from anywhere in it: no visible one is
+missing. Objects that move are in no set. ``on_dask`` and ``on_ray`` make the same bytes as
+``Bake(...).write(out)``.
+"""
+
+import os
+
+from ._casca import Bake, Baked, Merge
+
+__all__ = ["Bake", "Baked", "Merge", "on_dask", "on_ray"]
+
+# Levels that this process has made ready, by name, content and options: tasks of one bake share one.
+_ready = {}
+
+
+def _content(level):
+    """The bytes of a level's file; None for a generated one."""
+    level = os.fspath(level)
+    if not level.lower().endswith((".glb", ".gltf")):
+        return None
+    with open(level, "rb") as file:
+        return file.read()
+
+
+def _find(level, content, options, cells):
+    """A task: the sets of some cells."""
+    key = (level, hash(content), tuple(sorted(options.items())))
+    bake = _ready.get(key)
+    if bake is None:
+        bake = Bake(level, content=content, **options)
+        # Of one bake at a time: levels may be large.
+        _ready.clear()
+        _ready[key] = bake
+    return bake.find(cells)
+
+
+def _parts(level, content, options, cells_per_task):
+    if cells_per_task < 1:
+        raise ValueError(f"cells_per_task must be 1 or more, not {cells_per_task}")
+    cells = Bake(level, content=content, **options).cells
+    return [cells[at : at + cells_per_task] for at in range(0, len(cells), cells_per_task)]
+
+
+def _merged(out, parts, count, progress):
+    merge = Merge()
+    for done, part in enumerate(parts, 1):
+        merge.put(part)
+        if progress is not None:
+            progress(done / count)
+    merge.write(out)
+
+
+def on_dask(client, level, out, *, cells_per_task=16, progress=None, **options):
+    """Bakes on the workers of a Dask client."""
+    from distributed import as_completed
+
+    level = os.fspath(level)
+    content = _content(level)
+    parts = _parts(level, content, options, cells_per_task)
+    if content is not None:
+        # Once to each worker, not once with each task.
+        content = client.scatter(content, broadcast=True)
+    tasks = [client.submit(_find, level, content, options, part, pure=False) for part in parts]
+    try:
+        _merged(out, (task.result() for task in as_completed(tasks)), len(tasks), progress)
+    finally:
+        client.cancel(tasks)
+
+
+def on_ray(level, out, *, cells_per_task=16, progress=None, **options):
+    """Bakes on the nodes of a Ray cluster, which must be initialised."""
+    import ray
+
+    level = os.fspath(level)
+    content = _content(level)
+    parts = _parts(level, content, options, cells_per_task)
+    # A worker that dies is replaced, and its task is done again.
+    find = ray.remote(max_retries=8)(_find)
+    content = ray.put(content)
+    tasks = [find.remote(level, content, options, part) for part in parts]
+
+    def results():
+        left = list(tasks)
+        while left:
+            done, left = ray.wait(left)
+            yield from ray.get(done)
+
+    try:
+        _merged(out, results(), len(tasks), progress)
+    finally:
+        for task in tasks:
+            ray.cancel(task, force=False)

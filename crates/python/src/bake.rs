@@ -1,0 +1,258 @@
+//! Bakes, and the files that they make.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use casca::Aabb;
+use casca_bake::{BakeError, Baker, Cells, Level, Places, Writer, put_all, write_whole};
+use casca_scenes::generated::SceneOptions;
+use casca_scenes::import;
+use casca_scenes::name::SceneName;
+use numpy::ndarray::Ix1;
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::arrays::{Array, Floats1, check, vec3};
+use crate::error::refused;
+use crate::mesh::Told;
+
+/// The exception for a bake that ended early.
+fn ended(why: BakeError) -> PyErr {
+    match why {
+        BakeError::File { .. } => PyOSError::new_err(why.to_string()),
+        BakeError::Level(ref level) if matches!(level.why, import::Trouble::Read(_)) => {
+            PyOSError::new_err(why.to_string())
+        }
+        _ => refused(why),
+    }
+}
+
+/// A level made ready for baking, and its cells.
+#[pyclass(module = "casca.bake", frozen)]
+pub struct Bake {
+    level: Level,
+    cells: Cells,
+    numbers: Vec<u32>,
+    queries: u32,
+}
+
+impl Bake {
+    fn progress<T>(
+        &self,
+        py: Python,
+        progress: Option<Py<PyAny>>,
+        work: impl Send + FnOnce(&mut casca_bake::Progress) -> Result<T, BakeError>,
+    ) -> PyResult<T>
+    where
+        T: Send,
+    {
+        py.detach(|| {
+            let mut told = Told::new(progress);
+            let done = work(&mut |done, total| match total {
+                0 => ControlFlow::Continue(()),
+                _ => told.tell(done as f32 / total as f32),
+            });
+            told.raised.map_or_else(|| done.map_err(ended), Err)
+        })
+    }
+}
+
+#[pymethods]
+impl Bake {
+    #[new]
+    #[pyo3(signature = (level, *, cell=2.0, height=None, within=None, queries=200, grid=None, content=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python,
+        level: &str,
+        cell: f32,
+        height: Option<(f32, f32)>,
+        within: Option<(Floats1, Floats1)>,
+        queries: u32,
+        grid: Option<f32>,
+        content: Option<&[u8]>,
+    ) -> PyResult<Self> {
+        let within = match within {
+            Some((low, high)) => Some(Aabb::new(vec3("within", &low)?, vec3("within", &high)?)),
+            None => None,
+        };
+        let places = Places { edge: cell, height, within };
+        let name: SceneName = level.parse().map_err(|why| refused(format!("{level}: {why}")))?;
+        py.detach(|| {
+            let world = match content {
+                Some(bytes) => import::read(level, bytes, Path::new(level).parent()).map_err(refused)?,
+                None => name.open(&SceneOptions::default()).map_err(|why| ended(why.into()))?,
+            };
+            let level = Level::new(&world, grid).map_err(|why| ended(why.into()))?;
+            let baker = Baker::new(&level, &places, queries).map_err(ended)?;
+            let (cells, numbers) = (*baker.cells(), baker.numbers().to_vec());
+            Ok(Self { level, cells, numbers, queries })
+        })
+    }
+
+    /// The cells to bake, neighbours near each other.
+    #[getter]
+    fn cells<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.numbers.clone().into_pyarray(py)
+    }
+
+    /// The number of objects.
+    #[getter]
+    fn objects(&self) -> u32 {
+        self.level.len()
+    }
+
+    /// Finds the sets of some cells: the bytes of a file with these.
+    #[pyo3(signature = (cells, *, threads=1, progress=None))]
+    fn find<'py>(
+        &self,
+        py: Python<'py>,
+        cells: Array<u32, Ix1>,
+        threads: usize,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let cells: Vec<u32> = cells.as_array().iter().copied().collect();
+        let bytes = self.progress(py, progress, |progress| {
+            let baker = Baker::of(&self.level, self.cells, &cells, self.queries);
+            Ok(baker.run(threads, None, progress)?.finish()?)
+        })?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Finds the sets of all cells and writes the file.
+    #[pyo3(signature = (out, *, threads=0, progress=None))]
+    fn write(&self, py: Python, out: PathBuf, threads: usize, progress: Option<Py<PyAny>>) -> PyResult<()> {
+        let threads = match threads {
+            0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
+            threads => threads,
+        };
+        self.progress(py, progress, |progress| {
+            Baker::of(&self.level, self.cells, &self.numbers, self.queries).write(&out, threads, progress)
+        })
+    }
+
+    fn __len__(&self) -> usize {
+        self.numbers.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Bake({} cells, {} objects)", self.numbers.len(), self.level.len())
+    }
+}
+
+/// Puts files of parts together, as they come.
+#[pyclass(module = "casca.bake")]
+pub struct Merge {
+    writer: Option<Writer>,
+    cells: Option<(Cells, u32)>,
+}
+
+#[pymethods]
+impl Merge {
+    #[new]
+    fn new() -> Self {
+        Self { writer: None, cells: None }
+    }
+
+    /// Takes the bytes of a file.
+    fn put(&mut self, part: &[u8]) -> PyResult<()> {
+        let baked = casca_bake::Baked::read(part).map_err(refused)?;
+        let cells = (*baked.cells(), baked.objects());
+        check(self.cells.is_none_or(|first| first == cells), || {
+            "the part has other cells or another number of objects than those before it".into()
+        })?;
+        let writer = match &mut self.writer {
+            Some(writer) => writer,
+            None => self.writer.insert(Writer::new(cells.0, cells.1).map_err(refused)?),
+        };
+        self.cells = Some(cells);
+        match put_all(writer, &baked).map_err(ended)? {
+            Some(cell) => {
+                Err(refused(format!("the part has another set for cell {cell} than one before it")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the file, whole or not at all.
+    fn write(&self, out: PathBuf) -> PyResult<()> {
+        let writer = self.writer.as_ref().ok_or_else(|| refused("no parts were put"))?;
+        write_whole(&out, &writer.finish().map_err(refused)?).map_err(ended)
+    }
+
+    /// The number of cells that have a set.
+    fn __len__(&self) -> usize {
+        self.writer.as_ref().map_or(0, Writer::len)
+    }
+}
+
+/// A file of sets, in memory.
+#[pyclass(module = "casca.bake", frozen)]
+pub struct Baked {
+    bytes: Vec<u8>,
+}
+
+impl Baked {
+    fn baked(&self) -> PyResult<casca_bake::Baked<'_>> {
+        // All of it was checked when it was read.
+        casca_bake::Baked::open(&self.bytes).map_err(refused)
+    }
+}
+
+#[pymethods]
+impl Baked {
+    #[new]
+    fn new(py: Python, file: PathBuf) -> PyResult<Self> {
+        py.detach(|| {
+            let read = std::fs::read(&file);
+            let bytes =
+                read.map_err(|why| PyOSError::new_err(format!("cannot read {}: {why}", file.display())))?;
+            casca_bake::Baked::read(&bytes).map_err(|why| refused(format!("{}: {why}", file.display())))?;
+            Ok(Self { bytes })
+        })
+    }
+
+    /// The objects that can be seen from a place; `None` if nothing is known about it.
+    fn at<'py>(&self, py: Python<'py>, place: Floats1) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        let place = vec3("place", &place)?.as_dvec3().to_array();
+        Ok(self.baked()?.set_at(place).map(|set| set.iter().collect::<Vec<_>>().into_pyarray(py)))
+    }
+
+    /// The set of a cell; `None` if it has none.
+    fn cell<'py>(&self, py: Python<'py>, number: u32) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        Ok(self.baked()?.set(number).map(|set| set.iter().collect::<Vec<_>>().into_pyarray(py)))
+    }
+
+    /// Cells along x, y and z.
+    #[getter]
+    fn dims(&self) -> PyResult<(u32, u32, u32)> {
+        Ok(self.baked()?.cells().dims.into())
+    }
+
+    /// The least corner of the grid.
+    #[getter]
+    fn low(&self) -> PyResult<(f64, f64, f64)> {
+        Ok(self.baked()?.cells().low.into())
+    }
+
+    /// The edges of a cell.
+    #[getter]
+    fn size(&self) -> PyResult<(f64, f64, f64)> {
+        Ok(self.baked()?.cells().size.into())
+    }
+
+    /// The number of objects.
+    #[getter]
+    fn objects(&self) -> PyResult<u32> {
+        Ok(self.baked()?.objects())
+    }
+
+    /// The number of cells that have a set.
+    fn __len__(&self) -> PyResult<usize> {
+        let baked = self.baked()?;
+        let count: u32 = baked.cells().dims.iter().product();
+        Ok((0..count).filter(|&cell| baked.set_number(cell).is_some()).count())
+    }
+}
