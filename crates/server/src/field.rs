@@ -44,8 +44,9 @@ impl FieldOfView {
         let toward = self.direction.as_dvec3().normalize();
         let off = (toward.dot(way) / far).clamp(-1.0, 1.0).acos();
         let open = f64::from(self.half_angle) + f64::from(self.turn_speed) * time;
+        let outside = off - (radius / far).clamp(0.0, 1.0).asin() > open + ANGLE;
         // A comparison with a number that is none keeps the box.
-        !(off - (radius / far).clamp(0.0, 1.0).asin() > open + ANGLE)
+        !outside
     }
 }
 

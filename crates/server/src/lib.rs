@@ -63,6 +63,8 @@
 //!
 //! - `rayon`, on by default: clients are answered by several threads.
 //! - `bots`: the module `bots`, with levels from test scenes and files, and bots that run in them.
+//! - `wire`: the modules `wire` and `session`, with the protocol of `PROTOCOL.md`.
+//! - `net`: the module `net` and the program `casca-server`: WebSockets, metrics, a map.
 #![deny(missing_docs)]
 
 mod answer;
@@ -75,12 +77,18 @@ mod field;
 mod gaze;
 mod hook;
 mod id;
+#[cfg(feature = "net")]
+pub mod net;
 mod numeric;
 mod options;
 mod server;
+#[cfg(feature = "wire")]
+pub mod session;
 mod state;
 mod tick;
 mod walls;
+#[cfg(feature = "wire")]
+pub mod wire;
 
 pub use answer::Answer;
 pub use casca;

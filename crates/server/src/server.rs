@@ -65,6 +65,12 @@ impl VisibilityServer {
         self.walls.as_ref().map_or(0, Walls::len)
     }
 
+    /// Whether a wall stands between two places, as far as known since the last tick: to refuse
+    /// reports of eyes that went through one.
+    pub fn has_wall_between(&self, from: Vec3, to: Vec3) -> bool {
+        self.walls.as_ref().is_some_and(|walls| walls.part(from.as_dvec3(), to.as_dvec3()))
+    }
+
     /// The options.
     pub fn options(&self) -> &ServerOptions {
         &self.options

@@ -60,8 +60,16 @@ pub struct Level {
     pub scene: Scene,
     /// All that stands in it, for exact visibility.
     pub objects: Vec<Object>,
+    /// Where bots run.
+    pub track: Track,
+}
+
+/// Where bots run.
+#[derive(Debug, Clone)]
+pub struct Track {
     /// Where eyes can be, from one end to the other. Steps are short.
     pub path: Vec<Vec3>,
+    /// How far bodies go down from the eye, in metres.
     down: f32,
 }
 
@@ -115,9 +123,11 @@ impl Level {
             grid_for(&casca_scenes::world::GridHint { cell: grid.cell.max(0.25), ..world.grid }, None);
         grid = coarse.unwrap_or(grid);
         let scene = Driver::new(&world, &grid, |_| ())?.scene;
-        Ok(Self { name: world.name, scene, objects, path, down })
+        Ok(Self { name: world.name, scene, objects, track: Track { path, down } })
     }
+}
 
+impl Track {
     /// The box around a bot whose eye is at a place.
     pub fn body(&self, eye: Vec3) -> Aabb {
         let [half, _, up] = BODY;

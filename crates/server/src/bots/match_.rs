@@ -115,13 +115,13 @@ impl<'a> Match<'a> {
     pub fn new(level: &'a Level, options: MatchOptions) -> Result<Self, ServerError> {
         let MatchOptions { bots, habits, seed, down, up, told: [speed, late], .. } = options;
         let mut server = VisibilityServer::new(level.scene.clone(), options.server)?;
-        let bots: Vec<Bot> = (0..bots as u64).map(|i| Bot::new(&level.path, habits, seed, i)).collect();
+        let bots: Vec<Bot> = (0..bots as u64).map(|i| Bot::new(&level.track.path, habits, seed, i)).collect();
         let seconds = (up + down) as f32 * options.server.tick;
         let (mut clients, mut entities) = (Vec::new(), Vec::new());
         for bot in &bots {
             let desc = ClientDesc::new(bot.eye, habits.speed * speed, seconds * late);
             clients.push(server.add_client(desc, 0.0)?);
-            let desc = EntityDesc::new(level.body(bot.eye), habits.speed * speed);
+            let desc = EntityDesc::new(level.track.body(bot.eye), habits.speed * speed);
             entities.push(server.add_entity(desc, 0.0)?);
         }
         let count = bots.len();
@@ -148,7 +148,7 @@ impl<'a> Match<'a> {
 
     fn moment(&self, moved: bool) -> Moment {
         let eyes: Vec<Vec3> = self.bots.iter().map(|bot| bot.eye).collect();
-        let bodies = eyes.iter().map(|&eye| self.level.body(eye)).collect();
+        let bodies = eyes.iter().map(|&eye| self.level.track.body(eye)).collect();
         Moment { eyes, bodies, jumped: self.bots.iter().map(|bot| moved && bot.jumped).collect() }
     }
 
@@ -156,7 +156,7 @@ impl<'a> Match<'a> {
     fn look_ahead(&mut self) {
         while self.moments.len() < self.options.down.max(1) + 1 {
             let seconds = f64::from(self.options.server.tick);
-            self.bots.iter_mut().for_each(|bot| bot.step(&self.level.path, seconds));
+            self.bots.iter_mut().for_each(|bot| bot.step(&self.level.track.path, seconds));
             let next = self.moment(true);
             self.moments.push_back(next);
         }

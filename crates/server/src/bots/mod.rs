@@ -5,5 +5,5 @@ mod level;
 mod match_;
 
 pub use bot::{Bot, Habits};
-pub use level::{Level, LevelError};
+pub use level::{Level, LevelError, Track};
 pub use match_::{Match, MatchOptions, Moment};

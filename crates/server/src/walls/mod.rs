@@ -163,6 +163,11 @@ impl Walls {
         self.walls.len()
     }
 
+    /// Whether one of them lies between two places.
+    pub(crate) fn part(&self, from: DVec3, to: DVec3) -> bool {
+        self.tree.along(from, to, |i| self.walls[i].meets(from, to))
+    }
+
     /// The part of a box that can be reached from a part of it.
     pub(crate) fn reached(&self, from: &Span, mut span: Span) -> Span {
         for _ in 0..ROUNDS {
