@@ -25,9 +25,11 @@ pub struct ServerOptions {
     /// Set it to false where players fly through walls, where boxes of entities stick out into
     /// another room, and for meshes that hide from their front only. Default: true.
     pub walls: bool,
-    /// The most queries of the level in a tick. Clients whose result does not hold any more wait
-    /// for their turn, the longest first, and are told of all that walls do not hide meanwhile: this
-    /// bounds the time of a tick, and tells nothing late. Default: 4.
+    /// The most queries of the level in a tick, for what walls do not decide: occluders that are
+    /// round or turned, several that hide together, doors. Clients whose result does not hold any
+    /// more wait for their turn, the longest first, and are told of more meanwhile: this bounds the
+    /// time of a tick, and tells nothing late. A query takes from half a millisecond to some tens of
+    /// them, and a client a megabyte or more. Default: 0, so that walls decide alone.
     pub most_queries: usize,
     /// How the level is looked at. Default: pixels of 0.5 degrees, and nothing is examined again.
     pub point: PointOptions,
@@ -56,7 +58,7 @@ impl ServerOptions {
             room: 0.5,
             most_age: 1.0,
             walls: true,
-            most_queries: 4,
+            most_queries: 0,
             point: PointOptions::fast().pixel_degrees(0.5),
             teams_share: false,
             sun: None,

@@ -48,6 +48,8 @@ pub(crate) struct ClientState {
     casters: Vec<ObjectId>,
     /// Whether those are all.
     knows_casters: bool,
+    /// The wall that hid each entity last, by slot.
+    hints: Vec<u32>,
     /// What it was told of in the tick before.
     before: Vec<EntityId>,
     pub(crate) answer: Answer,
@@ -71,6 +73,7 @@ impl ClientState {
             sun: options.sun.map(|_| Box::new(Query::new())),
             casters: Vec::new(),
             knows_casters: true,
+            hints: Vec::new(),
             before: Vec::new(),
             answer: Answer::new(id),
         })
@@ -115,6 +118,9 @@ impl ClientState {
         std::mem::swap(&mut self.before, &mut self.answer.told);
         let mut told = std::mem::take(&mut self.answer.told);
         told.clear();
+        let mut hints = std::mem::take(&mut self.hints);
+        let slots = moment.entities.last().map_or(0, |(id, _)| id.slot().index() + 1);
+        hints.resize(slots.max(hints.len()), 0);
         let look = Look {
             client: self,
             sight: holds.then(|| self.gaze.query().sight(level)).flatten(),
@@ -123,10 +129,12 @@ impl ClientState {
         };
         let places = moment.places.get(&steps(time)).into_iter().flatten();
         let all = moment.entities.iter().zip(places);
-        let all = all.filter(|((id, entity), place)| look.is_told(moment, *id, entity, place));
+        let all = all.filter(|((id, entity), place)| {
+            look.is_told(moment, *id, entity, place, &mut hints[id.slot().index()])
+        });
         told.extend(all.map(|((id, _), _)| *id));
         let is_fresh = std::mem::take(&mut self.jumped);
-        self.answer.told = told;
+        (self.answer.told, self.hints) = (told, hints);
         let answer = &mut self.answer;
         (answer.reach, answer.is_fresh, answer.is_stale, answer.looked) = (reach, is_fresh, is_stale, turn);
         Ok(())
@@ -180,23 +188,24 @@ impl Look<'_> {
         id: EntityId,
         entity: &Entity,
         place: &Aabb,
+        hint: &mut u32,
     ) -> bool {
         let ClientState { id: own, desc, casters, knows_casters, .. } = self.client;
         let of_team = desc.team.is_some() && desc.team == entity.side;
         entity.desc.owner == Some(*own)
             || of_team
-            || self.may_see(moment.walls, place)
+            || self.may_see(moment.walls, place, hint)
             || entity.caster.is_some_and(|caster| !knows_casters || casters.binary_search(&caster).is_ok())
             || moment.hook.tells((*own, desc), (id, entity))
     }
 
     /// Whether an eye may see a point of a box until the next answer counts; in doubt, yes.
-    fn may_see(&self, walls: &Walls, place: &Aabb) -> bool {
+    fn may_see(&self, walls: &Walls, place: &Aabb, hint: &mut u32) -> bool {
         let ClientDesc { eye, field, .. } = self.client.desc;
         let in_field = |f: FieldOfView| f.may_see(eye.as_dvec3(), self.eyes.reach, self.time, place);
         let span = Span { min: place.min.as_dvec3(), max: place.max.as_dvec3() };
         field.is_none_or(in_field)
-            && !walls.hide(&self.eyes, &span)
+            && !walls.hide(&self.eyes, &span, hint)
             && self.sight.as_ref().is_none_or(|sight| sight.may_see_box(place))
     }
 }

@@ -91,7 +91,12 @@ impl VisibilityServer {
             let grown = entity.grown(self.now, steps as f64 * STEP);
             entity.reached(walls, &grown)
         };
-        let places = |steps: u64| entities.iter().map(|(_, entity)| place(entity, steps)).collect();
+        #[cfg(feature = "rayon")]
+        let entities_in_turn = entities.par_iter();
+        #[cfg(not(feature = "rayon"))]
+        let entities_in_turn = entities.iter();
+        let places =
+            |steps: u64| entities_in_turn.clone().map(|(_, entity)| place(entity, steps)).collect();
         let moment = Moment {
             now: self.now,
             level: &self.level,

@@ -8,8 +8,9 @@ use casca::{Motion, ObjectId, Occluder, Scene, TriMesh};
 use super::rectangles::{Rectangle, greatest};
 use super::{Wall, Walls, along};
 
-/// Walls with less area hide too little to be asked, in square metres.
-const LEAST_AREA: f32 = 0.5;
+/// Narrower walls hide too little to be asked, in metres: a wall must be as wide as the room that
+/// the eye or the entity has.
+const LEAST_SIDE: f32 = 0.6;
 
 /// Rectangles by their planes: the axis, and the bits of the place on it.
 type Planes = BTreeMap<(usize, u32), Vec<Rectangle>>;
@@ -34,7 +35,7 @@ pub(crate) fn find(level: &Scene, leaves_out: impl Fn(ObjectId) -> bool) -> Wall
     let mut walls = Vec::new();
     for ((axis, at), rectangles) in planes {
         let at = f64::from(f32::from_bits(at));
-        let large = |r: &Rectangle| (r.1[0] - r.0[0]) * (r.1[1] - r.0[1]) >= LEAST_AREA;
+        let large = |r: &Rectangle| (0..2).all(|i| r.1[i] - r.0[i] >= LEAST_SIDE);
         let all = greatest(&rectangles).into_iter().filter(large);
         walls.extend(all.map(|(min, max)| Wall {
             axis,

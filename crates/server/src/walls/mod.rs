@@ -180,12 +180,20 @@ impl Walls {
         span
     }
 
-    /// Whether one of the walls hides all of a box from all eyes.
-    pub(crate) fn hide(&self, eyes: &Eyes, target: &Span) -> bool {
+    /// Whether one of the walls hides all of a box from all eyes. `hint` is the wall that did so last
+    /// time, which is tried first; it decides nothing.
+    pub(crate) fn hide(&self, eyes: &Eyes, target: &Span, hint: &mut u32) -> bool {
+        if self.walls.get(*hint as usize).is_some_and(|wall| wall.hides(eyes, target)) {
+            return true;
+        }
         let (from, to) = ((eyes.span.min + eyes.span.max) * 0.5, (target.min + target.max) * 0.5);
         self.tree.along(from, to, |i| {
             let wall = &self.walls[i];
-            wall.meets(from, to) && wall.hides(eyes, target)
+            let hides = wall.meets(from, to) && wall.hides(eyes, target);
+            if hides {
+                *hint = i as u32;
+            }
+            hides
         })
     }
 }
