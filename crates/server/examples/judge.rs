@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`, with options:
 //! `--times TICKS`, `--late TICKS` (casca alone), `--beside TICKS` (all ways), `--queries N`,
-//! `--room SHARE`, `--bots N`, `--csv FILE`.
+//! `--room SHARE`, `--bots N`, `--seed N`, `--csv FILE`.
 
 use std::collections::VecDeque;
 use std::fmt::Write as _;
@@ -30,6 +30,7 @@ struct Arguments {
     bots: usize,
     queries: usize,
     room: f32,
+    seed: u64,
     csv: Option<String>,
 }
 
@@ -43,6 +44,7 @@ fn arguments() -> Result<Arguments, Failure> {
         bots: 100,
         queries: server.most_queries,
         room: server.room,
+        seed: 1,
         csv: None,
     };
     let mut all = std::env::args().skip(1);
@@ -55,6 +57,7 @@ fn arguments() -> Result<Arguments, Failure> {
             "--bots" => found.bots = value()?.parse()?,
             "--queries" => found.queries = value()?.parse()?,
             "--room" => found.room = value()?.parse()?,
+            "--seed" => found.seed = value()?.parse()?,
             "--csv" => found.csv = Some(value()?),
             _ if word.starts_with("--") => return Err(format!("{word} is not known").into()),
             _ => found.levels.push(word),
@@ -66,7 +69,8 @@ fn arguments() -> Result<Arguments, Failure> {
 fn main() -> Result<(), Failure> {
     let arguments = arguments()?;
     let server = ServerOptions::new().most_queries(arguments.queries).room(arguments.room);
-    let options = MatchOptions { bots: arguments.bots, server, ..MatchOptions::default() };
+    let options =
+        MatchOptions { bots: arguments.bots, seed: arguments.seed, server, ..MatchOptions::default() };
     let mut csv = String::from("level,way,withheld,late,lead\n");
     for name in &arguments.levels {
         if name.ends_with(".glb") && !std::path::Path::new(name).exists() {

@@ -36,7 +36,8 @@ pub struct ServerOptions {
     /// Whether clients of a team are told of what any of them is told of. Default: false.
     pub teams_share: bool,
     /// The direction of the sun: entities are told, too, if their shadows may be seen. Costs a
-    /// query of the sun a client and tick. Default: none.
+    /// query of the sun a client and tick, and needs [`ServerOptions::most_queries`]: a client whose
+    /// turn has not come is told of all. Default: none.
     pub sun: Option<Vec3>,
     /// The most clients. Default: 1,000.
     pub most_clients: usize,

@@ -95,8 +95,7 @@ impl VisibilityServer {
         let entities_in_turn = entities.par_iter();
         #[cfg(not(feature = "rayon"))]
         let entities_in_turn = entities.iter();
-        let places =
-            |steps: u64| entities_in_turn.clone().map(|(_, entity)| place(entity, steps)).collect();
+        let places = |steps: u64| entities_in_turn.clone().map(|(_, entity)| place(entity, steps)).collect();
         let moment = Moment {
             now: self.now,
             level: &self.level,
