@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`, with options:
 //! `--times TICKS`, `--late TICKS` (casca alone), `--beside TICKS` (all ways), `--queries N`,
-//! `--room SHARE`, `--bots N`, `--seed N`, `--csv FILE`.
+//! `--room SHARE`, `--bots N`, `--seed N`, `--csv FILE`, `--chart FILE.svg`.
 
 use std::collections::VecDeque;
 use std::fmt::Write as _;
@@ -14,6 +14,7 @@ use casca_server::bots::{Level, Match, MatchOptions, Moment};
 use casca_server::casca::glam::Vec3;
 use casca_server::wire::{AnswerFrame, ToClient};
 use casca_server::{ServerOptions, VisibilityServer};
+use casca_stage::pictures::{Axis, Line, lines, other};
 use casca_truth::baselines::NineRays;
 use casca_truth::oracle::RayOracle;
 
@@ -31,6 +32,7 @@ struct Arguments {
     queries: usize,
     room: f32,
     seed: u64,
+    chart: Option<String>,
     csv: Option<String>,
 }
 
@@ -45,6 +47,7 @@ fn arguments() -> Result<Arguments, Failure> {
         queries: server.most_queries,
         room: server.room,
         seed: 1,
+        chart: None,
         csv: None,
     };
     let mut all = std::env::args().skip(1);
@@ -58,6 +61,7 @@ fn arguments() -> Result<Arguments, Failure> {
             "--queries" => found.queries = value()?.parse()?,
             "--room" => found.room = value()?.parse()?,
             "--seed" => found.seed = value()?.parse()?,
+            "--chart" => found.chart = Some(value()?),
             "--csv" => found.csv = Some(value()?),
             _ if word.starts_with("--") => return Err(format!("{word} is not known").into()),
             _ => found.levels.push(word),
@@ -92,9 +96,29 @@ fn main() -> Result<(), Failure> {
             late(&level, options, arguments.late)?;
         }
     }
-    if let Some(file) = arguments.csv {
+    if let Some(file) = &arguments.chart {
+        chart(file.as_ref(), &csv)?;
+    }
+    if let Some(file) = &arguments.csv {
         std::fs::write(file, csv)?;
     }
+    Ok(())
+}
+
+/// Draws what is withheld over what is late: a mark for each level and way.
+fn chart(file: &std::path::Path, csv: &str) -> Result<(), Failure> {
+    let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let mut series = Vec::new();
+    for (number, way) in WAYS.iter().enumerate() {
+        let of_way = rows.iter().filter(|row| row[1] == *way);
+        let point = |row: &Vec<&str>| {
+            Some((row[3].parse::<f64>().ok()? * 100.0, row[2].parse::<f64>().ok()? * 100.0))
+        };
+        series.push(Line::dots(*way, other(number), of_way.filter_map(point).collect()));
+    }
+    let (x, y) = (Axis::linear("told late, % of the visible"), Axis::linear("withheld, % of the hidden"));
+    let title = "Rays withhold more and tell late; casca-server tells nothing late";
+    lines(file, title, "a mark for each level: rooms, town, sponza-parts", (&x, &y), &series)?;
     Ok(())
 }
 

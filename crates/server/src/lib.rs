@@ -101,3 +101,7 @@ pub use id::{ClientId, EntityId};
 pub use numeric::{FARTHEST, FASTEST, LONGEST};
 pub use options::ServerOptions;
 pub use server::VisibilityServer;
+
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct Readme;

@@ -91,3 +91,34 @@ fn nothing_is_told_late_without_walls_or_without_queries() {
         assert!(verdict.withheld > 0, "{verdict:?}");
     }
 }
+
+#[test]
+fn bots_keep_to_their_speed_and_out_of_walls() {
+    let level = Level::rooms().unwrap();
+    let oracle = RayOracle::new(&level.objects);
+    let mut game = Match::new(&level, MatchOptions { bots: 40, ..MatchOptions::default() }).unwrap();
+    let (mut jumps, mut aside) = (0, 0.0f32);
+    for _ in 0..600 {
+        game.answer(|_, _| ()).unwrap();
+        let [begin, end] = game.now();
+        for i in 0..40 {
+            let (from, to) = (begin.eyes[i], end.eyes[i]);
+            if end.jumped[i] {
+                jumps += 1;
+                continue;
+            }
+            assert!(from.distance(to) <= 5.0 / 30.0);
+            // Corners of bodies go through nothing either.
+            let offset = begin.bodies[i].min - from;
+            for corner in [offset, offset.with_y(0.0), -offset.with_y(0.0)] {
+                let [a, b] = [from + corner, to + corner].map(|p| p.as_dvec3());
+                assert!(!oracle.occluded(a, b, usize::MAX), "{a} {b}");
+                assert!(!oracle.occluded(from.as_dvec3(), a, usize::MAX), "{from} {a}");
+            }
+            let near = level.track.path.iter().map(|p| p.distance(from)).fold(f32::INFINITY, f32::min);
+            aside = aside.max(near);
+        }
+        game.advance();
+    }
+    assert!(jumps > 10 && (0.1..0.6).contains(&aside), "{jumps} {aside}");
+}
