@@ -14,7 +14,8 @@ use casca_server::bots::{Level, Match, MatchOptions, Moment};
 use casca_server::casca::glam::Vec3;
 use casca_server::wire::{AnswerFrame, ToClient};
 use casca_server::{ServerOptions, VisibilityServer};
-use casca_stage::pictures::{Axis, Line, lines, other};
+use casca_stage::pictures::palette::other;
+use casca_stage::pictures::{Axis, Line, lines};
 use casca_truth::baselines::NineRays;
 use casca_truth::oracle::RayOracle;
 
@@ -319,9 +320,9 @@ fn beside(level: &Level, options: MatchOptions, ticks: u64, csv: &mut String) ->
         let mut seen = vec![vec![false; n]; told.len()];
         for moment in moments(game.now()) {
             truth.set(&moment);
-            for i in 0..told.len() {
-                let unseen: Vec<usize> = (0..n).filter(|&j| j != i && !seen[i][j]).collect();
-                truth.look(moment.eyes[i], &unseen, tick, &mut seen[i]);
+            for (i, seen) in seen.iter_mut().enumerate() {
+                let unseen: Vec<usize> = (0..n).filter(|&j| j != i && !seen[j]).collect();
+                truth.look(moment.eyes[i], &unseen, tick, seen);
             }
         }
         if told.is_empty() {

@@ -30,8 +30,8 @@ impl FieldOfView {
         within("the speed of turning, in radians a second,", self.turn_speed, 0.0, FASTEST)
     }
 
-    /// Whether a camera may see a point of a box after it moved by `reach` and turned for `time`; in
-    /// doubt, yes.
+    /// Whether a camera may see a point of a box after it moved by `reach` and turned for `time`;
+    /// in doubt, yes.
     pub(crate) fn may_see(&self, eye: DVec3, reach: f64, time: f64, b: &Aabb) -> bool {
         let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
         let way = (min + max) * 0.5 - eye;

@@ -39,8 +39,8 @@ impl Gaze {
         Ok(Self { query, ball: None })
     }
 
-    /// Whether the last result holds for all eyes within `reach` of a place, brought up to date with
-    /// the level. `room` is how much farther it may reach.
+    /// Whether the last result holds for all eyes within `reach` of a place, brought up to date
+    /// with the level. `room` is how much farther it may reach.
     pub(crate) fn holds(&self, eye: Vec3, reach: f64, room: f64) -> bool {
         let wide = (reach + room) * LOOSE;
         self.ball.is_some_and(|ball| ball.holds(eye, reach) && f64::from(ball.radius) <= wide)
@@ -54,8 +54,8 @@ impl Gaze {
         }
     }
 
-    /// Looks at the level for all eyes within `reach` of a place, and `room` farther. `step` is where
-    /// the eye goes.
+    /// Looks at the level for all eyes within `reach` of a place, and `room` farther. `step` is
+    /// where the eye goes.
     pub(crate) fn look(
         &mut self,
         level: &Scene,

@@ -50,8 +50,8 @@
 //! # How it is found
 //!
 //! Each client has a [`casca::KeptQuery`] of the level, for all eyes near it. That is asked about
-//! each entity's box, at some hundred nanoseconds each whatever the size of the level, until the eye
-//! used up the room around it. Changes of the level are followed.
+//! each entity's box, at some hundred nanoseconds each whatever the size of the level, until the
+//! eye used up the room around it. Changes of the level are followed.
 //!
 //! # Limits
 //!

@@ -21,23 +21,23 @@ pub struct ServerOptions {
     /// Default: 1.
     pub most_age: f32,
     /// Whether eyes and entities keep out of the static occluders of the level, and never pass
-    /// through them. Then walls, rectangles across an axis, hide and stop them: far more is withheld.
-    /// Set it to false where players fly through walls, where boxes of entities stick out into
-    /// another room, and for meshes that hide from their front only. Default: true.
+    /// through them. Then walls, rectangles across an axis, hide and stop them: far more is
+    /// withheld. Set it to false where players fly through walls, where boxes of entities stick out
+    /// into another room, and for meshes that hide from their front only. Default: true.
     pub walls: bool,
     /// The most queries of the level in a tick, for what walls do not decide: occluders that are
     /// round or turned, several that hide together, doors. Clients whose result does not hold any
     /// more wait for their turn, the longest first, and are told of more meanwhile: this bounds the
-    /// time of a tick, and tells nothing late. A query takes from half a millisecond to some tens of
-    /// them, and a client a megabyte or more. Default: 0, so that walls decide alone.
+    /// time of a tick, and tells nothing late. A query takes from half a millisecond to some tens
+    /// of them, and a client a megabyte or more. Default: 0, so that walls decide alone.
     pub most_queries: usize,
     /// How the level is looked at. Default: pixels of 0.5 degrees, and nothing is examined again.
     pub point: PointOptions,
     /// Whether clients of a team are told of what any of them is told of. Default: false.
     pub teams_share: bool,
     /// The direction of the sun: entities are told, too, if their shadows may be seen. Costs a
-    /// query of the sun a client and tick, and needs [`ServerOptions::most_queries`]: a client whose
-    /// turn has not come is told of all. Default: none.
+    /// query of the sun a client and tick, and needs [`ServerOptions::most_queries`]: a client
+    /// whose turn has not come is told of all. Default: none.
     pub sun: Option<Vec3>,
     /// The most clients. Default: 1,000.
     pub most_clients: usize,

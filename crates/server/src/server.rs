@@ -52,9 +52,9 @@ impl VisibilityServer {
         &self.level
     }
 
-    /// The level, to be changed: what comes, goes or moves counts from the next tick on, which costs
-    /// a pass over all of it. Leave objects alone that you did not insert. Entities with occluders
-    /// cost less.
+    /// The level, to be changed: what comes, goes or moves counts from the next tick on, which
+    /// costs a pass over all of it. Leave objects alone that you did not insert. Entities with
+    /// occluders cost less.
     pub fn level_mut(&mut self) -> &mut Scene {
         self.walls = None;
         &mut self.level
@@ -124,8 +124,8 @@ impl VisibilityServer {
         state.map(AsMut::as_mut).ok_or(ServerError::UnknownClient(id))
     }
 
-    /// Takes a client's report that its eye is at a place; the report came at the time `now`. An eye
-    /// that is farther off than its speed explains has jumped: the next answer is fresh.
+    /// Takes a client's report that its eye is at a place; the report came at the time `now`. An
+    /// eye that is farther off than its speed explains has jumped: the next answer is fresh.
     ///
     /// # Errors
     /// Refuses an id that names no client of this server, a place that is too far or not finite,

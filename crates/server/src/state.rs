@@ -86,7 +86,8 @@ impl ClientState {
         (f64::from(self.desc.latency) + f64::from(options.tick) + age.min(most), age > most)
     }
 
-    /// How far the eye may be from where it was reported, and how much farther a new result reaches.
+    /// How far the eye may be from where it was reported, and how much farther a new result
+    /// reaches.
     fn reach(&self, now: f64, options: &ServerOptions) -> (f64, f64) {
         let reach = f64::from(self.desc.speed) * self.time_ahead(now, options).0 * (1.0 + ROUNDING);
         (reach, reach * f64::from(options.room))

@@ -14,15 +14,16 @@ use crate::id::{ClientId, EntityId};
 use crate::numeric::STEP;
 use crate::server::VisibilityServer;
 use crate::state::{ClientState, Moment, steps};
-use crate::walls::{Walls, find};
+use crate::walls::Walls;
 
 impl VisibilityServer {
-    /// Answers all clients for the time `now`, in the order of their slots. `hook` adds entities that
-    /// a client cannot see; give `&()` to add none.
+    /// Answers all clients for the time `now`, in the order of their slots. `hook` adds entities
+    /// that a client cannot see; give `&()` to add none.
     ///
-    /// Costs a test of some hundred nanoseconds for each pair of a client and an entity, and a query
-    /// of the level for each client whose eye used up its room. With the feature `rayon` clients are
-    /// shared among the threads of rayon's current pool; answers do not depend on their number.
+    /// Costs a test of some hundred nanoseconds for each pair of a client and an entity, and a
+    /// query of the level for each client whose eye used up its room. With the feature `rayon`
+    /// clients are shared among the threads of rayon's current pool; answers do not depend on their
+    /// number.
     ///
     /// # Errors
     /// Refuses a time that is not finite, or before that of the last tick. No answer changes then.
@@ -61,7 +62,7 @@ impl VisibilityServer {
             return;
         }
         let own: BTreeSet<_> = self.entities.iter().filter_map(|(_, entity)| entity.object).collect();
-        let walls = self.options.walls.then(|| find(&self.level, |id| own.contains(&id)));
+        let walls = self.options.walls.then(|| Walls::of(&self.level, |id| own.contains(&id)));
         self.walls = Some(walls.unwrap_or_default());
     }
 

@@ -238,7 +238,8 @@ fn put_list<T>(out: &mut Vec<u8>, list: &[T], item: impl Fn(&mut Vec<u8>, &T)) {
 }
 
 impl ToClient {
-    /// The bytes of the frame. Lists must have at most [`MOST_LISTED`] entries: the rest is cut off.
+    /// The bytes of the frame. Lists must have at most [`MOST_LISTED`] entries: the rest is cut
+    /// off.
     pub fn encode(&self) -> Vec<u8> {
         match self {
             Self::Welcome { client, entity, tick, speed, eye } => {

@@ -166,6 +166,27 @@ fn doors_hide_until_they_open_if_the_level_is_queried() {
 }
 
 #[test]
+fn clients_take_turns_to_look_at_the_level() {
+    let mut server = server(ServerOptions::new().most_queries(1));
+    // Eyes that move use up their room in each tick.
+    let place = |i: usize, tick: usize| eye(8.0 + 4.0 * i as f32 + 2.0 * (tick % 2) as f32);
+    let clients: Vec<ClientId> =
+        (0..4).map(|i| server.add_client(ClientDesc::new(place(i, 0), 5.0, 0.1), 0.0).unwrap()).collect();
+    let mut turns = [0; 4];
+    for tick in 0..20 {
+        let now = tick as f64 * 0.5;
+        for (i, client) in clients.iter().enumerate() {
+            server.move_eye(*client, place(i, tick), now).unwrap();
+        }
+        let answers = server.tick(now, &()).unwrap();
+        let looked: Vec<bool> = answers.iter().map(|answer| answer.looked).collect();
+        assert_eq!(looked.iter().filter(|looked| **looked).count(), 1, "{tick}");
+        turns.iter_mut().zip(looked).for_each(|(turns, looked)| *turns += u32::from(looked));
+    }
+    assert_eq!(turns, [5; 4]);
+}
+
+#[test]
 fn changes_of_the_level_count_from_the_next_tick_on() {
     for queries in [0, 8] {
         let mut server = server(ServerOptions::new().most_queries(queries));

@@ -172,8 +172,8 @@ impl<'a> Match<'a> {
         [&self.moments[0], &self.moments[1]]
     }
 
-    /// Which bots each client was told of by the answer that counts from this tick to the next; empty
-    /// as long as none arrived.
+    /// Which bots each client was told of by the answer that counts from this tick to the next;
+    /// empty as long as none arrived.
     pub fn told(&self) -> &[Vec<bool>] {
         match self.told.front() {
             Some(told) if self.told.len() > self.options.down => told,

@@ -13,9 +13,9 @@ use crate::client::ClientDesc;
 use crate::entity::EntityDesc;
 use crate::error::ServerError;
 use crate::id::{ClientId, EntityId};
-use crate::net::FrontOptions;
 use crate::net::map::Map;
 use crate::net::metrics::Metrics;
+use crate::net::options::FrontOptions;
 use crate::server::VisibilityServer;
 use crate::wire::{AnswerFrame, MOST_LISTED, ToClient};
 

@@ -6,7 +6,7 @@ use casca::glam::{Affine3A, Vec3};
 use casca::{Motion, ObjectId, Occluder, Scene, TriMesh};
 
 use super::rectangles::{Rectangle, greatest};
-use super::{Wall, Walls, along};
+use super::wall::{Wall, along};
 
 /// Narrower walls hide too little to be asked, in metres: a wall must be as wide as the room that
 /// the eye or the entity has.
@@ -17,7 +17,7 @@ type Planes = BTreeMap<(usize, u32), Vec<Rectangle>>;
 
 /// The walls of a level, but for the objects that `leaves_out` tells. Costs some passes over all
 /// triangles.
-pub(crate) fn find(level: &Scene, leaves_out: impl Fn(ObjectId) -> bool) -> Walls {
+pub(super) fn find(level: &Scene, leaves_out: impl Fn(ObjectId) -> bool) -> Vec<Wall> {
     let mut planes = Planes::new();
     for (id, object) in level.iter() {
         if object.motion() != Motion::Static || object.layers() != u64::MAX || leaves_out(id) {
@@ -44,7 +44,7 @@ pub(crate) fn find(level: &Scene, leaves_out: impl Fn(ObjectId) -> bool) -> Wall
             max: max.map(f64::from),
         }));
     }
-    Walls::new(walls)
+    walls
 }
 
 fn add(planes: &mut Planes, axis: usize, min: Vec3, max: Vec3) {

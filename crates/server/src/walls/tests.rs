@@ -88,7 +88,7 @@ fn boxes_and_quads_are_walls_and_other_triangles_are_not() {
         level.insert(ObjectDesc::fixed(solid).occluder(solid)).unwrap();
     }
     let found = find(&level, |_| false);
-    let across = found.walls.iter().filter(|w| w.axis == 0).collect::<Vec<_>>();
+    let across = found.iter().filter(|w| w.axis == 0).collect::<Vec<_>>();
     assert_eq!(across.len(), 2, "one a side: {across:?}");
     assert!(across.iter().all(|w| w.min == [0.0, 0.0] && w.max == [3.0, 6.0]));
     assert_eq!(find(&level, |_| true).len(), 0);

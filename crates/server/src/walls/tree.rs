@@ -2,7 +2,7 @@
 
 use casca::glam::DVec3;
 
-use super::{Span, Wall};
+use super::wall::{Span, Wall};
 
 /// Walls in a leaf, at most.
 const LEAF: usize = 4;
