@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`, with options:
 //! `--times TICKS`, `--late TICKS` (casca alone), `--beside TICKS` (all ways), `--queries N`,
-//! `--room SHARE`, `--bots N`, `--seed N`, `--csv FILE`, `--chart FILE.svg`.
+//! `--room SHARE`, `--bots N`, `--seed N`, `--no-walls`, `--csv FILE`, `--chart FILE.svg`.
 
 use std::collections::VecDeque;
 use std::fmt::Write as _;
@@ -32,6 +32,7 @@ struct Arguments {
     bots: usize,
     queries: usize,
     room: f32,
+    walls: bool,
     seed: u64,
     chart: Option<String>,
     csv: Option<String>,
@@ -47,6 +48,7 @@ fn arguments() -> Result<Arguments, Failure> {
         bots: 100,
         queries: server.most_queries,
         room: server.room,
+        walls: true,
         seed: 1,
         chart: None,
         csv: None,
@@ -62,6 +64,7 @@ fn arguments() -> Result<Arguments, Failure> {
             "--queries" => found.queries = value()?.parse()?,
             "--room" => found.room = value()?.parse()?,
             "--seed" => found.seed = value()?.parse()?,
+            "--no-walls" => found.walls = false,
             "--chart" => found.chart = Some(value()?),
             "--csv" => found.csv = Some(value()?),
             _ if word.starts_with("--") => return Err(format!("{word} is not known").into()),
@@ -73,7 +76,8 @@ fn arguments() -> Result<Arguments, Failure> {
 
 fn main() -> Result<(), Failure> {
     let arguments = arguments()?;
-    let server = ServerOptions::new().most_queries(arguments.queries).room(arguments.room);
+    let server =
+        ServerOptions::new().most_queries(arguments.queries).room(arguments.room).walls(arguments.walls);
     let options =
         MatchOptions { bots: arguments.bots, seed: arguments.seed, server, ..MatchOptions::default() };
     let mut csv = String::from("level,way,withheld,late,lead\n");

@@ -80,6 +80,9 @@ pub enum Refusal {
     /// The server stops.
     #[error("the server stops")]
     Stop,
+    /// The other side is gone: nobody is told.
+    #[error("the client is gone")]
+    Gone,
 }
 
 impl Refusal {
@@ -94,6 +97,7 @@ impl Refusal {
             Self::Slow => 6,
             Self::Full => 7,
             Self::Stop => 8,
+            Self::Gone => 9,
         }
     }
 }

@@ -92,7 +92,7 @@ async fn serve(stream: TcpStream, door: &Door) -> Result<(), Refusal> {
         let _ = door.commands.send(Command::Leave(client)).await;
     }
     if let Err(refusal) = result
-        && refusal != Refusal::Slow
+        && !matches!(refusal, Refusal::Slow | Refusal::Gone)
     {
         let bye = ToClient::Bye(refusal.code()).encode();
         let farewell = async {
@@ -188,7 +188,7 @@ async fn write(
 ) -> Result<(), Refusal> {
     match timeout(WRITE, sink.send(Message::binary(frame))).await {
         Ok(Ok(())) => Ok(()),
-        // A peer that is gone reads nothing any more.
-        Ok(Err(_)) | Err(_) => Err(Refusal::Slow),
+        Ok(Err(_)) => Err(Refusal::Gone),
+        Err(_) => Err(Refusal::Slow),
     }
 }

@@ -28,7 +28,7 @@ pub(crate) struct Metrics {
 const SECONDS: [f64; 9] = [0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.033, 0.1, 1.0];
 
 /// Why connections are ended, by [`Refusal::code`](crate::session::Refusal::code) less 1.
-const REASONS: [&str; 8] = ["frame", "token", "order", "flood", "idle", "slow", "full", "stop"];
+const REASONS: [&str; 9] = ["frame", "token", "order", "flood", "idle", "slow", "full", "stop", "gone"];
 
 impl Metrics {
     /// Counts a connection that was ended.

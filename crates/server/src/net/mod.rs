@@ -60,7 +60,8 @@ impl Front {
     /// Starts to listen and to play.
     ///
     /// # Errors
-    /// Refuses addresses that cannot be listened at, and levels and options that the server refuses.
+    /// Refuses addresses that cannot be listened at, and levels and options that the server
+    /// refuses.
     pub async fn start(level: Level, options: FrontOptions) -> Result<Self, FrontError> {
         let metrics = Arc::new(Metrics::new());
         let listener = TcpListener::bind(options.clients).await?;
