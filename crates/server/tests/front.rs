@@ -119,6 +119,19 @@ async fn a_client_is_told_of_itself_and_of_changes() {
     assert_eq!(metric(&front, "casca_refused_moves_total"), 0.0);
     send(&mut socket, &ToServer::Eye { sequence: 99, eye: eye + Vec3::X * 1000.0 }).await;
     until("the refusal", || metric(&front, "casca_refused_moves_total") >= 1.0).await;
+    // It runs across the rooms until a wall stops it.
+    let mut at = eye;
+    for sequence in 100..220 {
+        at += Vec3::new(0.1, 0.0, 0.1);
+        send(&mut socket, &ToServer::Eye { sequence, eye: at }).await;
+        let told = answer(&mut socket).await;
+        let own_place = told.moved.iter().find(|(key, _)| *key == own).unwrap().1;
+        assert!((own_place.x - at.x).abs() < 12.0);
+        if metric(&front, "casca_refused_moves_total") >= 4.0 {
+            break;
+        }
+    }
+    assert!(metric(&front, "casca_refused_moves_total") >= 4.0 && at.distance(eye) > 0.5);
     front.stop().await;
     assert_eq!(farewell(&mut socket).await, Some(8));
 }

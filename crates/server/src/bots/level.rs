@@ -128,6 +128,11 @@ impl Level {
 }
 
 impl Track {
+    /// The sides of the body around an eye, at the height of the eye.
+    pub fn sides(&self, eye: Vec3) -> [Vec3; 4] {
+        [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| eye + side * BODY[0])
+    }
+
     /// The box around a bot whose eye is at a place.
     pub fn body(&self, eye: Vec3) -> Aabb {
         let [half, _, up] = BODY;

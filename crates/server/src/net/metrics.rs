@@ -65,7 +65,7 @@ impl Metrics {
             entities: gauge("entities", "Entities."),
             told: gauge("told", "Entities that clients are told of, over all clients."),
             ticks: counter("ticks", "Ticks."),
-            late_ticks: counter("late_ticks", "Ticks that began late by more than a tick."),
+            late_ticks: counter("late_ticks", "Ticks that began later than answers allow for."),
             queries: counter("queries", "Queries of the level."),
             tick_seconds,
             frames: counter("frames", "Frames from clients."),
