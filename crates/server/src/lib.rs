@@ -56,6 +56,7 @@
 //! # Limits
 //!
 //! - Eyes go through walls within their reach: who stands at a thin wall is told what is behind it.
+//! - Who reports nothing is told of more, as if the eye went on for [`ServerOptions::most_age`].
 //! - Entities hide nothing unless they have an occluder, and then must not have a speed: doors.
 //! - Boxes of entities must hold all that can be seen of them, weapons and effects included.
 //!
