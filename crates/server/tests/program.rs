@@ -50,8 +50,6 @@ fn signals_stop_it() {
         let mut lines = BufReader::new(server.stdout.take().unwrap()).lines();
         // The second line says that it listens.
         assert!(lines.by_ref().nth(1).unwrap().unwrap().contains("clients: ws://"));
-        // The handler of signals is set up right after.
-        std::thread::sleep(std::time::Duration::from_millis(300));
         let sent = Command::new("kill").args([signal, &server.id().to_string()]).status().unwrap();
         assert!(sent.success());
         assert_eq!(server.wait().unwrap().code(), Some(0), "{signal}");

@@ -73,9 +73,13 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     options.server.most_clients = arguments.bots + arguments.connections;
     let runtime = tokio::runtime::Runtime::new()?;
     runtime.block_on(async {
+        let asked = asked_to_end()?;
         let front = Front::start(level, options).await?;
         println!("clients: ws://{}  map: http://{}/", front.clients(), front.http());
-        wait(arguments.seconds.map(Duration::from_secs)).await?;
+        tokio::select! {
+            () = asked => {}
+            () = passed(arguments.seconds) => {}
+        }
         front.stop().await;
         Ok(())
     })
@@ -111,25 +115,32 @@ fn token(arguments: &Arguments) -> Result<Token, Failure> {
     Token::new(text).ok_or_else(|| "the token must have 1 to 64 bytes".into())
 }
 
-/// Waits for a signal, or for some time.
-async fn wait(longest: Option<Duration>) -> Result<(), Failure> {
-    let time = async {
-        match longest {
-            Some(longest) => tokio::time::sleep(longest).await,
-            None => std::future::pending().await,
+/// Ends when the process is asked to end. It listens from the call on.
+#[cfg(unix)]
+fn asked_to_end() -> Result<impl Future<Output = ()>, Failure> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
         }
-    };
-    #[cfg(unix)]
-    let ended = async {
-        let mut signal = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
-        signal.recv().await;
-        Ok::<_, std::io::Error>(())
-    };
-    #[cfg(not(unix))]
-    let ended = std::future::pending::<Result<(), std::io::Error>>();
-    tokio::select! {
-        () = time => Ok(()),
-        interrupted = tokio::signal::ctrl_c() => Ok(interrupted?),
-        ended = ended => Ok(ended?),
+    })
+}
+
+/// Ends when the process is asked to end.
+#[cfg(not(unix))]
+fn asked_to_end() -> Result<impl Future<Output = ()>, Failure> {
+    Ok(async {
+        let _ = tokio::signal::ctrl_c().await;
+    })
+}
+
+/// Ends after some time, if there is one.
+async fn passed(longest: Option<u64>) {
+    match longest {
+        Some(seconds) => tokio::time::sleep(Duration::from_secs(seconds)).await,
+        None => std::future::pending().await,
     }
 }
