@@ -22,8 +22,8 @@ use crate::wire::{AnswerFrame, MOST_LISTED, ToClient};
 /// The latency of bots, in seconds.
 const BOT_LATENCY: f32 = 0.1;
 
-/// The server expects ticks to be so many times as far apart as they are meant to be, so that answers
-/// hold also if a tick begins a little late.
+/// The server expects ticks to be so many times as far apart as they are meant to be: answers hold
+/// also if a tick begins a little late.
 const TICK_ROOM: f32 = 1.25;
 
 /// The map gets a new moment every so many seconds.
