@@ -14,7 +14,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 13] = [
+const ROOTS: [&str; 14] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -28,6 +28,7 @@ const ROOTS: [&str; 13] = [
     "crates/lab/src",
     "crates/lab/src/bin/casca-lab",
     "crates/bevy_casca/src",
+    "crates/server/src",
 ];
 
 /// More sources whose files are checked for their length.
@@ -37,7 +38,7 @@ const MORE: [&str; 3] = ["crates/baked/src", "crates/cache/src", "crates/slots/s
 const LONGEST: usize = 450;
 
 /// The sources whose comments and functions are checked for their size: all files below them.
-const TIDY: [&str; 15] = [
+const TIDY: [&str; 16] = [
     "src",
     "crates/plane/src",
     "crates/baked/src",
@@ -53,6 +54,7 @@ const TIDY: [&str; 15] = [
     "crates/lab/src",
     "crates/viewer/src",
     "crates/bevy_casca/src",
+    "crates/server/src",
 ];
 
 /// The most columns of a line that is a comment. Tables and code in comments may be wider.

@@ -1,0 +1,146 @@
+//! A server that tells each client of what it could see, and of nothing else.
+
+use std::net::SocketAddr;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use casca_server::bots::Level;
+use casca_server::net::{Front, FrontOptions};
+use casca_server::session::Token;
+use casca_server::{ServerOptions, VisibilityServer};
+use clap::Parser;
+
+/// Tells each client of a game of the entities that it could see, and of no others.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+struct Arguments {
+    /// The level: `rooms`, another generated scene, or a .glb or .gltf file with a moving camera.
+    #[arg(long, default_value = "rooms")]
+    level: String,
+    /// Looks at a level, says what it is made of, and ends: with 1 if it cannot be used.
+    #[arg(long, value_name = "LEVEL")]
+    check: Option<String>,
+    /// Where clients connect.
+    #[arg(long, default_value = "127.0.0.1:4600")]
+    listen: SocketAddr,
+    /// Where metrics and the map are. They show all that is secret.
+    #[arg(long, default_value = "127.0.0.1:4601")]
+    http: SocketAddr,
+    /// A file that holds the token of clients. Without one, a new token is made and printed.
+    #[arg(long, value_name = "FILE")]
+    token: Option<std::path::PathBuf>,
+    /// Bots that play.
+    #[arg(long, default_value_t = 0)]
+    bots: usize,
+    /// Ticks a second, from 1 to 240.
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..=240))]
+    ticks: u16,
+    /// The most connections of clients.
+    #[arg(long, default_value_t = 1000)]
+    connections: usize,
+    /// Ends after so many seconds.
+    #[arg(long, value_name = "SECONDS")]
+    seconds: Option<u64>,
+    /// Says more.
+    #[arg(long)]
+    verbose: bool,
+}
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let most = if arguments.verbose { tracing::Level::DEBUG } else { tracing::Level::INFO };
+    tracing_subscriber::fmt().with_max_level(most).with_writer(std::io::stderr).init();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("casca-server: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(level) = &arguments.check {
+        return check(level);
+    }
+    let level = Level::open(&arguments.level)?;
+    let mut options = FrontOptions::new(token(arguments)?);
+    (options.clients, options.http) = (arguments.listen, arguments.http);
+    (options.bots, options.connections) = (arguments.bots, arguments.connections);
+    options.server = ServerOptions::new().tick(1.0 / f32::from(arguments.ticks));
+    options.server.most_clients = arguments.bots + arguments.connections;
+    let runtime = tokio::runtime::Runtime::new()?;
+    runtime.block_on(async {
+        let asked = asked_to_end()?;
+        let front = Front::start(level, options).await?;
+        println!("clients: ws://{}  map: http://{}/", front.clients(), front.http());
+        tokio::select! {
+            () = asked => {}
+            () = passed(arguments.seconds) => {}
+        }
+        front.stop().await;
+        Ok(())
+    })
+}
+
+/// Says what a level is made of, and lets a client look at it.
+fn check(name: &str) -> Result<(), Failure> {
+    let level = Level::open(name)?;
+    let occluders = level.scene.len();
+    let mut server = VisibilityServer::new(level.scene, ServerOptions::new())?;
+    server.add_client(casca_server::ClientDesc::new(level.track.path[0], 5.0, 0.1), 0.0)?;
+    server.tick(0.0, &())?;
+    let meters: f32 = level.track.path.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    println!(
+        "{}: {} objects, {occluders} occluders, {} walls",
+        level.name,
+        level.objects.len(),
+        server.wall_count()
+    );
+    println!("a path of {meters:.0} m");
+    Ok(())
+}
+
+fn token(arguments: &Arguments) -> Result<Token, Failure> {
+    if let Some(file) = &arguments.token {
+        let text = std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
+        return Token::new(text.trim()).ok_or_else(|| "the token must have 1 to 64 bytes".into());
+    }
+    let mut bytes = [0u8; 16];
+    getrandom::fill(&mut bytes).map_err(|error| format!("no random numbers: {error}"))?;
+    let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    println!("token: {text}");
+    Token::new(text).ok_or_else(|| "the token must have 1 to 64 bytes".into())
+}
+
+/// Ends when the process is asked to end. It listens from the call on.
+#[cfg(unix)]
+fn asked_to_end() -> Result<impl Future<Output = ()>, Failure> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+    })
+}
+
+/// Ends when the process is asked to end.
+#[cfg(not(unix))]
+fn asked_to_end() -> Result<impl Future<Output = ()>, Failure> {
+    Ok(async {
+        let _ = tokio::signal::ctrl_c().await;
+    })
+}
+
+/// Ends after some time, if there is one.
+async fn passed(longest: Option<u64>) {
+    match longest {
+        Some(seconds) => tokio::time::sleep(Duration::from_secs(seconds)).await,
+        None => std::future::pending().await,
+    }
+}

@@ -1,0 +1,118 @@
+//! A bot: how it moves.
+
+use casca::glam::Vec3;
+use casca_scenes::random::{Generator, generator, spread};
+use rand::RngExt;
+
+/// How far bots step aside from their path, in metres.
+const ASIDE: f32 = 0.2;
+
+/// How a bot moves. The rates are times a second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Habits {
+    /// Its greatest speed, in metres a second.
+    pub speed: f32,
+    /// How often it turns back to where it came from, as one who peeks around a corner.
+    pub turns: f64,
+    /// How often it stops for a while.
+    pub stops: f64,
+    /// How often it begins to strafe, from side to side.
+    pub strafes: f64,
+    /// How often it jumps to another place.
+    pub jumps: f64,
+}
+
+impl Default for Habits {
+    /// Runs at 5 m/s, peeks and strafes, and jumps every 20 seconds.
+    fn default() -> Self {
+        Self { speed: 5.0, turns: 0.8, stops: 0.1, strafes: 0.3, jumps: 0.05 }
+    }
+}
+
+/// A bot that runs along a path.
+#[derive(Debug, Clone)]
+pub struct Bot {
+    habits: Habits,
+    random: Generator,
+    /// How far along the path it is, in places of it.
+    along: f32,
+    way: f32,
+    rest: f64,
+    strafe: f64,
+    /// Where its eye is.
+    pub eye: Vec3,
+    /// Whether it jumped in the last step.
+    pub jumped: bool,
+}
+
+impl Bot {
+    /// A bot somewhere on a path, by its number.
+    pub fn new(path: &[Vec3], habits: Habits, seed: u64, number: u64) -> Self {
+        let mut random = generator(seed ^ spread(number + 1), 0xb07);
+        let along = random.random_range(0.0..1.0) * (path.len() - 1) as f32;
+        let way = if random.random_bool(0.5) { 1.0 } else { -1.0 };
+        let mut bot =
+            Self { habits, random, along, way, rest: 0.0, strafe: 0.0, eye: Vec3::ZERO, jumped: true };
+        bot.eye = bot.target(path);
+        bot
+    }
+
+    /// Where it wants to be.
+    fn target(&self, path: &[Vec3]) -> Vec3 {
+        let last = path.len() - 1;
+        let i = (self.along as usize).min(last.saturating_sub(1));
+        let (a, b) = (path[i], path[(i + 1).min(last)]);
+        let ahead = (b - a).normalize_or_zero();
+        let aside = Vec3::new(-ahead.z, 0.0, ahead.x) * (ASIDE * (self.strafe * 9.0).sin() as f32);
+        a.lerp(b, (self.along - i as f32).clamp(0.0, 1.0)) + aside
+    }
+
+    /// Moves for some seconds.
+    pub fn step(&mut self, path: &[Vec3], seconds: f64) {
+        let Habits { speed, turns, stops, strafes, jumps } = self.habits;
+        let happens =
+            |random: &mut Generator, rate: f64| random.random_bool((rate * seconds).clamp(0.0, 1.0));
+        self.jumped = happens(&mut self.random, jumps);
+        if self.jumped {
+            self.along = self.random.random_range(0.0..1.0) * (path.len() - 1) as f32;
+            (self.strafe, self.rest) = (0.0, 0.0);
+            self.eye = self.target(path);
+            return;
+        }
+        if happens(&mut self.random, turns) {
+            self.way = -self.way;
+        }
+        if happens(&mut self.random, stops) {
+            self.rest = self.random.random_range(0.2..2.0);
+        }
+        if happens(&mut self.random, strafes) {
+            self.strafe = self.random.random_range(0.5..2.0);
+        }
+        self.rest -= seconds;
+        self.strafe = (self.strafe - seconds).max(0.0);
+        let step = speed * seconds as f32 * 0.999;
+        if self.rest <= 0.0 {
+            self.advance(path, step);
+        }
+        self.eye += (self.target(path) - self.eye).clamp_length_max(step);
+    }
+
+    /// Goes on along the path, and turns around at its ends.
+    fn advance(&mut self, path: &[Vec3], step: f32) {
+        let last = (path.len() - 1) as f32;
+        // It never runs far ahead of its eye, which would cut corners.
+        let mut left = if self.target(path).distance(self.eye) < step { step } else { 0.0 };
+        while left > 0.0 {
+            let i = (self.along as usize).min(path.len() - 2);
+            let long = path[i].distance(path[i + 1]).max(1e-4);
+            let by = (left / long).min(0.5);
+            self.along += self.way * by;
+            left -= by * long;
+            if self.along <= 0.0 || self.along >= last {
+                self.along = self.along.clamp(0.0, last);
+                self.way = -self.way;
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Fields of view.
+
+use casca::Aabb;
+use casca::glam::{DVec3, Vec3};
+
+use crate::error::{ServerError, place, within};
+use crate::numeric::{ANGLE, FASTEST};
+
+/// The field of view of a client: a cone around a direction, which may turn.
+///
+/// Give one only if clients cannot turn faster than this: most games let a mouse turn a camera
+/// at once, and then all directions count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FieldOfView {
+    /// Where the client looks, of any length.
+    pub direction: Vec3,
+    /// From there to the corner of the picture, in radians from 0 to pi.
+    pub half_angle: f32,
+    /// How fast the client can turn, in radians a second.
+    pub turn_speed: f32,
+}
+
+impl FieldOfView {
+    pub(crate) fn check(&self) -> Result<(), ServerError> {
+        place("the direction of a view", self.direction)?;
+        if self.direction == Vec3::ZERO {
+            return Err(ServerError::NoDirection("the direction of a view"));
+        }
+        within("the half angle of a view, in radians,", self.half_angle, 0.0, std::f32::consts::PI)?;
+        within("the speed of turning, in radians a second,", self.turn_speed, 0.0, FASTEST)
+    }
+
+    /// Whether a camera may see a point of a box after it moved by `reach` and turned for `time`;
+    /// in doubt, yes.
+    pub(crate) fn may_see(&self, eye: DVec3, reach: f64, time: f64, b: &Aabb) -> bool {
+        let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
+        let way = (min + max) * 0.5 - eye;
+        // A ball around the box, for an eye that stays: it grows by as much as the eye may go.
+        let radius = (max - min).length() * 0.5 + reach;
+        let far = way.length();
+        if far <= radius {
+            return true;
+        }
+        let toward = self.direction.as_dvec3().normalize();
+        let off = (toward.dot(way) / far).clamp(-1.0, 1.0).acos();
+        let open = f64::from(self.half_angle) + f64::from(self.turn_speed) * time;
+        let outside = off - (radius / far).clamp(0.0, 1.0).asin() > open + ANGLE;
+        // A comparison with a number that is none keeps the box.
+        !outside
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ahead(half_angle: f32, turn_speed: f32) -> FieldOfView {
+        FieldOfView { direction: Vec3::new(0.0, 0.0, -3.0), half_angle, turn_speed }
+    }
+
+    #[test]
+    fn boxes_beside_the_cone_are_out_of_view_until_the_eye_turns_or_moves() {
+        let beside = Aabb::from_center(Vec3::new(10.0, 0.0, 0.0), Vec3::splat(0.5));
+        let view = ahead(0.7, 1.0);
+        assert!(!view.may_see(DVec3::ZERO, 0.0, 0.0, &beside));
+        assert!(view.may_see(DVec3::ZERO, 0.0, 0.9, &beside), "it turned");
+        assert!(view.may_see(DVec3::ZERO, 9.5, 0.0, &beside), "it moved");
+        let before = Aabb::from_center(Vec3::new(1.0, 0.0, -10.0), Vec3::splat(0.5));
+        assert!(view.may_see(DVec3::ZERO, 0.0, 0.0, &before));
+        let behind = Aabb::from_center(Vec3::new(0.0, 0.0, 10.0), Vec3::splat(0.5));
+        assert!(!ahead(3.0, 0.0).may_see(DVec3::ZERO, 0.0, 0.0, &behind));
+        assert!(ahead(std::f32::consts::PI, 0.0).may_see(DVec3::ZERO, 0.0, 0.0, &behind));
+    }
+
+    #[test]
+    fn a_view_without_direction_is_refused() {
+        assert!(ahead(0.7, 0.0).check().is_ok());
+        assert!(FieldOfView { direction: Vec3::ZERO, ..ahead(0.7, 0.0) }.check().is_err());
+        assert!(ahead(-0.1, 0.0).check().is_err() && ahead(f32::NAN, 0.0).check().is_err());
+        assert!(ahead(0.7, f32::INFINITY).check().is_err());
+    }
+}

@@ -1,0 +1,108 @@
+//! Which entities may each client of a game be told of? Those that it could see before the next
+//! answer reaches it, and no others: a cheater who draws all that he is told of sees no enemy
+//! through a wall. **What can be seen is never told late.**
+//!
+//! ```
+//! use casca::glam::Vec3;
+//! use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+//! use casca_server::{ClientDesc, EntityDesc, ServerError, ServerOptions, VisibilityServer};
+//!
+//! # fn main() -> Result<(), ServerError> {
+//! // A level: a wall across a field.
+//! let field = Aabb::new(Vec3::new(0.0, -2.0, 0.0), Vec3::new(64.0, 8.0, 64.0));
+//! let mut level = Scene::new(&GridSpec::covering(field, 1.0)?)?;
+//! let ground = Aabb::new(field.min, Vec3::new(64.0, 0.0, 64.0));
+//! let wall = Aabb::new(Vec3::new(0.0, 0.0, 40.0), Vec3::new(64.0, 8.0, 41.0));
+//! for solid in [ground, wall] {
+//!     level.insert(ObjectDesc::fixed(solid).occluder(solid))?;
+//! }
+//!
+//! let mut server = VisibilityServer::new(level, ServerOptions::new())?;
+//! // An eye that runs at 5 m/s, of a client with 100 ms latency.
+//! let client = server.add_client(ClientDesc::new(Vec3::new(32.0, 1.7, 20.0), 5.0, 0.1), 0.0)?;
+//! let person = |x, z| Aabb::from_center(Vec3::new(x, 0.9, z), Vec3::new(0.4, 0.9, 0.4));
+//! let friend = server.add_entity(EntityDesc::new(person(30.0, 30.0), 5.0), 0.0)?;
+//! let enemy = server.add_entity(EntityDesc::new(person(30.0, 60.0), 5.0), 0.0)?;
+//!
+//! server.tick(0.0, &())?;
+//! assert_eq!(server.answer(client)?.told, [friend], "the enemy is behind the wall");
+//! server.move_entity(enemy, person(30.0, 35.0), 0.03)?;
+//! server.tick(0.033, &())?;
+//! assert_eq!(server.answer(client)?.new, [enemy]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # What is promised
+//!
+//! Let a client's latency be at least the way of a report to the server and of an answer back,
+//! with the time between two reports and that by which the client draws entities late. Let eyes
+//! and entities keep to their speeds, and ticks follow each other by [`ServerOptions::tick`] at
+//! most. Then, from when an answer arrives until the next one does, it names all entities that the
+//! client's true eye can see: also where they moved since, also when reports were lost meanwhile
+//! (up to [`ServerOptions::most_age`]).
+//!
+//! An answer names an entity if a point of the box of all places where it may be by then may be
+//! seen by an eye anywhere within `speed * (latency + tick + age of the report)` of where it was
+//! reported, before the static objects of the level. That is found by casca's conservative
+//! occlusion buffers ([`casca::View::with_reach`]), so answers err by telling too much.
+//!
+//! # How it is found
+//!
+//! Each client has a [`casca::KeptQuery`] of the level, for all eyes near it. That is asked about
+//! each entity's box, at some hundred nanoseconds each whatever the size of the level, until the
+//! eye used up the room around it. Changes of the level are followed.
+//!
+//! # Limits
+//!
+//! - Eyes go through walls within their reach: who stands at a thin wall is told what is behind it.
+//! - Who reports nothing is told of more, as if the eye went on for [`ServerOptions::most_age`].
+//! - Entities hide nothing unless they have an occluder, and then must not have a speed: doors.
+//! - Boxes of entities must hold all that can be seen of them, weapons and effects included.
+//!
+//! # Features
+//!
+//! - `rayon`, on by default: clients are answered by several threads.
+//! - `bots`: the module `bots`, with levels from test scenes and files, and bots that run in them.
+//! - `wire`: the modules `wire` and `session`, with the protocol of `PROTOCOL.md`.
+//! - `net`: the module `net` and the program `casca-server`: WebSockets, metrics, a map.
+#![deny(missing_docs)]
+
+mod answer;
+#[cfg(feature = "bots")]
+pub mod bots;
+mod client;
+mod entity;
+mod error;
+mod field;
+mod gaze;
+mod hook;
+mod id;
+#[cfg(feature = "net")]
+pub mod net;
+mod numeric;
+mod options;
+mod server;
+#[cfg(feature = "wire")]
+pub mod session;
+mod state;
+mod tick;
+mod walls;
+#[cfg(feature = "wire")]
+pub mod wire;
+
+pub use answer::Answer;
+pub use casca;
+pub use client::ClientDesc;
+pub use entity::{Entity, EntityDesc, Team};
+pub use error::ServerError;
+pub use field::FieldOfView;
+pub use hook::Hook;
+pub use id::{ClientId, EntityId};
+pub use numeric::{FARTHEST, FASTEST, LONGEST};
+pub use options::ServerOptions;
+pub use server::VisibilityServer;
+
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct Readme;

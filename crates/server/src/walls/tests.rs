@@ -1,0 +1,111 @@
+//! Walls against sampled eyes and points.
+
+use casca::glam::{Affine3A, Vec3};
+use casca::{Aabb, GridSpec, ObjectDesc, Scene, TriMesh};
+use casca_scenes::random::generator;
+use proptest::prelude::*;
+use rand::RngExt;
+
+use super::*;
+
+fn wall() -> Wall {
+    // In y from 0 to 3 and in z from -2 to 2, at x = 5.
+    Wall { axis: 0, at: 5.0, min: [0.0, -2.0], max: [3.0, 2.0] }
+}
+
+fn eyes(center: DVec3, reach: f64) -> Eyes {
+    Eyes { center, reach, span: Span { min: center - reach, max: center + reach } }
+}
+
+fn cuboid(center: DVec3, half: f64) -> Span {
+    Span { min: center - half, max: center + half }
+}
+
+#[test]
+fn a_wall_hides_what_no_eye_sees_past_it() {
+    let hides = |reach, half, z| {
+        let (eyes, target) = (eyes(DVec3::new(0.0, 1.5, 0.0), reach), cuboid(DVec3::new(7.0, 1.5, z), half));
+        wall().hides(&eyes, &target)
+    };
+    assert!(hides(0.0, 0.1, 0.0) && hides(0.5, 0.5, 0.0));
+    // From the middle, z = 2 at x = 5 is seen at z = 2.8 at x = 7.
+    assert!(hides(0.0, 0.0, 2.79) && !hides(0.0, 0.0, 2.81));
+    // An eye 0.5 m to the side sees 0.2 m more.
+    assert!(hides(0.5, 0.0, 2.55) && !hides(0.5, 0.0, 2.65));
+    assert!(!hides(0.0, 2.5, 0.0), "it sticks out");
+    let beside = cuboid(DVec3::new(3.0, 1.5, 0.0), 0.5);
+    assert!(!wall().hides(&eyes(DVec3::new(0.0, 1.5, 0.0), 0.0), &beside), "it is before the wall");
+    let through = eyes(DVec3::new(4.8, 1.5, 0.0), 0.5);
+    assert!(!wall().hides(&through, &cuboid(DVec3::new(7.0, 1.5, 0.0), 0.1)), "eyes on both sides");
+}
+
+proptest! {
+    #![proptest_config(casca_truth::cases(300))]
+    #[test]
+    fn no_segment_gets_past_a_wall_that_hides(
+        (axis, side, seed) in (0usize..3, any::<bool>(), any::<u64>()),
+        (e, r) in (prop::array::uniform3(-3.0f64..3.0), 0.0f64..1.0),
+        (t, half) in (prop::array::uniform3(-3.0f64..3.0), prop::array::uniform3(0.0f64..1.5)),
+    ) {
+        let wall = Wall { axis, at: 0.0, min: [-3.0, -2.0], max: [2.5, 3.5] };
+        let (mut e, mut t) = (DVec3::from(e), DVec3::from(t));
+        let sign = if side { 1.0 } else { -1.0 };
+        (e[axis], t[axis]) = (sign * (1.0 + e[axis].abs()), -sign * (0.5 + t[axis].abs()));
+        let eyes = eyes(e, r);
+        let target = Span { min: t - DVec3::from(half), max: t + DVec3::from(half) };
+        if wall.hides(&eyes, &target) {
+            let mut random = generator(seed, 0);
+            for _ in 0..200 {
+                let mut any = || DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..=1.0)));
+                let eye = e + any().normalize_or_zero() * r;
+                let point = (t + any() * 1.8 * DVec3::from(half)).clamp(target.min, target.max);
+                prop_assert!(wall.meets(eye, point), "{eye} {point}");
+            }
+        }
+    }
+}
+
+#[test]
+fn walls_stop_what_they_cover() {
+    let walls = Walls::new(vec![wall(), Wall { axis: 1, at: 0.0, min: [-9.0, -9.0], max: [9.0, 9.0] }]);
+    let from = cuboid(DVec3::new(4.6, 0.4, 0.0), 0.3);
+    // The floor first: the wall does not go below it.
+    let reached = walls.reached(&from, cuboid(DVec3::new(4.6, 0.4, 0.0), 1.0));
+    assert_eq!((reached.max.x, reached.min.y), (5.0, 0.0));
+    assert!((reached.min.x - 3.6).abs() < 1e-9 && reached.max.z == 1.0);
+    // The wall ends at z = 2: one may go around it.
+    let corner =
+        walls.reached(&cuboid(DVec3::new(4.6, 0.4, 1.5), 0.3), cuboid(DVec3::new(4.6, 0.4, 1.5), 1.0));
+    assert_eq!(corner.max.x, 5.6);
+}
+
+#[test]
+fn boxes_and_quads_are_walls_and_other_triangles_are_not() {
+    let mut level =
+        Scene::new(&GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::splat(9.0)), 1.0).unwrap()).unwrap();
+    for z in [0.0, 3.0] {
+        let solid = Aabb::new(Vec3::new(4.0, 0.0, z), Vec3::new(4.5, 3.0, z + 3.0));
+        level.insert(ObjectDesc::fixed(solid).occluder(solid)).unwrap();
+    }
+    let found = find(&level, |_| false);
+    let across = found.iter().filter(|w| w.axis == 0).collect::<Vec<_>>();
+    assert_eq!(across.len(), 2, "one a side: {across:?}");
+    assert!(across.iter().all(|w| w.min == [0.0, 0.0] && w.max == [3.0, 6.0]));
+    assert_eq!(find(&level, |_| true).len(), 0);
+
+    let corners =
+        [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(y, z)| Vec3::new(1.0, y, z)).to_vec();
+    let count = |triangles: Vec<[u32; 3]>, turn: f32| {
+        let mut level =
+            Scene::new(&GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::splat(9.0)), 1.0).unwrap()).unwrap();
+        let turn = Affine3A::from_rotation_y(turn);
+        let corners = corners.iter().map(|&p| turn.transform_point3(p)).collect();
+        let mesh = std::sync::Arc::new(TriMesh::new(corners, triangles).unwrap());
+        level.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
+        find(&level, |_| false).len()
+    };
+    assert_eq!(count(vec![[0, 1, 2], [0, 2, 3]], 0.0), 1);
+    assert_eq!(count(vec![[0, 1, 2], [0, 2, 1]], 0.0), 0, "one half, from both sides");
+    assert_eq!(count(vec![[0, 1, 2], [0, 1, 3]], 0.0), 0, "two halves that overlap");
+    assert_eq!(count(vec![[0, 1, 2], [0, 2, 3]], 0.3), 0, "across no axis");
+}

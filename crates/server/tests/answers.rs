@@ -1,0 +1,372 @@
+//! Answers: who is told of whom, and what calls are refused.
+
+use std::collections::BTreeSet;
+
+use casca_server::bots::{Level, Match, MatchOptions};
+use casca_server::casca::glam::Vec3;
+use casca_server::casca::{Aabb, GridSpec, ObjectDesc, PointOptions, Scene};
+use casca_server::{
+    Answer, ClientDesc, ClientId, Entity, EntityDesc, EntityId, FieldOfView, ServerError, ServerOptions,
+    VisibilityServer,
+};
+
+/// A field of 64 m with a wall across its middle, at z from 32 to 33.
+fn field() -> Scene {
+    let all = Aabb::new(Vec3::new(0.0, -1.0, 0.0), Vec3::new(64.0, 12.0, 64.0));
+    let mut level = Scene::new(&GridSpec::covering(all, 1.0).unwrap()).unwrap();
+    let ground = Aabb::new(all.min, Vec3::new(64.0, 0.0, 64.0));
+    let wall = Aabb::new(Vec3::new(0.0, 0.0, 32.0), Vec3::new(64.0, 12.0, 33.0));
+    for solid in [ground, wall] {
+        level.insert(ObjectDesc::fixed(solid).occluder(solid)).unwrap();
+    }
+    level
+}
+
+fn server(options: ServerOptions) -> VisibilityServer {
+    VisibilityServer::new(field(), options).unwrap()
+}
+
+fn eye(z: f32) -> Vec3 {
+    Vec3::new(32.0, 1.7, z)
+}
+
+fn person(x: f32, z: f32) -> Aabb {
+    Aabb::from_center(Vec3::new(x, 0.95, z), Vec3::new(0.4, 0.9, 0.4))
+}
+
+fn told(server: &VisibilityServer, client: ClientId) -> Vec<EntityId> {
+    server.answer(client).unwrap().told.clone()
+}
+
+#[test]
+fn own_entities_and_those_of_the_team_are_told_behind_walls() {
+    let mut server = server(ServerOptions::new());
+    let desc = ClientDesc::new(eye(20.0), 5.0, 0.1);
+    let (red, other) = (server.add_client(desc.team(1), 0.0).unwrap(), server.add_client(desc, 0.0).unwrap());
+    let behind = |x| EntityDesc::new(person(x, 50.0), 5.0);
+    let own = server.add_entity(behind(20.0).owner(red), 0.0).unwrap();
+    let of_team = server.add_entity(behind(25.0).team(1), 0.0).unwrap();
+    let enemy = server.add_entity(behind(30.0).team(2), 0.0).unwrap();
+    server.tick(0.0, &()).unwrap();
+    assert_eq!(told(&server, red), [own, of_team]);
+    assert_eq!(told(&server, other), []);
+    // A hook adds those that are heard.
+    let hears = |(client, _): (ClientId, &ClientDesc), (entity, known): (EntityId, &Entity)| {
+        client == other && entity == enemy && known.desc().team == Some(2)
+    };
+    server.tick(0.1, &hears).unwrap();
+    assert_eq!(server.answer(other).unwrap().new, [enemy]);
+    server.tick(0.2, &()).unwrap();
+    assert_eq!(server.answer(other).unwrap().forgotten, [enemy]);
+    // The entity of one who left is nobody's, and hidden.
+    server.remove_client(red).unwrap();
+    let red = server.add_client(desc.team(1), 0.2).unwrap();
+    server.tick(0.3, &()).unwrap();
+    assert_eq!(told(&server, red), [of_team]);
+}
+
+#[test]
+fn teams_share_what_one_of_them_sees() {
+    for share in [false, true] {
+        let mut server = server(ServerOptions::new().teams_share(share));
+        let near = server.add_client(ClientDesc::new(eye(20.0), 5.0, 0.1).team(1), 0.0).unwrap();
+        let far = server.add_client(ClientDesc::new(eye(50.0), 5.0, 0.1).team(1), 0.0).unwrap();
+        let lone = server.add_client(ClientDesc::new(eye(20.0), 5.0, 0.1), 0.0).unwrap();
+        let [here, there] =
+            [10.0, 60.0].map(|z| server.add_entity(EntityDesc::new(person(32.0, z), 5.0), 0.0).unwrap());
+        server.tick(0.0, &()).unwrap();
+        let expected = if share { [vec![here, there], vec![here, there]] } else { [vec![here], vec![there]] };
+        assert_eq!([told(&server, near), told(&server, far)], expected);
+        assert_eq!(told(&server, lone), [here]);
+    }
+}
+
+#[test]
+fn an_eye_that_jumps_gets_a_fresh_answer_in_the_same_tick() {
+    for queries in [0, 8] {
+        let mut server = server(ServerOptions::new().most_queries(queries));
+        let client = server.add_client(ClientDesc::new(eye(20.0), 5.0, 0.1), 0.0).unwrap();
+        let [here, there] =
+            [10.0, 60.0].map(|z| server.add_entity(EntityDesc::new(person(32.0, z), 5.0), 0.0).unwrap());
+        server.tick(0.0, &()).unwrap();
+        assert!(server.answer(client).unwrap().is_fresh, "the first one");
+        server.move_eye(client, eye(20.1), 0.03).unwrap();
+        server.tick(0.03, &()).unwrap();
+        let walked = server.answer(client).unwrap();
+        assert!(!walked.is_fresh && walked.told == [here] && walked.new.is_empty());
+        server.move_eye(client, eye(50.0), 0.06).unwrap();
+        server.tick(0.06, &()).unwrap();
+        let Answer { told, new, forgotten, is_fresh, .. } = server.answer(client).unwrap();
+        assert_eq!(
+            (told.as_slice(), new.as_slice(), forgotten.as_slice()),
+            ([there].as_slice(), [there].as_slice(), [here].as_slice())
+        );
+        assert!(is_fresh);
+    }
+}
+
+#[test]
+fn reports_that_are_late_widen_the_reach_until_a_client_is_stale() {
+    let mut server = server(ServerOptions::new().tick(0.05).most_age(0.5));
+    let client = server.add_client(ClientDesc::new(eye(20.0), 4.0, 0.1), 0.0).unwrap();
+    let reach = |server: &mut VisibilityServer, now| {
+        server.tick(now, &()).unwrap();
+        let answer = server.answer(client).unwrap();
+        (answer.reach, answer.is_stale)
+    };
+    for (now, expected, stale) in [(0.0, 0.6, false), (0.25, 1.6, false), (0.5, 2.6, false), (9.0, 2.6, true)]
+    {
+        let (reach, is_stale) = reach(&mut server, now);
+        assert!((reach - expected).abs() < 1e-6 && is_stale == stale, "{now}: {reach}");
+    }
+    server.move_eye(client, eye(20.0), 9.0).unwrap();
+    assert!(!reach(&mut server, 9.0).1);
+}
+
+#[test]
+fn entities_outside_of_the_field_of_view_are_told_when_it_turns() {
+    let mut server = server(ServerOptions::new());
+    let field = FieldOfView { direction: Vec3::NEG_Z, half_angle: 0.8, turn_speed: 1.0 };
+    let client = server.add_client(ClientDesc::new(eye(20.0), 1.0, 0.1).field(field), 0.0).unwrap();
+    let [before, behind] =
+        [5.0, 30.0].map(|z| server.add_entity(EntityDesc::new(person(32.0, z), 1.0), 0.0).unwrap());
+    server.tick(0.0, &()).unwrap();
+    assert_eq!(told(&server, client), [before]);
+    server.set_field(client, Some(FieldOfView { direction: Vec3::Z, ..field })).unwrap();
+    server.tick(0.1, &()).unwrap();
+    assert_eq!(told(&server, client), [behind]);
+    server.set_field(client, None).unwrap();
+    server.tick(0.2, &()).unwrap();
+    assert_eq!(told(&server, client), [before, behind]);
+}
+
+#[test]
+fn doors_hide_until_they_open_if_the_level_is_queried() {
+    let mut server = server(ServerOptions::new().most_queries(8));
+    let client = server.add_client(ClientDesc::new(eye(20.0), 2.0, 0.05), 0.0).unwrap();
+    // A door as wide as a gate, on this side of the wall.
+    let gate = Aabb::new(Vec3::new(20.0, 0.0, 12.0), Vec3::new(44.0, 8.0, 12.4));
+    let door = server.add_entity(EntityDesc::new(gate, 0.0).occluder(gate), 0.0).unwrap();
+    let behind = server.add_entity(EntityDesc::new(person(32.0, 8.0), 0.5), 0.0).unwrap();
+    server.tick(0.0, &()).unwrap();
+    assert_eq!(told(&server, client), [door]);
+    let open = Aabb::new(Vec3::new(44.0, 0.0, 12.0), Vec3::new(68.0, 8.0, 12.4));
+    let mut places = [(open, vec![door, behind]), (gate, vec![door])].into_iter();
+    for now in [0.1, 0.2] {
+        let (place, expected) = places.next().unwrap();
+        server.move_occluder(door, place, place, now).unwrap();
+        server.move_eye(client, eye(20.0), now).unwrap();
+        server.move_entity(behind, person(32.0, 8.0), now).unwrap();
+        server.tick(now, &()).unwrap();
+        assert_eq!(told(&server, client), expected);
+    }
+    server.remove_entity(door).unwrap();
+    server.tick(0.3, &()).unwrap();
+    assert_eq!(told(&server, client), [behind]);
+}
+
+#[test]
+fn clients_take_turns_to_look_at_the_level() {
+    let mut server = server(ServerOptions::new().most_queries(1));
+    // Eyes that move use up their room in each tick.
+    let place = |i: usize, tick: usize| eye(8.0 + 4.0 * i as f32 + 2.0 * (tick % 2) as f32);
+    let clients: Vec<ClientId> =
+        (0..4).map(|i| server.add_client(ClientDesc::new(place(i, 0), 5.0, 0.1), 0.0).unwrap()).collect();
+    let mut turns = [0; 4];
+    for tick in 0..20 {
+        let now = tick as f64 * 0.5;
+        for (i, client) in clients.iter().enumerate() {
+            server.move_eye(*client, place(i, tick), now).unwrap();
+        }
+        let answers = server.tick(now, &()).unwrap();
+        let looked: Vec<bool> = answers.iter().map(|answer| answer.looked).collect();
+        assert_eq!(looked.iter().filter(|looked| **looked).count(), 1, "{tick}");
+        turns.iter_mut().zip(looked).for_each(|(turns, looked)| *turns += u32::from(looked));
+    }
+    assert_eq!(turns, [5; 4]);
+}
+
+#[test]
+fn changes_of_the_level_count_from_the_next_tick_on() {
+    for queries in [0, 8] {
+        let mut server = server(ServerOptions::new().most_queries(queries));
+        let client = server.add_client(ClientDesc::new(eye(20.0), 2.0, 0.05), 0.0).unwrap();
+        let far = server.add_entity(EntityDesc::new(person(32.0, 50.0), 2.0), 0.0).unwrap();
+        server.tick(0.0, &()).unwrap();
+        assert!(told(&server, client).is_empty() && server.wall_count() > 3);
+        assert!(
+            server.has_wall_between(eye(30.0), eye(34.0)) && !server.has_wall_between(eye(30.0), eye(31.0))
+        );
+        let wall = server.level().ids().last().unwrap();
+        server.level_mut().remove(wall).unwrap();
+        server.tick(0.1, &()).unwrap();
+        assert_eq!(told(&server, client), [far]);
+    }
+}
+
+#[test]
+fn entities_are_told_whose_shadows_are_seen() {
+    let mut level = field();
+    let tower = Aabb::new(Vec3::new(20.0, 0.0, 10.0), Vec3::new(44.0, 4.0, 11.0));
+    level.insert(ObjectDesc::fixed(tower).occluder(tower)).unwrap();
+    // A low sun shines past the end of the tower.
+    for sun in [None, Some(Vec3::new(1.0, -0.2, 1.0))] {
+        let mut options = ServerOptions::new().most_queries(8).tick(0.01);
+        options.sun = sun;
+        let mut server = VisibilityServer::new(level.clone(), options).unwrap();
+        let client = server.add_client(ClientDesc::new(eye(20.0), 0.5, 0.01), 0.0).unwrap();
+        let add = |server: &mut VisibilityServer, x: f32, z: f32| {
+            let b = Aabb::new(Vec3::new(x, 0.0, z), Vec3::new(x + 1.0, 3.0, z + 0.4));
+            server.add_entity(EntityDesc::new(b, 0.5), 0.0).unwrap()
+        };
+        let (casts, hidden) = (add(&mut server, 42.0, 8.0), add(&mut server, 31.0, 40.0));
+        for tick in 0..3 {
+            let now = f64::from(tick) * 0.01;
+            server.move_eye(client, eye(20.0), now).unwrap();
+            server.tick(now, &()).unwrap();
+            assert_eq!(told(&server, client).contains(&casts), sun.is_some(), "it is behind the tower");
+            assert!(!told(&server, client).contains(&hidden), "so is its shadow");
+        }
+        server.remove_entity(casts).unwrap();
+        server.tick(0.04, &()).unwrap();
+        assert!(told(&server, client).is_empty());
+    }
+}
+
+#[test]
+fn answers_do_not_depend_on_the_number_of_threads() {
+    let level = Level::rooms().unwrap();
+    let run = |threads: usize, queries: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let server = ServerOptions::new().most_queries(queries);
+            let options = MatchOptions { bots: 16, server, ..MatchOptions::default() };
+            let mut game = Match::new(&level, options).unwrap();
+            let mut all = Vec::new();
+            for _ in 0..40 {
+                let answers = game.answer(|server, now| {
+                    server.tick(now, &()).map(|answers| answers.into_iter().cloned().collect::<Vec<Answer>>())
+                });
+                all.push(answers.unwrap().unwrap().into_iter().map(plain).collect::<Vec<_>>());
+                game.advance();
+            }
+            all
+        })
+    };
+    for queries in [0, 3] {
+        let one = run(1, queries);
+        assert!(one.iter().flatten().any(|answer| answer.1.len() < 16 && !answer.2.is_empty()));
+        assert!(one == run(2, queries) && one == run(3, queries));
+    }
+}
+
+/// An answer without the number of its server.
+type Plain = (u64, Vec<u64>, Vec<u64>, Vec<u64>, u64, [bool; 3]);
+
+fn plain(answer: Answer) -> Plain {
+    let keys = |list: &[EntityId]| list.iter().map(|id| id.key()).collect();
+    let Answer { client, told, new, forgotten, reach, is_fresh, is_stale, looked, .. } = &answer;
+    let flags = [*is_fresh, *is_stale, *looked];
+    (client.key(), keys(told), keys(new), keys(forgotten), reach.to_bits(), flags)
+}
+
+#[test]
+fn what_is_new_and_forgotten_adds_up() {
+    let level = Level::rooms().unwrap();
+    let mut game = Match::new(&level, MatchOptions { bots: 16, ..MatchOptions::default() }).unwrap();
+    let mut known: std::collections::BTreeMap<ClientId, BTreeSet<EntityId>> = Default::default();
+    let (mut came, mut went) = (0, 0);
+    for tick in 0..90 {
+        if tick % 20 == 19 {
+            // One comes and one goes.
+            let now = game.now_seconds();
+            let gone = game.server.entities().last().unwrap().0;
+            let added =
+                game.server.add_entity(EntityDesc::new(level.track.body(level.track.path[tick]), 1.0), now);
+            if tick > 40 {
+                game.server.remove_entity(added.unwrap()).unwrap();
+                assert!(game.server.entity(gone).is_ok());
+            }
+        }
+        let answers = game.answer(|server, now| {
+            server.tick(now, &()).map(|answers| answers.into_iter().cloned().collect::<Vec<Answer>>())
+        });
+        for answer in answers.unwrap().unwrap() {
+            let known = known.entry(answer.client).or_default();
+            assert!(answer.told.is_sorted() && answer.new.is_sorted() && answer.forgotten.is_sorted());
+            assert!(answer.forgotten.iter().all(|id| known.remove(id)));
+            assert!(answer.new.iter().all(|id| known.insert(*id)));
+            assert!(known.iter().eq(&answer.told));
+            (came, went) = (came + answer.new.len(), went + answer.forgotten.len());
+        }
+        game.advance();
+    }
+    assert!(came > 100 && went > 50, "{came} {went}");
+}
+
+#[test]
+fn bad_input_is_refused_and_changes_nothing() {
+    let mut server = server(ServerOptions::new().most(2, 2));
+    let desc = ClientDesc::new(eye(20.0), 5.0, 0.1);
+    let client = server.add_client(desc, 0.0).unwrap();
+    let entity = server.add_entity(EntityDesc::new(person(32.0, 10.0), 5.0), 0.0).unwrap();
+    server.tick(0.0, &()).unwrap();
+    let before = server.answer(client).unwrap().clone();
+
+    for bad in [f32::NAN, f32::INFINITY, -1.0, 1e9] {
+        assert!(matches!(server.set_motion(client, bad, 0.1), Err(ServerError::Range { .. })), "{bad}");
+        assert!(matches!(server.set_motion(client, 5.0, bad), Err(ServerError::Range { .. })), "{bad}");
+        assert!(matches!(server.set_speed(entity, bad), Err(ServerError::Range { .. })), "{bad}");
+        assert!(server.add_client(ClientDesc::new(eye(1.0), bad, 0.1), 0.0).is_err());
+        assert!(server.add_entity(EntityDesc::new(person(1.0, 1.0), bad), 0.0).is_err());
+        if bad != -1.0 {
+            assert!(
+                matches!(server.move_eye(client, eye(bad), 0.1), Err(ServerError::Range { .. })),
+                "{bad}"
+            );
+            assert!(server.move_entity(entity, person(bad, 1.0), 0.1).is_err());
+        }
+        for options in [
+            ServerOptions::new().tick(bad),
+            ServerOptions::new().room(bad),
+            ServerOptions::new().most_age(bad),
+        ] {
+            assert!(VisibilityServer::new(field(), options).is_err());
+        }
+    }
+    let inverted = Aabb::new(Vec3::ONE, Vec3::ZERO);
+    assert!(matches!(server.move_entity(entity, inverted, 0.1), Err(ServerError::Inverted(_))));
+    for now in [f64::NAN, f64::INFINITY] {
+        assert!(server.tick(now, &()).is_err() && server.move_eye(client, eye(20.0), now).is_err());
+        assert!(server.add_client(desc, now).is_err());
+    }
+    assert!(matches!(server.tick(-1.0, &()), Err(ServerError::Backwards { .. })));
+    assert!(matches!(server.move_eye(client, eye(20.0), -1.0), Err(ServerError::Backwards { .. })));
+    let door = EntityDesc::new(person(1.0, 1.0), 1.0).occluder(person(1.0, 1.0));
+    assert!(matches!(server.add_entity(door, 0.0), Err(ServerError::MovingOccluder(_))));
+    assert!(VisibilityServer::new(field(), ServerOptions::new().sun(Vec3::ZERO)).is_err());
+    let coarse = ServerOptions::new().point(PointOptions::new().pixel_degrees(f32::NAN));
+    assert!(matches!(VisibilityServer::new(field(), coarse), Err(ServerError::Casca(_))));
+
+    // Ids of others, and of those that are gone.
+    let mut other = self::server(ServerOptions::new());
+    let stranger = other.add_client(desc, 0.0).unwrap();
+    let strange = other.add_entity(EntityDesc::new(person(1.0, 1.0), 1.0), 0.0).unwrap();
+    assert_eq!(server.move_eye(stranger, eye(1.0), 0.1), Err(ServerError::UnknownClient(stranger)));
+    assert_eq!(server.remove_client(stranger), Err(ServerError::UnknownClient(stranger)));
+    assert!(server.answer(stranger).is_err() && server.client(stranger).is_err());
+    assert_eq!(server.remove_entity(strange), Err(ServerError::UnknownEntity(strange)));
+    assert!(server.add_entity(EntityDesc::new(person(1.0, 1.0), 1.0).owner(stranger), 0.0).is_err());
+
+    server.add_client(desc, 0.0).unwrap();
+    let full = server.add_client(desc, 0.0).unwrap_err();
+    assert_eq!(full, ServerError::Full { what: "clients", most: 2 });
+    assert_eq!(full.to_string(), "there are 2 clients already, as many as the options allow");
+    assert_eq!(server.answer(client).unwrap(), &before);
+    server.tick(0.1, &()).unwrap();
+    assert_eq!(told(&server, client), [entity]);
+    server.remove_entity(entity).unwrap();
+    assert!(server.move_entity(entity, person(1.0, 1.0), 0.2).is_err());
+    server.tick(0.2, &()).unwrap();
+    assert_eq!(server.answer(client).unwrap().forgotten, [entity]);
+}

@@ -1,0 +1,124 @@
+//! Bots run, peek, strafe, jump and lag: what exact rays from a client's true eye see was told.
+
+use casca::glam::DVec3;
+use casca_scenes::world::{Motion, Object, Shape};
+use casca_server::ServerOptions;
+use casca_server::bots::{Level, Match, MatchOptions, Moment};
+use casca_truth::oracle::RayOracle;
+
+/// What was found in a match.
+#[derive(Debug, Default, PartialEq)]
+struct Verdict {
+    /// Visible bots that were not told, over clients and times.
+    late: u64,
+    /// Pairs of a client and a bot that it was not told of.
+    withheld: u64,
+    pairs: u64,
+}
+
+fn entity(moment: &Moment, i: usize) -> Object {
+    let body = moment.bodies[i];
+    Object {
+        name: String::new(),
+        shape: Shape::Box { min: body.min, max: body.max },
+        motion: Motion::Dynamic { max_speed: 5.0 },
+        occludes: false,
+        tested: true,
+    }
+}
+
+/// Plays a match, and looks at each tick from each eye at all that was not told.
+fn play(level: &Level, options: MatchOptions, ticks: u64, rays: usize) -> Verdict {
+    let mut game = Match::new(level, options).unwrap();
+    let walls = level.objects.len();
+    let mut objects: Vec<Object> = level.objects.clone();
+    objects.extend((0..options.bots).map(|i| entity(game.now()[0], i)));
+    let moving: Vec<usize> = (walls..objects.len()).collect();
+    let mut oracle = RayOracle::new(&objects);
+    let mut verdict = Verdict::default();
+    for tick in 0..ticks {
+        game.answer(|server, now| server.tick(now, &()).map(|_| ())).unwrap().unwrap();
+        let [begin, end] = game.now();
+        // When an answer arrives, and just before the next one does.
+        for moment in [begin.clone(), begin.toward(end, 0.999)] {
+            for i in 0..options.bots {
+                objects[walls + i] = entity(&moment, i);
+            }
+            oracle.update(&objects, &moving);
+            for (i, told) in game.told().iter().enumerate() {
+                let hidden: Vec<usize> = (0..options.bots).filter(|&j| !told[j] && j != i).collect();
+                verdict.pairs += options.bots as u64 - 1;
+                verdict.withheld += hidden.len() as u64;
+                let candidates: Vec<usize> = hidden.iter().map(|j| walls + j).collect();
+                let eye: DVec3 = moment.eyes[i].as_dvec3();
+                let report = oracle.probe(&objects, eye, &candidates, rays, tick, |_| true);
+                verdict.late += report.seen.len() as u64;
+            }
+        }
+        game.advance();
+    }
+    verdict
+}
+
+fn options() -> MatchOptions {
+    MatchOptions { bots: 24, ..MatchOptions::default() }
+}
+
+#[test]
+fn nothing_is_told_late_in_rooms() {
+    let verdict = play(&Level::rooms().unwrap(), options(), 200, 6);
+    assert_eq!(verdict.late, 0, "{verdict:?}");
+    let share = verdict.withheld as f64 / verdict.pairs as f64;
+    assert!(share > 0.3, "{share} of all pairs are withheld");
+}
+
+#[test]
+fn lies_about_the_reach_and_the_growth_are_found_out() {
+    let level = Level::rooms().unwrap();
+    let still = play(&level, MatchOptions { told: [0.0, 1.0], ..options() }, 200, 6);
+    assert!(still.late > 10, "{still:?}");
+    let prompt = play(&level, MatchOptions { told: [1.0, 0.0], ..options() }, 200, 6);
+    assert!(prompt.late > 0, "{prompt:?}");
+}
+
+#[test]
+fn nothing_is_told_late_without_walls_or_without_queries() {
+    let level = Level::rooms().unwrap();
+    for server in [ServerOptions::new().walls(false).most_queries(100), ServerOptions::new().most_queries(0)]
+    {
+        let verdict = play(&level, MatchOptions { server, bots: 12, ..options() }, 60, 6);
+        assert_eq!(verdict.late, 0, "{verdict:?}");
+        assert!(verdict.withheld > 0, "{verdict:?}");
+    }
+}
+
+#[test]
+fn bots_keep_to_their_speed_and_out_of_walls() {
+    let level = Level::rooms().unwrap();
+    let oracle = RayOracle::new(&level.objects);
+    let mut game = Match::new(&level, MatchOptions { bots: 40, ..MatchOptions::default() }).unwrap();
+    let (mut jumps, mut aside) = (0, 0.0f32);
+    for _ in 0..600 {
+        game.answer(|_, _| ()).unwrap();
+        let [begin, end] = game.now();
+        for i in 0..40 {
+            let (from, to) = (begin.eyes[i], end.eyes[i]);
+            if end.jumped[i] {
+                jumps += 1;
+                continue;
+            }
+            assert!(from.distance(to) <= 5.0 / 30.0);
+            // Corners of bodies go through nothing either.
+            let offset = begin.bodies[i].min - from;
+            for corner in [offset, offset.with_y(0.0), -offset.with_y(0.0)] {
+                let [a, b] = [from + corner, to + corner].map(|p| p.as_dvec3());
+                assert!(!oracle.occluded(a, b, usize::MAX), "{a} {b}");
+                assert!(!oracle.occluded(from.as_dvec3(), a, usize::MAX), "{from} {a}");
+            }
+            let near = level.track.path.iter().map(|p| p.distance(from)).fold(f32::INFINITY, f32::min);
+            aside = aside.max(near);
+        }
+        game.advance();
+    }
+    assert!(jumps > 10 && (0.1..0.6).contains(&aside), "{jumps} {aside}");
+}
