@@ -14,7 +14,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 14] = [
+const ROOTS: [&str; 15] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -28,6 +28,7 @@ const ROOTS: [&str; 14] = [
     "crates/lab/src",
     "crates/lab/src/bin/casca-lab",
     "crates/bevy_casca/src",
+    "crates/bake/src",
     "crates/server/src",
 ];
 
@@ -38,7 +39,7 @@ const MORE: [&str; 3] = ["crates/baked/src", "crates/cache/src", "crates/slots/s
 const LONGEST: usize = 450;
 
 /// The sources whose comments and functions are checked for their size: all files below them.
-const TIDY: [&str; 16] = [
+const TIDY: [&str; 17] = [
     "src",
     "crates/plane/src",
     "crates/baked/src",
@@ -54,6 +55,7 @@ const TIDY: [&str; 16] = [
     "crates/lab/src",
     "crates/viewer/src",
     "crates/bevy_casca/src",
+    "crates/bake/src",
     "crates/server/src",
 ];
 

@@ -13,6 +13,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use casca::TriMesh;
+use casca_baked::{Baked, Cells, Writer};
 use casca_points::PointCloud;
 use casca_points::bricks::{Bricks, Loader, Want};
 use casca_points::files::{FileError, read_source};
@@ -60,6 +61,7 @@ static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         kind("tilesets", vec![maps::TILESET.into()], |_| (), Box::new(|bytes| map(&maps::all()[0], bytes))),
         kind("scenes", scenes::all(), scenes::mend, Box::new(scene)),
         kind("meshes", meshes::all(), |file| meshes::mend(file), Box::new(mesh)),
+        kind("sets", vec![sets(2), sets(40)], mend_sets, Box::new(|bytes| _ = read_sets(bytes))),
     ];
     for format in lines::FORMATS {
         let files = lines::all().into_iter().filter(|(other, _)| *other == format).map(|(_, file)| file);
@@ -98,6 +100,39 @@ fn bricks(bytes: &[u8]) {
     loader.want(&wants);
     loader.settle();
     loader.gather(&wants);
+}
+
+/// A file of baked sets.
+fn sets(objects: u32) -> Vec<u8> {
+    let cells = Cells { low: [0.0; 3], size: [1.0; 3], dims: [4, 3, 2] };
+    let mut writer = Writer::new(cells, objects).expect("cells");
+    for cell in 0..20 {
+        let set: Vec<u32> = (0..objects).filter(|object| (object * 7 + cell / 3) % 5 < 3).collect();
+        writer.put(cell, &set).expect("a set");
+    }
+    writer.finish().expect("a file")
+}
+
+/// Sets the checksum of a file of sets right.
+fn mend_sets(file: &mut Vec<u8>) {
+    if let Some(body) = file.len().checked_sub(4) {
+        let sum = crc32fast::hash(&file[..body]);
+        file[body..].copy_from_slice(&sum.to_le_bytes());
+    }
+}
+
+/// Reads all sets, also those of a file that was not checked.
+fn read_sets(bytes: &[u8]) -> Option<()> {
+    let is_sound = Baked::read(bytes).is_ok();
+    let baked = Baked::open(bytes).ok()?;
+    let all = baked.objects();
+    for cell in 0..baked.cells().dims.iter().product::<u32>().min(1000) {
+        // A damaged one may name the same objects for ever.
+        let Some(set) = baked.set(cell) else { continue };
+        let seen = set.iter().take(1000).filter(|object| *object >= all).count();
+        assert!(!is_sound || seen == 0, "a set of a sound file names objects that are not there");
+    }
+    baked.set_at([0.5, 1.5, 0.5]).map(|set| drop(set.contains(3)))
 }
 
 fn map(map: &[u8], tileset: &[u8]) {

@@ -138,8 +138,10 @@ impl View {
             || other.near(other.cone().as_ref(), eye) - NEAR_ROUNDINGS * (other.widened - other.reach()),
             |turned| turned.near,
         );
-        let away = (eye - at).length() + LENGTH_OF_ERROR * (unsure + error) + other.reach();
-        (away + straight.max(0.0)) * (1.0 + REGION) <= own.near * (1.0 + NEAR_ROOM) + self.reach()
+        let away = (eye - at).length() + LENGTH_OF_ERROR * (unsure + error);
+        // Equal reaches are no doubt.
+        (away + straight.max(0.0)) * (1.0 + REGION) + other.reach()
+            <= own.near * (1.0 + NEAR_ROOM) + self.reach()
     }
 }
 

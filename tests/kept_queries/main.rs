@@ -146,6 +146,22 @@ fn questions_rest_on_the_kept_buffers_while_static_objects_stay() {
 }
 
 #[test]
+fn a_view_with_a_reach_of_its_own_is_served_while_it_stays() {
+    let (scene, [_, behind, _]) = wall();
+    let mut query = kept(0.0, 0.0);
+    let view = around(0.0).with_reach(0.25).unwrap();
+    let first = query.run(&scene, &view).visible().to_vec();
+    assert!(!first.contains(&behind));
+    for _ in 0..4 {
+        assert!(query.is_valid_for(&scene, &view));
+        assert_eq!(query.run(&scene, &view).visible(), first);
+    }
+    assert_eq!(query.refreshes(), 1);
+    assert!(!query.is_valid_for(&scene, &around(0.0).with_reach(0.26).unwrap()));
+    assert!(query.sight(&scene).is_some_and(|sight| !sight.may_see_point(Vec3::new(16.0, 16.0, 28.0))));
+}
+
+#[test]
 fn turned_cameras_are_served_too() {
     let (scene, [wall, behind, _]) = wall();
     let view = |angle: f32| {

@@ -1,8 +1,8 @@
 //! Journals: the cells that are done, so that a bake that was killed goes on where it was.
 //!
 //! A journal begins with a magic word and 32 bytes that tell the bake from others. Then come
-//! records: the length of the rest in bytes, its CRC-32, the cell and its objects, each as four bytes,
-//! little-endian. What follows the last whole record is cut off when the journal is opened.
+//! records: the length of the rest in bytes, its CRC-32, the cell and its objects, each as four
+//! bytes, little-endian. What follows the last whole record is cut off when the journal is opened.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};

@@ -14,8 +14,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Finds ahead of time, for each cell of a level, the objects that can be seen from anywhere in it.
 ///
-/// A bake that was stopped goes on where it was when it is started again: its journal lies beside the file.
-/// Objects that move are in no set: test them at run time.
+/// A bake that was stopped goes on where it was when it is started again: its journal lies beside
+/// the file. Objects that move are in no set: test them at run time.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 struct Cli {
@@ -56,8 +56,9 @@ struct Bake {
     /// The edge of a cell along x and z, in metres.
     #[arg(long, default_value_t = 2.0)]
     cell: f32,
-    /// The least and the greatest height of an eye over the floor, as 0.2:2.0, in metres. Cells are as high as that, and only
-    /// those are baked in which an eye may be so. Without it, all cells of the level's box are.
+    /// The least and the greatest height of an eye over the floor, as 0.2:2.0, in metres. Cells are
+    /// as high as that, and only those are baked in which an eye may be so. Without it, all cells
+    /// of the level's box are.
     #[arg(long, value_parser = heights)]
     height: Option<(f32, f32)>,
     /// Bakes only cells whose middle lies in this box, as 0,0,0:40,2,40, in metres.
@@ -66,7 +67,8 @@ struct Bake {
     /// Up to about so many queries for each cell. More take longer and make smaller sets.
     #[arg(long, default_value_t = 200)]
     queries: u32,
-    /// The edge of a cell of casca's grid, in metres. Walls of solid boxes two cells thick hide most.
+    /// The edge of a cell of casca's grid, in metres. Walls of solid boxes two cells thick hide
+    /// most.
     #[arg(long)]
     grid: Option<f32>,
     /// Bakes one of several parts, as 2/5. Put the files together by merge.

@@ -20,8 +20,8 @@ pub struct Places {
     /// The edge of a cell along x and z, in metres.
     pub edge: f32,
     /// The least and the greatest height of an eye over the floor, in metres: cells are as high as
-    /// that, and only those are baked in which an eye may be so. `None` bakes all cells of the level's
-    /// box, which are as high as they are wide.
+    /// that, and only those are baked in which an eye may be so. `None` bakes all cells of the
+    /// level's box, which are as high as they are wide.
     pub height: Option<(f32, f32)>,
     /// Of these, only the cells are baked whose middle lies in this box. `None` bakes all.
     pub within: Option<Aabb>,
@@ -144,7 +144,8 @@ fn between(polygon: Vec<Vec3>, axis: usize, at: f32, sign: f32) -> Vec<Vec3> {
     kept
 }
 
-/// The box of eyes of a cell, rounded outwards to single precision; `None` if there is no such cell.
+/// The box of eyes of a cell, rounded outwards to single precision; `None` if there is no such
+/// cell.
 pub fn eyes_of(cells: &Cells, cell: u32) -> Option<Aabb> {
     let (low, high) = cells.room(cell)?;
     let down = |v: f64| if f64::from(v as f32) > v { (v as f32).next_down() } else { v as f32 };

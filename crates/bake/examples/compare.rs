@@ -1,6 +1,6 @@
 //! Sets of cells beside exact visibility and beside bakes by samples, as engines make them.
 //!
-//! `cargo run --release -p casca-bake --features charts --example judge -- SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]`
+//! `cargo run --release -p casca-bake --features charts --example compare -- SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]`
 //!
 //! Looks from EYES random eyes in each of CELLS cells: six pictures each, and rays at objects that the
 //! set lacks. A bake by samples has what its first eyes see.
