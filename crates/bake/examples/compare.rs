@@ -3,7 +3,7 @@
 //! `cargo run --release -p casca-bake --features charts --example compare -- SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]`
 //!
 //! Looks from EYES random eyes in each of CELLS cells: six pictures each, and rays at objects that the
-//! set lacks. A bake by samples has what its first eyes see.
+//! set lacks. A bake by samples has what its first eyes see. Seconds are those of one thread's clock.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use casca_bake::{Finder, Level, Places, eyes_of};
 use casca_scenes::generated::SceneOptions;
+use casca_scenes::measure::ThreadTime;
 use casca_scenes::name::SceneName;
 use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{Camera, Motion, Object, Shape};
@@ -49,7 +50,13 @@ struct Tally {
     lost: usize,
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+    // All on one thread, and by its own clock: other programs may run beside it.
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    one.install(compare)
+}
+
+fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [scene, cell, height, cells, eyes, out, queries @ ..] = &arguments[..] else {
         return Err("SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]".into());
@@ -77,7 +84,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut sets: Vec<Vec<Vec<u32>>> = Vec::new();
     for &most in &queries {
         let mut finder = Finder::new(&level, most);
-        let began = Instant::now();
+        let began = ThreadTime::now();
         let found: Vec<Vec<u32>> =
             chosen.iter().filter_map(|&cell| Some(finder.set(eyes_of(&grid, cell)?))).collect();
         let seconds = began.elapsed().as_secs_f64() / chosen.len() as f64;
@@ -116,7 +123,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             if in_solid(&world.objects, eye) {
                 continue;
             }
-            let began = Instant::now();
+            let began = ThreadTime::now();
             for forward in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
                 let camera = Camera::look_at(eye, eye + forward, 90.0, 1.0, 0.01, 1000.0);
                 let verdict = oracle.frame(&world.objects, &[], &camera, &|o| smallest.contains(&o));
