@@ -28,14 +28,18 @@ const RAYS_EACH: usize = 1;
 const LOOKED_AT: usize = 500;
 /// Bakes by samples: so many eyes each.
 const SAMPLES: [usize; 6] = [1, 4, 16, 64, 256, 1024];
-/// Cells of 12 m where people walk, or so, are chosen among the places that a camera's path passes.
+/// The near plane. Its corners are nearer than [`CLEAR`]: a camera whose near plane reaches into a
+/// wall looks through it.
+const NEAR: f32 = 0.0005;
+/// Eyes keep that far from solids, in metres.
+const CLEAR: f32 = 0.001;
 const SEED: u64 = 11;
 
 /// Whether a place is in a solid box or ball.
 fn in_solid(objects: &[Object], place: Vec3) -> bool {
     objects.iter().filter(|o| o.occludes).any(|object| match &object.shape {
-        Shape::Sphere { center, radius } => center.distance(place) <= *radius * 1.001,
-        Shape::Box { min, max } => place.cmpge(min - 1e-3).all() && place.cmple(max + 1e-3).all(),
+        Shape::Sphere { center, radius } => center.distance(place) <= *radius + CLEAR,
+        Shape::Box { min, max } => place.cmpge(min - CLEAR).all() && place.cmple(max + CLEAR).all(),
         Shape::Mesh { mesh, transform } => {
             let (min, max) = mesh.bounds(transform);
             mesh.triangles.len() == 12 && mesh.is_closed() && place.cmpge(min).all() && place.cmple(max).all()
@@ -125,10 +129,14 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
             }
             let began = ThreadTime::now();
             for forward in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
-                let camera = Camera::look_at(eye, eye + forward, 90.0, 1.0, 0.01, 1000.0);
+                let camera = Camera::look_at(eye, eye + forward, 90.0, 1.0, NEAR, 1000.0);
                 let verdict = oracle.frame(&world.objects, &[], &camera, &|o| smallest.contains(&o));
                 seen.extend(verdict.exact);
-                lost.extend(verdict.false_negatives.iter().map(|found| found.object));
+                for found in verdict.false_negatives {
+                    if lost.insert(found.object) {
+                        println!("lost: object {} from {eye} in cell {cell}: {found:?}", found.object);
+                    }
+                }
             }
             looking += began.elapsed().as_secs_f64();
             at += 1;
