@@ -65,7 +65,7 @@
 //! - `rayon`, on by default: clients are answered by several threads.
 //! - `bots`: the module `bots`, with levels from test scenes and files, and bots that run in them.
 //! - `wire`: the modules `wire` and `session`, with the protocol of `PROTOCOL.md`.
-//! - `net`: the module `net` and the program `casca-server`: WebSockets, metrics, a map.
+//! - `net`: the module `net` and the program `casca-server`: WebSockets, QUIC, metrics, a map.
 #![deny(missing_docs)]
 
 mod answer;
