@@ -47,6 +47,8 @@ fn endpoint(certificate: &[u8], protocol: &[u8], window: u32) -> Endpoint {
     let mut config = ClientConfig::new(Arc::new(QuicClientConfig::try_from(tls).unwrap()));
     let mut transport = TransportConfig::default();
     transport.stream_receive_window(VarInt::from_u32(window));
+    // A connection is not ended because it is silent at this level.
+    transport.keep_alive_interval(Some(Duration::from_millis(200)));
     config.transport_config(Arc::new(transport));
     let mut endpoint = Endpoint::client(SocketAddr::from(([127, 0, 0, 1], 0))).unwrap();
     endpoint.set_default_client_config(config);
