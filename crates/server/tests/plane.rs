@@ -368,6 +368,13 @@ fn doors_open_jumps_are_fresh_and_lost_reports_reach_farther() {
     assert_eq!(told(&mut server), (true, true));
     server.tick(5.0).unwrap();
     assert!(server.answer(client).unwrap().is_stale && server.kept_bytes() > 0);
+    // Half a second without a report is half a second of way more.
+    let walker = server.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 2.0, 0.1), 5.0).unwrap();
+    for (now, way) in [(5.0, 0.0), (5.5, 1.0), (8.0, 2.0)] {
+        server.tick(now).unwrap();
+        let more = server.answer(walker).unwrap().reach - 2.0 * (0.1 + 1.0 / 30.0) - way;
+        assert!((0.0..1e-5).contains(&more), "{more}");
+    }
     // An eye that may be in too many tiles sees all, and so is an entity seen.
     let (mut server, _) = wall();
     let fast = server.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 1e5, 60.0), 0.0).unwrap();

@@ -130,3 +130,32 @@ impl Sights {
         *self = Self::default();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use casca_plane::BitGrid;
+
+    use super::*;
+
+    #[test]
+    fn a_union_has_what_any_window_has_and_no_more() {
+        // Two walls, so that windows begin at different words and rows.
+        let mut walls = BitGrid::new(300, 12);
+        (0..12).for_each(|y| [70, 140].into_iter().for_each(|x| walls.set(x, y, true)));
+        walls.fill(5, 0..300);
+        let map = OpaqueTiles::new(walls);
+        let mut fov = FieldOfView::new();
+        let mut window = |x, y| Window::of(&mut fov, &map, ((x, y), f32::INFINITY.to_bits())).unwrap();
+        let all = [window(200, 8), window(100, 2), window(290, 9)];
+        let starts = [0, 1, 2].map(|i| (all[i].words.start, all[i].rows.start));
+        assert_ne!((starts[0].0, starts[0].1), (0, 0), "{starts:?}");
+        assert!(starts[0].0 != starts[1].0, "{starts:?}");
+        for some in [&all[..], &all[..1], &all[1..2], &[]] {
+            let union = Window::union(&some.iter().collect::<Vec<_>>());
+            let tiles = (0..12).flat_map(|y| (0..300).map(move |x| (x, y)));
+            let right = |tile| union.has(tile) == some.iter().any(|window| window.has(tile));
+            assert!(tiles.into_iter().all(right));
+        }
+        assert!(all[0].has((200, 8)) && all[1].has((100, 2)) && !all[0].has((100, 2)));
+    }
+}
