@@ -64,8 +64,9 @@
 //!
 //! - `rayon`, on by default: clients are answered by several threads.
 //! - `bots`: the module `bots`, with levels from test scenes and files, and bots that run in them.
+//! - `plane`: the module `plane`, with the same promise on maps of tiles.
 //! - `wire`: the modules `wire` and `session`, with the protocol of `PROTOCOL.md`.
-//! - `net`: the module `net` and the program `casca-server`: WebSockets, metrics, a map.
+//! - `net`: the module `net` and the program `casca-server`: WebSockets, QUIC, metrics, a map.
 #![deny(missing_docs)]
 
 mod answer;
@@ -82,6 +83,8 @@ mod id;
 pub mod net;
 mod numeric;
 mod options;
+#[cfg(feature = "plane")]
+pub mod plane;
 mod server;
 #[cfg(feature = "wire")]
 pub mod session;

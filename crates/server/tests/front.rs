@@ -9,10 +9,10 @@ use casca_server::session::Token;
 use casca_server::wire::{AnswerFrame, ToClient, ToServer};
 use futures_util::{SinkExt, StreamExt};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
+use tokio::net::{TcpSocket, TcpStream};
 use tokio::time::timeout;
 use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, client_async, connect_async};
 
 type Socket = WebSocketStream<MaybeTlsStream<TcpStream>>;
 
@@ -212,8 +212,13 @@ async fn a_client_that_does_not_read_is_dropped() {
     (options.queue, options.bots) = (4, 250);
     options.server = options.server.tick(0.004).walls(false).most_queries(0);
     let front = start(options).await;
-    let (slow, ..) = join(&front).await;
-    // It never reads, until the buffers of the system are full.
+    // It never reads, until the buffers of the system are full: its own is small.
+    let socket = TcpSocket::new_v4().unwrap();
+    socket.set_recv_buffer_size(4096).unwrap();
+    let stream = timeout(LONGEST, socket.connect(front.clients())).await.unwrap().unwrap();
+    let (mut slow, _) = client_async(format!("ws://{}/", front.clients()), stream).await.unwrap();
+    let hello = ToServer::Hello { token: b"open sesame", latency: 50 }.encode();
+    slow.send(Message::binary(hello)).await.unwrap();
     until("the end of the slow one", || metric(&front, "casca_dropped_total{reason=\"slow\"}") >= 1.0).await;
     let (mut good, ..) = join(&front).await;
     answer(&mut good).await;
