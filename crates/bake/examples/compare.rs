@@ -72,7 +72,7 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let path: Vec<Vec3> = (0..world.frames).map(|frame| world.camera(frame, 1.0).eye).collect();
     world.objects.retain(|object| object.motion == Motion::Static);
     let began = Instant::now();
-    let level = Level::new(&world, None)?;
+    let level = Level::new(&world, None, false)?;
     println!("{} objects, made ready in {:.1} s", level.len(), began.elapsed().as_secs_f64());
     let grid = places.cells(&level)?;
     let all = places.numbers(&level)?;

@@ -163,6 +163,7 @@ impl<'l> Baker<'l> {
         };
         let mut float = |x: f32| number(u64::from(x.to_bits()));
         float(self.level.scene.grid().cell_size() as f32);
+        float(self.level.solids.len() as f32);
         for object in self.level.objects() {
             float(f32::from(u8::from(object.occludes) + 2 * u8::from(object.tested)));
             match &object.shape {

@@ -7,7 +7,7 @@
 //! The part with most objects that no point of the sides is known to see is divided next, until
 //! there is none or enough queries were asked.
 //!
-//! Parts inside of a solid box are left out: no free segment passes them. Others are cut off at
+//! Parts inside of a box that holds no eye are left out: no free segment passes them. Others are cut off at
 //! solid boxes that they reach into ([`TOUCH`]), since a solid that holds an eye hides nothing from
 //! it.
 

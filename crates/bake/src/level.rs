@@ -6,7 +6,8 @@ use casca::{Aabb, Error, MeshOptions, ObjectDesc, Scene, TriMesh};
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::world::{Motion, Object, Shape, World};
 
-use crate::{solids, union};
+use crate::solids::{Boxes, groups};
+use crate::union;
 
 /// The static objects of a level, and what hides them.
 ///
@@ -16,7 +17,7 @@ pub struct Level {
     pub(crate) scene: Scene,
     /// The box around each object; `None` if it moves, or its visibility is not asked for.
     pub(crate) bounds: Vec<Option<Aabb>>,
-    /// Solid boxes, in the order of their least x, and the greatest extent of any along x.
+    /// Boxes that hold no eye, in the order of their least x, and the greatest extent along x.
     pub(crate) solids: Vec<Aabb>,
     pub(crate) longest: f32,
     /// Whether some cells of the grid are opaque, so that `Method::Cell` hides something.
@@ -30,12 +31,14 @@ pub(crate) const NOBODY: u64 = u64::MAX;
 
 impl Level {
     /// Takes the static objects of a scene as they are now. `cell` is the edge of a cell of the
-    /// grid, in metres: walls of solid boxes at least two cells thick hide most. `None` takes the
-    /// scene's own.
+    /// grid, in metres: walls of boxes at least two cells thick hide most. `None` takes the scene's
+    /// own. `solid` promises that closed boxes among the parts of meshes hold no eye either, as those
+    /// of [`Shape::Box`] do: then cells that reach into walls get smaller sets. A room that is
+    /// modelled as one box breaks that promise.
     ///
     /// # Errors
     /// Refuses what casca refuses: a grid that is too large, or shapes that are not finite.
-    pub fn new(world: &World, cell: Option<f32>) -> Result<Self, Error> {
+    pub fn new(world: &World, cell: Option<f32>, solid: bool) -> Result<Self, Error> {
         let is_static = |object: &Object| object.motion == Motion::Static;
         let numbers: Vec<usize> =
             (0..world.objects.len()).filter(|&i| is_static(&world.objects[i])).collect();
@@ -53,8 +56,9 @@ impl Level {
         for (id, (&number, object)) in ids.into_iter().zip(numbers.iter().zip(&objects)) {
             scene.set_user_data(id, if object.tested { number as u64 } else { NOBODY })?;
         }
-        let mut solids = solids::boxes(&objects);
-        for group in solids::groups(&solids) {
+        let boxes = Boxes::of(&objects);
+        let all = [&boxes.solid[..], &boxes.of_meshes].concat();
+        for group in groups(&all) {
             let (positions, triangles) = union::surface(&group);
             let how = MeshOptions::default();
             let mesh =
@@ -62,10 +66,11 @@ impl Level {
             let mesh = Arc::new(mesh?);
             scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh).user_data(NOBODY))?;
         }
+        let mut solids = if solid { all.clone() } else { boxes.solid };
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
         let thick = |b: &Aabb| (b.max - b.min).min_element() >= 2.0 * hint.cell;
-        let has_solids = solids.iter().any(thick);
+        let has_solids = all.iter().any(thick);
         Ok(Self { scene, bounds, solids, longest, has_solids, room: Aabb::new(hint.min, hint.max), objects })
     }
 

@@ -71,6 +71,10 @@ struct Bake {
     /// most.
     #[arg(long)]
     grid: Option<f32>,
+    /// Promises that closed boxes among the parts of meshes hold no eye: then cells that reach into
+    /// walls get smaller sets. Not for rooms that are modelled as one box.
+    #[arg(long)]
+    solid: bool,
     /// Bakes one of several parts, as 2/5. Put the files together by merge.
     #[arg(long, value_parser = shard)]
     shard: Option<(u32, u32)>,
@@ -110,7 +114,7 @@ fn place(text: &str) -> Result<[f64; 3], String> {
 impl Bake {
     fn run(&self) -> Result<(), BakeError> {
         let world = self.level.open(&SceneOptions::default())?;
-        let level = Level::new(&world, self.grid)?;
+        let level = Level::new(&world, self.grid, self.solid)?;
         let places = Places { edge: self.cell, height: self.height, within: self.within };
         let mut baker = Baker::new(&level, &places, self.queries)?;
         if let Some((part, parts)) = self.shard {

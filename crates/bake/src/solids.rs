@@ -13,18 +13,25 @@ const MOST_TOUCHED: usize = 64;
 /// Triangles of a box.
 const OF_A_BOX: usize = 12;
 
-/// The solid boxes along the axes among objects that hide others: boxes, and parts of meshes that
-/// are closed boxes.
-pub(crate) fn boxes(objects: &[Object]) -> Vec<Aabb> {
-    let mut boxes = Vec::new();
-    for object in objects.iter().filter(|object| object.occludes) {
-        match &object.shape {
-            Shape::Box { min, max } => boxes.push(Aabb::new(*min, *max)),
-            Shape::Mesh { mesh, transform } => boxes.extend(boxes_of(mesh, transform)),
-            Shape::Sphere { .. } => {}
+/// The boxes along the axes among objects that hide others: solid ones, and parts of meshes that
+/// are closed boxes. Those may be hollow, such as a room that is modelled as one.
+pub(crate) struct Boxes {
+    pub(crate) solid: Vec<Aabb>,
+    pub(crate) of_meshes: Vec<Aabb>,
+}
+
+impl Boxes {
+    pub(crate) fn of(objects: &[Object]) -> Self {
+        let mut boxes = Self { solid: Vec::new(), of_meshes: Vec::new() };
+        for object in objects.iter().filter(|object| object.occludes) {
+            match &object.shape {
+                Shape::Box { min, max } => boxes.solid.push(Aabb::new(*min, *max)),
+                Shape::Mesh { mesh, transform } => boxes.of_meshes.extend(boxes_of(mesh, transform)),
+                Shape::Sphere { .. } => {}
+            }
         }
+        boxes
     }
-    boxes
 }
 
 /// The number that stands for all that are joined to one.
@@ -152,7 +159,7 @@ mod tests {
         let mut two = Mesh::cuboid(Vec3::ZERO, Vec3::ONE);
         two.append(Mesh::cuboid(Vec3::X * 3.0, Vec3::new(4.0, 5.0, 6.0)));
         let place = Affine3A::from_scale_rotation_translation(Vec3::splat(2.0), Default::default(), Vec3::Y);
-        let found = boxes(&[mesh(two, place)]);
+        let found = Boxes::of(&[mesh(two, place)]).of_meshes;
         assert_eq!(found.len(), 2);
         assert_eq!((found[0].min, found[0].max), (Vec3::Y, Vec3::new(2.0, 3.0, 2.0)));
         // A ball, a box that is turned, one that is open, and one whose side has a triangle twice.
@@ -168,7 +175,7 @@ mod tests {
             mesh(twice, Affine3A::IDENTITY),
             mesh(Mesh { positions: vec![Vec3::ZERO], triangles: vec![[0, 1, 2]] }, Affine3A::IDENTITY),
         ];
-        assert_eq!(boxes(&bad).len(), 0);
+        assert_eq!(Boxes::of(&bad).of_meshes.len(), 0);
     }
 
     #[test]

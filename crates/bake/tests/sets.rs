@@ -5,9 +5,9 @@ use casca::Aabb;
 use casca_bake::{Finder, Level, Places, eyes_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::random::generator;
-use casca_scenes::world::{Motion, Object, Shape, World};
+use casca_scenes::world::{Mesh, Motion, Object, Shape, World};
 use casca_truth::oracle::RayOracle;
-use glam::{DVec3, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use rand::RngExt;
 
 /// Rays that pass this close to a border between seen and hidden are in doubt, in metres.
@@ -55,7 +55,7 @@ fn in_solid(objects: &[Object], place: Vec3) -> bool {
 /// Looks from many eyes of some cells. Returns the sizes of the sets, and how many objects the eyes
 /// saw.
 fn look(world: &World, places: &Places, cells: usize, queries: u32) -> (usize, usize) {
-    let level = Level::new(world, None).unwrap();
+    let level = Level::new(world, None, false).unwrap();
     let grid = places.cells(&level).unwrap();
     let numbers = places.numbers(&level).unwrap();
     assert!(numbers.len() > cells);
@@ -119,6 +119,23 @@ fn a_town_of_meshes_loses_nothing() {
     let places = Places { edge: 6.0, height: Some((1.0, 2.0)), within: None };
     let (sizes, seen) = look(&world, &places, 3, 16);
     assert!(seen > 3 * 20 && sizes >= seen, "{seen} {sizes}");
+}
+
+#[test]
+fn eyes_may_be_in_a_closed_mesh() {
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let object =
+        |shape| Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
+    let room = Mesh::cuboid(Vec3::new(2.0, 0.0, 2.0), Vec3::new(30.0, 4.0, 30.0));
+    let ball = |x| object(Shape::Sphere { center: Vec3::new(x, 2.0, 16.0), radius: 0.5 });
+    let place = Affine3A::IDENTITY;
+    world.objects = vec![object(Shape::Mesh { mesh: room.into(), transform: place }), ball(28.0), ball(36.0)];
+    let cell = Aabb::new(Vec3::new(4.0, 1.0, 15.0), Vec3::new(6.0, 3.0, 17.0));
+    let found = |solid| Finder::new(&Level::new(&world, None, solid).unwrap(), 32).set(cell);
+    assert_eq!(found(false)[..2], [0, 1], "the ball in the room is seen, whatever the room is made of");
+    assert_eq!(found(true), [0], "nobody is in there");
+    let outside = Aabb::new(Vec3::new(32.0, 1.0, 15.0), Vec3::new(34.0, 3.0, 17.0));
+    assert_eq!(Finder::new(&Level::new(&world, None, false).unwrap(), 32).set(outside), [0, 2]);
 }
 
 #[test]

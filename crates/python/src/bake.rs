@@ -62,7 +62,7 @@ impl Bake {
 #[pymethods]
 impl Bake {
     #[new]
-    #[pyo3(signature = (level, *, cell=2.0, height=None, within=None, queries=200, grid=None, content=None))]
+    #[pyo3(signature = (level, *, cell=2.0, height=None, within=None, queries=200, grid=None, solid=False, content=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python,
@@ -72,6 +72,7 @@ impl Bake {
         within: Option<(Floats1, Floats1)>,
         queries: u32,
         grid: Option<f32>,
+        solid: bool,
         content: Option<&[u8]>,
     ) -> PyResult<Self> {
         let within = match within {
@@ -85,7 +86,7 @@ impl Bake {
                 Some(bytes) => import::read(level, bytes, Path::new(level).parent()).map_err(refused)?,
                 None => name.open(&SceneOptions::default()).map_err(|why| ended(why.into()))?,
             };
-            let level = Level::new(&world, grid).map_err(|why| ended(why.into()))?;
+            let level = Level::new(&world, grid, solid).map_err(|why| ended(why.into()))?;
             let baker = Baker::new(&level, &places, queries).map_err(ended)?;
             let (cells, numbers) = (*baker.cells(), baker.numbers().to_vec());
             Ok(Self { level, cells, numbers, queries })

@@ -19,6 +19,8 @@ class Bake:
     within: two corners of a box; of these cells, only those whose middle lies in it are baked.
     queries: up to about so many queries for each cell; more take longer and make smaller sets.
     grid: the edge of a cell of casca's grid, in metres.
+    solid: promises that closed boxes among the parts of meshes hold no eye: then cells that reach
+        into walls get smaller sets. Not for rooms that are modelled as one box.
     content: the bytes of the file, if it is not to be read here.
 
     Raises casca.Error for cells without size or too many of them, and OSError for a file that
@@ -34,6 +36,7 @@ class Bake:
         within: tuple[ArrayLike, ArrayLike] | None = None,
         queries: int = 200,
         grid: float | None = None,
+        solid: bool = False,
         content: bytes | None = None,
     ) -> Bake: ...
     @property
