@@ -46,10 +46,11 @@ pub(crate) const SINGLE_FRUSTUM: f64 = 4e-6;
 /// come from: sums and quotients of a few numbers, each with a relative error of 1e-16.
 pub(crate) const EXIT: f64 = 1e-12;
 
-/// An eye that may be farther than this from the middle of its room, in cells, gets no occlusion by
-/// [`crate::Method::Cell`] where that room is not in one cell. Opaque cells hide less by that much
-/// at each step then, and a query takes up to six times as long. Nothing rests on the exact value.
-pub(crate) const UNCERTAIN_EYE: f64 = 8.0;
+/// An eye that may be this far outside its cell, in cells, gets no occlusion by
+/// [`crate::Method::Cell`]: the shells then grow by that much at each step. The rule is made for
+/// eyes that are known roughly: with 8 in the place of this it loses what rooms of eyes see through
+/// small holes beside them.
+pub(crate) const UNCERTAIN_EYE: f64 = 0.2;
 
 /// Objects nearer to the eye than this share of a cell are visible without a test by
 /// [`crate::Method::Point`]: nearness, which is the inverse of a depth, stays below 50 cells.

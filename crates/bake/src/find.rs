@@ -7,20 +7,26 @@
 //! The part with most objects that no point of the sides is known to see is divided next, until
 //! there is none or enough queries were asked.
 //!
+//! With enough queries, each cell of the grid that a side passes is asked first, by `Method::Cell`:
+//! behind walls of solid boxes that is tightest.
+//!
 //! Parts inside of a box that holds no eye are left out: no free segment passes them. Others are cut off at
 //! solid boxes that they reach into ([`TOUCH`]), since a solid that holds an eye hides nothing from
 //! it.
 
 use std::collections::BTreeSet;
 
-use casca::glam::Vec3;
-use casca::{Aabb, CellOptions, Method, PointOptions, Query, View};
+use casca::glam::{IVec3, Vec3};
+use casca::{Aabb, Method, Query, View};
 
-use crate::level::{Level, NOBODY};
+use crate::level::Level;
 
 /// Solids count as larger by this share of the coordinates of the part that meets them: four
 /// roundings to single precision, in which their own corners are given. 10 micrometres at 40 m.
 const TOUCH: f32 = 4.0 / (1 << 24) as f32;
+
+/// The sides of a cell, each of which may take its share of the queries for cells of the grid.
+const SIDES: i64 = 6;
 
 /// A part is divided up to so often.
 const DEEPEST: u32 = 24;
@@ -32,8 +38,8 @@ const LOOKED_FROM: u32 = 6;
 /// Finds sets of cells, one after the other.
 pub struct Finder<'l> {
     level: &'l Level,
-    point: Query,
-    cell: Query,
+    query: Query,
+    by_cells: Query,
     queries: u32,
     most: u32,
 }
@@ -51,11 +57,9 @@ impl<'l> Finder<'l> {
     /// A finder that asks up to about `queries` queries for each cell, 16 at least. More make
     /// smaller sets.
     pub fn new(level: &'l Level, queries: u32) -> Self {
-        // These options are the defaults, which are accepted.
-        let with = |method| Query::with_method(method).unwrap_or_default();
-        let point = with(Method::Point(PointOptions::default()));
-        let cell = with(Method::Cell(CellOptions::default()));
-        Self { level, point, cell, queries: 0, most: queries.max(16) }
+        // The method's defaults are accepted.
+        let by_cells = Query::with_method(Method::cell()).unwrap_or_default();
+        Self { level, query: Query::new(), by_cells, queries: 0, most: queries.max(16) }
     }
 
     /// The objects that can be seen from anywhere in a box, ascending.
@@ -89,6 +93,9 @@ impl<'l> Finder<'l> {
                 parts.push(Part { low, high, depth: 0, set });
             }
         }
+        if level.has_solids {
+            parts.iter_mut().for_each(|side| self.narrow_by_cells(side));
+        }
         let mut open: Vec<Part> = Vec::new();
         for part in parts {
             self.put(part, &mut known, &mut open);
@@ -117,32 +124,72 @@ impl<'l> Finder<'l> {
             return;
         }
         let cell = Aabb::new(part.low, part.high);
-        if self.level.has_solids {
-            self.narrow(true, cell, &mut part.set);
-        }
-        if part.set.iter().any(|&i| !known[i as usize]) {
-            self.narrow(false, cell, &mut part.set);
-        }
+        self.narrow(cell, &mut part.set);
         if part.depth <= LOOKED_FROM {
             let middle = (part.low + part.high) * 0.5;
             let mut seen = part.set.clone();
-            self.narrow(false, Aabb::new(middle, middle), &mut seen);
+            self.narrow(Aabb::new(middle, middle), &mut seen);
             seen.iter().for_each(|&i| known[i as usize] = true);
         }
         open.push(part);
     }
 
-    /// Keeps the objects of a set that may be seen from a box.
-    fn narrow(&mut self, by_cells: bool, cell: Aabb, set: &mut Vec<u32>) {
-        let Ok(view) = View::of_cell(cell) else { return };
-        let query = if by_cells { &mut self.cell } else { &mut self.point };
+    /// Keeps the objects of a side that may be seen from the cells of the grid that it passes, if
+    /// there are queries for all of these. A result of [`Method::Cell`] holds for all eyes of its
+    /// cell that are in no occluder, so it is asked for one such eye.
+    fn narrow_by_cells(&mut self, side: &mut Part) {
+        let grid = self.level.scene.grid();
+        let (first, last) = (grid.cell_of(side.low.as_dvec3()), grid.cell_of(side.high.as_dvec3()));
+        let count = (last - first + 1).as_i64vec3().element_product();
+        if count > i64::from(self.most) / SIDES {
+            return;
+        }
+        let mut seen = vec![false; self.level.len() as usize];
+        for z in first.z..=last.z {
+            for y in first.y..=last.y {
+                for x in first.x..=last.x {
+                    let cell = IVec3::new(x, y, z);
+                    let (min, max) = grid.cell_bounds(cell);
+                    let (low, high) = (min.as_vec3().max(side.low), max.as_vec3().min(side.high));
+                    let mut part = Part { low, high: high.max(low), depth: 0, set: Vec::new() };
+                    if self.cut_off_solids(&mut part) {
+                        self.see_from_cell(cell, &part, &mut seen);
+                    }
+                }
+            }
+        }
+        side.set.retain(|&i| seen[i as usize]);
+    }
+
+    /// Marks the objects that may be seen from the part of a side in one cell of the grid.
+    fn see_from_cell(&mut self, cell: IVec3, part: &Part, seen: &mut [bool]) {
         self.queries += 1;
-        let pvs = query.run(&self.level.scene, &view);
+        let middle = (part.low + part.high) * 0.5;
+        let Ok(view) = View::omnidirectional(middle) else { return seen.fill(true) };
+        let mut pvs = self.by_cells.run(&self.level.scene, &view);
+        // A splinter of a part may be rounded into the next cell.
+        let is_there = self.level.scene.grid().cell_of(middle.as_dvec3()) == cell;
+        if pvs.stats().eye_in_occluder || !is_there {
+            self.queries += 1;
+            let Ok(view) = View::of_cell(Aabb::new(part.low, part.high)) else { return seen.fill(true) };
+            pvs = self.query.run(&self.level.scene, &view);
+        }
+        for id in pvs.iter() {
+            if let Some(seen) = self.level.number(id).and_then(|number| seen.get_mut(number)) {
+                *seen = true;
+            }
+        }
+    }
+
+    /// Keeps the objects of a set that may be seen from a box.
+    fn narrow(&mut self, cell: Aabb, set: &mut Vec<u32>) {
+        let Ok(view) = View::of_cell(cell) else { return };
+        self.queries += 1;
+        let pvs = self.query.run(&self.level.scene, &view);
         let mut seen = vec![false; self.level.len() as usize];
         for id in pvs.iter() {
-            match self.level.scene.user_data(id) {
-                Ok(number) if number != NOBODY => seen[number as usize] = true,
-                _ => {}
+            if let Some(seen) = self.level.number(id).and_then(|number| seen.get_mut(number)) {
+                *seen = true;
             }
         }
         set.retain(|&i| seen[i as usize]);

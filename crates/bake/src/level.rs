@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use casca::{Aabb, Error, MeshOptions, ObjectDesc, Scene, TriMesh};
+use casca::{Aabb, Error, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::world::{Motion, Object, Shape, World};
 
@@ -27,14 +27,13 @@ pub struct Level {
 }
 
 /// Unions are given this number in the scene, which is none of an object.
-pub(crate) const NOBODY: u64 = u64::MAX;
+const NOBODY: u64 = u64::MAX;
 
 impl Level {
     /// Takes the static objects of a scene as they are now. `cell` is the edge of a cell of the
-    /// grid, in metres: walls of boxes at least two cells thick hide most. `None` takes the scene's
-    /// own. `solid` promises that closed boxes among the parts of meshes hold no eye either, as those
-    /// of [`Shape::Box`] do: then cells that reach into walls get smaller sets. A room that is
-    /// modelled as one box breaks that promise.
+    /// grid, in metres; `None` takes the scene's own. `solid` promises that closed boxes among the
+    /// parts of meshes hold no eye, as those of [`Shape::Box`] do not: then cells that reach into
+    /// walls get smaller sets. A room that is modelled as one box breaks that promise.
     ///
     /// # Errors
     /// Refuses what casca refuses: a grid that is too large, or shapes that are not finite.
@@ -68,9 +67,9 @@ impl Level {
         }
         let mut solids = if solid { all.clone() } else { boxes.solid };
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
-        let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
         let thick = |b: &Aabb| (b.max - b.min).min_element() >= 2.0 * hint.cell;
         let has_solids = all.iter().any(thick);
+        let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
         Ok(Self { scene, bounds, solids, longest, has_solids, room: Aabb::new(hint.min, hint.max), objects })
     }
 
@@ -92,6 +91,11 @@ impl Level {
     /// The static objects, for those who place cells.
     pub fn objects(&self) -> &[Object] {
         &self.objects
+    }
+
+    /// The number of an object of the scene, unless it is a union.
+    pub(crate) fn number(&self, id: ObjectId) -> Option<usize> {
+        self.scene.user_data(id).ok().filter(|&number| number != NOBODY).map(|number| number as usize)
     }
 
     /// The solid boxes that have points in common with a box.

@@ -67,8 +67,8 @@ struct Bake {
     /// Up to about so many queries for each cell. More take longer and make smaller sets.
     #[arg(long, default_value_t = 200)]
     queries: u32,
-    /// The edge of a cell of casca's grid, in metres. Walls of solid boxes two cells thick hide
-    /// most.
+    /// The edge of a cell of casca's grid, in metres. With walls of boxes two cells thick, and so many
+    /// queries that each cell of the grid on the sides of a baked one gets one, sets are smallest.
     #[arg(long)]
     grid: Option<f32>,
     /// Promises that closed boxes among the parts of meshes hold no eye: then cells that reach into
