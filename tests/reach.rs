@@ -3,9 +3,9 @@
 
 mod worlds;
 
-use casca::{Aabb, Method, Plane, PointOptions, Query, Sphere, View};
+use casca::{Aabb, GridSpec, Method, ObjectDesc, Plane, PointOptions, Query, Scene, Sphere, View};
 use casca_truth::cases;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
 use crate::worlds::{SIZE, Solid, World, camera, point, solid, steps, target};
@@ -77,6 +77,54 @@ proptest! {
             }
         }
     }
+}
+
+/// Walls with one hole, along a line from one corner of a view cell: few random solids leave an
+/// object that only one eye of a cell sees.
+#[test]
+fn what_one_corner_of_a_view_cell_sees_through_a_hole_is_found() {
+    let mut state = 5u64;
+    let mut next = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u64 << 24) as f32
+    };
+    let (mut checked, mut hidden) = (0, 0);
+    for round in 0..2000 {
+        // With `Cell`, rooms that are a little larger than a cell of the grid, or much.
+        let size = if round % 2 == 0 { 0.2 } else { 4.0 };
+        let eye = Vec3::new(10.0 + next(), 20.0 + next(), 20.0 + next());
+        let half = Vec3::new(0.5 * next(), next(), next()) * size;
+        let side = |c: f32| if c < 0.5 { 1.0 } else { -1.0 };
+        let corner = eye + half * Vec3::new(1.0, side(next()), side(next()));
+        let (from, wide) = ((corner.x + 0.1 + 4.0 * next()).round().max(corner.x + 0.1), 0.02 + 0.4 * next());
+        let to = from + 1.0 + (2.0 * next()).round();
+        let slope = Vec3::new(1.0, 2.4 * next() - 1.2, 2.4 * next() - 1.2);
+        let at = |x: f32| corner + slope * (x - corner.x);
+        let (low, high) = (at(from).min(at(to)) - wide, at(from).max(at(to)) + wide);
+        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(40) };
+        let mut scene = Scene::new(&spec).unwrap();
+        let mut ball = |at: Vec3| scene.insert(ObjectDesc::fixed(Sphere::new(at, 0.05))).unwrap();
+        let seen = ball(at(to + 3.0 + 3.0 * next()));
+        let behind = ball(Vec3::new(to + 4.0, 36.0, 36.0));
+        for [y0, y1, z0, z1] in [
+            [1.0, low.y, 1.0, 39.0],
+            [high.y, 39.0, 1.0, 39.0],
+            [low.y, high.y, 1.0, low.z],
+            [low.y, high.y, high.z, 39.0],
+        ] {
+            let wall = Aabb::new(Vec3::new(from, y0, z0), Vec3::new(to, y1, z1));
+            scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+        }
+        let view = View::of_cell(Aabb::new(eye - half, eye + half)).unwrap();
+        for method in [Method::cell(), Method::point()] {
+            let mut query = Query::with_method(method).unwrap();
+            let pvs = query.run(&scene, &view);
+            assert!(pvs.contains(seen), "{method:?}: from {corner} in {half} around {eye}");
+            checked += 1;
+            hidden += u32::from(!pvs.contains(behind));
+        }
+    }
+    assert!(hidden > checked / 3, "{hidden} {checked}");
 }
 
 #[test]
