@@ -4,15 +4,15 @@
 //! eye in it to a point outside leaves it at a point of a side, and its rest is free as well. So
 //! the sides are divided into parts, and the sets of the parts are joined. A part gets the objects
 //! that casca does not prove hidden from all of it, of those of the part that it was divided from.
-//! The part with most objects that no point of the sides is known to see is divided next, until
-//! there is none or enough queries were asked.
+//! The part with most objects that no point of the sides is known to see, times its longest edge,
+//! is divided next, until there is none or enough queries were asked.
 //!
 //! With enough queries, each cell of the grid that a side passes is asked first, by `Method::Cell`:
 //! behind walls of solid boxes that is tightest.
 //!
-//! Parts inside of a box that holds no eye are left out: no free segment passes them. Others are cut off at
-//! solid boxes that they reach into ([`TOUCH`]), since a solid that holds an eye hides nothing from
-//! it.
+//! Parts inside of a box that holds no eye are left out: no free segment passes them. Others are
+//! cut off at solid boxes that they reach into ([`TOUCH`]), since a solid that holds an eye hides
+//! nothing from it.
 
 use std::collections::BTreeSet;
 
@@ -101,12 +101,13 @@ impl<'l> Finder<'l> {
             self.put(part, &mut known, &mut open);
         }
         while self.queries < self.most {
-            let undecided = |p: &Part| p.set.iter().filter(|&&i| !known[i as usize]).count();
-            let most =
-                open.iter().enumerate().filter(|(_, p)| p.depth < DEEPEST).map(|(at, p)| (at, undecided(p)));
+            let undecided = |p: &Part| p.set.iter().filter(|&&i| !known[i as usize]).count() as f32;
+            let worth = |p: &Part| undecided(p) * (p.high - p.low).max_element();
+            let all = open.iter().enumerate().filter(|(_, p)| p.depth < DEEPEST);
+            let most = all.map(|(at, p)| (at, worth(p)));
             // The first of several: the order of parts is that of their making.
-            let Some((at, count)) = most.rev().max_by_key(|&(_, count)| count) else { break };
-            if count == 0 {
+            let Some((at, worth)) = most.rev().max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            if worth == 0.0 {
                 break;
             }
             let part = open.remove(at);
