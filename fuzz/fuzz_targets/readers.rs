@@ -132,7 +132,7 @@ fn read_sets(bytes: &[u8]) -> Option<()> {
         let seen = set.iter().take(1000).filter(|object| *object >= all).count();
         assert!(!is_sound || seen == 0, "a set of a sound file names objects that are not there");
     }
-    baked.set_at([0.5, 1.5, 0.5]).map(|set| drop(set.contains(3)))
+    baked.set_at([0.5, 1.5, 0.5]).map(|set| _ = set.contains(3))
 }
 
 fn map(map: &[u8], tileset: &[u8]) {
