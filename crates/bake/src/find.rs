@@ -26,7 +26,7 @@ use crate::level::Level;
 const TOUCH: f32 = 4.0 / (1 << 24) as f32;
 
 /// The sides of a cell, each of which may take its share of the queries for cells of the grid.
-const SIDES: i64 = 6;
+const SIDES: f64 = 6.0;
 
 /// A part is divided up to so often.
 const DEEPEST: u32 = 24;
@@ -141,8 +141,8 @@ impl<'l> Finder<'l> {
     fn narrow_by_cells(&mut self, side: &mut Part) {
         let grid = self.level.scene.grid();
         let (first, last) = (grid.cell_of(side.low.as_dvec3()), grid.cell_of(side.high.as_dvec3()));
-        let count = (last - first + 1).as_i64vec3().element_product();
-        if count > i64::from(self.most) / SIDES {
+        let count = (last.as_dvec3() - first.as_dvec3() + 1.0).element_product();
+        if count > f64::from(self.most) / SIDES {
             return;
         }
         let mut seen = vec![false; self.level.len() as usize];
