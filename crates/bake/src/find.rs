@@ -137,7 +137,7 @@ impl<'l> Finder<'l> {
 
     /// Keeps the objects of a side that may be seen from the cells of the grid that it passes, if
     /// there are queries for all of these. A result of [`Method::Cell`] holds for all eyes of its
-    /// cell that are in no occluder, so it is asked for one such eye.
+    /// cell that are in no occluder.
     fn narrow_by_cells(&mut self, side: &mut Part) {
         let grid = self.level.scene.grid();
         let (first, last) = (grid.cell_of(side.low.as_dvec3()), grid.cell_of(side.high.as_dvec3()));
@@ -165,11 +165,15 @@ impl<'l> Finder<'l> {
     /// Marks the objects that may be seen from the part of a side in one cell of the grid.
     fn see_from_cell(&mut self, cell: IVec3, part: &Part, seen: &mut [bool]) {
         self.queries += 1;
-        let middle = (part.low + part.high) * 0.5;
-        let Ok(view) = View::omnidirectional(middle) else { return seen.fill(true) };
+        // Eyes may also be inside of a closed mesh, where the result does not hold. So casca is asked
+        // about all of the part, without the splinter along its borders that may lie in the next cell.
+        let inset = Vec3::splat(touch(&Aabb::new(part.low, part.high)));
+        let inset = inset.min((part.high - part.low) * 0.5);
+        let eyes = Aabb::new(part.low + inset, part.high - inset);
+        let Ok(view) = View::of_cell(eyes) else { return seen.fill(true) };
         let mut pvs = self.by_cells.run(&self.level.scene, &view);
         // A splinter of a part may be rounded into the next cell.
-        let is_there = self.level.scene.grid().cell_of(middle.as_dvec3()) == cell;
+        let is_there = self.level.scene.grid().cell_of(((eyes.min + eyes.max) * 0.5).as_dvec3()) == cell;
         if pvs.stats().eye_in_occluder || !is_there {
             self.queries += 1;
             let Ok(view) = View::of_cell(Aabb::new(part.low, part.high)) else { return seen.fill(true) };
