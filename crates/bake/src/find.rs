@@ -165,8 +165,8 @@ impl<'l> Finder<'l> {
     /// Marks the objects that may be seen from the part of a side in one cell of the grid.
     fn see_from_cell(&mut self, cell: IVec3, part: &Part, seen: &mut [bool]) {
         self.queries += 1;
-        // Eyes may also be inside of a closed mesh, where the result does not hold. So casca is asked
-        // about all of the part, without the splinter along its borders that may lie in the next cell.
+        // Some eyes may be inside of a closed mesh, where the result does not hold: so casca is
+        // asked about all of the part, less the splinter at its border that the next cell may own.
         let inset = Vec3::splat(touch(&Aabb::new(part.low, part.high)));
         let inset = inset.min((part.high - part.low) * 0.5);
         let eyes = Aabb::new(part.low + inset, part.high - inset);
