@@ -2,8 +2,9 @@
 //!
 //! `cargo run --release -p casca-bake --features charts --example compare -- SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]`
 //!
-//! Looks from EYES random eyes in each of CELLS cells: six pictures each, and rays at objects that the
-//! set lacks. A bake by samples has what its first eyes see. Seconds are those of one thread's clock.
+//! From EYES random eyes in each of CELLS cells, six pictures are cast, and rays at each object that no
+//! eye saw yet. A bake by samples has the objects in the pictures of its first eyes. Seconds are those of
+//! one thread's clock.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -23,9 +24,12 @@ use rand::RngExt;
 
 /// Pixels of each of the six pictures from an eye, along an edge.
 const PIXELS: usize = 128;
-/// Rays from each direction of an eye to each object that the set lacks, and objects looked at.
+/// Rays from each of the six directions of an eye to each object that the smallest set lacks, and
+/// how many of these objects are looked at.
 const RAYS_EACH: usize = 1;
 const LOOKED_AT: usize = 500;
+/// Rays from an eye to each object that none saw yet: many objects are smaller than a pixel.
+const PROBES: usize = 2;
 /// Bakes by samples: so many eyes each.
 const SAMPLES: [usize; 6] = [1, 4, 16, 64, 256, 1024];
 /// The near plane. Its corners are nearer than [`CLEAR`]: a camera whose near plane reaches into a
@@ -76,11 +80,15 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     println!("{} objects, made ready in {:.1} s", level.len(), began.elapsed().as_secs_f64());
     let grid = places.cells(&level)?;
     let all = places.numbers(&level)?;
-    // Where the camera's path passes, or near it.
+    // Where the camera's path passes, and some of all others if these are too few.
     let on_path: BTreeSet<u32> = path.iter().filter_map(|p| grid.at(p.as_dvec3().to_array())).collect();
-    let chosen: Vec<u32> = on_path.into_iter().filter(|cell| all.contains(cell)).collect();
-    let step = (chosen.len() / count).max(1);
-    let chosen: Vec<u32> = chosen.into_iter().step_by(step).take(count).collect();
+    let spread = |cells: Vec<u32>, count: usize| {
+        let step = (cells.len() / count.max(1)).max(1);
+        cells.into_iter().step_by(step).take(count).collect::<Vec<_>>()
+    };
+    let (on_path, others): (Vec<u32>, _) = all.iter().partition(|cell| on_path.contains(cell));
+    let mut chosen = spread(on_path, count);
+    chosen.extend(spread(others, count - chosen.len()));
     println!("{} of {} cells looked at", chosen.len(), all.len());
 
     let queries: Vec<u32> = queries.iter().map(|q| q.parse()).collect::<Result<_, _>>()?;
@@ -106,17 +114,16 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     };
     let mut oracle = Oracle::new(&world.objects, options);
     let mut random: Generator = generator(SEED, 0);
-    let (mut exact, mut sampled, mut looking) = (0, [0; SAMPLES.len()], 0.0);
+    let (mut exact, mut in_pictures, mut sampled, mut looking) = (0, 0, [0; SAMPLES.len()], 0.0);
     let mut looked = 0;
     for (i, &cell) in chosen.iter().enumerate() {
         let Some(room) = eyes_of(&grid, cell) else { continue };
-        // The smallest set: what it has not, others may have.
         let smallest: BTreeSet<usize> = sets
             .iter()
             .map(|of| &of[i])
             .min_by_key(|set| set.len())
             .map_or_else(BTreeSet::new, |set| set.iter().map(|&o| o as usize).collect());
-        let (mut seen, mut lost) = (BTreeSet::new(), BTreeSet::new());
+        let (mut shown, mut seen, mut lost) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
         let mut at = 0;
         for _ in 0..4 * eyes {
             if at == eyes {
@@ -131,7 +138,7 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
             for forward in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
                 let camera = Camera::look_at(eye, eye + forward, 90.0, 1.0, NEAR, 1000.0);
                 let verdict = oracle.frame(&world.objects, &[], &camera, &|o| smallest.contains(&o));
-                seen.extend(verdict.exact);
+                shown.extend(verdict.exact);
                 for found in verdict.false_negatives {
                     if lost.insert(found.object) {
                         println!("lost: object {} from {eye} in cell {cell}: {found:?}", found.object);
@@ -139,22 +146,37 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
                 }
             }
             looking += began.elapsed().as_secs_f64();
+            let unseen: Vec<usize> = (0..world.objects.len()).filter(|o| !seen.contains(o)).collect();
+            let seed = (cell as usize * eyes + at) as u64;
+            let found = oracle.rays().probe(&world.objects, eye.as_dvec3(), &unseen, PROBES, seed, |_| true);
+            for sighting in found.seen {
+                seen.insert(sighting.object);
+                if !smallest.contains(&sighting.object) && lost.insert(sighting.object) {
+                    println!("lost: object {} from {eye} in cell {cell}: {sighting:?}", sighting.object);
+                }
+            }
             at += 1;
             if let Some(which) = SAMPLES.iter().position(|&n| n == at) {
-                sampled[which] += seen.len();
+                sampled[which] += shown.len();
             }
         }
         looked += at;
+        in_pictures += shown.len();
+        seen.extend(shown);
         exact += seen.len();
         for (tally, of) in tallies.iter_mut().zip(&sets) {
             tally.lost += lost.iter().filter(|&&o| of[i].binary_search(&(o as u32)).is_err()).count();
         }
     }
-    println!("{looked} eyes, {exact} objects seen, {:.1} a cell", exact as f64 / chosen.len() as f64);
-    println!("\n| method | seconds a cell | set | set over exact | lost |\n|---|---|---|---|---|");
+    let each = |n: usize| n as f64 / chosen.len() as f64;
+    println!("{looked} eyes; a cell sees {:.1} objects, {:.1} in pictures", each(exact), each(in_pictures));
+    println!("\n| method | seconds a cell | set | over seen | lost |\n|---|---|---|---|---|");
     let row = |name: &str, seconds: f64, size: usize, lost: usize| {
-        let each = size as f64 / chosen.len() as f64;
-        println!("| {name} | {seconds:.2} | {each:.1} | {:.2} | {lost} |", size as f64 / exact as f64);
+        println!(
+            "| {name} | {seconds:.2} | {:.1} | {:.2} | {lost} |",
+            each(size),
+            size as f64 / exact as f64
+        );
     };
     let level_size = level.len() as usize * chosen.len();
     row("everything", 0.0, level_size, 0);
@@ -164,7 +186,7 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let per_eye = looking / looked.max(1) as f64;
     let mut of_samples = Vec::new();
     for (&n, &size) in SAMPLES.iter().zip(&sampled).filter(|&(&n, _)| n <= eyes) {
-        row(&format!("samples, {n} eyes"), per_eye * n as f64, size, exact - size);
+        row(&format!("samples, {n} eyes"), per_eye * n as f64, size, in_pictures - size);
         of_samples.push((per_eye * n as f64, size as f64 / exact as f64));
     }
     let of_casca = tallies.iter().map(|t| (t.seconds, t.size as f64 / exact as f64)).collect();

@@ -6,6 +6,8 @@ use casca::{Aabb, Error, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::world::{Motion, Object, Shape, World};
 
+use casca_walls::Walls;
+
 use crate::solids::{Boxes, groups};
 use crate::union;
 
@@ -20,11 +22,14 @@ pub struct Level {
     /// Boxes that hold no eye, in the order of their least x, and the greatest extent along x.
     pub(crate) solids: Vec<Aabb>,
     pub(crate) longest: f32,
-    /// Whether some cells of the grid are opaque, so that `Method::Cell` hides something.
-    pub(crate) has_solids: bool,
+    /// Rectangles that hide without a query.
+    pub(crate) walls: Walls,
     room: Aabb,
     objects: Vec<Object>,
 }
+
+/// Narrower walls hide too little, in metres, even from parts of a cell.
+const LEAST_WALL: f32 = 0.1;
 
 /// Unions are given this number in the scene, which is none of an object.
 const NOBODY: u64 = u64::MAX;
@@ -57,6 +62,8 @@ impl Level {
         }
         let boxes = Boxes::of(&objects);
         let all = [&boxes.solid[..], &boxes.of_meshes].concat();
+        let walls = Walls::of(&scene, LEAST_WALL, |_| false);
+        // Their faces are walls already.
         for group in groups(&all) {
             let (positions, triangles) = union::surface(&group);
             let how = MeshOptions::default();
@@ -67,10 +74,8 @@ impl Level {
         }
         let mut solids = if solid { all.clone() } else { boxes.solid };
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
-        let thick = |b: &Aabb| (b.max - b.min).min_element() >= 2.0 * hint.cell;
-        let has_solids = all.iter().any(thick);
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
-        Ok(Self { scene, bounds, solids, longest, has_solids, room: Aabb::new(hint.min, hint.max), objects })
+        Ok(Self { scene, bounds, solids, longest, walls, room: Aabb::new(hint.min, hint.max), objects })
     }
 
     /// The number of objects, those that move included.
@@ -88,7 +93,7 @@ impl Level {
         self.room
     }
 
-    /// The static objects, for those who place cells.
+    /// The static objects.
     pub fn objects(&self) -> &[Object] {
         &self.objects
     }

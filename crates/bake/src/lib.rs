@@ -7,6 +7,7 @@ mod find;
 mod journal;
 mod level;
 mod merge;
+mod part;
 mod places;
 mod solids;
 mod union;

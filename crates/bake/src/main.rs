@@ -65,11 +65,9 @@ struct Bake {
     #[arg(long, value_parser = corners)]
     within: Option<Aabb>,
     /// Up to about so many queries for each cell. More take longer and make smaller sets.
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 50)]
     queries: u32,
-    /// The edge of a cell of casca's grid, in metres. With walls of boxes two cells thick, and so
-    /// many queries that each cell of the grid on the sides of a baked one gets one, sets are
-    /// smallest.
+    /// The edge of a cell of casca's grid, in metres.
     #[arg(long)]
     grid: Option<f32>,
     /// Promises that closed boxes among the parts of meshes hold no eye: then cells that reach into

@@ -216,3 +216,58 @@ fn planes_of(boxes: &[Aabb]) -> [Vec<f32>; 3] {
         planes
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use casca_scenes::random::generator;
+    use rand::RngExt;
+
+    use super::*;
+
+    /// Six times the volume inside of a mesh, and whether each edge has two triangles that run along
+    /// it in opposite directions.
+    fn measure((positions, triangles): &Triangles) -> (f64, bool) {
+        let mut volume = 0.0;
+        let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();
+        for t in triangles {
+            let [a, b, c] = t.map(|v| positions[v as usize].as_dvec3());
+            volume += a.dot(b.cross(c));
+            for i in 0..3 {
+                let (from, to) = (t[i], t[(i + 1) % 3]);
+                *edges.entry((from.min(to), from.max(to))).or_default() += if from < to { 1 } else { -1 };
+            }
+        }
+        (volume, edges.values().all(|balance| *balance == 0))
+    }
+
+    #[test]
+    fn the_surface_is_closed_and_holds_what_the_boxes_hold() {
+        for seed in 0..200 {
+            let mut random = generator(seed, 0x0b0c);
+            // Numbers without fractions, so that volumes are exact, and boxes touch in all ways.
+            let count = random.random_range(1..7);
+            let mut corner = || Vec3::from_array(std::array::from_fn(|_| random.random_range(0..6u8).into()));
+            let boxes: Vec<Aabb> = (0..count)
+                .map(|_| {
+                    let (a, b) = (corner(), corner());
+                    Aabb::new(a.min(b), a.max(b) + 1.0)
+                })
+                .collect();
+            let mut held = 0;
+            for i in 0..512 {
+                let middle = Vec3::new((i % 8) as f32, (i / 8 % 8) as f32, (i / 64) as f32) + 0.5;
+                let holds = |b: &Aabb| b.min.cmplt(middle).all() && middle.cmplt(b.max).all();
+                held += usize::from(boxes.iter().any(holds));
+            }
+            let (volume, closed) = measure(&surface(&boxes));
+            assert!(closed && volume == 6.0 * held as f64, "{seed}: {volume} {held} {boxes:?}");
+        }
+    }
+
+    #[test]
+    fn boxes_that_are_none_are_left_out() {
+        let odd = |x: f32| Aabb::new(Vec3::ZERO, Vec3::new(x, 1.0, 1.0));
+        let (_, triangles) = surface(&[odd(0.0), odd(-1.0), odd(f32::NAN), odd(f32::INFINITY)]);
+        assert!(triangles.is_empty());
+    }
+}

@@ -13,6 +13,9 @@ use rand::RngExt;
 /// Rays that pass this close to a border between seen and hidden are in doubt, in metres.
 const DOUBT: f64 = 1e-4;
 
+/// Eyes keep that far from solids, in metres, and by that share of its radius from a ball.
+const CLEAR: f32 = 1e-3;
+
 fn world(kind: SceneKind, scale: f32) -> World {
     let mut world = build(kind, &SceneOptions { scale, ..SceneOptions::default() });
     world.objects.retain(|object| object.motion == Motion::Static);
@@ -43,8 +46,8 @@ fn point_of(shape: &Shape, [a, b, c]: [f32; 3]) -> Vec3 {
 /// Whether a place is in a solid.
 fn in_solid(objects: &[Object], place: Vec3) -> bool {
     objects.iter().filter(|o| o.occludes).any(|object| match &object.shape {
-        Shape::Sphere { center, radius } => center.distance(place) <= *radius * 1.001,
-        Shape::Box { min, max } => place.cmpge(min - 1e-3).all() && place.cmple(max + 1e-3).all(),
+        Shape::Sphere { center, radius } => center.distance(place) <= *radius * (1.0 + CLEAR),
+        Shape::Box { min, max } => place.cmpge(min - CLEAR).all() && place.cmple(max + CLEAR).all(),
         Shape::Mesh { mesh, transform } => {
             let (min, max) = mesh.bounds(transform);
             mesh.is_closed() && place.cmpge(min).all() && place.cmple(max).all()
@@ -108,9 +111,9 @@ fn rooms_lose_nothing_and_their_walls_hide() {
     let world = world(SceneKind::Rooms, 0.3);
     let within = Some(Aabb::new(Vec3::ZERO, Vec3::new(40.0, 2.0, 40.0)));
     let places = Places { edge: 2.0, height: Some((0.2, 2.0)), within };
-    let (sizes, seen) = look(&world, &places, 1, 2600);
-    let all = world.objects.len();
-    assert!(seen > 10 && sizes < seen * 5 / 2, "{seen} {sizes} of {all}");
+    let (sizes, seen) = look(&world, &places, 4, 30);
+    let all = 4 * world.objects.len();
+    assert!(seen > 4 * 10 && sizes < seen * 5 / 2 && sizes < all / 2, "{seen} {sizes} of {all}");
 }
 
 #[test]
@@ -167,13 +170,11 @@ fn what_one_corner_of_a_side_sees_is_found() {
             };
             let (world, cell) = level_with_hole(turn);
             let level = Level::new(&world, None, false).unwrap();
-            // With 1200 there is a query for each cell of the grid.
-            let queries: &[u32] = if signs % 7 == 0 { &[16, 60, 300, 1200] } else { &[16, 300] };
-            for &queries in queries {
+            for queries in [16, 60] {
                 let set = Finder::new(&level, queries).set(cell);
                 let has = |i| set.contains(&i);
                 assert!(has(0) && has(2), "{axis} {signs:b} {queries}: {set:?}");
-                assert!(queries < 300 || !has(1), "{axis} {signs:b}: the ball behind the wall is hidden");
+                assert!(!has(1), "{axis} {signs:b} {queries}: the ball behind the wall is hidden");
             }
         }
     }
@@ -194,6 +195,52 @@ fn eyes_may_be_in_a_closed_mesh() {
     assert_eq!(found(true), [0], "nobody is in there");
     let outside = Aabb::new(Vec3::new(32.0, 1.0, 15.0), Vec3::new(34.0, 3.0, 17.0));
     assert_eq!(Finder::new(&Level::new(&world, None, false).unwrap(), 32).set(outside), [0, 2]);
+}
+
+#[test]
+fn a_closed_mesh_beside_the_cell_may_be_hollow() {
+    // A booth of 1 m whose side is in the same cell of the grid as a side of the view cell. Who
+    // looks from inside of it sees the ball in it, and hardly anything else.
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let object =
+        |shape| Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
+    let booth = Mesh::cuboid(Vec3::new(6.1, 1.0, 5.0), Vec3::new(7.1, 2.0, 6.0));
+    let ball = |x| object(Shape::Sphere { center: Vec3::new(x, 1.5, 5.5), radius: 0.05 });
+    let shape = Shape::Mesh { mesh: booth.into(), transform: Affine3A::IDENTITY };
+    world.objects = vec![object(shape), ball(6.6), ball(9.0)];
+    world.grid = GridHint { min: Vec3::ZERO, max: Vec3::splat(40.0), cell: 0.5 };
+    let level = Level::new(&world, None, false).unwrap();
+    let cell = |x0: f32, x1: f32| Aabb::new(Vec3::new(x0, 1.2, 5.2), Vec3::new(x1, 1.8, 5.8));
+    for queries in [16, 200] {
+        let mut finder = Finder::new(&level, queries);
+        assert_eq!(finder.set(cell(5.0, 6.0)), [0], "all is hidden by the booth");
+        assert_eq!(finder.set(cell(5.0, 6.2))[..2], [0, 1], "eyes in the booth see the ball in it");
+        assert_eq!(finder.set(cell(8.0, 8.5)), [0, 2]);
+    }
+}
+
+#[test]
+fn walls_hide_what_is_behind_them_only() {
+    // A sheet between two cells, a picture on it, a ball behind it, and one whose box touches it.
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let object =
+        |shape| Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
+    let sheet = |x: f32, low: [f32; 2], high: [f32; 2]| {
+        let at = |y, z| Vec3::new(x, y, z);
+        let [a, b, c, d] =
+            [at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])];
+        let mesh = Mesh { positions: vec![a, b, c, d], triangles: vec![[0, 1, 2], [0, 2, 3]] };
+        object(Shape::Mesh { mesh: mesh.into(), transform: Affine3A::IDENTITY })
+    };
+    let ball = |x| object(Shape::Sphere { center: Vec3::new(x, 5.0, 5.0), radius: 0.25 });
+    world.objects =
+        vec![sheet(8.0, [0.0, 0.0], [10.0, 10.0]), sheet(8.0, [4.0, 4.0], [6.0, 6.0]), ball(9.0), ball(8.25)];
+    let level = Level::new(&world, None, false).unwrap();
+    let before = Aabb::new(Vec3::new(5.0, 4.0, 4.0), Vec3::new(6.0, 6.0, 6.0));
+    let set = Finder::new(&level, 60).set(before);
+    assert!(set[..2] == [0, 1] && !set.contains(&2), "{set:?}");
+    let behind = Aabb::new(Vec3::new(10.0, 4.0, 4.0), Vec3::new(11.0, 6.0, 6.0));
+    assert_eq!(Finder::new(&level, 60).set(behind), [0, 1, 2, 3]);
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Entities: players, vehicles, doors, whatever a client may or may not be told of.
 
 use casca::{Aabb, ObjectId, Occluder};
+use casca_walls::{Span, Walls};
 
 use crate::error::{ServerError, place, within};
 use crate::id::ClientId;
 use crate::numeric::{FASTEST, ROUNDING, at_least, at_most};
-use crate::walls::{Span, Walls};
 
 /// The team of clients and entities: a number of the game.
 pub type Team = u32;

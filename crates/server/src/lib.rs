@@ -90,7 +90,6 @@ mod server;
 pub mod session;
 mod state;
 mod tick;
-mod walls;
 #[cfg(feature = "wire")]
 pub mod wire;
 

@@ -25,6 +25,10 @@ pub(crate) const AHEAD: f64 = 0.7;
 /// their reaches with a margin of a billionth of them.
 pub(crate) const KEPT_REACH: f32 = 1e-3;
 
+/// Narrower walls hide too little to be asked, in metres: a wall must be as wide as the room that
+/// the eye or the entity has.
+pub(crate) const LEAST_WALL: f32 = 0.6;
+
 /// Times that entities move for are rounded up to so many seconds, so that clients share their
 /// boxes: at 5 m/s that is 5 cm.
 pub(crate) const STEP: f64 = 0.01;

@@ -3,6 +3,7 @@
 use casca::glam::Vec3;
 use casca::{Aabb, ObjectDesc, Scene};
 use casca_slots::{Id, Slot, Slots};
+use casca_walls::Walls;
 
 use crate::client::ClientDesc;
 use crate::entity::{Entity, EntityDesc, check_box};
@@ -11,7 +12,6 @@ use crate::field::FieldOfView;
 use crate::id::{ClientId, EntityId};
 use crate::options::ServerOptions;
 use crate::state::ClientState;
-use crate::walls::Walls;
 
 /// Finds, tick by tick, which entities each client may be told of.
 ///

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use casca::glam::DVec3;
 use casca::{Aabb, Light, ObjectId, Query, Scene, Sight};
+use casca_walls::{Eyes, Span, Walls};
 
 use crate::answer::Answer;
 use crate::client::ClientDesc;
@@ -15,7 +16,6 @@ use crate::hook::Hook;
 use crate::id::{ClientId, EntityId};
 use crate::numeric::{ROUNDING, STEP};
 use crate::options::ServerOptions;
-use crate::walls::{Eyes, Span, Walls};
 
 /// What all clients share in a tick.
 pub(crate) struct Moment<'a, H: ?Sized> {
@@ -145,7 +145,7 @@ impl ClientState {
     fn eyes<H: Hook + ?Sized>(&self, moment: &Moment<H>, reach: f64) -> Eyes {
         let center = self.desc.eye.as_dvec3();
         let span = Span { min: center - reach, max: center + reach };
-        Eyes { center, reach, span: moment.walls.reached(&Span { min: center, max: center }, span) }
+        Eyes::new(center, reach, moment.walls.reached(&Span { min: center, max: center }, span))
     }
 
     /// Finds the objects in the scene whose shadows the client may see.
@@ -203,10 +203,10 @@ impl Look<'_> {
     /// Whether an eye may see a point of a box until the next answer counts; in doubt, yes.
     fn may_see(&self, walls: &Walls, place: &Aabb, hint: &mut u32) -> bool {
         let ClientDesc { eye, field, .. } = self.client.desc;
-        let in_field = |f: FieldOfView| f.may_see(eye.as_dvec3(), self.eyes.reach, self.time, place);
+        let in_field = |f: FieldOfView| f.may_see(eye.as_dvec3(), self.eyes.reach(), self.time, place);
         let span = Span { min: place.min.as_dvec3(), max: place.max.as_dvec3() };
         field.is_none_or(in_field)
-            && !walls.hide(&self.eyes, &span, hint)
+            && !walls.hide(&self.eyes, &span, 0.0, hint)
             && self.sight.as_ref().is_none_or(|sight| sight.may_see_box(place))
     }
 }

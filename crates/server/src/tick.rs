@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use casca::{Light, ObjectDesc};
+use casca_walls::Walls;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
@@ -11,10 +12,9 @@ use crate::entity::Entity;
 use crate::error::{ServerError, time};
 use crate::hook::Hook;
 use crate::id::{ClientId, EntityId};
-use crate::numeric::STEP;
+use crate::numeric::{LEAST_WALL, STEP};
 use crate::server::VisibilityServer;
 use crate::state::{ClientState, Moment, steps};
-use crate::walls::Walls;
 
 impl VisibilityServer {
     /// Answers all clients for the time `now`, in the order of their slots. `hook` adds entities
@@ -62,7 +62,7 @@ impl VisibilityServer {
             return;
         }
         let own: BTreeSet<_> = self.entities.iter().filter_map(|(_, entity)| entity.object).collect();
-        let walls = self.options.walls.then(|| Walls::of(&self.level, |id| own.contains(&id)));
+        let walls = self.options.walls.then(|| Walls::of(&self.level, LEAST_WALL, |id| own.contains(&id)));
         self.walls = Some(walls.unwrap_or_default());
     }
 

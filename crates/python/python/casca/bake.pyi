@@ -34,7 +34,7 @@ class Bake:
         cell: float = 2.0,
         height: tuple[float, float] | None = None,
         within: tuple[ArrayLike, ArrayLike] | None = None,
-        queries: int = 200,
+        queries: int = 50,
         grid: float | None = None,
         solid: bool = False,
         content: bytes | None = None,

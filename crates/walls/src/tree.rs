@@ -2,7 +2,10 @@
 
 use casca::glam::DVec3;
 
-use super::wall::{Span, Wall};
+use crate::wall::{Span, Wall};
+
+/// Shares of a segment are off by less than this: leaves that are entered in vain cost little.
+const SHARE: f64 = 1e-9;
 
 /// Walls in a leaf, at most.
 const LEAF: usize = 4;
@@ -18,13 +21,13 @@ struct Node {
 
 /// Halves of halves of walls, each with its box.
 #[derive(Debug, Default)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     nodes: Vec<Node>,
 }
 
 impl Tree {
     /// Sorts walls into a tree.
-    pub(super) fn new(walls: &mut [Wall]) -> Self {
+    pub(crate) fn new(walls: &mut [Wall]) -> Self {
         let mut tree = Self::default();
         if !walls.is_empty() {
             tree.add(walls, 0);
@@ -74,7 +77,7 @@ impl Tree {
     }
 
     /// Visits walls near a box, and all that touch it.
-    pub(super) fn touching(&self, span: &Span, mut visit: impl FnMut(usize)) {
+    pub(crate) fn touching(&self, span: &Span, mut visit: impl FnMut(usize)) {
         let touches = |s: &Span| s.min.cmple(span.max).all() && s.max.cmpge(span.min).all();
         self.walk(touches, |i| {
             visit(i);
@@ -83,7 +86,7 @@ impl Tree {
     }
 
     /// Visits walls near a segment, and all that it meets, until one is enough; whether one was.
-    pub(super) fn along(&self, from: DVec3, to: DVec3, enough: impl FnMut(usize) -> bool) -> bool {
+    pub(crate) fn along(&self, from: DVec3, to: DVec3, enough: impl FnMut(usize) -> bool) -> bool {
         let (middle, half) = ((from + to) * 0.5, (to - from).abs() * 0.5);
         // Boxes and segments of no extent along an axis are compared as they are.
         let inverse = 1.0 / (to - from);
@@ -96,7 +99,7 @@ impl Tree {
             let (first, last) = (a.min(b), a.max(b));
             let start = first.to_array().into_iter().filter(|t| !t.is_nan()).fold(0.0, f64::max);
             let end = last.to_array().into_iter().filter(|t| !t.is_nan()).fold(1.0, f64::min);
-            start <= end + 1e-9
+            start <= end + SHARE
         };
         self.walk(enters, enough)
     }

@@ -14,7 +14,7 @@ fn wall() -> Wall {
 }
 
 fn eyes(center: DVec3, reach: f64) -> Eyes {
-    Eyes { center, reach, span: Span { min: center - reach, max: center + reach } }
+    Eyes::new(center, reach, Span { min: center - reach, max: center + reach })
 }
 
 fn cuboid(center: DVec3, half: f64) -> Span {
@@ -25,7 +25,7 @@ fn cuboid(center: DVec3, half: f64) -> Span {
 fn a_wall_hides_what_no_eye_sees_past_it() {
     let hides = |reach, half, z| {
         let (eyes, target) = (eyes(DVec3::new(0.0, 1.5, 0.0), reach), cuboid(DVec3::new(7.0, 1.5, z), half));
-        wall().hides(&eyes, &target)
+        wall().hides(&eyes, &target, 0.0)
     };
     assert!(hides(0.0, 0.1, 0.0) && hides(0.5, 0.5, 0.0));
     // From the middle, z = 2 at x = 5 is seen at z = 2.8 at x = 7.
@@ -34,9 +34,12 @@ fn a_wall_hides_what_no_eye_sees_past_it() {
     assert!(hides(0.5, 0.0, 2.55) && !hides(0.5, 0.0, 2.65));
     assert!(!hides(0.0, 2.5, 0.0), "it sticks out");
     let beside = cuboid(DVec3::new(3.0, 1.5, 0.0), 0.5);
-    assert!(!wall().hides(&eyes(DVec3::new(0.0, 1.5, 0.0), 0.0), &beside), "it is before the wall");
+    assert!(!wall().hides(&eyes(DVec3::new(0.0, 1.5, 0.0), 0.0), &beside, 0.0), "it is before the wall");
+    let flush = Span { min: DVec3::new(5.0, 1.0, -1.0), max: DVec3::new(6.0, 2.0, 1.0) };
+    let front = eyes(DVec3::new(0.0, 1.5, 0.0), 0.1);
+    assert!(wall().hides(&front, &flush, 0.0) && !wall().hides(&front, &flush, 1e-6), "it is at the wall");
     let through = eyes(DVec3::new(4.8, 1.5, 0.0), 0.5);
-    assert!(!wall().hides(&through, &cuboid(DVec3::new(7.0, 1.5, 0.0), 0.1)), "eyes on both sides");
+    assert!(!wall().hides(&through, &cuboid(DVec3::new(7.0, 1.5, 0.0), 0.1), 0.0), "eyes on both sides");
 }
 
 proptest! {
@@ -53,7 +56,7 @@ proptest! {
         (e[axis], t[axis]) = (sign * (1.0 + e[axis].abs()), -sign * (0.5 + t[axis].abs()));
         let eyes = eyes(e, r);
         let target = Span { min: t - DVec3::from(half), max: t + DVec3::from(half) };
-        if wall.hides(&eyes, &target) {
+        if wall.hides(&eyes, &target, 0.0) {
             let mut random = generator(seed, 0);
             for _ in 0..200 {
                 let mut any = || DVec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..=1.0)));
@@ -63,6 +66,60 @@ proptest! {
             }
         }
     }
+}
+
+proptest! {
+    #![proptest_config(casca_truth::cases(300))]
+    #[test]
+    fn no_segment_gets_past_walls_that_hide_in_parts(
+        walls in prop::collection::vec((0usize..3, -1.0f64..1.0, prop::array::uniform4(-2.0f64..2.0)), 1..6),
+        (axis, apart, seed) in (0usize..3, 0.0f64..0.5, any::<u64>()),
+        (e, t) in (prop::array::uniform3(-1.5f64..1.5), prop::array::uniform3(-1.5f64..1.5)),
+        half in prop::array::uniform6(0.0f64..0.4),
+    ) {
+        // Most are walls between the eyes and the target, and large.
+        let wall = |&(a, at, [p, q, r, s]): &(usize, f64, [f64; 4])| {
+            let axis = if at > -0.5 { axis } else { a };
+            Wall { axis, at, min: [p.min(q) - 1.0, r.min(s) - 1.0], max: [p.max(q) + 1.0, r.max(s) + 1.0] }
+        };
+        let all: Vec<Wall> = walls.iter().map(wall).collect();
+        let (mut e, mut t) = (DVec3::from(e), DVec3::from(t));
+        (e[axis], t[axis]) = (-2.0 - e[axis].abs(), 2.0 + t[axis].abs());
+        let of = |c: DVec3, h: &[f64]| Span { min: c - DVec3::from_slice(h), max: c + DVec3::from_slice(h) };
+        let (eyes, target) = (of(e, &half[..3]), of(t, &half[3..]));
+        let found = Walls::new(all.clone());
+        let hidden = found.hide_in_parts(&eyes, &target, apart, 200, &mut 0);
+        let any_alone = all.iter().any(|w| w.hides(&Eyes::cuboid(eyes), &target, apart));
+        prop_assert!(hidden || !any_alone, "what one wall hides, walls hide");
+        if hidden {
+            let mut random = generator(seed, 0);
+            for _ in 0..200 {
+                let mut any = |s: &Span| {
+                    let share = DVec3::from_array(std::array::from_fn(|_| random.random_range(0.0..=1.0)));
+                    s.min + share * (s.max - s.min)
+                };
+                let (eye, point) = (any(&eyes), any(&target));
+                prop_assert!(all.iter().any(|w| w.meets(eye, point)), "{eye} {point}");
+            }
+        }
+    }
+}
+
+#[test]
+fn two_walls_hide_what_neither_does_alone() {
+    // Two panels with a slit between them, and a third behind the slit.
+    let panel = |at: f64, from: f64, to: f64| Wall { axis: 0, at, min: [-9.0, from], max: [9.0, to] };
+    let hides = |walls: Vec<Wall>, parts: u32| {
+        let eyes = Span { min: DVec3::new(-1.0, 0.0, -1.0), max: DVec3::new(0.0, 1.0, 1.0) };
+        let target = Span { min: DVec3::new(9.0, 0.0, -2.0), max: DVec3::new(10.0, 1.0, 2.0) };
+        Walls::new(walls).hide_in_parts(&eyes, &target, 0.0, parts, &mut 0)
+    };
+    let (left, right, behind) = (panel(4.0, -9.0, -0.2), panel(4.0, 0.2, 9.0), panel(5.0, -0.6, 0.6));
+    assert!(hides(vec![left, right, behind], 2000));
+    assert!(!hides(vec![left, right, behind], 5), "that needs more parts");
+    assert!(!hides(vec![left, right], 2000));
+    assert!(!hides(vec![left, behind], 2000));
+    assert!(!hides(vec![left, right, panel(5.0, -0.1, 0.1)], 2000), "rays pass beside a narrow one");
 }
 
 #[test]
@@ -87,11 +144,11 @@ fn boxes_and_quads_are_walls_and_other_triangles_are_not() {
         let solid = Aabb::new(Vec3::new(4.0, 0.0, z), Vec3::new(4.5, 3.0, z + 3.0));
         level.insert(ObjectDesc::fixed(solid).occluder(solid)).unwrap();
     }
-    let found = find(&level, |_| false);
+    let found = find(&level, 0.6, |_| false);
     let across = found.iter().filter(|w| w.axis == 0).collect::<Vec<_>>();
     assert_eq!(across.len(), 2, "one a side: {across:?}");
     assert!(across.iter().all(|w| w.min == [0.0, 0.0] && w.max == [3.0, 6.0]));
-    assert_eq!(find(&level, |_| true).len(), 0);
+    assert_eq!(find(&level, 0.6, |_| true).len(), 0);
 
     let corners =
         [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(y, z)| Vec3::new(1.0, y, z)).to_vec();
@@ -102,7 +159,7 @@ fn boxes_and_quads_are_walls_and_other_triangles_are_not() {
         let corners = corners.iter().map(|&p| turn.transform_point3(p)).collect();
         let mesh = std::sync::Arc::new(TriMesh::new(corners, triangles).unwrap());
         level.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
-        find(&level, |_| false).len()
+        find(&level, 0.6, |_| false).len()
     };
     assert_eq!(count(vec![[0, 1, 2], [0, 2, 3]], 0.0), 1);
     assert_eq!(count(vec![[0, 1, 2], [0, 2, 1]], 0.0), 0, "one half, from both sides");

@@ -1,0 +1,71 @@
+//! The walls of a level: faces of its boxes, and rectangles that its triangles cover.
+
+use std::collections::BTreeMap;
+
+use casca::glam::{Affine3A, Vec3};
+use casca::{Motion, ObjectId, Occluder, Scene, TriMesh};
+
+use crate::region::{Rectangle, Region};
+use crate::wall::{Wall, along};
+
+/// What lies in planes, by the axis and the bits of the place on it.
+type Planes = BTreeMap<(usize, u32), Region>;
+
+/// The walls of a level that are at least so wide and high, but for those of the objects that
+/// `leaves_out` tells.
+pub(crate) fn find(level: &Scene, least_side: f32, leaves_out: impl Fn(ObjectId) -> bool) -> Vec<Wall> {
+    let mut planes = Planes::new();
+    for (id, object) in level.iter() {
+        if object.motion() != Motion::Static || object.layers() != u64::MAX || leaves_out(id) {
+            continue;
+        }
+        match object.occluder() {
+            Some(Occluder::Box(b)) => add_box(&mut planes, b.min, b.max),
+            Some(Occluder::Mesh(mesh)) => add_mesh(&mut planes, mesh, &Affine3A::IDENTITY),
+            Some(Occluder::Instance(instance)) => {
+                add_mesh(&mut planes, instance.mesh(), &instance.transform());
+            }
+            _ => {}
+        }
+    }
+    let mut walls = Vec::new();
+    for ((axis, at), region) in planes {
+        let at = f64::from(f32::from_bits(at));
+        let large = |r: &Rectangle| (0..2).all(|i| r.1[i] - r.0[i] >= least_side);
+        let all = region.rectangles().into_iter().filter(large);
+        walls.extend(all.map(|(min, max)| Wall {
+            axis,
+            at,
+            min: min.map(f64::from),
+            max: max.map(f64::from),
+        }));
+    }
+    walls
+}
+
+fn plane(planes: &mut Planes, axis: usize, at: f32) -> &mut Region {
+    // Two zeros are one plane.
+    planes.entry((axis, (at + 0.0).to_bits())).or_default()
+}
+
+fn add_box(planes: &mut Planes, min: Vec3, max: Vec3) {
+    for axis in 0..3 {
+        for at in [min[axis], max[axis]] {
+            let side = |p: Vec3| along(axis).map(|i| p[i] + 0.0);
+            plane(planes, axis, at).rectangles.push((side(min), side(max)));
+        }
+    }
+}
+
+/// Adds the triangles that lie across an axis.
+fn add_mesh(planes: &mut Planes, mesh: &TriMesh, transform: &Affine3A) {
+    for triangle in mesh.triangles() {
+        let corners = triangle.map(|v| mesh.positions().get(v as usize).copied().unwrap_or(Vec3::NAN));
+        let corners = corners.map(|p| transform.transform_point3(p));
+        let Some(axis) = (0..3).find(|&a| corners.iter().all(|p| p[a] == corners[0][a])) else { continue };
+        let flat = corners.map(|p| along(axis).map(|i| p[i] + 0.0));
+        if flat.iter().flatten().all(|v| v.is_finite()) {
+            plane(planes, axis, corners[0][axis]).triangles.push(flat);
+        }
+    }
+}

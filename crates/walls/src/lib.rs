@@ -1,0 +1,177 @@
+//! The walls of a level: upright or level rectangles that nothing sees or goes through.
+//!
+//! - **They hide.** Let an eye be anywhere in a convex set E on one side of a wall, and a point
+//!   anywhere in a box T on the other side. The points that the wall hides from one eye are a
+//!   convex set, and so are the eyes from which it hides one point: cones behind the wall. So all
+//!   of T is hidden from all of E if the cone of each corner of T holds E. No eye or point needs
+//!   to be sampled, and the wall does not shrink, as occluders do for [`casca::View::with_reach`].
+//! - **They hide together.** If no wall alone hides T from E, one of the two is divided where that
+//!   helps a wall between them most, and each part is asked about: [`Walls::hide_in_parts`].
+//! - **They stop.** Where a wall covers all of the cross section of the box around an eye or an
+//!   entity, neither gets to its other side: the box ends there.
+//!
+//! ```
+//! use casca::glam::{DVec3, Vec3};
+//! use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+//! use casca_walls::{Eyes, Span, Walls};
+//!
+//! # fn main() -> Result<(), casca::Error> {
+//! let field = Aabb::new(Vec3::ZERO, Vec3::splat(32.0));
+//! let mut level = Scene::new(&GridSpec::covering(field, 1.0)?)?;
+//! let wall = Aabb::new(Vec3::new(10.0, 0.0, 4.0), Vec3::new(10.5, 6.0, 28.0));
+//! level.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+//!
+//! let walls = Walls::of(&level, 0.5, |_| false);
+//! // Two metres of a street, and a car behind the wall.
+//! let eyes = Eyes::cuboid(Span { min: DVec3::new(2.0, 1.0, 15.0), max: DVec3::new(4.0, 2.0, 17.0) });
+//! let car = |z| Span { min: DVec3::new(14.0, 0.0, z), max: DVec3::new(16.0, 1.5, z + 4.0) };
+//! let mut hint = 0;
+//! assert!(walls.hide(&eyes, &car(14.0), 0.0, &mut hint));
+//! assert!(!walls.hide(&eyes, &car(40.0), 0.0, &mut hint));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Limits
+//!
+//! Walls are rectangles of what the sides of boxes, or triangles of meshes, cover in a plane across
+//! an axis. Round, turned and
+//! slanted occluders are left to casca's queries. Static objects count that are on all layers.
+//! What lies in the plane of a wall may be painted on it, and is never hidden by it.
+#![deny(missing_docs)]
+
+mod find;
+mod region;
+mod tree;
+mod wall;
+
+use casca::glam::DVec3;
+use casca::{ObjectId, Scene};
+
+use find::find;
+use tree::Tree;
+use wall::{Cut, Wall};
+pub use wall::{Eyes, Span};
+
+/// The walls of a level.
+#[derive(Debug, Default)]
+pub struct Walls {
+    walls: Vec<Wall>,
+    tree: Tree,
+}
+
+/// Each wall may make another one stop a box that did not: so often they are asked.
+const ROUNDS: usize = 3;
+
+/// Eyes and a target are divided up to so often together: in 4,096 parts each if that goes along
+/// one axis.
+const MOST_DIVISIONS: u32 = 24;
+
+/// The walls on the segment between the middles of two boxes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Found {
+    None,
+    /// The largest of them, none of which hides all.
+    Between(usize),
+    /// One of them hides all of one box from all of the other.
+    Hides,
+}
+
+impl Walls {
+    /// The walls of a level that are at least `least_side` wide and high, in world units, but for
+    /// those of the objects that `leaves_out` tells. Costs some passes over all triangles.
+    pub fn of(level: &Scene, least_side: f32, leaves_out: impl Fn(ObjectId) -> bool) -> Self {
+        Self::new(find(level, least_side, leaves_out))
+    }
+
+    fn new(mut walls: Vec<Wall>) -> Self {
+        let tree = Tree::new(&mut walls);
+        Self { walls, tree }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.walls.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.walls.is_empty()
+    }
+
+    /// Whether one of them lies between two places.
+    pub fn part(&self, from: DVec3, to: DVec3) -> bool {
+        self.tree.along(from, to, |i| self.walls[i].meets(from, to))
+    }
+
+    /// The part of a box that can be reached from a part of it.
+    pub fn reached(&self, from: &Span, mut span: Span) -> Span {
+        for _ in 0..ROUNDS {
+            let mut changed = false;
+            self.tree.touching(&span.clone(), |i| changed |= self.walls[i].stops(from, &mut span));
+            if !changed {
+                break;
+            }
+        }
+        span
+    }
+
+    /// Whether one of the walls that are at least `apart` before it, in world units, hides all of a
+    /// box from all eyes. With 0, a box of which a side lies in a wall counts as behind it: what is
+    /// fixed to walls, or is one, needs more. `hint` is the wall that hid something last time, which
+    /// is tried first; it decides nothing. Costs a walk over the tree of walls, some hundred
+    /// nanoseconds to some microseconds.
+    pub fn hide(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> bool {
+        self.ask(eyes, target, apart, hint) == Found::Hides
+    }
+
+    fn ask(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> Found {
+        if self.walls.get(*hint as usize).is_some_and(|wall| wall.hides(eyes, target, apart)) {
+            return Found::Hides;
+        }
+        let (from, to) = (eyes.span().middle(), target.middle());
+        let mut found = Found::None;
+        self.tree.along(from, to, |i| {
+            let wall = &self.walls[i];
+            if !wall.meets(from, to) {
+                return false;
+            }
+            found = match found {
+                Found::Between(best) if self.walls[best].area() >= wall.area() => found,
+                _ => Found::Between(i),
+            };
+            if wall.hides(eyes, target, apart) {
+                *hint = i as u32;
+                found = Found::Hides;
+            }
+            found == Found::Hides
+        });
+        found
+    }
+
+    /// Whether walls hide all of a box from all eyes of another one, where each may be hidden in
+    /// parts by other walls. Up to `most` parts are asked about, as [`Walls::hide`] does; where that
+    /// is not enough, the answer is `false`.
+    pub fn hide_in_parts(&self, eyes: &Span, target: &Span, apart: f64, most: u32, hint: &mut u32) -> bool {
+        let mut open = vec![(*eyes, *target, 0)];
+        for _ in 0..most {
+            let Some((eyes, target, divisions)) = open.pop() else { return true };
+            let wall = match self.ask(&Eyes::cuboid(eyes), &target, apart, hint) {
+                Found::Hides => continue,
+                Found::Between(wall) if divisions < MOST_DIVISIONS => &self.walls[wall],
+                // However they are divided, no wall hides one middle from the other.
+                Found::None | Found::Between(_) => return false,
+            };
+            let Cut { of_eyes, axis, at } = wall.cut(&eyes, &target, apart);
+            if of_eyes {
+                open.extend(eyes.divided(axis, at).map(|part| (part, target, divisions + 1)));
+            } else {
+                open.extend(target.divided(axis, at).map(|part| (eyes, part, divisions + 1)));
+            }
+        }
+        open.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests;
