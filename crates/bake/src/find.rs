@@ -14,17 +14,20 @@ use casca::{Aabb, Query, View};
 use casca_walls::Span;
 
 use crate::level::Level;
-use crate::part::{Part, sides, touch};
+use crate::part::{Part, Side, sides, touch};
 
 /// A part is divided up to so often.
 const DEEPEST: u32 = 24;
 
-/// Queries ask from the middles of parts up to this depth, so that it is known what is surely worth
-/// no further division.
+/// Queries ask from an eye in each part up to this depth, so that it is known what is surely worth no
+/// further division.
 const LOOKED_FROM: u32 = 6;
 
 /// Parts of a part of a side and of an object that walls are asked about, at most.
 const MOST_PARTS: u32 = 256;
+
+/// The same for an eye and an object that a query from there found: it is seen mostly.
+const MOST_PARTS_OF_SEEN: u32 = 16;
 
 /// Finds sets of cells, one after the other.
 pub struct Finder<'l> {
@@ -85,36 +88,32 @@ impl<'l> Finder<'l> {
         if part.depth == 0 {
             self.narrow(eyes, &mut part.set);
         }
-        if part.depth <= LOOKED_FROM {
-            let middle = (part.low + part.high) * 0.5;
-            let mut seen = part.set.clone();
-            self.narrow(Aabb::new(middle, middle), &mut seen);
+        if let Some(eye) = part.eye(self.level).filter(|_| part.depth <= LOOKED_FROM) {
+            let mut seen: Vec<u32> = part.set.iter().filter(|&&i| !known[i as usize]).copied().collect();
+            let eye = Aabb::new(eye, eye);
+            self.narrow(eye, &mut seen);
+            self.narrow_by_walls(&eye, part.side, &mut seen, MOST_PARTS_OF_SEEN, known);
             seen.iter().for_each(|&i| known[i as usize] = true);
         }
-        self.narrow_by_walls(&mut part, known);
+        self.narrow_by_walls(&eyes, part.side, &mut part.set, MOST_PARTS, known);
         if part.depth > 0 && part.set.iter().any(|&i| !known[i as usize]) {
             self.narrow(eyes, &mut part.set);
         }
         open.push(part);
     }
 
-    /// Keeps the objects of a part that are known to be seen from somewhere, or that walls do not
-    /// hide.
-    fn narrow_by_walls(&mut self, part: &mut Part, known: &[bool]) {
+    /// Keeps the objects beyond a side that are known to be seen from somewhere, or that walls do not
+    /// hide from all eyes in a box.
+    fn narrow_by_walls(&self, eyes: &Aabb, side: Side, set: &mut Vec<u32>, most: u32, known: &[bool]) {
         let level = self.level;
-        if level.walls.is_empty() {
-            return;
-        }
-        let eyes = Span { min: part.low.as_dvec3(), max: part.high.as_dvec3() };
+        let span = |b: &Aabb| Span { min: b.min.as_dvec3(), max: b.max.as_dvec3() };
+        let eyes = span(eyes);
         let mut hint = 0;
-        let side = part.side;
-        part.set.retain(|&i| {
+        set.retain(|&i| {
             let Some(b) = level.bounds[i as usize].filter(|_| !known[i as usize]) else { return true };
             // A wall does not hide itself, nor what is fixed to it.
             let apart = f64::from(touch(&b));
-            let beyond = side.beyond(&b);
-            let target = Span { min: beyond.min.as_dvec3(), max: beyond.max.as_dvec3() };
-            !level.walls.hide_in_parts(&eyes, &target, apart, MOST_PARTS, &mut hint)
+            !level.walls.hide_in_parts(&eyes, &span(&side.beyond(&b)), apart, most, &mut hint)
         });
     }
 

@@ -99,6 +99,17 @@ impl Part {
         }
     }
 
+    /// An eye in it that is in no solid box, if its middle or the middle of a quarter is that.
+    pub(crate) fn eye(&self, level: &Level) -> Option<Vec3> {
+        let at = |x: f32, y: f32, z: f32| self.low + (self.high - self.low) * Vec3::new(x, y, z);
+        let quarters = (0..8).map(|i: u8| {
+            let share = |bit: u8| if i >> bit & 1 == 0 { 0.25 } else { 0.75 };
+            at(share(0), share(1), share(2))
+        });
+        let is_free = |eye: &Vec3| level.solids_in(&Aabb::new(*eye, *eye)).next().is_none();
+        std::iter::once(at(0.5, 0.5, 0.5)).chain(quarters).find(is_free)
+    }
+
     /// Two parts of it: at a side of a solid box that reaches into it, or in the middle of its
     /// longest edge.
     pub(crate) fn divided(self, level: &Level) -> [Self; 2] {

@@ -122,11 +122,27 @@ impl Walls {
     /// is tried first; it decides nothing. Costs a walk over the tree of walls, some hundred
     /// nanoseconds to some microseconds.
     pub fn hide(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> bool {
-        self.ask(eyes, target, apart, hint) == Found::Hides
+        if self.hint_hides(eyes, target, apart, *hint) {
+            return true;
+        }
+        let (from, to) = (eyes.span().middle(), target.middle());
+        self.tree.along(from, to, |i| {
+            let wall = &self.walls[i];
+            let hides = wall.meets(from, to) && wall.hides(eyes, target, apart);
+            if hides {
+                *hint = i as u32;
+            }
+            hides
+        })
     }
 
+    fn hint_hides(&self, eyes: &Eyes, target: &Span, apart: f64, hint: u32) -> bool {
+        self.walls.get(hint as usize).is_some_and(|wall| wall.hides(eyes, target, apart))
+    }
+
+    /// As [`Walls::hide`], but if none hides all, the largest wall between the middles is told.
     fn ask(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> Found {
-        if self.walls.get(*hint as usize).is_some_and(|wall| wall.hides(eyes, target, apart)) {
+        if self.hint_hides(eyes, target, apart, *hint) {
             return Found::Hides;
         }
         let (from, to) = (eyes.span().middle(), target.middle());

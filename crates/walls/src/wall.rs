@@ -37,6 +37,11 @@ impl Span {
         (self.min + self.max) * 0.5
     }
 
+    /// The greatest distance of its coordinates from 0.
+    fn farthest(&self) -> DVec3 {
+        self.min.abs().max(self.max.abs())
+    }
+
     fn corners(self) -> impl Iterator<Item = DVec3> {
         (0..8).map(move |i| {
             DVec3::from_array(std::array::from_fn(
@@ -149,14 +154,14 @@ impl Wall {
         if target.min[a] == self.at && target.max[a] == self.at {
             return false;
         }
-        target.corners().all(|q| (0..2).all(|i| self.hides_along(i, eyes, q, side)))
+        let far = eyes.span.farthest().max(target.farthest());
+        target.corners().all(|q| (0..2).all(|i| self.hides_along(i, eyes, q, side, far)))
     }
 
     /// Whether, along one axis of the wall, the cone behind it of a point on the other side holds
-    /// all eyes.
-    fn hides_along(&self, i: usize, eyes: &Eyes, q: DVec3, side: f64) -> bool {
+    /// all eyes. Coordinates of both are up to `far` from 0.
+    fn hides_along(&self, i: usize, eyes: &Eyes, q: DVec3, side: f64, far: DVec3) -> bool {
         let away = (self.at - q[self.axis]) * side;
-        let far = eyes.span.min.abs().max(eyes.span.max.abs()).max(q.abs());
         let b = along(self.axis)[i];
         let (least, most) = (self.min[i] - q[b], self.max[i] - q[b]);
         if away <= 0.0 {
@@ -202,7 +207,8 @@ impl Wall {
             ]
         };
         let all = Eyes::cuboid(*eyes);
-        let sticks_out = |i: usize| target.corners().any(|q| !self.hides_along(i, &all, q, side));
+        let far = eyes.farthest().max(target.farthest());
+        let sticks_out = |i: usize| target.corners().any(|q| !self.hides_along(i, &all, q, side, far));
         let axes = (0..2).zip(along(a)).filter(|&(i, _)| sticks_out(i));
         let most = axes.flat_map(|(_, b)| along_axis(b)).max_by(|x, y| x.2.total_cmp(&y.2));
         let (of_eyes, axis, _) = most.unwrap_or((false, a, 0.0));
