@@ -11,7 +11,7 @@ use casca_walls::Walls;
 use crate::solids::{Boxes, groups};
 use crate::union;
 
-/// The static objects of a level, and what hides them.
+/// The static objects of a level, and the occluders among them.
 ///
 /// The number of an object is its place in [`World::objects`], for a glTF file the order of its
 /// nodes. Objects that move are left to run time: they are in no set, and hide nothing.

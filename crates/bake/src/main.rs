@@ -36,7 +36,7 @@ enum Command {
         #[arg(required = true)]
         files: Vec<PathBuf>,
     },
-    /// Prints what a file holds.
+    /// Prints the cells and sets of a file.
     Show {
         /// The file.
         file: PathBuf,

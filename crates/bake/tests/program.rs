@@ -1,4 +1,4 @@
-//! The program: bakes that are killed, parts that are merged, and what it refuses.
+//! The program: a bake that is killed goes on, parts are merged, and bad arguments are refused.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -62,7 +62,7 @@ impl Bake {
 #[pymethods]
 impl Bake {
     #[new]
-    #[pyo3(signature = (level, *, cell=2.0, height=None, within=None, queries=50, grid=None, solid=False, content=None))]
+    #[pyo3(signature = (level, *, cell=2.0, height=None, within=None, queries=50, grid=None, solid=false, content=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python,

@@ -60,6 +60,8 @@
 //! - Entities hide nothing unless they have an occluder, and then must not have a speed: doors.
 //! - Boxes of entities must hold all that can be seen of them, weapons and effects included.
 //!
+//! Walls decide most pairs without that: see [`casca_walls`].
+//!
 //! # Features
 //!
 //! - `rayon`, on by default: clients are answered by several threads.

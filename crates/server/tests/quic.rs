@@ -15,6 +15,7 @@ use quinn::{
     ClientConfig, Connection, ConnectionError, Endpoint, RecvStream, SendStream, TransportConfig, VarInt,
 };
 use rustls::pki_types::CertificateDer;
+use tokio::net::UdpSocket;
 use tokio::time::timeout;
 use tokio_tungstenite::connect_async;
 use tokio_tungstenite::tungstenite::Message;
@@ -365,4 +366,36 @@ async fn certificates_come_from_files() {
     let identity = Identity::from_pem_files(&certificates, &key).unwrap();
     options.quic = Some(QuicOptions::new(SocketAddr::from(([127, 0, 0, 1], 0)), identity));
     assert!(Front::start(Level::rooms().unwrap(), options).await.is_err());
+}
+
+/// The two bits of the first byte of a long header that tell a Retry packet of QUIC 1 (RFC 9000,
+/// 17.2.5).
+const IS_RETRY: (u8, u8) = (0xf0, 0xf0);
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_forged_address_gets_a_retry_and_no_seat() {
+    let (front, certificate) = start(|options| options.connections = 2).await;
+    let server = front.quic().unwrap();
+    for _ in 0..8 {
+        // A client's first packet, sent on from an address whose owner never answers.
+        let between = UdpSocket::bind("127.0.0.1:0").await.unwrap();
+        let client = endpoint(&certificate, PROTOCOL, 1 << 20);
+        let connecting = client.connect(between.local_addr().unwrap(), "localhost").unwrap();
+        let mut packet = [0; 2048];
+        let (long, _) = timeout(LONGEST, between.recv_from(&mut packet)).await.unwrap().unwrap();
+        drop(connecting);
+        let forged = UdpSocket::bind("127.0.0.1:0").await.unwrap();
+        forged.send_to(&packet[..long], server).await.unwrap();
+        let mut answer = [0; 2048];
+        let (got, from) = timeout(LONGEST, forged.recv_from(&mut answer)).await.unwrap().unwrap();
+        assert_eq!(from, server);
+        assert!(answer[0] & IS_RETRY.0 == IS_RETRY.1 && got < long, "{:x}, {got} of {long} bytes", answer[0]);
+        // Nothing else is sent there.
+        assert!(timeout(Duration::from_millis(50), forged.recv_from(&mut answer)).await.is_err());
+    }
+    assert_eq!(metric(&front, "casca_connections"), 0.0);
+    let (mut good, ..) = Client::join(&front, &certificate).await;
+    good.answer().await;
+    assert_eq!(metric(&front, "casca_connections"), 1.0);
+    front.stop().await;
 }

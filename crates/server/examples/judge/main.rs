@@ -1,5 +1,5 @@
-//! Plays matches, and says how long a tick takes, what is withheld, and what is told late, beside
-//! other ways to choose.
+//! Plays matches of bots. Prints how long a tick takes, and which shares of the entities are withheld and
+//! told late, beside other ways to choose.
 //!
 //! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`, with options:
 //! `--times TICKS`, `--late TICKS` (casca alone), `--beside TICKS` (all ways), `--queries N`,
@@ -110,7 +110,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Draws what is withheld over what is late: a mark for each level and way.
+/// Draws the share withheld over the share told late: a mark for each level and way.
 fn chart(file: &std::path::Path, csv: &str) -> Result<(), Failure> {
     let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
     let mut series = Vec::new();
@@ -127,7 +127,7 @@ fn chart(file: &std::path::Path, csv: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Bots must keep out of what hides.
+/// Bots must keep out of occluders.
 fn check(level: &Level) -> Result<(), Failure> {
     let oracle = RayOracle::new(&level.objects);
     let through = |pair: &[Vec3]| oracle.occluded(pair[0].as_dvec3(), pair[1].as_dvec3(), usize::MAX);

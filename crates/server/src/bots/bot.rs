@@ -7,6 +7,9 @@ use rand::RngExt;
 /// How far bots step aside from their path, in metres.
 const ASIDE: f32 = 0.2;
 
+/// Steps of a path count as this long at least, in metres: one of no length would take no time.
+const SHORTEST: f32 = 1e-4;
+
 /// How a bot moves. The rates are times a second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Habits {
@@ -104,7 +107,7 @@ impl Bot {
         let mut left = if self.target(path).distance(self.eye) < step { step } else { 0.0 };
         while left > 0.0 {
             let i = (self.along as usize).min(path.len() - 2);
-            let long = path[i].distance(path[i + 1]).max(1e-4);
+            let long = path[i].distance(path[i + 1]).max(SHORTEST);
             let by = (left / long).min(0.5);
             self.along += self.way * by;
             left -= by * long;

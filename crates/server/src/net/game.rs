@@ -22,6 +22,9 @@ use crate::wire::{AnswerFrame, MOST_LISTED, ToClient};
 /// The latency of bots, in seconds.
 const BOT_LATENCY: f32 = 0.1;
 
+/// Ticks of the program are not more often than that, in seconds.
+const SHORTEST_TICK: f32 = 1e-3;
+
 /// The server expects ticks to be so many times as far apart as they are meant to be: answers hold
 /// also if a tick begins a little late.
 const TICK_ROOM: f32 = 1.25;
@@ -129,7 +132,7 @@ impl Game {
     /// Plays until the server stops.
     pub(crate) fn play(mut self, mut commands: mpsc::Receiver<Command>, stopped: &watch::Receiver<bool>) {
         let begin = Instant::now();
-        let period = Duration::from_secs_f32(self.options.server.tick.max(1e-3));
+        let period = Duration::from_secs_f32(self.options.server.tick.max(SHORTEST_TICK));
         let room = period.mul_f32(TICK_ROOM - 1.0);
         let mut due = begin + period;
         while !*stopped.borrow() {
