@@ -2,9 +2,9 @@
 //!
 //! *A cell sees the objects that meet it, and those that its six sides see*: a free segment from an
 //! eye in it to a point outside leaves it at a point of a side, and its rest is free and beyond
-//! that side. So the sides are divided into parts, and the sets of the parts are joined. A part gets
-//! the objects that neither walls ([`casca_walls`]) nor casca prove hidden from all of it, of those
-//! of the part that it was divided from. The part with most objects that no point of the sides is
+//! that side. So the sides are divided into parts, and the sets of the parts are joined. A part
+//! gets the objects that neither walls ([`casca_walls`]) nor casca prove hidden from all of it, of
+//! those of the part that it was divided from. The part with most objects that no point of the sides is
 //! known to see, times its longest edge, is divided next, until there is none or enough queries
 //! were asked.
 
@@ -19,8 +19,8 @@ use crate::part::{Part, Side, sides, touch};
 /// A part is divided up to so often.
 const DEEPEST: u32 = 24;
 
-/// Queries ask from an eye in each part up to this depth, so that it is known what is surely worth no
-/// further division.
+/// Queries ask from an eye in each part up to this depth: objects that it sees are worth no further
+/// division.
 const LOOKED_FROM: u32 = 6;
 
 /// Parts of a part of a side and of an object that walls are asked about, at most.
@@ -102,8 +102,8 @@ impl<'l> Finder<'l> {
         open.push(part);
     }
 
-    /// Keeps the objects beyond a side that are known to be seen from somewhere, or that walls do not
-    /// hide from all eyes in a box.
+    /// Keeps the objects beyond a side that are known to be seen from somewhere, or that walls do
+    /// not hide from all eyes in a box.
     fn narrow_by_walls(&self, eyes: &Aabb, side: Side, set: &mut Vec<u32>, most: u32, known: &[bool]) {
         let level = self.level;
         let span = |b: &Aabb| Span { min: b.min.as_dvec3(), max: b.max.as_dvec3() };

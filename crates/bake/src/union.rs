@@ -224,8 +224,8 @@ mod tests {
 
     use super::*;
 
-    /// Six times the volume inside of a mesh, and whether each edge has two triangles that run along
-    /// it in opposite directions.
+    /// Six times the volume inside of a mesh, and whether as many triangles run along each edge in
+    /// one direction as in the other.
     fn measure((positions, triangles): &Triangles) -> (f64, bool) {
         let mut volume = 0.0;
         let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();

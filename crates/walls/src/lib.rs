@@ -118,7 +118,7 @@ impl Walls {
 
     /// Whether one of the walls that are at least `apart` before it, in world units, hides all of a
     /// box from all eyes. With 0, a box of which a side lies in a wall counts as behind it: what is
-    /// fixed to walls, or is one, needs more. `hint` is the wall that hid something last time, which
+    /// fixed to walls, or is one, needs more. `hint` is the wall that hid something last time, and
     /// is tried first; it decides nothing. Costs a walk over the tree of walls, some hundred
     /// nanoseconds to some microseconds.
     pub fn hide(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> bool {
@@ -165,9 +165,9 @@ impl Walls {
         found
     }
 
-    /// Whether walls hide all of a box from all eyes of another one, where each may be hidden in
-    /// parts by other walls. Up to `most` parts are asked about, as [`Walls::hide`] does; where that
-    /// is not enough, the answer is `false`.
+    /// Whether walls hide all of a box from all eyes of another one, each part by a wall of its own.
+    /// Up to `most` parts are asked about, as [`Walls::hide`] does; where that is not enough, the
+    /// answer is `false`.
     pub fn hide_in_parts(&self, eyes: &Span, target: &Span, apart: f64, most: u32, hint: &mut u32) -> bool {
         let mut open = vec![(*eyes, *target, 0)];
         for _ in 0..most {
