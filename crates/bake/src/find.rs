@@ -4,9 +4,9 @@
 //! eye in it to a point outside leaves it at a point of a side, and its rest is free and beyond
 //! that side. So the sides are divided into parts, and the sets of the parts are joined. A part
 //! gets the objects that neither walls ([`casca_walls`]) nor casca prove hidden from all of it, of
-//! those of the part that it was divided from. The part with most objects that no point of the sides is
-//! known to see, times its longest edge, is divided next, until there is none or enough queries
-//! were asked.
+//! those of the part that it was divided from. The part with most objects that no point of the
+//! sides is known to see, times its longest edge, is divided next, until there is none or enough
+//! queries were asked.
 
 use std::collections::BTreeSet;
 

@@ -165,9 +165,9 @@ impl Walls {
         found
     }
 
-    /// Whether walls hide all of a box from all eyes of another one, each part by a wall of its own.
-    /// Up to `most` parts are asked about, as [`Walls::hide`] does; where that is not enough, the
-    /// answer is `false`.
+    /// Whether walls hide all of a box from all eyes of another one, each part by a wall of its
+    /// own. Up to `most` parts are asked about, as [`Walls::hide`] does; where that is not enough,
+    /// the answer is `false`.
     pub fn hide_in_parts(&self, eyes: &Span, target: &Span, apart: f64, most: u32, hint: &mut u32) -> bool {
         let mut open = vec![(*eyes, *target, 0)];
         for _ in 0..most {
