@@ -35,9 +35,10 @@
 //! # Limits
 //!
 //! Walls are rectangles of what the sides of boxes, or triangles of meshes, cover in a plane across
-//! an axis. Round, turned and
-//! slanted occluders are left to casca's queries. Static objects count that are on all layers.
-//! What lies in the plane of a wall may be painted on it, and is never hidden by it.
+//! an axis. Round, turned and slanted occluders are left to casca's queries. Static objects count
+//! that are on all layers. What lies in the plane of a wall may be painted on it, and is never
+//! hidden by it. Planes in which corners have more than 1,500 coordinates along an axis are left
+//! out, since their lattice is too large.
 #![deny(missing_docs)]
 
 mod find;
