@@ -17,5 +17,5 @@ pub use casca_baked::{Baked, Cells, Writer};
 pub use error::BakeError;
 pub use find::Finder;
 pub use level::Level;
-pub use merge::{merge, put_all};
+pub use merge::{Merger, PartError, merge};
 pub use places::{Places, eyes_of};

@@ -180,15 +180,27 @@ fn what_one_corner_of_a_side_sees_is_found() {
     }
 }
 
+/// A static object that hides others.
+fn occluder(shape: Shape) -> Object {
+    Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true }
+}
+
+/// A mesh that hides others.
+fn occluder_of(mesh: Mesh) -> Object {
+    occluder(Shape::Mesh { mesh: mesh.into(), transform: Affine3A::IDENTITY })
+}
+
+/// A ball that hides others.
+fn occluder_at(center: Vec3, radius: f32) -> Object {
+    occluder(Shape::Sphere { center, radius })
+}
+
 #[test]
 fn eyes_may_be_in_a_closed_mesh() {
     let mut world = world(SceneKind::Rooms, 0.1);
-    let object =
-        |shape| Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
     let room = Mesh::cuboid(Vec3::new(2.0, 0.0, 2.0), Vec3::new(30.0, 4.0, 30.0));
-    let ball = |x| object(Shape::Sphere { center: Vec3::new(x, 2.0, 16.0), radius: 0.5 });
-    let place = Affine3A::IDENTITY;
-    world.objects = vec![object(Shape::Mesh { mesh: room.into(), transform: place }), ball(28.0), ball(36.0)];
+    let ball = |x| occluder_at(Vec3::new(x, 2.0, 16.0), 0.5);
+    world.objects = vec![occluder_of(room), ball(28.0), ball(36.0)];
     let cell = Aabb::new(Vec3::new(4.0, 1.0, 15.0), Vec3::new(6.0, 3.0, 17.0));
     let found = |solid| Finder::new(&Level::new(&world, None, solid).unwrap(), 32).set(cell);
     assert_eq!(found(false)[..2], [0, 1], "the ball in the room is seen, whatever the room is made of");
@@ -202,12 +214,9 @@ fn a_closed_mesh_beside_the_cell_may_be_hollow() {
     // A booth of 1 m whose side is in the same cell of the grid as a side of the view cell. Who
     // looks from inside of it sees the ball in it, and hardly anything else.
     let mut world = world(SceneKind::Rooms, 0.1);
-    let object =
-        |shape| Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
     let booth = Mesh::cuboid(Vec3::new(6.1, 1.0, 5.0), Vec3::new(7.1, 2.0, 6.0));
-    let ball = |x| object(Shape::Sphere { center: Vec3::new(x, 1.5, 5.5), radius: 0.05 });
-    let shape = Shape::Mesh { mesh: booth.into(), transform: Affine3A::IDENTITY };
-    world.objects = vec![object(shape), ball(6.6), ball(9.0)];
+    let ball = |x| occluder_at(Vec3::new(x, 1.5, 5.5), 0.05);
+    world.objects = vec![occluder_of(booth), ball(6.6), ball(9.0)];
     world.grid = GridHint { min: Vec3::ZERO, max: Vec3::splat(40.0), cell: 0.5 };
     let level = Level::new(&world, None, false).unwrap();
     let cell = |x0: f32, x1: f32| Aabb::new(Vec3::new(x0, 1.2, 5.2), Vec3::new(x1, 1.8, 5.8));
@@ -223,16 +232,13 @@ fn a_closed_mesh_beside_the_cell_may_be_hollow() {
 fn walls_hide_what_is_behind_them_only() {
     // A sheet between two cells, a picture on it, a ball behind it, and one whose box touches it.
     let mut world = world(SceneKind::Rooms, 0.1);
-    let object =
-        |shape| Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true };
     let sheet = |x: f32, low: [f32; 2], high: [f32; 2]| {
         let at = |y, z| Vec3::new(x, y, z);
         let [a, b, c, d] =
             [at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])];
-        let mesh = Mesh { positions: vec![a, b, c, d], triangles: vec![[0, 1, 2], [0, 2, 3]] };
-        object(Shape::Mesh { mesh: mesh.into(), transform: Affine3A::IDENTITY })
+        occluder_of(Mesh { positions: vec![a, b, c, d], triangles: vec![[0, 1, 2], [0, 2, 3]] })
     };
-    let ball = |x| object(Shape::Sphere { center: Vec3::new(x, 5.0, 5.0), radius: 0.25 });
+    let ball = |x| occluder_at(Vec3::new(x, 5.0, 5.0), 0.25);
     world.objects =
         vec![sheet(8.0, [0.0, 0.0], [10.0, 10.0]), sheet(8.0, [4.0, 4.0], [6.0, 6.0]), ball(9.0), ball(8.25)];
     let level = Level::new(&world, None, false).unwrap();

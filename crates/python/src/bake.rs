@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use casca::Aabb;
-use casca_bake::{BakeError, Baker, Cells, Level, Places, Writer, put_all, write_whole};
+use casca_bake::{BakeError, Baker, Cells, Level, Merger, Places, write_whole};
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::import;
 use casca_scenes::name::SceneName;
@@ -14,7 +14,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::{Array, Floats1, check, vec3};
+use crate::arrays::{Array, Floats1, vec3};
 use crate::error::refused;
 use crate::mesh::Told;
 
@@ -146,46 +146,34 @@ impl Bake {
 /// Puts files of parts together, as they come.
 #[pyclass(module = "casca.bake")]
 pub struct Merge {
-    writer: Option<Writer>,
-    cells: Option<(Cells, u32)>,
+    merger: Merger,
 }
 
 #[pymethods]
 impl Merge {
     #[new]
     fn new() -> Self {
-        Self { writer: None, cells: None }
+        Self { merger: Merger::default() }
     }
 
     /// Takes the bytes of a file.
     fn put(&mut self, part: &[u8]) -> PyResult<()> {
         let baked = casca_bake::Baked::read(part).map_err(refused)?;
-        let cells = (*baked.cells(), baked.objects());
-        check(self.cells.is_none_or(|first| first == cells), || {
-            "the part has other cells or another number of objects than those before it".into()
-        })?;
-        let writer = match &mut self.writer {
-            Some(writer) => writer,
-            None => self.writer.insert(Writer::new(cells.0, cells.1).map_err(refused)?),
-        };
-        self.cells = Some(cells);
-        match put_all(writer, &baked).map_err(ended)? {
-            Some(cell) => {
-                Err(refused(format!("the part has another set for cell {cell} than one before it")))
-            }
-            None => Ok(()),
-        }
+        self.merger.put(&baked).map_err(refused)
     }
 
     /// Writes the file, whole or not at all.
     fn write(&self, out: PathBuf) -> PyResult<()> {
-        let writer = self.writer.as_ref().ok_or_else(|| refused("no parts were put"))?;
-        write_whole(&out, &writer.finish().map_err(refused)?).map_err(ended)
+        let bytes = self.merger.finish().map_err(|why| match why {
+            BakeError::NoFiles => refused("no parts were put"),
+            why => ended(why),
+        })?;
+        write_whole(&out, &bytes).map_err(ended)
     }
 
     /// The number of cells that have a set.
     fn __len__(&self) -> usize {
-        self.writer.as_ref().map_or(0, Writer::len)
+        self.merger.len()
     }
 }
 

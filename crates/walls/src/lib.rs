@@ -68,13 +68,14 @@ const ROUNDS: usize = 3;
 /// one axis.
 const MOST_DIVISIONS: u32 = 24;
 
-/// The walls on the segment between the middles of two boxes.
+/// What is known of the walls on the segment between the middles of eyes and a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Found {
+    /// There is none.
     None,
-    /// The largest of them, none of which hides all.
+    /// None hides all of the target from all eyes; this is the largest.
     Between(usize),
-    /// One of them hides all of one box from all of the other.
+    /// One hides all of the target from all eyes.
     Hides,
 }
 
@@ -117,33 +118,17 @@ impl Walls {
         span
     }
 
-    /// Whether one of the walls that are at least `apart` before it, in world units, hides all of a
-    /// box from all eyes. With 0, a box of which a side lies in a wall counts as behind it: what is
-    /// fixed to walls, or is one, needs more. `hint` is the wall that hid something last time, and
-    /// is tried first; it decides nothing. Costs a walk over the tree of walls, some hundred
-    /// nanoseconds to some microseconds.
+    /// Whether one wall hides all of a box from all eyes. Only walls count that are `apart` or more
+    /// before the box, in world units: 0 lets a box count whose side lies in the wall; give more
+    /// for boxes of what is fixed to walls, or is a wall. `hint` is the wall that hid something last
+    /// time, and is tried first; it decides nothing. Costs a walk over the tree of walls, some
+    /// hundred nanoseconds to some microseconds.
     pub fn hide(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> bool {
-        if self.hint_hides(eyes, target, apart, *hint) {
-            return true;
-        }
-        let (from, to) = (eyes.span().middle(), target.middle());
-        self.tree.along(from, to, |i| {
-            let wall = &self.walls[i];
-            let hides = wall.meets(from, to) && wall.hides(eyes, target, apart);
-            if hides {
-                *hint = i as u32;
-            }
-            hides
-        })
+        self.ask(eyes, target, apart, hint) == Found::Hides
     }
 
-    fn hint_hides(&self, eyes: &Eyes, target: &Span, apart: f64, hint: u32) -> bool {
-        self.walls.get(hint as usize).is_some_and(|wall| wall.hides(eyes, target, apart))
-    }
-
-    /// As [`Walls::hide`], but if none hides all, the largest wall between the middles is told.
     fn ask(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> Found {
-        if self.hint_hides(eyes, target, apart, *hint) {
+        if self.walls.get(*hint as usize).is_some_and(|wall| wall.hides(eyes, target, apart)) {
             return Found::Hides;
         }
         let (from, to) = (eyes.span().middle(), target.middle());
@@ -153,15 +138,14 @@ impl Walls {
             if !wall.meets(from, to) {
                 return false;
             }
-            found = match found {
-                Found::Between(best) if self.walls[best].area() >= wall.area() => found,
-                _ => Found::Between(i),
-            };
             if wall.hides(eyes, target, apart) {
-                *hint = i as u32;
-                found = Found::Hides;
+                (*hint, found) = (i as u32, Found::Hides);
+                return true;
             }
-            found == Found::Hides
+            if !matches!(found, Found::Between(largest) if self.walls[largest].area() >= wall.area()) {
+                found = Found::Between(i);
+            }
+            false
         });
         found
     }

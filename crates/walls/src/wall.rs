@@ -170,12 +170,14 @@ impl Wall {
         // An eye at a distance D along the axis from the point must be between
         // q + D least / away and q + D most / away.
         let holds = |slope: f64, sign: f64| {
+            // Without a slope, places along one axis are compared, without rounding.
+            if slope == 0.0 {
+                return if sign > 0.0 { eyes.span.min[b] >= q[b] } else { eyes.span.max[b] <= q[b] };
+            }
             let mut n = DVec3::ZERO;
             n[b] = away * sign;
             n[self.axis] = -slope * side * sign;
-            // Without a slope, places along one axis are compared, and rounding keeps order.
-            let doubt = if slope == 0.0 { 0.0 } else { ROUNDING * n.abs().dot(far) };
-            eyes.least(n) >= n.dot(q) + doubt
+            eyes.least(n) >= n.dot(q) + ROUNDING * n.abs().dot(far)
         };
         holds(least, 1.0) && holds(most, -1.0)
     }
