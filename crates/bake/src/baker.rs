@@ -71,9 +71,13 @@ impl<'l> Baker<'l> {
     /// A file without sets, to put them in.
     ///
     /// # Errors
-    /// None for the cells of a level.
+    /// [`BakeError::OtherCells`].
     pub fn writer(&self) -> Result<Writer, BakeError> {
-        Ok(Writer::new(self.cells, self.level.len())?)
+        Ok(match self.level.cells {
+            Some(cells) if cells != self.cells => return Err(BakeError::OtherCells),
+            Some(cells) => Writer::cell_to_cell(cells)?,
+            None => Writer::new(self.cells, self.level.len())?,
+        })
     }
 
     /// Finds the sets of all cells. With a journal, those in it are taken over, and each that is
@@ -184,6 +188,9 @@ impl<'l> Baker<'l> {
         cells.chain(self.cells.dims.map(u64::from)).for_each(&mut number);
         number(self.queries.into());
         self.numbers.iter().for_each(|&cell| number(cell.into()));
+        if self.level.cells.is_some() {
+            self.level.bounds.iter().for_each(|target| number(target.is_some().into()));
+        }
         *hash.finalize().as_bytes()
     }
 }

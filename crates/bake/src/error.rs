@@ -19,6 +19,9 @@ pub enum BakeError {
     /// The level is none that casca takes.
     #[error("the level cannot be used: {0}")]
     Scene(#[from] casca::Error),
+    /// The level was made for sets from cell to cell of another grid.
+    #[error("the level was made for sets from cell to cell of another grid")]
+    OtherCells,
     /// A part of several is none of them.
     #[error("part {part} of {parts}: parts are counted from 1")]
     Shard {
@@ -51,7 +54,7 @@ pub enum BakeError {
         why: casca_baked::ReadError,
     },
     /// Files of parts are not of one bake.
-    #[error("{} has other cells or another number of objects than the first file", .0.display())]
+    #[error("{} has other cells, objects or kinds of sets than the first file", .0.display())]
     OtherBake(PathBuf),
     /// Two files have different sets for a cell.
     #[error("{} has another set for cell {cell} than a file before it", path.display())]

@@ -111,8 +111,9 @@ impl<'l> Finder<'l> {
         let mut hint = 0;
         set.retain(|&i| {
             let Some(b) = level.bounds[i as usize].filter(|_| !known[i as usize]) else { return true };
-            // An object is hidden neither by its own faces, nor by a wall that it hangs on.
-            let apart = f64::from(touch(&b));
+            // An object is hidden neither by its own faces, nor by a wall that it hangs on; a cell
+            // has no faces.
+            let apart = if level.cells.is_some() { 0.0 } else { f64::from(touch(&b)) };
             !level.walls.hide_in_parts(&eyes, &span(&side.beyond(&b)), apart, most, &mut hint)
         });
     }

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use casca::{Aabb, Error, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
+use casca_baked::Cells;
 use casca_scenes::drive::{Driver, grid_for};
-use casca_scenes::world::{Motion, Object, Shape, World};
+use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
 
 use casca_walls::Walls;
 
+use crate::places::eyes_of;
 use crate::solids::{Boxes, groups};
 use crate::union;
 
@@ -19,6 +21,8 @@ pub struct Level {
     pub(crate) scene: Scene,
     /// The box around each object; `None` if it moves, or its visibility is not asked for.
     pub(crate) bounds: Vec<Option<Aabb>>,
+    /// The grid, if those are its cells.
+    pub(crate) cells: Option<Cells>,
     /// Boxes that hold no eye, in the order of their least x, and the greatest extent along x.
     pub(crate) solids: Vec<Aabb>,
     pub(crate) longest: f32,
@@ -43,15 +47,21 @@ impl Level {
     /// # Errors
     /// Refuses what casca refuses: a grid that is too large, or shapes that are not finite.
     pub fn new(world: &World, cell: Option<f32>, solid: bool) -> Result<Self, Error> {
+        Self::of(&world.objects, world.grid, cell, solid)
+    }
+
+    /// The same for objects, and the grid that they lie in.
+    ///
+    /// # Errors
+    /// As [`Level::new`].
+    pub fn of(all: &[Object], mut hint: GridHint, cell: Option<f32>, solid: bool) -> Result<Self, Error> {
         let is_static = |object: &Object| object.motion == Motion::Static;
-        let numbers: Vec<usize> =
-            (0..world.objects.len()).filter(|&i| is_static(&world.objects[i])).collect();
-        let objects: Vec<Object> = numbers.iter().map(|&i| world.objects[i].clone()).collect();
-        let mut hint = world.grid;
+        let numbers: Vec<usize> = (0..all.len()).filter(|&i| is_static(&all[i])).collect();
+        let objects: Vec<Object> = numbers.iter().map(|&i| all[i].clone()).collect();
         hint.cell = cell.unwrap_or(hint.cell);
         let grid = grid_for(&hint, None)?;
         let driver = Driver::with(&objects, &grid, |_, desc| desc, |_| ())?;
-        let mut bounds = vec![None; world.objects.len()];
+        let mut bounds = vec![None; all.len()];
         for (&number, object) in numbers.iter().zip(&objects) {
             bounds[number] = object.tested.then(|| bounds_of(&object.shape));
         }
@@ -61,10 +71,10 @@ impl Level {
             scene.set_user_data(id, if object.tested { number as u64 } else { NOBODY })?;
         }
         let boxes = Boxes::of(&objects);
-        let all = [&boxes.solid[..], &boxes.of_meshes].concat();
+        let closed = [&boxes.solid[..], &boxes.of_meshes].concat();
         let walls = Walls::of(&scene, LEAST_WALL, |_| false);
         // Their faces are walls already.
-        for group in groups(&all) {
+        for group in groups(&closed) {
             let (positions, triangles) = union::surface(&group);
             let how = MeshOptions::default();
             let mesh =
@@ -72,13 +82,38 @@ impl Level {
             let mesh = Arc::new(mesh?);
             scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh).user_data(NOBODY))?;
         }
-        let mut solids = if solid { all.clone() } else { boxes.solid };
+        let mut solids = if solid { closed } else { boxes.solid };
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
-        Ok(Self { scene, bounds, solids, longest, walls, room: Aabb::new(hint.min, hint.max), objects })
+        let room = Aabb::new(hint.min, hint.max);
+        Ok(Self { scene, bounds, cells: None, solids, longest, walls, room, objects })
     }
 
-    /// The number of objects, those that move included.
+    /// The same level, of which sets tell what may be seen of some cells of a grid, and not of its
+    /// objects: for all that moves there. Numbers of no cell are left out. Bake at least these cells:
+    /// nothing is known about a cell without a set.
+    ///
+    /// # Errors
+    /// Refuses what casca refuses: more cells than its ids can name.
+    pub fn cell_to_cell(mut self, cells: &Cells, numbers: &[u32]) -> Result<Self, Error> {
+        let objects: Vec<ObjectId> = self.scene.ids().collect();
+        for id in objects {
+            self.scene.set_user_data(id, NOBODY)?;
+        }
+        self.bounds = vec![None; cells.count().unwrap_or(0) as usize];
+        for &cell in numbers {
+            let Some(room) = eyes_of(cells, cell) else { continue };
+            let is_first = self.bounds[cell as usize].replace(room).is_none();
+            if is_first {
+                self.scene.insert(ObjectDesc::fixed(room).user_data(cell.into()))?;
+            }
+        }
+        self.cells = Some(*cells);
+        Ok(self)
+    }
+
+    /// The number of objects, those that move included; or of cells of the grid, see
+    /// [`Level::cell_to_cell`].
     pub fn len(&self) -> u32 {
         self.bounds.len() as u32
     }
@@ -98,7 +133,7 @@ impl Level {
         &self.objects
     }
 
-    /// The number of an object of the scene, unless it is a union.
+    /// The number of an object of the scene, unless its visibility is not asked for.
     pub(crate) fn number(&self, id: ObjectId) -> Option<usize> {
         self.scene.user_data(id).ok().filter(|&number| number != NOBODY).map(|number| number as usize)
     }

@@ -40,7 +40,7 @@ enum Command {
     Show {
         /// The file.
         file: PathBuf,
-        /// Prints the objects that can be seen from this place: x,y,z in metres.
+        /// Prints the objects or cells that can be seen from this place: x,y,z in metres.
         #[arg(long, value_parser = place)]
         at: Option<[f64; 3]>,
     },
@@ -74,6 +74,9 @@ struct Bake {
     /// walls get smaller sets. Not for rooms that are modelled as one box.
     #[arg(long)]
     solid: bool,
+    /// Finds which cells may be seen from each cell, instead of which objects: for all that moves.
+    #[arg(long)]
+    cell_to_cell: bool,
     /// Bakes one of several parts, as 2/5. Put the files together by merge.
     #[arg(long, value_parser = shard)]
     shard: Option<(u32, u32)>,
@@ -113,8 +116,12 @@ fn place(text: &str) -> Result<[f64; 3], String> {
 impl Bake {
     fn run(&self) -> Result<(), BakeError> {
         let world = self.level.open(&SceneOptions::default())?;
-        let level = Level::new(&world, self.grid, self.solid)?;
+        let mut level = Level::new(&world, self.grid, self.solid)?;
         let places = Places { edge: self.cell, height: self.height, within: self.within };
+        if self.cell_to_cell {
+            let (cells, numbers) = (places.cells(&level)?, places.numbers(&level)?);
+            level = level.cell_to_cell(&cells, &numbers)?;
+        }
         let mut baker = Baker::new(&level, &places, self.queries)?;
         if let Some((part, parts)) = self.shard {
             baker = baker.shard(part, parts)?;
@@ -151,8 +158,8 @@ fn show(file: &Path, at: Option<[f64; 3]>) -> Result<(), BakeError> {
     let baked = Baked::read(&bytes).map_err(|why| BakeError::Read { path: file.to_owned(), why })?;
     if let Some(at) = at {
         match baked.set_at(at) {
-            None => println!("nothing is known about this place: all objects may be seen"),
-            Some(set) => set.iter().for_each(|object| println!("{object}")),
+            None => println!("nothing is known about this place: all may be seen"),
+            Some(set) => set.iter().for_each(|seen| println!("{seen}")),
         }
         return Ok(());
     }
@@ -162,7 +169,10 @@ fn show(file: &Path, at: Option<[f64; 3]>) -> Result<(), BakeError> {
     let mean = sizes.iter().sum::<usize>() as f64 / sizes.len().max(1) as f64;
     println!("{x} x {y} x {z} cells of {:.2} x {:.2} x {:.2} m", cells.size[0], cells.size[1], cells.size[2]);
     println!("{} of them with sets, {} different ones", sizes.len(), baked.sets());
-    println!("{mean:.1} of {} objects in the mean set", baked.objects());
+    match baked.is_cell_to_cell() {
+        true => println!("{mean:.1} of them in the mean set"),
+        false => println!("{mean:.1} of {} objects in the mean set", baked.objects()),
+    }
     println!("{} bytes, {:.1} a cell", bytes.len(), bytes.len() as f64 / sizes.len().max(1) as f64);
     Ok(())
 }

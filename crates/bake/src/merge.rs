@@ -9,8 +9,8 @@ use crate::error::BakeError;
 /// Puts the sets of parts of one bake together, as they come.
 #[derive(Default)]
 pub struct Merger {
-    /// With the cells and the number of objects that all parts have.
-    writer: Option<(Writer, Cells, u32)>,
+    /// With what all parts have: the cells, the number of objects, and what sets hold.
+    writer: Option<(Writer, (Cells, u32, bool))>,
 }
 
 /// Why the sets of a part do not go with those before it.
@@ -18,7 +18,7 @@ pub struct Merger {
 #[non_exhaustive]
 pub enum PartError {
     /// It is of another bake.
-    #[error("the part has other cells or another number of objects than those before it")]
+    #[error("the part has other cells, objects or kinds of sets than those before it")]
     OtherBake,
     /// A cell has two sets.
     #[error("the part has another set for cell {0} than one before it")]
@@ -34,11 +34,12 @@ impl Merger {
     /// # Errors
     /// The part is of another bake, or has another set for a cell; parts before it stay.
     pub fn put(&mut self, part: &Baked) -> Result<(), PartError> {
-        let (cells, objects) = (*part.cells(), part.objects());
+        let cells = *part.cells();
+        let bake = (cells, part.objects(), part.is_cell_to_cell());
         let writer = match &mut self.writer {
-            Some((writer, of, count)) if (*of, *count) == (cells, objects) => writer,
+            Some((writer, of)) if *of == bake => writer,
             Some(_) => return Err(PartError::OtherBake),
-            None => &mut self.writer.insert((Writer::new(cells, objects)?, cells, objects)).0,
+            None => &mut self.writer.insert((Writer::like(part)?, bake)).0,
         };
         for cell in 0..cells.dims.iter().product() {
             let Some(set) = part.set(cell) else { continue };
@@ -54,7 +55,7 @@ impl Merger {
 
     /// The number of cells that have a set.
     pub fn len(&self) -> usize {
-        self.writer.as_ref().map_or(0, |(writer, ..)| writer.len())
+        self.writer.as_ref().map_or(0, |(writer, _)| writer.len())
     }
 
     /// Whether no cell has one.
@@ -67,7 +68,7 @@ impl Merger {
     /// # Errors
     /// [`BakeError::NoFiles`] without parts.
     pub fn finish(&self) -> Result<Vec<u8>, BakeError> {
-        let (writer, ..) = self.writer.as_ref().ok_or(BakeError::NoFiles)?;
+        let (writer, _) = self.writer.as_ref().ok_or(BakeError::NoFiles)?;
         Ok(writer.finish()?)
     }
 }

@@ -98,6 +98,13 @@ fn killed_bakes_and_parts_on_any_threads_make_the_same_file() {
     assert!(refused(&mut merge(&[&parts[0], &other], &none), &none).contains("cut off"));
     assert!(refused(&mut merge(&[&at("nothing")], &none), &none).contains("cannot read"));
 
+    // Sets from cell to cell are another bake.
+    let to_cells = at("to-cells");
+    run(&[&LEVEL[..], &["--cell-to-cell"]].concat(), &to_cells);
+    let bytes = std::fs::read(&to_cells).unwrap();
+    assert!(Baked::read(&bytes).unwrap().is_cell_to_cell());
+    assert!(refused(&mut merge(&[&parts[0], &to_cells], &none), &none).contains("kinds of sets"));
+
     let show = |at: &[&str]| {
         let output =
             Command::new(env!("CARGO_BIN_EXE_casca-bake")).arg("show").arg(&merged).args(at).output();
@@ -106,7 +113,7 @@ fn killed_bakes_and_parts_on_any_threads_make_the_same_file() {
     assert!(show(&[]).contains("in the mean set"));
     let seen: Vec<u32> = show(&["--at", "10,1.5,10"]).lines().map(|line| line.parse().unwrap()).collect();
     assert!(baked.set_at([10.0, 1.5, 10.0]).unwrap().iter().eq(seen.iter().copied()) && !seen.is_empty());
-    assert!(show(&["--at", "20,1.5,200"]).contains("all objects may be seen"));
+    assert!(show(&["--at", "20,1.5,200"]).contains("all may be seen"));
 }
 
 #[test]

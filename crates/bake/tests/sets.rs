@@ -249,6 +249,51 @@ fn walls_hide_what_is_behind_them_only() {
     assert_eq!(Finder::new(&level, 60).set(behind), [0, 1, 2, 3]);
 }
 
+/// Looks from random eyes in some cells at random places in all. Returns the sizes of the sets, and
+/// how many cells were seen.
+fn look_from_cell_to_cell(world: &World, places: &Places, cells: usize) -> (usize, usize, usize) {
+    let level = Level::new(world, None, false).unwrap();
+    let (grid, numbers) = (places.cells(&level).unwrap(), places.numbers(&level).unwrap());
+    let level = level.cell_to_cell(&grid, &numbers).unwrap();
+    let mut finder = Finder::new(&level, 16);
+    let rays = RayOracle::new(&world.objects);
+    let mut random = generator(7, 0xce11);
+    let mut place = |room: Aabb| {
+        let mut share = || random.random_range(0.0..1.0f32);
+        room.min + Vec3::new(share(), share(), share()) * (room.max - room.min)
+    };
+    let (mut sizes, mut seen_in_all) = (0, 0);
+    for i in 0..cells {
+        let from = eyes_of(&grid, numbers[i * numbers.len() / cells]).unwrap();
+        let set = finder.set(from);
+        assert!(set.iter().all(|cell| numbers.binary_search(cell).is_ok()));
+        sizes += set.len();
+        for &to in &numbers {
+            let room = eyes_of(&grid, to).unwrap();
+            let pairs = (0..60).map(|_| (place(from), place(room)));
+            let mut free = pairs.filter(|(eye, at)| {
+                let inside = in_solid(&world.objects, *eye) || in_solid(&world.objects, *at);
+                !inside && !rays.occluded(eye.as_dvec3(), at.as_dvec3(), usize::MAX)
+            });
+            if let Some((eye, at)) = free.next() {
+                assert!(set.binary_search(&to).is_ok(), "from {eye} to {at} in cell {to}");
+                seen_in_all += 1;
+            }
+        }
+    }
+    (sizes, seen_in_all, cells * numbers.len())
+}
+
+#[test]
+fn cells_that_are_seen_from_cells_are_found() {
+    let world = world(SceneKind::Rooms, 0.3);
+    // Cells of 3 m reach through walls and into the floor.
+    let within = Some(Aabb::new(Vec3::ZERO, Vec3::new(40.0, 3.0, 40.0)));
+    let places = Places { edge: 3.0, height: Some((0.0, 2.2)), within };
+    let (sizes, seen, all) = look_from_cell_to_cell(&world, &places, 12);
+    assert!(seen > 12 * 4 && sizes < seen * 3 / 2 && sizes < all / 2, "{seen} {sizes} of {all}");
+}
+
 #[test]
 fn spheres_and_all_cells_lose_nothing() {
     let world = world(SceneKind::Spheres, 0.2);

@@ -10,6 +10,9 @@ pub enum ReadError {
     NotBaked,
     /// It is of a version that this one cannot read.
     Version(u32),
+    /// Its sets hold something that this version does not know, or cells of another number than the
+    /// grid has.
+    Kind(u32),
     /// It is shorter or longer than it says.
     Length {
         /// Bytes that it must have at least.
@@ -33,6 +36,10 @@ impl fmt::Display for ReadError {
         match self {
             Self::NotBaked => write!(f, "this is no file of baked visibility"),
             Self::Version(version) => write!(f, "the file is of version {version}, not {}", crate::VERSION),
+            Self::Kind(kind) => write!(
+                f,
+                "its sets hold things of the unknown kind {kind}, or not as many as the grid has cells"
+            ),
             Self::Length { needed, given } => {
                 write!(f, "the file has {given} bytes where {needed} are needed: was it cut off?")
             }

@@ -10,8 +10,9 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `CASCAPVS` |
-//! | 4 | version: 1 |
-//! | 4 | number of objects |
+//! | 4 | version: 2 |
+//! | 4 | what sets hold: 0 for objects, 1 for cells of the grid itself |
+//! | 4 | number of objects, or of cells |
 //! | 24 | least corner of the grid, 3 doubles |
 //! | 24 | edges of a cell, 3 doubles |
 //! | 12 | cells along x, y and z |
@@ -40,7 +41,7 @@ mod set;
 #[cfg(feature = "write")]
 mod write;
 
-pub use cells::Cells;
+pub use cells::{CellBox, Cells};
 pub use error::{ReadError, WriteError};
 pub use read::Baked;
 pub use set::{Objects, Set};
@@ -51,10 +52,14 @@ pub use write::Writer;
 const MAGIC: [u8; 8] = *b"CASCAPVS";
 
 /// The version that is written and read.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The bytes before the sets of cells.
-const HEADER: usize = 8 + 4 + 4 + 24 + 24 + 12 + 4;
+const HEADER: usize = 8 + 4 + 4 + 4 + 24 + 24 + 12 + 4;
+
+/// What sets hold: objects, or cells of the grid itself.
+const OBJECTS: u32 = 0;
+const CELLS: u32 = 1;
 
 /// A cell without a set.
 const NONE: u32 = u32::MAX;

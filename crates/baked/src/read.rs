@@ -4,13 +4,14 @@ use crate::cells::Cells;
 use crate::error::ReadError;
 use crate::numbers::{f64_at, take, u32_at};
 use crate::set::{List, Set};
-use crate::{DEPTH, HEADER, MAGIC, NONE, VERSION};
+use crate::{CELLS, DEPTH, HEADER, MAGIC, NONE, OBJECTS, VERSION};
 
 /// A file of baked visibility, over bytes in memory: read, or mapped.
 #[derive(Debug, Clone, Copy)]
 pub struct Baked<'a> {
     cells: Cells,
     objects: u32,
+    is_cell_to_cell: bool,
     sets: u32,
     /// The set of each cell.
     of_cells: &'a [u8],
@@ -53,12 +54,15 @@ impl<'a> Baked<'a> {
         let number = |at| u32_at(bytes, at).ok_or(short(HEADER as u64));
         let mut cells = Cells { low: [0.0; 3], size: [0.0; 3], dims: [0; 3] };
         for i in 0..3 {
-            cells.low[i] = f64_at(bytes, 16 + 8 * i).ok_or(short(HEADER as u64))?;
-            cells.size[i] = f64_at(bytes, 40 + 8 * i).ok_or(short(HEADER as u64))?;
-            cells.dims[i] = number(64 + 4 * i)?;
+            cells.low[i] = f64_at(bytes, 20 + 8 * i).ok_or(short(HEADER as u64))?;
+            cells.size[i] = f64_at(bytes, 44 + 8 * i).ok_or(short(HEADER as u64))?;
+            cells.dims[i] = number(68 + 4 * i)?;
         }
-        let (objects, sets) = (number(12)?, number(76)?);
+        let (kind, objects, sets) = (number(12)?, number(16)?, number(80)?);
         let count = cells.count().filter(|_| cells.is_valid()).ok_or(ReadError::Cells)?;
+        if !(kind == OBJECTS || kind == CELLS && objects == count) {
+            return Err(ReadError::Kind(kind));
+        }
         let of_cells = HEADER as u64;
         let ends = of_cells + 4 * u64::from(count);
         let bodies = ends + 4 * (u64::from(sets) + 1);
@@ -71,6 +75,7 @@ impl<'a> Baked<'a> {
         let file = Self {
             cells,
             objects,
+            is_cell_to_cell: kind == CELLS,
             sets,
             of_cells: &bytes[of_cells..ends],
             ends: &bytes[ends..bodies],
@@ -111,6 +116,25 @@ impl<'a> Baked<'a> {
     /// The number of objects: sets have numbers less than that.
     pub fn objects(&self) -> u32 {
         self.objects
+    }
+
+    /// Whether sets hold cells of the grid itself: from each cell that has a set, those of them
+    /// that have one, too, and may be seen. Nothing is known about the others. See
+    /// [`Baked::may_see`].
+    pub fn is_cell_to_cell(&self) -> bool {
+        self.is_cell_to_cell
+    }
+
+    /// Whether an eye in one box may see a point in another one: from the least to the greatest
+    /// corner each. True if the sets are not from cell to cell, or know nothing about a cell of
+    /// one of the two. Costs a look at the set of each cell of the eyes.
+    pub fn may_see(&self, eyes: [[f64; 3]; 2], target: [[f64; 3]; 2]) -> bool {
+        let of = |[low, high]: [[f64; 3]; 2]| self.cells.of_box(low, high);
+        let (Some(eyes), Some(target)) = (of(eyes), of(target)) else { return true };
+        let known = |all| self.cells.numbers(all).all(|cell| self.set_number(cell).is_some());
+        let mut seen = self.cells.numbers(eyes).filter_map(|cell| self.set(cell)).flatten();
+        let is_in = |cell: u32| self.cells.numbers(target).any(|one| one == cell);
+        !self.is_cell_to_cell || !known(eyes) || !known(target) || seen.any(is_in)
     }
 
     /// The number of sets: cells with equal ones share them.

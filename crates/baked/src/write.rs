@@ -6,7 +6,8 @@ use alloc::vec::Vec;
 use crate::cells::Cells;
 use crate::error::WriteError;
 use crate::numbers::put;
-use crate::{DEPTH, HEADER, MAGIC, NONE, VERSION};
+use crate::read::Baked;
+use crate::{CELLS, DEPTH, HEADER, MAGIC, NONE, OBJECTS, VERSION};
 
 /// Makes a file. It holds all sets until the end: four bytes for each object of each.
 ///
@@ -15,6 +16,7 @@ use crate::{DEPTH, HEADER, MAGIC, NONE, VERSION};
 #[derive(Debug, Clone)]
 pub struct Writer {
     cells: Cells,
+    kind: u32,
     objects: u32,
     sets: BTreeMap<u32, Vec<u32>>,
 }
@@ -36,7 +38,28 @@ impl Writer {
         if !cells.is_valid() {
             return Err(WriteError::Cells);
         }
-        Ok(Self { cells, objects, sets: BTreeMap::new() })
+        Ok(Self { cells, kind: OBJECTS, objects, sets: BTreeMap::new() })
+    }
+
+    /// A file whose sets hold cells of the grid itself, for things that move: a set tells, of the
+    /// cells that have one in the end, all that may be seen.
+    ///
+    /// # Errors
+    /// [`WriteError::Cells`].
+    pub fn cell_to_cell(cells: Cells) -> Result<Self, WriteError> {
+        let objects = cells.count().ok_or(WriteError::Cells)?;
+        Ok(Self { kind: CELLS, ..Self::new(cells, objects)? })
+    }
+
+    /// A file for more sets of the bake that a file is of, without sets.
+    ///
+    /// # Errors
+    /// None for a file that was read.
+    pub fn like(file: &Baked) -> Result<Self, WriteError> {
+        match file.is_cell_to_cell() {
+            true => Self::cell_to_cell(*file.cells()),
+            false => Self::new(*file.cells(), file.objects()),
+        }
     }
 
     /// Gives a cell its set: objects in ascending order, each less than the number of objects.
@@ -110,6 +133,7 @@ impl Writer {
         let mut out = Vec::with_capacity(HEADER + 4 * (of_cells.len() + ends.len() + 1) + bodies.len());
         out.extend_from_slice(&MAGIC);
         out.extend_from_slice(&VERSION.to_le_bytes());
+        out.extend_from_slice(&self.kind.to_le_bytes());
         out.extend_from_slice(&self.objects.to_le_bytes());
         for number in self.cells.low.into_iter().chain(self.cells.size) {
             out.extend_from_slice(&number.to_le_bytes());

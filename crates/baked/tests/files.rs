@@ -117,6 +117,50 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
+
+    #[test]
+    fn from_cell_to_cell_boxes_see_what_a_place_in_them_sees((cells, sets) in levels(), places in prop::collection::vec(prop::array::uniform3(-0.1..1.1f64), 6)) {
+        let count: u32 = cells.dims.iter().product();
+        let mut writer = Writer::cell_to_cell(cells).unwrap();
+        for (cell, set) in &sets {
+            writer.put(*cell, &set.iter().copied().filter(|seen| *seen < count).collect::<Vec<_>>()).unwrap();
+        }
+        let bytes = writer.finish().unwrap();
+        let baked = Baked::read(&bytes).unwrap();
+        prop_assert!(baked.is_cell_to_cell() && Writer::like(&baked).unwrap().is_empty());
+        let place = |share: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|i| cells.low[i] + share[i] * cells.size[i] * f64::from(cells.dims[i]))
+        };
+        let span = |a: [f64; 3], b: [f64; 3]| -> [[f64; 3]; 2] {
+            [std::array::from_fn(|i| a[i].min(b[i])), std::array::from_fn(|i| a[i].max(b[i]))]
+        };
+        let at: Vec<[f64; 3]> = places.into_iter().map(place).collect();
+        let (eyes, target) = (span(at[0], at[1]), span(at[2], at[3]));
+        // A place in each box; some lie at its corners.
+        let inside = |[low, high]: [[f64; 3]; 2], by: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|i| by[i].clamp(low[i], high[i]))
+        };
+        let (eye, point) = (inside(eyes, at[4]), inside(target, at[5]));
+        let sees = match (cells.at(eye), cells.at(point)) {
+            (Some(from), Some(to)) => match (sets.get(&from), sets.contains_key(&to)) {
+                (Some(set), true) => set.contains(&to),
+                _ => true,
+            },
+            _ => true,
+        };
+        prop_assert_eq!(baked.may_see([eye; 2], [point; 2]), sees);
+        prop_assert!(!sees || baked.may_see(eyes, target));
+        prop_assert!(baked.may_see([eyes[1], eyes[0]], target) || eyes[0] == eyes[1]);
+        if let Some(all) = cells.of_box(eyes[0], eyes[1]) {
+            let numbers: Vec<u32> = cells.numbers(all).collect();
+            prop_assert!(numbers.contains(&cells.at(eye).unwrap()));
+            prop_assert!(numbers.is_sorted() && numbers.len() as u64 == all.count());
+        }
+    }
+}
+
 /// Whether all sets that cells have are ascending lists of objects.
 fn each_is_a_set(baked: &Baked) -> bool {
     let count: u32 = baked.cells().dims.iter().product();
@@ -150,8 +194,15 @@ fn refusals_name_the_reason() {
     let given = bytes.len() as u64 - 1;
     assert_eq!(read(&bytes[..bytes.len() - 1]), Err(ReadError::Length { needed: given + 1, given }));
     let mut other = bytes.clone();
-    other[8] = 2;
-    assert_eq!(read(&other), Err(ReadError::Version(2)));
+    other[8] = 1;
+    assert_eq!(read(&other), Err(ReadError::Version(1)));
+    // Neither another kind, nor cells where the grid has 2 of them.
+    for kind in [2, 1] {
+        let mut other = bytes.clone();
+        other[12] = kind;
+        with_checksum(&mut other);
+        assert_eq!(read(&other), Err(ReadError::Kind(kind.into())));
+    }
     let mut other = bytes.clone();
     let body = other.len() - 5;
     other[body] ^= 1;
@@ -162,12 +213,12 @@ fn refusals_name_the_reason() {
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Set(0)));
     let mut other = bytes.clone();
-    other[80] = 1;
+    other[84] = 1;
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Cell(0)));
     let mut other = bytes.clone();
     // There are as many objects as the greatest number in a set.
-    other[12..16].copy_from_slice(&5u32.to_le_bytes());
+    other[16..20].copy_from_slice(&5u32.to_le_bytes());
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Set(0)));
     let baked = Baked::read(&bytes).unwrap();
@@ -175,7 +226,7 @@ fn refusals_name_the_reason() {
     let four = cells([2, 2, 1]);
     assert_eq!(four.at([-3.0, 0.3, 1e3]), Some(0));
     assert_eq!(four.at([-1.5, 0.3, 1e3]), None, "no cell of the next row");
-    for at in [16, 40, 64] {
+    for at in [20, 44, 68] {
         let mut other = bytes.clone();
         other[at..at + 8].fill(0xff);
         with_checksum(&mut other);

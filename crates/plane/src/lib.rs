@@ -77,7 +77,7 @@ pub use id::ObjectId;
 pub use method::Method;
 pub use object::{Motion, ObjectDesc, Reports};
 pub use pvs::{Pvs, PvsChanges, Stats};
-pub use query::Query;
+pub use query::{Query, visible_region};
 pub use scene::{FrameReport, Scene};
 pub use tiles::{
     FieldOfView, Fog, FovOptions, OpaqueTiles, Side, TileError, TileFace, TileLayer, TilePoint, TileState,

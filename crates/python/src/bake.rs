@@ -62,7 +62,7 @@ impl Bake {
 #[pymethods]
 impl Bake {
     #[new]
-    #[pyo3(signature = (level, *, cell=2.0, height=None, within=None, queries=50, grid=None, solid=false, content=None))]
+    #[pyo3(signature = (level, *, cell=2.0, height=None, within=None, queries=50, grid=None, solid=false, cell_to_cell=false, content=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python,
@@ -73,6 +73,7 @@ impl Bake {
         queries: u32,
         grid: Option<f32>,
         solid: bool,
+        cell_to_cell: bool,
         content: Option<&[u8]>,
     ) -> PyResult<Self> {
         let within = match within {
@@ -86,7 +87,12 @@ impl Bake {
                 Some(bytes) => import::read(level, bytes, Path::new(level).parent()).map_err(refused)?,
                 None => name.open(&SceneOptions::default()).map_err(|why| ended(why.into()))?,
             };
-            let level = Level::new(&world, grid, solid).map_err(|why| ended(why.into()))?;
+            let mut level = Level::new(&world, grid, solid).map_err(|why| ended(why.into()))?;
+            if cell_to_cell {
+                let cells = places.cells(&level).map_err(ended)?;
+                let numbers = places.numbers(&level).map_err(ended)?;
+                level = level.cell_to_cell(&cells, &numbers).map_err(|why| ended(why.into()))?;
+            }
             let baker = Baker::new(&level, &places, queries).map_err(ended)?;
             let (cells, numbers) = (*baker.cells(), baker.numbers().to_vec());
             Ok(Self { level, cells, numbers, queries })
@@ -99,7 +105,7 @@ impl Bake {
         self.numbers.clone().into_pyarray(py)
     }
 
-    /// The number of objects.
+    /// The number of objects, or of cells of the grid.
     #[getter]
     fn objects(&self) -> u32 {
         self.level.len()
@@ -236,6 +242,19 @@ impl Baked {
     #[getter]
     fn objects(&self) -> PyResult<u32> {
         Ok(self.baked()?.objects())
+    }
+
+    /// Whether sets hold cells of the grid itself.
+    #[getter]
+    fn cell_to_cell(&self) -> PyResult<bool> {
+        Ok(self.baked()?.is_cell_to_cell())
+    }
+
+    /// Whether an eye in one box may see a point in another; true in doubt.
+    fn may_see(&self, eyes: (Floats1, Floats1), target: (Floats1, Floats1)) -> PyResult<bool> {
+        let corner = |at: &Floats1| Ok::<_, PyErr>(vec3("a corner", at)?.as_dvec3().to_array());
+        let span = |(low, high): (Floats1, Floats1)| Ok::<_, PyErr>([corner(&low)?, corner(&high)?]);
+        Ok(self.baked()?.may_see(span(eyes)?, span(target)?))
     }
 
     /// The number of cells that have a set.

@@ -1,19 +1,13 @@
 //! Visibility in the plane.
 
 use casca_plane::glam::Vec2;
-use casca_plane::{
-    BitGrid, FieldOfView, FovOptions, GridSpec, Method, ObjectDesc, OpaqueTiles, Query, Rect, Scene, Segment,
-    TilePoint, View,
-};
+use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, Segment, TilePoint};
 use numpy::ndarray::{Array2, Ix2};
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{Array, Floats1, Floats3, check};
-use crate::error::{refused, refused_at};
-
-/// Room around the segments and the eye, as a share of their extent: none lies on the border.
-const ROOM: f32 = 0.01;
+use crate::error::refused;
 
 fn vec2(name: &str, array: &Floats1) -> PyResult<Vec2> {
     let array = array.as_array();
@@ -72,31 +66,9 @@ pub fn visible_region<'py>(
     let (walls, eye) = (walls.as_array(), vec2("the eye", &eye)?);
     let (count, ends, axes) = walls.dim();
     check((ends, axes) == (2, 2), || format!("walls must be of shape (n, 2, 2), not {:?}", walls.dim()))?;
-    let view = View::all_round(eye).and_then(|view| view.with_range(range)).map_err(refused)?;
     let end = |i, k| Vec2::from_array([walls[[i, k, 0]], walls[[i, k, 1]]]);
-    check(walls.iter().all(|x| x.is_finite()), || "all walls must be finite".into())?;
-    // Walls that cannot be seen have no part in it.
-    let reach = |at: Vec2| at.clamp(eye - range, eye + range);
-    let (mut min, mut max) = (eye, eye);
-    for at in (0..count).flat_map(|i| [end(i, 0), end(i, 1)]).map(reach) {
-        (min, max) = (min.min(at), max.max(at));
-    }
-    let extent = (max - min).max_element().max(f32::MIN_POSITIVE.sqrt());
-    let room = Vec2::splat(extent * ROOM);
-    let cell = extent / (count as f32).sqrt().clamp(4.0, 1024.0);
-    let grid = GridSpec::covering(Rect::new(min - room, max + room), cell).map_err(refused)?;
-    let mut scene = Scene::new(&grid).map_err(refused)?;
-    for i in 0..count {
-        let wall = Segment::new(end(i, 0), end(i, 1));
-        scene.insert(ObjectDesc::fixed(wall).occluder(wall)).map_err(|why| refused_at(i, why))?;
-    }
-    let polygon = py
-        .detach(|| {
-            let mut query = Query::with_method(Method::Point)?;
-            query.run(&scene, &view);
-            Ok::<_, casca_plane::Error>(query.polygon())
-        })
-        .map_err(refused)?;
+    let walls: Vec<Segment> = (0..count).map(|i| Segment::new(end(i, 0), end(i, 1))).collect();
+    let polygon = py.detach(|| casca_plane::visible_region(&walls, eye, range)).map_err(refused)?;
     let numbers = polygon.iter().flat_map(|at| at.to_array()).collect();
     let corners = Array2::from_shape_vec((polygon.len(), 2), numbers).map_err(refused)?;
     Ok(corners.into_pyarray(py))

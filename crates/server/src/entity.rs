@@ -102,11 +102,15 @@ impl Entity {
 
     /// The part of a box around it that it can get to.
     pub(crate) fn reached(&self, walls: &Walls, grown: &Aabb) -> Aabb {
-        let span = |b: &Aabb| Span { min: b.min.as_dvec3(), max: b.max.as_dvec3() };
-        let reached = walls.reached(&span(&self.desc.bounds), span(grown));
+        let reached = walls.reached(&span_of(&self.desc.bounds), span_of(grown));
         // All of these are single numbers: ends of boxes, and places of walls.
         Aabb::new(reached.min.as_vec3(), reached.max.as_vec3())
     }
+}
+
+/// A box in double precision.
+pub(crate) fn span_of(b: &Aabb) -> Span {
+    Span { min: b.min.as_dvec3(), max: b.max.as_dvec3() }
 }
 
 /// A box grown by a length in all directions, rounded outwards.

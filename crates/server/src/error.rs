@@ -69,6 +69,12 @@ pub enum ServerError {
     #[cfg(feature = "plane")]
     #[error(transparent)]
     Tiles(#[from] casca_plane::TileError),
+    /// The bytes are no file of baked sets.
+    #[error(transparent)]
+    Baked(#[from] casca_baked::ReadError),
+    /// The file holds sets of objects.
+    #[error("the file holds sets of objects, not from cell to cell: see casca-bake --cell-to-cell")]
+    NotCellToCell,
     /// casca refuses the level, the occluder or an option.
     #[error(transparent)]
     Casca(#[from] casca::Error),

@@ -60,7 +60,9 @@
 //! - Entities hide nothing unless they have an occluder, and then must not have a speed: doors.
 //! - Boxes of entities must hold all that can be seen of them, weapons and effects included.
 //!
-//! Walls decide most pairs without that: see [`casca_walls`].
+//! Walls decide most pairs without that: see [`casca_walls`]. Sets from cell to cell that were
+//! found ahead of time, if there are some, decide many of these before: see
+//! [`VisibilityServer::set_baked`].
 //!
 //! # Features
 //!
@@ -72,6 +74,7 @@
 #![deny(missing_docs)]
 
 mod answer;
+mod baked;
 #[cfg(feature = "bots")]
 pub mod bots;
 mod client;

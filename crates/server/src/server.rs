@@ -5,6 +5,7 @@ use casca::{Aabb, ObjectDesc, Scene};
 use casca_slots::{Id, Slot, Slots};
 use casca_walls::Walls;
 
+use crate::baked::BakedFile;
 use crate::client::ClientDesc;
 use crate::entity::{Entity, EntityDesc, check_box};
 use crate::error::{ServerError, place, time, within};
@@ -31,6 +32,8 @@ pub struct VisibilityServer {
     pub(crate) ticks: u64,
     /// The walls of the level; `None` if it changed since.
     pub(crate) walls: Option<Walls>,
+    /// What was found of the level ahead of time.
+    pub(crate) baked: Option<BakedFile>,
 }
 
 impl VisibilityServer {
@@ -44,7 +47,7 @@ impl VisibilityServer {
         // Refuses options of queries before a client needs them.
         crate::gaze::Gaze::new(options.point)?;
         let (entities, ids, clients) = (Slots::new(), Slots::new(), Vec::new());
-        Ok(Self { level, options, entities, ids, clients, now: f64::MIN, ticks: 0, walls: None })
+        Ok(Self { level, options, entities, ids, clients, now: f64::MIN, ticks: 0, walls: None, baked: None })
     }
 
     /// The level, with the occluders of entities.
@@ -53,11 +56,37 @@ impl VisibilityServer {
     }
 
     /// The level, to be changed: what comes, goes or moves counts from the next tick on, which
-    /// costs a pass over all of it. Leave objects alone that you did not insert. Entities with
-    /// occluders cost less.
+    /// costs a pass over all of it, and baked sets are given up. Leave objects alone that you did
+    /// not insert. Entities with occluders cost less.
     pub fn level_mut(&mut self) -> &mut Scene {
         self.walls = None;
+        self.forget_baked();
         &mut self.level
+    }
+
+    /// Takes a file of sets from cell to cell, by `casca-bake --cell-to-cell` or the library
+    /// casca-bake, as a first filter: a pair of a client and an entity of which it tells that the
+    /// cells of the one see none of those of the other is withheld without another test. All the
+    /// file's occluders must be static objects of the level. It counts only with
+    /// [`ServerOptions::walls`]: its eyes keep out of solid objects. Costs a check of all of it.
+    ///
+    /// # Errors
+    /// Refuses bytes that are no such file; what was there before stays.
+    pub fn set_baked(&mut self, file: Vec<u8>) -> Result<(), ServerError> {
+        let file = BakedFile::read(file)?;
+        self.forget_baked();
+        self.baked = Some(file);
+        Ok(())
+    }
+
+    /// Whether there are baked sets, and they count.
+    pub fn has_baked(&self) -> bool {
+        self.baked.is_some() && self.options.walls
+    }
+
+    fn forget_baked(&mut self) {
+        self.baked = None;
+        self.clients.iter_mut().flatten().for_each(|client| client.seen_cells.forget());
     }
 
     /// How many walls the level has, since the last tick: see [`ServerOptions::walls`].

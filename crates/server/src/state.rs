@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 
 use casca::glam::DVec3;
 use casca::{Aabb, Light, ObjectId, Query, Scene, Sight};
+use casca_baked::{Baked, CellBox};
 use casca_walls::{Eyes, Span, Walls};
 
 use crate::answer::Answer;
+use crate::baked::SeenCells;
 use crate::client::ClientDesc;
-use crate::entity::Entity;
+use crate::entity::{Entity, span_of};
 use crate::error::ServerError;
 use crate::field::FieldOfView;
 use crate::gaze::Gaze;
@@ -25,9 +27,19 @@ pub(crate) struct Moment<'a, H: ?Sized> {
     pub(crate) options: &'a ServerOptions,
     pub(crate) entities: &'a [(EntityId, &'a Entity)],
     /// Where each of these entities may be, by the time that it may move for.
-    pub(crate) places: &'a BTreeMap<u64, Vec<Aabb>>,
+    pub(crate) places: &'a BTreeMap<u64, Vec<Place>>,
+    /// Sets from cell to cell, if there are some and they count.
+    pub(crate) baked: Option<Baked<'a>>,
     pub(crate) light: Option<Light>,
     pub(crate) hook: &'a H,
+}
+
+/// Where an entity may be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) bounds: Aabb,
+    /// The cells of the baked sets that it has points in, if all is known about them.
+    pub(crate) cells: Option<CellBox>,
 }
 
 /// A client.
@@ -50,6 +62,7 @@ pub(crate) struct ClientState {
     knows_casters: bool,
     /// The wall that hid each entity last, by slot.
     hints: Vec<u32>,
+    pub(crate) seen_cells: SeenCells,
     /// What it was told of in the tick before.
     before: Vec<EntityId>,
     pub(crate) answer: Answer,
@@ -74,6 +87,7 @@ impl ClientState {
             casters: Vec::new(),
             knows_casters: true,
             hints: Vec::new(),
+            seen_cells: SeenCells::default(),
             before: Vec::new(),
             answer: Answer::new(id),
         })
@@ -122,12 +136,10 @@ impl ClientState {
         let mut hints = std::mem::take(&mut self.hints);
         let slots = moment.entities.last().map_or(0, |(id, _)| id.slot().index() + 1);
         hints.resize(slots.max(hints.len()), 0);
-        let look = Look {
-            client: self,
-            sight: holds.then(|| self.gaze.query().sight(level)).flatten(),
-            eyes: self.eyes(moment, reach),
-            time,
-        };
+        let eyes = self.eyes(moment, reach);
+        self.seen_cells.follow(moment.baked.as_ref(), eyes.span());
+        let look =
+            Look { client: self, sight: holds.then(|| self.gaze.query().sight(level)).flatten(), eyes, time };
         let places = moment.places.get(&steps(time)).into_iter().flatten();
         let all = moment.entities.iter().zip(places);
         let all = all.filter(|((id, entity), place)| {
@@ -188,25 +200,26 @@ impl Look<'_> {
         moment: &Moment<H>,
         id: EntityId,
         entity: &Entity,
-        place: &Aabb,
+        place: &Place,
         hint: &mut u32,
     ) -> bool {
         let ClientState { id: own, desc, casters, knows_casters, .. } = self.client;
         let of_team = desc.team.is_some() && desc.team == entity.side;
         entity.desc.owner == Some(*own)
             || of_team
-            || self.may_see(moment.walls, place, hint)
+            || self.may_see(moment, place, hint)
             || entity.caster.is_some_and(|caster| !knows_casters || casters.binary_search(&caster).is_ok())
             || moment.hook.tells((*own, desc), (id, entity))
     }
 
     /// Whether an eye may see a point of a box until the next answer counts; in doubt, yes.
-    fn may_see(&self, walls: &Walls, place: &Aabb, hint: &mut u32) -> bool {
-        let ClientDesc { eye, field, .. } = self.client.desc;
-        let in_field = |f: FieldOfView| f.may_see(eye.as_dvec3(), self.eyes.reach(), self.time, place);
-        let span = Span { min: place.min.as_dvec3(), max: place.max.as_dvec3() };
+    fn may_see<H: Hook + ?Sized>(&self, moment: &Moment<H>, place: &Place, hint: &mut u32) -> bool {
+        let ClientState { desc: ClientDesc { eye, field, .. }, seen_cells, .. } = self.client;
+        let bounds = &place.bounds;
+        let in_field = |f: FieldOfView| f.may_see(eye.as_dvec3(), self.eyes.reach(), self.time, bounds);
         field.is_none_or(in_field)
-            && !walls.hide(&self.eyes, &span, 0.0, hint)
-            && self.sight.as_ref().is_none_or(|sight| sight.may_see_box(place))
+            && moment.baked.is_none_or(|sets| seen_cells.may_see(&sets, place.cells))
+            && !moment.walls.hide(&self.eyes, &span_of(bounds), 0.0, hint)
+            && self.sight.as_ref().is_none_or(|sight| sight.may_see_box(bounds))
     }
 }

@@ -8,13 +8,14 @@ use casca_walls::Walls;
 use rayon::prelude::*;
 
 use crate::answer::Answer;
-use crate::entity::Entity;
+use crate::baked::{BakedFile, cells_of};
+use crate::entity::{Entity, span_of};
 use crate::error::{ServerError, time};
 use crate::hook::Hook;
 use crate::id::{ClientId, EntityId};
 use crate::numeric::{LEAST_WALL, STEP};
 use crate::server::VisibilityServer;
-use crate::state::{ClientState, Moment, steps};
+use crate::state::{ClientState, Moment, Place, steps};
 
 impl VisibilityServer {
     /// Answers all clients for the time `now`, in the order of their slots. `hook` adds entities
@@ -88,9 +89,11 @@ impl VisibilityServer {
         let all = self.clients.iter().flatten();
         let times: BTreeSet<u64> =
             all.map(|client| steps(client.time_ahead(self.now, &self.options).0)).collect();
+        let baked = self.baked.as_ref().filter(|_| self.options.walls).and_then(BakedFile::sets);
         let place = |entity: &Entity, steps: u64| {
             let grown = entity.grown(self.now, steps as f64 * STEP);
-            entity.reached(walls, &grown)
+            let bounds = entity.reached(walls, &grown);
+            Place { bounds, cells: baked.as_ref().and_then(|sets| cells_of(sets, &span_of(&bounds))) }
         };
         #[cfg(feature = "rayon")]
         let entities_in_turn = entities.par_iter();
@@ -104,6 +107,7 @@ impl VisibilityServer {
             options: &self.options,
             entities: &entities,
             places: &times.into_iter().map(|steps| (steps, places(steps))).collect(),
+            baked,
             light: self.options.sun.map(Light::directional),
             hook,
         };

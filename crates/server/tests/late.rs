@@ -1,6 +1,9 @@
 //! Bots run, peek, strafe, jump and lag: what exact rays from a client's true eye see was told.
 
+use std::ops::ControlFlow;
+
 use casca::glam::DVec3;
+use casca_baked::{Baked, Writer};
 use casca_scenes::world::{Motion, Object, Shape};
 use casca_server::ServerOptions;
 use casca_server::bots::{Level, Match, MatchOptions, Moment};
@@ -79,6 +82,24 @@ fn lies_about_the_reach_and_the_growth_are_found_out() {
     assert!(still.late > 10, "{still:?}");
     let prompt = play(&level, MatchOptions { told: [1.0, 0.0], ..options() }, 200, 6);
     assert!(prompt.late > 0, "{prompt:?}");
+}
+
+#[test]
+fn nothing_is_told_late_by_baked_sets() {
+    let mut level = Level::rooms().unwrap();
+    let file = level.bake(2.0, 16, 2, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    level.baked = Some(file);
+    let verdict = play(&level, MatchOptions { seed: 2, ..options() }, 100, 6);
+    assert_eq!(verdict.late, 0, "{verdict:?}");
+    let share = verdict.withheld as f64 / verdict.pairs as f64;
+    assert!(share > 0.3, "{share} of all pairs are withheld");
+    // Sets in which a cell sees itself only are found out.
+    let baked = Baked::read(level.baked.as_ref().unwrap()).unwrap();
+    let mut writer = Writer::like(&baked).unwrap();
+    let cells = (0..baked.objects()).filter(|cell| baked.set(*cell).is_some());
+    cells.for_each(|cell| writer.put(cell, &[cell]).unwrap());
+    level.baked = Some(writer.finish().unwrap());
+    assert!(play(&level, options(), 20, 6).late > 10);
 }
 
 #[test]

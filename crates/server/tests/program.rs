@@ -51,6 +51,25 @@ fn quic_takes_a_certificate() {
     assert!(code == Some(1) && said.contains("none.pem"), "{said}");
 }
 
+#[test]
+fn what_it_bakes_it_takes() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let file = path("rooms.pvs");
+    let (code, said, log) = run(&["--bake", &file, "--cell", "4"]);
+    assert!(code == Some(0) && said.contains("bytes") && log.contains("of"), "{said}{log}");
+    let any = ["--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--seconds", "1", "--bots", "4"];
+    assert_eq!(run(&[any.as_slice(), &["--baked", &file]].concat()).0, Some(0));
+    let (code, _, said) = run(&[any.as_slice(), &["--baked", "none.pvs"]].concat());
+    assert!(code == Some(1) && said.contains("none.pvs"), "{said}");
+    let wrong = path("wrong.pvs");
+    std::fs::write(&wrong, "PVS").unwrap();
+    let (code, _, said) = run(&[any.as_slice(), &["--baked", &wrong]].concat());
+    assert!(code == Some(1) && said.contains("no file of baked visibility"), "{said}");
+    let (code, _, said) = run(&["--bake", &wrong, "--cell", "0.1"]);
+    assert!(code == Some(1) && said.contains("0.25 m at least"), "{said}");
+}
+
 #[cfg(unix)]
 #[test]
 fn signals_stop_it() {

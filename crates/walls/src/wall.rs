@@ -194,6 +194,19 @@ impl Wall {
         if target.min[a] < border && border < target.max[a] {
             return Cut { of_eyes: false, axis: a, at: border };
         }
+        let all = Eyes::cuboid(*eyes);
+        let far = eyes.farthest().max(target.farthest());
+        let sticks_out = |i: usize| target.corners().any(|q| !self.hides_along(i, &all, q, side, far));
+        let axes = (0..2).zip(along(a)).filter(|&(i, _)| sticks_out(i));
+        // Where a wall ends at a floor or at another wall, that may hide what lies beyond the edge.
+        let crossing = |span: &Span, (i, b): (usize, usize)| {
+            [self.min[i], self.max[i]].into_iter().find(|at| span.min[b] < *at && *at < span.max[b])
+        };
+        for (of_eyes, span) in [(false, target), (true, eyes)] {
+            if let Some((axis, at)) = axes.clone().find_map(|axis| Some((axis.1, crossing(span, axis)?))) {
+                return Cut { of_eyes, axis, at };
+            }
+        }
         // By how much each edge moves the place at which a segment passes the wall, along one of
         // its axes: the part of the way that lies behind the wall counts for the eyes.
         let (from, to) = (eyes.middle(), target.middle());
@@ -208,10 +221,6 @@ impl Wall {
                 (false, a, of_target[a] * slope),
             ]
         };
-        let all = Eyes::cuboid(*eyes);
-        let far = eyes.farthest().max(target.farthest());
-        let sticks_out = |i: usize| target.corners().any(|q| !self.hides_along(i, &all, q, side, far));
-        let axes = (0..2).zip(along(a)).filter(|&(i, _)| sticks_out(i));
         let most = axes.flat_map(|(_, b)| along_axis(b)).max_by(|x, y| x.2.total_cmp(&y.2));
         let (of_eyes, axis, _) = most.unwrap_or((false, a, 0.0));
         Cut { of_eyes, axis, at: if of_eyes { from[axis] } else { to[axis] } }

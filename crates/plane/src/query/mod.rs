@@ -1,5 +1,7 @@
 //! Queries: the memory of one view, and the methods that find its PVS.
 
+mod region;
+
 use glam::Vec2;
 
 use crate::bits::BitGrid;
@@ -11,6 +13,8 @@ use crate::point::Sight;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
 use crate::view::View;
+
+pub use region::visible_region;
 
 /// Finds the objects that a view can see.
 ///

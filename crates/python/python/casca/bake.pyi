@@ -21,6 +21,8 @@ class Bake:
     grid: the edge of a cell of casca's grid, in metres.
     solid: promises that closed boxes among the parts of meshes hold no eye: then cells that reach
         into walls get smaller sets. Not for rooms that are modelled as one box.
+    cell_to_cell: finds which cells of the grid may be seen from each cell, instead of which objects:
+        for all that moves.
     content: the bytes of the file, if it is not to be read here.
 
     Raises casca.Error for cells without size or too many of them, and OSError for a file that
@@ -37,6 +39,7 @@ class Bake:
         queries: int = 50,
         grid: float | None = None,
         solid: bool = False,
+        cell_to_cell: bool = False,
         content: bytes | None = None,
     ) -> Bake: ...
     @property
@@ -44,7 +47,8 @@ class Bake:
         """The numbers of the cells to bake, neighbours near each other. A copy."""
     @property
     def objects(self) -> int:
-        """The number of objects; those of sets are less. For a file, the order of its nodes."""
+        """The number of objects, or of cells of the grid; those of sets are less. For a file, the
+        order of its nodes."""
     def find(
         self, cells: ArrayLike, *, threads: int = 1, progress: Callable[[float], object] | None = None
     ) -> bytes:
@@ -98,7 +102,15 @@ class Baked:
         """The edges of a cell, in metres."""
     @property
     def objects(self) -> int:
-        """The number of objects."""
+        """The number of objects, or of cells of the grid."""
+    @property
+    def cell_to_cell(self) -> bool:
+        """Whether sets hold cells of the grid itself."""
+    def may_see(
+        self, eyes: tuple[ArrayLike, ArrayLike], target: tuple[ArrayLike, ArrayLike]
+    ) -> bool:
+        """Whether an eye in one box may see a point in another, by sets from cell to cell; two
+        corners each. True in doubt."""
     def __len__(self) -> int:
         """The number of cells that have a set."""
 

@@ -3,12 +3,14 @@
 //!
 //! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`, with options:
 //! `--times TICKS`, `--late TICKS` (casca alone), `--beside TICKS` (all ways), `--queries N`,
-//! `--room SHARE`, `--bots N`, `--seed N`, `--no-walls`, `--csv FILE`, `--chart FILE.svg`.
+//! `--room SHARE`, `--bots N`, `--seed N`, `--no-walls`, `--csv FILE`, `--chart FILE.svg`, and
+//! `--bake METERS`: sets from cell to cell of that edge come first.
 
 mod rays;
 
 use std::collections::VecDeque;
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use casca_server::bots::{Level, Match, MatchOptions, Moment};
@@ -33,6 +35,7 @@ struct Arguments {
     queries: usize,
     room: f32,
     walls: bool,
+    bake: Option<f32>,
     seed: u64,
     chart: Option<String>,
     csv: Option<String>,
@@ -49,6 +52,7 @@ fn arguments() -> Result<Arguments, Failure> {
         queries: server.most_queries,
         room: server.room,
         walls: true,
+        bake: None,
         seed: 1,
         chart: None,
         csv: None,
@@ -63,6 +67,7 @@ fn arguments() -> Result<Arguments, Failure> {
             "--bots" => found.bots = value()?.parse()?,
             "--queries" => found.queries = value()?.parse()?,
             "--room" => found.room = value()?.parse()?,
+            "--bake" => found.bake = Some(value()?.parse()?),
             "--seed" => found.seed = value()?.parse()?,
             "--no-walls" => found.walls = false,
             "--chart" => found.chart = Some(value()?),
@@ -86,8 +91,11 @@ fn main() -> Result<(), Failure> {
             println!("skipped: {name} is not here");
             continue;
         }
-        let level = Level::open(name)?;
+        let mut level = Level::open(name)?;
         check(&level)?;
+        if let Some(edge) = arguments.bake {
+            bake(&mut level, edge)?;
+        }
         if arguments.times > 0 {
             for threads in [1, 2] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
@@ -124,6 +132,21 @@ fn chart(file: &std::path::Path, csv: &str) -> Result<(), Failure> {
     let (x, y) = (Axis::linear("told late, % of the visible"), Axis::linear("withheld, % of the hidden"));
     let title = "Rays withhold more and tell late; casca-server tells nothing late";
     lines(file, title, "a mark for each level: rooms, town, sponza-parts", (&x, &y), &series)?;
+    Ok(())
+}
+
+/// Finds which cells of a level see each other, as the first filter of its server.
+fn bake(level: &mut Level, edge: f32) -> Result<(), Failure> {
+    let begin = Instant::now();
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let mut cells = 0;
+    let file = level.bake(edge, 16, threads, &mut |_, all| {
+        cells = all;
+        ControlFlow::Continue(())
+    })?;
+    let seconds = begin.elapsed().as_secs_f64();
+    println!("{}: {cells} cells of {edge} m in {seconds:.1} s, {} bytes", level.name, file.len());
+    level.baked = Some(file);
     Ok(())
 }
 

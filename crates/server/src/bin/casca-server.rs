@@ -1,7 +1,8 @@
 //! A server that tells each client of what it could see, and of nothing else.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -21,6 +22,15 @@ struct Arguments {
     /// Looks at a level, says what it is made of, and ends: with 1 if it cannot be used.
     #[arg(long, value_name = "LEVEL")]
     check: Option<String>,
+    /// Finds which cells of the level see each other, writes them to a file, and ends.
+    #[arg(long, value_name = "FILE")]
+    bake: Option<PathBuf>,
+    /// The edge of a cell for that, in metres, 0.25 at least.
+    #[arg(long, default_value_t = 2.0)]
+    cell: f32,
+    /// A file that was written by --bake for the same level: the server asks it first.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["bake", "check"])]
+    baked: Option<PathBuf>,
     /// Where clients connect by WebSocket.
     #[arg(long, default_value = "127.0.0.1:4600")]
     listen: SocketAddr,
@@ -60,6 +70,9 @@ struct Arguments {
     verbose: bool,
 }
 
+/// Queries for each cell of a bake: walls decide most.
+const QUERIES: u32 = 16;
+
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
@@ -79,7 +92,13 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(level) = &arguments.check {
         return check(level);
     }
-    let level = Level::open(&arguments.level)?;
+    let mut level = Level::open(&arguments.level)?;
+    if let Some(file) = &arguments.bake {
+        return bake(&level, arguments.cell, file);
+    }
+    if let Some(file) = &arguments.baked {
+        level.baked = Some(std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?);
+    }
     let mut options = FrontOptions::new(token(arguments)?);
     (options.clients, options.http) = (arguments.listen, arguments.http);
     options.quic = identity(arguments)?.map(|identity| QuicOptions::new(arguments.quic, identity));
@@ -129,6 +148,23 @@ fn check(name: &str) -> Result<(), Failure> {
         server.wall_count()
     );
     println!("a path of {meters:.0} m");
+    Ok(())
+}
+
+/// Finds which cells of a level see each other.
+fn bake(level: &Level, cell: f32, file: &Path) -> Result<(), Failure> {
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let mut last = 0;
+    let bytes = level.bake(cell, QUERIES, threads, &mut |done, all| {
+        // A line for each tenth.
+        if let Some(tenths) = (done * 10).checked_div(all).filter(|tenths| *tenths != last) {
+            eprintln!("{done} of {all} cells");
+            last = tenths;
+        }
+        ControlFlow::Continue(())
+    })?;
+    casca_bake::write_whole(file, &bytes)?;
+    println!("{}: {} bytes", file.display(), bytes.len());
     Ok(())
 }
 

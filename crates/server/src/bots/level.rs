@@ -1,15 +1,20 @@
 //! Levels from test scenes and glTF files.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use casca::glam::Vec3;
+use casca::glam::{DVec3, Vec3};
 use casca::{Aabb, Scene};
+use casca_bake::{BakeError, Baker, Cells, Progress};
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::import::{self, ImportError};
-use casca_scenes::world::{Motion, Object, Shape, World};
+use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
+use casca_walls::{Span, Walls};
 
+use crate::entity::span_of;
 use crate::error::ServerError;
+use crate::numeric::LEAST_WALL;
 
 /// Frames of the path of a generated scene: many, so that it is smooth.
 const FRAMES: usize = 4000;
@@ -26,6 +31,13 @@ const CLEARANCE: f32 = 0.6;
 
 /// The body of a bot around its eye: half its width, how far it goes down, and up.
 const BODY: [f32; 3] = [0.3, 1.5, 0.15];
+
+/// Cells are baked so far beside bodies on the path, in metres: as far as eyes and entities may be
+/// expected, at 5 m/s and a latency of a tenth of a second.
+const BESIDE: f64 = 0.8;
+
+/// The least edge of a cell, in metres: a body has points in a few hundred of these.
+const LEAST_CELL: f32 = 0.25;
 
 /// Where the height of the eye above the ground is not known, bodies are shorter.
 const SHORT: f32 = 0.4;
@@ -46,6 +58,12 @@ pub enum LevelError {
     /// There is no path for bots: the file has no camera that moves.
     #[error("there is no path for bots in {0}: its camera does not move")]
     NoPath(String),
+    /// Cells are too small.
+    #[error("the edge of a cell must be {LEAST_CELL} m at least, not {0} m")]
+    Cell(f32),
+    /// A bake ended early.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
     /// The server refuses the level or what is in it.
     #[error(transparent)]
     Server(#[from] ServerError),
@@ -62,6 +80,10 @@ pub struct Level {
     pub objects: Vec<Object>,
     /// Where bots run.
     pub track: Track,
+    /// Which cells along the path see each other, if that was found ahead of time: a file for
+    /// [`VisibilityServer::set_baked`](crate::VisibilityServer::set_baked).
+    pub baked: Option<Vec<u8>>,
+    grid: GridHint,
 }
 
 /// Where bots run.
@@ -112,10 +134,6 @@ impl Level {
             object.motion == Motion::Static && !blocks
         });
         let objects = std::mem::take(&mut world.objects);
-        let hides = |object: &&Object| {
-            let b = bounds(object);
-            object.occludes && (b.max - b.min).length() >= LEAST_OCCLUDER
-        };
         world.objects = objects.iter().filter(hides).cloned().collect();
         let mut grid = grid_for(&world.grid, None)?;
         // Walls are tested by themselves: cells need not be thinner.
@@ -123,11 +141,58 @@ impl Level {
             grid_for(&casca_scenes::world::GridHint { cell: grid.cell.max(0.25), ..world.grid }, None);
         grid = coarse.unwrap_or(grid);
         let scene = Driver::new(&world, &grid, |_| ())?.scene;
-        Ok(Self { name: world.name, scene, objects, track: Track { path, down } })
+        let track = Track { path, down };
+        Ok(Self { name: world.name, scene, objects, track, baked: None, grid: world.grid })
+    }
+
+    /// Finds which cells along the path see each other, for [`Level::baked`]. `edge` is that of a
+    /// cell, in metres; `queries` as for [`casca_bake::Finder::new`].
+    ///
+    /// # Errors
+    /// Refuses an edge of less than 0.25 m or that makes too many cells, and stops if the progress
+    /// says so.
+    pub fn bake(
+        &self,
+        edge: f32,
+        queries: u32,
+        threads: usize,
+        progress: &mut Progress,
+    ) -> Result<Vec<u8>, LevelError> {
+        if edge.is_nan() || edge < LEAST_CELL {
+            return Err(LevelError::Cell(edge));
+        }
+        let occluders: Vec<Object> = self.objects.iter().filter(hides).cloned().collect();
+        let walls = Walls::of(&self.scene, LEAST_WALL, |_| false);
+        let (cells, numbers) = self.track.cells(&walls, edge);
+        let level = casca_bake::Level::of(&occluders, self.grid, None, false)?;
+        let level = level.cell_to_cell(&cells, &numbers)?;
+        let baker = Baker::of(&level, cells, &numbers, queries);
+        let sets = baker.run(threads, None, progress)?;
+        Ok(sets.finish().map_err(BakeError::from)?)
     }
 }
 
 impl Track {
+    /// The cells in which bodies on the path and beside it may have points, and eyes. What lies behind
+    /// walls is left out: the space under a floor sees all that is under it.
+    fn cells(&self, walls: &Walls, edge: f32) -> (Cells, Vec<u32>) {
+        let reached = |&eye: &Vec3| {
+            let body = span_of(&self.body(eye));
+            let grown = Span { min: body.min - BESIDE, max: body.max + BESIDE };
+            walls.reached(&body, grown)
+        };
+        let all: Vec<Span> = self.path.iter().map(reached).collect();
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = all.iter().fold(none, |(a, b), span| (a.min(span.min), b.max(span.max)));
+        // The grid ends where they do.
+        let counts = ((high - low) / f64::from(edge)).ceil().max(DVec3::ONE);
+        let size = ((high - low) / counts).to_array();
+        let cells = Cells { low: low.to_array(), size, dims: counts.to_array().map(|n| n as u32) };
+        let boxes = all.iter().filter_map(|span| cells.of_box(span.min.to_array(), span.max.to_array()));
+        let numbers: BTreeSet<u32> = boxes.flat_map(|all| cells.numbers(all)).collect();
+        (cells, numbers.into_iter().collect())
+    }
+
     /// The sides of the body around an eye, at the height of the eye.
     pub fn sides(&self, eye: Vec3) -> [Vec3; 4] {
         [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| eye + side * BODY[0])
@@ -138,6 +203,12 @@ impl Track {
         let [half, _, up] = BODY;
         Aabb::new(eye - Vec3::new(half, self.down, half), eye + Vec3::new(half, up, half))
     }
+}
+
+/// Whether an object is one of the occluders of the server.
+fn hides(object: &&Object) -> bool {
+    let b = bounds(object);
+    object.occludes && (b.max - b.min).length() >= LEAST_OCCLUDER
 }
 
 fn options() -> SceneOptions {

@@ -115,6 +115,7 @@ impl<'a> Match<'a> {
     pub fn new(level: &'a Level, options: MatchOptions) -> Result<Self, ServerError> {
         let MatchOptions { bots, habits, seed, down, up, told: [speed, late], .. } = options;
         let mut server = VisibilityServer::new(level.scene.clone(), options.server)?;
+        level.baked.clone().map_or(Ok(()), |file| server.set_baked(file))?;
         let bots: Vec<Bot> = (0..bots as u64).map(|i| Bot::new(&level.track.path, habits, seed, i)).collect();
         let seconds = (up + down) as f32 * options.server.tick;
         let (mut clients, mut entities) = (Vec::new(), Vec::new());

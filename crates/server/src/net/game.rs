@@ -79,7 +79,8 @@ impl Game {
         map: Arc<Map>,
     ) -> Result<Self, ServerError> {
         let expected = options.server.tick(options.server.tick * TICK_ROOM);
-        let server = VisibilityServer::new(level.scene, expected)?;
+        let mut server = VisibilityServer::new(level.scene, expected)?;
+        level.baked.map_or(Ok(()), |file| server.set_baked(file))?;
         let players = BTreeMap::new();
         let options = options.clone();
         let mut game = Self {
