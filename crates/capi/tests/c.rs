@@ -1,5 +1,5 @@
 //! Programs in C and C++ against the library: built by the machine's compilers, plain and under the
-//! address and undefined behaviour sanitizers, and run; where valgrind is there, under it, too.
+//! address and undefined behaviour sanitizers, and run; with `CASCA_HEAVY=1` under valgrind, too.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -30,12 +30,12 @@ fn language(source: &Path) -> (&'static str, &'static [&'static str]) {
     }
 }
 
-/// Builds and runs a program; false if there is no compiler for it, or no valgrind.
-fn run(source: &Path, how: How, arguments: &[&str]) -> bool {
+/// Builds and runs a program, and gives its output; nothing if there is no compiler for it, or no valgrind.
+fn run(source: &Path, how: How) -> Option<String> {
     let (compiler, flags) = language(source);
     if Command::new(compiler).arg("--version").output().is_err() {
         println!("skipped: no {compiler}");
-        return false;
+        return None;
     }
     let to = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     let suffix = if how == How::Sanitized { "sanitized" } else { "plain" };
@@ -59,12 +59,12 @@ fn run(source: &Path, how: How, arguments: &[&str]) -> bool {
         }
         _ => Command::new(&program),
     };
-    let ran = command.args(arguments).output();
+    let ran = command.output();
     let _ = std::fs::remove_file(&program);
     let output = match ran {
         Err(why) if how == How::Valgrind => {
             println!("skipped: no valgrind: {why}");
-            return false;
+            return None;
         }
         other => other.unwrap(),
     };
@@ -72,17 +72,20 @@ fn run(source: &Path, how: How, arguments: &[&str]) -> bool {
         [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
     assert!(output.status.success(), "{}: {}\n{out}{errors}", source.display(), output.status);
     println!("{out}");
-    true
+    Some(out)
 }
 
 fn test_source(name: &str) -> PathBuf {
     here().join("tests/c").join(name)
 }
 
-/// Runs a test program plainly and under the sanitizers, and, if asked for, under valgrind.
+/// Runs a test program under the sanitizers, and with `CASCA_HEAVY=1` also plainly and under
+/// valgrind, which takes long to read the library's debug information.
 fn everywhere(name: &str) {
-    for how in [How::Plain, How::Sanitized] {
-        run(&test_source(name), how, &[]);
+    run(&test_source(name), How::Sanitized);
+    if std::env::var("CASCA_HEAVY").is_ok_and(|heavy| heavy == "1") {
+        run(&test_source(name), How::Plain);
+        run(&test_source(name), How::Valgrind);
     }
 }
 
@@ -101,4 +104,57 @@ fn all_functions_do_what_their_comments_say() {
     assert!(declared.len() > 60, "{declared:?}");
     let missing: Vec<_> = declared.iter().filter(|name| !program.contains(&format!("{name}("))).collect();
     assert!(missing.is_empty(), "functions that all.c does not call: {missing:?}");
+}
+
+#[test]
+fn bad_input_is_refused() {
+    everywhere("bad_input.c");
+}
+
+#[test]
+fn the_wrapper_works() {
+    everywhere("wrapper.cpp");
+}
+
+#[test]
+fn threads_share_scenes() {
+    everywhere("threads.cpp");
+}
+
+/// The program in the chapter at the head of the header, without its indentation.
+#[test]
+fn the_program_of_the_manual_runs() {
+    let header = std::fs::read_to_string(here().join("include/casca.h")).unwrap();
+    let (_, from) = header.split_once("A FIRST QUERY\n").unwrap();
+    let (program, _) = from.split_once("CONVENTIONS").unwrap();
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("manual.c");
+    std::fs::write(&path, program).unwrap();
+    if let Some(out) = run(&path, How::Sanitized) {
+        assert_eq!(out, "1 object in sight, and it is the wall: 1\n");
+    }
+}
+
+#[test]
+fn the_examples_run() {
+    let example = |name: &str| run(&here().join("examples").join(name), How::Sanitized);
+    if let Some(out) = example("first_query.c") {
+        let lines: Vec<&str> = out.lines().collect();
+        assert_eq!(lines.len(), 4, "{out}");
+        assert!(lines[0].ends_with("in sight: wall") && lines[3].contains("bird"), "{out}");
+    }
+    if let Some(out) = example("jobs.cpp") {
+        assert_eq!(out.lines().filter(|line| line.starts_with("frame ")).count(), 10, "{out}");
+    }
+}
+
+/// The files that say the version say the same one.
+#[test]
+fn versions_agree() {
+    let version = env!("CARGO_PKG_VERSION");
+    let files = ["cmake/cascaConfigVersion.cmake", "cmake/casca.pc.in"];
+    let read = |file: &str| std::fs::read_to_string(here().join(file)).unwrap();
+    assert!(files.iter().all(|file| read(file).contains(version)));
+    let numbers: Vec<u32> = version.split('.').map(|part| part.parse().unwrap()).collect();
+    let packed = 10_000 * numbers[0] + 100 * numbers[1] + numbers[2];
+    assert!(read("include/casca.h").contains(&format!("#define CASCA_VERSION {packed}\n")));
 }
