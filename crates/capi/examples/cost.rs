@@ -97,7 +97,7 @@ fn small_calls() {
     let (scene, ids) = (sides.c, sides.ids.clone());
     let version = black_box(casca_version as extern "C" fn() -> u32);
     row("casca_version", measure(9, 1 << 20, |_| _ = black_box(version())), None);
-    let contains = black_box(casca_scene_contains as unsafe extern "C" fn(_, _, _) -> _);
+    let contains = casca_scene_contains;
     let mut answer = false;
     // SAFETY: pointers are of references, here and below.
     let c = measure(9, 1 << 18, |i| unsafe { _ = contains(scene, ids[i as usize % 1000].0, &mut answer) });
@@ -110,7 +110,7 @@ fn small_calls() {
     row("contains: refused, with its message", c, None);
 
     let at = |i: u32| [1.0 + 0.02 * (i % 1000) as f32 + 0.001 * (i % 7) as f32, 9.0, 9.0, 0.2f32];
-    let update = black_box(casca_scene_update as unsafe extern "C" fn(_, _, _, _) -> _);
+    let update = casca_scene_update;
     let mut shape: casca_shape = init!(casca_object).bounds;
     (shape.kind, shape.radius) = (CASCA_SHAPE_SPHERE, 0.2);
     let c = measure(9, 1 << 16, |i| {
@@ -129,7 +129,7 @@ fn small_calls() {
     row("update: one sphere moved", c, Some(rust));
     let (numbers, keys): (Vec<[f32; 4]>, Vec<u64>) =
         ((0..1000).map(at).collect(), ids.iter().map(|id| id.0).collect());
-    let moves = black_box(casca_scene_move_spheres as unsafe extern "C" fn(_, _, _, _) -> _);
+    let moves = casca_scene_move_spheres;
     let c = measure(9, 64, |_| {
         // SAFETY: as above.
         let status = unsafe { moves(scene, keys.as_ptr(), numbers.as_ptr().cast(), 1000) };
@@ -153,8 +153,8 @@ fn walk(kind: SceneKind) {
     let (mut c_query, mut query) = (casca_query { handle: 0 }, Query::new());
     // SAFETY: pointers are of references, here and below.
     assert_eq!(unsafe { casca_query_create(std::ptr::null(), &mut c_query) }, casca_status::CASCA_OK);
-    let run = black_box(casca_query_run as unsafe extern "C" fn(_, _, _, _) -> _);
-    let visible = black_box(casca_query_get_visible as unsafe extern "C" fn(_, _, _, _) -> _);
+    let run = casca_query_run;
+    let visible = casca_query_get_visible;
     let cameras: Vec<_> = (0..32).map(|frame| world.camera(8 * frame, 16.0 / 9.0)).collect();
     let told = |i: usize| {
         let mut view = init!(casca_view);

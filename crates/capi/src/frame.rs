@@ -83,7 +83,8 @@ pub unsafe extern "C" fn casca_scene_move_boxes(
 }
 
 /// Moves count placed objects, with their occluders: 16 floats for each, column by column unless
-/// flags is CASCA_ROW_MAJOR. As casca_scene_move_spheres, the others are moved where one is refused.
+/// flags is CASCA_ROW_MAJOR. As casca_scene_move_spheres, the others are moved where one is
+/// refused.
 ///
 /// Errors: objects that are not placed (code "not-placed"), a last row other than 0 0 0 1, numbers
 /// that are not finite, spheres whose axes are scaled differently.
@@ -153,8 +154,8 @@ pub unsafe extern "C" fn casca_scene_shift_origin(scene: casca_scene, offset: *c
 }
 
 /// Begins a frame at a time in seconds. due_count, unless null, gets how many objects reported on
-/// expiry are due: read them by casca_scene_get_due and report where they are. Until then they count
-/// as visible and hide nothing.
+/// expiry are due: read them by casca_scene_get_due and report where they are. Until then they
+/// count as visible and hide nothing.
 ///
 /// Errors: a time that is not finite. Costs the objects that are due.
 #[unsafe(no_mangle)]

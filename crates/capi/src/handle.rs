@@ -4,8 +4,8 @@
 //! handle that was freed, or is of another kind, from one that lives, without following a pointer.
 //!
 //! Each slot has a lock that calls never wait for: a call that reads takes its share, a call that
-//! changes takes all, and where that fails the call is refused as busy. So no two calls can wait for
-//! each other, whatever they lock in which order.
+//! changes takes all, and where that fails the call is refused as busy. So no two calls can wait
+//! for each other, whatever they lock in which order.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicU32, Ordering};

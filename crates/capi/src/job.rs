@@ -69,8 +69,8 @@ pub extern "C" fn casca_job_free(job: casca_job) -> casca_status {
 }
 
 /// Gives the result of a job to the kept query; the job is freed by it. Runs answer from the result
-/// as soon as it holds for their view. is_taken, unless null, gets whether it fits: not if more than
-/// 2,048 static objects changed since, or if the scene is another one.
+/// as soon as it holds for their view. is_taken, unless null, gets whether it fits: not if more
+/// than 2,048 static objects changed since, or if the scene is another one.
 ///
 /// Errors: a job that has not run; it then stays.
 #[unsafe(no_mangle)]

@@ -130,8 +130,8 @@ pub unsafe extern "C" fn casca_plane_query_get_visible(
     })
 }
 
-/// Whether the view of the last run sees each of count points of two floats: answers gets 1 or 0 for
-/// each. Before the first run, and for points that are not finite, 0.
+/// Whether the view of the last run sees each of count points of two floats: answers gets 1 or 0
+/// for each. Before the first run, and for points that are not finite, 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_plane_query_sees_points(
     query: casca_plane_query,

@@ -39,8 +39,8 @@ pub const CASCA_COHERENT: u32 = 1;
 /// camera stays within reach and turn.
 pub const CASCA_KEPT: u32 = 2;
 
-/// How a query works. Fill it by CASCA_INIT; 0 is the default of each field. No option can hide what
-/// can be seen: they trade time for the number of hidden objects in sets.
+/// How a query works. Fill it by CASCA_INIT; 0 is the default of each field. No option can hide
+/// what can be seen: they trade time for the number of hidden objects in sets.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct casca_query_options {

@@ -189,12 +189,12 @@ pub extern "C" fn casca_scene_clear(scene: casca_scene) -> casca_status {
     })
 }
 
-/// Gives an object other bounds and another occluder, null for none that it had: all of it, in world
-/// units. This is the report of an object that is reported on expiry.
+/// Gives an object other bounds and another occluder, null for none that it had: all of it, in
+/// world units. This is the report of an object that is reported on expiry.
 ///
 /// Errors: as casca_scene_add, and a missing occluder of an object that has one (code
-/// "occluder-missing"). Costs a comparison while a hidden object stays in its volume; else the cells
-/// that it enters and leaves.
+/// "occluder-missing"). Costs a comparison while a hidden object stays in its volume; else the
+/// cells that it enters and leaves.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_scene_update(
     scene: casca_scene,

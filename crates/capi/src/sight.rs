@@ -116,8 +116,8 @@ pub unsafe extern "C" fn casca_query_may_see_points(
 /// may be null.
 ///
 /// Every occluder is taken to cast a shadow. Call it before casca_scene_end_frame. Errors: a camera
-/// that did not run on this scene, lights that are not finite or have no direction. Costs a query of
-/// the light's view.
+/// that did not run on this scene, lights that are not finite or have no direction. Costs a query
+/// of the light's view.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_query_shadow_casters(
     light: casca_query,

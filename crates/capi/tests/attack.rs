@@ -277,7 +277,7 @@ fn judge(
     camera: Option<&Camera>,
     eye: Vec3,
     seed: u64,
-) -> Result<Vec<usize>, Object> {
+) -> Result<Vec<usize>, Box<Object>> {
     let sees = |i: usize| found.contains(&game.ids[i]);
     let (width, height) = if camera.is_some() { (96, 72) } else { (1, 1) };
     let options = OracleOptions { width, height, samples_per_object: 24, max_candidates: 1000, seed };
@@ -285,11 +285,14 @@ fn judge(
     let Some(camera) = camera else {
         let left: Vec<usize> = (0..game.ids.len()).filter(|&i| !sees(i)).collect();
         let report = oracle.rays().probe(&game.objects, eye.as_dvec3(), &left, 100, seed, |_| true);
-        return report.seen.first().map_or(Ok(Vec::new()), |lost| Err(game.objects[lost.object].clone()));
+        return report
+            .seen
+            .first()
+            .map_or(Ok(Vec::new()), |lost| Err(Box::new(game.objects[lost.object].clone())));
     };
     let verdict = oracle.frame(&game.objects, &[], camera, &sees);
     let lost = verdict.false_negatives.first();
-    lost.map_or(Ok(verdict.exact), |lost| Err(game.objects[lost.object].clone()))
+    lost.map_or(Ok(verdict.exact), |lost| Err(Box::new(game.objects[lost.object].clone())))
 }
 
 /// Plays one scene; returns how many objects were judged visible, and how many were left out.
