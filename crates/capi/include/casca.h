@@ -247,7 +247,7 @@ template <typename T> inline T casca_init_of() {
 ///
 /// The numbers are stable. Newer versions may return numbers that this header does not list: treat
 /// them as errors.
-typedef enum casca_status {
+typedef enum {
     /// All went well.
     CASCA_OK = 0,
     /// A pointer is null that must not be.
@@ -288,7 +288,7 @@ typedef enum casca_status {
 typedef int32_t (*casca_progress)(float share, void *user);
 
 /// Triangles to prepare. Fill it by CASCA_INIT, then set positions and indices.
-typedef struct casca_mesh_desc {
+typedef struct {
     /// sizeof(casca_mesh_desc).
     size_t size;
     /// The first position: three floats x, y, z. Read during the call only.
@@ -319,13 +319,13 @@ typedef struct casca_mesh_desc {
 } casca_mesh_desc;
 
 /// A prepared mesh, shared by any number of objects of any scenes. {0} is none.
-typedef struct casca_mesh {
+typedef struct {
     /// A number that only casca can read.
     uint64_t handle;
 } casca_mesh;
 
 /// What is known of a prepared mesh. Fill it by CASCA_INIT.
-typedef struct casca_mesh_info {
+typedef struct {
     /// sizeof(casca_mesh_info).
     size_t size;
     /// How many triangles it has.
@@ -345,13 +345,13 @@ typedef struct casca_mesh_info {
 } casca_mesh_info;
 
 /// A convex body, shared by any number of objects of any scenes. {0} is none.
-typedef struct casca_solid {
+typedef struct {
     /// A number that only casca can read.
     uint64_t handle;
 } casca_solid;
 
 /// The grid of a scene. Fill it by CASCA_INIT, then set min, max, and cell or objects.
-typedef struct casca_grid {
+typedef struct {
     /// sizeof(casca_grid).
     size_t size;
     /// The least corner of the region where most objects are, in world units.
@@ -365,7 +365,7 @@ typedef struct casca_grid {
 } casca_grid;
 
 /// Objects on a grid. {0} is none.
-typedef struct casca_scene {
+typedef struct {
     /// A number that only casca can read.
     uint64_t handle;
 } casca_scene;
@@ -373,7 +373,7 @@ typedef struct casca_scene {
 /// A shape, in world units; of a placed object, in the units of the object's own space.
 ///
 /// Fields that the kind does not ask for are not read.
-typedef struct casca_shape {
+typedef struct {
     /// One of CASCA_SHAPE_...
     uint32_t kind;
     /// The radius of a sphere, not negative.
@@ -389,13 +389,13 @@ typedef struct casca_shape {
     /// The rotation of a turned box: a quaternion x, y, z, w of any length but 0.
     float rotation[4];
     /// The convex body.
-    struct casca_solid solid;
+    casca_solid solid;
     /// The mesh. The object keeps it: the handle may be freed at any time.
-    struct casca_mesh mesh;
+    casca_mesh mesh;
 } casca_shape;
 
 /// An object to add to a scene. Fill it by CASCA_INIT, then set bounds and what else you need.
-typedef struct casca_object {
+typedef struct {
     /// sizeof(casca_object).
     size_t size;
     /// 0, or some of CASCA_MOVES, CASCA_HAS_MAX_SPEED, CASCA_REPORTED_ON_EXPIRY, CASCA_PLACED and
@@ -408,16 +408,16 @@ typedef struct casca_object {
     /// A number of yours: an index into your tables, or a pointer. casca does nothing with it.
     uint64_t user_data;
     /// What is tested for visibility. All that you draw of the object must lie inside.
-    struct casca_shape bounds;
+    casca_shape bounds;
     /// What hides other objects: it must lie inside the solid parts that you draw.
-    struct casca_shape occluder;
+    casca_shape occluder;
     /// With CASCA_PLACED, the transform: 16 numbers, column by column unless CASCA_ROW_MAJOR is
     /// set. The last row is 0 0 0 1.
     float transform[16];
 } casca_object;
 
 /// The memory that a scene takes, in bytes. Fill it by CASCA_INIT.
-typedef struct casca_memory {
+typedef struct {
     /// sizeof(casca_memory).
     size_t size;
     /// Opaque cells.
@@ -434,9 +434,9 @@ typedef struct casca_memory {
     size_t total;
 } casca_memory;
 
-/// How a query works. Fill it by CASCA_INIT; 0 is the default of each field. No option can hide what
-/// can be seen: they trade time for the number of hidden objects in sets.
-typedef struct casca_query_options {
+/// How a query works. Fill it by CASCA_INIT; 0 is the default of each field. No option can hide
+/// what can be seen: they trade time for the number of hidden objects in sets.
+typedef struct {
     /// sizeof(casca_query_options).
     size_t size;
     /// One of CASCA_METHOD_...
@@ -460,7 +460,7 @@ typedef struct casca_query_options {
 } casca_query_options;
 
 /// The memory of one camera or light, and its last result. {0} is none.
-typedef struct casca_query {
+typedef struct {
     /// A number that only casca can read.
     uint64_t handle;
 } casca_query;
@@ -468,7 +468,7 @@ typedef struct casca_query {
 /// What can be looked at, and from where. Fill it by CASCA_INIT, then set the kind and its fields.
 ///
 /// Units are those of the world. A view is copied by the call that takes it, and can be used again.
-typedef struct casca_view {
+typedef struct {
     /// sizeof(casca_view).
     size_t size;
     /// One of CASCA_VIEW_...; 0 is CASCA_VIEW_PERSPECTIVE.
@@ -498,7 +498,7 @@ typedef struct casca_view {
 } casca_view;
 
 /// The work of the last run. Fill it by CASCA_INIT.
-typedef struct casca_stats {
+typedef struct {
     /// sizeof(casca_stats).
     size_t size;
     /// Objects compared with the frustum.
@@ -518,7 +518,7 @@ typedef struct casca_stats {
 } casca_stats;
 
 /// What casca_scene_end_frame did. Fill it by CASCA_INIT.
-typedef struct casca_frame_report {
+typedef struct {
     /// sizeof(casca_frame_report).
     size_t size;
     /// Objects that nobody saw and that were put into temporal bounding volumes.
@@ -528,7 +528,7 @@ typedef struct casca_frame_report {
 } casca_frame_report;
 
 /// A light that casts shadows. Fill it by CASCA_INIT.
-typedef struct casca_light {
+typedef struct {
     /// sizeof(casca_light).
     size_t size;
     /// One of CASCA_LIGHT_...
@@ -543,17 +543,17 @@ typedef struct casca_light {
     /// all.
     uint64_t layers;
     /// Of CASCA_LIGHT_SPOT: the view, read during the call only.
-    const struct casca_view *view;
+    const casca_view *view;
 } casca_light;
 
 /// The work of finding a new result for a kept query, on any thread. {0} is none.
-typedef struct casca_job {
+typedef struct {
     /// A number that only casca can read.
     uint64_t handle;
 } casca_job;
 
 /// The grid of a scene in the plane. Fill it by CASCA_INIT.
-typedef struct casca_plane_grid {
+typedef struct {
     /// sizeof(casca_plane_grid).
     size_t size;
     /// The least corner of the region where most objects are, in world units.
@@ -565,13 +565,13 @@ typedef struct casca_plane_grid {
 } casca_plane_grid;
 
 /// Objects in the plane. {0} is none.
-typedef struct casca_plane {
+typedef struct {
     /// A number that only casca can read.
     uint64_t handle;
 } casca_plane;
 
 /// A shape in the plane, in world units.
-typedef struct casca_plane_shape {
+typedef struct {
     /// One of CASCA_PLANE_...
     uint32_t kind;
     /// Of a disc.
@@ -587,7 +587,7 @@ typedef struct casca_plane_shape {
 } casca_plane_shape;
 
 /// An object in the plane. Fill it by CASCA_INIT.
-typedef struct casca_plane_object {
+typedef struct {
     /// sizeof(casca_plane_object).
     size_t size;
     /// 0, or some of CASCA_MOVES and CASCA_HAS_MAX_SPEED.
@@ -597,19 +597,19 @@ typedef struct casca_plane_object {
     /// A number of yours.
     uint64_t user_data;
     /// What is tested for visibility.
-    struct casca_plane_shape bounds;
+    casca_plane_shape bounds;
     /// What hides other objects: it must lie inside the bounds.
-    struct casca_plane_shape occluder;
+    casca_plane_shape occluder;
 } casca_plane_object;
 
 /// The memory of one viewer in the plane, and its last result. {0} is none.
-typedef struct casca_plane_query {
+typedef struct {
     /// A number that only casca can read.
     uint64_t handle;
 } casca_plane_query;
 
 /// A view in the plane. Fill it by CASCA_INIT.
-typedef struct casca_plane_view {
+typedef struct {
     /// sizeof(casca_plane_view).
     size_t size;
     /// The eye in world units.
@@ -651,138 +651,120 @@ const char *casca_status_name(int32_t status);
 ///
 /// Errors: an empty mesh, indices of positions that are not there, numbers that are not finite;
 /// CASCA_ERROR_CANCELLED if progress ended it. Costs 0.2 to 4 microseconds a triangle.
-enum casca_status casca_mesh_create(const struct casca_mesh_desc *desc, struct casca_mesh *mesh);
+casca_status casca_mesh_create(const casca_mesh_desc *desc, casca_mesh *mesh);
 
 /// Frees a mesh. Objects that consist of it keep it until they go.
-enum casca_status casca_mesh_free(struct casca_mesh mesh);
+casca_status casca_mesh_free(casca_mesh mesh);
 
 /// What is known of a mesh. Costs a few sums.
-enum casca_status casca_mesh_get_info(struct casca_mesh mesh, struct casca_mesh_info *info);
+casca_status casca_mesh_get_info(casca_mesh mesh, casca_mesh_info *info);
 
 /// Writes a prepared mesh as bytes for a file, to be loaded by this version of casca.
 ///
 /// bytes has room for capacity bytes; count gets the number that is needed. Call it with capacity 0
 /// first (bytes may be null then, the status is CASCA_ERROR_TOO_SMALL), or give enough.
-enum casca_status casca_mesh_save(struct casca_mesh mesh,
-                                  uint8_t *bytes,
-                                  size_t capacity,
-                                  size_t *count);
+casca_status casca_mesh_save(casca_mesh mesh, uint8_t *bytes, size_t capacity, size_t *count);
 
 /// Loads a mesh from count bytes that casca_mesh_save wrote. Any bytes may be given: those that no
 /// prepared mesh can have are refused as CASCA_ERROR_DAMAGED. A file made by hand could hide what
 /// its triangles do not hide: prepare meshes of unknown origin yourself.
 ///
 /// Costs a copy and a checksum: far less than preparing it.
-enum casca_status casca_mesh_load(const uint8_t *bytes, size_t count, struct casca_mesh *mesh);
+casca_status casca_mesh_load(const uint8_t *bytes, size_t count, casca_mesh *mesh);
 
 /// A convex body inside the hull of count points of three floats, 4 to 64. Errors: points that are
 /// not finite, or whose hull has no volume. Costs about count * count steps.
-enum casca_status casca_solid_create(const float *points, size_t count, struct casca_solid *solid);
+casca_status casca_solid_create(const float *points, size_t count, casca_solid *solid);
 
 /// Frees a convex body. Objects that it hides with keep it until they go.
-enum casca_status casca_solid_free(struct casca_solid solid);
+casca_status casca_solid_free(casca_solid solid);
 
 /// Makes an empty scene on a grid. Free it by casca_scene_free.
 ///
 /// Errors: a region that is inverted or not finite, cells that are not positive, too many of them.
 /// Costs a word for each 64x64x64 cells.
-enum casca_status casca_scene_create(const struct casca_grid *grid, struct casca_scene *scene);
+casca_status casca_scene_create(const casca_grid *grid, casca_scene *scene);
 
 /// Frees a scene with its objects. Its handle and ids are refused from then on, and never given
 /// again. Queries that ran on it stay.
-enum casca_status casca_scene_free(struct casca_scene scene);
+casca_status casca_scene_free(casca_scene scene);
 
 /// Adds an object and writes its id, which is never 0 and never given again.
 ///
 /// Errors: shapes that are not finite or inverted, occluders that stick out of their bounds (code
 /// "occluder-outside"), a speed of an object that does not move. Costs the cells around its
 /// surfaces.
-enum casca_status casca_scene_add(struct casca_scene scene,
-                                  const struct casca_object *object,
-                                  uint64_t *id);
+casca_status casca_scene_add(casca_scene scene, const casca_object *object, uint64_t *id);
 
 /// Takes the memory for more objects now, before many are added.
-enum casca_status casca_scene_reserve(struct casca_scene scene, size_t count);
+casca_status casca_scene_reserve(casca_scene scene, size_t count);
 
 /// Removes an object. Costs the cells that it touches.
-enum casca_status casca_scene_remove(struct casca_scene scene, uint64_t id);
+casca_status casca_scene_remove(casca_scene scene, uint64_t id);
 
 /// Removes all objects. The scene stays.
-enum casca_status casca_scene_clear(struct casca_scene scene);
+casca_status casca_scene_clear(casca_scene scene);
 
-/// Gives an object other bounds and another occluder, null for none that it had: all of it, in world
-/// units. This is the report of an object that is reported on expiry.
+/// Gives an object other bounds and another occluder, null for none that it had: all of it, in
+/// world units. This is the report of an object that is reported on expiry.
 ///
 /// Errors: as casca_scene_add, and a missing occluder of an object that has one (code
-/// "occluder-missing"). Costs a comparison while a hidden object stays in its volume; else the cells
-/// that it enters and leaves.
-enum casca_status casca_scene_update(struct casca_scene scene,
-                                     uint64_t id,
-                                     const struct casca_shape *bounds,
-                                     const struct casca_shape *occluder);
+/// "occluder-missing"). Costs a comparison while a hidden object stays in its volume; else the
+/// cells that it enters and leaves.
+casca_status casca_scene_update(casca_scene scene,
+                                uint64_t id,
+                                const casca_shape *bounds,
+                                const casca_shape *occluder);
 
 /// Gives an object other bounds; its occluder stays. Those of a placed object are in its own space:
 /// for skinned meshes, the box of the pose.
-enum casca_status casca_scene_set_bounds(struct casca_scene scene,
-                                         uint64_t id,
-                                         const struct casca_shape *bounds);
+casca_status casca_scene_set_bounds(casca_scene scene, uint64_t id, const casca_shape *bounds);
 
 /// Gives an object another occluder in world units, or takes it away, if null. A placed object is
 /// not placed any more.
-enum casca_status casca_scene_set_occluder(struct casca_scene scene,
-                                           uint64_t id,
-                                           const struct casca_shape *occluder);
+casca_status casca_scene_set_occluder(casca_scene scene, uint64_t id, const casca_shape *occluder);
 
 /// Puts an object on other layers, a bit for each. Here 0 is no layer: no view shows it.
-enum casca_status casca_scene_set_layers(struct casca_scene scene, uint64_t id, uint64_t layers);
+casca_status casca_scene_set_layers(casca_scene scene, uint64_t id, uint64_t layers);
 
 /// The layers of an object.
-enum casca_status casca_scene_get_layers(struct casca_scene scene, uint64_t id, uint64_t *layers);
+casca_status casca_scene_get_layers(casca_scene scene, uint64_t id, uint64_t *layers);
 
 /// Gives an object another number of yours.
-enum casca_status casca_scene_set_user_data(struct casca_scene scene,
-                                            uint64_t id,
-                                            uint64_t user_data);
+casca_status casca_scene_set_user_data(casca_scene scene, uint64_t id, uint64_t user_data);
 
 /// Your numbers of count objects, in the order of their ids. Refused as a whole, with nothing
 /// written, if one of them is no object of the scene. Costs a look-up for each.
-enum casca_status casca_scene_get_user_data(struct casca_scene scene,
-                                            const uint64_t *ids,
-                                            size_t count,
-                                            uint64_t *user_data);
+casca_status casca_scene_get_user_data(casca_scene scene,
+                                       const uint64_t *ids,
+                                       size_t count,
+                                       uint64_t *user_data);
 
 /// Writes whether an id names an object of this scene. Costs a look-up.
-enum casca_status casca_scene_contains(struct casca_scene scene, uint64_t id, bool *answer);
+casca_status casca_scene_contains(casca_scene scene, uint64_t id, bool *answer);
 
 /// The box around the bounds of an object in world units, rounded outwards: three floats each.
 /// Infinite where it ends beyond the range of a float.
-enum casca_status casca_scene_get_box(struct casca_scene scene,
-                                      uint64_t id,
-                                      float *min,
-                                      float *max);
+casca_status casca_scene_get_box(casca_scene scene, uint64_t id, float *min, float *max);
 
 /// The ids of all objects, in no promised order. ids has room for capacity; count gets how many
 /// there are, also when that is more (CASCA_ERROR_TOO_SMALL).
-enum casca_status casca_scene_get_ids(struct casca_scene scene,
-                                      uint64_t *ids,
-                                      size_t capacity,
-                                      size_t *count);
+casca_status casca_scene_get_ids(casca_scene scene, uint64_t *ids, size_t capacity, size_t *count);
 
 /// The memory that a scene takes. Costs a walk over all objects.
-enum casca_status casca_scene_get_memory(struct casca_scene scene, struct casca_memory *memory);
+casca_status casca_scene_get_memory(casca_scene scene, casca_memory *memory);
 
 /// Makes a query; options may be null for the default ones. Keep one for each camera and light, and
 /// run it in every frame: the second run takes next to no memory. Free it by casca_query_free.
 ///
 /// Errors: options out of their ranges.
-enum casca_status casca_query_create(const struct casca_query_options *options,
-                                     struct casca_query *query);
+casca_status casca_query_create(const casca_query_options *options, casca_query *query);
 
 /// Frees a query with its result.
-enum casca_status casca_query_free(struct casca_query query);
+casca_status casca_query_free(casca_query query);
 
 /// Forgets earlier runs, as after a cut of the camera. The last result stays.
-enum casca_status casca_query_reset(struct casca_query query);
+casca_status casca_query_reset(casca_query query);
 
 /// Finds the objects that a view can see: all of them, and a few more. count, unless null, gets how
 /// many; casca_query_get_visible gives their ids.
@@ -790,92 +772,85 @@ enum casca_status casca_query_reset(struct casca_query query);
 /// Reads the scene and changes the query: any number of threads may run queries of their own on one
 /// scene at the same time. Errors: views that are refused; the last result then stays. Costs the
 /// cells and objects in sight: tens of microseconds to some milliseconds.
-enum casca_status casca_query_run(struct casca_query query,
-                                  struct casca_scene scene,
-                                  const struct casca_view *view,
-                                  size_t *count);
+casca_status casca_query_run(casca_query query,
+                             casca_scene scene,
+                             const casca_view *view,
+                             size_t *count);
 
 /// The ids that the last run found, roughly from near to far; after casca_query_shadow_casters the
 /// casters. ids has room for capacity; count gets how many there are, also when that is more
 /// (CASCA_ERROR_TOO_SMALL). Costs a copy.
-enum casca_status casca_query_get_visible(struct casca_query query,
-                                          uint64_t *ids,
-                                          size_t capacity,
-                                          size_t *count);
+casca_status casca_query_get_visible(casca_query query,
+                                     uint64_t *ids,
+                                     size_t capacity,
+                                     size_t *count);
 
 /// Writes whether the last run found an object. Costs a look-up.
-enum casca_status casca_query_contains(struct casca_query query,
-                                       struct casca_scene scene,
-                                       uint64_t id,
-                                       bool *answer);
+casca_status casca_query_contains(casca_query query, casca_scene scene, uint64_t id, bool *answer);
 
 /// Writes whether the last result holds for a view of the scene as it is now: nothing that it
 /// depends on changed, and the view sees no more.
-enum casca_status casca_query_is_valid(struct casca_query query,
-                                       struct casca_scene scene,
-                                       const struct casca_view *view,
-                                       bool *answer);
+casca_status casca_query_is_valid(casca_query query,
+                                  casca_scene scene,
+                                  const casca_view *view,
+                                  bool *answer);
 
 /// The work of the last run.
-enum casca_status casca_query_get_stats(struct casca_query query, struct casca_stats *stats);
+casca_status casca_query_get_stats(casca_query query, casca_stats *stats);
 
 /// Moves count objects to spheres: four floats x, y, z, radius for each.
 ///
 /// All moves are made but those that are refused; the status and message are those of the first
 /// refusal. For objects without an occluder. Costs 10 to 20 ns for each small object that stays in
 /// its zone of 32x32x32 cells or in its volume.
-enum casca_status casca_scene_move_spheres(struct casca_scene scene,
-                                           const uint64_t *ids,
-                                           const float *spheres,
-                                           size_t count);
+casca_status casca_scene_move_spheres(casca_scene scene,
+                                      const uint64_t *ids,
+                                      const float *spheres,
+                                      size_t count);
 
 /// As casca_scene_move_spheres, to boxes: six floats for each, the least corner and the greatest.
-enum casca_status casca_scene_move_boxes(struct casca_scene scene,
-                                         const uint64_t *ids,
-                                         const float *boxes,
-                                         size_t count);
+casca_status casca_scene_move_boxes(casca_scene scene,
+                                    const uint64_t *ids,
+                                    const float *boxes,
+                                    size_t count);
 
 /// Moves count placed objects, with their occluders: 16 floats for each, column by column unless
-/// flags is CASCA_ROW_MAJOR. As casca_scene_move_spheres, the others are moved where one is refused.
+/// flags is CASCA_ROW_MAJOR. As casca_scene_move_spheres, the others are moved where one is
+/// refused.
 ///
 /// Errors: objects that are not placed (code "not-placed"), a last row other than 0 0 0 1, numbers
 /// that are not finite, spheres whose axes are scaled differently.
-enum casca_status casca_scene_set_transforms(struct casca_scene scene,
-                                             const uint64_t *ids,
-                                             const float *transforms,
-                                             size_t count,
-                                             uint32_t flags);
+casca_status casca_scene_set_transforms(casca_scene scene,
+                                        const uint64_t *ids,
+                                        const float *transforms,
+                                        size_t count,
+                                        uint32_t flags);
 
 /// Moves one placed object: casca_scene_set_transforms for one.
-enum casca_status casca_scene_set_transform(struct casca_scene scene,
-                                            uint64_t id,
-                                            const float *transform,
-                                            uint32_t flags);
+casca_status casca_scene_set_transform(casca_scene scene,
+                                       uint64_t id,
+                                       const float *transform,
+                                       uint32_t flags);
 
 /// Moves an object and its occluder by an offset of three floats, in world units. Errors: a mesh in
 /// world space (code "fixed-mesh"): give CASCA_PLACED for meshes that move.
-enum casca_status casca_scene_translate(struct casca_scene scene, uint64_t id, const float *offset);
+casca_status casca_scene_translate(casca_scene scene, uint64_t id, const float *offset);
 
 /// Moves the origin of the world to a place, three floats: all objects come to coordinates that are
 /// smaller by them, and the grid stays. For worlds so large that floats get coarse. Costs all
 /// objects.
-enum casca_status casca_scene_shift_origin(struct casca_scene scene, const float *offset);
+casca_status casca_scene_shift_origin(casca_scene scene, const float *offset);
 
 /// Begins a frame at a time in seconds. due_count, unless null, gets how many objects reported on
-/// expiry are due: read them by casca_scene_get_due and report where they are. Until then they count
-/// as visible and hide nothing.
+/// expiry are due: read them by casca_scene_get_due and report where they are. Until then they
+/// count as visible and hide nothing.
 ///
 /// Errors: a time that is not finite. Costs the objects that are due.
-enum casca_status casca_scene_begin_frame(struct casca_scene scene,
-                                          double seconds,
-                                          size_t *due_count);
+casca_status casca_scene_begin_frame(casca_scene scene, double seconds, size_t *due_count);
 
 /// The objects that were due when the frame began. ids has room for capacity; count gets how many
 /// there are, also when that is more (CASCA_ERROR_TOO_SMALL).
-enum casca_status casca_scene_get_due(struct casca_scene scene,
-                                      uint64_t *ids,
-                                      size_t capacity,
-                                      size_t *count);
+casca_status casca_scene_get_due(casca_scene scene, uint64_t *ids, size_t capacity, size_t *count);
 
 /// Ends a frame with the queries of its cameras, and of lights whose casters you draw: moving
 /// objects that none of them found get temporal bounding volumes, so that their next moves and
@@ -883,10 +858,10 @@ enum casca_status casca_scene_get_due(struct casca_scene scene,
 /// object, but costs more.
 ///
 /// Errors: a query that ran last on another scene. Queries that never ran are passed over.
-enum casca_status casca_scene_end_frame(struct casca_scene scene,
-                                        const struct casca_query *queries,
-                                        size_t count,
-                                        struct casca_frame_report *report);
+casca_status casca_scene_end_frame(casca_scene scene,
+                                   const casca_query *queries,
+                                   size_t count,
+                                   casca_frame_report *report);
 
 /// Whether the view of the last run may see each of count boxes, which need not be objects: six
 /// floats for each, the least corner and the greatest. answers has room for count bytes: 0 is
@@ -894,129 +869,124 @@ enum casca_status casca_scene_end_frame(struct casca_scene scene,
 ///
 /// Occluders count as long as nothing moved since the run, for CASCA_METHOD_POINT; else only the
 /// frustum does. Errors: a query that did not run on this scene. Costs about 90 ns a box.
-enum casca_status casca_query_may_see_boxes(struct casca_query query,
-                                            struct casca_scene scene,
-                                            const float *boxes,
-                                            size_t count,
-                                            uint8_t *answers);
+casca_status casca_query_may_see_boxes(casca_query query,
+                                       casca_scene scene,
+                                       const float *boxes,
+                                       size_t count,
+                                       uint8_t *answers);
 
 /// As casca_query_may_see_boxes, for count points of three floats.
-enum casca_status casca_query_may_see_points(struct casca_query query,
-                                             struct casca_scene scene,
-                                             const float *points,
-                                             size_t count,
-                                             uint8_t *answers);
+casca_status casca_query_may_see_points(casca_query query,
+                                        casca_scene scene,
+                                        const float *points,
+                                        size_t count,
+                                        uint8_t *answers);
 
 /// Finds the objects whose shadows may fall on what the last run of camera sees. light is another
 /// query, without CASCA_KEPT, kept for this light; casca_query_get_visible gives its casters. count
 /// may be null.
 ///
 /// Every occluder is taken to cast a shadow. Call it before casca_scene_end_frame. Errors: a camera
-/// that did not run on this scene, lights that are not finite or have no direction. Costs a query of
-/// the light's view.
-enum casca_status casca_query_shadow_casters(struct casca_query light,
-                                             struct casca_scene scene,
-                                             struct casca_query camera,
-                                             const struct casca_light *lamp,
-                                             size_t *count);
+/// that did not run on this scene, lights that are not finite or have no direction. Costs a query
+/// of the light's view.
+casca_status casca_query_shadow_casters(casca_query light,
+                                        casca_scene scene,
+                                        casca_query camera,
+                                        const casca_light *lamp,
+                                        size_t *count);
 
 /// Prepares a job that finds a new result for views like this one, ahead of time. Run it on any
 /// thread by casca_job_run, and give it to casca_query_install. query needs CASCA_KEPT.
 ///
 /// The job reads a copy of the scene, so that the scene may change meanwhile. Costs that copy the
 /// first time, later the static objects that changed.
-enum casca_status casca_query_prepare(struct casca_query query,
-                                      struct casca_scene scene,
-                                      const struct casca_view *view,
-                                      struct casca_job *job);
+casca_status casca_query_prepare(casca_query query,
+                                 casca_scene scene,
+                                 const casca_view *view,
+                                 casca_job *job);
 
 /// Runs a job, on the thread that calls. A job that is done stays as it is. Costs a query.
-enum casca_status casca_job_run(struct casca_job job);
+casca_status casca_job_run(casca_job job);
 
 /// Frees a job without using it.
-enum casca_status casca_job_free(struct casca_job job);
+casca_status casca_job_free(casca_job job);
 
 /// Gives the result of a job to the kept query; the job is freed by it. Runs answer from the result
-/// as soon as it holds for their view. is_taken, unless null, gets whether it fits: not if more than
-/// 2,048 static objects changed since, or if the scene is another one.
+/// as soon as it holds for their view. is_taken, unless null, gets whether it fits: not if more
+/// than 2,048 static objects changed since, or if the scene is another one.
 ///
 /// Errors: a job that has not run; it then stays.
-enum casca_status casca_query_install(struct casca_query query,
-                                      struct casca_scene scene,
-                                      struct casca_job job,
-                                      bool *is_taken);
+casca_status casca_query_install(casca_query query,
+                                 casca_scene scene,
+                                 casca_job job,
+                                 bool *is_taken);
 
 /// Makes an empty scene in the plane. Free it by casca_plane_free.
-enum casca_status casca_plane_create(const struct casca_plane_grid *grid,
-                                     struct casca_plane *plane);
+casca_status casca_plane_create(const casca_plane_grid *grid, casca_plane *plane);
 
 /// Frees a scene in the plane.
-enum casca_status casca_plane_free(struct casca_plane plane);
+casca_status casca_plane_free(casca_plane plane);
 
 /// Adds an object and writes its id, which is never 0 and never given again.
-enum casca_status casca_plane_add(struct casca_plane plane,
-                                  const struct casca_plane_object *object,
-                                  uint64_t *id);
+casca_status casca_plane_add(casca_plane plane, const casca_plane_object *object, uint64_t *id);
 
 /// Moves an object or changes its shape; occluder is null for an object that has none.
-enum casca_status casca_plane_update(struct casca_plane plane,
-                                     uint64_t id,
-                                     const struct casca_plane_shape *bounds,
-                                     const struct casca_plane_shape *occluder);
+casca_status casca_plane_update(casca_plane plane,
+                                uint64_t id,
+                                const casca_plane_shape *bounds,
+                                const casca_plane_shape *occluder);
 
 /// Removes an object.
-enum casca_status casca_plane_remove(struct casca_plane plane, uint64_t id);
+casca_status casca_plane_remove(casca_plane plane, uint64_t id);
 
 /// Your number of an object.
-enum casca_status casca_plane_get_user_data(struct casca_plane plane,
-                                            uint64_t id,
-                                            uint64_t *user_data);
+casca_status casca_plane_get_user_data(casca_plane plane, uint64_t id, uint64_t *user_data);
 
 /// Makes a query in the plane, exact from its eye. Free it by casca_plane_query_free.
-enum casca_status casca_plane_query_create(struct casca_plane_query *query);
+casca_status casca_plane_query_create(casca_plane_query *query);
 
 /// Frees a query in the plane.
-enum casca_status casca_plane_query_free(struct casca_plane_query query);
+casca_status casca_plane_query_free(casca_plane_query query);
 
 /// Begins a frame at a time in seconds.
-enum casca_status casca_plane_begin_frame(struct casca_plane plane, double seconds);
+casca_status casca_plane_begin_frame(casca_plane plane, double seconds);
 
 /// Ends a frame with the queries of its viewers, as casca_scene_end_frame.
-enum casca_status casca_plane_end_frame(struct casca_plane plane,
-                                        const struct casca_plane_query *queries,
-                                        size_t count);
+casca_status casca_plane_end_frame(casca_plane plane,
+                                   const casca_plane_query *queries,
+                                   size_t count);
 
 /// Finds the objects that a view sees, exactly. count, unless null, gets how many.
-enum casca_status casca_plane_query_run(struct casca_plane_query query,
-                                        struct casca_plane plane,
-                                        const struct casca_plane_view *view,
-                                        size_t *count);
+casca_status casca_plane_query_run(casca_plane_query query,
+                                   casca_plane plane,
+                                   const casca_plane_view *view,
+                                   size_t *count);
 
 /// The ids that the last run found, as casca_query_get_visible.
-enum casca_status casca_plane_query_get_visible(struct casca_plane_query query,
-                                                uint64_t *ids,
-                                                size_t capacity,
-                                                size_t *count);
+casca_status casca_plane_query_get_visible(casca_plane_query query,
+                                           uint64_t *ids,
+                                           size_t capacity,
+                                           size_t *count);
 
-/// Whether the view of the last run sees each of count points of two floats: answers gets 1 or 0 for
-/// each. Before the first run, and for points that are not finite, 0.
-enum casca_status casca_plane_query_sees_points(struct casca_plane_query query,
-                                                const float *points,
-                                                size_t count,
-                                                uint8_t *answers);
+/// Whether the view of the last run sees each of count points of two floats: answers gets 1 or 0
+/// for each. Before the first run, and for points that are not finite, 0.
+casca_status casca_plane_query_sees_points(casca_plane_query query,
+                                           const float *points,
+                                           size_t count,
+                                           uint8_t *answers);
 
 /// Writes whether the view of the last run sees any point of a shape.
-enum casca_status casca_plane_query_sees_shape(struct casca_plane_query query,
-                                               const struct casca_plane_shape *shape,
-                                               bool *answer);
+casca_status casca_plane_query_sees_shape(casca_plane_query query,
+                                          const casca_plane_shape *shape,
+                                          bool *answer);
 
 /// The visible region of the last run as a polygon, counterclockwise: two floats for each corner.
 /// corners has room for capacity corners; count gets how many there are, also when that is more
 /// (CASCA_ERROR_TOO_SMALL).
-enum casca_status casca_plane_query_get_polygon(struct casca_plane_query query,
-                                                float *corners,
-                                                size_t capacity,
-                                                size_t *count);
+casca_status casca_plane_query_get_polygon(casca_plane_query query,
+                                           float *corners,
+                                           size_t capacity,
+                                           size_t *count);
 
 /// The tiles of a map that an eye sees, exactly. opaque has width * height bytes, row by row, of
 /// which those that are not 0 stop sight; seen has as many and gets 1 for each tile in sight, else
@@ -1024,13 +994,13 @@ enum casca_status casca_plane_query_get_polygon(struct casca_plane_query query,
 ///
 /// Errors: more than 16384 tiles along a side, an eye that is not finite. Costs a look at all tiles
 /// of the map, and microseconds for those in sight.
-enum casca_status casca_plane_field_of_view(const uint8_t *opaque,
-                                            uint32_t width,
-                                            uint32_t height,
-                                            double eye_x,
-                                            double eye_y,
-                                            float radius,
-                                            uint8_t *seen);
+casca_status casca_plane_field_of_view(const uint8_t *opaque,
+                                       uint32_t width,
+                                       uint32_t height,
+                                       double eye_x,
+                                       double eye_y,
+                                       float radius,
+                                       uint8_t *seen);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -1,7 +1,7 @@
 //! The C ABI of casca. `include/casca.h` is its manual, and is made from these sources.
 //!
-//! Handles are numbers ([`handle`]), all pointers of the caller's go through [`border`], and the
-//! body of each function runs inside [`error::call`], which no panic leaves.
+//! Handles are numbers (`handle.rs`), all pointers of the caller's go through `border.rs`, and the
+//! body of each function runs inside `error::call`, which no panic leaves.
 //!
 //! For Rust there is the crate `casca` itself. The functions here are unsafe to call as C
 //! functions are: their pointers must lead to as much memory as their comments say.
