@@ -44,6 +44,9 @@ fn run(source: &Path, how: How) -> Option<String> {
     let mut build = Command::new(compiler);
     build.args(flags).args(["-g", "-O1", "-I"]).arg(here().join("include"));
     build.arg("-I").arg(here().join("tests/c"));
+    if let Some(folder) = std::env::var_os("CASCA_GODOT_INCLUDE") {
+        build.arg("-isystem").arg(folder);
+    }
     if how == How::Sanitized {
         build.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
     }
@@ -157,4 +160,15 @@ fn versions_agree() {
     let numbers: Vec<u32> = version.split('.').map(|part| part.parse().unwrap()).collect();
     let packed = 10_000 * numbers[0] + 100 * numbers[1] + numbers[2];
     assert!(read("include/casca.h").contains(&format!("#define CASCA_VERSION {packed}\n")));
+}
+
+/// Calls the extension for Godot as the engine does. Godot's header is no part of this repository:
+/// `CASCA_GODOT_INCLUDE` names its folder.
+#[test]
+fn the_extension_for_godot_answers() {
+    if std::env::var_os("CASCA_GODOT_INCLUDE").is_none() {
+        println!("skipped: CASCA_GODOT_INCLUDE names no folder");
+        return;
+    }
+    run(&test_source("godot_host.cpp"), How::Sanitized);
 }

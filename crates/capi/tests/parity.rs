@@ -169,3 +169,49 @@ fn memory_is_the_same() {
     ok!(casca_scene_get_memory(both.c, &mut memory));
     assert_eq!(memory.total, both.rust.memory().total());
 }
+
+/// Between the near plane, 10 away, and where depth is 0 if it runs from -1 to 1.
+#[test]
+fn depth_runs_as_the_flags_say() {
+    use casca::glam::camera::rh::proj::{directx, opengl};
+
+    let mut grid = init!(casca_grid);
+    (grid.min, grid.max, grid.cell) = ([-50.0; 3], [50.0; 3], 2.0);
+    let mut scene = casca_scene { handle: 0 };
+    ok!(casca_scene_create(&grid, &mut scene));
+    let add = |z: f32| {
+        let mut object = init!(casca_object);
+        (object.bounds.kind, object.bounds.radius, object.bounds.center) =
+            (CASCA_SHAPE_SPHERE, 0.1, [0.0, 0.0, z]);
+        let mut id = 0;
+        ok!(casca_scene_add(scene, &object, &mut id));
+        id
+    };
+    let (near, middle, before) = (add(-12.0), add(-40.0), add(-8.0));
+    let query = query(CASCA_METHOD_POINT, 0);
+    for (kind, flags, matrix) in [
+        (CASCA_VIEW_PERSPECTIVE, 0, directx::perspective(1.0, 1.0, 10.0, 100.0)),
+        (CASCA_VIEW_MATRIX, 0, directx::perspective(1.0, 1.0, 10.0, 100.0)),
+        (CASCA_VIEW_ORTHOGRAPHIC, 0, directx::orthographic(-5.0, 5.0, -5.0, 5.0, 10.0, 100.0)),
+        (CASCA_VIEW_PERSPECTIVE, CASCA_DEPTH_MINUS_ONE, opengl::perspective(1.0, 1.0, 10.0, 100.0)),
+        (CASCA_VIEW_MATRIX, CASCA_DEPTH_MINUS_ONE, opengl::perspective(1.0, 1.0, 10.0, 100.0)),
+        (
+            CASCA_VIEW_ORTHOGRAPHIC,
+            CASCA_DEPTH_MINUS_ONE,
+            opengl::orthographic(-5.0, 5.0, -5.0, 5.0, 10.0, 100.0),
+        ),
+    ] {
+        let mut view = init!(casca_view);
+        (view.kind, view.flags, view.forward) = (kind, flags, [0.0, 0.0, -1.0]);
+        for row_major in [0, CASCA_ROW_MAJOR] {
+            let stored = if row_major == 0 { matrix } else { matrix.transpose() };
+            (view.flags, view.matrix) = (flags | row_major, stored.to_cols_array());
+            ok!(casca_query_run(query, scene, &view, std::ptr::null_mut()));
+            for (id, is_inside) in [(near, true), (middle, true), (before, false)] {
+                let mut answer = false;
+                ok!(casca_query_contains(query, scene, id, &mut answer));
+                assert_eq!(answer, is_inside, "kind {kind}, flags {:#x}", view.flags);
+            }
+        }
+    }
+}
