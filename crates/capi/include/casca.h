@@ -68,8 +68,9 @@ SPANS
 Where a pointer comes with a count, it leads to as many elements, and may be null if count is 0.
 Spans for results have a capacity, and a pointer that gets the number of results. If there are more
 than the capacity, the status is CASCA_ERROR_TOO_SMALL, the number is written, and nothing else: ask
-once with capacity 0, or begin with enough room. casca keeps no pointer of yours after a call, and
-gives none of its own but those of constant and error texts.
+once with capacity 0, or begin with enough room. Spans for results must not overlap others. casca
+keeps no pointer of yours after a call, and gives none of its own but those of constant and error
+texts.
 
 OWNERSHIP
 
@@ -485,6 +486,7 @@ typedef struct {
     /// Of CASCA_VIEW_CELL, the greatest corner of the box of eyes.
     float cell_max[3];
     /// How far the eye may go from its place, in world units: the result holds for all eyes there.
+    /// 0 for CASCA_VIEW_CELL.
     float reach;
     /// By how much the camera may turn, in radians: the result holds for all such cameras.
     float turn;

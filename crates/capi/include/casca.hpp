@@ -303,9 +303,9 @@ public:
 
     // Calls a function that fills a span of ids until there is room for all.
     template <typename Fill> static std::vector<std::uint64_t> list(Fill fill) {
-        std::vector<std::uint64_t> found;
+        std::vector<std::uint64_t> found(256);
         std::size_t count = 0;
-        casca_status status = fill(nullptr, std::size_t{0}, &count);
+        casca_status status = fill(found.data(), found.size(), &count);
         while (status == CASCA_ERROR_TOO_SMALL) {
             found.resize(count);
             status = fill(found.data(), found.size(), &count);

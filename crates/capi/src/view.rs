@@ -53,6 +53,7 @@ pub struct casca_view {
     /// Of CASCA_VIEW_CELL, the greatest corner of the box of eyes.
     pub cell_max: [f32; 3],
     /// How far the eye may go from its place, in world units: the result holds for all eyes there.
+    /// 0 for CASCA_VIEW_CELL.
     pub reach: f32,
     /// By how much the camera may turn, in radians: the result holds for all such cameras.
     pub turn: f32,
@@ -121,11 +122,13 @@ impl casca_view {
                 return Err(Failure::argument(format!("casca_view.kind is {other}, which names no kind")));
             }
         };
-        // A box of eyes has a room of its own, which a reach would replace.
-        let view = if self.reach == 0.0 && self.kind == CASCA_VIEW_CELL {
-            view
-        } else {
-            view.with_reach(self.reach)?
+        // A reach would take the place of the box.
+        let view = match self.kind {
+            CASCA_VIEW_CELL if self.reach == 0.0 => view,
+            CASCA_VIEW_CELL => {
+                return Err(Failure::argument("a CASCA_VIEW_CELL has no reach: make its box larger"));
+            }
+            _ => view.with_reach(self.reach)?,
         };
         let view = view.with_turn(self.turn)?;
         Ok(if self.layers == 0 { view } else { view.with_layers(self.layers) })

@@ -57,7 +57,9 @@ fn run(source: &Path, how: How) -> Option<String> {
     let mut command = match how {
         How::Valgrind => {
             let mut valgrind = Command::new("valgrind");
-            valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full"]).arg(&program);
+            valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full"]);
+            // The threads of rayon's own pool live until the program ends.
+            valgrind.args(["--errors-for-leak-kinds=definite", "--show-leak-kinds=definite"]).arg(&program);
             valgrind
         }
         _ => Command::new(&program),

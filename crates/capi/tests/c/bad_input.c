@@ -233,6 +233,12 @@ static void arguments(void) {
     bad_view.reach = -1.0f;
     REFUSED(CASCA_ERROR_INVALID_ARGUMENT, casca_query_run(query, scene, &bad_view, NULL));
     bad_view = view;
+    bad_view.kind = CASCA_VIEW_CELL;
+    for (int i = 0; i < 3; ++i) bad_view.cell_max[i] = view.eye[i] + 1.0f;
+    OK(casca_query_run(query, scene, &bad_view, NULL));
+    bad_view.reach = 0.1f;
+    REFUSED(CASCA_ERROR_INVALID_ARGUMENT, casca_query_run(query, scene, &bad_view, NULL));
+    bad_view = view;
     bad_view.kind = CASCA_VIEW_PLANES;
     bad_view.plane_count = SIZE_MAX;
     REFUSED(CASCA_ERROR_INVALID_ARGUMENT, casca_query_run(query, scene, &bad_view, NULL));
