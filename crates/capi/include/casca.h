@@ -263,7 +263,8 @@ typedef enum {
     CASCA_ERROR_STALE_HANDLE = 5,
     /// The handle is of another kind: a mesh where a scene is needed.
     CASCA_ERROR_WRONG_KIND = 6,
-    /// Another thread uses the handle at this moment in a way that shuts this call out.
+    /// Another thread uses the handle at this moment in a way that shuts this call out, or the call
+    /// was given one handle for two parts.
     CASCA_ERROR_BUSY = 7,
     /// The span for results is too small. The call wrote how many there are.
     CASCA_ERROR_TOO_SMALL = 8,

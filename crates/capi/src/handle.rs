@@ -172,7 +172,7 @@ impl<T> Registry<T> {
             TryLockError::WouldBlock => self.refuse(
                 casca_status::CASCA_ERROR_BUSY,
                 handle,
-                "is in use by another thread: a call that changes it must be alone",
+                "is in use by another thread, or was given twice: a call that changes it must be alone",
             ),
             TryLockError::Poisoned(_) => self.refuse(
                 casca_status::CASCA_ERROR_PANIC,
