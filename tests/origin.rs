@@ -236,3 +236,24 @@ fn a_ground_of_boxes_makes_the_same_cells_opaque() {
     }
     assert_eq!((scene.static_opacity().count(), count), (0, 81));
 }
+
+#[test]
+fn an_occluder_thinner_than_the_rounding_leaves_no_cells_behind() {
+    // A ball that moves and hides: after the shift it hides nothing, and a large one has no place in
+    // a zone.
+    let spec = GridSpec { min: Vec3::splat(-20.0), cell: 1.0, dims: UVec3::splat(40) };
+    for (layers, time) in [(u64::MAX, 0.0), (0x0984_a428_3bd5_9140, 15.18)] {
+        let mut scene = Scene::new(&spec).unwrap();
+        scene.begin_frame(time).unwrap();
+        let ball = Sphere::new(Vec3::new(9.9, -14.009_999, 5.85), 1.438_178e-12);
+        let desc = ObjectDesc::dynamic(ball).occluder(ball).max_speed(19.78).layers(layers);
+        let id = scene.insert(desc).unwrap();
+        scene.shift_origin(Vec3::new(13.219_999, 6.15, 8.32)).unwrap();
+        let everywhere = Aabb::new(Vec3::splat(-30.0), Vec3::splat(30.0));
+        scene.set_bounds(id, everywhere).unwrap();
+        let mut query = Query::new();
+        let seen = query.run(&scene, &View::omnidirectional(Vec3::ZERO).unwrap());
+        assert!(seen.contains(id));
+        scene.remove(id).unwrap();
+    }
+}

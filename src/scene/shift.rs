@@ -135,7 +135,7 @@ impl Scene {
         let Shifted { bounds, occluder, placed } = shape;
         let object = &mut self.slots[slot];
         object.set_placed(placed);
-        (object.bounds, object.in_zone) = (bounds, false);
+        (object.bounds, object.in_zone, object.opacity) = (bounds, false, None);
         self.exchange_occluder(slot, occluder);
         match self.object(slot).state() {
             State::Listed => self.list(slot),

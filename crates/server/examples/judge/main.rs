@@ -160,9 +160,10 @@ fn check(level: &Level) -> Result<(), Failure> {
     }
 }
 
-/// The value below which a share of sorted ones is.
+/// The value below which a share of sorted ones is; no number if there are none.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
-    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+    let at = (sorted.len().saturating_sub(1) as f64 * share).round() as usize;
+    sorted.get(at).copied().unwrap_or(f64::NAN)
 }
 
 /// The bytes of all answers of a tick.
