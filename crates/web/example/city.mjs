@@ -1,0 +1,112 @@
+// A city in three.js whose hidden meshes casca hides: draw calls before and after, and whether the
+// pictures are equal.
+import init, { Query, Scene, View } from "casca";
+import * as THREE from "three";
+
+const BLOCKS = 20;
+const PITCH = 12;
+const SIZE = BLOCKS * PITCH;
+
+// Random numbers from 0 to 1, the same in each run.
+function generator(seed) {
+  return () => {
+    seed = (Math.imul(seed, 1664525) + 1013904223) | 0;
+    return (seed >>> 0) / 2 ** 32;
+  };
+}
+
+// Adds a mesh to three's scene and its box to casca's.
+function add(world, meshes, geometry, material, at, size, occludes) {
+  const mesh = new THREE.Mesh(geometry, material);
+  mesh.position.set(...at);
+  mesh.scale.set(...size);
+  world.add(mesh);
+  mesh.updateMatrixWorld();
+  const box = new THREE.Box3().setFromObject(mesh);
+  meshes.push({ mesh, box: [...box.min.toArray(), ...box.max.toArray()], occludes });
+}
+
+function city() {
+  const random = generator(7);
+  const world = new THREE.Scene();
+  world.background = new THREE.Color(0xbfd9f2);
+  world.add(new THREE.HemisphereLight(0xffffff, 0x8890a0, 2.5));
+  const sun = new THREE.DirectionalLight(0xffffff, 1.5);
+  sun.position.set(60, 120, 30);
+  world.add(sun);
+  const meshes = [];
+  const cube = new THREE.BoxGeometry(1, 1, 1);
+  const ball = new THREE.IcosahedronGeometry(0.5, 1);
+  const paint = (h, s, l) => new THREE.MeshLambertMaterial({ color: new THREE.Color().setHSL(h, s, l) });
+  const walls = [...Array(8)].map((_, i) => paint(0.06 + 0.01 * i, 0.35, 0.5 + 0.04 * i));
+  const things = [paint(0.55, 0.7, 0.5), paint(0.95, 0.7, 0.55), paint(0.33, 0.5, 0.4)];
+  add(world, meshes, cube, paint(0.1, 0.05, 0.45), [SIZE / 2, -0.5, SIZE / 2], [SIZE, 1, SIZE], true);
+  for (let x = 0; x < BLOCKS; x++) {
+    for (let z = 0; z < BLOCKS; z++) {
+      const height = 8 + Math.floor(random() * 24);
+      const [cx, cz] = [(x + 0.5) * PITCH, (z + 0.5) * PITCH];
+      const wall = walls[Math.floor(random() * walls.length)];
+      add(world, meshes, cube, wall, [cx, height / 2, cz], [8, height, 8], true);
+      // Things that stand in the streets.
+      for (let n = 0; n < 6; n++) {
+        const along = (random() - 0.5) * 10;
+        const at = n % 2 ? [cx + along, 0.5, cz + 6] : [cx + 6, 0.5, cz + along];
+        add(world, meshes, ball, things[n % 3], at, [1, 1, 1], false);
+      }
+    }
+  }
+  return { world, meshes };
+}
+
+// Walks through the city. Returns the means of all frames.
+export async function run(canvas, frames) {
+  await init();
+  const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+  renderer.setSize(canvas.width, canvas.height, false);
+  const camera = new THREE.PerspectiveCamera(60, canvas.width / canvas.height, 0.1, 500);
+  const { world, meshes } = city();
+
+  const scene = new Scene([0, -2, 0], [SIZE, 40, SIZE], 2);
+  const solid = meshes.filter((m) => m.occludes);
+  const rest = meshes.filter((m) => !m.occludes);
+  const byId = new Map();
+  for (const [group, occludes] of [[solid, true], [rest, false]]) {
+    const ids = scene.insertBoxes(group.flatMap((m) => m.box), occludes);
+    ids.forEach((id, i) => byId.set(id, group[i].mesh));
+  }
+  const query = new Query();
+
+  const picture = () => {
+    renderer.render(world, camera);
+    const gl = renderer.getContext();
+    const pixels = new Uint8Array(4 * canvas.width * canvas.height);
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    return pixels;
+  };
+  const said = { objects: meshes.length, frames, before: 0, after: 0, milliseconds: 0, differing: 0 };
+  for (let frame = 0; frame < frames; frame++) {
+    // A walk along a street, looking around.
+    const along = ((frame + 0.5) / frames) * (SIZE - 40) + 20;
+    camera.position.set(along, 1.7, SIZE / 2);
+    camera.lookAt(along + Math.cos(frame), 2.5 + Math.sin(frame * 0.7), SIZE / 2 + Math.sin(frame));
+    camera.updateMatrixWorld();
+    // Three's own culling by the frustum is on in both.
+    meshes.forEach((m) => (m.mesh.visible = true));
+    const all = picture();
+    said.before += renderer.info.render.calls / frames;
+
+    const begin = performance.now();
+    const matrix = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    const view = View.perspective(camera.position.toArray(), matrix.elements);
+    const seen = query.run(scene, view);
+    view.free();
+    meshes.forEach((m) => (m.mesh.visible = false));
+    seen.forEach((id) => (byId.get(id).visible = true));
+    said.milliseconds += (performance.now() - begin) / frames;
+
+    const culled = picture();
+    said.after += renderer.info.render.calls / frames;
+    for (let i = 0; i < all.length; i++) said.differing += Number(all[i] !== culled[i]);
+  }
+  return said;
+}
