@@ -9,7 +9,7 @@ use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
 
 use casca_walls::Walls;
 
-use crate::places::eyes_of;
+use crate::eyes::eyes_of;
 use crate::solids::{Boxes, groups};
 use crate::union;
 
@@ -90,8 +90,8 @@ impl Level {
     }
 
     /// The same level, of which sets tell what may be seen of some cells of a grid, and not of its
-    /// objects: for all that moves there. Numbers of no cell are left out. Bake at least these cells:
-    /// nothing is known about a cell without a set.
+    /// objects: for all that moves there. Numbers of no cell are left out. Bake at least these
+    /// cells: nothing is known about a cell without a set.
     ///
     /// # Errors
     /// Refuses what casca refuses: more cells than its ids can name.

@@ -41,7 +41,8 @@ pub(crate) struct SeenCells {
 }
 
 impl SeenCells {
-    /// Takes over where the eye may be. Costs a pass over the sets of its cells if it got to others.
+    /// Takes over where the eye may be. Costs a pass over the sets of its cells if it got to
+    /// others.
     pub(crate) fn follow(&mut self, sets: Option<&Baked>, eyes: &Span) {
         let cells = sets.and_then(|sets| Some((sets, cells_of(sets, eyes)?)));
         let Some((sets, cells)) = cells else {

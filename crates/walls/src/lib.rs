@@ -21,12 +21,10 @@
 //! let wall = Aabb::new(Vec3::new(10.0, 0.0, 4.0), Vec3::new(10.5, 6.0, 28.0));
 //! level.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 //!
-//! let walls = Walls::of(&level, 0.5, |_| false);
-//! // Two metres of a street, and a car behind the wall.
-//! let eyes = Eyes::cuboid(Span { min: DVec3::new(2.0, 1.0, 15.0), max: DVec3::new(4.0, 2.0, 17.0) });
-//! let car = |z| Span { min: DVec3::new(14.0, 0.0, z), max: DVec3::new(16.0, 1.5, z + 4.0) };
-//! let mut hint = 0;
-//! assert!(walls.hide(&eyes, &car(14.0), 0.0, &mut hint));
+//! let walls = Walls::of(&level, 0.5, |_| false); // Two metres of a street, and a car behind the
+//! wall. let eyes = Eyes::cuboid(Span { min: DVec3::new(2.0, 1.0, 15.0), max: DVec3::new(4.0, 2.0,
+//! 17.0) }); let car = |z| Span { min: DVec3::new(14.0, 0.0, z), max: DVec3::new(16.0, 1.5, z +
+//! 4.0) }; let mut hint = 0; assert!(walls.hide(&eyes, &car(14.0), 0.0, &mut hint));
 //! assert!(!walls.hide(&eyes, &car(40.0), 0.0, &mut hint));
 //! # Ok(())
 //! # }
@@ -120,8 +118,8 @@ impl Walls {
 
     /// Whether one wall hides all of a box from all eyes. Only walls count that are `apart` or more
     /// before the box, in world units: 0 lets a box count whose side lies in the wall; give more
-    /// for boxes of what is fixed to walls, or is a wall. `hint` is the wall that hid something last
-    /// time, and is tried first; it decides nothing. Costs a walk over the tree of walls, some
+    /// for boxes of what is fixed to walls, or is a wall. `hint` is the wall that hid something
+    /// last time, and is tried first; it decides nothing. Costs a walk over the tree of walls, some
     /// hundred nanoseconds to some microseconds.
     pub fn hide(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> bool {
         self.ask(eyes, target, apart, hint) == Found::Hides

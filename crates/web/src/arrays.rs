@@ -30,7 +30,7 @@ pub fn mat4(name: &str, numbers: &[f32]) -> Result<Mat4, JsError> {
 }
 
 /// Groups of so many numbers.
-fn groups<'a, const N: usize>(name: &str, numbers: &'a [f32]) -> Result<&'a [[f32; N]], JsError> {
+pub fn groups<'a, T, const N: usize>(name: &str, numbers: &'a [T]) -> Result<&'a [[T; N]], JsError> {
     match numbers.as_chunks() {
         (groups, []) => Ok(groups),
         _ => Err(refused(format!("{name} have {N} numbers each, not {} in all", numbers.len()))),
@@ -40,23 +40,23 @@ fn groups<'a, const N: usize>(name: &str, numbers: &'a [f32]) -> Result<&'a [[f3
 /// Boxes: the least corner and the greatest of each.
 pub fn boxes(numbers: &[f32]) -> Result<Vec<Aabb>, JsError> {
     let one = |&[a, b, c, d, e, f]: &[f32; 6]| Aabb::new(Vec3::new(a, b, c), Vec3::new(d, e, f));
-    Ok(groups::<6>("boxes", numbers)?.iter().map(one).collect())
+    Ok(groups::<_, 6>("boxes", numbers)?.iter().map(one).collect())
 }
 
 /// Spheres: the centre and the radius of each.
 pub fn spheres(numbers: &[f32]) -> Result<Vec<Sphere>, JsError> {
     let one = |&[x, y, z, radius]: &[f32; 4]| Sphere::new(Vec3::new(x, y, z), radius);
-    Ok(groups::<4>("spheres", numbers)?.iter().map(one).collect())
+    Ok(groups::<_, 4>("spheres", numbers)?.iter().map(one).collect())
 }
 
 /// Points.
 pub fn points(name: &str, numbers: &[f32]) -> Result<Vec<Vec3>, JsError> {
-    Ok(groups::<3>(name, numbers)?.iter().copied().map(Vec3::from_array).collect())
+    Ok(groups::<_, 3>(name, numbers)?.iter().copied().map(Vec3::from_array).collect())
 }
 
 /// Affine transforms: matrices of 16 numbers, column by column, whose last row is 0, 0, 0, 1.
 pub fn affines(numbers: &[f32]) -> Result<Vec<Affine3A>, JsError> {
-    let all = groups::<16>("transforms", numbers)?;
+    let all = groups::<_, 16>("transforms", numbers)?;
     let one = |(index, all): (usize, &[f32; 16])| {
         let matrix = Mat4::from_cols_array(all);
         match matrix.row(3).to_array() {

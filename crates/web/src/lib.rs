@@ -1,9 +1,9 @@
 //! casca for pages and Node, as WebAssembly: `.ci/web` makes the npm package `casca` of it, with
 //! types for TypeScript. `README.md` shows how it is used.
 //!
-//! Boxes, spheres, transforms and points are numbers one after the other in a `Float32Array`; ids of
-//! objects are bigints, and several of them a `BigUint64Array`. What cannot be used is refused with
-//! an `Error` that says why, and changes nothing.
+//! Boxes, spheres, transforms and points are numbers one after the other in a `Float32Array`; ids
+//! of objects are bigints, and several of them a `BigUint64Array`. What cannot be used is refused
+//! with an `Error` that says why, and changes nothing.
 #![deny(missing_docs)]
 
 mod arrays;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use casca::{Facing, MeshOptions, TriMesh};
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{points, refused};
+use crate::arrays::{groups, points, refused};
 
 /// Triangles that were prepared once, for any number of objects.
 #[wasm_bindgen]
@@ -17,8 +17,8 @@ pub struct Mesh {
 #[wasm_bindgen]
 impl Mesh {
     /// Prepares a mesh: positions, 3 numbers each, and triangles, 3 vertices each. Whether it hides
-    /// others (default: yes), and whether from both sides (default: yes) or only where its triangles
-    /// run counter-clockwise.
+    /// others (default: yes), and whether from both sides (default: yes) or only where its
+    /// triangles run counter-clockwise.
     #[wasm_bindgen(constructor)]
     pub fn new(
         positions: &[f32],
@@ -27,9 +27,7 @@ impl Mesh {
         two_sided: Option<bool>,
     ) -> Result<Mesh, JsError> {
         let positions = points("positions", positions)?;
-        let (corners, []) = triangles.as_chunks::<3>() else {
-            return Err(refused(format!("triangles have 3 vertices each, not {} in all", triangles.len())));
-        };
+        let corners: &[[u32; 3]] = groups("triangles", triangles)?;
         let facing = if two_sided.unwrap_or(true) { Facing::Both } else { Facing::Front };
         let how = MeshOptions::default().facing(facing).occludes(occludes.unwrap_or(true));
         let go_on = &mut |_| ControlFlow::Continue(());

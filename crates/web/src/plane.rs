@@ -4,7 +4,7 @@ use casca_plane::glam::Vec2;
 use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, Segment, TilePoint};
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::refused;
+use crate::arrays::{groups, refused};
 
 /// The tiles that are seen from a place on a map: 1 or 0 for each, row by row. `walls` has a number
 /// for each tile of rows that are `width` long: other than 0 if it hides what is behind it. The eye
@@ -42,13 +42,11 @@ pub fn field_of_view(
     Ok(tiles)
 }
 
-/// The corners of the region that is seen from a place between walls, up to so far: x and y of each,
-/// in their order around the eye. Walls have 4 numbers each: both ends.
+/// The corners of the region that is seen from a place between walls, up to so far: x and y of
+/// each, in their order around the eye. Walls have 4 numbers each: both ends.
 #[wasm_bindgen(js_name = visibleRegion)]
 pub fn visible_region(walls: &[f32], eye: &[f32], range: f32) -> Result<Vec<f32>, JsError> {
-    let ([walls @ ..], []) = walls.as_chunks::<4>() else {
-        return Err(refused(format!("walls have 4 numbers each, not {} in all", walls.len())));
-    };
+    let walls: &[[f32; 4]] = groups("walls", walls)?;
     let wall = |&[a, b, c, d]: &[f32; 4]| Segment::new(Vec2::new(a, b), Vec2::new(c, d));
     let walls: Vec<Segment> = walls.iter().map(wall).collect();
     let eye = <[f32; 2]>::try_from(eye)

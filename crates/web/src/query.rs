@@ -59,8 +59,8 @@ impl Query {
         Ok(points.iter().map(|at| sight.may_see_point(*at).into()).collect())
     }
 
-    /// The objects whose shadows by the sun may fall on what the view of the last run sees. Its light
-    /// goes along the direction.
+    /// The objects whose shadows by the sun may fall on what the view of the last run sees. Its
+    /// light goes along the direction.
     #[wasm_bindgen(js_name = shadowCastersOfSun)]
     pub fn shadow_casters_of_sun(&mut self, scene: &Scene, direction: &[f32]) -> Result<Vec<u64>, JsError> {
         self.shadow_casters(scene, &Light::directional(vec3("the direction", direction)?))

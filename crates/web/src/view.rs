@@ -17,8 +17,8 @@ fn of(view: Result<casca::View, casca::Error>) -> Result<View, JsError> {
 #[wasm_bindgen]
 impl View {
     /// A perspective camera: its place, and its matrix from world to clip space, 16 numbers as in
-    /// `Matrix4.elements`. Depth goes from -1 to 1 as in WebGL, unless `zeroToOne` says that it goes
-    /// from 0 to 1 as in WebGPU.
+    /// `Matrix4.elements`. Depth goes from -1 to 1 as in WebGL, unless `zeroToOne` says that it
+    /// goes from 0 to 1 as in WebGPU.
     pub fn perspective(eye: &[f32], matrix: &[f32], zero_to_one: Option<bool>) -> Result<View, JsError> {
         let (eye, matrix) = (vec3("the eye", eye)?, mat4("the matrix", matrix)?);
         of(match zero_to_one.unwrap_or(false) {

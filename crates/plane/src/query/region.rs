@@ -19,8 +19,8 @@ const ROOM: f32 = 0.01;
 const CELLS: [f32; 2] = [4.0, 1024.0];
 
 /// The corners of the region that an eye sees between walls, up to `range` from it, in world units:
-/// counter-clockwise around the eye, see [`Query::polygon`]. Costs as much as a scene of these walls
-/// and one query of it; keep a [`Scene`] to ask more than once.
+/// counter-clockwise around the eye, see [`Query::polygon`]. Costs as much as a scene of these
+/// walls and one query of it; keep a [`Scene`] to ask more than once.
 ///
 /// ```
 /// use casca_plane::glam::Vec2;

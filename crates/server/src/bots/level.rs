@@ -173,8 +173,8 @@ impl Level {
 }
 
 impl Track {
-    /// The cells in which bodies on the path and beside it may have points, and eyes. What lies behind
-    /// walls is left out: the space under a floor sees all that is under it.
+    /// The cells in which bodies on the path and beside it may have points, and eyes. What lies
+    /// behind walls is left out: the space under a floor sees all that is under it.
     fn cells(&self, walls: &Walls, edge: f32) -> (Cells, Vec<u32>) {
         let reached = |&eye: &Vec3| {
             let body = span_of(&self.body(eye));
