@@ -21,10 +21,12 @@
 //! let wall = Aabb::new(Vec3::new(10.0, 0.0, 4.0), Vec3::new(10.5, 6.0, 28.0));
 //! level.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 //!
-//! let walls = Walls::of(&level, 0.5, |_| false); // Two metres of a street, and a car behind the
-//! wall. let eyes = Eyes::cuboid(Span { min: DVec3::new(2.0, 1.0, 15.0), max: DVec3::new(4.0, 2.0,
-//! 17.0) }); let car = |z| Span { min: DVec3::new(14.0, 0.0, z), max: DVec3::new(16.0, 1.5, z +
-//! 4.0) }; let mut hint = 0; assert!(walls.hide(&eyes, &car(14.0), 0.0, &mut hint));
+//! let walls = Walls::of(&level, 0.5, |_| false);
+//! // Two metres of a street, and a car behind the wall.
+//! let eyes = Eyes::cuboid(Span { min: DVec3::new(2.0, 1.0, 15.0), max: DVec3::new(4.0, 2.0, 17.0) });
+//! let car = |z| Span { min: DVec3::new(14.0, 0.0, z), max: DVec3::new(16.0, 1.5, z + 4.0) };
+//! let mut hint = 0;
+//! assert!(walls.hide(&eyes, &car(14.0), 0.0, &mut hint));
 //! assert!(!walls.hide(&eyes, &car(40.0), 0.0, &mut hint));
 //! # Ok(())
 //! # }
