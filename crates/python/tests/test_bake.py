@@ -48,17 +48,22 @@ def level(tmp_path_factory):
 
 def test_cells_see_cells(tmp_path):
     out = tmp_path / "cells.pvs"
-    low, high = (0, 0, 0), (20, 2.2, 20)
+    low, high = (0, 0, 0), (28, 2.2, 28)
     options = {"cell": 4.0, "height": (0.0, 2.2), "within": (low, high), "queries": 16}
     bake = casca.bake.Bake("rooms", cell_to_cell=True, **options)
     bake.write(out)
     baked = casca.bake.Baked(out)
     assert baked.cell_to_cell and baked.objects == bake.objects == np.prod(baked.dims)
     assert set(baked.at((1, 1, 1))) <= set(bake.cells)
-    # Two places in a room see each other; walls stand between the first and one far away.
+    # Two places in a room see each other; walls stand between the first and some cells.
     spot = lambda x, z: ((x - 0.1, 1, z - 0.1), (x + 0.1, 1.5, z + 0.1))
     assert baked.may_see(spot(2, 2), spot(3, 6))
-    assert not baked.may_see(spot(2, 2), spot(18, 18))
+    hidden = sorted(set(bake.cells) - set(baked.at((2, 1, 2))))
+    assert hidden
+    for cell in hidden:
+        x, z = cell % baked.dims[0], cell // (baked.dims[0] * baked.dims[1])
+        place = spot(4 * x + 2, 4 * z + 2)
+        assert not baked.may_see(spot(2, 2), place) and not baked.may_see(place, spot(2, 2)), cell
     assert baked.may_see(spot(2, 2), spot(38, 38)), "nothing is known about that cell"
     with pytest.raises(casca.Error, match="corner"):
         baked.may_see(spot(2, 2), ((0, 0), (1, 1)))
