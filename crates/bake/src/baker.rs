@@ -75,8 +75,14 @@ impl<'l> Baker<'l> {
     /// [`BakeError::OtherCells`].
     pub fn writer(&self) -> Result<Writer, BakeError> {
         Ok(match self.level.cells {
-            Some(cells) if cells != self.cells => return Err(BakeError::OtherCells),
-            Some(cells) => Writer::cell_to_cell(cells)?,
+            Some(cells) => {
+                let targets = self.level.targets();
+                // A cell with a set that is in no other would count as hidden.
+                if cells != self.cells || self.numbers.iter().any(|cell| !targets.contains(cell)) {
+                    return Err(BakeError::OtherCells);
+                }
+                Writer::cell_to_cell(cells, &targets)?
+            }
             None => Writer::new(self.cells, self.level.len())?,
         })
     }

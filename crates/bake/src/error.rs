@@ -19,8 +19,8 @@ pub enum BakeError {
     /// The level is none that casca takes.
     #[error("the level cannot be used: {0}")]
     Scene(#[from] casca::Error),
-    /// The level was made for sets from cell to cell of another grid.
-    #[error("the level was made for sets from cell to cell of another grid")]
+    /// The level was made for sets from cell to cell of another grid, or of fewer cells.
+    #[error("the level was made for sets from cell to cell of another grid, or of fewer cells")]
     OtherCells,
     /// A part of several is none of them.
     #[error("part {part} of {parts}: parts are counted from 1")]

@@ -1,5 +1,6 @@
 //! A level made ready for baking.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use casca::{Aabb, Error, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
@@ -90,8 +91,8 @@ impl Level {
     }
 
     /// The same level, of which sets tell what may be seen of some cells of a grid, and not of its
-    /// objects: for all that moves there. Numbers of no cell are left out. Bake at least these
-    /// cells: nothing is known about a cell without a set.
+    /// objects: for all that moves there. Numbers of no cell are left out. Others than these cells
+    /// cannot be baked then: see [`BakeError::OtherCells`](crate::BakeError::OtherCells).
     ///
     /// # Errors
     /// Refuses what casca refuses: more cells than its ids can name.
@@ -110,6 +111,11 @@ impl Level {
         }
         self.cells = Some(*cells);
         Ok(self)
+    }
+
+    /// The numbers of those cells.
+    pub(crate) fn targets(&self) -> BTreeSet<u32> {
+        (0..self.len()).filter(|&cell| self.bounds[cell as usize].is_some()).collect()
     }
 
     /// The number of objects, those that move included; or of cells of the grid, see

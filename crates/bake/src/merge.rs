@@ -9,8 +9,9 @@ use crate::error::BakeError;
 /// Puts the sets of parts of one bake together, as they come.
 #[derive(Default)]
 pub struct Merger {
-    /// With what all parts have: the cells, the number of objects, and what sets hold.
-    writer: Option<(Writer, (Cells, u32, bool))>,
+    /// With what all parts have: the cells, the number of objects, what sets hold, and which cells
+    /// they tell of.
+    writer: Option<(Writer, (Cells, u32, bool, u32))>,
 }
 
 /// Why the sets of a part do not go with those before it.
@@ -35,7 +36,7 @@ impl Merger {
     /// The part is of another bake, or has another set for a cell; parts before it stay.
     pub fn put(&mut self, part: &Baked) -> Result<(), PartError> {
         let cells = *part.cells();
-        let bake = (cells, part.objects(), part.is_cell_to_cell());
+        let bake = (cells, part.objects(), part.is_cell_to_cell(), part.targets());
         let writer = match &mut self.writer {
             Some((writer, of)) if *of == bake => writer,
             Some(_) => return Err(PartError::OtherBake),

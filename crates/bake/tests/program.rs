@@ -104,6 +104,13 @@ fn killed_bakes_and_parts_on_any_threads_make_the_same_file() {
     let bytes = std::fs::read(&to_cells).unwrap();
     assert!(Baked::read(&bytes).unwrap().is_cell_to_cell());
     assert!(refused(&mut merge(&[&parts[0], &to_cells], &none), &none).contains("kinds of sets"));
+    // Parts must tell of the same cells: one that a part does not know would count as hidden.
+    let (near, far) = (at("near"), at("far"));
+    for (corner, out) in [("0,0,0:8,2,8", &near), ("8,0,8:16,2,16", &far)] {
+        let few = ["rooms", "--cell", "4", "--height", "0.2:2.0", "--within", corner];
+        run(&[&few[..], &["--queries", "16", "--quiet", "--cell-to-cell"]].concat(), out);
+    }
+    assert!(refused(&mut merge(&[&near, &far], &none), &none).contains("kinds of sets"));
 
     let show = |at: &[&str]| {
         let output =

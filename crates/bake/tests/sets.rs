@@ -1,8 +1,10 @@
 //! Sets of cells against exact visibility: rays from eyes in the cells, by code that shares nothing
 //! with casca.
 
+use std::ops::ControlFlow;
+
 use casca::Aabb;
-use casca_bake::{Finder, Level, Places, eyes_of};
+use casca_bake::{BakeError, Baker, Cells, Finder, Level, Places, eyes_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::random::generator;
 use casca_scenes::world::{GridHint, Mesh, Motion, Object, Shape, World};
@@ -299,4 +301,21 @@ fn spheres_and_all_cells_lose_nothing() {
     let world = world(SceneKind::Spheres, 0.2);
     let (sizes, seen) = look(&world, &Places { edge: 16.0, height: None, within: None }, 4, 16);
     assert!(seen > 4 * 20 && sizes >= seen, "{seen} {sizes}");
+}
+
+#[test]
+fn other_cells_than_those_that_sets_tell_of_are_refused() {
+    let world = world(SceneKind::Rooms, 0.1);
+    let places = Places { edge: 10.0, height: Some((0.0, 2.2)), within: None };
+    let level = Level::new(&world, None, false).unwrap();
+    let (grid, numbers) = (places.cells(&level).unwrap(), places.numbers(&level).unwrap());
+    let level = level.cell_to_cell(&grid, &numbers[1..]).unwrap();
+    let bake = |cells, numbers: &[u32]| {
+        let baker = Baker::of(&level, cells, numbers, 16);
+        baker.run(1, None, &mut |_, _| ControlFlow::Continue(())).map(|sets| sets.len())
+    };
+    assert_eq!(bake(grid, &numbers[1..3]).unwrap(), 2);
+    assert!(matches!(bake(grid, &numbers[..2]), Err(BakeError::OtherCells)));
+    let other = Cells { size: grid.size.map(|size| size * 2.0), ..grid };
+    assert!(matches!(bake(other, &[]), Err(BakeError::OtherCells)));
 }

@@ -13,6 +13,7 @@
 //! | 4 | version: 2 |
 //! | 4 | what sets hold: 0 for objects, 1 for cells of the grid itself |
 //! | 4 | number of objects, or of cells |
+//! | 4 | CRC-32 of the numbers, ascending, of the cells that sets tell of; 0 for objects |
 //! | 24 | least corner of the grid, 3 doubles |
 //! | 24 | edges of a cell, 3 doubles |
 //! | 12 | cells along x, y and z |
@@ -55,7 +56,7 @@ const MAGIC: [u8; 8] = *b"CASCAPVS";
 const VERSION: u32 = 2;
 
 /// The bytes before the sets of cells.
-const HEADER: usize = 8 + 4 + 4 + 4 + 24 + 24 + 12 + 4;
+const HEADER: usize = 8 + 4 + 4 + 4 + 4 + 24 + 24 + 12 + 4;
 
 /// What sets hold: objects, or cells of the grid itself.
 const OBJECTS: u32 = 0;

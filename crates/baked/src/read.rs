@@ -12,6 +12,7 @@ pub struct Baked<'a> {
     cells: Cells,
     objects: u32,
     is_cell_to_cell: bool,
+    targets: u32,
     sets: u32,
     /// The set of each cell.
     of_cells: &'a [u8],
@@ -54,13 +55,13 @@ impl<'a> Baked<'a> {
         let number = |at| u32_at(bytes, at).ok_or(short(HEADER as u64));
         let mut cells = Cells { low: [0.0; 3], size: [0.0; 3], dims: [0; 3] };
         for i in 0..3 {
-            cells.low[i] = f64_at(bytes, 20 + 8 * i).ok_or(short(HEADER as u64))?;
-            cells.size[i] = f64_at(bytes, 44 + 8 * i).ok_or(short(HEADER as u64))?;
-            cells.dims[i] = number(68 + 4 * i)?;
+            cells.low[i] = f64_at(bytes, 24 + 8 * i).ok_or(short(HEADER as u64))?;
+            cells.size[i] = f64_at(bytes, 48 + 8 * i).ok_or(short(HEADER as u64))?;
+            cells.dims[i] = number(72 + 4 * i)?;
         }
-        let (kind, objects, sets) = (number(12)?, number(16)?, number(80)?);
+        let (kind, objects, targets, sets) = (number(12)?, number(16)?, number(20)?, number(84)?);
         let count = cells.count().filter(|_| cells.is_valid()).ok_or(ReadError::Cells)?;
-        if !(kind == OBJECTS || kind == CELLS && objects == count) {
+        if !(kind == OBJECTS && targets == 0 || kind == CELLS && objects == count) {
             return Err(ReadError::Kind(kind));
         }
         let of_cells = HEADER as u64;
@@ -76,6 +77,7 @@ impl<'a> Baked<'a> {
             cells,
             objects,
             is_cell_to_cell: kind == CELLS,
+            targets,
             sets,
             of_cells: &bytes[of_cells..ends],
             ends: &bytes[ends..bodies],
@@ -123,6 +125,12 @@ impl<'a> Baked<'a> {
     /// [`Baked::may_see`].
     pub fn is_cell_to_cell(&self) -> bool {
         self.is_cell_to_cell
+    }
+
+    /// What tells the cells that sets from cell to cell tell of from those of other bakes; 0 for sets
+    /// of objects. A cell that one part of a bake tells of and another does not is not hidden.
+    pub fn targets(&self) -> u32 {
+        self.targets
     }
 
     /// Whether an eye in one box may see a point in another one: from the least to the greatest

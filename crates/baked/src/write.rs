@@ -17,6 +17,7 @@ use crate::{CELLS, DEPTH, HEADER, MAGIC, NONE, OBJECTS, VERSION};
 pub struct Writer {
     cells: Cells,
     kind: u32,
+    targets: u32,
     objects: u32,
     sets: BTreeMap<u32, Vec<u32>>,
 }
@@ -38,17 +39,20 @@ impl Writer {
         if !cells.is_valid() {
             return Err(WriteError::Cells);
         }
-        Ok(Self { cells, kind: OBJECTS, objects, sets: BTreeMap::new() })
+        Ok(Self { cells, kind: OBJECTS, targets: 0, objects, sets: BTreeMap::new() })
     }
 
-    /// A file whose sets hold cells of the grid itself, for things that move: a set tells, of the
-    /// cells that have one in the end, all that may be seen.
+    /// A file whose sets hold cells of the grid itself, for things that move: each set tells which of
+    /// `targets` may be seen. Give sets to these alone: a cell that has one and is in no other
+    /// counts as hidden.
     ///
     /// # Errors
     /// [`WriteError::Cells`].
-    pub fn cell_to_cell(cells: Cells) -> Result<Self, WriteError> {
+    pub fn cell_to_cell(cells: Cells, targets: &BTreeSet<u32>) -> Result<Self, WriteError> {
         let objects = cells.count().ok_or(WriteError::Cells)?;
-        Ok(Self { kind: CELLS, ..Self::new(cells, objects)? })
+        let mut hash = crc32fast::Hasher::new();
+        targets.iter().for_each(|cell| hash.update(&cell.to_le_bytes()));
+        Ok(Self { kind: CELLS, targets: hash.finalize(), ..Self::new(cells, objects)? })
     }
 
     /// A file for more sets of the bake that a file is of, without sets.
@@ -56,10 +60,8 @@ impl Writer {
     /// # Errors
     /// None for a file that was read.
     pub fn like(file: &Baked) -> Result<Self, WriteError> {
-        match file.is_cell_to_cell() {
-            true => Self::cell_to_cell(*file.cells()),
-            false => Self::new(*file.cells(), file.objects()),
-        }
+        let kind = if file.is_cell_to_cell() { CELLS } else { OBJECTS };
+        Ok(Self { kind, targets: file.targets(), ..Self::new(*file.cells(), file.objects())? })
     }
 
     /// Gives a cell its set: objects in ascending order, each less than the number of objects.
@@ -135,6 +137,7 @@ impl Writer {
         out.extend_from_slice(&VERSION.to_le_bytes());
         out.extend_from_slice(&self.kind.to_le_bytes());
         out.extend_from_slice(&self.objects.to_le_bytes());
+        out.extend_from_slice(&self.targets.to_le_bytes());
         for number in self.cells.low.into_iter().chain(self.cells.size) {
             out.extend_from_slice(&number.to_le_bytes());
         }

@@ -123,7 +123,7 @@ proptest! {
     #[test]
     fn from_cell_to_cell_boxes_see_what_a_place_in_them_sees((cells, sets) in levels(), places in prop::collection::vec(prop::array::uniform3(-0.1..1.1f64), 6)) {
         let count: u32 = cells.dims.iter().product();
-        let mut writer = Writer::cell_to_cell(cells).unwrap();
+        let mut writer = Writer::cell_to_cell(cells, &sets.keys().copied().collect()).unwrap();
         for (cell, set) in &sets {
             writer.put(*cell, &set.iter().copied().filter(|seen| *seen < count).collect::<Vec<_>>()).unwrap();
         }
@@ -213,7 +213,7 @@ fn refusals_name_the_reason() {
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Set(0)));
     let mut other = bytes.clone();
-    other[84] = 1;
+    other[88] = 1;
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Cell(0)));
     let mut other = bytes.clone();
@@ -226,7 +226,7 @@ fn refusals_name_the_reason() {
     let four = cells([2, 2, 1]);
     assert_eq!(four.at([-3.0, 0.3, 1e3]), Some(0));
     assert_eq!(four.at([-1.5, 0.3, 1e3]), None, "no cell of the next row");
-    for at in [20, 44, 68] {
+    for at in [24, 48, 72] {
         let mut other = bytes.clone();
         other[at..at + 8].fill(0xff);
         with_checksum(&mut other);

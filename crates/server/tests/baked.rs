@@ -9,7 +9,7 @@ use casca_server::{
 
 /// Cells of 4 m in a row along x, from 0 to 40 m; `sets` gives the cells that some of them see.
 fn file(sets: &[(u32, &[u32])]) -> Vec<u8> {
-    let mut writer = Writer::cell_to_cell(row()).unwrap();
+    let mut writer = Writer::cell_to_cell(row(), &sets.iter().map(|(cell, _)| *cell).collect()).unwrap();
     sets.iter().for_each(|(cell, set)| writer.put(*cell, set).unwrap());
     writer.finish().unwrap()
 }
