@@ -127,8 +127,8 @@ impl<'a> Baked<'a> {
         self.is_cell_to_cell
     }
 
-    /// What tells the cells that sets from cell to cell tell of from those of other bakes; 0 for sets
-    /// of objects. A cell that one part of a bake tells of and another does not is not hidden.
+    /// What tells the cells that sets from cell to cell tell of from those of other bakes; 0 for
+    /// sets of objects. A cell that one part of a bake tells of and another does not is not hidden.
     pub fn targets(&self) -> u32 {
         self.targets
     }

@@ -42,8 +42,8 @@ impl Writer {
         Ok(Self { cells, kind: OBJECTS, targets: 0, objects, sets: BTreeMap::new() })
     }
 
-    /// A file whose sets hold cells of the grid itself, for things that move: each set tells which of
-    /// `targets` may be seen. Give sets to these alone: a cell that has one and is in no other
+    /// A file whose sets hold cells of the grid itself, for things that move: each set tells which
+    /// of `targets` may be seen. Give sets to these alone: a cell that has one and is in no other
     /// counts as hidden.
     ///
     /// # Errors
