@@ -127,8 +127,9 @@ impl<'a> Baked<'a> {
         self.is_cell_to_cell
     }
 
-    /// What tells the cells that sets from cell to cell tell of from those of other bakes; 0 for
-    /// sets of objects. A cell that one part of a bake tells of and another does not is not hidden.
+    /// A checksum of the cells that sets from cell to cell tell of; 0 for sets of objects. Parts of
+    /// a bake can be put together only if it is the same: a cell that one of them does not know
+    /// would count as hidden from its cells.
     pub fn targets(&self) -> u32 {
         self.targets
     }
