@@ -245,7 +245,9 @@ fn an_occluder_thinner_than_the_rounding_leaves_no_cells_behind() {
     for (layers, time) in [(u64::MAX, 0.0), (0x0984_a428_3bd5_9140, 15.18)] {
         let mut scene = Scene::new(&spec).unwrap();
         scene.begin_frame(time).unwrap();
-        let ball = Sphere::new(Vec3::new(9.9, -14.009_999, 5.85), 1.438_178e-12);
+        /// Less than half a unit in the last place of the coordinates below.
+        const THIN: f32 = 1.438_178e-12;
+        let ball = Sphere::new(Vec3::new(9.9, -14.009_999, 5.85), THIN);
         let desc = ObjectDesc::dynamic(ball).occluder(ball).max_speed(19.78).layers(layers);
         let id = scene.insert(desc).unwrap();
         scene.shift_origin(Vec3::new(13.219_999, 6.15, 8.32)).unwrap();

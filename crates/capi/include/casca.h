@@ -839,8 +839,8 @@ casca_status casca_scene_set_transform(casca_scene scene,
 /// world space (code "fixed-mesh"): give CASCA_PLACED for meshes that move.
 casca_status casca_scene_translate(casca_scene scene, uint64_t id, const float *offset);
 
-/// Moves the origin of the world to a place, three floats: all objects come to coordinates that are
-/// smaller by them, and the grid stays. For worlds so large that floats get coarse. Costs all
+/// Moves the origin of the world to a place, three floats: the coordinates of all objects and of
+/// the grid become less by them. For worlds so large that floats get coarse. Costs all
 /// objects.
 casca_status casca_scene_shift_origin(casca_scene scene, const float *offset);
 

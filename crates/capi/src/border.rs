@@ -284,6 +284,6 @@ pub(crate) fn tell(
     share: f32,
     user: *mut std::ffi::c_void,
 ) -> i32 {
-    // SAFETY: the caller gave it together with what it asks for, for the time of the call.
+    // SAFETY: the caller passed the function and its data, and both live until this call ends.
     unsafe { progress(share, user) }
 }

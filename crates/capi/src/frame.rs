@@ -141,8 +141,8 @@ pub unsafe extern "C" fn casca_scene_translate(
     })
 }
 
-/// Moves the origin of the world to a place, three floats: all objects come to coordinates that are
-/// smaller by them, and the grid stays. For worlds so large that floats get coarse. Costs all
+/// Moves the origin of the world to a place, three floats: the coordinates of all objects and of
+/// the grid become less by them. For worlds so large that floats get coarse. Costs all
 /// objects.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_scene_shift_origin(scene: casca_scene, offset: *const f32) -> casca_status {

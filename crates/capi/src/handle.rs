@@ -45,10 +45,10 @@ pub(crate) struct Registry<T> {
     free: Mutex<Free>,
 }
 
-/// The right to read what a handle names, while a call runs.
+/// A value that a call may read, together with other calls.
 pub(crate) struct Shared<'a, T>(RwLockReadGuard<'a, Option<Box<T>>>);
 
-/// The right to change what a handle names, while a call runs.
+/// A value that a call may change, since no other call uses it.
 pub(crate) struct Exclusive<'a, T>(RwLockWriteGuard<'a, Option<Box<T>>>);
 
 impl<T> Deref for Shared<'_, T> {

@@ -1,5 +1,6 @@
 //! Garbage: random bytes in all structs, numbers and handles of the C face. Pointers are null or
-//! lead to memory. No call may panic or crash, and what was there before must still answer.
+//! lead to memory. No call may panic or crash, and
+//! scenes that were made before must still answer.
 //! `CASCA_CASES=N` throws N times as much, `CASCA_SEED=S` other garbage.
 
 // Some of the functions are safe to call, and go through the same macro.

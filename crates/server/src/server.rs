@@ -71,7 +71,7 @@ impl VisibilityServer {
     /// [`ServerOptions::walls`]: its eyes keep out of solid objects. Costs a check of all of it.
     ///
     /// # Errors
-    /// Refuses bytes that are no such file; what was there before stays.
+    /// Refuses bytes that are no such file; the server keeps the file that it had.
     pub fn set_baked(&mut self, file: Vec<u8>) -> Result<(), ServerError> {
         let file = BakedFile::read(file)?;
         self.forget_baked();

@@ -120,9 +120,9 @@ impl Walls {
 
     /// Whether one wall hides all of a box from all eyes. Only walls count that are `apart` or more
     /// before the box, in world units: 0 lets a box count whose side lies in the wall; give more
-    /// for boxes of what is fixed to walls, or is a wall. `hint` is the wall that hid something
-    /// last time, and is tried first; it decides nothing. Costs a walk over the tree of walls, some
-    /// hundred nanoseconds to some microseconds.
+    /// for boxes around walls and around things that hang on them. `hint` is the wall that hid
+    /// something last time, and is tried first; it decides nothing. Costs a walk over the tree of
+    /// walls, some hundred nanoseconds to some microseconds.
     pub fn hide(&self, eyes: &Eyes, target: &Span, apart: f64, hint: &mut u32) -> bool {
         self.ask(eyes, target, apart, hint) == Found::Hides
     }

@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 use crate::arrays::{groups, refused};
 
 /// The tiles that are seen from a place on a map: 1 or 0 for each, row by row. `walls` has a number
-/// for each tile of rows that are `width` long: other than 0 if it hides what is behind it. The eye
+/// for each tile, row by row, `width` tiles a row; a number other than 0 is a wall. The eye
 /// is at (x, y) in tiles, (0.5, 0.5) in the middle of the first. It sees so far, if there is a
 /// radius.
 #[wasm_bindgen(js_name = fieldOfView)]

@@ -75,7 +75,9 @@ mod tests {
         }
         assert!(visible_region(&[], Vec2::ZERO, -1.0).is_err());
         // Far walls do not make the grid coarse, nor an eye alone make it empty.
-        for far in [0.0, 1e-20, 1.0, 1e30] {
+        /// From nothing to almost the greatest float.
+        const FAR: [f32; 4] = [0.0, 1e-20, 1.0, 1e30];
+        for far in FAR {
             let corners = visible_region(&[wall(1.0, 2.0), wall(far, -far)], Vec2::ZERO, 3.0).unwrap();
             assert!(corners.len() >= 2, "{far}");
         }
