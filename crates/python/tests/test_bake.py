@@ -246,14 +246,14 @@ def test_ray(slow_whole, tmp_path):
     # No worker is killed here: Ray 2.60 then ends its driver, too, in two of three runs.
     pytest.importorskip("ray")
     out = tmp_path / "ray"
-    # In a process of its own: Ray ends its process where its servers do not start in time, as on a
-    # machine that is busy.
+    # In a process of its own: on a busy machine Ray ends the process where its servers do not start
+    # in time, or where an answer comes twice, which Ray 2.60 itself calls a bug of Ray.
     for _ in range(3):
         command = [sys.executable, "-c", RAY, str(out), repr(slow(ROOMS))]
         ran = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-        if "ray is there" in ran.stdout:
+        if "ray is there" in ran.stdout and "You have likely discovered a bug in Ray" not in ran.stderr:
             break
     else:
-        pytest.skip("Ray does not start on this machine")
+        pytest.skip("Ray does not start on this machine, or ends by a mistake of its own")
     assert ran.returncode == 0, ran.stderr
     assert out.read_bytes() == slow_whole
