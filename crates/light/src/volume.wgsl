@@ -58,7 +58,7 @@ fn local_place(number: u32) -> vec3u {
 }
 
 fn is_occupied(slot: u32, local: u32) -> bool {
-  return (occupancy[slot * 16u + (local >> 5u)] >> (local & 31u) & 1u) != 0u;
+  return ((occupancy[slot * 16u + (local >> 5u)] >> (local & 31u)) & 1u) != 0u;
 }
 
 // How far along the normal a point must leave a cell's centre so that no cell of the same plane touches it, nor the filter: PUSH_OFF.

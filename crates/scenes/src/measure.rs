@@ -2,9 +2,10 @@
 //! of what criterion measured.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use casca::{Error, Method, Query, View};
+use web_time::Instant;
 
 use crate::drive::{Driver, grid_for, view_of};
 use crate::world::World;

@@ -1,7 +1,9 @@
 //! A scene on a command line: a procedural one by its name, or a file.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 
 use crate::generated::{self, SceneKind, SceneOptions};
 use crate::import::{self, ImportError};
@@ -14,6 +16,8 @@ pub enum SceneName {
     Built(SceneKind),
     /// A glTF 2.0 file.
     File(PathBuf),
+    /// The bytes of such a file, which other files cannot be part of, and its name.
+    Given(String, Arc<[u8]>),
 }
 
 impl FromStr for SceneName {
@@ -32,6 +36,16 @@ impl FromStr for SceneName {
     }
 }
 
+impl fmt::Display for SceneName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Built(kind) => f.pad(kind.name()),
+            Self::File(path) => path.display().fmt(f),
+            Self::Given(name, _) => f.pad(name),
+        }
+    }
+}
+
 impl SceneName {
     /// Tries whether a file can be taken, before work that comes first. Costs loading it.
     ///
@@ -40,7 +54,7 @@ impl SceneName {
     pub fn check(&self) -> Result<(), ImportError> {
         match self {
             Self::Built(_) => Ok(()),
-            Self::File(path) => import::load(path).map(|_| ()),
+            Self::File(_) | Self::Given(..) => self.open(&SceneOptions::default()).map(|_| ()),
         }
     }
 
@@ -52,6 +66,9 @@ impl SceneName {
         match self {
             Self::Built(kind) => Ok(generated::build(*kind, options)),
             Self::File(path) => import::load(path),
+            Self::Given(name, bytes) => {
+                import::read(name, bytes, None).map_err(|why| ImportError { path: PathBuf::from(name), why })
+            }
         }
     }
 }
@@ -84,6 +101,9 @@ mod tests {
             assert!(said.starts_with(&format!("{}: cannot be read", bad.display())), "{said}");
         }
         std::fs::write(&file, "no scene").unwrap();
+        let given = SceneName::Given("dropped".to_owned(), b"no scene".as_slice().into());
+        let said = given.check().unwrap_err().to_string();
+        assert!(said.starts_with("dropped: is not a valid"), "{said}");
         let said = SceneName::File(file.clone()).check().unwrap_err().to_string();
         assert!(said.starts_with(&format!("{}: is not a valid", file.display())), "{said}");
         std::fs::remove_dir_all(&folder).unwrap();

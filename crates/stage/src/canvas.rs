@@ -1,6 +1,7 @@
 //! Pictures and item buffers of one size, drawn without a window.
 
 use crate::gpu::{COLOUR, DEPTH, Gpu, GpuError, ITEMS};
+use crate::reading::Reading;
 
 /// Textures to draw into.
 pub struct Canvas {
@@ -76,7 +77,19 @@ impl Canvas {
     /// # Errors
     /// As [`Gpu::read`].
     pub fn read_items(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        let bytes = gpu.read(&self.items)?;
-        Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+        Ok(items_of(&gpu.read(&self.items)?).collect())
     }
+
+    /// Begins to read the item buffer as it was drawn; [`items_of`] what is read.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_later`].
+    pub fn read_items_later(&self, gpu: &Gpu) -> Result<Reading, GpuError> {
+        gpu.read_later(&self.items)
+    }
+}
+
+/// The numbers in the bytes of an item buffer.
+pub fn items_of(bytes: &[u8]) -> impl Iterator<Item = u32> {
+    bytes.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b))
 }

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use glam::Vec3;
+use winit::event::{Touch, TouchPhase};
 use winit::keyboard::KeyCode;
 
 /// Radians for each pixel that the mouse moves.
@@ -11,6 +12,59 @@ const TURN: f32 = 0.004;
 const FAST: f32 = 5.0;
 /// The steepest that it looks up or down, in radians.
 const STEEP: f32 = 1.5;
+
+/// How far two fingers must move apart or together before the camera flies, as a factor of their
+/// distance.
+const PINCH: f64 = 1.15;
+
+/// The fingers on the screen: one turns the camera; two that move apart fly forward until they are
+/// lifted, and two that come together fly backward.
+#[derive(Debug, Default)]
+pub(crate) struct Fingers {
+    /// Their numbers and places, at most two.
+    down: Vec<(u64, f64, f64)>,
+    /// The distance at which two of them began.
+    apart: f64,
+}
+
+impl Fingers {
+    /// Follows a finger. If it is the only one, by how many pixels it has moved to the right and
+    /// down. One that a panel takes counts for nothing.
+    pub(crate) fn follow(&mut self, touch: &Touch, taken: bool) -> Option<(f32, f32)> {
+        let (x, y) = (touch.location.x, touch.location.y);
+        let known = self.down.iter().position(|(id, ..)| *id == touch.id);
+        match (touch.phase, known) {
+            (TouchPhase::Started, None) if !taken && self.down.len() < 2 => {
+                self.down.push((touch.id, x, y));
+                self.apart = self.distance().unwrap_or(0.0);
+                None
+            }
+            (TouchPhase::Moved, Some(i)) => {
+                let (_, before_x, before_y) = std::mem::replace(&mut self.down[i], (touch.id, x, y));
+                (self.down.len() == 1).then_some(((x - before_x) as f32, (y - before_y) as f32))
+            }
+            (TouchPhase::Ended | TouchPhase::Cancelled, Some(i)) => {
+                self.down.remove(i);
+                None
+            }
+            _ => None,
+        }
+    }
+
+    fn distance(&self) -> Option<f64> {
+        let [(_, ax, ay), (_, bx, by)] = self.down[..] else { return None };
+        Some((ax - bx).hypot(ay - by))
+    }
+
+    /// 1 to fly forward, -1 to fly backward, or 0.
+    pub(crate) fn forward(&self) -> f32 {
+        match self.distance() {
+            Some(now) if now > self.apart * PINCH => 1.0,
+            Some(now) if now * PINCH < self.apart => -1.0,
+            _ => 0.0,
+        }
+    }
+}
 
 /// Where the camera is and looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +130,35 @@ mod tests {
         assert!(fly.forward().abs_diff_eq(Vec3::X, 1e-5));
         fly.turn(0.0, 1e9);
         assert!(fly.forward().y < -0.99 && fly.forward().is_normalized());
+    }
+
+    #[test]
+    fn one_finger_turns_and_two_fly() {
+        let touch = |id, phase, x: f64, y: f64| Touch {
+            device_id: winit::event::DeviceId::dummy(),
+            phase,
+            location: (x, y).into(),
+            force: None,
+            id,
+        };
+        let mut fingers = Fingers::default();
+        let mut follow = |id, phase, x, y| fingers.follow(&touch(id, phase, x, y), false);
+        assert_eq!(follow(1, TouchPhase::Started, 10.0, 10.0), None);
+        assert_eq!(follow(1, TouchPhase::Moved, 13.0, 8.0), Some((3.0, -2.0)));
+        assert_eq!(follow(2, TouchPhase::Started, 113.0, 8.0), None);
+        assert_eq!(follow(2, TouchPhase::Moved, 123.0, 8.0), None);
+        assert_eq!(fingers.forward(), 0.0);
+        fingers.follow(&touch(2, TouchPhase::Moved, 133.0, 8.0), false);
+        assert_eq!(fingers.forward(), 1.0);
+        fingers.follow(&touch(2, TouchPhase::Moved, 53.0, 8.0), false);
+        assert_eq!(fingers.forward(), -1.0);
+        fingers.follow(&touch(1, TouchPhase::Ended, 13.0, 8.0), false);
+        assert_eq!(fingers.forward(), 0.0);
+        assert_eq!(fingers.follow(&touch(2, TouchPhase::Moved, 54.0, 9.0), false), Some((1.0, 1.0)));
+        // A finger on a panel moves nothing.
+        let mut fingers = Fingers::default();
+        fingers.follow(&touch(1, TouchPhase::Started, 10.0, 10.0), true);
+        assert_eq!(fingers.follow(&touch(1, TouchPhase::Moved, 13.0, 8.0), false), None);
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! The graphics device, pictures drawn without a window, and reading them back.
 
-use std::fmt::Display;
-
 use wgpu::{TextureFormat, TextureUsages};
+
+use crate::reading::Reading;
+use crate::scope::{Trouble, refused};
 
 /// Format of pictures: 8 bits a channel, stored as drawn.
 pub const COLOUR: TextureFormat = TextureFormat::Rgba8Unorm;
@@ -17,11 +18,18 @@ const USEFUL: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SHADER_INT64)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
 
+/// Whether this is a page of a browser: there the device answers only after the program has
+/// returned.
+pub const IS_PAGE: bool = cfg!(target_arch = "wasm32");
+
+/// What is said where a page would have to wait.
+const NOT_YET: &str = "a page cannot wait for it";
+
 /// Why nothing can be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     /// The machine has no adapter that serves; with the words of the graphics library.
-    #[error("no graphics adapter: a Vulkan, Metal or Direct3D 12 driver is needed; a software one will do")]
+    #[error("no graphics adapter: {} is needed; a software one will do", if IS_PAGE { "WebGPU or WebGL 2" } else { "a Vulkan, Metal or Direct3D 12 driver" })]
     NoAdapter(String),
     /// The adapter gives no device.
     #[error("the graphics adapter gives no device: {0}")]
@@ -57,6 +65,8 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
+    /// What it told after the work that it was about.
+    pub(crate) trouble: Trouble,
 }
 
 impl Gpu {
@@ -78,22 +88,48 @@ impl Gpu {
         surface: Option<&wgpu::Surface<'_>>,
         software: bool,
     ) -> Result<Self, GpuError> {
-        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+        pollster::block_on(Self::request(instance, surface, software))
+    }
+
+    /// The same for a page, which must not wait.
+    ///
+    /// # Errors
+    /// As [`Self::on`].
+    pub async fn request(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+        software: bool,
+    ) -> Result<Self, GpuError> {
+        let wanted = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             force_fallback_adapter: software,
             compatible_surface: surface,
             ..Default::default()
-        }))
-        .map_err(|e| GpuError::NoAdapter(e.to_string()))?;
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        };
+        let adapter = instance.request_adapter(&wanted).await;
+        let adapter = adapter.map_err(|e| GpuError::NoAdapter(e.to_string()))?;
+        let wanted = wgpu::DeviceDescriptor {
             label: Some("stage"),
             required_features: adapter.features() & USEFUL,
             required_limits: adapter.limits(),
             ..Default::default()
-        }))
-        .map_err(|e| GpuError::NoDevice(e.to_string()))?;
-        let info = adapter.get_info();
-        Ok(Self { name: info.name, adapter, device, queue })
+        };
+        let made = adapter.request_device(&wanted).await;
+        let (device, queue) = made.map_err(|e| GpuError::NoDevice(e.to_string()))?;
+        let trouble = Trouble::of(&device);
+        Ok(Self { name: called(&adapter.get_info()), adapter, device, queue, trouble })
+    }
+
+    /// What the device has told since the last call about work that was done before: that it is
+    /// lost, for instance. Only a page must ask; elsewhere such trouble comes with the work.
+    pub fn trouble(&self) -> Option<String> {
+        self.trouble.take()
+    }
+
+    /// Whether it runs compute shaders. WebGL has none.
+    pub fn computes(&self) -> bool {
+        let able = self.adapter.get_downlevel_capabilities().flags;
+        able.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
     }
 
     /// The picture sizes that can be drawn.
@@ -151,11 +187,10 @@ impl Gpu {
     }
 
     /// Does what takes memory of the device; `None` if it has none left. Without this, a device
-    /// that is out of memory ends the program.
+    /// that is out of memory ends the program. In a page it is [`Self::trouble`] that tells.
     pub fn try_room<T>(&self, work: impl FnOnce() -> T) -> Option<T> {
-        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let done = work();
-        pollster::block_on(scope.pop()).is_none().then_some(done)
+        let (done, error) = refused(self, &[wgpu::ErrorFilter::OutOfMemory], work);
+        error.is_none().then_some(done)
     }
 
     /// A buffer for reading back.
@@ -168,20 +203,31 @@ impl Gpu {
         self.with_room([bytes, most], || self.device.create_buffer(&unmapped(bytes, usage)))
     }
 
-    /// Waits until all that was submitted is done.
+    /// Waits until all that was submitted is done. In a page nothing can be waited for: it goes on.
     ///
     /// # Errors
     /// The device is lost.
     pub fn wait(&self) -> Result<(), GpuError> {
-        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        let whether = if IS_PAGE { wgpu::PollType::Poll } else { wgpu::PollType::wait_indefinitely() };
+        let done = self.device.poll(whether);
         done.map(|_| ()).map_err(|e| GpuError::Read(e.to_string()))
     }
 
     /// The pixels of a texture of four bytes a pixel, row by row from the top.
     ///
     /// # Errors
-    /// The device is lost or out of memory.
+    /// The device is lost or out of memory, or this is a page.
     pub fn read(&self, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+        let reading = self.read_later(texture)?;
+        self.wait()?;
+        reading.take().unwrap_or_else(|| Err(GpuError::Read(NOT_YET.to_owned())))
+    }
+
+    /// Begins to read the pixels of a texture of four bytes a pixel.
+    ///
+    /// # Errors
+    /// The device is out of memory.
+    pub fn read_later(&self, texture: &wgpu::Texture) -> Result<Reading, GpuError> {
         let (width, height) = (texture.width(), texture.height());
         let row = width as usize * 4;
         let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
@@ -200,12 +246,7 @@ impl Gpu {
             texture.size(),
         );
         self.queue.submit([encoder.finish()]);
-        let mapped = self.mapped(&buffer)?;
-        let mut pixels = Vec::with_capacity(row * height as usize);
-        for line in mapped.chunks_exact(stride) {
-            pixels.extend_from_slice(&line[..row]);
-        }
-        Ok(pixels)
+        Ok(Reading::new(buffer, (row, stride)))
     }
 
     /// The bytes of a buffer that may be copied from.
@@ -217,21 +258,16 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
         self.queue.submit([encoder.finish()]);
-        Ok(self.mapped(&copy)?.to_vec())
-    }
-
-    /// A buffer's bytes, as soon as all that was submitted is done.
-    fn mapped(&self, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, GpuError> {
-        let (send, receive) = std::sync::mpsc::channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // Nobody listens if waiting failed.
-            let _ = send.send(result);
-        });
+        let reading = Reading::new(copy, (1, 1));
         self.wait()?;
-        let failed = |e: &dyn Display| GpuError::Read(e.to_string());
-        receive.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
-        buffer.get_mapped_range(..).map_err(|e| failed(&e))
+        reading.take().unwrap_or_else(|| Err(GpuError::Read(NOT_YET.to_owned())))
     }
+}
+
+/// The name of an adapter. Browsers do not tell all of them.
+fn called(info: &wgpu::AdapterInfo) -> String {
+    let name = if info.name.is_empty() { "an adapter without a name" } else { &info.name };
+    if IS_PAGE { format!("{name}, {}", info.backend) } else { name.to_owned() }
 }
 
 fn unmapped(size: u64, usage: wgpu::BufferUsages) -> wgpu::BufferDescriptor<'static> {

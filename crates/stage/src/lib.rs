@@ -15,12 +15,15 @@
 //!
 //! - `gpu`: the graphics device, and reading textures back.
 //! - `canvas`: pictures and item buffers without a window.
+//! - `reading`: what comes back from the device later.
 //! - `kernel`: compute passes and what they are bound to.
 //! - `timing`: the time of each stage of a frame.
 //!
 //! With the feature `window`:
 //!
 //! - `window`: a window and its loop.
+//! - `page`: a program in the canvas of a page; on WebAssembly only.
+//! - `dial`: settings by their names.
 //! - `fly`: a camera that is flown with keys and mouse.
 //! - `panel`: text and images over a picture.
 #![deny(missing_docs)]
@@ -33,17 +36,25 @@ pub mod canvas;
 pub mod command_line;
 pub mod compare;
 #[cfg(feature = "window")]
+pub mod dial;
+#[cfg(feature = "window")]
 pub mod fly;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod image;
 #[cfg(feature = "gpu")]
 pub mod kernel;
+#[cfg(all(feature = "window", target_arch = "wasm32"))]
+pub mod page;
 #[cfg(feature = "window")]
 pub mod panel;
 pub mod path_error;
 #[cfg(feature = "charts")]
 pub mod pictures;
+#[cfg(feature = "gpu")]
+pub mod reading;
+#[cfg(feature = "gpu")]
+mod scope;
 #[cfg(feature = "window")]
 mod screen;
 #[cfg(feature = "gpu")]

@@ -1,8 +1,9 @@
 //! Text, images, sliders and buttons over a picture.
 
-use egui::{Align2, Color32, ColorImage, TextureHandle, TextureOptions};
+use egui::{Align2, Color32, ColorImage, ComboBox, Slider, SliderClamping, TextureHandle, TextureOptions};
 
 use crate::canvas::Target;
+use crate::dial::{Dial, Setting};
 use crate::gpu::Gpu;
 use crate::screen::Screen;
 
@@ -162,6 +163,73 @@ impl Entry {
             ui.label(&self.text);
         });
     }
+}
+
+/// A dial that was turned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turned {
+    /// Its name.
+    pub name: String,
+    /// What it was turned to.
+    pub value: f64,
+    /// Whether it is still held: for changes that take long, one waits until it is let go.
+    pub is_held: bool,
+}
+
+/// The greatest over the least number of a slider from which on it is logarithmic.
+const LOGARITHMIC: f64 = 64.0;
+/// Choices among more than this are a list to open.
+const SIDE_BY_SIDE: usize = 5;
+
+/// Shows dials, and returns the one that was turned. For [`Panel::control`].
+pub fn turned(ui: &mut egui::Ui, dials: &[Dial]) -> Option<Turned> {
+    let mut found = None;
+    for Dial { name, setting } in dials {
+        let mut turn =
+            |value: f64, is_held: bool| found = Some(Turned { name: name.clone(), value, is_held });
+        match setting {
+            Setting::Number { value, range, step } => {
+                let mut value = *value;
+                let far = *range.start() > 0.0 && range.end() / range.start() >= LOGARITHMIC;
+                // A number of the command line beyond the range stays until the slider is dragged.
+                let slider = Slider::new(&mut value, range.clone()).clamping(SliderClamping::Edits);
+                let slider = if *step > 0.0 { slider.step_by(*step) } else { slider };
+                let answer = ui.add(slider.logarithmic(far).text(name));
+                if answer.changed() || answer.drag_stopped() {
+                    turn(value, answer.dragged());
+                }
+            }
+            Setting::Switch(on) => {
+                let mut on = *on;
+                if ui.checkbox(&mut on, name).changed() {
+                    turn(f64::from(u8::from(on)), false);
+                }
+            }
+            Setting::Choice { names, chosen } => {
+                let mut now = *chosen;
+                let mut row = |ui: &mut egui::Ui| {
+                    for (place, text) in names.iter().enumerate() {
+                        ui.selectable_value(&mut now, place, text);
+                    }
+                };
+                if names.len() > SIDE_BY_SIDE {
+                    let text = names.get(*chosen).map_or("", |name| name);
+                    ComboBox::from_label(name).selected_text(text).show_ui(ui, row);
+                } else {
+                    ui.horizontal(|ui| row(ui));
+                }
+                if now != *chosen {
+                    turn(now as f64, false);
+                }
+            }
+            Setting::Button => {
+                if ui.button(name).clicked() {
+                    turn(1.0, false);
+                }
+            }
+        }
+    }
+    found
 }
 
 /// A dark box at a corner or side of the picture, `offset` points away from it.

@@ -4,21 +4,28 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 use std::error::Error;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use wgpu::CurrentSurfaceTexture;
 use winit::dpi::PhysicalSize;
-use winit::event_loop::ActiveEventLoop;
+use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::keyboard::KeyCode;
-use winit::window::Window;
+use winit::window::{Window, WindowAttributes};
 
 use crate::canvas::Target;
-use crate::gpu::{DEPTH, Gpu};
+use crate::fly::{Fingers, way};
+use crate::gpu::{DEPTH, Gpu, IS_PAGE};
+use crate::timing::Instant;
+use crate::window::Event;
 
 /// What is said where there is no window to be had.
 pub(crate) const NO_WINDOW: &str = "no window can be opened (no display?): try --headless";
 /// What is said where the adapter has no way to the window.
-const NO_SURFACE: &str = "the graphics adapter cannot draw to a window: try --headless";
+const NO_SURFACE: &str = if IS_PAGE {
+    "this browser cannot draw: neither WebGPU nor WebGL 2 can be had"
+} else {
+    "the graphics adapter cannot draw to a window: try --headless"
+};
 
 /// Nothing, or why the program ends.
 pub type Done = Result<(), Box<dyn Error>>;
@@ -34,6 +41,24 @@ pub struct WindowOptions {
     pub frames: Option<u32>,
 }
 
+/// The window to open, and where.
+#[derive(Debug, Clone)]
+pub(crate) struct Wanted {
+    pub(crate) attributes: WindowAttributes,
+    pub(crate) software: bool,
+    pub(crate) frames: Option<u32>,
+    /// Ways to draw that are tried.
+    pub(crate) backends: wgpu::Backends,
+}
+
+impl Wanted {
+    pub(crate) fn of(options: &WindowOptions) -> Self {
+        let WindowOptions { size: (width, height), software, frames } = *options;
+        let attributes = Window::default_attributes().with_inner_size(PhysicalSize::new(width, height));
+        Self { attributes, software, frames, backends: wgpu::Backends::all() }
+    }
+}
+
 /// The window as a program sees it.
 pub struct Screen {
     /// The device.
@@ -45,6 +70,7 @@ pub struct Screen {
     config: wgpu::SurfaceConfiguration,
     depth: wgpu::Texture,
     pub(crate) looking: bool,
+    pub(crate) fingers: Fingers,
     pub(crate) last: Instant,
     /// Frames still to be drawn, if they are counted.
     pub(crate) left: Option<u32>,
@@ -93,14 +119,23 @@ impl Screen {
         self.events.borrow_mut().handle_platform_output(&self.window, wishes);
     }
 
-    /// Opens a window.
-    pub(crate) fn new(options: &WindowOptions, event_loop: &ActiveEventLoop) -> Result<Self, Box<dyn Error>> {
-        let size = PhysicalSize::new(options.size.0, options.size.1);
-        let attributes = Window::default_attributes().with_inner_size(size);
-        let window = Arc::new(event_loop.create_window(attributes).map_err(|_| NO_WINDOW)?);
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    /// The way that keys and fingers ask for: right, up and forward. W and S, A and D, E and Q;
+    /// longer with Shift.
+    pub fn way(&self) -> Vec3 {
+        way(&self.keys) + Vec3::Z * self.fingers.forward()
+    }
+
+    /// Whether a page says what the program shows: then it draws no panels.
+    pub fn is_told(&self) -> bool {
+        IS_PAGE
+    }
+
+    async fn new(wanted: Wanted, window: Arc<Window>) -> Result<Self, Box<dyn Error>> {
+        let mut described = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        described.backends &= wanted.backends;
+        let instance = wgpu::util::new_instance_with_webgpu_detection(described).await;
         let surface = instance.create_surface(window.clone()).map_err(|_| NO_SURFACE)?;
-        let gpu = Gpu::on(&instance, Some(&surface), options.software)?;
+        let gpu = Gpu::request(&instance, Some(&surface), wanted.software).await?;
         let (width, height) = gpu.clamp(window.inner_size().into());
         let mut config = surface.get_default_config(&gpu.adapter, width, height).ok_or(NO_SURFACE)?;
         // Colours are written as they are, without another encoding.
@@ -110,8 +145,8 @@ impl Screen {
         let depth = gpu.texture((width, height), DEPTH);
         let (keys, last) = (HashSet::new(), Instant::now());
         let (panels, events) = panels_of(&window, &gpu);
-        let (looking, left) = (false, options.frames);
-        Ok(Self { gpu, keys, window, surface, config, depth, looking, last, left, panels, events })
+        let (looking, fingers, left) = (false, Fingers::default(), wanted.frames);
+        Ok(Self { gpu, keys, window, surface, config, depth, looking, fingers, last, left, panels, events })
     }
 
     /// Takes over another size.
@@ -142,12 +177,28 @@ impl Screen {
         self.gpu.queue.present(texture);
         // Where no panel asks for them, events would pile up.
         drop(self.input());
-        // Nothing waits for the screen where it is not drawn to.
+        // Nothing waits for the screen where it is not drawn to. A page is not asked for frames then.
+        #[cfg(not(target_arch = "wasm32"))]
         if self.window.is_minimized() == Some(true) {
-            std::thread::sleep(Duration::from_millis(50));
+            std::thread::sleep(std::time::Duration::from_millis(50));
         }
         Ok(())
     }
+}
+
+/// Opens a window. Its screen comes as an event: in a page only after this has returned.
+pub(crate) fn open(wanted: &Wanted, event_loop: &ActiveEventLoop, hands: EventLoopProxy<Event>) -> Done {
+    let window = event_loop.create_window(wanted.attributes.clone()).map_err(|_| NO_WINDOW)?;
+    let screen = Screen::new(wanted.clone(), Arc::new(window));
+    let opened = async move {
+        // After the end of the loop nobody waits for it.
+        let _ = hands.send_event(Event::Opened(screen.await.map(Box::new)));
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    pollster::block_on(opened);
+    #[cfg(target_arch = "wasm32")]
+    wasm_bindgen_futures::spawn_local(opened);
+    Ok(())
 }
 
 /// The context of panels in a window, and what gives it mouse and keys.

@@ -1,11 +1,15 @@
 //! The time of each stage: by timestamps of a graphics processor that has them, else by waiting for
 //! the queue.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use wgpu::{BufferUsages, CommandEncoder, ErrorFilter, Features};
 
 use crate::gpu::{Gpu, GpuError};
+use crate::scope::refused;
+
+/// The clock, in pages, too.
+pub use web_time::Instant;
 
 /// Submits stages, and measures them if it is asked to.
 pub struct Clock {
@@ -78,12 +82,8 @@ impl Clock {
 /// Does what the device may refuse. Without scopes, a device that is out of memory ends the
 /// program.
 fn checked(gpu: &Gpu, stage: &'static str, work: impl FnOnce()) -> Result<(), GpuError> {
-    let memory = gpu.device.push_error_scope(ErrorFilter::OutOfMemory);
-    let valid = gpu.device.push_error_scope(ErrorFilter::Validation);
-    work();
-    // The inner scope ends first.
-    let failed = [pollster::block_on(valid.pop()), pollster::block_on(memory.pop())];
-    match failed.into_iter().flatten().next() {
+    let ((), failed) = refused(gpu, &[ErrorFilter::OutOfMemory, ErrorFilter::Validation], work);
+    match failed {
         Some(why) => Err(GpuError::Refused { stage, why: why.to_string() }),
         None => Ok(()),
     }

@@ -1,22 +1,26 @@
 //! A window and its loop.
 
 use std::error::Error;
-use std::time::Instant;
 
 use winit::application::ApplicationHandler;
 use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
 use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
 use crate::canvas::Target;
+use crate::dial::Report;
+use crate::gpu::Gpu;
 use crate::panel::Panel;
-use crate::screen::NO_WINDOW;
+use crate::screen::{self, NO_WINDOW, Wanted};
 pub use crate::screen::{Done, Screen, WindowOptions};
+use crate::timing::Instant;
 
 /// Frames that show words before a program starts: the first may be lost before the window is on
 /// the screen.
 const WORDS: u32 = 2;
+/// A page is told of every so many frames: to write its text anew takes time.
+const TOLD: u32 = 8;
 
 /// A program that draws to a window.
 pub trait Demo {
@@ -27,7 +31,7 @@ pub trait Demo {
     /// The program ends.
     fn press(&mut self, key: KeyCode, screen: &Screen) -> Done;
 
-    /// The mouse moves with its right button down, by pixels to the right and down.
+    /// The mouse moves with a button down, or a finger, by pixels to the right and down.
     fn turn(&mut self, x: f32, y: f32, screen: &Screen);
 
     /// The window has another size.
@@ -41,6 +45,15 @@ pub trait Demo {
     /// # Errors
     /// The program ends.
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done;
+
+    /// What it says about itself, and what can be set. A page shows this in place of the panels.
+    fn report(&self, screen: &Screen) -> Report;
+
+    /// Sets a dial of [`Demo::report`] to a number that [`crate::dial::Dial::nearest`] gives.
+    ///
+    /// # Errors
+    /// The program ends.
+    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done;
 
     /// Another program to go on with in this window; asked for after each frame.
     fn next(&mut self) -> Option<Start> {
@@ -70,36 +83,91 @@ impl Start {
     }
 }
 
+/// What reaches a program from outside of its window: from the buttons of a page.
+pub enum Order {
+    /// A key goes down and up.
+    Press(KeyCode),
+    /// A key is held, or let go.
+    Hold(KeyCode, bool),
+    /// All keys are let go.
+    LetGo,
+    /// It turns by pixels to the right and down.
+    Turn(f32, f32),
+    /// A dial is set.
+    Set(String, f64),
+    /// Another program takes its place.
+    Start(Start),
+}
+
+/// What a page is told.
+pub enum Told<'a> {
+    /// The device that draws is there.
+    Opened(&'a Gpu),
+    /// The title of the program that starts.
+    Title(&'a str),
+    /// What it shows, once every few frames.
+    Report(&'a Report),
+    /// Why it cannot go on, or another one cannot start.
+    Failed(&'a str),
+}
+
+/// Takes what a page is told.
+pub type Listener = Box<dyn FnMut(Told<'_>)>;
+
+/// What wakes the loop beside the window.
+pub(crate) enum Event {
+    /// The window is there, or why it is not.
+    Opened(Result<Box<Screen>, Box<dyn Error>>),
+    /// Something is to be done.
+    Order(Order),
+}
+
+/// Gives orders to a program. They are done at its next turn; after its end they are lost.
+#[derive(Clone)]
+pub struct Hands(pub(crate) EventLoopProxy<Event>);
+
+impl Hands {
+    /// Gives an order.
+    pub fn order(&self, order: Order) {
+        // After the end of the loop nobody is there.
+        let _ = self.0.send_event(Event::Order(order));
+    }
+}
+
 /// Opens a window, starts a program in it and stays until it is closed.
 ///
 /// # Errors
 /// There is no display or no adapter, and those of the program.
 pub fn open(options: &WindowOptions, start: Start) -> Done {
-    let event_loop = EventLoop::new().map_err(|_| NO_WINDOW)?;
-    let mut program = Program { options, start: Some(start), running: None, failed: None };
+    let event_loop = EventLoop::with_user_event().build().map_err(|_| NO_WINDOW)?;
+    let mut program = Program::new(Wanted::of(options), start, event_loop.create_proxy());
     event_loop.run_app(&mut program).map_err(|_| "the window system has ended the program")?;
     program.failed.map_or(Ok(()), Err)
 }
 
-struct Program<'a> {
-    options: &'a WindowOptions,
+pub(crate) struct Program {
+    wanted: Wanted,
     start: Option<Start>,
+    hands: EventLoopProxy<Event>,
     running: Option<(Screen, Shown)>,
+    pub(crate) listener: Option<Listener>,
+    /// Frames until the listener is told again.
+    untold: u32,
     failed: Option<Box<dyn Error>>,
 }
 
 /// What a window shows.
 enum Shown {
-    /// Words, for so many frames; then a program is started.
-    Words(Start, Box<Panel>, u32),
+    /// Words, for so many frames; then a program is started. If it cannot be, the one before goes on.
+    Words(Start, Box<Panel>, u32, Option<Box<dyn Demo>>),
     /// A program. For a moment there is none.
     Demo(Option<Box<dyn Demo>>),
 }
 
 impl Shown {
-    fn words(screen: &Screen, start: Start) -> Self {
+    fn words(screen: &Screen, start: Start, before: Option<Box<dyn Demo>>) -> Self {
         screen.set_title(&start.title);
-        Self::Words(start, Box::new(Panel::new(&screen.gpu, screen.format())), WORDS)
+        Self::Words(start, Box::new(Panel::new(&screen.gpu, screen.format())), WORDS, before)
     }
 
     fn demo(&mut self) -> Option<&mut dyn Demo> {
@@ -112,7 +180,7 @@ impl Shown {
     /// Draws a frame, and goes on to what comes next.
     fn redraw(&mut self, screen: &mut Screen) -> Done {
         match self {
-            Self::Words(_, panel, left) if *left > 0 => {
+            Self::Words(_, panel, left, _) if *left > 0 => {
                 *left -= 1;
                 screen.show(&mut |screen, target| {
                     panel.say(&screen.gpu, target, screen.scale(), "compiling shaders");
@@ -120,8 +188,14 @@ impl Shown {
                 })
             }
             Self::Words(..) => {
-                if let Self::Words(start, ..) = std::mem::replace(self, Self::Demo(None)) {
-                    *self = Self::Demo(Some((start.make)(screen)?));
+                if let Self::Words(start, _, _, before) = std::mem::replace(self, Self::Demo(None)) {
+                    match (start.make)(screen) {
+                        Ok(demo) => *self = Self::Demo(Some(demo)),
+                        Err(why) => {
+                            *self = Self::Demo(before);
+                            return Err(why);
+                        }
+                    }
                 }
                 screen.last = Instant::now();
                 Ok(())
@@ -134,7 +208,7 @@ impl Shown {
                 screen.left = screen.left.map(|left| left.saturating_sub(1));
                 if let Some(start) = demo.next() {
                     screen.forget_panels();
-                    *self = Self::words(screen, start);
+                    *self = Self::words(screen, start, None);
                 }
                 Ok(())
             }
@@ -142,24 +216,106 @@ impl Shown {
     }
 }
 
-impl Program<'_> {
+impl Program {
+    pub(crate) fn new(wanted: Wanted, start: Start, hands: EventLoopProxy<Event>) -> Self {
+        let start = Some(start);
+        Self { wanted, start, hands, running: None, listener: None, untold: 0, failed: None }
+    }
+
+    /// Ends a program that failed. A page says why, and goes on if it can.
     fn end_if_failed(&mut self, event_loop: &ActiveEventLoop, result: Done) {
-        if let Err(error) = result {
-            self.failed = Some(error);
+        let Err(error) = result else { return };
+        if let Some(listener) = &mut self.listener {
+            return listener(Told::Failed(&error.to_string()));
+        }
+        self.failed = Some(error);
+        event_loop.exit();
+    }
+
+    /// Tells the listener what is shown.
+    fn tell(&mut self) {
+        let (Some(listener), Some((screen, shown))) = (&mut self.listener, &mut self.running) else { return };
+        match shown {
+            Shown::Words(start, ..) => listener(Told::Title(&start.title)),
+            Shown::Demo(Some(demo)) if self.untold == 0 => {
+                self.untold = TOLD;
+                listener(Told::Report(&demo.report(screen)));
+            }
+            Shown::Demo(_) => self.untold = self.untold.saturating_sub(1),
+        }
+    }
+
+    /// Does what was ordered.
+    fn obey(&mut self, order: Order) -> Done {
+        let Some((screen, shown)) = &mut self.running else { return Ok(()) };
+        self.untold = 0;
+        match (order, shown.demo()) {
+            (Order::LetGo, _) => screen.keys.clear(),
+            (Order::Hold(key, false), _) => drop(screen.keys.remove(&key)),
+            (Order::Hold(key, true), Some(demo)) => {
+                if screen.keys.insert(key) {
+                    demo.press(key, screen)?;
+                }
+            }
+            (Order::Press(key), Some(demo)) => demo.press(key, screen)?,
+            (Order::Turn(x, y), Some(demo)) => demo.turn(x, y, screen),
+            (Order::Set(name, value), Some(demo)) => {
+                let dials = demo.report(screen).dials;
+                let dial = dials.iter().find(|dial| dial.name == name);
+                if let Some(value) = dial.and_then(|dial| dial.nearest(value)) {
+                    demo.set(&name, value, screen)?;
+                }
+            }
+            (Order::Start(start), _) => {
+                screen.forget_panels();
+                screen.keys.clear();
+                let before = match std::mem::replace(shown, Shown::Demo(None)) {
+                    Shown::Words(_, _, _, demo) | Shown::Demo(demo) => demo,
+                };
+                *shown = Shown::words(screen, start, before);
+            }
+            (_, None) => {}
+        }
+        Ok(())
+    }
+
+    /// Draws a frame.
+    fn redraw(&mut self, event_loop: &ActiveEventLoop) -> Done {
+        let Some((screen, shown)) = &mut self.running else { return Ok(()) };
+        shown.redraw(screen)?;
+        if screen.left == Some(0) {
             event_loop.exit();
         }
+        screen.gpu.trouble().map_or(Ok(()), |why| Err(why.into()))
     }
 }
 
-impl ApplicationHandler for Program<'_> {
+impl ApplicationHandler<Event> for Program {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         // It is called again when a suspended program goes on.
-        let Some(start) = self.start.take() else { return };
-        let started = Screen::new(self.options, event_loop).map(|screen| {
-            let shown = Shown::words(&screen, start);
-            self.running = Some((screen, shown));
-        });
-        self.end_if_failed(event_loop, started);
+        if self.start.is_none() || self.running.is_some() {
+            return;
+        }
+        let opened = screen::open(&self.wanted, event_loop, self.hands.clone());
+        self.end_if_failed(event_loop, opened);
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, event: Event) {
+        let done = match event {
+            Event::Opened(Ok(screen)) => {
+                if let Some(listener) = &mut self.listener {
+                    listener(Told::Opened(&screen.gpu));
+                }
+                if let Some(start) = self.start.take() {
+                    let shown = Shown::words(&screen, start, None);
+                    self.running = Some((*screen, shown));
+                }
+                Ok(())
+            }
+            Event::Opened(Err(why)) => Err(why),
+            Event::Order(order) => self.obey(order),
+        };
+        self.end_if_failed(event_loop, done);
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
@@ -181,12 +337,18 @@ impl ApplicationHandler for Program<'_> {
                 screen.keys.clear();
                 Ok(())
             }
-            WindowEvent::MouseInput { state, button: MouseButton::Right, .. } => {
+            WindowEvent::MouseInput { state, button: MouseButton::Left | MouseButton::Right, .. } => {
                 screen.looking = state == ElementState::Pressed && !taken;
                 Ok(())
             }
+            WindowEvent::Touch(touch) => {
+                if let (Some((x, y)), Some(demo)) = (screen.fingers.follow(&touch, taken), shown.demo()) {
+                    demo.turn(x, y, screen);
+                }
+                Ok(())
+            }
             WindowEvent::KeyboardInput { event, .. } => match (event.physical_key, shown.demo()) {
-                (PhysicalKey::Code(KeyCode::Escape), _) => {
+                (PhysicalKey::Code(KeyCode::Escape), _) if self.listener.is_none() => {
                     event_loop.exit();
                     Ok(())
                 }
@@ -195,15 +357,14 @@ impl ApplicationHandler for Program<'_> {
                     Ok(())
                 }
                 (PhysicalKey::Code(key), Some(demo)) if !taken && screen.keys.insert(key) => {
+                    self.untold = 0;
                     demo.press(key, screen)
                 }
                 _ => Ok(()),
             },
             WindowEvent::RedrawRequested => {
-                let drawn = shown.redraw(screen);
-                if screen.left == Some(0) {
-                    event_loop.exit();
-                }
+                let drawn = self.redraw(event_loop);
+                self.tell();
                 drawn
             }
             _ => Ok(()),

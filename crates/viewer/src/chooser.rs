@@ -1,12 +1,13 @@
 //! The window that a start without arguments opens: a list to choose from.
 
 use casca_stage::canvas::Target;
+use casca_stage::dial::Report;
 use casca_stage::egui::{self, Align2, Button, RichText};
 use casca_stage::panel::{Panel, controls};
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 
-use crate::common::Failed;
+use crate::systems::System;
 
 /// Keys of the systems.
 const KEYS: [KeyCode; 9] = [
@@ -23,35 +24,24 @@ const KEYS: [KeyCode; 9] = [
 /// Points across a button.
 const WIDE: f32 = 560.0;
 
-/// A system that can be chosen.
-#[derive(Clone, Copy)]
-pub struct Choice {
-    /// Its name, as on the command line.
-    pub name: &'static str,
-    /// What it shows, in a line.
-    pub line: &'static str,
-    /// What its window shows if nothing more is said.
-    pub start: fn() -> Result<Start, Failed>,
-}
-
 /// A window with a list of systems; it goes on with the one that is chosen.
-pub fn start(choices: &'static [Choice]) -> Start {
+pub fn start(choices: &'static [System]) -> Start {
     Start::new("casca", move |screen: &Screen| {
         Ok(Chooser { choices, panel: Panel::on(screen), chosen: None })
     })
 }
 
 struct Chooser {
-    choices: &'static [Choice],
+    choices: &'static [System],
     panel: Panel,
-    chosen: Option<Choice>,
+    chosen: Option<System>,
 }
 
 /// Starts what was chosen. Reading and making it takes a moment, so it happens after the words of
 /// the window.
-fn started(choice: Choice) -> Start {
+fn started(choice: System) -> Start {
     let make = move |screen: &Screen| {
-        let start = (choice.start)()?;
+        let start = choice.start()?;
         screen.set_title(&start.title);
         (start.make)(screen)
     };
@@ -91,28 +81,25 @@ impl Demo for Chooser {
         Ok(())
     }
 
+    // A page has a list of its own.
+    fn report(&self, _: &Screen) -> Report {
+        Report::default()
+    }
+
+    fn set(&mut self, _: &str, _: f64, _: &Screen) -> Done {
+        Ok(())
+    }
+
     fn next(&mut self) -> Option<Start> {
         self.chosen.take().map(started)
     }
 }
 
 /// A button with the name of a system and what it shows; whether it was pressed.
-fn row(ui: &mut egui::Ui, number: u32, choice: &Choice) -> bool {
+fn row(ui: &mut egui::Ui, number: u32, choice: &System) -> bool {
     let name = RichText::new(format!("{number}   {}", choice.name)).size(18.0);
     let pressed = ui.add(Button::new(name).min_size(egui::vec2(WIDE, 34.0))).clicked();
     ui.label(choice.line);
     ui.add_space(6.0);
     pressed
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_of_what_is_chosen_come_with_its_start() {
-        let choice = Choice { name: "nothing", line: "", start: || Err("there is nothing".into()) };
-        assert_eq!(started(choice).title, "casca: nothing");
-        assert_eq!((choice.start)().err().unwrap().to_string(), "there is nothing");
-    }
 }

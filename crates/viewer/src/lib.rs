@@ -2,11 +2,13 @@
 //!
 //! - [`scene`]: draws exactly the objects that casca finds visible, and proves pixel by pixel that
 //!   none is missing.
+//! - [`plane`]: what an eye sees on a map.
 //! - [`points`]: the points of a cloud that an eye can see.
 //! - [`light`]: light that bounces, by voxels.
 //! - [`lines`]: dense sets of lines, and their occlusion.
 //! - [`fur`]: fur in layers, and what visibility saves on it.
 //! - [`chooser`]: the list of them, in a window.
+//! - [`systems`]: their names, and the windows that they open.
 //! - [`common`]: the options that all share.
 //!
 //! How casca is wired into a render loop is in [`scene::frame_loop`]. The library part is there for
@@ -19,5 +21,7 @@ pub mod common;
 pub mod fur;
 pub mod light;
 pub mod lines;
+pub mod plane;
 pub mod points;
 pub mod scene;
+pub mod systems;

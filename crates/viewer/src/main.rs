@@ -1,4 +1,4 @@
-//! One program for casca and the systems around it: scenes, points, light, lines and fur, in
+//! One program for casca and the systems around it: scenes, the plane, points, light, lines and fur, in
 //! windows or pictures.
 //!
 //! `cargo run --release -p casca-viewer` opens a window with a list to choose from; `-- --help`
@@ -7,39 +7,11 @@
 use std::process::ExitCode;
 
 use casca_stage::command_line::{EXIT_CODES, Outcome, finish};
-use casca_viewer::chooser::{self, Choice};
-use casca_viewer::common::{Drawing, Failed, parsed};
-use casca_viewer::{fur, light, lines, points, scene};
+use casca_viewer::chooser;
+use casca_viewer::common::{Drawing, Failed};
+use casca_viewer::systems::SYSTEMS;
+use casca_viewer::{fur, light, lines, plane, points, scene};
 use clap::{Parser, Subcommand};
-
-/// What can be chosen, in the order of the keys.
-const CHOICES: [Choice; 5] = [
-    Choice {
-        name: "scene",
-        line: "a city from above: what a camera in the streets sees, and what casca culls",
-        start: || parsed::<scene::Options>(&[])?.start(),
-    },
-    Choice {
-        name: "points",
-        line: "the scan of a house: which of its points can be seen from here",
-        start: || parsed::<points::Options>(&[])?.start(),
-    },
-    Choice {
-        name: "light",
-        line: "the Cornell box: light that bounces between its walls",
-        start: || parsed::<light::Options>(&["--balls", "3"])?.start(),
-    },
-    Choice {
-        name: "lines",
-        line: "thousands of lines: the ones behind are darkened",
-        start: || parsed::<lines::Options>(&[])?.start(),
-    },
-    Choice {
-        name: "fur",
-        line: "a furry animal: strands in layers",
-        start: || parsed::<fur::Options>(&[])?.start(),
-    },
-];
 
 #[derive(Debug, Parser)]
 #[command(
@@ -60,6 +32,7 @@ struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum Command {
     Scene(Box<scene::Options>),
+    Plane(Box<plane::Options>),
     Points(Box<points::Options>),
     Light(Box<light::Options>),
     Lines(Box<lines::Options>),
@@ -69,11 +42,12 @@ enum Command {
 fn run(line: &CommandLine) -> Result<Outcome, Failed> {
     match &line.command {
         Some(Command::Scene(options)) => options.run(),
+        Some(Command::Plane(options)) => options.run(),
         Some(Command::Points(options)) => options.run(),
         Some(Command::Light(options)) => options.run(),
         Some(Command::Lines(options)) => options.run(),
         Some(Command::Fur(options)) => options.run(),
-        None => line.drawing.open(chooser::start(&CHOICES)).map(|()| Outcome::Well),
+        None => line.drawing.open(chooser::start(&SYSTEMS)).map(|()| Outcome::Well),
     }
 }
 
@@ -92,7 +66,7 @@ mod tests {
         let command = CommandLine::command();
         command.clone().debug_assert();
         let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
-        assert_eq!(names, CHOICES.map(|choice| choice.name));
+        assert_eq!(names, SYSTEMS.map(|system| system.name));
         for system in command.get_subcommands() {
             for option in ["file", "headless", "size", "out", "frames", "software"] {
                 assert!(

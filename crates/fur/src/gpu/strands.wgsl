@@ -70,7 +70,7 @@ fn strand_at(look: Look, base: vec3f, normal: vec3f, height: f32, long: f32) -> 
     let first = floor(place - 0.5);
     var best = Strand(false, 0u, 1.0, 0.0);
     for (var corner = 0u; corner < 8u; corner++) {
-        let cell = first + vec3f(f32(corner & 1u), f32(corner >> 1u & 1u), f32(corner >> 2u));
+        let cell = first + vec3f(f32(corner & 1u), f32((corner >> 1u) & 1u), f32(corner >> 2u));
         let number = bitcast<vec3u>(vec3i(cell));
         for (var k = 0u; k < look.per_cell; k++) {
             let word = hash(vec4u(number, look.seed * 4u + k));

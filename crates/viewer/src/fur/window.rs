@@ -7,10 +7,11 @@ use casca_fur::gpu::records::{DrawList, Sun};
 use casca_fur::gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
-use casca_stage::egui::{self, Align2, Slider, SliderClamping};
-use casca_stage::fly::{Fly, way};
+use casca_stage::dial::{Dial, Report};
+use casca_stage::egui::{self, Align2};
+use casca_stage::fly::Fly;
 use casca_stage::gpu::{DEPTH, Gpu};
-use casca_stage::panel::{Panel, controls};
+use casca_stage::panel::{Panel, controls, turned};
 use casca_stage::wgpu::{self, util::TextureBlitter};
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
@@ -23,7 +24,19 @@ use crate::fur::one;
 /// Units or radii that the camera flies in a second.
 const SPEED: f32 = 1.5;
 
-const HELP: &str = "W A S D, E Q: fly   right button: look\nP: walk   H: panel   Esc: close";
+const HELP: &str = "W A S D, E Q: fly   mouse button: look\nP: walk   H: panel   Esc: close";
+/// Names of dials.
+const LAYERS: &str = "layers";
+const HEIGHT: &str = "height";
+const DENSITY: &str = "density";
+const THICKNESS: &str = "thickness";
+const BEND: &str = "bend";
+const PLAIN: &str = "plain shells, as in the thesis";
+const CUBE: &str = "cube map, as in the thesis";
+const SMOOTH: &str = "smooth: twice the size";
+const WALKING: &str = "walk (P)";
+const CULLED: &str = "culled by";
+const BUDGET: &str = "budget";
 
 /// The window.
 pub fn start(choices: Choices, subject: Subject) -> Start {
@@ -173,55 +186,74 @@ impl Viewer {
         Ok(())
     }
 
+    fn line(&self) -> String {
+        let (animals, shells) = self.counts;
+        format!("{:.1} ms   {animals} objects, {shells} shells", self.milliseconds)
+    }
+
     fn show_panel(&mut self, screen: &Screen, target: &Target) -> Done {
-        let old = self.choices.clone();
-        let Self { panel, choices, way, smooth, .. } = self;
-        let line =
-            format!("{:.1} ms   {} objects, {} shells", self.milliseconds, self.counts.0, self.counts.1);
-        let (mut fur_changed, mut layers_changed) = (false, false);
-        let many = matches!(self.shown, Shown::Many(_));
-        panel.control(screen, target, &mut |context: &egui::Context| {
+        let (line, dials) = (self.line(), self.dials());
+        let mut changed = None;
+        self.panel.control(screen, target, &mut |context: &egui::Context| {
             controls(context, "fur", Align2::LEFT_TOP, [12.0, 12.0], &mut |ui| {
                 ui.label(&line);
-                layers_changed |=
-                    ui.add(bound(Slider::new(&mut choices.layers, 0..=96)).text("layers")).changed();
-                let mut slide = |ui: &mut egui::Ui, value: &mut f32, range, text| {
-                    // A field is made anew, when the slider is let go.
-                    let answer = ui.add(bound(Slider::new(value, range)).text(text));
-                    fur_changed |= if many { answer.drag_stopped() } else { answer.changed() };
-                };
-                slide(ui, &mut choices.height, 0.0..=0.3, "height");
-                slide(ui, &mut choices.density, 0.02..=1.0, "density");
-                slide(ui, &mut choices.thickness, 0.004..=0.05, "thickness");
-                slide(ui, &mut choices.bend, 0.0..=2.0, "bend");
-                let mut plain = choices.plain;
-                let mut cube = choices.mapping == Map::Cube;
-                fur_changed |= ui.checkbox(&mut plain, "plain shells, as in the thesis").changed();
-                fur_changed |= ui.checkbox(&mut cube, "cube map, as in the thesis").changed();
-                choices.plain = plain;
-                choices.mapping = if cube { Map::Cube } else { Map::Cells };
-                ui.checkbox(smooth, "smooth: twice the size");
-                if many {
-                    ui.horizontal(|ui| {
-                        for each in Way::EVERY {
-                            ui.selectable_value(way, each, each.name());
-                        }
-                    });
-                    ui.add(bound(Slider::new(&mut choices.budget, 0.05..=1.0)).text("budget"));
-                }
+                changed = turned(ui, &dials);
                 ui.label(HELP);
             });
         });
-        if layers_changed {
-            self.sun = None;
+        match changed {
+            Some(dial) => self.turn_dial(&dial.name, dial.value, dial.is_held, &screen.gpu),
+            None => Ok(()),
         }
-        if fur_changed { self.change(&screen.gpu, old) } else { Ok(()) }
     }
-}
 
-/// Values of the command line may lie outside of a slider's range: they stay until it is moved.
-fn bound(slider: Slider<'_>) -> Slider<'_> {
-    slider.clamping(SliderClamping::Edits)
+    fn dials(&self) -> Vec<Dial> {
+        let choices = &self.choices;
+        let mut dials = vec![
+            Dial::number(LAYERS, choices.layers, 0.0..=96.0, 1.0),
+            Dial::number(HEIGHT, choices.height, 0.0..=0.3, 0.0),
+            Dial::number(DENSITY, choices.density, 0.02..=1.0, 0.0),
+            Dial::number(THICKNESS, choices.thickness, 0.004..=0.05, 0.0),
+            Dial::number(BEND, choices.bend, 0.0..=2.0, 0.0),
+            Dial::switch(PLAIN, choices.plain),
+            Dial::switch(CUBE, choices.mapping == Map::Cube),
+            Dial::switch(SMOOTH, self.smooth),
+        ];
+        if matches!(self.shown, Shown::Many(_)) {
+            dials.push(Dial::switch(WALKING, self.walking));
+            let way = Way::EVERY.iter().position(|way| *way == self.way);
+            dials.push(Dial::choice(CULLED, Way::EVERY.map(Way::name), way.unwrap_or(0)));
+            dials.push(Dial::number(BUDGET, choices.budget, 0.05..=1.0, 0.0));
+        }
+        dials
+    }
+
+    /// Sets a dial. A field is made anew, when the dial is let go.
+    fn turn_dial(&mut self, dial: &str, value: f64, is_held: bool, gpu: &Gpu) -> Done {
+        let old = self.choices.clone();
+        let (on, choices) = (value != 0.0, &mut self.choices);
+        match dial {
+            LAYERS => {
+                choices.layers = value as u32;
+                self.sun = None;
+                return Ok(());
+            }
+            SMOOTH => self.smooth = on,
+            WALKING => self.walking = on,
+            CULLED => self.way = Way::EVERY.get(value as usize).copied().unwrap_or(self.way),
+            BUDGET => choices.budget = value as f32,
+            HEIGHT => choices.height = value as f32,
+            DENSITY => choices.density = value as f32,
+            THICKNESS => choices.thickness = value as f32,
+            BEND => choices.bend = value as f32,
+            PLAIN => choices.plain = on,
+            CUBE => choices.mapping = if on { Map::Cube } else { Map::Cells },
+            _ => {}
+        }
+        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN, CUBE].contains(&dial);
+        let waits = is_held && matches!(self.shown, Shown::Many(_));
+        if is_fur && !waits { self.change(gpu, old) } else { Ok(()) }
+    }
 }
 
 impl Demo for Viewer {
@@ -243,7 +275,7 @@ impl Demo for Viewer {
     }
 
     fn step(&mut self, seconds: f64, screen: &Screen) {
-        self.fly.go(way(&screen.keys) * (SPEED * self.radius() * seconds.min(0.1) as f32));
+        self.fly.go(screen.way() * (SPEED * self.radius() * seconds.min(0.1) as f32));
         self.milliseconds = 0.9 * self.milliseconds + 0.1 * seconds * 1e3;
         if self.walking {
             self.time += seconds.min(0.1);
@@ -271,7 +303,15 @@ impl Demo for Viewer {
         } else {
             self.picture(gpu, target, &camera)?;
         }
-        if self.help { self.show_panel(screen, target) } else { Ok(()) }
+        if self.help && !screen.is_told() { self.show_panel(screen, target) } else { Ok(()) }
+    }
+
+    fn report(&self, _: &Screen) -> Report {
+        Report { lines: vec![self.line()], legend: Vec::new(), dials: self.dials() }
+    }
+
+    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
+        self.turn_dial(dial, value, false, &screen.gpu)
     }
 }
 

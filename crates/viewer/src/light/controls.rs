@@ -4,6 +4,7 @@ use casca_light::cones::ConeCount;
 use casca_light::picture::Layer;
 use casca_light::renderer::Settings;
 use casca_scenes::lit::{Light, LightKind};
+use casca_stage::dial::Dial;
 use casca_stage::egui::{
     CollapsingHeader, ComboBox, DragValue, Grid, Response, ScrollArea, Slider, SliderClamping, Ui,
 };
@@ -93,21 +94,21 @@ impl Controls {
     pub fn show(&mut self, ui: &mut Ui, length: f32) {
         self.resolution(ui);
         let settings = &mut self.settings;
-        slider(ui, &mut settings.step, STEPS, "cone step, texels");
-        slider(ui, &mut self.aperture, APERTURES, "aperture, degrees")
+        slider(ui, &mut settings.step, STEPS, STEP);
+        slider(ui, &mut self.aperture, APERTURES, APERTURE)
             .on_hover_text("Half the angle of the narrowest reflection.");
-        slider(ui, &mut settings.reach, REACHES, "reach of cones, share of the grid");
-        slider(ui, &mut self.exposure, EXPOSURES, "exposure");
+        slider(ui, &mut settings.reach, REACHES, REACH);
+        slider(ui, &mut self.exposure, EXPOSURES, EXPOSURE);
         ui.horizontal(|ui| {
             ui.radio_value(&mut settings.cones, ConeCount::Six, "6 cones");
             ui.radio_value(&mut settings.cones, ConeCount::Sixteen, "16 cones");
-            ui.checkbox(&mut settings.bounce, "second bounce");
+            ui.checkbox(&mut settings.bounce, BOUNCE);
         });
         ui.horizontal(|ui| {
-            ui.checkbox(&mut self.cull, "update only what can be read");
-            ui.checkbox(&mut self.moving, "balls move");
+            ui.checkbox(&mut self.cull, CULL);
+            ui.checkbox(&mut self.moving, MOVING);
         });
-        ComboBox::from_label("layer").selected_text(self.layer.name()).show_ui(ui, |ui| {
+        ComboBox::from_label(LAYER).selected_text(self.layer.name()).show_ui(ui, |ui| {
             for layer in Layer::EVERY {
                 ui.selectable_value(&mut self.layer, layer, layer.name());
             }
@@ -134,11 +135,84 @@ impl Controls {
 
     /// The slider of the resolution.
     fn resolution(&mut self, ui: &mut Ui) -> Response {
-        let slider = Slider::new(&mut self.resolution, RESOLUTIONS).step_by(CELLS).text("cells");
+        let slider = Slider::new(&mut self.resolution, RESOLUTIONS).step_by(CELLS).text(CELLS_NAME);
         let response = ui.add(slider.clamping(SliderClamping::Edits));
         self.held = response.dragged();
         response
     }
+}
+
+/// Names of dials, as the panel has them.
+const CELLS_NAME: &str = "cells";
+const STEP: &str = "cone step, texels";
+const APERTURE: &str = "aperture, degrees";
+const REACH: &str = "reach of cones, share of the grid";
+const EXPOSURE: &str = "exposure";
+const CONES: &str = "cones";
+const BOUNCE: &str = "second bounce";
+const CULL: &str = "update only what can be read";
+const MOVING: &str = "balls move";
+const LAYER: &str = "layer";
+
+/// For pages: the same by names, but for the places of lights.
+impl Controls {
+    /// What can be set.
+    pub fn dials(&self) -> Vec<Dial> {
+        let wide = |range: std::ops::RangeInclusive<f32>| f64::from(*range.start())..=f64::from(*range.end());
+        let cells = f64::from(*RESOLUTIONS.start())..=f64::from(*RESOLUTIONS.end());
+        let layer = Layer::EVERY.iter().position(|layer| *layer == self.layer);
+        let mut dials = vec![
+            Dial::choice(LAYER, Layer::EVERY.map(Layer::name), layer.unwrap_or(0)),
+            Dial::number(CELLS_NAME, self.resolution, cells, CELLS),
+            Dial::number(STEP, self.settings.step, wide(STEPS), 0.0),
+            Dial::number(APERTURE, self.aperture, wide(APERTURES), 0.0),
+            Dial::number(REACH, self.settings.reach, wide(REACHES), 0.0),
+            Dial::number(EXPOSURE, self.exposure, wide(EXPOSURES), 0.0),
+            Dial::choice(CONES, ["6", "16"], usize::from(self.settings.cones == ConeCount::Sixteen)),
+            Dial::switch(BOUNCE, self.settings.bounce),
+            Dial::switch(CULL, self.cull),
+            Dial::switch(MOVING, self.moving),
+        ];
+        for (number, lamp) in self.lamps.iter().enumerate() {
+            let [on, strength] = names(number, lamp);
+            dials.push(Dial::switch(&on, lamp.on));
+            dials.push(Dial::number(&strength, lamp.strength, 0.0..=f64::from(STRONGEST), 0.0));
+        }
+        dials
+    }
+
+    /// Sets one of them.
+    pub fn set(&mut self, dial: &str, value: f64) {
+        let on = value != 0.0;
+        match dial {
+            LAYER => self.layer = Layer::EVERY.get(value as usize).copied().unwrap_or(self.layer),
+            CELLS_NAME => self.resolution = value as u32,
+            STEP => self.settings.step = value as f32,
+            APERTURE => self.aperture = value as f32,
+            REACH => self.settings.reach = value as f32,
+            EXPOSURE => self.exposure = value as f32,
+            CONES => self.settings.cones = if on { ConeCount::Sixteen } else { ConeCount::Six },
+            BOUNCE => self.settings.bounce = on,
+            CULL => self.cull = on,
+            MOVING => self.moving = on,
+            name => {
+                for (number, lamp) in self.lamps.iter_mut().enumerate() {
+                    let [switch, strength] = names(number, lamp);
+                    match name {
+                        _ if name == switch => lamp.on = on,
+                        _ if name == strength => lamp.strength = value as f32,
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The names of a lamp's dials: whether it shines, and how strong.
+fn names(number: usize, lamp: &Lamp) -> [String; 2] {
+    let name = format!("light {}: {}", number + 1, kind(&lamp.light));
+    [name.clone(), format!("{name}, strength")]
 }
 
 /// A slider for a number. A value from outside of its range stays until it is moved.
@@ -197,6 +271,7 @@ mod tests {
     use super::*;
     use crate::common::parsed;
     use casca_scenes::lit::Kind;
+    use casca_stage::dial::Setting;
     use casca_stage::egui::{Context, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
 
     fn controls(words: &[&str]) -> Controls {
@@ -245,6 +320,29 @@ mod tests {
         }
         assert_eq!(before, controls);
         assert!((controls.settings().aperture - 30_f32.to_radians().tan()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn dials_have_names_of_their_own_and_set_what_they_show() {
+        let mut controls = controls(&[]);
+        let dials = controls.dials();
+        for (i, dial) in dials.iter().enumerate() {
+            assert!(dials[..i].iter().all(|other| other.name != dial.name), "{dial:?}");
+            // Another value than it has.
+            let value = match &dial.setting {
+                Setting::Number { value, range, .. } if value == range.end() => *range.start(),
+                Setting::Number { range, .. } => *range.end(),
+                Setting::Switch(on) => f64::from(u8::from(!on)),
+                Setting::Choice { chosen, names } => ((chosen + 1) % names.len()) as f64,
+                Setting::Button => continue,
+            };
+            let before = controls.clone();
+            controls.set(&dial.name, value);
+            assert_ne!(before, controls, "{dial:?}");
+            let now = controls.dials();
+            let changed = |(a, b): (&Dial, &Dial)| a.setting != b.setting;
+            assert_eq!(now.iter().zip(&before.dials()).filter(|&pair| changed(pair)).count(), 1, "{dial:?}");
+        }
     }
 
     #[test]

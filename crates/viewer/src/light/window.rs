@@ -1,17 +1,17 @@
 //! The window: a camera to fly with, and sliders for lights, layers and settings.
 
 use std::error::Error;
-use std::time::Instant;
 
 use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::renderer::{Renderer, Settings};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
+use casca_stage::dial::Report;
 use casca_stage::egui::{Align2, RichText};
-use casca_stage::fly::{Fly, way};
+use casca_stage::fly::Fly;
 use casca_stage::panel::{Panel, boxed, controls};
-use casca_stage::timing::Clock;
+use casca_stage::timing::{Clock, Instant};
 use casca_stage::window::{self, Demo, Done, Screen};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
@@ -33,8 +33,7 @@ const LAYERS: [KeyCode; 7] = [
     KeyCode::Digit6,
     KeyCode::Digit7,
 ];
-const HELP: &str =
-    "W A S D Q E and right mouse button: fly    1-7: layers    Space: balls    H: hides all this";
+const HELP: &str = "W A S D Q E and a mouse button: fly    1-7: layers    Space: balls    H: hides all this";
 
 /// The window.
 pub fn start(start: Start, options: &Options) -> window::Start {
@@ -55,6 +54,8 @@ struct Viewer {
     /// Why the last change of a setting was not made, such as a resolution that the adapter cannot
     /// hold.
     trouble: String,
+    /// What the last frame had to say.
+    said: Vec<String>,
 }
 
 impl Viewer {
@@ -70,6 +71,7 @@ impl Viewer {
             seconds: 0.0,
             hidden: false,
             trouble: String::new(),
+            said: Vec::new(),
             start,
         })
     }
@@ -163,7 +165,7 @@ impl Demo for Viewer {
     fn step(&mut self, seconds: f64, screen: &Screen) {
         let seconds = seconds.min(0.1) as f32;
         let (min, max) = self.start.bounds;
-        let way = way(&screen.keys) * (SPEED * (max - min).length() * seconds);
+        let way = screen.way() * (SPEED * (max - min).length() * seconds);
         if way != Vec3::ZERO {
             self.fly.go(way);
         }
@@ -193,7 +195,22 @@ impl Demo for Viewer {
         let numbers =
             [format!("{milliseconds:.0} ms a frame on {}", gpu.name), told(&self.renderer, &updated)];
         let before = self.controls.clone();
-        self.show(screen, target, &numbers);
+        if !screen.is_told() {
+            self.show(screen, target, &numbers);
+        }
+        self.said = numbers.into();
+        self.apply(screen, &before)
+    }
+
+    fn report(&self, _: &Screen) -> Report {
+        let mut lines = self.said.clone();
+        lines.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
+        Report { lines, legend: Vec::new(), dials: self.controls.dials() }
+    }
+
+    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
+        let before = self.controls.clone();
+        self.controls.set(dial, value);
         self.apply(screen, &before)
     }
 }

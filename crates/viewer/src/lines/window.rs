@@ -1,18 +1,15 @@
 //! The window: a camera to fly with, sliders and a motion.
 
-use std::ops::RangeInclusive;
-use std::time::Instant;
-
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::occlusion::{AoOptions, Estimator};
 use casca_stage::canvas::Target;
-use casca_stage::egui::emath::Numeric;
-use casca_stage::egui::{Align2, Slider, SliderClamping};
-use casca_stage::fly::{Fly, way};
-use casca_stage::panel::{Panel, controls};
-use casca_stage::timing::Clock;
+use casca_stage::dial::{Dial, Report};
+use casca_stage::egui::Align2;
+use casca_stage::fly::Fly;
+use casca_stage::panel::{Panel, controls, turned};
+use casca_stage::timing::{Clock, Instant};
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
@@ -48,6 +45,43 @@ struct Dials {
     look: Look,
 }
 
+/// Names of dials.
+const LOOK: &str = "look";
+const RADIUS: &str = "radius, of the extent";
+const SAMPLES: &str = "samples";
+const FACTOR: &str = "factor";
+const TUBE: &str = "tube radius in pixels";
+const MOVING: &str = "moving (Space)";
+const CULL: &str = "culling (C)";
+
+impl Dials {
+    fn listed(&self) -> Vec<Dial> {
+        let look = LOOKS.iter().position(|(look, ..)| *look == self.look);
+        vec![
+            Dial::choice(LOOK, LOOKS.map(|(_, name, _)| name), look.unwrap_or(0)),
+            Dial::number(RADIUS, self.radius, 0.01..=0.5, 0.0),
+            Dial::number(SAMPLES, self.samples, 8.0..=512.0, 1.0),
+            Dial::number(FACTOR, self.factor, 0.0..=4.0, 0.0),
+            Dial::number(TUBE, self.tube, 0.1..=4.0, 0.0),
+            Dial::switch(MOVING, self.moving),
+            Dial::switch(CULL, self.cull),
+        ]
+    }
+
+    fn set(&mut self, dial: &str, value: f64) {
+        match dial {
+            LOOK => self.look = LOOKS.get(value as usize).map_or(self.look, |(look, ..)| *look),
+            RADIUS => self.radius = value as f32,
+            SAMPLES => self.samples = value as u32,
+            FACTOR => self.factor = value as f32,
+            TUBE => self.tube = value as f32,
+            MOVING => self.moving = value != 0.0,
+            CULL => self.cull = value != 0.0,
+            _ => {}
+        }
+    }
+}
+
 struct Viewer {
     options: Options,
     source: Source,
@@ -63,6 +97,8 @@ struct Viewer {
     milliseconds: f64,
     /// The last trouble with a setting.
     trouble: String,
+    /// What it has to say.
+    said: Vec<String>,
 }
 
 impl Viewer {
@@ -91,6 +127,7 @@ impl Viewer {
             shown: seconds,
             milliseconds: 0.0,
             trouble: String::new(),
+            said: Vec::new(),
             options,
             source,
         })
@@ -127,39 +164,32 @@ impl Viewer {
     }
 
     fn show(&mut self, screen: &Screen, target: &Target, seen: &Seen) {
-        let bundles = self.lines.bundles().len();
-        let lines = [
+        self.said = vec![
             format!("{} on {}: {:.0} ms a frame", self.source.name, screen.gpu.name, self.milliseconds),
-            format!("{bundles} bundles: {} drawn, {} in columns", seen.drawn.len(), seen.read.len()),
-            self.trouble.clone(),
+            format!(
+                "{} bundles: {} drawn, {} in columns",
+                self.lines.bundles().len(),
+                seen.drawn.len(),
+                seen.read.len()
+            ),
         ];
-        let mut dials = self.dials;
+        self.said.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
+        if screen.is_told() {
+            return;
+        }
+        let (dials, said) = (self.dials.listed(), &self.said);
+        let mut changed = None;
         self.panel.control(screen, target, &mut |context| {
             controls(context, "dials", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
-                lines.iter().filter(|line| !line.is_empty()).for_each(|line| {
-                    ui.label(line);
-                });
-                ui.horizontal(|ui| {
-                    for (look, name, _) in LOOKS {
-                        ui.selectable_value(&mut dials.look, look, name);
-                    }
-                });
-                ui.add(slider(&mut dials.radius, 0.01..=0.5).text("radius, of the extent"));
-                ui.add(slider(&mut dials.samples, 8..=512).logarithmic(true).text("samples"));
-                ui.add(slider(&mut dials.factor, 0.0..=4.0).text("factor"));
-                ui.add(slider(&mut dials.tube, 0.1..=4.0).text("tube radius in pixels"));
-                ui.checkbox(&mut dials.moving, "moving (Space)");
-                ui.checkbox(&mut dials.cull, "culling (C)");
-                ui.label("W A S D Q E, right mouse button: fly");
+                said.iter().for_each(|line| drop(ui.label(line)));
+                changed = turned(ui, &dials);
+                ui.label("W A S D Q E, a mouse button: fly");
             });
         });
-        self.dials = dials;
+        if let Some(dial) = changed {
+            self.dials.set(&dial.name, dial.value);
+        }
     }
-}
-
-/// A slider that leaves a value of the command line beyond its range as it is, until it is dragged.
-fn slider<N: Numeric>(value: &mut N, range: RangeInclusive<N>) -> Slider<'_> {
-    Slider::new(value, range).clamping(SliderClamping::Edits)
 }
 
 impl Demo for Viewer {
@@ -184,7 +214,7 @@ impl Demo for Viewer {
 
     fn step(&mut self, seconds: f64, screen: &Screen) {
         let seconds = seconds.min(0.1);
-        let way = way(&screen.keys) * (SPEED * self.source.extent() * seconds as f32);
+        let way = screen.way() * (SPEED * self.source.extent() * seconds as f32);
         if way != Vec3::ZERO {
             self.fly.go(way);
         }
@@ -212,6 +242,15 @@ impl Demo for Viewer {
         screen.gpu.wait()?;
         self.milliseconds = start.elapsed().as_secs_f64() * 1e3;
         self.show(screen, target, &seen);
+        Ok(())
+    }
+
+    fn report(&self, _: &Screen) -> Report {
+        Report { lines: self.said.clone(), legend: Vec::new(), dials: self.dials.listed() }
+    }
+
+    fn set(&mut self, dial: &str, value: f64, _: &Screen) -> Done {
+        self.dials.set(dial, value);
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bitvec::vec::BitVec;
 use casca_points::cluster::{Clustering, Passes, visible_clusters};
@@ -12,6 +12,7 @@ use casca_points::splat::{self, Bias, Filter, Radius, SplatOptions};
 use casca_points::{Camera, MAX_SIDE, cluster, spacing};
 use casca_points::{PointCloud, files};
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Instant;
 use clap::{Args, ValueEnum};
 use glam::{DVec3, Quat, Vec3};
 

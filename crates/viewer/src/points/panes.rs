@@ -7,7 +7,7 @@ use casca_points::Camera;
 use casca_points::gpu::{Pane, Style, Surfel, SurfelRenderer, Surfels};
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Color32, FontId, Pos2, Rect};
-use casca_stage::gpu::Gpu;
+use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::{Color, TextureFormat};
 use clap::ValueEnum;
@@ -100,7 +100,8 @@ impl Panes {
         let mut lines = Vec::new();
         for &content in &self.contents {
             let found = match content.operator() {
-                Some(operator) => Some(looked.visible(operator, camera, Some(gpu))?),
+                // A page cannot wait for what a device finds.
+                Some(operator) => Some(looked.visible(operator, camera, Some(gpu).filter(|_| !IS_PAGE))?),
                 None => None,
             };
             let (visible, time) = found.unzip();

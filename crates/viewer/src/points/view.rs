@@ -4,7 +4,8 @@ use std::error::Error;
 
 use casca_stage::canvas::{Canvas, Target};
 use casca_stage::command_line::{make_folder, say};
-use casca_stage::fly::{Fly, way};
+use casca_stage::dial::{Dial, Report};
+use casca_stage::fly::Fly;
 use casca_stage::gpu::COLOUR;
 use casca_stage::image::write_png;
 use casca_stage::window::{Demo, Done, Screen, Start};
@@ -47,13 +48,18 @@ struct Viewer {
     fly: Fly,
     /// Whether the visible points are those of another eye.
     is_old: bool,
+    /// What was found last.
+    found: Vec<String>,
 }
+
+/// The name of the dial that finds the visible points anew.
+const FIND: &str = "find the visible points from here (Space)";
 
 impl Viewer {
     fn new(screen: &Screen, looked: Looked, panes: &[Content]) -> Result<Self, Box<dyn Error>> {
         let fly = Fly::new(looked.eye, looked.target - looked.eye);
         let panes = Panes::new(&screen.gpu, screen.format(), panes);
-        Ok(Self { looked, panes, fly, is_old: true })
+        Ok(Self { looked, panes, fly, is_old: true, found: Vec::new() })
     }
 }
 
@@ -70,7 +76,7 @@ impl Demo for Viewer {
     fn resize(&mut self, _: &Screen) {}
 
     fn step(&mut self, seconds: f64, screen: &Screen) {
-        let way = way(&screen.keys) * (SPEED * self.looked.length * seconds.min(0.1) as f32);
+        let way = screen.way() * (SPEED * self.looked.length * seconds.min(0.1) as f32);
         if way != Vec3::ZERO {
             self.fly.go(way);
         }
@@ -80,9 +86,18 @@ impl Demo for Viewer {
         let size = self.panes.size(screen.size());
         let camera = self.looked.camera(self.fly.eye, self.fly.eye + self.fly.forward(), size)?;
         if std::mem::take(&mut self.is_old) {
-            self.panes.find(&screen.gpu, &self.looked, &camera)?;
+            self.found = self.panes.find(&screen.gpu, &self.looked, &camera)?;
         }
         self.panes.draw(&screen.gpu, target, &camera, screen.scale());
+        Ok(())
+    }
+
+    fn report(&self, _: &Screen) -> Report {
+        Report { lines: self.found.clone(), legend: Vec::new(), dials: vec![Dial::button(FIND)] }
+    }
+
+    fn set(&mut self, dial: &str, _: f64, _: &Screen) -> Done {
+        self.is_old |= dial == FIND;
         Ok(())
     }
 }

@@ -1,11 +1,12 @@
 //! casca in a render loop. This is what an engine copies: tell the scene what moved, ask what can
 //! be seen, draw that, and give the answer back so that queries test no hidden moving objects.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use casca::{Query, Scene};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::world::{Camera, Object};
+use casca_stage::timing::Instant;
 use casca_stage::window::Done;
 
 /// One frame. `moved` are the objects with another shape than in the frame before, `camera` is what

@@ -42,6 +42,8 @@ pub struct Plan<'a> {
     pub animation: bool,
     /// Layers that are on.
     pub layers: &'a [Layer],
+    /// Whether they are without numbers.
+    pub bare: bool,
 }
 
 /// Draws the path of a scene into PNG files; returns how many visible objects were lost, over all
@@ -56,7 +58,8 @@ pub fn pictures(gpu: &Gpu, playback: &mut Playback, plan: &Plan<'_>) -> Result<u
     let last = playback.world.frames.saturating_sub(1);
     let (mut lost, mut strip) = (0, Vec::new());
     for picture in 0..plan.frames {
-        let at = last * (picture * 2 + 1) / (plan.frames * 2).max(1);
+        // No frame is before the one that the scene stands at.
+        let at = (last * (picture * 2 + 1) / (plan.frames * 2).max(1)).max(playback.ticks());
         let aspect = studio.canvas.aspect();
         while playback.ticks() < at {
             let camera = playback.path_camera(aspect);
@@ -168,6 +171,9 @@ impl<'a> Studio<'a> {
         let list = coloured(frame.geometry, frame.objects, &frame.visible);
         self.paint(&frame.camera, &list, marks);
         self.gpu.wait()?;
+        if self.plan.bare {
+            return Ok(());
+        }
         let numbers = Numbers {
             scene: scene.to_owned(),
             device: self.gpu.name.clone(),

@@ -42,6 +42,12 @@ pub struct Options {
     /// Layers over the pictures, comma-separated: hidden, volumes, cells, caps, buffers, frustum
     #[arg(long, value_delimiter = ',', value_parser = parse_layer)]
     pub layers: Vec<Layer>,
+    /// Shows this frame of the path only, standing still
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=100_000), conflicts_with_all = ["animation", "proof", "bench"])]
+    pub at: Option<u32>,
+    /// Pictures without numbers
+    #[arg(long, requires = "headless", conflicts_with = "birds_eye")]
+    pub bare: bool,
     /// Seed of procedural scenes
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

@@ -6,6 +6,7 @@ use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion
 use casca::{Method, Query, Scene};
 use casca_scenes::drive::view_of;
 use casca_scenes::world::{Camera, Object, Shape};
+use casca_stage::gpu::IS_PAGE;
 use casca_stage::pictures::palette::{self, rgba};
 use glam::{Affine3A, DVec3, DVec4, IVec2, IVec3, Vec3};
 
@@ -97,7 +98,12 @@ impl Caps {
         if self.running.is_none() && self.done.as_ref().is_none_or(|(at, _)| *at != viewer) {
             let mut opaque = scene.static_opacity().into_owned();
             scene.dynamic_opacity().iter().for_each(|cell| opaque.set(cell));
-            self.running = Some(thread::spawn(move || (viewer, occlusion_by_caps(&opaque, viewer).1)));
+            let trace = move || (viewer, occlusion_by_caps(&opaque, viewer).1);
+            // A page has no threads.
+            match IS_PAGE {
+                true => self.done = Some(trace()),
+                false => self.running = Some(thread::spawn(trace)),
+            }
         }
     }
 }

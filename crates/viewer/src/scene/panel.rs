@@ -5,7 +5,7 @@ use std::time::Duration;
 use casca::internals::OcclusionImage;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Align2, Color32, ColorImage, RichText, TextureHandle};
-use casca_stage::gpu::Gpu;
+use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::panel::{Entry, Panel, boxed};
 
 use crate::scene::overlays::{Layer, Overlays};
@@ -34,6 +34,56 @@ pub struct Numbers {
     /// From above: where the eye of the camera that is culled for is, in shares of the picture from
     /// its left upper corner.
     pub eye: Option<[f32; 2]>,
+}
+
+/// How much a line matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weight {
+    /// It names all others.
+    Title,
+    /// It is read first.
+    First,
+    /// It is one of many.
+    Plain,
+    /// All is well.
+    Good,
+    /// Something is wrong.
+    Bad,
+    /// The picture is not as one expects.
+    Notice,
+}
+
+impl Numbers {
+    /// What there is to say, line by line.
+    pub fn lines(&self) -> Vec<(String, Weight)> {
+        let (shown, all) = self.visible;
+        let percent = 100.0 * shown as f64 / all.max(1) as f64;
+        let [query, draw] = [self.times.0, self.times.1].map(|t| t.as_secs_f64() * 1e3);
+        let mut lines = vec![
+            (format!("{} - {}", self.scene, self.method), Weight::Title),
+            (format!("drawn  {shown} of {all} objects ({percent:.1} %)"), Weight::First),
+        ];
+        if self.method != Method::All {
+            lines.push((format!("query  {query:.2} ms"), Weight::Plain));
+        }
+        // In a page nothing tells when a drawing ends: it is the time from frame to frame.
+        let drawing = if IS_PAGE { "frame" } else { "draw " };
+        lines.push((format!("{drawing}  {draw:.2} ms on {}", self.device), Weight::Plain));
+        match self.check {
+            Some((exact, lost)) => {
+                let ratio = shown as f64 / exact.max(1) as f64;
+                let text = format!("visible in pixels  {exact};  drawn / visible  {ratio:.2}");
+                lines.push((text, Weight::Plain));
+                let weight = if lost > 0 { Weight::Bad } else { Weight::Good };
+                lines.push((format!("visible objects lost  {lost}"), weight));
+            }
+            None => lines.push(("C compares every frame with an item buffer".to_owned(), Weight::Plain)),
+        }
+        if self.frozen {
+            lines.push(("the culling camera stands still".to_owned(), Weight::Notice));
+        }
+        lines
+    }
 }
 
 /// Draws the panel over a target, where a point is `scale` pixels wide, with the occlusion buffers
@@ -118,31 +168,23 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
     if let Some([x, y]) = numbers.eye {
         mark_eye(context, context.content_rect().size() * egui::vec2(x, y));
     }
+    insets_of(context, insets);
+    // A page says it in its own words.
+    if IS_PAGE {
+        return;
+    }
     boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-        let (shown, all) = numbers.visible;
-        let percent = 100.0 * shown as f64 / all.max(1) as f64;
-        ui.label(RichText::new(format!("{} - {}", numbers.scene, numbers.method)).strong().size(17.0));
-        ui.label(RichText::new(format!("drawn  {shown} of {all} objects ({percent:.1} %)")).size(15.0));
-        let [query, draw] = [numbers.times.0, numbers.times.1].map(|t| t.as_secs_f64() * 1e3);
-        if numbers.method != Method::All {
-            ui.label(format!("query  {query:.2} ms"));
-        }
-        ui.label(format!("draw   {draw:.2} ms on {}", numbers.device));
-        match numbers.check {
-            Some((exact, lost)) => {
-                let ratio = shown as f64 / exact.max(1) as f64;
-                ui.label(format!("visible in pixels  {exact};  drawn / visible  {ratio:.2}"));
-                let text = RichText::new(format!("visible objects lost  {lost}")).strong();
-                let bad = if lost > 0 { Color32::from_rgb(255, 90, 90) } else { Color32::LIGHT_GREEN };
-                ui.label(text.color(bad));
-            }
-            None => {
-                ui.label("C compares every frame with an item buffer");
-            }
-        }
-        if numbers.frozen {
-            ui.label(RichText::new("the culling camera stands still").color(Color32::YELLOW));
+        for (line, weight) in numbers.lines() {
+            let text = RichText::new(line);
+            ui.label(match weight {
+                Weight::Title => text.strong().size(17.0),
+                Weight::First => text.size(15.0),
+                Weight::Plain => text,
+                Weight::Good => text.strong().color(Color32::LIGHT_GREEN),
+                Weight::Bad => text.strong().color(Color32::from_rgb(255, 90, 90)),
+                Weight::Notice => text.color(Color32::YELLOW),
+            });
         }
         numbers.legend.iter().for_each(|entry| entry.add(ui));
         if overlays.is_on(Layer::Caps) && !overlays.are_caps_ready() {
@@ -152,14 +194,6 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
             ui.label("insets: occlusion buffers, dark is covered nearby, white is open");
         }
     });
-    if !insets.is_empty() {
-        boxed(context, "insets", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| {
-            for texture in insets {
-                let size = texture.size_vec2();
-                ui.image((texture.id(), size * (220.0 / size.max_elem())));
-            }
-        });
-    }
     if numbers.help {
         boxed(context, "help", Align2::CENTER_BOTTOM, [0.0, -10.0], &mut |ui| {
             ui.set_max_width(context.content_rect().width() - 40.0);
@@ -174,6 +208,18 @@ fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets:
                 "M method   C check   N next scene   {}   H help   Esc quit",
                 layers.join("   ")
             ));
+        });
+    }
+}
+
+/// The occlusion buffers.
+fn insets_of(context: &egui::Context, insets: &[TextureHandle]) {
+    if !insets.is_empty() {
+        boxed(context, "insets", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| {
+            for texture in insets {
+                let size = texture.size_vec2();
+                ui.image((texture.id(), size * (220.0 / size.max_elem())));
+            }
         });
     }
 }

@@ -9,6 +9,7 @@ use casca::{Query, Scene};
 use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_stage::gpu::IS_PAGE;
 use casca_stage::window::Done;
 use casca_truth::baselines::{Hzb, RayBuffer};
 
@@ -40,6 +41,12 @@ impl Method {
     /// All of them.
     pub const EVERY: [Self; 6] = [Self::All, Self::Frustum, Self::Point, Self::Cell, Self::Hzb, Self::Rays];
 
+    /// Those that this machine has. In a page there are no rays: the library that sorts what they
+    /// meet asks for the time, which the standard library does not have there.
+    pub fn offered() -> &'static [Self] {
+        if IS_PAGE { &Self::EVERY[..5] } else { &Self::EVERY }
+    }
+
     /// Whether it promises that nothing visible is lost.
     pub fn is_safe(self) -> bool {
         !matches!(self, Self::Hzb | Self::Rays)
@@ -56,7 +63,7 @@ impl Method {
 
     /// The next one.
     pub fn next(self) -> Self {
-        Self::EVERY[(self as usize + 1) % Self::EVERY.len()]
+        Self::offered()[(self as usize + 1) % Self::offered().len()]
     }
 }
 
@@ -96,7 +103,8 @@ pub struct Playback {
     cell: Query,
     frustum: Query,
     hzb: Hzb,
-    rays: RayBuffer,
+    /// Made when it is first asked for.
+    rays: Option<RayBuffer>,
 }
 
 /// What there is to draw in a frame.
@@ -133,7 +141,7 @@ impl Playback {
             cell: Query::with_method(casca::Method::cell())?,
             frustum: Query::with_method(casca::Method::Frustum)?,
             hzb: Hzb::new(HZB.0, HZB.1),
-            rays: RayBuffer::new(&world.objects, RAYS.0, RAYS.1),
+            rays: None,
             world,
         })
     }
@@ -154,6 +162,11 @@ impl Playback {
     /// The path's camera now.
     pub fn path_camera(&self, aspect: f32) -> Camera {
         self.world.camera(self.path_frame(self.ticks), aspect)
+    }
+
+    /// Sets the clock to a frame.
+    pub fn go_to(&mut self, tick: usize) {
+        self.ticks = tick;
     }
 
     /// Moves the clock on by a frame.
@@ -191,7 +204,10 @@ impl Playback {
                 let (mut visible, time) = match method {
                     Method::All => ((0..objects.len()).collect(), Duration::ZERO),
                     Method::Hzb => timed(|| hzb.frame(objects, &visible, camera)),
-                    Method::Rays => timed(|| rays.frame(objects, &visible, camera)),
+                    Method::Rays => {
+                        let rays = made(rays, objects);
+                        timed(|| rays.frame(objects, &visible, camera))
+                    }
                     Method::Frustum | Method::Point | Method::Cell => (visible, time),
                 };
                 visible.sort_unstable();
@@ -219,7 +235,7 @@ impl Playback {
                 Method::All => (0..objects.len()).collect(),
                 Method::Frustum => in_frustum.clone(),
                 Method::Hzb => self.hzb.frame(objects, &in_frustum, camera),
-                Method::Rays => self.rays.frame(objects, &in_frustum, camera),
+                Method::Rays => made(&mut self.rays, objects).frame(objects, &in_frustum, camera),
                 Method::Point => {
                     self.point.run(scene, &view);
                     found(&self.point)
@@ -234,6 +250,11 @@ impl Playback {
         });
         Ok(sets.collect())
     }
+}
+
+/// The buffer of rays for these objects.
+fn made<'a>(rays: &'a mut Option<RayBuffer>, objects: &[Object]) -> &'a mut RayBuffer {
+    rays.get_or_insert_with(|| RayBuffer::new(objects, RAYS.0, RAYS.1))
 }
 
 /// The objects of a result, ascending. They were inserted in order, and none was removed.

@@ -7,6 +7,7 @@ use casca_stage::window::Start;
 use crate::common::Failed;
 use crate::scene::options::Options;
 use crate::scene::playback::{Method, Playback};
+use crate::scene::window::First;
 use crate::scene::{bench, headless, proof, window};
 
 /// Pictures of a scene, if no other number is given.
@@ -20,8 +21,12 @@ impl Options {
     pub fn start(&self) -> Result<Start, Failed> {
         let scenes = self.scenes()?;
         scenes.iter().try_for_each(SceneName::check)?;
-        let from_above = self.common.file.is_none();
-        Ok(window::start(scenes, &self.made(), self.method, from_above))
+        let first = match (self.at, &self.common.file) {
+            (Some(frame), _) => First::Still(frame as usize),
+            (None, None) => First::Above,
+            (None, Some(_)) => First::Path,
+        };
+        Ok(window::start(scenes, &self.made(), self.method, first))
     }
 
     /// Opens a window, draws pictures or proves that they are right; whether all that was to be
@@ -50,6 +55,9 @@ impl Options {
         let frames = drawing.frames.unwrap_or(FRAMES) as usize;
         for scene in scenes.iter().filter(|_| self.common.headless || self.proof) {
             let mut playback = Playback::new(scene.open(&self.made())?)?;
+            if let Some(frame) = self.at {
+                playback.go_to(frame as usize);
+            }
             if self.proof {
                 let methods = [Method::Point, Method::Cell, Method::Hzb, Method::Rays];
                 let plan = (drawing.size, frames);
@@ -58,12 +66,13 @@ impl Options {
             } else {
                 let plan = headless::Plan {
                     method: self.method,
-                    frames,
+                    frames: if self.at.is_some() { 1 } else { frames },
                     out: &out,
                     size: drawing.size,
                     birds_eye: self.birds_eye,
                     animation: self.animation,
                     layers: &self.layers,
+                    bare: self.bare,
                 };
                 holds &= headless::pictures(&gpu, &mut playback, &plan)? == 0;
             }

@@ -1,23 +1,26 @@
 //! The window: a camera to fly with, and keys for everything else.
 
 use std::error::Error;
-use std::time::Instant;
+use std::time::Duration;
 
 use casca::internals::QueryInternals;
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use casca_scenes::name::SceneName;
-use casca_scenes::world::{Camera, FRAME_SECONDS};
+use casca_scenes::world::{Camera, FRAME_SECONDS, Object};
 use casca_stage::canvas::{Canvas, Target};
-use casca_stage::fly::{Fly, way};
-use casca_stage::gpu::Gpu;
-use casca_stage::panel::Panel;
+use casca_stage::dial::{Dial, Report};
+use casca_stage::fly::Fly;
+use casca_stage::gpu::{Gpu, GpuError, IS_PAGE};
+use casca_stage::panel::{Entry, Panel};
+use casca_stage::timing::Instant;
 use casca_stage::wgpu::TextureFormat;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
 use crate::scene::birds_eye::{FOV_Y, above_frustum, from_above, place_in};
-use crate::scene::draw::{Painter, coloured};
+use crate::scene::draw::{Begun, Check, Painter, coloured};
+use crate::scene::geometry::Geometry;
 use crate::scene::headless::haze;
 use crate::scene::legend;
 use crate::scene::overlays::{Layer, Overlays};
@@ -27,18 +30,41 @@ use crate::scene::renderer::{Output, Renderer};
 
 /// The share of a scene's length that the camera flies in a second.
 const SPEED: f32 = 0.06;
+/// Names of dials.
+const SCENE: &str = "scene";
+const METHOD: &str = "culled by";
+const ABOVE: &str = "look from above (B)";
+const FREEZE: &str = "freeze the culling camera (F)";
+const PAUSE: &str = "pause (Space)";
+const CHECK: &str = "compare every frame with an item buffer (C)";
+const PATH: &str = "back to the path (P)";
 /// Keys of the layers.
 const LAYER_KEYS: [KeyCode; 6] =
     [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
 
-/// The window. With `from_above` it starts above the first scene, with the culling camera frozen
-/// below.
-pub fn start(scenes: Vec<SceneName>, options: &SceneOptions, method: Method, from_above: bool) -> Start {
+/// What a window shows first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum First {
+    /// The path of the camera.
+    Path,
+    /// One frame of it, standing still.
+    Still(usize),
+    /// The scene from above, with the culling camera frozen below.
+    Above,
+}
+
+/// The window.
+pub fn start(scenes: Vec<SceneName>, options: &SceneOptions, method: Method, first: First) -> Start {
     let options = *options;
     Start::new("casca", move |screen| {
         let mut viewer = Viewer::new(screen, scenes, options, method)?;
-        if from_above {
-            viewer.look_from_above(screen.aspect());
+        match first {
+            First::Path => {}
+            First::Still(frame) => {
+                viewer.playback.go_to(frame);
+                viewer.paused = true;
+            }
+            First::Above => viewer.look_from_above(screen.aspect()),
         }
         Ok(viewer)
     })
@@ -61,8 +87,14 @@ struct Viewer {
     help: bool,
     /// Where item buffers are drawn, while every frame is checked by one.
     check: Option<Canvas>,
+    /// In a page: the check that is on its way, and the last one.
+    checking: (Option<Begun>, Option<Check>),
     /// Time that the scene is behind.
     behind: f64,
+    /// From frame to frame, in seconds, smoothed.
+    between: f64,
+    /// What the last frame had to say.
+    said: (Vec<String>, Vec<Entry>),
 }
 
 /// The camera that looks, and whether it is culled for.
@@ -95,7 +127,10 @@ impl Viewer {
             paused: false,
             help: true,
             check: None,
+            checking: (None, None),
             behind: 0.0,
+            between: FRAME_SECONDS,
+            said: (Vec::new(), Vec::new()),
         })
     }
 
@@ -146,11 +181,12 @@ impl Viewer {
         self.freeze(Some(frozen));
     }
 
-    /// Turns to the next scene.
-    fn next_scene(&mut self, screen: &Screen) -> Done {
-        self.scene = (self.scene + 1) % self.scenes.len().max(1);
-        let Some(scene) = self.scenes.get(self.scene) else { return Ok(()) };
-        self.playback = playback_of(scene, &self.options)?;
+    /// Turns to another scene.
+    fn turn_to(&mut self, scene: usize, screen: &Screen) -> Done {
+        let Some(name) = self.scenes.get(scene) else { return Ok(()) };
+        self.playback = playback_of(name, &self.options)?;
+        self.scene = scene;
+        self.checking = (None, None);
         self.renderer = renderer_of(&screen.gpu, screen.format(), &self.playback);
         (self.fly, self.before) = (None, None);
         self.freeze(None);
@@ -173,6 +209,7 @@ impl Demo for Viewer {
             KeyCode::KeyM => self.method = self.method.next(),
             KeyCode::KeyC => {
                 self.check = self.check.is_none().then(|| Canvas::new(&screen.gpu, screen.size()));
+                self.checking = (None, None);
             }
             KeyCode::KeyH => self.help ^= true,
             KeyCode::KeyP => {
@@ -183,7 +220,7 @@ impl Demo for Viewer {
                 self.fly = None;
             }
             KeyCode::Space => self.paused ^= true,
-            KeyCode::KeyN => return self.next_scene(screen),
+            KeyCode::KeyN => return self.turn_to((self.scene + 1) % self.scenes.len().max(1), screen),
             _ => {
                 if let Some(layer) = LAYER_KEYS.iter().position(|k| *k == key) {
                     self.overlays.toggle(Layer::EVERY[layer]);
@@ -202,7 +239,8 @@ impl Demo for Viewer {
     }
 
     fn step(&mut self, seconds: f64, screen: &Screen) {
-        let way = way(&screen.keys) * (SPEED * self.reach() * seconds.min(0.1) as f32);
+        self.between = 0.9 * self.between + 0.1 * seconds;
+        let way = screen.way() * (SPEED * self.reach() * seconds.min(0.1) as f32);
         if way != Vec3::ZERO {
             self.flying(screen.aspect()).go(way);
         }
@@ -222,13 +260,18 @@ impl Demo for Viewer {
         let (gpu, scale) = (&screen.gpu, screen.scale());
         // From above the colours have meanings: they must not fade.
         self.renderer.haze = if self.before.is_some() { 0.0 } else { haze(&self.playback) };
-        let Self { renderer, panel, overlays, check, method, .. } = self;
+        let Self { renderer, panel, overlays, check, checking, method, between, said, .. } = self;
         let (frozen, help, is_above) = (self.frozen.is_some(), self.help, self.before.is_some());
         self.playback.frame(*method, &culled_for, &mut |frame| {
             let objects = (frame.geometry, frame.objects);
             let found = match check {
                 Some(canvas) => {
-                    Some(Painter { gpu, canvas, renderer }.check(&culled_for, objects, &frame.visible)?)
+                    let mut painter = Painter { gpu, canvas, renderer };
+                    if IS_PAGE {
+                        checked_later(&mut painter, &culled_for, objects, &frame.visible, checking)?
+                    } else {
+                        Some(painter.check(&culled_for, objects, &frame.visible)?)
+                    }
                 }
                 None => None,
             };
@@ -250,7 +293,10 @@ impl Demo for Viewer {
                 method: *method,
                 frozen,
                 visible: (frame.visible.len(), frame.objects.len()),
-                times: (frame.time, start.elapsed()),
+                times: (
+                    frame.time,
+                    if IS_PAGE { Duration::from_secs_f64(*between) } else { start.elapsed() },
+                ),
                 check: found.as_ref().map(|found| (found.shown.len(), found.lost.len())),
                 legend,
                 help,
@@ -259,9 +305,67 @@ impl Demo for Viewer {
             let images =
                 if overlays.is_on(Layer::Buffers) { frame.query.occlusion_images() } else { Vec::new() };
             panel::draw(panel, (gpu, target, scale), &numbers, overlays, &images);
+            *said = (numbers.lines().into_iter().map(|(line, _)| line).collect(), numbers.legend);
             Ok(())
         })
     }
+
+    fn report(&self, _: &Screen) -> Report {
+        let scenes = self.scenes.iter().map(SceneName::to_string);
+        let mut dials = vec![
+            Dial::choice(SCENE, scenes, self.scene),
+            Dial::choice(METHOD, Method::offered().iter().map(Method::to_string), self.method as usize),
+            Dial::switch(ABOVE, self.before.is_some()),
+            Dial::switch(FREEZE, self.frozen.is_some()),
+            Dial::switch(PAUSE, self.paused),
+            Dial::switch(CHECK, self.check.is_some()),
+            Dial::button(PATH),
+        ];
+        dials.extend(Layer::EVERY.map(|layer| Dial::switch(layer.name(), self.overlays.is_on(layer))));
+        let (lines, legend) = self.said.clone();
+        Report { lines, legend, dials }
+    }
+
+    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
+        let (on, place) = (value != 0.0, value as usize);
+        match dial {
+            SCENE => return self.turn_to(place, screen),
+            METHOD => self.method = Method::offered().get(place).copied().unwrap_or(self.method),
+            ABOVE if on != self.before.is_some() => return self.press(KeyCode::KeyB, screen),
+            FREEZE if on != self.frozen.is_some() => return self.press(KeyCode::KeyF, screen),
+            CHECK if on != self.check.is_some() => return self.press(KeyCode::KeyC, screen),
+            PAUSE => self.paused = on,
+            PATH => return self.press(KeyCode::KeyP, screen),
+            name => {
+                let layer = Layer::EVERY.into_iter().find(|layer| layer.name() == name);
+                if let Some(layer) = layer.filter(|layer| on != self.overlays.is_on(*layer)) {
+                    self.overlays.toggle(layer);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Looks at the check that is on its way, begins another where there is none, and returns the last
+/// one that ended. For devices that must not be waited for.
+fn checked_later(
+    painter: &mut Painter<'_>,
+    camera: &Camera,
+    objects: (&Geometry, &[Object]),
+    visible: &[usize],
+    (begun, last): &mut (Option<Begun>, Option<Check>),
+) -> Result<Option<Check>, GpuError> {
+    match begun {
+        None => *begun = Some(painter.begin_check(camera, objects, visible)?),
+        Some(running) => {
+            if let Some(ended) = running.end() {
+                *begun = None;
+                *last = Some(ended?);
+            }
+        }
+    }
+    Ok(last.clone())
 }
 
 fn playback_of(scene: &SceneName, options: &SceneOptions) -> Result<Playback, Box<dyn Error>> {

@@ -1,0 +1,111 @@
+//! The window: the eye walks by keys, or follows the mouse.
+
+use casca_scenes::world::FRAME_SECONDS;
+use casca_stage::canvas::Target;
+use casca_stage::dial::{Dial, Report};
+use casca_stage::egui::Align2;
+use casca_stage::panel::{Panel, boxed};
+use casca_stage::window::{Demo, Done, Screen, Start};
+use casca_stage::winit::keyboard::KeyCode;
+use glam::Vec2;
+
+use crate::plane::draw::{Places, legend, picture, show};
+use crate::plane::level::Level;
+use crate::plane::options::Options;
+
+/// Tiles that the eye walks in a second.
+const SPEED: f32 = 5.0;
+/// Names of dials.
+const PAUSE: &str = "pause (Space)";
+const NEXT: &str = "another floor plan (N)";
+
+/// The window.
+pub fn start(options: Options, level: Level) -> Start {
+    Start::new(format!("{} - casca plane", level.name), |screen: &Screen| {
+        let panel = Panel::new(&screen.gpu, screen.format());
+        Ok(Viewer { options, level, panel, to: Vec2::ZERO, behind: 0.0, paused: false, seed: 0 })
+    })
+}
+
+struct Viewer {
+    options: Options,
+    level: Level,
+    panel: Panel,
+    /// How far the eye is to go in the next frame.
+    to: Vec2,
+    /// Time that the level is behind.
+    behind: f64,
+    paused: bool,
+    /// The seed of the last floor plan.
+    seed: u64,
+}
+
+impl Demo for Viewer {
+    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
+        match key {
+            KeyCode::Space => self.paused ^= true,
+            KeyCode::KeyN => {
+                self.seed += 1;
+                self.level = Options::floor_plan(self.seed, self.options.guards)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn turn(&mut self, x: f32, y: f32, screen: &Screen) {
+        let (width, height) = screen.size();
+        let size = Vec2::new(width as f32, height as f32);
+        let places = Places::new(&self.level, size);
+        self.to += places.tile(Vec2::new(x, y)) - places.tile(Vec2::ZERO);
+    }
+
+    fn resize(&mut self, _: &Screen) {}
+
+    fn step(&mut self, seconds: f64, screen: &Screen) {
+        let way = screen.way();
+        self.to += Vec2::new(way.x, -way.z) * (SPEED * seconds.min(0.1) as f32);
+        self.behind = (self.behind + seconds).min(2.0 * FRAME_SECONDS);
+    }
+
+    fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
+        if self.behind >= FRAME_SECONDS {
+            self.behind -= FRAME_SECONDS;
+            let to = self.level.eye() + std::mem::take(&mut self.to);
+            if !self.paused {
+                self.level.step(to)?;
+            }
+        }
+        let Self { panel, level, .. } = self;
+        let target = (&screen.gpu, target, screen.scale());
+        if screen.is_told() {
+            picture(panel, target, level);
+            return Ok(());
+        }
+        let (lines, entries) = (level.lines(), legend());
+        panel.clear(target.0, target.1);
+        panel.draw(target.0, target.1, target.2, &|context| {
+            show(context, level);
+            boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
+                lines.iter().for_each(|line| drop(ui.label(line)));
+                entries.iter().for_each(|entry| entry.add(ui));
+                ui.label("W A S D or a mouse button: walk   Space: pause   N: another floor plan");
+            });
+        });
+        Ok(())
+    }
+
+    fn report(&self, _: &Screen) -> Report {
+        let dials = vec![Dial::switch(PAUSE, self.paused), Dial::button(NEXT)];
+        Report { lines: self.level.lines(), legend: legend(), dials }
+    }
+
+    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
+        match dial {
+            PAUSE => self.paused = value != 0.0,
+            NEXT => return self.press(KeyCode::KeyN, screen),
+            _ => {}
+        }
+        Ok(())
+    }
+}

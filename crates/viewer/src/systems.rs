@@ -1,0 +1,108 @@
+//! The systems: their names, and the windows that they open.
+
+use casca_stage::window::Start;
+
+use crate::common::{Failed, parsed};
+use crate::{fur, light, lines, plane, points, scene};
+
+/// A system that can be chosen.
+#[derive(Clone, Copy)]
+pub struct System {
+    /// Its name, as on the command line.
+    pub name: &'static str,
+    /// What it shows, in a line.
+    pub line: &'static str,
+    /// Whether it needs more than WebGL has: compute shaders, or storage buffers.
+    pub computes: bool,
+    /// The options that its window has if no others are given.
+    words: &'static [&'static str],
+    /// What its window shows with some options.
+    start: fn(&[&str]) -> Result<Start, Failed>,
+}
+
+/// All of them, in the order of their keys.
+pub const SYSTEMS: [System; 6] = [
+    System {
+        name: "scene",
+        line: "a city from above: what a camera in the streets sees, and what casca culls",
+        computes: false,
+        words: &[],
+        start: |words| parsed::<scene::Options>(words)?.start(),
+    },
+    System {
+        name: "plane",
+        line: "a map from above: what an eye sees, and which guards it can see",
+        computes: false,
+        words: &[],
+        start: |words| parsed::<plane::Options>(words)?.start(),
+    },
+    System {
+        name: "points",
+        line: "the scan of a house: which of its points can be seen from here",
+        computes: true,
+        words: &[],
+        start: |words| parsed::<points::Options>(words)?.start(),
+    },
+    System {
+        name: "light",
+        line: "the Cornell box: light that bounces between its walls",
+        computes: true,
+        words: &["--balls", "3"],
+        start: |words| parsed::<light::Options>(words)?.start(),
+    },
+    System {
+        name: "lines",
+        line: "thousands of lines: the ones behind are darkened",
+        computes: true,
+        words: &[],
+        start: |words| parsed::<lines::Options>(words)?.start(),
+    },
+    System {
+        name: "fur",
+        line: "a furry animal: strands in layers",
+        computes: true,
+        words: &[],
+        start: |words| parsed::<fur::Options>(words)?.start(),
+    },
+];
+
+impl System {
+    /// What its window shows if nothing more is said.
+    ///
+    /// # Errors
+    /// What is shown cannot be had.
+    pub fn start(&self) -> Result<Start, Failed> {
+        (self.start)(self.words)
+    }
+}
+
+/// What the window of a command line shows: the name of a system, and its options.
+///
+/// # Errors
+/// There is no such system, it has no such options, or what is shown cannot be had.
+pub fn start(words: &[&str]) -> Result<Start, Failed> {
+    let (name, options) = words.split_first().unwrap_or((&"", &[]));
+    match SYSTEMS.iter().find(|system| system.name == *name) {
+        Some(system) if options.is_empty() => system.start(),
+        Some(system) => (system.start)(options),
+        None => {
+            let names = SYSTEMS.map(|system| system.name).join(", ");
+            Err(format!("{name:?} is none of {names}").into())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_start_a_system_or_are_refused_by_name() {
+        assert!(start(&["scene", "rooms"]).is_ok());
+        let refused = |words: &[&str]| start(words).err().map(|why| why.to_string()).unwrap_or_default();
+        assert!(refused(&["hair"]).contains("scene, points"), "{}", refused(&["hair"]));
+        assert!(refused(&[]).contains("scene, points"));
+        assert!(refused(&["scene", "--size", "0x9"]).contains("8192"));
+        assert!(refused(&["scene", "none.glb"]).contains("none.glb"));
+    }
+}
