@@ -100,15 +100,12 @@ fn house() -> Case {
 /// Sponza under a sun and a sky, from both ends.
 fn sponza(name: &str) -> Outcome<Case> {
     let mut scene = load_lit(Path::new(SPONZA))?;
-    let (lo, hi) = scene.bounds();
-    let at = |x: f32, y: f32, z: f32| (lo + (hi - lo) * Vec3::new(x, y, z)).to_array();
     let camera = match name {
-        "hall" => camera(name, at(0.12, 0.15, 0.5), at(0.9, 0.3, 0.52)),
-        _ => camera(name, at(0.15, 0.1, 0.2), at(0.9, 0.15, 0.2)),
+        "hall" => camera(name, [-9.0, 2.0, 0.2], [8.0, 4.0, 0.4]),
+        _ => camera(name, [-10.0, 1.6, 4.3], [6.0, 1.8, 4.3]),
     };
     scene.sky = Vec3::new(0.6, 0.8, 1.0);
     let direction = Vec3::new(0.25, -1.0, 0.12);
-    scene.lights.truncate(1);
     let mut sun = lit::Light::point(Vec3::ZERO, Vec3::new(12.0, 11.0, 10.0));
     sun.kind = LightKind::Directional { direction, half_angle: 0.01 };
     scene.lights = vec![sun];
@@ -255,7 +252,8 @@ fn by_cache(
     materials: &[lit::Material],
 ) -> Outcome<()> {
     let clock = Instant::now();
-    let mut cache = Cache::new(scene, Settings::new(Grid::around(&scene.objects, n)))?;
+    let grid = Grid::around(&scene.objects, n);
+    let mut cache = Cache::new(scene, Settings { threads: 2, ..Settings::new(grid) })?;
     let made = clock.elapsed();
     let shown: Vec<&Surface> = truth.surfaces.iter().flatten().collect();
     for s in &shown {

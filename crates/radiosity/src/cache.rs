@@ -50,6 +50,34 @@ impl StartTable {
     }
 }
 
+/// What a function gives for each item, in order, by some threads. Each takes every so-manieth block
+/// of items, as near ones cost alike.
+fn in_parallel<T: Sync, R: Send>(items: &[T], threads: u32, of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    const BLOCK: usize = 64;
+    let threads = (threads as usize).min(items.len().div_ceil(BLOCK)).max(1);
+    if threads == 1 {
+        return items.iter().map(of).collect();
+    }
+    let of_thread = |k: usize| {
+        let blocks = items.chunks(BLOCK).skip(k).step_by(threads);
+        blocks.map(|block| block.iter().map(&of).collect::<Vec<R>>()).collect::<Vec<_>>()
+    };
+    let of_thread = &of_thread;
+    let mut parts: Vec<_> = std::thread::scope(|scope| {
+        let running: Vec<_> = (1..threads).map(|k| scope.spawn(move || of_thread(k))).collect();
+        let mut parts = vec![of_thread(0).into_iter()];
+        for thread in running {
+            match thread.join() {
+                Ok(part) => parts.push(part.into_iter()),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        parts
+    });
+    let blocks = (0..items.len().div_ceil(BLOCK)).filter_map(|i| parts[i % threads].next());
+    blocks.flatten().collect()
+}
+
 /// What has been counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -174,13 +202,16 @@ impl Cache {
         }
         let mut ring = std::mem::take(&mut self.ring);
         ring.sort_unstable();
-        for &state in &ring {
-            let first = self.rays.len();
+        let found = in_parallel(&ring, self.settings.threads, |&state| self.trace(state, rays));
+        for (&state, mut of_state) in ring.iter().zip(found) {
+            let first = self.rays.len() as u32;
             self.wanted[state as usize] = false;
-            self.trace(state, rays);
-            self.blocks[state as usize] = Block { first: first as u32, count: rays };
+            self.blocks[state as usize] = Block { first, count: rays };
             self.gathered.push(state);
-            for i in first..self.rays.len() {
+            self.rays.append(&mut of_state);
+        }
+        for state in ring {
+            for i in self.blocks[state as usize].range() {
                 let target = self.rays[i].target;
                 if target < DARK {
                     self.want(target);
@@ -204,19 +235,18 @@ impl Cache {
         Ok(())
     }
 
-    /// Appends the rays of a state. A state that is buried sees nothing.
-    fn trace(&mut self, state: u32, rays: u32) {
+    /// The rays of a state. A state that is buried sees nothing.
+    fn trace(&self, state: u32, rays: u32) -> Vec<Ray> {
         let starts = self.starts(state);
-        let dark = Ray { target: DARK, distance: 0.0 };
-        let mut found = vec![dark; rays as usize];
-        if !starts.is_empty() {
-            let bundle = Bundle::new(starts, rays, self.voxels.key(state, self.settings.seed));
-            for (i, ray) in (0..).zip(&mut found) {
-                let (start, direction) = bundle.ray(i);
-                *ray = self.voxels.trace(start, direction, &|s| self.starts(s));
-            }
+        if starts.is_empty() {
+            return vec![Ray { target: DARK, distance: 0.0 }; rays as usize];
         }
-        self.rays.append(&mut found);
+        let bundle = Bundle::new(starts, rays, self.voxels.key(state, self.settings.seed));
+        let of = |i| {
+            let (start, direction) = bundle.ray(i);
+            self.voxels.trace(start, direction, &|s| self.starts(s))
+        };
+        (0..rays).map(of).collect()
     }
 
     /// Adds up what the rays of a state see of the sky.
@@ -239,9 +269,9 @@ impl Cache {
 
     /// Finds the direct light of all gathered states anew, by shadow rays.
     pub fn direct(&mut self) {
-        for i in 0..self.gathered.len() {
+        let found = in_parallel(&self.gathered, self.settings.threads, |&state| self.direct_of(state));
+        for (i, direct) in found.into_iter().enumerate() {
             let state = self.gathered[i];
-            let direct = self.direct_of(state);
             self.glow[state as usize].direct = direct;
             self.send(state);
         }

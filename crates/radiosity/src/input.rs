@@ -206,14 +206,17 @@ pub struct Settings {
     pub lamp_rays: u32,
     /// Shadow rays to each light with a size, 1 to 4096.
     pub light_rays: u32,
+    /// Threads that send rays, 1 to 4096. Results do not depend on them.
+    pub threads: u32,
     /// Another number turns all directions.
     pub seed: u32,
 }
 
 impl Settings {
-    /// 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, and 8 of lights.
+    /// 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, 8 of lights,
+    /// and one thread.
     pub const fn new(grid: Grid) -> Self {
-        Self { grid, answer_rays: 64, lamp_points: 512, lamp_rays: 32, light_rays: 8, seed: 0 }
+        Self { grid, answer_rays: 64, lamp_points: 512, lamp_rays: 32, light_rays: 8, threads: 1, seed: 0 }
     }
 
     pub(crate) fn check(&self) -> Result<(), LightError> {
@@ -223,6 +226,7 @@ impl Settings {
             ("lamp_points", self.lamp_points),
             ("lamp_rays", self.lamp_rays),
             ("light_rays", self.light_rays),
+            ("threads", self.threads),
         ];
         let wrong = counts.into_iter().find(|(_, value)| !(1..=MOST_RAYS).contains(value));
         wrong.map_or(Ok(()), |(what, value)| Err(LightError::Rays { what, value }))

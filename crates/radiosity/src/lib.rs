@@ -55,7 +55,8 @@
 //!
 //! Diffuse surfaces only. One albedo and one emission by triangle. Contact shadows and folds
 //! smaller than a cell blur. What lies outside of the grid is not there, and rays that leave it see
-//! the sky. It runs on one thread; results depend on neither time, nor hash order.
+//! the sky. Results depend on neither threads, nor
+//! time, nor hash order.
 
 mod cache;
 mod clip;

@@ -60,8 +60,9 @@ pub(crate) const SAME_NORMAL: f64 = 1.0 - 1e-8;
 
 /// Parts with one dominant direction become two entries where so much is free between them.
 ///
-/// A wall of 2 cm at 64 cells on 10 m is 0.13 cells thick; steps below 0.02 cells are relief.
-pub(crate) const GAP: f32 = 0.02;
+/// A wall of 2 cm at 64 cells on 10 m is 0.13 cells thick; steps below a tenth are relief, which
+/// would only make more entries. Light does not cross a wall either way.
+pub(crate) const GAP: f32 = 0.1;
 
 /// The openness of a candidate is measured by rays of so many cells.
 pub(crate) const OPEN_REACH: f64 = 2.0;
@@ -134,8 +135,8 @@ pub(crate) const ABSURD: f32 = 1e8;
 /// Cells along an axis at most.
 pub(crate) const MOST_CELLS: u32 = 512;
 
-/// References of cells to triangles at most: 2^26, which take 1.6 GB while the grid is built.
-pub(crate) const MOST_REFERENCES: usize = 1 << 26;
+/// References of cells to triangles at most: 2^25, which take 1.2 GB while the grid is built.
+pub(crate) const MOST_REFERENCES: usize = 1 << 25;
 
 /// Rays of a state at most.
 pub(crate) const MOST_RAYS: u32 = 4096;

@@ -150,29 +150,19 @@ impl Voxels {
         if let Some(entry) = own.filter(|e| starts(2 * e + side).iter().any(sees)) {
             return 2 * entry + side;
         }
-        self.stand_ins(spot, normal, starts).find(|s| starts(*s).iter().any(sees)).unwrap_or(DARK)
+        self.stand_ins(spot, normal).find(|s| starts(*s).iter().any(sees)).unwrap_or(DARK)
     }
 
     /// States near a point that face like a normal, nearest first.
-    fn stand_ins<'a>(
-        &self,
-        spot: DVec3,
-        normal: DVec3,
-        starts: &impl Fn(u32) -> &'a [Start],
-    ) -> impl Iterator<Item = u32> {
+    fn stand_ins(&self, spot: DVec3, normal: DVec3) -> impl Iterator<Item = u32> + use<> {
         let mut near: SmallVec<[(f64, u32); 64]> = SmallVec::new();
         for cell in around(spot.floor().as_ivec3()).filter(|c| self.lattice.has(*c)) {
             for entry in self.entries_of(cell) {
-                let like = self.entries[entry as usize].normal.dot(normal.as_vec3());
-                if like.abs() < LIKE_NORMAL {
-                    continue;
-                }
-                let state = 2 * entry + u32::from(like < 0.0);
-                if let Some(start) = starts(state).first() {
-                    let way = start.at.as_dvec3() - spot;
-                    if way.dot(normal).abs() <= LIKE_HEIGHT {
-                        near.push((way.length_squared(), state));
-                    }
+                let e = &self.entries[entry as usize];
+                let like = e.normal.dot(normal.as_vec3());
+                let way = e.middle.as_dvec3() - spot;
+                if like.abs() >= LIKE_NORMAL && way.dot(normal).abs() <= LIKE_HEIGHT {
+                    near.push((way.length_squared(), 2 * entry + u32::from(like < 0.0)));
                 }
             }
         }

@@ -148,6 +148,8 @@ pub(crate) struct Entry {
     pub(crate) albedo: Vec3,
     /// In square cells.
     pub(crate) area: f32,
+    /// The middle of its surface, in cells.
+    pub(crate) middle: Vec3,
     /// The number of its cell.
     pub(crate) cell: u32,
     /// The range of its triangles in [`Voxels::members`].
@@ -177,6 +179,8 @@ struct Part {
     /// Twelve kinds of entries, or 255 if there is hardly any part.
     bin: u8,
     area: f32,
+    /// The middle of its corners.
+    middle: Vec3,
     /// Where it lies along its dominant axis.
     low: f32,
     high: f32,
@@ -263,6 +267,7 @@ impl Voxels {
                     surface: i as u32,
                     bin,
                     area: area as f32,
+                    middle: (polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64).as_vec3(),
                     low: low as f32,
                     high: high as f32,
                 });
@@ -312,11 +317,12 @@ impl Voxels {
     fn add_entry(&mut self, parts: &[Part], rank: u16, materials: &[Material]) {
         let number = self.entries.len() as u32;
         let first = self.members.len() as u32;
-        let (mut normal, mut albedo, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        let (mut normal, mut albedo, mut middle, mut area) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
         for p in parts {
             let (surface, share) = (&self.surfaces[p.surface as usize], f64::from(p.area));
             normal += surface.normal * share;
             albedo += materials[surface.material as usize].albedo.as_dvec3() * share;
+            middle += p.middle.as_dvec3() * share;
             area += share;
             self.members.push(p.surface);
             self.references.push(Reference { surface: p.surface, entry: number });
@@ -332,6 +338,7 @@ impl Voxels {
             normal: normal.try_normalize().unwrap_or(mean.normal).as_vec3(),
             albedo: (albedo / area).as_vec3(),
             area: area as f32,
+            middle: (middle / area).as_vec3(),
             cell: parts[0].cell,
             first,
             end: self.members.len() as u32,

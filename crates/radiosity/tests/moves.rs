@@ -135,6 +135,19 @@ fn lights_that_move_need_no_rays() {
 }
 
 #[test]
+fn threads_do_not_matter() {
+    let scene = house(0.5, V::new(1.0, 0.0, 2.0));
+    let of = |threads| {
+        let mut cache = Cache::new(&scene, Settings { threads, ..grid(&scene) }).unwrap();
+        cache.request_all();
+        cache.gather(8).unwrap();
+        light(&mut cache)
+    };
+    let one = of(1);
+    assert!(one == of(2) && one == of(7));
+}
+
+#[test]
 fn the_order_of_requests_does_not_matter() {
     let scene = house(0.5, V::new(1.0, 0.0, 2.0));
     let points: Vec<V> = (0..30).map(|i| V::new(0.2 + 0.25 * i as f32, 0.0, 1.7)).collect();
