@@ -239,7 +239,7 @@ impl Cache {
     fn trace(&self, state: u32, rays: u32) -> Vec<Ray> {
         let starts = self.starts(state);
         if starts.is_empty() {
-            return vec![Ray { target: DARK, distance: 0.0 }; rays as usize];
+            return vec![Ray::BURIED; rays as usize];
         }
         let bundle = Bundle::new(starts, rays, self.voxels.key(state, self.settings.seed));
         let of = |i| {

@@ -12,7 +12,7 @@ use crate::cache::{Block, Cache, Glow, StartTable};
 use crate::direct::Lamps;
 use crate::error::LightError;
 use crate::input::Object;
-use crate::numeric::{MOVED, MOVED_HITS, MOVED_STARTS};
+use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_STARTS};
 use crate::states::{Bundle, DARK, SKY};
 use crate::voxels::{NONE, Skipped, Surface, Voxels, surfaces};
 use crate::walk::within;
@@ -141,14 +141,15 @@ impl Cache {
             let ray = self.rays[at];
             let (start, direction) = bundle.ray(i);
             let from = start.at.as_dvec3();
-            let length = f64::from(ray.distance);
+            let length = ray.distance();
             let meets = |(l, h): &Bounds| {
                 within(from, direction, *l - MOVED, *h + MOVED).is_some_and(|(t, _)| t <= length + MOVED)
             };
             let target = if ray.target < DARK { map[ray.target as usize] } else { ray.target };
             let is_lost = ray.target < DARK && target == NONE;
             let end = from + direction * length;
-            let is_clear = ray.target == SKY || !is_near(boxes, end, MOVED_HITS);
+            let reach = if ray.is_own() { MOVED_ALONE } else { MOVED_HITS };
+            let is_clear = ray.target == SKY || !is_near(boxes, end, reach);
             self.rays[at].target = target;
             if is_lost || !is_clear || boxes.iter().any(meets) {
                 let starts_of = |s: u32| self.starts.of(&self.voxels, s, seed);

@@ -119,6 +119,12 @@ pub(crate) const MOVED_STARTS: f64 = OPEN_REACH + 1.0;
 /// change only if they are within [`MOVED_STARTS`] of what moved.
 pub(crate) const MOVED_HITS: f64 = MOVED_STARTS + 3.5;
 
+/// Hits on an entry that is alone in its cell, farther than this from what moved, are read as
+/// before.
+///
+/// Only what touches the cell itself counts for them, and the diagonal of a cell is 1.74.
+pub(crate) const MOVED_ALONE: f64 = 2.0;
+
 /// The angle from one direction to the next, as a share of the circle: the golden section spreads
 /// any number of them evenly (Vogel 1979).
 pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;

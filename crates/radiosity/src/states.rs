@@ -37,8 +37,24 @@ pub(crate) type Starts = SmallVec<[Start; STARTS]>;
 pub(crate) struct Ray {
     /// The state that it reads, [`SKY`] or [`DARK`].
     pub(crate) target: u32,
+    /// How far it went, in cells; infinite for the sky. Its sign is negative if the target is the
+    /// only entry in the cell of the hit.
+    signed: f32,
+}
+
+impl Ray {
+    /// A ray of a state that is buried.
+    pub(crate) const BURIED: Self = Self { target: DARK, signed: 0.0 };
+
     /// How far it went, in cells; infinite for the sky.
-    pub(crate) distance: f32,
+    pub(crate) fn distance(&self) -> f64 {
+        f64::from(self.signed.abs())
+    }
+
+    /// Whether the target is the only entry in the cell of the hit, so that none stands in.
+    pub(crate) fn is_own(&self) -> bool {
+        self.signed.is_sign_negative()
+    }
 }
 
 /// A point just above a surface, on the side of a normal. It is what single precision stores.
@@ -127,30 +143,32 @@ impl Voxels {
     }
 
     /// The state that a hit reads: that of its entry, or the nearest one like it, if the segment to
-    /// one of its starts is free; else [`DARK`]. `starts` gives the starts of a state.
+    /// one of its starts is free; else [`DARK`]. Also whether nothing else is in the cell. `starts`
+    /// gives the starts of a state.
     pub(crate) fn read<'a>(
         &self,
         from: DVec3,
         direction: DVec3,
         hit: &Hit,
         starts: &impl Fn(u32) -> &'a [Start],
-    ) -> u32 {
+    ) -> (u32, bool) {
         let point = from + direction * hit.distance;
         let (normal, side) = self.facing(hit.surface, direction);
         let own = self.entry_at(hit.surface, point, hit.cell);
         if let Some(entry) = own.filter(|e| self.entries[*e as usize].alone) {
-            return 2 * entry + side;
+            return (2 * entry + side, true);
         }
         let spot = lifted(point, normal).as_dvec3();
         // The lift itself may pass a surface: then nothing is known of what lies there.
         if !self.free(point + normal * TOUCH, spot) {
-            return DARK;
+            return (DARK, false);
         }
         let sees = |s: &Start| self.free(spot, s.at.as_dvec3());
         if let Some(entry) = own.filter(|e| starts(2 * e + side).iter().any(sees)) {
-            return 2 * entry + side;
+            return (2 * entry + side, false);
         }
-        self.stand_ins(spot, normal).find(|s| starts(*s).iter().any(sees)).unwrap_or(DARK)
+        let other = self.stand_ins(spot, normal).find(|s| starts(*s).iter().any(sees));
+        (other.unwrap_or(DARK), false)
     }
 
     /// States near a point that face like a normal, nearest first.
@@ -179,10 +197,11 @@ impl Voxels {
     ) -> Ray {
         let from = start.at.as_dvec3();
         match self.first(from, direction, f64::INFINITY) {
-            None => Ray { target: SKY, distance: f32::INFINITY },
+            None => Ray { target: SKY, signed: f32::INFINITY },
             Some(hit) => {
-                let target = self.read(from, direction, &hit, starts);
-                Ray { target, distance: hit.distance as f32 }
+                let (target, is_own) = self.read(from, direction, &hit, starts);
+                let distance = hit.distance as f32;
+                Ray { target, signed: if is_own { -distance } else { distance } }
             }
         }
     }
