@@ -89,10 +89,17 @@ pub(crate) const LIKE_NORMAL: f32 = 0.7;
 /// An entry stands in for a hit that is at most so high above or below it.
 pub(crate) const LIKE_HEIGHT: f64 = 0.5;
 
-/// Entries that are tried for one hit.
+/// The same where no such entry is seen, as in folds and leaves: what faces the same half of the
+/// space stands in better than darkness. It must be seen all the same.
+pub(crate) const LEAST_NORMAL: f32 = 0.1;
+
+/// See [`LEAST_NORMAL`].
+pub(crate) const LEAST_HEIGHT: f64 = 2.0;
+
+/// Entries that are tried for one hit, by each of the two rules.
 ///
-/// The 27 cells around a hit on a wall have nine entries of its kind; twice as many in a fold.
-pub(crate) const STAND_INS: usize = 16;
+/// The 27 cells around a hit on a wall have nine entries of its kind; four times as many in a fold.
+pub(crate) const STAND_INS: usize = 32;
 
 /// Answers are means over starts within so many cells; where there are none, twice as many.
 pub(crate) const ANSWER_REACH: f64 = 1.5;

@@ -9,7 +9,8 @@ use smallvec::SmallVec;
 
 use crate::clip::{Polygon, cross, part_of};
 use crate::numeric::{
-    CANDIDATES, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS, OPEN_REACH, STAND_INS, STARTS, TOUCH,
+    CANDIDATES, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS,
+    OPEN_REACH, STAND_INS, STARTS, TOUCH,
 };
 use crate::spread::{Hemisphere, in_triangle, mix, unit};
 use crate::voxels::{Surface, Voxels};
@@ -158,28 +159,37 @@ impl Voxels {
         if let Some(entry) = own.filter(|e| self.entries[*e as usize].alone) {
             return (2 * entry + side, true);
         }
-        let spot = lifted(point, normal).as_dvec3();
-        // The lift itself may pass a surface: then nothing is known of what lies there.
-        if !self.free(point + normal * TOUCH, spot) {
-            return (DARK, false);
+        let mut spot = lifted(point, normal).as_dvec3();
+        let near = point + normal * TOUCH;
+        // The lift itself may pass a surface.
+        if !self.free(near, spot) {
+            spot = near;
         }
         let sees = |s: &Start| self.free(spot, s.at.as_dvec3());
         if let Some(entry) = own.filter(|e| starts(2 * e + side).iter().any(sees)) {
             return (2 * entry + side, false);
         }
-        let other = self.stand_ins(spot, normal).find(|s| starts(*s).iter().any(sees));
+        let like = self.stand_ins(spot, normal, (LIKE_NORMAL, LIKE_HEIGHT));
+        let other = like.chain(self.stand_ins(spot, normal, (LEAST_NORMAL, LEAST_HEIGHT)));
+        let other = other.into_iter().find(|s| starts(*s).iter().any(sees));
         (other.unwrap_or(DARK), false)
     }
 
-    /// States near a point that face like a normal, nearest first.
-    fn stand_ins(&self, spot: DVec3, normal: DVec3) -> impl Iterator<Item = u32> + use<> {
+    /// States near a point that face like a normal, by a least product of normals and a greatest
+    /// height, nearest first.
+    fn stand_ins(
+        &self,
+        spot: DVec3,
+        normal: DVec3,
+        (product, height): (f32, f64),
+    ) -> impl Iterator<Item = u32> + use<> {
         let mut near: SmallVec<[(f64, u32); 64]> = SmallVec::new();
         for cell in around(spot.floor().as_ivec3()).filter(|c| self.lattice.has(*c)) {
             for entry in self.entries_of(cell) {
                 let e = &self.entries[entry as usize];
                 let like = e.normal.dot(normal.as_vec3());
                 let way = e.middle.as_dvec3() - spot;
-                if like.abs() >= LIKE_NORMAL && way.dot(normal).abs() <= LIKE_HEIGHT {
+                if like.abs() >= product && way.dot(normal).abs() <= height {
                     near.push((way.length_squared(), 2 * entry + u32::from(like < 0.0)));
                 }
             }
