@@ -50,8 +50,8 @@ impl StartTable {
     }
 }
 
-/// What a function gives for each item, in order, by some threads. Each takes every so-manieth block
-/// of items, as near ones cost alike.
+/// What a function gives for each item, in order, by some threads. They take blocks of items in
+/// turn, as near items cost alike.
 fn in_parallel<T: Sync, R: Send>(items: &[T], threads: u32, of: impl Fn(&T) -> R + Sync) -> Vec<R> {
     const BLOCK: usize = 64;
     let threads = (threads as usize).min(items.len().div_ceil(BLOCK)).max(1);
