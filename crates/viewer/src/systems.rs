@@ -100,8 +100,8 @@ mod tests {
     fn words_start_a_system_or_are_refused_by_name() {
         assert!(start(&["scene", "rooms"]).is_ok());
         let refused = |words: &[&str]| start(words).err().map(|why| why.to_string()).unwrap_or_default();
-        assert!(refused(&["hair"]).contains("scene, points"), "{}", refused(&["hair"]));
-        assert!(refused(&[]).contains("scene, points"));
+        assert!(refused(&["hair"]).contains("scene, plane"), "{}", refused(&["hair"]));
+        assert!(refused(&[]).contains("scene, plane"));
         assert!(refused(&["scene", "--size", "0x9"]).contains("8192"));
         assert!(refused(&["scene", "none.glb"]).contains("none.glb"));
     }

@@ -1,0 +1,392 @@
+//! The cache: which states are gathered, their rays, their direct light, and the passes.
+
+use std::f32::consts::PI;
+use std::sync::OnceLock;
+
+use glam::Vec3;
+
+use crate::direct::{Lamps, Sources, Spot};
+use crate::error::LightError;
+use crate::input::{Light, Material, Object, Scene, Settings, Sky, check_lights};
+use crate::numeric::{MOST_RAYS, MOST_STORED};
+use crate::spread::mix;
+use crate::states::{Bundle, DARK, Ray, SKY, Start};
+use crate::voxels::{Lattice, Skipped, Voxels, surfaces};
+
+/// The rays of a state: a range of [`Cache::rays`], empty if it is not gathered.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Block {
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+}
+
+impl Block {
+    pub(crate) fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
+/// The light of one state: irradiances, and the radiance that it sends out.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Glow {
+    pub(crate) direct: Vec3,
+    pub(crate) indirect: Vec3,
+    /// The sum over rays to the sky.
+    pub(crate) sky: Vec3,
+    pub(crate) out: Vec3,
+}
+
+/// The starts of each state, found when they are first asked for.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct StartTable(pub(crate) Vec<OnceLock<Box<[Start]>>>);
+
+impl StartTable {
+    pub(crate) fn new(states: u32) -> Self {
+        Self((0..states).map(|_| OnceLock::new()).collect())
+    }
+
+    pub(crate) fn of(&self, voxels: &Voxels, state: u32, seed: u32) -> &[Start] {
+        self.0[state as usize].get_or_init(|| voxels.starts(state, seed).into_vec().into())
+    }
+}
+
+/// What a function gives for each item, in order, by some threads. They take blocks of items in
+/// turn, as near items cost alike.
+fn in_parallel<T: Sync, R: Send>(items: &[T], threads: u32, of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    const BLOCK: usize = 64;
+    let threads = (threads as usize).min(items.len().div_ceil(BLOCK)).max(1);
+    if threads == 1 {
+        return items.iter().map(of).collect();
+    }
+    let of_thread = |k: usize| {
+        let blocks = items.chunks(BLOCK).skip(k).step_by(threads);
+        blocks.map(|block| block.iter().map(&of).collect::<Vec<R>>()).collect::<Vec<_>>()
+    };
+    let of_thread = &of_thread;
+    let mut parts: Vec<_> = std::thread::scope(|scope| {
+        let running: Vec<_> = (1..threads).map(|k| scope.spawn(move || of_thread(k))).collect();
+        let mut parts = vec![of_thread(0).into_iter()];
+        for thread in running {
+            match thread.join() {
+                Ok(part) => parts.push(part.into_iter()),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        parts
+    });
+    let blocks = (0..items.len().div_ceil(BLOCK)).filter_map(|i| parts[i % threads].next());
+    blocks.flatten().collect()
+}
+
+/// What has been counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Statistics {
+    /// The edge of a cell, in metres.
+    pub cell: f64,
+    /// Cells along each axis, with one around the box on each side.
+    pub dims: [i32; 3],
+    /// Triangles in the grid.
+    pub triangles: usize,
+    /// Triangles that were left out or cut.
+    pub skipped: Skipped,
+    /// Times that a cell lists a triangle.
+    pub references: usize,
+    /// Surfaces in cells; each has two states.
+    pub entries: usize,
+    /// Emissive triangles.
+    pub lamps: usize,
+    /// States with rays.
+    pub gathered: usize,
+    /// Stored rays.
+    pub rays: usize,
+    /// Those that left the grid.
+    pub sky_rays: usize,
+    /// Those that hit a surface for which no state can stand: they carry no light.
+    pub dark_rays: usize,
+    /// Bytes of the cache.
+    pub bytes: usize,
+}
+
+/// Diffuse light on the surfaces of a scene, with all of its bounces.
+#[derive(Debug, Clone)]
+pub struct Cache {
+    pub(crate) settings: Settings,
+    pub(crate) objects: Vec<Object>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) sky: Sky,
+    pub(crate) skipped: Skipped,
+    pub(crate) voxels: Voxels,
+    pub(crate) lamps: Lamps,
+    pub(crate) starts: StartTable,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) rays: Vec<Ray>,
+    pub(crate) glow: Vec<Glow>,
+    /// States with rays, in order.
+    pub(crate) gathered: Vec<u32>,
+    /// Whether a state waits for rays.
+    pub(crate) wanted: Vec<bool>,
+    /// Those that wait.
+    pub(crate) ring: Vec<u32>,
+    /// Passes in place so far: they run forwards and backwards in turn.
+    pub(crate) passes: u32,
+}
+
+impl Cache {
+    /// Puts the surfaces of a scene into cells. No state is gathered yet: see [`Cache::request`].
+    ///
+    /// Costs the touched cells times their logarithm.
+    ///
+    /// # Errors
+    /// If settings, materials, lights or sky are out of range, a triangle names no material, or
+    /// the triangles touch too many cells. Triangles that cannot be lit are left out and counted.
+    pub fn new(scene: &Scene, settings: Settings) -> Result<Self, LightError> {
+        settings.check()?;
+        scene.check()?;
+        let lattice = Lattice::new(&settings.grid);
+        let mut skipped = Skipped::default();
+        let all = surfaces(&scene.objects, &lattice, &mut skipped);
+        let voxels = Voxels::new(lattice, all, &scene.materials)?;
+        let states = voxels.states() as usize;
+        Ok(Self {
+            settings,
+            objects: scene.objects.clone(),
+            materials: scene.materials.clone(),
+            lights: scene.lights.clone(),
+            sky: scene.sky,
+            skipped,
+            lamps: Lamps::new(&voxels, &scene.materials),
+            starts: StartTable::new(voxels.states()),
+            voxels,
+            blocks: vec![Block::default(); states],
+            rays: Vec::new(),
+            glow: vec![Glow::default(); states],
+            gathered: Vec::new(),
+            wanted: vec![false; states],
+            ring: Vec::new(),
+            passes: 0,
+        })
+    }
+
+    pub(crate) fn starts(&self, state: u32) -> &[Start] {
+        self.starts.of(&self.voxels, state, self.settings.seed)
+    }
+
+    /// Asks for a state, if it has neither rays nor waits for them.
+    pub(crate) fn want(&mut self, state: u32) {
+        let at = state as usize;
+        if !self.wanted[at] && self.blocks[at].count == 0 {
+            self.wanted[at] = true;
+            self.ring.push(state);
+        }
+    }
+
+    /// Asks for the states of all surfaces, also of those that nobody sees.
+    pub fn request_all(&mut self) {
+        (0..self.voxels.states()).for_each(|s| self.want(s));
+    }
+
+    /// Sends so many rays from each state that waits, and lets the states wait that they hit;
+    /// returns how many wait now. Those that are far from what is seen may have fewer rays.
+    ///
+    /// # Errors
+    /// If no state has so many rays, or too many rays would be stored.
+    pub fn gather_ring(&mut self, rays: u32) -> Result<usize, LightError> {
+        if !(1..=MOST_RAYS).contains(&rays) {
+            return Err(LightError::Rays { what: "rays", value: rays });
+        }
+        let needed = self.rays.len() + self.ring.len() * rays as usize;
+        if needed > MOST_STORED {
+            return Err(LightError::TooManyRays { rays: needed });
+        }
+        let mut ring = std::mem::take(&mut self.ring);
+        ring.sort_unstable();
+        let found = in_parallel(&ring, self.settings.threads, |&state| self.trace(state, rays));
+        for (&state, mut of_state) in ring.iter().zip(found) {
+            let first = self.rays.len() as u32;
+            self.wanted[state as usize] = false;
+            self.blocks[state as usize] = Block { first, count: rays };
+            self.gathered.push(state);
+            self.rays.append(&mut of_state);
+        }
+        for state in ring {
+            for i in self.blocks[state as usize].range() {
+                let target = self.rays[i].target;
+                if target < DARK {
+                    self.want(target);
+                }
+            }
+            self.sum_sky(state);
+        }
+        self.gathered.sort_unstable();
+        Ok(self.ring.len())
+    }
+
+    /// Gathers ring by ring until no state waits. Rays are sent once: they are stored, and need not
+    /// be sent again while nothing moves.
+    ///
+    /// # Errors
+    /// See [`Cache::gather_ring`].
+    pub fn gather(&mut self, rays: u32) -> Result<(), LightError> {
+        while !self.ring.is_empty() {
+            self.gather_ring(rays)?;
+        }
+        Ok(())
+    }
+
+    /// The rays of a state. A state that is buried sees nothing.
+    fn trace(&self, state: u32, rays: u32) -> Vec<Ray> {
+        let starts = self.starts(state);
+        if starts.is_empty() {
+            return vec![Ray::BURIED; rays as usize];
+        }
+        let bundle = Bundle::new(starts, rays, self.voxels.key(state, self.settings.seed));
+        let of = |i| {
+            let (start, direction) = bundle.ray(i);
+            self.voxels.trace(start, direction, &|s| self.starts(s))
+        };
+        (0..rays).map(of).collect()
+    }
+
+    /// Adds up what the rays of a state see of the sky.
+    pub(crate) fn sum_sky(&mut self, state: u32) {
+        let block = self.blocks[state as usize];
+        let rays = &self.rays[block.range()];
+        let mut sum = Vec3::ZERO;
+        if rays.iter().any(|r| r.target == SKY) {
+            let key = self.voxels.key(state, self.settings.seed);
+            let bundle = Bundle::new(self.starts(state), block.count, key);
+            let sky = (0..).zip(rays).filter(|(_, r)| r.target == SKY);
+            sum = sky.map(|(i, _)| self.sky.radiance(bundle.ray(i).1.as_vec3())).sum();
+        }
+        self.glow[state as usize].sky = sum;
+    }
+
+    pub(crate) fn sources(&self) -> Sources<'_> {
+        Sources { voxels: &self.voxels, lights: &self.lights, lamps: &self.lamps, settings: &self.settings }
+    }
+
+    /// Finds the direct light of all gathered states anew, by shadow rays.
+    pub fn direct(&mut self) {
+        let found = in_parallel(&self.gathered, self.settings.threads, |&state| self.direct_of(state));
+        for (i, direct) in found.into_iter().enumerate() {
+            let state = self.gathered[i];
+            self.glow[state as usize].direct = direct;
+            self.send(state);
+        }
+    }
+
+    /// The mean over the starts of a state.
+    pub(crate) fn direct_of(&self, state: u32) -> Vec3 {
+        let starts = self.starts(state);
+        let count = starts.len().max(1) as u32;
+        let sources = self.sources();
+        let key = self.voxels.key(state, self.settings.seed);
+        let of = |(i, s): (u64, &Start)| {
+            let (at, normal) = (s.at.as_dvec3(), s.normal.as_dvec3());
+            sources.irradiance(&Spot { at, normal, key: mix(key ^ mix(i)) }, count)
+        };
+        (0..).zip(starts).map(of).sum::<Vec3>() / count as f32
+    }
+
+    /// Scatters what a state has.
+    pub(crate) fn send(&mut self, state: u32) {
+        let albedo = self.voxels.entries[state as usize / 2].albedo;
+        let glow = &mut self.glow[state as usize];
+        glow.out = albedo / PI * (glow.direct + glow.indirect);
+    }
+
+    /// One pass: each gathered state takes in what its rays read, and sends it on at once, forwards
+    /// and backwards in turn (Gauss and Seidel). Returns the sum of changes of the indirect
+    /// irradiance over its sum, which falls about as the mean albedo to the power of passes.
+    ///
+    /// Costs one look-up for each stored ray.
+    pub fn pass(&mut self) -> f64 {
+        let (mut change, mut sum) = (0.0_f64, 0.0_f64);
+        let count = self.gathered.len();
+        let is_back = self.passes % 2 == 1;
+        self.passes += 1;
+        for i in 0..count {
+            let state = self.gathered[if is_back { count - 1 - i } else { i }];
+            let block = self.blocks[state as usize];
+            let mut light = self.glow[state as usize].sky;
+            for ray in &self.rays[block.range()] {
+                if ray.target < DARK {
+                    light += self.glow[ray.target as usize].out;
+                }
+            }
+            light *= PI / block.count as f32;
+            let glow = &mut self.glow[state as usize];
+            change += f64::from((light - glow.indirect).abs().element_sum());
+            sum += f64::from(light.element_sum());
+            glow.indirect = light;
+            self.send(state);
+        }
+        if sum > 0.0 { change / sum } else { 0.0 }
+    }
+
+    /// Passes until a pass changes less than a share, `most` at most; returns their number.
+    pub fn converge(&mut self, share: f64, most: u32) -> u32 {
+        (1..=most).find(|_| self.pass() < share).unwrap_or(most)
+    }
+
+    /// Replaces the lights. No ray is sent again: call [`Cache::direct`] and then passes.
+    ///
+    /// # Errors
+    /// If a light is out of range; then the old ones stay.
+    pub fn set_lights(&mut self, lights: &[Light]) -> Result<(), LightError> {
+        check_lights(lights)?;
+        self.lights = lights.to_vec();
+        Ok(())
+    }
+
+    /// Replaces the sky. No ray is sent again: call passes.
+    ///
+    /// # Errors
+    /// If it is out of range; then the old one stays.
+    pub fn set_sky(&mut self, sky: Sky) -> Result<(), LightError> {
+        sky.check()?;
+        self.sky = sky;
+        for i in 0..self.gathered.len() {
+            self.sum_sky(self.gathered[i]);
+        }
+        Ok(())
+    }
+
+    /// Forgets all indirect light, but no rays: passes start anew.
+    pub fn darken(&mut self) {
+        self.passes = 0;
+        for state in 0..self.voxels.states() {
+            self.glow[state as usize].indirect = Vec3::ZERO;
+            self.send(state);
+        }
+    }
+
+    /// What there is. O(rays).
+    pub fn statistics(&self) -> Statistics {
+        let count = |target| self.rays.iter().filter(|r| r.target == target).count();
+        let starts = self.starts.0.iter().filter_map(|s| s.get());
+        let bytes = self.voxels.bytes()
+            + size_of_val(&self.starts.0[..])
+            + starts.map(|s| size_of_val(&s[..])).sum::<usize>()
+            + size_of_val(&self.blocks[..])
+            + size_of_val(&self.rays[..])
+            + size_of_val(&self.glow[..])
+            + size_of_val(&self.gathered[..]);
+        Statistics {
+            cell: self.voxels.lattice.cell,
+            dims: self.voxels.lattice.dims.to_array(),
+            triangles: self.voxels.surfaces.len(),
+            skipped: self.skipped,
+            references: self.voxels.references.len(),
+            entries: self.voxels.entries.len(),
+            lamps: self.lamps.count(),
+            gathered: self.gathered.len(),
+            rays: self.rays.len(),
+            sky_rays: count(SKY),
+            dark_rays: count(DARK),
+            bytes,
+        }
+    }
+}

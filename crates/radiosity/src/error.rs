@@ -1,0 +1,81 @@
+//! Why there is no light.
+
+use crate::numeric::{MOST_CELLS, MOST_RAYS, MOST_REFERENCES, MOST_STORED};
+
+/// Why a scene cannot be lit, or a question cannot be answered.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LightError {
+    /// A number of cells that no grid has.
+    #[error("a grid of {0} cells along its longest axis: from 1 to {MOST_CELLS} are possible")]
+    Cells(u32),
+    /// A box that is empty, or not finite.
+    #[error("the grid's box from {min:?} to {max:?} is empty, or not finite")]
+    Box {
+        /// Its least corner, in metres.
+        min: [f32; 3],
+        /// Its greatest corner, in metres.
+        max: [f32; 3],
+    },
+    /// A triangle with a material that the scene does not have.
+    #[error("triangle {triangle} of object {object} has material {material}; there are {count}")]
+    Material {
+        /// The object.
+        object: usize,
+        /// The triangle in it.
+        triangle: usize,
+        /// Its material.
+        material: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A number that is not finite or not in its range.
+    #[error("{what} {index}: {value} is not within {low} and {high}")]
+    Value {
+        /// What it belongs to.
+        what: &'static str,
+        /// Its index among its kind; 0 for what there is one of.
+        index: usize,
+        /// The number.
+        value: f32,
+        /// The least.
+        low: f32,
+        /// The greatest.
+        high: f32,
+    },
+    /// A direction without length, or not finite.
+    #[error("{what} {index}: {value:?} is no direction")]
+    Direction {
+        /// What it belongs to.
+        what: &'static str,
+        /// Its index among its kind.
+        index: usize,
+        /// The vector.
+        value: [f32; 3],
+    },
+    /// A number of rays that no state has.
+    #[error("{what} is {value}; from 1 to {MOST_RAYS} are possible")]
+    Rays {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: u32,
+    },
+    /// The surfaces touch too many cells.
+    #[error("the triangles touch cells more than {MOST_REFERENCES} times; fewer cells take less")]
+    TooManyReferences,
+    /// Too many rays would be stored.
+    #[error("{rays} rays would be stored, but {MOST_STORED} can be; fewer rays or cells take less")]
+    TooManyRays {
+        /// How many.
+        rays: usize,
+    },
+    /// An object that the scene does not have.
+    #[error("object {object} does not exist; there are {count}")]
+    Object {
+        /// Its index.
+        object: usize,
+        /// How many there are.
+        count: usize,
+    },
+}

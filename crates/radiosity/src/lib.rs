@@ -1,0 +1,79 @@
+//! Diffuse light that cannot cross walls.
+//!
+//! A [`Cache`] holds the light of the surfaces of a scene in the cells of a grid. Rays from each
+//! surface in a cell are walked through the grid **once**, and what they hit is stored; light is
+//! then passed along the stored hits, as often as it takes. So light of all bounces costs look-ups,
+//! and a light that moves costs no rays but those of its own shadows.
+//!
+//! ```
+//! use casca_radiosity::{Cache, Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
+//! use glam::Vec3;
+//!
+//! # fn main() -> Result<(), casca_radiosity::LightError> {
+//! // A floor of white, under a lamp.
+//! let at = |x, z| Vec3::new(x, 0.0, z);
+//! let half = |corners| Triangle { corners, material: 0 };
+//! let floor = Object {
+//!     triangles: vec![
+//!         half([at(0.0, 0.0), at(0.0, 4.0), at(4.0, 4.0)]),
+//!         half([at(0.0, 0.0), at(4.0, 4.0), at(4.0, 0.0)]),
+//!     ],
+//! };
+//! let scene = Scene {
+//!     objects: vec![floor],
+//!     materials: vec![Material { albedo: Vec3::splat(0.8), emission: Vec3::ZERO }],
+//!     lights: vec![Light::Point {
+//!         position: Vec3::new(2.0, 1.0, 2.0),
+//!         intensity: Vec3::splat(10.0),
+//!         radius: 0.0,
+//!     }],
+//!     sky: Sky::Even(Vec3::splat(0.5)),
+//! };
+//! let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, 32)))?;
+//! cache.request(Vec3::new(2.0, 0.0, 2.0), Vec3::Y)?;
+//! cache.gather(64)?;
+//! cache.direct();
+//! cache.converge(1e-4, 32);
+//! let light = cache.irradiance(Vec3::new(2.0, 0.0, 2.0), Vec3::Y)?;
+//! assert!((light.direct.x - 10.0).abs() < 0.1);
+//! // The whole sky, of radiance 0.5.
+//! assert!((light.indirect.x - 0.5 * std::f32::consts::PI).abs() < 1e-4);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Method
+//!
+//! Radiosity by rays that are sent once (the "shooting" of links of Hanrahan, Salzman and Aupperle
+//! 1991, here from points of surfaces into cosine-weighted hemispheres, as in Malley 1988 and Ward
+//! et al. 1988), solved by Gauss and Seidel (Cohen and Greenberg 1985). Direct light of lamps is
+//! taken out and found by resampled shadow rays (Talbot et al. 2005). Answers are means of the
+//! states around, as irradiance caching interpolates them (Ward et al. 1988), each behind a ray of
+//! its own.
+//!
+//! # Limits
+//!
+//! Diffuse surfaces only. One albedo and one emission by triangle. Contact shadows and folds
+//! smaller than a cell blur. What lies outside of the grid is not there, and rays that leave it see
+//! the sky. Results depend on neither threads, nor
+//! time, nor hash order.
+
+mod cache;
+mod clip;
+mod direct;
+mod error;
+mod input;
+mod moves;
+mod numeric;
+mod query;
+mod spread;
+mod states;
+mod voxels;
+mod walk;
+
+pub use cache::{Cache, Statistics};
+pub use error::LightError;
+pub use input::{Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
+pub use moves::Moved;
+pub use query::Irradiance;
+pub use voxels::Skipped;

@@ -1,0 +1,220 @@
+//! Objects that move: which rays must be sent again.
+//!
+//! The cells are made anew. A state stays if its entry has the same triangles and its starts did
+//! not change; a ray of such a state stays if it met neither the old nor the new box of the object,
+//! and if what stands for its hit cannot have changed.
+
+use std::sync::OnceLock;
+
+use glam::{DVec3, IVec3};
+
+use crate::cache::{Block, Cache, Glow, StartTable};
+use crate::direct::Lamps;
+use crate::error::LightError;
+use crate::input::Object;
+use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_STARTS};
+use crate::states::{Bundle, DARK, SKY};
+use crate::voxels::{NONE, Skipped, Surface, Voxels, surfaces};
+use crate::walk::within;
+
+/// What a move cost.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Moved {
+    /// States that stay.
+    pub kept: usize,
+    /// States that were gathered and are no more, or have other starts.
+    pub dropped: usize,
+    /// Rays of states that stay.
+    pub rays: usize,
+    /// Those of them that were sent again.
+    pub sent: usize,
+    /// States that wait for rays now: gather next.
+    pub waiting: usize,
+}
+
+/// The box of what moved, in cells.
+type Bounds = (DVec3, DVec3);
+
+/// The boxes of an object's triangles before and after.
+fn bounds_of(surfaces: &[Surface], object: u32) -> Option<Bounds> {
+    let corners = surfaces.iter().filter(|s| s.object == object).flat_map(|s| s.corners);
+    corners.fold(None, |b: Option<Bounds>, p| Some(b.map_or((p, p), |(l, h)| (l.min(p), h.max(p)))))
+}
+
+/// Whether a point is in a box that is grown by a margin.
+fn is_near(boxes: &[Bounds], p: DVec3, margin: f64) -> bool {
+    boxes.iter().any(|(l, h)| p.cmpge(*l - margin).all() && p.cmple(*h + margin).all())
+}
+
+/// Whether a cell comes nearer to a box than a margin.
+fn is_cell_near(boxes: &[Bounds], c: IVec3, margin: f64) -> bool {
+    is_near(boxes, c.as_dvec3() + 0.5, margin + 0.5)
+}
+
+impl Cache {
+    /// Replaces the triangles of an object, wherever it goes. Rays that can have changed are sent
+    /// again; light stays, and passes bring it up to date. Call [`Cache::gather`],
+    /// [`Cache::direct`] and passes next.
+    ///
+    /// The states then have the same rays as those of a cache that is made anew. Costs the cells of
+    /// all triangles, a test of each stored ray with two boxes, and the rays that are sent.
+    ///
+    /// # Errors
+    /// If there is no such object, a triangle names no material, or the triangles touch too many
+    /// cells; then nothing changes.
+    pub fn set_object(&mut self, object: usize, new: Object) -> Result<Moved, LightError> {
+        let count = self.objects.len();
+        if object >= count {
+            return Err(LightError::Object { object, count });
+        }
+        new.check(object, self.materials.len())?;
+        let old = std::mem::replace(&mut self.objects[object], new);
+        let lattice = self.voxels.lattice;
+        let mut skipped = Skipped::default();
+        let all = surfaces(&self.objects, &lattice, &mut skipped);
+        let voxels = match Voxels::new(lattice, all, &self.materials) {
+            Ok(voxels) => voxels,
+            Err(error) => {
+                self.objects[object] = old;
+                return Err(error);
+            }
+        };
+        self.skipped = skipped;
+        self.lamps = Lamps::new(&voxels, &self.materials);
+        let boxes: Vec<Bounds> = [&self.voxels, &voxels]
+            .into_iter()
+            .filter_map(|v| bounds_of(&v.surfaces, object as u32))
+            .collect();
+        Ok(self.replace(voxels, &boxes))
+    }
+
+    /// Takes over other cells, in which only what is in the boxes changed.
+    fn replace(&mut self, voxels: Voxels, boxes: &[Bounds]) -> Moved {
+        let map = self.map_states(&voxels, boxes);
+        let states = voxels.states() as usize;
+        let old = std::mem::replace(&mut self.voxels, voxels);
+        let old_blocks = std::mem::replace(&mut self.blocks, vec![Block::default(); states]);
+        let old_glow = std::mem::replace(&mut self.glow, vec![Glow::default(); states]);
+        let old_rays = std::mem::take(&mut self.rays);
+        let old_gathered = std::mem::take(&mut self.gathered);
+        let old_ring = std::mem::take(&mut self.ring);
+        self.wanted = vec![false; states];
+        let mut moved = Moved::default();
+        for &state in &old_gathered {
+            let Some(new) = known(map.states[state as usize]) else {
+                moved.dropped += 1;
+                continue;
+            };
+            let block = old_blocks[state as usize];
+            let first = self.rays.len() as u32;
+            self.rays.extend(&old_rays[block.range()]);
+            self.blocks[new as usize] = Block { first, count: block.count };
+            self.glow[new as usize] = old_glow[state as usize];
+            self.gathered.push(new);
+        }
+        self.gathered.sort_unstable();
+        moved.kept = self.gathered.len();
+        // A state that lost its starts is gathered anew, if it is still there.
+        let lost = old_gathered.iter().chain(&old_ring).filter_map(|s| known(map.entries[*s as usize]));
+        lost.for_each(|s| self.want(s));
+        for i in 0..self.gathered.len() {
+            moved.sent += self.mend(self.gathered[i], &map.states, boxes);
+        }
+        moved.rays = self.rays.len();
+        // What new surfaces hide or show is read by rays; new surfaces themselves may be asked for.
+        drop(old);
+        moved.waiting = self.ring.len();
+        moved
+    }
+
+    /// Sends the rays of a kept state again that can have changed; returns how many.
+    fn mend(&mut self, state: u32, map: &[u32], boxes: &[Bounds]) -> usize {
+        let block = self.blocks[state as usize];
+        let seed = self.settings.seed;
+        let starts = self.starts.of(&self.voxels, state, seed);
+        if starts.is_empty() {
+            return 0;
+        }
+        let bundle = Bundle::new(starts, block.count, self.voxels.key(state, seed));
+        let mut sent = 0;
+        for (i, at) in (0..).zip(block.range()) {
+            let ray = self.rays[at];
+            let (start, direction) = bundle.ray(i);
+            let from = start.at.as_dvec3();
+            let length = ray.distance();
+            let meets = |(l, h): &Bounds| {
+                within(from, direction, *l - MOVED, *h + MOVED).is_some_and(|(t, _)| t <= length + MOVED)
+            };
+            let target = if ray.target < DARK { map[ray.target as usize] } else { ray.target };
+            let is_lost = ray.target < DARK && target == NONE;
+            let end = from + direction * length;
+            let reach = if ray.is_own() { MOVED_ALONE } else { MOVED_HITS };
+            let is_clear = ray.target == SKY || !is_near(boxes, end, reach);
+            self.rays[at].target = target;
+            if is_lost || !is_clear || boxes.iter().any(meets) {
+                let starts_of = |s: u32| self.starts.of(&self.voxels, s, seed);
+                self.rays[at] = self.voxels.trace(start, direction, &starts_of);
+                sent += 1;
+            }
+        }
+        let targets: Vec<u32> = self.rays[block.range()].iter().map(|r| r.target).collect();
+        targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t));
+        self.sum_sky(state);
+        sent
+    }
+
+    /// Which old state is which new one, and takes over the starts that stay.
+    fn map_states(&mut self, new: &Voxels, boxes: &[Bounds]) -> StateMap {
+        let old = &self.voxels;
+        let mut map = StateMap {
+            states: vec![NONE; old.states() as usize],
+            entries: vec![NONE; old.states() as usize],
+        };
+        let mut table = StartTable::new(new.states());
+        for (i, entry) in (0..).zip(&new.entries) {
+            let cell = new.lattice.place(entry.cell);
+            let before = old.entries_of(cell);
+            let twin = before.start + u32::from(entry.rank);
+            if twin >= before.end || !is_same(old, twin, new, i) {
+                continue;
+            }
+            let is_close = is_cell_near(boxes, cell, MOVED_STARTS);
+            for side in 0..2 {
+                let (from, to) = (2 * twin + side, 2 * i + side);
+                map.entries[from as usize] = to;
+                let Some(starts) = self.starts.0[from as usize].take() else {
+                    // Not asked for, so that no ray read it.
+                    map.states[from as usize] = to;
+                    continue;
+                };
+                let is_kept = !is_close || new.starts(to, self.settings.seed)[..] == starts[..];
+                if is_kept {
+                    map.states[from as usize] = to;
+                    table.0[to as usize] = OnceLock::from(starts);
+                }
+            }
+        }
+        self.starts = table;
+        map
+    }
+}
+
+/// Old states as new ones, or [`NONE`].
+struct StateMap {
+    /// Those with the same starts.
+    states: Vec<u32>,
+    /// Those of the same entry, whatever its starts.
+    entries: Vec<u32>,
+}
+
+fn known(state: u32) -> Option<u32> {
+    (state != NONE).then_some(state)
+}
+
+/// Whether two entries of a cell are of the same triangles.
+fn is_same(old: &Voxels, twin: u32, new: &Voxels, entry: u32) -> bool {
+    let (a, b) = (&old.entries[twin as usize], &new.entries[entry as usize]);
+    let [of_a, of_b] = [old.members_of(twin), new.members_of(entry)];
+    let same = |(x, y): (&u32, &u32)| old.surfaces[*x as usize] == new.surfaces[*y as usize];
+    a.bin == b.bin && of_a.len() == of_b.len() && of_a.iter().zip(of_b).all(same)
+}

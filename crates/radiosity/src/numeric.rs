@@ -1,0 +1,162 @@
+//! Margins and limits: every one of them, with its name and the reason why it suffices.
+//!
+//! Lengths are in cells of the grid, unless a constant says otherwise. Geometry is computed in
+//! double precision: coordinates inside a grid are below 2^10 cells, so that one operation rounds
+//! by 2^-43 at most, and the longest chain (a triangle of 2^30 cells, see [`FARTHEST`]) by 2^-18.
+
+/// A start of rays is so far above its surface, along the normal.
+///
+/// It is stored in single precision: below 2^10 cells this rounds by 2^-15, a thirty-second of the
+/// distance, so that the start stays above its plane. The way up is itself tested for walls, so
+/// that no start is beyond a second surface.
+pub(crate) const LIFT: f64 = 1.0 / 1024.0;
+
+/// The test of the way up to a start begins so far above the surface.
+///
+/// It must leave the surface's own plane, of which rounding knows the place to 2^-18, and it is a
+/// sixteenth of [`LIFT`]. Two surfaces nearer to each other than this count as one.
+pub(crate) const TOUCH: f64 = LIFT / 16.0;
+
+/// Triangles catch rays that pass their edges so near.
+///
+/// Corners come in single precision: in a grid of 512 cells, two walls that should meet may gape by
+/// 2 ulp, which is 2^-14 or 6e-5 cells. It is a tenth of [`LIFT`], so that the grown edge of a wall
+/// stays below all starts of rays on its neighbour.
+pub(crate) const SEAL: f64 = 1e-4;
+
+/// A triangle is listed in all cells that are nearer to it than this.
+///
+/// More than [`SEAL`], so that a ray that a sealed edge catches looks in a cell where the triangle
+/// is listed; the walk itself strays by 2^-40 only.
+pub(crate) const GROW: f64 = 2e-4;
+
+/// Triangles of less area, in square cells, are left out.
+///
+/// They are thinner than a millionth of a cell or smaller than [`SEAL`] in both directions: their
+/// neighbours seal the hole.
+pub(crate) const LEAST_AREA: f64 = 1e-8;
+
+/// Parts of triangles of less area, in square cells, get no entry.
+///
+/// A hit on one reads an entry beside it.
+pub(crate) const LEAST_PART: f64 = 1e-9;
+
+/// Triangles with a corner that is so far from the grid, in cells, are left out.
+///
+/// Up to it, clipping in double precision errs by 2^30 · 2^-52 · 4 = 2^-20 cells, far below
+/// [`GROW`]. Beyond it, a plane through the grid would be a guess.
+pub(crate) const FARTHEST: f64 = (1u64 << 30) as f64;
+
+/// An entry is flat if its triangles leave one plane by no more than this.
+///
+/// A quarter of [`LIFT`]: a segment between two starts above the entry does not dip into it.
+pub(crate) const FLAT: f64 = LIFT / 4.0;
+
+/// Triangles whose unit normals have a greater product count as coplanar in direction.
+///
+/// An angle of 1.4e-4: across a cell, of diagonal 1.74, a plane turned by it leaves the other by
+/// less than [`FLAT`].
+pub(crate) const SAME_NORMAL: f64 = 1.0 - 1e-8;
+
+/// Parts with one dominant direction become two entries where so much is free between them.
+///
+/// A wall of 2 cm at 64 cells on 10 m is 0.13 cells thick; steps below a tenth are relief, which
+/// would only make more entries. Light does not cross a wall either way.
+pub(crate) const GAP: f32 = 0.1;
+
+/// The openness of a candidate is measured by rays of so many cells.
+pub(crate) const OPEN_REACH: f64 = 2.0;
+
+/// How many rays measure it.
+///
+/// Eight tell a point in a fold from one in the open; more change one choice in fifty.
+pub(crate) const OPEN_RAYS: u32 = 8;
+
+/// What a distance of one cell to the middle of an entry costs, as a share of openness.
+///
+/// In the open all candidates are alike, and the one in the middle stands for the entry best.
+pub(crate) const OFF_CENTRE: f64 = 0.15;
+
+/// Points of an entry that are tried.
+pub(crate) const CANDIDATES: u32 = 8;
+
+/// Points of an entry from which rays start at most.
+pub(crate) const STARTS: usize = 4;
+
+/// Unit normals of two entries with a lesser product do not stand in for each other.
+pub(crate) const LIKE_NORMAL: f32 = 0.7;
+
+/// An entry stands in for a hit that is at most so high above or below it.
+pub(crate) const LIKE_HEIGHT: f64 = 0.5;
+
+/// The same where no such entry is seen, as in folds and leaves: what faces the same half of the
+/// space stands in better than darkness. It must be seen all the same.
+pub(crate) const LEAST_NORMAL: f32 = 0.1;
+
+/// See [`LEAST_NORMAL`].
+pub(crate) const LEAST_HEIGHT: f64 = 2.0;
+
+/// Entries that are tried for one hit, by each of the two rules.
+///
+/// The 27 cells around a hit on a wall have nine entries of its kind; four times as many in a fold.
+pub(crate) const STAND_INS: usize = 32;
+
+/// Answers are means over starts within so many cells; where there are none, twice as many.
+pub(crate) const ANSWER_REACH: f64 = 1.5;
+
+/// The least product of the normals of an entry and of a question that it answers.
+pub(crate) const ANSWER_NORMAL: f64 = 0.6;
+
+/// The share of a start's weight that is lost by each cell of height above the question's plane.
+pub(crate) const ANSWER_HEIGHT: f64 = 1.5;
+
+/// Beyond the box of what moved by so much, a segment cannot have met it.
+///
+/// Ends of rays are stored in single precision, which rounds by 2^-14 cells.
+pub(crate) const MOVED: f64 = 0.01;
+
+/// The starts of an entry farther than this from what moved stay as they are.
+///
+/// They depend on rays of [`OPEN_REACH`] and on segments within the cell, of 1.74 at most.
+pub(crate) const MOVED_STARTS: f64 = OPEN_REACH + 1.0;
+
+/// Hits farther than this from what moved are read from the same entry.
+///
+/// Entries that stand in lie in cells next to the hit: their starts are within 3.5 cells of it, and
+/// change only if they are within [`MOVED_STARTS`] of what moved.
+pub(crate) const MOVED_HITS: f64 = MOVED_STARTS + 3.5;
+
+/// Hits on an entry that is alone in its cell, farther than this from what moved, are read as
+/// before.
+///
+/// Only what touches the cell itself counts for them, and the diagonal of a cell is 1.74.
+pub(crate) const MOVED_ALONE: f64 = 2.0;
+
+/// The angle from one direction to the next, as a share of the circle: the golden section spreads
+/// any number of them evenly (Vogel 1979).
+pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// A triangle with a corner so many times as far from the middle as the median corner does not
+/// stretch [`crate::Grid::around`].
+pub(crate) const OUTLIER: f32 = 1000.0;
+
+/// Triangles with a coordinate beyond this, in metres, never stretch [`crate::Grid::around`].
+///
+/// Single precision has steps of 8 m there.
+pub(crate) const ABSURD: f32 = 1e8;
+
+/// Cells along an axis at most.
+pub(crate) const MOST_CELLS: u32 = 512;
+
+/// References of cells to triangles at most: 2^25, which take 1.2 GB while the grid is built.
+pub(crate) const MOST_REFERENCES: usize = 1 << 25;
+
+/// Rays of a state at most.
+pub(crate) const MOST_RAYS: u32 = 4096;
+
+/// Rays that are stored at most: they are numbered by 32 bits.
+pub(crate) const MOST_STORED: usize = u32::MAX as usize;
+
+/// Radiances, intensities and irradiances at most: their squares and sums stay finite in single
+/// precision.
+pub(crate) const BRIGHTEST: f32 = 1e12;

@@ -1,0 +1,59 @@
+//! Directions and numbers that are spread evenly, the same in every run.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use crate::numeric::GOLDEN;
+
+/// Mixes a number so that near ones become far from each other (the finaliser of SplitMix64, Steele
+/// et al. 2014).
+pub(crate) fn mix(number: u64) -> u64 {
+    let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// A number from 0 to below 1 for a key and a dimension.
+pub(crate) fn unit(key: u64, dimension: u64) -> f64 {
+    (mix(key ^ mix(dimension)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// The directions above a surface as dense as the cosine (Malley's method on Vogel's spiral),
+/// turned by a key: the `i`th of `count`.
+pub(crate) struct Hemisphere {
+    normal: DVec3,
+    right: DVec3,
+    up: DVec3,
+    turn: f64,
+    shift: f64,
+    count: f64,
+}
+
+impl Hemisphere {
+    pub(crate) fn new(normal: DVec3, count: u32, key: u64) -> Self {
+        let (right, up) = normal.any_orthonormal_pair();
+        Self { normal, right, up, turn: unit(key, 0), shift: unit(key, 1), count: f64::from(count) }
+    }
+
+    pub(crate) fn direction(&self, i: u32) -> DVec3 {
+        let square = (f64::from(i) + self.shift) / self.count;
+        let (sine, cosine) = (square.sqrt(), (1.0 - square).max(0.0).sqrt());
+        let (s, c) = (TAU * (f64::from(i) * GOLDEN + self.turn).fract()).sin_cos();
+        (self.right * (c * sine) + self.up * (s * sine) + self.normal * cosine).normalize()
+    }
+}
+
+/// A point of a disc of radius 1 around the origin, the `i`th of `count`.
+pub(crate) fn on_disc(i: u32, count: u32, key: u64) -> (f64, f64) {
+    let radius = ((f64::from(i) + unit(key, 2)) / f64::from(count)).sqrt();
+    let (s, c) = (TAU * (f64::from(i) * GOLDEN + unit(key, 3)).fract()).sin_cos();
+    (radius * c, radius * s)
+}
+
+/// Barycentric coordinates that fill a triangle evenly, from two numbers of 0 to 1.
+pub(crate) fn in_triangle(a: f64, b: f64) -> [f64; 3] {
+    let root = a.sqrt();
+    [1.0 - root, root * (1.0 - b), root * b]
+}

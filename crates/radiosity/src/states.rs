@@ -1,0 +1,263 @@
+//! States: where their rays start, what these hit, and which state a hit reads.
+//!
+//! Light cannot cross a wall for three reasons. Rays are tested against triangles. All starts of a
+//! state are joined by segments that are free. And a hit reads a state only if the segment from the
+//! hit to one of its starts is free.
+
+use glam::{DVec3, Vec3};
+use smallvec::SmallVec;
+
+use crate::clip::{Polygon, cross, part_of};
+use crate::numeric::{
+    CANDIDATES, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS,
+    OPEN_REACH, STAND_INS, STARTS, TOUCH,
+};
+use crate::spread::{Hemisphere, in_triangle, mix, unit};
+use crate::voxels::{Surface, Voxels};
+use crate::walk::{Hit, around};
+
+/// A ray that left the grid.
+pub(crate) const SKY: u32 = u32::MAX;
+/// A ray that hit a surface for which no state can stand.
+pub(crate) const DARK: u32 = u32::MAX - 1;
+
+/// Where rays start: just above a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Start {
+    /// In cells.
+    pub(crate) at: Vec3,
+    /// Unit normal of its side of the surface.
+    pub(crate) normal: Vec3,
+}
+
+/// The starts of a state, the most open one first. None if all candidates are buried.
+pub(crate) type Starts = SmallVec<[Start; STARTS]>;
+
+/// What one ray found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ray {
+    /// The state that it reads, [`SKY`] or [`DARK`].
+    pub(crate) target: u32,
+    /// How far it went, in cells; infinite for the sky. Its sign is negative if the target is the
+    /// only entry in the cell of the hit.
+    signed: f32,
+}
+
+impl Ray {
+    /// A ray of a state that is buried.
+    pub(crate) const BURIED: Self = Self { target: DARK, signed: 0.0 };
+
+    /// How far it went, in cells; infinite for the sky.
+    pub(crate) fn distance(&self) -> f64 {
+        f64::from(self.signed.abs())
+    }
+
+    /// Whether the target is the only entry in the cell of the hit, so that none stands in.
+    pub(crate) fn is_own(&self) -> bool {
+        self.signed.is_sign_negative()
+    }
+}
+
+/// A point just above a surface, on the side of a normal. It is what single precision stores.
+pub(crate) fn lifted(point: DVec3, normal: DVec3) -> Vec3 {
+    (point + normal * LIFT).as_vec3()
+}
+
+/// 1 for the front of a state's entry, -1 for its back.
+pub(crate) fn sign(state: u32) -> f64 {
+    if state & 1 == 0 { 1.0 } else { -1.0 }
+}
+
+impl Voxels {
+    /// States: two for each entry.
+    pub(crate) fn states(&self) -> u32 {
+        2 * self.entries.len() as u32
+    }
+
+    /// A number that belongs to a state in whichever order surfaces are given.
+    pub(crate) fn key(&self, state: u32, seed: u32) -> u64 {
+        let e = &self.entries[state as usize / 2];
+        let kind = u64::from(e.rank) << 8 | u64::from(e.bin) << 1 | u64::from(state & 1);
+        mix(mix(u64::from(e.cell) << 32 | u64::from(seed)) ^ kind)
+    }
+
+    /// The starts of a state. Pure: depends on the surfaces within [`OPEN_REACH`] only.
+    pub(crate) fn starts(&self, state: u32, seed: u32) -> Starts {
+        let key = self.key(state, seed);
+        let (candidates, middle) = self.candidates(state, key);
+        let open: SmallVec<[f64; 8]> = candidates.iter().map(|s| self.openness(s, key)).collect();
+        let score = |i: &usize| open[*i] - OFF_CENTRE * candidates[*i].at.as_dvec3().distance(middle);
+        // The first of equals.
+        let best = (0..candidates.len()).rev().max_by(|a, b| score(a).total_cmp(&score(b)));
+        let Some(best) = best else { return Starts::new() };
+        let first = candidates[best].at.as_dvec3();
+        let joined = |i: &usize| *i != best && self.free(first, candidates[*i].at.as_dvec3());
+        std::iter::once(best)
+            .chain((0..candidates.len()).filter(joined))
+            .take(STARTS)
+            .map(|i| candidates[i])
+            .collect()
+    }
+
+    /// Points spread over the triangles of a state that are not buried, and the middle of them all.
+    fn candidates(&self, state: u32, key: u64) -> (SmallVec<[Start; 8]>, DVec3) {
+        let entry = state / 2;
+        let cell = self.lattice.place(self.entries[entry as usize].cell);
+        let mut parts: SmallVec<[(u32, Polygon, f64); 2]> = SmallVec::new();
+        let mut area = 0.0;
+        for &member in self.members_of(entry) {
+            let polygon = part_of(&self.surfaces[member as usize].polygon(), cell);
+            area += 0.5 * cross(&polygon).length();
+            parts.push((member, polygon, area));
+        }
+        let (mut points, mut middle) = (SmallVec::new(), DVec3::ZERO);
+        for i in 0..CANDIDATES {
+            let dimension = 8 + 2 * u64::from(i);
+            let share = (f64::from(i) + unit(key, dimension)) / f64::from(CANDIDATES) * area;
+            let at = parts.partition_point(|p| p.2 <= share).min(parts.len() - 1);
+            let before = if at == 0 { 0.0 } else { parts[at - 1].2 };
+            let point = on_polygon(&parts[at].1, share - before, unit(key, dimension + 1));
+            middle += point / f64::from(CANDIDATES);
+            let normal = self.surfaces[parts[at].0 as usize].normal * sign(state);
+            let start = Start { at: lifted(point, normal), normal: normal.as_vec3() };
+            if self.free(point + normal * TOUCH, start.at.as_dvec3()) {
+                points.push(start);
+            }
+        }
+        (points, middle)
+    }
+
+    /// The mean share of [`OPEN_REACH`] that rays from a start go.
+    fn openness(&self, start: &Start, key: u64) -> f64 {
+        let ways = Hemisphere::new(start.normal.as_dvec3(), OPEN_RAYS, key);
+        let share = |i| {
+            let hit = self.first(start.at.as_dvec3(), ways.direction(i), OPEN_REACH);
+            hit.map_or(1.0, |h| h.distance / OPEN_REACH)
+        };
+        (0..OPEN_RAYS).map(share).sum::<f64>() / f64::from(OPEN_RAYS)
+    }
+
+    /// Which side of a surface a ray meets: its normal there, and 0 for the front or 1.
+    pub(crate) fn facing(&self, surface: u32, direction: DVec3) -> (DVec3, u32) {
+        let normal = self.surfaces[surface as usize].normal;
+        if normal.dot(direction) > 0.0 { (-normal, 1) } else { (normal, 0) }
+    }
+
+    /// The state that a hit reads: that of its entry, or the nearest one like it, if the segment to
+    /// one of its starts is free; else [`DARK`]. Also whether nothing else is in the cell. `starts`
+    /// gives the starts of a state.
+    pub(crate) fn read<'a>(
+        &self,
+        from: DVec3,
+        direction: DVec3,
+        hit: &Hit,
+        starts: &impl Fn(u32) -> &'a [Start],
+    ) -> (u32, bool) {
+        let point = from + direction * hit.distance;
+        let (normal, side) = self.facing(hit.surface, direction);
+        let own = self.entry_at(hit.surface, point, hit.cell);
+        if let Some(entry) = own.filter(|e| self.entries[*e as usize].alone) {
+            return (2 * entry + side, true);
+        }
+        let mut spot = lifted(point, normal).as_dvec3();
+        let near = point + normal * TOUCH;
+        // The lift itself may pass a surface.
+        if !self.free(near, spot) {
+            spot = near;
+        }
+        let sees = |s: &Start| self.free(spot, s.at.as_dvec3());
+        if let Some(entry) = own.filter(|e| starts(2 * e + side).iter().any(sees)) {
+            return (2 * entry + side, false);
+        }
+        let like = self.stand_ins(spot, normal, (LIKE_NORMAL, LIKE_HEIGHT));
+        let other = like.chain(self.stand_ins(spot, normal, (LEAST_NORMAL, LEAST_HEIGHT)));
+        let other = other.into_iter().find(|s| starts(*s).iter().any(sees));
+        (other.unwrap_or(DARK), false)
+    }
+
+    /// States near a point that face like a normal, by a least product of normals and a greatest
+    /// height, nearest first.
+    fn stand_ins(
+        &self,
+        spot: DVec3,
+        normal: DVec3,
+        (product, height): (f32, f64),
+    ) -> impl Iterator<Item = u32> + use<> {
+        let mut near: SmallVec<[(f64, u32); 64]> = SmallVec::new();
+        for cell in around(spot.floor().as_ivec3()).filter(|c| self.lattice.has(*c)) {
+            for entry in self.entries_of(cell) {
+                let e = &self.entries[entry as usize];
+                let like = e.normal.dot(normal.as_vec3());
+                let way = e.middle.as_dvec3() - spot;
+                if like.abs() >= product && way.dot(normal).abs() <= height {
+                    near.push((way.length_squared(), 2 * entry + u32::from(like < 0.0)));
+                }
+            }
+        }
+        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        near.into_iter().take(STAND_INS).map(|n| n.1)
+    }
+
+    /// The `i`th ray of a state.
+    pub(crate) fn trace<'a>(
+        &self,
+        start: &Start,
+        direction: DVec3,
+        starts: &impl Fn(u32) -> &'a [Start],
+    ) -> Ray {
+        let from = start.at.as_dvec3();
+        match self.first(from, direction, f64::INFINITY) {
+            None => Ray { target: SKY, signed: f32::INFINITY },
+            Some(hit) => {
+                let (target, is_own) = self.read(from, direction, &hit, starts);
+                let distance = hit.distance as f32;
+                Ray { target, signed: if is_own { -distance } else { distance } }
+            }
+        }
+    }
+}
+
+/// The rays of a state: their starts in turn, and their directions.
+pub(crate) struct Bundle<'a> {
+    starts: &'a [Start],
+    /// By start.
+    ways: SmallVec<[Hemisphere; STARTS]>,
+}
+
+impl<'a> Bundle<'a> {
+    pub(crate) fn new(starts: &'a [Start], count: u32, key: u64) -> Self {
+        let way = |s: &Start| Hemisphere::new(s.normal.as_dvec3(), count, key);
+        Self { starts, ways: starts.iter().map(way).collect() }
+    }
+
+    /// The start and the direction of the `i`th ray. There must be starts.
+    pub(crate) fn ray(&self, i: u32) -> (&'a Start, DVec3) {
+        let of = i as usize % self.starts.len();
+        (&self.starts[of], self.ways[of].direction(i))
+    }
+}
+
+/// The point of a polygon before which such an area lies, and so far across.
+fn on_polygon(polygon: &Polygon, area: f64, across: f64) -> DVec3 {
+    let mut rest = area;
+    let mut last = polygon[0];
+    for pair in polygon[1..].windows(2) {
+        let of_fan = 0.5 * (pair[0] - polygon[0]).cross(pair[1] - polygon[0]).length();
+        if of_fan > 0.0 {
+            let share = (rest / of_fan).clamp(0.0, 1.0);
+            let [a, b, c] = in_triangle(share, across);
+            last = polygon[0] * a + pair[0] * b + pair[1] * c;
+            if rest < of_fan {
+                return last;
+            }
+        }
+        rest -= of_fan;
+    }
+    last
+}
+
+/// The middle of a triangle's corners, by barycentric coordinates.
+pub(crate) fn mixed(surface: &Surface, shares: [f64; 3]) -> DVec3 {
+    let [a, b, c] = surface.corners;
+    a * shares[0] + b * shares[1] + c * shares[2]
+}

@@ -1,0 +1,406 @@
+//! The surfaces in cells: which triangles each cell touches, and the entries of each cell.
+//!
+//! An entry is the surface in one cell that faces along one of six dominant axes, emits or not, and
+//! has no gap along its axis. Both of its sides hold light, each as a *state*: state `2 e` is the
+//! front of entry `e`, and `2 e + 1` its back.
+
+use glam::{DVec3, IVec3, Vec3};
+
+use crate::clip::{Polygon, cross, inside, part_of, range, touched};
+use crate::error::LightError;
+use crate::input::{Grid, Material, Object, Triangle};
+use crate::numeric::{FARTHEST, FLAT, GAP, GROW, LEAST_AREA, LEAST_PART, MOST_REFERENCES, SAME_NORMAL, SEAL};
+
+/// No entry, or no triangle.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// The lattice of cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lattice {
+    /// Its least corner, in metres.
+    pub(crate) min: DVec3,
+    /// The edge of a cell, in metres.
+    pub(crate) cell: f64,
+    /// Cells along each axis.
+    pub(crate) dims: IVec3,
+}
+
+impl Lattice {
+    /// The cells that cover a sound grid, and one more on each side, for surfaces in its faces.
+    pub(crate) fn new(grid: &Grid) -> Self {
+        let (min, max) = (grid.min.as_dvec3(), grid.max.as_dvec3());
+        let cell = (max - min).max_element() / f64::from(grid.cells);
+        let dims = ((max - min) / cell).round().as_ivec3();
+        // Rounded up but for errors of rounding.
+        let more = ((max - min) / cell - dims.as_dvec3()).cmpgt(DVec3::splat(1e-6));
+        let more = IVec3::new(more.x.into(), more.y.into(), more.z.into());
+        let dims = (dims + more).clamp(IVec3::ONE, IVec3::splat(grid.cells as i32));
+        Self { min: min - cell, cell, dims: dims + 2 }
+    }
+
+    /// A point in cells.
+    pub(crate) fn cells(&self, p: Vec3) -> DVec3 {
+        (p.as_dvec3() - self.min) / self.cell
+    }
+
+    /// The number of a cell. A grid of 514³ cells has less than 2^28.
+    pub(crate) fn number(&self, c: IVec3) -> u32 {
+        ((c.z * self.dims.y + c.y) * self.dims.x + c.x) as u32
+    }
+
+    /// The cell of a number.
+    pub(crate) fn place(&self, number: u32) -> IVec3 {
+        let (n, d) = (number as i32, self.dims);
+        IVec3::new(n % d.x, n / d.x % d.y, n / d.x / d.y)
+    }
+
+    /// Whether there is such a cell.
+    pub(crate) fn has(&self, c: IVec3) -> bool {
+        c.cmpge(IVec3::ZERO).all() && c.cmplt(self.dims).all()
+    }
+}
+
+/// A triangle in cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Surface {
+    pub(crate) corners: [DVec3; 3],
+    /// Unit normal of the front.
+    pub(crate) normal: DVec3,
+    /// How far its barycentric coordinates may be below 0: [`SEAL`] beyond its edges.
+    pub(crate) slack: [f64; 3],
+    pub(crate) area: f64,
+    pub(crate) material: u32,
+    pub(crate) object: u32,
+}
+
+impl Surface {
+    fn new(corners: [DVec3; 3], material: u32, object: u32) -> Option<Self> {
+        let [a, b, c] = corners;
+        let cross = (b - a).cross(c - a);
+        let area = 0.5 * cross.length();
+        let normal = cross.try_normalize().filter(|_| area > LEAST_AREA && area.is_finite())?;
+        // A height on an edge is twice the area over its length.
+        let slack = [b.distance(c), c.distance(a), a.distance(b)].map(|edge| SEAL * edge / (2.0 * area));
+        Some(Self { corners, normal, slack, area, material, object })
+    }
+
+    pub(crate) fn polygon(&self) -> Polygon {
+        self.corners.into_iter().collect()
+    }
+}
+
+/// Triangles that were left out, or not taken whole.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// Corners that are not finite.
+    pub not_finite: usize,
+    /// A corner more than 2^30 cells away, where single precision places no plane.
+    pub far: usize,
+    /// No area.
+    pub degenerate: usize,
+    /// Wholly outside of the grid.
+    pub outside: usize,
+    /// Not left out: only the part inside of the grid counts.
+    pub cut: usize,
+}
+
+/// The triangles of objects that can be lit.
+pub(crate) fn surfaces(objects: &[Object], lattice: &Lattice, skipped: &mut Skipped) -> Vec<Surface> {
+    let mut all = Vec::new();
+    for (object, o) in objects.iter().enumerate() {
+        all.extend(o.triangles.iter().filter_map(|t| surface(t, object as u32, lattice, skipped)));
+    }
+    all
+}
+
+fn surface(t: &Triangle, object: u32, lattice: &Lattice, skipped: &mut Skipped) -> Option<Surface> {
+    if !t.corners.iter().all(|p| p.is_finite()) {
+        skipped.not_finite += 1;
+        return None;
+    }
+    let corners = t.corners.map(|p| lattice.cells(p));
+    if corners.iter().any(|p| p.abs().max_element() > FARTHEST) {
+        skipped.far += 1;
+        return None;
+    }
+    let Some(surface) = Surface::new(corners, t.material, object) else {
+        skipped.degenerate += 1;
+        return None;
+    };
+    let high = lattice.dims.as_dvec3();
+    let is_in = |p: &DVec3| p.cmpge(DVec3::ZERO).all() && p.cmple(high).all();
+    if !corners.iter().all(is_in) {
+        if inside(&surface.polygon(), IVec3::ZERO, lattice.dims, 0.0).is_empty() {
+            skipped.outside += 1;
+            return None;
+        }
+        skipped.cut += 1;
+    }
+    Some(surface)
+}
+
+/// The surface in one cell that faces one way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Entry {
+    /// Unit mean normal of the fronts.
+    pub(crate) normal: Vec3,
+    /// Mean albedo by area.
+    pub(crate) albedo: Vec3,
+    /// In square cells.
+    pub(crate) area: f32,
+    /// The middle of its surface, in cells.
+    pub(crate) middle: Vec3,
+    /// The number of its cell.
+    pub(crate) cell: u32,
+    /// The range of its triangles in [`Voxels::members`].
+    pub(crate) first: u32,
+    pub(crate) end: u32,
+    /// Its place among the entries of its cell.
+    pub(crate) rank: u16,
+    /// Dominant axis times two, plus one for downwards; six more if it emits.
+    pub(crate) bin: u8,
+    /// Whether it is flat and nothing else touches its cell, so that segments above it are free.
+    pub(crate) alone: bool,
+}
+
+/// A triangle that touches a cell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reference {
+    pub(crate) surface: u32,
+    /// The entry of its part in the cell, or [`NONE`] if it has hardly any there.
+    pub(crate) entry: u32,
+}
+
+/// The part of a triangle in a cell, while entries are made.
+#[derive(Clone, Copy)]
+struct Part {
+    cell: u32,
+    surface: u32,
+    /// Twelve kinds of entries, or 255 if there is hardly any part.
+    bin: u8,
+    area: f32,
+    /// The middle of its corners.
+    middle: Vec3,
+    /// Where it lies along its dominant axis.
+    low: f32,
+    high: f32,
+}
+
+/// Cells along an edge of a brick, as a power of two.
+const BRICK: i32 = 2;
+
+/// All surfaces in cells.
+#[derive(Debug, Clone)]
+pub(crate) struct Voxels {
+    pub(crate) lattice: Lattice,
+    pub(crate) surfaces: Vec<Surface>,
+    pub(crate) entries: Vec<Entry>,
+    pub(crate) members: Vec<u32>,
+    pub(crate) references: Vec<Reference>,
+    /// By occupied cell, in order of bricks: where its references start; one more for the end.
+    starts: Vec<u32>,
+    /// By occupied cell: where its entries start; one more for the end.
+    heads: Vec<u32>,
+    bricks: IVec3,
+    /// By brick of 4x4x4 cells: its occupied cells.
+    pub(crate) masks: Vec<u64>,
+    /// By brick: occupied cells of the bricks before it.
+    ranks: Vec<u32>,
+}
+
+/// The kind of entry that a surface belongs to.
+fn bin_of(normal: DVec3, emits: bool) -> u8 {
+    let axis = normal.abs().max_position();
+    (2 * axis) as u8 + u8::from(normal[axis] < 0.0) + 6 * u8::from(emits)
+}
+
+impl Voxels {
+    /// O(touched cells times their logarithm).
+    pub(crate) fn new(
+        lattice: Lattice,
+        surfaces: Vec<Surface>,
+        materials: &[Material],
+    ) -> Result<Self, LightError> {
+        let bricks = (lattice.dims + 3) >> BRICK;
+        let count = bricks.as_usizevec3().element_product();
+        let mut voxels = Self {
+            lattice,
+            surfaces,
+            entries: Vec::new(),
+            members: Vec::new(),
+            references: Vec::new(),
+            starts: vec![0],
+            heads: vec![0],
+            bricks,
+            masks: vec![0; count],
+            ranks: vec![0; count],
+        };
+        let mut parts = voxels.parts(materials)?;
+        // In the order in which bricks number their cells.
+        parts.sort_unstable_by_key(|p| (voxels.slot(lattice.place(p.cell)), p.bin, p.surface));
+        for of_cell in parts.chunk_by(|a, b| a.cell == b.cell) {
+            let (brick, bit) = voxels.slot(lattice.place(of_cell[0].cell));
+            voxels.masks[brick] |= 1 << bit;
+            voxels.add_cell(of_cell, materials);
+        }
+        let mut before = 0;
+        for (rank, mask) in voxels.ranks.iter_mut().zip(&voxels.masks) {
+            *rank = before;
+            before += mask.count_ones();
+        }
+        Ok(voxels)
+    }
+
+    fn parts(&self, materials: &[Material]) -> Result<Vec<Part>, LightError> {
+        let mut parts = Vec::new();
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            let bin = bin_of(surface.normal, emits(materials, surface));
+            let whole = surface.polygon();
+            let in_grid = inside(&whole, IVec3::ZERO, self.lattice.dims, GROW);
+            let all = touched(&in_grid, IVec3::ZERO, self.lattice.dims, &mut |cell| {
+                let polygon = part_of(&whole, cell);
+                let area = 0.5 * cross(&polygon).length();
+                let (low, high) = range(&polygon, usize::from(bin % 6 / 2));
+                let bin = if area > LEAST_PART { bin } else { u8::MAX };
+                parts.push(Part {
+                    cell: self.lattice.number(cell),
+                    surface: i as u32,
+                    bin,
+                    area: area as f32,
+                    middle: (polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64).as_vec3(),
+                    low: low as f32,
+                    high: high as f32,
+                });
+                parts.len() < MOST_REFERENCES
+            });
+            if !all {
+                return Err(LightError::TooManyReferences);
+            }
+        }
+        Ok(parts)
+    }
+
+    /// Adds a cell with its parts, which are sorted by bin and surface.
+    fn add_cell(&mut self, parts: &[Part], materials: &[Material]) {
+        let (first, start) = (self.entries.len(), self.references.len());
+        for of_bin in parts.chunk_by(|a, b| a.bin == b.bin) {
+            if of_bin[0].bin == u8::MAX {
+                let reference = |p: &Part| Reference { surface: p.surface, entry: NONE };
+                self.references.extend(of_bin.iter().map(reference));
+                continue;
+            }
+            let mut of_bin = of_bin.to_vec();
+            of_bin.sort_unstable_by(|a, b| a.low.total_cmp(&b.low).then(a.surface.cmp(&b.surface)));
+            let mut rest = &of_bin[..];
+            while !rest.is_empty() {
+                let mut high = rest[0].high;
+                let gap = rest.iter().position(|p| {
+                    let is_beyond = p.low > high + GAP;
+                    high = high.max(p.high);
+                    is_beyond
+                });
+                let (near, others) = rest.split_at(gap.unwrap_or(rest.len()));
+                rest = others;
+                let rank = (self.entries.len() - first) as u16;
+                self.add_entry(near, rank, materials);
+            }
+        }
+        if let [entry] = &mut self.entries[first..] {
+            entry.alone &= self.references[start..].iter().all(|r| r.entry == first as u32);
+        } else {
+            self.entries[first..].iter_mut().for_each(|e| e.alone = false);
+        }
+        self.starts.push(self.references.len() as u32);
+        self.heads.push(self.entries.len() as u32);
+    }
+
+    fn add_entry(&mut self, parts: &[Part], rank: u16, materials: &[Material]) {
+        let number = self.entries.len() as u32;
+        let first = self.members.len() as u32;
+        let (mut normal, mut albedo, mut middle, mut area) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
+        for p in parts {
+            let (surface, share) = (&self.surfaces[p.surface as usize], f64::from(p.area));
+            normal += surface.normal * share;
+            albedo += materials[surface.material as usize].albedo.as_dvec3() * share;
+            middle += p.middle.as_dvec3() * share;
+            area += share;
+            self.members.push(p.surface);
+            self.references.push(Reference { surface: p.surface, entry: number });
+        }
+        let mean = &self.surfaces[parts[0].surface as usize];
+        let is_flat = parts.iter().all(|p| {
+            let other = &self.surfaces[p.surface as usize];
+            // The triangle's corner nearest to the plane tells less than its part, but is on it.
+            let height = mean.normal.dot(other.corners[0] - mean.corners[0]);
+            other.normal.dot(mean.normal) > SAME_NORMAL && height.abs() < FLAT
+        });
+        self.entries.push(Entry {
+            normal: normal.try_normalize().unwrap_or(mean.normal).as_vec3(),
+            albedo: (albedo / area).as_vec3(),
+            area: area as f32,
+            middle: (middle / area).as_vec3(),
+            cell: parts[0].cell,
+            first,
+            end: self.members.len() as u32,
+            rank,
+            bin: parts[0].bin,
+            alone: is_flat,
+        });
+    }
+
+    /// The brick of a cell, and its bit in it.
+    fn slot(&self, c: IVec3) -> (usize, i32) {
+        let b = c >> BRICK;
+        let brick = (b.z * self.bricks.y + b.y) * self.bricks.x + b.x;
+        (brick as usize, ((c.z & 3) << 4) | ((c.y & 3) << 2) | (c.x & 3))
+    }
+
+    /// The occupied cells around a cell of the grid, 4x4x4 of them.
+    pub(crate) fn mask(&self, c: IVec3) -> u64 {
+        self.masks[self.slot(c).0]
+    }
+
+    /// The number of a cell among the occupied ones.
+    fn occupied(&self, c: IVec3) -> Option<usize> {
+        let (brick, bit) = self.slot(c);
+        let mask = self.masks[brick];
+        (mask >> bit & 1 == 1).then(|| {
+            let before = mask & ((1 << bit) - 1);
+            (self.ranks[brick] + before.count_ones()) as usize
+        })
+    }
+
+    /// The triangles that touch a cell of the grid.
+    pub(crate) fn references_of(&self, c: IVec3) -> &[Reference] {
+        let of = |i: usize| &self.references[self.starts[i] as usize..self.starts[i + 1] as usize];
+        self.occupied(c).map_or(&[], of)
+    }
+
+    /// The entries of a cell of the grid.
+    pub(crate) fn entries_of(&self, c: IVec3) -> std::ops::Range<u32> {
+        self.occupied(c).map_or(0..0, |i| self.heads[i]..self.heads[i + 1])
+    }
+
+    /// The triangles of an entry, in order.
+    pub(crate) fn members_of(&self, entry: u32) -> &[u32] {
+        let e = &self.entries[entry as usize];
+        &self.members[e.first as usize..e.end as usize]
+    }
+
+    /// Bytes of all parts.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.surfaces[..])
+            + size_of_val(&self.entries[..])
+            + size_of_val(&self.members[..])
+            + size_of_val(&self.references[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.heads[..])
+            + size_of_val(&self.masks[..])
+            + size_of_val(&self.ranks[..])
+    }
+}
+
+/// Whether a surface is a lamp.
+pub(crate) fn emits(materials: &[Material], surface: &Surface) -> bool {
+    materials[surface.material as usize].emission.max_element() > 0.0
+}

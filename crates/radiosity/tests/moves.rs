@@ -1,0 +1,183 @@
+//! What moves: the same rays as in a cache that is made anew, and few of them sent again.
+
+mod common;
+
+use casca_radiosity::{Cache, Grid, Object, Scene, Settings, Sky};
+use common::{cuboid, indirect, lamp, lit, matt, placed, room, scene, sheet, turned};
+use glam::{Affine3A, Vec3 as V};
+
+/// Two rooms with a door between them, which is object 1, and a box on the floor, which is object 2.
+fn house(open: f32, at: V) -> Scene {
+    let mut walls = room(V::ZERO, V::new(8.0, 3.0, 4.0), 0);
+    // A wall across, but for a gap of a metre at its end.
+    walls.extend(cuboid(V::new(3.9, 0.0, 0.0), V::new(4.1, 3.0, 3.0), 0));
+    let door = cuboid(V::new(3.95, 0.0, 3.0 - open), V::new(4.05, 3.0, 4.0 - open), 0);
+    let chest = cuboid(at, at + V::new(0.6, 0.5, 0.7), 0);
+    let objects = [walls, door, chest].map(|triangles| Object { triangles }).into();
+    let lights = vec![lamp(V::new(2.0, 2.2, 1.9), 10.0)];
+    Scene { objects, ..scene(vec![], vec![matt(0.6)], lights, 0.0) }
+}
+
+fn grid(scene: &Scene) -> Settings {
+    Settings::new(Grid { min: V::ZERO, max: V::new(8.0, 3.0, 4.0), ..Grid::around(&scene.objects, 40) })
+}
+
+fn gathered(scene: &Scene) -> Cache {
+    let mut cache = Cache::new(scene, grid(scene)).unwrap();
+    cache.request_all();
+    cache.gather(24).unwrap();
+    cache
+}
+
+/// Light after the same passes from the dark, as bits, at many points.
+fn light(cache: &mut Cache) -> Vec<[u32; 3]> {
+    cache.darken();
+    cache.direct();
+    cache.darken();
+    (0..4).for_each(|_| _ = cache.pass());
+    let mut all = Vec::new();
+    for i in 0..400 {
+        let (u, v) = (i as f32 / 400.0, (i as f32 * 0.618).fract());
+        for (point, normal) in [(V::new(8.0 * u, 0.0, 4.0 * v), V::Y), (V::new(8.0 * u, 3.0, 4.0 * v), -V::Y)]
+        {
+            let found = cache.irradiance(point, normal).unwrap();
+            all.push((found.indirect + found.direct).to_array().map(f32::to_bits));
+        }
+    }
+    all
+}
+
+#[test]
+fn what_moved_is_as_if_made_anew() {
+    let places = [V::new(1.0, 0.0, 2.0), V::new(1.3, 0.0, 2.1), V::new(6.0, 0.9, 1.0), V::new(2.0, 0.0, 3.3)];
+    let mut cache = gathered(&house(0.0, places[0]));
+    light(&mut cache);
+    for (i, place) in places.into_iter().enumerate() {
+        let scene = house(0.0, place);
+        let moved = cache.set_object(2, scene.objects[2].clone()).unwrap();
+        cache.request_all();
+        cache.gather(24).unwrap();
+        let mut anew = gathered(&scene);
+        println!("{moved:?}");
+        assert_eq!(cache.statistics().rays, anew.statistics().rays, "{i}");
+        assert_eq!(cache.statistics().dark_rays, anew.statistics().dark_rays, "{i}");
+        assert_eq!(light(&mut cache), light(&mut anew), "{i}");
+        assert!(i > 0 || moved.sent == 0 || moved.sent < moved.rays / 4);
+    }
+}
+
+#[test]
+fn a_door_lets_light_in_and_keeps_it_out() {
+    let place = V::new(1.0, 0.0, 2.0);
+    let mut cache = gathered(&house(0.0, place));
+    cache.direct();
+    (0..8).for_each(|_| _ = cache.pass());
+    let far = |cache: &Cache| indirect(cache, V::new(6.0, 0.0, 2.0), V::Y);
+    assert_eq!(far(&cache), 0.0);
+    for (open, is_lit) in [(0.9, true), (0.0, false), (0.9, true)] {
+        let scene = house(open, place);
+        let moved = cache.set_object(1, scene.objects[1].clone()).unwrap();
+        cache.request_all();
+        cache.gather(24).unwrap();
+        cache.direct();
+        (0..8).for_each(|_| _ = cache.pass());
+        println!("door {open}: {moved:?}, {}", far(&cache));
+        let mut anew = gathered(&scene);
+        anew.direct();
+        anew.converge(1e-5, 60);
+        if is_lit {
+            let truth = far(&anew);
+            assert!(truth > 0.01 && (far(&cache) / truth - 1.0).abs() < 0.05, "{}, {truth}", far(&cache));
+        } else {
+            // Light that was there dies by the albedo, pass by pass; no new light comes.
+            let before = far(&cache);
+            (0..30).for_each(|_| _ = cache.pass());
+            assert!(before < 0.05 && far(&cache) < 1e-4 * before.max(1e-9), "{before}, {}", far(&cache));
+        }
+        assert_eq!(light(&mut cache), light(&mut anew));
+    }
+}
+
+#[test]
+fn objects_may_change_their_number_of_triangles() {
+    let scene = house(0.3, V::new(1.0, 0.0, 2.0));
+    let mut cache = gathered(&scene);
+    let mut other = scene.clone();
+    other.objects[1].triangles.truncate(3);
+    other.objects[2].triangles.clear();
+    for object in [1, 2] {
+        cache.set_object(object, other.objects[object].clone()).unwrap();
+    }
+    cache.request_all();
+    cache.gather(24).unwrap();
+    assert_eq!(light(&mut cache), light(&mut gathered(&other)));
+    // And comes back.
+    for object in [2, 1] {
+        cache.set_object(object, scene.objects[object].clone()).unwrap();
+    }
+    cache.request_all();
+    cache.gather(24).unwrap();
+    assert_eq!(light(&mut cache), light(&mut gathered(&scene)));
+}
+
+#[test]
+fn lights_that_move_need_no_rays() {
+    let scene = house(0.5, V::new(1.0, 0.0, 2.0));
+    let mut cache = gathered(&scene);
+    cache.direct();
+    cache.converge(1e-4, 40);
+    let rays = cache.statistics().rays;
+    let other = vec![lamp(V::new(6.0, 1.0, 2.0), 10.0)];
+    cache.set_lights(&other).unwrap();
+    let mut anew = gathered(&Scene { lights: other, ..scene });
+    assert_eq!(light(&mut cache), light(&mut anew));
+    assert_eq!(cache.statistics().rays, rays);
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let scene = house(0.5, V::new(1.0, 0.0, 2.0));
+    let of = |threads| {
+        let mut cache = Cache::new(&scene, Settings { threads, ..grid(&scene) }).unwrap();
+        cache.request_all();
+        cache.gather(8).unwrap();
+        light(&mut cache)
+    };
+    let one = of(1);
+    assert!(one == of(2) && one == of(7));
+}
+
+#[test]
+fn the_order_of_requests_does_not_matter() {
+    let scene = house(0.5, V::new(1.0, 0.0, 2.0));
+    let points: Vec<V> = (0..30).map(|i| V::new(0.2 + 0.25 * i as f32, 0.0, 1.7)).collect();
+    let of = |points: Vec<V>| {
+        let mut cache = Cache::new(&scene, grid(&scene)).unwrap();
+        points.into_iter().for_each(|p| cache.request(p, V::Y).unwrap());
+        cache.gather(16).unwrap();
+        light(&mut cache)
+    };
+    let backwards = points.iter().rev().copied().collect();
+    assert_eq!(of(points), of(backwards));
+}
+
+#[test]
+fn a_turned_scene_has_the_same_light() {
+    let floor = sheet(V::new(-2.0, 0.0, -2.0), V::Z * 4.0, V::X * 4.0, 0);
+    let post = cuboid(V::new(-0.3, 0.0, -0.3), V::new(0.3, 1.5, 0.3), 0);
+    let all = [floor, post].concat();
+    let at = |place: Affine3A| {
+        let cache = lit(&scene(placed(&all, place), vec![matt(0.5)], vec![], 1.0), 32, 256, 8);
+        let ask = |x: f32| {
+            let point = place.transform_point3(V::new(x, 0.0, 0.1));
+            indirect(&cache, point, place.transform_vector3(V::Y))
+        };
+        // Nearer than a cell to the post, answers blur.
+        [0.5, 0.7, 1.0, 1.7].map(ask)
+    };
+    let (a, b) = (at(Affine3A::IDENTITY), at(turned()));
+    for (a, b) in a.into_iter().zip(b) {
+        assert!((a / b - 1.0).abs() < 0.05, "{a} and {b}");
+    }
+    assert_eq!(Sky::Even(V::ONE).radiance(V::Y), V::ONE);
+}
