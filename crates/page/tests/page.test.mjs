@@ -138,7 +138,7 @@ for (const way of ["webgl", "webgpu"]) {
       assert.deepEqual(refused, way === "webgl" ? ["points", "light", "lines", "fur"] : []);
       // Smaller than by default: processors draw here.
       await page.setViewport({ width: 320, height: 180, deviceScaleFactor: 1 });
-      const smaller = { points: "--panes points", light: "cornell-point --resolution 32", lines: "--lines 60 --samples 8", fur: "--layers 2" };
+      const smaller = { points: "--panes points,hpr --spacing 0.3", light: "cornell-point --resolution 16", lines: "--lines 60 --samples 8", fur: "--layers 2" };
       for (const name of names.filter((name) => !refused.includes(name))) {
         const [count, begun] = [await page.evaluate(() => casca.reports), Date.now()];
         await page.evaluate((words) => casca.viewer.show(words), `${name} ${smaller[name] ?? ""}`);
@@ -197,6 +197,17 @@ test("wrong words, wrong numbers and unknown names change nothing", { timeout: 1
     });
     await later(page);
     assert.deepEqual((await told(page, "report")).dials, before);
+  });
+});
+
+test("a lost context is said, with a way to start again", { timeout: 120_000 }, async () => {
+  await open("", async (page) => {
+    await reports(page, 1);
+    await page.evaluate(() => canvas.getContext("webgl2").getExtension("WEBGL_lose_context").loseContext());
+    await until(page, () => document.getElementById("status").textContent.includes("lost"));
+    await Promise.all([page.waitForNavigation(), page.click("#status button")]);
+    await reports(page, 1);
+    assert.equal(await status(page), "");
   });
 });
 

@@ -19,7 +19,7 @@ fn run(folder: &Path, words: &str) -> (Option<i32>, String, String) {
 #[test]
 fn without_a_display_all_systems_say_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
-    for system in ["", "scene rooms", "points", "light", "lines", "fur"] {
+    for system in ["", "scene rooms", "plane", "points", "light", "lines", "fur"] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_casca-viewer"));
         command.current_dir(folder.path()).args(system.split_whitespace());
         let output =
@@ -119,4 +119,24 @@ fn furry_pictures_are_written_and_errors_name_their_cause() {
         run(folder, "fur --field 6 --headless --size 48x32 --smooth 0 --layers 2 --frames 1 --out field");
     assert!(code == Some(0) && said.matches(" 0 pixels differ").count() == 2, "{said}");
     assert!(folder.join("field/field-0.png").is_file() && folder.join("field/field-0-layered.png").is_file());
+}
+
+#[test]
+fn pictures_of_a_map_and_of_one_frame_have_the_names_that_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let (code, said, _) = run(folder, "plane --rooms 3 --headless --frames 5 --size 96x64 --out plane");
+    if code == Some(3) {
+        return println!("skipped: no adapter");
+    }
+    assert_eq!(code, Some(0));
+    assert!(said.contains("guards are visible") && said.contains("plane/plane-rooms-3.png"), "{said}");
+    assert!(std::fs::metadata(folder.join("plane/plane-rooms-3.png")).unwrap().len() > 100);
+    let words = "scene spheres --at 7 --headless --size 96x64 --out scene";
+    let picture = |words: &str| {
+        assert_eq!(run(folder, words).0, Some(0), "{words}");
+        std::fs::read(folder.join("scene/spheres-0007-point.png")).unwrap()
+    };
+    assert_ne!(picture(words), picture(&format!("{words} --bare")), "without numbers");
+    assert_eq!(run(folder, "scene spheres --bare").0, Some(2));
 }

@@ -66,6 +66,9 @@ pub struct Look {
     /// [default: from the radius]
     #[arg(long, value_parser = parse_finite)]
     pub log10_radius: Option<f64>,
+    /// The distance between the points of the house in metres, 0.02 to 1
+    #[arg(long, default_value_t = HOUSE_SPACING, value_parser = parse_spacing)]
+    pub spacing: f32,
 }
 
 /// A cloud with y upwards, and the way that it is looked at.
@@ -91,7 +94,7 @@ impl Look {
     pub fn open(&self, file: Option<&Path>) -> Result<Looked, Box<dyn Error>> {
         let cloud = match file {
             Some(path) => files::read(path)?,
-            None => house::scan(HOUSE_SPACING),
+            None => house::scan(self.spacing),
         };
         if cloud.is_empty() {
             return Err("the file has no points".into());
@@ -208,6 +211,11 @@ pub fn parse_finite(text: &str) -> Result<f64, String> {
 pub fn parse_length(text: &str) -> Result<f32, String> {
     let length = text.parse().ok().filter(|length: &f32| length.is_finite() && *length >= 0.0);
     length.ok_or_else(|| "expected a number from 0 up".to_owned())
+}
+
+fn parse_spacing(text: &str) -> Result<f32, String> {
+    let spacing = text.parse().ok().filter(|spacing| (0.02..=1.0).contains(spacing));
+    spacing.ok_or_else(|| "expected metres from 0.02 to 1".to_owned())
 }
 
 fn parse_angle(text: &str) -> Result<f32, String> {

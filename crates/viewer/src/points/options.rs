@@ -55,6 +55,8 @@ mod tests {
             ("--eye 1,2,3,4", "three numbers"),
             ("--radius -1", "from 0 up"),
             ("--radius NaN", "from 0 up"),
+            ("--spacing 0", "from 0.02 to 1"),
+            ("--spacing NaN", "from 0.02 to 1"),
             ("--log10-radius inf", "a finite number"),
             ("walk x --pixels -1", "from 0 up"),
             ("walk x --speed inf", "from 0 up"),

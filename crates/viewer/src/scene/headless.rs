@@ -32,6 +32,8 @@ pub struct Plan<'a> {
     pub method: Method,
     /// How many pictures of the path, evenly spread.
     pub frames: usize,
+    /// The frame that all of them show instead.
+    pub at: Option<usize>,
     /// Where they go.
     pub out: &'a Path,
     /// Width and height in pixels.
@@ -58,8 +60,7 @@ pub fn pictures(gpu: &Gpu, playback: &mut Playback, plan: &Plan<'_>) -> Result<u
     let last = playback.world.frames.saturating_sub(1);
     let (mut lost, mut strip) = (0, Vec::new());
     for picture in 0..plan.frames {
-        // No frame is before the one that the scene stands at.
-        let at = (last * (picture * 2 + 1) / (plan.frames * 2).max(1)).max(playback.ticks());
+        let at = plan.at.unwrap_or(last * (picture * 2 + 1) / (plan.frames * 2).max(1));
         let aspect = studio.canvas.aspect();
         while playback.ticks() < at {
             let camera = playback.path_camera(aspect);

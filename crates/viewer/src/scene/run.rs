@@ -53,11 +53,9 @@ impl Options {
             bench::bench(&gpu, drawing.size)?;
         }
         let frames = drawing.frames.unwrap_or(FRAMES) as usize;
+        let at = self.at.map(|frame| frame as usize);
         for scene in scenes.iter().filter(|_| self.common.headless || self.proof) {
             let mut playback = Playback::new(scene.open(&self.made())?)?;
-            if let Some(frame) = self.at {
-                playback.go_to(frame as usize);
-            }
             if self.proof {
                 let methods = [Method::Point, Method::Cell, Method::Hzb, Method::Rays];
                 let plan = (drawing.size, frames);
@@ -66,7 +64,8 @@ impl Options {
             } else {
                 let plan = headless::Plan {
                     method: self.method,
-                    frames: if self.at.is_some() { 1 } else { frames },
+                    frames: if at.is_some() { 1 } else { frames },
+                    at,
                     out: &out,
                     size: drawing.size,
                     birds_eye: self.birds_eye,
