@@ -14,7 +14,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 20] = [
+const ROOTS: [&str; 19] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -33,12 +33,11 @@ const ROOTS: [&str; 20] = [
     "crates/walls/src",
     "crates/capi/src",
     "crates/web/src",
-    "crates/page/src",
     "crates/radiosity/src",
 ];
 
 /// More sources whose files are checked for their length.
-const MORE: [&str; 3] = ["crates/baked/src", "crates/cache/src", "crates/slots/src"];
+const MORE: [&str; 4] = ["crates/baked/src", "crates/cache/src", "crates/page/src", "crates/slots/src"];
 
 /// A longer file says at its head why: a line that starts with `//! Long because`.
 const LONGEST: usize = 450;

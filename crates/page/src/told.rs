@@ -1,7 +1,8 @@
 //! What the page is told, as JSON: an object with `kind` and what belongs to it.
 
-use casca_stage::dial::{Dial, Report, Setting};
+use casca_stage::dial::{Dial, Setting};
 use casca_stage::panel::{Entry, Sample};
+use casca_stage::report::Report;
 use casca_stage::window::Told;
 use casca_viewer::systems::SYSTEMS;
 use serde_json::{Value, json};

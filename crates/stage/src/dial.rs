@@ -2,8 +2,6 @@
 
 use std::ops::RangeInclusive;
 
-use crate::panel::Entry;
-
 /// A setting, and how it is set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dial {
@@ -75,17 +73,6 @@ impl Dial {
             Setting::Button => Some(1.0),
         }
     }
-}
-
-/// What a program says about itself.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Report {
-    /// What it says, line by line.
-    pub lines: Vec<String>,
-    /// The meanings of the colours.
-    pub legend: Vec<Entry>,
-    /// What can be set.
-    pub dials: Vec<Dial>,
 }
 
 #[cfg(test)]

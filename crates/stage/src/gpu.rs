@@ -2,6 +2,8 @@
 
 use wgpu::{TextureFormat, TextureUsages};
 
+pub use crate::error::GpuError;
+pub use crate::platform::IS_PAGE;
 use crate::reading::Reading;
 use crate::scope::{Trouble, refused};
 
@@ -18,42 +20,8 @@ const USEFUL: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SHADER_INT64)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
 
-/// Whether this is a page of a browser: there the device answers only after the program has
-/// returned.
-pub const IS_PAGE: bool = cfg!(target_arch = "wasm32");
-
 /// What is said where a page would have to wait.
 const NOT_YET: &str = "a page cannot wait for it";
-
-/// Why nothing can be drawn.
-#[derive(Debug, thiserror::Error)]
-pub enum GpuError {
-    /// The machine has no adapter that serves; with the words of the graphics library.
-    #[error("no graphics adapter: {} is needed; a software one will do", if IS_PAGE { "WebGPU or WebGL 2" } else { "a Vulkan, Metal or Direct3D 12 driver" })]
-    NoAdapter(String),
-    /// The adapter gives no device.
-    #[error("the graphics adapter gives no device: {0}")]
-    NoDevice(String),
-    /// The adapter has no room for a buffer.
-    #[error("the graphics adapter has no room for {bytes} bytes in one buffer (its limit is {most})")]
-    NoRoom {
-        /// The size of the buffer.
-        bytes: u64,
-        /// The largest buffer that shaders can be given.
-        most: u64,
-    },
-    /// The device refused commands.
-    #[error("the graphics device refused {stage}: {why}")]
-    Refused {
-        /// The stage.
-        stage: &'static str,
-        /// The device's words.
-        why: String,
-    },
-    /// A picture cannot be read back.
-    #[error("the picture cannot be read back: {0}")]
-    Read(String),
-}
 
 /// A device and its queue.
 pub struct Gpu {
@@ -189,7 +157,7 @@ impl Gpu {
     /// Does what takes memory of the device; `None` if it has none left. Without this, a device
     /// that is out of memory ends the program. In a page it is [`Self::trouble`] that tells.
     pub fn try_room<T>(&self, work: impl FnOnce() -> T) -> Option<T> {
-        let (done, error) = refused(self, &[wgpu::ErrorFilter::OutOfMemory], work);
+        let (done, error) = refused((&self.device, &self.trouble), &[wgpu::ErrorFilter::OutOfMemory], work);
         error.is_none().then_some(done)
     }
 

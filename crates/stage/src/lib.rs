@@ -24,6 +24,7 @@
 //! - `window`: a window and its loop.
 //! - `page`: a program in the canvas of a page; on WebAssembly only.
 //! - `dial`: settings by their names.
+//! - `report`: what a program says about itself.
 //! - `fly`: a camera that is flown with keys and mouse.
 //! - `panel`: text and images over a picture.
 #![deny(missing_docs)]
@@ -37,6 +38,8 @@ pub mod command_line;
 pub mod compare;
 #[cfg(feature = "window")]
 pub mod dial;
+#[cfg(feature = "gpu")]
+mod error;
 #[cfg(feature = "window")]
 pub mod fly;
 #[cfg(feature = "gpu")]
@@ -52,7 +55,11 @@ pub mod path_error;
 #[cfg(feature = "charts")]
 pub mod pictures;
 #[cfg(feature = "gpu")]
+mod platform;
+#[cfg(feature = "gpu")]
 pub mod reading;
+#[cfg(feature = "window")]
+pub mod report;
 #[cfg(feature = "gpu")]
 mod scope;
 #[cfg(feature = "window")]

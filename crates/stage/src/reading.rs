@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use crate::gpu::GpuError;
+use crate::error::GpuError;
 
 /// Bytes that are on their way from the device.
 pub struct Reading {

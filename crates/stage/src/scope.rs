@@ -2,9 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use wgpu::ErrorFilter;
-
-use crate::gpu::Gpu;
+use wgpu::{Device, ErrorFilter};
 
 /// What a device told after the work that it was about: the first of it.
 #[derive(Clone, Default)]
@@ -13,7 +11,7 @@ pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
 impl Trouble {
     /// What `device` will tell. Outside of pages nothing comes late: an error that nobody listens
     /// to ends the program there, as a mistake in it.
-    pub(crate) fn of(device: &wgpu::Device) -> Self {
+    pub(crate) fn of(device: &Device) -> Self {
         let trouble = Self::default();
         if cfg!(target_arch = "wasm32") {
             let (lost, uncaught) = (trouble.clone(), trouble.clone());
@@ -38,33 +36,36 @@ impl Trouble {
 }
 
 /// Does work, and returns the first error of these kinds that the device answers with. In a page
-/// WebGPU answers later: then it is in [`Gpu::trouble`].
+/// WebGPU answers later: then it is in the trouble.
 pub(crate) fn refused<T>(
-    gpu: &Gpu,
+    (device, trouble): (&Device, &Trouble),
     kinds: &[ErrorFilter],
     work: impl FnOnce() -> T,
 ) -> (T, Option<wgpu::Error>) {
     let Some((kind, others)) = kinds.split_first() else { return (work(), None) };
-    let scope = gpu.device.push_error_scope(*kind);
+    let scope = device.push_error_scope(*kind);
     // The inner scope ends first.
-    let (done, inner) = refused(gpu, others, work);
-    (done, inner.or(answer(gpu, scope.pop())))
+    let (done, inner) = refused((device, trouble), others, work);
+    (done, inner.or(answer(trouble, scope.pop())))
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-fn answer(_: &Gpu, scope: impl Future<Output = Option<wgpu::Error>>) -> Option<wgpu::Error> {
+fn answer(_: &Trouble, scope: impl Future<Output = Option<wgpu::Error>>) -> Option<wgpu::Error> {
     pollster::block_on(scope)
 }
 
 #[cfg(target_arch = "wasm32")]
-fn answer(gpu: &Gpu, scope: impl Future<Output = Option<wgpu::Error>> + 'static) -> Option<wgpu::Error> {
+fn answer(
+    trouble: &Trouble,
+    scope: impl Future<Output = Option<wgpu::Error>> + 'static,
+) -> Option<wgpu::Error> {
     use std::task::{Context, Poll, Waker};
 
     let mut scope = Box::pin(scope);
     if let Poll::Ready(error) = scope.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
         return error;
     }
-    let trouble = gpu.trouble.clone();
+    let trouble = trouble.clone();
     wasm_bindgen_futures::spawn_local(async move {
         if let Some(error) = scope.await {
             trouble.tell(error.to_string());

@@ -8,7 +8,6 @@ use std::sync::Arc;
 use glam::Vec3;
 use wgpu::CurrentSurfaceTexture;
 use winit::dpi::PhysicalSize;
-use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::keyboard::KeyCode;
 use winit::window::{Window, WindowAttributes};
 
@@ -16,7 +15,6 @@ use crate::canvas::Target;
 use crate::fly::{Fingers, way};
 use crate::gpu::{DEPTH, Gpu, IS_PAGE};
 use crate::timing::Instant;
-use crate::window::Event;
 
 /// What is said where there is no window to be had.
 pub(crate) const NO_WINDOW: &str = "no window can be opened (no display?): try --headless";
@@ -130,7 +128,7 @@ impl Screen {
         IS_PAGE
     }
 
-    async fn new(wanted: Wanted, window: Arc<Window>) -> Result<Self, Box<dyn Error>> {
+    pub(crate) async fn new(wanted: Wanted, window: Arc<Window>) -> Result<Self, Box<dyn Error>> {
         let mut described = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         described.backends &= wanted.backends;
         let instance = wgpu::util::new_instance_with_webgpu_detection(described).await;
@@ -177,28 +175,13 @@ impl Screen {
         self.gpu.queue.present(texture);
         // Where no panel asks for them, events would pile up.
         drop(self.input());
-        // Nothing waits for the screen where it is not drawn to. A page is not asked for frames then.
+        // Nothing waits for a screen that is not drawn to. A page is not asked for frames then.
         #[cfg(not(target_arch = "wasm32"))]
         if self.window.is_minimized() == Some(true) {
             std::thread::sleep(std::time::Duration::from_millis(50));
         }
         Ok(())
     }
-}
-
-/// Opens a window. Its screen comes as an event: in a page only after this has returned.
-pub(crate) fn open(wanted: &Wanted, event_loop: &ActiveEventLoop, hands: EventLoopProxy<Event>) -> Done {
-    let window = event_loop.create_window(wanted.attributes.clone()).map_err(|_| NO_WINDOW)?;
-    let screen = Screen::new(wanted.clone(), Arc::new(window));
-    let opened = async move {
-        // After the end of the loop nobody waits for it.
-        let _ = hands.send_event(Event::Opened(screen.await.map(Box::new)));
-    };
-    #[cfg(not(target_arch = "wasm32"))]
-    pollster::block_on(opened);
-    #[cfg(target_arch = "wasm32")]
-    wasm_bindgen_futures::spawn_local(opened);
-    Ok(())
 }
 
 /// The context of panels in a window, and what gives it mouse and keys.

@@ -82,7 +82,8 @@ impl Clock {
 /// Does what the device may refuse. Without scopes, a device that is out of memory ends the
 /// program.
 fn checked(gpu: &Gpu, stage: &'static str, work: impl FnOnce()) -> Result<(), GpuError> {
-    let ((), failed) = refused(gpu, &[ErrorFilter::OutOfMemory, ErrorFilter::Validation], work);
+    let ((), failed) =
+        refused((&gpu.device, &gpu.trouble), &[ErrorFilter::OutOfMemory, ErrorFilter::Validation], work);
     match failed {
         Some(why) => Err(GpuError::Refused { stage, why: why.to_string() }),
         None => Ok(()),

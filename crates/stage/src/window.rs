@@ -1,6 +1,7 @@
 //! A window and its loop.
 
 use std::error::Error;
+use std::sync::Arc;
 
 use winit::application::ApplicationHandler;
 use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, WindowEvent};
@@ -9,11 +10,11 @@ use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
 use crate::canvas::Target;
-use crate::dial::Report;
 use crate::gpu::Gpu;
 use crate::panel::Panel;
-use crate::screen::{self, NO_WINDOW, Wanted};
+use crate::report::Report;
 pub use crate::screen::{Done, Screen, WindowOptions};
+use crate::screen::{NO_WINDOW, Wanted};
 use crate::timing::Instant;
 
 /// Frames that show words before a program starts: the first may be lost before the window is on
@@ -158,7 +159,8 @@ pub(crate) struct Program {
 
 /// What a window shows.
 enum Shown {
-    /// Words, for so many frames; then a program is started. If it cannot be, the one before goes on.
+    /// Words, for so many frames; then a program is started. If it cannot be, the one before goes
+    /// on.
     Words(Start, Box<Panel>, u32, Option<Box<dyn Demo>>),
     /// A program. For a moment there is none.
     Demo(Option<Box<dyn Demo>>),
@@ -290,13 +292,28 @@ impl Program {
     }
 }
 
+/// Opens a window. Its screen comes as an event: in a page only after this has returned.
+fn open_screen(wanted: &Wanted, event_loop: &ActiveEventLoop, hands: EventLoopProxy<Event>) -> Done {
+    let window = event_loop.create_window(wanted.attributes.clone()).map_err(|_| NO_WINDOW)?;
+    let screen = Screen::new(wanted.clone(), Arc::new(window));
+    let opened = async move {
+        // After the end of the loop nobody waits for it.
+        let _ = hands.send_event(Event::Opened(screen.await.map(Box::new)));
+    };
+    #[cfg(not(target_arch = "wasm32"))]
+    pollster::block_on(opened);
+    #[cfg(target_arch = "wasm32")]
+    wasm_bindgen_futures::spawn_local(opened);
+    Ok(())
+}
+
 impl ApplicationHandler<Event> for Program {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         // It is called again when a suspended program goes on.
         if self.start.is_none() || self.running.is_some() {
             return;
         }
-        let opened = screen::open(&self.wanted, event_loop, self.hands.clone());
+        let opened = open_screen(&self.wanted, event_loop, self.hands.clone());
         self.end_if_failed(event_loop, opened);
     }
 

@@ -1,9 +1,9 @@
 //! The window that a start without arguments opens: a list to choose from.
 
 use casca_stage::canvas::Target;
-use casca_stage::dial::Report;
 use casca_stage::egui::{self, Align2, Button, RichText};
 use casca_stage::panel::{Panel, controls};
+use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 

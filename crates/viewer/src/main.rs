@@ -1,5 +1,5 @@
-//! One program for casca and the systems around it: scenes, the plane, points, light, lines and fur, in
-//! windows or pictures.
+//! One program for casca and the systems around it: scenes, the plane, points, light, lines and
+//! fur, in windows or pictures.
 //!
 //! `cargo run --release -p casca-viewer` opens a window with a list to choose from; `-- --help`
 //! lists the systems, `-- scene --help` the options of one.

@@ -1,6 +1,6 @@
 //! A map, the guards that walk on it, and what the eye sees.
 
-use casca_plane::maps::Drawing;
+use casca_plane::maps::{Drawing, FloorPlan};
 use casca_plane::{
     BitGrid, Disc, FieldOfView, FovOptions, GridSpec, ObjectDesc, ObjectId, Query, Scene, TileLayer,
     TilePoint, View,
@@ -98,6 +98,16 @@ impl Level {
         };
         level.look()?;
         Ok(level)
+    }
+
+    /// A floor plan with guards.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; none for any seed that was tried.
+    pub fn floor_plan(seed: u64, guards: u32) -> Result<Self, Failed> {
+        let FloorPlan { walls, doors } = FloorPlan::generate(72, 40, seed);
+        let map = Drawing { walls, doors, ..Drawing::default() };
+        Self::new(&format!("rooms-{seed}"), map, (seed, guards))
     }
 
     /// The map's size in tiles.

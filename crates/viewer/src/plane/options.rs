@@ -1,6 +1,6 @@
 //! The command line, and what it asks for, done.
 
-use casca_plane::maps::{Drawing, FloorPlan, HARBOUR};
+use casca_plane::maps::{Drawing, HARBOUR};
 use casca_stage::canvas::Canvas;
 use casca_stage::command_line::{EXIT_CODES, Outcome, make_folder, say};
 use casca_stage::gpu::COLOUR;
@@ -48,7 +48,7 @@ impl Options {
     /// # Errors
     /// The map cannot be had.
     pub fn start(&self) -> Result<Start, Failed> {
-        Ok(window::start(self.clone(), self.level()?))
+        Ok(window::start(self.guards, self.level()?))
     }
 
     /// Opens a window or draws a picture.
@@ -79,7 +79,7 @@ impl Options {
 
     fn level(&self) -> Result<Level, Failed> {
         if let Some(seed) = self.rooms {
-            return Self::floor_plan(seed, self.guards);
+            return Level::floor_plan(seed, self.guards);
         }
         let Some(path) = &self.common.file else {
             return Level::new("harbour", Drawing::read(HARBOUR), (1, self.guards));
@@ -93,16 +93,6 @@ impl Options {
         }
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         Level::new(&name, map, (1, self.guards)).map_err(|why| format!("{}: {why}", path.display()).into())
-    }
-
-    /// A floor plan with guards.
-    ///
-    /// # Errors
-    /// It has no room for an eye.
-    pub fn floor_plan(seed: u64, guards: u32) -> Result<Level, Failed> {
-        let FloorPlan { walls, doors } = FloorPlan::generate(72, 40, seed);
-        let map = Drawing { walls, doors, ..Drawing::default() };
-        Level::new(&format!("rooms-{seed}"), map, (seed, guards))
     }
 }
 

@@ -2,16 +2,16 @@
 
 use casca_scenes::world::FRAME_SECONDS;
 use casca_stage::canvas::Target;
-use casca_stage::dial::{Dial, Report};
+use casca_stage::dial::Dial;
 use casca_stage::egui::Align2;
 use casca_stage::panel::{Panel, boxed};
+use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec2;
 
 use crate::plane::draw::{Places, legend, picture, show};
 use crate::plane::level::Level;
-use crate::plane::options::Options;
 
 /// Tiles that the eye walks in a second.
 const SPEED: f32 = 5.0;
@@ -20,15 +20,16 @@ const PAUSE: &str = "pause (Space)";
 const NEXT: &str = "another floor plan (N)";
 
 /// The window.
-pub fn start(options: Options, level: Level) -> Start {
-    Start::new(format!("{} - casca plane", level.name), |screen: &Screen| {
+pub fn start(guards: u32, level: Level) -> Start {
+    Start::new(format!("{} - casca plane", level.name), move |screen: &Screen| {
         let panel = Panel::new(&screen.gpu, screen.format());
-        Ok(Viewer { options, level, panel, to: Vec2::ZERO, behind: 0.0, paused: false, seed: 0 })
+        Ok(Viewer { guards, level, panel, to: Vec2::ZERO, behind: 0.0, paused: false, seed: 0 })
     })
 }
 
 struct Viewer {
-    options: Options,
+    /// Guards on floor plans.
+    guards: u32,
     level: Level,
     panel: Panel,
     /// How far the eye is to go in the next frame.
@@ -46,7 +47,7 @@ impl Demo for Viewer {
             KeyCode::Space => self.paused ^= true,
             KeyCode::KeyN => {
                 self.seed += 1;
-                self.level = Options::floor_plan(self.seed, self.options.guards)?;
+                self.level = Level::floor_plan(self.seed, self.guards)?;
             }
             _ => {}
         }

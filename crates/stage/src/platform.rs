@@ -1,0 +1,5 @@
+//! Where the program runs.
+
+/// Whether this is a page of a browser: there the device answers only after the program has
+/// returned.
+pub const IS_PAGE: bool = cfg!(target_arch = "wasm32");
