@@ -1,9 +1,8 @@
 //! Makes the static page of the viewer: one file that holds its script and the WebAssembly that
 //! cargo built, packed.
 //!
-//! `casca-page-pack bind FILE.wasm FOLDER` makes the bindings; between the two a program may make
-//! the WebAssembly in the folder smaller. `casca-page-pack join FOLDER TEMPLATE.html PAGE.html`
-//! makes the page. See `.ci/page`.
+//! `casca-page-pack FILE.wasm FOLDER TEMPLATE.html PAGE.html`: see `crates/page/build`. The folder
+//! keeps what is put into the page.
 
 use std::error::Error;
 use std::io::Write;
@@ -14,28 +13,22 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use wasm_bindgen_cli_support::Bindgen;
 
-/// The name of what is between the two steps.
+/// The name of the files in the folder.
 const NAME: &str = "page";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    match words[..] {
-        ["bind", wasm, folder] => {
-            let mut bindgen = Bindgen::new();
-            bindgen.input_path(wasm).out_name(NAME).typescript(false).no_modules(true)?;
-            bindgen.remove_name_section(true).remove_producers_section(true);
-            Ok(bindgen.generate(folder)?)
-        }
-        ["join", folder, template, page] => join(Path::new(folder), template, page),
-        _ => Err("usage: casca-page-pack bind FILE.wasm FOLDER, or join FOLDER TEMPLATE.html PAGE.html".into()),
-    }
-}
+    let [wasm, folder, template, page] = arguments.as_slice() else {
+        return Err("usage: casca-page-pack FILE.wasm FOLDER TEMPLATE.html PAGE.html".into());
+    };
+    let mut bindgen = Bindgen::new();
+    bindgen.input_path(wasm).out_name(NAME).typescript(false).no_modules(true)?;
+    bindgen.remove_name_section(true).remove_producers_section(true);
+    bindgen.generate(folder)?;
 
-fn join(folder: &Path, template: &str, page: &str) -> Result<(), Box<dyn Error>> {
-    let bindings = std::fs::read_to_string(folder.join(NAME).with_extension("js"))?;
+    let bindings = std::fs::read_to_string(Path::new(folder).join(NAME).with_extension("js"))?;
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
-    packed.write_all(&std::fs::read(folder.join(format!("{NAME}_bg.wasm")))?)?;
+    packed.write_all(&std::fs::read(Path::new(folder).join(format!("{NAME}_bg.wasm")))?)?;
     let packed = BASE64_STANDARD.encode(packed.finish()?);
     let mut text = std::fs::read_to_string(template)?;
     // An end of a script inside of it would end it.
