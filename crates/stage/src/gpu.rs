@@ -84,8 +84,13 @@ impl Gpu {
         };
         let made = adapter.request_device(&wanted).await;
         let (device, queue) = made.map_err(|e| GpuError::NoDevice(e.to_string()))?;
-        let trouble = Trouble::of(&device);
-        Ok(Self { name: called(&adapter.get_info()), adapter, device, queue, trouble })
+        Ok(Self::new(adapter, device, queue))
+    }
+
+    /// A device that is there already, with its adapter and queue.
+    pub fn new(adapter: wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let (name, trouble) = (called(&adapter.get_info()), Trouble::of(&device));
+        Self { name, adapter, device, queue, trouble }
     }
 
     /// What the device has told since the last call about work that was done before: that it is

@@ -35,7 +35,7 @@ pub fn limited(gpu: &Gpu, lower: impl FnOnce(&mut wgpu::Limits)) -> Gpu {
     lower(&mut required_limits);
     let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
     let (device, queue) = pollster::block_on(gpu.adapter.request_device(&descriptor)).unwrap();
-    Gpu { name: gpu.name.clone(), adapter: gpu.adapter.clone(), device, queue }
+    Gpu::new(gpu.adapter.clone(), device, queue)
 }
 
 /// A ball that moves.
