@@ -92,7 +92,7 @@ fn house() -> Case {
         materials: materials.map(|c| lit::Material::matt(Vec3::from_array(c))).into(),
         lights: vec![lit::Light::point(Vec3::new(2.0, 2.2, 1.2), Vec3::new(12.0, 10.0, 8.0))],
         sky: Vec3::new(3.0, 4.0, 5.0),
-        camera: cameras[0].1.clone(),
+        camera: cameras[0].1,
     };
     Case { name: "house".to_owned(), scene, cameras }
 }
@@ -118,7 +118,7 @@ fn case(name: &str) -> Outcome<Case> {
         "hall" | "aisle" => sponza(name),
         _ => {
             let scene = name.parse::<Kind>()?.build();
-            let cameras = vec![("front".to_owned(), scene.camera.clone())];
+            let cameras = vec![("front".to_owned(), scene.camera)];
             Ok(Case { name: name.to_owned(), scene, cameras })
         }
     }
