@@ -23,11 +23,17 @@ const SIZE: (usize, usize) = (96, 72);
 const BLOCK: usize = 4;
 /// Bounces of the truth: a wall of an albedo of 0.8 keeps 1e-6 of the light after 64.
 const BOUNCES: u32 = 64;
+/// Passes end with the first that changes less than this share of the light, a tenth of the least
+/// error in the table, and after so many.
+const SETTLED: f64 = 1e-3;
+const MOST_PASSES: u32 = 40;
+/// For rays and bytes in millions.
+const MILLION: f64 = 1e6;
 const SPONZA: &str = "../shared/scenes/sponza.glb";
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
-/// A picture, row by row, and what it shows of each pixel.
+/// The colours of a picture's pixels, row by row from the top.
 type Picture = Vec<Vec3>;
 
 struct Case {
@@ -266,7 +272,7 @@ fn by_cache(
     cache.direct();
     let direct = clock.elapsed();
     let clock = Instant::now();
-    let passes = cache.converge(1e-3, 40);
+    let passes = cache.converge(SETTLED, MOST_PASSES);
     let passed = clock.elapsed() / passes;
     let clock = Instant::now();
     let pixel = |s: &Option<Surface>| -> Result<[Vec3; 2], casca_radiosity::LightError> {
@@ -283,13 +289,13 @@ fn by_cache(
         "{:.2} s cells, {:.2} s gather ({:.2} M rays), {:.2} s direct, {passes} passes of {:.1} ms, {:.2} s pixels; {} of {} states, {:.1} MB, {:.3}% dark",
         made.as_secs_f64(),
         gathered.as_secs_f64(),
-        s.rays as f64 * 1e-6,
+        s.rays as f64 / MILLION,
         direct.as_secs_f64(),
         passed.as_secs_f64() * 1e3,
         asked.as_secs_f64(),
         s.gathered,
         2 * s.entries,
-        s.bytes as f64 * 1e-6,
+        s.bytes as f64 / MILLION,
         100.0 * s.dark_rays as f64 / s.rays as f64,
     );
     row(name, &format!("cache, {rays} rays"), n, truth, &of_lights, &bounced, &time);

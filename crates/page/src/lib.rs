@@ -2,7 +2,7 @@
 //!
 //! - `viewer`: what the script of the page calls.
 //! - `cpp`: memory for a library in C++.
-//! - `told`: what it is told, as JSON.
+//! - `told`: messages to that script, as JSON.
 //!
 //! The page's own script and looks are in `index.html` beside the sources. On other targets this
 //! crate is empty.

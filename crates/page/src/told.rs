@@ -1,4 +1,4 @@
-//! What the page is told, as JSON: an object with `kind` and what belongs to it.
+//! Messages to the page's script, as JSON: objects with a `kind` and the fields of that kind.
 
 use casca_stage::dial::{Dial, Setting};
 use casca_stage::panel::{Entry, Sample};
@@ -7,7 +7,7 @@ use casca_stage::window::Told;
 use casca_viewer::systems::SYSTEMS;
 use serde_json::{Value, json};
 
-/// The JSON of something that is told.
+/// The JSON of a message.
 pub fn json_of(told: &Told<'_>) -> Value {
     match told {
         Told::Opened(gpu) => {

@@ -34,8 +34,8 @@ fn refused(why: impl ToString) -> JsError {
 
 #[wasm_bindgen]
 impl Viewer {
-    /// Starts what a command line such as "scene rooms --at 40" names. `told` is called with the
-    /// JSON of what there is to say, many times a second. With `webgl` it draws with WebGL 2 even
+    /// Starts the system that a command line such as "scene rooms --at 40" names. The viewer calls
+    /// `told` with messages in JSON, many times a second. With `webgl` it draws with WebGL 2 even
     /// where there is WebGPU.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl Viewer {
         Ok(Self { hands })
     }
 
-    /// Shows what a command line names.
+    /// Shows the system that a command line names, in place of the one before.
     ///
     /// # Errors
     /// There is no such system, or it has no such options.

@@ -188,7 +188,8 @@ impl Cache {
     }
 
     /// Sends so many rays from each state that waits, and lets the states wait that they hit;
-    /// returns how many wait now. Those that are far from what is seen may have fewer rays.
+    /// returns how many states wait now. Later rings are farther from what is seen, and may be given
+    /// fewer rays.
     ///
     /// # Errors
     /// If no state has so many rays, or too many rays would be stored.
@@ -196,7 +197,8 @@ impl Cache {
         if !(1..=MOST_RAYS).contains(&rays) {
             return Err(LightError::Rays { what: "rays", value: rays });
         }
-        let needed = self.rays.len() + self.ring.len() * rays as usize;
+        let more = self.ring.len().saturating_mul(rays as usize);
+        let needed = self.rays.len().saturating_add(more);
         if needed > MOST_STORED {
             return Err(LightError::TooManyRays { rays: needed });
         }
@@ -290,7 +292,7 @@ impl Cache {
         (0..).zip(starts).map(of).sum::<Vec3>() / count as f32
     }
 
-    /// Scatters what a state has.
+    /// Computes the radiance that a state scatters from its irradiance.
     pub(crate) fn send(&mut self, state: u32) {
         let albedo = self.voxels.entries[state as usize / 2].albedo;
         let glow = &mut self.glow[state as usize];

@@ -37,7 +37,7 @@ pub(crate) struct Spot {
     pub(crate) at: DVec3,
     /// Unit normal.
     pub(crate) normal: DVec3,
-    /// Turns what is chosen by chance.
+    /// The seed of the choices that are made at this point.
     pub(crate) key: u64,
 }
 

@@ -1,8 +1,8 @@
 //! Diffuse light that cannot cross walls.
 //!
-//! A [`Cache`] holds the light of the surfaces of a scene in the cells of a grid. Rays from each
-//! surface in a cell are walked through the grid **once**, and what they hit is stored; light is
-//! then passed along the stored hits, as often as it takes. So light of all bounces costs look-ups,
+//! A [`Cache`] holds the light of the surfaces of a scene in the cells of a grid. Each surface in a
+//! cell sends rays through the grid **once**, and the cache stores their hits. Light is then passed
+//! along the stored hits, as often as it takes. So light of all bounces costs look-ups,
 //! and a light that moves costs no rays but those of its own shadows.
 //!
 //! ```

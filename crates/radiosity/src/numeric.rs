@@ -4,6 +4,13 @@
 //! double precision: coordinates inside a grid are below 2^10 cells, so that one operation rounds
 //! by 2^-43 at most, and the longest chain (a triangle of 2^30 cells, see [`FARTHEST`]) by 2^-18.
 
+/// An axis has one cell more if the box passes its whole number of cells by more than this.
+///
+/// The quotient of the box and the cell errs by 2^-43 in double precision. A box whose corners were
+/// rounded to single precision may get a cell more, which does no harm. The part that is cut off
+/// lies in the cells around the box, which the grid has on each side.
+pub(crate) const OVER: f64 = 1e-6;
+
 /// A start of rays is so far above its surface, along the normal.
 ///
 /// It is stored in single precision: below 2^10 cells this rounds by 2^-15, a thirty-second of the

@@ -9,7 +9,9 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::clip::{Polygon, cross, inside, part_of, range, touched};
 use crate::error::LightError;
 use crate::input::{Grid, Material, Object, Triangle};
-use crate::numeric::{FARTHEST, FLAT, GAP, GROW, LEAST_AREA, LEAST_PART, MOST_REFERENCES, SAME_NORMAL, SEAL};
+use crate::numeric::{
+    FARTHEST, FLAT, GAP, GROW, LEAST_AREA, LEAST_PART, MOST_REFERENCES, OVER, SAME_NORMAL, SEAL,
+};
 
 /// No entry, or no triangle.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -31,8 +33,7 @@ impl Lattice {
         let (min, max) = (grid.min.as_dvec3(), grid.max.as_dvec3());
         let cell = (max - min).max_element() / f64::from(grid.cells);
         let dims = ((max - min) / cell).round().as_ivec3();
-        // Rounded up but for errors of rounding.
-        let more = ((max - min) / cell - dims.as_dvec3()).cmpgt(DVec3::splat(1e-6));
+        let more = ((max - min) / cell - dims.as_dvec3()).cmpgt(DVec3::splat(OVER));
         let more = IVec3::new(more.x.into(), more.y.into(), more.z.into());
         let dims = (dims + more).clamp(IVec3::ONE, IVec3::splat(grid.cells as i32));
         Self { min: min - cell, cell, dims: dims + 2 }

@@ -6,6 +6,11 @@ use casca_radiosity::{Cache, Grid, Object, Scene, Settings, Sky};
 use common::{cuboid, indirect, lamp, lit, matt, placed, room, scene, sheet, turned};
 use glam::{Affine3A, Vec3 as V};
 
+/// Passes end with the first that changes less than this share of the light, far below the 5% that
+/// tests allow, and after so many.
+const SETTLED: f64 = 1e-5;
+const MOST_PASSES: u32 = 60;
+
 /// Two rooms with a door between them, which is object 1, and a box on the floor, which is object 2.
 fn house(open: f32, at: V) -> Scene {
     let mut walls = room(V::ZERO, V::new(8.0, 3.0, 4.0), 0);
@@ -84,7 +89,7 @@ fn a_door_lets_light_in_and_keeps_it_out() {
         println!("door {open}: {moved:?}, {}", far(&cache));
         let mut anew = gathered(&scene);
         anew.direct();
-        anew.converge(1e-5, 60);
+        anew.converge(SETTLED, MOST_PASSES);
         if is_lit {
             let truth = far(&anew);
             assert!(truth > 0.01 && (far(&cache) / truth - 1.0).abs() < 0.05, "{}, {truth}", far(&cache));
@@ -125,7 +130,7 @@ fn lights_that_move_need_no_rays() {
     let scene = house(0.5, V::new(1.0, 0.0, 2.0));
     let mut cache = gathered(&scene);
     cache.direct();
-    cache.converge(1e-4, 40);
+    cache.converge(SETTLED, MOST_PASSES);
     let rays = cache.statistics().rays;
     let other = vec![lamp(V::new(6.0, 1.0, 2.0), 10.0)];
     cache.set_lights(&other).unwrap();

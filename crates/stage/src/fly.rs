@@ -77,7 +77,7 @@ pub struct Fly {
 
 /// The way that the keys held ask for: right, up and forward. W and S, A and D, E and Q; longer
 /// with Shift.
-pub fn way(keys: &HashSet<KeyCode>) -> Vec3 {
+pub(crate) fn way(keys: &HashSet<KeyCode>) -> Vec3 {
     let axis = |plus: KeyCode, minus: KeyCode| {
         f32::from(u8::from(keys.contains(&plus))) - f32::from(u8::from(keys.contains(&minus)))
     };

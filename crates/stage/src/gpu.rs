@@ -4,7 +4,7 @@ use wgpu::{TextureFormat, TextureUsages};
 
 pub use crate::error::GpuError;
 pub use crate::platform::IS_PAGE;
-use crate::reading::Reading;
+use crate::reading::{Reading, waited_for};
 use crate::scope::{Trouble, refused};
 
 /// Format of pictures: 8 bits a channel, stored as drawn.
@@ -19,9 +19,6 @@ const USEFUL: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::FLOAT32_FILTERABLE)
     .union(wgpu::Features::SHADER_INT64)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
-
-/// What is said where a page would have to wait.
-const NOT_YET: &str = "a page cannot wait for it";
 
 /// A device and its queue.
 pub struct Gpu {
@@ -193,7 +190,7 @@ impl Gpu {
     pub fn read(&self, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
         let reading = self.read_later(texture)?;
         self.wait()?;
-        reading.take().unwrap_or_else(|| Err(GpuError::Read(NOT_YET.to_owned())))
+        waited_for(reading.take())
     }
 
     /// Begins to read the pixels of a texture of four bytes a pixel.
@@ -233,7 +230,7 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
         let reading = Reading::new(copy, (1, 1));
         self.wait()?;
-        reading.take().unwrap_or_else(|| Err(GpuError::Read(NOT_YET.to_owned())))
+        waited_for(reading.take())
     }
 }
 

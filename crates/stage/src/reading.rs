@@ -47,6 +47,14 @@ impl Reading {
     }
 }
 
+/// What was read after a wait for the device. A page cannot wait: there it is an error.
+///
+/// # Errors
+/// It is not there, and those of reading.
+pub fn waited_for<T>(read: Option<Result<T, GpuError>>) -> Result<T, GpuError> {
+    read.unwrap_or_else(|| Err(GpuError::Read("a page cannot wait for it".to_owned())))
+}
+
 fn failed(why: &dyn Display) -> GpuError {
     GpuError::Read(why.to_string())
 }

@@ -123,11 +123,6 @@ impl Screen {
         way(&self.keys) + Vec3::Z * self.fingers.forward()
     }
 
-    /// Whether a page says what the program shows: then it draws no panels.
-    pub fn is_told(&self) -> bool {
-        IS_PAGE
-    }
-
     pub(crate) async fn new(wanted: Wanted, window: Arc<Window>) -> Result<Self, Box<dyn Error>> {
         let mut described = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         described.backends &= wanted.backends;

@@ -10,7 +10,7 @@ use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
 use casca_stage::egui::{self, Align2};
 use casca_stage::fly::Fly;
-use casca_stage::gpu::{DEPTH, Gpu};
+use casca_stage::gpu::{DEPTH, Gpu, IS_PAGE};
 use casca_stage::panel::{Panel, controls, turned};
 use casca_stage::report::Report;
 use casca_stage::wgpu::{self, util::TextureBlitter};
@@ -304,7 +304,7 @@ impl Demo for Viewer {
         } else {
             self.picture(gpu, target, &camera)?;
         }
-        if self.help && !screen.is_told() { self.show_panel(screen, target) } else { Ok(()) }
+        if self.help && !IS_PAGE { self.show_panel(screen, target) } else { Ok(()) }
     }
 
     fn report(&self, _: &Screen) -> Report {

@@ -9,6 +9,7 @@ use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{Align2, RichText};
 use casca_stage::fly::Fly;
+use casca_stage::gpu::IS_PAGE;
 use casca_stage::panel::{Panel, boxed, controls};
 use casca_stage::report::Report;
 use casca_stage::timing::{Clock, Instant};
@@ -195,7 +196,7 @@ impl Demo for Viewer {
         let numbers =
             [format!("{milliseconds:.0} ms a frame on {}", gpu.name), told(&self.renderer, &updated)];
         let before = self.controls.clone();
-        if !screen.is_told() {
+        if !IS_PAGE {
             self.show(screen, target, &numbers);
         }
         self.said = numbers.into();

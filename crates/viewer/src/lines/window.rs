@@ -8,6 +8,7 @@ use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
 use casca_stage::egui::Align2;
 use casca_stage::fly::Fly;
+use casca_stage::gpu::IS_PAGE;
 use casca_stage::panel::{Panel, controls, turned};
 use casca_stage::report::Report;
 use casca_stage::timing::{Clock, Instant};
@@ -175,7 +176,7 @@ impl Viewer {
             ),
         ];
         self.said.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
-        if screen.is_told() {
+        if IS_PAGE {
             return;
         }
         let (dials, said) = (self.dials.listed(), &self.said);

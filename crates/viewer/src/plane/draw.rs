@@ -19,6 +19,8 @@ const CULLED: Color32 = Color32::from_rgb(90, 162, 255);
 const EYE: Color32 = Color32::from_rgb(208, 32, 96);
 /// The radius of the eye, in tiles.
 const EYE_RADIUS: f32 = 0.42;
+/// The least side of a tile in points: a window may be empty, and places are divided by it.
+const LEAST_SIDE: f32 = 1e-3;
 
 /// The colours and their meanings.
 pub fn legend() -> Vec<Entry> {
@@ -52,7 +54,7 @@ impl Places {
     pub fn new(level: &Level, size: Vec2) -> Self {
         let (width, height) = level.size();
         let tiles = Vec2::new(width as f32, height as f32);
-        let side = (size / tiles).min_element().max(1e-3);
+        let side = (size / tiles).min_element().max(LEAST_SIDE);
         Self { corner: 0.5 * (size - tiles * side), side }
     }
 

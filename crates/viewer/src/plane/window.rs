@@ -4,6 +4,7 @@ use casca_scenes::world::FRAME_SECONDS;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
 use casca_stage::egui::Align2;
+use casca_stage::gpu::IS_PAGE;
 use casca_stage::panel::{Panel, boxed};
 use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
@@ -79,7 +80,7 @@ impl Demo for Viewer {
         }
         let Self { panel, level, .. } = self;
         let target = (&screen.gpu, target, screen.scale());
-        if screen.is_told() {
+        if IS_PAGE {
             picture(panel, target, level);
             return Ok(());
         }

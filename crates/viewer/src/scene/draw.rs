@@ -6,7 +6,7 @@ use casca_scenes::world::{Camera, Object};
 use casca_stage::canvas::{Canvas, items_of};
 use casca_stage::compare::Shot;
 use casca_stage::gpu::{Gpu, GpuError};
-use casca_stage::reading::Reading;
+use casca_stage::reading::{Reading, waited_for};
 
 use crate::scene::geometry::{DrawList, Geometry, colour_of};
 use crate::scene::renderer::{Marks, NO_ITEM, Output, Renderer};
@@ -68,7 +68,7 @@ impl Painter<'_> {
     ) -> Result<Check, GpuError> {
         let begun = self.begin_check(camera, objects, set)?;
         self.gpu.wait()?;
-        begun.end().unwrap_or_else(|| Err(GpuError::Read("a page cannot wait for it".to_owned())))
+        waited_for(begun.end())
     }
 
     /// Draws what [`Self::check`] compares with, and does not wait for it. One looks through

@@ -94,7 +94,7 @@ struct Viewer {
     behind: f64,
     /// From frame to frame, in seconds, smoothed.
     between: f64,
-    /// What the last frame had to say.
+    /// In a page: what the last frame had to say.
     said: (Vec<String>, Vec<Entry>),
 }
 
@@ -306,7 +306,9 @@ impl Demo for Viewer {
             let images =
                 if overlays.is_on(Layer::Buffers) { frame.query.occlusion_images() } else { Vec::new() };
             panel::draw(panel, (gpu, target, scale), &numbers, overlays, &images);
-            *said = (numbers.lines().into_iter().map(|(line, _)| line).collect(), numbers.legend);
+            if IS_PAGE {
+                *said = (numbers.lines().into_iter().map(|(line, _)| line).collect(), numbers.legend);
+            }
             Ok(())
         })
     }
