@@ -188,8 +188,8 @@ impl Cache {
     }
 
     /// Sends so many rays from each state that waits, and lets the states wait that they hit;
-    /// returns how many states wait now. Later rings are farther from what is seen, and may be given
-    /// fewer rays.
+    /// returns how many states wait now. Later rings are farther from what is seen, and may be
+    /// given fewer rays.
     ///
     /// # Errors
     /// If no state has so many rays, or too many rays would be stored.
