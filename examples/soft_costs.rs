@@ -122,7 +122,7 @@ fn main() -> Result<(), Error> {
             pairs.iter().map(|&(a, b)| (a, Sphere::new(b, 2.0))).take(200).collect();
         let seen = |rays| {
             let soft = &soft;
-            move |&(eye, ball): &(Vec3, Sphere)| soft.visible_fraction(eye, ball, rays)
+            move |&(eye, ball): &(Vec3, Sphere)| Ok(soft.visible_fraction(eye, ball, rays)?.middle())
         };
         let (_, truth) = ask(&balls, seen(4096))?;
         for rays in [8, 32, 128] {

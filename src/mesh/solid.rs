@@ -42,19 +42,19 @@ impl TriMesh {
         margin(&[min, max, max])
     }
 
-    /// Calls `out` with the cells that the mesh under a transform touches, and with those inside of
-    /// it if it is closed: where lines along x through their rows crossed an odd number of
+    /// Calls `out` with the cells that the mesh under a transform touches, and, as inside, with
+    /// those in it if it is closed: where lines along x through their rows crossed an odd number of
     /// triangles.
     #[cfg(feature = "soft")]
-    pub(crate) fn filled(&self, transform: &DAffine3, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
+    pub(crate) fn filled(&self, transform: &DAffine3, grid: &Grid, out: &mut dyn FnMut(CellRun, bool)) {
         let corners = || self.all_corners().map(|t| t.map(|p| transform.transform_point3(p)));
         let least = corners().flatten().fold(DVec3::INFINITY, DVec3::min);
         let greatest = corners().flatten().fold(DVec3::NEG_INFINITY, DVec3::max);
         let Some(cells) = SurfaceCells::new(corners(), grid, (least, greatest)) else { return };
-        cells.runs.iter().for_each(|&run| out(run));
+        cells.runs.iter().for_each(|&run| out(run, false));
         if self.closed {
             let crossed = cells.crossings(corners(), grid, |t, point| crossing(t, 0, point));
-            cells.inside(grid, &crossed, |count, _| count % 2 == 1, out);
+            cells.inside(grid, &crossed, |count, _| count % 2 == 1, &mut |run| out(run, true));
         }
     }
 

@@ -16,18 +16,51 @@ use crate::soft::grid::SoftGrid;
 use crate::soft::rays::{above_surface, check_rays, on_box, on_sphere, six_cones};
 use crate::soft::walk::Segment;
 
+/// The share of a shape that an eye sees, 0 to 1, between two bounds.
+///
+/// They are far from each other where cells are large beside the things that hide: a sheet, or a
+/// wall thinner than a cell, fills none. A finer grid brings them together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VisibleFraction {
+    /// The share that is seen past all cells that shapes touch. It is 0 for a small thing behind
+    /// the edge of another, though all of it may be seen.
+    pub least: f32,
+    /// The share that is seen past all cells that lie wholly in a solid or a closed mesh.
+    pub most: f32,
+}
+
+impl VisibleFraction {
+    /// All is seen.
+    const ALL: Self = Self { least: 1.0, most: 1.0 };
+
+    /// The mean of both bounds: it errs by half of their distance at most.
+    pub fn middle(self) -> f32 {
+        (self.least + self.most) * 0.5
+    }
+}
+
 impl SoftGrid {
-    /// The share of a shape that an eye sees, 0 to 1, by solid angle: **an estimate**, from about
-    /// as many exact walks as `rays` says (1 to 4096), to a sphere itself and to the faces of the
-    /// box around any other shape. 1 for an eye in the shape or in one of its cells.
+    /// The share of a shape that an eye sees, by solid angle, between two bounds: from about as
+    /// many exact walks as `rays` says (1 to 4096), to a sphere itself and to the faces of the box
+    /// around any other shape. 1 for an eye in the shape or in one of its cells.
     ///
-    /// Cells inside the shape's bounding box never occlude it, since it may be in the grid itself;
-    /// nor does the cell of the eye. Shapes outside of the grid are hidden by the cells on the way.
+    /// The share of the rays that reach the shape lies between both, but for two kinds of things
+    /// that [`VisibleFraction::least`] does not see: cells inside the shape's bounding box never
+    /// occlude it, since it may be in the grid itself; nor does the cell of the eye. Few rays are
+    /// **an estimate** of the solid angle: 64 err by some percent. Shapes outside of the grid are
+    /// hidden by the cells on the way.
+    ///
+    /// Costs a [`SoftGrid::first_hit`] for each ray, and a second one for each that meets a cell.
     ///
     /// # Errors
     /// Refuses an eye that is not finite, shapes that a scene would refuse, and numbers of rays out
     /// of range.
-    pub fn visible_fraction(&self, eye: Vec3, shape: impl Into<Bounds>, rays: u32) -> Result<f32, Error> {
+    pub fn visible_fraction(
+        &self,
+        eye: Vec3,
+        shape: impl Into<Bounds>,
+        rays: u32,
+    ) -> Result<VisibleFraction, Error> {
         finite3("the eye", eye)?;
         check_rays(rays)?;
         let shape = shape.into();
@@ -36,16 +69,16 @@ impl SoftGrid {
     }
 
     /// [`SoftGrid::visible_fraction`] for arguments that were checked.
-    fn fraction(&self, eye: DVec3, shape: &Bounds, rays: u32) -> f32 {
+    fn fraction(&self, eye: DVec3, shape: &Bounds, rays: u32) -> VisibleFraction {
         let block = shape.block();
         let own = self.cover(&block);
         if own.contains(self.grid().cell_of(eye)) {
-            return 1.0;
+            return VisibleFraction::ALL;
         }
         let mut points = match shape {
             Bounds::Sphere(ball) => match on_sphere(eye, ball, rays) {
                 Some(points) => points,
-                None => return 1.0,
+                None => return VisibleFraction::ALL,
             },
             _ => on_box(eye, &block, rays),
         };
@@ -55,10 +88,17 @@ impl SoftGrid {
             points = vec![((block.min + block.max) * 0.5, 1.0)];
             all = 1.0;
         }
-        let clear =
-            |to: DVec3| self.walk(&Segment { from: eye, to, skips_first: true, until: Some(own) }).is_none();
-        let open: f64 = points.into_iter().filter(|p| clear(p.0)).map(|p| p.1).sum();
-        (open / all) as f32
+        let (mut least, mut most) = (0.0, 0.0);
+        for (to, weight) in points {
+            let segment = Segment { from: eye, to, skips_first: true, until: Some(own) };
+            if self.walk(&segment).is_none() {
+                least += weight;
+                most += weight;
+            } else if self.walk_among(self.filled(), &segment).is_none() {
+                most += weight;
+            }
+        }
+        VisibleFraction { least: (least / all) as f32, most: (most / all) as f32 }
     }
 
     /// The cells around a box, which may lie outside of the grid.
@@ -157,7 +197,7 @@ impl SoftGrid {
         for item in items {
             let Ok(object) = scene.find(item.id) else { continue };
             if !scene.is_unlocated(item.id.slot()) && object.unreported_volume().is_none() {
-                item.fraction = self.fraction(eye, object.bounds(), rays);
+                item.fraction = self.fraction(eye, object.bounds(), rays).middle();
             }
         }
         Ok(())

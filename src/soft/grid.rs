@@ -10,14 +10,15 @@ use glam::{DAffine3, IVec3};
 
 use crate::error::Error;
 use crate::grid::bricks::BRICK;
+use crate::grid::run::CellRun;
 use crate::grid::{Grid, GridSpec};
 use crate::heap::in_tree;
 use crate::id::ObjectId;
-use crate::matrix::bits::{ALL, BitMatrix, Mask, either};
+use crate::matrix::bits::{ALL, BitMatrix, Mask, either, without};
 use crate::matrix::counts::Counts;
 use crate::object::{Motion, Occluder};
 use crate::scene::Scene;
-use crate::shape::pieces::touched;
+use crate::shape::pieces::{opaque, touched};
 use crate::soft::pyramid::Pyramid;
 
 /// The most cells of a grid: 1024^3. A solid that fills them has 2 million bricks, each of which is
@@ -42,39 +43,48 @@ pub enum Layer {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SoftId(u64);
 
+/// Cells that any of several shapes has.
 #[derive(Clone)]
 struct Bits {
     cells: BitMatrix,
     counts: Counts,
 }
 
-/// The cells of one shape.
+impl Bits {
+    fn new(dims: IVec3) -> Self {
+        Self { cells: BitMatrix::new(dims), counts: Counts::new(dims) }
+    }
+
+    fn add(&mut self, part: &Part) {
+        part.bricks().for_each(|(brick, mask)| self.counts.add(&mut self.cells, brick, mask));
+    }
+
+    fn take(&mut self, part: &Part) {
+        for (brick, mask) in part.bricks() {
+            self.counts.take(&mut self.cells, brick, mask);
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.cells.bytes() + self.counts.bytes()
+    }
+}
+
+/// The cells of the shapes of a layer.
 #[derive(Clone)]
-struct Held {
-    layer: Layer,
+struct Occupied {
+    touched: Bits,
+    filled: Bits,
+}
+
+/// Some cells of one shape.
+#[derive(Clone, Default)]
+struct Part {
     partial: Vec<(IVec3, Mask)>,
     full: Vec<IVec3>,
 }
 
-impl Held {
-    /// The cells that a shape touches, and those inside of it. Costs those on its surface, and the
-    /// full bricks.
-    fn new(shape: &Occluder, layer: Layer, grid: &Grid) -> Self {
-        let mut held = Self { layer, partial: Vec::new(), full: Vec::new() };
-        let (mesh, transform) = match shape {
-            Occluder::Mesh(mesh) => (mesh, DAffine3::IDENTITY),
-            Occluder::Instance(instance) => (instance.mesh(), instance.placement().affine),
-            solid => {
-                touched(solid, grid, &mut |piece| piece.bricks(|brick, mask| held.push(brick, mask)));
-                return held;
-            }
-        };
-        let mut cells = BitMatrix::new(grid.dims());
-        mesh.filled(&transform, grid, &mut |run| cells.set_run(run.x0, run.x1, run.y, run.z));
-        cells.masks().for_each(|(brick, mask)| held.push(brick, mask));
-        held
-    }
-
+impl Part {
     fn push(&mut self, brick: IVec3, mask: &Mask) {
         if *mask == ALL { self.full.push(brick) } else { self.partial.push((brick, *mask)) }
     }
@@ -88,6 +98,48 @@ impl Held {
     }
 }
 
+/// The cells of one shape.
+#[derive(Clone)]
+struct Held {
+    layer: Layer,
+    /// Those that it touches, and those inside of it.
+    touched: Part,
+    /// Those that lie in it wholly.
+    filled: Part,
+}
+
+impl Held {
+    /// The cells of a shape. Costs those on its surface, and the full bricks.
+    fn new(shape: &Occluder, layer: Layer, grid: &Grid) -> Self {
+        let mut held = Self { layer, touched: Part::default(), filled: Part::default() };
+        let (mesh, transform) = match shape {
+            Occluder::Mesh(mesh) => (mesh, DAffine3::IDENTITY),
+            Occluder::Instance(instance) => (instance.mesh(), instance.placement().affine),
+            solid => {
+                touched(solid, grid, &mut |piece| piece.bricks(|brick, mask| held.touched.push(brick, mask)));
+                opaque(solid, grid, &mut |piece| piece.bricks(|brick, mask| held.filled.push(brick, mask)));
+                return held;
+            }
+        };
+        let mut inner = BitMatrix::new(grid.dims());
+        let mut cells = BitMatrix::new(grid.dims());
+        let set = |cells: &mut BitMatrix, run: CellRun| cells.set_run(run.x0, run.x1, run.y, run.z);
+        mesh.filled(&transform, grid, &mut |run, inside| {
+            set(&mut cells, run);
+            if inside {
+                set(&mut inner, run);
+            }
+        });
+        cells.masks().for_each(|(brick, mask)| held.touched.push(brick, mask));
+        inner.masks().for_each(|(brick, mask)| held.filled.push(brick, mask));
+        held
+    }
+
+    fn bytes(&self) -> usize {
+        self.touched.bytes() + self.filled.bytes()
+    }
+}
+
 /// The cells that shapes occupy, and how much they hide. See the [module](crate::soft).
 ///
 /// Shapes count as the cells that they touch, those of closed meshes and solids with the cells
@@ -96,13 +148,15 @@ impl Held {
 #[derive(Clone)]
 pub struct SoftGrid {
     grid: Grid,
-    layers: [Bits; 2],
+    layers: [Occupied; 2],
     shapes: BTreeMap<SoftId, Held>,
     /// The objects of a scene: what was inserted for them.
     followed: BTreeMap<ObjectId, (SoftId, Occluder)>,
     /// Bricks that changed since the last rebuild.
     stale: BitMatrix,
     pyramid: Pyramid,
+    /// The cells that lie wholly in a shape of either layer, as of the last rebuild.
+    filled: BitMatrix,
 }
 
 impl SoftGrid {
@@ -116,7 +170,7 @@ impl SoftGrid {
             return Err(Error::SoftGridCells { cells: grid.cells(), max: MAX_CELLS });
         }
         let dims = grid.dims();
-        let layer = || Bits { cells: BitMatrix::new(dims), counts: Counts::new(dims) };
+        let layer = || Occupied { touched: Bits::new(dims), filled: Bits::new(dims) };
         Ok(Self {
             grid,
             layers: [layer(), layer()],
@@ -124,6 +178,7 @@ impl SoftGrid {
             followed: BTreeMap::new(),
             stale: BitMatrix::new((dims + (BRICK - 1)) >> 3i32),
             pyramid: Pyramid::new(dims),
+            filled: BitMatrix::new(dims),
         })
     }
 
@@ -141,7 +196,12 @@ impl SoftGrid {
     /// Whether shapes of a layer touch or contain a cell. At once, not as of the last
     /// [`SoftGrid::rebuild`].
     pub fn is_occupied(&self, layer: Layer, cell: IVec3) -> bool {
-        self.layers[layer as usize].cells.get(cell)
+        self.layers[layer as usize].touched.cells.get(cell)
+    }
+
+    /// The cells that lie wholly in a shape, as of the last [`SoftGrid::rebuild`].
+    pub(super) fn filled(&self) -> &BitMatrix {
+        &self.filled
     }
 
     /// Adds a shape: a solid, a mesh, or an instance of a mesh. The part outside of the grid is
@@ -181,20 +241,19 @@ impl SoftGrid {
     /// was not cloned from.
     pub fn remove(&mut self, id: SoftId) -> Result<(), Error> {
         let held = self.shapes.remove(&id).ok_or(Error::UnknownShape(id.0))?;
-        let Bits { cells, counts } = &mut self.layers[held.layer as usize];
-        for (brick, mask) in held.bricks() {
-            counts.take(cells, brick, mask);
-            self.stale.set(brick);
-        }
+        let Occupied { touched, filled } = &mut self.layers[held.layer as usize];
+        touched.take(&held.touched);
+        filled.take(&held.filled);
+        // A shape touches all that it fills.
+        held.touched.bricks().for_each(|(brick, _)| self.stale.set(brick));
         Ok(())
     }
 
     fn add(&mut self, id: SoftId, held: Held) {
-        let Bits { cells, counts } = &mut self.layers[held.layer as usize];
-        for (brick, mask) in held.bricks() {
-            counts.add(cells, brick, mask);
-            self.stale.set(brick);
-        }
+        let Occupied { touched, filled } = &mut self.layers[held.layer as usize];
+        touched.add(&held.touched);
+        filled.add(&held.filled);
+        held.touched.bricks().for_each(|(brick, _)| self.stale.set(brick));
         self.shapes.insert(id, held);
     }
 
@@ -237,7 +296,11 @@ impl SoftGrid {
     pub fn rebuild(&mut self) -> usize {
         let mut changed: Vec<IVec3> = Vec::new();
         for brick in self.stale.iter() {
-            let mask = either(self.layers[0].cells.brick(brick), self.layers[1].cells.brick(brick));
+            let [a, b] = &self.layers;
+            let mask = either(a.filled.cells.brick(brick), b.filled.cells.brick(brick));
+            self.filled.clear_mask(brick, &without(&ALL, &mask));
+            self.filled.set_mask(brick, &mask);
+            let mask = either(a.touched.cells.brick(brick), b.touched.cells.brick(brick));
             if self.pyramid.set_base(brick, &mask) {
                 changed.push(brick);
             }
@@ -250,11 +313,17 @@ impl SoftGrid {
 
     /// Bytes on the heap, without meshes, which others share.
     pub fn memory_bytes(&self) -> usize {
-        let layers = self.layers.iter().map(|l| l.cells.bytes() + l.counts.bytes()).sum::<usize>();
+        let layers = self.layers.iter().map(|l| l.touched.bytes() + l.filled.bytes()).sum::<usize>();
         let shapes = in_tree::<(SoftId, Held)>(self.shapes.len());
         let followed = in_tree::<(ObjectId, (SoftId, Occluder))>(self.followed.len());
         let held = self.shapes.values().map(Held::bytes).sum::<usize>();
-        layers + shapes + followed + held + self.stale.bytes() + self.pyramid.memory_bytes()
+        layers
+            + shapes
+            + followed
+            + held
+            + self.stale.bytes()
+            + self.pyramid.memory_bytes()
+            + self.filled.bytes()
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::error::{Error, finite3};
 use crate::grid::bricks::Pages;
 use crate::grid::cell_box::CellBox;
-use crate::matrix::bits::NONE;
+use crate::matrix::bits::{BitMatrix, NONE};
 use crate::soft::grid::SoftGrid;
 
 /// Edge lengths of a brick and of a page, as powers of two.
@@ -24,6 +24,7 @@ pub struct CellHit {
 }
 
 /// A segment, and the cells on it to ignore.
+#[derive(Clone, Copy)]
 pub(super) struct Segment {
     pub(super) from: DVec3,
     pub(super) to: DVec3,
@@ -52,6 +53,11 @@ impl SoftGrid {
 
     /// [`SoftGrid::first_hit`] for a segment of finite ends.
     pub(super) fn walk(&self, segment: &Segment) -> Option<CellHit> {
+        self.walk_among(self.pyramid().any_bits(0), segment)
+    }
+
+    /// The first of the cells given on a segment of finite ends.
+    pub(super) fn walk_among(&self, cells: &BitMatrix, segment: &Segment) -> Option<CellHit> {
         let Segment { from, to, .. } = *segment;
         let (way, grid) = (to - from, self.grid());
         let last = grid.dims() - 1;
@@ -62,8 +68,8 @@ impl SoftGrid {
             if segment.until.is_some_and(|block| block.contains(cell)) {
                 return None;
             }
-            let shift = self.empty_around(cell);
-            if shift == 0 && first != Some(cell) && self.pyramid().any(0, cell) {
+            let shift = empty_around(cells, cell);
+            if shift == 0 && first != Some(cell) && cells.get(cell) {
                 return Some(CellHit { cell, distance: t * way.length() });
             }
             let low = (cell >> shift) << shift;
@@ -94,18 +100,16 @@ impl SoftGrid {
             }
         }
     }
+}
 
-    /// The edge length of an empty block around a cell, as a power of two; 0 if its brick is not
-    /// empty.
-    fn empty_around(&self, cell: IVec3) -> i32 {
-        let bits = self.pyramid().any_bits(0);
-        if bits.pages().page_is_empty(cell >> PAGE_SHIFT) {
-            PAGE_SHIFT
-        } else if *bits.brick(cell >> BRICK_SHIFT) == NONE {
-            BRICK_SHIFT
-        } else {
-            0
-        }
+/// The edge length of an empty block around a cell, as a power of two; 0 if its brick is not empty.
+fn empty_around(cells: &BitMatrix, cell: IVec3) -> i32 {
+    if cells.pages().page_is_empty(cell >> PAGE_SHIFT) {
+        PAGE_SHIFT
+    } else if *cells.brick(cell >> BRICK_SHIFT) == NONE {
+        BRICK_SHIFT
+    } else {
+        0
     }
 }
 

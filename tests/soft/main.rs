@@ -3,6 +3,7 @@
 mod cells;
 mod cones;
 mod estimates;
+mod fractions;
 #[path = "../../examples/soft_walls/leak.rs"]
 mod leak;
 mod misuse;

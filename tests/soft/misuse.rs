@@ -98,7 +98,8 @@ proptest! {
             grid.visible_fraction(points[4], Aabb { min, max }, 9),
         ];
         for seen in shapes {
-            prop_assert!(share(seen.unwrap()));
+            let seen = seen.unwrap();
+            prop_assert!(share(seen.least) && share(seen.most) && seen.least <= seen.most, "{seen:?}");
         }
         grid.first_hit(points[3], points[5]).unwrap();
         let lamp = Light::point(points[5], radius);
