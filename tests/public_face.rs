@@ -100,7 +100,7 @@ fn every_public_type_crosses_threads_and_prints_itself() {
             KeySet, KeySetError, Light, MemoryUse, MeshOptions, Method, Motion, Obb, ObjectDesc, ObjectId,
             ObjectRef<'static>, Occluder, Plane, PointOptions, Pvs, PvsChanges<'static>, Query, Reports,
             Scene, Sight<'static>, Sphere, Stats, TriMesh, View, PageId, PageObjects, World, WorldFrame, WorldOptions;
-        soft: CellHit, Cone, ConeAnswer, Layer, March, Pyramid, SoftGrid, SoftId, VisibilityVolume;
+        soft: CellHit, Cone, ConeAnswer, Layer, March, Pyramid, SoftGrid, SoftId, VisibilityVolume, VisibleFraction;
         internals: BitMatrix, Cap, CapPolygon, CellRun, IdMatrix, OcclusionImage, TbvMatrix;
     };
     assert_eq!(checked, public_types(), "the public types of the sources, and those that are checked here");

@@ -19,7 +19,17 @@ use crate::soft::walk::Segment;
 /// The share of a shape that an eye sees, 0 to 1, between two bounds.
 ///
 /// They are far from each other where cells are large beside the things that hide: a sheet, or a
-/// wall thinner than a cell, fills none. A finer grid brings them together.
+/// wall thinner than a cell, fills none. Finer cells bring them together. Mean errors for balls of
+/// which something is seen, with 64 rays in a cube of 128 cells (the example `soft_fractions`):
+///
+/// | scene, radius of the ball in cells | seen on the mean | `least` | middle | `most` |
+/// |---|---|---|---|---|
+/// | houses, 4 | 0.86 | 0.008 | 0.006 | 0.006 |
+/// | boxes of 2 to 16 cells, 4 | 0.87 | 0.048 | 0.026 | 0.046 |
+/// | trunks of 0.8 to 2.4 cells, 4 | 0.34 | 0.18 | 0.14 | 0.36 |
+/// | the same, 0.6 | 0.72 | 0.38 | 0.22 | 0.26 |
+/// | rooms with walls of 0.4 cells, 4 | 0.43 | 0.18 | 0.22 | 0.57 |
+/// | the same, 0.6 | 0.82 | 0.35 | 0.19 | 0.18 |
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisibleFraction {
     /// The share that is seen past all cells that shapes touch. It is 0 for a small thing behind
@@ -154,9 +164,9 @@ impl SoftGrid {
         Ok((1.0 - open).clamp(0.0, 1.0) as f32)
     }
 
-    /// Sets [`DrawItem::fraction`] of objects in a draw list to [`SoftGrid::visible_fraction`] of
-    /// their bounds from the eye of the view that the set was found for, by so many rays each. No
-    /// object leaves the list.
+    /// Sets [`DrawItem::fraction`] of objects in a draw list to the middle of
+    /// [`SoftGrid::visible_fraction`] of their bounds from the eye of the view that the set was
+    /// found for, by so many rays each. No object leaves the list.
     ///
     /// Objects that are gone, or go unreported while hidden, keep their fraction; so do all in
     /// views of parallel rays.

@@ -1,6 +1,7 @@
 //! A town in a window. A second camera shows from above which things are culled.
 //!
-//! `cargo run --release --features window --bin city`. `--picture FILE` draws it without a window.
+//! `cargo run --release --features window --bin city`. `--picture FILE` draws it without a window;
+//! `page/build` makes a page of it.
 
 use std::any::TypeId;
 use std::path::PathBuf;
@@ -24,6 +25,9 @@ use bevy_casca::{
 };
 use bevy_casca_rendered::town::{self, Ground, Thing, Walker};
 use clap::Parser;
+
+/// The title of the window, before the counts.
+const TITLE: &str = "casca in Bevy";
 
 /// What only the camera above the town sees.
 const ABOVE: RenderLayers = RenderLayers::layer(1);
@@ -93,7 +97,7 @@ fn main() -> ExitCode {
     let size = UVec2::from_slice(&arguments.size).clamp(UVec2::splat(16), UVec2::splat(8192));
     let mut app = App::new();
     let render = RenderPlugin { synchronous_pipeline_compilation: arguments.picture.is_some(), ..default() };
-    let window = Window { title: "casca in Bevy".into(), ..default() };
+    let window = Window { title: TITLE.into(), ..canvas() };
     let plugins = DefaultPlugins.set(render).disable::<LogPlugin>();
     if arguments.picture.is_some() {
         let window =
@@ -125,6 +129,11 @@ fn main() -> ExitCode {
             }
         },
     }
+}
+
+/// The window, or the picture of the page.
+fn canvas() -> Window {
+    Window { canvas: Some("#picture".into()), fit_canvas_to_parent: true, ..default() }
 }
 
 /// Runs some frames without a window, and writes the last one.
@@ -222,18 +231,24 @@ fn set_up(world: &mut World, entities: usize, target: &RenderTarget) {
     world.spawn((Words, Text::default(), font, place, BackgroundColor(Color::srgba(0.0, 0.0, 0.0, 0.65))));
 }
 
-/// F1 turns casca on and off, Space the walk, B the view from above.
+/// F1 turns casca on and off, Space stops all that walks, B shows the view from above.
 fn keys(
     pressed: Res<ButtonInput<KeyCode>>,
     mut settings: ResMut<CascaSettings>,
     mut walk: ResMut<Walk>,
+    mut time: ResMut<Time<Virtual>>,
     mut bird: Single<&mut Camera, With<Bird>>,
 ) {
     if pressed.just_pressed(KeyCode::F1) {
         settings.enabled = !settings.enabled;
     }
     if pressed.just_pressed(KeyCode::Space) {
-        walk.goes = !walk.goes;
+        if time.is_paused() {
+            time.unpause();
+        } else {
+            time.pause();
+        }
+        walk.goes = !time.is_paused();
     }
     if pressed.just_pressed(KeyCode::KeyB) {
         bird.is_active = !bird.is_active;
@@ -310,6 +325,7 @@ fn tell(
     suns: Query<&CascadesVisibleEntities>,
     things: Query<(), With<Thing>>,
     mut words: Single<&mut Text, With<Words>>,
+    mut window: Option<Single<&mut Window>>,
 ) {
     let time = |path: &DiagnosticPath| store.get(path).and_then(|d| d.smoothed()).unwrap_or_default();
     let (camera, visible) = *eye;
@@ -318,11 +334,18 @@ fn tell(
     let who = if settings.enabled { "casca culls" } else { "Bevy culls, casca is off" };
     let (ours, all) = (time(&CascaDiagnostics::TIME), time(&FrameTimeDiagnosticsPlugin::FRAME_TIME));
     let took = if times.0 { format!("visibility {ours:.1} ms, frame {all:.1} ms\n") } else { String::new() };
+    // Pages give the title to screen readers.
+    let title = format!("{TITLE}: {who}, {drawn} of {} things in view are drawn", in_view.0);
+    if let Some(window) = &mut window
+        && window.title != title
+    {
+        window.title = title;
+    }
     words.0 = format!(
         "{who}\n{} things, {} in view\n{drawn} drawn, {} hidden\n{} draws in shadow maps\n\
          {took}\nF1 turns casca on and off\nB the view from above:\n\
          drawn (yellow), hidden (blue), out of view (grey)\n\
-         Space walks; W A S D Q E and the right mouse button fly",
+         Space stops and walks; W A S D Q E and the right mouse button fly",
         things.iter().len(),
         in_view.0,
         in_view.0.saturating_sub(drawn),
