@@ -68,6 +68,7 @@ mod numeric;
 mod query;
 mod spread;
 mod states;
+mod tree;
 mod voxels;
 mod walk;
 
