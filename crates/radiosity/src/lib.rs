@@ -62,6 +62,8 @@ mod cache;
 mod clip;
 mod direct;
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod input;
 mod moves;
 mod numeric;

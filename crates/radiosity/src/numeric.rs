@@ -149,6 +149,16 @@ pub(crate) const ANSWER_NORMAL: f64 = 0.6;
 /// The share of a start's weight that is lost by each cell of height above the question's plane.
 pub(crate) const ANSWER_HEIGHT: f64 = 1.5;
 
+/// Cells that a short ray crosses on the device at most.
+///
+/// It ends within twice [`ANSWER_REACH`] of its start: three cells along each axis, and two more.
+#[cfg(feature = "gpu")]
+pub(crate) const MOST_STEPS: u32 = 16;
+
+/// Farther than any face of a cell that a short ray crosses.
+#[cfg(feature = "gpu")]
+pub(crate) const FAR: f64 = 1e9;
+
 /// Beyond the box of what moved by so much, a segment cannot have met it.
 ///
 /// Ends of rays are stored in single precision, which rounds by 2^-14 cells.

@@ -353,6 +353,13 @@ impl Voxels {
         (brick as usize, ((c.z & 3) << 4) | ((c.y & 3) << 2) | (c.x & 3))
     }
 
+    /// Bricks along the axes; by brick the occupied cells before it; by occupied cell where its
+    /// entries and its references start.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn tables(&self) -> (IVec3, &[u32], &[u32], &[u32]) {
+        (self.bricks, &self.ranks, &self.heads, &self.starts)
+    }
+
     /// The number of a cell among the occupied ones.
     fn occupied(&self, c: IVec3) -> Option<usize> {
         let (brick, bit) = self.slot(c);
