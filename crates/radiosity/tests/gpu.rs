@@ -145,6 +145,19 @@ fn other_direct_light_is_sent_with_the_light_that_is_there() {
         });
         assert!(apart(&gpu, &light, &cache) < 1e-5);
     }
+    // The next pass reads other direct light with the indirect light of before, as a fresh upload does.
+    let mut cache = cache;
+    cache.set_lights(&[lamp(Vec3::new(0.6, 0.4, 3.3), 20.0)]).unwrap();
+    cache.direct();
+    let mut fresh = GpuCache::new(&gpu.device, &cache).unwrap();
+    run(&gpu, |encoder| {
+        light.set_direct(&gpu.queue, encoder, &cache).unwrap();
+        light.pass(encoder, 1);
+        fresh.pass(encoder, 1);
+    });
+    let [a, b] = [&light, &fresh].map(|l| read(&gpu, l.indirect()));
+    let largest = a.iter().zip(&b).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
+    assert!(largest < 1e-4, "{largest}");
     // A cache with fewer gathered states is not the one on the device.
     let grid = Grid::around(&furnished().objects, 16);
     let mut other = Cache::new(&furnished(), Settings::new(grid)).unwrap();
@@ -158,11 +171,17 @@ fn other_direct_light_is_sent_with_the_light_that_is_there() {
 #[test]
 fn pictures_of_the_device_have_the_light_of_answers() {
     let Some(gpu) = gpu() else { return };
-    let cache = lit(&furnished(), 24, 32, 20);
+    let cache = lit(&furnished(), 25, 32, 20);
     let light = GpuCache::new(&gpu.device, &cache).unwrap();
-    let found = shaded(&gpu, &light, &points());
+    // Normals that are not those of the surfaces weigh heights and normals.
+    let turned = |(i, (p, n)): (usize, (Vec3, Vec3))| {
+        let way = n.any_orthonormal_vector() * [0.4, 0.9, -0.9][i % 3];
+        (p, (n + way).normalize())
+    };
+    let points: Vec<_> = points().into_iter().enumerate().map(turned).collect();
+    let found = shaded(&gpu, &light, &points);
     let (mut worst, mut sum, mut unseen) = (0.0_f64, 0.0, 0);
-    for ((p, n), device) in points().iter().zip(&found) {
+    for ((p, n), device) in points.iter().zip(&found) {
         let answer = cache.irradiance(*p, *n).unwrap();
         assert_eq!(device[3] == 1.0, answer.states > 0, "{p}");
         if answer.states == 0 {
