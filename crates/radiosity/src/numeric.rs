@@ -33,15 +33,15 @@ pub(crate) const SEAL: f64 = 1e-4;
 
 /// A triangle is listed in all cells that are nearer to it than this.
 ///
-/// More than [`SEAL`], so that a ray that a sealed edge catches looks in a cell where the triangle
-/// is listed; the walk itself strays by 2^-40 only.
+/// More than [`SEAL`], so that the cell of a hit on a sealed edge lists the triangle; a hit itself
+/// strays by 2^-40 only.
 pub(crate) const GROW: f64 = 2e-4;
 
 /// The box of a triangle in the tree is larger than the triangle by so much on all sides.
 ///
-/// It must hold [`GROW`], and rounding in single precision, which shifts a face of a box by less than
-/// 2^-11: the start of a ray by 2^-15, its direction by 2^-24 over 2^10 cells, and the quotient by
-/// four roundings of a distance of 2^10 cells, 2^-12. Both are a third of it.
+/// It must hold [`GROW`], and rounding in single precision, which shifts a face of a box by less
+/// than 2^-11: the start of a ray by 2^-15, its direction by 2^-24 over 2^10 cells, and the
+/// quotient by four roundings of a distance of 2^10 cells, 2^-12. Both are a third of it.
 pub(crate) const BOX: f64 = 1.0 / 512.0;
 
 /// Directions have no lesser component in single precision.
@@ -51,7 +51,7 @@ pub(crate) const NO_WAY: f32 = 1e-20;
 
 /// Triangles of a leaf of the tree at most.
 ///
-/// Sponza's rays cost the same with two to four; more take less memory.
+/// Sponza's rays take the same time with one, two and four; four take least memory.
 pub(crate) const LEAF: usize = 4;
 
 /// Where a part of the tree may be split: the least cost of so many places.

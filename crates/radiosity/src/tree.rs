@@ -1,6 +1,6 @@
 //! Which triangle a ray meets first, exactly: a tree of boxes in single precision, all a little too
-//! large, around the test of Möller and Trumbore (1997) in double precision. Nodes have four parts,
-//! whose boxes are tested together, and are split where the surface area heuristic says (Wald 2007).
+//! large, around the test of Möller and Trumbore (1997) in double precision. Nodes have four
+//! parts, whose boxes are tested together, and are split by the surface area heuristic (Wald 2007).
 
 use glam::{DVec3, IVec3, Vec3A, Vec4};
 use smallvec::SmallVec;
@@ -192,8 +192,8 @@ impl Tree {
         }
     }
 
-    /// The triangle that a ray meets first within a reach along a unit direction, with its distance;
-    /// of equal distances the first triangle. Outside of the lattice there is none.
+    /// The triangle that a ray meets first within a reach along a unit direction, with its
+    /// distance; of equal distances the first triangle. Outside of the lattice there is none.
     pub(crate) fn first(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<(f64, u32)> {
         let mut best = (reach, u32::MAX);
         self.visit(from, direction, reach, |distance, surface, _| {

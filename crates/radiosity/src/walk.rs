@@ -24,7 +24,7 @@ impl Voxels {
         self.free_of(from, to, &mut NONE.clone())
     }
 
-    /// The same for many segments of one point: what blocks one of them is tried first for the next.
+    /// The same for many segments of one point: what blocked the last one is tried first.
     pub(crate) fn free_of(&self, from: DVec3, to: DVec3, last: &mut u32) -> bool {
         let way = to - from;
         let Some(direction) = way.try_normalize() else { return true };

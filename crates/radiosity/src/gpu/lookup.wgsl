@@ -6,7 +6,7 @@ struct CascaGrid {
     low: vec3f,
     cell: f32,
     dims: vec3i,
-    // Where parts of `casca_cells` start: first entries of occupied cells, first references, references.
+    // Where parts of `casca_cells` start: first entries of cells, first references, references.
     heads: u32,
     bricks: vec3i,
     firsts: u32,
@@ -118,8 +118,8 @@ fn casca_within(spot: vec3f, normal: vec3f, reach: f32) -> vec4f {
     return sum;
 }
 
-// The indirect irradiance of a point in metres with a unit normal; 1 in the last component if states
-// gave it, and 0 if there are none, or no free ones.
+// The indirect irradiance of a point in metres with a unit normal; 1 in the last component if
+// states gave it, and 0 if there are none, or no free ones.
 fn casca_irradiance(point: vec3f, normal: vec3f) -> vec4f {
     let spot = (point - casca_grid.low) / casca_grid.cell + normal * LIFT;
     let size = vec3f(casca_grid.dims);
