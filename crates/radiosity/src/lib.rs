@@ -62,12 +62,15 @@ mod cache;
 mod clip;
 mod direct;
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod input;
 mod moves;
 mod numeric;
 mod query;
 mod spread;
 mod states;
+mod tree;
 mod voxels;
 mod walk;
 

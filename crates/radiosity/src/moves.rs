@@ -14,8 +14,8 @@ use crate::error::LightError;
 use crate::input::Object;
 use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_STARTS};
 use crate::states::{Bundle, DARK, SKY};
+use crate::tree::within;
 use crate::voxels::{NONE, Skipped, Surface, Voxels, surfaces};
-use crate::walk::within;
 
 /// What a move cost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -33,9 +33,33 @@ pub(crate) const SEAL: f64 = 1e-4;
 
 /// A triangle is listed in all cells that are nearer to it than this.
 ///
-/// More than [`SEAL`], so that a ray that a sealed edge catches looks in a cell where the triangle
-/// is listed; the walk itself strays by 2^-40 only.
+/// More than [`SEAL`], so that the cell of a hit on a sealed edge lists the triangle; a hit itself
+/// strays by 2^-40 only.
 pub(crate) const GROW: f64 = 2e-4;
+
+/// The box of a triangle in the tree is larger than the triangle by so much on all sides.
+///
+/// It must hold [`GROW`], and rounding in single precision, which shifts a face of a box by less
+/// than 2^-11: the start of a ray by 2^-15, its direction by 2^-24 over 2^10 cells, and the
+/// quotient by four roundings of a distance of 2^10 cells, 2^-12. Both are a third of it.
+pub(crate) const BOX: f64 = 1.0 / 512.0;
+
+/// Directions have no lesser component in single precision.
+///
+/// Over 2^10 cells, a ray strays by 2^-56 cells for it; its inverse times 2^10 is finite.
+pub(crate) const NO_WAY: f32 = 1e-20;
+
+/// Triangles of a leaf of the tree at most.
+///
+/// Sponza's rays take the same time with one, two and four; four take least memory.
+pub(crate) const LEAF: usize = 4;
+
+/// Where a part of the tree may be split: the least cost of so many places.
+pub(crate) const BINS: usize = 16;
+
+/// Levels of the tree that are split by cost; from there on by halves, of which a tree of 2^32
+/// triangles has 32.
+pub(crate) const LEVEL: u32 = 40;
 
 /// Triangles of less area, in square cells, are left out.
 ///
@@ -84,6 +108,11 @@ pub(crate) const OPEN_RAYS: u32 = 8;
 /// In the open all candidates are alike, and the one in the middle stands for the entry best.
 pub(crate) const OFF_CENTRE: f64 = 0.15;
 
+/// A candidate is given up only if it loses by more than this.
+///
+/// The sum of eight shares of at most 1 rounds by less than 2^-48.
+pub(crate) const DOUBT: f64 = 1e-12;
+
 /// Points of an entry that are tried.
 pub(crate) const CANDIDATES: u32 = 8;
 
@@ -111,11 +140,24 @@ pub(crate) const STAND_INS: usize = 32;
 /// Answers are means over starts within so many cells; where there are none, twice as many.
 pub(crate) const ANSWER_REACH: f64 = 1.5;
 
+/// Starts are at most so far outside of the cell of their entry: twice [`LIFT`] and its rounding.
+pub(crate) const ABOVE: f64 = 2.0 * LIFT;
+
 /// The least product of the normals of an entry and of a question that it answers.
 pub(crate) const ANSWER_NORMAL: f64 = 0.6;
 
 /// The share of a start's weight that is lost by each cell of height above the question's plane.
 pub(crate) const ANSWER_HEIGHT: f64 = 1.5;
+
+/// Cells that a short ray crosses on the device at most.
+///
+/// It ends within twice [`ANSWER_REACH`] of its start: three cells along each axis, and two more.
+#[cfg(feature = "gpu")]
+pub(crate) const MOST_STEPS: u32 = 16;
+
+/// Farther than any face of a cell that a short ray crosses.
+#[cfg(feature = "gpu")]
+pub(crate) const FAR: f64 = 1e9;
 
 /// Beyond the box of what moved by so much, a segment cannot have met it.
 ///

@@ -1,14 +1,15 @@
 //! Questions: the light at a point of a surface.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3};
 
 use crate::cache::Cache;
 use crate::direct::Spot;
 use crate::error::LightError;
 use crate::input::{numbers, way};
-use crate::numeric::{ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
+use crate::numeric::{ABOVE, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
 use crate::spread::{Hemisphere, mix};
 use crate::states::{DARK, SKY, Start, lifted};
+use crate::voxels::NONE;
 use crate::walk::block;
 
 /// The irradiance of a surface, in watts per square metre by channel.
@@ -90,7 +91,14 @@ impl Cache {
         if !is_close {
             return near;
         }
-        for cell in block(middle, reach.ceil() as i32).filter(|c| lattice.has(*c)) {
+        // Starts lie in their cells, or just above: those of others weigh nothing.
+        let is_in_reach = |c: &IVec3| {
+            let low = c.as_dvec3() - ABOVE;
+            spot.at.distance(spot.at.clamp(low, low + 1.0 + 2.0 * ABOVE)) < reach
+        };
+        let cells = block(middle, reach.ceil() as i32).filter(|c| lattice.has(*c) && is_in_reach(c));
+        let mut last = NONE;
+        for cell in cells {
             for entry in self.voxels.entries_of(cell) {
                 let e = &self.voxels.entries[entry as usize];
                 let like = e.normal.as_dvec3().dot(spot.normal);
@@ -101,7 +109,7 @@ impl Cache {
                 let starts = self.starts(state);
                 let weight = weight(spot, starts, reach) * (like.abs() - ANSWER_NORMAL);
                 let area = 0.2 + 0.8 * f64::from(e.area).min(1.0);
-                let sees = |s: &Start| self.voxels.free(spot.at, s.at.as_dvec3());
+                let sees = |s: &Start| self.voxels.free_of(spot.at, s.at.as_dvec3(), &mut last);
                 if weight > 0.0 && starts.iter().any(sees) {
                     near.push((state, weight * area));
                 }

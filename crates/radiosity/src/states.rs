@@ -9,11 +9,11 @@ use smallvec::SmallVec;
 
 use crate::clip::{Polygon, cross, part_of};
 use crate::numeric::{
-    CANDIDATES, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS,
+    CANDIDATES, DOUBT, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS,
     OPEN_REACH, STAND_INS, STARTS, TOUCH,
 };
 use crate::spread::{Hemisphere, in_triangle, mix, unit};
-use crate::voxels::{Surface, Voxels};
+use crate::voxels::{NONE, Surface, Voxels};
 use crate::walk::{Hit, around};
 
 /// A ray that left the grid.
@@ -85,11 +85,7 @@ impl Voxels {
     pub(crate) fn starts(&self, state: u32, seed: u32) -> Starts {
         let key = self.key(state, seed);
         let (candidates, middle) = self.candidates(state, key);
-        let open: SmallVec<[f64; 8]> = candidates.iter().map(|s| self.openness(s, key)).collect();
-        let score = |i: &usize| open[*i] - OFF_CENTRE * candidates[*i].at.as_dvec3().distance(middle);
-        // The first of equals.
-        let best = (0..candidates.len()).rev().max_by(|a, b| score(a).total_cmp(&score(b)));
-        let Some(best) = best else { return Starts::new() };
+        let Some(best) = self.most_open(&candidates, middle, key) else { return Starts::new() };
         let first = candidates[best].at.as_dvec3();
         let joined = |i: &usize| *i != best && self.free(first, candidates[*i].at.as_dvec3());
         std::iter::once(best)
@@ -127,14 +123,35 @@ impl Voxels {
         (points, middle)
     }
 
-    /// The mean share of [`OPEN_REACH`] that rays from a start go.
-    fn openness(&self, start: &Start, key: u64) -> f64 {
+    /// The candidate from which rays go farthest, less what its distance to the middle costs; the
+    /// first of equals. Candidates that cannot win send no more rays.
+    fn most_open(&self, candidates: &[Start], middle: DVec3, key: u64) -> Option<usize> {
+        let cost = |i: usize| OFF_CENTRE * candidates[i].at.as_dvec3().distance(middle);
+        let mut order: SmallVec<[(f64, usize); 8]> = (0..candidates.len()).map(|i| (cost(i), i)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let (mut best, mut most) = (None, f64::NEG_INFINITY);
+        for (cost, i) in order {
+            let Some(open) = self.openness(&candidates[i], key, most + cost - DOUBT) else { continue };
+            let score = open - cost;
+            if score > most || score == most && best.is_some_and(|b| i < b) {
+                (best, most) = (Some(i), score);
+            }
+        }
+        best
+    }
+
+    /// The mean share of [`OPEN_REACH`] that rays from a start go, if it can reach a least one.
+    fn openness(&self, start: &Start, key: u64, least: f64) -> Option<f64> {
         let ways = Hemisphere::new(start.normal.as_dvec3(), OPEN_RAYS, key);
-        let share = |i| {
+        let mut sum = 0.0;
+        for i in 0..OPEN_RAYS {
+            if (sum + f64::from(OPEN_RAYS - i)) / f64::from(OPEN_RAYS) < least {
+                return None;
+            }
             let hit = self.first(start.at.as_dvec3(), ways.direction(i), OPEN_REACH);
-            hit.map_or(1.0, |h| h.distance / OPEN_REACH)
-        };
-        (0..OPEN_RAYS).map(share).sum::<f64>() / f64::from(OPEN_RAYS)
+            sum += hit.map_or(1.0, |h| h.distance / OPEN_REACH);
+        }
+        Some(sum / f64::from(OPEN_RAYS))
     }
 
     /// Which side of a surface a ray meets: its normal there, and 0 for the front or 1.
@@ -155,7 +172,7 @@ impl Voxels {
     ) -> (u32, bool) {
         let point = from + direction * hit.distance;
         let (normal, side) = self.facing(hit.surface, direction);
-        let own = self.entry_at(hit.surface, point, hit.cell);
+        let own = self.entry_at(hit.surface, point);
         if let Some(entry) = own.filter(|e| self.entries[*e as usize].alone) {
             return (2 * entry + side, true);
         }
@@ -165,14 +182,25 @@ impl Voxels {
         if !self.free(near, spot) {
             spot = near;
         }
-        let sees = |s: &Start| self.free(spot, s.at.as_dvec3());
-        if let Some(entry) = own.filter(|e| starts(2 * e + side).iter().any(sees)) {
-            return (2 * entry + side, false);
+        let mut last = NONE;
+        let mut sees = |s: &Start| self.free_of(spot, s.at.as_dvec3(), &mut last);
+        let own = own.map(|e| 2 * e + side);
+        if let Some(state) = own.filter(|s| starts(*s).iter().any(&mut sees)) {
+            return (state, false);
         }
-        let like = self.stand_ins(spot, normal, (LIKE_NORMAL, LIKE_HEIGHT));
-        let other = like.chain(self.stand_ins(spot, normal, (LEAST_NORMAL, LEAST_HEIGHT)));
-        let other = other.into_iter().find(|s| starts(*s).iter().any(sees));
-        (other.unwrap_or(DARK), false)
+        let mut tried: SmallVec<[u32; STAND_INS]> = own.into_iter().collect();
+        for rule in [(LIKE_NORMAL, LIKE_HEIGHT), (LEAST_NORMAL, LEAST_HEIGHT)] {
+            for state in self.stand_ins(spot, normal, rule) {
+                if tried.contains(&state) {
+                    continue;
+                }
+                if starts(state).iter().any(&mut sees) {
+                    return (state, false);
+                }
+                tried.push(state);
+            }
+        }
+        (DARK, false)
     }
 
     /// States near a point that face like a normal, by a least product of normals and a greatest

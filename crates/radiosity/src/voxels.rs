@@ -9,9 +9,8 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::clip::{Polygon, cross, inside, part_of, range, touched};
 use crate::error::LightError;
 use crate::input::{Grid, Material, Object, Triangle};
-use crate::numeric::{
-    FARTHEST, FLAT, GAP, GROW, LEAST_AREA, LEAST_PART, MOST_REFERENCES, OVER, SAME_NORMAL, SEAL,
-};
+use crate::numeric::{FARTHEST, FLAT, GAP, GROW, LEAST_AREA, LEAST_PART, MOST_REFERENCES, OVER, SAME_NORMAL};
+use crate::tree::Tree;
 
 /// No entry, or no triangle.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -67,22 +66,18 @@ pub(crate) struct Surface {
     pub(crate) corners: [DVec3; 3],
     /// Unit normal of the front.
     pub(crate) normal: DVec3,
-    /// How far its barycentric coordinates may be below 0: [`SEAL`] beyond its edges.
-    pub(crate) slack: [f64; 3],
     pub(crate) area: f64,
     pub(crate) material: u32,
     pub(crate) object: u32,
 }
 
 impl Surface {
-    fn new(corners: [DVec3; 3], material: u32, object: u32) -> Option<Self> {
+    pub(crate) fn new(corners: [DVec3; 3], material: u32, object: u32) -> Option<Self> {
         let [a, b, c] = corners;
         let cross = (b - a).cross(c - a);
         let area = 0.5 * cross.length();
         let normal = cross.try_normalize().filter(|_| area > LEAST_AREA && area.is_finite())?;
-        // A height on an edge is twice the area over its length.
-        let slack = [b.distance(c), c.distance(a), a.distance(b)].map(|edge| SEAL * edge / (2.0 * area));
-        Some(Self { corners, normal, slack, area, material, object })
+        Some(Self { corners, normal, area, material, object })
     }
 
     pub(crate) fn polygon(&self) -> Polygon {
@@ -195,6 +190,7 @@ const BRICK: i32 = 2;
 pub(crate) struct Voxels {
     pub(crate) lattice: Lattice,
     pub(crate) surfaces: Vec<Surface>,
+    pub(crate) tree: Tree,
     pub(crate) entries: Vec<Entry>,
     pub(crate) members: Vec<u32>,
     pub(crate) references: Vec<Reference>,
@@ -226,6 +222,7 @@ impl Voxels {
         let count = bricks.as_usizevec3().element_product();
         let mut voxels = Self {
             lattice,
+            tree: Tree::new(&lattice, &surfaces),
             surfaces,
             entries: Vec::new(),
             members: Vec::new(),
@@ -356,9 +353,11 @@ impl Voxels {
         (brick as usize, ((c.z & 3) << 4) | ((c.y & 3) << 2) | (c.x & 3))
     }
 
-    /// The occupied cells around a cell of the grid, 4x4x4 of them.
-    pub(crate) fn mask(&self, c: IVec3) -> u64 {
-        self.masks[self.slot(c).0]
+    /// Bricks along the axes; by brick the occupied cells before it; by occupied cell where its
+    /// entries and its references start.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn tables(&self) -> (IVec3, &[u32], &[u32], &[u32]) {
+        (self.bricks, &self.ranks, &self.heads, &self.starts)
     }
 
     /// The number of a cell among the occupied ones.
@@ -391,6 +390,7 @@ impl Voxels {
     /// Bytes of all parts.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&self.surfaces[..])
+            + self.tree.bytes()
             + size_of_val(&self.entries[..])
             + size_of_val(&self.members[..])
             + size_of_val(&self.references[..])

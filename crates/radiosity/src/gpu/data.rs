@@ -1,0 +1,121 @@
+//! What the device gets: hits, states, entries and triangles, in single precision.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::cache::Cache;
+use crate::numeric::SEAL;
+use crate::voxels::Surface;
+
+/// The rays of a gathered state.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct Block {
+    state: u32,
+    first: u32,
+    count: u32,
+    unused: u32,
+}
+
+/// The middle of a state's starts, and the range of these.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+pub(super) struct State {
+    middle: [f32; 3],
+    first: u32,
+    count: u32,
+    unused: [u32; 3],
+}
+
+/// `CascaGrid` of the shader.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct Grid {
+    low: [f32; 3],
+    cell: f32,
+    dims: [i32; 3],
+    heads: u32,
+    bricks: [i32; 3],
+    firsts: u32,
+    list: u32,
+    unused: [u32; 3],
+}
+
+/// A vector with a fourth component.
+pub(super) fn four(v: Vec3, last: f32) -> [f32; 4] {
+    v.extend(last).to_array()
+}
+
+pub(super) fn blocks(cache: &Cache) -> Vec<Block> {
+    let of = |&state: &u32| {
+        let block = cache.blocks[state as usize];
+        Block { state, first: block.first, count: block.count, unused: 0 }
+    };
+    cache.gathered.iter().map(of).collect()
+}
+
+pub(super) fn hits(cache: &Cache) -> Vec<u32> {
+    cache.rays.iter().map(|r| r.target).collect()
+}
+
+/// By state: what its rays see of the sky, and the share that it scatters by steradian.
+pub(super) fn surfaces(cache: &Cache) -> Vec<[[f32; 4]; 2]> {
+    let of = |(state, glow): (usize, &crate::cache::Glow)| {
+        let albedo = cache.voxels.entries[state / 2].albedo;
+        [four(glow.sky, 0.0), four(albedo / std::f32::consts::PI, 0.0)]
+    };
+    cache.glow.iter().enumerate().map(of).collect()
+}
+
+/// The cells as numbers, and where the parts start.
+pub(super) fn cells(cache: &Cache) -> (Grid, Vec<u32>) {
+    let voxels = &cache.voxels;
+    let (bricks, ranks, heads, firsts) = voxels.tables();
+    let masks = voxels.masks.iter().zip(ranks);
+    let mut all: Vec<u32> = masks.flat_map(|(m, rank)| [*m as u32, (*m >> 32) as u32, *rank]).collect();
+    let at_heads = all.len() as u32;
+    all.extend(heads);
+    let at_firsts = all.len() as u32;
+    all.extend(firsts);
+    let list = all.len() as u32;
+    all.extend(voxels.references.iter().map(|r| r.surface));
+    let lattice = &voxels.lattice;
+    let grid = Grid {
+        low: lattice.min.as_vec3().to_array(),
+        cell: lattice.cell as f32,
+        dims: lattice.dims.to_array(),
+        heads: at_heads,
+        bricks: bricks.to_array(),
+        firsts: at_firsts,
+        list,
+        unused: [0; 3],
+    };
+    (grid, all)
+}
+
+/// The gathered states and their starts.
+pub(super) fn states(cache: &Cache) -> (Vec<State>, Vec<[f32; 4]>) {
+    let mut states = vec![State::default(); cache.glow.len()];
+    let mut starts = Vec::new();
+    for &state in &cache.gathered {
+        let of_state = cache.starts(state);
+        if of_state.is_empty() {
+            continue;
+        }
+        let middle = of_state.iter().map(|s| s.at).sum::<Vec3>() / of_state.len() as f32;
+        let (first, count) = (starts.len() as u32, of_state.len() as u32);
+        states[state as usize] = State { middle: middle.to_array(), first, count, unused: [0; 3] };
+        starts.extend(of_state.iter().map(|s| four(s.at, 0.0)));
+    }
+    (states, starts)
+}
+
+/// A corner and two edges of each triangle, with the slack of the three coordinates.
+pub(super) fn triangles(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
+    let of = |s: &Surface| {
+        let [a, b, c] = s.corners;
+        let slack = [b.distance(c), c.distance(a), a.distance(b)].map(|e| (SEAL * e / (2.0 * s.area)) as f32);
+        [four(a.as_vec3(), slack[0]), four((b - a).as_vec3(), slack[1]), four((c - a).as_vec3(), slack[2])]
+    };
+    cache.voxels.surfaces.iter().map(of).collect()
+}

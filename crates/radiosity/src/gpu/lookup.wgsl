@@ -1,0 +1,132 @@
+// The light of a point, as the processor's cache answers: the mean of the states around it, each
+// behind a short ray of its own. Lengths are in cells.
+
+struct CascaGrid {
+    // The least corner, in metres, and the edge of a cell.
+    low: vec3f,
+    cell: f32,
+    dims: vec3i,
+    // Where parts of `casca_cells` start: first entries of cells, first references, references.
+    heads: u32,
+    bricks: vec3i,
+    firsts: u32,
+    list: u32,
+}
+
+// The place of the middle of its starts, their number, and the first of them. None if not gathered.
+struct CascaState { middle: vec3f, first: u32, count: u32 }
+
+@group(GROUP) @binding(0) var<uniform> casca_grid: CascaGrid;
+@group(GROUP) @binding(1) var<storage, read> casca_cells: array<u32>;
+// The normal, and the area.
+@group(GROUP) @binding(2) var<storage, read> casca_entries: array<vec4f>;
+@group(GROUP) @binding(3) var<storage, read> casca_states: array<CascaState>;
+@group(GROUP) @binding(4) var<storage, read> casca_starts: array<vec4f>;
+// A corner and two edges, each with how far a barycentric coordinate may be below 0.
+@group(GROUP) @binding(5) var<storage, read> casca_triangles: array<array<vec4f, 3>>;
+@group(GROUP) @binding(6) var<storage, read> casca_indirect: array<vec4f>;
+
+// The number of a cell among the occupied ones, or -1.
+fn casca_occupied(c: vec3i) -> i32 {
+    if any(c < vec3i(0)) || any(c >= casca_grid.dims) { return -1; }
+    let b = c >> vec3u(2u);
+    let brick = 3 * ((b.z * casca_grid.bricks.y + b.y) * casca_grid.bricks.x + b.x);
+    let place = u32(((c.z & 3) << 4u) | ((c.y & 3) << 2u) | (c.x & 3));
+    let bit = 1u << (place & 31u);
+    let half = brick + i32(place >> 5u);
+    let mask = casca_cells[half];
+    if (mask & bit) == 0u { return -1; }
+    var before = casca_cells[brick + 2] + countOneBits(mask & (bit - 1u));
+    if place >= 32u { before += countOneBits(casca_cells[brick]); }
+    return i32(before);
+}
+
+fn casca_meets(number: u32, origin: vec3f, direction: vec3f, reach: f32) -> bool {
+    let triangle = casca_triangles[number];
+    let p = cross(direction, triangle[2].xyz);
+    let determinant = dot(triangle[1].xyz, p);
+    if determinant == 0.0 { return false; }
+    let way = origin - triangle[0].xyz;
+    let u = dot(way, p) / determinant;
+    let q = cross(way, triangle[1].xyz);
+    let v = dot(direction, q) / determinant;
+    let distance = dot(triangle[2].xyz, q) / determinant;
+    return u >= -triangle[1].w && v >= -triangle[2].w && 1.0 - u - v >= -triangle[0].w
+        && distance >= 0.0 && distance <= reach;
+}
+
+// Whether the segment between two points meets no triangle, by the cells on its way.
+fn casca_free(origin: vec3f, to: vec3f) -> bool {
+    let reach = distance(origin, to);
+    if reach <= 0.0 { return true; }
+    let direction = (to - origin) / reach;
+    var cell = vec3i(floor(origin));
+    let last = vec3i(floor(to));
+    let steps = vec3i(sign(direction));
+    for (var i = 0; i < MOST_STEPS; i++) {
+        let at = casca_occupied(cell);
+        if at >= 0 {
+            let end = casca_cells[casca_grid.firsts + u32(at) + 1u];
+            for (var k = casca_cells[casca_grid.firsts + u32(at)]; k < end; k++) {
+                if casca_meets(casca_cells[casca_grid.list + k], origin, direction, reach) { return false; }
+            }
+        }
+        if all(cell == last) { return true; }
+        // Axes that are not done; the last cell ends all of them.
+        let faces = vec3f(select(cell, cell + 1, steps > vec3i(0)));
+        let ends = select(vec3f(FAR), (faces - origin) / direction, (cell != last) & (steps != vec3i(0)));
+        let least = min(ends.x, min(ends.y, ends.z));
+        if least >= FAR { return true; }
+        if ends.x == least { cell.x += steps.x; } else if ends.y == least { cell.y += steps.y; } else { cell.z += steps.z; }
+    }
+    return true;
+}
+
+fn casca_sees(spot: vec3f, state: CascaState) -> bool {
+    for (var i = 0u; i < state.count; i++) {
+        if casca_free(spot, casca_starts[state.first + i].xyz) { return true; }
+    }
+    return false;
+}
+
+// The sum of weighted light and the sum of weights within a reach.
+fn casca_within(spot: vec3f, normal: vec3f, reach: f32) -> vec4f {
+    var sum = vec4f(0.0);
+    let middle = vec3i(floor(spot));
+    let most = i32(ceil(reach));
+    for (var z = -most; z <= most; z++) { for (var y = -most; y <= most; y++) { for (var x = -most; x <= most; x++) {
+        let cell = middle + vec3i(x, y, z);
+        let nearest = clamp(spot, vec3f(cell) - ABOVE, vec3f(cell) + 1.0 + ABOVE);
+        if distance(spot, nearest) >= reach { continue; }
+        let at = casca_occupied(cell);
+        if at < 0 { continue; }
+        let end = casca_cells[casca_grid.heads + u32(at) + 1u];
+        for (var e = casca_cells[casca_grid.heads + u32(at)]; e < end; e++) {
+            let entry = casca_entries[e];
+            let like = dot(entry.xyz, normal);
+            let number = 2u * e + select(0u, 1u, like < 0.0);
+            let state = casca_states[number];
+            let way = state.middle - spot;
+            let near = max(1.0 - length(way) / reach, 0.0);
+            let low = max(1.0 - ANSWER_HEIGHT * abs(dot(way, normal)), 0.0);
+            let weight = near * near * low * (abs(like) - ANSWER_NORMAL) * (0.2 + 0.8 * min(entry.w, 1.0));
+            if state.count > 0u && weight > 0.0 && casca_sees(spot, state) {
+                sum += weight * vec4f(casca_indirect[number].rgb, 1.0);
+            }
+        }
+    } } }
+    return sum;
+}
+
+// The indirect irradiance of a point in metres with a unit normal; 1 in the last component if
+// states gave it, and 0 if there are none, or no free ones.
+fn casca_irradiance(point: vec3f, normal: vec3f) -> vec4f {
+    let spot = (point - casca_grid.low) / casca_grid.cell + normal * LIFT;
+    let size = vec3f(casca_grid.dims);
+    // Far outside, whole numbers end.
+    if !(all(spot > vec3f(-2.0 * ANSWER_REACH)) && all(spot < size + 2.0 * ANSWER_REACH)) { return vec4f(0.0); }
+    var sum = casca_within(spot, normal, ANSWER_REACH);
+    if sum.w <= 0.0 { sum = casca_within(spot, normal, 2.0 * ANSWER_REACH); }
+    if sum.w <= 0.0 { return vec4f(0.0); }
+    return vec4f(sum.rgb / sum.w, 1.0);
+}
