@@ -11,7 +11,8 @@ use crate::input::{Light, Material, Object, Scene, Settings, Sky, check_lights};
 use crate::numeric::{MOST_RAYS, MOST_STORED};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
-use crate::voxels::{Lattice, Skipped, Voxels, surfaces};
+use crate::surfaces::{Lattice, Skipped, surfaces};
+use crate::voxels::Voxels;
 
 /// The rays of a state: a range of [`Cache::rays`], empty if it is not gathered.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -14,8 +14,9 @@ use crate::error::LightError;
 use crate::input::Object;
 use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_STARTS};
 use crate::states::{Bundle, DARK, SKY};
+use crate::surfaces::{Skipped, Surface, surfaces};
 use crate::tree::within;
-use crate::voxels::{NONE, Skipped, Surface, Voxels, surfaces};
+use crate::voxels::{NONE, Voxels};
 
 /// What a move cost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -13,7 +13,8 @@ use crate::numeric::{
     OPEN_REACH, STAND_INS, STARTS, TOUCH,
 };
 use crate::spread::{Hemisphere, in_triangle, mix, unit};
-use crate::voxels::{NONE, Surface, Voxels};
+use crate::surfaces::Surface;
+use crate::voxels::{NONE, Voxels};
 use crate::walk::{Hit, around};
 
 /// A ray that left the grid.

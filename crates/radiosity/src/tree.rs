@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 
 use crate::clip::{inside, range};
 use crate::numeric::{BINS, BOX, GROW, LEAF, LEVEL, NO_WAY, SEAL};
-use crate::voxels::{Lattice, Surface};
+use crate::surfaces::{Lattice, Surface};
 
 /// A triangle as rays are tested against it.
 #[derive(Debug, Clone, Copy)]

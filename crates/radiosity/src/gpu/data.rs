@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::cache::Cache;
 use crate::numeric::SEAL;
-use crate::voxels::Surface;
+use crate::surfaces::Surface;
 
 /// The rays of a gathered state.
 #[repr(C)]

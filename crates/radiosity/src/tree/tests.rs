@@ -13,7 +13,7 @@ fn scene(count: u64) -> (Lattice, Vec<Surface>) {
         let size = [0.3, 3.0, 40.0][i as usize % 3];
         let middle = point(4 * i, 32.0) + 17.0;
         let mut corners = [1, 2, 3].map(|k| middle + point(4 * i + k, size));
-        if i % 5 == 0 {
+        if i.is_multiple_of(5) {
             corners.iter_mut().for_each(|c| c.y = middle.y.round());
         }
         Surface::new(corners, 0, 0)

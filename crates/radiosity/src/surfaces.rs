@@ -1,0 +1,127 @@
+//! The lattice of cells, and the triangles of objects in its units.
+
+use glam::{DVec3, IVec3, Vec3};
+
+use crate::clip::{Polygon, inside};
+use crate::input::{Grid, Object, Triangle};
+use crate::numeric::{FARTHEST, LEAST_AREA, OVER};
+
+/// The lattice of cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lattice {
+    /// Its least corner, in metres.
+    pub(crate) min: DVec3,
+    /// The edge of a cell, in metres.
+    pub(crate) cell: f64,
+    /// Cells along each axis.
+    pub(crate) dims: IVec3,
+}
+
+impl Lattice {
+    /// The cells that cover a sound grid, and one more on each side, for surfaces in its faces.
+    pub(crate) fn new(grid: &Grid) -> Self {
+        let (min, max) = (grid.min.as_dvec3(), grid.max.as_dvec3());
+        let cell = (max - min).max_element() / f64::from(grid.cells);
+        let dims = ((max - min) / cell).round().as_ivec3();
+        let more = ((max - min) / cell - dims.as_dvec3()).cmpgt(DVec3::splat(OVER));
+        let more = IVec3::new(more.x.into(), more.y.into(), more.z.into());
+        let dims = (dims + more).clamp(IVec3::ONE, IVec3::splat(grid.cells as i32));
+        Self { min: min - cell, cell, dims: dims + 2 }
+    }
+
+    /// A point in cells.
+    pub(crate) fn cells(&self, p: Vec3) -> DVec3 {
+        (p.as_dvec3() - self.min) / self.cell
+    }
+
+    /// The number of a cell. A grid of 514³ cells has less than 2^28.
+    pub(crate) fn number(&self, c: IVec3) -> u32 {
+        ((c.z * self.dims.y + c.y) * self.dims.x + c.x) as u32
+    }
+
+    /// The cell of a number.
+    pub(crate) fn place(&self, number: u32) -> IVec3 {
+        let (n, d) = (number as i32, self.dims);
+        IVec3::new(n % d.x, n / d.x % d.y, n / d.x / d.y)
+    }
+
+    /// Whether there is such a cell.
+    pub(crate) fn has(&self, c: IVec3) -> bool {
+        c.cmpge(IVec3::ZERO).all() && c.cmplt(self.dims).all()
+    }
+}
+
+/// A triangle in cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Surface {
+    pub(crate) corners: [DVec3; 3],
+    /// Unit normal of the front.
+    pub(crate) normal: DVec3,
+    pub(crate) area: f64,
+    pub(crate) material: u32,
+    pub(crate) object: u32,
+}
+
+impl Surface {
+    pub(crate) fn new(corners: [DVec3; 3], material: u32, object: u32) -> Option<Self> {
+        let [a, b, c] = corners;
+        let cross = (b - a).cross(c - a);
+        let area = 0.5 * cross.length();
+        let normal = cross.try_normalize().filter(|_| area > LEAST_AREA && area.is_finite())?;
+        Some(Self { corners, normal, area, material, object })
+    }
+
+    pub(crate) fn polygon(&self) -> Polygon {
+        self.corners.into_iter().collect()
+    }
+}
+
+/// Triangles that were left out, or not taken whole.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// Corners that are not finite.
+    pub not_finite: usize,
+    /// A corner more than 2^30 cells away, where single precision places no plane.
+    pub far: usize,
+    /// No area.
+    pub degenerate: usize,
+    /// Wholly outside of the grid.
+    pub outside: usize,
+    /// Not left out: only the part inside of the grid counts.
+    pub cut: usize,
+}
+
+/// The triangles of objects that can be lit.
+pub(crate) fn surfaces(objects: &[Object], lattice: &Lattice, skipped: &mut Skipped) -> Vec<Surface> {
+    let mut all = Vec::new();
+    for (object, o) in objects.iter().enumerate() {
+        all.extend(o.triangles.iter().filter_map(|t| surface(t, object as u32, lattice, skipped)));
+    }
+    all
+}
+
+fn surface(t: &Triangle, object: u32, lattice: &Lattice, skipped: &mut Skipped) -> Option<Surface> {
+    if !t.corners.iter().all(|p| p.is_finite()) {
+        skipped.not_finite += 1;
+        return None;
+    }
+    let corners = t.corners.map(|p| lattice.cells(p));
+    if corners.iter().any(|p| p.abs().max_element() > FARTHEST) {
+        skipped.far += 1;
+        return None;
+    }
+    let Some(surface) = Surface::new(corners, t.material, object) else {
+        skipped.degenerate += 1;
+        return None;
+    };
+    let high = lattice.dims.as_dvec3();
+    let is_in = |p: &DVec3| p.cmpge(DVec3::ZERO).all() && p.cmple(high).all();
+    if !corners.iter().all(is_in) {
+        if inside(&surface.polygon(), IVec3::ZERO, lattice.dims, 0.0).is_empty() {
+            skipped.outside += 1;
+            return None;
+        }
+        skipped.cut += 1;
+    }
+    Some(surface)
+}
