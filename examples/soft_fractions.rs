@@ -32,6 +32,9 @@ impl Dice {
     }
 }
 
+/// Makes the shapes of a scene.
+type Maker = fn(&mut Dice) -> Vec<Aabb>;
+
 /// Boxes at random.
 fn boxes(dice: &mut Dice) -> Vec<Aabb> {
     (0..60).map(|_| Aabb::from_center(dice.point(0.0, SIZE), dice.point(0.5, 4.0))).collect()
@@ -108,8 +111,7 @@ fn main() -> Result<(), Error> {
     println!(
         "scene  | ball | cells | truth | least: error | middle | most | truth within 0.1 of the bounds | wholly seen: least, most"
     );
-    let scenes: [(&str, fn(&mut Dice) -> Vec<Aabb>); 4] =
-        [("boxes", boxes), ("rooms", rooms), ("forest", forest), ("town", town)];
+    let scenes: [(&str, Maker); 4] = [("boxes", boxes), ("rooms", rooms), ("forest", forest), ("town", town)];
     for (name, make) in scenes {
         for radius in [0.3, 2.0] {
             let shapes = make(&mut Dice(5));

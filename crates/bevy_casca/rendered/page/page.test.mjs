@@ -37,11 +37,15 @@ test("Bevy draws a town in a page, and casca changes no pixel of it", { timeout:
   await page.setViewport({ width, height, deviceScaleFactor: 1 });
   await page.goto(pathToFileURL(process.env.CASCA_PAGE));
   const title = () => page.$eval("#picture", (canvas) => canvas.getAttribute("alt") ?? "");
+  // Some frames; one takes seconds without a graphics processor.
+  const frames = (count) => page.evaluate(async (count) => {
+    while (count-- > 0) await new Promise(requestAnimationFrame);
+  }, count);
   const culls = async (who) => {
     const wanted = (who) => new RegExp(`${who}.*, [1-9]\\d* of`).test(document.querySelector("#picture").getAttribute("alt") ?? "");
     await page.waitForFunction(wanted, { timeout: 300_000, polling: 100 }, who);
-    // The set of this frame is drawn by the next ones.
-    await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 3000)));
+    // The title tells of the frame before, and the set of a frame is drawn by the next one.
+    await frames(5);
     const [, drawn, all] = (await title()).match(/(\d+) of (\d+) things/).map(Number);
     return { drawn, all, picture: PNG.sync.read(Buffer.from(await page.screenshot())) };
   };
