@@ -2,8 +2,8 @@
 //!
 //! A [`crate::Query`] says whether something can be seen and never errs by hiding it. The functions
 //! here say how much of it, and **may err both ways**: shapes count as the cells that they touch.
-//! ([`VisibleFraction`] also has a bound by the cells that they fill.) Use them to choose levels of
-//! detail, to order what is streamed, and for light, but not to leave objects out.
+//! ([`VisibleFraction`] also has a bound by the cells that they fill.) Use them for levels of
+//! detail, for the order of streaming, and for light. They must not decide what is drawn.
 //!
 //! [`SoftGrid`] holds the occupied cells in two layers, for fixed and for moving shapes, and a
 //! pyramid of opacities above them. It is asked by [`SoftGrid::first_hit`] (an exact walk through

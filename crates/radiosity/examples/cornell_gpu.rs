@@ -20,6 +20,9 @@ use glam::Vec3;
 /// Rows of a picture of floats are 256 bytes times a whole number: 16 pixels.
 const SIZE: (usize, usize) = (320, 240);
 const EXPOSURE: f32 = 2.0;
+/// The processor passes until light changes by less, which no picture shows; so often at most.
+const SETTLED: f64 = 1e-4;
+const MOST_PASSES: u32 = 40;
 
 fn byte(light: f32) -> u8 {
     let shown = 1.0 - (-EXPOSURE * light.max(0.0)).exp();
@@ -95,7 +98,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let light: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&buffer)?);
     println!("{}: 24 passes and a picture in {:.1} ms", gpu.name, clock.elapsed().as_secs_f64() * 1e3);
 
-    cache.converge(1e-4, 40);
+    cache.converge(SETTLED, MOST_PASSES);
     let mut pixels = vec![0; 8 * SIZE.0 * SIZE.1];
     let (mut apart, mut sum) = (0.0, 0.0);
     for (i, s) in surfaces.iter().enumerate().filter_map(|(i, s)| s.map(|s| (i, s))) {

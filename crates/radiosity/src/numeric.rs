@@ -149,6 +149,12 @@ pub(crate) const ANSWER_NORMAL: f64 = 0.6;
 /// The share of a start's weight that is lost by each cell of height above the question's plane.
 pub(crate) const ANSWER_HEIGHT: f64 = 1.5;
 
+/// The share of its weight that a state has however little surface is in its cell; the rest grows
+/// with the area.
+///
+/// Above 0, so that slivers answer where nothing else does.
+pub(crate) const ANSWER_AREA: f64 = 0.2;
+
 /// Cells that a short ray crosses on the device at most.
 ///
 /// It ends within twice [`ANSWER_REACH`] of its start: three cells along each axis, and two more.

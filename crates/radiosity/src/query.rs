@@ -6,7 +6,7 @@ use crate::cache::Cache;
 use crate::direct::Spot;
 use crate::error::LightError;
 use crate::input::{numbers, way};
-use crate::numeric::{ABOVE, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
+use crate::numeric::{ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
 use crate::spread::{Hemisphere, mix};
 use crate::states::{DARK, SKY, Start, lifted};
 use crate::voxels::NONE;
@@ -108,7 +108,7 @@ impl Cache {
                 }
                 let starts = self.starts(state);
                 let weight = weight(spot, starts, reach) * (like.abs() - ANSWER_NORMAL);
-                let area = 0.2 + 0.8 * f64::from(e.area).min(1.0);
+                let area = ANSWER_AREA + (1.0 - ANSWER_AREA) * f64::from(e.area).min(1.0);
                 let sees = |s: &Start| self.voxels.free_of(spot.at, s.at.as_dvec3(), &mut last);
                 if weight > 0.0 && starts.iter().any(sees) {
                     near.push((state, weight * area));

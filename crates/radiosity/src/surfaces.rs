@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 use crate::clip::{Polygon, inside};
 use crate::input::{Grid, Object, Triangle};
-use crate::numeric::{FARTHEST, LEAST_AREA, OVER};
+use crate::numeric::{FARTHEST, LEAST_AREA, OVER, SEAL};
 
 /// The lattice of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +69,13 @@ impl Surface {
         let area = 0.5 * cross.length();
         let normal = cross.try_normalize().filter(|_| area > LEAST_AREA && area.is_finite())?;
         Some(Self { corners, normal, area, material, object })
+    }
+
+    /// How far barycentric coordinates on it may be below 0: [`SEAL`] beyond its edges.
+    pub(crate) fn slack(&self) -> [f64; 3] {
+        let [a, b, c] = self.corners;
+        // A height on an edge is twice the area over its length.
+        [b.distance(c), c.distance(a), a.distance(b)].map(|edge| SEAL * edge / (2.0 * self.area))
     }
 
     pub(crate) fn polygon(&self) -> Polygon {

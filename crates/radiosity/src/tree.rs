@@ -6,7 +6,7 @@ use glam::{DVec3, IVec3, Vec3A, Vec4};
 use smallvec::SmallVec;
 
 use crate::clip::{inside, range};
-use crate::numeric::{BINS, BOX, GROW, LEAF, LEVEL, NO_WAY, SEAL};
+use crate::numeric::{BINS, BOX, GROW, LEAF, LEVEL, NO_WAY};
 use crate::surfaces::{Lattice, Surface};
 
 /// A triangle as rays are tested against it.
@@ -15,7 +15,7 @@ struct Facet {
     corner: DVec3,
     first: DVec3,
     second: DVec3,
-    /// How far its barycentric coordinates may be below 0: [`SEAL`] beyond its edges.
+    /// [`Surface::slack`].
     slack: [f64; 3],
     surface: u32,
 }
@@ -23,9 +23,7 @@ struct Facet {
 impl Facet {
     fn new(s: &Surface, surface: u32) -> Self {
         let [a, b, c] = s.corners;
-        // A height on an edge is twice the area over its length.
-        let slack = [b.distance(c), c.distance(a), a.distance(b)].map(|edge| SEAL * edge / (2.0 * s.area));
-        Self { corner: a, first: b - a, second: c - a, slack, surface }
+        Self { corner: a, first: b - a, second: c - a, slack: s.slack(), surface }
     }
 
     /// The distance along a unit direction at which a ray meets it, if it does ahead.

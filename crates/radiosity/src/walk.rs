@@ -34,8 +34,7 @@ impl Voxels {
     }
 
     /// The entry of a triangle at a point on it: that of the point's cell, or of a cell next to the
-    /// point. Rounding may put a point into a cell in which hardly
-    /// anything of the triangle is.
+    /// point. Rounding may put a point into a cell in which hardly anything of the triangle is.
     pub(crate) fn entry_at(&self, surface: u32, point: DVec3) -> Option<u32> {
         let of = |c: IVec3| {
             let is_it = |r: &&crate::voxels::Reference| r.surface == surface && r.entry != NONE;

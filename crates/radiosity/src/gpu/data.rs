@@ -4,7 +4,6 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::cache::Cache;
-use crate::numeric::SEAL;
 use crate::surfaces::Surface;
 
 /// The rays of a gathered state.
@@ -114,7 +113,7 @@ pub(super) fn states(cache: &Cache) -> (Vec<State>, Vec<[f32; 4]>) {
 pub(super) fn triangles(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
     let of = |s: &Surface| {
         let [a, b, c] = s.corners;
-        let slack = [b.distance(c), c.distance(a), a.distance(b)].map(|e| (SEAL * e / (2.0 * s.area)) as f32);
+        let slack = s.slack().map(|s| s as f32);
         [four(a.as_vec3(), slack[0]), four((b - a).as_vec3(), slack[1]), four((c - a).as_vec3(), slack[2])]
     };
     cache.voxels.surfaces.iter().map(of).collect()

@@ -109,7 +109,8 @@ fn casca_within(spot: vec3f, normal: vec3f, reach: f32) -> vec4f {
             let way = state.middle - spot;
             let near = max(1.0 - length(way) / reach, 0.0);
             let low = max(1.0 - ANSWER_HEIGHT * abs(dot(way, normal)), 0.0);
-            let weight = near * near * low * (abs(like) - ANSWER_NORMAL) * (0.2 + 0.8 * min(entry.w, 1.0));
+            let area = ANSWER_AREA + (1.0 - ANSWER_AREA) * min(entry.w, 1.0);
+            let weight = near * near * low * (abs(like) - ANSWER_NORMAL) * area;
             if state.count > 0u && weight > 0.0 && casca_sees(spot, state) {
                 sum += weight * vec4f(casca_indirect[number].rgb, 1.0);
             }

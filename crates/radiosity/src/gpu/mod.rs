@@ -16,7 +16,7 @@ use wgpu::util::DeviceExt;
 use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, Device, Queue, TextureView};
 
 use crate::cache::Cache;
-use crate::numeric::{ABOVE, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, LIFT, MOST_STEPS};
+use crate::numeric::{ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, LIFT, MOST_STEPS};
 use crate::states::DARK;
 
 /// Threads of a group of passes, and groups in a row: adapters take 65,535.
@@ -55,7 +55,7 @@ pub struct GpuCache {
     sky: Buffer,
     direct: Buffer,
     indirect: Buffer,
-    /// By turns: what a pass reads, and what it writes.
+    /// Passes read one half of the sent light and write the other: a bind group for each way.
     passes: [BindGroup; 2],
     renewals: [BindGroup; 2],
     spread: ComputePipeline,
@@ -187,6 +187,7 @@ impl GpuCache {
             ("ANSWER_REACH", ANSWER_REACH),
             ("ANSWER_NORMAL", ANSWER_NORMAL),
             ("ANSWER_HEIGHT", ANSWER_HEIGHT),
+            ("ANSWER_AREA", ANSWER_AREA),
             ("FAR", FAR),
         ];
         let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n")).concat();
