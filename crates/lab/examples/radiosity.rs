@@ -133,8 +133,9 @@ fn case(name: &str) -> Outcome<Case> {
 /// The scene as the cache takes it.
 fn input(scene: &LitScene) -> Scene {
     let triangles = scene.triangles();
-    let of = |object: &[lit::LitTriangle]| Object {
-        triangles: object.iter().map(|t| Triangle { corners: t.corners, material: t.material }).collect(),
+    let of = |object: &[lit::LitTriangle]| -> Object {
+        let triangle = |t: &lit::LitTriangle| Triangle { corners: t.corners, material: t.material };
+        object.iter().map(triangle).collect::<Vec<_>>().into()
     };
     let light = |l: &lit::Light| match l.kind {
         LightKind::Directional { direction, half_angle } => {
@@ -145,12 +146,13 @@ fn input(scene: &LitScene) -> Scene {
             Light::Spot { position, direction, intensity: l.color, inner, outer, radius }
         }
     };
-    let material = |m: &lit::Material| Material { albedo: m.albedo, emission: m.emission };
+    let material = |m: &lit::Material| Material::new(m.albedo, m.emission);
     Scene {
         objects: triangles.chunk_by(|a, b| a.object == b.object).map(of).collect(),
         materials: scene.materials.iter().map(lit::Material::sound).map(|m| material(&m)).collect(),
         lights: scene.lights.iter().map(light).collect(),
         sky: Sky::Even(scene.sky),
+        ..Scene::default()
     }
 }
 

@@ -7,8 +7,8 @@ use std::f32::consts::PI;
 use std::path::Path;
 use std::time::Instant;
 
-use casca_radiosity::gpu::GpuCache;
-use casca_radiosity::{Cache, Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
+use casca_radiosity::gpu::{Answers, GpuCache, Input, Shading, Surfaces};
+use casca_radiosity::{Cache, Grid, Light, Material, Scene, Settings, Sky, Triangle};
 use casca_scenes::lit::{self, Kind, LightKind};
 use casca_stage::gpu::Gpu;
 use casca_stage::image::write_png;
@@ -39,12 +39,12 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
         LightKind::Point { position, radius } => Some(Light::Point { position, intensity: l.color, radius }),
         _ => None,
     };
-    let material = |m: &lit::Material| Material { albedo: m.sound().albedo, emission: m.emission };
+    let material = |m: &lit::Material| Material::new(m.sound().albedo, m.emission);
     let scene = Scene {
-        objects: vec![Object { triangles: lit.triangles().iter().map(triangle).collect() }],
+        objects: vec![lit.triangles().iter().map(triangle).collect::<Vec<_>>().into()],
         materials: lit.materials.iter().map(material).collect(),
         lights: lit.lights.iter().filter_map(light).collect(),
-        sky: Sky::Even(Vec3::ZERO),
+        ..Scene::default()
     };
     let surfaces = PathTracer::new(&lit).surfaces(&lit.camera, SIZE)?;
     let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, cells)))?;
@@ -85,11 +85,11 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let clock = Instant::now();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     on_device.pass(&mut encoder, 24);
-    on_device.shade(
-        &gpu.device,
-        &mut encoder,
-        [&positions, &normals, &made.create_view(&Default::default())],
-    );
+    let shading = Shading::new(&gpu.device, Input::Positions, Answers::All);
+    let surfaces_drawn =
+        Surfaces { place: &positions, normals: &normals, inverse: glam::Mat4::IDENTITY, empty: 1.0 };
+    let view = made.create_view(&Default::default());
+    on_device.shade(&gpu.device, &mut encoder, &shading, surfaces_drawn, &view);
     let layout =
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row as u32), rows_per_image: None };
     let target = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
@@ -103,13 +103,13 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let (mut apart, mut sum) = (0.0, 0.0);
     for (i, s) in surfaces.iter().enumerate().filter_map(|(i, s)| s.map(|s| (i, s))) {
         let answer = cache.irradiance(s.point.as_vec3(), s.normal.as_vec3())?;
-        let bounced = Vec3::from_slice(&light[i]);
-        apart += (bounced - answer.indirect).length();
-        sum += answer.indirect.length();
+        let (found, known) = (Vec3::from_slice(&light[i]), answer.direct + answer.indirect);
+        apart += (found - known).length();
+        sum += known.length();
         let factor = lit.materials[s.material].albedo / PI;
-        for (side, indirect) in [bounced, answer.indirect].into_iter().enumerate() {
+        for (side, light) in [found, known].into_iter().enumerate() {
             let at = 4 * (i / SIZE.0 * 2 * SIZE.0 + side * SIZE.0 + i % SIZE.0);
-            let shown = factor * (answer.direct + indirect);
+            let shown = factor * light;
             pixels[at..at + 3].copy_from_slice(&shown.to_array().map(byte));
         }
     }

@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use casca_radiosity::{Cache, Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
+use casca_radiosity::{Cache, Grid, Light, Material, Scene, Settings, Sky, Triangle};
 use casca_scenes::import::load_lit;
 use casca_scenes::lit::{Kind, LitScene};
 use glam::Vec3;
@@ -14,13 +14,14 @@ use glam::Vec3;
 fn input(scene: &LitScene) -> Scene {
     let triangle = |t: &casca_scenes::lit::LitTriangle| Triangle { corners: t.corners, material: t.material };
     let albedo = |m: &casca_scenes::lit::Material| m.sound().albedo;
-    let material = |m| Material { albedo: albedo(m), emission: Vec3::ZERO };
+    let material = |m| Material::new(albedo(m), Vec3::ZERO);
     let direction = Vec3::new(0.25, -1.0, 0.12);
     Scene {
-        objects: vec![Object { triangles: scene.triangles().iter().map(triangle).collect() }],
+        objects: vec![scene.triangles().iter().map(triangle).collect::<Vec<_>>().into()],
         materials: scene.materials.iter().map(material).collect(),
         lights: vec![Light::Sun { direction, irradiance: Vec3::splat(10.0), half_angle: 0.01 }],
         sky: Sky::Even(Vec3::new(0.6, 0.8, 1.0)),
+        ..Scene::default()
     }
 }
 

@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use crate::direct::{Lamps, Sources, Spot};
 use crate::error::LightError;
-use crate::input::{Light, Material, Object, Scene, Settings, Sky, check_lights};
+use crate::input::{Light, Object, Scene, Settings, Sky, check_lights};
+use crate::materials::Materials;
 use crate::numeric::{MOST_RAYS, MOST_STORED};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
@@ -114,7 +115,7 @@ pub struct Statistics {
 pub struct Cache {
     pub(crate) settings: Settings,
     pub(crate) objects: Vec<Object>,
-    pub(crate) materials: Vec<Material>,
+    pub(crate) materials: Materials,
     pub(crate) lights: Vec<Light>,
     pub(crate) sky: Sky,
     pub(crate) skipped: Skipped,
@@ -148,16 +149,17 @@ impl Cache {
         let lattice = Lattice::new(&settings.grid);
         let mut skipped = Skipped::default();
         let all = surfaces(&scene.objects, &lattice, &mut skipped);
-        let voxels = Voxels::new(lattice, all, &scene.materials)?;
+        let materials = Materials { all: scene.materials.clone(), textures: scene.textures.clone() };
+        let voxels = Voxels::new(lattice, all, &materials)?;
         let states = voxels.states() as usize;
         Ok(Self {
             settings,
             objects: scene.objects.clone(),
-            materials: scene.materials.clone(),
             lights: scene.lights.clone(),
             sky: scene.sky,
             skipped,
-            lamps: Lamps::new(&voxels, &scene.materials),
+            lamps: Lamps::new(&voxels, &materials),
+            materials,
             starts: StartTable::new(voxels.states()),
             voxels,
             blocks: vec![Block::default(); states],
@@ -267,7 +269,13 @@ impl Cache {
     }
 
     pub(crate) fn sources(&self) -> Sources<'_> {
-        Sources { voxels: &self.voxels, lights: &self.lights, lamps: &self.lamps, settings: &self.settings }
+        Sources {
+            voxels: &self.voxels,
+            materials: &self.materials,
+            lights: &self.lights,
+            lamps: &self.lamps,
+            settings: &self.settings,
+        }
     }
 
     /// Finds the direct light of all gathered states anew, by shadow rays.

@@ -4,6 +4,7 @@ use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
 
 use crate::numeric::GROW;
+use crate::spread::in_triangle;
 
 /// A convex polygon in cells. A triangle that six planes cut has nine corners at most.
 pub(crate) type Polygon = SmallVec<[DVec3; 10]>;
@@ -63,6 +64,25 @@ pub(crate) fn cross(polygon: &Polygon) -> DVec3 {
     let fan = (1..polygon.len().saturating_sub(1))
         .map(|i| (polygon[i] - polygon[0]).cross(polygon[i + 1] - polygon[0]));
     fan.sum()
+}
+
+/// The point of a polygon before which such an area lies, and so far across.
+pub(crate) fn point_of(polygon: &Polygon, area: f64, across: f64) -> DVec3 {
+    let mut rest = area;
+    let mut last = polygon[0];
+    for pair in polygon[1..].windows(2) {
+        let of_fan = 0.5 * (pair[0] - polygon[0]).cross(pair[1] - polygon[0]).length();
+        if of_fan > 0.0 {
+            let share = (rest / of_fan).clamp(0.0, 1.0);
+            let [a, b, c] = in_triangle(share, across);
+            last = polygon[0] * a + pair[0] * b + pair[1] * c;
+            if rest < of_fan {
+                return last;
+            }
+        }
+        rest -= of_fan;
+    }
+    last
 }
 
 /// Calls `visit` with each cell from `low` up to `high` that is nearer to the polygon than

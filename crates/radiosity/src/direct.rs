@@ -7,18 +7,18 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-use crate::input::{Light, Material, Settings};
+use crate::input::{Light, Settings};
+use crate::materials::{Colour, Materials};
 use crate::numeric::{GOLDEN, LIFT};
 use crate::spread::{in_triangle, mix, on_disc, unit};
 use crate::states::mixed;
-use crate::voxels::{Voxels, emits};
+use crate::voxels::Voxels;
 
 /// A lamp.
 #[derive(Debug, Clone, Copy)]
 struct Lamp {
     surface: u32,
-    radiance: Vec3,
-    /// Luminance of the radiance.
+    /// Luminance of its mean radiance.
     bright: f64,
     /// The share of the power of all lamps that lies before it and in it.
     share: f64,
@@ -48,13 +48,16 @@ fn luminance(c: Vec3) -> f64 {
 
 impl Lamps {
     /// The emissive triangles; O(triangles).
-    pub(crate) fn new(voxels: &Voxels, materials: &[Material]) -> Self {
+    pub(crate) fn new(voxels: &Voxels, materials: &Materials) -> Self {
         let (mut all, mut power) = (Vec::new(), 0.0);
-        for (i, s) in voxels.surfaces.iter().enumerate().filter(|(_, s)| emits(materials, s)) {
-            let radiance = materials[s.material as usize].emission;
-            let bright = luminance(radiance);
+        for (i, s) in voxels.surfaces.iter().enumerate().filter(|(_, s)| materials.emits(s)) {
+            let bright = luminance(materials.over(s, Colour::Emission, || s.polygon()));
+            // A texture may be dark here.
+            if bright == 0.0 {
+                continue;
+            }
             power += bright * s.area;
-            all.push(Lamp { surface: i as u32, radiance, bright, share: power });
+            all.push(Lamp { surface: i as u32, bright, share: power });
         }
         all.iter_mut().for_each(|l| l.share /= power);
         Self { all }
@@ -64,8 +67,24 @@ impl Lamps {
         self.all.len()
     }
 
+    /// Each lamp's triangle, mean radiance, luminance and share up to it; and the power of all:
+    /// luminance times square cells.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn described(
+        &self,
+        voxels: &Voxels,
+        materials: &Materials,
+    ) -> (Vec<(u32, Vec3, f64, f64)>, f64) {
+        let surface = |l: &Lamp| &voxels.surfaces[l.surface as usize];
+        let radiance = |s: &crate::surfaces::Surface| materials.over(s, Colour::Emission, || s.polygon());
+        let of = |l: &Lamp| (l.surface, radiance(surface(l)), l.bright, l.share);
+        let power = self.all.iter().map(|l| l.bright * surface(l).area).sum();
+        (self.all.iter().map(of).collect(), power)
+    }
+
     /// The irradiance at a spot by so many weighed points and shadow rays.
-    fn irradiance(&self, voxels: &Voxels, spot: &Spot, points: u32, rays: u32) -> Vec3 {
+    fn irradiance(&self, sources: &Sources, spot: &Spot, points: u32, rays: u32) -> Vec3 {
+        let voxels = sources.voxels;
         if self.all.is_empty() {
             return Vec3::ZERO;
         }
@@ -79,7 +98,8 @@ impl Lamps {
             let (lamp, point) = (&self.all[choices[at].lamp], choices[at].point);
             let normal = voxels.facing(lamp.surface, point - spot.at).0;
             if voxels.free(spot.at, point + normal * LIFT) {
-                light += lamp.radiance / lamp.bright as f32;
+                let surface = &voxels.surfaces[lamp.surface as usize];
+                light += sources.materials.at(surface, point, Colour::Emission) / lamp.bright as f32;
             }
         }
         light * (sum / f64::from(rays)) as f32
@@ -160,6 +180,7 @@ fn polygon(spot: &Spot, corners: &[DVec3]) -> f64 {
 /// Everything that shines directly.
 pub(crate) struct Sources<'a> {
     pub(crate) voxels: &'a Voxels,
+    pub(crate) materials: &'a Materials,
     pub(crate) lights: &'a [Light],
     pub(crate) lamps: &'a Lamps,
     pub(crate) settings: &'a Settings,
@@ -174,7 +195,7 @@ impl Sources<'_> {
             let key = mix(spot.key ^ mix(i as u64));
             self.of_light(light, &Spot { key, ..*spot }, of(self.settings.light_rays))
         });
-        lights.sum::<Vec3>() + self.lamps.irradiance(self.voxels, spot, points, rays)
+        lights.sum::<Vec3>() + self.lamps.irradiance(self, spot, points, rays)
     }
 
     fn of_light(&self, light: &Light, spot: &Spot, rays: u32) -> Vec3 {

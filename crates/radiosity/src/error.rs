@@ -29,6 +29,36 @@ pub enum LightError {
         /// How many there are.
         count: usize,
     },
+    /// A texture without its texels.
+    #[error("a texture of {width} x {height} texels has {texels}")]
+    Texels {
+        /// Texels of a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// How many are there.
+        texels: usize,
+    },
+    /// A material with a texture that the scene does not have.
+    #[error("material {material} has texture {texture}; there are {count}")]
+    Texture {
+        /// The material.
+        material: usize,
+        /// Its texture.
+        texture: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// An object with places in textures for some of its triangles.
+    #[error("object {object} has texture coordinates of {coordinates} of its {triangles} triangles")]
+    Coordinates {
+        /// The object.
+        object: usize,
+        /// How many triangles have some.
+        coordinates: usize,
+        /// How many there are.
+        triangles: usize,
+    },
     /// A number that is not finite or not in its range.
     #[error("{what} {index}: {value} is not within {low} and {high}")]
     Value {

@@ -2,9 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::error::LightError;
+use crate::materials::{Material, Materials, Texture};
 use crate::numeric::{ABSURD, BRIGHTEST, MOST_CELLS, MOST_RAYS, OUTLIER};
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
@@ -21,15 +22,16 @@ pub struct Triangle {
 pub struct Object {
     /// The triangles. Those that are not finite or have no area are left out and counted.
     pub triangles: Vec<Triangle>,
+    /// Where the corners of each triangle lie in textures; empty if none has any. Triangles without
+    /// coordinates have the mean colour of their texture.
+    pub uv: Vec<[Vec2; 3]>,
 }
 
-/// What a surface does to light.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
-    /// The share of light that is scattered diffusely, by channel, 0 to 1.
-    pub albedo: Vec3,
-    /// Emitted radiance, in watts per square metre and steradian, by channel.
-    pub emission: Vec3,
+impl From<Vec<Triangle>> for Object {
+    /// An object without textures.
+    fn from(triangles: Vec<Triangle>) -> Self {
+        Self { triangles, uv: Vec::new() }
+    }
 }
 
 /// A light that is no surface of the scene.
@@ -123,13 +125,22 @@ impl Sky {
     }
 }
 
+impl Default for Sky {
+    /// Night.
+    fn default() -> Self {
+        Self::Even(Vec3::ZERO)
+    }
+}
+
 /// What is lit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Scene {
     /// The surfaces.
     pub objects: Vec<Object>,
     /// What they are of.
     pub materials: Vec<Material>,
+    /// The textures of materials.
+    pub textures: Vec<Texture>,
     /// Lights that are no surfaces.
     pub lights: Vec<Light>,
     /// The light from outside.
@@ -235,10 +246,7 @@ impl Settings {
 
 impl Scene {
     pub(crate) fn check(&self) -> Result<(), LightError> {
-        for (index, m) in self.materials.iter().enumerate() {
-            numbers("the albedo of material", index, m.albedo, 0.0..=1.0)?;
-            bright("the emission of material", index, m.emission)?;
-        }
+        Materials::check(&self.materials, &self.textures)?;
         for (object, o) in self.objects.iter().enumerate() {
             o.check(object, self.materials.len())?;
         }
@@ -249,6 +257,10 @@ impl Scene {
 
 impl Object {
     pub(crate) fn check(&self, object: usize, count: usize) -> Result<(), LightError> {
+        let (coordinates, triangles) = (self.uv.len(), self.triangles.len());
+        if ![0, triangles].contains(&coordinates) {
+            return Err(LightError::Coordinates { object, coordinates, triangles });
+        }
         match self.triangles.iter().position(|t| t.material as usize >= count) {
             None => Ok(()),
             Some(triangle) => {

@@ -6,28 +6,27 @@
 //! and a light that moves costs no rays but those of its own shadows.
 //!
 //! ```
-//! use casca_radiosity::{Cache, Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
+//! use casca_radiosity::{Cache, Grid, Light, Material, Scene, Settings, Sky, Triangle};
 //! use glam::Vec3;
 //!
 //! # fn main() -> Result<(), casca_radiosity::LightError> {
 //! // A floor of white, under a lamp.
 //! let at = |x, z| Vec3::new(x, 0.0, z);
 //! let half = |corners| Triangle { corners, material: 0 };
-//! let floor = Object {
-//!     triangles: vec![
-//!         half([at(0.0, 0.0), at(0.0, 4.0), at(4.0, 4.0)]),
-//!         half([at(0.0, 0.0), at(4.0, 4.0), at(4.0, 0.0)]),
-//!     ],
-//! };
+//! let floor = vec![
+//!     half([at(0.0, 0.0), at(0.0, 4.0), at(4.0, 4.0)]),
+//!     half([at(0.0, 0.0), at(4.0, 4.0), at(4.0, 0.0)]),
+//! ];
 //! let scene = Scene {
-//!     objects: vec![floor],
-//!     materials: vec![Material { albedo: Vec3::splat(0.8), emission: Vec3::ZERO }],
+//!     objects: vec![floor.into()],
+//!     materials: vec![Material::new(Vec3::splat(0.8), Vec3::ZERO)],
 //!     lights: vec![Light::Point {
 //!         position: Vec3::new(2.0, 1.0, 2.0),
 //!         intensity: Vec3::splat(10.0),
 //!         radius: 0.0,
 //!     }],
 //!     sky: Sky::Even(Vec3::splat(0.5)),
+//!     ..Scene::default()
 //! };
 //! let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, 32)))?;
 //! cache.request(Vec3::new(2.0, 0.0, 2.0), Vec3::Y)?;
@@ -53,7 +52,7 @@
 //!
 //! # Limits
 //!
-//! Diffuse surfaces only. One albedo and one emission by triangle. Contact shadows and folds
+//! Diffuse surfaces only; the surface of a cell has one mean albedo. Contact shadows and folds
 //! smaller than a cell blur. What lies outside of the grid is not there, and rays that leave it see
 //! the sky. Results depend on neither threads, nor
 //! time, nor hash order.
@@ -65,8 +64,10 @@ mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod input;
+mod materials;
 mod moves;
 mod numeric;
+mod probe;
 mod query;
 mod spread;
 mod states;
@@ -77,7 +78,9 @@ mod walk;
 
 pub use cache::{Cache, Statistics};
 pub use error::LightError;
-pub use input::{Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
+pub use input::{Grid, Light, Object, Scene, Settings, Sky, Triangle};
+pub use materials::{Material, Texture};
 pub use moves::Moved;
+pub use probe::Probe;
 pub use query::Irradiance;
 pub use surfaces::Skipped;

@@ -68,7 +68,7 @@ impl Cache {
         if object >= count {
             return Err(LightError::Object { object, count });
         }
-        new.check(object, self.materials.len())?;
+        new.check(object, self.materials.all.len())?;
         let old = std::mem::replace(&mut self.objects[object], new);
         let lattice = self.voxels.lattice;
         let mut skipped = Skipped::default();

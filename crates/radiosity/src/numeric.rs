@@ -161,7 +161,11 @@ pub(crate) const ANSWER_AREA: f64 = 0.2;
 #[cfg(feature = "gpu")]
 pub(crate) const MOST_STEPS: u32 = 16;
 
-/// Farther than any face of a cell that a short ray crosses.
+/// Cells and bricks that a ray crosses on the device at most: three times 514, and one.
+#[cfg(feature = "gpu")]
+pub(crate) const MOST_WALK: u32 = 3 * (MOST_CELLS + 2) + 1;
+
+/// Farther than any face of a cell that a ray crosses.
 #[cfg(feature = "gpu")]
 pub(crate) const FAR: f64 = 1e9;
 
@@ -199,6 +203,14 @@ pub(crate) const OUTLIER: f32 = 1000.0;
 ///
 /// Single precision has steps of 8 m there.
 pub(crate) const ABSURD: f32 = 1e8;
+
+/// Texels that the mean colour of a part of a triangle is of, each of a level that covers its share.
+///
+/// Bilinear texels of that level overlap, so that sixteen miss none of a part that is not long.
+pub(crate) const TEXEL_SAMPLES: u32 = 16;
+
+/// Less rough surfaces are mirrors: the lobe is narrower than a degree.
+pub(crate) const LEAST_ROUGH: f32 = 1e-2;
 
 /// Cells along an axis at most.
 pub(crate) const MOST_CELLS: u32 = 512;

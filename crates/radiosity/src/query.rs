@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3, Vec3};
 
-use crate::cache::Cache;
+use crate::cache::{Cache, Glow};
 use crate::direct::Spot;
 use crate::error::LightError;
 use crate::input::{numbers, way};
@@ -29,7 +29,7 @@ type Near = (u32, f64);
 
 impl Cache {
     /// The spot of a question.
-    fn spot(&self, point: Vec3, normal: Vec3) -> Result<Spot, LightError> {
+    pub(crate) fn spot(&self, point: Vec3, normal: Vec3) -> Result<Spot, LightError> {
         numbers("the point of question", 0, point, -f32::MAX..=f32::MAX)?;
         way("the normal of question", 0, normal)?;
         let normal = normal.as_dvec3().normalize();
@@ -45,13 +45,18 @@ impl Cache {
     /// If a number is not finite, or the normal has no length.
     pub fn request(&mut self, point: Vec3, normal: Vec3) -> Result<(), LightError> {
         let spot = self.spot(point, normal)?;
-        let near = self.near(&spot, |_| true);
+        self.want_at(&spot);
+        Ok(())
+    }
+
+    /// Asks for the states that answer at a spot.
+    pub(crate) fn want_at(&mut self, spot: &Spot) {
+        let near = self.near(spot, |_| true);
         let targets = match near.is_empty() {
             false => near.iter().map(|n| n.0).collect(),
-            true => self.seen(&spot).into_iter().map(|(target, _)| target).collect::<Vec<_>>(),
+            true => self.seen(spot).into_iter().map(|(target, _)| target).collect::<Vec<_>>(),
         };
         targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t));
-        Ok(())
     }
 
     /// The irradiance of a surface at a point with a normal, on the side of the normal: the mean of
@@ -62,17 +67,34 @@ impl Cache {
     pub fn irradiance(&self, point: Vec3, normal: Vec3) -> Result<Irradiance, LightError> {
         let spot = self.spot(point, normal)?;
         let direct = self.sources().irradiance(&spot, 1);
-        let near = self.near(&spot, |state| self.blocks[state as usize].count > 0);
-        let weight: f64 = near.iter().map(|n| n.1).sum();
+        let near = self.ready(&spot);
         let states = near.len() as u32;
         let indirect = match near.is_empty() {
             true => self.by_rays(&spot),
-            false => {
-                let of = |n: &Near| self.glow[n.0 as usize].indirect.as_dvec3() * n.1;
-                (near.iter().map(of).sum::<DVec3>() / weight).as_vec3()
-            }
+            false => self.mean(&near, |glow| glow.indirect),
         };
         Ok(Irradiance { direct, indirect, states })
+    }
+
+    /// The irradiance that states around a spot hold, direct and indirect; by rays, and then without
+    /// direct light, where there are none.
+    pub(crate) fn stored(&self, spot: &Spot) -> Vec3 {
+        let near = self.ready(spot);
+        match near.is_empty() {
+            true => self.by_rays(spot),
+            false => self.mean(&near, |glow| glow.direct + glow.indirect),
+        }
+    }
+
+    /// The gathered states around a spot.
+    fn ready(&self, spot: &Spot) -> Vec<Near> {
+        self.near(spot, |state| self.blocks[state as usize].count > 0)
+    }
+
+    fn mean(&self, near: &[Near], light: impl Fn(&Glow) -> Vec3) -> Vec3 {
+        let weight: f64 = near.iter().map(|n| n.1).sum();
+        let of = |n: &Near| light(&self.glow[n.0 as usize]).as_dvec3() * n.1;
+        (near.iter().map(of).sum::<DVec3>() / weight).as_vec3()
     }
 
     /// The states around a spot that stand for it, with their weights.

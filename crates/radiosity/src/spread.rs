@@ -52,6 +52,68 @@ pub(crate) fn on_disc(i: u32, count: u32, key: u64) -> (f64, f64) {
     (radius * c, radius * s)
 }
 
+/// Unit vectors into all directions, the `i`th of `count`.
+pub(crate) fn on_ball(i: u32, count: u32, key: u64) -> DVec3 {
+    let height = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(count);
+    let radius = (1.0 - height * height).max(0.0).sqrt();
+    let (s, c) = (TAU * (f64::from(i) * GOLDEN + unit(key, 7)).fract()).sin_cos();
+    DVec3::new(radius * c, radius * s, height)
+}
+
+/// The directions that a rough surface mirrors towards a view, as dense as its visible normals
+/// (Heitz 2018), turned by a key.
+pub(crate) struct Lobe {
+    normal: DVec3,
+    right: DVec3,
+    up: DVec3,
+    /// The view along `right`, `up` and `normal`.
+    view: DVec3,
+    rough: f64,
+    turn: f64,
+    count: f64,
+}
+
+impl Lobe {
+    /// `view` is above the surface.
+    pub(crate) fn new(normal: DVec3, view: DVec3, rough: f64, count: u32, key: u64) -> Self {
+        let (right, up) = normal.any_orthonormal_pair();
+        let view = DVec3::new(view.dot(right), view.dot(up), view.dot(normal));
+        Self { normal, right, up, view, rough, turn: unit(key, 0), count: f64::from(count) }
+    }
+
+    /// A direction above the surface and its weight: how much of what comes from it leaves towards
+    /// the view, by the density of directions.
+    pub(crate) fn direction(&self, i: u32) -> Option<(DVec3, f64)> {
+        let stretched = |v: DVec3| DVec3::new(self.rough * v.x, self.rough * v.y, v.z);
+        let view = stretched(self.view).normalize();
+        let (right, up) = view.any_orthonormal_pair();
+        let radius = ((f64::from(i) + 0.5) / self.count).sqrt();
+        let (s, c) = (TAU * (f64::from(i) * GOLDEN + self.turn).fract()).sin_cos();
+        // A disc across the view, whose far half the horizon cuts: the half along the horizon and
+        // the normal is squeezed.
+        let across = DVec3::Z.cross(view).try_normalize().unwrap_or(right);
+        let along = if across == right { up } else { view.cross(across) };
+        let (x, y) = (radius * c, radius * s);
+        let share = 0.5 * (1.0 + view.z);
+        let y = (1.0 - share) * (1.0 - x * x).max(0.0).sqrt() + share * y;
+        let height = (1.0 - x * x - y * y).max(0.0).sqrt();
+        let half = stretched(across * x + along * y + view * height).normalize();
+        let light = half * (2.0 * self.view.dot(half)) - self.view;
+        if light.z <= 0.0 {
+            return None;
+        }
+        // The shadowing of both ways over that of the view alone (Smith, correlated by height).
+        let shadow = |v: DVec3| {
+            let square = self.rough * self.rough * (1.0 - v.z * v.z) / (v.z * v.z);
+            0.5 * ((1.0 + square).sqrt() - 1.0)
+        };
+        let (of_view, of_light) = (shadow(self.view), shadow(light));
+        let weight = (1.0 + of_view) / (1.0 + of_view + of_light);
+        let direction = self.right * light.x + self.up * light.y + self.normal * light.z;
+        Some((direction.normalize(), weight))
+    }
+}
+
 /// Barycentric coordinates that fill a triangle evenly, from two numbers of 0 to 1.
 pub(crate) fn in_triangle(a: f64, b: f64) -> [f64; 3] {
     let root = a.sqrt();

@@ -7,12 +7,12 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-use crate::clip::{Polygon, cross, part_of};
+use crate::clip::{Polygon, cross, part_of, point_of};
 use crate::numeric::{
     CANDIDATES, DOUBT, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS,
     OPEN_REACH, STAND_INS, STARTS, TOUCH,
 };
-use crate::spread::{Hemisphere, in_triangle, mix, unit};
+use crate::spread::{Hemisphere, mix, unit};
 use crate::surfaces::Surface;
 use crate::voxels::{NONE, Voxels};
 use crate::walk::{Hit, around};
@@ -113,7 +113,7 @@ impl Voxels {
             let share = (f64::from(i) + unit(key, dimension)) / f64::from(CANDIDATES) * area;
             let at = parts.partition_point(|p| p.2 <= share).min(parts.len() - 1);
             let before = if at == 0 { 0.0 } else { parts[at - 1].2 };
-            let point = on_polygon(&parts[at].1, share - before, unit(key, dimension + 1));
+            let point = point_of(&parts[at].1, share - before, unit(key, dimension + 1));
             middle += point / f64::from(CANDIDATES);
             let normal = self.surfaces[parts[at].0 as usize].normal * sign(state);
             let start = Start { at: lifted(point, normal), normal: normal.as_vec3() };
@@ -264,25 +264,6 @@ impl<'a> Bundle<'a> {
         let of = i as usize % self.starts.len();
         (&self.starts[of], self.ways[of].direction(i))
     }
-}
-
-/// The point of a polygon before which such an area lies, and so far across.
-fn on_polygon(polygon: &Polygon, area: f64, across: f64) -> DVec3 {
-    let mut rest = area;
-    let mut last = polygon[0];
-    for pair in polygon[1..].windows(2) {
-        let of_fan = 0.5 * (pair[0] - polygon[0]).cross(pair[1] - polygon[0]).length();
-        if of_fan > 0.0 {
-            let share = (rest / of_fan).clamp(0.0, 1.0);
-            let [a, b, c] = in_triangle(share, across);
-            last = polygon[0] * a + pair[0] * b + pair[1] * c;
-            if rest < of_fan {
-                return last;
-            }
-        }
-        rest -= of_fan;
-    }
-    last
 }
 
 /// The middle of a triangle's corners, by barycentric coordinates.

@@ -8,7 +8,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 use crate::clip::{cross, inside, part_of, range, touched};
 use crate::error::LightError;
-use crate::input::Material;
+use crate::materials::{Colour, Materials};
 use crate::numeric::{FLAT, GAP, GROW, LEAST_PART, MOST_REFERENCES, SAME_NORMAL};
 use crate::surfaces::{Lattice, Surface};
 use crate::tree::Tree;
@@ -97,7 +97,7 @@ impl Voxels {
     pub(crate) fn new(
         lattice: Lattice,
         surfaces: Vec<Surface>,
-        materials: &[Material],
+        materials: &Materials,
     ) -> Result<Self, LightError> {
         let bricks = (lattice.dims + 3) >> BRICK;
         let count = bricks.as_usizevec3().element_product();
@@ -130,10 +130,10 @@ impl Voxels {
         Ok(voxels)
     }
 
-    fn parts(&self, materials: &[Material]) -> Result<Vec<Part>, LightError> {
+    fn parts(&self, materials: &Materials) -> Result<Vec<Part>, LightError> {
         let mut parts = Vec::new();
         for (i, surface) in self.surfaces.iter().enumerate() {
-            let bin = bin_of(surface.normal, emits(materials, surface));
+            let bin = bin_of(surface.normal, materials.emits(surface));
             let whole = surface.polygon();
             let in_grid = inside(&whole, IVec3::ZERO, self.lattice.dims, GROW);
             let all = touched(&in_grid, IVec3::ZERO, self.lattice.dims, &mut |cell| {
@@ -160,7 +160,7 @@ impl Voxels {
     }
 
     /// Adds a cell with its parts, which are sorted by bin and surface.
-    fn add_cell(&mut self, parts: &[Part], materials: &[Material]) {
+    fn add_cell(&mut self, parts: &[Part], materials: &Materials) {
         let (first, start) = (self.entries.len(), self.references.len());
         for of_bin in parts.chunk_by(|a, b| a.bin == b.bin) {
             if of_bin[0].bin == u8::MAX {
@@ -193,14 +193,15 @@ impl Voxels {
         self.heads.push(self.entries.len() as u32);
     }
 
-    fn add_entry(&mut self, parts: &[Part], rank: u16, materials: &[Material]) {
+    fn add_entry(&mut self, parts: &[Part], rank: u16, materials: &Materials) {
         let number = self.entries.len() as u32;
         let first = self.members.len() as u32;
         let (mut normal, mut albedo, mut middle, mut area) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
         for p in parts {
             let (surface, share) = (&self.surfaces[p.surface as usize], f64::from(p.area));
             normal += surface.normal * share;
-            albedo += materials[surface.material as usize].albedo.as_dvec3() * share;
+            let polygon = || part_of(&surface.polygon(), self.lattice.place(p.cell));
+            albedo += materials.over(surface, Colour::Albedo, polygon).as_dvec3() * share;
             middle += p.middle.as_dvec3() * share;
             area += share;
             self.members.push(p.surface);
@@ -280,9 +281,4 @@ impl Voxels {
             + size_of_val(&self.masks[..])
             + size_of_val(&self.ranks[..])
     }
-}
-
-/// Whether a surface is a lamp.
-pub(crate) fn emits(materials: &[Material], surface: &Surface) -> bool {
-    materials[surface.material as usize].emission.max_element() > 0.0
 }

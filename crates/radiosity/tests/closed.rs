@@ -62,7 +62,7 @@ fn on_walls() -> Vec<(V, V)> {
 fn a_furnace_is_as_bright_as_the_series_says() {
     // All walls scatter a share a and emit a radiance of 1: radiosity is pi / (1 - a) everywhere.
     for a in [0.0_f32, 0.5, 0.8] {
-        let material = Material { albedo: V::splat(a), emission: V::ONE };
+        let material = Material::new(V::splat(a), V::ONE);
         let walls = room(V::ZERO, V::new(4.0, 3.0, 2.0), 0);
         let cache = lit(&scene(walls, vec![material], vec![], 0.0), 16, 64, 40);
         let truth = PI / (1.0 - f64::from(a));
@@ -167,7 +167,7 @@ fn parallel_squares_exchange_what_their_form_factor_says() {
         points.map(|p| total(cache, p, V::Y)).sum::<f64>() / 256.0
     };
     // As a lamp of the scene.
-    let glowing = Material { albedo: V::ZERO, emission: V::ONE };
+    let glowing = Material::new(V::ZERO, V::ONE);
     let both = [square(0.0, 0), square(1.5, 1)].concat();
     let cache = lit(&scene(both, vec![matt(0.0), glowing], vec![], 0.0), 16, 1, 1);
     let found = mean(&cache);

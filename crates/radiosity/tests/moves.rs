@@ -18,7 +18,7 @@ fn house(open: f32, at: V) -> Scene {
     walls.extend(cuboid(V::new(3.9, 0.0, 0.0), V::new(4.1, 3.0, 3.0), 0));
     let door = cuboid(V::new(3.95, 0.0, 3.0 - open), V::new(4.05, 3.0, 4.0 - open), 0);
     let chest = cuboid(at, at + V::new(0.6, 0.5, 0.7), 0);
-    let objects = [walls, door, chest].map(|triangles| Object { triangles }).into();
+    let objects = [walls, door, chest].map(Object::from).into();
     let lights = vec![lamp(V::new(2.0, 2.2, 1.9), 10.0)];
     Scene { objects, ..scene(vec![], vec![matt(0.6)], lights, 0.0) }
 }

@@ -84,17 +84,16 @@ fn triangles_that_cannot_be_lit_are_left_out_and_counted() {
     let mut s = plain();
     let good = total(&lit(&s, 16, 32, 6), V::new(2.0, 0.0, 1.0), V::Y);
     let bad = |a: V, b: V, c: V| Triangle { corners: [a, b, c], material: 0 };
-    s.objects.push(Object {
-        triangles: vec![
-            bad(V::NAN, V::X, V::Y),
-            bad(V::ZERO, V::INFINITY, V::Y),
-            bad(V::ONE, V::ONE, V::Y),
-            bad(V::ZERO, V::X, V::X * 2.0),
-            bad(V::splat(1e30), V::new(1e30, 0.0, 0.0), V::new(0.0, 1e30, 0.0)),
-            bad(V::splat(-3e38), V::splat(3e38), V::new(3e38, -3e38, 0.0)),
-            bad(V::splat(90.0), V::new(91.0, 90.0, 90.0), V::new(90.0, 91.0, 90.0)),
-        ],
-    });
+    let all = vec![
+        bad(V::NAN, V::X, V::Y),
+        bad(V::ZERO, V::INFINITY, V::Y),
+        bad(V::ONE, V::ONE, V::Y),
+        bad(V::ZERO, V::X, V::X * 2.0),
+        bad(V::splat(1e30), V::new(1e30, 0.0, 0.0), V::new(0.0, 1e30, 0.0)),
+        bad(V::splat(-3e38), V::splat(3e38), V::new(3e38, -3e38, 0.0)),
+        bad(V::splat(90.0), V::new(91.0, 90.0, 90.0), V::new(90.0, 91.0, 90.0)),
+    ];
+    s.objects.push(all.into());
     let cache = lit(&s, 16, 32, 6);
     let skipped = cache.statistics().skipped;
     assert_eq!((skipped.not_finite, skipped.degenerate), (2, 2));
@@ -119,7 +118,7 @@ fn one_object_far_away_does_not_turn_the_others_black() {
         triangles.truncate(if size < 1e8 { 4 } else { 12 });
         let count = triangles.len();
         s.objects.truncate(1);
-        s.objects.push(Object { triangles });
+        s.objects.push(triangles.into());
         let (found, after) = ask(&s);
         assert_eq!((found, after.references), (good, before.references), "{size}");
         assert_eq!(after.skipped.far + after.skipped.outside, count);
@@ -130,7 +129,7 @@ fn one_object_far_away_does_not_turn_the_others_black() {
 fn a_floor_of_a_thousand_kilometres_is_cut_to_the_grid() {
     let mut s = plain();
     let floor = sheet(V::new(-1e6, -0.5, -1e6), V::Z * 2e6, V::X * 2e6, 0);
-    s.objects.push(Object { triangles: floor });
+    s.objects.push(floor.into());
     let cache = lit(&s, 24, 32, 6);
     assert_eq!(cache.statistics().skipped.cut, 0, "{:?}", cache.statistics());
     let settings = Settings::new(Grid { min: V::splat(-1.0), max: V::splat(5.0), cells: 24 });
@@ -182,7 +181,7 @@ proptest! {
     ) {
         let triangles = corners.iter().enumerate();
         let of = |(i, c): (usize, &[Vec3; 3])| Triangle { corners: *c, material: i as u32 % 2 };
-        let materials = vec![matt(0.9), Material { albedo: V::splat(0.3), emission: V::splat(glow) }];
+        let materials = vec![matt(0.9), Material::new(V::splat(0.3), V::splat(glow))];
         let s = scene(triangles.map(of).collect(), materials, vec![], 1.0);
         let Ok(mut cache) = Cache::new(&s, Settings::new(Grid::around(&s.objects, cells))) else {
             return Ok(());
@@ -194,8 +193,8 @@ proptest! {
         cache.gather(4).unwrap();
         cache.direct();
         (0..3).for_each(|_| _ = cache.pass());
-        let moved = Object { triangles: s.objects[0].triangles.iter().take(4).copied().collect() };
-        cache.set_object(0, moved).unwrap();
+        let moved: Vec<_> = s.objects[0].triangles.iter().take(4).copied().collect();
+        cache.set_object(0, moved.into()).unwrap();
         cache.gather(4).unwrap();
         cache.direct();
         cache.pass();

@@ -2,7 +2,7 @@
 
 mod common;
 
-use casca_radiosity::{Object, Scene, Triangle};
+use casca_radiosity::{Scene, Triangle};
 use common::{cuboid, indirect, lamp, leak, lit, matt, rooms, scene, sealed, sheet, total, turned};
 use glam::{Affine3A, Vec3};
 
@@ -69,8 +69,7 @@ fn an_open_door_lets_light_through() {
     all.truncate(all.len() - 2);
     all.extend(sheet(Vec3::new(0.0, 0.0, -2.1), Vec3::Y * 3.0, Vec3::Z * 3.2, 0));
     let lights = vec![lamp(Vec3::new(-2.0, 2.0, 0.3), 10.0)];
-    let scene =
-        Scene { objects: vec![Object { triangles: all }], ..scene(vec![], vec![matt(0.7)], lights, 0.0) };
+    let scene = Scene { objects: vec![all.into()], ..scene(vec![], vec![matt(0.7)], lights, 0.0) };
     let cache = lit(&scene, 32, 32, 8);
     assert!(indirect(&cache, Vec3::new(2.0, 0.0, 0.0), Vec3::Y) > 0.1);
 }

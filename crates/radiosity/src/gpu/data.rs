@@ -4,7 +4,11 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::cache::Cache;
+use crate::input::Light;
 use crate::surfaces::Surface;
+
+/// The number of a triangle is split at this power of two.
+pub(super) const LOW: u32 = 1 << 12;
 
 /// The rays of a gathered state.
 #[repr(C)]
@@ -117,4 +121,65 @@ pub(super) fn triangles(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
         [four(a.as_vec3(), slack[0]), four((b - a).as_vec3(), slack[1]), four((c - a).as_vec3(), slack[2])]
     };
     cache.voxels.surfaces.iter().map(of).collect()
+}
+
+/// `CascaCounts` of the shader.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct Counts {
+    lights: u32,
+    lamps: u32,
+    light_rays: u32,
+    lamp_points: u32,
+    lamp_rays: u32,
+    power: f32,
+    unused: [u32; 2],
+}
+
+/// Lights of four vectors each, and lamps of two: the mean radiance and the share of the power up to
+/// it, the triangle's number in two halves and the luminance.
+pub(super) fn sources(cache: &Cache) -> (Counts, Vec<[f32; 4]>) {
+    let mut all: Vec<[f32; 4]> = cache.lights.iter().flat_map(|light| vectors(cache, light)).collect();
+    let (lamps, power) = cache.lamps.described(&cache.voxels, &cache.materials);
+    for (number, radiance, bright, share) in &lamps {
+        // Halves of the number are exact in single precision.
+        let [low, high] = [number % LOW, number / LOW].map(|n| n as f32);
+        all.extend([four(*radiance, *share as f32), [low, *bright as f32, high, 0.0]]);
+    }
+    let settings = &cache.settings;
+    let counts = Counts {
+        lights: cache.lights.len() as u32,
+        lamps: lamps.len() as u32,
+        light_rays: settings.light_rays,
+        lamp_points: settings.lamp_points,
+        lamp_rays: settings.lamp_rays,
+        power: power as f32,
+        unused: [0; 2],
+    };
+    (counts, all)
+}
+
+fn vectors(cache: &Cache, light: &Light) -> [[f32; 4]; 4] {
+    let lattice = &cache.voxels.lattice;
+    let cells = |p| lattice.cells(p).as_vec3();
+    let cell = lattice.cell as f32;
+    let unit = |v: Vec3| v.as_dvec3().normalize_or_zero().as_vec3();
+    let none = [0.0; 4];
+    match *light {
+        Light::Point { position, intensity, radius } => {
+            [four(cells(position), 0.0), four(intensity, radius / cell), none, none]
+        }
+        Light::Spot { position, direction, intensity, inner, outer, radius } => [
+            four(cells(position), 1.0),
+            four(intensity, radius / cell),
+            four(unit(direction), outer.cos()),
+            [0.0, 0.0, 0.0, inner.cos()],
+        ],
+        Light::Sun { direction, irradiance, half_angle } => {
+            [four(-unit(direction), 2.0), four(irradiance, half_angle.tan()), none, none]
+        }
+        Light::Rectangle { corner, first, second, radiance } => {
+            [four(cells(corner), 3.0), four(radiance, 0.0), four(first / cell, 0.0), four(second / cell, 0.0)]
+        }
+    }
 }

@@ -1,22 +1,24 @@
 //! Passes and answers on the graphics processor of an application: its device comes in, and neither
 //! a window nor a picture of ours.
 //!
-//! Rays are gathered by the processor. The device passes light along their stored hits, in single
-//! precision, and all states at once (Jacobi), where the processor takes one after the other: the
+//! Rays of states are gathered by the processor. The device passes light along their stored hits, in
+//! single precision, and all states at once (Jacobi), where the processor takes one after the other: the
 //! same light in the end, after about twice as many passes. It answers by the states around a
 //! point, each behind a short ray against the triangles, as [`Cache::irradiance`] does. Where no
 //! state is seen the processor sends rays; the device has none and says so.
 
 mod data;
+mod shading;
+
+pub use shading::{Answers, Input, Shading, Surfaces};
 
 use std::f32::consts::PI;
 
 use bytemuck::Pod;
 use wgpu::util::DeviceExt;
-use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, Device, Queue, TextureView};
+use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, Device, Queue};
 
 use crate::cache::Cache;
-use crate::numeric::{ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, LIFT, MOST_STEPS};
 use crate::states::DARK;
 
 /// Threads of a group of passes, and groups in a row: adapters take 65,535.
@@ -63,8 +65,8 @@ pub struct GpuCache {
     /// Which half the next pass reads.
     turn: usize,
     lookup: [Buffer; 6],
-    shade: ComputePipeline,
-    seen: BindGroup,
+    /// Lights and lamps, and how many there are.
+    sources: [Buffer; 2],
 }
 
 fn filled<T: Pod>(
@@ -140,24 +142,9 @@ impl GpuCache {
             bind(device, &renew.get_bind_group_layout(0), &all)
         });
         let lookup = Self::tables(device, cache)?;
-        let source = Self::wgsl(1) + include_str!("shade.wgsl");
-        let shade = pipeline(device, source, "shade");
-        let seen = Self::bound(device, &shade.get_bind_group_layout(1), &lookup, &indirect);
+        let sources = Self::sources(device, cache)?;
         let states = cache.gathered.len();
-        Ok(Self {
-            states,
-            sky,
-            direct,
-            indirect,
-            passes,
-            renewals,
-            spread,
-            renew,
-            turn: 0,
-            lookup,
-            shade,
-            seen,
-        })
+        Ok(Self { states, sky, direct, indirect, passes, renewals, spread, renew, turn: 0, lookup, sources })
     }
 
     /// What answers are found in, but for the light.
@@ -177,37 +164,12 @@ impl GpuCache {
         ])
     }
 
-    /// WGSL with the function `casca_irradiance(point: vec3f, normal: vec3f) -> vec4f` for a shader
-    /// of the application: the indirect irradiance of a point in metres, and 1 if states gave it.
-    /// All of its names start with `casca_` or `Casca`, or are constants in capitals.
-    pub fn wgsl(group: u32) -> String {
-        let constants = [
-            ("LIFT", LIFT),
-            ("ABOVE", ABOVE),
-            ("ANSWER_REACH", ANSWER_REACH),
-            ("ANSWER_NORMAL", ANSWER_NORMAL),
-            ("ANSWER_HEIGHT", ANSWER_HEIGHT),
-            ("ANSWER_AREA", ANSWER_AREA),
-            ("FAR", FAR),
-        ];
-        let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n")).concat();
-        let source = include_str!("lookup.wgsl").replace("GROUP", &group.to_string());
-        format!("{constants}const MOST_STEPS = {MOST_STEPS};\n{source}")
-    }
-
-    /// The bind group of [`Self::wgsl`] for a pipeline's layout of that group.
-    pub fn bind_group(&self, device: &Device, layout: &wgpu::BindGroupLayout) -> BindGroup {
-        Self::bound(device, layout, &self.lookup, &self.indirect)
-    }
-
-    fn bound(
-        device: &Device,
-        layout: &wgpu::BindGroupLayout,
-        lookup: &[Buffer; 6],
-        indirect: &Buffer,
-    ) -> BindGroup {
-        let all: Vec<&Buffer> = lookup.iter().chain([indirect]).collect();
-        bind(device, layout, &number(&all))
+    fn sources(device: &Device, cache: &Cache) -> Result<[Buffer; 2], GpuError> {
+        let (counts, sources) = data::sources(cache);
+        Ok([
+            filled(device, "lights and lamps", &sources, BufferUsages::STORAGE)?,
+            filled(device, "the number of lights", &[counts], BufferUsages::UNIFORM)?,
+        ])
     }
 
     /// Runs passes: each gathered state takes in what its rays read of the light before the pass.
@@ -229,13 +191,16 @@ impl GpuCache {
         pass.dispatch_workgroups(groups.min(ROW) as u32, groups.div_ceil(ROW) as u32, 1);
     }
 
-    /// Uploads the direct light and the sky of the same cache, after [`Cache::set_lights`],
-    /// [`Cache::direct`] or [`Cache::set_sky`]. Indirect light stays on the device: run passes.
+    /// Uploads the lights, the direct light and the sky of the same cache, after
+    /// [`Cache::set_lights`], [`Cache::direct`] or [`Cache::set_sky`]. Indirect light stays on the
+    /// device: run passes.
     ///
     /// # Errors
-    /// If the cache was gathered since, or an object was moved that changed the number of states.
+    /// If the cache was gathered since, an object was moved that changed the number of states, or
+    /// the device's buffers are too small for so many lights.
     pub fn set_direct(
         &mut self,
+        device: &Device,
         queue: &Queue,
         encoder: &mut CommandEncoder,
         cache: &Cache,
@@ -245,36 +210,12 @@ impl GpuCache {
         if now != then || bytes.max(48) != self.direct.size() {
             return Err(GpuError::Changed { now, then });
         }
+        self.sources = Self::sources(device, cache)?;
         let direct: Vec<[f32; 4]> = cache.glow.iter().map(|g| data::four(g.direct, 0.0)).collect();
         queue.write_buffer(&self.direct, 0, bytemuck::cast_slice(&direct));
         queue.write_buffer(&self.sky, 0, bytemuck::cast_slice(&data::surfaces(cache)));
         self.dispatch(encoder, &self.renew, &self.renewals[self.turn]);
         Ok(())
-    }
-
-    /// Turns a picture of positions, in metres with a fourth component of 1 where there is a
-    /// surface, and one of normals into one of indirect irradiance: `rgba32float` with
-    /// `STORAGE_BINDING`. Its last component is 1 where states gave the light, else 0.
-    pub fn shade(
-        &self,
-        device: &Device,
-        encoder: &mut CommandEncoder,
-        [positions, normals, picture]: [&TextureView; 3],
-    ) {
-        let entry = |(binding, view)| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        };
-        let entries = [(0, positions), (1, normals), (2, picture)].map(entry);
-        let layout = self.shade.get_bind_group_layout(0);
-        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
-        let group = device.create_bind_group(&descriptor);
-        let size = picture.texture().size();
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.shade);
-        pass.set_bind_group(0, &group, &[]);
-        pass.set_bind_group(1, &self.seen, &[]);
-        pass.dispatch_workgroups(size.width.div_ceil(8), size.height.div_ceil(8), 1);
     }
 
     /// The indirect irradiance of all states, four numbers each: to be copied from and read back.

@@ -1,12 +1,12 @@
 //! Scenes of boxes and sheets, and what tests ask of them.
 #![allow(dead_code)]
 
-use casca_radiosity::{Cache, Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
+use casca_radiosity::{Cache, Grid, Light, Material, Scene, Settings, Sky, Triangle};
 use glam::{Affine3A, Quat, Vec3};
 
 /// A material that only scatters.
 pub fn matt(albedo: f32) -> Material {
-    Material { albedo: Vec3::splat(albedo), emission: Vec3::ZERO }
+    Material::new(Vec3::splat(albedo), Vec3::ZERO)
 }
 
 /// A parallelogram whose front is on the side of `u.cross(v)`.
@@ -51,7 +51,7 @@ pub fn turned() -> Affine3A {
 /// One object.
 pub fn scene(triangles: Vec<Triangle>, materials: Vec<Material>, lights: Vec<Light>, sky: f32) -> Scene {
     let sky = Sky::Even(Vec3::splat(sky));
-    Scene { objects: vec![Object { triangles }], materials, lights, sky }
+    Scene { objects: vec![triangles.into()], materials, lights, sky, ..Scene::default() }
 }
 
 /// A white point light.
@@ -104,7 +104,7 @@ pub fn rooms(thickness: f32) -> Vec<Triangle> {
 }
 
 /// Points of the floor, the ceiling and the middle wall of a room, with normals; `side` is -1 or 1.
-fn questions(side: f32, thickness: f32) -> Vec<(Vec3, Vec3)> {
+pub fn leak_questions(side: f32, thickness: f32) -> Vec<(Vec3, Vec3)> {
     let mut all = Vec::new();
     for i in 0..6 {
         for k in 0..6 {
@@ -123,7 +123,7 @@ pub fn leak(thickness: f32, cells: u32, rays: u32, place: Affine3A) -> (f64, f64
     let lights = vec![lamp(place.transform_point3(Vec3::new(-2.0, 2.0, 0.3)), 10.0)];
     let scene = scene(placed(&rooms(thickness), place), vec![matt(0.7)], lights, 0.0);
     let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, cells))).unwrap();
-    for (p, n) in [-1.0, 1.0].into_iter().flat_map(|side| questions(side, thickness)) {
+    for (p, n) in [-1.0, 1.0].into_iter().flat_map(|side| leak_questions(side, thickness)) {
         cache.request(place.transform_point3(p), place.transform_vector3(n)).unwrap();
     }
     cache.gather(rays).unwrap();
@@ -131,7 +131,7 @@ pub fn leak(thickness: f32, cells: u32, rays: u32, place: Affine3A) -> (f64, f64
     (0..8).for_each(|_| _ = cache.pass());
     let of = |side: f32| {
         let ask = |(p, n): (Vec3, Vec3)| total(&cache, place.transform_point3(p), place.transform_vector3(n));
-        let all: Vec<f64> = questions(side, thickness).into_iter().map(ask).collect();
+        let all: Vec<f64> = leak_questions(side, thickness).into_iter().map(ask).collect();
         let most = all.iter().copied().fold(0.0, f64::max);
         (all.iter().sum::<f64>() / all.len() as f64, most)
     };

@@ -1,0 +1,223 @@
+// Direct light of a point, as the processor finds it: lights and lamps, by rays against the triangles
+// of all cells on their way. Lengths are in cells.
+
+struct CascaCounts {
+    lights: u32,
+    lamps: u32,
+    light_rays: u32,
+    lamp_points: u32,
+    lamp_rays: u32,
+    // The luminance of lamps times their area.
+    power: f32,
+}
+
+// Lights, of four vectors each, and lamps, of two.
+@group(GROUP) @binding(7) var<storage, read> casca_sources: array<vec4f>;
+@group(GROUP) @binding(8) var<uniform> casca_counts: CascaCounts;
+
+fn casca_least(v: vec3f) -> f32 { return min(v.x, min(v.y, v.z)); }
+
+// Whether a ray meets no triangle on its way. It skips bricks without any.
+fn casca_open(origin: vec3f, direction: vec3f, reach: f32) -> bool {
+    let way = select(direction, vec3f(NO_WAY), abs(direction) < vec3f(NO_WAY));
+    let inverse = 1.0 / way;
+    let ahead = way > vec3f(0.0);
+    let one = -origin * inverse;
+    let other = (vec3f(casca_grid.dims) - origin) * inverse;
+    let enter = max(-casca_least(-min(one, other)), 0.0);
+    let leave = min(casca_least(max(one, other)), reach);
+    if enter > leave { return true; }
+    var cell = clamp(vec3i(floor(origin + direction * enter)), vec3i(0), casca_grid.dims - 1);
+    for (var i = 0; i < MOST_WALK; i++) {
+        let b = cell >> vec3u(2u);
+        let brick = 3 * ((b.z * casca_grid.bricks.y + b.y) * casca_grid.bricks.x + b.x);
+        let is_empty = (casca_cells[brick] | casca_cells[brick + 1]) == 0u;
+        let low = select(cell, b << vec3u(2u), is_empty);
+        let high = low + select(1, 4, is_empty);
+        let at = select(casca_occupied(cell), -1, is_empty);
+        if at >= 0 {
+            let end = casca_cells[casca_grid.firsts + u32(at) + 1u];
+            for (var k = casca_cells[casca_grid.firsts + u32(at)]; k < end; k++) {
+                if casca_meets(casca_cells[casca_grid.list + k], origin, direction, reach) { return false; }
+            }
+        }
+        let ends = (vec3f(select(low, high, ahead)) - origin) * inverse;
+        let next = casca_least(ends);
+        if next >= leave { return true; }
+        // Along the other axes it stays beside the brick that it leaves.
+        cell = clamp(vec3i(floor(origin + direction * next)), low, high - 1);
+        let beyond = select(low - 1, high, ahead);
+        if ends.x == next { cell.x = beyond.x; } else if ends.y == next { cell.y = beyond.y; } else { cell.z = beyond.z; }
+        if any(cell < vec3i(0)) || any(cell >= casca_grid.dims) { return true; }
+    }
+    return true;
+}
+
+fn casca_free_far(origin: vec3f, to: vec3f) -> bool {
+    let way = to - origin;
+    let reach = length(way);
+    if reach <= 0.0 { return true; }
+    return casca_open(origin, way / reach, reach);
+}
+
+// PCG of Jarzynski and Olano (2020).
+fn casca_hash(number: u32) -> u32 {
+    let state = number * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+// A number from 0 to below 1 for a key and a dimension.
+fn casca_unit(key: u32, dimension: u32) -> f32 {
+    return f32(casca_hash(key ^ casca_hash(dimension)) >> 8u) / 16777216.0;
+}
+
+// Golden turns stay exact: a product of large numbers would lose its fraction.
+fn casca_golden(i: u32, start: f32) -> f32 {
+    return fract(f32(i * 2654435769u) / 4294967296.0 + start);
+}
+
+// The share of a disc around a way that is seen. `reach` is that of the way in cells.
+fn casca_seen(spot: vec3f, way: vec3f, tangent: f32, reach: f32, key: u32) -> f32 {
+    var rays = casca_counts.light_rays;
+    if tangent <= 0.0 { rays = 1u; }
+    let side = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(way.x) > 0.7);
+    let right = normalize(cross(way, side));
+    let up = cross(right, way);
+    var seen = 0.0;
+    for (var i = 0u; i < rays; i++) {
+        let radius = sqrt((f32(i) + casca_unit(key, 2u)) / f32(rays)) * max(tangent, 0.0);
+        let turn = TURN * casca_golden(i, casca_unit(key, 3u));
+        let to = way + (right * cos(turn) + up * sin(turn)) * radius;
+        let far = length(to);
+        if casca_open(spot, to / far, reach * far) { seen += 1.0; }
+    }
+    return seen / f32(rays);
+}
+
+// The irradiance of a ball of one watt per steradian, in 1 / m².
+fn casca_ball(spot: vec3f, normal: vec3f, centre: vec3f, radius: f32, key: u32) -> f32 {
+    let way = centre - spot;
+    let reach = length(way);
+    if reach <= 0.0 { return 0.0; }
+    let cosine = dot(way / reach, normal);
+    if cosine <= 0.0 { return 0.0; }
+    let metres = reach * casca_grid.cell;
+    return cosine * casca_seen(spot, way / reach, radius / reach, reach, key) / (metres * metres);
+}
+
+// The product of the solid angle and the cosine of a small part of a lamp, by its area.
+fn casca_small(spot: vec3f, normal: vec3f, point: vec3f, facing: vec3f) -> f32 {
+    let way = point - spot;
+    let square = dot(way, way);
+    if square <= 0.0 { return 0.0; }
+    return max(dot(way, normal), 0.0) * abs(dot(way, facing)) / (square * square);
+}
+
+fn casca_rectangle(spot: vec3f, normal: vec3f, corner: vec3f, u: vec3f, v: vec3f, key: u32) -> f32 {
+    let across = cross(u, v);
+    let area = length(across);
+    if area <= 0.0 || dot(spot - corner, across) <= 0.0 { return 0.0; }
+    let rays = casca_counts.light_rays;
+    var light = 0.0;
+    for (var i = 0u; i < rays; i++) {
+        let along = (f32(i) + casca_unit(key, 4u)) / f32(rays);
+        let point = corner + u * along + v * casca_golden(i, casca_unit(key, 5u));
+        let weight = casca_small(spot, normal, point, across / area);
+        if weight > 0.0 && casca_free_far(spot, point) { light += weight; }
+    }
+    return light * area / f32(rays);
+}
+
+fn casca_light(number: u32, spot: vec3f, normal: vec3f, key: u32) -> vec3f {
+    let first = 4u * number;
+    let place = casca_sources[first];
+    let colour = casca_sources[first + 1u];
+    let axis = casca_sources[first + 2u];
+    let rest = casca_sources[first + 3u];
+    switch u32(place.w) {
+        case 0u: { return colour.rgb * casca_ball(spot, normal, place.xyz, colour.w, key); }
+        case 1u: {
+            let cosine = dot(normalize(spot - place.xyz), axis.xyz);
+            if cosine <= axis.w { return vec3f(0.0); }
+            var share = 1.0;
+            if cosine < rest.w { share = (cosine - axis.w) / (rest.w - axis.w); }
+            let smooth_share = share * share * (3.0 - 2.0 * share);
+            return colour.rgb * smooth_share * casca_ball(spot, normal, place.xyz, colour.w, key);
+        }
+        case 2u: {
+            let cosine = dot(place.xyz, normal);
+            if cosine <= 0.0 { return vec3f(0.0); }
+            return colour.rgb * cosine * casca_seen(spot, place.xyz, colour.w, FAR, key);
+        }
+        default: { return colour.rgb * casca_rectangle(spot, normal, place.xyz, axis.xyz, rest.xyz, key); }
+    }
+}
+
+struct CascaChoice { lamp: u32, point: vec3f, weight: f32, facing: vec3f }
+
+// The `i`th of the points of lamps that are weighed, spread by power.
+fn casca_choice(i: u32, spot: vec3f, normal: vec3f, turn: vec2f) -> CascaChoice {
+    let along = (f32(i) + turn.x) / f32(casca_counts.lamp_points);
+    let first = 4u * casca_counts.lights;
+    var low = 0u;
+    var high = casca_counts.lamps - 1u;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if casca_sources[first + 2u * middle].w <= along { low = middle + 1u; } else { high = middle; }
+    }
+    let before = select(casca_sources[first + 2u * max(low, 1u) - 2u].w, 0.0, low == 0u);
+    let part = casca_sources[first + 2u * low].w - before;
+    let inside = clamp((along - before) / max(part, 1e-30), 0.0, 1.0);
+    let across = casca_golden(i, turn.y);
+    let halves = casca_sources[first + 2u * low + 1u];
+    let triangle = casca_triangles[u32(halves.x) + LOW * u32(halves.z)];
+    let root = sqrt(inside);
+    let point = triangle[0].xyz + triangle[1].xyz * (root * (1.0 - across)) + triangle[2].xyz * (root * across);
+    let facing = normalize(cross(triangle[1].xyz, triangle[2].xyz));
+    return CascaChoice(low, point, casca_small(spot, normal, point, facing), facing);
+}
+
+fn casca_lamps(spot: vec3f, normal: vec3f, key: u32) -> vec3f {
+    if casca_counts.lamps == 0u { return vec3f(0.0); }
+    let turn = vec2f(casca_unit(key, 4u), casca_unit(key, 5u));
+    var sum = 0.0;
+    for (var i = 0u; i < casca_counts.lamp_points; i++) { sum += casca_choice(i, spot, normal, turn).weight; }
+    if sum <= 0.0 { return vec3f(0.0); }
+    // Rays go to points by weight, at even steps through their sum.
+    let rays = f32(casca_counts.lamp_rays);
+    let start = casca_unit(key, 6u);
+    var light = vec3f(0.0);
+    var passed = 0.0;
+    var sent = 0.0;
+    for (var i = 0u; i < casca_counts.lamp_points; i++) {
+        let choice = casca_choice(i, spot, normal, turn);
+        passed += choice.weight;
+        var count = 0.0;
+        while sent < rays && (sent + start) / rays * sum < passed { sent += 1.0; count += 1.0; }
+        if count == 0.0 { continue; }
+        let facing = choice.facing * select(1.0, -1.0, dot(choice.facing, choice.point - spot) > 0.0);
+        if casca_free_far(spot, choice.point + facing * LIFT) {
+            let lamp = 4u * casca_counts.lights + 2u * choice.lamp;
+            light += count * casca_sources[lamp].rgb / casca_sources[lamp + 1u].y;
+        }
+    }
+    return light * (sum / rays) * casca_counts.power / f32(casca_counts.lamp_points);
+}
+
+// The direct irradiance of a point in metres with a unit normal.
+fn casca_direct(point: vec3f, normal: vec3f) -> vec3f {
+    let spot = (point - casca_grid.low) / casca_grid.cell + normal * LIFT;
+    let bits = bitcast<vec3u>(point);
+    let key = casca_hash(bits.x ^ casca_hash(bits.y ^ casca_hash(bits.z)));
+    var light = casca_lamps(spot, normal, key);
+    for (var i = 0u; i < casca_counts.lights; i++) {
+        light += casca_light(i, spot, normal, casca_hash(key ^ casca_hash(i)));
+    }
+    return light;
+}
+
+// Direct and indirect irradiance, and 1 if states gave the latter.
+fn casca_light_of(point: vec3f, normal: vec3f) -> vec4f {
+    return casca_irradiance(point, normal) + vec4f(casca_direct(point, normal), 0.0);
+}

@@ -1,0 +1,162 @@
+//! Direct light by rays on the device, and pictures from depths.
+
+use casca_radiosity::gpu::{Answers, GpuCache, Input, Shading, Surfaces};
+use casca_radiosity::{Cache, Grid, Light, Material, Settings};
+use casca_stage::gpu::Gpu;
+use glam::{Mat4, Vec3, Vec4};
+
+use crate::common::{lamp, lit, matt, scene, sheet};
+use crate::device::{furnished, gpu, picture_of, points, shaded};
+
+/// Relative differences to the processor's direct light of points: of the sums, and the share of
+/// points that differ by more than a hundredth of the mean.
+fn apart(gpu: &Gpu, cache: &Cache) -> (f64, f64) {
+    let device = GpuCache::new(&gpu.device, cache).unwrap();
+    let points = points();
+    let all = shaded(gpu, &device, Answers::All, &points);
+    let bounced = shaded(gpu, &device, Answers::Indirect, &points);
+    let found = all.iter().zip(&bounced).map(|(a, b)| f64::from(a[0] - b[0]));
+    let known = points.iter().map(|(p, n)| f64::from(cache.irradiance(*p, *n).unwrap().direct.x));
+    let both: Vec<(f64, f64)> = found.zip(known).collect();
+    let sums = both.iter().fold((0.0, 0.0), |s, b| (s.0 + b.0, s.1 + b.1));
+    let mean = sums.1 / both.len() as f64;
+    assert!(mean > 1e-3, "{mean}");
+    let far = both.iter().filter(|(a, b)| (a - b).abs() > 0.01 * mean.max(*b)).count();
+    (sums.0 / sums.1 - 1.0, far as f64 / both.len() as f64)
+}
+
+#[test]
+fn lights_with_sharp_shadows_are_those_of_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let one = Vec3::new(6.0, 4.0, 2.0);
+    for light in [
+        lamp(Vec3::new(3.0, 2.0, 0.6), 9.0),
+        Light::Spot {
+            position: Vec3::new(2.0, 2.8, 3.2),
+            direction: Vec3::new(-0.2, -1.0, -0.6),
+            intensity: one,
+            inner: 0.3,
+            outer: 0.7,
+            radius: 0.0,
+        },
+        Light::Sun { direction: Vec3::new(0.3, -1.0, 0.4), irradiance: one, half_angle: 0.0 },
+    ] {
+        let mut cache = lit(&furnished(), 24, 8, 1);
+        cache.set_lights(&[light]).unwrap();
+        let (sum, far) = apart(&gpu, &cache);
+        println!("{light:?}: {sum:e}, {far}");
+        // A point may lie on the edge of a shadow.
+        assert!(sum.abs() < 1e-3 && far < 0.005, "{light:?}: {sum} {far}");
+    }
+}
+
+#[test]
+fn soft_lights_and_lamps_give_what_they_give_on_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let one = Vec3::new(6.0, 4.0, 2.0);
+    let ball = Light::Point { position: Vec3::new(3.0, 2.0, 0.6), intensity: one, radius: 0.3 };
+    let panel = Light::Rectangle {
+        corner: Vec3::new(0.5, 2.9, 0.5),
+        first: Vec3::X * 1.5,
+        second: Vec3::Z * 1.0,
+        radiance: one,
+    };
+    let sun = Light::Sun { direction: Vec3::new(0.3, -1.0, 0.4), irradiance: one, half_angle: 0.1 };
+    for lights in [vec![ball], vec![panel], vec![sun, ball], vec![]] {
+        let mut scene = furnished();
+        // Two lamps of different sizes and colours instead of lights.
+        if lights.is_empty() {
+            scene.materials.push(Material::new(Vec3::ZERO, Vec3::new(5.0, 1.0, 1.0)));
+            scene.materials.push(Material::new(Vec3::splat(0.2), Vec3::new(2.0, 9.0, 1.0)));
+            scene.objects.push(sheet(Vec3::new(0.6, 2.9, 0.4), Vec3::X * 1.2, Vec3::Z, 2).into());
+            scene.objects.push(sheet(Vec3::new(3.9, 0.6, 3.0), Vec3::Y, Vec3::Z * 0.5, 3).into());
+        }
+        scene.lights = lights.clone();
+        let rays = Settings {
+            light_rays: 256,
+            lamp_points: 1024,
+            lamp_rays: 256,
+            ..Settings::new(Grid::around(&scene.objects, 20))
+        };
+        let mut cache = Cache::new(&scene, rays).unwrap();
+        cache.request_all();
+        cache.gather(8).unwrap();
+        cache.direct();
+        let (sum, far) = apart(&gpu, &cache);
+        println!("{lights:?}: {sum:e}, {far}");
+        // They send other rays: with so many, penumbras differ by a hundredth here and there.
+        assert!(sum.abs() < 1e-3 && far < 0.1, "{lights:?}: {sum} {far}");
+    }
+}
+
+#[test]
+fn rays_cross_empty_bricks_and_end_at_far_walls() {
+    let Some(gpu) = gpu() else { return };
+    // A long hall of 200 cells with a screen in its middle that has a hole.
+    let mut all = crate::common::room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
+    all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 0));
+    let scene = scene(all, vec![matt(0.5)], vec![lamp(Vec3::new(39.0, 2.0, 1.0), 1000.0)], 0.0);
+    let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, 200))).unwrap();
+    let points: Vec<(Vec3, Vec3)> = (0..80)
+        .map(|i| (Vec3::new(0.0, 0.05 * i as f32 + 0.02, (0.618 * i as f32).fract() * 4.0), Vec3::X))
+        .collect();
+    points.iter().for_each(|(p, n)| cache.request(*p, *n).unwrap());
+    cache.gather_ring(4).unwrap();
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let found = shaded(&gpu, &device, Answers::All, &points);
+    let known: Vec<f32> = points.iter().map(|(p, n)| cache.irradiance(*p, *n).unwrap().direct.x).collect();
+    let wrong = found.iter().zip(&known).filter(|(f, k)| (f[0] - *k).abs() > 1e-3 * *k).count();
+    assert_eq!(wrong, 0, "{known:?}");
+    let lit = known.iter().filter(|k| **k > 0.0).count();
+    assert!(lit > 10 && lit < 70, "{lit}");
+}
+
+#[test]
+fn depths_show_what_positions_show() {
+    let Some(gpu) = gpu() else { return };
+    let cache = lit(&furnished(), 24, 16, 6);
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let (width, height) = (24, 16);
+    let eye = Vec3::new(0.4, 2.5, 0.7);
+    let target = Vec3::new(3.0, 0.0, 3.0);
+    let camera = casca_scenes::world::Camera::look_at(eye, target, 57.0, 1.5, 0.1, 20.0);
+    // From depths of 0 to 1 to those of 1 to 0.
+    let turned = Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::Z, Vec4::new(0.0, 0.0, 1.0, 1.0));
+    for is_reversed in [false, true] {
+        let both = if is_reversed { turned } else { Mat4::IDENTITY } * camera.view_projection();
+        let inverse = both.inverse();
+        let empty = if is_reversed { 0.0 } else { 1.0 };
+        // The floor below each pixel, where it is in the room.
+        let mut points = Vec::new();
+        let mut depths = Vec::new();
+        for i in 0..width * height {
+            let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
+            let near = Vec3::new(2.0 * x / width as f32 - 1.0, 1.0 - 2.0 * y / height as f32, 0.5);
+            let way = (inverse.project_point3(near) - eye).normalize();
+            let point = eye + way * (-eye.y / way.y);
+            let is_shown = way.y < 0.0 && point.x < 4.0 && point.z < 4.0;
+            points.push(is_shown.then_some((point, Vec3::Y)));
+            depths.push(if is_shown { both.project_point3(point).z } else { empty });
+        }
+        let shown: Vec<_> = points.iter().flatten().copied().collect();
+        assert!(shown.len() > 100 && shown.len() < points.len(), "{}", shown.len());
+        let mut known = shaded(&gpu, &device, Answers::Indirect, &shown).into_iter();
+        let shading = Shading::new(&gpu.device, Input::Depth, Answers::Indirect);
+        let depth = crate::device::depth_of(&gpu, (width, height), &depths);
+        let normals =
+            crate::device::texture_of(&gpu, (width, height), &vec![[0.0, 1.0, 0.0, 0.0]; width * height]);
+        let found = picture_of(&gpu, (width, height), |encoder, picture| {
+            let surfaces = Surfaces { place: &depth, normals: &normals, inverse, empty };
+            device.shade(&gpu.device, encoder, &shading, surfaces, picture);
+        });
+        for (point, found) in points.iter().zip(found) {
+            let known = point.and_then(|_| known.next()).unwrap_or([0.0; 4]);
+            // A depth of single precision is off by a millimetre at most.
+            let error = (Vec3::from_slice(&found) - Vec3::from_slice(&known)).length();
+            assert!(
+                error < 0.01 * (1.0 + known[0]) && found[3] == known[3],
+                "{point:?}: {found:?} {known:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! The graphics processor beside the processor.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod device;
+mod direct;
+mod passes;
+mod pictures;
