@@ -60,6 +60,21 @@ fn in_a_furnace_every_surface_gathers_what_the_walls_emit() {
 }
 
 #[test]
+fn a_stray_object_far_away_leaves_the_light_as_it_is() {
+    let Some(gpu) = gpu() else { return };
+    let scene = Kind::CornellPoint.build();
+    let mut other = scene.clone();
+    let far = Vec3::splat(1e30);
+    other.objects.push(ball(0, far, 1e29));
+    let pictures = [&scene, &other].map(|scene| {
+        let mut renderer = updated(&gpu, scene, settings(32));
+        draw(&gpu, &mut renderer, scene, Layer::Picture)
+    });
+    assert!(pictures[0].iter().any(|p| p[0] > 0.1));
+    assert_eq!(pictures[0], pictures[1]);
+}
+
+#[test]
 fn walls_stay_opaque_along_their_normals_in_all_mips_and_become_thin_across() {
     let Some(gpu) = gpu() else { return };
     for axis in 0..3 {

@@ -8,8 +8,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use casca_radiosity::gpu::{Answers, GpuCache, Input, Shading, Surfaces};
-use casca_radiosity::{Cache, Grid, Light, Material, Scene, Settings, Sky, Triangle};
-use casca_scenes::lit::{self, Kind, LightKind};
+use casca_radiosity::{Cache, Grid, Scene, Settings};
+use casca_scenes::lit::Kind;
 use casca_stage::gpu::Gpu;
 use casca_stage::image::write_png;
 use casca_stage::wgpu::util::{DeviceExt, TextureDataOrder};
@@ -34,18 +34,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let path = arguments.first().map_or("cornell_gpu.png", |p| p);
     let cells = arguments.get(1).map_or(Ok(64), |n| n.parse())?;
     let lit = "cornell-point".parse::<Kind>()?.build();
-    let triangle = |t: &lit::LitTriangle| Triangle { corners: t.corners, material: t.material };
-    let light = |l: &lit::Light| match l.kind {
-        LightKind::Point { position, radius } => Some(Light::Point { position, intensity: l.color, radius }),
-        _ => None,
-    };
-    let material = |m: &lit::Material| Material::new(m.sound().albedo, m.emission);
-    let scene = Scene {
-        objects: vec![lit.triangles().iter().map(triangle).collect::<Vec<_>>().into()],
-        materials: lit.materials.iter().map(material).collect(),
-        lights: lit.lights.iter().filter_map(light).collect(),
-        ..Scene::default()
-    };
+    let scene = Scene::from(&lit);
     let surfaces = PathTracer::new(&lit).surfaces(&lit.camera, SIZE)?;
     let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, cells)))?;
     for s in surfaces.iter().flatten() {

@@ -6,22 +6,17 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use casca_radiosity::{Cache, Grid, Light, Material, Scene, Settings, Sky, Triangle};
+use casca_radiosity::{Cache, Grid, Light, Scene, Settings, Sky, Triangle};
 use casca_scenes::import::load_lit;
 use casca_scenes::lit::{Kind, LitScene};
 use glam::Vec3;
 
 fn input(scene: &LitScene) -> Scene {
-    let triangle = |t: &casca_scenes::lit::LitTriangle| Triangle { corners: t.corners, material: t.material };
-    let albedo = |m: &casca_scenes::lit::Material| m.sound().albedo;
-    let material = |m| Material::new(albedo(m), Vec3::ZERO);
     let direction = Vec3::new(0.25, -1.0, 0.12);
     Scene {
-        objects: vec![scene.triangles().iter().map(triangle).collect::<Vec<_>>().into()],
-        materials: scene.materials.iter().map(material).collect(),
         lights: vec![Light::Sun { direction, irradiance: Vec3::splat(10.0), half_angle: 0.01 }],
         sky: Sky::Even(Vec3::new(0.6, 0.8, 1.0)),
-        ..Scene::default()
+        ..scene.into()
     }
 }
 
@@ -42,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let [a, b, c] = t.corners;
         ((a + b + c) / 3.0, (b - a).cross(c - a).normalize_or(Vec3::Y))
     };
-    let spots: Vec<_> = scene.objects[0].triangles.iter().step_by(step).map(middle).collect();
+    let spots: Vec<_> = scene.objects.iter().flat_map(|o| &o.triangles).step_by(step).map(middle).collect();
     let clock = Instant::now();
     for (point, normal) in &spots {
         cache.request(*point, *normal)?;

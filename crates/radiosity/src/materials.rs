@@ -105,8 +105,8 @@ impl Texture {
 
     /// The colour at a place, as the mean over about so many texels.
     fn at(&self, uv: DVec2, texels: f64) -> Vec3 {
-        // Not true of NaN.
-        if !(uv.abs().max_element() < f64::from(u32::MAX)) {
+        // So far out, whole numbers end.
+        if !uv.is_finite() || uv.abs().max_element() > f64::from(u32::MAX) {
             return self.levels[self.levels.len() - 1].texels[0];
         }
         let level = (0.5 * texels.max(1.0).log2()).round() as usize;

@@ -10,6 +10,8 @@
 
 mod image;
 mod light;
+#[cfg(feature = "radiosity")]
+mod radiosity;
 mod scenes;
 mod world;
 
@@ -18,7 +20,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 
 use crate::world::{Camera, Mesh};
 
@@ -127,6 +129,12 @@ pub struct LitScene {
     pub camera: Camera,
 }
 
+/// See [`LitScene::bounds`]. The sky's box of a large outdoor scene is less far away.
+pub const STRAY: f64 = 1000.0;
+
+/// See [`LitScene::bounds`]: coordinates of single precision are 8 m apart there, in metres.
+pub const FARTHEST: f32 = 1e8;
+
 /// Width over height of the pictures that the camera of a [`LitScene`] is for.
 pub const ASPECT: f32 = 4.0 / 3.0;
 
@@ -147,13 +155,30 @@ impl LitScene {
         triangles
     }
 
-    /// The least and the greatest corner of all triangles; both 0 if there are none.
+    /// The least and the greatest corner of all triangles but strays; both 0 if there are none.
+    ///
+    /// A stray is more than [`STRAY`] times as far from the middle as most triangles, or beyond
+    /// [`FARTHEST`]: one of them would leave a grid no cells for the others.
     pub fn bounds(&self) -> (Vec3, Vec3) {
+        let mut all = self.triangles();
+        all.retain(|t| t.corners.iter().all(|p| p.abs().max_element() < FARTHEST));
+        let along = |axis: usize| all.iter().map(|t| f64::from(t.corners[0][axis])).collect::<Vec<_>>();
+        let middle = DVec3::from_array([0, 1, 2].map(|axis| median(&mut along(axis))));
+        let reach = |t: &LitTriangle| {
+            t.corners.map(|p| p.as_dvec3().distance(middle)).into_iter().fold(0.0, f64::max)
+        };
+        let most = STRAY * median(&mut all.iter().map(reach).collect::<Vec<_>>());
         let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let all = self.triangles();
-        let (min, max) = all.iter().flat_map(|t| t.corners).fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)));
+        let corners = all.iter().filter(|t| reach(t) <= most).flat_map(|t| t.corners);
+        let (min, max) = corners.fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)));
         if min.x <= max.x { (min, max) } else { (Vec3::ZERO, Vec3::ZERO) }
     }
+}
+
+/// The middle one of some numbers; 0 if there are none.
+fn median(numbers: &mut [f64]) -> f64 {
+    numbers.sort_unstable_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
 }
 
 fn corners_of(mesh: &Mesh, triangle: &[u32; 3]) -> Option<[Vec3; 3]> {

@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 use super::*;
 use crate::generated::{SceneKind, SceneOptions};
@@ -64,6 +64,14 @@ fn broken_triangles_are_left_out() {
     object.materials = vec![77; 12].into();
     scene.objects.push(object);
     assert_eq!(scene.triangles().len(), 24);
+    let known = scene.bounds();
+    for far in [1e5, 1e30, -3e38] {
+        let mut stray = scene.objects[0].clone();
+        stray.transform = Affine3A::from_translation(Vec3::splat(far));
+        let mut with_it = scene.clone();
+        with_it.objects.push(stray);
+        assert_eq!(with_it.bounds(), known, "{far}");
+    }
     scene.objects.clear();
     assert_eq!(scene.bounds(), (Vec3::ZERO, Vec3::ZERO));
 }

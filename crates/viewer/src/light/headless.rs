@@ -7,7 +7,7 @@ use casca_light::culling::{Culling, may_see};
 use casca_light::picture::Layer;
 use casca_light::reach::Reach;
 use casca_light::renderer::{Renderer, Updated};
-use casca_scenes::lit::HdrImage;
+use casca_scenes::lit::{HdrImage, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::command_line::{make_folder, say};
@@ -21,6 +21,8 @@ use glam::Vec3;
 use crate::light::options::Options;
 use crate::light::scene::Start;
 
+/// Times that the path tracer scatters light at most: walls of an albedo of 0.8 keep 1e-6 of it.
+const MOST_BOUNCES: u32 = 64;
 /// The seed of the path tracer.
 const SEED: u64 = 1;
 
@@ -45,24 +47,27 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
             let (width, height) = canvas.size();
             let found = HdrImage::new(width as usize, height as usize, light)?;
             let path = out.join(format!("{}-beside-truth.png", start.scene.name));
-            compare(&path, start, options, (&camera, &found))?;
+            let cones = options.settings().cones.cones().len();
+            let caption = format!("Voxels: {} cells, {cones} cones", options.resolution);
+            let most = if options.no_bounce { 2 } else { 3 };
+            compare(&path, &start.scene, options, (&camera, &found), (caption, most))?;
         }
     }
     Ok(())
 }
 
-/// Draws the picture by the path tracer, with light scattered as often as by voxels, and says how
-/// far off the light found is.
-fn compare(
+/// Draws the picture by the path tracer, with light scattered up to `most` times, and says how far off
+/// the light found is.
+pub fn compare(
     path: &Path,
-    start: &Start,
+    scene: &LitScene,
     options: &Options,
     (camera, found): (&Camera, &HdrImage),
+    (caption, most): (String, u32),
 ) -> Result<(), Box<dyn Error>> {
-    let most = if options.no_bounce { 2 } else { 3 };
-    let orders = Quantity::Radiance(0..=most);
-    let truth =
-        PathTracer::new(&start.scene).render(camera, found.size(), &orders, options.truth, SEED)?.image;
+    // What is left of light after so many times is black.
+    let orders = Quantity::Radiance(0..=most.min(MOST_BOUNCES));
+    let truth = PathTracer::new(scene).render(camera, found.size(), &orders, options.truth, SEED)?.image;
     let mean = |image: &HdrImage| {
         let sum: f64 = image.pixels().iter().map(|p| f64::from(p.element_sum())).sum();
         sum / (3 * image.pixels().len()) as f64
@@ -70,19 +75,17 @@ fn compare(
     let (ours, theirs, rmse) = (mean(found), mean(&truth), found.rmse(&truth)?);
     let title = finding(ours / theirs);
     let subtitle = format!(
-        "{}; light scattered up to {most} times on its way; mean {ours:.4} and {theirs:.4}, RMSE {rmse:.4}",
-        start.scene.name
+        "{}; light scattered {} on its way; mean {ours:.4} and {theirs:.4}, RMSE {rmse:.4}",
+        scene.name,
+        if most > MOST_BOUNCES { "as often as it takes".to_owned() } else { format!("up to {most} times") }
     );
     let tile = |caption: String, image: &HdrImage| Tile {
         caption,
         width: image.size().0,
         rgb: image.srgb(options.exposure),
     };
-    let cones = options.settings().cones.cones().len();
-    let row = vec![
-        tile(format!("Voxels: {} cells, {cones} cones", options.resolution), found),
-        tile(format!("Path tracer: {} samples a pixel", options.truth), &truth),
-    ];
+    let row =
+        vec![tile(caption, found), tile(format!("Path tracer: {} samples a pixel", options.truth), &truth)];
     sheet(path, &title, &subtitle, &[row])?;
     say(format_args!("{}: {title}; {subtitle}", path.display()));
     Ok(())
@@ -94,10 +97,10 @@ fn finding(share: f64) -> String {
     if !share.is_finite() {
         "By the path tracer the picture is black".to_owned()
     } else if percent < 0.5 {
-        "Light by voxels is as bright on the mean as by a path tracer".to_owned()
+        "Light is as bright on the mean as by a path tracer".to_owned()
     } else {
         let more = if share > 1.0 { "brighter" } else { "darker" };
-        format!("Light by voxels is {percent:.0} % {more} on the mean than by a path tracer")
+        format!("Light is {percent:.0} % {more} on the mean than by a path tracer")
     }
 }
 

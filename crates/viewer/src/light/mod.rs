@@ -1,5 +1,6 @@
 //! Light that bounces, in a window or into pictures, and its time.
 
+mod cached;
 mod controls;
 mod headless;
 mod options;

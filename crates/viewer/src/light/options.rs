@@ -58,6 +58,10 @@ pub struct Options {
     /// Gathers diffuse light with 16 cones instead of 6
     #[arg(long)]
     pub fine: bool,
+    /// Light of all bounces that crosses no wall, by a radiosity cache instead of cones: the layer
+    /// picture, without what surfaces mirror
+    #[arg(long, requires = "headless", conflicts_with_all = ["step", "reach", "aperture", "fine", "no_bounce", "cull", "time"])]
+    pub cached: bool,
     /// Leaves out the second bounce
     #[arg(long)]
     pub no_bounce: bool,
@@ -167,6 +171,9 @@ impl Options {
         } else {
             self.layers.iter().map(|name| layer(name)).collect::<Result<_, _>>()?
         };
+        if self.cached && layers != [Layer::Picture] {
+            return Err("--cached draws the layer picture: leave out --layers".to_owned());
+        }
         if self.truth > 0 && !layers.contains(&Layer::Picture) {
             return Err("--truth compares the layer picture, which is not among --layers: add it".to_owned());
         }
@@ -244,6 +251,9 @@ mod tests {
             ("--time --times 64,8", "16..=512"),
             ("--time --times", "--times"),
             ("--time --cull --times 64", "--cull"),
+            ("--cached", "--headless"),
+            ("--headless --cached --fine", "--fine"),
+            ("--headless --cached --layers all", "leave out --layers"),
         ] {
             let said = read(&words.split(' ').collect::<Vec<_>>()).expect_err(words);
             assert!(said.contains(word), "{words}: {said}");

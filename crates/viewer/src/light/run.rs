@@ -6,7 +6,7 @@ use casca_stage::window;
 use crate::common::Failed;
 use crate::light::options::Options;
 use crate::light::scene::Start;
-use crate::light::{headless, stages, window as shown};
+use crate::light::{cached, headless, stages, window as shown};
 
 impl Options {
     fn open(&self) -> Result<Start, Failed> {
@@ -38,7 +38,10 @@ impl Options {
         let gpu = drawing.device()?;
         say(format_args!("drawing on {}", gpu.name));
         if self.common.headless {
-            headless::pictures(&gpu, &start, self, &layers)?;
+            match self.cached {
+                true => cached::picture(&gpu, &start, self)?,
+                false => headless::pictures(&gpu, &start, self, &layers)?,
+            }
         }
         if self.time {
             stages::time(&gpu, &start, self)?;

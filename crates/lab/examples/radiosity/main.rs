@@ -2,20 +2,20 @@
 //! ambient light with a constant: the table of docs/radiosity.md.
 //!
 //! `radiosity [SCENE,..] [N,..] [RAYS] [SAMPLES]`; scenes are cornell, cornell-point, emissive,
-//! house, hall and aisle.
+//! house, gallery, street, cave, hall and aisle.
+
+mod cases;
 
 use std::error::Error;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 use casca_lab::experiments::light::{Gather, LightVolume, Spot, Voxels};
-use casca_radiosity::{Cache, Grid, Light, Material, Object, Scene, Settings, Sky, Triangle};
-use casca_scenes::import::load_lit;
-use casca_scenes::lit::{self, Kind, LightKind, LitObject, LitScene};
-use casca_scenes::world::{Camera, Mesh};
+use casca_radiosity::{Cache, Grid, Scene, Settings};
+use casca_scenes::lit::{self, LitScene};
+use casca_scenes::world::Camera;
 use casca_truth::oracle::path::{PathTracer, Quantity, Surface};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Pixels of pictures, and of the blocks that errors are means of.
@@ -29,132 +29,13 @@ const SETTLED: f64 = 1e-3;
 const MOST_PASSES: u32 = 40;
 /// For rays and bytes in millions.
 const MILLION: f64 = 1e6;
-const SPONZA: &str = "../shared/scenes/sponza.glb";
+
+use cases::{Case, SPONZA, case};
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// The colours of a picture's pixels, row by row from the top.
 type Picture = Vec<Vec3>;
-
-struct Case {
-    name: String,
-    scene: LitScene,
-    cameras: Vec<(String, Camera)>,
-}
-
-fn camera(name: &str, eye: [f32; 3], target: [f32; 3]) -> (String, Camera) {
-    let [eye, target] = [eye, target].map(Vec3::from_array);
-    (name.to_owned(), Camera::look_at(eye, target, 65.0, lit::ASPECT, 0.01, 100.0))
-}
-
-/// Three rooms of 4, 3 and 5 metres in a row, with doors, furniture, a lamp in the first one, and a
-/// window in the last one.
-fn house() -> Case {
-    let mut parts: Vec<([f32; 6], usize)> = vec![
-        // Floor, ceiling, the long walls and an end.
-        ([-0.2, -0.2, -0.2, 12.4, 0.0, 4.2], 0),
-        ([-0.2, 2.6, -0.2, 12.4, 2.8, 4.2], 1),
-        ([-0.2, 0.0, -0.2, 12.4, 2.6, 0.0], 1),
-        ([-0.2, 0.0, 4.0, 12.4, 2.6, 4.2], 1),
-        ([-0.2, 0.0, 0.0, 0.0, 2.6, 4.0], 2),
-        // The end with a window.
-        ([12.2, 0.0, 0.0, 12.4, 0.9, 4.0], 1),
-        ([12.2, 2.2, 0.0, 12.4, 2.6, 4.0], 1),
-        ([12.2, 0.9, 0.0, 12.4, 2.2, 1.2], 1),
-        ([12.2, 0.9, 2.8, 12.4, 2.2, 4.0], 1),
-        // Furniture.
-        ([1.0, 0.7, 1.5, 2.4, 0.75, 2.6], 3),
-        ([1.1, 0.0, 1.6, 1.2, 0.7, 1.7], 3),
-        ([2.2, 0.0, 2.4, 2.3, 0.7, 2.5], 3),
-        ([5.0, 0.0, 0.0, 6.2, 1.9, 0.5], 3),
-        ([8.6, 0.0, 2.0, 10.6, 0.45, 3.9], 4),
-        ([8.0, 0.0, 0.0, 8.5, 0.8, 0.8], 2),
-    ];
-    // Walls with doors of 0.9 m, which are 2.1 m high.
-    for (x, z) in [(4.0, 2.6), (7.1, 0.5)] {
-        parts.push(([x, 0.0, 0.0, x + 0.1, 2.6, z], 1));
-        parts.push(([x, 0.0, z + 0.9, x + 0.1, 2.6, 4.0], 1));
-        parts.push(([x, 2.1, z, x + 0.1, 2.6, z + 0.9], 1));
-    }
-    let materials = [[0.4, 0.3, 0.2], [0.8, 0.8, 0.78], [0.7, 0.2, 0.15], [0.5, 0.35, 0.2], [0.2, 0.3, 0.6]];
-    let object = |([a, b, c, d, e, f], material): &([f32; 6], usize)| {
-        let mesh = Mesh::cuboid(Vec3::new(*a, *b, *c), Vec3::new(*d, *e, *f));
-        LitObject {
-            name: String::new(),
-            materials: vec![*material as u32; mesh.triangles.len()].into(),
-            mesh: Arc::new(mesh),
-            transform: Affine3A::IDENTITY,
-            moves: false,
-        }
-    };
-    let cameras = vec![
-        camera("lamp", [0.3, 1.6, 0.3], [3.5, 1.0, 3.5]),
-        camera("middle", [4.3, 1.6, 3.7], [7.0, 1.0, 0.3]),
-        camera("window", [11.9, 1.6, 3.7], [7.4, 0.9, 0.8]),
-    ];
-    let scene = LitScene {
-        name: "house".to_owned(),
-        objects: parts.iter().map(object).collect(),
-        materials: materials.map(|c| lit::Material::matt(Vec3::from_array(c))).into(),
-        lights: vec![lit::Light::point(Vec3::new(2.0, 2.2, 1.2), Vec3::new(12.0, 10.0, 8.0))],
-        sky: Vec3::new(3.0, 4.0, 5.0),
-        camera: cameras[0].1,
-    };
-    Case { name: "house".to_owned(), scene, cameras }
-}
-
-/// Sponza under a sun and a sky, from both ends.
-fn sponza(name: &str) -> Outcome<Case> {
-    let mut scene = load_lit(Path::new(SPONZA))?;
-    let camera = match name {
-        "hall" => camera(name, [-9.0, 2.0, 0.2], [8.0, 4.0, 0.4]),
-        _ => camera(name, [-10.0, 1.6, 4.3], [6.0, 1.8, 4.3]),
-    };
-    scene.sky = Vec3::new(0.6, 0.8, 1.0);
-    let direction = Vec3::new(0.25, -1.0, 0.12);
-    let mut sun = lit::Light::point(Vec3::ZERO, Vec3::new(12.0, 11.0, 10.0));
-    sun.kind = LightKind::Directional { direction, half_angle: 0.01 };
-    scene.lights = vec![sun];
-    Ok(Case { name: "sponza".to_owned(), scene, cameras: vec![camera] })
-}
-
-fn case(name: &str) -> Outcome<Case> {
-    match name {
-        "house" => Ok(house()),
-        "hall" | "aisle" => sponza(name),
-        _ => {
-            let scene = name.parse::<Kind>()?.build();
-            let cameras = vec![("front".to_owned(), scene.camera)];
-            Ok(Case { name: name.to_owned(), scene, cameras })
-        }
-    }
-}
-
-/// The scene as the cache takes it.
-fn input(scene: &LitScene) -> Scene {
-    let triangles = scene.triangles();
-    let of = |object: &[lit::LitTriangle]| -> Object {
-        let triangle = |t: &lit::LitTriangle| Triangle { corners: t.corners, material: t.material };
-        object.iter().map(triangle).collect::<Vec<_>>().into()
-    };
-    let light = |l: &lit::Light| match l.kind {
-        LightKind::Directional { direction, half_angle } => {
-            Light::Sun { direction, irradiance: l.color, half_angle }
-        }
-        LightKind::Point { position, radius } => Light::Point { position, intensity: l.color, radius },
-        LightKind::Spot { position, direction, radius, inner, outer } => {
-            Light::Spot { position, direction, intensity: l.color, inner, outer, radius }
-        }
-    };
-    let material = |m: &lit::Material| Material::new(m.albedo, m.emission);
-    Scene {
-        objects: triangles.chunk_by(|a, b| a.object == b.object).map(of).collect(),
-        materials: scene.materials.iter().map(lit::Material::sound).map(|m| material(&m)).collect(),
-        lights: scene.lights.iter().map(light).collect(),
-        sky: Sky::Even(scene.sky),
-        ..Scene::default()
-    }
-}
 
 fn mean(picture: &[Vec3]) -> f64 {
     picture.iter().map(|p| f64::from(p.element_sum())).sum::<f64>() / (3 * picture.len()) as f64
@@ -307,7 +188,7 @@ fn by_cache(
 fn main() -> Outcome<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let of = |i: usize, default: &str| arguments.get(i).cloned().unwrap_or(default.to_owned());
-    let names = of(0, "cornell,cornell-point,emissive,house,hall,aisle");
+    let names = of(0, "cornell,cornell-point,emissive,house,gallery,street,cave,hall,aisle");
     let sizes = of(1, "128").split(',').map(str::parse).collect::<Result<Vec<u32>, _>>()?;
     let (rays, samples): (u32, u32) = (of(2, "64").parse()?, of(3, "256").parse()?);
     println!("| scene | how | N | mean | block RMSE | indirect mean | its RMSE | times |");
@@ -321,7 +202,7 @@ fn main() -> Outcome<()> {
         case.scene.materials.iter_mut().for_each(|m| m.specular = Vec3::ZERO);
         let dark = LitScene { sky: Vec3::ZERO, ..case.scene.clone() };
         let tracers = [&case.scene, &dark].map(PathTracer::new);
-        let scene = input(&case.scene);
+        let scene = case.input();
         for (view, camera) in &case.cameras {
             let name = format!("{}, {view}", case.name);
             let truth = truth(&tracers, camera, samples)?;
