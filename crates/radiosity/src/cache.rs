@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use crate::direct::{Lamps, Sources, Spot};
 use crate::error::LightError;
+use crate::filter::Links;
 use crate::input::{Light, Object, Scene, Settings, Sky, check_lights};
 use crate::materials::Materials;
 use crate::numeric::{MOST_RAYS, MOST_STORED};
@@ -54,7 +55,11 @@ impl StartTable {
 
 /// What a function gives for each item, in order, by some threads. They take blocks of items in
 /// turn, as near items cost alike.
-fn in_parallel<T: Sync, R: Send>(items: &[T], threads: u32, of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+pub(crate) fn in_parallel<T: Sync, R: Send>(
+    items: &[T],
+    threads: u32,
+    of: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
     const BLOCK: usize = 64;
     let threads = (threads as usize).min(items.len().div_ceil(BLOCK)).max(1);
     if threads == 1 {
@@ -127,6 +132,10 @@ pub struct Cache {
     pub(crate) glow: Vec<Glow>,
     /// States with rays, in order.
     pub(crate) gathered: Vec<u32>,
+    /// By gathered state, in their order, what it is averaged with; empty if not known.
+    pub(crate) links: Vec<Links>,
+    /// By state; empty if nothing was smoothed since the light changed.
+    pub(crate) smoothed: Vec<Vec3>,
     /// Whether a state waits for rays.
     pub(crate) wanted: Vec<bool>,
     /// Those that wait.
@@ -166,6 +175,8 @@ impl Cache {
             rays: Vec::new(),
             glow: vec![Glow::default(); states],
             gathered: Vec::new(),
+            links: Vec::new(),
+            smoothed: Vec::new(),
             wanted: vec![false; states],
             ring: Vec::new(),
             passes: 0,
@@ -225,6 +236,7 @@ impl Cache {
             self.sum_sky(state);
         }
         self.gathered.sort_unstable();
+        self.forget_means();
         Ok(self.ring.len())
     }
 
@@ -318,6 +330,7 @@ impl Cache {
         let count = self.gathered.len();
         let is_back = self.passes % 2 == 1;
         self.passes += 1;
+        self.smoothed.clear();
         for i in 0..count {
             let state = self.gathered[if is_back { count - 1 - i } else { i }];
             let block = self.blocks[state as usize];
@@ -368,6 +381,7 @@ impl Cache {
     /// Forgets all indirect light, but no rays: passes start anew.
     pub fn darken(&mut self) {
         self.passes = 0;
+        self.smoothed.clear();
         for state in 0..self.voxels.states() {
             self.glow[state as usize].indirect = Vec3::ZERO;
             self.send(state);
@@ -384,7 +398,9 @@ impl Cache {
             + size_of_val(&self.blocks[..])
             + size_of_val(&self.rays[..])
             + size_of_val(&self.glow[..])
-            + size_of_val(&self.gathered[..]);
+            + size_of_val(&self.gathered[..])
+            + size_of_val(&self.links[..])
+            + size_of_val(&self.smoothed[..]);
         Statistics {
             cell: self.voxels.lattice.cell,
             dims: self.voxels.lattice.dims.to_array(),

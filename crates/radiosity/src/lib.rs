@@ -61,6 +61,7 @@ mod cache;
 mod clip;
 mod direct;
 mod error;
+mod filter;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod input;

@@ -100,6 +100,7 @@ impl Cache {
         let old_gathered = std::mem::take(&mut self.gathered);
         let old_ring = std::mem::take(&mut self.ring);
         self.wanted = vec![false; states];
+        self.forget_means();
         let mut moved = Moved::default();
         for &state in &old_gathered {
             let Some(new) = known(map.states[state as usize]) else {

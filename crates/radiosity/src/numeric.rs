@@ -209,6 +209,16 @@ pub(crate) const ABSURD: f32 = 1e8;
 /// Bilinear texels of that level overlap, so that sixteen miss none of a part that is not long.
 pub(crate) const TEXEL_SAMPLES: u32 = 16;
 
+/// The least product of the unit normals of linked states: an angle of 26 degrees.
+pub(crate) const LINK_NORMAL: f64 = 0.9;
+
+/// Linked states are at most so many cells above or below each other: on one surface, also a bent
+/// one.
+pub(crate) const LINK_HEIGHT: f64 = 0.5;
+
+/// Links of a state: the cells around it on a wall.
+pub(crate) const MOST_LINKS: usize = 8;
+
 /// Less rough surfaces are mirrors: the lobe is narrower than a degree.
 pub(crate) const LEAST_ROUGH: f32 = 1e-2;
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3, Vec3};
 
-use crate::cache::{Cache, Glow};
+use crate::cache::Cache;
 use crate::direct::Spot;
 use crate::error::LightError;
 use crate::input::{numbers, way};
@@ -71,7 +71,7 @@ impl Cache {
         let states = near.len() as u32;
         let indirect = match near.is_empty() {
             true => self.by_rays(&spot),
-            false => self.mean(&near, |glow| glow.indirect),
+            false => self.mean(&near, |state| self.shown(state)),
         };
         Ok(Irradiance { direct, indirect, states })
     }
@@ -82,7 +82,7 @@ impl Cache {
         let near = self.ready(spot);
         match near.is_empty() {
             true => self.by_rays(spot),
-            false => self.mean(&near, |glow| glow.direct + glow.indirect),
+            false => self.mean(&near, |state| self.glow[state as usize].direct + self.shown(state)),
         }
     }
 
@@ -91,9 +91,9 @@ impl Cache {
         self.near(spot, |state| self.blocks[state as usize].count > 0)
     }
 
-    fn mean(&self, near: &[Near], light: impl Fn(&Glow) -> Vec3) -> Vec3 {
+    fn mean(&self, near: &[Near], light: impl Fn(u32) -> Vec3) -> Vec3 {
         let weight: f64 = near.iter().map(|n| n.1).sum();
-        let of = |n: &Near| light(&self.glow[n.0 as usize]).as_dvec3() * n.1;
+        let of = |n: &Near| light(n.0).as_dvec3() * n.1;
         (near.iter().map(of).sum::<DVec3>() / weight).as_vec3()
     }
 

@@ -8,6 +8,7 @@
 //! state is seen the processor sends rays; the device has none and says so.
 
 mod data;
+mod filter;
 mod shading;
 
 pub use shading::{Answers, Input, Shading, Surfaces};
@@ -67,6 +68,11 @@ pub struct GpuCache {
     lookup: [Buffer; 6],
     /// Lights and lamps, and how many there are.
     sources: [Buffer; 2],
+    count: Buffer,
+    blocks: Buffer,
+    filter: Option<filter::Filter>,
+    /// 0 for the light of passes, else 1 more than the number of the means.
+    shown: usize,
 }
 
 fn filled<T: Pod>(
@@ -144,7 +150,23 @@ impl GpuCache {
         let lookup = Self::tables(device, cache)?;
         let sources = Self::sources(device, cache)?;
         let states = cache.gathered.len();
-        Ok(Self { states, sky, direct, indirect, passes, renewals, spread, renew, turn: 0, lookup, sources })
+        Ok(Self {
+            states,
+            sky,
+            direct,
+            indirect,
+            passes,
+            renewals,
+            spread,
+            renew,
+            turn: 0,
+            lookup,
+            sources,
+            count,
+            blocks,
+            filter: None,
+            shown: 0,
+        })
     }
 
     /// What answers are found in, but for the light.
@@ -174,6 +196,7 @@ impl GpuCache {
 
     /// Runs passes: each gathered state takes in what its rays read of the light before the pass.
     pub fn pass(&mut self, encoder: &mut CommandEncoder, passes: u32) {
+        self.shown = 0;
         for _ in 0..passes {
             self.dispatch(encoder, &self.spread, &self.passes[self.turn]);
             self.turn = 1 - self.turn;
@@ -239,6 +262,7 @@ impl GpuCache {
             cache.glow[state as usize].indirect = glam::Vec3::new(x, y, z);
             cache.send(state);
         }
+        cache.smoothed.clear();
         Ok(())
     }
 }

@@ -109,9 +109,10 @@ impl GpuCache {
     /// The bind group of [`Self::wgsl`] for a pipeline's layout of that group. The layout must have
     /// all of its bindings: 0 to 6, and with [`Answers::All`] to 8.
     ///
-    /// Ask for it anew after [`GpuCache::set_direct`], which may replace the list of lights.
+    /// Ask for it anew after [`GpuCache::set_direct`], which may replace the list of lights, and after
+    /// [`GpuCache::smooth`] and passes, which change the buffer of the light that is shown.
     pub fn bind_group(&self, device: &Device, layout: &wgpu::BindGroupLayout, answers: Answers) -> BindGroup {
-        let mut all: Vec<_> = self.lookup.iter().chain([&self.indirect]).collect();
+        let mut all: Vec<_> = self.lookup.iter().chain([self.answers()]).collect();
         if answers == Answers::All {
             all.extend(&self.sources);
         }

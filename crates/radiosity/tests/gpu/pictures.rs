@@ -109,3 +109,40 @@ fn an_empty_scene_is_dark_on_the_device() {
         assert_eq!(shaded(&gpu, &light, answers, &points), [[0.0; 4]; 2]);
     }
 }
+
+#[test]
+fn the_device_smooths_as_the_processor_does() {
+    let Some(gpu) = gpu() else { return };
+    let mut cache = lit(&furnished(), 20, 16, 12);
+    let mut light = GpuCache::new(&gpu.device, &cache).unwrap();
+    let points = points();
+    let apart = |light: &GpuCache, cache: &casca_radiosity::Cache| {
+        let found = shaded(&gpu, light, Answers::Indirect, &points);
+        let of = |((p, n), found): (&(Vec3, Vec3), &[f32; 4])| {
+            let known = cache.irradiance(*p, *n).unwrap().indirect;
+            (Vec3::from_slice(found) - known).length() / known.length()
+        };
+        points.iter().zip(&found).map(of).fold(0.0, f32::max)
+    };
+    // Before links are there, nothing is smoothed.
+    run(&gpu, |encoder| light.smooth(encoder, 2));
+    assert!(apart(&light, &cache) < 1e-3);
+    light.link(&gpu.device, &cache).unwrap();
+    for times in [1, 2, 3, 0] {
+        let before = cache.clone();
+        cache.smooth(times);
+        run(&gpu, |encoder| light.smooth(encoder, times));
+        let found = apart(&light, &cache);
+        println!("smoothed {times} times: {found:e}");
+        assert!(found < 1e-3, "{times}: {found}");
+        assert!(apart(&light, &before) > 0.01, "{times}");
+    }
+    // Passes show their own light.
+    cache.smooth(2);
+    run(&gpu, |encoder| {
+        light.smooth(encoder, 2);
+        light.pass(encoder, 60);
+    });
+    cache.converge(1e-7, 200);
+    assert!(apart(&light, &cache) < 1e-3);
+}

@@ -23,6 +23,8 @@ use crate::light::scene::Start;
 const RAYS: [u32; 3] = [64, 32, 16];
 /// Passes of the device; halls as white as 0.7 keep 1e-4 of the light after so many.
 const PASSES: u32 = 26;
+/// Means over neighbouring states: two take most blotches of so many rays.
+const MEANS: u32 = 2;
 
 /// Draws the picture into a file, and beside the path tracer's.
 pub fn picture(gpu: &Gpu, start: &Start, options: &Options) -> Result<(), Box<dyn Error>> {
@@ -119,7 +121,9 @@ fn by_device(
     let mut on_device = GpuCache::new(&gpu.device, cache)?;
     let shading = Shading::new(&gpu.device, Input::Positions, Answers::All);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    on_device.link(&gpu.device, cache)?;
     on_device.pass(&mut encoder, PASSES);
+    on_device.smooth(&mut encoder, MEANS);
     let surfaces = Surfaces { place: &place, normals: &normals, inverse: Mat4::IDENTITY, empty: 1.0 };
     let view = made.create_view(&Default::default());
     on_device.shade(&gpu.device, &mut encoder, &shading, surfaces, &view);

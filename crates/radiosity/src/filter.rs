@@ -1,0 +1,100 @@
+//! Smoother light for pictures: means over states that see each other on one surface.
+//!
+//! A state's light is of a few rays, and neighbours send other ones: a picture shows that as
+//! blotches. Means over linked states take them away. Links are free segments between starts, so
+//! that no mean reaches through a wall. Passes go on with the light that is not smoothed, so that
+//! errors of means do not add up.
+
+use glam::Vec3;
+use smallvec::SmallVec;
+
+use crate::cache::{Cache, in_parallel};
+use crate::numeric::{LINK_HEIGHT, LINK_NORMAL, MOST_LINKS};
+use crate::states::sign;
+use crate::voxels::NONE;
+use crate::walk::around;
+
+/// The states that one is averaged with, [`NONE`] where there are fewer.
+pub(crate) type Links = [u32; MOST_LINKS];
+
+impl Cache {
+    /// Averages the indirect light of answers over neighbouring states, so many times: twice takes
+    /// most blotches of 64 rays. Answers are of the smoothed light until the next pass, gathering or
+    /// move.
+    ///
+    /// The first call after gathering finds the links, by a short ray for each; the others cost
+    /// look-ups.
+    pub fn smooth(&mut self, times: u32) {
+        self.link();
+        let mut light: Vec<Vec3> = self.glow.iter().map(|g| g.indirect).collect();
+        for _ in 0..times {
+            let mean = |(&state, links): (&u32, &Links)| {
+                let linked = links.iter().take_while(|l| **l != NONE);
+                let (sum, count) = linked
+                    .fold((light[state as usize], 1.0), |(sum, n), l| (sum + light[*l as usize], n + 1.0));
+                sum / count
+            };
+            let means: Vec<Vec3> = self.gathered.iter().zip(&self.links).map(mean).collect();
+            self.gathered.iter().zip(means).for_each(|(state, mean)| light[*state as usize] = mean);
+        }
+        self.smoothed = light;
+    }
+
+    /// Finds the links of all gathered states, if they are not known.
+    fn link(&mut self) {
+        if self.links.len() != self.gathered.len() {
+            self.links = self.found_links();
+        }
+    }
+
+    /// The links of all gathered states.
+    pub(crate) fn found_links(&self) -> Vec<Links> {
+        if self.links.len() == self.gathered.len() {
+            return self.links.clone();
+        }
+        in_parallel(&self.gathered, self.settings.threads, |&state| self.links_of(state))
+    }
+
+    /// The nearest gathered states on the surface of one that it sees.
+    fn links_of(&self, state: u32) -> Links {
+        let mut links = [NONE; MOST_LINKS];
+        let Some(start) = self.starts(state).first() else { return links };
+        let (at, voxels) = (start.at.as_dvec3(), &self.voxels);
+        let entry = &voxels.entries[state as usize / 2];
+        let normal = entry.normal.as_dvec3() * sign(state);
+        let cell = voxels.lattice.place(entry.cell);
+        let mut near: SmallVec<[(f64, u32); 32]> = SmallVec::new();
+        for cell in around(cell).filter(|c| voxels.lattice.has(*c)) {
+            for other in voxels.entries_of(cell) {
+                let like = voxels.entries[other as usize].normal.as_dvec3().dot(normal);
+                let other = 2 * other + u32::from(like < 0.0);
+                if other == state || like.abs() < LINK_NORMAL || self.blocks[other as usize].count == 0 {
+                    continue;
+                }
+                let Some(start) = self.starts(other).first() else { continue };
+                let way = start.at.as_dvec3() - at;
+                if way.dot(normal).abs() < LINK_HEIGHT {
+                    near.push((way.length_squared(), other));
+                }
+            }
+        }
+        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut last = NONE;
+        let free = |n: &&(f64, u32)| {
+            self.starts(n.1).first().is_some_and(|s| voxels.free_of(at, s.at.as_dvec3(), &mut last))
+        };
+        links.iter_mut().zip(near.iter().filter(free)).for_each(|(link, n)| *link = n.1);
+        links
+    }
+
+    /// States were gathered or dropped: links and means are none any more.
+    pub(crate) fn forget_means(&mut self) {
+        self.links.clear();
+        self.smoothed.clear();
+    }
+
+    /// The indirect light of a state as answers give it.
+    pub(crate) fn shown(&self, state: u32) -> Vec3 {
+        self.smoothed.get(state as usize).copied().unwrap_or(self.glow[state as usize].indirect)
+    }
+}
