@@ -80,6 +80,7 @@ fn links_are_those_of_the_states_that_are_there() {
     cache.request(V::new(2.0, 0.0, 1.0), V::Y).unwrap();
     cache.gather_ring(16).unwrap();
     cache.smooth(2);
+    cache.request_all();
     cache.gather(16).unwrap();
     cache.direct();
     cache.converge(1e-6, 60);
@@ -89,6 +90,7 @@ fn links_are_those_of_the_states_that_are_there() {
     cache.set_object(0, s.objects[0].triangles[..10].to_vec().into()).unwrap();
     cache.smooth(2);
     cache.set_object(0, s.objects[0].clone()).unwrap();
+    cache.request_all();
     cache.gather(16).unwrap();
     cache.direct();
     cache.converge(1e-6, 60);
