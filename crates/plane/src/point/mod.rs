@@ -92,7 +92,8 @@ impl Sight {
     /// Finds the objects in the view, as if nothing hid them.
     pub(crate) fn run_without_occluders(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
         let circle = self.open(scene, view);
-        push_visible(self.region(view, &circle), scene, scene.living(), pvs);
+        let shown = scene.living().filter(|(_, object)| object.layers & view.layers() != 0);
+        push_visible(self.region(view, &circle), scene, shown, pvs);
     }
 
     /// Takes the whole view as the visible region.

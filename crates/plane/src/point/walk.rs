@@ -31,6 +31,8 @@ pub(crate) struct Walk {
     /// The directions into solids whose border the eye is on.
     pub(crate) blocked: Vec<Arc>,
     covers: Covers,
+    /// The layers of the view.
+    layers: u64,
     /// By slot: the last walk that found it.
     marks: Vec<u32>,
     number: u32,
@@ -56,6 +58,7 @@ impl Walk {
     ) {
         self.clear();
         self.mark_nothing(scene.slot_count());
+        self.layers = view.layers();
         let eye = circle.eye;
         let always = scene.outer().iter().chain(scene.lost());
         always.for_each(|&slot| self.find(slot, scene, circle, stats));
@@ -134,8 +137,10 @@ impl Walk {
         if std::mem::replace(mark, self.number) == self.number {
             return;
         }
+        let Some(object) = scene.object(slot).filter(|object| object.layers & self.layers != 0) else {
+            return;
+        };
         self.found.push(slot);
-        let Some(object) = scene.object(slot) else { return };
         if object.is_hidden() {
             self.revealed.push(slot);
         }
