@@ -101,8 +101,8 @@ pub(crate) const HIT_SHARE: f64 = 0.1;
 pub(crate) const KEY: f64 = 1.0 / (1u64 << 49) as f64;
 
 /// The key of the direction in which two walls cross is known to this many times the relative error
-/// of its vector, for shares below [`HIT_SHARE`]: to once of it to the first order, and to 1.3 times
-/// with the others.
+/// of its vector, for shares below [`HIT_SHARE`]: to once of it to the first order, and to 1.3
+/// times with the others.
 pub(crate) const CROSSING_KEY: f64 = 2.0;
 
 /// Distances are compared with ranges and radii that are larger by this share: twenty roundings, of

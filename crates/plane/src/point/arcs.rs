@@ -16,8 +16,8 @@ use crate::numeric::KEY;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ray {
     pub(crate) p: DVec2,
-    /// The number of the quarter, and what grows from 0 to 1 along it; known to half of [`KEY`]. Not
-    /// a number for the eye.
+    /// The number of the quarter, and what grows from 0 to 1 along it; known to half of [`KEY`].
+    /// Not a number for the eye.
     pub(crate) key: f64,
 }
 

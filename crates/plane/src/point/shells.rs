@@ -69,9 +69,9 @@ impl<'a> Shells<'a> {
     }
 
     /// Calls `visit` with the marked cells of a shell of the grid that have points in some arcs,
-    /// rounded outwards. The arcs are sorted by quarter and direction, and disjoint. Each cell comes
-    /// once, but those on the axes may come twice. Costs the lesser of the numbers of cells and
-    /// arcs, times its logarithm, and a word for each 64 cells.
+    /// rounded outwards. The arcs are sorted by quarter and direction, and disjoint. Each cell
+    /// comes once, but those on the axes may come twice. Costs the lesser of the numbers of cells
+    /// and arcs, times its logarithm, and a word for each 64 cells.
     pub(crate) fn cells(&self, shell: i32, arcs: &[Arc], marks: Marks, visit: &mut impl FnMut(IVec2)) {
         let mut rest = arcs;
         for quarter in 0..4u8 {
@@ -159,8 +159,8 @@ impl<'a> Quarter<'a> {
         (number <= shell).then(up).flatten().or_else(back)
     }
 
-    /// The first marked cell of the grid that is a shell away along an axis, and from one distance to
-    /// another along the other, as its distance.
+    /// The first marked cell of the grid that is a shell away along an axis, and from one distance
+    /// to another along the other, as its distance.
     fn next_along(&self, marks: Marks, axis: usize, [from, to]: [i32; 2]) -> Option<i32> {
         let (other, Shells { cell: eye, grid, .. }) = (1 - axis, self.shells);
         let at = eye[axis] + self.signs[axis] * self.shell;

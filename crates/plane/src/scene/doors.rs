@@ -49,8 +49,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`Error::DoorOutside`] for a tile that the layer does not have, [`Error::DoorInWall`] for one
-    /// that blocks sight already, and those of [`Scene::insert`]. Nothing changes then.
+    /// [`Error::DoorOutside`] for a tile that the layer does not have, [`Error::DoorInWall`] for
+    /// one that blocks sight already, and those of [`Scene::insert`]. Nothing changes then.
     pub fn insert_door(
         &mut self,
         layer: &mut TileLayer,
@@ -75,8 +75,8 @@ impl Scene {
     /// nothing if the door is so already.
     ///
     /// # Errors
-    /// [`Error::DoorOutside`] for a layer that does not have the tile, [`Error::UnknownObject`] for a
-    /// door that was removed or belongs to another scene. Nothing changes then.
+    /// [`Error::DoorOutside`] for a layer that does not have the tile, [`Error::UnknownObject`] for
+    /// a door that was removed or belongs to another scene. Nothing changes then.
     pub fn set_door(&mut self, layer: &mut TileLayer, door: &TileDoor, closed: bool) -> Result<(), Error> {
         check(layer, door.x, door.y)?;
         if self.occluder(door.object)?.is_some() != closed {

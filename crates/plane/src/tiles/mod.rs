@@ -2,7 +2,8 @@
 //!
 //! In the order of imports: [`TilePoint`] and [`FovOptions`] say who looks, and how far;
 //! [`OpaqueTiles`] what blocks; [`FieldOfView`] finds the tiles that are seen, and [`VisibleFaces`]
-//! the sides of walls, [`SymmetricFov`] the tiles that see each other by their centres; [`Fog`] remembers them; [`TileLayer`] places tiles in a scene.
+//! the sides of walls, [`SymmetricFov`] the tiles that see each other by their centres; [`Fog`]
+//! remembers them; [`TileLayer`] places tiles in a scene.
 
 mod error;
 mod faces;

@@ -167,8 +167,8 @@ fn square(side: i64) -> i128 {
     i128::from(side) * i128::from(side)
 }
 
-/// The last column of a row whose line, from half a tile before its centre on, begins at or before a
-/// slope.
+/// The last column of a row whose line, from half a tile before its centre on, begins at or before
+/// a slope.
 fn columns(slope: Slope, row: i64) -> i64 {
     let [up, down] = [slope.0, slope.1].map(i128::from);
     (2 * up * i128::from(row) + down).div_euclid(2 * down) as i64
