@@ -137,6 +137,7 @@ fn read_sets(bytes: &[u8]) -> Option<()> {
 
 fn map(map: &[u8], tileset: &[u8]) {
     let _ = TmxImport::default().parse(map, |_| Ok(tileset.to_vec()));
+    let _ = TmxImport::default().parse_map(map, |_| Ok(tileset.to_vec()));
 }
 
 fn scene(bytes: &[u8]) {

@@ -99,6 +99,42 @@ pub enum Error {
     /// The result belongs to another scene.
     #[error("the PVS was computed on another scene")]
     ForeignPvs,
+    /// The words of a grid of bits are not as many as its rows need.
+    #[error(
+        "{width} by {height} bits take {needed} words of 64 bits, a row beginning with a new one, not {found}"
+    )]
+    Words {
+        /// The cells of a row.
+        width: u32,
+        /// The number of rows.
+        height: u32,
+        /// How many words were given.
+        found: usize,
+        /// How many are needed.
+        needed: u64,
+    },
+    /// A door in a tile that the layer does not have.
+    #[error("a door at the tile ({x}, {y}) lies outside of the layer of {width} by {height} tiles")]
+    DoorOutside {
+        /// The column.
+        x: u32,
+        /// The row.
+        y: u32,
+        /// The columns of the layer.
+        width: u32,
+        /// The rows of the layer.
+        height: u32,
+    },
+    /// A door in a tile that blocks already: a rectangle of other tiles may contain it.
+    #[error(
+        "the tile ({x}, {y}) blocks sight already: a door needs a tile that was free when the tiles were inserted"
+    )]
+    DoorInWall {
+        /// The column.
+        x: u32,
+        /// The row.
+        y: u32,
+    },
     /// A setting is out of its range.
     #[error("{what} must lie between {} and {}, not {}", Short(*min), Short(*max), Short(*value))]
     Setting {

@@ -18,6 +18,7 @@ const FAR_CELLS: f64 = (1u64 << 30) as f64;
 /// The measures of a grid: a corner, the edge length of its square cells and how many of them lie
 /// along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GridSpec {
     /// Least corner in world units.
     pub min: Vec2,

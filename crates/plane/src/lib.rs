@@ -38,6 +38,7 @@
 //!
 //! # Features
 //!
+//! - `serde`: grids, shapes, motions and options can be stored.
 //! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
 //! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.
 
@@ -78,10 +79,10 @@ pub use method::Method;
 pub use object::{Motion, ObjectDesc, Reports};
 pub use pvs::{Pvs, PvsChanges, Stats};
 pub use query::{Query, visible_region};
-pub use scene::{FrameReport, Scene};
+pub use scene::{FrameReport, Scene, TileDoor};
 pub use tiles::{
-    FieldOfView, Fog, FovOptions, OpaqueTiles, Side, TileError, TileFace, TileLayer, TilePoint, TileState,
-    VisibleFaces,
+    FieldOfView, Fog, FovOptions, OpaqueTiles, Side, SymmetricFov, TileError, TileFace, TileLayer, TilePoint,
+    TileState, VisibleFaces,
 };
 pub use view::View;
 

@@ -2,6 +2,7 @@
 
 /// How a query decides which objects can be seen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Method {
     /// The objects that lie in the view, hidden or not. Costs all objects of the scene.

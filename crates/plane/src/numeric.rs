@@ -95,6 +95,16 @@ pub(crate) const HIT_ROOM: f64 = 4.0;
 /// With a greater relative error, the point where a ray hits a wall may be anywhere on it.
 pub(crate) const HIT_SHARE: f64 = 0.1;
 
+/// Directions whose keys, from 0 to 4, are farther apart than this are in the order of their keys.
+/// Two differences, a sum and a quotient are rounded, which makes 2.5 times 2^-53, and the sum with
+/// the number of a quarter, which makes 2^-52: two keys are off by 2^-49.8 at most.
+pub(crate) const KEY: f64 = 1.0 / (1u64 << 49) as f64;
+
+/// The key of the direction in which two walls cross is known to this many times the relative error
+/// of its vector, for shares below [`HIT_SHARE`]: to once of it to the first order, and to 1.3
+/// times with the others.
+pub(crate) const CROSSING_KEY: f64 = 2.0;
+
 /// Distances are compared with ranges and radii that are larger by this share: twenty roundings, of
 /// differences, products and roots.
 pub(crate) const DISTANCE: f64 = 20.0 * f64::EPSILON;

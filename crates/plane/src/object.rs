@@ -6,6 +6,7 @@ use crate::numeric::{OCCLUDER_ROUNDING, OCCLUDER_SHARE};
 
 /// When the application tells of the motion of a dynamic object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Reports {
     /// Whenever it moved, hidden or not.
     #[default]
@@ -21,6 +22,7 @@ pub enum Reports {
 
 /// Whether an object moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Motion {
     /// Stays where it is. It can still be updated.
     Static,
@@ -52,6 +54,7 @@ pub struct ObjectDesc {
     /// Whether a speed was given for an object that does not move.
     pub(crate) contradicts: bool,
     pub(crate) user_data: u64,
+    pub(crate) layers: u64,
 }
 
 impl ObjectDesc {
@@ -66,7 +69,7 @@ impl ObjectDesc {
     }
 
     fn with_motion(bounds: Shape, motion: Motion) -> Self {
-        Self { bounds, occluder: None, motion, contradicts: false, user_data: 0 }
+        Self { bounds, occluder: None, motion, contradicts: false, user_data: 0, layers: u64::MAX }
     }
 
     /// Lets the object hide others. The occluder must lie inside the bounds.
@@ -104,6 +107,16 @@ impl ObjectDesc {
     #[must_use]
     pub fn user_data(mut self, user_data: u64) -> Self {
         self.user_data = user_data;
+        self
+    }
+
+    /// Puts the object on some layers, a bit for each; without this it is on all. A view shows the
+    /// objects that share a layer with it ([`crate::View::with_layers`]). The occluder hides in
+    /// these views and in no others. An object that is not on all layers hides nothing from
+    /// [`crate::Method::Cell`]. On no layer (0) it is shown by no view.
+    #[must_use]
+    pub fn layers(mut self, mask: u64) -> Self {
+        self.layers = mask;
         self
     }
 

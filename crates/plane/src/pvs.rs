@@ -14,7 +14,7 @@ use crate::view::View;
 pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
-    /// Cells visited. Cells of empty blocks of 8x8 cells are passed over and not counted.
+    /// Cells visited. [`Method::Point`] counts those only that have objects or outlines of volumes.
     pub cells_visited: u64,
     /// [`Method::Cell`]: how many of them were hidden. Cells on the diagonals through the viewer's
     /// count twice.

@@ -15,6 +15,7 @@ pub struct View {
     eye: DVec2,
     sector: Option<Sector>,
     range: Option<f64>,
+    layers: u64,
 }
 
 /// The directions of a view that does not look all round.
@@ -33,7 +34,7 @@ impl View {
     /// Refuses an eye that is not finite.
     pub fn all_round(eye: Vec2) -> Result<Self, Error> {
         finite2("the eye", eye)?;
-        Ok(Self { eye: eye.as_dvec2(), sector: None, range: None })
+        Ok(Self { eye: eye.as_dvec2(), sector: None, range: None, layers: u64::MAX })
     }
 
     /// A view in the directions that make an angle of `half_angle` radians at most with
@@ -70,6 +71,36 @@ impl View {
             return Err(Error::Setting { what, value: range.into(), min: f32::MIN_POSITIVE.into(), max });
         }
         Ok(Self { range: Some(range.into()), ..self })
+    }
+
+    /// The same view of the objects that share a layer with it, a bit for each layer; without this
+    /// it shows all but those on no layer. Only objects that it shows hide others in it.
+    ///
+    /// ```
+    /// use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, View};
+    /// use glam::{UVec2, Vec2};
+    ///
+    /// # fn main() -> Result<(), casca_plane::Error> {
+    /// const WORLD: u64 = 1;
+    /// const GHOSTS: u64 = 2;
+    /// let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(16) })?;
+    /// let disc = Disc::new(Vec2::splat(9.5), 1.0);
+    /// let guard = scene.insert(ObjectDesc::dynamic(disc).layers(WORLD))?;
+    /// let ghost = scene.insert(ObjectDesc::dynamic(disc).layers(GHOSTS))?;
+    /// let (view, mut query) = (View::all_round(Vec2::splat(2.5))?, Query::new());
+    /// assert_eq!(query.run(&scene, &view.with_layers(WORLD)).visible(), [guard]);
+    /// assert_eq!(query.run(&scene, &view.with_layers(GHOSTS)).visible(), [ghost]);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn with_layers(self, mask: u64) -> Self {
+        Self { layers: mask, ..self }
+    }
+
+    /// The layers that it shows, a bit for each: see [`View::with_layers`].
+    pub fn layers(&self) -> u64 {
+        self.layers
     }
 
     /// The eye in world units.

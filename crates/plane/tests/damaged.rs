@@ -29,11 +29,16 @@ fn read(map: &[u8], tileset: &[u8]) -> Result<BitGrid, TmxError> {
 fn damaged_maps_are_read_or_refused() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut files = maps::all();
+    let chunk = format!("<chunk x=\"-16\" y=\"3\" width=\"4\" height=\"3\">{}</chunk>", maps::csv());
+    let infinite = maps::map("encoding=\"csv\"", &chunk).replace("infinite=\"0\"", "infinite=\"1\"");
+    files.push(infinite.replace("<group", "<group offsetx=\"16\" offsety=\"-32\"").into());
     files.push(maps::TILESET.into());
     damage::survive(&HEAP, "maps", &files, 6000, &|_| (), &mut |bytes| {
         // A map, or the tileset of one.
         drop(read(bytes, maps::TILESET.as_bytes()));
         drop(read(&files[0], bytes));
+        drop(TmxImport::default().parse_map(bytes, |_| Ok(maps::TILESET.into())));
+        drop(TmxImport::default().parse_map(&files[0], |_| Ok(bytes.to_vec())));
     });
 }
 
@@ -96,6 +101,27 @@ fn numbers_of_parts_are_not_multiplied() {
     (9..20_000).for_each(|first| write!(tilesets, "<tileset firstgid=\"{first}\"/>").unwrap());
     let many = map.replace("<objectgroup", &(tilesets + "<objectgroup"));
     assert_eq!(result(&many, maps::TILESET), Ok(all));
+}
+
+/// Warnings of a tileset that a map names often come once, not as often as it is named.
+#[test]
+fn warnings_are_not_multiplied() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let map = maps::map("encoding=\"csv\"", &maps::csv());
+    let mut tilesets = String::new();
+    (9..3_000)
+        .for_each(|first| write!(tilesets, "<tileset firstgid=\"{first}\" source=\"t.tsx\"/>").unwrap());
+    let map = map.replace("<objectgroup", &(tilesets + "<objectgroup"));
+    let mut tiles = String::from("<tileset>");
+    let property = "<properties><property name=\"opaque\" value=\"true\"/></properties>";
+    (0..2_000).for_each(|id| write!(tiles, "<tile id=\"{id}\">{property}</tile>").unwrap());
+    tiles += "</tileset>";
+    let mut warnings = 0;
+    damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
+        let found = TmxImport::default().parse_map(map, |_| Ok(tiles.clone().into())).unwrap();
+        warnings = found.warnings.len();
+    });
+    assert_eq!(warnings, 2_000);
 }
 
 #[test]

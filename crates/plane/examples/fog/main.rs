@@ -5,6 +5,7 @@
 //! cargo run --release -p casca-plane --features maps --example fog
 //! cargo run --release -p casca-plane --features maps --example fog -- --map rooms --seed 7
 //! cargo run --release -p casca-plane --features maps --example fog -- --gif fog.gif
+//! cargo run --release -p casca-plane --features maps,tiled --example fog -- FILE.tmx
 //! ```
 //!
 //! Keys: the arrows, or `w` `a` `s` `d`, move and open doors; space opens and closes the doors
@@ -44,6 +45,10 @@ fn options() -> Result<Options, Box<dyn Error>> {
     let mut options = Options { map: "harbour".into(), seed: 1, png: None, gif: None, frames: 240 };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
+        if !word.starts_with('-') {
+            options.map = word;
+            continue;
+        }
         let value = words.next().ok_or_else(|| format!("{word} needs a value"))?;
         match word.as_str() {
             "--map" => options.map = value,
@@ -61,6 +66,19 @@ fn options() -> Result<Options, Box<dyn Error>> {
     Ok(options)
 }
 
+/// A map of the editor Tiled. What is amiss with it is printed.
+#[cfg(feature = "tiled")]
+fn tiled(file: &str) -> Result<Drawing, Box<dyn Error>> {
+    let map = casca_plane::tmx::TmxImport::default().read_map(file)?;
+    map.warnings.iter().for_each(|warning| eprintln!("{file}: {warning}"));
+    Ok(Drawing { walls: map.walls, ..Drawing::default() })
+}
+
+#[cfg(not(feature = "tiled"))]
+fn tiled(file: &str) -> Result<Drawing, Box<dyn Error>> {
+    Err(format!("{file} needs the feature tiled").into())
+}
+
 /// The map that the options name, with its doors, guards and start.
 fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
     const WIDTH: u32 = 96;
@@ -75,7 +93,12 @@ fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
             let kind = if options.map == "caves" { MapKind::Caves } else { MapKind::Fields };
             Drawing { walls: kind.generate(WIDTH, HEIGHT, options.seed), ..Drawing::default() }
         }
-        other => return Err(format!("{other} is no map: there are harbour, rooms, caves, fields").into()),
+        file if file.ends_with(".tmx") => tiled(file)?,
+        other => {
+            return Err(
+                format!("{other} is no map: there are harbour, rooms, caves, fields, FILE.tmx").into()
+            );
+        }
     };
     Ok(drawing)
 }

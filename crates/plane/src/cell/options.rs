@@ -5,6 +5,7 @@ use crate::error::Error;
 
 /// How the cell method finds the cells that occluders hide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Fusion {
     /// All rows and columns of cells that block, with exact masks of directions: hides most, and
@@ -51,6 +52,7 @@ pub enum Fusion {
 /// # }
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct CellOptions {
     /// How cells hide others.

@@ -31,6 +31,8 @@ struct Found {
     revealed: Vec<Slot>,
     /// Whether the view bounds nothing.
     everywhere: bool,
+    /// The layers of the view.
+    layers: u64,
     tested: u32,
 }
 
@@ -47,6 +49,7 @@ pub(crate) fn run(
     let grid = scene.grid();
     let v = grid.cell_of(view.eye());
     found.begin(scene.slot_count());
+    found.layers = view.layers();
     found.everywhere = view.direction().is_none() && view.range().is_none();
     let away = (-v).max(v - (grid.dims() - 1)).max_element();
     let eye_in_occluder = is_in_occluder(scene, view.eye(), v);
@@ -110,7 +113,9 @@ impl Found {
 
     /// Decides an object one of whose cells is in sight.
     fn decide(&mut self, scene: &Scene, sight: &Sight, slot: Slot, shell: i32) {
-        let Some(object) = scene.object(slot) else { return };
+        let Some(object) = scene.object(slot).filter(|object| object.layers & self.layers != 0) else {
+            return;
+        };
         if !self.marks.decide(slot) {
             return;
         }

@@ -13,6 +13,7 @@ pub const DISC_SIDES: usize = 32;
 
 /// A solid disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Disc {
     /// Centre in world units.
     pub center: Vec2,

@@ -10,9 +10,30 @@ use crate::geometry::orient;
 
 /// A solid convex polygon.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Vec<Vec2>", into = "Vec<Vec2>")
+)]
 pub struct ConvexPolygon {
     /// Counterclockwise, no three of them on a line.
     corners: Arc<[Vec2]>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Vec<Vec2>> for ConvexPolygon {
+    type Error = Error;
+
+    fn try_from(points: Vec<Vec2>) -> Result<Self, Error> {
+        Self::new(&points)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<ConvexPolygon> for Vec<Vec2> {
+    fn from(shape: ConvexPolygon) -> Self {
+        shape.corners.to_vec()
+    }
 }
 
 impl ConvexPolygon {

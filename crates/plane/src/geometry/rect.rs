@@ -8,6 +8,7 @@ use crate::geometry::block::Block;
 /// A solid rectangle along the axes. It may have no width or no height: then it is a wall without
 /// thickness.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rect {
     /// Least corner in world units.
     pub min: Vec2,

@@ -8,6 +8,7 @@ use crate::geometry::orient;
 
 /// A line segment between two points: a wall without thickness. The points may be the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Segment {
     /// One end in world units.
     pub a: Vec2,

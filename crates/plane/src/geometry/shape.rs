@@ -9,6 +9,7 @@ use crate::geometry::{ConvexPolygon, Disc, Polyline, Rect, Segment, orient};
 
 /// A shape of an object: its bounds, or its occluder.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Shape {
     /// A solid disc.

@@ -1,7 +1,8 @@
 //! Arcs: intervals of directions around an eye, cut at the axes so that each lies in a quarter of
 //! the circle.
 //!
-//! Inside a quarter, one exact cross product says which of two directions comes first.
+//! Inside a quarter, one exact cross product says which of two directions comes first. A number in
+//! double precision that grows along the quarter says so too, unless two are as near as rounding.
 
 use std::cmp::Ordering;
 
@@ -9,6 +10,26 @@ use glam::DVec2;
 use smallvec::SmallVec;
 
 use crate::geometry::{orient, point_along};
+use crate::numeric::KEY;
+
+/// The direction to a point, in a closed quarter of the circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ray {
+    pub(crate) p: DVec2,
+    /// The number of the quarter, and what grows from 0 to 1 along it; known to half of [`KEY`].
+    /// Not a number for the eye.
+    pub(crate) key: f64,
+}
+
+impl Ray {
+    /// The direction to a point in a quarter, the axis that ends it included.
+    #[inline]
+    pub(crate) fn new(eye: DVec2, p: DVec2, quarter: u8) -> Self {
+        let off = (p - eye).abs();
+        let up = if quarter.is_multiple_of(2) { off.y } else { off.x };
+        Self { p, key: f64::from(quarter) + up / (off.x + off.y) }
+    }
+}
 
 /// A closed interval of directions in one quarter of the circle: from that to one point to that to
 /// another, counterclockwise.
@@ -16,8 +37,8 @@ use crate::geometry::{orient, point_along};
 pub(crate) struct Arc {
     /// The quarter, counterclockwise from that between +x and +y.
     pub(crate) quarter: u8,
-    pub(crate) from: DVec2,
-    pub(crate) to: DVec2,
+    pub(crate) from: Ray,
+    pub(crate) to: Ray,
 }
 
 /// Some arcs, counterclockwise.
@@ -36,62 +57,102 @@ impl Circle {
         Self { eye, axes }
     }
 
-    fn axis(&self, quarter: u8) -> DVec2 {
-        self.axes[usize::from(quarter % 4)]
+    /// The direction in which a quarter begins.
+    pub(crate) fn first(&self, quarter: u8) -> Ray {
+        Ray { p: self.axes[usize::from(quarter % 4)], key: f64::from(quarter) }
+    }
+
+    /// The direction in which a quarter ends.
+    pub(crate) fn last(&self, quarter: u8) -> Ray {
+        Ray { p: self.axes[usize::from((quarter + 1) % 4)], key: f64::from(quarter + 1) }
     }
 }
 
 /// The quarter of the direction to a point; that of an axis belongs to the quarter that begins
 /// there.
+#[inline]
 pub(crate) fn quarter(eye: DVec2, p: DVec2) -> u8 {
-    match (p.x > eye.x, p.x < eye.x, p.y > eye.y, p.y < eye.y) {
-        (true, _, _, false) => 0,
-        (false, _, true, _) => 1,
-        (_, true, _, _) => 2,
-        (false, false, false, false) => 0,
-        _ => 3,
-    }
+    // By the signs of x and y. There is no branch that would be guessed wrongly half of the time.
+    const QUARTERS: [u8; 16] = [0, 0, 2, 0, 1, 0, 1, 0, 3, 3, 2, 0, 0, 0, 0, 0];
+    let [right, left] = [p.x > eye.x, p.x < eye.x].map(usize::from);
+    let [up, down] = [p.y > eye.y, p.y < eye.y].map(usize::from);
+    QUARTERS[right + 2 * left + 4 * up + 8 * down]
 }
 
 /// The arcs from the direction to one point to that to another, counterclockwise, less than a whole
 /// turn; nothing if they are the same.
 pub(crate) fn between(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
     let eye = circle.eye;
-    cut(circle, from, to).filter(move |arc| order(eye, arc.from, arc.to).is_lt())
+    cut(circle, from, to).filter(move |arc| order(eye, &arc.from, &arc.to).is_lt())
 }
 
 /// As [`between`], with the arcs of one direction that closed arcs of other quarters have in common
 /// with these.
 pub(crate) fn touching(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
     let eye = circle.eye;
-    let before = Arc { quarter: (quarter(eye, from) + 3) % 4, from, to: from };
+    let before = (quarter(eye, from) + 3) % 4;
+    let ray = Ray { p: from, key: f64::from(before + 1) };
+    let before = Arc { quarter: before, from: ray, to: ray };
     let begins = from.x == eye.x || from.y == eye.y;
     begins.then_some(before).into_iter().chain(cut(circle, from, to))
 }
 
 fn cut(circle: &Circle, from: DVec2, to: DVec2) -> impl Iterator<Item = Arc> + use<> {
-    let circle = *circle;
     let eye = circle.eye;
-    let (first, last) = (quarter(eye, from), quarter(eye, to));
-    let same = first == last && orient(eye, from, to) >= 0.0;
+    let ends = [from, to].map(|p| {
+        let quarter = quarter(eye, p);
+        (quarter, Ray::new(eye, p, quarter))
+    });
+    let [(first, from), (last, to)] = ends;
+    let same = first == last && order(eye, &from, &to).is_le();
     let quarters = if same { 0 } else { (last + 3 - first) % 4 + 1 };
+    let circle = *circle;
     (0..=quarters).map(move |i| {
         let quarter = (first + i) % 4;
         Arc {
             quarter,
-            from: if i == 0 { from } else { circle.axis(quarter) },
-            to: if i == quarters { to } else { circle.axis(quarter + 1) },
+            from: if i == 0 { from } else { circle.first(quarter) },
+            to: if i == quarters { to } else { circle.last(quarter) },
         }
     })
 }
 
 /// The whole circle.
 pub(crate) fn whole(circle: &Circle) -> Arcs {
-    (0..4).map(|quarter| Arc { quarter, from: circle.axis(quarter), to: circle.axis(quarter + 1) }).collect()
+    (0..4).map(|quarter| Arc { quarter, from: circle.first(quarter), to: circle.last(quarter) }).collect()
 }
 
-/// The order of the directions to two points of the same closed quarter, counterclockwise.
-pub(crate) fn order(eye: DVec2, p: DVec2, q: DVec2) -> Ordering {
+/// The order of two directions, counterclockwise from +x on, where the end of the last quarter is
+/// after all others. Exact.
+#[inline]
+pub(crate) fn order(eye: DVec2, p: &Ray, q: &Ray) -> Ordering {
+    if keys_tell(p.key - q.key, KEY) {
+        return if p.key < q.key { Ordering::Less } else { Ordering::Greater };
+    }
+    order_exactly(eye, p.p, q.p)
+}
+
+/// Whether keys that are known to `doubt` together tell the order of two directions.
+#[inline]
+pub(crate) fn keys_tell(apart: f64, doubt: f64) -> bool {
+    #[cfg(test)]
+    if EXACTLY.get() {
+        // Farther apart they may be half a turn, which a cross product does not tell.
+        return apart.abs() > 1.0;
+    }
+    apart.abs() > doubt
+}
+
+#[cfg(test)]
+thread_local! {
+    /// Tests that compare with exact arithmetic alone set this.
+    pub(crate) static EXACTLY: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
+}
+
+/// As [`order`], for directions that are as near as rounding.
+#[cold]
+#[inline(never)]
+fn order_exactly(eye: DVec2, p: DVec2, q: DVec2) -> Ordering {
     if p == q {
         return Ordering::Equal;
     }
@@ -104,28 +165,24 @@ pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<A
     rest.clear();
     let mut next = 0;
     for arc in arcs {
-        let ends_before = |other: &Arc| {
-            other.quarter < arc.quarter
-                || other.quarter == arc.quarter && order(eye, other.to, arc.from).is_le()
-        };
+        let ends_before = |other: &Arc| order(eye, &other.to, &arc.from).is_le();
         while others.get(next).is_some_and(ends_before) {
             next += 1;
         }
         let mut from = arc.from;
-        let begins_inside =
-            |other: &&Arc| other.quarter == arc.quarter && order(eye, other.from, arc.to).is_lt();
+        let begins_inside = |other: &&Arc| order(eye, &other.from, &arc.to).is_lt();
         while let Some(other) = others.get(next).filter(begins_inside) {
-            if order(eye, from, other.from).is_lt() {
+            if order(eye, &from, &other.from).is_lt() {
                 rest.push(Arc { from, to: other.from, ..*arc });
             }
             from = other.to;
-            if order(eye, from, arc.to).is_ge() {
+            if order(eye, &from, &arc.to).is_ge() {
                 // The next arc may meet it, too.
                 break;
             }
             next += 1;
         }
-        if order(eye, from, arc.to).is_lt() {
+        if order(eye, &from, &arc.to).is_lt() {
             rest.push(Arc { from, ..*arc });
         }
     }
@@ -133,10 +190,10 @@ pub(crate) fn without(eye: DVec2, arcs: &[Arc], others: &[Arc], rest: &mut Vec<A
 
 /// Sorts arcs by quarter and direction, and joins those that meet.
 pub(crate) fn unite(eye: DVec2, arcs: &mut Vec<Arc>) {
-    arcs.sort_unstable_by(|a, b| a.quarter.cmp(&b.quarter).then_with(|| order(eye, a.from, b.from)));
+    arcs.sort_unstable_by(|a, b| order(eye, &a.from, &b.from));
     arcs.dedup_by(|arc, before| {
-        let meet = arc.quarter == before.quarter && order(eye, arc.from, before.to).is_le();
-        if meet && order(eye, before.to, arc.to).is_lt() {
+        let meet = arc.quarter == before.quarter && order(eye, &arc.from, &before.to).is_le();
+        if meet && order(eye, &before.to, &arc.to).is_lt() {
             before.to = arc.to;
         }
         meet

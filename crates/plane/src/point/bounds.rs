@@ -17,6 +17,11 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
+    /// Forgets all blocks: then nothing is skipped.
+    pub(crate) fn clear(&mut self) {
+        self.levels.clear();
+    }
+
     /// Finds the blocks of some pieces.
     pub(crate) fn build(&mut self, around: &Around, pieces: impl Iterator<Item = Piece>) {
         self.levels.clear();

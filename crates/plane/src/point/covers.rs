@@ -17,6 +17,7 @@ use crate::point::wall::Wall;
 pub(crate) struct Covers {
     /// Sorted by quarter and direction; disjoint.
     open: Vec<Arc>,
+    view: Vec<Arc>,
     /// Arcs that are closed, and not yet taken out of `open`.
     closed: Vec<Arc>,
     waiting: Vec<Waiting>,
@@ -40,6 +41,7 @@ impl Covers {
         self.open.clear();
         self.open.extend_from_slice(view);
         arcs::unite(eye, &mut self.open);
+        self.view.clone_from(&self.open);
         self.closed.clear();
         self.waiting.clear();
     }
@@ -49,9 +51,20 @@ impl Covers {
         &self.open
     }
 
+    /// Whether much of the view is still open.
+    pub(crate) fn is_wide(&self) -> bool {
+        let sum = |arcs: &[Arc]| arcs.iter().map(|arc| arc.to.key - arc.from.key).sum::<f64>();
+        sum(&self.open) >= WIDE * sum(&self.view)
+    }
+
+    /// All arcs of the view.
+    pub(crate) fn view(&self) -> &[Arc] {
+        &self.view
+    }
+
     /// Whether some directions of a wall may be open.
     pub(crate) fn may_show(&self, circle: &Circle, wall: &Wall) -> bool {
-        between(circle, wall.a, wall.b).any(|arc| meets(circle.eye, &self.open, &arc))
+        wall.arcs(circle).any(|arc| meets(circle.eye, &self.open, &arc))
     }
 
     /// Closes arcs at the eye.
@@ -74,8 +87,12 @@ impl Covers {
             }
             let wall = &walls[wait.wall as usize];
             let whole = shell >= wait.last;
-            let ends = if whole { Some([wall.a, wall.b]) } else { inside(circle.eye, wall, shells, shell) };
-            closed.extend(ends.into_iter().flat_map(|[from, to]| between(circle, from, to)));
+            if whole {
+                closed.extend(wall.arcs(circle));
+            } else {
+                let ends = inside(circle.eye, wall, shells, shell);
+                closed.extend(ends.into_iter().flat_map(|[from, to]| between(circle, from, to)));
+            }
             wait.next = (shell + shell / LATER + 1).min(wait.last);
             !whole
         });
@@ -92,7 +109,10 @@ impl Covers {
 
 /// Arcs wait to be closed until there is one for so many open ones. Any number gives the same
 /// result.
-const FEW: usize = 8;
+const FEW: usize = 3;
+
+/// The view is wide open if at least this share of it is. Any number gives the same result.
+const WIDE: f64 = 0.75;
 
 /// A wall is looked at again when the number of the shell has grown by one part in so many. Any
 /// number gives the same result.
@@ -100,12 +120,9 @@ const LATER: i32 = 4;
 
 /// Whether an arc has more than one direction in common with some that are sorted and disjoint.
 fn meets(eye: DVec2, open: &[Arc], arc: &Arc) -> bool {
-    let ends_before = |other: &Arc| {
-        other.quarter < arc.quarter
-            || other.quarter == arc.quarter && arcs::order(eye, other.to, arc.from).is_le()
-    };
+    let ends_before = |other: &Arc| arcs::order(eye, &other.to, &arc.from).is_le();
     let first = open.get(open.partition_point(ends_before));
-    first.is_some_and(|o| o.quarter == arc.quarter && arcs::order(eye, o.from, arc.to).is_lt())
+    first.is_some_and(|other| arcs::order(eye, &other.from, &arc.to).is_lt())
 }
 
 /// The directions in which a wall lies inside the square of a shell, rounded inwards; `None` if

@@ -1,14 +1,17 @@
 //! The nearest wall in each direction: the lower envelope of the walls around the eye.
 //!
-//! Envelopes of half of the walls each are merged, again and again (Hershberger 1989, "Finding the
-//! upper envelope of n line segments in O(n log n) time"; sorted by the directions where walls
-//! begin, halves hardly overlap). An envelope of n walls has O(n α(n)) steps, also if walls cross,
-//! so that all merges together cost O(n α(n) log n) comparisons, however many crossings there are
+//! The walls, sorted by the directions where they begin, are put into layers, each of walls that
+//! follow each other: as few layers as there are walls one behind the other. Two layers each are
+//! merged, again and again (Hershberger 1989, "Finding the upper envelope of n line segments in
+//! O(n log n) time"). An envelope of n walls has O(n α(n)) steps, also if walls cross, so that all
+//! merges together cost O(n α(n) log k) comparisons for k layers, however many crossings there are
 //! behind it.
 
 use std::ops::Range;
 
-use crate::point::arcs::{Arc, between, order};
+use crate::numeric::KEY;
+use crate::point::arcs::{Arc, keys_tell, order};
+use crate::point::layers::{Item, Layers};
 use crate::point::wall::{Around, Direction};
 
 /// In place of a wall: nothing stops the eye.
@@ -36,7 +39,7 @@ pub(crate) struct Domain {
 impl Domain {
     /// One of the pieces that it falls into at its steps.
     pub(crate) fn piece(&self, steps: &[Step], i: usize) -> Piece {
-        let to = steps.get(i + 1).map_or(Direction::Point(self.arc.to), |next| next.from);
+        let to = steps.get(i + 1).map_or(self.arc.to.into(), |next| next.from);
         Piece { from: steps[i].from, to, wall: steps[i].wall }
     }
 }
@@ -55,7 +58,10 @@ pub(crate) struct Envelope {
     pub(crate) domains: Vec<Domain>,
     pub(crate) steps: Vec<Step>,
     /// Memory used again.
-    items: Vec<(u8, u32, Arc)>,
+    items: Vec<Item>,
+    /// Keys to sort the items by, and their places, in order.
+    keys: Vec<(u64, u32)>,
+    layers: Layers,
     runs: [Runs; 2],
 }
 
@@ -104,13 +110,14 @@ impl Envelope {
         self.collect(around, view, blocked);
         self.domains.clear();
         self.steps.clear();
-        let mut rest = &self.items[..];
+        let items = &self.items[..];
+        let mut rest = &self.keys[..];
         for (number, arc) in view.iter().enumerate() {
-            let count = rest.partition_point(|item| usize::from(item.0) == number);
+            let count = rest.partition_point(|key| usize::from(items[key.1 as usize].domain) == number);
             let (own, others) = rest.split_at(count);
             rest = others;
             let first = self.steps.len();
-            merge_all(around, arc, own, &mut self.runs);
+            merge_all(around, arc, (items, own), &mut self.layers, &mut self.runs);
             self.steps.extend_from_slice(self.runs[0].get(0));
             self.domains.push(Domain { arc: *arc, steps: first..self.steps.len() });
         }
@@ -122,45 +129,73 @@ impl Envelope {
         let eye = around.eye;
         self.items.clear();
         let walls = around.walls.iter().zip(0u32..);
-        let walls = walls
-            .flat_map(|(wall, number)| between(around.circle, wall.a, wall.b).map(move |arc| (number, arc)));
+        let walls = walls.flat_map(|(wall, number)| wall.arcs(around.circle).map(move |arc| (number, arc)));
         for (wall, part) in walls.chain(blocked.iter().map(|&arc| (BLOCKED, arc))) {
             for (number, arc) in view.iter().enumerate().filter(|(_, arc)| arc.quarter == part.quarter) {
-                let from = if order(eye, arc.from, part.from).is_lt() { part.from } else { arc.from };
-                let to = if order(eye, arc.to, part.to).is_lt() { arc.to } else { part.to };
-                if order(eye, from, to).is_lt() {
-                    self.items.push((number as u8, wall, Arc { from, to, ..part }));
+                let from = if order(eye, &arc.from, &part.from).is_lt() { part.from } else { arc.from };
+                let to = if order(eye, &arc.to, &part.to).is_lt() { arc.to } else { part.to };
+                if order(eye, &from, &to).is_lt() {
+                    self.items.push(Item { domain: number as u8, wall, arc: Arc { from, to, ..part } });
                 }
             }
         }
-        self.items.sort_unstable_by(|a, b| {
-            a.0.cmp(&b.0).then_with(|| order(eye, a.2.from, b.2.from)).then(a.1.cmp(&b.1))
-        });
+        // A number from 0 to 1 has 62 bits, which grow with it; there are five arcs at most.
+        let items = &self.items;
+        let key = |item: &Item| (item.arc.from.key / 4.0).to_bits() >> 1 | u64::from(item.domain) << 61;
+        self.keys.clear();
+        self.keys.extend(items.iter().map(key).zip(0..));
+        self.keys.sort_unstable();
+        // Keys tell apart all but those that are near.
+        let item = |key: &(u64, u32)| &items[key.1 as usize];
+        let near = |a: &(u64, u32), b: &(u64, u32)| {
+            let (a, b) = (item(a), item(b));
+            a.domain == b.domain && !keys_tell(b.arc.from.key - a.arc.from.key, KEY)
+        };
+        for run in self.keys.chunk_by_mut(near).filter(|run| run.len() > 1) {
+            run.sort_unstable_by(|a, b| {
+                let (a, b) = (item(a), item(b));
+                order(eye, &a.arc.from, &b.arc.from).then(a.wall.cmp(&b.wall))
+            });
+        }
     }
 }
 
 /// Makes the envelope of parts of walls in an arc: it is the only one in the first of `runs` then.
-fn merge_all(around: &Around, arc: &Arc, items: &[(u8, u32, Arc)], runs: &mut [Runs; 2]) {
+/// `sorted` are places of items, each with a key.
+fn merge_all(
+    around: &Around,
+    arc: &Arc,
+    (items, sorted): (&[Item], &[(u64, u32)]),
+    layers: &mut Layers,
+    runs: &mut [Runs; 2],
+) {
+    let eye = around.eye;
     let [now, next] = runs;
     now.clear();
-    for (_, wall, part) in items {
-        if order(around.eye, arc.from, part.from).is_lt() {
-            now.push(Direction::Point(arc.from), OPEN);
+    layers.build(eye, items, sorted);
+    for layer in 0..layers.count() {
+        // Where the part before ends.
+        let mut at = arc.from;
+        for item in layers.items(layer, items) {
+            if order(eye, &at, &item.arc.from).is_lt() {
+                now.push(at.into(), OPEN);
+            }
+            now.push(item.arc.from.into(), item.wall);
+            at = item.arc.to;
         }
-        now.push(Direction::Point(part.from), *wall);
-        if order(around.eye, part.to, arc.to).is_lt() {
-            now.push(Direction::Point(part.to), OPEN);
+        if order(eye, &at, &arc.to).is_lt() {
+            now.push(at.into(), OPEN);
         }
         now.end();
     }
-    if items.is_empty() {
-        now.push(Direction::Point(arc.from), OPEN);
+    if sorted.is_empty() {
+        now.push(arc.from.into(), OPEN);
         now.end();
     }
     while now.ends.len() > 1 {
         next.clear();
         for pair in 0..now.ends.len() / 2 {
-            merge(around, &Direction::Point(arc.to), [now.get(2 * pair), now.get(2 * pair + 1)], next);
+            merge(around, arc, [now.get(2 * pair), now.get(2 * pair + 1)], next);
             next.end();
         }
         if now.ends.len() % 2 == 1 {
@@ -171,9 +206,10 @@ fn merge_all(around: &Around, arc: &Arc, items: &[(u8, u32, Arc)], runs: &mut [R
     }
 }
 
-/// Merges two envelopes that begin at the same direction and end at `end`.
-fn merge(around: &Around, end: &Direction, [a, b]: [&[Step]; 2], out: &mut Runs) {
+/// Merges two envelopes of an arc.
+fn merge(around: &Around, arc: &Arc, [a, b]: [&[Step]; 2], out: &mut Runs) {
     let (mut i, mut j) = (0, 0);
+    let end = arc.to.into();
     let Some(Step { from, .. }) = a.first() else { return };
     let mut from = *from;
     loop {
@@ -185,8 +221,8 @@ fn merge(around: &Around, end: &Direction, [a, b]: [&[Step]; 2], out: &mut Runs)
             (None, None) => 0.0,
         };
         let next = if turn >= 0.0 { next_a } else { next_b };
-        let to = next.map_or(end, |step| &step.from);
-        nearest(around, [a[i].wall, b[j].wall], &from, to, out);
+        let to = next.map_or(&end, |step| &step.from);
+        nearest(around, [a[i].wall, b[j].wall], [&from, to], arc.quarter, out);
         if next.is_none() {
             return;
         }
@@ -197,7 +233,7 @@ fn merge(around: &Around, end: &Direction, [a, b]: [&[Step]; 2], out: &mut Runs)
 }
 
 /// Adds the nearer of two walls between two directions.
-fn nearest(around: &Around, [a, b]: [u32; 2], from: &Direction, to: &Direction, out: &mut Runs) {
+fn nearest(around: &Around, [a, b]: [u32; 2], [from, to]: [&Direction; 2], quarter: u8, out: &mut Runs) {
     if a == b || a == OPEN || b == BLOCKED {
         return out.push(*from, b);
     }
@@ -216,6 +252,6 @@ fn nearest(around: &Around, [a, b]: [u32; 2], from: &Direction, to: &Direction, 
         // The first is nearer clockwise of the crossing, or else counterclockwise.
         let flipped = first < 0.0;
         out.push(*from, if flipped { b } else { a });
-        out.push(lead.crossing([a, b], flipped), if flipped { a } else { b });
+        out.push(lead.crossing([a, b], flipped, quarter), if flipped { a } else { b });
     }
 }

@@ -20,12 +20,16 @@ mod blocked;
 mod bounds;
 mod covers;
 mod envelope;
+mod layers;
 mod outline;
 mod region;
 mod shells;
 mod target;
 mod walk;
 mod wall;
+
+#[cfg(test)]
+mod tests;
 
 use casca_slots::Slot;
 use glam::{DVec2, Vec2};
@@ -49,6 +53,8 @@ pub(crate) struct Sight {
     envelope: Envelope,
     bounds: Bounds,
     view: Option<(View, Circle)>,
+    /// By place in the walk: whether a wall that is all of an object is the nearest somewhere.
+    shown: Vec<bool>,
     /// A block around the grid, the objects and the eye, with room for a cell.
     extent: Option<Block>,
 }
@@ -60,20 +66,34 @@ impl Sight {
         self.walk.run(scene, view, &circle, &arcs, &mut pvs.stats);
         let around = Around::new(&circle, &self.walk.walls);
         self.envelope.build(&around, &arcs, &self.walk.blocked);
-        self.bounds.build(&around, self.envelope.pieces());
         pvs.stats.segments = self.walk.walls.len() as u32;
         pvs.stats.pieces = self.envelope.steps.len() as u32;
-        let found = self.walk.found.iter().filter_map(|&slot| Some((slot, scene.object(slot)?)));
-        pvs.revealed
-            .extend(found.clone().filter(|(_, object)| object.is_hidden()).map(|(slot, _)| scene.id(slot)));
+        pvs.revealed.extend(self.walk.revealed.iter().map(|&slot| scene.id(slot)));
         pvs.stats.tbvs_revealed = pvs.revealed.len() as u32;
-        push_visible(self.region(view, &circle), scene, found, pvs);
+        mark_shown(&mut self.shown, &self.walk, &self.envelope, view);
+        // Blocks around the pieces cost as much as to compare something with each.
+        let rest = self.walk.found.iter().zip(&self.shown).filter(|(_, shown)| !**shown);
+        let rest = rest.filter_map(|(&slot, _)| scene.object(slot));
+        let share: f64 = rest.map(|object| share_of_turn(circle.eye, &object.place().block())).sum();
+        self.bounds.clear();
+        if share > 1.0 {
+            self.bounds.build(&around, self.envelope.pieces());
+        }
+        let region = self.region(view, &circle);
+        for (&slot, &shown) in self.walk.found.iter().zip(&self.shown) {
+            pvs.stats.objects_tested += 1;
+            let meets = |object: &Object| object.is_lost() || region.meets(object.place());
+            if shown || scene.object(slot).is_some_and(meets) {
+                pvs.push(scene.id(slot));
+            }
+        }
     }
 
     /// Finds the objects in the view, as if nothing hid them.
     pub(crate) fn run_without_occluders(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
         let circle = self.open(scene, view);
-        push_visible(self.region(view, &circle), scene, scene.living(), pvs);
+        let shown = scene.living().filter(|(_, object)| object.layers & view.layers() != 0);
+        push_visible(self.region(view, &circle), scene, shown, pvs);
     }
 
     /// Takes the whole view as the visible region.
@@ -130,6 +150,30 @@ impl Sight {
             _ => Vec::new(),
         }
     }
+}
+
+/// Marks the objects of which some wall is the nearest somewhere, and all of the object: they are
+/// seen, and need no comparison. A range may end before them.
+fn mark_shown(shown: &mut Vec<bool>, walk: &Walk, envelope: &Envelope, view: &View) {
+    shown.clear();
+    shown.resize(walk.found.len(), false);
+    if view.range().is_some() {
+        return;
+    }
+    for step in &envelope.steps {
+        let wall = walk.walls.get(step.wall as usize);
+        let owner = wall.and_then(|wall| shown.get_mut(wall.owner as usize));
+        owner.into_iter().for_each(|shown| *shown = true);
+    }
+}
+
+/// About which share of a turn something in a block takes up.
+fn share_of_turn(eye: DVec2, block: &Block) -> f64 {
+    let off = (eye.clamp(block.min, block.max) - eye).length();
+    let size = (block.max - block.min).length();
+    // Not a number where the eye touches a point.
+    let share = size / (size + 6.0 * off);
+    if share.is_nan() { 1.0 } else { share }
 }
 
 fn push_visible<'a>(

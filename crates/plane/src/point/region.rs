@@ -14,7 +14,7 @@ use crate::point::arcs::{order, touching};
 use crate::point::bounds::Bounds;
 use crate::point::envelope::{BLOCKED, Domain, Envelope, OPEN, Piece, Step};
 use crate::point::target::{self, distance};
-use crate::point::wall::{Around, Direction, Wall};
+use crate::point::wall::{Around, Direction, NOBODY, Wall};
 
 /// The visible region of a view.
 #[derive(Debug, Clone, Copy)]
@@ -49,52 +49,60 @@ impl<'a> Region<'a> {
         (0..steps.len()).map(move |i| domain.piece(steps, i))
     }
 
-    /// The pieces that have a direction in common with those from one to another, which are in the
-    /// quarter of the domain; without some that a target does not meet, if there is one.
-    fn pieces_between(
+    /// Whether one of the pieces in the directions between those to two points, clipped to these,
+    /// satisfies a test; without some that a target does not meet, if there is one.
+    fn any(
         &self,
-        domain: &'a Domain,
-        from: Direction,
-        to: Direction,
-        target: Option<Wall>,
-    ) -> impl Iterator<Item = Piece> {
-        let steps = &self.envelope.steps[domain.steps.clone()];
-        let around = self.around;
-        // The first piece that does not end before.
-        let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
-        let first = steps.partition_point(before).saturating_sub(1);
-        let (bounds, start) = (self.bounds, domain.steps.start);
-        let mut next = start + first;
-        std::iter::from_fn(move || {
-            next = target.map_or(next, |target| bounds.skip(&target, next));
-            let piece = (next - start < steps.len()).then(|| domain.piece(steps, next - start));
-            next += 1;
-            piece.filter(|piece| around.turn(&piece.from, &to) >= 0.0)
-        })
+        [from, to]: [DVec2; 2],
+        target: Option<&Wall>,
+        mut test: impl FnMut(&Piece) -> bool,
+    ) -> bool {
+        let eye = self.around.eye;
+        for part in touching(self.around.circle, from, to) {
+            for domain in self.envelope.domains.iter().filter(|domain| domain.arc.quarter == part.quarter) {
+                let arc = &domain.arc;
+                let from = if order(eye, &arc.from, &part.from).is_lt() { part.from } else { arc.from };
+                let to = if order(eye, &arc.to, &part.to).is_lt() { arc.to } else { part.to };
+                let meet = order(eye, &from, &to).is_le();
+                if meet && self.any_in(domain, [from.into(), to.into()], target, &mut test) {
+                    return true;
+                }
+            }
+        }
+        false
     }
 
-    /// The directions between those to two points that are in the region's view, with the pieces
-    /// there; without some that a target does not meet, if there is one.
-    fn meeting(&self, from: DVec2, to: DVec2, target: Option<Wall>) -> impl Iterator<Item = Piece> {
-        let eye = self.around.eye;
-        touching(self.around.circle, from, to).flat_map(move |part| {
-            let domains =
-                self.envelope.domains.iter().filter(move |domain| domain.arc.quarter == part.quarter);
-            domains.flat_map(move |domain| {
-                let arc = domain.arc;
-                let from = if order(eye, arc.from, part.from).is_lt() { part.from } else { arc.from };
-                let to = if order(eye, arc.to, part.to).is_lt() { arc.to } else { part.to };
-                let meet = order(eye, from, to).is_le();
-                let (from, to) = (Direction::Point(from), Direction::Point(to));
-                let pieces = meet.then(|| self.pieces_between(domain, from, to, target));
-                pieces.into_iter().flatten().filter_map(move |piece| {
-                    let from = self.around.later(from, piece.from);
-                    let to = self.around.earlier(to, piece.to);
-                    let meet = self.around.turn(&from, &to) >= 0.0;
-                    meet.then_some(Piece { from, to, wall: piece.wall })
-                })
-            })
-        })
+    /// As [`Region::any`], for directions in a domain.
+    fn any_in(
+        &self,
+        domain: &Domain,
+        [from, to]: [Direction; 2],
+        target: Option<&Wall>,
+        test: &mut impl FnMut(&Piece) -> bool,
+    ) -> bool {
+        let steps = &self.envelope.steps[domain.steps.clone()];
+        let around = &self.around;
+        // The first piece that does not end before.
+        let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
+        let start = domain.steps.start;
+        let mut next = start + steps.partition_point(before).saturating_sub(1);
+        loop {
+            next = target.map_or(next, |target| self.bounds.skip(target, next));
+            if next - start >= steps.len() || around.turn(&steps[next - start].from, &to) < 0.0 {
+                return false;
+            }
+            let mut piece = domain.piece(steps, next - start);
+            if around.turn(&piece.from, &from) > 0.0 {
+                piece.from = from;
+            }
+            if around.turn(&piece.to, &to) <= 0.0 {
+                piece.to = to;
+            }
+            if around.turn(&piece.from, &piece.to) >= 0.0 && test(&piece) {
+                return true;
+            }
+            next += 1;
+        }
     }
 
     /// Whether a point belongs to the region.
@@ -102,7 +110,7 @@ impl<'a> Region<'a> {
         if p == self.around.eye {
             return !self.is_empty();
         }
-        let seen = |piece: Piece| match piece.wall {
+        let seen = |piece: &Piece| match piece.wall {
             OPEN => true,
             BLOCKED => false,
             wall => {
@@ -110,12 +118,12 @@ impl<'a> Region<'a> {
                 orient(wall.a, wall.b, p) >= 0.0
             }
         };
-        (p - self.around.eye).length() <= self.range && self.meeting(p, p, None).any(seen)
+        (p - self.around.eye).length() <= self.range && self.any([p, p], None, seen)
     }
 
     /// Whether a segment meets the region.
     pub(crate) fn meets_segment(&self, a: DVec2, b: DVec2) -> bool {
-        match Wall::new(self.around.eye, a, b) {
+        match Wall::new(self.around.eye, a, b, NOBODY) {
             Some(target) => self.meets_wall(&target),
             None => self.meets_radial(a, b),
         }
@@ -137,15 +145,15 @@ impl<'a> Region<'a> {
     fn meets_wall(&self, target: &Wall) -> bool {
         let ends = [target.a, target.b].map(|p| (p - self.around.eye).length());
         let within = ends[0].max(ends[1]) <= self.range;
-        self.meeting(target.a, target.b, Some(*target)).any(|piece| match piece.wall {
+        self.any([target.a, target.b], Some(target), |piece| match piece.wall {
             BLOCKED => false,
-            OPEN => within || self.is_near(target, None, &piece),
+            OPEN => within || self.is_near(target, None, piece),
             wall => {
                 let wall = self.around.wall(wall);
                 let lead = self.around.lead(target, wall);
                 let before = |along| self.around.nearer(target, wall, &lead, along) >= 0.0;
                 (before(&piece.from) || before(&piece.to))
-                    && (within || self.is_near(target, Some(wall), &piece))
+                    && (within || self.is_near(target, Some(wall), piece))
             }
         })
     }
@@ -173,7 +181,7 @@ impl<'a> Region<'a> {
 
     fn meets_disc(&self, disc: &Disc) -> bool {
         let [from, to] = target::sides(self.around.eye, disc);
-        self.meeting(from, to, None).any(|piece| target::meets(&self.around, self.range, disc, &piece))
+        self.any([from, to], None, |piece| target::meets(&self.around, self.range, disc, piece))
     }
 
     /// Whether a shape meets the region.

@@ -3,11 +3,15 @@
 use glam::{DVec2, IVec2};
 
 use crate::grid::Grid;
+use crate::matrix::CrossBits;
 use crate::numeric::SHELL;
 use crate::point::arcs::Arc;
 
 /// Eyes farther from the grid's corner than this many cells along an axis get no walk.
 const FAR: i32 = 1 << 24;
+
+/// Cells of a word of marks.
+const WORD: i32 = u64::BITS as i32;
 
 /// The shells of cells around an eye.
 #[derive(Debug, Clone, Copy)]
@@ -18,18 +22,21 @@ pub(crate) struct Shells<'a> {
     cell: IVec2,
     /// The place of the eye in its cell, 0 to 1.
     place: DVec2,
+    /// The least corner of that cell.
+    corner: DVec2,
 }
 
-/// Cells in a column or a row: from the first to the last.
-pub(crate) type Run = (IVec2, IVec2);
+/// Marks of the cells to visit: those that are in one of two sets.
+pub(crate) type Marks<'a> = [&'a CrossBits; 2];
 
 impl<'a> Shells<'a> {
     /// The shells around an eye; `None` if it is too far away from the grid.
     pub(crate) fn new(grid: &'a Grid, eye: DVec2) -> Option<Self> {
         let cell = grid.cell_of(eye);
         let near = cell.abs().max_element() < FAR;
-        let place = ((eye - grid.cell_bounds(cell).0) / grid.cell_size()).clamp(DVec2::ZERO, DVec2::ONE);
-        near.then_some(Self { grid, eye, cell, place })
+        let corner = grid.cell_bounds(cell).0;
+        let place = ((eye - corner) / grid.cell_size()).clamp(DVec2::ZERO, DVec2::ONE);
+        near.then_some(Self { grid, eye, cell, place, corner })
     }
 
     /// The first and the last shell with cells of the grid.
@@ -50,27 +57,27 @@ impl<'a> Shells<'a> {
         self.grid.cell_size()
     }
 
-    /// The first shell whose square contains a point.
+    /// A shell whose square contains a point: the first, or the one after it. A point on the upper
+    /// border of a square belongs to it.
+    #[inline]
     pub(crate) fn shell_of(&self, p: DVec2) -> i32 {
-        let off = (self.grid.cell_of(p) - self.cell).abs().max_element();
-        // A point on the upper border of a square belongs to the cell beyond.
-        let contains = |shell: i32| {
-            let (min, max) = self.square(shell);
-            p.cmpge(min).all() && p.cmple(max).all()
-        };
-        if off > 0 && contains(off - 1) { off - 1 } else { off }
+        let off = (p - self.corner) / self.grid.cell_size();
+        // The square of a shell goes from `-shell` to `shell + 1`.
+        let shell = (off - 1.0).max(-off).max_element();
+        // Casts saturate.
+        ((shell + SHELL).max(0.0).ceil()) as i32
     }
 
-    /// Calls `run` with the cells of a shell of the grid that have points in some arcs, rounded
-    /// outwards. The arcs are sorted by quarter and direction, and disjoint. Each cell comes once,
-    /// but those on the axes may come twice. Costs the logarithm of the number of arcs for each of
-    /// the runs.
-    pub(crate) fn runs(&self, shell: i32, arcs: &[Arc], run: &mut impl FnMut(Run)) {
+    /// Calls `visit` with the marked cells of a shell of the grid that have points in some arcs,
+    /// rounded outwards. The arcs are sorted by quarter and direction, and disjoint. Each cell
+    /// comes once, but those on the axes may come twice. Costs the lesser of the numbers of cells
+    /// and arcs, times its logarithm, and a word for each 64 cells.
+    pub(crate) fn cells(&self, shell: i32, arcs: &[Arc], marks: Marks, visit: &mut impl FnMut(IVec2)) {
         let mut rest = arcs;
         for quarter in 0..4u8 {
             let (own, others) = rest.split_at(rest.partition_point(|arc| arc.quarter == quarter));
             rest = others;
-            Quarter::new(self, quarter, shell).runs(own, run);
+            Quarter::new(self, quarter, shell).cells(own, marks, visit);
         }
     }
 }
@@ -94,24 +101,20 @@ impl<'a> Quarter<'a> {
         Self { shells, shell, signs, place }
     }
 
-    fn runs(&self, arcs: &[Arc], run: &mut impl FnMut(Run)) {
+    fn cells(&self, arcs: &[Arc], marks: Marks, visit: &mut impl FnMut(IVec2)) {
         let turned = self.signs.x != self.signs.y;
         // In the order from the axis of x to that of y.
         let arc = |i: usize| {
             let Arc { from, to, .. } = arcs[if turned { arcs.len() - 1 - i } else { i }];
-            if turned { [to, from] } else { [from, to] }
+            if turned { [to.p, from.p] } else { [from.p, to.p] }
         };
-        let (mut i, mut next) = (0, 0);
-        while i < arcs.len() {
-            let [from, to] = arc(i);
-            let (first, last) = (self.first(from).max(next), self.last(to));
-            if first <= last {
-                self.emit(first, last, run);
-                next = last + 1;
-            }
-            i += 1;
-            // Many arcs may lie in the last cell: passed over in strides that double, then halve.
-            let passed = |i: usize| i < arcs.len() && !self.reaches(next, arc(i)[1]);
+        let (mut i, mut number, mut first) = (0, 0, None);
+        while i < arcs.len()
+            && let Some(found) = self.next(marks, number)
+        {
+            let before = i;
+            // Many arcs may end before: passed over in strides that double, then halve.
+            let passed = |i: usize| i < arcs.len() && !self.reaches(found, arc(i)[1]);
             let mut stride = 1;
             while passed(i + stride - 1) {
                 i += stride;
@@ -123,7 +126,57 @@ impl<'a> Quarter<'a> {
                     i += stride;
                 }
             }
+            if i == arcs.len() {
+                return;
+            }
+            let known = first.filter(|_| i == before);
+            let begins = known.unwrap_or_else(|| self.first(arc(i)[0]));
+            first = Some(begins);
+            if begins <= found {
+                visit(self.cell(found));
+            }
+            number = begins.max(found + 1);
         }
+    }
+
+    /// The cell of a number.
+    fn cell(&self, number: i32) -> IVec2 {
+        let off = IVec2::new((2 * self.shell - number).min(self.shell), number.min(self.shell));
+        self.shells.cell + self.signs * off
+    }
+
+    /// The first marked cell of the grid from a number on, up to the last of the quarter.
+    fn next(&self, marks: Marks, number: i32) -> Option<i32> {
+        let (shell, end) = (self.shell, 2 * self.shell);
+        let up = || {
+            let along = self.next_along(marks, 0, [number, shell])?;
+            Some(along)
+        };
+        let back = || {
+            let along = self.next_along(marks, 1, [end - number.max(shell + 1), 0])?;
+            Some(end - along)
+        };
+        (number <= shell).then(up).flatten().or_else(back)
+    }
+
+    /// The first marked cell of the grid that is a shell away along an axis, and from one distance
+    /// to another along the other, as its distance.
+    fn next_along(&self, marks: Marks, axis: usize, [from, to]: [i32; 2]) -> Option<i32> {
+        let (other, Shells { cell: eye, grid, .. }) = (1 - axis, self.shells);
+        let at = eye[axis] + self.signs[axis] * self.shell;
+        if at < 0 || at >= grid.dims()[axis] || from < 0 {
+            return None;
+        }
+        let place = |distance: i32| eye[other] + self.signs[other] * distance;
+        let lines = marks.map(|bits| bits.line(axis, at as u32));
+        let last = grid.dims()[other] - 1;
+        let (first, end) = (place(from), place(to));
+        let found = if first <= end {
+            next_up(lines, first.max(0), end.min(last))
+        } else {
+            next_down(lines, first.min(last), end.max(0))
+        };
+        found.map(|found| (found - eye[other]) * self.signs[other])
     }
 
     /// The vector from the eye to a point along the axes, and where the column and the row of the
@@ -144,18 +197,8 @@ impl<'a> Quarter<'a> {
         2 * self.shell - (along as i32).clamp(0, self.shell)
     }
 
-    /// The number of the last cell that has points in directions up to that to a point.
-    fn last(&self, p: DVec2) -> i32 {
-        let (d, near) = self.place(p);
-        let along = (d.x / d.y * near.y - SHELL + self.place.x).max(0.0);
-        if along < f64::from(self.shell) {
-            return 2 * self.shell - along as i32;
-        }
-        let up = d.y / d.x * (near.x + 1.0) + SHELL + self.place.y;
-        (up as i32).clamp(0, self.shell)
-    }
-
-    /// Whether [`Quarter::last`] of a point is at least a number: without a division.
+    /// Whether the last cell that has points in directions up to that to a point has at least a
+    /// number.
     fn reaches(&self, number: i32, p: DVec2) -> bool {
         let (d, near) = self.place(p);
         let beyond = 2 * self.shell - number + 1;
@@ -164,28 +207,42 @@ impl<'a> Quarter<'a> {
         let up = f64::from(number) - SHELL - self.place.y;
         in_row || number <= self.shell && d.y * (near.x + 1.0) >= d.x * up
     }
+}
 
-    /// Calls `run` with the cells of some numbers.
-    fn emit(&self, first: i32, last: i32, run: &mut impl FnMut(Run)) {
-        let shell = self.shell;
-        if first <= shell {
-            self.clip(0, (first, last.min(shell)), run);
-        }
-        if last > shell {
-            self.clip(1, (2 * shell - last, 2 * shell - first.max(shell + 1)), run);
-        }
+/// The first set bit of two lines from one place up to another.
+fn next_up(lines: [&[u64]; 2], from: i32, to: i32) -> Option<i32> {
+    if from > to {
+        return None;
     }
+    let (mut at, last) = (from / WORD, to / WORD);
+    let mut word = word(lines, at) & u64::MAX << (from % WORD);
+    while word == 0 {
+        if at == last {
+            return None;
+        }
+        at += 1;
+        word = self::word(lines, at);
+    }
+    Some(at * WORD + word.trailing_zeros() as i32).filter(|&found| found <= to)
+}
 
-    /// Calls `run` with the part inside the grid of the cells that are a shell away along an axis,
-    /// and between two distances along the other.
-    fn clip(&self, axis: usize, (low, high): (i32, i32), run: &mut impl FnMut(Run)) {
-        let (other, Shells { cell: eye, grid, .. }) = (1 - axis, self.shells);
-        let at = eye[axis] + self.signs[axis] * self.shell;
-        let ends = [low, high].map(|distance| eye[other] + self.signs[other] * distance);
-        let (first, last) = (ends[0].min(ends[1]).max(0), ends[0].max(ends[1]).min(grid.dims()[other] - 1));
-        if at >= 0 && at < grid.dims()[axis] && first <= last {
-            let cell = |along: i32| if axis == 0 { IVec2::new(at, along) } else { IVec2::new(along, at) };
-            run((cell(first), cell(last)));
-        }
+/// The first set bit of two lines from one place down to another.
+fn next_down(lines: [&[u64]; 2], from: i32, to: i32) -> Option<i32> {
+    if from < to {
+        return None;
     }
+    let (mut at, last) = (from / WORD, to / WORD);
+    let mut word = word(lines, at) & u64::MAX >> (WORD - 1 - from % WORD);
+    while word == 0 {
+        if at == last {
+            return None;
+        }
+        at -= 1;
+        word = self::word(lines, at);
+    }
+    Some(at * WORD + WORD - 1 - word.leading_zeros() as i32).filter(|&found| found >= to)
+}
+
+fn word(lines: [&[u64]; 2], at: i32) -> u64 {
+    lines[0][at as usize] | lines[1][at as usize]
 }

@@ -8,12 +8,16 @@ use crate::geometry::Shape;
 use crate::point::arcs::{Arc, Circle};
 use crate::point::blocked;
 use crate::point::covers::Covers;
-use crate::point::shells::{Run, Shells};
-use crate::point::wall::Wall;
+use crate::point::shells::Shells;
+use crate::point::wall::{NOBODY, Wall};
 use crate::pvs::Stats;
 use crate::scene::Scene;
-use crate::scene::lists::BLOCK;
 use crate::view::View;
+
+/// Where so many times as many objects are left as were found, and the view is still wide open,
+/// the walk goes on to all of them: that costs less than to close directions. Any number gives the
+/// same set.
+const MOST_LEFT: usize = 8;
 
 /// The memory and the result of a walk.
 #[derive(Debug, Clone, Default)]
@@ -22,9 +26,13 @@ pub(crate) struct Walk {
     pub(crate) found: Vec<Slot>,
     /// The sides of their occluders.
     pub(crate) walls: Vec<Wall>,
+    /// The slots of the hidden objects among them.
+    pub(crate) revealed: Vec<Slot>,
     /// The directions into solids whose border the eye is on.
     pub(crate) blocked: Vec<Arc>,
     covers: Covers,
+    /// The layers of the view.
+    layers: u64,
     /// By slot: the last walk that found it.
     marks: Vec<u32>,
     number: u32,
@@ -35,6 +43,7 @@ impl Walk {
     pub(crate) fn clear(&mut self) {
         self.found.clear();
         self.walls.clear();
+        self.revealed.clear();
         self.blocked.clear();
     }
 
@@ -49,6 +58,7 @@ impl Walk {
     ) {
         self.clear();
         self.mark_nothing(scene.slot_count());
+        self.layers = view.layers();
         let eye = circle.eye;
         let always = scene.outer().iter().chain(scene.lost());
         always.for_each(|&slot| self.find(slot, scene, circle, stats));
@@ -61,23 +71,32 @@ impl Walk {
         let (first, last) = shells.numbers();
         // The nearest points of a shell are one cell less away than its number says.
         let end = view.range().map_or(f64::INFINITY, |range| range / cell + 2.0);
-        let mut noticed = 0;
+        let marks = [scene.lists().occupied(), scene.volumes().bits()];
+        let (mut noticed, mut closing, mut check) = (0, true, scene.len() / MOST_LEFT);
         for shell in first..=last {
             if f64::from(shell) > end || self.covers.open().is_empty() {
                 break;
             }
             stats.shells += 1;
             if shell == 0 {
-                self.visit(scene, (scene.grid().cell_of(eye), scene.grid().cell_of(eye)), circle, stats);
+                self.visit(scene, scene.grid().cell_of(eye), circle, stats);
                 self.covers.block(&self.blocked);
             } else {
                 let covers = std::mem::take(&mut self.covers);
-                shells.runs(shell, covers.open(), &mut |run| self.visit(scene, run, circle, stats));
+                let visit = &mut |cell| self.visit(scene, cell, circle, stats);
+                shells.cells(shell, if closing { covers.open() } else { covers.view() }, marks, visit);
                 self.covers = covers;
+            }
+            if !closing {
+                continue;
             }
             self.keep_shown(circle, &shells, noticed);
             noticed = self.walls.len();
             self.covers.close(circle, &self.walls, &shells, shell);
+            if self.found.len() > check {
+                closing = !self.covers.is_wide();
+                check = 2 * self.found.len();
+            }
         }
     }
 
@@ -105,26 +124,11 @@ impl Walk {
         }
     }
 
-    /// Finds the objects in some cells of a column or row.
-    fn visit(&mut self, scene: &Scene, (mut cell, last): Run, circle: &Circle, stats: &mut Stats) {
-        let (lists, volumes) = (scene.lists(), scene.volumes());
-        let step = (last - cell).signum();
-        // Along the column or row, beyond the last cell.
-        while cell.cmple(last).all() {
-            if lists.is_block_empty(cell) && volumes.is_block_empty(cell) {
-                let next = (cell / BLOCK + 1) * BLOCK;
-                cell = if step == IVec2::ZERO {
-                    last + 1
-                } else {
-                    IVec2::select(step.cmpgt(IVec2::ZERO), next, cell)
-                };
-                continue;
-            }
-            stats.cells_visited += 1;
-            let slots = lists.get(cell).iter().chain(volumes.at(cell));
-            slots.for_each(|&slot| self.find(slot, scene, circle, stats));
-            cell += if step == IVec2::ZERO { IVec2::ONE } else { step };
-        }
+    /// Finds the objects in a cell.
+    fn visit(&mut self, scene: &Scene, cell: IVec2, circle: &Circle, stats: &mut Stats) {
+        stats.cells_visited += 1;
+        let slots = scene.lists().get(cell).iter().chain(scene.volumes().at(cell));
+        slots.for_each(|&slot| self.find(slot, scene, circle, stats));
     }
 
     /// Takes notice of an object, once, and of its occluder.
@@ -133,21 +137,27 @@ impl Walk {
         if std::mem::replace(mark, self.number) == self.number {
             return;
         }
+        let Some(object) = scene.object(slot).filter(|object| object.layers & self.layers != 0) else {
+            return;
+        };
         self.found.push(slot);
-        let certain = scene.object(slot).filter(|object| object.is_certain());
-        let Some(occluder) = certain.and_then(|object| object.occluder.as_ref()) else { return };
+        if object.is_hidden() {
+            self.revealed.push(slot);
+        }
+        let Some(occluder) = object.occluder.as_ref().filter(|_| object.is_certain()) else { return };
         if occluder.surrounds(circle.eye) {
             stats.eye_in_occluder = true;
         } else {
-            self.add(occluder, circle);
+            let is_all = object.bounds == *occluder;
+            self.add(occluder, if is_all { self.found.len() as u32 - 1 } else { NOBODY }, circle);
         }
     }
 
-    fn add(&mut self, occluder: &Shape, circle: &Circle) {
+    fn add(&mut self, occluder: &Shape, owner: u32, circle: &Circle) {
         if occluder.contains(circle.eye) {
             self.blocked.extend(blocked::into(occluder, circle));
         }
         let eye = circle.eye;
-        occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b)));
+        occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b, owner)));
     }
 }

@@ -10,8 +10,8 @@ use glam::DVec2;
 
 use crate::geometry::expansion::{Exact2, between, combined, cross};
 use crate::geometry::orient;
-use crate::numeric::{HIT_ROOM, HIT_SHARE, ROUNDINGS};
-use crate::point::arcs::Circle;
+use crate::numeric::{CROSSING_KEY, HIT_ROOM, HIT_SHARE, KEY, ROUNDINGS};
+use crate::point::arcs::{Arc, Circle, Ray, keys_tell, quarter};
 
 /// A vector, and how far each of its components may be off.
 #[derive(Debug, Clone, Copy)]
@@ -43,15 +43,47 @@ pub(crate) struct Wall {
     pub(crate) u: Vague,
     /// Twice the area of the triangle that it makes with the eye, and the error of it.
     pub(crate) c: (f64, f64),
+    /// The keys of its ends in their quarters.
+    keys: [f64; 2],
+    /// The quarter where it begins, and how many it has directions of.
+    first: u8,
+    quarters: u8,
+    /// The place in the walk of the object of which this is a side, if its occluder is all of it;
+    /// or else [`NOBODY`].
+    pub(crate) owner: u32,
 }
+
+/// In place of the owner of a wall.
+pub(crate) const NOBODY: u32 = u32::MAX;
 
 impl Wall {
     /// The wall between two points; `None` if they are collinear with the eye.
-    pub(crate) fn new(eye: DVec2, a: DVec2, b: DVec2) -> Option<Self> {
+    pub(crate) fn new(eye: DVec2, a: DVec2, b: DVec2, owner: u32) -> Option<Self> {
         let turn = orient(eye, a, b);
         let (a, b) = if turn > 0.0 { (a, b) } else { (b, a) };
         let c = Vague::between(eye, a).cross(Vague::between(eye, b));
-        (turn != 0.0).then(|| Self { a, b, u: Vague::between(a, b), c })
+        let [first, last] = [a, b].map(|p| quarter(eye, p));
+        // Where it ends on the axis that begins a quarter, it has one direction of that: no arc.
+        let ends_on_axis = if last.is_multiple_of(2) { b.y == eye.y } else { b.x == eye.x };
+        let last = if ends_on_axis { (last + 3) % 4 } else { last };
+        let quarters = (last + 4 - first) % 4 + 1;
+        let keys = [Ray::new(eye, a, first).key, Ray::new(eye, b, last).key];
+        (turn != 0.0).then(|| Self { a, b, u: Vague::between(a, b), c, keys, first, quarters, owner })
+    }
+
+    /// The directions that it covers.
+    #[inline]
+    pub(crate) fn arcs(&self, circle: &Circle) -> impl Iterator<Item = Arc> + use<> {
+        let &Self { a, b, keys, first, quarters, .. } = self;
+        let circle = *circle;
+        (0..quarters).map(move |i| {
+            let quarter = (first + i) % 4;
+            Arc {
+                quarter,
+                from: if i == 0 { Ray { p: a, key: keys[0] } } else { circle.first(quarter) },
+                to: if i + 1 == quarters { Ray { p: b, key: keys[1] } } else { circle.last(quarter) },
+            }
+        })
     }
 
     fn is(&self, other: &Self) -> bool {
@@ -73,15 +105,37 @@ impl Lead {
     }
 
     /// The direction in which two walls cross, whose numbers are given, if the first is the nearer
-    /// one clockwise of it; if `flipped`, counterclockwise.
-    pub(crate) fn crossing(&self, walls: [u32; 2], flipped: bool) -> Direction {
-        Direction::Crossing { walls, flipped, v: self.direction(flipped) }
+    /// one clockwise of it; if `flipped`, counterclockwise. It is in a closed quarter.
+    pub(crate) fn crossing(&self, walls: [u32; 2], flipped: bool, quarter: u8) -> Direction {
+        let v = self.direction(flipped);
+        let (along, up) = if quarter.is_multiple_of(2) { (v.v.x, v.v.y) } else { (v.v.y, v.v.x) };
+        let size = along.abs() + up.abs();
+        let share = v.error / size;
+        // Not a number, it is not sure.
+        let doubt = if share < HIT_SHARE { CROSSING_KEY * share + KEY / 2.0 } else { f64::INFINITY };
+        Direction { to: To::Crossing { walls, flipped, v }, key: f64::from(quarter) + up.abs() / size, doubt }
     }
 }
 
-/// A direction from the eye.
+/// A direction from the eye, in a closed quarter of the circle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Direction {
+pub(crate) struct Direction {
+    pub(crate) to: To,
+    /// As that of a [`Ray`].
+    key: f64,
+    /// How far the key may be off.
+    doubt: f64,
+}
+
+impl From<Ray> for Direction {
+    fn from(ray: Ray) -> Self {
+        Self { to: To::Point(ray.p), key: ray.key, doubt: KEY / 2.0 }
+    }
+}
+
+/// The goal of a direction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum To {
     /// To a point.
     Point(DVec2),
     /// To the point where two walls cross.
@@ -115,19 +169,28 @@ impl<'a> Around<'a> {
 
     /// The direction as a vector.
     pub(crate) fn vague(&self, direction: &Direction) -> Vague {
-        match *direction {
-            Direction::Point(p) => Vague::between(self.eye, p),
-            Direction::Crossing { v, .. } => v,
+        match direction.to {
+            To::Point(p) => Vague::between(self.eye, p),
+            To::Crossing { v, .. } => v,
         }
     }
 
     /// Positive if the second direction lies counterclockwise of the first, by less than half a
     /// turn; 0 if they are the same (or opposite).
+    #[inline]
     pub(crate) fn turn(&self, from: &Direction, to: &Direction) -> f64 {
-        use Direction::{Crossing, Point};
-        match (from, to) {
+        let apart = to.key - from.key;
+        if keys_tell(apart, from.doubt + to.doubt) { apart } else { self.turn_exactly(from, to) }
+    }
+
+    /// As [`Around::turn`], for directions whose keys do not tell.
+    #[cold]
+    #[inline(never)]
+    fn turn_exactly(&self, from: &Direction, to: &Direction) -> f64 {
+        use To::{Crossing, Point};
+        match (from.to, to.to) {
             (Point(p), Point(q)) if p == q => 0.0,
-            (Point(p), Point(q)) => orient(self.eye, *p, *q),
+            (Point(p), Point(q)) => orient(self.eye, p, q),
             (Crossing { walls: p, .. }, Crossing { walls: q, .. }) if p == q => 0.0,
             _ => {
                 let (turn, error) = self.vague(from).cross(self.vague(to));
@@ -137,16 +200,6 @@ impl<'a> Around<'a> {
                 cross(&self.exact(from), &self.exact(to)).sign()
             }
         }
-    }
-
-    /// The later of two directions that are less than half a turn apart.
-    pub(crate) fn later(&self, a: Direction, b: Direction) -> Direction {
-        if self.turn(&a, &b) > 0.0 { b } else { a }
-    }
-
-    /// The earlier of two directions that are less than half a turn apart.
-    pub(crate) fn earlier(&self, a: Direction, b: Direction) -> Direction {
-        if self.turn(&a, &b) > 0.0 { a } else { b }
     }
 
     /// `w` of two walls.
@@ -164,7 +217,7 @@ impl<'a> Around<'a> {
         if a.is(b) {
             return 0.0;
         }
-        if let Direction::Point(p) = *along {
+        if let To::Point(p) = along.to {
             if p == a.a || p == a.b {
                 return orient(b.a, b.b, p);
             }
@@ -181,8 +234,8 @@ impl<'a> Around<'a> {
 
     /// The point of a wall in a direction that it covers, and how far from it the true one may be.
     pub(crate) fn hit(&self, wall: &Wall, along: &Direction) -> (DVec2, f64) {
-        match *along {
-            Direction::Point(p) if p == wall.a || p == wall.b => (p, 0.0),
+        match along.to {
+            To::Point(p) if p == wall.a || p == wall.b => (p, 0.0),
             _ => self.hit_along(wall, self.vague(along)),
         }
     }
@@ -209,9 +262,9 @@ impl<'a> Around<'a> {
     }
 
     fn exact(&self, direction: &Direction) -> Exact2 {
-        match *direction {
-            Direction::Point(p) => between(self.eye, p),
-            Direction::Crossing { walls: [a, b], flipped, .. } => {
+        match direction.to {
+            To::Point(p) => between(self.eye, p),
+            To::Crossing { walls: [a, b], flipped, .. } => {
                 let (a, b) = if flipped { (b, a) } else { (a, b) };
                 // `w` of the walls in the other order is `-w`.
                 self.exact_lead(self.wall(a), self.wall(b))

@@ -1,6 +1,7 @@
 //! Queries: the memory of one view, and the methods that find its PVS.
 
 mod region;
+mod valid;
 
 use glam::Vec2;
 

@@ -170,7 +170,8 @@ impl Scene {
     /// Makes the cells inside the occluder of an object opaque.
     fn fill(&mut self, slot: Slot) {
         let Some(object) = self.slots.get_mut(slot) else { return };
-        let Some(occluder) = &object.occluder else { return };
+        // Opaque cells hide in all views.
+        let Some(occluder) = object.occluder.as_ref().filter(|_| object.layers == u64::MAX) else { return };
         let opacity = if object.mover.is_some() { &mut self.moving } else { &mut self.fixed };
         object.fills = true;
         filled(occluder, &self.grid, &mut |y, xs| xs.for_each(|x| opacity.add(x as u32, y as u32)));

@@ -10,7 +10,7 @@ use crate::matrix::CrossBits;
 use crate::raster::touched;
 
 /// Cells of a block along each axis.
-pub(crate) const BLOCK: i32 = 8;
+const BLOCK: i32 = 8;
 
 const CELLS: usize = (BLOCK * BLOCK) as usize;
 
@@ -28,8 +28,6 @@ pub(crate) struct CellLists {
     /// By block of the grid: its number in `blocks`.
     numbers: Vec<u32>,
     blocks: Vec<[Cell; CELLS]>,
-    /// By number: how many entries the lists of a block have.
-    used: Vec<u32>,
     /// The cells whose lists have entries.
     occupied: CrossBits,
 }
@@ -39,7 +37,7 @@ impl CellLists {
         let blocks = (grid.dims() + BLOCK - 1) / BLOCK;
         let numbers = vec![NO_BLOCK; (blocks.x * blocks.y) as usize];
         let occupied = CrossBits::new(grid.dims().as_uvec2());
-        Self { stride: blocks.x as usize, numbers, blocks: Vec::new(), used: Vec::new(), occupied }
+        Self { stride: blocks.x as usize, numbers, blocks: Vec::new(), occupied }
     }
 
     /// The number of the block of a cell of the grid, and the place of the cell in it.
@@ -62,12 +60,6 @@ impl CellLists {
         &self.occupied
     }
 
-    /// Whether no object touches any cell of the 8x8 cells around one.
-    pub(crate) fn is_block_empty(&self, cell: IVec2) -> bool {
-        let number = self.numbers[self.place(cell).0];
-        number == NO_BLOCK || self.used[number as usize] == 0
-    }
-
     /// Adds an object to the lists of the cells that its shape touches.
     pub(crate) fn insert(&mut self, slot: Slot, shape: &Shape, grid: &Grid) {
         touched(shape, grid, &mut |y, xs| xs.for_each(|x| self.add(IVec2::new(x, y), slot)));
@@ -78,14 +70,12 @@ impl CellLists {
         if self.numbers[block] == NO_BLOCK {
             self.numbers[block] = self.blocks.len() as u32;
             self.blocks.push(std::array::from_fn(|_| Cell::new()));
-            self.used.push(0);
         }
         let number = self.numbers[block] as usize;
         let list = &mut self.blocks[number][inner];
         // Runs of the sides of one shape overlap; other objects come between them never.
         if list.last() != Some(&slot) {
             list.push(slot);
-            self.used[number] += 1;
             self.occupied.set(cell.x as u32, cell.y as u32, true);
         }
     }
@@ -100,7 +90,6 @@ impl CellLists {
                 // From the end: what came last is often taken out first.
                 if let Some(at) = list.iter().rposition(|&other| other == slot) {
                     list.swap_remove(at);
-                    self.used[number] -= 1;
                     if list.is_empty() {
                         self.occupied.set(x as u32, y as u32, false);
                     }

@@ -13,6 +13,7 @@
 //! application moves objects; queries read the scene; [`Scene::end_frame`] takes their results, and
 //! puts dynamic objects that no view saw into volumes.
 
+mod doors;
 mod edit;
 mod frame;
 mod hiding;
@@ -33,6 +34,7 @@ use crate::object::Motion;
 use crate::scene::lists::CellLists;
 use crate::volume::Volumes;
 
+pub use doors::TileDoor;
 pub use frame::FrameReport;
 pub(crate) use object::Object;
 
@@ -178,6 +180,14 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn user_data(&self, id: ObjectId) -> Result<u64, Error> {
         Ok(self.find(id)?.user_data)
+    }
+
+    /// The layers that an object is on, a bit for each: see [`crate::ObjectDesc::layers`].
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn layers(&self, id: ObjectId) -> Result<u64, Error> {
+        Ok(self.find(id)?.layers)
     }
 
     /// The time of the last [`Scene::begin_frame`], in seconds; 0 before the first.

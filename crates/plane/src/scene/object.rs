@@ -11,6 +11,8 @@ pub(crate) struct Object {
     pub(crate) occluder: Option<Shape>,
     pub(crate) motion: Motion,
     pub(crate) user_data: u64,
+    /// A bit for each layer that it is on.
+    pub(crate) layers: u64,
     /// 1 + its place in the list of objects that are in no cells, or 0.
     pub(super) outer: u32,
     /// Whether the cells inside its occluder are opaque by it.
@@ -20,9 +22,9 @@ pub(crate) struct Object {
 
 impl Object {
     pub(super) fn new(desc: ObjectDesc, now: f64) -> Self {
-        let ObjectDesc { bounds, occluder, motion, user_data, .. } = desc;
+        let ObjectDesc { bounds, occluder, motion, user_data, layers, .. } = desc;
         let mover = (motion != Motion::Static).then(|| Box::new(Mover::new(now)));
-        Self { bounds, occluder, motion, user_data, outer: 0, fills: false, mover }
+        Self { bounds, occluder, motion, user_data, layers, outer: 0, fills: false, mover }
     }
 
     /// A shape that surely contains the object now: its bounds, or the volume of an object that

@@ -24,8 +24,8 @@ impl Scene {
     ///
     /// For [`Method::Cell`](crate::Method::Cell), cells that lie wholly inside one of the
     /// rectangles are opaque; these are the cells of all tiles where tiles have the size of cells
-    /// and lie on them. Tiles that open and close, as doors do, are better left out of the layer
-    /// and added as objects. Costs the cells that the tiles touch.
+    /// and lie on them. Tiles that open and close are left free in the layer, and added as
+    /// doors afterwards ([`Scene::insert_door`]). Costs the cells that the tiles touch.
     ///
     /// # Errors
     /// As [`Scene::insert`]; then none is added.

@@ -2,7 +2,8 @@
 //!
 //! In the order of imports: [`TilePoint`] and [`FovOptions`] say who looks, and how far;
 //! [`OpaqueTiles`] what blocks; [`FieldOfView`] finds the tiles that are seen, and [`VisibleFaces`]
-//! the sides of walls; [`Fog`] remembers them; [`TileLayer`] places tiles in a scene.
+//! the sides of walls, [`SymmetricFov`] the tiles that see each other by their centres; [`Fog`]
+//! remembers them; [`TileLayer`] places tiles in a scene.
 
 mod error;
 mod faces;
@@ -17,6 +18,7 @@ mod point;
 mod ray;
 mod scan;
 mod sweep;
+mod symmetric;
 mod tile_sweep;
 mod transpose;
 
@@ -28,3 +30,4 @@ pub use layer::TileLayer;
 pub use opaque::OpaqueTiles;
 pub use options::FovOptions;
 pub use point::TilePoint;
+pub use symmetric::SymmetricFov;

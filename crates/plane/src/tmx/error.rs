@@ -15,8 +15,21 @@ pub enum TmxError {
         why: io::Error,
     },
     /// The map has no fixed size.
-    #[error("the map is infinite: give it a size in the editor (Map, Map Properties, Infinite)")]
+    #[error(
+        "the map is infinite: read it by read_map, or give it a size in the editor (Map, Map Properties, Infinite)"
+    )]
     Infinite,
+    /// Layers or chunks lie so far apart, or so far away, that hardly a tile of the rectangle
+    /// around them is theirs.
+    #[error("the layers are spread over {width} by {height} tiles, but have {tiles} only")]
+    Spread {
+        /// The columns of the rectangle.
+        width: u64,
+        /// The rows of the rectangle.
+        height: u64,
+        /// The tiles of all layers.
+        tiles: u64,
+    },
     /// The map's tiles are no squares in rows and columns.
     #[error("the map is {0}, but only orthogonal and isometric maps have rows and columns of squares")]
     Orientation(String),

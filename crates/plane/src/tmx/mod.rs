@@ -25,6 +25,7 @@
 
 mod data;
 mod error;
+mod map;
 #[cfg(test)]
 mod tests;
 mod tileset;
@@ -38,6 +39,7 @@ use std::rc::Rc;
 use crate::bits::BitGrid;
 use data::Data;
 pub use error::TmxError;
+pub use map::{TmxMap, TmxWarning};
 use tileset::{Opaque, Tilesets};
 use xml::{Element, Xml};
 
@@ -73,7 +75,8 @@ impl Default for TmxImport {
 }
 
 impl TmxImport {
-    /// The tiles of a file that block sight, column and row as in the editor. Tilesets in files of
+    /// The tiles of a file that block sight, column and row as in the editor; shifts of layers do
+    /// not count. [`Self::read_map`] reads more, and says what it passed over. Tilesets in files of
     /// their own are looked for from the folder of the map.
     ///
     /// Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip or not at all. The
@@ -104,41 +107,59 @@ impl TmxImport {
         if xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1") {
             return Err(TmxError::Infinite);
         }
-        let orientation = xml.required(&root, "orientation")?;
-        if !["orthogonal", "isometric"].contains(&&*orientation) {
-            return Err(TmxError::Orientation(orientation.into_owned()));
-        }
+        orientation(&xml, &root)?;
         let size = self.size(&xml, &root)?;
-        let (mut tilesets, mut known) = (Tilesets::default(), HashMap::new());
-        let mut opaque = None;
-        let mut groups = 0_usize;
-        loop {
+        let (mut known, mut opaque) = (HashMap::new(), None);
+        self.walk(map, &mut known, &mut tileset, &mut |xml, layer, tilesets, _| {
+            self.layer(xml, layer, size, tilesets, &mut opaque)
+        })?;
+        opaque.ok_or(TmxError::NoTiles)
+    }
+
+    /// Reads the tilesets of a map, and hands out its layers of tiles with those before them and
+    /// with their shift in pixels, that of their groups included.
+    fn walk(
+        &self,
+        map: &[u8],
+        known: &mut HashMap<String, Rc<Opaque>>,
+        tileset: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
+        take: TakeLayer<'_>,
+    ) -> Result<Tilesets, TmxError> {
+        let mut xml = Xml::new(map, "the map")?;
+        xml.root("map")?;
+        let mut tilesets = Tilesets::default();
+        let mut groups = vec![[0.0; 2]];
+        while let Some(&shift) = groups.last() {
             let Some(child) = xml.child()? else {
                 // The end of a group, or of the map.
-                match groups.checked_sub(1) {
-                    Some(fewer) => groups = fewer,
-                    None => break,
-                }
+                groups.pop();
                 continue;
             };
+            let own = |xml: &Xml<'_>| {
+                let [x, y] = [xml.decimal(&child, "offsetx")?, xml.decimal(&child, "offsety")?];
+                Ok([shift[0] + x, shift[1] + y])
+            };
             match child.local_name().as_ref() {
-                b"group" => groups += 1,
+                b"group" => groups.push(own(&xml)?),
                 b"tileset" => {
                     let first = xml.number(&child, "firstgid")?;
                     let tiles = match xml.attribute(&child, "source")? {
                         Some(source) => {
                             xml.skip(&child)?;
-                            self.external(&source, &mut known, &mut tileset)?
+                            self.external(&source, known, tileset)?
                         }
-                        None => Rc::new(Opaque::read(&mut xml, &self.property)?),
+                        None => Rc::new(Opaque::read(&mut xml, &child, &self.property)?),
                     };
                     tilesets.push(first, tiles);
                 }
-                b"layer" => self.layer(&mut xml, &child, size, &tilesets, &mut opaque)?,
+                b"layer" => {
+                    let shift = own(&xml)?;
+                    take(&mut xml, &child, &tilesets, shift)?;
+                }
                 _ => xml.skip(&child)?,
             }
         }
-        opaque.ok_or(TmxError::NoTiles)
+        Ok(tilesets)
     }
 
     /// The columns and rows of a map.
@@ -163,8 +184,8 @@ impl TmxImport {
         }
         let bytes = tileset(source).map_err(|why| TmxError::File { file: source.to_owned(), why })?;
         let mut xml = Xml::new(&bytes, source)?;
-        xml.root("tileset")?;
-        let tiles = Rc::new(Opaque::read(&mut xml, &self.property)?);
+        let root = xml.root("tileset")?;
+        let tiles = Rc::new(Opaque::read(&mut xml, &root, &self.property)?);
         known.insert(source.to_owned(), tiles.clone());
         Ok(tiles)
     }
@@ -210,6 +231,19 @@ impl TmxImport {
         }
         opaque.get_or_insert_with(|| BitGrid::new(width, height));
         Ok(())
+    }
+}
+
+/// Takes a layer of tiles, from behind its start, with the tilesets before it and its shift.
+type TakeLayer<'t> =
+    &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets, [f64; 2]) -> Result<(), TmxError>;
+
+/// Refuses maps whose tiles are no squares in rows and columns.
+fn orientation(xml: &Xml<'_>, map: &Element<'_>) -> Result<String, TmxError> {
+    let orientation = xml.required(map, "orientation")?.into_owned();
+    match ["orthogonal", "isometric"].contains(&&*orientation) {
+        true => Ok(orientation),
+        false => Err(TmxError::Orientation(orientation)),
     }
 }
 

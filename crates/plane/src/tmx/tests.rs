@@ -117,8 +117,8 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
                  <property name=\"opaque\" type=\"bool\" value=\"true\"/></properties></tile></tileset>"
             );
             let mut xml = Xml::new(text.as_bytes(), "test").unwrap();
-            xml.root("tileset").unwrap();
-            Rc::new(Opaque::read(&mut xml, "opaque").unwrap())
+            let root = xml.root("tileset").unwrap();
+            Rc::new(Opaque::read(&mut xml, &root, "opaque").unwrap())
         })
         .collect();
     for order in 0..256_u32 {
@@ -184,4 +184,124 @@ fn the_crate_tiled_reads_the_same() {
         let ours = TmxImport::default().parse(&file, |_| Ok(maps::TILESET.into())).unwrap();
         assert_eq!(ours.cells().collect::<Vec<_>>(), by_tiled(file), "{i}");
     }
+}
+
+/// A map of chunks: its tile `(x, y)` is wall where `wall` says so.
+fn infinite(chunks: &[[i32; 4]], wall: impl Fn(i32, i32) -> bool) -> String {
+    let chunk = |&[x, y, width, height]: &[i32; 4]| {
+        let tiles = (y..y + height).flat_map(|q| (x..x + width).map(move |p| (p, q)));
+        let ids: Vec<_> = tiles.map(|(p, q)| if wall(p, q) { "2" } else { "1" }).collect();
+        format!("<chunk x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\">{}</chunk>", ids.join(","))
+    };
+    let chunks: String = chunks.iter().map(chunk).collect();
+    let map = maps::map("encoding=\"csv\"", &chunks);
+    map.replace("infinite=\"0\"", "infinite=\"1\"")
+        .replace("name=\"farther\"", "name=\"farther\" offsetx=\"0\"")
+}
+
+fn map(text: &str) -> Result<TmxMap, TmxError> {
+    TmxImport::default().parse_map(text.as_bytes(), |_| Ok(maps::TILESET.into()))
+}
+
+#[test]
+fn chunks_of_infinite_maps_lie_where_they_say() {
+    let wall = |x: i32, y: i32| (x * 7 + y * 3).rem_euclid(5) == 0;
+    let chunks = [[-16, -32, 16, 16], [0, -16, 16, 16], [16, 0, 8, 4]];
+    let found = map(&infinite(&chunks, wall)).unwrap();
+    assert_eq!((found.origin.to_array(), found.walls.width(), found.walls.height()), ([-16, -32], 40, 36));
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    for (x, y) in (-16..24).flat_map(|x| (-32..4).map(move |y| (x, y))) {
+        let inside = chunks.iter().any(|&[p, q, w, h]| (p..p + w).contains(&x) && (q..q + h).contains(&y));
+        assert_eq!(found.walls.get((x + 16) as u32, (y + 32) as u32), inside && wall(x, y), "({x}, {y})");
+    }
+    assert!(matches!(parse(&infinite(&chunks, wall)), Err(TmxError::Infinite)));
+    // The map of finite size is read as `read` does.
+    for text in maps::all() {
+        let text = String::from_utf8(text).unwrap();
+        let found = map(&text).unwrap();
+        assert_eq!((Some(&found.walls), found.origin.to_array()), (parse(&text).ok().as_ref(), [0, 0]));
+    }
+}
+
+#[test]
+fn spread_chunks_and_damaged_ones_are_refused() {
+    let far = infinite(&[[-1_000_000, 0, 1, 1], [1_000_000, 1_000_000, 1, 1]], |_, _| true);
+    assert!(matches!(map(&far), Err(TmxError::Spread { width: 2_000_001, height: 1_000_001, tiles: 4 })));
+    let edge = infinite(&[[i32::MAX - 3, i32::MIN, 2, 2]], |_, _| true);
+    assert!(matches!(map(&edge), Err(TmxError::Spread { .. })));
+    let near = infinite(&[[-2000, 0, 1, 1], [2000, 2000, 1, 1]], |_, _| true);
+    assert_eq!(map(&near).unwrap().walls.count(), 2, "as small as any map may be");
+    let small = infinite(&[[0, 0, 4, 4]], |_, _| true);
+    for (from, to, said) in [
+        ("width=\"4\" height=\"4\">", "width=\"4\" height=\"5\">", "too few tiles"),
+        ("width=\"4\" height=\"4\">", "width=\"4\" height=\"2000000\">", "at most 1048576 along a side"),
+        ("width=\"4\" height=\"4\">", "width=\"1048576\" height=\"1048576\">", "too few tiles"),
+        ("chunk x=\"0\"", "chunk x=\"left\"", "x=\"left\": "),
+        ("offsetx=\"0\"", "offsetx=\"NaN\"", "is no finite number"),
+        ("tilewidth=\"16\"", "tilewidth=\"0\"", "tiles of no size"),
+    ] {
+        assert!(small.contains(from), "{from}");
+        let why = map(&small.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(why.contains(said), "{why} / {said}");
+    }
+    let hexagons = small.replace("orthogonal", "hexagonal");
+    assert!(matches!(map(&hexagons), Err(TmxError::Orientation(_))));
+    let none = infinite(&[], |_, _| true);
+    assert!(matches!(map(&none), Err(TmxError::NoTiles)));
+}
+
+#[test]
+fn shifted_layers_lie_elsewhere() {
+    let text = maps::map("encoding=\"csv\"", &maps::csv());
+    let shifted = |group: &str, layer: &str| {
+        let group = format!("<group id=\"4\" {group}");
+        let layer = format!("name=\"farther\" {layer}");
+        text.replace("<group id=\"4\"", &group).replace("name=\"farther\"", &layer)
+    };
+    let whole = map(&text).unwrap().walls;
+    // By three tiles to the right and one up, in the group and the layer together.
+    let found = map(&shifted("offsetx=\"32\" offsety=\"-32\"", "offsetx=\"16\" offsety=\"16\"")).unwrap();
+    assert_eq!((found.origin.to_array(), found.walls.width(), found.walls.height()), ([0, -1], 7, 4));
+    for (x, y) in (0..7).flat_map(|x| (0..4).map(move |y| (x, y))) {
+        let own = y > 0 && whole.get(x, y - 1);
+        let other = x > 2 && whole.get(x - 3, y);
+        assert_eq!(found.walls.get(x, y), own || other, "({x}, {y})");
+    }
+    // Half a tile: it blocks nothing, and is named.
+    let found = map(&shifted("", "offsetx=\"8\"")).unwrap();
+    assert_eq!(found.walls, whole);
+    let farther = TmxWarning::Offset { layer: "farther".into(), x: 0.5, y: 0.0 };
+    assert_eq!(found.warnings, [farther]);
+    assert!(found.warnings[0].to_string().contains("shifted by 0.5 and 0 tiles"));
+    // A tile to the right in the plane is one along each axis of an isometric map.
+    let isometric = shifted("", "offsetx=\"16\"").replace("orthogonal", "isometric");
+    let found = map(&isometric).unwrap();
+    assert_eq!((found.origin.to_array(), found.walls.width(), found.walls.height()), ([0, -1], 5, 4));
+}
+
+#[test]
+fn unknown_tiles_and_types_are_named() {
+    let text = maps::map("encoding=\"csv\"", &maps::csv());
+    assert_eq!(map(&text).unwrap().warnings, []);
+    let walls = text.replace("farther", "walls");
+    let unknown = |text: &str| map(&text.replace("8,\n", "9,\n").replace("7,\n", "2147483900,\n")).unwrap();
+    let found = unknown(&walls);
+    let named = |layer: &str| TmxWarning::UnknownTiles { layer: layer.into(), id: 252, count: 2 };
+    assert_eq!(found.warnings, [named("ground"), named("walls")]);
+    // They block nothing, even in a layer of walls.
+    assert_eq!(found.walls.count(), map(&walls).unwrap().walls.count() - 2);
+    assert!(
+        found.warnings[0].to_string().contains("\"ground\" has 2 tiles of no tileset, the first of id 252")
+    );
+    let typed = text.replacen("type=\"bool\" value=\"true\"", "value=\"true\"", 1);
+    let found = map(&typed).unwrap();
+    let (property, kind) = ("opaque".to_string(), "string".to_string());
+    assert_eq!(found.warnings, [TmxWarning::PropertyType { first: 1, tile: 1, property, kind }]);
+    assert!(found.warnings[0].to_string().contains("tile 1 of the tileset from 1 on has a property opaque"));
+    // A tileset of single images lists tiles beyond its number.
+    let listed =
+        text.replace("tilecount=\"4\"", "tilecount=\"1\"").replace("<tile id=\"2\">", "<tile id=\"3\">");
+    let found = map(&listed).unwrap();
+    let ground = TmxWarning::UnknownTiles { layer: "ground".into(), id: 3, count: 1 };
+    assert_eq!(found.warnings[0], ground, "2 and 4 are listed");
 }

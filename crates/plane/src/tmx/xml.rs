@@ -116,6 +116,19 @@ impl<'a> Xml<'a> {
         self.attribute(element, name)?.ok_or_else(lacks)
     }
 
+    /// The value of an attribute that must be there, and a number of any sign.
+    pub fn integer(&self, element: &Element<'_>, name: &str) -> Result<i32, TmxError> {
+        let value = self.required(element, name)?;
+        value.trim().parse().map_err(|why| self.damaged(format!("{name}=\"{value:.40}\": {why}")))
+    }
+
+    /// The value of an attribute that is a number with decimals; 0 if it is not there.
+    pub fn decimal(&self, element: &Element<'_>, name: &str) -> Result<f64, TmxError> {
+        let Some(value) = self.attribute(element, name)? else { return Ok(0.0) };
+        let number = value.trim().parse().ok().filter(|v: &f64| v.is_finite());
+        number.ok_or_else(|| self.damaged(format!("{name}=\"{value:.40}\" is no finite number")))
+    }
+
     /// The value of an attribute that must be there, and a number.
     pub fn number(&self, element: &Element<'_>, name: &str) -> Result<u32, TmxError> {
         let value = self.required(element, name)?;

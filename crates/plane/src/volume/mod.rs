@@ -50,14 +50,6 @@ impl Volumes {
         self.lists.get(&cell).map_or(&[], |list| list.as_slice())
     }
 
-    /// Whether no outline passes any of the 8x8 cells around one.
-    pub(crate) fn is_block_empty(&self, cell: IVec2) -> bool {
-        let (x, y) = (cell.x as u32 & !7, cell.y as u32 & !7);
-        let tile =
-            |y: u32| self.bits.line(1, y).get(x as usize / 64).map_or(0, |word| word >> (x % 64) & 0xff);
-        (y..y + 8).all(|y| tile(y) == 0)
-    }
-
     /// Calls `found` with the volumes that contain a cell, on their outlines or inside.
     pub(crate) fn holding(&self, cell: IVec2, found: impl FnMut(Slot)) {
         self.containing.find(cell, found);
@@ -113,7 +105,6 @@ mod tests {
         for (slot, tbv) in slots().zip(&tbvs) {
             for cell in tbv.outline().filter(|&c| grid.contains(c)) {
                 assert!(volumes.at(cell).contains(&slot) && volumes.bits().get(cell.x as u32, cell.y as u32));
-                assert!(!volumes.is_block_empty(cell));
             }
         }
         let holding = |volumes: &Volumes, cell| {
@@ -127,7 +118,6 @@ mod tests {
         volumes.remove(Slot::new(0), &tbvs[0]);
         assert_eq!(holding(&volumes, IVec2::new(5, 5)), [1, 2].map(Slot::new));
         slots().skip(1).for_each(|slot| volumes.remove(slot, &tbvs[slot.index()]));
-        assert!((0..40).all(|x| (0..30).all(|y| volumes.is_block_empty(IVec2::new(x, y)))));
         assert!(volumes.lists.is_empty() && volumes.bits().cells().next().is_none());
     }
 }
