@@ -19,8 +19,8 @@ pub(crate) type Links = [u32; MOST_LINKS];
 
 impl Cache {
     /// Averages the indirect light of answers over neighbouring states, so many times: twice takes
-    /// most blotches of 64 rays. Answers are of the smoothed light until the next pass, gathering or
-    /// move.
+    /// most blotches of 64 rays. Answers are of the smoothed light until the next pass, gathering
+    /// or move.
     ///
     /// The first call after gathering finds the links, by a short ray for each; the others cost
     /// look-ups.

@@ -1,12 +1,11 @@
 //! What goes in: triangles, materials, lights, the sky, the grid and the settings.
 
-use std::ops::RangeInclusive;
-
 use glam::{Vec2, Vec3};
 
+use crate::checks::{bright, numbers, way};
 use crate::error::LightError;
 use crate::materials::{Material, Materials, Texture};
-use crate::numeric::{ABSURD, BRIGHTEST, MOST_CELLS, MOST_RAYS, OUTLIER};
+use crate::numeric::{ABSURD, MOST_CELLS, MOST_RAYS, OUTLIER};
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -302,26 +301,4 @@ pub(crate) fn check_lights(lights: &[Light]) -> Result<(), LightError> {
         }
     }
     Ok(())
-}
-
-/// Refuses vectors with a component out of a range.
-pub(crate) fn numbers(
-    what: &'static str,
-    index: usize,
-    v: Vec3,
-    range: RangeInclusive<f32>,
-) -> Result<(), LightError> {
-    let (low, high) = (*range.start(), *range.end());
-    let wrong = v.to_array().into_iter().find(|c| !range.contains(c));
-    wrong.map_or(Ok(()), |value| Err(LightError::Value { what, index, value, low, high }))
-}
-
-fn bright(what: &'static str, index: usize, v: Vec3) -> Result<(), LightError> {
-    numbers(what, index, v, 0.0..=BRIGHTEST)
-}
-
-/// Refuses vectors that are no direction.
-pub(crate) fn way(what: &'static str, index: usize, v: Vec3) -> Result<(), LightError> {
-    let is_one = v.as_dvec3().try_normalize().is_some() && v.is_finite();
-    if is_one { Ok(()) } else { Err(LightError::Direction { what, index, value: v.to_array() }) }
 }

@@ -58,6 +58,7 @@
 //! time, nor hash order.
 
 mod cache;
+mod checks;
 mod clip;
 mod direct;
 mod error;

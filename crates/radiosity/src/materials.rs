@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3};
 
+use crate::checks::numbers;
 use crate::clip::{Polygon, point_of};
 use crate::error::LightError;
 use crate::numeric::{BRIGHTEST, GOLDEN, TEXEL_SAMPLES};
@@ -88,7 +89,7 @@ impl Texture {
             return Err(LightError::Texels { width, height, texels: texels.len() });
         }
         for (index, texel) in texels.iter().enumerate() {
-            crate::input::numbers("texel", index, *texel, 0.0..=BRIGHTEST)?;
+            numbers("texel", index, *texel, 0.0..=BRIGHTEST)?;
         }
         let most = texels.iter().fold(Vec3::ZERO, |most, t| most.max(*t));
         let mut levels = vec![Level { width, height, texels }];
@@ -142,10 +143,10 @@ impl Materials {
             };
             let (albedo, emission) = (most(m.albedo_texture)?, most(m.emission_texture)?);
             // The factors themselves must be sound, also where all texels are 0.
-            crate::input::numbers("the albedo of material", index, m.albedo, 0.0..=f32::MAX)?;
-            crate::input::numbers("the albedo of material", index, m.albedo * albedo, 0.0..=1.0)?;
-            crate::input::numbers("the emission of material", index, m.emission, 0.0..=BRIGHTEST)?;
-            crate::input::numbers("the emission of material", index, m.emission * emission, 0.0..=BRIGHTEST)?;
+            numbers("the albedo of material", index, m.albedo, 0.0..=f32::MAX)?;
+            numbers("the albedo of material", index, m.albedo * albedo, 0.0..=1.0)?;
+            numbers("the emission of material", index, m.emission, 0.0..=BRIGHTEST)?;
+            numbers("the emission of material", index, m.emission * emission, 0.0..=BRIGHTEST)?;
         }
         Ok(())
     }

@@ -11,9 +11,9 @@ use std::f32::consts::PI;
 use glam::{DVec3, Vec3};
 
 use crate::cache::Cache;
+use crate::checks::{numbers, way};
 use crate::direct::Spot;
 use crate::error::LightError;
-use crate::input::{numbers, way};
 use crate::materials::Colour;
 use crate::numeric::{LEAST_ROUGH, MOST_RAYS};
 use crate::spread::{Lobe, mix, on_ball};

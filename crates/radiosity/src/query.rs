@@ -3,9 +3,9 @@
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::cache::Cache;
+use crate::checks::{numbers, way};
 use crate::direct::Spot;
 use crate::error::LightError;
-use crate::input::{numbers, way};
 use crate::numeric::{ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
 use crate::spread::{Hemisphere, mix};
 use crate::states::{DARK, SKY, Start, lifted};

@@ -56,8 +56,8 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
     Ok(())
 }
 
-/// Draws the picture by the path tracer, with light scattered up to `most` times, and says how far off
-/// the light found is.
+/// Draws the picture by the path tracer, with light scattered up to `most` times, and says how far
+/// off the light found is.
 pub fn compare(
     path: &Path,
     scene: &LitScene,
