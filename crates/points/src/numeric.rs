@@ -80,6 +80,14 @@ pub(crate) const THIN: f32 = 0.06;
 /// points are nearly on a line.
 pub(crate) const FLAT: f32 = 1e-3;
 
+/// Neighbours whose directions differ by less than this sine are in one direction: some ten
+/// roundings of single precision.
+pub(crate) const SAME_DIRECTION: f32 = 1e-6;
+
+/// A ray whose cosine with the normal of a disc is smaller does not hit it: the place where it
+/// would is off by a thousand roundings.
+pub(crate) const ALONG: f32 = 1e-3;
+
 /// How much larger boxes of discs are, as a part of their size and place: some hundred roundings of
 /// single precision, so that no ray that meets a disc misses its box.
 pub(crate) const BOX: f32 = 1e-5;

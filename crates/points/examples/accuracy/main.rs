@@ -1,14 +1,15 @@
 //! Errors of the operators beside rays at the triangles that points are samples of.
 //!
 //! ```sh
-//! cargo run --release -p casca-points --example accuracy -- [tuned|held-out] [POINTS] [even|random] [NOISE] [SEED] [../shared/scenes]
+//! cargo run --release -p casca-points --example accuracy -- KIND POINTS SPREAD NOISE SEED FOLDER
 //! ```
 //!
-//! For each scene: false visible and false hidden points over the truly visible ones, in percent, of
-//! three eyes together. `NOISE` is its standard deviation over the side of the square that a point
-//! stands for. The defaults of `surface` were chosen on the scenes called tuned, of seed 3, with
-//! even points; the others tell how well they hold. With a folder of `.glb` files these are sampled
-//! in the place of generated scenes.
+//! For each scene: false visible and false hidden points over the truly visible ones, in percent,
+//! of three eyes together. All words may be left out from the right: `KIND` is `tuned` or
+//! `held-out`, `SPREAD` is `even` or `random`, `NOISE` is its standard deviation over the side of
+//! the square that a point stands for. The defaults of `surface` were chosen on the scenes called
+//! tuned, of seed 3, with even points; the others tell how well they hold. With a `FOLDER`, `.glb`
+//! files of it are sampled in the place of generated scenes.
 
 mod files;
 mod scenes;

@@ -1,7 +1,9 @@
 //! Discs from points.
 
+use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS};
+use super::error::SurfaceError;
 use super::fan::{self, SECTORS, axes};
-use super::{Disc, Frame, Margins, NOBODY, PEERS, Surface, SurfaceError, plane};
+use super::plane;
 use crate::PointCloud;
 use crate::numeric::{BOX, power_of_two_for};
 use crate::spacing::{Neighbours, Places};
@@ -62,7 +64,7 @@ struct Input {
     spacing: Vec<f32>,
 }
 
-pub(super) fn build(cloud: &PointCloud) -> Result<Surface, SurfaceError> {
+pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     let bad = cloud.positions.par_iter().position_first(|p| !p.is_finite());
     if let Some(index) = bad.or((!cloud.origin.is_finite() && !cloud.is_empty()).then_some(0)) {
         return Err(SurfaceError::PointNotFinite { index });
@@ -113,7 +115,7 @@ fn spacing(near: &[Near]) -> f32 {
     }
 }
 
-fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Surface {
+fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
     let count = input.places.len();
     let margins = margins(input);
     let planes: Vec<(Vec3A, f32)> = (0..count)
@@ -129,7 +131,7 @@ fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Surface {
     let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
     let bounds: Vec<Aabb> = discs.iter().map(bounds).collect();
     let tree = build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default());
-    Surface { discs, peers, tree, disc_of, oriented: !input.normals.is_empty(), margins, frame }
+    Discs { discs, peers, tree, disc_of, oriented: !input.normals.is_empty(), margins, frame }
 }
 
 /// The margins for the noise of most points.

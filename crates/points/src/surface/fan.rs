@@ -1,5 +1,6 @@
 //! How far a disc reaches in each direction of its plane.
 
+use crate::numeric::SAME_DIRECTION;
 use glam::{Vec2, Vec3A};
 use std::f32::consts::{FRAC_PI_8, TAU};
 
@@ -8,9 +9,6 @@ pub(super) const SECTORS: usize = 16;
 
 /// More steps around a point than it has neighbours are not needed.
 const STEPS: usize = 32;
-
-/// Neighbours whose directions differ by less than this sine are in one direction.
-const SAME_DIRECTION: f32 = 1e-6;
 
 /// The tangent of 22.5 degrees, half of the angle between axis and diagonal.
 const HALF_OF_OCTANT: f32 = std::f32::consts::SQRT_2 - 1.0;

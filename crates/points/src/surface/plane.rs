@@ -75,8 +75,8 @@ pub(super) fn rough(near: &[Vec3A], normal: Vec3A, most: f32) -> f32 {
     (sum / count.max(1.0)).sqrt()
 }
 
-/// How far a third of the neighbours are from the plane that is best in this, at most; about half of
-/// the standard deviation of noise.
+/// How far a third of the neighbours are from the plane that is best in this, at most; about half
+/// of the standard deviation of noise.
 pub(super) fn noise(near: &[Vec3A]) -> f32 {
     let near = &near[..near.len().min(MEASURED)];
     let of_plane = |normal: Vec3A| {

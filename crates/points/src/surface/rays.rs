@@ -1,7 +1,8 @@
 //! Rays between discs.
 
+use super::disc::{Disc, Discs, NOBODY};
 use super::fan::{axes, sector};
-use super::{Disc, NOBODY, Surface};
+use crate::numeric::ALONG;
 use glam::{DVec3, Vec2, Vec3A};
 use obvhs::ray::Ray;
 use rayon::prelude::*;
@@ -43,8 +44,6 @@ const SLANT: f32 = 0.5;
 const AWAY: f32 = 0.02;
 /// Discs nearer than a spacing with normals of a larger cosine are the point's own face.
 const OWN_FACE: f32 = 0.7;
-/// Rays along a disc do not hit it.
-const ALONG: f32 = 1e-3;
 
 impl Disc {
     /// Whether it covers a place of its plane, relative to its middle.
@@ -66,7 +65,7 @@ impl Disc {
     }
 }
 
-impl Surface {
+impl Discs {
     /// Whether each disc can be seen from `eye`.
     pub(super) fn seen(&self, eye: DVec3) -> Vec<bool> {
         let seen: Vec<bool> = (0..self.discs.len()).into_par_iter().map(|i| self.is_seen(eye, i)).collect();
