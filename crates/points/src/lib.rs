@@ -5,6 +5,8 @@
 //! apart: a *false visible* point is reported though the surface hides it, a *false hidden* point
 //! is left out though it can be seen.
 //!
+//! - [`surface`]: rays between discs that stand for the surface around points; the fewest errors,
+//!   and [`visible`] in one call.
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their
 //!   convex hull are visible.
 //! - [`cluster`]: the same for one representative of each cell of a grid or octree.
@@ -26,6 +28,7 @@
 //! - `gpu`: the module `gpu`: the splat operator and surface splatting on the graphics processor.
 //!   It needs the Rust of `casca-stage`.
 
+mod auto;
 #[cfg(feature = "bricks")]
 pub mod bricks;
 mod camera;
@@ -42,12 +45,15 @@ mod numeric;
 mod samples;
 pub mod spacing;
 pub mod splat;
+pub mod surface;
 
 /// The version of glam whose types these functions take and give.
 pub use glam;
 
+pub use auto::AutoSettings;
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
 pub use cloud::{LengthError, PointCloud};
+pub use surface::visible;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

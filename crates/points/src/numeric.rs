@@ -72,6 +72,26 @@ pub(crate) fn origin_near(point: DVec3) -> DVec3 {
 #[cfg(feature = "bricks")]
 pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
 
+/// The least square of the sine between two edges that span a plane: below some 14 degrees the
+/// noise of their ends turns it too much.
+pub(crate) const THIN: f32 = 0.06;
+
+/// The least determinant of a fit of a plane, as a part of the product of its two squares: below it
+/// points are nearly on a line.
+pub(crate) const FLAT: f32 = 1e-3;
+
+/// Neighbours whose directions differ by less than this sine are in one direction: some ten
+/// roundings of single precision.
+pub(crate) const SAME_DIRECTION: f32 = 1e-6;
+
+/// A ray whose cosine with the normal of a disc is smaller does not hit it: the place where it
+/// would is off by a thousand roundings.
+pub(crate) const ALONG: f32 = 1e-3;
+
+/// How much larger boxes of discs are, as a part of their size and place: some hundred roundings of
+/// single precision, so that no ray that meets a disc misses its box.
+pub(crate) const BOX: f32 = 1e-5;
+
 /// A power of two that brings the largest coordinate `largest` into `[0.5, 2)`; those below 2^-1000
 /// stay smaller.
 pub(crate) fn power_of_two_for(largest: f64) -> f64 {

@@ -58,10 +58,8 @@ pub fn radii(points: &[Vec3]) -> Result<Vec<f32>, SplatError> {
     if points.len() > MAX_POINTS {
         return Err(SplatError::TooMany { count: points.len() });
     }
-    let mut order: Vec<u32> = (0..points.len() as u32).collect();
-    order.par_sort_unstable_by(|&a, &b| compare(&points[a as usize], &points[b as usize]));
-    let same = |a: &u32, b: &u32| points[*a as usize] == points[*b as usize];
-    let groups: Vec<&[u32]> = order.chunk_by(same).collect();
+    let unique = Places::new(points);
+    let groups: Vec<&[u32]> = unique.groups().collect();
     let places: Vec<Place> = groups.iter().map(|group| Place::new(points[group[0] as usize])).collect();
     let tree = KDTree::new(&places);
     let of_places: Vec<f64> = places.par_iter().map(|place| distance(&tree, place)).collect();
@@ -128,6 +126,41 @@ fn some(points: &[Vec3], count: usize, random: &mut Pcg64Mcg) -> Vec<Vec3> {
     (0..count)
         .map(|i| points[((i as f64 + random.random::<f64>()) * stretch) as usize % points.len()])
         .collect()
+}
+
+/// The points of a cloud by place, at most 2^30.
+pub(crate) struct Places<'a> {
+    points: &'a [Vec3],
+    order: Vec<u32>,
+}
+
+impl<'a> Places<'a> {
+    pub fn new(points: &'a [Vec3]) -> Self {
+        let mut order: Vec<u32> = (0..points.len() as u32).collect();
+        order
+            .par_sort_unstable_by(|&a, &b| compare(&points[a as usize], &points[b as usize]).then(a.cmp(&b)));
+        Self { points, order }
+    }
+
+    /// The points at each place.
+    pub fn groups(&self) -> impl Iterator<Item = &[u32]> {
+        self.order.chunk_by(|&a, &b| self.points[a as usize] == self.points[b as usize])
+    }
+}
+
+/// Finds neighbours of points that are at different places.
+pub(crate) struct Neighbours(KDTree<f64, Place>);
+
+impl Neighbours {
+    pub fn new(points: impl Iterator<Item = Vec3>) -> Self {
+        Self(KDTree::new(&points.map(Place::new).collect::<Vec<_>>()))
+    }
+
+    /// The nearest points to one of them, nearest first, but for itself.
+    pub fn of(&self, point: Vec3, count: u32) -> impl Iterator<Item = u32> {
+        let nearest = self.0.knn(count + 1, &Place::new(point)).into_iter();
+        nearest.filter(|neighbour| neighbour.dist2.into_inner() > 0.0).map(|neighbour| neighbour.index)
+    }
 }
 
 /// A point for the tree, which cuts boxes in the middle: in doubles the middle of two different

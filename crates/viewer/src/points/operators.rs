@@ -8,8 +8,8 @@ use bitvec::vec::BitVec;
 use casca_points::cluster::{Clustering, Passes, visible_clusters};
 use casca_points::gpu::{GpuPoints, SplatOperator};
 use casca_points::hpr::{self, Kernel};
-use casca_points::splat::{self, Bias, Filter, Radius, SplatOptions};
-use casca_points::{Camera, MAX_SIDE, cluster, spacing};
+use casca_points::surface::Surface;
+use casca_points::{AutoSettings, Camera, MAX_SIDE, cluster, splat};
 use casca_points::{PointCloud, files};
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Instant;
@@ -22,19 +22,14 @@ use crate::points::house;
 const HOUSE_SPACING: f32 = 0.055;
 /// Where the house is seen from, and the place that is looked at.
 const HOUSE_VIEW: [Vec3; 2] = [Vec3::new(4.6, 3.4, 13.6), Vec3::new(0.0, 3.1, 0.0)];
-/// The radius of the flipping sphere, as a multiple of the largest distance and of the largest
-/// distance over the splat radius. With it points are hidden that lie about the distance of two
-/// points behind others; on the bunny of Tavares 2009 it is 10^3.
-const FLIP: f64 = 4.0;
-/// The bias of the splat operator in automatic radii: near the best on clouds of known truth
-/// (docs/points/points.md).
-const BIAS: f32 = 3.5;
 /// Points of a leaf of clusters.
 const LEAF: u32 = 8;
 
 /// A way to find the visible points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Operator {
+    /// Rays between discs around the points, by their normals or estimated ones
+    Discs,
     /// Hidden point removal by a convex hull
     Hpr,
     /// The same for the cells of an octree
@@ -120,7 +115,7 @@ impl Look {
         let eye = self.eye.map(placed).or(house.map(|view| view[0])).unwrap_or_else(before);
         let radius = match self.radius {
             Some(radius) => radius,
-            None => spacing::automatic_radius(&positions)?,
+            None => AutoSettings::new(&positions)?.radius,
         };
         let name = file.and_then(Path::file_stem).map_or("house".into(), |n| n.to_string_lossy());
         Ok(Looked {
@@ -153,10 +148,11 @@ impl Looked {
         camera: &Camera,
         gpu: Option<&Gpu>,
     ) -> Result<(BitVec, Duration), Box<dyn Error>> {
-        let bias = Bias::World(BIAS * self.radius);
-        let options = SplatOptions { radius: Radius::Same(self.radius), bias, filter: Filter::Max };
+        let auto = AutoSettings::of_radius(self.radius);
+        let options = auto.splats();
         let start = Instant::now();
         let visible = match (operator, gpu) {
+            (Operator::Discs, _) => Surface::new(&self.turned())?.visible(camera.eye().as_dvec3())?,
             (Operator::Splat, None) => splat::visible_points(&self.positions, camera, &options)?.visible,
             (Operator::Splat, Some(gpu)) => {
                 let (on_device, points) = (SplatOperator::new(gpu), GpuPoints::new(gpu, &self.positions)?);
@@ -167,7 +163,10 @@ impl Looked {
             (Operator::Hpr | Operator::Clusters, _) => {
                 let points: Vec<DVec3> = self.positions.iter().map(|p| p.as_dvec3()).collect();
                 let eye = camera.eye().as_dvec3();
-                let kernel = Kernel::Relative { log10_radius: self.log10_radius(&points, eye) };
+                let kernel = match self.log10_radius {
+                    Some(log10_radius) => Kernel::Relative { log10_radius },
+                    None => auto.kernel(&points, eye),
+                };
                 if operator == Operator::Hpr {
                     hpr::visible_points(&points, eye, kernel)?
                 } else {
@@ -179,11 +178,10 @@ impl Looked {
         Ok((visible, start.elapsed()))
     }
 
-    fn log10_radius(&self, points: &[DVec3], eye: DVec3) -> f64 {
-        let farthest = points.iter().fold(0.0, |most: f64, p| most.max(p.distance(eye)));
-        let automatic = (FLIP * farthest / f64::from(self.radius)).log10().clamp(0.0, 10.0);
-        // A cloud of one place has the radius 0.
-        self.log10_radius.unwrap_or(if automatic.is_nan() { 3.0 } else { automatic })
+    /// The cloud with y upwards, around the origin that positions here are relative to.
+    fn turned(&self) -> PointCloud {
+        let (positions, normals) = (self.positions.clone(), self.normals.clone());
+        PointCloud { positions, normals, ..Default::default() }
     }
 }
 

@@ -33,6 +33,8 @@ const LETTERS: f32 = 0.05;
 pub enum Content {
     /// All points
     Points,
+    /// Those that rays between discs around points reach
+    Discs,
     /// Those that hidden point removal leaves
     Hpr,
     /// Those that clusters leave
@@ -47,6 +49,7 @@ impl Content {
     fn operator(self) -> Option<Operator> {
         match self {
             Self::Points | Self::Surface => None,
+            Self::Discs => Some(Operator::Discs),
             Self::Hpr => Some(Operator::Hpr),
             Self::Clusters => Some(Operator::Clusters),
             Self::Splat => Some(Operator::Splat),
@@ -114,6 +117,7 @@ impl Panes {
             let count = surfels.len();
             let title = match content {
                 Content::Points => format!("all {count} points"),
+                Content::Discs => format!("rays between discs: {count} points"),
                 Content::Hpr => format!("hidden point removal: {count} points"),
                 Content::Clusters => format!("by clusters: {count} points"),
                 Content::Splat => format!("splat operator: {count} points"),

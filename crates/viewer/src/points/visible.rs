@@ -20,7 +20,7 @@ pub struct Visible {
     #[command(flatten)]
     look: Look,
     /// The way to find them
-    #[arg(long, value_enum, default_value = "hpr")]
+    #[arg(long, value_enum, default_value = "discs")]
     operator: Operator,
     /// The picture of the splat operator: points outside of it are not visible
     #[arg(long, default_value = "1024x768", value_parser = parse_size)]

@@ -1,0 +1,340 @@
+//! Scenes of triangles, made by rules: five kinds that the defaults of `surface` were chosen on,
+//! and others that they were not.
+
+use glam::{Mat3, Quat, Vec3, vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::f32::consts::{PI, TAU};
+
+/// Triangles, and eyes that look at them.
+pub struct Scene {
+    pub name: String,
+    pub triangles: Vec<[Vec3; 3]>,
+    pub eyes: Vec<Vec3>,
+}
+
+/// The scenes that defaults were chosen on, and those that they were not.
+pub fn tuned(seed: u64) -> Vec<Scene> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    vec![boards(&mut random), fence(&mut random), castle(), kitchen(&mut random), solids()]
+}
+
+pub fn held_out(seed: u64) -> Vec<Scene> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x5eed);
+    vec![tree(&mut random), pipes(&mut random), staircase(), terrain(&mut random), office(&mut random)]
+}
+
+/// Triangles that grow.
+#[derive(Default)]
+struct Build(Vec<[Vec3; 3]>);
+
+impl Build {
+    fn quad(&mut self, [a, b, c, d]: [Vec3; 4]) {
+        self.0.extend([[a, b, c], [a, c, d]]);
+    }
+
+    /// A box with half sides, turned about its middle.
+    fn turned(&mut self, middle: Vec3, half: Vec3, turn: Quat) {
+        for axis in 0..3 {
+            for side in [-1.0_f32, 1.0] {
+                let [mut n, mut u, mut v] = [Vec3::ZERO; 3];
+                n[axis] = side * half[axis];
+                u[(axis + 1) % 3] = half[(axis + 1) % 3] * side;
+                v[(axis + 2) % 3] = half[(axis + 2) % 3];
+                let corner = |a: f32, b: f32| middle + turn * (n + u * a + v * b);
+                self.quad([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+            }
+        }
+    }
+
+    fn cuboid(&mut self, low: Vec3, high: Vec3) {
+        self.turned((low + high) / 2.0, (high - low) / 2.0, Quat::IDENTITY);
+    }
+
+    /// A closed tube of changing radius around a line.
+    fn tube(&mut self, [from, to]: [Vec3; 2], [r, s]: [f32; 2], sides: usize) {
+        let axis = (to - from).normalize();
+        let (u, v) = axis.any_orthonormal_pair();
+        let at = |i: usize, middle: Vec3, r: f32| {
+            let (y, x) = (TAU * i as f32 / sides as f32).sin_cos();
+            middle + (u * x + v * y) * r
+        };
+        for i in 0..sides {
+            let j = (i + 1) % sides;
+            self.quad([at(i, from, r), at(j, from, r), at(j, to, s), at(i, to, s)]);
+            self.0.push([from, at(j, from, r), at(i, from, r)]);
+            self.0.push([to, at(i, to, s), at(j, to, s)]);
+        }
+    }
+
+    /// A surface of two parameters from 0 to 1, with its fronts where `du x dv` points.
+    fn patch(&mut self, steps: [usize; 2], at: impl Fn(f32, f32) -> Vec3) {
+        let corner = |i: usize, j: usize| at(i as f32 / steps[0] as f32, j as f32 / steps[1] as f32);
+        for i in 0..steps[0] {
+            for j in 0..steps[1] {
+                self.quad([corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)]);
+            }
+        }
+    }
+
+    fn ball(&mut self, middle: Vec3, r: f32) {
+        self.patch([32, 16], |u, v| {
+            let ((sin, cos), (y, x)) = ((PI * (v - 0.5)).sin_cos(), (TAU * u).sin_cos());
+            middle + r * vec3(cos * x, cos * y, sin)
+        });
+    }
+
+    fn scene(self, name: &str, eyes: &[Vec3]) -> Scene {
+        let whole = |t: &&[Vec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length() > 1e-12;
+        Scene {
+            name: name.into(),
+            triangles: self.0.iter().filter(whole).copied().collect(),
+            eyes: eyes.to_vec(),
+        }
+    }
+}
+
+fn direction(random: &mut Pcg64Mcg) -> Vec3 {
+    loop {
+        let v = Vec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0_f32)));
+        if v.length_squared() > 0.01 && v.length_squared() < 1.0 {
+            return v.normalize();
+        }
+    }
+}
+
+fn turn(random: &mut Pcg64Mcg) -> Quat {
+    Quat::from_axis_angle(direction(random), random.random_range(0.0..TAU))
+}
+
+fn boards(random: &mut Pcg64Mcg) -> Scene {
+    let mut build = Build::default();
+    for _ in 0..24 {
+        let middle = vec3(
+            random.random_range(-2.0..2.0),
+            random.random_range(-1.5..1.5),
+            random.random_range(-2.0..2.0),
+        );
+        let half = vec3(random.random_range(0.3..0.8), random.random_range(0.2..0.5), 0.012);
+        build.turned(middle, half, turn(random));
+    }
+    build.scene("thin boards", &[vec3(5.0, 2.0, 4.0), vec3(-6.0, 0.5, 1.0), vec3(0.5, 5.0, -3.0)])
+}
+
+fn fence(random: &mut Pcg64Mcg) -> Scene {
+    let mut build = Build::default();
+    build.cuboid(vec3(-4.0, -0.2, -3.0), vec3(4.0, 0.0, 3.0));
+    for i in 0..48 {
+        let x = -3.8 + 7.6 * i as f32 / 47.0;
+        let high = 1.1 + random.random_range(-0.05..0.05);
+        build.cuboid(vec3(x - 0.045, 0.0, -0.012), vec3(x + 0.045, high, 0.012));
+    }
+    for y in [0.25, 0.8] {
+        build.cuboid(vec3(-3.9, y, -0.05), vec3(3.9, y + 0.09, -0.012));
+    }
+    for x in [-2.6, 0.3, 2.2] {
+        build.cuboid(vec3(x, 0.0, -2.0), vec3(x + 0.8, 0.9, -1.3));
+    }
+    build.scene("fence", &[vec3(1.0, 1.5, 5.0), vec3(-3.0, 1.2, 3.5), vec3(2.0, 2.5, -5.0)])
+}
+
+fn castle() -> Scene {
+    let mut build = Build::default();
+    build.cuboid(vec3(-20.0, -0.5, -20.0), vec3(20.0, 0.0, 20.0));
+    let crenels = |build: &mut Build, from: Vec3, to: Vec3| {
+        let count = (from.distance(to) / 1.2) as usize;
+        for i in 0..count {
+            let at = from.lerp(to, (i as f32 + 0.5) / count as f32);
+            build.cuboid(at - vec3(0.3, 0.0, 0.3), at + vec3(0.3, 0.7, 0.3));
+        }
+    };
+    let corners =
+        [vec3(-10.0, 0.0, -10.0), vec3(10.0, 0.0, -10.0), vec3(10.0, 0.0, 10.0), vec3(-10.0, 0.0, 10.0)];
+    for i in 0..4 {
+        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+        let wide = vec3(0.5, 0.0, 0.5);
+        build.cuboid(a.min(b) - wide, a.max(b) + wide + Vec3::Y * 5.0);
+        crenels(&mut build, a + Vec3::Y * 5.0, b + Vec3::Y * 5.0);
+        build.tube([a, a + Vec3::Y * 8.0], [1.8, 1.8], 24);
+        build.tube([a + Vec3::Y * 8.0, a + Vec3::Y * 11.0], [2.2, 0.02], 24);
+    }
+    build.cuboid(vec3(-3.0, 0.0, -3.0), vec3(3.0, 9.0, 3.0));
+    crenels(&mut build, vec3(-3.0, 9.0, -2.7), vec3(3.0, 9.0, -2.7));
+    crenels(&mut build, vec3(-3.0, 9.0, 2.7), vec3(3.0, 9.0, 2.7));
+    build.cuboid(vec3(4.5, 0.0, -7.0), vec3(8.0, 3.0, -1.0));
+    build.scene("castle", &[vec3(25.0, 6.0, 18.0), vec3(-18.0, 14.0, 22.0), vec3(2.0, 3.0, -30.0)])
+}
+
+/// Cupboards, shelves with things, a table with plates, cups and chairs.
+fn kitchen(random: &mut Pcg64Mcg) -> Scene {
+    let mut build = Build::default();
+    // A hollow room, whose fronts face inwards.
+    let (low, high) = (vec3(0.0, 0.0, 0.0), vec3(5.0, 2.6, 4.0));
+    let mut room = Build::default();
+    room.cuboid(low, high);
+    build.0.extend(room.0.iter().map(|&[a, b, c]| [a, c, b]));
+    for i in 0..7 {
+        let x = 0.6 * i as f32;
+        build.cuboid(vec3(x + 0.005, 0.1, 0.02), vec3(x + 0.595, 0.85, 0.6));
+        build.tube([vec3(x + 0.5, 0.7, 0.63), vec3(x + 0.5, 0.5, 0.63)], [0.01, 0.01], 8);
+    }
+    build.cuboid(vec3(0.0, 0.86, 0.02), vec3(4.2, 0.9, 0.64));
+    for level in 0..3 {
+        let y = 1.3 + 0.4 * level as f32;
+        build.cuboid(vec3(0.3, y, 0.02), vec3(4.0, y + 0.02, 0.3));
+        for i in 0..14 {
+            let x = 0.45 + 0.25 * i as f32 + random.random_range(-0.05..0.05);
+            let (h, r) = (random.random_range(0.08..0.3), random.random_range(0.03..0.09));
+            let foot = vec3(x, y + 0.02, 0.16 + random.random_range(-0.04..0.04));
+            if random.random_range(0..2) == 0 {
+                build.tube([foot, foot + Vec3::Y * h], [r, r * 0.9], 14);
+            } else {
+                build.cuboid(foot - vec3(r, 0.0, r), foot + vec3(r, h, r));
+            }
+        }
+    }
+    for i in 0..10 {
+        let foot = vec3(0.2 + 0.4 * i as f32, 0.9, 0.35 + random.random_range(-0.1..0.1));
+        let (h, r) = (random.random_range(0.05..0.3), random.random_range(0.04..0.12));
+        build.tube([foot, foot + Vec3::Y * h], [r, r], 16);
+    }
+    table(&mut build, random, vec3(2.6, 0.0, 2.4));
+    build.scene("kitchen", &[vec3(4.5, 1.6, 3.6), vec3(0.5, 1.5, 3.4), vec3(2.5, 1.9, 3.7)])
+}
+
+fn table(build: &mut Build, random: &mut Pcg64Mcg, at: Vec3) {
+    build.cuboid(at + vec3(-0.8, 0.72, -0.45), at + vec3(0.8, 0.75, 0.45));
+    for (x, z) in [(-0.7, -0.38), (0.7, -0.38), (0.7, 0.38), (-0.7, 0.38)] {
+        build.cuboid(at + vec3(x - 0.03, 0.0, z - 0.03), at + vec3(x + 0.03, 0.72, z + 0.03));
+    }
+    for i in 0..4 {
+        let place = at + vec3(-0.55 + 0.37 * i as f32, 0.75, if i % 2 == 0 { -0.25 } else { 0.25 });
+        build.tube([place, place + Vec3::Y * 0.02], [0.08, 0.12], 20);
+        let cup = place + vec3(0.17, 0.0, random.random_range(-0.1..0.1));
+        build.tube([cup, cup + Vec3::Y * 0.1], [0.035, 0.045], 14);
+    }
+    for (x, z, s) in [(-0.4, -0.75, -1.0), (0.4, -0.7, -1.0), (-0.35, 0.75, 1.0), (0.45, 0.8, 1.0_f32)] {
+        let seat = at + vec3(x, 0.45, z);
+        build.cuboid(seat - vec3(0.2, 0.03, 0.2), seat + vec3(0.2, 0.0, 0.2));
+        for (dx, dz) in [(-0.18, -0.18), (0.18, -0.18), (0.18, 0.18), (-0.18, 0.18)] {
+            let leg = seat + vec3(dx, -0.03, dz);
+            build.tube([vec3(leg.x, 0.0, leg.z), leg], [0.015, 0.02], 8);
+        }
+        for i in 0..4 {
+            let bar = seat + vec3(-0.165 + 0.11 * i as f32, 0.0, 0.18 * s);
+            build.cuboid(bar - vec3(0.02, 0.0, 0.01), bar + vec3(0.02, 0.45, 0.01));
+        }
+    }
+}
+
+fn solids() -> Scene {
+    let mut build = Build::default();
+    build.ball(vec3(-1.4, 0.0, 0.0), 1.0);
+    build.turned(vec3(1.3, 0.0, 0.3), vec3(0.8, 0.8, 0.8), Quat::from_rotation_y(0.4));
+    build.patch([48, 24], |u, v| {
+        let (a, b) = (Mat3::from_rotation_z(TAU * u), TAU * v);
+        vec3(0.0, 0.4, -2.4) + a * vec3(1.1 + 0.4 * b.cos(), 0.0, 0.4 * b.sin())
+    });
+    build.scene("thick solids", &[vec3(2.0, 3.0, 6.0), vec3(-6.0, 1.0, 2.0), vec3(4.0, 2.5, -6.0)])
+}
+
+/// A tree whose leaves are sheets of one side each.
+fn tree(random: &mut Pcg64Mcg) -> Scene {
+    let mut build = Build::default();
+    build.cuboid(vec3(-3.0, -0.2, -3.0), vec3(3.0, 0.0, 3.0));
+    build.tube([Vec3::ZERO, vec3(0.1, 2.4, 0.0)], [0.16, 0.1], 14);
+    for _ in 0..14 {
+        let from = vec3(0.05, random.random_range(1.0..2.4), 0.0);
+        let to = from + (direction(random) + Vec3::Y * 0.5) * random.random_range(0.6..1.3);
+        build.tube([from, to], [0.04, 0.015], 8);
+        for _ in 0..22 {
+            let at = from.lerp(to, random.random_range(0.3..1.0)) + direction(random) * 0.2;
+            let q = turn(random);
+            let leaf = |x: f32, y: f32| at + q * vec3(x * 0.07, y * 0.11, 0.0);
+            build.quad([leaf(-1.0, 0.0), leaf(0.0, -1.0), leaf(1.0, 0.0), leaf(0.0, 1.0)]);
+        }
+    }
+    build.scene("tree", &[vec3(4.0, 1.7, 3.0), vec3(-3.0, 3.0, 4.0), vec3(0.5, 0.8, -5.0)])
+}
+
+fn pipes(random: &mut Pcg64Mcg) -> Scene {
+    let mut build = Build::default();
+    build.cuboid(vec3(-3.0, -0.1, -2.2), vec3(3.0, 3.0, -2.0));
+    for i in 0..36 {
+        let r = random.random_range(0.03..0.16);
+        let [a, b] = std::array::from_fn(|_| random.random_range(0.2..2.8));
+        let z = -1.8 + 0.06 * i as f32;
+        let (from, to) = match i % 3 {
+            0 => (vec3(-2.8, a, z), vec3(2.8, a, z)),
+            1 => (vec3(2.0 * a - 3.0, 0.0, z), vec3(2.0 * a - 3.0, 3.0, z)),
+            _ => (vec3(2.0 * a - 3.0, b, -2.0), vec3(2.0 * a - 3.0, b, 0.5)),
+        };
+        build.tube([from, to], [r, r], 16);
+    }
+    build.scene("pipes", &[vec3(0.5, 1.6, 5.0), vec3(-4.0, 2.0, 2.5), vec3(3.0, 0.6, 3.0)])
+}
+
+fn staircase() -> Scene {
+    let mut build = Build::default();
+    build.cuboid(vec3(-2.0, -0.1, -3.0), vec3(3.0, 0.0, 3.0));
+    build.cuboid(vec3(-2.0, 0.0, -3.0), vec3(-1.85, 3.2, 3.0));
+    for i in 0..14 {
+        let (y, z) = (0.2 * (i + 1) as f32, 2.5 - 0.28 * i as f32);
+        build.cuboid(vec3(-1.6, y - 0.04, z - 0.3), vec3(0.0, y, z));
+        for x in [-1.5, -0.1] {
+            build.tube([vec3(x, y, z - 0.15), vec3(x, y + 0.9, z - 0.15)], [0.015, 0.015], 8);
+        }
+    }
+    for x in [-1.5, -0.1] {
+        build.tube([vec3(x, 1.1, 2.35), vec3(x, 3.7, -1.29)], [0.03, 0.03], 10);
+    }
+    build.scene("staircase", &[vec3(2.5, 1.6, 2.5), vec3(0.5, 1.7, 4.5), vec3(2.6, 1.2, -2.5)])
+}
+
+fn terrain(random: &mut Pcg64Mcg) -> Scene {
+    let height = |x: f32, z: f32| {
+        1.6 * (0.31 * x + 0.5).sin() * (0.27 * z).cos()
+            + 0.6 * (0.9 * x - 0.4 * z).sin()
+            + 0.25 * (1.7 * z + x).cos()
+    };
+    let mut build = Build::default();
+    build.patch([120, 120], |u, v| {
+        let (x, z) = (-12.0 + 24.0 * v, -12.0 + 24.0 * u);
+        vec3(x, height(x, z), z)
+    });
+    for _ in 0..25 {
+        let (x, z) = (random.random_range(-10.0..10.0), random.random_range(-10.0..10.0_f32));
+        build.ball(vec3(x, height(x, z), z), random.random_range(0.3..0.9));
+    }
+    build.scene("terrain", &[vec3(0.0, 4.0, 14.0), vec3(-9.0, 3.5, -9.0), vec3(13.0, 6.0, 2.0)])
+}
+
+/// Desks with screens, chairs, shelves of thin books and papers.
+fn office(random: &mut Pcg64Mcg) -> Scene {
+    let mut build = Build::default();
+    let mut room = Build::default();
+    room.cuboid(vec3(-4.0, 0.0, -3.0), vec3(4.0, 2.8, 3.0));
+    build.0.extend(room.0.iter().map(|&[a, b, c]| [a, c, b]));
+    for i in 0..4 {
+        let at = vec3(-2.6 + 1.7 * i as f32, 0.0, if i % 2 == 0 { -1.2 } else { 0.8 });
+        table(&mut build, random, at);
+        build.turned(
+            at + vec3(0.0, 1.05, 0.1),
+            vec3(0.3, 0.18, 0.015),
+            Quat::from_rotation_y(random.random_range(-0.5..0.5)),
+        );
+    }
+    for level in 0..5 {
+        let y = 0.3 + 0.42 * level as f32;
+        build.cuboid(vec3(-3.6, y, -2.98), vec3(3.6, y + 0.02, -2.7));
+        for i in 0..60 {
+            let x = -3.5 + 7.0 * i as f32 / 60.0;
+            let (w, h) = (random.random_range(0.02..0.1), random.random_range(0.18..0.36));
+            build.cuboid(
+                vec3(x, y + 0.02, -2.95),
+                vec3(x + w, y + 0.02 + h, -2.95 + random.random_range(0.12..0.22)),
+            );
+        }
+    }
+    build.scene("office", &[vec3(3.5, 1.6, 2.5), vec3(-3.5, 1.7, 2.6), vec3(0.0, 1.2, 2.0)])
+}

@@ -1,0 +1,118 @@
+//! Points of triangles, and whether an eye sees them: by rays, in double precision.
+
+use crate::scenes::Scene;
+use bitvec::vec::BitVec;
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ray::Ray;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::time::Duration;
+
+/// How points are spread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spread {
+    /// Each piece of area is as likely as any other.
+    Random,
+    /// The same, but points keep a distance from each other.
+    Even,
+}
+
+/// Samples of a scene.
+pub struct Samples {
+    pub points: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
+    triangle: Vec<u32>,
+    /// The side of the square that a point stands for.
+    pub spacing: f32,
+}
+
+pub fn sample(scene: &Scene, count: usize, spread: Spread, seed: u64) -> Samples {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut sum = 0.0;
+    let mut areas = Vec::new();
+    for [a, b, c] in &scene.triangles {
+        sum += f64::from((b - a).cross(c - a).length()) / 2.0;
+        areas.push(sum);
+    }
+    let spacing = (sum / count as f64).sqrt() as f32;
+    let distance = 0.75 * spacing;
+    let mut cells: HashMap<[i32; 3], Vec<Vec3>> = HashMap::new();
+    let mut samples = Samples { points: Vec::new(), normals: Vec::new(), triangle: Vec::new(), spacing };
+    for _ in 0..count * 15 {
+        if samples.points.len() == count {
+            break;
+        }
+        let at = random.random_range(0.0..sum);
+        let triangle = areas.partition_point(|&area| area <= at).min(areas.len() - 1);
+        let [a, b, c] = scene.triangles[triangle];
+        let (mut u, mut v) = (random.random::<f32>(), random.random::<f32>());
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+        let point = a + (b - a) * u + (c - a) * v;
+        if spread == Spread::Even {
+            let cell = (point / distance).floor().as_ivec3();
+            let near = (0..27).any(|i| {
+                let cell = [cell.x + i % 3 - 1, cell.y + i / 3 % 3 - 1, cell.z + i / 9 - 1];
+                cells.get(&cell).is_some_and(|points| points.iter().any(|p| p.distance(point) < distance))
+            });
+            if near {
+                continue;
+            }
+            cells.entry(cell.to_array()).or_default().push(point);
+        }
+        samples.points.push(point);
+        samples.normals.push((b - a).cross(c - a).normalize());
+        samples.triangle.push(triangle as u32);
+    }
+    samples
+}
+
+/// Whether `eye` sees each point: no triangle but its own is between them.
+pub fn seen(scene: &Scene, samples: &Samples, eye: Vec3) -> BitVec {
+    let bounds: Vec<Aabb> = scene
+        .triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(Vec3A::from);
+            Aabb { min: a.min(b).min(c) - 1e-4, max: a.max(b).max(c) + 1e-4 }
+        })
+        .collect();
+    let tree = build_bvh2(&bounds, BvhBuildParams::medium_build(), &mut Duration::default());
+    let is_seen = |i: usize| !hidden(scene, &tree, samples.points[i], samples.triangle[i], eye);
+    let seen: Vec<bool> = (0..samples.points.len()).into_par_iter().map(is_seen).collect();
+    seen.into_iter().collect()
+}
+
+fn hidden(scene: &Scene, tree: &Bvh2, point: Vec3, own: u32, eye: Vec3) -> bool {
+    let (from, step) = (eye.as_dvec3(), (point - eye).as_dvec3());
+    let ray = Ray::new(eye.into(), (point - eye).into(), 0.0, 1.0);
+    let mut hidden = false;
+    tree.ray_traverse_miss(ray, |_, i| {
+        let i = tree.primitive_indices[i];
+        let [a, b, c] = scene.triangles[i as usize].map(|p| p.as_dvec3());
+        hidden |= i != own && crosses(from, step, [a, b, c]);
+        if hidden { f32::NEG_INFINITY } else { f32::INFINITY }
+    });
+    hidden
+}
+
+/// Whether the segment crosses the triangle (Möller & Trumbore 1997), but at its last 1e-5.
+fn crosses(from: DVec3, step: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
+    let (u, v) = (b - a, c - a);
+    let p = step.cross(v);
+    let det = u.dot(p);
+    if det == 0.0 {
+        return false;
+    }
+    let t = from - a;
+    let q = t.cross(u);
+    let (x, y, z) = (t.dot(p) / det, step.dot(q) / det, v.dot(q) / det);
+    x >= 0.0 && y >= 0.0 && x + y <= 1.0 && z > 0.0 && z < 1.0 - 1e-5
+}

@@ -1,0 +1,82 @@
+//! Settings of the operators that need no hand.
+
+use crate::hpr::Kernel;
+use crate::spacing::automatic_radius;
+use crate::splat::{Bias, Filter, Radius, SplatError, SplatOptions};
+use glam::{DVec3, Vec3};
+
+/// The radius of the flipping sphere, as a multiple of the largest distance and of the largest
+/// distance over the splat radius. With it points are hidden that lie about the distance of two
+/// points behind others; on the bunny of Tavares 2009 it is 10^3.
+const FLIP: f64 = 4.0;
+
+/// The tolerance of the splat operator in radii: near the best on clouds of known truth
+/// (docs/points/points.md).
+const TOLERANCE: f32 = 3.5;
+
+/// The logarithm of the flipping radius of a cloud that has no spacing, as all points are at one
+/// place.
+const LOG_RADIUS: f64 = 3.0;
+
+/// The settings of [`hpr`](crate::hpr), [`cluster`](crate::cluster) and [`splat`](crate::splat) by
+/// the distances between points. [`surface`](crate::surface) needs none, and has fewer errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AutoSettings {
+    /// Half the side of a point's square, in units of the positions.
+    pub radius: f32,
+    /// How far behind squares points may be and still be visible, in the same units.
+    pub tolerance: f32,
+}
+
+impl AutoSettings {
+    /// Measures a cloud, as [`automatic_radius`] does.
+    ///
+    /// # Errors
+    ///
+    /// [`SplatError::PointNotFinite`].
+    pub fn new(points: &[Vec3]) -> Result<Self, SplatError> {
+        Ok(Self::of_radius(automatic_radius(points)?))
+    }
+
+    /// The settings for squares of a given half side.
+    pub fn of_radius(radius: f32) -> Self {
+        Self { radius, tolerance: TOLERANCE * radius }
+    }
+
+    /// The options of the splat operator.
+    pub fn splats(&self) -> SplatOptions<'static> {
+        let bias = Bias::World(self.tolerance.min(f32::MAX));
+        SplatOptions { radius: Radius::Same(self.radius), bias, filter: Filter::Max }
+    }
+
+    /// The kernel of hidden point removal from an eye.
+    pub fn kernel(&self, points: &[DVec3], eye: DVec3) -> Kernel {
+        let farthest = points.iter().fold(0.0, |most: f64, p| most.max(p.distance(eye)));
+        let log10_radius = (FLIP * farthest / f64::from(self.radius)).log10().clamp(0.0, 10.0);
+        Kernel::Relative { log10_radius: if log10_radius.is_nan() { LOG_RADIUS } else { log10_radius } }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_follow_the_spacing_and_the_distance() {
+        let square: Vec<Vec3> = (0..2500).map(|i| Vec3::new((i % 50) as f32, (i / 50) as f32, 0.0)).collect();
+        let auto = AutoSettings::new(&square).unwrap();
+        // The sixth nearest neighbour is a diagonal away, at borders two steps.
+        assert!((0.7..1.1).contains(&auto.radius), "{auto:?}");
+        assert_eq!(auto.tolerance, 3.5 * auto.radius);
+        assert_eq!(auto.splats().bias, Bias::World(auto.tolerance));
+        let kernel = AutoSettings::of_radius(0.5).kernel(&[DVec3::ZERO, DVec3::X], DVec3::X * -124.0);
+        assert_eq!(kernel, Kernel::Relative { log10_radius: 3.0 });
+    }
+
+    #[test]
+    fn a_cloud_of_one_place_has_settings() {
+        let auto = AutoSettings::new(&[Vec3::ONE; 3]).unwrap();
+        assert_eq!(auto.kernel(&[DVec3::ONE], DVec3::ONE), Kernel::Relative { log10_radius: 3.0 });
+        assert_eq!(auto.splats().check(3), Ok(()));
+    }
+}

@@ -1,0 +1,223 @@
+//! Discs from points.
+
+use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS};
+use super::error::SurfaceError;
+use super::fan::{self, SECTORS, axes};
+use super::plane;
+use crate::PointCloud;
+use crate::numeric::{BOX, power_of_two_for};
+use crate::spacing::{Neighbours, Places};
+use glam::{DVec3, Vec2, Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::builder::build_bvh2;
+use rayon::prelude::*;
+use std::f32::consts::PI;
+use std::time::Duration;
+
+/// Neighbours of a point that are looked at: on a plate, half of them are on its other side.
+const NEIGHBOURS: u32 = 28;
+
+/// The spacing by all neighbours is at most so many times that by the nearest [`FEW`]: a few points
+/// far from all others are no large surface.
+const FEW: usize = 8;
+const GROWTH: f32 = 1.5;
+
+/// Points whose noise is measured.
+const MEASURED: usize = 4096;
+
+// Lengths in spacings, chosen on the kinds of scenes that the example `accuracy` calls tuned.
+/// See [`Margins`]: without noise, and in multiples of the measured noise.
+const INLIER: [f32; 2] = [0.08, 2.0];
+const LAYER: [f32; 2] = [0.2, 3.0];
+const BEHIND: [f32; 2] = [0.05, 2.0];
+const PLATE: [f32; 2] = [0.1, 3.0];
+/// The radius of the largest circle without a point that a disc covers, and the distance of the
+/// farthest neighbour that it reaches to.
+const HOLE: f32 = 2.0;
+const FARTHEST: f32 = 2.5;
+/// How far a disc reaches where the surface seems to end: half of a spacing would be right for
+/// straight ends, and is too much beside corners.
+const OVERHANG: f32 = 0.4;
+/// How far an edge may be from the points on both of its sides, and how far discs reach past it.
+const EDGE: f32 = 1.5;
+const PAST_EDGE: f32 = 0.05;
+/// The spacing of a point's own layer over that of all its neighbours, at most.
+const THINNER: f32 = 2.0;
+/// Peers: how near, and how far from the plane as a part of [`Margins::layer`].
+const PEER: f32 = 2.0;
+const PEER_LAYER: f32 = 0.5;
+
+/// The least cosine between normals of one layer, and of peers.
+const LAYER_TURN: f32 = 0.5;
+const PEER_TURN: f32 = 0.8;
+
+/// A neighbour: its number, and its place relative to the point.
+type Near = (u32, Vec3A);
+
+/// Positions within the cube from -1 to 1, one for each place, and what is known of them.
+struct Input {
+    places: Vec<Vec3A>,
+    /// Empty if none are given.
+    normals: Vec<Vec3A>,
+    near: Vec<Vec<Near>>,
+    spacing: Vec<f32>,
+}
+
+pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
+    let bad = cloud.positions.par_iter().position_first(|p| !p.is_finite());
+    if let Some(index) = bad.or((!cloud.origin.is_finite() && !cloud.is_empty()).then_some(0)) {
+        return Err(SurfaceError::PointNotFinite { index });
+    }
+    let low = cloud.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min).as_dvec3();
+    let high = cloud.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max).as_dvec3();
+    let (middle, half) = if cloud.is_empty() {
+        (DVec3::ZERO, 0.0)
+    } else {
+        ((low + high) / 2.0, (high - low).max_element() / 2.0)
+    };
+    let scale = if half > 0.0 { power_of_two_for(half) / 2.0 } else { 1.0 };
+    let unique = Places::new(&cloud.positions);
+    let moved = |p: Vec3| ((p.as_dvec3() - middle) * scale).as_vec3a();
+    let places: Vec<Vec3A> = unique.groups().map(|group| moved(cloud.positions[group[0] as usize])).collect();
+    let mut disc_of = vec![0; cloud.len()];
+    for (disc, group) in unique.groups().enumerate() {
+        group.iter().for_each(|&i| disc_of[i as usize] = disc as u32);
+    }
+    let given = |group: &[u32]| {
+        let sum: Vec3A = group.iter().map(|&i| Vec3A::from(cloud.normals[i as usize])).sum();
+        // Two sheets at one place: either side will do.
+        sum.try_normalize().unwrap_or(Vec3A::from(cloud.normals[group[0] as usize]).normalize_or_zero())
+    };
+    let normals: Vec<Vec3A> =
+        if cloud.normals.is_empty() { Vec::new() } else { unique.groups().map(given).collect() };
+    let near = neighbours(&places);
+    let spacing = near.iter().map(|near| spacing(near)).collect();
+    let frame = Frame { middle: middle + cloud.origin, scale };
+    Ok(surface(&Input { places, normals, near, spacing }, disc_of, frame))
+}
+
+fn neighbours(places: &[Vec3A]) -> Vec<Vec<Near>> {
+    let all = Neighbours::new(places.iter().map(|p| p.to_vec3()));
+    let found = |p: &Vec3A| {
+        let near = all.of(p.to_vec3(), NEIGHBOURS).map(|j| (j, places[j as usize] - *p));
+        near.collect()
+    };
+    places.par_iter().map(found).collect()
+}
+
+/// The side of the square that a point stands for, by its neighbours, nearest first.
+fn spacing(near: &[Near]) -> f32 {
+    let by = |count: usize| near[count - 1].1.length() * (PI / count as f32).sqrt();
+    match near.len() {
+        0 => 0.0,
+        count => by(count).min(GROWTH * by(count.min(FEW))),
+    }
+}
+
+fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
+    let count = input.places.len();
+    let margins = margins(input);
+    let planes: Vec<(Vec3A, f32)> = (0..count)
+        .into_par_iter()
+        .map(|i| {
+            let near: Vec<Vec3A> = input.near[i].iter().map(|n| n.1).collect();
+            let inlier = margins.inlier * input.spacing[i];
+            let normal = input.normals.get(i).copied().unwrap_or_else(|| plane::normal(&near, inlier));
+            (normal, plane::rough(&near, normal, 2.0 * inlier))
+        })
+        .collect();
+    let made = |i: usize| (disc(input, &planes, &margins, i), peers(input, &planes, &margins, i));
+    let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
+    let bounds: Vec<Aabb> = discs.iter().map(bounds).collect();
+    let tree = build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default());
+    Discs { discs, peers, tree, disc_of, oriented: !input.normals.is_empty(), margins, frame }
+}
+
+/// The margins for the noise of most points.
+fn margins(input: &Input) -> Margins {
+    let step = (input.places.len() / MEASURED).max(1);
+    let some: Vec<usize> = (0..input.places.len()).step_by(step).collect();
+    let noise = |i: usize| {
+        let near: Vec<Vec3A> = input.near[i].iter().map(|n| n.1).collect();
+        plane::noise(&near) / input.spacing[i]
+    };
+    let mut noises: Vec<f32> = some.into_par_iter().map(noise).filter(|noise| noise.is_finite()).collect();
+    let middle = noises.len() / 2;
+    let noise =
+        if noises.is_empty() { 0.0 } else { *noises.select_nth_unstable_by(middle, f32::total_cmp).1 };
+    let margin = |[least, by_noise]: [f32; 2]| least.max(by_noise * noise);
+    Margins { inlier: margin(INLIER), layer: margin(LAYER), behind: margin(BEHIND), plate: margin(PLATE) }
+}
+
+/// Whether two normals differ by an angle of at most this cosine; without given normals their signs
+/// mean nothing.
+fn alike(input: &Input, a: Vec3A, b: Vec3A, least: f32) -> bool {
+    let cosine = a.dot(b);
+    if input.normals.is_empty() { cosine.abs() > least } else { cosine > least }
+}
+
+fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> Disc {
+    let (normal, rough) = planes[i];
+    let all = input.spacing[i];
+    let mut disc = Disc { at: input.places[i], normal, spacing: all, rough, reach: [0.0; SECTORS] };
+    if normal == Vec3A::ZERO {
+        return disc;
+    }
+    let of = |j: u32| planes[j as usize].0;
+    let layer: Vec<Vec3A> = input.near[i]
+        .iter()
+        .filter(|(j, v)| {
+            v.dot(normal).abs() < margins.layer * all.max(v.length())
+                && alike(input, normal, of(*j), LAYER_TURN)
+        })
+        .map(|near| near.1)
+        .collect();
+    let own = layer.last().map_or(all, |last| last.length() * (PI / layer.len() as f32).sqrt());
+    disc.spacing = own.min(THINNER * all);
+    let (u, v) = axes(normal);
+    let near = layer.iter().filter(|p| p.length() < FARTHEST * disc.spacing);
+    let flat: Vec<Vec2> = near.map(|p| Vec2::new(p.dot(u), p.dot(v))).collect();
+    disc.reach = fan::reach(&flat, HOLE * disc.spacing);
+    let across: Vec<(Vec3A, Vec3A)> = input.near[i]
+        .iter()
+        .map(|&(j, v)| (v, of(j)))
+        .filter(|(v, n)| v.length() < EDGE * all && n.dot(normal).abs() < LAYER_TURN)
+        .collect();
+    for (k, reach) in disc.reach.iter_mut().enumerate().filter(|(_, reach)| **reach == 0.0) {
+        let d = fan::direction(k);
+        let edge = edge(u * d.x + v * d.y, &across, EDGE * all);
+        *reach = edge.map_or(OVERHANG * disc.spacing, |edge| edge + PAST_EDGE * disc.spacing);
+    }
+    disc
+}
+
+/// How far it is in a direction to the first of the planes of neighbours that meets it near the
+/// neighbour.
+fn edge(direction: Vec3A, across: &[(Vec3A, Vec3A)], most: f32) -> Option<f32> {
+    let meets = across.iter().filter_map(|(v, normal)| {
+        let far = normal.dot(*v) / normal.dot(direction);
+        (far > 0.0 && far < most && (direction * far).distance(*v) < most).then_some(far)
+    });
+    meets.min_by(f32::total_cmp)
+}
+
+fn peers(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> [u32; PEERS] {
+    let normal = planes[i].0;
+    let mut peers = [NOBODY; PEERS];
+    let near = input.near[i].iter().filter(|(j, v)| {
+        alike(input, normal, planes[*j as usize].0, PEER_TURN)
+            && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i]
+            && v.length() < PEER * input.spacing[i]
+    });
+    peers.iter_mut().zip(near).for_each(|(peer, near)| *peer = near.0);
+    peers
+}
+
+fn bounds(disc: &Disc) -> Aabb {
+    let reach = disc.reach.iter().copied().fold(0.0, f32::max);
+    let sine2 = (Vec3A::ONE - disc.normal * disc.normal).max(Vec3A::ZERO);
+    let half =
+        Vec3A::new(sine2.x.sqrt(), sine2.y.sqrt(), sine2.z.sqrt()) * reach + BOX * (reach + disc.at.abs());
+    Aabb { min: disc.at - half, max: disc.at + half }
+}

@@ -1,0 +1,61 @@
+//! Discs, and what is known of all of them.
+
+use super::fan::SECTORS;
+use glam::{DVec3, Vec3A};
+use obvhs::bvh2::Bvh2;
+
+/// The discs of a cloud: one for each of its places.
+#[derive(Clone)]
+pub(super) struct Discs {
+    pub discs: Vec<Disc>,
+    /// For each disc, neighbours on the same part of the surface.
+    pub peers: Vec<[u32; PEERS]>,
+    pub tree: Bvh2,
+    /// The disc of each point.
+    pub disc_of: Vec<u32>,
+    /// Normals tell front and back.
+    pub oriented: bool,
+    pub margins: Margins,
+    pub frame: Frame,
+}
+
+/// Neighbours whose answers a point's own is compared with.
+pub(super) const PEERS: usize = 8;
+
+/// In the place of a neighbour that there is not.
+pub(super) const NOBODY: u32 = u32::MAX;
+
+/// Where the cloud lies: it is moved and scaled into the cube from -1 to 1, so that nothing over-
+/// or underflows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    pub middle: DVec3,
+    pub scale: f64,
+}
+
+/// Lengths in spacings, which grow with the noise of the points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Margins {
+    /// How far from a plane its points may be.
+    pub inlier: f32,
+    /// How far from a plane neighbours of the same part of the surface may be.
+    pub layer: f32,
+    /// How far behind a disc a point may be and not be hidden by it.
+    pub behind: f32,
+    /// The least distance between the two sides of a plate.
+    pub plate: f32,
+}
+
+/// A piece of the estimated surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Disc {
+    pub at: Vec3A,
+    /// Of length 1; zero if the point has too few neighbours, so that it hides nothing.
+    pub normal: Vec3A,
+    /// The side of the square of surface that the point stands for.
+    pub spacing: f32,
+    /// How far the neighbours of the plane are from it: the root of the mean square.
+    pub rough: f32,
+    /// How far the disc reaches, by sector.
+    pub reach: [f32; SECTORS],
+}

@@ -1,0 +1,93 @@
+//! How far a disc reaches in each direction of its plane.
+
+use crate::numeric::SAME_DIRECTION;
+use glam::{Vec2, Vec3A};
+use std::f32::consts::{FRAC_PI_8, TAU};
+
+/// Directions that have a reach each.
+pub(super) const SECTORS: usize = 16;
+
+/// More steps around a point than it has neighbours are not needed.
+const STEPS: usize = 32;
+
+/// The tangent of 22.5 degrees, half of the angle between axis and diagonal.
+const HALF_OF_OCTANT: f32 = std::f32::consts::SQRT_2 - 1.0;
+
+/// The sector of a direction: counterclockwise from the first axis.
+#[inline]
+pub(super) fn sector(mut v: Vec2) -> usize {
+    let mut sector = 0;
+    if v.y < 0.0 {
+        (sector, v) = (8, -v);
+    }
+    if v.x < 0.0 {
+        (sector, v) = (sector + 4, Vec2::new(v.y, -v.x));
+    }
+    if v.y > v.x {
+        (sector, v) = (sector + 2, Vec2::new(v.x + v.y, v.y - v.x));
+    }
+    sector + usize::from(v.y > HALF_OF_OCTANT * v.x)
+}
+
+/// The direction in the middle of a sector.
+pub(super) fn direction(sector: usize) -> Vec2 {
+    Vec2::from_angle((sector as f32 + 0.5) * FRAC_PI_8)
+}
+
+/// The axes of a disc's plane.
+#[inline]
+pub(super) fn axes(normal: Vec3A) -> (Vec3A, Vec3A) {
+    normal.any_orthonormal_pair()
+}
+
+/// How far the triangles around the origin reach, by sector; 0 where there is none.
+///
+/// They are those of the Delaunay triangulation of the origin and `others`, as far as they can be
+/// reached from the nearest of these over triangles with circumcircles of at most the radius
+/// `most`.
+pub(super) fn reach(others: &[Vec2], most: f32) -> [f32; SECTORS] {
+    let mut reach = [0.0; SECTORS];
+    let nearest = others.iter().min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let Some(&nearest) = nearest else { return reach };
+    // Both ways around, as a border may be on the way.
+    for way in [1.0, -1.0] {
+        let (mut at, mut angle) = (nearest, 0.0);
+        for _ in 0..STEPS {
+            let Some(next) = next(at, others, way, most) else { break };
+            for (k, reach) in reach.iter_mut().enumerate() {
+                let d = direction(k);
+                if way * at.perp_dot(d) >= 0.0 && way * d.perp_dot(next) >= 0.0 {
+                    let edge = next - at;
+                    let far = at.perp_dot(edge) / d.perp_dot(edge);
+                    if far.is_finite() {
+                        *reach = reach.max(far);
+                    }
+                }
+            }
+            angle += (way * at.perp_dot(next)).atan2(at.dot(next));
+            if angle >= TAU - SAME_DIRECTION {
+                return reach;
+            }
+            at = next;
+        }
+    }
+    reach
+}
+
+/// The third corner of the Delaunay triangle of the origin and `at`, on one side: the one that sees
+/// both at the widest angle.
+fn next(at: Vec2, others: &[Vec2], way: f32, most: f32) -> Option<Vec2> {
+    let mut best = (f32::INFINITY, None);
+    for &other in others {
+        let area = way * at.perp_dot(other);
+        if area > SAME_DIRECTION * at.length() * other.length() {
+            let cotangent = other.dot(other - at) / area;
+            if cotangent < best.0 {
+                best = (cotangent, Some(other));
+            }
+        }
+    }
+    // The chord is the diameter times the sine of the angle.
+    let diameter2 = at.length_squared() * (1.0 + best.0 * best.0);
+    best.1.filter(|_| diameter2 <= 4.0 * most * most)
+}

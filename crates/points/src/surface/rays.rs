@@ -1,0 +1,204 @@
+//! Rays between discs.
+
+use super::disc::{Disc, Discs, NOBODY};
+use super::fan::{axes, sector};
+use crate::numeric::ALONG;
+use glam::{DVec3, Vec2, Vec3A};
+use obvhs::ray::Ray;
+use rayon::prelude::*;
+use std::f32::consts::FRAC_PI_3;
+
+/// Rays start at most so far from their points: the cloud is within the cube from -1 to 1.
+const START: f64 = 8.0;
+
+// Lengths in spacings.
+/// Discs and points nearer than this may be parts of one surface that bends.
+const NEAR: f32 = 3.0;
+/// How far behind a disc that faces the eye a point may be that faces away, and not be hidden.
+const TURNED: f32 = 0.02;
+/// How far the two sides of a plate may be apart.
+const PLATE: f32 = 1.5;
+
+/// The bend of a surface between two points is at most their distance times this part of the chord
+/// between their normals: half of it if it bends evenly.
+const BEND: f32 = 0.5;
+/// Normals with a smaller cosine meet at an edge.
+const EDGE: f32 = 0.7;
+/// Normals of larger cosine are of one smooth surface; front and back at less than minus another.
+const SMOOTH: f32 = 0.5;
+const BACK: f32 = 0.3;
+/// The least cosine of the normals of a plate's sides.
+const PARALLEL: f32 = 0.9;
+
+/// A visible point is hidden if less than this part of its peers is visible, and a hidden one
+/// visible if more than that is: rays that slip through an edge see few points.
+const FEWEST: f32 = 0.4;
+const MOST: f32 = 0.8;
+/// Fewer peers do not count.
+const LEAST_PEERS: usize = 4;
+
+/// The rays that tell whether a point is on a closed body: one along the normal and others around
+/// it, the tangent of their angle to it, and the least part of a spacing that a hit is away.
+const AROUND: usize = 6;
+const SLANT: f32 = 0.5;
+const AWAY: f32 = 0.02;
+/// Discs nearer than a spacing with normals of a larger cosine are the point's own face.
+const OWN_FACE: f32 = 0.7;
+
+impl Disc {
+    /// Whether it covers a place of its plane, relative to its middle.
+    #[inline]
+    fn covers(&self, hit: Vec3A) -> bool {
+        let (u, v) = axes(self.normal);
+        let flat = Vec2::new(hit.dot(u), hit.dot(v));
+        flat.length_squared() <= self.reach[sector(flat)].powi(2)
+    }
+
+    /// Where a ray meets it, and the cosine of the ray's direction and its normal.
+    fn hit(&self, from: Vec3A, direction: Vec3A) -> Option<(f32, f32)> {
+        let down = self.normal.dot(direction);
+        if down.abs() < ALONG {
+            return None;
+        }
+        let far = self.normal.dot(self.at - from) / down;
+        (far > 0.0 && self.covers(from + direction * far - self.at)).then_some((far, down))
+    }
+}
+
+impl Discs {
+    /// Whether each disc can be seen from `eye`.
+    pub(super) fn seen(&self, eye: DVec3) -> Vec<bool> {
+        let seen: Vec<bool> = (0..self.discs.len()).into_par_iter().map(|i| self.is_seen(eye, i)).collect();
+        let judged = |i: usize| {
+            let peers = self.peers[i].iter().filter(|&&j| j != NOBODY);
+            let (count, visible) = peers
+                .fold((0, 0), |(count, visible), &j| (count + 1, visible + usize::from(seen[j as usize])));
+            let share = visible as f32 / count as f32;
+            if count < LEAST_PEERS {
+                seen[i]
+            } else if seen[i] {
+                share >= FEWEST
+            } else {
+                share > MOST
+            }
+        };
+        (0..seen.len()).into_par_iter().map(judged).collect()
+    }
+
+    fn is_seen(&self, eye: DVec3, i: usize) -> bool {
+        let disc = &self.discs[i];
+        let way = eye - disc.at.as_dvec3();
+        let start = disc.at + (way * (START / way.length()).min(1.0)).as_vec3a();
+        if start == disc.at {
+            return true;
+        }
+        if self.is_behind(start, i) {
+            return false;
+        }
+        let away = disc.normal.dot(start - disc.at) < 0.0;
+        if self.oriented { !(away && self.is_on_body(i)) } else { !self.is_in_plate(start, i) }
+    }
+
+    /// Whether a disc hides the point from `start`.
+    fn is_behind(&self, start: Vec3A, i: usize) -> bool {
+        let to = &self.discs[i];
+        let ray = Ray::new(start, to.at - start, 0.0, 1.0);
+        self.any(ray, |j, disc| j != i && self.hides(disc, start, to))
+    }
+
+    /// Whether one of the discs near a ray has a property.
+    fn any(&self, ray: Ray, mut is: impl FnMut(usize, &Disc) -> bool) -> bool {
+        let mut found = false;
+        self.tree.ray_traverse_miss(ray, |_, k| {
+            let j = self.tree.primitive_indices[k] as usize;
+            found |= is(j, &self.discs[j]);
+            if found { f32::NEG_INFINITY } else { f32::INFINITY }
+        });
+        found
+    }
+
+    /// Whether `disc` is between `start` and the point of `to`, which is not a part of the same
+    /// surface.
+    #[inline]
+    fn hides(&self, disc: &Disc, start: Vec3A, to: &Disc) -> bool {
+        let above = disc.normal.dot(start - disc.at);
+        let below = disc.normal.dot(to.at - disc.at);
+        if above * below >= 0.0 {
+            return false;
+        }
+        let step = to.at - start;
+        let away = to.at - disc.at;
+        let near = away.length() < NEAR * disc.spacing.max(to.spacing);
+        let cosine = disc.normal.dot(to.normal);
+        // The point faces away, and the disc does not; by given normals, or as the surface folds.
+        let facing = to.normal.dot(step);
+        let back = self.oriented && cosine < -BACK && facing > 0.0;
+        let fold = near && cosine.abs() > SMOOTH && above * facing * cosine > 0.0;
+        let behind = if back || fold {
+            TURNED * disc.spacing
+        } else {
+            let straight = self.margins.behind * disc.spacing + 2.0 * disc.rough;
+            let bend = (2.0 * (1.0 - cosine.abs())).max(0.0).sqrt();
+            if near && cosine.abs() >= EDGE { straight + BEND * bend * away.length() } else { straight }
+        };
+        if below.abs() <= behind {
+            return false;
+        }
+        if near && !back && !fold {
+            // Two planes of which each is behind the other meet at an edge that hides neither.
+            let before = -to.normal.dot(away) * -facing.signum();
+            if before <= self.margins.behind * disc.spacing {
+                return false;
+            }
+        }
+        disc.covers(start + step * (above / (above - below)) - disc.at)
+    }
+
+    /// Whether a parallel surface is close before the point on the eye's side, so that the point is
+    /// on the far side of a plate: edges of plates have too few points to hide what is behind them.
+    fn is_in_plate(&self, start: Vec3A, i: usize) -> bool {
+        let disc = &self.discs[i];
+        let direction = disc.normal * disc.normal.dot(start - disc.at).signum();
+        let most = PLATE * disc.spacing;
+        self.any(Ray::new(disc.at, direction, 0.0, most), |j, other| {
+            let least = self.margins.plate * disc.spacing + 2.0 * (disc.rough + other.rough);
+            let parallel = other.normal.dot(direction).abs() >= PARALLEL;
+            j != i
+                && parallel
+                && other.hit(disc.at, direction).is_some_and(|(far, _)| far > least && far <= most)
+        })
+    }
+
+    /// Whether most rays from the back of the point first meet a surface from within: it is on a
+    /// closed body, and not on a sheet.
+    fn is_on_body(&self, i: usize) -> bool {
+        let disc = &self.discs[i];
+        let (u, v) = axes(disc.normal);
+        let slanted = |k: usize| {
+            let turn = Vec2::from_angle(k as f32 * FRAC_PI_3);
+            (SLANT * (u * turn.x + v * turn.y) - disc.normal).normalize()
+        };
+        let rays = (0..AROUND).map(slanted).chain([-disc.normal]);
+        let inside = rays.filter(|&direction| self.leaves(i, direction)).count();
+        2 * inside > AROUND + 1
+    }
+
+    /// Whether the first disc that a ray from a point meets is met from behind.
+    fn leaves(&self, i: usize, direction: Vec3A) -> bool {
+        let disc = &self.discs[i];
+        let mut first = (f32::INFINITY, usize::MAX, false);
+        self.any(Ray::new(disc.at, direction, 0.0, f32::INFINITY), |j, other| {
+            let own = |far: f32| other.normal.dot(disc.normal) > OWN_FACE && far < disc.spacing;
+            if j != i
+                && let Some((far, down)) = other.hit(disc.at, direction)
+                && far > AWAY * disc.spacing
+                && !own(far)
+                && (far, j) < (first.0, first.1)
+            {
+                first = (far, j, down > 0.0);
+            }
+            false
+        });
+        first.2
+    }
+}

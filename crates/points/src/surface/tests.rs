@@ -1,0 +1,166 @@
+use super::*;
+use crate::samples::{cases, sphere};
+use glam::Vec3;
+use proptest::prelude::*;
+
+/// Points of a rectangle about one unit apart, moved a little by a rule, with a normal.
+fn rectangle(corner: Vec3, u: Vec3, v: Vec3, normal: Vec3) -> (Vec<Vec3>, Vec<Vec3>) {
+    let (columns, rows) = (u.length() as usize, v.length() as usize);
+    let at = |i: usize| {
+        // The golden ratio spreads the shifts evenly.
+        let shift = |k: f32| 0.5 + 0.3 * ((i as f32 * k).fract() - 0.5);
+        let (x, y) = ((i % columns) as f32 + shift(0.618_034), (i / columns) as f32 + shift(0.754_877));
+        corner + u.normalize() * x + v.normalize() * y
+    };
+    ((0..columns * rows).map(at).collect(), vec![normal; columns * rows])
+}
+
+fn join(parts: Vec<(Vec<Vec3>, Vec<Vec3>)>) -> PointCloud {
+    let (positions, normals) = parts.into_iter().fold((Vec::new(), Vec::new()), |mut all, part| {
+        all.0.extend(part.0);
+        all.1.extend(part.1);
+        all
+    });
+    PointCloud { positions, normals, ..Default::default() }
+}
+
+/// A box of 24 x 24 x `thick` units with its middle at zero.
+fn plate(thick: f32) -> PointCloud {
+    let half = Vec3::new(12.0, 12.0, thick / 2.0);
+    let mut parts = Vec::new();
+    for axis in 0..3 {
+        for side in [-1.0_f32, 1.0] {
+            let (mut n, mut u, mut v) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+            n[axis] = side;
+            u[(axis + 1) % 3] = 2.0 * half[(axis + 1) % 3];
+            v[(axis + 2) % 3] = 2.0 * half[(axis + 2) % 3];
+            if u.length() >= 1.0 && v.length() >= 1.0 {
+                parts.push(rectangle(n * half - u / 2.0 - v / 2.0, u, v, n));
+            }
+        }
+    }
+    join(parts)
+}
+
+/// Both kinds of errors over the truly visible points.
+fn errors(cloud: &PointCloud, eye: DVec3, truth: impl Fn(usize) -> bool) -> f64 {
+    let found = visible(cloud, eye).unwrap();
+    let wrong = (0..cloud.len()).filter(|&i| found[i] != truth(i)).count();
+    wrong as f64 / (0..cloud.len()).filter(|&i| truth(i)).count() as f64
+}
+
+fn bare(cloud: &PointCloud) -> PointCloud {
+    PointCloud { normals: Vec::new(), ..cloud.clone() }
+}
+
+#[test]
+fn the_far_sides_of_boxes_are_hidden() {
+    let eye = DVec3::new(60.0, 45.0, 70.0);
+    // A thick box, and one whose sides are nearer to each other than its points.
+    for (thick, most) in [(24.0, [0.01, 0.02]), (0.6, [0.01, 0.03])] {
+        let cloud = plate(thick);
+        let truth = |i: usize| cloud.normals[i].as_dvec3().dot(eye - cloud.positions[i].as_dvec3()) > 0.0;
+        let found = [errors(&cloud, eye, truth), errors(&bare(&cloud), eye, truth)];
+        assert!(found[0] <= most[0] && found[1] <= most[1], "{thick}: {found:?}");
+    }
+}
+
+#[test]
+fn a_sphere_is_seen_up_to_its_limb() {
+    let places = sphere(4000);
+    let eye = DVec3::new(1.0, 3.0, 2.0);
+    let normals: Vec<Vec3> = places.iter().map(|p| p.as_vec3()).collect();
+    let cloud = PointCloud { positions: normals.clone(), normals, ..Default::default() };
+    let truth = |i: usize| places[i].dot(eye - places[i]) > 0.0;
+    let found = [errors(&cloud, eye, truth), errors(&bare(&cloud), eye, truth)];
+    assert!(found[0] < 0.01 && found[1] < 0.06, "{found:?}");
+}
+
+#[test]
+fn a_sheet_is_seen_from_both_sides() {
+    let sheet = join(vec![rectangle(Vec3::ZERO, Vec3::X * 30.0, Vec3::Y * 30.0, Vec3::Z)]);
+    for z in [40.0, -40.0] {
+        assert!(visible(&sheet, DVec3::new(3.0, 25.0, z)).unwrap().all(), "{z}");
+        assert!(visible(&bare(&sheet), DVec3::new(3.0, 25.0, z)).unwrap().all(), "{z}");
+    }
+}
+
+#[test]
+fn a_room_is_seen_from_within() {
+    let mut room = plate(24.0);
+    room.normals.iter_mut().for_each(|n| *n = -*n);
+    let eye = DVec3::new(3.0, -2.0, 5.0);
+    assert!(errors(&room, eye, |_| true) < 0.005);
+    assert!(errors(&bare(&room), eye, |_| true) < 0.005);
+}
+
+#[test]
+fn a_near_sheet_hides_what_is_behind_it_and_nothing_beside() {
+    let near = rectangle(Vec3::new(-10.0, -10.0, 20.0), Vec3::X * 20.0, Vec3::Y * 20.0, Vec3::Z);
+    let far = rectangle(Vec3::new(-30.0, -30.0, 0.0), Vec3::X * 60.0, Vec3::Y * 60.0, Vec3::Z);
+    let cloud = bare(&join(vec![near, far]));
+    // The shadow is twice as large.
+    let truth = |i: usize| {
+        let p = cloud.positions[i];
+        p.z > 10.0 || p.x.abs().max(p.y.abs()) > 20.0
+    };
+    let found = errors(&cloud, DVec3::new(0.0, 0.0, 40.0), truth);
+    assert!(found < 0.03, "{found}");
+}
+
+#[test]
+fn the_answer_moves_with_the_cloud() {
+    let cloud = plate(6.0);
+    let eye = DVec3::new(50.0, 20.0, 30.0);
+    let here = visible(&cloud, eye).unwrap();
+    let shift = DVec3::new(4e6, -5e6, 3e5);
+    let there = PointCloud { origin: shift, ..cloud.clone() };
+    assert_eq!(visible(&there, eye + shift).unwrap(), here);
+    for scale in [1e-30_f32, 1e30] {
+        // Rounding moves points a little, so that a few answers may change.
+        let scaled = cloud.positions.iter().map(|&p| p * scale).collect();
+        let found =
+            visible(&PointCloud { positions: scaled, ..cloud.clone() }, eye * f64::from(scale)).unwrap();
+        assert!((found ^ &here).count_ones() < 5, "{scale}");
+    }
+    let far = visible(&cloud, eye * 1e9).unwrap();
+    assert!((far ^ &visible(&cloud, eye * 1e3).unwrap()).count_ones() < 20);
+}
+
+#[test]
+fn bad_input_is_an_error() {
+    let cloud = PointCloud { positions: vec![Vec3::ZERO, Vec3::NAN], ..Default::default() };
+    assert_eq!(Surface::new(&cloud).unwrap_err(), SurfaceError::PointNotFinite { index: 1 });
+    let cloud = PointCloud { positions: vec![Vec3::ZERO], normals: vec![Vec3::X; 2], ..Default::default() };
+    assert!(matches!(Surface::new(&cloud), Err(SurfaceError::Length(_))));
+    let one = PointCloud { positions: vec![Vec3::ZERO], ..Default::default() };
+    assert_eq!(visible(&one, DVec3::NAN), Err(SurfaceError::EyeNotFinite));
+    assert!(visible(&one, DVec3::ZERO).unwrap().all());
+    assert!(visible(&PointCloud::default(), DVec3::X).unwrap().is_empty());
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    /// Flat, collinear, equal and wild points and normals make no panic, and points at one place
+    /// have one answer.
+    #[test]
+    fn no_cloud_is_refused_but_by_an_error(
+        points in prop::collection::vec(prop::array::uniform3(prop_oneof![-3..3_i8, -120..120_i8]), 0..80),
+        scale in prop_oneof![Just(1.0), Just(1e-40), Just(2e36_f32)],
+        normals in any::<bool>(),
+        eye in prop::array::uniform3(prop_oneof![-3.0..3.0_f64, Just(f64::MAX), Just(0.0)]),
+    ) {
+        let positions: Vec<Vec3> = points.iter().map(|p| Vec3::from(p.map(f32::from)) * scale).collect();
+        let odd = [Vec3::X, Vec3::ZERO, Vec3::splat(f32::NAN), Vec3::Y * f32::MAX];
+        let normals = if normals { (0..points.len()).map(|i| odd[i % 4]).collect() } else { Vec::new() };
+        let cloud = PointCloud { positions, normals, ..Default::default() };
+        let found = visible(&cloud, DVec3::from(eye)).unwrap();
+        prop_assert_eq!(found.len(), cloud.len());
+        for i in 0..cloud.len() {
+            for j in 0..i {
+                prop_assert!(cloud.positions[i] != cloud.positions[j] || found[i] == found[j]);
+            }
+        }
+    }
+}
