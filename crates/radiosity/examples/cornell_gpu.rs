@@ -1,6 +1,6 @@
-//! The Cornell box with bounces by the graphics processor, beside the processor's, without a window:
-//! `cornell_gpu [FILE.png] [N]`. Positions and normals are those of an application's own pass; here
-//! a ray for each pixel gives them.
+//! The Cornell box with bounces by the graphics processor, beside the processor's, without a
+//! window: `cornell_gpu [FILE.png] [N]`. Positions and normals are those of an application's own
+//! pass; here a ray for each pixel gives them.
 
 use std::error::Error;
 use std::f32::consts::PI;

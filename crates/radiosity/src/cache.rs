@@ -5,12 +5,11 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 
+use crate::colours::Materials;
 use crate::direct::{Lamps, Sources, Spot};
 use crate::error::LightError;
-use crate::filter::Links;
 use crate::input::{Light, Object, Scene, Settings, Sky, check_lights};
-use crate::materials::Materials;
-use crate::numeric::{MOST_RAYS, MOST_STORED};
+use crate::numeric::{MOST_LINKS, MOST_RAYS, MOST_STORED};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
 use crate::surfaces::{Lattice, Skipped, surfaces};
@@ -38,6 +37,9 @@ pub(crate) struct Glow {
     pub(crate) sky: Vec3,
     pub(crate) out: Vec3,
 }
+
+/// The states that one is averaged with, [`crate::voxels::NONE`] where there are fewer.
+pub(crate) type Links = [u32; MOST_LINKS];
 
 /// The starts of each state, found when they are first asked for.
 #[derive(Debug, Clone, Default)]

@@ -7,8 +7,8 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
+use crate::colours::{Colour, Materials};
 use crate::input::{Light, Settings};
-use crate::materials::{Colour, Materials};
 use crate::numeric::{GOLDEN, LIFT};
 use crate::spread::{in_triangle, mix, on_disc, unit};
 use crate::states::mixed;

@@ -8,14 +8,11 @@
 use glam::Vec3;
 use smallvec::SmallVec;
 
-use crate::cache::{Cache, in_parallel};
+use crate::cache::{Cache, Links, in_parallel};
 use crate::numeric::{LINK_HEIGHT, LINK_NORMAL, MOST_LINKS};
 use crate::states::sign;
 use crate::voxels::NONE;
 use crate::walk::around;
-
-/// The states that one is averaged with, [`NONE`] where there are fewer.
-pub(crate) type Links = [u32; MOST_LINKS];
 
 impl Cache {
     /// Averages the indirect light of answers over neighbouring states, so many times: twice takes

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use crate::checks::{bright, numbers, way};
 use crate::error::LightError;
-use crate::materials::{Material, Materials, Texture};
+use crate::materials::{Material, Texture, check_materials};
 use crate::numeric::{ABSURD, MOST_CELLS, MOST_RAYS, OUTLIER};
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
@@ -245,7 +245,7 @@ impl Settings {
 
 impl Scene {
     pub(crate) fn check(&self) -> Result<(), LightError> {
-        Materials::check(&self.materials, &self.textures)?;
+        check_materials(&self.materials, &self.textures)?;
         for (object, o) in self.objects.iter().enumerate() {
             o.check(object, self.materials.len())?;
         }

@@ -60,6 +60,7 @@
 mod cache;
 mod checks;
 mod clip;
+mod colours;
 mod direct;
 mod error;
 mod filter;

@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, Vec3};
 
 use crate::checks::numbers;
-use crate::clip::{Polygon, point_of};
 use crate::error::LightError;
-use crate::numeric::{BRIGHTEST, GOLDEN, TEXEL_SAMPLES};
-use crate::surfaces::Surface;
+use crate::numeric::BRIGHTEST;
 
 /// What a surface does to light.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -100,12 +98,12 @@ impl Texture {
     }
 
     /// The texels of the finest level along both axes.
-    fn size(&self) -> DVec2 {
+    pub(crate) fn size(&self) -> DVec2 {
         DVec2::new(self.levels[0].width.into(), self.levels[0].height.into())
     }
 
     /// The colour at a place, as the mean over about so many texels.
-    fn at(&self, uv: DVec2, texels: f64) -> Vec3 {
+    pub(crate) fn at(&self, uv: DVec2, texels: f64) -> Vec3 {
         // So far out, whole numbers end.
         if !uv.is_finite() || uv.abs().max_element() > f64::from(u32::MAX) {
             return self.levels[self.levels.len() - 1].texels[0];
@@ -115,77 +113,25 @@ impl Texture {
     }
 }
 
-/// The materials of a scene with their textures.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Materials {
-    pub(crate) all: Vec<Material>,
-    pub(crate) textures: Vec<Texture>,
-}
-
-/// Which colour of a material.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Colour {
-    Albedo,
-    Emission,
-}
-
-impl Materials {
-    /// Refuses materials without their textures, and those that scatter more than comes.
-    pub(crate) fn check(materials: &[Material], textures: &[Texture]) -> Result<(), LightError> {
-        let count = textures.len();
-        for (index, m) in materials.iter().enumerate() {
-            let most = |texture: Option<u32>| match texture {
-                None => Ok(Vec3::ONE),
-                Some(t) => match textures.get(t as usize) {
-                    Some(texture) => Ok(texture.most),
-                    None => Err(LightError::Texture { material: index, texture: t, count }),
-                },
-            };
-            let (albedo, emission) = (most(m.albedo_texture)?, most(m.emission_texture)?);
-            // The factors themselves must be sound, also where all texels are 0.
-            numbers("the albedo of material", index, m.albedo, 0.0..=f32::MAX)?;
-            numbers("the albedo of material", index, m.albedo * albedo, 0.0..=1.0)?;
-            numbers("the emission of material", index, m.emission, 0.0..=BRIGHTEST)?;
-            numbers("the emission of material", index, m.emission * emission, 0.0..=BRIGHTEST)?;
-        }
-        Ok(())
-    }
-
-    /// Whether a surface is a lamp.
-    pub(crate) fn emits(&self, surface: &Surface) -> bool {
-        self.all[surface.material as usize].emission.max_element() > 0.0
-    }
-
-    fn colour(&self, surface: &Surface, which: Colour) -> (Vec3, Option<&Texture>) {
-        let m = &self.all[surface.material as usize];
-        let (factor, texture) = match which {
-            Colour::Albedo => (m.albedo, m.albedo_texture),
-            Colour::Emission => (m.emission, m.emission_texture),
+/// Refuses materials without their textures, and those that scatter more than comes.
+pub(crate) fn check_materials(materials: &[Material], textures: &[Texture]) -> Result<(), LightError> {
+    let count = textures.len();
+    for (index, m) in materials.iter().enumerate() {
+        let most = |texture: Option<u32>| match texture {
+            None => Ok(Vec3::ONE),
+            Some(t) => match textures.get(t as usize) {
+                Some(texture) => Ok(texture.most),
+                None => Err(LightError::Texture { material: index, texture: t, count }),
+            },
         };
-        (factor, texture.map(|t| &self.textures[t as usize]))
+        let (albedo, emission) = (most(m.albedo_texture)?, most(m.emission_texture)?);
+        // The factors themselves must be sound, also where all texels are 0.
+        numbers("the albedo of material", index, m.albedo, 0.0..=f32::MAX)?;
+        numbers("the albedo of material", index, m.albedo * albedo, 0.0..=1.0)?;
+        numbers("the emission of material", index, m.emission, 0.0..=BRIGHTEST)?;
+        numbers("the emission of material", index, m.emission * emission, 0.0..=BRIGHTEST)?;
     }
-
-    /// The colour at a point of a surface.
-    pub(crate) fn at(&self, surface: &Surface, point: DVec3, which: Colour) -> Vec3 {
-        let (factor, texture) = self.colour(surface, which);
-        texture.map_or(factor, |t| factor * t.at(surface.coordinates(point), 1.0))
-    }
-
-    /// The mean colour over a part of a surface; `part` gives its polygon.
-    pub(crate) fn over(&self, surface: &Surface, which: Colour, part: impl FnOnce() -> Polygon) -> Vec3 {
-        let (factor, Some(texture)) = self.colour(surface, which) else {
-            return self.colour(surface, which).0;
-        };
-        let part = part();
-        let area = 0.5 * crate::clip::cross(&part).length();
-        let texels = surface.texels(texture.size()) * area / surface.area;
-        let count = f64::from(TEXEL_SAMPLES);
-        let sample = |i: u32| {
-            let (along, across) = ((f64::from(i) + 0.5) / count, (f64::from(i) * GOLDEN + 0.5).fract());
-            texture.at(surface.coordinates(point_of(&part, along * area, across)), texels / count)
-        };
-        factor * (0..TEXEL_SAMPLES).map(sample).sum::<Vec3>() / TEXEL_SAMPLES as f32
-    }
+    Ok(())
 }
 
 #[cfg(test)]

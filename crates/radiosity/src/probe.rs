@@ -12,9 +12,9 @@ use glam::{DVec3, Vec3};
 
 use crate::cache::Cache;
 use crate::checks::{numbers, way};
+use crate::colours::Colour;
 use crate::direct::Spot;
 use crate::error::LightError;
-use crate::materials::Colour;
 use crate::numeric::{LEAST_ROUGH, MOST_RAYS};
 use crate::spread::{Lobe, mix, on_ball};
 use crate::states::lifted;

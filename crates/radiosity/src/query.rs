@@ -76,8 +76,8 @@ impl Cache {
         Ok(Irradiance { direct, indirect, states })
     }
 
-    /// The irradiance that states around a spot hold, direct and indirect; by rays, and then without
-    /// direct light, where there are none.
+    /// The irradiance that states around a spot hold, direct and indirect; by rays, and then
+    /// without direct light, where there are none.
     pub(crate) fn stored(&self, spot: &Spot) -> Vec3 {
         let near = self.ready(spot);
         match near.is_empty() {

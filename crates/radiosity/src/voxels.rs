@@ -7,8 +7,8 @@
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::clip::{cross, inside, part_of, range, touched};
+use crate::colours::{Colour, Materials};
 use crate::error::LightError;
-use crate::materials::{Colour, Materials};
 use crate::numeric::{FLAT, GAP, GROW, LEAST_PART, MOST_REFERENCES, SAME_NORMAL};
 use crate::surfaces::{Lattice, Surface};
 use crate::tree::Tree;

@@ -136,8 +136,8 @@ pub(super) struct Counts {
     unused: [u32; 2],
 }
 
-/// Lights of four vectors each, and lamps of two: the mean radiance and the share of the power up to
-/// it, the triangle's number in two halves and the luminance.
+/// Lights of four vectors each, and lamps of two: the mean radiance and the share of the power up
+/// to it, the triangle's number in two halves and the luminance.
 pub(super) fn sources(cache: &Cache) -> (Counts, Vec<[f32; 4]>) {
     let mut all: Vec<[f32; 4]> = cache.lights.iter().flat_map(|light| vectors(cache, light)).collect();
     let (lamps, power) = cache.lamps.described(&cache.voxels, &cache.materials);

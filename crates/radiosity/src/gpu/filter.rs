@@ -1,20 +1,11 @@
 //! Smoother light on the device: see [`Cache::smooth`].
 
-use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, Device};
+use wgpu::{Buffer, BufferUsages, CommandEncoder, Device};
 
-use super::{GpuCache, GpuError, bind, filled, number, pipeline};
+use super::{Filter, GpuCache, GpuError, bind, filled, number, pipeline};
 use crate::cache::Cache;
 use crate::numeric::MOST_LINKS;
 use crate::voxels::NONE;
-
-/// Links, and two buffers of means that are written in turn.
-#[derive(Debug)]
-pub(super) struct Filter {
-    means: [Buffer; 2],
-    pipeline: ComputePipeline,
-    /// From the light of passes, from the first means and from the second ones.
-    groups: [BindGroup; 3],
-}
 
 impl GpuCache {
     /// Uploads which states may be averaged, for [`GpuCache::smooth`]: once for each upload of the
@@ -47,8 +38,8 @@ impl GpuCache {
     }
 
     /// Averages the indirect light of pictures over neighbouring states, so many times, as
-    /// [`Cache::smooth`] does: after passes. Pictures are of the smoothed light until the next pass.
-    /// Does nothing before [`GpuCache::link`].
+    /// [`Cache::smooth`] does: after passes. Pictures are of the smoothed light until the next
+    /// pass. Does nothing before [`GpuCache::link`].
     pub fn smooth(&mut self, encoder: &mut CommandEncoder, times: u32) {
         self.shown = 0;
         for _ in 0..times {

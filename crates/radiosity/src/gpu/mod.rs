@@ -1,11 +1,11 @@
 //! Passes and answers on the graphics processor of an application: its device comes in, and neither
 //! a window nor a picture of ours.
 //!
-//! Rays of states are gathered by the processor. The device passes light along their stored hits, in
-//! single precision, and all states at once (Jacobi), where the processor takes one after the other: the
-//! same light in the end, after about twice as many passes. It answers by the states around a
-//! point, each behind a short ray against the triangles, as [`Cache::irradiance`] does. Where no
-//! state is seen the processor sends rays; the device has none and says so.
+//! Rays of states are gathered by the processor. The device passes light along their stored hits,
+//! in single precision, and all states at once (Jacobi), where the processor takes one after the
+//! other: the same light in the end, after about twice as many passes. It answers by the states
+//! around a point, each behind a short ray against the triangles, as [`Cache::irradiance`] does.
+//! Where no state is seen the processor sends rays; the device has none and says so.
 
 mod data;
 mod filter;
@@ -50,6 +50,15 @@ pub enum GpuError {
     },
 }
 
+/// Links, and two buffers of means that are written in turn.
+#[derive(Debug)]
+struct Filter {
+    means: [Buffer; 2],
+    pipeline: ComputePipeline,
+    /// From the light of passes, from the first means and from the second ones.
+    groups: [BindGroup; 3],
+}
+
 /// A cache on the device: its states, hits, entries and triangles.
 #[derive(Debug)]
 pub struct GpuCache {
@@ -70,7 +79,7 @@ pub struct GpuCache {
     sources: [Buffer; 2],
     count: Buffer,
     blocks: Buffer,
-    filter: Option<filter::Filter>,
+    filter: Option<Filter>,
     /// 0 for the light of passes, else 1 more than the number of the means.
     shown: usize,
 }

@@ -80,7 +80,8 @@ impl GpuCache {
     /// WGSL with functions for a shader of the application, which is bound by
     /// [`Self::bind_group`] to a group:
     ///
-    /// - `casca_irradiance(point: vec3f, normal: vec3f) -> vec4f`: the indirect irradiance of a point
+    /// - `casca_irradiance(point: vec3f, normal: vec3f) -> vec4f`: the indirect irradiance of a
+    ///   point
     ///   in metres with a unit normal, and 1 if states gave it;
     /// - with [`Answers::All`] also `casca_direct(point: vec3f, normal: vec3f) -> vec3f`, and
     ///   `casca_light_of` with the sum, as the first.
@@ -109,8 +110,8 @@ impl GpuCache {
     /// The bind group of [`Self::wgsl`] for a pipeline's layout of that group. The layout must have
     /// all of its bindings: 0 to 6, and with [`Answers::All`] to 8.
     ///
-    /// Ask for it anew after [`GpuCache::set_direct`], which may replace the list of lights, and after
-    /// [`GpuCache::smooth`] and passes, which change the buffer of the light that is shown.
+    /// Ask for it anew after [`GpuCache::set_direct`], which may replace the list of lights, and
+    /// after [`GpuCache::smooth`] and passes, which change the buffer of the light that is shown.
     pub fn bind_group(&self, device: &Device, layout: &wgpu::BindGroupLayout, answers: Answers) -> BindGroup {
         let mut all: Vec<_> = self.lookup.iter().chain([self.answers()]).collect();
         if answers == Answers::All {

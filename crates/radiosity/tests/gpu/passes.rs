@@ -67,7 +67,8 @@ fn other_direct_light_is_sent_with_the_light_that_is_there() {
         });
         assert!(apart(&gpu, &light, &cache) < 1e-5);
     }
-    // The next pass reads other direct light with the indirect light of before, as a fresh upload does.
+    // The next pass reads other direct light with the indirect light of before, as a fresh upload
+    // does.
     let mut cache = cache;
     cache.set_lights(&[lamp(Vec3::new(0.6, 0.4, 3.3), 20.0)]).unwrap();
     cache.direct();
