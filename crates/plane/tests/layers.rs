@@ -1,7 +1,7 @@
 //! Layers of objects, results that are kept, doors, and what is stored.
 
 use casca_plane::{
-    BitGrid, Disc, Error, FieldOfView, FovOptions, GridSpec, Method, ObjectDesc, Query, Rect, Scene, Segment,
+    BitGrid, Disc, Error, FieldOfView, FovOptions, GridSpec, Method, ObjectDesc, Query, Rect, Scene,
     TileLayer, TilePoint, View,
 };
 use glam::{UVec2, Vec2};
@@ -123,7 +123,7 @@ fn shapes_and_options_are_stored() {
     let shapes: [Shape; 5] = [
         Disc::new(Vec2::new(0.1, -7.3), 2.5).into(),
         Rect::new(Vec2::ZERO, Vec2::ONE).into(),
-        Segment::new(Vec2::ZERO, Vec2::ONE).into(),
+        casca_plane::Segment::new(Vec2::ZERO, Vec2::ONE).into(),
         ConvexPolygon::new(&corners).unwrap().into(),
         Polyline::new(&corners).unwrap().into(),
     ];
