@@ -195,8 +195,9 @@ fn gallery() -> Case {
         ([10.0, -0.01, 0.0, 10.2, 3.5, 5.0], 0),
         ([4.0, 0.0, 2.1, 6.0, 0.45, 2.9], 1),
     ];
-    let tile =
-        |i: u32| if (i % 20 + i / 20) % 2 == 0 { Vec3::splat(0.75) } else { Vec3::new(0.12, 0.1, 0.1) };
+    let tile = |i: u32| {
+        if (i % 20 + i / 20).is_multiple_of(2) { Vec3::splat(0.75) } else { Vec3::new(0.12, 0.1, 0.1) }
+    };
     let mut textured = vec![Picture {
         corner: Vec3::new(0.0, 0.0, 5.0),
         u: Vec3::X * 10.0,
