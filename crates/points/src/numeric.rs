@@ -88,6 +88,10 @@ pub(crate) const SAME_DIRECTION: f32 = 1e-6;
 /// would is off by a thousand roundings.
 pub(crate) const ALONG: f32 = 1e-3;
 
+/// Eyes farther than this from a cloud of about unit size are taken to be as far: their rays are
+/// parallel in double precision, and squares of such a distance are finite.
+pub(crate) const FARTHEST_EYE: f64 = 1e100;
+
 /// How much larger boxes of discs are, as a part of their size and place: some hundred roundings of
 /// single precision, so that no ray that meets a disc misses its box.
 pub(crate) const BOX: f32 = 1e-5;

@@ -24,6 +24,7 @@ mod tests;
 
 use crate::PointCloud;
 use crate::hull::MAX_POINTS;
+use crate::numeric::FARTHEST_EYE;
 use bitvec::vec::BitVec;
 use disc::Discs;
 use glam::DVec3;
@@ -89,7 +90,12 @@ impl Surface {
         if !eye.is_finite() {
             return Err(SurfaceError::EyeNotFinite);
         }
-        let seen = self.0.seen((eye - self.0.frame.middle) * self.0.frame.scale);
+        let way = eye - self.0.frame.middle;
+        let most = way.abs().max_element();
+        // The product may be infinite.
+        let scale = self.0.frame.scale;
+        let factor = if most * scale > FARTHEST_EYE { FARTHEST_EYE / most } else { scale };
+        let seen = self.0.seen(way * factor);
         Ok(self.0.disc_of.iter().map(|&disc| seen[disc as usize]).collect())
     }
 }

@@ -137,6 +137,9 @@ fn bad_input_is_an_error() {
     assert_eq!(visible(&one, DVec3::NAN), Err(SurfaceError::EyeNotFinite));
     assert!(visible(&one, DVec3::ZERO).unwrap().all());
     assert!(visible(&PointCloud::default(), DVec3::X).unwrap().is_empty());
+    // The cloud is made larger by so much that the eye's place is infinite there.
+    let tiny = PointCloud { positions: [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p * 1e-40).into(), ..one };
+    assert!(visible(&tiny, DVec3::new(0.0, f64::MAX, f64::MAX)).unwrap().any());
 }
 
 proptest! {
