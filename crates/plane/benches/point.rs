@@ -6,25 +6,14 @@ use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{UVec2, Vec2};
 
+#[path = "random/mod.rs"]
+mod random;
+
+use random::Random;
+
 const VIEWS: u32 = 8;
 
 const WALLS: [u32; 4] = [100, 1_000, 10_000, 100_000];
-
-/// Random numbers from 0 to 1 (Weyl sequence, mixed as in SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn point(&mut self, size: f32) -> Vec2 {
-        Vec2::new(self.next(), self.next()) * size
-    }
-}
 
 fn scene(size: f32) -> Scene {
     let dims = UVec2::splat(size as u32 + 2);

@@ -10,34 +10,18 @@ use std::time::Instant;
 use casca_plane::{GridSpec, ObjectDesc, Query, Rect, Scene, Segment, View};
 use glam::Vec2;
 
+#[path = "random/mod.rs"]
+mod random;
 #[path = "sweep/mod.rs"]
 mod sweep;
+
+use random::Random;
 
 /// Views of a scene, and how often each is measured.
 const VIEWS: usize = 16;
 const ROUNDS: usize = 15;
 
 const COUNTS: [usize; 3] = [100, 1_000, 10_000];
-
-/// Random numbers from 0 to 1 (Weyl sequence, mixed as in SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn point(&mut self, size: f32) -> Vec2 {
-        Vec2::new(self.next(), self.next()) * size
-    }
-
-    fn direction(&mut self) -> Vec2 {
-        Vec2::from_angle(self.next() * std::f32::consts::TAU)
-    }
-}
 
 /// A kind of scene by its name.
 type Maker = (&'static str, fn(usize) -> Plan);
@@ -83,12 +67,15 @@ fn ring(walls: usize) -> Plan {
     ((0..walls).map(wall).collect(), size)
 }
 
+/// The length of a post, in metres.
+const POST: f32 = 1e-4;
+
 /// Posts that hide next to nothing: everything is in sight.
 fn open(walls: usize) -> Plan {
     let (size, mut random) = (side(walls), Random(4));
     let wall = |_| {
         let a = random.point(size);
-        Segment::new(a, a + random.direction() * 1e-4)
+        Segment::new(a, a + random.direction() * POST)
     };
     ((0..walls).map(wall).collect(), size)
 }

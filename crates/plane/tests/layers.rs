@@ -1,4 +1,4 @@
-//! Layers of objects, results that are kept, doors, and what is stored.
+//! Layers of objects, the validity of kept results, doors, and stored values.
 
 use casca_plane::{
     BitGrid, Disc, Error, FieldOfView, FovOptions, GridSpec, Method, ObjectDesc, Query, Rect, Scene,

@@ -134,7 +134,7 @@ pub struct Cache {
     pub(crate) glow: Vec<Glow>,
     /// States with rays, in order.
     pub(crate) gathered: Vec<u32>,
-    /// By gathered state, in their order, what it is averaged with; empty if not known.
+    /// The links of each gathered state, in the order of these; empty if they are not known.
     pub(crate) links: Vec<Links>,
     /// By state; empty if nothing was smoothed since the light changed.
     pub(crate) smoothed: Vec<Vec3>,

@@ -18,7 +18,9 @@ use crate::voxels::Voxels;
 #[derive(Debug, Clone, Copy)]
 struct Lamp {
     surface: u32,
-    /// Luminance of its mean radiance.
+    /// The mean over it.
+    radiance: Vec3,
+    /// Luminance of the radiance.
     bright: f64,
     /// The share of the power of all lamps that lies before it and in it.
     share: f64,
@@ -51,13 +53,14 @@ impl Lamps {
     pub(crate) fn new(voxels: &Voxels, materials: &Materials) -> Self {
         let (mut all, mut power) = (Vec::new(), 0.0);
         for (i, s) in voxels.surfaces.iter().enumerate().filter(|(_, s)| materials.emits(s)) {
-            let bright = luminance(materials.over(s, Colour::Emission, || s.polygon()));
+            let radiance = materials.over(s, Colour::Emission, || s.polygon());
+            let bright = luminance(radiance);
             // A texture may be dark here.
             if bright == 0.0 {
                 continue;
             }
             power += bright * s.area;
-            all.push(Lamp { surface: i as u32, bright, share: power });
+            all.push(Lamp { surface: i as u32, radiance, bright, share: power });
         }
         all.iter_mut().for_each(|l| l.share /= power);
         Self { all }
@@ -70,15 +73,9 @@ impl Lamps {
     /// Each lamp's triangle, mean radiance, luminance and share up to it; and the power of all:
     /// luminance times square cells.
     #[cfg(feature = "gpu")]
-    pub(crate) fn described(
-        &self,
-        voxels: &Voxels,
-        materials: &Materials,
-    ) -> (Vec<(u32, Vec3, f64, f64)>, f64) {
-        let surface = |l: &Lamp| &voxels.surfaces[l.surface as usize];
-        let radiance = |s: &crate::surfaces::Surface| materials.over(s, Colour::Emission, || s.polygon());
-        let of = |l: &Lamp| (l.surface, radiance(surface(l)), l.bright, l.share);
-        let power = self.all.iter().map(|l| l.bright * surface(l).area).sum();
+    pub(crate) fn described(&self, voxels: &Voxels) -> (Vec<(u32, Vec3, f64, f64)>, f64) {
+        let of = |l: &Lamp| (l.surface, l.radiance, l.bright, l.share);
+        let power = self.all.iter().map(|l| l.bright * voxels.surfaces[l.surface as usize].area).sum();
         (self.all.iter().map(of).collect(), power)
     }
 

@@ -58,7 +58,7 @@ impl Level {
         row(y).lerp(row(y + 1), share.y)
     }
 
-    /// Half as many texels along each axis, rounded up: each the mean of what it covers.
+    /// Half as many texels along each axis, rounded up. Each is the mean of those that it covers.
     fn half(&self) -> Self {
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
         // An odd edge has a last texel that covers one alone.

@@ -161,6 +161,11 @@ pub(crate) const ANSWER_AREA: f64 = 0.2;
 #[cfg(feature = "gpu")]
 pub(crate) const MOST_STEPS: u32 = 16;
 
+/// The share of a lamp in the power of all counts as at least this on the device, where single
+/// precision may round it to 0.
+#[cfg(feature = "gpu")]
+pub(crate) const LEAST_SHARE: f64 = 1e-30;
+
 /// Cells and bricks that a ray crosses on the device at most: three times 514, and one.
 #[cfg(feature = "gpu")]
 pub(crate) const MOST_WALK: u32 = 3 * (MOST_CELLS + 2) + 1;

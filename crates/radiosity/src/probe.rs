@@ -33,6 +33,7 @@ pub struct Probe {
 
 /// The harmonics in a direction.
 fn harmonics(d: Vec3) -> [f32; 9] {
+    // The roots of 3 and 15 over 4 pi: those of order 1 and 2.
     let (a, b) = (0.488_602_5, 1.092_548_4);
     [
         0.282_094_8,

@@ -5,9 +5,13 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use crate::point::arcs::{EXACTLY, Ray, order, quarter};
+
 use crate::{
     ConvexPolygon, Disc, GridSpec, ObjectDesc, ObjectId, Polyline, Query, Rect, Scene, Segment, Shape, View,
 };
+
+/// Keys that differ by less count as near: a rounding or two of single precision.
+const NEAR_KEYS: f64 = 1e-7;
 
 /// All that a query says: the set, the polygon, and which points it sees.
 type Answer = (Vec<ObjectId>, Vec<[u32; 2]>, Vec<bool>);
@@ -119,7 +123,7 @@ fn keys_tell_no_order_that_is_not_so() {
         EXACTLY.set(true);
         assert_eq!(quick, order(eye, &rays[0], &rays[1]), "{eye} {p} {q}");
         EXACTLY.set(false);
-        near += u32::from((rays[0].key - rays[1].key).abs() < 1e-7);
+        near += u32::from((rays[0].key - rays[1].key).abs() < NEAR_KEYS);
     }
     assert!(near > 10_000, "{near}");
 }

@@ -27,7 +27,7 @@ const SMALL: u64 = 1 << 24;
 /// Coordinates of tiles, at most.
 const FARTHEST: i64 = 1 << 30;
 
-/// The tiles of a map that block sight, and what is amiss with it: see [`TmxImport::read_map`].
+/// The tiles of a map that block sight, and warnings about the map: see [`TmxImport::read_map`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TmxMap {
     /// The tiles that block.

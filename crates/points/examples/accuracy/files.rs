@@ -47,7 +47,8 @@ fn add(triangles: &mut Vec<[Vec3; 3]>, node: &gltf::Node, above: Mat4, blob: &[u
             None => (0..positions.len() as u32).collect(),
         };
         let corners = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|i| positions[i as usize]));
-        triangles.extend(corners.filter(|[a, b, c]| (b - a).cross(c - a).length() > 1e-12));
+        triangles
+            .extend(corners.filter(|[a, b, c]| (b - a).cross(c - a).length() > crate::scenes::LEAST_CROSS));
     }
     node.children().for_each(|child| add(triangles, &child, here, blob));
 }

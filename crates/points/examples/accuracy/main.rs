@@ -46,6 +46,9 @@ fn text([visible, false_visible, false_hidden]: Counts) -> String {
     format!("{sum:5.1} ({:4.1} + {:4.1})", percent(false_visible), percent(false_hidden))
 }
 
+/// The near plane of cameras over the distance of the farthest point.
+const NEAR: f32 = 1e-4;
+
 /// The points that a camera to each of six sides finds visible.
 fn by_splats(points: &[Vec3], eye: Vec3, auto: &AutoSettings) -> Result<Vec<Option<bool>>, Box<dyn Error>> {
     let mut all = vec![None; points.len()];
@@ -53,7 +56,7 @@ fn by_splats(points: &[Vec3], eye: Vec3, auto: &AutoSettings) -> Result<Vec<Opti
     for (axis, up) in [(Vec3::X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::Z, Vec3::Y)] {
         for way in [axis, -axis] {
             let right_angle = std::f32::consts::FRAC_PI_2;
-            let (near, far) = (1e-4 * farthest, 2.0 * farthest);
+            let (near, far) = (NEAR * farthest, 2.0 * farthest);
             let camera = Camera::look_at(eye, eye + way, up, right_angle, (1024, 1024), near, far)?;
             let found = splat::visible_points(points, &camera, &auto.splats())?.visible;
             for ((answer, found), p) in all.iter_mut().zip(found.iter().by_vals()).zip(points) {

@@ -6,6 +6,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::{PI, TAU};
 
+/// Triangles of which twice the area is less, in square metres, are lines.
+pub const LEAST_CROSS: f32 = 1e-12;
+
 /// Triangles, and eyes that look at them.
 pub struct Scene {
     pub name: String,
@@ -85,7 +88,7 @@ impl Build {
     }
 
     fn scene(self, name: &str, eyes: &[Vec3]) -> Scene {
-        let whole = |t: &&[Vec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length() > 1e-12;
+        let whole = |t: &&[Vec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length() > LEAST_CROSS;
         Scene {
             name: name.into(),
             triangles: self.0.iter().filter(whole).copied().collect(),

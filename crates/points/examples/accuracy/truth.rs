@@ -74,6 +74,12 @@ pub fn sample(scene: &Scene, count: usize, spread: Spread, seed: u64) -> Samples
     samples
 }
 
+/// Boxes of triangles are larger by so much, in metres: the tree finds them in single precision.
+const GROWN: f32 = 1e-4;
+
+/// The share of a segment at its end that crosses nothing: the point lies on its own surface there.
+const END: f64 = 1e-5;
+
 /// Whether `eye` sees each point: no triangle but its own is between them.
 pub fn seen(scene: &Scene, samples: &Samples, eye: Vec3) -> BitVec {
     let bounds: Vec<Aabb> = scene
@@ -81,7 +87,7 @@ pub fn seen(scene: &Scene, samples: &Samples, eye: Vec3) -> BitVec {
         .iter()
         .map(|t| {
             let [a, b, c] = t.map(Vec3A::from);
-            Aabb { min: a.min(b).min(c) - 1e-4, max: a.max(b).max(c) + 1e-4 }
+            Aabb { min: a.min(b).min(c) - GROWN, max: a.max(b).max(c) + GROWN }
         })
         .collect();
     let tree = build_bvh2(&bounds, BvhBuildParams::medium_build(), &mut Duration::default());
@@ -103,7 +109,7 @@ fn hidden(scene: &Scene, tree: &Bvh2, point: Vec3, own: u32, eye: Vec3) -> bool 
     hidden
 }
 
-/// Whether the segment crosses the triangle (Möller & Trumbore 1997), but at its last 1e-5.
+/// Whether the segment crosses the triangle (Möller & Trumbore 1997), but at its end: see [`END`].
 fn crosses(from: DVec3, step: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let (u, v) = (b - a, c - a);
     let p = step.cross(v);
@@ -114,5 +120,5 @@ fn crosses(from: DVec3, step: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let t = from - a;
     let q = t.cross(u);
     let (x, y, z) = (t.dot(p) / det, step.dot(q) / det, v.dot(q) / det);
-    x >= 0.0 && y >= 0.0 && x + y <= 1.0 && z > 0.0 && z < 1.0 - 1e-5
+    x >= 0.0 && y >= 0.0 && x + y <= 1.0 && z > 0.0 && z < 1.0 - END
 }

@@ -55,7 +55,7 @@ const PEER_TURN: f32 = 0.8;
 /// A neighbour: its number, and its place relative to the point.
 type Near = (u32, Vec3A);
 
-/// Positions within the cube from -1 to 1, one for each place, and what is known of them.
+/// Positions within the cube from -1 to 1, one for each place, with their normals and neighbours.
 struct Input {
     places: Vec<Vec3A>,
     /// Empty if none are given.

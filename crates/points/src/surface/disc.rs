@@ -1,4 +1,4 @@
-//! Discs, and what is known of all of them.
+//! One disc, and the discs of a whole cloud.
 
 use super::fan::SECTORS;
 use glam::{DVec3, Vec3A};

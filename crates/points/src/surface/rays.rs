@@ -155,7 +155,7 @@ impl Discs {
     }
 
     /// Whether a parallel surface is close before the point on the eye's side, so that the point is
-    /// on the far side of a plate: edges of plates have too few points to hide what is behind them.
+    /// on the far side of a plate: rays slip past the edges of plates, which have few points.
     fn is_in_plate(&self, start: Vec3A, i: usize) -> bool {
         let disc = &self.discs[i];
         let direction = disc.normal * disc.normal.dot(start - disc.at).signum();

@@ -140,7 +140,7 @@ pub(super) struct Counts {
 /// to it, the triangle's number in two halves and the luminance.
 pub(super) fn sources(cache: &Cache) -> (Counts, Vec<[f32; 4]>) {
     let mut all: Vec<[f32; 4]> = cache.lights.iter().flat_map(|light| vectors(cache, light)).collect();
-    let (lamps, power) = cache.lamps.described(&cache.voxels, &cache.materials);
+    let (lamps, power) = cache.lamps.described(&cache.voxels);
     for (number, radiance, bright, share) in &lamps {
         // Halves of the number are exact in single precision.
         let [low, high] = [number % LOW, number / LOW].map(|n| n as f32);

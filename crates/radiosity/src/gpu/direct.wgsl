@@ -168,7 +168,7 @@ fn casca_choice(i: u32, spot: vec3f, normal: vec3f, turn: vec2f) -> CascaChoice 
     }
     let before = select(casca_sources[first + 2u * max(low, 1u) - 2u].w, 0.0, low == 0u);
     let part = casca_sources[first + 2u * low].w - before;
-    let inside = clamp((along - before) / max(part, 1e-30), 0.0, 1.0);
+    let inside = clamp((along - before) / max(part, LEAST_SHARE), 0.0, 1.0);
     let across = casca_golden(i, turn.y);
     let halves = casca_sources[first + 2u * low + 1u];
     let triangle = casca_triangles[u32(halves.x) + LOW * u32(halves.z)];

@@ -10,7 +10,8 @@ use wgpu::{BindGroup, BufferUsages, CommandEncoder, ComputePipeline, Device, Tex
 use super::data::LOW;
 use super::{GpuCache, bind, number, pipeline};
 use crate::numeric::{
-    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, LIFT, MOST_STEPS, MOST_WALK, NO_WAY,
+    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, LEAST_SHARE, LIFT, MOST_STEPS,
+    MOST_WALK, NO_WAY,
 };
 
 /// Which light is found.
@@ -97,6 +98,7 @@ impl GpuCache {
             ("ANSWER_AREA", ANSWER_AREA),
             ("FAR", FAR),
             ("NO_WAY", f64::from(NO_WAY)),
+            ("LEAST_SHARE", LEAST_SHARE),
             ("TURN", f64::from(2.0 * PI)),
         ];
         let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n")).concat();
