@@ -76,8 +76,8 @@ impl Default for TmxImport {
 
 impl TmxImport {
     /// The tiles of a file that block sight, column and row as in the editor; shifts of layers do
-    /// not count. [`Self::read_map`] reads more, and warns of parts that it passed over. Tilesets in files of
-    /// their own are looked for from the folder of the map.
+    /// not count. [`Self::read_map`] reads more, and warns of parts that it passed over. Tilesets
+    /// in files of their own are looked for from the folder of the map.
     ///
     /// Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip or not at all. The
     /// cost is linear in the bytes of the files and the number of tiles.
