@@ -18,7 +18,8 @@ use crate::voxels::Voxels;
 #[derive(Debug, Clone, Copy)]
 struct Lamp {
     surface: u32,
-    /// The mean over it.
+    /// The mean over it; only a device asks, which reads no textures of lamps.
+    #[cfg(feature = "gpu")]
     radiance: Vec3,
     /// Luminance of the radiance.
     bright: f64,
@@ -60,7 +61,13 @@ impl Lamps {
                 continue;
             }
             power += bright * s.area;
-            all.push(Lamp { surface: i as u32, radiance, bright, share: power });
+            all.push(Lamp {
+                surface: i as u32,
+                #[cfg(feature = "gpu")]
+                radiance,
+                bright,
+                share: power,
+            });
         }
         all.iter_mut().for_each(|l| l.share /= power);
         Self { all }
