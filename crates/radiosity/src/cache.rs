@@ -10,6 +10,7 @@ use crate::direct::{Lamps, Sources, Spot};
 use crate::error::LightError;
 use crate::input::{Light, Object, Scene, Settings, Sky, check_lights};
 use crate::numeric::{MOST_LINKS, MOST_RAYS, MOST_STORED};
+use crate::queues::{Unlit, Waiting, Wish};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
 use crate::surfaces::{Lattice, Skipped, surfaces};
@@ -138,10 +139,8 @@ pub struct Cache {
     pub(crate) links: Vec<Links>,
     /// By state; empty if nothing was smoothed since the light changed.
     pub(crate) smoothed: Vec<Vec3>,
-    /// Whether a state waits for rays.
-    pub(crate) wanted: Vec<bool>,
-    /// Those that wait.
-    pub(crate) ring: Vec<u32>,
+    pub(crate) waiting: Waiting,
+    pub(crate) unlit: Unlit,
     /// Passes in place so far: they run forwards and backwards in turn.
     pub(crate) passes: u32,
 }
@@ -179,8 +178,8 @@ impl Cache {
             gathered: Vec::new(),
             links: Vec::new(),
             smoothed: Vec::new(),
-            wanted: vec![false; states],
-            ring: Vec::new(),
+            waiting: Waiting::new(states),
+            unlit: Unlit::default(),
             passes: 0,
         })
     }
@@ -189,18 +188,16 @@ impl Cache {
         self.starts.of(&self.voxels, state, self.settings.seed)
     }
 
-    /// Asks for a state, if it has neither rays nor waits for them.
-    pub(crate) fn want(&mut self, state: u32) {
-        let at = state as usize;
-        if !self.wanted[at] && self.blocks[at].count == 0 {
-            self.wanted[at] = true;
-            self.ring.push(state);
+    /// Asks for a state, if it has no rays.
+    pub(crate) fn want(&mut self, state: u32, wish: Wish) {
+        if self.blocks[state as usize].count == 0 {
+            self.waiting.add(state, wish);
         }
     }
 
     /// Asks for the states of all surfaces, also of those that nobody sees.
     pub fn request_all(&mut self) {
-        (0..self.voxels.states()).for_each(|s| self.want(s));
+        (0..self.voxels.states()).for_each(|s| self.want(s, Wish::Asked));
     }
 
     /// Sends so many rays from each state that waits, and lets the states wait that they hit;
@@ -210,36 +207,42 @@ impl Cache {
     /// # Errors
     /// If no state has so many rays, or too many rays would be stored.
     pub fn gather_ring(&mut self, rays: u32) -> Result<usize, LightError> {
+        self.check_room(rays, self.waiting.count())?;
+        let ring = self.waiting.take_all();
+        self.gather_states(&ring, rays);
+        Ok(self.waiting.count())
+    }
+
+    /// Whether so many states may store so many rays each.
+    pub(crate) fn check_room(&self, rays: u32, states: usize) -> Result<(), LightError> {
         if !(1..=MOST_RAYS).contains(&rays) {
             return Err(LightError::Rays { what: "rays", value: rays });
         }
-        let more = self.ring.len().saturating_mul(rays as usize);
-        let needed = self.rays.len().saturating_add(more);
-        if needed > MOST_STORED {
-            return Err(LightError::TooManyRays { rays: needed });
-        }
-        let mut ring = std::mem::take(&mut self.ring);
-        ring.sort_unstable();
-        let found = in_parallel(&ring, self.settings.threads, |&state| self.trace(state, rays));
+        let needed = self.rays.len().saturating_add(states.saturating_mul(rays as usize));
+        if needed > MOST_STORED { Err(LightError::TooManyRays { rays: needed }) } else { Ok(()) }
+    }
+
+    /// Sends rays from states that have none, and lets the states wait that they hit.
+    pub(crate) fn gather_states(&mut self, ring: &[u32], rays: u32) {
+        let found = in_parallel(ring, self.settings.threads, |&state| self.trace(state, rays));
         for (&state, mut of_state) in ring.iter().zip(found) {
             let first = self.rays.len() as u32;
-            self.wanted[state as usize] = false;
             self.blocks[state as usize] = Block { first, count: rays };
             self.gathered.push(state);
             self.rays.append(&mut of_state);
         }
-        for state in ring {
+        for &state in ring {
             for i in self.blocks[state as usize].range() {
                 let target = self.rays[i].target;
                 if target < DARK {
-                    self.want(target);
+                    self.want(target, Wish::Hit);
                 }
             }
             self.sum_sky(state);
         }
         self.gathered.sort_unstable();
+        self.unlit.add_new(ring);
         self.forget_means();
-        Ok(self.ring.len())
     }
 
     /// Gathers ring by ring until no state waits. Rays are sent once: they are stored, and need not
@@ -248,7 +251,7 @@ impl Cache {
     /// # Errors
     /// See [`Cache::gather_ring`].
     pub fn gather(&mut self, rays: u32) -> Result<(), LightError> {
-        while !self.ring.is_empty() {
+        while self.waiting.count() > 0 {
             self.gather_ring(rays)?;
         }
         Ok(())
@@ -294,9 +297,16 @@ impl Cache {
 
     /// Finds the direct light of all gathered states anew, by shadow rays.
     pub fn direct(&mut self) {
-        let found = in_parallel(&self.gathered, self.settings.threads, |&state| self.direct_of(state));
-        for (i, direct) in found.into_iter().enumerate() {
-            let state = self.gathered[i];
+        let all = std::mem::take(&mut self.gathered);
+        self.light(&all);
+        self.gathered = all;
+        self.unlit.clear();
+    }
+
+    /// Finds the direct light of some states.
+    pub(crate) fn light(&mut self, states: &[u32]) {
+        let found = in_parallel(states, self.settings.threads, |&state| self.direct_of(state));
+        for (&state, direct) in states.iter().zip(found) {
             self.glow[state as usize].direct = direct;
             self.send(state);
         }
@@ -364,6 +374,7 @@ impl Cache {
     pub fn set_lights(&mut self, lights: &[Light]) -> Result<(), LightError> {
         check_lights(lights)?;
         self.lights = lights.to_vec();
+        self.unlit.add_all(&self.gathered, self.glow.len());
         Ok(())
     }
 

@@ -13,6 +13,7 @@ use crate::direct::Lamps;
 use crate::error::LightError;
 use crate::input::Object;
 use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_STARTS};
+use crate::queues::{Waiting, Wish};
 use crate::states::{Bundle, DARK, SKY};
 use crate::surfaces::{Skipped, Surface, surfaces};
 use crate::tree::within;
@@ -36,10 +37,16 @@ pub struct Moved {
 /// The box of what moved, in cells.
 type Bounds = (DVec3, DVec3);
 
-/// The boxes of an object's triangles before and after.
-fn bounds_of(surfaces: &[Surface], object: u32) -> Option<Bounds> {
-    let corners = surfaces.iter().filter(|s| s.object == object).flat_map(|s| s.corners);
-    corners.fold(None, |b: Option<Bounds>, p| Some(b.map_or((p, p), |(l, h)| (l.min(p), h.max(p)))))
+/// The boxes of some objects' triangles, whose numbers are sorted. O(triangles log objects).
+fn bounds_of(surfaces: &[Surface], objects: &[u32]) -> Vec<Bounds> {
+    let mut boxes: Vec<Option<Bounds>> = vec![None; objects.len()];
+    for s in surfaces {
+        let Ok(at) = objects.binary_search(&s.object) else { continue };
+        for p in s.corners {
+            boxes[at] = Some(boxes[at].map_or((p, p), |(l, h)| (l.min(p), h.max(p))));
+        }
+    }
+    boxes.into_iter().flatten().collect()
 }
 
 /// Whether a point is in a box that is grown by a margin.
@@ -64,29 +71,38 @@ impl Cache {
     /// If there is no such object, a triangle names no material, or the triangles touch too many
     /// cells; then nothing changes.
     pub fn set_object(&mut self, object: usize, new: Object) -> Result<Moved, LightError> {
+        self.set_objects(vec![(object, new)])
+    }
+
+    /// The same for several objects, by their numbers: for all that move in a frame, since cells
+    /// are made anew once. Of two with one number the last counts.
+    ///
+    /// # Errors
+    /// As [`Cache::set_object`].
+    pub fn set_objects(&mut self, new: Vec<(usize, Object)>) -> Result<Moved, LightError> {
         let count = self.objects.len();
-        if object >= count {
-            return Err(LightError::Object { object, count });
-        }
-        new.check(object, self.materials.all.len())?;
-        let old = std::mem::replace(&mut self.objects[object], new);
-        let lattice = self.voxels.lattice;
-        let mut skipped = Skipped::default();
-        let all = surfaces(&self.objects, &lattice, &mut skipped);
-        let voxels = match Voxels::new(lattice, all, &self.materials) {
-            Ok(voxels) => voxels,
-            Err(error) => {
-                self.objects[object] = old;
-                return Err(error);
+        for (object, new) in &new {
+            if *object >= count {
+                return Err(LightError::Object { object: *object, count });
             }
-        };
+            new.check(*object, self.materials.all.len())?;
+        }
+        let mut objects = self.objects.clone();
+        let mut changed = Vec::new();
+        for (object, new) in new {
+            objects[object] = new;
+            changed.push(object as u32);
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        let mut skipped = Skipped::default();
+        let all = surfaces(&objects, &self.voxels.lattice, &mut skipped);
+        let voxels = Voxels::new(self.voxels.lattice, all, &self.materials)?;
+        self.objects = objects;
         self.skipped = skipped;
         self.lamps = Lamps::new(&voxels, &self.materials);
-        let boxes: Vec<Bounds> = [&self.voxels, &voxels]
-            .into_iter()
-            .filter_map(|v| bounds_of(&v.surfaces, object as u32))
-            .collect();
-        Ok(self.replace(voxels, &boxes))
+        let boxes = [bounds_of(&self.voxels.surfaces, &changed), bounds_of(&voxels.surfaces, &changed)];
+        Ok(self.replace(voxels, &boxes.concat()))
     }
 
     /// Takes over other cells, in which only what is in the boxes changed.
@@ -98,8 +114,7 @@ impl Cache {
         let old_glow = std::mem::replace(&mut self.glow, vec![Glow::default(); states]);
         let old_rays = std::mem::take(&mut self.rays);
         let old_gathered = std::mem::take(&mut self.gathered);
-        let old_ring = std::mem::take(&mut self.ring);
-        self.wanted = vec![false; states];
+        let old_waiting = std::mem::replace(&mut self.waiting, Waiting::new(states));
         self.forget_means();
         let mut moved = Moved::default();
         for &state in &old_gathered {
@@ -117,15 +132,21 @@ impl Cache {
         self.gathered.sort_unstable();
         moved.kept = self.gathered.len();
         // A state that lost its starts is gathered anew, if it is still there.
-        let lost = old_gathered.iter().chain(&old_ring).filter_map(|s| known(map.entries[*s as usize]));
-        lost.for_each(|s| self.want(s));
+        let old_gathered = old_gathered.iter().map(|s| (*s, Wish::Asked));
+        for (state, wish) in old_gathered.chain(old_waiting.all()) {
+            if let Some(new) = known(map.entries[state as usize]) {
+                self.want(new, wish);
+            }
+        }
         for i in 0..self.gathered.len() {
             moved.sent += self.mend(self.gathered[i], &map.states, boxes);
         }
         moved.rays = self.rays.len();
         // What new surfaces hide or show is read by rays; new surfaces themselves may be asked for.
         drop(old);
-        moved.waiting = self.ring.len();
+        moved.waiting = self.waiting.count();
+        self.unlit = self.unlit.renumbered(|s| known(map.states[s as usize]));
+        self.unlit.add_all(&self.gathered, states);
         moved
     }
 
@@ -160,7 +181,7 @@ impl Cache {
             }
         }
         let targets: Vec<u32> = self.rays[block.range()].iter().map(|r| r.target).collect();
-        targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t));
+        targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t, Wish::Hit));
         self.sum_sky(state);
         sent
     }

@@ -80,6 +80,19 @@ impl Cache {
         Ok(self.along(from, direction, true))
     }
 
+    /// Asks for the states that [`Cache::radiance`] will read, which are those that answer at the
+    /// surface that the ray meets: for what a camera sees, without pictures of positions.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn request_radiance(&mut self, point: Vec3, direction: Vec3) -> Result<(), LightError> {
+        let (from, direction) = self.open_ray(point, direction)?;
+        if let Some(met) = self.meets(from, direction) {
+            self.want_at(&met.spot);
+        }
+        Ok(())
+    }
+
     /// The mean radiance that a glossy surface mirrors towards an eye: over the lobe of a
     /// roughness, by so many rays. Multiply it by the surface's directional albedo (the usual
     /// table of two sums).

@@ -7,6 +7,7 @@ use crate::checks::{numbers, way};
 use crate::direct::Spot;
 use crate::error::LightError;
 use crate::numeric::{ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
+use crate::queues::Wish;
 use crate::spread::{Hemisphere, mix};
 use crate::states::{DARK, SKY, Start, lifted};
 use crate::voxels::NONE;
@@ -56,7 +57,7 @@ impl Cache {
             false => near.iter().map(|n| n.0).collect(),
             true => self.seen(spot).into_iter().map(|(target, _)| target).collect::<Vec<_>>(),
         };
-        targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t));
+        targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t, Wish::Asked));
     }
 
     /// The irradiance of a surface at a point with a normal, on the side of the normal: the mean of

@@ -24,15 +24,18 @@ impl GpuCache {
         let means = [0, 1].map(|_| filled(device, "smoothed light", &none, BufferUsages::STORAGE));
         let [first, second] = means;
         let means = [first?, second?];
-        let constants = format!("const MOST_LINKS = {MOST_LINKS};\nconst NONE = {NONE}u;\n");
-        let pipeline = pipeline(device, constants + include_str!("filter.wgsl"), "smoothed");
+        let made = || {
+            let constants = format!("const MOST_LINKS = {MOST_LINKS};\nconst NONE = {NONE}u;\n");
+            pipeline(device, constants + include_str!("filter.wgsl"), "smoothed")
+        };
+        let pipeline = self.pipelines.smoothed.get_or_insert_with(made);
         let layout = pipeline.get_bind_group_layout(0);
         let group = |from: &Buffer, to: &Buffer| {
             bind(device, &layout, &number(&[&self.count, &self.blocks, &links, from, to]))
         };
         let groups =
             [group(&self.indirect, &means[0]), group(&means[0], &means[1]), group(&means[1], &means[0])];
-        self.filter = Some(Filter { means, pipeline, groups });
+        self.filter = Some(Filter { means, groups });
         self.shown = 0;
         Ok(())
     }
@@ -43,8 +46,8 @@ impl GpuCache {
     pub fn smooth(&mut self, encoder: &mut CommandEncoder, times: u32) {
         self.shown = 0;
         for _ in 0..times {
-            let Some(filter) = &self.filter else { return };
-            self.dispatch(encoder, &filter.pipeline, &filter.groups[self.shown]);
+            let (Some(filter), Some(pipeline)) = (&self.filter, &self.pipelines.smoothed) else { return };
+            self.dispatch(encoder, pipeline, &filter.groups[self.shown]);
             self.shown = if self.shown == 1 { 2 } else { 1 };
         }
     }

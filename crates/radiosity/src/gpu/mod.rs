@@ -54,9 +54,17 @@ pub enum GpuError {
 #[derive(Debug)]
 struct Filter {
     means: [Buffer; 2],
-    pipeline: ComputePipeline,
     /// From the light of passes, from the first means and from the second ones.
     groups: [BindGroup; 3],
+}
+
+/// Pipelines, compiled once.
+#[derive(Debug, Clone)]
+struct Pipelines {
+    spread: ComputePipeline,
+    renew: ComputePipeline,
+    /// Made for the first links.
+    smoothed: Option<ComputePipeline>,
 }
 
 /// A cache on the device: its states, hits, entries and triangles.
@@ -70,8 +78,7 @@ pub struct GpuCache {
     /// Passes read one half of the sent light and write the other: a bind group for each way.
     passes: [BindGroup; 2],
     renewals: [BindGroup; 2],
-    spread: ComputePipeline,
-    renew: ComputePipeline,
+    pipelines: Pipelines,
     /// Which half the next pass reads.
     turn: usize,
     lookup: [Buffer; 6],
@@ -131,6 +138,23 @@ impl GpuCache {
     /// # Errors
     /// If the device's buffers are too small.
     pub fn new(device: &Device, cache: &Cache) -> Result<Self, GpuError> {
+        let source = format!("const PI = {PI:?};\nconst DARK = {DARK}u;\n{}", include_str!("pass.wgsl"));
+        let spread = pipeline(device, source.clone(), "spread");
+        let renew = pipeline(device, source, "renew");
+        Self::with(device, cache, Pipelines { spread, renew, smoothed: None })
+    }
+
+    /// Uploads the cache anew: it was gathered further, or objects moved. As [`Self::new`], but
+    /// nothing is compiled. Links are none then: see [`GpuCache::link`].
+    ///
+    /// # Errors
+    /// If the device's buffers are too small; then the cache stays that was there.
+    pub fn renew(&mut self, device: &Device, cache: &Cache) -> Result<(), GpuError> {
+        *self = Self::with(device, cache, self.pipelines.clone())?;
+        Ok(())
+    }
+
+    fn with(device: &Device, cache: &Cache, pipelines: Pipelines) -> Result<Self, GpuError> {
         let storage = |what, contents: &[[f32; 4]]| filled(device, what, contents, BufferUsages::STORAGE);
         let of = |part: fn(&crate::cache::Glow) -> glam::Vec3| {
             cache.glow.iter().map(|g| data::four(part(g), 0.0)).collect::<Vec<_>>()
@@ -143,18 +167,15 @@ impl GpuCache {
         let [direct, indirect] =
             [storage("direct light", &of(|g| g.direct))?, storage("indirect light", &of(|g| g.indirect))?];
         let out = [storage("sent light", &of(|g| g.out))?, storage("sent light", &of(|g| g.out))?];
-        let source = format!("const PI = {PI:?};\nconst DARK = {DARK}u;\n{}", include_str!("pass.wgsl"));
-        let spread = pipeline(device, source.clone(), "spread");
-        let renew = pipeline(device, source, "renew");
         let passes = [0, 1].map(|turn| {
             let all: [&Buffer; 8] =
                 [&count, &blocks, &hits, &sky, &direct, &out[turn], &out[1 - turn], &indirect];
-            bind(device, &spread.get_bind_group_layout(0), &number(&all))
+            bind(device, &pipelines.spread.get_bind_group_layout(0), &number(&all))
         });
         let renewals = [0, 1].map(|turn| {
             // What the next pass reads is written.
             let all = [(0, &count), (1, &blocks), (3, &sky), (4, &direct), (6, &out[turn]), (7, &indirect)];
-            bind(device, &renew.get_bind_group_layout(0), &all)
+            bind(device, &pipelines.renew.get_bind_group_layout(0), &all)
         });
         let lookup = Self::tables(device, cache)?;
         let sources = Self::sources(device, cache)?;
@@ -166,8 +187,7 @@ impl GpuCache {
             indirect,
             passes,
             renewals,
-            spread,
-            renew,
+            pipelines,
             turn: 0,
             lookup,
             sources,
@@ -207,7 +227,7 @@ impl GpuCache {
     pub fn pass(&mut self, encoder: &mut CommandEncoder, passes: u32) {
         self.shown = 0;
         for _ in 0..passes {
-            self.dispatch(encoder, &self.spread, &self.passes[self.turn]);
+            self.dispatch(encoder, &self.pipelines.spread, &self.passes[self.turn]);
             self.turn = 1 - self.turn;
         }
     }
@@ -246,7 +266,7 @@ impl GpuCache {
         let direct: Vec<[f32; 4]> = cache.glow.iter().map(|g| data::four(g.direct, 0.0)).collect();
         queue.write_buffer(&self.direct, 0, bytemuck::cast_slice(&direct));
         queue.write_buffer(&self.sky, 0, bytemuck::cast_slice(&data::surfaces(cache)));
-        self.dispatch(encoder, &self.renew, &self.renewals[self.turn]);
+        self.dispatch(encoder, &self.pipelines.renew, &self.renewals[self.turn]);
         Ok(())
     }
 
