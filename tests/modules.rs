@@ -14,14 +14,13 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 19] = [
+const ROOTS: [&str; 18] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
     "crates/truth/src",
     "crates/stage/src",
     "crates/points/src",
-    "crates/light/src",
     "crates/lines/src",
     "crates/fur/src",
     "crates/viewer/src",
@@ -43,7 +42,7 @@ const MORE: [&str; 4] = ["crates/baked/src", "crates/cache/src", "crates/page/sr
 const LONGEST: usize = 450;
 
 /// The sources whose comments and functions are checked for their size: all files below them.
-const TIDY: [&str; 22] = [
+const TIDY: [&str; 21] = [
     "src",
     "crates/plane/src",
     "crates/baked/src",
@@ -53,7 +52,6 @@ const TIDY: [&str; 22] = [
     "crates/truth/src",
     "crates/stage/src",
     "crates/points/src",
-    "crates/light/src",
     "crates/lines/src",
     "crates/fur/src",
     "crates/lab/src",

@@ -238,6 +238,6 @@ fn known(state: u32) -> Option<u32> {
 fn is_same(old: &Voxels, twin: u32, new: &Voxels, entry: u32) -> bool {
     let (a, b) = (&old.entries[twin as usize], &new.entries[entry as usize]);
     let [of_a, of_b] = [old.members_of(twin), new.members_of(entry)];
-    let same = |(x, y): (&u32, &u32)| old.surfaces[*x as usize] == new.surfaces[*y as usize];
+    let same = |(x, y): (&u32, &u32)| old.surfaces[*x as usize].is_same(&new.surfaces[*y as usize]);
     a.bin == b.bin && of_a.len() == of_b.len() && of_a.iter().zip(of_b).all(same)
 }

@@ -52,7 +52,7 @@ impl Lattice {
 }
 
 /// A triangle in cells.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Surface {
     pub(crate) corners: [DVec3; 3],
     /// Unit normal of the front.
@@ -71,6 +71,13 @@ impl Surface {
         let area = 0.5 * cross.length();
         let normal = cross.try_normalize().filter(|_| area > LEAST_AREA && area.is_finite())?;
         Some(Self { corners, normal, area, material, object, uv })
+    }
+
+    /// Whether it is the same triangle. Coordinates that are none are not equal as numbers.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let bits = |s: &Self| s.uv.map(|p| p.to_array().map(f32::to_bits));
+        let kind = |s: &Self| (s.material, s.object);
+        self.corners == other.corners && kind(self) == kind(other) && bits(self) == bits(other)
     }
 
     /// Where a point of it lies in textures.

@@ -64,10 +64,12 @@ fn what_moved_is_as_if_made_anew() {
         cache.gather(24).unwrap();
         let mut anew = gathered(&scene);
         println!("{moved:?}");
+        // Triangles without textures were once no triangles that stay.
+        assert!(moved.kept > 20 * moved.dropped, "{i}: {moved:?}");
+        assert!(moved.sent < moved.rays / 10, "{i}: {moved:?}");
         assert_eq!(cache.statistics().rays, anew.statistics().rays, "{i}");
         assert_eq!(cache.statistics().dark_rays, anew.statistics().dark_rays, "{i}");
         assert_eq!(light(&mut cache), light(&mut anew), "{i}");
-        assert!(i > 0 || moved.sent == 0 || moved.sent < moved.rays / 4);
     }
 }
 

@@ -193,13 +193,15 @@ impl Gpu {
         waited_for(reading.take())
     }
 
-    /// Begins to read the pixels of a texture of four bytes a pixel.
+    /// Begins to read the pixels of a texture.
     ///
     /// # Errors
     /// The device is out of memory.
     pub fn read_later(&self, texture: &wgpu::Texture) -> Result<Reading, GpuError> {
         let (width, height) = (texture.width(), texture.height());
-        let row = width as usize * 4;
+        // Depth and compressed formats have no such size; pictures have neither.
+        let bytes = texture.format().block_copy_size(None).unwrap_or(4);
+        let row = (width * bytes) as usize;
         let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
         let buffer = self.readable((stride * height as usize) as u64)?;
         let mut encoder = self.device.create_command_encoder(&Default::default());

@@ -92,6 +92,19 @@ pub struct LitObject {
     pub moves: bool,
 }
 
+impl LitObject {
+    /// Its triangles in world space, as those of an object of this number in a scene with so many
+    /// materials; without those that [`LitScene::triangles`] leaves out.
+    pub fn triangles(&self, number: u32, materials: usize) -> impl Iterator<Item = LitTriangle> + '_ {
+        let pairs = self.mesh.triangles.iter().zip(self.materials.iter());
+        pairs.filter_map(move |(corners, &material)| {
+            let corners = corners_of(&self.mesh, corners)?.map(|p| self.transform.transform_point3(p));
+            let is_sound = corners.iter().all(|p| p.is_finite()) && (material as usize) < materials;
+            is_sound.then_some(LitTriangle { corners, material, object: number })
+        })
+    }
+}
+
 /// A triangle in world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LitTriangle {
@@ -142,17 +155,8 @@ impl LitScene {
     /// All triangles in world space, object by object. Those that have a corner that is not finite,
     /// or a material that does not exist, are left out. O(triangles).
     pub fn triangles(&self) -> Vec<LitTriangle> {
-        let mut triangles = Vec::new();
-        for (object, o) in self.objects.iter().enumerate() {
-            for (corners, &material) in o.mesh.triangles.iter().zip(o.materials.iter()) {
-                let Some(corners) = corners_of(&o.mesh, corners) else { continue };
-                let corners = corners.map(|p| o.transform.transform_point3(p));
-                if corners.iter().all(|p| p.is_finite()) && (material as usize) < self.materials.len() {
-                    triangles.push(LitTriangle { corners, material, object: object as u32 });
-                }
-            }
-        }
-        triangles
+        let objects = (0..).zip(&self.objects);
+        objects.flat_map(|(i, o)| o.triangles(i, self.materials.len())).collect()
     }
 
     /// The least and the greatest corner of all triangles but strays; both 0 if there are none.

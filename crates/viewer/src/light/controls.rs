@@ -1,8 +1,5 @@
 //! What the sliders of the window set.
 
-use casca_light::cones::ConeCount;
-use casca_light::picture::Layer;
-use casca_light::renderer::Settings;
 use casca_scenes::lit::{Light, LightKind};
 use casca_stage::dial::Dial;
 use casca_stage::egui::{
@@ -10,12 +7,16 @@ use casca_stage::egui::{
 };
 use glam::Vec3;
 
-use crate::light::options::{APERTURES, EXPOSURES, Options, REACHES, STEPS, slope};
+use crate::light::options::{EXPOSURES, Options};
+use crate::light::picture::Layer;
+use crate::light::renderer::Settings;
 
 /// Cells along the longest axis that the slider offers.
-const RESOLUTIONS: std::ops::RangeInclusive<u32> = 64..=512;
-/// The slider goes through multiples of this many cells, of which axes have multiples anyway.
-const CELLS: f64 = 32.0;
+const RESOLUTIONS: std::ops::RangeInclusive<u32> = 16..=256;
+/// Rays of a state that the slider offers.
+const RAYS: std::ops::RangeInclusive<u32> = 4..=512;
+/// The slider goes through multiples of this many cells.
+const CELLS: f64 = 8.0;
 /// The strongest that a light can be made, as a factor.
 const STRONGEST: f32 = 10.0;
 /// Metres that a light moves for each pixel of the mouse, as a share of the scene's length.
@@ -43,23 +44,17 @@ impl Lamp {
 /// All that can be set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controls {
-    /// Cells along the longest axis that are wanted.
-    pub resolution: u32,
-    /// The settings but for the resolution and the aperture.
+    /// Cells and rays that are wanted.
     pub settings: Settings,
-    /// Half the angle of the narrowest reflection, in degrees.
-    pub aperture: f32,
     /// Light times this is shown.
     pub exposure: f32,
     /// The layer that is shown.
     pub layer: Layer,
-    /// Whether light is only brought up to date where the picture can read it.
-    pub cull: bool,
     /// Whether the balls move.
     pub moving: bool,
     /// The lights.
     pub lamps: Vec<Lamp>,
-    /// While the slider of the resolution is held: voxels are made again when it is let go.
+    /// While a slider of the settings is held: the cache is made again when it is let go.
     pub held: bool,
 }
 
@@ -68,21 +63,13 @@ impl Controls {
     pub fn new(options: &Options, lights: &[Light]) -> Self {
         let lamp = |&light: &Light| Lamp { light, strength: 1.0, on: true };
         Self {
-            resolution: options.resolution,
             settings: options.settings(),
-            aperture: options.aperture,
             exposure: options.exposure,
             layer: Layer::Picture,
-            cull: options.cull,
             moving: true,
             lamps: lights.iter().map(lamp).collect(),
             held: false,
         }
-    }
-
-    /// The settings.
-    pub fn settings(&self) -> Settings {
-        Settings { resolution: self.resolution, aperture: slope(self.aperture), ..self.settings }
     }
 
     /// The lights as they shine.
@@ -92,22 +79,9 @@ impl Controls {
 
     /// Shows sliders and boxes for everything, for a scene so many metres long.
     pub fn show(&mut self, ui: &mut Ui, length: f32) {
-        self.resolution(ui);
-        let settings = &mut self.settings;
-        slider(ui, &mut settings.step, STEPS, STEP);
-        slider(ui, &mut self.aperture, APERTURES, APERTURE)
-            .on_hover_text("Half the angle of the narrowest reflection.");
-        slider(ui, &mut settings.reach, REACHES, REACH);
+        self.sizes(ui);
         slider(ui, &mut self.exposure, EXPOSURES, EXPOSURE);
-        ui.horizontal(|ui| {
-            ui.radio_value(&mut settings.cones, ConeCount::Six, "6 cones");
-            ui.radio_value(&mut settings.cones, ConeCount::Sixteen, "16 cones");
-            ui.checkbox(&mut settings.bounce, BOUNCE);
-        });
-        ui.horizontal(|ui| {
-            ui.checkbox(&mut self.cull, CULL);
-            ui.checkbox(&mut self.moving, MOVING);
-        });
+        ui.checkbox(&mut self.moving, MOVING);
         ComboBox::from_label(LAYER).selected_text(self.layer.name()).show_ui(ui, |ui| {
             for layer in Layer::EVERY {
                 ui.selectable_value(&mut self.layer, layer, layer.name());
@@ -133,24 +107,21 @@ impl Controls {
         });
     }
 
-    /// The slider of the resolution.
-    fn resolution(&mut self, ui: &mut Ui) -> Response {
-        let slider = Slider::new(&mut self.resolution, RESOLUTIONS).step_by(CELLS).text(CELLS_NAME);
-        let response = ui.add(slider.clamping(SliderClamping::Edits));
-        self.held = response.dragged();
-        response
+    /// The sliders of what the cache is made with; returns that of the resolution.
+    fn sizes(&mut self, ui: &mut Ui) -> Response {
+        let cells = Slider::new(&mut self.settings.resolution, RESOLUTIONS).step_by(CELLS).text(CELLS_NAME);
+        let cells = ui.add(cells.clamping(SliderClamping::Edits));
+        let rays = Slider::new(&mut self.settings.rays, RAYS).logarithmic(true).text(RAYS_NAME);
+        let rays = ui.add(rays.clamping(SliderClamping::Edits));
+        self.held = cells.dragged() || rays.dragged();
+        cells
     }
 }
 
 /// Names of dials, as the panel has them.
 const CELLS_NAME: &str = "cells";
-const STEP: &str = "cone step, texels";
-const APERTURE: &str = "aperture, degrees";
-const REACH: &str = "reach of cones, share of the grid";
+const RAYS_NAME: &str = "rays of a surface in a cell";
 const EXPOSURE: &str = "exposure";
-const CONES: &str = "cones";
-const BOUNCE: &str = "second bounce";
-const CULL: &str = "update only what can be read";
 const MOVING: &str = "balls move";
 const LAYER: &str = "layer";
 
@@ -158,19 +129,14 @@ const LAYER: &str = "layer";
 impl Controls {
     /// What can be set.
     pub fn dials(&self) -> Vec<Dial> {
-        let wide = |range: std::ops::RangeInclusive<f32>| f64::from(*range.start())..=f64::from(*range.end());
-        let cells = f64::from(*RESOLUTIONS.start())..=f64::from(*RESOLUTIONS.end());
+        let wide = |range: std::ops::RangeInclusive<u32>| f64::from(*range.start())..=f64::from(*range.end());
+        let exposures = f64::from(*EXPOSURES.start())..=f64::from(*EXPOSURES.end());
         let layer = Layer::EVERY.iter().position(|layer| *layer == self.layer);
         let mut dials = vec![
             Dial::choice(LAYER, Layer::EVERY.map(Layer::name), layer.unwrap_or(0)),
-            Dial::number(CELLS_NAME, self.resolution, cells, CELLS),
-            Dial::number(STEP, self.settings.step, wide(STEPS), 0.0),
-            Dial::number(APERTURE, self.aperture, wide(APERTURES), 0.0),
-            Dial::number(REACH, self.settings.reach, wide(REACHES), 0.0),
-            Dial::number(EXPOSURE, self.exposure, wide(EXPOSURES), 0.0),
-            Dial::choice(CONES, ["6", "16"], usize::from(self.settings.cones == ConeCount::Sixteen)),
-            Dial::switch(BOUNCE, self.settings.bounce),
-            Dial::switch(CULL, self.cull),
+            Dial::number(CELLS_NAME, self.settings.resolution, wide(RESOLUTIONS), CELLS),
+            Dial::number(RAYS_NAME, self.settings.rays, wide(RAYS), 1.0),
+            Dial::number(EXPOSURE, self.exposure, exposures, 0.0),
             Dial::switch(MOVING, self.moving),
         ];
         for (number, lamp) in self.lamps.iter().enumerate() {
@@ -186,14 +152,9 @@ impl Controls {
         let on = value != 0.0;
         match dial {
             LAYER => self.layer = Layer::EVERY.get(value as usize).copied().unwrap_or(self.layer),
-            CELLS_NAME => self.resolution = value as u32,
-            STEP => self.settings.step = value as f32,
-            APERTURE => self.aperture = value as f32,
-            REACH => self.settings.reach = value as f32,
+            CELLS_NAME => self.settings.resolution = value as u32,
+            RAYS_NAME => self.settings.rays = value as u32,
             EXPOSURE => self.exposure = value as f32,
-            CONES => self.settings.cones = if on { ConeCount::Sixteen } else { ConeCount::Six },
-            BOUNCE => self.settings.bounce = on,
-            CULL => self.cull = on,
             MOVING => self.moving = on,
             name => {
                 for (number, lamp) in self.lamps.iter_mut().enumerate() {
@@ -292,34 +253,35 @@ mod tests {
 
     #[test]
     fn a_slider_that_is_drawn_sets_the_resolution_when_it_is_let_go() {
-        let (context, mut controls) = (Context::default(), controls(&["--resolution", "48"]));
+        let (context, mut controls) = (Context::default(), controls(&["--resolution", "12"]));
         let mut place = Rect::NOTHING;
         for _ in 0..2 {
-            pass(&context, Vec::new(), &mut |ui| place = controls.resolution(ui).rect);
+            pass(&context, Vec::new(), &mut |ui| place = controls.sizes(ui).rect);
         }
         // A value of the command line outside of the slider's range stays.
-        assert_eq!((controls.resolution, controls.held), (48, false));
+        assert_eq!((controls.settings.resolution, controls.held), (12, false));
         let at = Pos2::new(place.left() + 50.0, place.center().y);
-        pass(&context, vec![Event::PointerMoved(at)], &mut |ui| drop(controls.resolution(ui)));
-        pass(&context, vec![button(at, true)], &mut |ui| drop(controls.resolution(ui)));
+        pass(&context, vec![Event::PointerMoved(at)], &mut |ui| drop(controls.sizes(ui)));
+        pass(&context, vec![button(at, true)], &mut |ui| drop(controls.sizes(ui)));
         let to = at + vec2(30.0, 0.0);
-        pass(&context, vec![Event::PointerMoved(to)], &mut |ui| drop(controls.resolution(ui)));
-        assert!(controls.held && (65..512).contains(&controls.resolution), "{controls:?}");
-        assert!(controls.resolution.is_multiple_of(CELLS as u32));
-        pass(&context, vec![button(to, false)], &mut |ui| drop(controls.resolution(ui)));
-        assert!(!controls.held && controls.settings().resolution == controls.resolution);
+        pass(&context, vec![Event::PointerMoved(to)], &mut |ui| drop(controls.sizes(ui)));
+        let cells = controls.settings.resolution;
+        assert!(controls.held && (17..256).contains(&cells), "{controls:?}");
+        assert!(cells.is_multiple_of(CELLS as u32));
+        pass(&context, vec![button(to, false)], &mut |ui| drop(controls.sizes(ui)));
+        assert!(!controls.held && controls.settings.resolution == cells);
     }
 
     #[test]
     fn what_is_shown_changes_nothing_by_itself() {
-        let mut controls = controls(&["--aperture", "30", "--step", "0.5", "--sun", "1,-2,0.5"]);
+        let mut controls = controls(&["--resolution", "12", "--rays", "3", "--sun", "1,-2,0.5"]);
         let before = controls.clone();
         let context = Context::default();
         for _ in 0..3 {
             pass(&context, Vec::new(), &mut |ui| controls.show(ui, 5.0));
         }
         assert_eq!(before, controls);
-        assert!((controls.settings().aperture - 30_f32.to_radians().tan()).abs() < 1e-6);
+        assert_eq!(controls.settings, Settings { resolution: 12, rays: 3 });
     }
 
     #[test]

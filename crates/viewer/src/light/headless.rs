@@ -3,10 +3,6 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_light::culling::{Culling, may_see};
-use casca_light::picture::Layer;
-use casca_light::reach::Reach;
-use casca_light::renderer::{Renderer, Updated};
 use casca_scenes::lit::{HdrImage, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
@@ -19,6 +15,8 @@ use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::Vec3;
 
 use crate::light::options::Options;
+use crate::light::picture::Layer;
+use crate::light::renderer::Renderer;
 use crate::light::scene::Start;
 
 /// Times that the path tracer scatters light at most: walls of an albedo of 0.8 keep 1e-6 of it.
@@ -32,41 +30,38 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
     make_folder(&out)?;
     let canvas = Canvas::new(gpu, options.common.drawing.size);
     let camera = start.camera(canvas.size());
-    let mut renderer = Renderer::new(gpu, &start.scene, options.settings())?;
+    // The cache has no light for what mirrors.
+    let mut scene = start.scene.clone();
+    scene.materials.iter_mut().for_each(|m| m.specular = Vec3::ZERO);
+    let mut renderer = Renderer::new(gpu, &scene, options.settings())?;
     renderer.exposure = options.exposure;
-    let reach = if options.cull { Some(reach_of(&renderer, start, &camera)?) } else { None };
-    let updated = renderer.update(gpu, reach.as_ref(), &mut Clock::off())?;
-    say(format_args!("{}: {}", start.scene.name, told(&renderer, &updated)));
+    renderer.update(gpu, (&camera, canvas.size()), None, &mut Clock::off())?;
+    say(format_args!("{}: {}", scene.name, told(&renderer)));
     for &layer in layers {
         renderer.draw(gpu, &canvas.picture(), &camera, layer, &mut Clock::off())?;
-        let path = out.join(format!("{}-{}.png", start.scene.name, layer.name()));
+        let path = out.join(format!("{}-{}.png", scene.name, layer.name()));
         write_png(&path, canvas.size(), &canvas.read_picture(gpu)?)?;
         say(path.display());
         if layer == Layer::Picture && options.truth > 0 {
             let light = renderer.read_light(gpu)?.iter().map(|p| Vec3::from_slice(p)).collect();
             let (width, height) = canvas.size();
             let found = HdrImage::new(width as usize, height as usize, light)?;
-            let path = out.join(format!("{}-beside-truth.png", start.scene.name));
-            let cones = options.settings().cones.cones().len();
-            let caption = format!("Voxels: {} cells, {cones} cones", options.resolution);
-            let most = if options.no_bounce { 2 } else { 3 };
-            compare(&path, &start.scene, options, (&camera, &found), (caption, most))?;
+            let path = out.join(format!("{}-beside-truth.png", scene.name));
+            compare(&path, &scene, options, (&camera, &found))?;
         }
     }
     Ok(())
 }
 
-/// Draws the picture by the path tracer, with light scattered up to `most` times, and says how far
+/// Draws the picture by the path tracer, with light scattered as often as it takes, and says how far
 /// off the light found is.
-pub fn compare(
+fn compare(
     path: &Path,
     scene: &LitScene,
     options: &Options,
     (camera, found): (&Camera, &HdrImage),
-    (caption, most): (String, u32),
 ) -> Result<(), Box<dyn Error>> {
-    // What is left of light after so many times is black.
-    let orders = Quantity::Radiance(0..=most.min(MOST_BOUNCES));
+    let orders = Quantity::Radiance(0..=MOST_BOUNCES);
     let truth = PathTracer::new(scene).render(camera, found.size(), &orders, options.truth, SEED)?.image;
     let mean = |image: &HdrImage| {
         let sum: f64 = image.pixels().iter().map(|p| f64::from(p.element_sum())).sum();
@@ -75,23 +70,24 @@ pub fn compare(
     let (ours, theirs, rmse) = (mean(found), mean(&truth), found.rmse(&truth)?);
     let title = finding(ours / theirs);
     let subtitle = format!(
-        "{}; light scattered {} on its way; mean {ours:.4} and {theirs:.4}, RMSE {rmse:.4}",
-        scene.name,
-        if most > MOST_BOUNCES { "as often as it takes".to_owned() } else { format!("up to {most} times") }
+        "{}; matt light of all bounces; mean {ours:.4} and {theirs:.4}, RMSE {rmse:.4} with the noise of both",
+        scene.name
     );
     let tile = |caption: String, image: &HdrImage| Tile {
         caption,
         width: image.size().0,
         rgb: image.srgb(options.exposure),
     };
-    let row =
-        vec![tile(caption, found), tile(format!("Path tracer: {} samples a pixel", options.truth), &truth)];
+    let row = vec![
+        tile(format!("Radiosity cache: {} cells", options.resolution), found),
+        tile(format!("Path tracer: {} samples a pixel", options.truth), &truth),
+    ];
     sheet(path, &title, &subtitle, &[row])?;
     say(format_args!("{}: {title}; {subtitle}", path.display()));
     Ok(())
 }
 
-/// How bright the light by voxels is, as a share of the truth.
+/// How bright the light found is, as a share of the truth.
 fn finding(share: f64) -> String {
     let percent = 100.0 * (share - 1.0).abs();
     if !share.is_finite() {
@@ -104,20 +100,17 @@ fn finding(share: f64) -> String {
     }
 }
 
-/// What an update did.
-pub fn told(renderer: &Renderer, updated: &Updated) -> String {
-    let [x, y, z] = renderer.volume().dims.to_array();
-    let Updated { bricks, merged, shaded, bounced, .. } = updated;
+/// What the cache holds.
+pub fn told(renderer: &Renderer) -> String {
+    let s = renderer.statistics();
+    let [x, y, z] = s.dims;
     format!(
-        "{x}x{y}x{z} cells, {bricks} bricks with voxels: {merged} voxelized, {shaded} lit, {bounced} bounced into"
+        "{x}x{y}x{z} cells, {} of {} states gathered, {} rays, {:.1} MB",
+        s.gathered,
+        2 * s.entries,
+        s.rays,
+        s.bytes as f64 / 1e6
     )
-}
-
-/// The bricks that a picture can read, as the library sees the scene.
-fn reach_of(renderer: &Renderer, start: &Start, camera: &Camera) -> Result<Reach, Box<dyn Error>> {
-    let mut culling = Culling::new(&start.scene, renderer.volume())?;
-    let sight = culling.look(camera)?.ok_or("the query has not run")?;
-    Ok(renderer.reach(&|b| may_see(&sight, b)))
 }
 
 #[cfg(test)]

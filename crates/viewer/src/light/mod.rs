@@ -1,12 +1,16 @@
-//! Light that bounces, in a window or into pictures, and its time.
+//! Light with all of its bounces, by a radiosity cache: in a window or into pictures, and its time.
 
-mod cached;
 mod controls;
 mod headless;
 mod options;
+mod picture;
+mod renderer;
 mod run;
 mod scene;
 mod stages;
 mod window;
+
+#[cfg(test)]
+mod tests;
 
 pub use options::Options;

@@ -3,10 +3,6 @@
 
 use std::ops::RangeInclusive;
 
-use casca_light::cones::ConeCount;
-use casca_light::picture::Layer;
-use casca_light::renderer::Settings;
-use casca_light::volume::RESOLUTIONS;
 use casca_scenes::lit::MOST_PIXELS;
 use casca_stage::command_line::EXIT_CODES;
 use clap::Args;
@@ -14,25 +10,24 @@ use clap::builder::RangedI64ValueParser;
 use glam::Vec3;
 
 use crate::common::Common;
+use crate::light::picture::Layer;
+use crate::light::renderer::Settings;
 
 /// Balls that may be added to a scene.
 const BALLS: RangeInclusive<i64> = 0..=1000;
 /// Samples of a pixel of the path tracer; 0 is no path tracer.
 const SAMPLES: RangeInclusive<i64> = 0..=4096;
-/// Steps along cones in texels, as the library takes them.
-pub const STEPS: RangeInclusive<f32> = 0.1..=5.0;
-/// Shares of the grid's longest edge from which cones gather, as the library takes them.
-pub const REACHES: RangeInclusive<f32> = 0.01..=2.0;
-/// Half the angle of the narrowest reflection in degrees. Their tangents are in the range that the
-/// library takes.
-pub const APERTURES: RangeInclusive<f32> = 0.1..=45.0;
+/// Cells along the longest axis, as the library takes them; fewer show nothing.
+pub const RESOLUTIONS: RangeInclusive<i64> = 8..=512;
+/// Rays of a state, as the library takes them.
+pub const RAYS: RangeInclusive<i64> = 1..=4096;
 /// Factors of light on the screen: less or more is black or white in any scene with lights of this
 /// world.
 pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
 /// The largest coordinate of an eye: squares of such distances are still finite.
 const FARTHEST_EYE: f32 = 1e15;
 
-/// Light that bounces between surfaces, by cones through voxels
+/// Matt light with all of its bounces, by a radiosity cache: it crosses no wall
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
@@ -43,32 +38,12 @@ pub struct Options {
     /// What all systems take.
     #[command(flatten)]
     pub common: Common,
-    /// Cells along the longest axis, 16 to 512
-    #[arg(long, default_value_t = 128, value_parser = cells())]
+    /// Cells along the longest axis, 8 to 512
+    #[arg(long, default_value_t = 64, value_parser = cells())]
     pub resolution: u32,
-    /// Length of steps along cones in texels, 0.1 to 5; light leaks above 1
-    #[arg(long, default_value_t = 1.0, value_parser = |text: &str| number(text, STEPS))]
-    pub step: f32,
-    /// How far cones gather light, as a share of the longest edge of the grid, 0.01 to 2
-    #[arg(long, default_value_t = 1.0, value_parser = |text: &str| number(text, REACHES))]
-    pub reach: f32,
-    /// Half the angle of the narrowest reflection, in degrees, 0.1 to 45
-    #[arg(long, default_value_t = 1.0, value_parser = |text: &str| number(text, APERTURES))]
-    pub aperture: f32,
-    /// Gathers diffuse light with 16 cones instead of 6
-    #[arg(long)]
-    pub fine: bool,
-    /// Light of all bounces that crosses no wall, by a radiosity cache instead of cones: the layer
-    /// picture, without what surfaces mirror
-    #[arg(long, requires = "headless", conflicts_with_all = ["step", "reach", "aperture", "fine", "no_bounce", "cull", "time"])]
-    pub cached: bool,
-    /// Leaves out the second bounce
-    #[arg(long)]
-    pub no_bounce: bool,
-    /// Brings light up to date only where the picture can read it; with --time, prints what that
-    /// saves
-    #[arg(long)]
-    pub cull: bool,
+    /// Rays of each surface in a cell that the picture reads, 1 to 4096; others send a quarter
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(RAYS))]
+    pub rays: u32,
     /// Adds so many balls that move, up to 1000
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(BALLS))]
     pub balls: u16,
@@ -85,13 +60,14 @@ pub struct Options {
     /// Looks to x,y,z
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_eye, requires = "from")]
     pub to: Option<Vec3>,
-    /// Prints the time of each stage by resolution, and of cones by step, beside the thesis' ratios
+    /// Prints the time of each stage by resolution: of a first picture, and of one after the balls
+    /// have moved
     #[arg(long)]
     pub time: bool,
-    /// Cells along the longest axis at which stages are timed, 16 to 512 each
-    #[arg(long, value_delimiter = ',', default_value = "64,128,256", requires = "time", conflicts_with = "cull", value_parser = cells())]
+    /// Cells along the longest axis at which stages are timed, 8 to 512 each
+    #[arg(long, value_delimiter = ',', default_value = "32,64,128", requires = "time", value_parser = cells())]
     pub times: Vec<u32>,
-    /// Layers to draw: picture, albedo, normals, direct, indirect, occlusion, voxels, or all
+    /// Layers to draw: picture, albedo, normals, direct, indirect, or all
     #[arg(long, value_delimiter = ',', default_value = "picture", requires = "headless")]
     pub layers: Vec<String>,
     /// Also draws the layer picture with a path tracer of so many samples a pixel, and compares the
@@ -101,7 +77,7 @@ pub struct Options {
 }
 
 fn cells() -> RangedI64ValueParser<u32> {
-    clap::value_parser!(u32).range(i64::from(*RESOLUTIONS.start())..=i64::from(*RESOLUTIONS.end()))
+    clap::value_parser!(u32).range(RESOLUTIONS)
 }
 
 fn number(text: &str, range: RangeInclusive<f32>) -> Result<f32, String> {
@@ -141,14 +117,7 @@ impl Options {
 
     /// How light is gathered.
     pub fn settings(&self) -> Settings {
-        Settings {
-            resolution: self.resolution,
-            step: self.step,
-            reach: self.reach,
-            cones: if self.fine { ConeCount::Sixteen } else { ConeCount::Six },
-            aperture: slope(self.aperture),
-            bounce: !self.no_bounce,
-        }
+        Settings { resolution: self.resolution, rays: self.rays }
     }
 
     /// The layers to draw. Refuses options that do not go together.
@@ -171,9 +140,6 @@ impl Options {
         } else {
             self.layers.iter().map(|name| layer(name)).collect::<Result<_, _>>()?
         };
-        if self.cached && layers != [Layer::Picture] {
-            return Err("--cached draws the layer picture: leave out --layers".to_owned());
-        }
         if self.truth > 0 && !layers.contains(&Layer::Picture) {
             return Err("--truth compares the layer picture, which is not among --layers: add it".to_owned());
         }
@@ -193,11 +159,6 @@ fn layer(name: &str) -> Result<Layer, String> {
     found.ok_or_else(|| format!("no layer is called {name:?}; there are {names} and all"))
 }
 
-/// The tangent of half an angle in degrees, within what the library takes.
-pub fn slope(degrees: f32) -> f32 {
-    degrees.to_radians().tan().min(1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -211,15 +172,11 @@ mod tests {
     #[test]
     fn wrong_values_and_pairs_are_refused_with_what_is_possible() {
         for (words, word) in [
-            ("--resolution 0", "16..=512"),
-            ("--resolution 4294967296", "16..=512"),
-            ("--resolution -64", "16..=512"),
-            ("--step NaN", "from 0.1 to 5"),
-            ("--step 1e9", "from 0.1 to 5"),
-            ("--reach inf", "from 0.01 to 2"),
-            ("--aperture 90", "from 0.1 to 45"),
-            ("--aperture 0", "from 0.1 to 45"),
-            ("--aperture NaN", "from 0.1 to 45"),
+            ("--resolution 7", "8..=512"),
+            ("--resolution 4294967296", "8..=512"),
+            ("--resolution -64", "8..=512"),
+            ("--rays 0", "1..=4096"),
+            ("--rays 5000", "1..=4096"),
             ("--exposure 0", "from 0.0001 to 10000"),
             ("--exposure -1", "from 0.0001 to 10000"),
             ("--exposure inf", "from 0.0001 to 10000"),
@@ -239,7 +196,7 @@ mod tests {
             ("--size 0x720", "from 1 to 8192"),
             ("--size NaNx1", "from 1 to 8192"),
             ("--size 99999999999x1", "from 1 to 8192"),
-            ("--headless --layers colour", "occlusion"),
+            ("--headless --layers colour", "indirect"),
             ("--layers albedo", "--headless"),
             ("--truth 4", "--headless"),
             ("--headless --truth 5000", "0..=4096"),
@@ -248,12 +205,8 @@ mod tests {
             ("--headless --frames 3", "leave out --headless"),
             ("--frames 0", "1..=100000"),
             ("--times 64", "--time"),
-            ("--time --times 64,8", "16..=512"),
+            ("--time --times 64,7", "8..=512"),
             ("--time --times", "--times"),
-            ("--time --cull --times 64", "--cull"),
-            ("--cached", "--headless"),
-            ("--headless --cached --fine", "--fine"),
-            ("--headless --cached --layers all", "leave out --layers"),
         ] {
             let said = read(&words.split(' ').collect::<Vec<_>>()).expect_err(words);
             assert!(said.contains(word), "{words}: {said}");
@@ -270,33 +223,27 @@ mod tests {
             "1, 2,3",
             "--to",
             "-1,2,3",
-            "--aperture",
-            "45",
-            "--fine",
+            "--rays",
+            "9",
             "--headless",
             "--truth",
             "8",
             "--layers",
             "albedo,picture",
-            "--no-bounce",
             "--size",
             "64x48",
         ])
         .unwrap();
         assert_eq!(layers, [Layer::Albedo, Layer::Picture]);
         assert_eq!((options.sun, options.from), (Some(Vec3::NEG_Y), Some(Vec3::new(1.0, 2.0, 3.0))));
-        let Settings { resolution, cones, aperture, bounce, .. } = options.settings();
-        assert_eq!((resolution, cones, aperture, bounce), (128, ConeCount::Sixteen, 1.0, false));
-        assert_eq!(read(&["--headless", "--layers", "voxels,all"]).unwrap().1, Layer::EVERY);
-        assert_eq!(read(&["--time", "--times", "16,512"]).unwrap().0.times, [16, 512]);
-        // Without options: the Cornell box in a window, with the library's settings.
+        assert_eq!(options.settings(), Settings { resolution: 64, rays: 9 });
+        assert_eq!(read(&["--headless", "--layers", "direct,all"]).unwrap().1, Layer::EVERY);
+        assert_eq!(read(&["--time", "--times", "8,512"]).unwrap().0.times, [8, 512]);
+        // Without options: the Cornell box in a window.
         let (options, _) = read(&[]).unwrap();
         assert_eq!(
             (options.scene().as_str(), options.common.headless, options.time),
             ("cornell", false, false)
         );
-        let (ours, theirs) = (options.settings(), Settings::default());
-        assert!((ours.aperture / theirs.aperture - 1.0).abs() < 0.01);
-        assert_eq!(Settings { aperture: theirs.aperture, ..ours }, theirs);
     }
 }

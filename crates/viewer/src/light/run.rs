@@ -6,7 +6,7 @@ use casca_stage::window;
 use crate::common::Failed;
 use crate::light::options::Options;
 use crate::light::scene::Start;
-use crate::light::{cached, headless, stages, window as shown};
+use crate::light::{headless, stages, window as shown};
 
 impl Options {
     fn open(&self) -> Result<Start, Failed> {
@@ -38,10 +38,7 @@ impl Options {
         let gpu = drawing.device()?;
         say(format_args!("drawing on {}", gpu.name));
         if self.common.headless {
-            match self.cached {
-                true => cached::picture(&gpu, &start, self)?,
-                false => headless::pictures(&gpu, &start, self, &layers)?,
-            }
+            headless::pictures(&gpu, &start, self, &layers)?;
         }
         if self.time {
             stages::time(&gpu, &start, self)?;
@@ -52,13 +49,8 @@ impl Options {
 
 #[cfg(test)]
 mod tests {
-    use casca_stage::gpu::Gpu;
-
     use super::*;
     use crate::common::parsed;
-    use crate::light::options;
-    use casca_light::renderer::{Renderer, Settings};
-    use casca_scenes::lit::Kind;
 
     fn said(words: &[&str]) -> String {
         parsed::<Options>(words).and_then(|o| o.run().map_err(|e| e.to_string())).expect_err(words[1])
@@ -87,29 +79,5 @@ mod tests {
             assert!(said.contains(word), "{scene}: {said}");
         }
         std::fs::remove_dir_all(&folder).unwrap();
-    }
-
-    #[test]
-    fn the_ranges_of_the_command_line_are_those_of_the_library() {
-        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
-        let scene = Kind::Furnace.build();
-        let taken = |settings| Renderer::new(&gpu, &scene, settings).is_ok();
-        let middle = Settings { resolution: 16, ..Settings::default() };
-        for (name, (low, high)) in [
-            ("step", (*options::STEPS.start(), *options::STEPS.end())),
-            ("reach", (*options::REACHES.start(), *options::REACHES.end())),
-            (
-                "aperture",
-                (options::slope(*options::APERTURES.start()), options::slope(*options::APERTURES.end())),
-            ),
-        ] {
-            let with = |value| match name {
-                "step" => Settings { step: value, ..middle },
-                "reach" => Settings { reach: value, ..middle },
-                _ => Settings { aperture: value, ..middle },
-            };
-            assert!(taken(with(low)) && taken(with(high)), "{name}");
-            assert!(!taken(with(0.5 * low)) && !taken(with(1.01 * high)), "{name}");
-        }
     }
 }

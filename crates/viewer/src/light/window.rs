@@ -1,10 +1,8 @@
 //! The window: a camera to fly with, and sliders for lights, layers and settings.
 
 use std::error::Error;
+use std::time::Duration;
 
-use casca_light::culling::{Culling, may_see};
-use casca_light::picture::Layer;
-use casca_light::renderer::{Renderer, Settings};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{Align2, RichText};
@@ -20,21 +18,18 @@ use glam::Vec3;
 use crate::light::controls::Controls;
 use crate::light::headless::told;
 use crate::light::options::Options;
+use crate::light::picture::Layer;
+use crate::light::renderer::{Renderer, Updated};
 use crate::light::scene::Start;
 
 /// The share of the scene's length that the camera flies in a second.
 const SPEED: f32 = 0.1;
+/// The processor's time for light in a frame.
+const BUDGET: Duration = Duration::from_millis(40);
 /// Keys of the layers.
-const LAYERS: [KeyCode; 7] = [
-    KeyCode::Digit1,
-    KeyCode::Digit2,
-    KeyCode::Digit3,
-    KeyCode::Digit4,
-    KeyCode::Digit5,
-    KeyCode::Digit6,
-    KeyCode::Digit7,
-];
-const HELP: &str = "W A S D Q E and a mouse button: fly    1-7: layers    Space: balls    H: hides all this";
+const LAYERS: [KeyCode; 5] =
+    [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5];
+const HELP: &str = "W A S D Q E and a mouse button: fly    1-5: layers    Space: balls    H: hides all this";
 
 /// The window.
 pub fn start(start: Start, options: &Options) -> window::Start {
@@ -46,7 +41,6 @@ pub fn start(start: Start, options: &Options) -> window::Start {
 struct Viewer {
     start: Start,
     renderer: Renderer,
-    culling: Culling,
     panel: Panel,
     fly: Fly,
     controls: Controls,
@@ -61,10 +55,9 @@ struct Viewer {
 
 impl Viewer {
     fn new(screen: &Screen, start: Start, controls: Controls) -> Result<Self, Box<dyn Error>> {
-        let renderer = Renderer::new(&screen.gpu, &start.scene, controls.settings())?;
+        let renderer = Renderer::new(&screen.gpu, &start.scene, controls.settings)?;
         let camera = start.scene.camera;
         Ok(Self {
-            culling: Culling::new(&start.scene, renderer.volume())?,
             renderer,
             panel: Panel::on(screen),
             fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
@@ -83,38 +76,31 @@ impl Viewer {
 
     /// Does what the controls ask for.
     fn apply(&mut self, screen: &Screen, before: &Controls) -> Done {
-        let settings = self.controls.settings();
-        if settings.resolution != self.renderer.settings().resolution && !self.controls.held {
+        if self.controls.settings != self.renderer.settings() && !self.controls.held {
             return self.remake(screen);
         }
-        let but_cells = |settings: Settings| Settings { resolution: 0, ..settings };
-        if but_cells(settings) != but_cells(before.settings()) {
-            let set = self.renderer.set_settings(&screen.gpu, settings);
-            self.trouble = set.err().map_or(String::new(), |why| why.to_string());
-        }
         if self.controls.lamps != before.lamps {
-            self.renderer.set_lights(&screen.gpu, &self.controls.lights())?;
+            let set = self.renderer.set_lights(&self.controls.lights());
+            self.trouble = set.err().map_or(String::new(), |why| why.to_string());
         }
         Ok(())
     }
 
-    /// Makes all voxels again at another resolution. If the adapter cannot hold them, the old ones
-    /// stay.
+    /// Makes the cache again with other settings. If it cannot be made, the old one stays.
     fn remake(&mut self, screen: &Screen) -> Done {
         for (object, place) in self.start.balls_at(self.seconds).collect::<Vec<_>>() {
             self.start.scene.objects[object].transform = place;
         }
         self.start.scene.lights = self.controls.lights();
-        match Renderer::new(&screen.gpu, &self.start.scene, self.controls.settings()) {
+        match Renderer::new(&screen.gpu, &self.start.scene, self.controls.settings) {
             Ok(new) => {
                 self.renderer = new;
-                self.culling = Culling::new(&self.start.scene, self.renderer.volume())?;
                 self.trouble.clear();
             }
             Err(why) => {
                 self.trouble = why.to_string();
-                self.controls.resolution = self.renderer.settings().resolution;
-                self.renderer.set_lights(&screen.gpu, &self.start.scene.lights)?;
+                self.controls.settings = self.renderer.settings();
+                self.renderer.set_lights(&self.start.scene.lights)?;
             }
         }
         Ok(())
@@ -140,6 +126,16 @@ impl Viewer {
                 ui.label(HELP);
             });
         });
+    }
+}
+
+/// How far the light is.
+fn progress(updated: &Updated) -> String {
+    match updated {
+        Updated { settled: true, .. } => "light has settled".to_owned(),
+        Updated { waiting, old, .. } => {
+            format!("{waiting} surfaces in cells wait for rays, {old} for direct light")
+        }
     }
 }
 
@@ -179,22 +175,20 @@ impl Demo for Viewer {
         let (gpu, start) = (&screen.gpu, Instant::now());
         let camera = self.camera(screen.aspect());
         if self.controls.moving {
-            for (ball, place) in self.start.balls_at(self.seconds) {
-                self.renderer.move_object(gpu, ball, place)?;
-                self.culling.move_object(ball, place)?;
-            }
+            let balls: Vec<_> = self.start.balls_at(self.seconds).collect();
+            self.renderer.move_objects(gpu, &balls)?;
         }
-        let reach = match self.controls.cull {
-            true => self.culling.look(&camera)?.map(|sight| self.renderer.reach(&|b| may_see(&sight, b))),
-            false => None,
-        };
-        let updated = self.renderer.update(gpu, reach.as_ref(), &mut Clock::off())?;
+        let view = (&camera, target.size());
+        let updated = self.renderer.update(gpu, view, Some(BUDGET), &mut Clock::off())?;
         self.renderer.exposure = self.controls.exposure;
         self.renderer.draw(gpu, target, &camera, self.controls.layer, &mut Clock::off())?;
         gpu.wait()?;
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        let numbers =
-            [format!("{milliseconds:.0} ms a frame on {}", gpu.name), told(&self.renderer, &updated)];
+        let numbers = [
+            format!("{milliseconds:.0} ms a frame on {}", gpu.name),
+            told(&self.renderer),
+            progress(&updated),
+        ];
         let before = self.controls.clone();
         if !IS_PAGE {
             self.show(screen, target, &numbers);

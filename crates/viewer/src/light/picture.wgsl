@@ -1,0 +1,70 @@
+// Pictures: the surface in each pixel, then its light, then colours.
+
+struct Eye {
+    to_clip: mat4x4f,
+    position: vec3f,
+    layer: u32,
+    sky: vec3f,
+    exposure: f32,
+}
+@group(0) @binding(0) var<uniform> eye: Eye;
+
+struct Corner {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    // The first corner of the triangle, its normal and its material.
+    @location(1) @interpolate(flat) first: vec3f,
+    @location(2) @interpolate(flat) normal: vec3f,
+    @location(3) @interpolate(flat) material: u32,
+}
+
+@vertex
+fn corner(
+    @location(0) at: vec3f,
+    @location(1) first: vec3f,
+    @location(2) normal: vec3f,
+    @location(3) material: u32,
+) -> Corner {
+    return Corner(eye.to_clip * vec4f(at, 1.0), at, first, normal, material);
+}
+
+struct Surface { @location(0) place: vec4f, @location(1) normal: vec4f }
+
+@fragment
+fn surface(corner: Corner) -> Surface {
+    let to_eye = eye.position - corner.at;
+    // Surfaces look alike from both sides.
+    let normal = corner.normal * select(1.0, -1.0, dot(corner.normal, to_eye) < 0.0);
+    // Interpolated places lie off the plane by more than rays start above it.
+    let at = corner.at + normal * dot(normal, corner.first - corner.at);
+    return Surface(vec4f(at, 1.0), vec4f(normal, f32(corner.material)));
+}
+
+struct Material { albedo: vec4f, emission: vec4f }
+
+@group(0) @binding(1) var places: texture_2d<f32>;
+@group(0) @binding(2) var normals: texture_2d<f32>;
+@group(0) @binding(3) var<storage, read> materials: array<Material>;
+@group(0) @binding(4) var light: texture_storage_2d<rgba32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn compose(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= textureDimensions(light)) { return; }
+    textureStore(light, id.xy, light_of(id.xy));
+}
+
+fn light_of(pixel: vec2u) -> vec4f {
+    let place = textureLoad(places, pixel, 0);
+    if place.w != 1.0 { return vec4f(eye.sky, 0.0); }
+    let normal = textureLoad(normals, pixel, 0);
+    let material = materials[u32(normal.w)];
+    if eye.layer == ALBEDO { return vec4f(material.albedo.rgb, 1.0); }
+    if eye.layer == NORMALS { return vec4f(0.5 * normal.xyz + 0.5, 1.0); }
+    var irradiance = vec3f(0.0);
+    var emission = material.emission.rgb;
+    let is_seen_by_light = any(material.albedo.rgb > vec3f(0.0));
+    if eye.layer == INDIRECT { emission = vec3f(0.0); }
+    else if is_seen_by_light { irradiance += casca_direct(place.xyz, normal.xyz); }
+    if eye.layer != DIRECT && is_seen_by_light { irradiance += casca_irradiance(place.xyz, normal.xyz).rgb; }
+    return vec4f(emission + material.albedo.rgb / PI * irradiance, 1.0);
+}

@@ -1,0 +1,142 @@
+//! Pictures by frames with a budget and at once, after moves, and of each layer. They need any
+//! adapter; a software one will do.
+
+use std::time::Duration;
+
+use casca_scenes::lit::{Kind, Light};
+use casca_stage::canvas::Canvas;
+use casca_stage::gpu::Gpu;
+use casca_stage::timing::Clock;
+use glam::Vec3;
+
+use crate::light::picture::Layer;
+use crate::light::renderer::{Renderer, Settings, Updated};
+use crate::light::scene::Start;
+
+const SIZE: (u32, u32) = (48, 36);
+const SETTINGS: Settings = Settings { resolution: 16, rays: 32 };
+/// Frames of a small budget until light has settled, at most.
+const MOST_FRAMES: usize = 2000;
+/// Pictures whose states were asked for in another way: farther states have other numbers of rays.
+const NOISE: f32 = 0.03;
+
+fn gpu() -> Option<Gpu> {
+    match Gpu::headless(false) {
+        Ok(gpu) => Some(gpu),
+        Err(why) => {
+            println!("skipped: no adapter ({why})");
+            None
+        }
+    }
+}
+
+/// Updates frame by frame until light has settled.
+fn settle(gpu: &Gpu, renderer: &mut Renderer, start: &Start, budget: Duration) -> usize {
+    let camera = start.camera(SIZE);
+    for frame in 1..=MOST_FRAMES {
+        let clock = &mut Clock::off();
+        if renderer.update(gpu, (&camera, SIZE), Some(budget), clock).unwrap().settled {
+            return frame;
+        }
+    }
+    panic!("light has not settled");
+}
+
+fn at_once(gpu: &Gpu, renderer: &mut Renderer, start: &Start) -> Updated {
+    renderer.update(gpu, (&start.camera(SIZE), SIZE), None, &mut Clock::off()).unwrap()
+}
+
+fn drawn(gpu: &Gpu, renderer: &mut Renderer, start: &Start, layer: Layer) -> Vec<Vec3> {
+    let canvas = Canvas::new(gpu, SIZE);
+    renderer.draw(gpu, &canvas.picture(), &start.camera(SIZE), layer, &mut Clock::off()).unwrap();
+    renderer.read_light(gpu).unwrap().iter().map(|p| Vec3::from_slice(p)).collect()
+}
+
+/// The mean difference of two pictures over the mean of the second.
+fn difference(found: &[Vec3], truth: &[Vec3]) -> f32 {
+    let sum = |p: &dyn Fn((&Vec3, &Vec3)) -> Vec3| {
+        found.iter().zip(truth).map(p).map(|d| d.abs().element_sum()).sum::<f32>()
+    };
+    sum(&|(f, t)| *f - *t) / sum(&|(_, t)| *t)
+}
+
+#[test]
+fn frames_with_a_budget_end_in_the_picture_that_is_made_at_once() {
+    let Some(gpu) = gpu() else { return };
+    let start = Start::open("cornell-point", 0).unwrap();
+    let made = || Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
+    let (mut whole, mut parts) = (made(), made());
+    assert!(at_once(&gpu, &mut whole, &start).settled);
+    let frames = settle(&gpu, &mut parts, &start, Duration::from_micros(200));
+    assert!(frames > 3, "{frames}: the budget is too large to test parts");
+    let truth = drawn(&gpu, &mut whole, &start, Layer::Picture);
+    let off = difference(&drawn(&gpu, &mut parts, &start, Layer::Picture), &truth);
+    println!("{frames} frames, {off}");
+    assert!(off < NOISE, "{off}");
+    // Nothing more happens.
+    let before = drawn(&gpu, &mut whole, &start, Layer::Indirect);
+    at_once(&gpu, &mut whole, &start);
+    assert_eq!(drawn(&gpu, &mut whole, &start, Layer::Indirect), before);
+}
+
+#[test]
+fn balls_that_moved_are_lit_where_they_are() {
+    let Some(gpu) = gpu() else { return };
+    let mut start = Start::open("cornell-point", 3).unwrap();
+    let mut moved = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
+    at_once(&gpu, &mut moved, &start);
+    let old = drawn(&gpu, &mut moved, &start, Layer::Picture);
+    let places: Vec<_> = start.balls_at(2.0).collect();
+    moved.move_objects(&gpu, &places).unwrap();
+    assert!(at_once(&gpu, &mut moved, &start).settled);
+    for (ball, place) in places {
+        start.scene.objects[ball].transform = place;
+    }
+    let mut fresh = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
+    at_once(&gpu, &mut fresh, &start);
+    let truth = drawn(&gpu, &mut fresh, &start, Layer::Picture);
+    let (now, then) =
+        (difference(&drawn(&gpu, &mut moved, &start, Layer::Picture), &truth), difference(&old, &truth));
+    println!("{now} after the move, {then} before");
+    assert!(now < NOISE && then > 2.0 * NOISE, "{now}, {then}");
+    let far = start.scene.objects.len();
+    assert!(moved.move_objects(&gpu, &[(far, glam::Affine3A::IDENTITY)]).is_err());
+}
+
+#[test]
+fn lights_go_out_with_all_of_their_bounces() {
+    let Some(gpu) = gpu() else { return };
+    let start = Start::open("cornell-point", 0).unwrap();
+    let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
+    at_once(&gpu, &mut renderer, &start);
+    let lit = drawn(&gpu, &mut renderer, &start, Layer::Picture);
+    let black = start.scene.lights.iter().map(|l| Light { color: Vec3::ZERO, ..*l }).collect::<Vec<_>>();
+    renderer.set_lights(&black).unwrap();
+    settle(&gpu, &mut renderer, &start, Duration::from_millis(20));
+    let dark = drawn(&gpu, &mut renderer, &start, Layer::Picture);
+    let mean = |p: &[Vec3]| p.iter().map(|c| c.element_sum()).sum::<f32>() / p.len() as f32;
+    // What is left has not been passed on often enough to be none.
+    assert!(mean(&lit) > 0.1 && mean(&dark) < 1e-3 * mean(&lit), "{} {}", mean(&lit), mean(&dark));
+}
+
+#[test]
+fn layers_show_what_their_names_say() {
+    let Some(gpu) = gpu() else { return };
+    let start = Start::open("cornell-point", 0).unwrap();
+    let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
+    at_once(&gpu, &mut renderer, &start);
+    let [picture, albedo, normals, direct, indirect] =
+        Layer::EVERY.map(|layer| drawn(&gpu, &mut renderer, &start, layer));
+    let middle = (SIZE.1 / 2 * SIZE.0 + SIZE.0 / 2) as usize;
+    // The wall at the back faces the camera, and the floor lies below.
+    let forward = -start.scene.camera.view.row(2).truncate();
+    let facing = |n: Vec3| (2.0 * n - 1.0).dot(forward);
+    assert!(facing(normals[middle]) < -0.5, "{}", normals[middle]);
+    let below = ((SIZE.1 - 2) * SIZE.0 + SIZE.0 / 2) as usize;
+    assert!(normals[below].abs_diff_eq(Vec3::new(0.5, 1.0, 0.5), 1e-3), "{}", normals[below]);
+    let colours: Vec<Vec3> = start.scene.materials.iter().map(|m| m.albedo).collect();
+    assert!(albedo.iter().all(|a| colours.iter().chain([&Vec3::ZERO]).any(|c| a.abs_diff_eq(*c, 1e-6))));
+    let sum: Vec<Vec3> = direct.iter().zip(&indirect).map(|(a, b)| *a + *b).collect();
+    assert!(difference(&sum, &picture) < 1e-5);
+    assert!(difference(&direct, &picture) > 0.1);
+}
