@@ -8,13 +8,13 @@ use std::sync::OnceLock;
 
 use glam::{DVec3, IVec3};
 
-use crate::cache::{Block, Cache, Glow, StartTable};
+use crate::cache::{Block, Cache, Glow, StartTable, in_parallel};
 use crate::direct::Lamps;
 use crate::error::LightError;
 use crate::input::Object;
 use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_STARTS};
 use crate::queues::{Waiting, Wish};
-use crate::states::{Bundle, DARK, SKY};
+use crate::states::{Bundle, DARK, Ray, SKY};
 use crate::surfaces::{Skipped, Surface, surfaces};
 use crate::tree::within;
 use crate::voxels::{NONE, Voxels};
@@ -138,8 +138,13 @@ impl Cache {
                 self.want(new, wish);
             }
         }
-        for i in 0..self.gathered.len() {
-            moved.sent += self.mend(self.gathered[i], &map.states, boxes);
+        let mended = {
+            let of = |state: &u32| self.mended(*state, &map.states, boxes);
+            in_parallel(&self.gathered, self.settings.threads, of)
+        };
+        for (i, (rays, sent)) in mended.into_iter().enumerate() {
+            moved.sent += sent;
+            self.take_rays(self.gathered[i], &rays);
         }
         moved.rays = self.rays.len();
         // What new surfaces hide or show is read by rays; new surfaces themselves may be asked for.
@@ -150,18 +155,19 @@ impl Cache {
         moved
     }
 
-    /// Sends the rays of a kept state again that can have changed; returns how many.
-    fn mend(&mut self, state: u32, map: &[u32], boxes: &[Bounds]) -> usize {
+    /// The rays of a kept state, of which those were sent again that can have changed, and how many
+    /// these are.
+    fn mended(&self, state: u32, map: &[u32], boxes: &[Bounds]) -> (Vec<Ray>, usize) {
         let block = self.blocks[state as usize];
         let seed = self.settings.seed;
-        let starts = self.starts.of(&self.voxels, state, seed);
+        let mut rays = self.rays[block.range()].to_vec();
+        let starts = self.starts(state);
         if starts.is_empty() {
-            return 0;
+            return (rays, 0);
         }
         let bundle = Bundle::new(starts, block.count, self.voxels.key(state, seed));
         let mut sent = 0;
-        for (i, at) in (0..).zip(block.range()) {
-            let ray = self.rays[at];
+        for (i, ray) in (0..).zip(&mut rays) {
             let (start, direction) = bundle.ray(i);
             let from = start.at.as_dvec3();
             let length = ray.distance();
@@ -173,17 +179,22 @@ impl Cache {
             let end = from + direction * length;
             let reach = if ray.is_own() { MOVED_ALONE } else { MOVED_HITS };
             let is_clear = ray.target == SKY || !is_near(boxes, end, reach);
-            self.rays[at].target = target;
+            ray.target = target;
             if is_lost || !is_clear || boxes.iter().any(meets) {
-                let starts_of = |s: u32| self.starts.of(&self.voxels, s, seed);
-                self.rays[at] = self.voxels.trace(start, direction, &starts_of);
+                *ray = self.voxels.trace(start, direction, &|s| self.starts(s));
                 sent += 1;
             }
         }
-        let targets: Vec<u32> = self.rays[block.range()].iter().map(|r| r.target).collect();
-        targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t, Wish::Hit));
+        (rays, sent)
+    }
+
+    /// Stores the rays of a gathered state, as many as it had.
+    fn take_rays(&mut self, state: u32, rays: &[Ray]) {
+        self.rays[self.blocks[state as usize].range()].copy_from_slice(rays);
+        for ray in rays.iter().filter(|r| r.target < DARK) {
+            self.want(ray.target, Wish::Hit);
+        }
         self.sum_sky(state);
-        sent
     }
 
     /// Which old state is which new one, and takes over the starts that stay.
