@@ -4,7 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::cache::Cache;
-use crate::input::Light;
+use crate::colours::Colour;
+use crate::input::{Light, Sky};
 use crate::surfaces::Surface;
 
 /// The number of a triangle is split at this power of two.
@@ -121,6 +122,27 @@ pub(super) fn triangles(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
         [four(a.as_vec3(), slack[0]), four((b - a).as_vec3(), slack[1]), four((c - a).as_vec3(), slack[2])]
     };
     cache.voxels.surfaces.iter().map(of).collect()
+}
+
+/// By triangle: the share that it scatters by steradian and its emission, both in the mean over it,
+/// and its normal.
+pub(super) fn skins(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
+    let of = |s: &Surface| {
+        let mean = |which| cache.materials.over(s, which, || s.polygon());
+        let (albedo, emission) = (mean(Colour::Albedo), mean(Colour::Emission));
+        [four(albedo / std::f32::consts::PI, 0.0), four(emission, 0.0), four(s.normal.as_vec3(), 0.0)]
+    };
+    cache.voxels.surfaces.iter().map(of).collect()
+}
+
+/// Up, and the radiance at the zenith, at the horizon and at the nadir.
+pub(super) fn open_sky(cache: &Cache) -> [[f32; 4]; 4] {
+    let (up, zenith, horizon, nadir) = match cache.sky {
+        Sky::Even(radiance) => (Vec3::Y, radiance, radiance, radiance),
+        Sky::Gradient { up, zenith, horizon, nadir } => (up, zenith, horizon, nadir),
+    };
+    let up = up.as_dvec3().normalize_or_zero().as_vec3();
+    [up, zenith, horizon, nadir].map(|v| four(v, 0.0))
 }
 
 /// `CascaCounts` of the shader.

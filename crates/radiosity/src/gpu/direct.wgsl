@@ -15,40 +15,14 @@ struct CascaCounts {
 @group(GROUP) @binding(7) var<storage, read> casca_sources: array<vec4f>;
 @group(GROUP) @binding(8) var<uniform> casca_counts: CascaCounts;
 
-fn casca_least(v: vec3f) -> f32 { return min(v.x, min(v.y, v.z)); }
-
-// Whether a ray meets no triangle on its way. It skips bricks without any.
+// Whether a ray meets no triangle on its way.
 fn casca_open(origin: vec3f, direction: vec3f, reach: f32) -> bool {
-    let way = select(direction, vec3f(NO_WAY), abs(direction) < vec3f(NO_WAY));
-    let inverse = 1.0 / way;
-    let ahead = way > vec3f(0.0);
-    let one = -origin * inverse;
-    let other = (vec3f(casca_grid.dims) - origin) * inverse;
-    let enter = max(-casca_least(-min(one, other)), 0.0);
-    let leave = min(casca_least(max(one, other)), reach);
-    if enter > leave { return true; }
-    var cell = clamp(vec3i(floor(origin + direction * enter)), vec3i(0), casca_grid.dims - 1);
-    for (var i = 0; i < MOST_WALK; i++) {
-        let b = cell >> vec3u(2u);
-        let brick = 3 * ((b.z * casca_grid.bricks.y + b.y) * casca_grid.bricks.x + b.x);
-        let is_empty = (casca_cells[brick] | casca_cells[brick + 1]) == 0u;
-        let low = select(cell, b << vec3u(2u), is_empty);
-        let high = low + select(1, 4, is_empty);
-        let at = select(casca_occupied(cell), -1, is_empty);
-        if at >= 0 {
-            let end = casca_cells[casca_grid.firsts + u32(at) + 1u];
-            for (var k = casca_cells[casca_grid.firsts + u32(at)]; k < end; k++) {
-                if casca_meets(casca_cells[casca_grid.list + k], origin, direction, reach) { return false; }
-            }
+    var walk = casca_walk(origin, direction, reach);
+    while casca_on(&walk) {
+        for (var k = walk.first; k < walk.end; k++) {
+            let distance = casca_meet(casca_cells[casca_grid.list + k], origin, direction);
+            if distance >= walk.least && distance <= walk.most { return false; }
         }
-        let ends = (vec3f(select(low, high, ahead)) - origin) * inverse;
-        let next = casca_least(ends);
-        if next >= leave { return true; }
-        // Along the other axes it stays beside the brick that it leaves.
-        cell = clamp(vec3i(floor(origin + direction * next)), low, high - 1);
-        let beyond = select(low - 1, high, ahead);
-        if ends.x == next { cell.x = beyond.x; } else if ends.y == next { cell.y = beyond.y; } else { cell.z = beyond.z; }
-        if any(cell < vec3i(0)) || any(cell >= casca_grid.dims) { return true; }
     }
     return true;
 }
@@ -60,29 +34,11 @@ fn casca_free_far(origin: vec3f, to: vec3f) -> bool {
     return casca_open(origin, way / reach, reach);
 }
 
-// PCG of Jarzynski and Olano (2020).
-fn casca_hash(number: u32) -> u32 {
-    let state = number * 747796405u + 2891336453u;
-    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
-    return (word >> 22u) ^ word;
-}
-
-// A number from 0 to below 1 for a key and a dimension.
-fn casca_unit(key: u32, dimension: u32) -> f32 {
-    return f32(casca_hash(key ^ casca_hash(dimension)) >> 8u) / 16777216.0;
-}
-
-// Golden turns stay exact: a product of large numbers would lose its fraction.
-fn casca_golden(i: u32, start: f32) -> f32 {
-    return fract(f32(i * 2654435769u) / 4294967296.0 + start);
-}
-
 // The share of a disc around a way that is seen. `reach` is that of the way in cells.
 fn casca_seen(spot: vec3f, way: vec3f, tangent: f32, reach: f32, key: u32) -> f32 {
     var rays = casca_counts.light_rays;
     if tangent <= 0.0 { rays = 1u; }
-    let side = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(way.x) > 0.7);
-    let right = normalize(cross(way, side));
+    let right = casca_across(way);
     let up = cross(right, way);
     var seen = 0.0;
     for (var i = 0u; i < rays; i++) {
@@ -208,8 +164,7 @@ fn casca_lamps(spot: vec3f, normal: vec3f, key: u32) -> vec3f {
 // The direct irradiance of a point in metres with a unit normal.
 fn casca_direct(point: vec3f, normal: vec3f) -> vec3f {
     let spot = (point - casca_grid.low) / casca_grid.cell + normal * LIFT;
-    let bits = bitcast<vec3u>(point);
-    let key = casca_hash(bits.x ^ casca_hash(bits.y ^ casca_hash(bits.z)));
+    let key = casca_key(point);
     var light = casca_lamps(spot, normal, key);
     for (var i = 0u; i < casca_counts.lights; i++) {
         light += casca_light(i, spot, normal, casca_hash(key ^ casca_hash(i)));

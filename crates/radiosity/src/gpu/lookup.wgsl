@@ -41,18 +41,19 @@ fn casca_occupied(c: vec3i) -> i32 {
     return i32(before);
 }
 
-fn casca_meets(number: u32, origin: vec3f, direction: vec3f, reach: f32) -> bool {
+// The distance at which a ray meets a triangle ahead, or -1.
+fn casca_meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
     let triangle = casca_triangles[number];
     let p = cross(direction, triangle[2].xyz);
     let determinant = dot(triangle[1].xyz, p);
-    if determinant == 0.0 { return false; }
+    if determinant == 0.0 { return -1.0; }
     let way = origin - triangle[0].xyz;
     let u = dot(way, p) / determinant;
     let q = cross(way, triangle[1].xyz);
     let v = dot(direction, q) / determinant;
     let distance = dot(triangle[2].xyz, q) / determinant;
-    return u >= -triangle[1].w && v >= -triangle[2].w && 1.0 - u - v >= -triangle[0].w
-        && distance >= 0.0 && distance <= reach;
+    let is_in = u >= -triangle[1].w && v >= -triangle[2].w && 1.0 - u - v >= -triangle[0].w;
+    return select(-1.0, distance, is_in && distance >= 0.0);
 }
 
 // Whether the segment between two points meets no triangle, by the cells on its way.
@@ -68,7 +69,8 @@ fn casca_free(origin: vec3f, to: vec3f) -> bool {
         if at >= 0 {
             let end = casca_cells[casca_grid.firsts + u32(at) + 1u];
             for (var k = casca_cells[casca_grid.firsts + u32(at)]; k < end; k++) {
-                if casca_meets(casca_cells[casca_grid.list + k], origin, direction, reach) { return false; }
+                let distance = casca_meet(casca_cells[casca_grid.list + k], origin, direction);
+                if distance >= 0.0 && distance <= reach { return false; }
             }
         }
         if all(cell == last) { return true; }
@@ -112,20 +114,15 @@ fn casca_within(spot: vec3f, normal: vec3f, reach: f32) -> vec4f {
             let area = ANSWER_AREA + (1.0 - ANSWER_AREA) * min(entry.w, 1.0);
             let weight = near * near * low * (abs(like) - ANSWER_NORMAL) * area;
             if state.count > 0u && weight > 0.0 && casca_sees(spot, state) {
-                sum += weight * vec4f(casca_indirect[number].rgb, 1.0);
+                sum += weight * vec4f(casca_held(number), 1.0);
             }
         }
     } } }
     return sum;
 }
 
-// The indirect irradiance of a point in metres with a unit normal; 1 in the last component if
-// states gave it, and 0 if there are none, or no free ones.
-fn casca_irradiance(point: vec3f, normal: vec3f) -> vec4f {
-    let spot = (point - casca_grid.low) / casca_grid.cell + normal * LIFT;
-    let size = vec3f(casca_grid.dims);
-    // Far outside, whole numbers end.
-    if !(all(spot > vec3f(-2.0 * ANSWER_REACH)) && all(spot < size + 2.0 * ANSWER_REACH)) { return vec4f(0.0); }
+// The mean of the states around a spot, and 1; 0 if there are none, or no free ones.
+fn casca_around(spot: vec3f, normal: vec3f) -> vec4f {
     var sum = casca_within(spot, normal, ANSWER_REACH);
     if sum.w <= 0.0 { sum = casca_within(spot, normal, 2.0 * ANSWER_REACH); }
     if sum.w <= 0.0 { return vec4f(0.0); }

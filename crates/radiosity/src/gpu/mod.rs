@@ -5,12 +5,15 @@
 //! in single precision, and all states at once (Jacobi), where the processor takes one after the
 //! other: the same light in the end, after about twice as many passes. It answers by the states
 //! around a point, each behind a short ray against the triangles, as [`Cache::irradiance`] does.
-//! Where no state is seen the processor sends rays; the device has none and says so.
+//! Where no state is seen the processor sends rays; the device has none and says so. Pictures of
+//! what glossy surfaces mirror ([`Mirrors`]) are made by rays on the device.
 
 mod data;
 mod filter;
+mod mirrors;
 mod shading;
 
+pub use mirrors::{Gloss, Mirrors};
 pub use shading::{Answers, Input, Shading, Surfaces};
 
 use std::f32::consts::PI;
@@ -84,6 +87,9 @@ pub struct GpuCache {
     lookup: [Buffer; 6],
     /// Lights and lamps, and how many there are.
     sources: [Buffer; 2],
+    /// The colours and normals of triangles, and the radiance where nothing is: for mirrors.
+    skins: Buffer,
+    open_sky: [[f32; 4]; 4],
     count: Buffer,
     blocks: Buffer,
     filter: Option<Filter>,
@@ -179,6 +185,7 @@ impl GpuCache {
         });
         let lookup = Self::tables(device, cache)?;
         let sources = Self::sources(device, cache)?;
+        let skins = filled(device, "colours", &data::skins(cache), BufferUsages::STORAGE)?;
         let states = cache.gathered.len();
         Ok(Self {
             states,
@@ -191,6 +198,8 @@ impl GpuCache {
             turn: 0,
             lookup,
             sources,
+            skins,
+            open_sky: data::open_sky(cache),
             count,
             blocks,
             filter: None,
@@ -263,6 +272,7 @@ impl GpuCache {
             return Err(GpuError::Changed { now, then });
         }
         self.sources = Self::sources(device, cache)?;
+        self.open_sky = data::open_sky(cache);
         let direct: Vec<[f32; 4]> = cache.glow.iter().map(|g| data::four(g.direct, 0.0)).collect();
         queue.write_buffer(&self.direct, 0, bytemuck::cast_slice(&direct));
         queue.write_buffer(&self.sky, 0, bytemuck::cast_slice(&data::surfaces(cache)));

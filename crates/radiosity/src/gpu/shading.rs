@@ -5,12 +5,15 @@ use std::f32::consts::PI;
 
 use glam::Mat4;
 use wgpu::util::DeviceExt;
-use wgpu::{BindGroup, BufferUsages, CommandEncoder, ComputePipeline, Device, TextureView};
+use wgpu::{
+    BindGroup, BindGroupEntry, BindingResource, BufferUsages, CommandEncoder, ComputePipeline, Device,
+    TextureView,
+};
 
 use super::data::LOW;
 use super::{GpuCache, bind, number, pipeline};
 use crate::numeric::{
-    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, LEAST_SHARE, LIFT, MOST_STEPS,
+    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, GROW, LEAST_SHARE, LIFT, MOST_STEPS,
     MOST_WALK, NO_WAY,
 };
 
@@ -43,30 +46,34 @@ pub struct Shading {
 impl Shading {
     /// Compiles it.
     pub fn new(device: &Device, input: Input, answers: Answers) -> Self {
-        let (place, at) = match input {
-            Input::Positions => ("texture_2d<f32>", "at_position"),
-            Input::Depth => ("texture_depth_2d", "at_depth"),
-        };
         let answer = match answers {
             Answers::Indirect => "casca_irradiance",
             Answers::All => "casca_light_of",
         };
-        // The function of the other input would not fit the texture.
-        let other = if input == Input::Depth { "at_position" } else { "at_depth" };
-        let source = include_str!("shade.wgsl").replace("PLACE", place);
-        let start = source.find(&format!("fn {other}")).unwrap_or(0);
-        let end = source[start..].find("\n}\n").map_or(start, |i| start + i + 3);
-        let source = format!("{}{}", &source[..start], &source[end..]);
-        let source = source.replace("AT(", &format!("{at}(")).replace("ANSWER(", &format!("{answer}("));
-        let pipeline = pipeline(device, GpuCache::wgsl(1, answers) + &source, "shade");
+        let source = include_str!("shade.wgsl").replace("ANSWER(", &format!("{answer}("));
+        let pipeline = pipeline(device, placed(input, &(GpuCache::wgsl(1, answers) + &source)), "shade");
         Self { answers, input, pipeline }
     }
+}
+
+/// A shader that reads what the application drew.
+pub(super) fn placed(input: Input, source: &str) -> String {
+    let (place, at, other) = match input {
+        Input::Positions => ("texture_2d<f32>", "at_position", "at_depth"),
+        Input::Depth => ("texture_depth_2d", "at_depth", "at_position"),
+    };
+    let place = include_str!("place.wgsl").replace("PLACE", place);
+    // The function of the other input would not fit the texture.
+    let start = place.find(&format!("fn {other}")).unwrap_or(0);
+    let end = place[start..].find("\n}\n").map_or(start, |i| start + i + 3);
+    let source = source.replace("AT(", &format!("{at}("));
+    [&place[..start], &place[end..], &source].concat()
 }
 
 /// What the application drew.
 #[derive(Debug, Clone, Copy)]
 pub struct Surfaces<'a> {
-    /// Positions, or depths: as the [`Shading`] was made for.
+    /// Positions, or depths: as the [`Shading`] or [`super::Mirrors`] was made for.
     pub place: &'a TextureView,
     /// Normals, of any length but 0; 0 shows nothing.
     pub normals: &'a TextureView,
@@ -89,24 +96,14 @@ impl GpuCache {
     ///
     /// All of its names start with `casca_` or `Casca`, or are constants in capitals.
     pub fn wgsl(group: u32, answers: Answers) -> String {
-        let constants = [
-            ("LIFT", LIFT),
-            ("ABOVE", ABOVE),
-            ("ANSWER_REACH", ANSWER_REACH),
-            ("ANSWER_NORMAL", ANSWER_NORMAL),
-            ("ANSWER_HEIGHT", ANSWER_HEIGHT),
-            ("ANSWER_AREA", ANSWER_AREA),
-            ("FAR", FAR),
-            ("NO_WAY", f64::from(NO_WAY)),
-            ("LEAST_SHARE", LEAST_SHARE),
-            ("TURN", f64::from(2.0 * PI)),
-        ];
-        let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n")).concat();
-        let direct = if answers == Answers::All { include_str!("direct.wgsl") } else { "" };
-        let source = [include_str!("lookup.wgsl"), direct].concat().replace("GROUP", &group.to_string());
-        format!(
-            "{constants}const MOST_STEPS = {MOST_STEPS};\nconst MOST_WALK = {MOST_WALK};\nconst LOW = {LOW}u;\n{source}"
-        )
+        let [lookup, answer] = [include_str!("lookup.wgsl"), include_str!("answer.wgsl")];
+        match answers {
+            Answers::Indirect => with_parts(group, &[lookup, answer]),
+            Answers::All => {
+                let [spread, walk] = [include_str!("spread.wgsl"), include_str!("walk.wgsl")];
+                with_parts(group, &[lookup, answer, spread, walk, include_str!("direct.wgsl")])
+            }
+        }
     }
 
     /// The bind group of [`Self::wgsl`] for a pipeline's layout of that group. The layout must have
@@ -132,32 +129,73 @@ impl GpuCache {
         surfaces: Surfaces,
         picture: &TextureView,
     ) {
-        let [x, y, z, w] = surfaces.inverse.to_cols_array_2d();
-        let view = [x, y, z, w, [surfaces.empty, 0.0, 0.0, 0.0]];
-        let view = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("the view"),
-            contents: bytemuck::cast_slice(&view),
-            usage: BufferUsages::UNIFORM,
-        });
-        let texture = |(binding, view)| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        };
-        let mut entries: Vec<_> =
-            [(0, surfaces.place), (1, surfaces.normals), (2, picture)].map(texture).into();
-        if shading.input == Input::Depth {
-            entries.push(wgpu::BindGroupEntry { binding: 3, resource: view.as_entire_binding() });
-        }
-        let layout = shading.pipeline.get_bind_group_layout(0);
-        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
-        let group = device.create_bind_group(&descriptor);
+        let group = drawn(device, &shading.pipeline, shading.input, surfaces, picture, &[]);
         let layout = shading.pipeline.get_bind_group_layout(1);
         let of_cache = self.bind_group(device, &layout, shading.answers);
-        let size = picture.texture().size();
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&shading.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.set_bind_group(1, &of_cache, &[]);
-        pass.dispatch_workgroups(size.width.div_ceil(8), size.height.div_ceil(8), 1);
+        draw(encoder, &shading.pipeline, [&group, &of_cache], picture, [8, 8]);
     }
+}
+
+/// The shader of a cache that is bound to a group: the constants, and parts of it.
+pub(super) fn with_parts(group: u32, parts: &[&str]) -> String {
+    let constants = [
+        ("LIFT", LIFT),
+        ("GROW", GROW),
+        ("ABOVE", ABOVE),
+        ("ANSWER_REACH", ANSWER_REACH),
+        ("ANSWER_NORMAL", ANSWER_NORMAL),
+        ("ANSWER_HEIGHT", ANSWER_HEIGHT),
+        ("ANSWER_AREA", ANSWER_AREA),
+        ("FAR", FAR),
+        ("NO_WAY", f64::from(NO_WAY)),
+        ("LEAST_SHARE", LEAST_SHARE),
+        ("TURN", f64::from(2.0 * PI)),
+    ];
+    let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n")).concat();
+    let source = parts.concat().replace("GROUP", &group.to_string());
+    format!(
+        "{constants}const MOST_STEPS = {MOST_STEPS};\nconst MOST_WALK = {MOST_WALK};\n\
+         const LOW = {LOW}u;\n{source}"
+    )
+}
+
+/// The bind group of what the application drew, of the picture and of more.
+pub(super) fn drawn(
+    device: &Device,
+    pipeline: &ComputePipeline,
+    input: Input,
+    surfaces: Surfaces,
+    picture: &TextureView,
+    more: &[BindGroupEntry],
+) -> BindGroup {
+    let [x, y, z, w] = surfaces.inverse.to_cols_array_2d();
+    let view = [x, y, z, w, [surfaces.empty, 0.0, 0.0, 0.0]];
+    let view = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("the view"),
+        contents: bytemuck::cast_slice(&view),
+        usage: BufferUsages::UNIFORM,
+    });
+    let texture = |(binding, view)| BindGroupEntry { binding, resource: BindingResource::TextureView(view) };
+    let mut entries: Vec<_> = [(0, surfaces.place), (1, surfaces.normals), (2, picture)].map(texture).into();
+    if input == Input::Depth {
+        entries.push(BindGroupEntry { binding: 3, resource: view.as_entire_binding() });
+    }
+    entries.extend(more.iter().cloned());
+    let layout = pipeline.get_bind_group_layout(0);
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
+}
+
+/// Runs a pass for all pixels of a picture, so many along both axes in each workgroup.
+pub(super) fn draw(
+    encoder: &mut CommandEncoder,
+    pipeline: &ComputePipeline,
+    groups: [&BindGroup; 2],
+    picture: &TextureView,
+    tile: [u32; 2],
+) {
+    let size = picture.texture().size();
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(pipeline);
+    (0..).zip(groups).for_each(|(at, group)| pass.set_bind_group(at, group, &[]));
+    pass.dispatch_workgroups(size.width.div_ceil(tile[0]), size.height.div_ceil(tile[1]), 1);
 }

@@ -1,7 +1,7 @@
 //! A device, and what tests draw with it.
 
 use casca_radiosity::Scene;
-use casca_radiosity::gpu::{Answers, GpuCache, Input, Shading, Surfaces};
+use casca_radiosity::gpu::{Answers, Gloss, GpuCache, Input, Mirrors, Shading, Surfaces};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu;
 use glam::{Mat4, Vec3};
@@ -35,6 +35,27 @@ pub fn shaded(gpu: &Gpu, light: &GpuCache, answers: Answers, points: &[(Vec3, Ve
     let shading = Shading::new(&gpu.device, Input::Positions, answers);
     let surfaces = Surfaces { place: &positions, normals: &normals, inverse: Mat4::NAN, empty: 0.0 };
     picture_of(gpu, size, |encoder, view| light.shade(&gpu.device, encoder, &shading, surfaces, view))
+}
+
+/// A point of a mirroring surface, its normal and the width of its lobe.
+pub type Mirroring = (Vec3, Vec3, f32);
+
+/// What points mirror towards an eye by so many rays, by a picture of one row.
+pub fn mirrored(gpu: &Gpu, light: &GpuCache, points: &[Mirroring], eye: Vec3, rays: u32) -> Vec<[f32; 4]> {
+    let size = (points.len(), 1);
+    let row = |of: &dyn Fn(&Mirroring) -> [f32; 4]| {
+        texture_of(gpu, size, &points.iter().map(of).collect::<Vec<_>>())
+    };
+    let place = row(&|p| p.0.extend(1.0).to_array());
+    let normals = row(&|p| p.1.extend(0.0).to_array());
+    // Other components are read by nobody.
+    let roughness = row(&|p| [p.2, f32::NAN, -1.0, 7.0]);
+    let mirrors = Mirrors::new(&gpu.device, Input::Positions);
+    let surfaces = Surfaces { place: &place, normals: &normals, inverse: Mat4::NAN, empty: 0.0 };
+    let gloss = Gloss { roughness: &roughness, eye, rays };
+    picture_of(gpu, size, |encoder, view| {
+        light.mirror(&gpu.device, encoder, &mirrors, surfaces, gloss, view).unwrap();
+    })
 }
 
 fn descriptor(

@@ -112,6 +112,34 @@ fn rays_cross_empty_bricks_and_end_at_far_walls() {
 }
 
 #[test]
+fn what_hangs_outside_of_the_grid_hides_nothing() {
+    let Some(gpu) = gpu() else { return };
+    // A sheet that rises out of the grid over the floor, in the cells of which rays end.
+    let slope = sheet(Vec3::new(-1.0, 0.5, -4.0), Vec3::new(4.0, 4.0, 0.0), Vec3::Z * 8.0, 0);
+    let mut all = sheet(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0, 0);
+    all.extend(slope);
+    let sun = Light::Sun { direction: Vec3::new(-0.4, -1.0, 0.1), irradiance: Vec3::ONE, half_angle: 0.0 };
+    let scene = scene(all, vec![matt(0.5)], vec![sun], 0.0);
+    let grid = Grid { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::new(1.0, 0.8, 1.0), cells: 6 };
+    let mut cache = Cache::new(&scene, Settings::new(grid)).unwrap();
+    cache.request_all();
+    cache.gather(4).unwrap();
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let points: Vec<(Vec3, Vec3)> = (0..200)
+        .map(|i| (Vec3::new(i as f32 / 100.0 - 0.997, 0.0, (0.618 * i as f32).fract() - 0.5), Vec3::Y))
+        .collect();
+    let found = shaded(&gpu, &device, Answers::All, &points);
+    let bounced = shaded(&gpu, &device, Answers::Indirect, &points);
+    let mut lit = 0;
+    for (((p, n), all), bounced) in points.iter().zip(found).zip(bounced) {
+        let known = cache.irradiance(*p, *n).unwrap().direct.x;
+        assert!((all[0] - bounced[0] - known).abs() < 1e-3, "{p}: {all:?} {known}");
+        lit += usize::from(known > 0.0);
+    }
+    assert!(lit > 20 && lit < 180, "{lit}");
+}
+
+#[test]
 fn depths_show_what_positions_show() {
     let Some(gpu) = gpu() else { return };
     let cache = lit(&furnished(), 24, 16, 6);

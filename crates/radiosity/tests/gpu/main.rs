@@ -4,5 +4,7 @@
 mod common;
 mod device;
 mod direct;
+mod lobes;
+mod mirrors;
 mod passes;
 mod pictures;

@@ -1,0 +1,150 @@
+//! Pictures of what glossy surfaces mirror.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use wgpu::util::DeviceExt;
+use wgpu::{
+    BindGroupEntry, BindingResource, BufferUsages, CommandEncoder, ComputePipeline, Device, TextureView,
+};
+
+use super::shading::{Input, Surfaces, draw, drawn, placed, with_parts};
+use super::{GpuCache, bind, pipeline};
+use crate::checks::numbers;
+use crate::error::LightError;
+use crate::numeric::{LEAST_COSINE, LEAST_ROUGH, LEAST_TRIES, MOST_MIRRORED};
+use crate::voxels::NONE;
+
+/// A pass that makes pictures of what glossy surfaces mirror, of any cache: [`Cache::reflection`]
+/// for every pixel.
+///
+/// A ray goes through the cells that list triangles to the nearest one. What it brings is that
+/// surface's emission and what it scatters of the light that the gathered states around hold, each
+/// behind a short ray: so no light crosses walls, and shadows in mirrors are as soft as a cell is
+/// wide. Rays that hit nothing see the sky.
+///
+/// Lobes are those of Trowbridge and Reitz (GGX, Walter et al. 2007) with the shadowing of Smith,
+/// correlated by height (Heitz 2014), sampled by visible normals (Heitz 2018).
+///
+/// [`Cache::reflection`]: crate::Cache::reflection
+#[derive(Debug)]
+pub struct Mirrors {
+    input: Input,
+    pipeline: ComputePipeline,
+}
+
+impl Mirrors {
+    /// Compiles it. The device needs eight storage buffers for a shader, as all have by default.
+    pub fn new(device: &Device, input: Input) -> Self {
+        let constants = format!(
+            "const NONE = {NONE}u;\nconst LEAST_ROUGH: f32 = {LEAST_ROUGH:?};\n\
+             const LEAST_COSINE: f32 = {LEAST_COSINE:?};\n"
+        );
+        let parts = [
+            &constants,
+            include_str!("lookup.wgsl"),
+            include_str!("spread.wgsl"),
+            include_str!("walk.wgsl"),
+            include_str!("mirrors.wgsl"),
+        ];
+        let pipeline = pipeline(device, placed(input, &with_parts(1, &parts)), "mirrors");
+        Self { input, pipeline }
+    }
+}
+
+/// How surfaces mirror, and who looks.
+#[derive(Debug, Clone, Copy)]
+pub struct Gloss<'a> {
+    /// The width of GGX of each pixel, in the first component of any format of floats or unsigned
+    /// normalised numbers: the square of the roughness of most engines. 0 is a mirror, 1 is dull,
+    /// and more counts as 1. Pixels with less than 0, or with what is not finite, mirror nothing and
+    /// cost nothing.
+    pub roughness: &'a TextureView,
+    /// The eye, in metres.
+    pub eye: Vec3,
+    /// Rays of each pixel, 1 to 64; a mirror takes one.
+    pub rays: u32,
+}
+
+/// `Gloss` of the shader.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Uniform {
+    eye: [f32; 3],
+    rays: u32,
+    sky: [[f32; 4]; 4],
+    tile: [u32; 2],
+    lanes: u32,
+    tries: u32,
+}
+
+/// Threads of a workgroup: those of the shader.
+const THREADS: u32 = 64;
+
+/// Threads that share the rays of a pixel at most.
+///
+/// More at once than one after the other; and software adapters (llvmpipe) end all loops of a
+/// thread after 65,535 turns without a word, which 48 rays in a furnished room take.
+const MOST_LANES: u32 = 8;
+
+impl Uniform {
+    fn new(eye: Vec3, rays: u32, sky: [[f32; 4]; 4]) -> Self {
+        let lanes = rays.next_power_of_two().min(MOST_LANES);
+        // About as high as wide, a power of two.
+        let height = 1 << ((THREADS / lanes).ilog2() / 2);
+        let tile = [THREADS / lanes / height, height];
+        Self { eye: eye.to_array(), rays, sky, tile, lanes, tries: LEAST_TRIES.div_ceil(rays) }
+    }
+}
+
+impl GpuCache {
+    /// Makes a picture of mirrored light, `rgba32float` with `STORAGE_BINDING`, of the size of what
+    /// the application drew: the mean radiance of each pixel's lobe, in watts per square metre and
+    /// steradian. Multiply it by the surface's directional albedo (the usual table of two sums).
+    ///
+    /// The last component is 1 where all rays found light; less by half of the share of rays, as
+    /// the lobe weighs them, that hit a surface for which no gathered state stands: 0.5 if all did.
+    /// They bring its emission only, and [`Cache::request_reflection`] asks for its states. It is 0
+    /// where no ray was sent: where nothing was drawn or mirrors, the eye is below the surface, or
+    /// a number is not finite.
+    ///
+    /// It is of the light that [`GpuCache::shade`] shows, and of the direct light and the sky of
+    /// the upload or [`GpuCache::set_direct`]. A surface with a texture has one colour for each
+    /// triangle, the mean over it. A pixel's rays depend on its position alone, so that nothing
+    /// flickers while the eye stands still; each set of rays differs from the next pixel's, so that
+    /// means over pixels tend to the lobe's.
+    ///
+    /// Costs for each ray a walk to its hit, and there a look-up with its short rays.
+    ///
+    /// # Errors
+    /// If there are no or too many rays, or the eye is not finite.
+    ///
+    /// [`Cache::request_reflection`]: crate::Cache::request_reflection
+    pub fn mirror(
+        &self,
+        device: &Device,
+        encoder: &mut CommandEncoder,
+        mirrors: &Mirrors,
+        surfaces: Surfaces,
+        gloss: Gloss,
+        picture: &TextureView,
+    ) -> Result<(), LightError> {
+        numbers("the rays of a pixel", 0, Vec3::splat(gloss.rays as f32), 1.0..=MOST_MIRRORED as f32)?;
+        numbers("the eye", 0, gloss.eye, -f32::MAX..=f32::MAX)?;
+        let of = Uniform::new(gloss.eye, gloss.rays, self.open_sky);
+        let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("the gloss"),
+            contents: bytemuck::bytes_of(&of),
+            usage: BufferUsages::UNIFORM,
+        });
+        let more = [
+            BindGroupEntry { binding: 4, resource: BindingResource::TextureView(gloss.roughness) },
+            BindGroupEntry { binding: 5, resource: uniform.as_entire_binding() },
+        ];
+        let group = drawn(device, &mirrors.pipeline, mirrors.input, surfaces, picture, &more);
+        let layout = mirrors.pipeline.get_bind_group_layout(1);
+        let mut all: Vec<_> = (0..).zip(self.lookup.iter().chain([self.answers()])).collect();
+        all.extend([(9, &self.direct), (10, &self.skins)]);
+        draw(encoder, &mirrors.pipeline, [&group, &bind(device, &layout, &all)], picture, of.tile);
+        Ok(())
+    }
+}

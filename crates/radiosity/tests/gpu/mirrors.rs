@@ -1,0 +1,322 @@
+//! What surfaces mirror: walls, lamps and the sky, beside the processor's reflections.
+
+use casca_radiosity::gpu::{Gloss, GpuCache, Input, Mirrors, Surfaces};
+use casca_radiosity::{Cache, Grid, LightError, Material, Scene, Settings, Sky, Texture};
+use casca_stage::gpu::Gpu;
+use glam::{Mat4, Vec2, Vec3, Vec4};
+
+use crate::common::{lamp, leak_questions, lit, matt, room, rooms, scene, sheet};
+use crate::device::{Mirroring, depth_of, furnished, gpu, mirrored, picture_of, points, run, texture_of};
+
+/// A sky whose radiance is linear in the height of the direction.
+pub fn linear() -> Sky {
+    let (horizon, zenith) = (Vec3::new(1.0, 2.0, 0.5), Vec3::new(1.5, 0.5, 0.75));
+    Sky::Gradient { up: Vec3::new(0.0, 2.0, 0.0), zenith, horizon, nadir: 2.0 * horizon - zenith }
+}
+
+/// A floor of 2 metres under that sky.
+pub fn floor() -> Scene {
+    let floor = sheet(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0, 0);
+    Scene { sky: linear(), ..scene(floor, vec![matt(0.5)], vec![], 0.0) }
+}
+
+/// Points of that floor.
+pub fn on_floor(count: usize, rough: f32) -> Vec<Mirroring> {
+    let at = |i: usize| {
+        let (u, v) = ((i as f32 + 0.5) / count as f32, (i as f32 * 0.618 + 0.3).fract());
+        (Vec3::new(1.9 * u - 0.95, 0.0, 1.9 * v - 0.95), Vec3::Y, rough)
+    };
+    (0..count).map(at).collect()
+}
+
+/// Relative differences to the mirrors of the processor over the mean light, for points whose hits
+/// states stand for: sorted. The device must send a ray where the eye is above.
+fn apart(gpu: &Gpu, device: &GpuCache, cache: &Cache, points: &[Mirroring], eye: Vec3) -> Vec<f32> {
+    let found = mirrored(gpu, device, points, eye, 1);
+    let known: Vec<Vec3> =
+        points.iter().map(|(p, n, r)| cache.reflection(*p, *n, eye, *r, 1).unwrap()).collect();
+    let mean = known.iter().map(|k| k.length()).sum::<f32>() / known.len() as f32;
+    assert!(mean > 0.05, "{mean}");
+    let mut all = Vec::new();
+    for (((p, n, _), found), known) in points.iter().zip(&found).zip(&known) {
+        assert_eq!(found[3] > 0.0, (eye - *p).dot(*n) > 0.0, "{p}");
+        if found[3] == 1.0 {
+            all.push((Vec3::from_slice(found) - *known).length() / mean);
+        }
+    }
+    all.sort_by(f32::total_cmp);
+    all
+}
+
+#[test]
+fn mirrors_show_the_sky_and_lamps() {
+    let Some(gpu) = gpu() else { return };
+    let glow = Material::new(Vec3::ZERO, Vec3::new(5.0, 3.0, 1.0));
+    let mut s = floor();
+    s.materials.push(glow);
+    s.objects.push(sheet(Vec3::new(-1.0, 1.0, -1.0), Vec3::X, Vec3::Z * 2.0, 1).into());
+    let cache = lit(&s, 8, 16, 2);
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    for eye in [Vec3::new(0.6, 0.5, 0.2), Vec3::new(-0.3, 0.7, 0.1)] {
+        // Up to a hundredth, surfaces are mirrors.
+        let points = on_floor(200, 0.009);
+        let found = mirrored(&gpu, &device, &points, eye, 1);
+        let mut lamps = 0;
+        for ((p, n, r), found) in points.iter().zip(&found) {
+            let known = cache.reflection(*p, *n, eye, *r, 1).unwrap();
+            assert!((Vec3::from_slice(found) - known).length() < 1e-5, "{p}: {found:?} for {known}");
+            assert_eq!(found[3], 1.0);
+            lamps += usize::from(known == glow.emission);
+        }
+        assert!(lamps > 5 && lamps < 180, "{lamps}");
+    }
+}
+
+#[test]
+fn mirrors_show_walls_as_on_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let cache = lit(&furnished(), 25, 32, 20);
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let points: Vec<_> = points().into_iter().map(|(p, n)| (p, n, 0.0)).collect();
+    for eye in [Vec3::new(3.1, 1.7, 2.9), Vec3::new(0.3, 0.4, 3.6), Vec3::new(2.0, 2.8, 1.4)] {
+        let all = apart(&gpu, &device, &cache, &points, eye);
+        let (middle, worst) = (all[all.len() / 2], all[all.len() - 1]);
+        let far = all.iter().filter(|e| **e > 1e-3).count();
+        println!("walls from {eye}: middle {middle:e}, worst {worst:e}, {far} of {} far", all.len());
+        assert!(all.len() > 300, "{}", all.len());
+        assert!(middle < 1e-4 && far < all.len() / 50 && worst < 1e-2, "{middle} {far}");
+    }
+}
+
+#[test]
+fn mirrored_rays_cross_empty_bricks_and_end_at_the_nearest_wall() {
+    let Some(gpu) = gpu() else { return };
+    // A long hall of 200 cells with a screen in its middle that has a hole; each wall glows alike.
+    let mut all = room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
+    all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 1));
+    all.iter_mut().filter(|t| t.corners.iter().all(|p| p.x == 40.0)).for_each(|t| t.material = 2);
+    let glow = |r, g, b| Material::new(Vec3::splat(0.3), Vec3::new(r, g, b));
+    let materials = vec![glow(0.1, 0.0, 0.0), glow(0.0, 0.5, 0.0), glow(0.0, 0.0, 2.0)];
+    let scene = scene(all, materials, vec![], 0.0);
+    let cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, 200))).unwrap();
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let at = |i: usize| Vec3::new(0.0, 0.05 * i as f32 + 0.02, (0.618 * i as f32).fract() * 4.0);
+    let points: Vec<Mirroring> = (0..80).map(|i| (at(i), Vec3::X, 0.0)).collect();
+    let mut met = [0; 3];
+    for eye in [Vec3::new(30.0, 2.1, 2.4), Vec3::new(3.0, 1.0, 2.9)] {
+        for ((p, n, _), found) in points.iter().zip(mirrored(&gpu, &device, &points, eye, 1)) {
+            // Nothing is gathered: there is emission only, and the device says so.
+            let known = cache.reflection(*p, *n, eye, 0.0, 1).unwrap();
+            assert_eq!(found, known.extend(0.5).to_array(), "{p}");
+            let which = (0..3).find(|c| known[*c] > 0.0).unwrap();
+            met[which] += 1;
+        }
+    }
+    assert!(met.iter().all(|m| *m > 5), "{met:?}");
+}
+
+#[test]
+fn the_room_behind_a_wall_is_dark_in_mirrors() {
+    let Some(gpu) = gpu() else { return };
+    for thickness in [0.0, 0.02, 0.2] {
+        let light = vec![lamp(Vec3::new(-2.0, 2.0, 0.3), 10.0)];
+        let cache = lit(&scene(rooms(thickness), vec![matt(0.7)], light, 0.0), 32, 16, 4);
+        let device = GpuCache::new(&gpu.device, &cache).unwrap();
+        let total = |side: f32, rough: f32, rays| {
+            let mut points: Vec<_> =
+                leak_questions(side, thickness).into_iter().map(|(p, n)| (p, n, rough)).collect();
+            // In the fold of wall and floor, where walls are nearest to each other.
+            points.extend((0..200).map(|i| {
+                let x = side * (0.5 * thickness + 1e-4 * (1.0 + i as f32));
+                (Vec3::new(x, 0.0, (i as f32 * 0.618).fract() * 3.8 - 1.9), Vec3::Y, rough)
+            }));
+            let eyes = [(2.2, 1.3, 0.4), (0.2 + thickness, 0.05, -1.2), (4.0, 2.8, 1.9)];
+            let eyes = eyes.map(|(x, y, z)| Vec3::new(side * x, y, z));
+            let found = eyes.map(|eye| mirrored(&gpu, &device, &points, eye, rays));
+            found.iter().flatten().map(|p| p[0] + p[1] + p[2]).sum::<f32>()
+        };
+        assert!(total(-1.0, 0.0, 1) > 10.0, "{}", total(-1.0, 0.0, 1));
+        assert_eq!(total(1.0, 0.0, 1), 0.0, "{thickness}");
+        assert_eq!(total(1.0, 0.3, 4), 0.0, "{thickness}");
+    }
+}
+
+#[test]
+fn an_eye_below_sees_nothing_and_odd_numbers_do_no_harm() {
+    let Some(gpu) = gpu() else { return };
+    let cache = lit(&floor(), 8, 16, 2);
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let eye = Vec3::new(0.1, 1.0, 0.2);
+    let (o, up) = (Vec3::ZERO, Vec3::Y);
+    let nan = f32::NAN;
+    let odd = [
+        // From below, in the surface's plane, and from the point itself.
+        (o, -up, 0.3),
+        (Vec3::new(0.0, 1.0, 0.0), up, 0.3),
+        (eye, up, 0.3),
+        (Vec3::new(nan, 0.0, 0.0), up, 0.3),
+        (Vec3::new(0.0, f32::INFINITY, 0.0), up, 0.3),
+        (Vec3::new(0.0, f32::NEG_INFINITY, 0.0), up, 0.0),
+        (Vec3::splat(-3e38), up, 0.3),
+        (Vec3::splat(-1e20), up, 0.0),
+        (o, o, 0.3),
+        (o, Vec3::new(0.0, nan, 1.0), 0.3),
+        (o, Vec3::splat(f32::INFINITY), 0.3),
+        (o, up, nan),
+        (o, up, -1.0),
+        (o, up, -1e-30),
+        (o, up, f32::INFINITY),
+        (o, up, f32::NEG_INFINITY),
+    ];
+    for (point, found) in odd.iter().zip(mirrored(&gpu, &device, &odd, eye, 4)) {
+        assert_eq!(found, [0.0; 4], "{point:?}");
+    }
+    // These are fine: any length of a normal, and what is rougher than dull.
+    let fine = [up * 1e-37, up * 3e38, up].map(|n| (o, n, 0.3));
+    let found = mirrored(&gpu, &device, &fine, eye, 4);
+    assert!(found.iter().all(|f| *f == found[2] && f[3] == 1.0 && f[0] > 1.0), "{found:?}");
+    let found = mirrored(&gpu, &device, &[(o, up, 1.0), (o, up, 9.0)], eye, 4);
+    assert_eq!(found[0], found[1]);
+    // A far eye sees what a near one sees in the same direction.
+    let near = mirrored(&gpu, &device, &fine, Vec3::Y, 4);
+    assert_eq!(near, mirrored(&gpu, &device, &fine, Vec3::Y * 3e38, 4));
+    // An empty cache has only its sky.
+    let empty = lit(&scene(vec![], vec![matt(0.5)], vec![], 1.0), 8, 4, 1);
+    let empty = GpuCache::new(&gpu.device, &empty).unwrap();
+    assert_eq!(mirrored(&gpu, &empty, &fine[2..], eye, 4), [[1.0; 4]]);
+}
+
+#[test]
+fn wrong_numbers_of_rays_and_eyes_are_refused() {
+    let Some(gpu) = gpu() else { return };
+    let device = GpuCache::new(&gpu.device, &lit(&floor(), 8, 4, 1)).unwrap();
+    let mirrors = Mirrors::new(&gpu.device, Input::Positions);
+    let view = texture_of(&gpu, (1, 1), &[[0.0; 4]]);
+    let surfaces = Surfaces { place: &view, normals: &view, inverse: Mat4::IDENTITY, empty: 0.0 };
+    let refused = |eye, rays| {
+        let gloss = Gloss { roughness: &view, eye, rays };
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        device.mirror(&gpu.device, &mut encoder, &mirrors, surfaces, gloss, &view)
+    };
+    for (eye, rays) in [(Vec3::ZERO, 0), (Vec3::ZERO, 65), (Vec3::NAN, 1), (Vec3::INFINITY, 1)] {
+        assert!(matches!(refused(eye, rays), Err(LightError::Value { .. })), "{eye} {rays}");
+    }
+}
+
+#[test]
+fn what_is_outside_of_the_grid_is_not_mirrored() {
+    let Some(gpu) = gpu() else { return };
+    // A lamp that rises out of the grid over the floor.
+    let mut s = floor();
+    s.materials.push(Material::new(Vec3::ZERO, Vec3::new(9.0, 0.0, 0.0)));
+    let slope = sheet(Vec3::new(-1.0, 0.5, -4.0), Vec3::new(4.0, 4.0, 0.0), Vec3::Z * 8.0, 1);
+    s.objects.push(slope.into());
+    let grid = Grid { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::new(1.0, 0.8, 1.0), cells: 6 };
+    let mut cache = Cache::new(&s, Settings::new(grid)).unwrap();
+    cache.request_all();
+    cache.gather(4).unwrap();
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let mut lamps = 0;
+    // Also from points far outside of the grid, below which nothing is.
+    for (shift, eye) in [(Vec3::ZERO, Vec3::new(-0.4, 1.0, 0.1)), (Vec3::X * 50.0, Vec3::new(99.0, 1.4, 0.1))]
+    {
+        let points: Vec<_> = on_floor(200, 0.0).into_iter().map(|(p, n, r)| (p + shift, n, r)).collect();
+        for ((p, n, r), found) in points.iter().zip(mirrored(&gpu, &device, &points, eye, 1)) {
+            let known = cache.reflection(*p, *n, eye, *r, 1).unwrap();
+            assert!((Vec3::from_slice(&found) - known).length() < 1e-4, "{p}: {found:?} for {known}");
+            lamps += usize::from(known.x == 9.0);
+        }
+        assert!(lamps > 20 && lamps < 380, "{lamps}");
+    }
+}
+
+#[test]
+fn lamps_with_textures_have_their_mean() {
+    let Some(gpu) = gpu() else { return };
+    let mut s = floor();
+    s.textures.push(Texture::new(2, 1, vec![Vec3::ZERO, Vec3::ONE]).unwrap());
+    let emission = Vec3::new(8.0, 4.0, 2.0);
+    s.materials.push(Material { emission_texture: Some(0), ..Material::new(Vec3::ZERO, emission) });
+    // The first triangle lies where the texture is bright, the second one all over it.
+    let mut lamp: casca_radiosity::Object =
+        sheet(Vec3::new(-1.0, 1.0, -1.0), Vec3::X * 2.0, Vec3::Z * 2.0, 1).into();
+    let over = |corners: [[f32; 2]; 3]| corners.map(Vec2::from_array);
+    lamp.uv =
+        vec![over([[0.74, 0.0], [0.76, 0.0], [0.75, 1.0]]), over([[0.0, 0.0], [40.0, 0.0], [0.0, 9.0]])];
+    s.objects.push(lamp);
+    let device = GpuCache::new(&gpu.device, &lit(&s, 8, 8, 1)).unwrap();
+    let at = |x, z| (Vec3::new(x, 0.0, z), Vec3::Y, 0.0);
+    let found = mirrored(&gpu, &device, &[at(0.2, -0.2), at(-0.2, 0.2)], Vec3::Y * 0.5, 1);
+    for (found, share) in found.iter().zip([1.0, 0.5]) {
+        let known = emission * share;
+        assert!((Vec3::from_slice(found) - known).length() < 0.05 * known.length(), "{found:?} {known}");
+    }
+}
+
+#[test]
+fn mirrors_of_depths_are_those_of_positions() {
+    let Some(gpu) = gpu() else { return };
+    let cache = lit(&floor(), 8, 16, 2);
+    let device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let (width, height) = (20, 12);
+    // Straight from above: a depth of a half is the floor, and what is nearer rises.
+    let inverse = Mat4::from_cols(
+        Vec4::X,
+        Vec4::new(0.0, 0.0, -1.0, 0.0),
+        Vec4::Y * -2.0,
+        Vec4::new(0.0, 1.0, 0.0, 1.0),
+    );
+    let (mut depths, mut points) = (Vec::new(), Vec::new());
+    for i in 0..width * height {
+        let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
+        let depth = if i % 7 == 0 { 1.0 } else { 0.5 - 0.01 * (i % 5) as f32 };
+        let place = Vec3::new(2.0 * x / width as f32 - 1.0, 1.0 - 2.0 * y / height as f32, depth);
+        depths.push(depth);
+        points.push((inverse.project_point3(place), Vec3::Y, 0.0));
+    }
+    let eye = Vec3::new(0.3, 2.0, 0.5);
+    let known = mirrored(&gpu, &device, &points, eye, 1);
+    let place = depth_of(&gpu, (width, height), &depths);
+    let normals = texture_of(&gpu, (width, height), &vec![[0.0, 2.0, 0.0, 0.0]; width * height]);
+    let roughness = texture_of(&gpu, (width, height), &vec![[0.0; 4]; width * height]);
+    let mirrors = Mirrors::new(&gpu.device, Input::Depth);
+    let found = picture_of(&gpu, (width, height), |encoder, picture| {
+        let surfaces = Surfaces { place: &place, normals: &normals, inverse, empty: 1.0 };
+        let gloss = Gloss { roughness: &roughness, eye, rays: 1 };
+        device.mirror(&gpu.device, encoder, &mirrors, surfaces, gloss, picture).unwrap();
+    });
+    for (i, (found, known)) in found.iter().zip(&known).enumerate() {
+        let known = if depths[i] == 1.0 { Vec4::ZERO } else { Vec4::from_array(*known) };
+        assert!((Vec4::from_array(*found) - known).length() < 1e-5, "{i}: {found:?} {known}");
+    }
+}
+
+#[test]
+fn mirrors_show_the_light_of_now() {
+    let Some(gpu) = gpu() else { return };
+    let mut cache = lit(&furnished(), 25, 16, 12);
+    let mut device = GpuCache::new(&gpu.device, &cache).unwrap();
+    let points: Vec<_> = points().into_iter().map(|(p, n)| (p, n, 0.0)).collect();
+    let eye = Vec3::new(3.1, 1.7, 2.9);
+    // Nine of ten: at edges, rays of single precision meet another wall.
+    let most = |device: &GpuCache, cache: &Cache| {
+        let all = apart(&gpu, device, cache, &points, eye);
+        all[all.len() * 9 / 10]
+    };
+    // Smoothed light, other lights and another sky.
+    device.link(&gpu.device, &cache).unwrap();
+    cache.smooth(2);
+    run(&gpu, |encoder| device.smooth(encoder, 2));
+    assert!(most(&device, &cache) < 1e-3);
+    cache.set_lights(&[lamp(Vec3::new(0.6, 0.4, 3.3), 20.0)]).unwrap();
+    cache.set_sky(linear()).unwrap();
+    cache.direct();
+    cache.converge(1e-7, 200);
+    assert!(most(&device, &cache) > 0.1);
+    run(&gpu, |encoder| {
+        device.set_direct(&gpu.device, &gpu.queue, encoder, &cache).unwrap();
+        device.pass(encoder, 64);
+    });
+    let found = most(&device, &cache);
+    assert!(found < 1e-3, "{found}");
+}
