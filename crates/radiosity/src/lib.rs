@@ -86,6 +86,6 @@ pub use error::LightError;
 pub use input::{Grid, Light, Object, Scene, Settings, Sky, Triangle};
 pub use materials::{Material, Texture};
 pub use moves::Moved;
-pub use probe::Probe;
+pub use probe::{Probe, Seen};
 pub use query::Irradiance;
 pub use surfaces::Skipped;

@@ -59,6 +59,17 @@ impl Probe {
     }
 }
 
+/// A surface that a ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Where, in metres.
+    pub point: Vec3,
+    /// Unit normal on the side that the ray comes from.
+    pub normal: Vec3,
+    /// Index into [`crate::Scene::materials`].
+    pub material: u32,
+}
+
 /// What a ray meets: the surface, the spot above it, and its side.
 struct Met {
     surface: u32,
@@ -81,16 +92,21 @@ impl Cache {
     }
 
     /// Asks for the states that [`Cache::radiance`] will read, which are those that answer at the
-    /// surface that the ray meets: for what a camera sees, without pictures of positions.
+    /// surface that the ray meets, and says where it is: for what a camera sees, without pictures of
+    /// positions.
     ///
     /// # Errors
     /// As there.
-    pub fn request_radiance(&mut self, point: Vec3, direction: Vec3) -> Result<(), LightError> {
+    pub fn request_radiance(&mut self, point: Vec3, direction: Vec3) -> Result<Option<Seen>, LightError> {
         let (from, direction) = self.open_ray(point, direction)?;
-        if let Some(met) = self.meets(from, direction) {
-            self.want_at(&met.spot);
-        }
-        Ok(())
+        let Some(met) = self.meets(from, direction) else { return Ok(None) };
+        self.want_at(&met.spot);
+        let lattice = &self.voxels.lattice;
+        Ok(Some(Seen {
+            point: (met.point * lattice.cell + lattice.min).as_vec3(),
+            normal: met.spot.normal.as_vec3(),
+            material: self.voxels.surfaces[met.surface as usize].material,
+        }))
     }
 
     /// The mean radiance that a glossy surface mirrors towards an eye: over the lobe of a

@@ -62,7 +62,9 @@ fn parts_add_up_to_the_light_of_the_whole() {
 #[test]
 fn states_that_were_asked_for_send_their_rays_first() {
     let mut cache = made(&furnished(BOXES));
-    cache.request_radiance(V::new(2.0, 1.5, 2.0), -V::Y).unwrap();
+    let seen = cache.request_radiance(V::new(2.0, 1.5, 2.0), -V::Y).unwrap().unwrap();
+    assert!(seen.point.abs_diff_eq(V::new(2.0, 0.0, 2.0), 1e-5) && seen.normal == V::Y, "{seen:?}");
+    assert_eq!((seen.material, cache.request_radiance(V::new(2.0, 9.0, 2.0), V::Y)), (0, Ok(None)));
     let asked = cache.waiting();
     assert!((1..30).contains(&asked));
     cache.gather_part((40, 10), usize::MAX).unwrap();

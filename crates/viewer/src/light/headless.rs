@@ -30,10 +30,8 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
     make_folder(&out)?;
     let canvas = Canvas::new(gpu, options.common.drawing.size);
     let camera = start.camera(canvas.size());
-    // The cache has no light for what mirrors.
-    let mut scene = start.scene.clone();
-    scene.materials.iter_mut().for_each(|m| m.specular = Vec3::ZERO);
-    let mut renderer = Renderer::new(gpu, &scene, options.settings())?;
+    let scene = &start.scene;
+    let mut renderer = Renderer::new(gpu, scene, options.settings())?;
     renderer.exposure = options.exposure;
     renderer.update(gpu, (&camera, canvas.size()), None, &mut Clock::off())?;
     say(format_args!("{}: {}", scene.name, told(&renderer)));
@@ -47,7 +45,7 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
             let (width, height) = canvas.size();
             let found = HdrImage::new(width as usize, height as usize, light)?;
             let path = out.join(format!("{}-beside-truth.png", scene.name));
-            compare(&path, &scene, options, (&camera, &found))?;
+            compare(&path, scene, options, (&camera, &found))?;
         }
     }
     Ok(())
@@ -70,7 +68,7 @@ fn compare(
     let (ours, theirs, rmse) = (mean(found), mean(&truth), found.rmse(&truth)?);
     let title = finding(ours / theirs);
     let subtitle = format!(
-        "{}; matt light of all bounces; mean {ours:.4} and {theirs:.4}, RMSE {rmse:.4} with the noise of both",
+        "{}; light of all bounces; mean {ours:.4} and {theirs:.4}, RMSE {rmse:.4} with the noise of both",
         scene.name
     );
     let tile = |caption: String, image: &HdrImage| Tile {

@@ -27,7 +27,7 @@ pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
 /// The largest coordinate of an eye: squares of such distances are still finite.
 const FARTHEST_EYE: f32 = 1e15;
 
-/// Matt light with all of its bounces, by a radiosity cache: it crosses no wall
+/// Light with all of its bounces, by a radiosity cache: it crosses no wall
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
@@ -67,7 +67,7 @@ pub struct Options {
     /// Cells along the longest axis at which stages are timed, 8 to 512 each
     #[arg(long, value_delimiter = ',', default_value = "32,64,128", requires = "time", value_parser = cells())]
     pub times: Vec<u32>,
-    /// Layers to draw: picture, albedo, normals, direct, indirect, or all
+    /// Layers to draw: picture, albedo, normals, direct, indirect, mirrored, or all
     #[arg(long, value_delimiter = ',', default_value = "picture", requires = "headless")]
     pub layers: Vec<String>,
     /// Also draws the layer picture with a path tracer of so many samples a pixel, and compares the

@@ -2,8 +2,8 @@
 //! colours of a screen.
 
 use bytemuck::{Pod, Zeroable};
-use casca_radiosity::gpu::{Answers, GpuCache};
-use casca_scenes::lit::{LitObject, LitScene};
+use casca_radiosity::gpu::{Answers, Gloss, GpuCache, Input, Mirrors, Surfaces};
+use casca_scenes::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
@@ -13,7 +13,9 @@ use casca_stage::wgpu::{
     self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureUsages, TextureView,
     VertexFormat,
 };
-use glam::Vec3;
+use glam::{Mat4, Vec3};
+
+use crate::common::Failed;
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,11 +31,14 @@ pub enum Layer {
     Direct,
     /// Light of the sky and of all bounces.
     Indirect,
+    /// What surfaces mirror.
+    Mirrored,
 }
 
 impl Layer {
     /// All of them.
-    pub const EVERY: [Self; 5] = [Self::Picture, Self::Albedo, Self::Normals, Self::Direct, Self::Indirect];
+    pub const EVERY: [Self; 6] =
+        [Self::Picture, Self::Albedo, Self::Normals, Self::Direct, Self::Indirect, Self::Mirrored];
 
     /// Its name on command lines and in file names.
     pub fn name(self) -> &'static str {
@@ -43,12 +48,17 @@ impl Layer {
             Self::Normals => "normals",
             Self::Direct => "direct",
             Self::Indirect => "indirect",
+            Self::Mirrored => "mirrored",
         }
     }
 }
 
-/// The format of surfaces and light.
+/// The format of places and light.
 const FLOATS: TextureFormat = TextureFormat::Rgba32Float;
+/// The formats of what is drawn of surfaces: 32 bytes in all, as many as any device takes.
+const SURFACES: [TextureFormat; 3] = [FLOATS, TextureFormat::Rgba16Float, TextureFormat::Rg32Float];
+/// Rays of a pixel that mirrors.
+const MIRROR_RAYS: u32 = 16;
 
 /// The camera as the shaders take it.
 #[repr(C)]
@@ -92,12 +102,20 @@ fn corners_of(object: &LitObject, materials: usize) -> Vec<Corner> {
     all
 }
 
+/// The width of the lobe of GGX that a material mirrors by, if it does: that of as sharp a highlight
+/// as Phong's (Walter et al. 2007, section 5.2).
+pub fn roughness(material: &Material) -> Option<f32> {
+    let mirrors = material.specular.max_element() > 0.0;
+    mirrors.then(|| (2.0 / (material.exponent() + 2.0)).sqrt() as f32)
+}
+
 /// Textures of one size.
 struct Frame {
     size: (u32, u32),
-    places: TextureView,
-    normals: TextureView,
+    /// Places, normals, and roughness with the material.
+    surfaces: [TextureView; 3],
     depth: TextureView,
+    mirrored: TextureView,
     light: TextureView,
 }
 
@@ -121,10 +139,11 @@ impl Frame {
             let most = gpu.device.limits().max_buffer_size;
             made.map(|t| t.create_view(&Default::default())).ok_or(GpuError::NoRoom { bytes, most })
         };
+        let of_surface = |format| texture(format, TextureUsages::RENDER_ATTACHMENT);
         Ok(Self {
             size,
-            places: texture(FLOATS, TextureUsages::RENDER_ATTACHMENT)?,
-            normals: texture(FLOATS, TextureUsages::RENDER_ATTACHMENT)?,
+            surfaces: [of_surface(SURFACES[0])?, of_surface(SURFACES[1])?, of_surface(SURFACES[2])?],
+            mirrored: texture(FLOATS, TextureUsages::STORAGE_BINDING)?,
             depth: texture(DEPTH, TextureUsages::RENDER_ATTACHMENT)?,
             light: texture(FLOATS, TextureUsages::STORAGE_BINDING)?,
         })
@@ -134,6 +153,8 @@ impl Frame {
 /// Draws pictures of a scene.
 pub struct Picture {
     surfaces: wgpu::RenderPipeline,
+    /// None if nothing mirrors.
+    mirrors: Option<Mirrors>,
     compose: wgpu::ComputePipeline,
     screen: wgpu::ShaderModule,
     /// For the format of the last target.
@@ -170,10 +191,15 @@ impl Picture {
             firsts.push(corners.len());
         }
         let four = |v: Vec3| v.extend(0.0).to_array();
-        let materials: Vec<[[f32; 4]; 2]> =
-            scene.materials.iter().map(|m| m.sound()).map(|m| [four(m.albedo), four(m.emission)]).collect();
+        let sound: Vec<Material> = scene.materials.iter().map(Material::sound).collect();
+        let beside = |m: &Material| roughness(m).map_or(-1.0, |r| r);
+        let vectors =
+            |m: &Material| [m.albedo.extend(beside(m)).to_array(), four(m.emission), four(m.specular)];
+        let materials: Vec<[[f32; 4]; 3]> = sound.iter().map(vectors).collect();
+        let has_mirrors = sound.iter().any(|m| roughness(m).is_some());
         Ok(Self {
             surfaces: surfaces(gpu, &picture),
+            mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device, Input::Positions)),
             compose: gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("compose"),
                 layout: None,
@@ -212,7 +238,7 @@ impl Picture {
         camera: &Camera,
         (layer, exposure): (Layer, f32),
         clock: &mut Clock,
-    ) -> Result<(), GpuError> {
+    ) -> Result<(), Failed> {
         if gpu.clamp(target.size()) != self.frame.size {
             self.frame = Frame::new(gpu, target.size())?;
         }
@@ -225,12 +251,29 @@ impl Picture {
         };
         gpu.queue.write_buffer(&self.eye, 0, bytemuck::bytes_of(&eye));
         clock.stage(gpu, "surfaces", |e| self.draw_surfaces(gpu, e))?;
+        if matches!(layer, Layer::Picture | Layer::Mirrored) {
+            self.mirror(gpu, cache, camera, clock)?;
+        }
         clock.stage(gpu, "light of pixels", |e| self.light(gpu, e, cache))?;
-        clock.stage(gpu, "show", |e| self.show(gpu, e, target))
+        clock.stage(gpu, "show", |e| self.show(gpu, e, target))?;
+        Ok(())
+    }
+
+    fn mirror(&self, gpu: &Gpu, cache: &GpuCache, camera: &Camera, clock: &mut Clock) -> Result<(), Failed> {
+        let Some(mirrors) = &self.mirrors else { return Ok(()) };
+        let [place, normals, kinds] = &self.frame.surfaces;
+        let surfaces = Surfaces { place, normals, inverse: Mat4::IDENTITY, empty: 1.0 };
+        let gloss = Gloss { roughness: kinds, eye: camera.eye, rays: MIRROR_RAYS };
+        let mut made = Ok(());
+        clock.stage(gpu, "mirrors", |e| {
+            made = cache.mirror(&gpu.device, e, mirrors, surfaces, gloss, &self.frame.mirrored);
+        })?;
+        Ok(made?)
     }
 
     fn draw_surfaces(&self, gpu: &Gpu, encoder: &mut CommandEncoder) {
-        let group = bound(gpu, &self.surfaces.get_bind_group_layout(0), &[self.eye.as_entire_binding()]);
+        let own = [self.eye.as_entire_binding(), self.materials.as_entire_binding()];
+        let group = bound(gpu, &self.surfaces.get_bind_group_layout(0), &own);
         let cleared = |view| {
             Some(wgpu::RenderPassColorAttachment {
                 view,
@@ -243,7 +286,7 @@ impl Picture {
             })
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[cleared(&self.frame.places), cleared(&self.frame.normals)],
+            color_attachments: &self.frame.surfaces.each_ref().map(cleared),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.frame.depth,
                 depth_ops: Some(wgpu::Operations {
@@ -261,11 +304,14 @@ impl Picture {
     }
 
     fn light(&self, gpu: &Gpu, encoder: &mut CommandEncoder, cache: &GpuCache) {
+        let [places, normals, kinds] = self.frame.surfaces.each_ref().map(BindingResource::TextureView);
         let own = [
             self.eye.as_entire_binding(),
-            BindingResource::TextureView(&self.frame.places),
-            BindingResource::TextureView(&self.frame.normals),
             self.materials.as_entire_binding(),
+            places,
+            normals,
+            kinds,
+            BindingResource::TextureView(&self.frame.mirrored),
             BindingResource::TextureView(&self.frame.light),
         ];
         let group = bound(gpu, &self.compose.get_bind_group_layout(0), &own);
@@ -352,7 +398,7 @@ fn surfaces(gpu: &Gpu, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
             module,
             entry_point: Some("surface"),
             compilation_options: Default::default(),
-            targets: &[Some(FLOATS.into()), Some(FLOATS.into())],
+            targets: &SURFACES.map(|format| Some(format.into())),
         }),
         multiview_mask: None,
         cache: None,

@@ -9,6 +9,10 @@ struct Eye {
 }
 @group(0) @binding(0) var<uniform> eye: Eye;
 
+// With the roughness beside the albedo.
+struct Material { albedo: vec4f, emission: vec4f, specular: vec4f }
+@group(0) @binding(1) var<storage, read> materials: array<Material>;
+
 struct Corner {
     @builtin(position) clip: vec4f,
     @location(0) at: vec3f,
@@ -28,7 +32,8 @@ fn corner(
     return Corner(eye.to_clip * vec4f(at, 1.0), at, first, normal, material);
 }
 
-struct Surface { @location(0) place: vec4f, @location(1) normal: vec4f }
+// The last: how rough it is, less than 0 if it mirrors nothing, and its material.
+struct Surface { @location(0) place: vec4f, @location(1) normal: vec4f, @location(2) kind: vec2f }
 
 @fragment
 fn surface(corner: Corner) -> Surface {
@@ -37,15 +42,15 @@ fn surface(corner: Corner) -> Surface {
     let normal = corner.normal * select(1.0, -1.0, dot(corner.normal, to_eye) < 0.0);
     // Interpolated places lie off the plane by more than rays start above it.
     let at = corner.at + normal * dot(normal, corner.first - corner.at);
-    return Surface(vec4f(at, 1.0), vec4f(normal, f32(corner.material)));
+    let roughness = materials[corner.material].albedo.w;
+    return Surface(vec4f(at, 1.0), vec4f(normal, 0.0), vec2f(roughness, f32(corner.material)));
 }
 
-struct Material { albedo: vec4f, emission: vec4f }
-
-@group(0) @binding(1) var places: texture_2d<f32>;
-@group(0) @binding(2) var normals: texture_2d<f32>;
-@group(0) @binding(3) var<storage, read> materials: array<Material>;
-@group(0) @binding(4) var light: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(2) var places: texture_2d<f32>;
+@group(0) @binding(3) var normals: texture_2d<f32>;
+@group(0) @binding(4) var kinds: texture_2d<f32>;
+@group(0) @binding(5) var mirrored: texture_2d<f32>;
+@group(0) @binding(6) var light: texture_storage_2d<rgba32float, write>;
 
 @compute @workgroup_size(8, 8)
 fn compose(@builtin(global_invocation_id) id: vec3u) {
@@ -56,15 +61,20 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
 fn light_of(pixel: vec2u) -> vec4f {
     let place = textureLoad(places, pixel, 0);
     if place.w != 1.0 { return vec4f(eye.sky, 0.0); }
-    let normal = textureLoad(normals, pixel, 0);
-    let material = materials[u32(normal.w)];
-    if eye.layer == ALBEDO { return vec4f(material.albedo.rgb, 1.0); }
-    if eye.layer == NORMALS { return vec4f(0.5 * normal.xyz + 0.5, 1.0); }
+    let normal = normalize(textureLoad(normals, pixel, 0).xyz);
+    let material = materials[u32(textureLoad(kinds, pixel, 0).y)];
+    if eye.layer == ALBEDO { return vec4f(material.albedo.rgb + material.specular.rgb, 1.0); }
+    if eye.layer == NORMALS { return vec4f(0.5 * normal + 0.5, 1.0); }
+    var found = vec3f(0.0);
+    if eye.layer == PICTURE || eye.layer == MIRRORED {
+        found += material.specular.rgb * textureLoad(mirrored, pixel, 0).rgb;
+    }
+    if eye.layer == MIRRORED { return vec4f(found, 1.0); }
+    if eye.layer != INDIRECT { found += material.emission.rgb; }
+    // Black surfaces need no rays.
+    if all(material.albedo.rgb <= vec3f(0.0)) { return vec4f(found, 1.0); }
     var irradiance = vec3f(0.0);
-    var emission = material.emission.rgb;
-    let is_seen_by_light = any(material.albedo.rgb > vec3f(0.0));
-    if eye.layer == INDIRECT { emission = vec3f(0.0); }
-    else if is_seen_by_light { irradiance += casca_direct(place.xyz, normal.xyz); }
-    if eye.layer != DIRECT && is_seen_by_light { irradiance += casca_irradiance(place.xyz, normal.xyz).rgb; }
-    return vec4f(emission + material.albedo.rgb / PI * irradiance, 1.0);
+    if eye.layer != INDIRECT { irradiance += casca_direct(place.xyz, normal); }
+    if eye.layer != DIRECT { irradiance += casca_irradiance(place.xyz, normal).rgb; }
+    return vec4f(found + material.albedo.rgb / PI * irradiance, 1.0);
 }

@@ -17,13 +17,16 @@ use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::timing::{Clock, Instant};
 use glam::{Affine3A, Vec2, Vec3};
 
-use crate::light::picture::{Layer, Picture};
+use crate::light::picture::{Layer, Picture, roughness};
 
 /// States that send their rays, or find their direct light, between two looks at the clock.
 const PART: usize = 128;
 /// Questions of a frame, and between two looks at the clock.
 const QUESTIONS: u32 = 2048;
 const QUESTION_PART: u32 = 16;
+/// Rays of a question on what mirrors: for one of a few pixels, and for each pixel.
+const SOME_MIRRORED: u32 = 16;
+const MIRRORED: u32 = 4;
 /// The share of rays of states that only other states read.
 const FARTHER: u32 = 4;
 /// Passes of a frame: light of one bounce is there with the first.
@@ -205,7 +208,12 @@ impl Renderer {
                 Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5)
                     / Vec2::new(width as f32, height as f32)
             };
-            self.cache.request_radiance(camera.eye, ray(camera, at))?;
+            let Some(seen) = self.cache.request_radiance(camera.eye, ray(camera, at))? else { continue };
+            let material = self.scene.materials[seen.material as usize].sound();
+            if let Some(roughness) = roughness(&material) {
+                let rays = if is_some { SOME_MIRRORED } else { MIRRORED };
+                self.cache.request_reflection(seen.point, seen.normal, camera.eye, roughness, rays)?;
+            }
         }
         Ok(())
     }
@@ -222,7 +230,7 @@ impl Renderer {
         layer: Layer,
         clock: &mut Clock,
     ) -> Result<(), Box<dyn Error>> {
-        Ok(self.picture.draw(gpu, (target, &self.device), camera, (layer, self.exposure), clock)?)
+        self.picture.draw(gpu, (target, &self.device), camera, (layer, self.exposure), clock)
     }
 
     /// The light of the last picture: see [`Picture::read`].

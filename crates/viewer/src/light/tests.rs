@@ -3,10 +3,11 @@
 
 use std::time::Duration;
 
-use casca_scenes::lit::{Kind, Light};
+use casca_scenes::lit::Light;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
+use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::Vec3;
 
 use crate::light::picture::Layer;
@@ -127,7 +128,7 @@ fn layers_show_what_their_names_say() {
     let start = Start::open("cornell-point", 0).unwrap();
     let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut renderer, &start);
-    let [picture, albedo, normals, direct, indirect] =
+    let [picture, albedo, normals, direct, indirect, mirrored] =
         Layer::EVERY.map(|layer| drawn(&gpu, &mut renderer, &start, layer));
     let middle = (SIZE.1 / 2 * SIZE.0 + SIZE.0 / 2) as usize;
     // The wall at the back faces the camera, and the floor lies below.
@@ -138,7 +139,43 @@ fn layers_show_what_their_names_say() {
     assert!(normals[below].abs_diff_eq(Vec3::new(0.5, 1.0, 0.5), 1e-3), "{}", normals[below]);
     let colours: Vec<Vec3> = start.scene.materials.iter().map(|m| m.albedo).collect();
     assert!(albedo.iter().all(|a| colours.iter().chain([&Vec3::ZERO]).any(|c| a.abs_diff_eq(*c, 1e-6))));
+    assert!(mirrored.iter().all(|m| *m == Vec3::ZERO), "the box is matt");
     let sum: Vec<Vec3> = direct.iter().zip(&indirect).map(|(a, b)| *a + *b).collect();
     assert!(difference(&sum, &picture) < 1e-5);
     assert!(difference(&direct, &picture) > 0.1);
+}
+
+#[test]
+fn a_mirror_shows_the_room_and_rough_metal_the_mean_of_it() {
+    let Some(gpu) = gpu() else { return };
+    let mut start = Start::open("cornell-point", 0).unwrap();
+    // Every wall half as bright as one that scatters, and half a mirror.
+    for m in &mut start.scene.materials {
+        (m.specular, m.gloss) = (Vec3::splat(0.4), 1.0);
+        m.albedo *= 0.5;
+    }
+    let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
+    at_once(&gpu, &mut renderer, &start);
+    let mirrored = drawn(&gpu, &mut renderer, &start, Layer::Mirrored);
+    let truth = PathTracer::new(&start.scene);
+    let size = (SIZE.0 as usize, SIZE.1 as usize);
+    // Light that comes to the eye by the mirror and was scattered once or more before, less what is
+    // scattered alone: mirrors in mirrors are no part of it.
+    let orders = Quantity::Radiance(0..=8);
+    let mut matt = start.scene.clone();
+    matt.materials.iter_mut().for_each(|m| m.specular = Vec3::ZERO);
+    let camera = start.camera(SIZE);
+    let whole = truth.render(&camera, size, &orders, 64, 1).unwrap().image;
+    let alone = PathTracer::new(&matt).render(&camera, size, &orders, 64, 1).unwrap().image;
+    let mean = |p: &[Vec3]| p.iter().map(|c| c.element_sum()).sum::<f32>() / p.len() as f32;
+    let wanted = mean(whole.pixels()) - mean(alone.pixels());
+    println!("{} of {wanted}", mean(&mirrored));
+    assert!(mean(&mirrored) > 0.4 * wanted && mean(&mirrored) < wanted, "{} of {wanted}", mean(&mirrored));
+    let sum: Vec<Vec3> = {
+        let [direct, indirect] =
+            [Layer::Direct, Layer::Indirect].map(|layer| drawn(&gpu, &mut renderer, &start, layer));
+        direct.iter().zip(&indirect).zip(&mirrored).map(|((a, b), c)| *a + *b + *c).collect()
+    };
+    let picture = drawn(&gpu, &mut renderer, &start, Layer::Picture);
+    assert!(difference(&sum, &picture) < 1e-5);
 }

@@ -27,9 +27,9 @@ const SPEED: f32 = 0.1;
 /// The processor's time for light in a frame.
 const BUDGET: Duration = Duration::from_millis(40);
 /// Keys of the layers.
-const LAYERS: [KeyCode; 5] =
-    [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5];
-const HELP: &str = "W A S D Q E and a mouse button: fly    1-5: layers    Space: balls    H: hides all this";
+const LAYERS: [KeyCode; 6] =
+    [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
+const HELP: &str = "W A S D Q E and a mouse button: fly    1-6: layers    Space: balls    H: hides all this";
 
 /// The window.
 pub fn start(start: Start, options: &Options) -> window::Start {
