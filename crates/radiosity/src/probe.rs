@@ -92,8 +92,8 @@ impl Cache {
     }
 
     /// Asks for the states that [`Cache::radiance`] will read, which are those that answer at the
-    /// surface that the ray meets, and says where it is: for what a camera sees, without pictures of
-    /// positions.
+    /// surface that the ray meets, and says where it is: for what a camera sees, without pictures
+    /// of positions.
     ///
     /// # Errors
     /// As there.

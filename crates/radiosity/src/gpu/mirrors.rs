@@ -1,4 +1,4 @@
-//! Pictures of what glossy surfaces mirror.
+//! Pictures by rays that read states: what glossy surfaces mirror, and gaps of irradiance.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -35,19 +35,38 @@ pub struct Mirrors {
 impl Mirrors {
     /// Compiles it. The device needs eight storage buffers for a shader, as all have by default.
     pub fn new(device: &Device, input: Input) -> Self {
-        let constants = format!(
-            "const NONE = {NONE}u;\nconst LEAST_ROUGH: f32 = {LEAST_ROUGH:?};\n\
-             const LEAST_COSINE: f32 = {LEAST_COSINE:?};\n"
-        );
-        let parts = [
-            &constants,
-            include_str!("lookup.wgsl"),
-            include_str!("spread.wgsl"),
-            include_str!("walk.wgsl"),
-            include_str!("mirrors.wgsl"),
-        ];
-        let pipeline = pipeline(device, placed(input, &with_parts(1, &parts)), "mirrors");
-        Self { input, pipeline }
+        Self { input, pipeline: by_rays(device, input, include_str!("mirrors.wgsl"), "mirrors") }
+    }
+}
+
+/// A pass whose rays read the states around what they hit.
+fn by_rays(device: &Device, input: Input, main: &str, name: &'static str) -> ComputePipeline {
+    let constants = format!(
+        "const NONE = {NONE}u;\nconst LEAST_ROUGH: f32 = {LEAST_ROUGH:?};\n\
+         const LEAST_COSINE: f32 = {LEAST_COSINE:?};\n"
+    );
+    let parts = [
+        &constants,
+        include_str!("lookup.wgsl"),
+        include_str!("spread.wgsl"),
+        include_str!("walk.wgsl"),
+        include_str!("rays.wgsl"),
+        main,
+    ];
+    pipeline(device, placed(input, &with_parts(1, &parts)), name)
+}
+
+/// A pass that sends rays where no state stands for a pixel: see [`GpuCache::fill`].
+#[derive(Debug)]
+pub struct Gaps {
+    input: Input,
+    pipeline: ComputePipeline,
+}
+
+impl Gaps {
+    /// Compiles it. The device needs eight storage buffers for a shader, as all have by default.
+    pub fn new(device: &Device, input: Input) -> Self {
+        Self { input, pipeline: by_rays(device, input, include_str!("gaps.wgsl"), "gaps") }
     }
 }
 
@@ -56,8 +75,8 @@ impl Mirrors {
 pub struct Gloss<'a> {
     /// The width of GGX of each pixel, in the first component of any format of floats or unsigned
     /// normalised numbers: the square of the roughness of most engines. 0 is a mirror, 1 is dull,
-    /// and more counts as 1. Pixels with less than 0, or with what is not finite, mirror nothing and
-    /// cost nothing.
+    /// and more counts as 1. Pixels with less than 0, or with what is not finite, mirror nothing
+    /// and cost nothing.
     pub roughness: &'a TextureView,
     /// The eye, in metres.
     pub eye: Vec3,
@@ -128,23 +147,65 @@ impl GpuCache {
         gloss: Gloss,
         picture: &TextureView,
     ) -> Result<(), LightError> {
-        numbers("the rays of a pixel", 0, Vec3::splat(gloss.rays as f32), 1.0..=MOST_MIRRORED as f32)?;
         numbers("the eye", 0, gloss.eye, -f32::MAX..=f32::MAX)?;
-        let of = Uniform::new(gloss.eye, gloss.rays, self.open_sky);
+        let of = Uniform::new(gloss.eye, checked(gloss.rays)?, self.open_sky);
+        let how = (&mirrors.pipeline, mirrors.input);
+        self.send(device, encoder, how, (surfaces, gloss.roughness, picture), &of);
+        Ok(())
+    }
+
+    /// Runs a pass of [`by_rays`], which reads one more picture.
+    fn send(
+        &self,
+        device: &Device,
+        encoder: &mut CommandEncoder,
+        (pipeline, input): (&ComputePipeline, Input),
+        (surfaces, given, picture): (Surfaces, &TextureView, &TextureView),
+        of: &Uniform,
+    ) {
         let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("the gloss"),
-            contents: bytemuck::bytes_of(&of),
+            label: Some("the rays"),
+            contents: bytemuck::bytes_of(of),
             usage: BufferUsages::UNIFORM,
         });
         let more = [
-            BindGroupEntry { binding: 4, resource: BindingResource::TextureView(gloss.roughness) },
+            BindGroupEntry { binding: 4, resource: BindingResource::TextureView(given) },
             BindGroupEntry { binding: 5, resource: uniform.as_entire_binding() },
         ];
-        let group = drawn(device, &mirrors.pipeline, mirrors.input, surfaces, picture, &more);
-        let layout = mirrors.pipeline.get_bind_group_layout(1);
+        let group = drawn(device, pipeline, input, surfaces, picture, &more);
+        let layout = pipeline.get_bind_group_layout(1);
         let mut all: Vec<_> = (0..).zip(self.lookup.iter().chain([self.answers()])).collect();
         all.extend([(9, &self.direct), (10, &self.skins)]);
-        draw(encoder, &mirrors.pipeline, [&group, &bind(device, &layout, &all)], picture, of.tile);
+        draw(encoder, pipeline, [&group, &bind(device, &layout, &all)], picture, of.tile);
+    }
+
+    /// Fills the gaps of a picture of irradiance that [`GpuCache::shade`] made: where no state
+    /// stands for a pixel, so many rays (1 to 64) read the states around what they hit, as
+    /// [`Cache::irradiance`] does. `before` is that picture, and `picture` another one of its size
+    /// and format.
+    ///
+    /// The last component is 0.5 in what were gaps. Costs a copy, and the rays there.
+    ///
+    /// # Errors
+    /// If there are no or too many rays.
+    ///
+    /// [`Cache::irradiance`]: crate::Cache::irradiance
+    pub fn fill(
+        &self,
+        device: &Device,
+        encoder: &mut CommandEncoder,
+        (gaps, rays): (&Gaps, u32),
+        surfaces: Surfaces,
+        (before, picture): (&TextureView, &TextureView),
+    ) -> Result<(), LightError> {
+        let of = Uniform::new(Vec3::ZERO, checked(rays)?, self.open_sky);
+        let how = (&gaps.pipeline, gaps.input);
+        self.send(device, encoder, how, (surfaces, before, picture), &of);
         Ok(())
     }
+}
+
+fn checked(rays: u32) -> Result<u32, LightError> {
+    numbers("the rays of a pixel", 0, Vec3::splat(rays as f32), 1.0..=MOST_MIRRORED as f32)?;
+    Ok(rays)
 }

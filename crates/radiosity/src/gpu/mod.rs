@@ -5,15 +5,16 @@
 //! in single precision, and all states at once (Jacobi), where the processor takes one after the
 //! other: the same light in the end, after about twice as many passes. It answers by the states
 //! around a point, each behind a short ray against the triangles, as [`Cache::irradiance`] does.
-//! Where no state is seen the processor sends rays; the device has none and says so. Pictures of
-//! what glossy surfaces mirror ([`Mirrors`]) are made by rays on the device.
+//! Where no state is seen the processor sends rays; the device says so, and fills such gaps by rays
+//! if it is asked to ([`Gaps`]). Rays on the device also make pictures of what glossy surfaces
+//! mirror ([`Mirrors`]).
 
 mod data;
 mod filter;
 mod mirrors;
 mod shading;
 
-pub use mirrors::{Gloss, Mirrors};
+pub use mirrors::{Gaps, Gloss, Mirrors};
 pub use shading::{Answers, Input, Shading, Surfaces};
 
 use std::f32::consts::PI;

@@ -4,6 +4,7 @@
 mod common;
 mod device;
 mod direct;
+mod gaps;
 mod lobes;
 mod mirrors;
 mod passes;

@@ -7,8 +7,8 @@ use casca_stage::egui::{
 };
 use glam::Vec3;
 
+use crate::light::layer::Layer;
 use crate::light::options::{EXPOSURES, Options};
-use crate::light::picture::Layer;
 use crate::light::renderer::Settings;
 
 /// Cells along the longest axis that the slider offers.

@@ -14,8 +14,8 @@ use casca_stage::timing::Clock;
 use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::Vec3;
 
+use crate::light::layer::Layer;
 use crate::light::options::Options;
-use crate::light::picture::Layer;
 use crate::light::renderer::Renderer;
 use crate::light::scene::Start;
 
@@ -51,8 +51,8 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
     Ok(())
 }
 
-/// Draws the picture by the path tracer, with light scattered as often as it takes, and says how far
-/// off the light found is.
+/// Draws the picture by the path tracer, with light scattered as often as it takes, and says how
+/// far off the light found is.
 fn compare(
     path: &Path,
     scene: &LitScene,

@@ -10,7 +10,7 @@ use clap::builder::RangedI64ValueParser;
 use glam::Vec3;
 
 use crate::common::Common;
-use crate::light::picture::Layer;
+use crate::light::layer::Layer;
 use crate::light::renderer::Settings;
 
 /// Balls that may be added to a scene.

@@ -2,7 +2,7 @@
 //! colours of a screen.
 
 use bytemuck::{Pod, Zeroable};
-use casca_radiosity::gpu::{Answers, Gloss, GpuCache, Input, Mirrors, Surfaces};
+use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Input, Mirrors, Shading};
 use casca_scenes::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
@@ -10,55 +10,20 @@ use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::kernel::filled;
 use casca_stage::timing::Clock;
 use casca_stage::wgpu::{
-    self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureUsages, TextureView,
-    VertexFormat,
+    self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureView, VertexFormat,
 };
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 
 use crate::common::Failed;
+use crate::light::frame::{Frame, SURFACES};
+use crate::light::layer::Layer;
 
-/// What a picture shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Layer {
-    /// All light.
-    #[default]
-    Picture,
-    /// What surfaces scatter of light.
-    Albedo,
-    /// Normals, from -1 to 1 as 0 to 1.
-    Normals,
-    /// Emission, and light straight from lights and lamps.
-    Direct,
-    /// Light of the sky and of all bounces.
-    Indirect,
-    /// What surfaces mirror.
-    Mirrored,
-}
-
-impl Layer {
-    /// All of them.
-    pub const EVERY: [Self; 6] =
-        [Self::Picture, Self::Albedo, Self::Normals, Self::Direct, Self::Indirect, Self::Mirrored];
-
-    /// Its name on command lines and in file names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Picture => "picture",
-            Self::Albedo => "albedo",
-            Self::Normals => "normals",
-            Self::Direct => "direct",
-            Self::Indirect => "indirect",
-            Self::Mirrored => "mirrored",
-        }
-    }
-}
-
-/// The format of places and light.
-const FLOATS: TextureFormat = TextureFormat::Rgba32Float;
-/// The formats of what is drawn of surfaces: 32 bytes in all, as many as any device takes.
-const SURFACES: [TextureFormat; 3] = [FLOATS, TextureFormat::Rgba16Float, TextureFormat::Rg32Float];
-/// Rays of a pixel that mirrors.
+/// Rays of a pixel that mirrors, and of one that no state stands for.
 const MIRROR_RAYS: u32 = 16;
+const GAP_RAYS: u32 = 16;
+/// The share of the way to the eye by which surfaces come nearer: more than single precision errs,
+/// and less than a thousandth of a cell in a view of a whole grid.
+const PULL: f32 = 1e-5;
 
 /// The camera as the shaders take it.
 #[repr(C)]
@@ -102,52 +67,11 @@ fn corners_of(object: &LitObject, materials: usize) -> Vec<Corner> {
     all
 }
 
-/// The width of the lobe of GGX that a material mirrors by, if it does: that of as sharp a highlight
-/// as Phong's (Walter et al. 2007, section 5.2).
+/// The width of the lobe of GGX that a material mirrors by, if it does: that of as sharp a
+/// highlight as Phong's (Walter et al. 2007, section 5.2).
 pub fn roughness(material: &Material) -> Option<f32> {
     let mirrors = material.specular.max_element() > 0.0;
     mirrors.then(|| (2.0 / (material.exponent() + 2.0)).sqrt() as f32)
-}
-
-/// Textures of one size.
-struct Frame {
-    size: (u32, u32),
-    /// Places, normals, and roughness with the material.
-    surfaces: [TextureView; 3],
-    depth: TextureView,
-    mirrored: TextureView,
-    light: TextureView,
-}
-
-impl Frame {
-    fn new(gpu: &Gpu, size: (u32, u32)) -> Result<Self, GpuError> {
-        let size = gpu.clamp(size);
-        let texture = |format, usage| {
-            let made = gpu.try_room(|| {
-                gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some("light"),
-                    size: wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 },
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format,
-                    usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-                    view_formats: &[],
-                })
-            });
-            let bytes = 16 * u64::from(size.0) * u64::from(size.1);
-            let most = gpu.device.limits().max_buffer_size;
-            made.map(|t| t.create_view(&Default::default())).ok_or(GpuError::NoRoom { bytes, most })
-        };
-        let of_surface = |format| texture(format, TextureUsages::RENDER_ATTACHMENT);
-        Ok(Self {
-            size,
-            surfaces: [of_surface(SURFACES[0])?, of_surface(SURFACES[1])?, of_surface(SURFACES[2])?],
-            mirrored: texture(FLOATS, TextureUsages::STORAGE_BINDING)?,
-            depth: texture(DEPTH, TextureUsages::RENDER_ATTACHMENT)?,
-            light: texture(FLOATS, TextureUsages::STORAGE_BINDING)?,
-        })
-    }
 }
 
 /// Draws pictures of a scene.
@@ -155,6 +79,9 @@ pub struct Picture {
     surfaces: wgpu::RenderPipeline,
     /// None if nothing mirrors.
     mirrors: Option<Mirrors>,
+    /// All light, and that of the sky and of bounces.
+    shadings: [Shading; 2],
+    gaps: Gaps,
     compose: wgpu::ComputePipeline,
     screen: wgpu::ShaderModule,
     /// For the format of the last target.
@@ -177,12 +104,16 @@ impl Picture {
     pub fn new(gpu: &Gpu, scene: &LitScene) -> Result<Self, GpuError> {
         let layers =
             Layer::EVERY.map(|l| format!("const {}: u32 = {}u;\n", l.name().to_uppercase(), l as u32));
-        let constants = format!("const PI: f32 = {:?};\n{}", std::f32::consts::PI, layers.concat());
+        let constants = format!(
+            "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\n{}",
+            std::f32::consts::PI,
+            layers.concat()
+        );
         let module = |text: String| {
             let source = wgpu::ShaderSource::Wgsl(text.into());
             gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("light"), source })
         };
-        let picture = module(GpuCache::wgsl(1, Answers::All) + &constants + include_str!("picture.wgsl"));
+        let picture = module(constants.clone() + include_str!("picture.wgsl"));
         let screen = module(constants.clone() + include_str!("screen.wgsl"));
         let count = scene.materials.len();
         let (mut corners, mut firsts) = (Vec::new(), vec![0]);
@@ -199,6 +130,9 @@ impl Picture {
         let has_mirrors = sound.iter().any(|m| roughness(m).is_some());
         Ok(Self {
             surfaces: surfaces(gpu, &picture),
+            shadings: [Answers::All, Answers::Indirect]
+                .map(|answers| Shading::new(&gpu.device, Input::Positions, answers)),
+            gaps: Gaps::new(&gpu.device, Input::Positions),
             mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device, Input::Positions)),
             compose: gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("compose"),
@@ -254,19 +188,19 @@ impl Picture {
         if matches!(layer, Layer::Picture | Layer::Mirrored) {
             self.mirror(gpu, cache, camera, clock)?;
         }
-        clock.stage(gpu, "light of pixels", |e| self.light(gpu, e, cache))?;
+        self.light(gpu, cache, layer, clock)?;
+        clock.stage(gpu, "compose", |e| self.compose(gpu, e))?;
         clock.stage(gpu, "show", |e| self.show(gpu, e, target))?;
         Ok(())
     }
 
     fn mirror(&self, gpu: &Gpu, cache: &GpuCache, camera: &Camera, clock: &mut Clock) -> Result<(), Failed> {
         let Some(mirrors) = &self.mirrors else { return Ok(()) };
-        let [place, normals, kinds] = &self.frame.surfaces;
-        let surfaces = Surfaces { place, normals, inverse: Mat4::IDENTITY, empty: 1.0 };
+        let kinds = &self.frame.surfaces[2];
         let gloss = Gloss { roughness: kinds, eye: camera.eye, rays: MIRROR_RAYS };
         let mut made = Ok(());
         clock.stage(gpu, "mirrors", |e| {
-            made = cache.mirror(&gpu.device, e, mirrors, surfaces, gloss, &self.frame.mirrored);
+            made = cache.mirror(&gpu.device, e, mirrors, self.frame.drawn(), gloss, &self.frame.mirrored);
         })?;
         Ok(made?)
     }
@@ -303,25 +237,53 @@ impl Picture {
         pass.draw(0..self.firsts.last().copied().unwrap_or(0) as u32, 0..1);
     }
 
-    fn light(&self, gpu: &Gpu, encoder: &mut CommandEncoder, cache: &GpuCache) {
-        let [places, normals, kinds] = self.frame.surfaces.each_ref().map(BindingResource::TextureView);
-        let own = [
-            self.eye.as_entire_binding(),
-            self.materials.as_entire_binding(),
-            places,
-            normals,
-            kinds,
-            BindingResource::TextureView(&self.frame.mirrored),
-            BindingResource::TextureView(&self.frame.light),
-        ];
+    /// Irradiance of all pixels.
+    fn light(&self, gpu: &Gpu, cache: &GpuCache, layer: Layer, clock: &mut Clock) -> Result<(), Failed> {
+        let frame = &self.frame;
+        let [all, indirect] = &self.shadings;
+        let shading = match layer {
+            Layer::Picture | Layer::Direct => all,
+            Layer::Indirect => indirect,
+            Layer::Albedo | Layer::Normals | Layer::Mirrored => return Ok(()),
+        };
+        self.irradiance(gpu, cache, (shading, &frame.lit), clock)?;
+        if layer == Layer::Direct {
+            self.irradiance(gpu, cache, (indirect, &frame.rest), clock)?;
+        }
+        Ok(())
+    }
+
+    /// A picture of irradiance without gaps.
+    fn irradiance(
+        &self,
+        gpu: &Gpu,
+        cache: &GpuCache,
+        (shading, into): (&Shading, &TextureView),
+        clock: &mut Clock,
+    ) -> Result<(), Failed> {
+        let (frame, how) = (&self.frame, (&self.gaps, GAP_RAYS));
+        clock.stage(gpu, "light of pixels", |e| {
+            cache.shade(&gpu.device, e, shading, frame.drawn(), &frame.gapped);
+        })?;
+        let mut filled = Ok(());
+        clock.stage(gpu, "gaps", |e| {
+            filled = cache.fill(&gpu.device, e, how, frame.drawn(), (&frame.gapped, into));
+        })?;
+        Ok(filled?)
+    }
+
+    fn compose(&self, gpu: &Gpu, encoder: &mut CommandEncoder) {
+        let frame = &self.frame;
+        let [places, normals, kinds] = frame.surfaces.each_ref().map(BindingResource::TextureView);
+        let [lit, rest, mirrored, light] =
+            [&frame.lit, &frame.rest, &frame.mirrored, &frame.light].map(BindingResource::TextureView);
+        let (eye, materials) = (self.eye.as_entire_binding(), self.materials.as_entire_binding());
+        let own = [eye, materials, kinds, places, lit, rest, mirrored, normals, light];
         let group = bound(gpu, &self.compose.get_bind_group_layout(0), &own);
-        let layout = self.compose.get_bind_group_layout(1);
-        let of_cache = cache.bind_group(&gpu.device, &layout, Answers::All);
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.compose);
         pass.set_bind_group(0, &group, &[]);
-        pass.set_bind_group(1, &of_cache, &[]);
-        let (x, y) = self.frame.size;
+        let (x, y) = frame.size;
         pass.dispatch_workgroups(x.div_ceil(8), y.div_ceil(8), 1);
     }
 

@@ -41,16 +41,21 @@ fn surface(corner: Corner) -> Surface {
     // Surfaces look alike from both sides.
     let normal = corner.normal * select(1.0, -1.0, dot(corner.normal, to_eye) < 0.0);
     // Interpolated places lie off the plane by more than rays start above it.
-    let at = corner.at + normal * dot(normal, corner.first - corner.at);
+    let flat = corner.at + normal * dot(normal, corner.first - corner.at);
+    // In edges of rooms that is in two walls; the eye sees the fronts of both.
+    let at = flat + PULL * (eye.position - flat);
     let roughness = materials[corner.material].albedo.w;
     return Surface(vec4f(at, 1.0), vec4f(normal, 0.0), vec2f(roughness, f32(corner.material)));
 }
 
-@group(0) @binding(2) var places: texture_2d<f32>;
-@group(0) @binding(3) var normals: texture_2d<f32>;
-@group(0) @binding(4) var kinds: texture_2d<f32>;
-@group(0) @binding(5) var mirrored: texture_2d<f32>;
-@group(0) @binding(6) var light: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(2) var kinds: texture_2d<f32>;
+@group(0) @binding(3) var places: texture_2d<f32>;
+// Irradiance of all light that the layer shows; for the direct layer also that of the rest.
+@group(0) @binding(4) var lit: texture_2d<f32>;
+@group(0) @binding(5) var rest: texture_2d<f32>;
+@group(0) @binding(6) var mirrored: texture_2d<f32>;
+@group(0) @binding(7) var normals: texture_2d<f32>;
+@group(0) @binding(8) var light: texture_storage_2d<rgba32float, write>;
 
 @compute @workgroup_size(8, 8)
 fn compose(@builtin(global_invocation_id) id: vec3u) {
@@ -61,20 +66,16 @@ fn compose(@builtin(global_invocation_id) id: vec3u) {
 fn light_of(pixel: vec2u) -> vec4f {
     let place = textureLoad(places, pixel, 0);
     if place.w != 1.0 { return vec4f(eye.sky, 0.0); }
-    let normal = normalize(textureLoad(normals, pixel, 0).xyz);
     let material = materials[u32(textureLoad(kinds, pixel, 0).y)];
     if eye.layer == ALBEDO { return vec4f(material.albedo.rgb + material.specular.rgb, 1.0); }
-    if eye.layer == NORMALS { return vec4f(0.5 * normal + 0.5, 1.0); }
+    if eye.layer == NORMALS { return vec4f(0.5 * normalize(textureLoad(normals, pixel, 0).xyz) + 0.5, 1.0); }
     var found = vec3f(0.0);
     if eye.layer == PICTURE || eye.layer == MIRRORED {
         found += material.specular.rgb * textureLoad(mirrored, pixel, 0).rgb;
     }
     if eye.layer == MIRRORED { return vec4f(found, 1.0); }
     if eye.layer != INDIRECT { found += material.emission.rgb; }
-    // Black surfaces need no rays.
-    if all(material.albedo.rgb <= vec3f(0.0)) { return vec4f(found, 1.0); }
-    var irradiance = vec3f(0.0);
-    if eye.layer != INDIRECT { irradiance += casca_direct(place.xyz, normal); }
-    if eye.layer != DIRECT { irradiance += casca_irradiance(place.xyz, normal).rgb; }
-    return vec4f(found + material.albedo.rgb / PI * irradiance, 1.0);
+    var irradiance = textureLoad(lit, pixel, 0).rgb;
+    if eye.layer == DIRECT { irradiance -= textureLoad(rest, pixel, 0).rgb; }
+    return vec4f(found + material.albedo.rgb / PI * max(irradiance, vec3f(0.0)), 1.0);
 }

@@ -17,7 +17,8 @@ use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::timing::{Clock, Instant};
 use glam::{Affine3A, Vec2, Vec3};
 
-use crate::light::picture::{Layer, Picture, roughness};
+use crate::light::layer::Layer;
+use crate::light::picture::{Picture, roughness};
 
 /// States that send their rays, or find their direct light, between two looks at the clock.
 const PART: usize = 128;

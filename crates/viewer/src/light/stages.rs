@@ -9,8 +9,8 @@ use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
 
 use crate::light::headless::told;
+use crate::light::layer::Layer;
 use crate::light::options::Options;
-use crate::light::picture::Layer;
 use crate::light::renderer::{Renderer, Settings};
 use crate::light::scene::Start;
 

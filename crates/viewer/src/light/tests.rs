@@ -10,7 +10,7 @@ use casca_stage::timing::Clock;
 use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::Vec3;
 
-use crate::light::picture::Layer;
+use crate::light::layer::Layer;
 use crate::light::renderer::{Renderer, Settings, Updated};
 use crate::light::scene::Start;
 

@@ -17,8 +17,8 @@ use glam::Vec3;
 
 use crate::light::controls::Controls;
 use crate::light::headless::told;
+use crate::light::layer::Layer;
 use crate::light::options::Options;
-use crate::light::picture::Layer;
 use crate::light::renderer::{Renderer, Updated};
 use crate::light::scene::Start;
 
