@@ -43,7 +43,6 @@ fn gaps_have_the_light_that_rays_of_the_processor_find() {
         let answer = cache.irradiance(*p, *n).unwrap();
         assert_eq!(pixel[3], if answer.states > 0 { 1.0 } else { 0.5 }, "{p}");
         if answer.states == 0 {
-            }
             gaps += 1;
             sums[0] += Vec3::from_slice(pixel);
             sums[1] += answer.indirect;
