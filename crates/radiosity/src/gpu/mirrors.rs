@@ -56,8 +56,8 @@ impl Mirrors {
 pub struct Gloss<'a> {
     /// The width of GGX of each pixel, in the first component of any format of floats or unsigned
     /// normalised numbers: the square of the roughness of most engines. 0 is a mirror, 1 is dull,
-    /// and more counts as 1. Pixels with less than 0, or with what is not finite, mirror nothing and
-    /// cost nothing.
+    /// and more counts as 1. Pixels with less than 0, or with what is not finite, mirror nothing
+    /// and cost nothing.
     pub roughness: &'a TextureView,
     /// The eye, in metres.
     pub eye: Vec3,
