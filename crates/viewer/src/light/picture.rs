@@ -36,12 +36,11 @@ struct Eye {
     exposure: f32,
 }
 
-/// A corner of a triangle.
+/// A corner of a triangle knows all three. Which one it is, its number says.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct Corner {
-    at: [f32; 3],
-    first: [f32; 3],
+    corners: [[f32; 3]; 3],
     normal: [f32; 3],
     material: u32,
 }
@@ -55,12 +54,10 @@ fn corners_of(object: &LitObject, materials: usize) -> Vec<Corner> {
         let corners = triangle.each_ref().map(|v| object.transform.transform_point3(at(v)));
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize();
         match normal.filter(|_| (material as usize) < materials) {
-            Some(normal) => all.extend(corners.map(|at| Corner {
-                at: at.to_array(),
-                first: corners[0].to_array(),
-                normal: normal.to_array(),
-                material,
-            })),
+            Some(normal) => {
+                let corners = corners.map(|at| at.to_array());
+                all.extend([Corner { corners, normal: normal.to_array(), material }; 3]);
+            }
             None => all.extend([Corner::zeroed(); 3]),
         }
     }
@@ -331,8 +328,13 @@ fn bound(gpu: &Gpu, layout: &wgpu::BindGroupLayout, all: &[BindingResource<'_>])
 fn surfaces(gpu: &Gpu, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
     let floats = VertexFormat::Float32x3;
     let at = |shader_location, offset, format| wgpu::VertexAttribute { format, offset, shader_location };
-    let attributes =
-        [at(0, 0, floats), at(1, 12, floats), at(2, 24, floats), at(3, 36, VertexFormat::Uint32)];
+    let attributes = [
+        at(0, 0, floats),
+        at(1, 12, floats),
+        at(2, 24, floats),
+        at(3, 36, floats),
+        at(4, 48, VertexFormat::Uint32),
+    ];
     let buffer = wgpu::VertexBufferLayout {
         array_stride: size_of::<Corner>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,

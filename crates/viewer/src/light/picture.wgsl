@@ -15,21 +15,28 @@ struct Material { albedo: vec4f, emission: vec4f, specular: vec4f }
 
 struct Corner {
     @builtin(position) clip: vec4f,
-    @location(0) at: vec3f,
-    // The first corner of the triangle, its normal and its material.
-    @location(1) @interpolate(flat) first: vec3f,
-    @location(2) @interpolate(flat) normal: vec3f,
-    @location(3) @interpolate(flat) material: u32,
+    // Shares of the corners.
+    @location(0) shares: vec3f,
+    @location(1) @interpolate(flat) a: vec3f,
+    @location(2) @interpolate(flat) b: vec3f,
+    @location(3) @interpolate(flat) c: vec3f,
+    @location(4) @interpolate(flat) normal: vec3f,
+    @location(5) @interpolate(flat) material: u32,
 }
 
 @vertex
 fn corner(
-    @location(0) at: vec3f,
-    @location(1) first: vec3f,
-    @location(2) normal: vec3f,
-    @location(3) material: u32,
+    @builtin(vertex_index) index: u32,
+    @location(0) a: vec3f,
+    @location(1) b: vec3f,
+    @location(2) c: vec3f,
+    @location(3) normal: vec3f,
+    @location(4) material: u32,
 ) -> Corner {
-    return Corner(eye.to_clip * vec4f(at, 1.0), at, first, normal, material);
+    var corners = array<vec3f, 3>(a, b, c);
+    let clip = eye.to_clip * vec4f(corners[index % 3u], 1.0);
+    let shares = select(vec3f(0.0), vec3f(1.0), vec3u(0u, 1u, 2u) == vec3u(index % 3u));
+    return Corner(clip, shares, a, b, c, normal, material);
 }
 
 // The last: how rough it is, less than 0 if it mirrors nothing, and its material.
@@ -37,13 +44,16 @@ struct Surface { @location(0) place: vec4f, @location(1) normal: vec4f, @locatio
 
 @fragment
 fn surface(corner: Corner) -> Surface {
-    let to_eye = eye.position - corner.at;
-    // Surfaces look alike from both sides.
-    let normal = corner.normal * select(1.0, -1.0, dot(corner.normal, to_eye) < 0.0);
-    // Interpolated places lie off the plane by more than rays start above it.
-    let flat = corner.at + normal * dot(normal, corner.first - corner.at);
+    // Pixels are coarser than places: the middle of one may lie outside, and behind another wall.
+    let inside = clamp(corner.shares, vec3f(0.0), vec3f(1.0));
+    let shares = inside / max(inside.x + inside.y + inside.z, 0.5);
+    let mixed = corner.a * shares.x + corner.b * shares.y + corner.c * shares.z;
+    // Sums lie off the plane by more than rays start above it.
+    let flat = mixed + corner.normal * dot(corner.normal, corner.a - mixed);
     // In edges of rooms that is in two walls; the eye sees the fronts of both.
     let at = flat + PULL * (eye.position - flat);
+    // Surfaces look alike from both sides.
+    let normal = corner.normal * select(1.0, -1.0, dot(corner.normal, eye.position - flat) < 0.0);
     let roughness = materials[corner.material].albedo.w;
     return Surface(vec4f(at, 1.0), vec4f(normal, 0.0), vec2f(roughness, f32(corner.material)));
 }
