@@ -219,7 +219,7 @@ impl Cache {
             return Err(LightError::Rays { what: "rays", value: rays });
         }
         let needed = self.rays.len().saturating_add(states.saturating_mul(rays as usize));
-        if needed > MOST_STORED { Err(LightError::TooManyRays { rays: needed }) } else { Ok(()) }
+        if needed >= MOST_STORED { Err(LightError::TooManyRays { rays: needed }) } else { Ok(()) }
     }
 
     /// Sends rays from states that have none, and lets the states wait that they hit.
