@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn scenes_that_cannot_be_had_are_named_before_anything_is_drawn() {
-        let folder = std::env::temp_dir().join(format!("casca-light-{}", std::process::id()));
+        let folder = std::env::temp_dir().join(format!("casca-lit-files-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let file = |name: &str, bytes: &[u8]| {
             let path = folder.join(name);
