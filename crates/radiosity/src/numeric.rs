@@ -55,6 +55,11 @@ pub(crate) const NO_WAY: f32 = 1e-20;
 /// Sponza's rays take the same time with one, two and four; four take least memory.
 pub(crate) const LEAF: usize = 4;
 
+/// A leaf on the device is one number: the place of its first triangle times this, and how many
+/// there are. 2^29 triangles have room.
+#[cfg(feature = "gpu")]
+pub(crate) const LEAVES: u32 = 2 * LEAF as u32;
+
 /// Where a part of the tree may be split: the least cost of so many places.
 pub(crate) const BINS: usize = 16;
 
@@ -156,12 +161,6 @@ pub(crate) const ANSWER_HEIGHT: f64 = 1.5;
 /// Above 0, so that slivers answer where nothing else does.
 pub(crate) const ANSWER_AREA: f64 = 0.2;
 
-/// Cells that a short ray crosses on the device at most.
-///
-/// It ends within twice [`ANSWER_REACH`] of its start: three cells along each axis, and two more.
-#[cfg(feature = "gpu")]
-pub(crate) const MOST_STEPS: u32 = 16;
-
 /// The share of a lamp in the power of all counts as at least this on the device, where single
 /// precision may round it to 0.
 #[cfg(feature = "gpu")]
@@ -183,10 +182,6 @@ pub(crate) const LEAST_TRIES: u32 = 8;
 /// that watch.
 #[cfg(feature = "gpu")]
 pub(crate) const MOST_MIRRORED: u32 = 64;
-
-/// Cells and bricks that a ray crosses on the device at most: three times 514, and one.
-#[cfg(feature = "gpu")]
-pub(crate) const MOST_WALK: u32 = 3 * (MOST_CELLS + 2) + 1;
 
 /// Farther than any face of a cell that a ray crosses.
 #[cfg(feature = "gpu")]

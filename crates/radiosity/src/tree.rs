@@ -6,6 +6,8 @@ use glam::{DVec3, IVec3, Vec3A, Vec4};
 use smallvec::SmallVec;
 
 use crate::clip::{inside, range};
+#[cfg(feature = "gpu")]
+use crate::numeric::LEAVES;
 use crate::numeric::{BINS, BOX, GROW, LEAF, LEVEL, NO_WAY};
 use crate::surfaces::{Lattice, Surface};
 
@@ -296,6 +298,40 @@ impl Tree {
                     i -= 1;
                 }
             }
+        }
+    }
+
+    /// For walks without a stack: all parts in the order in which a walk meets them, and the
+    /// triangles of leaves. Eight numbers of a part are the bits of its least and its greatest
+    /// corner, the part that follows those inside of it, and 0 or, of a leaf, the place of its
+    /// first triangle times [`LEAVES`] and their number.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn flat(&self) -> (Vec<[u32; 8]>, Vec<u32>) {
+        let mut parts = Vec::new();
+        if !self.nodes.is_empty() {
+            self.flatten(0, &mut parts);
+        }
+        (parts, self.facets.iter().map(|f| f.surface).collect())
+    }
+
+    #[cfg(feature = "gpu")]
+    fn flatten(&self, node: usize, parts: &mut Vec<[u32; 8]>) {
+        let node = &self.nodes[node];
+        for (i, part) in node.parts.iter().enumerate() {
+            let corner = |of: &[Vec4; 3]| [0, 1, 2].map(|axis| of[axis][i]);
+            let (low, high) = (corner(&node.low), corner(&node.high));
+            if low[0] > high[0] {
+                // Missing.
+                continue;
+            }
+            let at = parts.len();
+            let [a, b, c] = low.map(f32::to_bits);
+            let [x, y, z] = high.map(f32::to_bits);
+            parts.push([a, b, c, x, y, z, 0, part.first * LEAVES * part.count.min(1) + part.count]);
+            if part.count == 0 {
+                self.flatten(part.first as usize, parts);
+            }
+            parts[at][6] = parts.len() as u32;
         }
     }
 

@@ -238,8 +238,8 @@ impl Voxels {
     /// Bricks along the axes; by brick the occupied cells before it; by occupied cell where its
     /// entries and its references start.
     #[cfg(feature = "gpu")]
-    pub(crate) fn tables(&self) -> (IVec3, &[u32], &[u32], &[u32]) {
-        (self.bricks, &self.ranks, &self.heads, &self.starts)
+    pub(crate) fn tables(&self) -> (IVec3, &[u32], &[u32]) {
+        (self.bricks, &self.ranks, &self.heads)
     }
 
     /// The number of a cell among the occupied ones.

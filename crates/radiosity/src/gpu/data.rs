@@ -40,9 +40,10 @@ pub(super) struct Grid {
     dims: [i32; 3],
     heads: u32,
     bricks: [i32; 3],
-    firsts: u32,
+    tree: u32,
     list: u32,
-    unused: [u32; 3],
+    parts: u32,
+    unused: [u32; 2],
 }
 
 /// A vector with a fourth component.
@@ -74,15 +75,16 @@ pub(super) fn surfaces(cache: &Cache) -> Vec<[[f32; 4]; 2]> {
 /// The cells as numbers, and where the parts start.
 pub(super) fn cells(cache: &Cache) -> (Grid, Vec<u32>) {
     let voxels = &cache.voxels;
-    let (bricks, ranks, heads, firsts) = voxels.tables();
+    let (bricks, ranks, heads) = voxels.tables();
     let masks = voxels.masks.iter().zip(ranks);
     let mut all: Vec<u32> = masks.flat_map(|(m, rank)| [*m as u32, (*m >> 32) as u32, *rank]).collect();
     let at_heads = all.len() as u32;
     all.extend(heads);
-    let at_firsts = all.len() as u32;
-    all.extend(firsts);
+    let (parts, triangles) = voxels.tree.flat();
+    let tree = all.len() as u32;
+    all.extend(parts.as_flattened());
     let list = all.len() as u32;
-    all.extend(voxels.references.iter().map(|r| r.surface));
+    all.extend(triangles);
     let lattice = &voxels.lattice;
     let grid = Grid {
         low: lattice.min.as_vec3().to_array(),
@@ -90,9 +92,10 @@ pub(super) fn cells(cache: &Cache) -> (Grid, Vec<u32>) {
         dims: lattice.dims.to_array(),
         heads: at_heads,
         bricks: bricks.to_array(),
-        firsts: at_firsts,
+        tree,
         list,
-        unused: [0; 3],
+        parts: parts.len() as u32,
+        unused: [0; 2],
     };
     (grid, all)
 }

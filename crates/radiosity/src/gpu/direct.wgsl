@@ -1,5 +1,5 @@
-// Direct light of a point, as the processor finds it: lights and lamps, by rays against the triangles
-// of all cells on their way. Lengths are in cells.
+// Direct light of a point, as the processor finds it: lights and lamps, by rays against the
+// triangles of the tree. Lengths are in cells.
 
 struct CascaCounts {
     lights: u32,
@@ -14,25 +14,6 @@ struct CascaCounts {
 // Lights, of four vectors each, and lamps, of two.
 @group(GROUP) @binding(7) var<storage, read> casca_sources: array<vec4f>;
 @group(GROUP) @binding(8) var<uniform> casca_counts: CascaCounts;
-
-// Whether a ray meets no triangle on its way.
-fn casca_open(origin: vec3f, direction: vec3f, reach: f32) -> bool {
-    var walk = casca_walk(origin, direction, reach);
-    while casca_on(&walk) {
-        for (var k = walk.first; k < walk.end; k++) {
-            let distance = casca_meet(casca_cells[casca_grid.list + k], origin, direction);
-            if distance >= walk.least && distance <= walk.most { return false; }
-        }
-    }
-    return true;
-}
-
-fn casca_free_far(origin: vec3f, to: vec3f) -> bool {
-    let way = to - origin;
-    let reach = length(way);
-    if reach <= 0.0 { return true; }
-    return casca_open(origin, way / reach, reach);
-}
 
 // The share of a disc around a way that is seen. `reach` is that of the way in cells.
 fn casca_seen(spot: vec3f, way: vec3f, tangent: f32, reach: f32, key: u32) -> f32 {
@@ -80,7 +61,7 @@ fn casca_rectangle(spot: vec3f, normal: vec3f, corner: vec3f, u: vec3f, v: vec3f
         let along = (f32(i) + casca_unit(key, 4u)) / f32(rays);
         let point = corner + u * along + v * casca_golden(i, casca_unit(key, 5u));
         let weight = casca_small(spot, normal, point, across / area);
-        if weight > 0.0 && casca_free_far(spot, point) { light += weight; }
+        if weight > 0.0 && casca_free(spot, point) { light += weight; }
     }
     return light * area / f32(rays);
 }
@@ -153,7 +134,7 @@ fn casca_lamps(spot: vec3f, normal: vec3f, key: u32) -> vec3f {
         while sent < rays && (sent + start) / rays * sum < passed { sent += 1.0; count += 1.0; }
         if count == 0.0 { continue; }
         let facing = choice.facing * select(1.0, -1.0, dot(choice.facing, choice.point - spot) > 0.0);
-        if casca_free_far(spot, choice.point + facing * LIFT) {
+        if casca_free(spot, choice.point + facing * LIFT) {
             let lamp = 4u * casca_counts.lights + 2u * choice.lamp;
             light += count * casca_sources[lamp].rgb / casca_sources[lamp + 1u].y;
         }

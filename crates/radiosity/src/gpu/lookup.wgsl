@@ -6,11 +6,13 @@ struct CascaGrid {
     low: vec3f,
     cell: f32,
     dims: vec3i,
-    // Where parts of `casca_cells` start: first entries of cells, first references, references.
+    // Where parts of `casca_cells` start: first entries of cells, the tree, and the triangles of its
+    // leaves; and how many parts the tree has.
     heads: u32,
     bricks: vec3i,
-    firsts: u32,
+    tree: u32,
     list: u32,
+    parts: u32,
 }
 
 // The place of the middle of its starts, their number, and the first of them. None if not gathered.
@@ -54,34 +56,6 @@ fn casca_meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
     let distance = dot(triangle[2].xyz, q) / determinant;
     let is_in = u >= -triangle[1].w && v >= -triangle[2].w && 1.0 - u - v >= -triangle[0].w;
     return select(-1.0, distance, is_in && distance >= 0.0);
-}
-
-// Whether the segment between two points meets no triangle, by the cells on its way.
-fn casca_free(origin: vec3f, to: vec3f) -> bool {
-    let reach = distance(origin, to);
-    if reach <= 0.0 { return true; }
-    let direction = (to - origin) / reach;
-    var cell = vec3i(floor(origin));
-    let last = vec3i(floor(to));
-    let steps = vec3i(sign(direction));
-    for (var i = 0; i < MOST_STEPS; i++) {
-        let at = casca_occupied(cell);
-        if at >= 0 {
-            let end = casca_cells[casca_grid.firsts + u32(at) + 1u];
-            for (var k = casca_cells[casca_grid.firsts + u32(at)]; k < end; k++) {
-                let distance = casca_meet(casca_cells[casca_grid.list + k], origin, direction);
-                if distance >= 0.0 && distance <= reach { return false; }
-            }
-        }
-        if all(cell == last) { return true; }
-        // Axes that are not done; the last cell ends all of them.
-        let faces = vec3f(select(cell, cell + 1, steps > vec3i(0)));
-        let ends = select(vec3f(FAR), (faces - origin) / direction, (cell != last) & (steps != vec3i(0)));
-        let least = min(ends.x, min(ends.y, ends.z));
-        if least >= FAR { return true; }
-        if ends.x == least { cell.x += steps.x; } else if ends.y == least { cell.y += steps.y; } else { cell.z += steps.z; }
-    }
-    return true;
 }
 
 fn casca_sees(spot: vec3f, state: CascaState) -> bool {

@@ -36,7 +36,7 @@ fn casca_first(origin: vec3f, direction: vec3f) -> CascaHit {
     var walk = casca_walk(origin, direction, FAR);
     while casca_on(&walk) {
         for (var k = walk.first; k < walk.end; k++) {
-            let number = casca_cells[casca_grid.list + k];
+            let number = casca_cells[k];
             let distance = casca_meet(number, origin, direction);
             if distance < walk.least || distance > walk.most { continue; }
             let cosine = abs(dot(casca_skins[number].normal.xyz, direction));
@@ -47,8 +47,8 @@ fn casca_first(origin: vec3f, direction: vec3f) -> CascaHit {
                 hit.distance = distance;
             }
         }
-        // What is nearer is listed in cells that were looked at.
-        if hit.distance <= walk.exit { break; }
+        // What is farther, but so near that the ray is not LIFT away from it at the hit, counts.
+        casca_end(&walk, hit.distance + LIFT / LEAST_COSINE);
     }
     return hit;
 }

@@ -13,8 +13,8 @@ use wgpu::{
 use super::data::LOW;
 use super::{GpuCache, bind, number, pipeline};
 use crate::numeric::{
-    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, FAR, GROW, LEAST_SHARE, LIFT, MOST_STEPS,
-    MOST_WALK, NO_WAY,
+    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, BOX, FAR, GROW, LEAST_SHARE, LEAVES,
+    LIFT, NO_WAY,
 };
 
 /// Which light is found.
@@ -96,12 +96,13 @@ impl GpuCache {
     ///
     /// All of its names start with `casca_` or `Casca`, or are constants in capitals.
     pub fn wgsl(group: u32, answers: Answers) -> String {
-        let [lookup, answer] = [include_str!("lookup.wgsl"), include_str!("answer.wgsl")];
+        let lookup = include_str!("lookup.wgsl");
+        let [walk, answer] = [include_str!("walk.wgsl"), include_str!("answer.wgsl")];
         match answers {
-            Answers::Indirect => with_parts(group, &[lookup, answer]),
+            Answers::Indirect => with_parts(group, &[lookup, walk, answer]),
             Answers::All => {
-                let [spread, walk] = [include_str!("spread.wgsl"), include_str!("walk.wgsl")];
-                with_parts(group, &[lookup, answer, spread, walk, include_str!("direct.wgsl")])
+                let [spread, direct] = [include_str!("spread.wgsl"), include_str!("direct.wgsl")];
+                with_parts(group, &[lookup, walk, answer, spread, direct])
             }
         }
     }
@@ -141,6 +142,7 @@ pub(super) fn with_parts(group: u32, parts: &[&str]) -> String {
     let constants = [
         ("LIFT", LIFT),
         ("GROW", GROW),
+        ("BOX", BOX),
         ("ABOVE", ABOVE),
         ("ANSWER_REACH", ANSWER_REACH),
         ("ANSWER_NORMAL", ANSWER_NORMAL),
@@ -154,7 +156,7 @@ pub(super) fn with_parts(group: u32, parts: &[&str]) -> String {
     let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n")).concat();
     let source = parts.concat().replace("GROUP", &group.to_string());
     format!(
-        "{constants}const MOST_STEPS = {MOST_STEPS};\nconst MOST_WALK = {MOST_WALK};\n\
+        "{constants}const LEAVES = {LEAVES}u;\n\
          const LOW = {LOW}u;\n{source}"
     )
 }

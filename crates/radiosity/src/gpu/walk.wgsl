@@ -1,8 +1,7 @@
-// The way of a ray through the cells that list triangles. It skips bricks without any.
+// The way of a ray through the tree of boxes around triangles. Its parts stand in the order in which
+// a walk meets them, and each knows where the walk goes on if it misses the box: no stack is needed.
 
 struct CascaWalk {
-    origin: vec3f,
-    direction: vec3f,
     inverse: vec3f,
     // Distances: where it enters the grid, and where it leaves the grid or ends.
     enter: f32,
@@ -10,15 +9,15 @@ struct CascaWalk {
     // Hits nearer or farther than these are none.
     least: f32,
     most: f32,
-    // Where it leaves the last cell that was found.
-    exit: f32,
-    // The range of triangles in that cell.
+    // Where it enters the grid, and how far from there boxes are looked at.
+    near: vec3f,
+    limit: f32,
+    // The part to look at next, and the range of triangles in the last leaf that was found.
+    next: u32,
     first: u32,
     end: u32,
-    // The cell to look at next, and whether there is none.
-    cell: vec3i,
+    // Whether it misses the grid.
     done: bool,
-    steps: i32,
 }
 
 fn casca_least(v: vec3f) -> f32 { return min(v.x, min(v.y, v.z)); }
@@ -34,36 +33,55 @@ fn casca_walk(origin: vec3f, direction: vec3f, reach: f32) -> CascaWalk {
     // What is outside of the grid does not exist.
     let least = max(enter - GROW, 0.0);
     let most = min(beyond + GROW, reach);
-    let cell = clamp(vec3i(floor(origin + direction * enter)), vec3i(0), casca_grid.dims - 1);
-    return CascaWalk(origin, direction, inverse, enter, leave, least, most, enter, 0u, 0u, cell, enter > leave, 0);
+    let near = origin + direction * enter;
+    return CascaWalk(inverse, enter, leave, least, most, near, leave - enter + BOX, 0u, 0u, 0u, enter > leave);
 }
 
-// Goes on to the next cell that lists triangles; false if there is none.
+// Looks at no box farther than a distance from the origin, if it did.
+fn casca_end(walk: ptr<function, CascaWalk>, distance: f32) {
+    (*walk).limit = min((*walk).limit, distance - (*walk).enter + BOX);
+}
+
+// Goes on to the next leaf on the way; false if there is none.
 fn casca_on(walk: ptr<function, CascaWalk>) -> bool {
-    let ahead = (*walk).inverse > vec3f(0.0);
-    while !(*walk).done && (*walk).steps < MOST_WALK {
-        (*walk).steps++;
-        let cell = (*walk).cell;
-        let b = cell >> vec3u(2u);
-        let brick = 3 * ((b.z * casca_grid.bricks.y + b.y) * casca_grid.bricks.x + b.x);
-        let is_empty = (casca_cells[brick] | casca_cells[brick + 1]) == 0u;
-        let low = select(cell, b << vec3u(2u), is_empty);
-        let high = low + select(1, 4, is_empty);
-        let ends = (vec3f(select(low, high, ahead)) - (*walk).origin) * (*walk).inverse;
-        let exit = casca_least(ends);
-        // Along the other axes it stays beside the brick that it leaves.
-        var next = clamp(vec3i(floor((*walk).origin + (*walk).direction * exit)), low, high - 1);
-        let beyond = select(low - 1, high, ahead);
-        if ends.x == exit { next.x = beyond.x; } else if ends.y == exit { next.y = beyond.y; } else { next.z = beyond.z; }
-        (*walk).exit = exit;
-        (*walk).cell = next;
-        (*walk).done = exit >= (*walk).leave || any(next < vec3i(0)) || any(next >= casca_grid.dims);
-        if is_empty { continue; }
-        let at = casca_occupied(cell);
-        if at < 0 { continue; }
-        (*walk).first = casca_cells[casca_grid.firsts + u32(at)];
-        (*walk).end = casca_cells[casca_grid.firsts + u32(at) + 1u];
+    while !(*walk).done && (*walk).next < casca_grid.parts {
+        let at = casca_grid.tree + 8u * (*walk).next;
+        let low = bitcast<vec3f>(vec3u(casca_cells[at], casca_cells[at + 1u], casca_cells[at + 2u]));
+        let high = bitcast<vec3f>(vec3u(casca_cells[at + 3u], casca_cells[at + 4u], casca_cells[at + 5u]));
+        let one = (low - (*walk).near) * (*walk).inverse;
+        let other = (high - (*walk).near) * (*walk).inverse;
+        let enter = max(-casca_least(-min(one, other)), 0.0);
+        let leave = min(casca_least(max(one, other)), (*walk).limit);
+        if enter > leave {
+            (*walk).next = casca_cells[at + 6u];
+            continue;
+        }
+        (*walk).next++;
+        let leaf = casca_cells[at + 7u];
+        if leaf == 0u { continue; }
+        (*walk).first = casca_grid.list + leaf / LEAVES;
+        (*walk).end = (*walk).first + leaf % LEAVES;
         return true;
     }
     return false;
+}
+
+// Whether a ray meets no triangle on its way.
+fn casca_open(origin: vec3f, direction: vec3f, reach: f32) -> bool {
+    var walk = casca_walk(origin, direction, reach);
+    while casca_on(&walk) {
+        for (var k = walk.first; k < walk.end; k++) {
+            let distance = casca_meet(casca_cells[k], origin, direction);
+            if distance >= walk.least && distance <= walk.most { return false; }
+        }
+    }
+    return true;
+}
+
+// Whether the segment between two points meets no triangle.
+fn casca_free(origin: vec3f, to: vec3f) -> bool {
+    let way = to - origin;
+    let reach = length(way);
+    if reach <= 0.0 { return true; }
+    return casca_open(origin, way / reach, reach);
 }
