@@ -17,7 +17,7 @@ use crate::voxels::NONE;
 /// A pass that makes pictures of what glossy surfaces mirror, of any cache: [`Cache::reflection`]
 /// for every pixel.
 ///
-/// A ray goes through the cells that list triangles to the nearest one. What it brings is that
+/// A ray goes through the tree of triangles to the nearest one. What it brings is that
 /// surface's emission and what it scatters of the light that the gathered states around hold, each
 /// behind a short ray: so no light crosses walls, and shadows in mirrors are as soft as a cell is
 /// wide. Rays that hit nothing see the sky.

@@ -179,7 +179,12 @@ impl Demo for Viewer {
             self.renderer.move_objects(gpu, &balls)?;
         }
         let view = (&camera, target.size());
-        let updated = self.renderer.update(gpu, view, Some(BUDGET), &mut Clock::off())?;
+        // What the adapter holds no more, such as too many rays, stays as it was.
+        let updated = self.renderer.update(gpu, view, Some(BUDGET), &mut Clock::off());
+        let updated = updated.unwrap_or_else(|why| {
+            self.trouble = why.to_string();
+            Updated::default()
+        });
         self.renderer.exposure = self.controls.exposure;
         self.renderer.draw(gpu, target, &camera, self.controls.layer, &mut Clock::off())?;
         gpu.wait()?;
