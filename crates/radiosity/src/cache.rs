@@ -135,8 +135,8 @@ pub struct Cache {
     pub(crate) glow: Vec<Glow>,
     /// States with rays, in order.
     pub(crate) gathered: Vec<u32>,
-    /// The links of each gathered state, in the order of these; empty if they are not known.
-    pub(crate) links: Vec<Links>,
+    /// By state: its links, if they are known.
+    pub(crate) links: Vec<Option<Links>>,
     /// By state; empty if nothing was smoothed since the light changed.
     pub(crate) smoothed: Vec<Vec3>,
     pub(crate) waiting: Waiting,
@@ -176,7 +176,7 @@ impl Cache {
             rays: Vec::new(),
             glow: vec![Glow::default(); states],
             gathered: Vec::new(),
-            links: Vec::new(),
+            links: vec![None; states],
             smoothed: Vec::new(),
             waiting: Waiting::new(states),
             unlit: Unlit::default(),
@@ -242,7 +242,7 @@ impl Cache {
         }
         self.gathered.sort_unstable();
         self.unlit.add_new(ring);
-        self.forget_means();
+        self.unlink(ring);
     }
 
     /// Gathers ring by ring until no state waits. Rays are sent once: they are stored, and need not

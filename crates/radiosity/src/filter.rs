@@ -19,37 +19,40 @@ impl Cache {
     /// most blotches of 64 rays. Answers are of the smoothed light until the next pass, gathering
     /// or move.
     ///
-    /// The first call after gathering finds the links, by a short ray for each; the others cost
-    /// look-ups.
+    /// Costs look-ups, and what [`Cache::link`] costs.
     pub fn smooth(&mut self, times: u32) {
         self.link();
         let mut light: Vec<Vec3> = self.glow.iter().map(|g| g.indirect).collect();
         for _ in 0..times {
-            let mean = |(&state, links): (&u32, &Links)| {
-                let linked = links.iter().take_while(|l| **l != NONE);
+            let mean = |&state: &u32| {
+                let links = self.links[state as usize].iter().flatten();
+                let linked = links.take_while(|l| **l != NONE);
                 let (sum, count) = linked
                     .fold((light[state as usize], 1.0), |(sum, n), l| (sum + light[*l as usize], n + 1.0));
                 sum / count
             };
-            let means: Vec<Vec3> = self.gathered.iter().zip(&self.links).map(mean).collect();
+            let means: Vec<Vec3> = self.gathered.iter().map(mean).collect();
             self.gathered.iter().zip(means).for_each(|(state, mean)| light[*state as usize] = mean);
         }
         self.smoothed = light;
     }
 
-    /// Finds the links of all gathered states, if they are not known.
-    fn link(&mut self) {
-        if self.links.len() != self.gathered.len() {
-            self.links = self.found_links();
+    /// Finds the links of gathered states that are not known, by a short ray for each: those of
+    /// states around which one was gathered or something moved since the last call.
+    pub fn link(&mut self) {
+        let is_missing = |s: &u32| self.links[*s as usize].is_none();
+        let missing: Vec<u32> = self.gathered.iter().copied().filter(is_missing).collect();
+        let found = in_parallel(&missing, self.settings.threads, |&state| self.links_of(state));
+        for (state, links) in missing.into_iter().zip(found) {
+            self.links[state as usize] = Some(links);
         }
     }
 
-    /// The links of all gathered states.
+    /// The links of all gathered states, in their order.
+    #[cfg(feature = "gpu")]
     pub(crate) fn found_links(&self) -> Vec<Links> {
-        if self.links.len() == self.gathered.len() {
-            return self.links.clone();
-        }
-        in_parallel(&self.gathered, self.settings.threads, |&state| self.links_of(state))
+        let of = |&state: &u32| self.links[state as usize].unwrap_or_else(|| self.links_of(state));
+        in_parallel(&self.gathered, self.settings.threads, of)
     }
 
     /// The nearest gathered states on the surface of one that it sees.
@@ -84,9 +87,15 @@ impl Cache {
         links
     }
 
-    /// States were gathered or dropped: links and means are none any more.
-    pub(crate) fn forget_means(&mut self) {
-        self.links.clear();
+    /// States were gathered: they may be links of those around.
+    pub(crate) fn unlink(&mut self, new: &[u32]) {
+        let voxels = &self.voxels;
+        for state in new {
+            let cell = voxels.lattice.place(voxels.entries[*state as usize / 2].cell);
+            for entry in around(cell).filter(|c| voxels.lattice.has(*c)).flat_map(|c| voxels.entries_of(c)) {
+                self.links[2 * entry as usize..][..2].fill(None);
+            }
+        }
         self.smoothed.clear();
     }
 

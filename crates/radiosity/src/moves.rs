@@ -8,11 +8,11 @@ use std::sync::OnceLock;
 
 use glam::{DVec3, IVec3};
 
-use crate::cache::{Block, Cache, Glow, StartTable, in_parallel};
+use crate::cache::{Block, Cache, Glow, Links, StartTable, in_parallel};
 use crate::direct::Lamps;
 use crate::error::LightError;
 use crate::input::Object;
-use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_STARTS};
+use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_LINKS, MOVED_STARTS};
 use crate::queues::{Waiting, Wish};
 use crate::states::{Bundle, DARK, Ray, SKY};
 use crate::surfaces::{Skipped, Surface, surfaces};
@@ -115,7 +115,8 @@ impl Cache {
         let old_rays = std::mem::take(&mut self.rays);
         let old_gathered = std::mem::take(&mut self.gathered);
         let old_waiting = std::mem::replace(&mut self.waiting, Waiting::new(states));
-        self.forget_means();
+        let old_links = std::mem::replace(&mut self.links, vec![None; states]);
+        self.smoothed.clear();
         let mut moved = Moved::default();
         for &state in &old_gathered {
             let Some(new) = known(map.states[state as usize]) else {
@@ -127,6 +128,8 @@ impl Cache {
             self.rays.extend(&old_rays[block.range()]);
             self.blocks[new as usize] = Block { first, count: block.count };
             self.glow[new as usize] = old_glow[state as usize];
+            self.links[new as usize] =
+                old_links[state as usize].and_then(|l| self.kept_links(new, l, &map.states, boxes));
             self.gathered.push(new);
         }
         self.gathered.sort_unstable();
@@ -153,6 +156,20 @@ impl Cache {
         self.unlit = self.unlit.renumbered(|s| known(map.states[s as usize]));
         self.unlit.add_all(&self.gathered, states);
         moved
+    }
+
+    /// The links of a kept state by new numbers, if they cannot have changed. Those that gathering
+    /// changes are dropped then.
+    fn kept_links(&self, state: u32, links: Links, map: &[u32], boxes: &[Bounds]) -> Option<Links> {
+        let cell = self.voxels.lattice.place(self.voxels.entries[state as usize / 2].cell);
+        if is_cell_near(boxes, cell, MOVED_LINKS) {
+            return None;
+        }
+        let mut kept = links;
+        for link in kept.iter_mut().take_while(|l| **l != NONE) {
+            *link = known(map[*link as usize])?;
+        }
+        Some(kept)
     }
 
     /// The rays of a kept state, of which those were sent again that can have changed, and how many

@@ -209,6 +209,12 @@ pub(crate) const MOVED_HITS: f64 = MOVED_STARTS + 3.5;
 /// Only what touches the cell itself counts for them, and the diagonal of a cell is 1.74.
 pub(crate) const MOVED_ALONE: f64 = 2.0;
 
+/// Links of states in cells farther than this from what moved stay.
+///
+/// They end at starts in the cells around, which are less than two cells away. States whose starts
+/// changed are gathered anew, and drop the links around them.
+pub(crate) const MOVED_LINKS: f64 = 3.0;
+
 /// The angle from one direction to the next, as a share of the circle: the golden section spreads
 /// any number of them evenly (Vogel 1979).
 pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;

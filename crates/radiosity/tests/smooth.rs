@@ -2,8 +2,8 @@
 
 mod common;
 
-use casca_radiosity::{Cache, Grid, Material, Settings};
-use common::{indirect, lamp, leak_questions, lit, matt, room, rooms, scene};
+use casca_radiosity::{Cache, Grid, Material, Scene, Settings};
+use common::{cuboid, indirect, lamp, leak_questions, lit, matt, room, rooms, scene};
 use glam::Vec3 as V;
 
 /// A room of 4 x 3 x 2 metres with a lamp near a corner.
@@ -96,4 +96,35 @@ fn links_are_those_of_the_states_that_are_there() {
     cache.converge(1e-6, 60);
     cache.smooth(2);
     assert!(apart(&ask(&cache), &found) < 0.05);
+}
+
+#[test]
+fn links_that_are_found_part_by_part_are_those_found_at_once() {
+    let chest = |at: V| cuboid(at, at + V::new(0.7, 0.9, 0.6), 0);
+    let objects = vec![room(V::ZERO, V::new(4.0, 3.0, 2.0), 0).into(), chest(V::new(0.3, 0.0, 0.4)).into()];
+    let s = Scene { objects, ..scene(vec![], vec![matt(0.6)], vec![lamp(V::new(2.0, 2.5, 1.0), 5.0)], 0.0) };
+    let settings = Settings { threads: 2, ..Settings::new(Grid::around(&s.objects, 20)) };
+    let ended = |smooths: bool| {
+        let mut cache = Cache::new(&s, settings).unwrap();
+        let smooth = |cache: &mut Cache| (0..u32::from(smooths)).for_each(|_| cache.smooth(1));
+        cache.request(V::new(2.0, 0.0, 1.0), V::Y).unwrap();
+        for _ in 0..40 {
+            cache.gather_part((16, 8), 50).unwrap();
+            smooth(&mut cache);
+        }
+        for i in 1..6 {
+            cache.set_object(1, chest(V::new(0.3 + 0.45 * i as f32, 0.1, 0.4)).into()).unwrap();
+            smooth(&mut cache);
+            cache.gather(8).unwrap();
+            smooth(&mut cache);
+        }
+        cache.direct();
+        cache.darken();
+        (0..5).for_each(|_| _ = cache.pass());
+        cache.smooth(3);
+        ask(&cache)
+    };
+    let (parts, whole) = (ended(true), ended(false));
+    assert!(whole.iter().sum::<f64>() > 1.0);
+    assert_eq!(parts, whole);
 }

@@ -10,7 +10,7 @@ use crate::voxels::NONE;
 impl GpuCache {
     /// Uploads which states may be averaged, for [`GpuCache::smooth`]: once for each upload of the
     /// cache, since links change only with the states. Costs a short ray for each link, unless
-    /// [`Cache::smooth`] found them.
+    /// [`Cache::link`] found them.
     ///
     /// # Errors
     /// If the cache was gathered since, or the device's buffers are too small.

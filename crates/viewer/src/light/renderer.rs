@@ -178,13 +178,13 @@ impl Renderer {
         stage(clock, "passes");
         let waiting = self.cache.waiting();
         self.updated = Updated { waiting, old, settled: is_settled && waiting == 0 && old == 0 };
+        self.cache.link();
+        stage(clock, "links");
         self.device.renew(&gpu.device, &self.cache)?;
-        if self.updated.settled {
-            self.device.link(&gpu.device, &self.cache)?;
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            self.device.smooth(&mut encoder, MEANS);
-            gpu.queue.submit([encoder.finish()]);
-        }
+        self.device.link(&gpu.device, &self.cache)?;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.device.smooth(&mut encoder, MEANS);
+        gpu.queue.submit([encoder.finish()]);
         stage(clock, "upload");
         Ok(self.updated)
     }
