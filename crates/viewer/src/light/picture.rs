@@ -24,6 +24,9 @@ const GAP_RAYS: u32 = 16;
 /// The share of the way to the eye by which surfaces come nearer: more than single precision errs,
 /// and less than a thousandth of a cell in a view of a whole grid.
 const PULL: f32 = 1e-5;
+/// Depth by which back sides stand behind fronts at the same place: some roundings of single
+/// precision, and some millionths of the scene's length in its middle.
+const BEHIND: f32 = 1e-6;
 
 /// The camera as the shaders take it.
 #[repr(C)]
@@ -34,6 +37,17 @@ struct Eye {
     layer: u32,
     sky: [f32; 3],
     exposure: f32,
+    corner: [f32; 4],
+    right: [f32; 4],
+    down: [f32; 4],
+}
+
+/// The ray of the picture's corner, and how it changes from pixel to pixel along both axes.
+fn rays(camera: &Camera, (width, height): (u32, u32)) -> [Vec3; 3] {
+    let row = |i| camera.view.row(i).truncate();
+    let right = row(0) / camera.projection.x_axis.x;
+    let down = -row(1) / camera.projection.y_axis.y;
+    [-row(2) - right - down, right * (2.0 / width as f32), down * (2.0 / height as f32)]
 }
 
 /// A corner of a triangle knows all three. Which one it is, its number says.
@@ -89,6 +103,8 @@ pub struct Picture {
     firsts: Vec<usize>,
     materials: Buffer,
     material_count: usize,
+    /// The length of the scene; not 0.
+    reach: f32,
     sky: Vec3,
     frame: Frame,
 }
@@ -102,7 +118,7 @@ impl Picture {
         let layers =
             Layer::EVERY.map(|l| format!("const {}: u32 = {}u;\n", l.name().to_uppercase(), l as u32));
         let constants = format!(
-            "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\n{}",
+            "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\nconst BEHIND: f32 = {BEHIND:?};\n{}",
             std::f32::consts::PI,
             layers.concat()
         );
@@ -118,6 +134,7 @@ impl Picture {
             corners.extend(corners_of(object, count));
             firsts.push(corners.len());
         }
+        let (min, max) = scene.bounds();
         let four = |v: Vec3| v.extend(0.0).to_array();
         let sound: Vec<Material> = scene.materials.iter().map(Material::sound).collect();
         let beside = |m: &Material| roughness(m).map_or(-1.0, |r| r);
@@ -146,6 +163,7 @@ impl Picture {
             firsts,
             materials: filled(gpu, &materials, BufferUsages::STORAGE)?,
             material_count: count,
+            reach: (max - min).length().max(f32::MIN_POSITIVE),
             sky: scene.sky,
             frame: Frame::new(gpu, (1, 1))?,
         })
@@ -173,12 +191,17 @@ impl Picture {
         if gpu.clamp(target.size()) != self.frame.size {
             self.frame = Frame::new(gpu, target.size())?;
         }
+        let [corner, right, down] = rays(camera, self.frame.size);
+        let four = |v: Vec3| v.extend(0.0).to_array();
         let eye = Eye {
             to_clip: camera.view_projection().to_cols_array_2d(),
             position: camera.eye.to_array(),
             layer: layer as u32,
             sky: self.sky.to_array(),
             exposure,
+            corner: corner.extend(self.reach).to_array(),
+            right: four(right),
+            down: four(down),
         };
         gpu.queue.write_buffer(&self.eye, 0, bytemuck::bytes_of(&eye));
         clock.stage(gpu, "surfaces", |e| self.draw_surfaces(gpu, e))?;

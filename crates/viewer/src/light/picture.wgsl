@@ -6,6 +6,11 @@ struct Eye {
     layer: u32,
     sky: vec3f,
     exposure: f32,
+    // The ray of a place: corner + x right + y down, in pixels. Depths are finest before the reach.
+    corner: vec3f,
+    reach: f32,
+    right: vec3f,
+    down: vec3f,
 }
 @group(0) @binding(0) var<uniform> eye: Eye;
 
@@ -15,13 +20,11 @@ struct Material { albedo: vec4f, emission: vec4f, specular: vec4f }
 
 struct Corner {
     @builtin(position) clip: vec4f,
-    // Shares of the corners.
-    @location(0) shares: vec3f,
-    @location(1) @interpolate(flat) a: vec3f,
-    @location(2) @interpolate(flat) b: vec3f,
-    @location(3) @interpolate(flat) c: vec3f,
-    @location(4) @interpolate(flat) normal: vec3f,
-    @location(5) @interpolate(flat) material: u32,
+    @location(0) @interpolate(flat) a: vec3f,
+    @location(1) @interpolate(flat) b: vec3f,
+    @location(2) @interpolate(flat) c: vec3f,
+    @location(3) @interpolate(flat) normal: vec3f,
+    @location(4) @interpolate(flat) material: u32,
 }
 
 @vertex
@@ -34,28 +37,44 @@ fn corner(
     @location(4) material: u32,
 ) -> Corner {
     var corners = array<vec3f, 3>(a, b, c);
-    let clip = eye.to_clip * vec4f(corners[index % 3u], 1.0);
-    let shares = select(vec3f(0.0), vec3f(1.0), vec3u(0u, 1u, 2u) == vec3u(index % 3u));
-    return Corner(clip, shares, a, b, c, normal, material);
+    return Corner(eye.to_clip * vec4f(corners[index % 3u], 1.0), a, b, c, normal, material);
 }
 
 // The last: how rough it is, less than 0 if it mirrors nothing, and its material.
-struct Surface { @location(0) place: vec4f, @location(1) normal: vec4f, @location(2) kind: vec2f }
+struct Surface {
+    @location(0) place: vec4f,
+    @location(1) normal: vec4f,
+    @location(2) kind: vec2f,
+    @builtin(frag_depth) depth: f32,
+}
 
 @fragment
 fn surface(corner: Corner) -> Surface {
-    // Pixels are coarser than places: the middle of one may lie outside, and behind another wall.
-    let inside = clamp(corner.shares, vec3f(0.0), vec3f(1.0));
-    let shares = inside / max(inside.x + inside.y + inside.z, 0.5);
-    let mixed = corner.a * shares.x + corner.b * shares.y + corner.c * shares.z;
+    // Devices move corners to parts of pixels, so that the middle of one may lie outside of the
+    // triangle, and behind another wall. Its ray tells (Moeller and Trumbore 1997).
+    let ray = eye.corner + eye.right * corner.clip.x + eye.down * corner.clip.y;
+    let first = corner.b - corner.a;
+    let second = corner.c - corner.a;
+    let p = cross(ray, second);
+    let way = eye.position - corner.a;
+    let q = cross(way, first);
+    let parts = vec2f(dot(way, p), dot(ray, q)) / dot(first, p);
+    let shares = vec3f(1.0 - parts.x - parts.y, parts);
+    var inside = clamp(shares, vec3f(0.0), vec3f(1.0));
+    inside /= max(inside.x + inside.y + inside.z, 0.5);
+    let mixed = corner.a * inside.x + corner.b * inside.y + corner.c * inside.z;
     // Sums lie off the plane by more than rays start above it.
     let flat = mixed + corner.normal * dot(corner.normal, corner.a - mixed);
     // In edges of rooms that is in two walls; the eye sees the fronts of both.
     let at = flat + PULL * (eye.position - flat);
     // Surfaces look alike from both sides.
-    let normal = corner.normal * select(1.0, -1.0, dot(corner.normal, eye.position - flat) < 0.0);
+    let is_behind = dot(corner.normal, eye.position - flat) < 0.0;
+    let normal = corner.normal * select(1.0, -1.0, is_behind);
     let roughness = materials[corner.material].albedo.w;
-    return Surface(vec4f(at, 1.0), vec4f(normal, 0.0), vec2f(roughness, f32(corner.material)));
+    // Where the near and the far side of a box end in one pixel, the near one is seen.
+    let far = max((eye.to_clip * vec4f(flat, 1.0)).w, 0.0);
+    let depth = far / (far + eye.reach) + select(0.0, BEHIND, is_behind);
+    return Surface(vec4f(at, 1.0), vec4f(normal, 0.0), vec2f(roughness, f32(corner.material)), depth);
 }
 
 @group(0) @binding(2) var kinds: texture_2d<f32>;

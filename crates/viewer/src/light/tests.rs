@@ -183,21 +183,23 @@ fn a_mirror_shows_the_room_and_rough_metal_the_mean_of_it() {
 #[test]
 fn edges_of_rooms_are_not_black() {
     let Some(gpu) = gpu() else { return };
-    let start = Start::open("cornell", 0).unwrap();
-    // At this size, middles of pixels lie behind the wall that the floor ends at.
-    let size = (320, 240);
-    let mut renderer = Renderer::new(&gpu, &start.scene, Settings { resolution: 16, rays: 4 }).unwrap();
-    let camera = start.camera(size);
-    renderer.update(&gpu, (&camera, (48, 36)), None, &mut Clock::off()).unwrap();
-    let canvas = Canvas::new(&gpu, size);
-    let [albedo, light] = [Layer::Albedo, Layer::Indirect].map(|layer| {
-        renderer.draw(&gpu, &canvas.picture(), &camera, layer, &mut Clock::off()).unwrap();
-        renderer.read_light(&gpu).unwrap()
-    });
-    let is_black = |p: &[f32; 4]| p[..3].iter().sum::<f32>() == 0.0;
-    // The lamp scatters nothing.
-    let scattering: Vec<_> = albedo.iter().zip(&light).filter(|(a, _)| !is_black(a)).collect();
-    let black = scattering.iter().filter(|(_, l)| is_black(l)).count();
-    println!("{black} of {} pixels are black", scattering.len());
-    assert!(scattering.len() > 30_000 && black == 0);
+    // At this size, middles of pixels lie behind the wall that the floor ends at, and beside a box.
+    for (scene, cells) in [("cornell", 16), ("emissive", 16), ("emissive", 32)] {
+        let start = Start::open(scene, 0).unwrap();
+        let (size, settings) = ((320, 240), Settings { resolution: cells, rays: 4 });
+        let mut renderer = Renderer::new(&gpu, &start.scene, settings).unwrap();
+        let camera = start.camera(size);
+        renderer.update(&gpu, (&camera, (48, 36)), None, &mut Clock::off()).unwrap();
+        let canvas = Canvas::new(&gpu, size);
+        let [albedo, light] = [Layer::Albedo, Layer::Indirect].map(|layer| {
+            renderer.draw(&gpu, &canvas.picture(), &camera, layer, &mut Clock::off()).unwrap();
+            renderer.read_light(&gpu).unwrap()
+        });
+        let is_black = |p: &[f32; 4]| p[..3].iter().sum::<f32>() == 0.0;
+        // Lamps scatter nothing.
+        let scattering: Vec<_> = albedo.iter().zip(&light).filter(|(a, _)| !is_black(a)).collect();
+        let black = scattering.iter().filter(|(_, l)| is_black(l)).count();
+        println!("{scene}: {black} of {} pixels are black", scattering.len());
+        assert!(scattering.len() > 30_000 && black == 0, "{scene}, {cells}: {black}");
+    }
 }
