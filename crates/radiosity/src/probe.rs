@@ -91,9 +91,8 @@ impl Cache {
         Ok(self.along(from, direction, true))
     }
 
-    /// Asks for the states that [`Cache::radiance`] will read, which are those that answer at the
-    /// surface that the ray meets, and says where it is: for what a camera sees, without pictures
-    /// of positions.
+    /// Asks for the states that [`Cache::radiance`] will read, and returns the surface that the ray
+    /// meets. A camera asks so for its picture, and needs no picture of positions.
     ///
     /// # Errors
     /// As there.

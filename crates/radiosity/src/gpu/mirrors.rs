@@ -17,10 +17,10 @@ use crate::voxels::NONE;
 /// A pass that makes pictures of what glossy surfaces mirror, of any cache: [`Cache::reflection`]
 /// for every pixel.
 ///
-/// A ray goes through the tree of triangles to the nearest one. What it brings is that
-/// surface's emission and what it scatters of the light that the gathered states around hold, each
-/// behind a short ray: so no light crosses walls, and shadows in mirrors are as soft as a cell is
-/// wide. Rays that hit nothing see the sky.
+/// A ray goes through the tree of triangles to the nearest one. It brings that surface's emission,
+/// and its share of the light that gathered states hold around there, each behind a short ray: so
+/// no light crosses walls, and shadows in mirrors are as soft as a cell is wide. Rays that hit
+/// nothing see the sky.
 ///
 /// Lobes are those of Trowbridge and Reitz (GGX, Walter et al. 2007) with the shadowing of Smith,
 /// correlated by height (Heitz 2014), sampled by visible normals (Heitz 2018).
@@ -39,7 +39,7 @@ impl Mirrors {
     }
 }
 
-/// A pass whose rays read the states around what they hit.
+/// A pass of rays. Each reads the states around its hit.
 fn by_rays(device: &Device, input: Input, main: &str, name: &'static str) -> ComputePipeline {
     let constants = format!(
         "const NONE = {NONE}u;\nconst LEAST_ROUGH: f32 = {LEAST_ROUGH:?};\n\
@@ -180,7 +180,7 @@ impl GpuCache {
     }
 
     /// Fills the gaps of a picture of irradiance that [`GpuCache::shade`] made: where no state
-    /// stands for a pixel, so many rays (1 to 64) read the states around what they hit, as
+    /// stands for a pixel, so many rays (1 to 64) read the states around their hits, as
     /// [`Cache::irradiance`] does. `before` is that picture, and `picture` another one of its size
     /// and format.
     ///

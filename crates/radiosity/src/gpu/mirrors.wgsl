@@ -104,8 +104,7 @@ var<workgroup> parts: array<CascaPart, 64>;
 @compute @workgroup_size(64)
 fn mirrors(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) index: u32) {
     let lane = index % gloss.lanes;
-    let in_tile = index / gloss.lanes;
-    let id = group.xy * gloss.tile + vec2u(in_tile % gloss.tile.x, in_tile / gloss.tile.x);
+    let id = casca_pixel(group.xy, index);
     let is_in = all(id < textureDimensions(picture));
     var part = CascaPart(vec4f(0.0), 0.0);
     if is_in {

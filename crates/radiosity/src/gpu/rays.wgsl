@@ -1,4 +1,4 @@
-// Rays that read the states around what they hit.
+// Rays that read the states around their hits.
 
 struct Gloss {
     // In metres.
@@ -14,6 +14,12 @@ struct Gloss {
 }
 
 @group(0) @binding(5) var<uniform> gloss: Gloss;
+
+// The pixel that a thread of a workgroup sends rays for.
+fn casca_pixel(group: vec2u, index: u32) -> vec2u {
+    let in_tile = index / gloss.lanes;
+    return group * gloss.tile + vec2u(in_tile % gloss.tile.x, in_tile / gloss.tile.x);
+}
 
 // What a triangle scatters of its irradiance by steradian, what it emits, and its unit normal.
 struct CascaSkin { share: vec4f, emission: vec4f, normal: vec4f }

@@ -8,6 +8,11 @@ use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
 use crate::common::{lamp, leak_questions, lit, matt, placed, room, rooms, scene, sheet, turned};
 use crate::device::{Mirroring, depth_of, furnished, gpu, mirrored, picture_of, points, run, texture_of};
 
+/// A mirror that differs by more, as a share of the mean light, met another wall or other states.
+const ELSEWHERE: f32 = 1e-3;
+/// Metres from a wall to the nearest point in its fold, and from point to point.
+const FOLD: f32 = 1e-4;
+
 /// A sky whose radiance is linear in the height of the direction.
 pub fn linear() -> Sky {
     let (horizon, zenith) = (Vec3::new(1.0, 2.0, 0.5), Vec3::new(1.5, 0.5, 0.75));
@@ -57,7 +62,7 @@ fn mirrors_show_the_sky_and_lamps() {
     s.objects.push(sheet(Vec3::new(-1.0, 1.0, -1.0), Vec3::X, Vec3::Z * 2.0, 1).into());
     let cache = lit(&s, 8, 16, 2);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
-    // From above, and the floor's back from below, which mirrors what is below the horizon.
+    // From above, and from below: the floor's back mirrors the sky below the horizon.
     let eyes = [Vec3::new(0.6, 0.5, 0.2), Vec3::new(-0.3, 0.7, 0.1), Vec3::new(0.2, -0.4, 0.3)];
     for eye in eyes {
         // Up to a hundredth, surfaces are mirrors.
@@ -87,7 +92,7 @@ fn mirrors_show_walls_as_on_the_processor() {
     for eye in [Vec3::new(3.1, 1.7, 2.9), Vec3::new(0.3, 0.4, 3.6), Vec3::new(2.0, 2.8, 1.4)] {
         let all = apart(&gpu, &device, &cache, &points, eye);
         let (middle, worst) = (all[all.len() / 2], all[all.len() - 1]);
-        let far = all.iter().filter(|e| **e > 1e-3).count();
+        let far = all.iter().filter(|e| **e > ELSEWHERE).count();
         println!("walls from {eye}: middle {middle:e}, worst {worst:e}, {far} of {} far", all.len());
         assert!(all.len() > 300, "{}", all.len());
         assert!(middle < 1e-4 && far < all.len() / 50 && worst < 1e-2, "{middle} {far}");
@@ -134,7 +139,7 @@ fn the_room_behind_a_wall_is_dark_in_mirrors() {
             let mut points = leak_questions(side, thickness);
             // In the fold of wall and floor, where walls are nearest to each other.
             points.extend((0..200).map(|i| {
-                let x = side * (0.5 * thickness + 1e-4 * (1.0 + i as f32));
+                let x = side * (0.5 * thickness + FOLD * (1.0 + i as f32));
                 (Vec3::new(x, 0.0, (i as f32 * 0.618).fract() * 3.8 - 1.9), Vec3::Y)
             }));
             let there = |(p, n)| (place.transform_point3(p), place.transform_vector3(n), rough);
@@ -180,13 +185,13 @@ fn an_eye_below_sees_nothing_and_odd_numbers_do_no_harm() {
     for (point, found) in odd.iter().zip(mirrored(&gpu, &device, &odd, eye, 4)) {
         assert_eq!(found, [0.0; 4], "{point:?}");
     }
-    // These are fine: any length of a normal, and what is rougher than dull.
+    // A normal may have any length, and a roughness above 1 counts as 1.
     let fine = [up * 1e-37, up * 3e38, up].map(|n| (o, n, 0.3));
     let found = mirrored(&gpu, &device, &fine, eye, 4);
     assert!(found.iter().all(|f| *f == found[2] && f[3] == 1.0 && f[0] > 1.0), "{found:?}");
     let found = mirrored(&gpu, &device, &[(o, up, 1.0), (o, up, 9.0)], eye, 4);
     assert_eq!(found[0], found[1]);
-    // A far eye sees what a near one sees in the same direction.
+    // The distance of an eye does not matter, only its direction.
     let near = mirrored(&gpu, &device, &fine, Vec3::Y, 4);
     assert_eq!(near, mirrored(&gpu, &device, &fine, Vec3::Y * 3e38, 4));
     // An empty cache has only its sky.

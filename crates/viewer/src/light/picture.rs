@@ -42,8 +42,9 @@ struct Eye {
     down: [f32; 4],
 }
 
-/// The ray of the picture's corner, and how it changes from pixel to pixel along both axes.
-fn rays(camera: &Camera, (width, height): (u32, u32)) -> [Vec3; 3] {
+/// The ray of the picture's corner at the left and the top, and how it changes from pixel to pixel
+/// along both axes; for a size of 1 x 1, across the whole picture.
+pub fn rays(camera: &Camera, (width, height): (u32, u32)) -> [Vec3; 3] {
     let row = |i| camera.view.row(i).truncate();
     let right = row(0) / camera.projection.x_axis.x;
     let down = -row(1) / camera.projection.y_axis.y;
@@ -118,9 +119,10 @@ impl Picture {
         let layers =
             Layer::EVERY.map(|l| format!("const {}: u32 = {}u;\n", l.name().to_uppercase(), l as u32));
         let constants = format!(
-            "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\nconst BEHIND: f32 = {BEHIND:?};\n{}",
+            "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\nconst BEHIND: f32 = {BEHIND:?};\n{}{}",
             std::f32::consts::PI,
-            layers.concat()
+            layers.concat(),
+            include_str!("eye.wgsl")
         );
         let module = |text: String| {
             let source = wgpu::ShaderSource::Wgsl(text.into());

@@ -1,19 +1,5 @@
 // Pictures: the surface in each pixel, then its light, then colours.
 
-struct Eye {
-    to_clip: mat4x4f,
-    position: vec3f,
-    layer: u32,
-    sky: vec3f,
-    exposure: f32,
-    // The ray of a place: corner + x right + y down, in pixels. Depths are finest before the reach.
-    corner: vec3f,
-    reach: f32,
-    right: vec3f,
-    down: vec3f,
-}
-@group(0) @binding(0) var<uniform> eye: Eye;
-
 // With the roughness beside the albedo.
 struct Material { albedo: vec4f, emission: vec4f, specular: vec4f }
 @group(0) @binding(1) var<storage, read> materials: array<Material>;

@@ -15,10 +15,10 @@ use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::timing::{Clock, Instant};
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec2};
 
 use crate::light::layer::Layer;
-use crate::light::picture::{Picture, roughness};
+use crate::light::picture::{Picture, rays, roughness};
 
 /// States that send their rays, or find their direct light, between two looks at the clock.
 const PART: usize = 128;
@@ -197,6 +197,7 @@ impl Renderer {
         is_some: bool,
         is_late: &impl Fn(f64) -> bool,
     ) -> Result<(), Box<dyn Error>> {
+        let [corner, right, down] = rays(camera, (1, 1));
         let count = if is_some { QUESTIONS } else { width * height };
         for i in 0..count {
             if i.is_multiple_of(QUESTION_PART) && i > 0 && is_late(1.0 / 3.0) {
@@ -209,7 +210,10 @@ impl Renderer {
                 Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5)
                     / Vec2::new(width as f32, height as f32)
             };
-            let Some(seen) = self.cache.request_radiance(camera.eye, ray(camera, at))? else { continue };
+            let Some(seen) = self.cache.request_radiance(camera.eye, corner + right * at.x + down * at.y)?
+            else {
+                continue;
+            };
             let material = self.scene.materials[seen.material as usize].sound();
             if let Some(roughness) = roughness(&material) {
                 let rays = if is_some { SOME_MIRRORED } else { MIRRORED };
@@ -241,12 +245,4 @@ impl Renderer {
     pub fn read_light(&self, gpu: &Gpu) -> Result<Vec<[f32; 4]>, Box<dyn Error>> {
         Ok(self.picture.read(gpu)?)
     }
-}
-
-/// The direction through a place of the picture, from 0 at the left and the top to 1.
-fn ray(camera: &Camera, at: Vec2) -> Vec3 {
-    let row = |i| camera.view.row(i).truncate();
-    let x = (2.0 * at.x - 1.0) / camera.projection.x_axis.x;
-    let y = (1.0 - 2.0 * at.y) / camera.projection.y_axis.y;
-    row(0) * x + row(1) * y - row(2)
 }

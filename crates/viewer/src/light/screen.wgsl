@@ -1,17 +1,5 @@
 // Light as colours of a screen.
 
-struct Eye {
-    to_clip: mat4x4f,
-    position: vec3f,
-    layer: u32,
-    sky: vec3f,
-    exposure: f32,
-    corner: vec3f,
-    reach: f32,
-    right: vec3f,
-    down: vec3f,
-}
-@group(0) @binding(0) var<uniform> eye: Eye;
 @group(0) @binding(1) var light: texture_2d<f32>;
 
 @vertex
