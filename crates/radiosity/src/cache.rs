@@ -9,11 +9,12 @@ use crate::colours::Materials;
 use crate::direct::{Lamps, Sources, Spot};
 use crate::error::LightError;
 use crate::input::{Light, Object, Scene, Settings, Sky, check_lights};
+use crate::lattice::Lattice;
 use crate::numeric::{MOST_LINKS, MOST_RAYS, MOST_STORED};
 use crate::queues::{Unlit, Waiting, Wish};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
-use crate::surfaces::{Lattice, Skipped, surfaces};
+use crate::surfaces::{Skipped, surfaces};
 use crate::voxels::Voxels;
 
 /// The rays of a state: a range of [`Cache::rays`], empty if it is not gathered.
@@ -156,7 +157,7 @@ impl Cache {
     pub fn new(scene: &Scene, settings: Settings) -> Result<Self, LightError> {
         settings.check()?;
         scene.check()?;
-        let lattice = Lattice::new(&settings.grid);
+        let lattice = Lattice::new(&settings.grid, &settings.windows);
         let mut skipped = Skipped::default();
         let all = surfaces(&scene.objects, &lattice, &mut skipped);
         let materials = Materials { all: scene.materials.clone(), textures: scene.textures.clone() };

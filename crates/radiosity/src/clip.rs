@@ -3,7 +3,6 @@
 use glam::{DVec3, IVec3};
 use smallvec::SmallVec;
 
-use crate::numeric::GROW;
 use crate::spread::in_triangle;
 
 /// A convex polygon in cells. A triangle that six planes cut has nine corners at most.
@@ -85,14 +84,15 @@ pub(crate) fn point_of(polygon: &Polygon, area: f64, across: f64) -> DVec3 {
     last
 }
 
-/// Calls `visit` with each cell from `low` up to `high` that is nearer to the polygon than
-/// [`GROW`], until it returns false; returns whether it never did.
+/// Calls `visit` with each cell from `low` up to `high` that is nearer to the polygon than a margin,
+/// until it returns false; returns whether it never did.
 ///
 /// Costs the touched cells times the logarithm of the box.
 pub(crate) fn touched(
     polygon: &Polygon,
     low: IVec3,
     high: IVec3,
+    margin: f64,
     visit: &mut impl FnMut(IVec3) -> bool,
 ) -> bool {
     if polygon.is_empty() || (high - low).min_element() <= 0 {
@@ -113,13 +113,14 @@ pub(crate) fn touched(
     };
     let (mut below, mut above) = (high, low);
     (below[axis], above[axis]) = (middle, middle);
-    (least > plane + GROW || touched(&side(plane + GROW, false), low, below, visit))
-        && (greatest < plane - GROW || touched(&side(plane - GROW, true), above, high, visit))
+    (least > plane + margin || touched(&side(plane + margin, false), low, below, margin, visit))
+        && (greatest < plane - margin || touched(&side(plane - margin, true), above, high, margin, visit))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::GROW;
 
     fn triangle(corners: [[f64; 3]; 3]) -> Polygon {
         corners.map(DVec3::from_array).into_iter().collect()
@@ -136,7 +137,7 @@ mod tests {
             triangle([[3.0, 0.0, 0.0], [3.0, 16.0, 0.0], [3.0, 0.0, 16.0]]),
         ] {
             let mut area = 0.0;
-            touched(&t, IVec3::ZERO, high, &mut |cell| {
+            touched(&t, IVec3::ZERO, high, GROW, &mut |cell| {
                 area += cross(&part_of(&t, cell)).length();
                 true
             });
@@ -149,7 +150,7 @@ mod tests {
     fn a_wall_in_a_face_is_listed_on_both_sides() {
         let t = triangle([[1.5, 4.0, 1.5], [1.75, 4.0, 1.5], [1.5, 4.0, 1.75]]);
         let mut cells = Vec::new();
-        touched(&t, IVec3::ZERO, IVec3::splat(16), &mut |cell| {
+        touched(&t, IVec3::ZERO, IVec3::splat(16), GROW, &mut |cell| {
             cells.push(cell.to_array());
             true
         });

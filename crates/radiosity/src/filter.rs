@@ -12,7 +12,6 @@ use crate::cache::{Cache, Links, in_parallel};
 use crate::numeric::{LINK_HEIGHT, LINK_NORMAL, MOST_LINKS};
 use crate::states::sign;
 use crate::voxels::NONE;
-use crate::walk::around;
 
 impl Cache {
     /// Averages the indirect light of answers over neighbouring states, so many times: twice takes
@@ -64,7 +63,8 @@ impl Cache {
         let normal = entry.normal.as_dvec3() * sign(state);
         let cell = voxels.lattice.place(entry.cell);
         let mut near: SmallVec<[(f64, u32); 32]> = SmallVec::new();
-        for cell in around(cell).filter(|c| voxels.lattice.has(*c)) {
+        let height = LINK_HEIGHT / voxels.lattice.fine(cell);
+        for cell in voxels.lattice.around(cell) {
             for other in voxels.entries_of(cell) {
                 let like = voxels.entries[other as usize].normal.as_dvec3().dot(normal);
                 let other = 2 * other + u32::from(like < 0.0);
@@ -73,7 +73,7 @@ impl Cache {
                 }
                 let Some(start) = self.starts(other).first() else { continue };
                 let way = start.at.as_dvec3() - at;
-                if way.dot(normal).abs() < LINK_HEIGHT {
+                if way.dot(normal).abs() < height {
                     near.push((way.length_squared(), other));
                 }
             }
@@ -92,7 +92,7 @@ impl Cache {
         let voxels = &self.voxels;
         for state in new {
             let cell = voxels.lattice.place(voxels.entries[*state as usize / 2].cell);
-            for entry in around(cell).filter(|c| voxels.lattice.has(*c)).flat_map(|c| voxels.entries_of(c)) {
+            for entry in voxels.lattice.around(cell).flat_map(|c| voxels.entries_of(c)) {
                 self.links[2 * entry as usize..][..2].fill(None);
             }
         }

@@ -6,6 +6,7 @@ use crate::checks::{bright, numbers, way};
 use crate::error::LightError;
 use crate::materials::{Material, Texture, check_materials};
 use crate::numeric::{ABSURD, MOST_CELLS, MOST_RAYS, OUTLIER};
+use crate::windows::{Window, check_windows};
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -204,10 +205,13 @@ fn median(values: &mut [f32]) -> f32 {
 }
 
 /// How a cache works.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// The grid.
     pub grid: Grid,
+    /// Finer cells around the eye, up to two boxes, the second within the first: see
+    /// [`Cache::move_windows`](crate::Cache::move_windows).
+    pub windows: Vec<Window>,
     /// Rays of a question that no state answers, 1 to 4096.
     pub answer_rays: u32,
     /// Points of emissive triangles that are weighed for each state or question, 1 to 4096.
@@ -223,14 +227,24 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, 8 of lights,
+    /// No windows, 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, 8 of lights,
     /// and one thread.
     pub const fn new(grid: Grid) -> Self {
-        Self { grid, answer_rays: 64, lamp_points: 512, lamp_rays: 32, light_rays: 8, threads: 1, seed: 0 }
+        Self {
+            grid,
+            windows: Vec::new(),
+            answer_rays: 64,
+            lamp_points: 512,
+            lamp_rays: 32,
+            light_rays: 8,
+            threads: 1,
+            seed: 0,
+        }
     }
 
     pub(crate) fn check(&self) -> Result<(), LightError> {
         self.grid.check()?;
+        check_windows(&self.grid, &self.windows)?;
         let counts = [
             ("answer_rays", self.answer_rays),
             ("lamp_points", self.lamp_points),

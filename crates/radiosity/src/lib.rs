@@ -67,6 +67,7 @@ mod filter;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod input;
+mod lattice;
 mod materials;
 mod moves;
 mod numeric;
@@ -80,6 +81,7 @@ mod surfaces;
 mod tree;
 mod voxels;
 mod walk;
+mod windows;
 
 pub use cache::{Cache, Statistics};
 pub use error::LightError;
@@ -89,3 +91,4 @@ pub use moves::Moved;
 pub use probe::{Probe, Seen};
 pub use query::Irradiance;
 pub use surfaces::Skipped;
+pub use windows::Window;

@@ -6,13 +6,14 @@
 
 use std::sync::OnceLock;
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 
 use crate::cache::{Block, Cache, Glow, Links, StartTable, in_parallel};
 use crate::direct::Lamps;
 use crate::error::LightError;
 use crate::input::Object;
-use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_LINKS, MOVED_STARTS};
+use crate::lattice::{Cell, Lattice};
+use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_LINKS, MOVED_STARTS, MOVED_WINDOWS};
 use crate::queues::{Waiting, Wish};
 use crate::states::{Bundle, DARK, Ray, SKY};
 use crate::surfaces::{Skipped, Surface, surfaces};
@@ -34,8 +35,16 @@ pub struct Moved {
     pub waiting: usize,
 }
 
-/// The box of what moved, in cells.
-type Bounds = (DVec3, DVec3);
+/// A box, in cells of the grid.
+pub(crate) type Bounds = (DVec3, DVec3);
+
+/// What changed.
+pub(crate) enum Change {
+    /// Triangles, in these boxes before and after.
+    Triangles(Vec<Bounds>),
+    /// The size of cells in these boxes.
+    Windows(Vec<Bounds>),
+}
 
 /// The boxes of some objects' triangles, whose numbers are sorted. O(triangles log objects).
 fn bounds_of(surfaces: &[Surface], objects: &[u32]) -> Vec<Bounds> {
@@ -54,9 +63,10 @@ fn is_near(boxes: &[Bounds], p: DVec3, margin: f64) -> bool {
     boxes.iter().any(|(l, h)| p.cmpge(*l - margin).all() && p.cmple(*h + margin).all())
 }
 
-/// Whether a cell comes nearer to a box than a margin.
-fn is_cell_near(boxes: &[Bounds], c: IVec3, margin: f64) -> bool {
-    is_near(boxes, c.as_dvec3() + 0.5, margin + 0.5)
+/// Whether a cell comes nearer to a box than a margin in cells of its size.
+fn is_cell_near(boxes: &[Bounds], lattice: &Lattice, cell: Cell, margin: f64) -> bool {
+    let fine = lattice.fine(cell);
+    is_near(boxes, (cell.at.as_dvec3() + 0.5) / fine, (margin + 0.5) / fine)
 }
 
 impl Cache {
@@ -102,12 +112,13 @@ impl Cache {
         self.skipped = skipped;
         self.lamps = Lamps::new(&voxels, &self.materials);
         let boxes = [bounds_of(&self.voxels.surfaces, &changed), bounds_of(&voxels.surfaces, &changed)];
-        Ok(self.replace(voxels, &boxes.concat()))
+        Ok(self.replace(voxels, &Change::Triangles(boxes.concat())))
     }
 
-    /// Takes over other cells, in which only what is in the boxes changed.
-    fn replace(&mut self, voxels: Voxels, boxes: &[Bounds]) -> Moved {
-        let map = self.map_states(&voxels, boxes);
+    /// Takes over other cells, in which only so much changed.
+    pub(crate) fn replace(&mut self, voxels: Voxels, change: &Change) -> Moved {
+        let map = self.map_states(&voxels, change);
+        let (Change::Triangles(boxes) | Change::Windows(boxes)) = change;
         let states = voxels.states() as usize;
         let old = std::mem::replace(&mut self.voxels, voxels);
         let old_blocks = std::mem::replace(&mut self.blocks, vec![Block::default(); states]);
@@ -142,7 +153,7 @@ impl Cache {
             }
         }
         let mended = {
-            let of = |state: &u32| self.mended(*state, &map.states, boxes);
+            let of = |state: &u32| self.mended(*state, &map.states, change);
             in_parallel(&self.gathered, self.settings.threads, of)
         };
         for (i, (rays, sent)) in mended.into_iter().enumerate() {
@@ -162,7 +173,7 @@ impl Cache {
     /// changes are dropped then.
     fn kept_links(&self, state: u32, links: Links, map: &[u32], boxes: &[Bounds]) -> Option<Links> {
         let cell = self.voxels.lattice.place(self.voxels.entries[state as usize / 2].cell);
-        if is_cell_near(boxes, cell, MOVED_LINKS) {
+        if is_cell_near(boxes, &self.voxels.lattice, cell, MOVED_LINKS) {
             return None;
         }
         let mut kept = links;
@@ -174,7 +185,11 @@ impl Cache {
 
     /// The rays of a kept state, of which those were sent again that can have changed, and how many
     /// these are.
-    fn mended(&self, state: u32, map: &[u32], boxes: &[Bounds]) -> (Vec<Ray>, usize) {
+    fn mended(&self, state: u32, map: &[u32], change: &Change) -> (Vec<Ray>, usize) {
+        let (boxes, solid): (&[Bounds], &[Bounds]) = match change {
+            Change::Triangles(boxes) => (boxes, boxes),
+            Change::Windows(boxes) => (boxes, &[]),
+        };
         let block = self.blocks[state as usize];
         let seed = self.settings.seed;
         let mut rays = self.rays[block.range()].to_vec();
@@ -194,10 +209,17 @@ impl Cache {
             let target = if ray.target < DARK { map[ray.target as usize] } else { ray.target };
             let is_lost = ray.target < DARK && target == NONE;
             let end = from + direction * length;
-            let reach = if ray.is_own() { MOVED_ALONE } else { MOVED_HITS };
-            let is_clear = ray.target == SKY || !is_near(boxes, end, reach);
+            let reach = match change {
+                Change::Windows(_) => MOVED_WINDOWS,
+                Change::Triangles(_) if ray.is_own() => MOVED_ALONE,
+                Change::Triangles(_) => MOVED_HITS,
+            };
+            let is_clear = ray.target == SKY || {
+                let cell = self.voxels.lattice.at(end);
+                !is_near(boxes, end, reach / self.voxels.lattice.fine(cell) + MOVED)
+            };
             ray.target = target;
-            if is_lost || !is_clear || boxes.iter().any(meets) {
+            if is_lost || !is_clear || solid.iter().any(meets) {
                 *ray = self.voxels.trace(start, direction, &|s| self.starts(s));
                 sent += 1;
             }
@@ -215,7 +237,11 @@ impl Cache {
     }
 
     /// Which old state is which new one, and takes over the starts that stay.
-    fn map_states(&mut self, new: &Voxels, boxes: &[Bounds]) -> StateMap {
+    fn map_states(&mut self, new: &Voxels, change: &Change) -> StateMap {
+        let solid: &[Bounds] = match change {
+            Change::Triangles(boxes) => boxes,
+            Change::Windows(_) => &[],
+        };
         let old = &self.voxels;
         let mut map = StateMap {
             states: vec![NONE; old.states() as usize],
@@ -229,7 +255,7 @@ impl Cache {
             if twin >= before.end || !is_same(old, twin, new, i) {
                 continue;
             }
-            let is_close = is_cell_near(boxes, cell, MOVED_STARTS);
+            let is_close = is_cell_near(solid, &new.lattice, cell, MOVED_STARTS);
             for side in 0..2 {
                 let (from, to) = (2 * twin + side, 2 * i + side);
                 map.entries[from as usize] = to;

@@ -209,6 +209,13 @@ pub(crate) const MOVED_HITS: f64 = MOVED_STARTS + 3.5;
 /// Only what touches the cell itself counts for them, and the diagonal of a cell is 1.74.
 pub(crate) const MOVED_ALONE: f64 = 2.0;
 
+/// Hits farther than this from where cells have another size now, in cells of their own size, are
+/// read as before.
+///
+/// No triangle moved, so that starts are the same: entries that stand in lie in cells next to the
+/// hit.
+pub(crate) const MOVED_WINDOWS: f64 = 2.0;
+
 /// Links of states in cells farther than this from what moved stay.
 ///
 /// They end at starts in the cells around, which are less than two cells away. States whose starts
@@ -246,6 +253,19 @@ pub(crate) const MOST_LINKS: usize = 8;
 
 /// Less rough surfaces are mirrors: the lobe is narrower than a degree.
 pub(crate) const LEAST_ROUGH: f32 = 1e-2;
+
+/// Sizes of cells at most: those of the grid, and of two windows.
+pub(crate) const GRIDS: usize = 3;
+
+/// Cells of the finest window along an edge of a cell of the grid at most.
+///
+/// [`LIFT`] is 1/64 of such a cell then: what is nearer to each other has one light.
+pub(crate) const FINEST: u32 = 16;
+
+/// Windows stay while the eye is so near to their middle along each axis, as a share of their edge.
+///
+/// An eye that walks back and forth over a face of cells moves no window.
+pub(crate) const WINDOW_REST: f64 = 0.125;
 
 /// Cells along an axis at most.
 pub(crate) const MOST_CELLS: u32 = 512;

@@ -102,7 +102,7 @@ impl Cache {
         self.want_at(&met.spot);
         let lattice = &self.voxels.lattice;
         Ok(Some(Seen {
-            point: (met.point * lattice.cell + lattice.min).as_vec3(),
+            point: lattice.metres(met.point),
             normal: met.spot.normal.as_vec3(),
             material: self.voxels.surfaces[met.surface as usize].material,
         }))

@@ -1,17 +1,17 @@
 //! Questions: the light at a point of a surface.
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::cache::Cache;
 use crate::checks::{numbers, way};
 use crate::direct::Spot;
 use crate::error::LightError;
+use crate::lattice::Cell;
 use crate::numeric::{ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
 use crate::queues::Wish;
 use crate::spread::{Hemisphere, mix};
 use crate::states::{DARK, SKY, Start, lifted};
 use crate::voxels::NONE;
-use crate::walk::block;
 
 /// The irradiance of a surface, in watts per square metre by channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -100,26 +100,30 @@ impl Cache {
 
     /// The states around a spot that stand for it, with their weights.
     fn near(&self, spot: &Spot, is_ready: impl Fn(u32) -> bool) -> Vec<Near> {
-        let close = self.within(spot, ANSWER_REACH, &is_ready);
-        if close.is_empty() { self.within(spot, 2.0 * ANSWER_REACH, &is_ready) } else { close }
+        // Far outside, whole numbers end.
+        let (reach, size) = (2.0 * ANSWER_REACH, self.voxels.lattice.dims.as_dvec3());
+        if !(spot.at.cmpgt(DVec3::splat(-reach)).all() && spot.at.cmplt(size + reach).all()) {
+            return Vec::new();
+        }
+        let of = |cell: Cell| {
+            let reaches = [ANSWER_REACH, 2.0 * ANSWER_REACH].into_iter();
+            reaches.map(|reach| self.within(spot, cell, reach, &is_ready)).find(|near| !near.is_empty())
+        };
+        self.voxels.lattice.all_at(spot.at).find_map(of).unwrap_or_default()
     }
 
-    fn within(&self, spot: &Spot, reach: f64, is_ready: &impl Fn(u32) -> bool) -> Vec<Near> {
+    /// The same among cells around one, within a reach in cells of its size.
+    fn within(&self, spot: &Spot, middle: Cell, reach: f64, is_ready: &impl Fn(u32) -> bool) -> Vec<Near> {
         let mut near = Vec::new();
         let lattice = &self.voxels.lattice;
-        let middle = spot.at.floor().as_ivec3();
-        // Far outside, whole numbers end.
-        let is_close =
-            spot.at.cmpgt(DVec3::splat(-reach)).all() && spot.at.cmplt(lattice.dims.as_dvec3() + reach).all();
-        if !is_close {
-            return near;
-        }
+        let fine = lattice.fine(middle);
+        let (at, above) = (spot.at * fine, ABOVE * fine);
         // Starts lie in their cells, or just above: those of others weigh nothing.
-        let is_in_reach = |c: &IVec3| {
-            let low = c.as_dvec3() - ABOVE;
-            spot.at.distance(spot.at.clamp(low, low + 1.0 + 2.0 * ABOVE)) < reach
+        let is_in_reach = |c: &Cell| {
+            let low = c.at.as_dvec3() - above;
+            at.distance(at.clamp(low, low + 1.0 + 2.0 * above)) < reach
         };
-        let cells = block(middle, reach.ceil() as i32).filter(|c| lattice.has(*c) && is_in_reach(c));
+        let cells = lattice.block(middle, reach.ceil() as i32).filter(is_in_reach);
         let mut last = NONE;
         for cell in cells {
             for entry in self.voxels.entries_of(cell) {
@@ -130,7 +134,7 @@ impl Cache {
                     continue;
                 }
                 let starts = self.starts(state);
-                let weight = weight(spot, starts, reach) * (like.abs() - ANSWER_NORMAL);
+                let weight = weight(spot, starts, fine, reach) * (like.abs() - ANSWER_NORMAL);
                 let area = ANSWER_AREA + (1.0 - ANSWER_AREA) * f64::from(e.area).min(1.0);
                 let sees = |s: &Start| self.voxels.free_of(spot.at, s.at.as_dvec3(), &mut last);
                 if weight > 0.0 && starts.iter().any(sees) {
@@ -164,13 +168,14 @@ impl Cache {
     }
 }
 
-/// How much a state counts by the distance and the height of the middle of its starts.
-fn weight(spot: &Spot, starts: &[Start], reach: f64) -> f64 {
+/// How much a state counts by the distance and the height of the middle of its starts, in cells of
+/// which so many are along an edge of one of the grid.
+fn weight(spot: &Spot, starts: &[Start], fine: f64, reach: f64) -> f64 {
     if starts.is_empty() {
         return 0.0;
     }
     let middle = starts.iter().map(|s| s.at.as_dvec3()).sum::<DVec3>() / starts.len() as f64;
-    let way = middle - spot.at;
+    let way = (middle - spot.at) * fine;
     let (near, height) = (1.0 - way.length() / reach, way.dot(spot.normal).abs());
     near.max(0.0).powi(2) * (1.0 - ANSWER_HEIGHT * height).max(0.0)
 }

@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-use crate::clip::{Polygon, cross, part_of, point_of};
+use crate::clip::{Polygon, cross, point_of};
 use crate::numeric::{
     CANDIDATES, DOUBT, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS,
     OPEN_REACH, STAND_INS, STARTS, TOUCH,
@@ -15,7 +15,7 @@ use crate::numeric::{
 use crate::spread::{Hemisphere, mix, unit};
 use crate::surfaces::Surface;
 use crate::voxels::{NONE, Voxels};
-use crate::walk::{Hit, around};
+use crate::walk::Hit;
 
 /// A ray that left the grid.
 pub(crate) const SKY: u32 = u32::MAX;
@@ -86,7 +86,8 @@ impl Voxels {
     pub(crate) fn starts(&self, state: u32, seed: u32) -> Starts {
         let key = self.key(state, seed);
         let (candidates, middle) = self.candidates(state, key);
-        let Some(best) = self.most_open(&candidates, middle, key) else { return Starts::new() };
+        let fine = self.lattice.fine(self.lattice.place(self.entries[state as usize / 2].cell));
+        let Some(best) = self.most_open(&candidates, middle, fine, key) else { return Starts::new() };
         let first = candidates[best].at.as_dvec3();
         let joined = |i: &usize| *i != best && self.free(first, candidates[*i].at.as_dvec3());
         std::iter::once(best)
@@ -103,7 +104,7 @@ impl Voxels {
         let mut parts: SmallVec<[(u32, Polygon, f64); 2]> = SmallVec::new();
         let mut area = 0.0;
         for &member in self.members_of(entry) {
-            let polygon = part_of(&self.surfaces[member as usize].polygon(), cell);
+            let polygon = self.lattice.part(&self.surfaces[member as usize].polygon(), cell);
             area += 0.5 * cross(&polygon).length();
             parts.push((member, polygon, area));
         }
@@ -126,13 +127,16 @@ impl Voxels {
 
     /// The candidate from which rays go farthest, less what its distance to the middle costs; the
     /// first of equals. Candidates that cannot win send no more rays.
-    fn most_open(&self, candidates: &[Start], middle: DVec3, key: u64) -> Option<usize> {
-        let cost = |i: usize| OFF_CENTRE * candidates[i].at.as_dvec3().distance(middle);
+    fn most_open(&self, candidates: &[Start], middle: DVec3, fine: f64, key: u64) -> Option<usize> {
+        let cost = |i: usize| OFF_CENTRE * fine * candidates[i].at.as_dvec3().distance(middle);
         let mut order: SmallVec<[(f64, usize); 8]> = (0..candidates.len()).map(|i| (cost(i), i)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let (mut best, mut most) = (None, f64::NEG_INFINITY);
         for (cost, i) in order {
-            let Some(open) = self.openness(&candidates[i], key, most + cost - DOUBT) else { continue };
+            let Some(open) = self.openness(&candidates[i], OPEN_REACH / fine, key, most + cost - DOUBT)
+            else {
+                continue;
+            };
             let score = open - cost;
             if score > most || score == most && best.is_some_and(|b| i < b) {
                 (best, most) = (Some(i), score);
@@ -141,16 +145,16 @@ impl Voxels {
         best
     }
 
-    /// The mean share of [`OPEN_REACH`] that rays from a start go, if it can reach a least one.
-    fn openness(&self, start: &Start, key: u64, least: f64) -> Option<f64> {
+    /// The mean share of a reach that rays from a start go, if it can reach a least one.
+    fn openness(&self, start: &Start, reach: f64, key: u64, least: f64) -> Option<f64> {
         let ways = Hemisphere::new(start.normal.as_dvec3(), OPEN_RAYS, key);
         let mut sum = 0.0;
         for i in 0..OPEN_RAYS {
             if (sum + f64::from(OPEN_RAYS - i)) / f64::from(OPEN_RAYS) < least {
                 return None;
             }
-            let hit = self.first(start.at.as_dvec3(), ways.direction(i), OPEN_REACH);
-            sum += hit.map_or(1.0, |h| h.distance / OPEN_REACH);
+            let hit = self.first(start.at.as_dvec3(), ways.direction(i), reach);
+            sum += hit.map_or(1.0, |h| h.distance / reach);
         }
         Some(sum / f64::from(OPEN_RAYS))
     }
@@ -205,7 +209,7 @@ impl Voxels {
     }
 
     /// States near a point that face like a normal, by a least product of normals and a greatest
-    /// height, nearest first.
+    /// height in cells of their size, nearest first.
     fn stand_ins(
         &self,
         spot: DVec3,
@@ -213,7 +217,8 @@ impl Voxels {
         (product, height): (f32, f64),
     ) -> impl Iterator<Item = u32> + use<> {
         let mut near: SmallVec<[(f64, u32); 64]> = SmallVec::new();
-        for cell in around(spot.floor().as_ivec3()).filter(|c| self.lattice.has(*c)) {
+        for cell in self.lattice.all_at(spot).flat_map(|at| self.lattice.around(at)) {
+            let height = height / self.lattice.fine(cell);
             for entry in self.entries_of(cell) {
                 let e = &self.entries[entry as usize];
                 let like = e.normal.dot(normal.as_vec3());

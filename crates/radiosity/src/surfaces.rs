@@ -1,55 +1,11 @@
-//! The lattice of cells, and the triangles of objects in its units.
+//! The triangles of objects, in cells.
 
-use glam::{DVec2, DVec3, IVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, IVec3, Vec2};
 
 use crate::clip::{Polygon, inside};
-use crate::input::{Grid, Object, Triangle};
-use crate::numeric::{FARTHEST, LEAST_AREA, OVER, SEAL};
-
-/// The lattice of cells.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Lattice {
-    /// Its least corner, in metres.
-    pub(crate) min: DVec3,
-    /// The edge of a cell, in metres.
-    pub(crate) cell: f64,
-    /// Cells along each axis.
-    pub(crate) dims: IVec3,
-}
-
-impl Lattice {
-    /// The cells that cover a sound grid, and one more on each side, for surfaces in its faces.
-    pub(crate) fn new(grid: &Grid) -> Self {
-        let (min, max) = (grid.min.as_dvec3(), grid.max.as_dvec3());
-        let cell = (max - min).max_element() / f64::from(grid.cells);
-        let dims = ((max - min) / cell).round().as_ivec3();
-        let more = ((max - min) / cell - dims.as_dvec3()).cmpgt(DVec3::splat(OVER));
-        let more = IVec3::new(more.x.into(), more.y.into(), more.z.into());
-        let dims = (dims + more).clamp(IVec3::ONE, IVec3::splat(grid.cells as i32));
-        Self { min: min - cell, cell, dims: dims + 2 }
-    }
-
-    /// A point in cells.
-    pub(crate) fn cells(&self, p: Vec3) -> DVec3 {
-        (p.as_dvec3() - self.min) / self.cell
-    }
-
-    /// The number of a cell. A grid of 514³ cells has less than 2^28.
-    pub(crate) fn number(&self, c: IVec3) -> u32 {
-        ((c.z * self.dims.y + c.y) * self.dims.x + c.x) as u32
-    }
-
-    /// The cell of a number.
-    pub(crate) fn place(&self, number: u32) -> IVec3 {
-        let (n, d) = (number as i32, self.dims);
-        IVec3::new(n % d.x, n / d.x % d.y, n / d.x / d.y)
-    }
-
-    /// Whether there is such a cell.
-    pub(crate) fn has(&self, c: IVec3) -> bool {
-        c.cmpge(IVec3::ZERO).all() && c.cmplt(self.dims).all()
-    }
-}
+use crate::input::{Object, Triangle};
+use crate::lattice::Lattice;
+use crate::numeric::{FARTHEST, LEAST_AREA, SEAL};
 
 /// A triangle in cells.
 #[derive(Debug, Clone, Copy)]

@@ -6,10 +6,11 @@ use glam::{DVec3, IVec3, Vec3A, Vec4};
 use smallvec::SmallVec;
 
 use crate::clip::{inside, range};
+use crate::lattice::Lattice;
 #[cfg(feature = "gpu")]
 use crate::numeric::LEAVES;
 use crate::numeric::{BINS, BOX, GROW, LEAF, LEVEL, NO_WAY};
-use crate::surfaces::{Lattice, Surface};
+use crate::surfaces::Surface;
 
 /// A triangle as rays are tested against it.
 #[derive(Debug, Clone, Copy)]

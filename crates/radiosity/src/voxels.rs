@@ -4,13 +4,14 @@
 //! has no gap along its axis. Both of its sides hold light, each as a *state*: state `2 e` is the
 //! front of entry `e`, and `2 e + 1` its back.
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, Vec3};
 
-use crate::clip::{cross, inside, part_of, range, touched};
+use crate::clip::{Polygon, cross, inside, part_of, range, touched};
 use crate::colours::{Colour, Materials};
 use crate::error::LightError;
+use crate::lattice::{Cell, Lattice, Level};
 use crate::numeric::{FLAT, GAP, GROW, LEAST_PART, MOST_REFERENCES, SAME_NORMAL};
-use crate::surfaces::{Lattice, Surface};
+use crate::surfaces::Surface;
 use crate::tree::Tree;
 
 /// No entry, or no triangle.
@@ -23,7 +24,7 @@ pub(crate) struct Entry {
     pub(crate) normal: Vec3,
     /// Mean albedo by area.
     pub(crate) albedo: Vec3,
-    /// In square cells.
+    /// In square cells of the size of its own.
     pub(crate) area: f32,
     /// The middle of its surface, in cells.
     pub(crate) middle: Vec3,
@@ -63,9 +64,6 @@ struct Part {
     high: f32,
 }
 
-/// Cells along an edge of a brick, as a power of two.
-const BRICK: i32 = 2;
-
 /// All surfaces in cells.
 #[derive(Debug, Clone)]
 pub(crate) struct Voxels {
@@ -79,7 +77,6 @@ pub(crate) struct Voxels {
     starts: Vec<u32>,
     /// By occupied cell: where its entries start; one more for the end.
     heads: Vec<u32>,
-    bricks: IVec3,
     /// By brick of 4x4x4 cells: its occupied cells.
     pub(crate) masks: Vec<u64>,
     /// By brick: occupied cells of the bricks before it.
@@ -99,26 +96,35 @@ impl Voxels {
         surfaces: Vec<Surface>,
         materials: &Materials,
     ) -> Result<Self, LightError> {
-        let bricks = (lattice.dims + 3) >> BRICK;
-        let count = bricks.as_usizevec3().element_product();
+        let tree = Tree::new(&lattice, &surfaces);
+        Self::with(lattice, surfaces, tree, materials)
+    }
+
+    /// The same with the tree of the triangles.
+    pub(crate) fn with(
+        lattice: Lattice,
+        surfaces: Vec<Surface>,
+        tree: Tree,
+        materials: &Materials,
+    ) -> Result<Self, LightError> {
+        let count = lattice.bricks();
         let mut voxels = Self {
             lattice,
-            tree: Tree::new(&lattice, &surfaces),
+            tree,
             surfaces,
             entries: Vec::new(),
             members: Vec::new(),
             references: Vec::new(),
             starts: vec![0],
             heads: vec![0],
-            bricks,
             masks: vec![0; count],
             ranks: vec![0; count],
         };
         let mut parts = voxels.parts(materials)?;
         // In the order in which bricks number their cells.
-        parts.sort_unstable_by_key(|p| (voxels.slot(lattice.place(p.cell)), p.bin, p.surface));
+        parts.sort_unstable_by_key(|p| (lattice.slot(lattice.place(p.cell)), p.bin, p.surface));
         for of_cell in parts.chunk_by(|a, b| a.cell == b.cell) {
-            let (brick, bit) = voxels.slot(lattice.place(of_cell[0].cell));
+            let (brick, bit) = lattice.slot(lattice.place(of_cell[0].cell));
             voxels.masks[brick] |= 1 << bit;
             voxels.add_cell(of_cell, materials);
         }
@@ -134,29 +140,47 @@ impl Voxels {
         let mut parts = Vec::new();
         for (i, surface) in self.surfaces.iter().enumerate() {
             let bin = bin_of(surface.normal, materials.emits(surface));
-            let whole = surface.polygon();
-            let in_grid = inside(&whole, IVec3::ZERO, self.lattice.dims, GROW);
-            let all = touched(&in_grid, IVec3::ZERO, self.lattice.dims, &mut |cell| {
-                let polygon = part_of(&whole, cell);
-                let area = 0.5 * cross(&polygon).length();
-                let (low, high) = range(&polygon, usize::from(bin % 6 / 2));
-                let bin = if area > LEAST_PART { bin } else { u8::MAX };
-                parts.push(Part {
-                    cell: self.lattice.number(cell),
-                    surface: i as u32,
-                    bin,
-                    area: area as f32,
-                    middle: (polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64).as_vec3(),
-                    low: low as f32,
-                    high: high as f32,
-                });
-                parts.len() < MOST_REFERENCES
-            });
-            if !all {
-                return Err(LightError::TooManyReferences);
+            for level in 0..self.lattice.levels().len() {
+                if !self.add_parts(level, (i as u32, bin), surface, &mut parts) {
+                    return Err(LightError::TooManyReferences);
+                }
             }
         }
         Ok(parts)
+    }
+
+    /// Adds the parts of a triangle, with its number and bin, in cells of one size; false if they
+    /// are too many.
+    fn add_parts(
+        &self,
+        level: usize,
+        (number, bin): (u32, u8),
+        surface: &Surface,
+        parts: &mut Vec<Part>,
+    ) -> bool {
+        let Level { fine, low, dims, .. } = self.lattice.levels()[level];
+        let whole: Polygon = surface.corners.iter().map(|p| *p * fine).collect();
+        let margin = GROW * fine;
+        touched(&inside(&whole, low, low + dims, margin), low, low + dims, margin, &mut |at| {
+            let cell = Cell { level, at };
+            if self.lattice.is_finer(cell) {
+                return true;
+            }
+            let polygon = part_of(&whole, at);
+            let area = 0.5 * cross(&polygon).length();
+            let (low, high) = range(&polygon, usize::from(bin % 6 / 2));
+            let middle = polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64;
+            parts.push(Part {
+                cell: self.lattice.number(cell),
+                surface: number,
+                bin: if area > LEAST_PART { bin } else { u8::MAX },
+                area: area as f32,
+                middle: (middle / fine).as_vec3(),
+                low: low as f32,
+                high: high as f32,
+            });
+            parts.len() < MOST_REFERENCES
+        })
     }
 
     /// Adds a cell with its parts, which are sorted by bin and surface.
@@ -200,7 +224,7 @@ impl Voxels {
         for p in parts {
             let (surface, share) = (&self.surfaces[p.surface as usize], f64::from(p.area));
             normal += surface.normal * share;
-            let polygon = || part_of(&surface.polygon(), self.lattice.place(p.cell));
+            let polygon = || self.lattice.part(&surface.polygon(), self.lattice.place(p.cell));
             albedo += materials.over(surface, Colour::Albedo, polygon).as_dvec3() * share;
             middle += p.middle.as_dvec3() * share;
             area += share;
@@ -228,23 +252,18 @@ impl Voxels {
         });
     }
 
-    /// The brick of a cell, and its bit in it.
-    fn slot(&self, c: IVec3) -> (usize, i32) {
-        let b = c >> BRICK;
-        let brick = (b.z * self.bricks.y + b.y) * self.bricks.x + b.x;
-        (brick as usize, ((c.z & 3) << 4) | ((c.y & 3) << 2) | (c.x & 3))
-    }
-
-    /// Bricks along the axes; by brick the occupied cells before it; by occupied cell where its
-    /// entries and its references start.
+    /// By brick the occupied cells before it; by occupied cell where its entries start.
     #[cfg(feature = "gpu")]
-    pub(crate) fn tables(&self) -> (IVec3, &[u32], &[u32]) {
-        (self.bricks, &self.ranks, &self.heads)
+    pub(crate) fn tables(&self) -> (&[u32], &[u32]) {
+        (&self.ranks, &self.heads)
     }
 
     /// The number of a cell among the occupied ones.
-    fn occupied(&self, c: IVec3) -> Option<usize> {
-        let (brick, bit) = self.slot(c);
+    fn occupied(&self, c: Cell) -> Option<usize> {
+        if !self.lattice.has(c) {
+            return None;
+        }
+        let (brick, bit) = self.lattice.slot(c);
         let mask = self.masks[brick];
         (mask >> bit & 1 == 1).then(|| {
             let before = mask & ((1 << bit) - 1);
@@ -252,14 +271,14 @@ impl Voxels {
         })
     }
 
-    /// The triangles that touch a cell of the grid.
-    pub(crate) fn references_of(&self, c: IVec3) -> &[Reference] {
+    /// The triangles that touch a cell.
+    pub(crate) fn references_of(&self, c: Cell) -> &[Reference] {
         let of = |i: usize| &self.references[self.starts[i] as usize..self.starts[i + 1] as usize];
         self.occupied(c).map_or(&[], of)
     }
 
-    /// The entries of a cell of the grid.
-    pub(crate) fn entries_of(&self, c: IVec3) -> std::ops::Range<u32> {
+    /// The entries of a cell.
+    pub(crate) fn entries_of(&self, c: Cell) -> std::ops::Range<u32> {
         self.occupied(c).map_or(0..0, |i| self.heads[i]..self.heads[i + 1])
     }
 

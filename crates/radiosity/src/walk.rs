@@ -1,8 +1,9 @@
-//! Rays, and the cells around a point.
+//! Rays, and what they hit.
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 
-use crate::voxels::{NONE, Voxels};
+use crate::lattice::Cell;
+use crate::voxels::{NONE, Reference, Voxels};
 
 /// Where a ray meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,23 +37,11 @@ impl Voxels {
     /// The entry of a triangle at a point on it: that of the point's cell, or of a cell next to the
     /// point. Rounding may put a point into a cell in which hardly anything of the triangle is.
     pub(crate) fn entry_at(&self, surface: u32, point: DVec3) -> Option<u32> {
-        let of = |c: IVec3| {
-            let is_it = |r: &&crate::voxels::Reference| r.surface == surface && r.entry != NONE;
-            let references = if self.lattice.has(c) { self.references_of(c) } else { &[] };
-            references.iter().find(is_it).map(|r| r.entry)
+        let of = |c: Cell| {
+            let is_it = |r: &&Reference| r.surface == surface && r.entry != NONE;
+            self.references_of(c).iter().find(is_it).map(|r| r.entry)
         };
-        let at = point.floor().as_ivec3();
-        of(at).or_else(|| around(at).find_map(of))
+        let near = || self.lattice.all_at(point).flat_map(|at| self.lattice.around(at));
+        of(self.lattice.at(point)).or_else(|| near().find_map(of))
     }
-}
-
-/// The 27 cells around one, itself among them.
-pub(crate) fn around(c: IVec3) -> impl Iterator<Item = IVec3> {
-    block(c, 1)
-}
-
-/// The cells that are at most so many cells from one along each axis.
-pub(crate) fn block(c: IVec3, reach: i32) -> impl Iterator<Item = IVec3> {
-    let n = 2 * reach + 1;
-    (0..n * n * n).map(move |i| c + IVec3::new(i % n, i / n % n, i / n / n) - reach)
 }

@@ -6,6 +6,7 @@ use glam::Vec3;
 use crate::cache::Cache;
 use crate::colours::Colour;
 use crate::input::{Light, Sky};
+use crate::numeric::GRIDS;
 use crate::surfaces::Surface;
 
 /// The number of a triangle is split at this power of two.
@@ -39,11 +40,21 @@ pub(super) struct Grid {
     cell: f32,
     dims: [i32; 3],
     heads: u32,
-    bricks: [i32; 3],
     tree: u32,
     list: u32,
     parts: u32,
-    unused: [u32; 2],
+    count: u32,
+    levels: [Level; GRIDS],
+}
+
+/// `CascaLevel` of the shader.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+struct Level {
+    low: [i32; 3],
+    fine: f32,
+    dims: [i32; 3],
+    brick: u32,
 }
 
 /// A vector with a fourth component.
@@ -75,7 +86,7 @@ pub(super) fn surfaces(cache: &Cache) -> Vec<[[f32; 4]; 2]> {
 /// The cells as numbers, and where the parts start.
 pub(super) fn cells(cache: &Cache) -> (Grid, Vec<u32>) {
     let voxels = &cache.voxels;
-    let (bricks, ranks, heads) = voxels.tables();
+    let (ranks, heads) = voxels.tables();
     let masks = voxels.masks.iter().zip(ranks);
     let mut all: Vec<u32> = masks.flat_map(|(m, rank)| [*m as u32, (*m >> 32) as u32, *rank]).collect();
     let at_heads = all.len() as u32;
@@ -86,16 +97,21 @@ pub(super) fn cells(cache: &Cache) -> (Grid, Vec<u32>) {
     let list = all.len() as u32;
     all.extend(triangles);
     let lattice = &voxels.lattice;
+    let mut levels = [Level::default(); GRIDS];
+    for (level, of) in levels.iter_mut().zip(lattice.levels()) {
+        let (low, dims) = (of.low.to_array(), of.dims.to_array());
+        *level = Level { low, fine: of.fine as f32, dims, brick: of.first_brick };
+    }
     let grid = Grid {
         low: lattice.min.as_vec3().to_array(),
         cell: lattice.cell as f32,
         dims: lattice.dims.to_array(),
         heads: at_heads,
-        bricks: bricks.to_array(),
         tree,
         list,
         parts: parts.len() as u32,
-        unused: [0; 2],
+        count: lattice.levels().len() as u32,
+        levels,
     };
     (grid, all)
 }

@@ -1,6 +1,10 @@
 // The light of a point, as the processor's cache answers: the mean of the states around it, each
 // behind a short ray of its own. Lengths are in cells.
 
+// Cells of one size: the least one, how many are along an edge of a cell of the grid, their number
+// along each axis, and the first brick.
+struct CascaLevel { low: vec3i, fine: f32, dims: vec3i, brick: u32 }
+
 struct CascaGrid {
     // The least corner, in metres, and the edge of a cell.
     low: vec3f,
@@ -9,10 +13,12 @@ struct CascaGrid {
     // Where parts of `casca_cells` start: first entries of cells, the tree, and the triangles of its
     // leaves; and how many parts the tree has.
     heads: u32,
-    bricks: vec3i,
     tree: u32,
     list: u32,
     parts: u32,
+    // How many levels there are: the grid, and windows in it.
+    count: u32,
+    levels: array<CascaLevel, 3>,
 }
 
 // The place of the middle of its starts, their number, and the first of them. None if not gathered.
@@ -28,11 +34,14 @@ struct CascaState { middle: vec3f, first: u32, count: u32 }
 @group(GROUP) @binding(5) var<storage, read> casca_triangles: array<array<vec4f, 3>>;
 @group(GROUP) @binding(6) var<storage, read> casca_indirect: array<vec4f>;
 
-// The number of a cell among the occupied ones, or -1.
-fn casca_occupied(c: vec3i) -> i32 {
-    if any(c < vec3i(0)) || any(c >= casca_grid.dims) { return -1; }
+// The number of a cell of a level among the occupied ones, or -1.
+fn casca_occupied(size: u32, at: vec3i) -> i32 {
+    let level = casca_grid.levels[size];
+    let c = at - level.low;
+    if any(c < vec3i(0)) || any(c >= level.dims) { return -1; }
     let b = c >> vec3u(2u);
-    let brick = 3 * ((b.z * casca_grid.bricks.y + b.y) * casca_grid.bricks.x + b.x);
+    let bricks = (level.dims.xy + 3) >> vec2u(2u);
+    let brick = 3 * (i32(level.brick) + (b.z * bricks.y + b.y) * bricks.x + b.x);
     let place = u32(((c.z & 3) << 4u) | ((c.y & 3) << 2u) | (c.x & 3));
     let bit = 1u << (place & 31u);
     let half = brick + i32(place >> 5u);
@@ -65,16 +74,27 @@ fn casca_sees(spot: vec3f, state: CascaState) -> bool {
     return false;
 }
 
-// The sum of weighted light and the sum of weights within a reach.
-fn casca_within(spot: vec3f, normal: vec3f, reach: f32) -> vec4f {
+// The finest level that has a point.
+fn casca_level(spot: vec3f) -> u32 {
+    for (var i = casca_grid.count - 1u; i > 0u; i--) {
+        let c = vec3i(floor(spot * casca_grid.levels[i].fine)) - casca_grid.levels[i].low;
+        if all(c >= vec3i(0)) && all(c < casca_grid.levels[i].dims) { return i; }
+    }
+    return 0u;
+}
+
+// The sum of weighted light and the sum of weights of cells of a level within a reach.
+fn casca_within(spot: vec3f, normal: vec3f, size: u32, reach: f32) -> vec4f {
     var sum = vec4f(0.0);
-    let middle = vec3i(floor(spot));
+    let fine = casca_grid.levels[size].fine;
+    let place = spot * fine;
+    let middle = vec3i(floor(place));
     let most = i32(ceil(reach));
     for (var z = -most; z <= most; z++) { for (var y = -most; y <= most; y++) { for (var x = -most; x <= most; x++) {
         let cell = middle + vec3i(x, y, z);
-        let nearest = clamp(spot, vec3f(cell) - ABOVE, vec3f(cell) + 1.0 + ABOVE);
-        if distance(spot, nearest) >= reach { continue; }
-        let at = casca_occupied(cell);
+        let nearest = clamp(place, vec3f(cell) - ABOVE * fine, vec3f(cell) + 1.0 + ABOVE * fine);
+        if distance(place, nearest) >= reach { continue; }
+        let at = casca_occupied(size, cell);
         if at < 0 { continue; }
         let end = casca_cells[casca_grid.heads + u32(at) + 1u];
         for (var e = casca_cells[casca_grid.heads + u32(at)]; e < end; e++) {
@@ -82,7 +102,7 @@ fn casca_within(spot: vec3f, normal: vec3f, reach: f32) -> vec4f {
             let like = dot(entry.xyz, normal);
             let number = 2u * e + select(0u, 1u, like < 0.0);
             let state = casca_states[number];
-            let way = state.middle - spot;
+            let way = (state.middle - spot) * fine;
             let near = max(1.0 - length(way) / reach, 0.0);
             let low = max(1.0 - ANSWER_HEIGHT * abs(dot(way, normal)), 0.0);
             let area = ANSWER_AREA + (1.0 - ANSWER_AREA) * min(entry.w, 1.0);
@@ -95,10 +115,20 @@ fn casca_within(spot: vec3f, normal: vec3f, reach: f32) -> vec4f {
     return sum;
 }
 
+fn casca_near(spot: vec3f, normal: vec3f, size: u32) -> vec4f {
+    let sum = casca_within(spot, normal, size, ANSWER_REACH);
+    if sum.w > 0.0 { return sum; }
+    return casca_within(spot, normal, size, 2.0 * ANSWER_REACH);
+}
+
 // The mean of the states around a spot, and 1; 0 if there are none, or no free ones.
 fn casca_around(spot: vec3f, normal: vec3f) -> vec4f {
-    var sum = casca_within(spot, normal, ANSWER_REACH);
-    if sum.w <= 0.0 { sum = casca_within(spot, normal, 2.0 * ANSWER_REACH); }
+    let own = casca_level(spot);
+    var sum = casca_near(spot, normal, own);
+    // What lies in the face of a window belongs to one side of it.
+    for (var i = 0u; i < casca_grid.count && sum.w <= 0.0; i++) {
+        if i != own { sum = casca_near(spot, normal, i); }
+    }
     if sum.w <= 0.0 { return vec4f(0.0); }
     return vec4f(sum.rgb / sum.w, 1.0);
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 /// Triangles of all sizes, some of them turned along the axes.
 fn scene(count: u64) -> (Lattice, Vec<Surface>) {
-    let lattice = Lattice::new(&Grid { min: Vec3::ZERO, max: Vec3::splat(8.0), cells: 32 });
+    let lattice = Lattice::new(&Grid { min: Vec3::ZERO, max: Vec3::splat(8.0), cells: 32 }, &[]);
     let point = |key: u64, size: f64| {
         DVec3::from_array([0, 1, 2].map(|axis| (unit(key, axis) - 0.5) * size)).as_vec3().as_dvec3()
     };

@@ -9,3 +9,4 @@ mod lobes;
 mod mirrors;
 mod passes;
 mod pictures;
+mod windows;

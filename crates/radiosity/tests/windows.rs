@@ -1,0 +1,185 @@
+//! Windows of finer cells: no leak at their faces, light as of fine cells, and moves.
+
+mod common;
+
+use casca_radiosity::{Cache, Grid, LightError, Scene, Settings, Window};
+use common::{cuboid, indirect, lamp, leak_questions, matt, placed, room, rooms, scene, total, turned};
+use glam::{Affine3A, Vec3 as V};
+
+fn around(scene: &Scene, cells: u32, windows: Vec<Window>) -> Settings {
+    Settings { windows, ..Settings::new(Grid::around(&scene.objects, cells)) }
+}
+
+fn gathered(scene: &Scene, settings: Settings, rays: u32) -> Cache {
+    let mut cache = Cache::new(scene, settings).unwrap();
+    cache.request_all();
+    cache.gather(rays).unwrap();
+    cache.direct();
+    cache
+}
+
+/// Two rooms with a wall in a face of cells, and windows whose faces lie in it, before it and behind
+/// it; with and without a turn.
+#[test]
+fn a_sealed_room_is_dark_wherever_windows_end() {
+    for (thickness, place) in [(0.0, Affine3A::IDENTITY), (0.05, Affine3A::IDENTITY), (0.0, turned())] {
+        let lights = vec![lamp(place.transform_point3(V::new(-2.0, 2.0, 0.3)), 10.0)];
+        let scene = scene(placed(&rooms(thickness), place), vec![matt(0.7)], lights, 0.0);
+        for x in [-2.0, -1.0, -0.6, 0.0, 1.0, 2.0] {
+            let middle = place.transform_point3(V::new(x, 1.5, 0.0));
+            let outer = Window { middle, half: 1.0, finer: 2 };
+            let settings = around(&scene, 20, vec![outer, Window { half: 0.5, finer: 4, ..outer }]);
+            let mut cache = gathered(&scene, settings, 16);
+            (0..8).for_each(|_| _ = cache.pass());
+            let ask = |side: f32| {
+                let all = leak_questions(side, thickness).into_iter();
+                all.map(|(p, n)| total(&cache, place.transform_point3(p), place.transform_vector3(n)))
+                    .collect::<Vec<f64>>()
+            };
+            let (bright, dark) = (ask(-1.0), ask(1.0));
+            assert!(bright.iter().sum::<f64>() > 50.0, "{thickness} {x}");
+            let most = dark.into_iter().fold(0.0, f64::max);
+            assert_eq!(most, 0.0, "{thickness} {x}");
+        }
+    }
+}
+
+/// A room with a table, of which a coarse grid knows little.
+fn furnished() -> Scene {
+    let mut all = room(V::ZERO, V::new(8.0, 3.0, 8.0), 0);
+    all.extend(cuboid(V::new(3.1, 0.7, 3.2), V::new(4.9, 0.8, 4.7), 0));
+    for (x, z) in [(3.1, 3.2), (4.8, 3.2), (3.1, 4.6), (4.8, 4.6)] {
+        all.extend(cuboid(V::new(x, 0.0, z), V::new(x + 0.1, 0.7, z + 0.1), 0));
+    }
+    scene(all, vec![matt(0.7)], vec![lamp(V::new(4.0, 2.4, 4.0), 10.0)], 0.0)
+}
+
+/// Points of the floor below and beside the table.
+fn below() -> impl Iterator<Item = V> {
+    (0..100).map(|i| V::new(2.6 + 0.28 * (i % 10) as f32, 0.0, 2.7 + 0.25 * (i / 10) as f32))
+}
+
+#[test]
+fn a_window_is_as_good_as_fine_cells_everywhere() {
+    let scene = furnished();
+    let window = Window { middle: V::new(4.0, 0.5, 4.0), half: 2.0, finer: 4 };
+    let mut truth = gathered(&scene, around(&scene, 128, vec![]), 64);
+    let mut with = gathered(&scene, around(&scene, 16, vec![window]), 64);
+    let mut coarse = gathered(&scene, around(&scene, 16, vec![]), 64);
+    let [truth, with, coarse] = [&mut truth, &mut with, &mut coarse].map(|cache| {
+        cache.converge(1e-4, 40);
+        below().map(|p| indirect(cache, p, V::Y)).collect::<Vec<_>>()
+    });
+    let error = |other: &[f64]| {
+        let of = |(a, b): (&f64, &f64)| (a - b).abs();
+        truth.iter().zip(other).map(of).sum::<f64>() / truth.iter().sum::<f64>()
+    };
+    println!("errors: {} with a window, {} without", error(&with), error(&coarse));
+    assert!(error(&with) < 0.05 && error(&with) < 0.5 * error(&coarse));
+}
+
+/// Bits of the light at points of the floor after the same passes from the dark.
+fn light(cache: &mut Cache) -> Vec<[u32; 3]> {
+    cache.darken();
+    cache.direct();
+    cache.darken();
+    (0..4).for_each(|_| _ = cache.pass());
+    let ask = |i: i32| {
+        let point = V::new(8.0 * (i % 20) as f32 / 20.0 + 0.1, 0.0, 8.0 * (i / 20) as f32 / 20.0 + 0.1);
+        let found = cache.irradiance(point, V::Y).unwrap();
+        (found.indirect + found.direct).to_array().map(f32::to_bits)
+    };
+    (0..400).map(ask).collect()
+}
+
+#[test]
+fn windows_that_moved_are_as_if_made_anew() {
+    let scene = furnished();
+    let windows = |middle: V| {
+        let outer = Window { middle, half: 2.0, finer: 2 };
+        vec![outer, Window { half: 1.0, finer: 2, ..outer }]
+    };
+    let start = V::new(3.0, 1.0, 4.0);
+    let mut cache = gathered(&scene, around(&scene, 24, windows(start)), 16);
+    light(&mut cache);
+    // It stays for small steps.
+    assert_eq!(cache.move_windows(start + V::new(0.2, 0.2, 0.2)).unwrap().kept, 0);
+    let (mut kept, mut dropped) = (0, 0);
+    for eye in [V::new(3.7, 1.0, 4.0), V::new(4.4, 1.4, 4.6), V::new(-9e9, 1.0, 7.0)] {
+        let moved = cache.move_windows(eye).unwrap();
+        assert!(moved.kept > 0 && moved.sent < moved.rays / 2, "{eye} {moved:?}");
+        (kept, dropped) = (kept + moved.kept, dropped + moved.dropped);
+        cache.request_all();
+        cache.gather(16).unwrap();
+        let mut anew = gathered(&scene, around(&scene, 24, windows(eye)), 16);
+        let (of_moved, of_anew) = (cache.statistics(), anew.statistics());
+        assert_eq!((of_moved.gathered, of_moved.rays), (of_anew.gathered, of_anew.rays), "{eye}");
+        assert_eq!(of_moved.dark_rays, of_anew.dark_rays, "{eye}");
+        assert_eq!(light(&mut cache), light(&mut anew), "{eye}");
+    }
+    println!("{kept} states stay, {dropped} are dropped");
+    assert!(kept > dropped);
+    // Objects move as before.
+    let chest = cuboid(V::new(1.0, 0.0, 5.0), V::new(1.7, 0.6, 6.0), 0);
+    let mut more = scene.clone();
+    more.objects.push(chest.into());
+    let mut cache = gathered(&more, around(&scene, 24, windows(start)), 16);
+    let gone = casca_radiosity::Object::default();
+    cache.set_object(1, gone.clone()).unwrap();
+    cache.move_windows(V::new(5.0, 1.0, 4.0)).unwrap();
+    cache.set_object(1, more.objects[1].clone()).unwrap();
+    cache.request_all();
+    cache.gather(16).unwrap();
+    let mut anew = gathered(&more, around(&scene, 24, windows(V::new(5.0, 1.0, 4.0))), 16);
+    assert_eq!(light(&mut cache), light(&mut anew));
+}
+
+#[test]
+fn the_light_of_a_furnace_does_not_depend_on_windows() {
+    // Albedo 0.5 and walls that emit 1: the radiance is 2.
+    let mut glowing = matt(0.5);
+    glowing.emission = V::ONE;
+    let scene = scene(room(V::ZERO, V::splat(4.0), 0), vec![glowing], vec![], 0.0);
+    let window = Window { middle: V::new(1.0, 2.0, 2.0), half: 1.1, finer: 4 };
+    let mut cache = gathered(&scene, around(&scene, 12, vec![window]), 32);
+    cache.converge(1e-6, 60);
+    for z in [0.3, 1.0, 2.05, 3.6] {
+        for x in [0.2, 1.9, 2.05, 2.3, 3.9] {
+            let found = total(&cache, V::new(x, 0.0, z), V::Y) / std::f64::consts::PI;
+            assert!((found - 2.0).abs() < 0.04, "{x} {z}: {found}");
+        }
+    }
+}
+
+#[test]
+fn wrong_windows_are_refused_by_name() {
+    let scene = furnished();
+    let good = Window { middle: V::ONE, half: 1.0, finer: 4 };
+    let said = |windows: Vec<Window>| {
+        Cache::new(&scene, around(&scene, 16, windows)).map(drop).map_err(|e| e.to_string())
+    };
+    assert_eq!(said(vec![good, Window { half: 0.3, ..good }]), Ok(()));
+    for (windows, word) in [
+        (vec![good; 3], "3 windows"),
+        (vec![Window { finer: 3, ..good }], "window 0"),
+        (vec![Window { finer: 1, ..good }], "from 2 to 16"),
+        (vec![Window { finer: 32, ..good }], "from 2 to 16"),
+        (vec![good, Window { finer: 8, ..good }], "from 2 to 4"),
+        (vec![Window { middle: V::new(0.0, f32::NAN, 0.0), ..good }], "middle of window 0"),
+        (vec![good, Window { half: 0.0, ..good }], "window 1"),
+        (vec![Window { half: f32::INFINITY, ..good }], "window 0"),
+        (vec![Window { half: 40.0, ..good }], "window 0"),
+    ] {
+        let error = said(windows).unwrap_err();
+        assert!(error.contains(word), "{error}");
+    }
+    let mut cache = Cache::new(&scene, around(&scene, 16, vec![good])).unwrap();
+    assert!(matches!(cache.move_windows(V::NAN), Err(LightError::Value { .. })));
+    for eye in [V::MAX, V::MIN, V::splat(1e20)] {
+        cache.move_windows(eye).unwrap();
+    }
+    // Without a window nothing moves.
+    let mut cache = Cache::new(&scene, around(&scene, 16, vec![])).unwrap();
+    assert_eq!(cache.move_windows(V::splat(100.0)).unwrap().kept, 0);
+    assert_eq!(cache.windows().len(), 1);
+}
