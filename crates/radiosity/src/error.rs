@@ -17,12 +17,6 @@ pub enum LightError {
         /// Its greatest corner, in metres.
         max: [f32; 3],
     },
-    /// More windows than can be nested.
-    #[error("{count} windows: there are up to two")]
-    Windows {
-        /// How many.
-        count: usize,
-    },
     /// Cells of a window that are too small, or not by a power of two.
     #[error("cells of window {index} are {finer} times smaller: a power of two from 2 to {most} is possible")]
     Finer {

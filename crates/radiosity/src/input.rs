@@ -205,13 +205,13 @@ fn median(values: &mut [f32]) -> f32 {
 }
 
 /// How a cache works.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// The grid.
     pub grid: Grid,
-    /// Finer cells around the eye, up to two boxes, the second within the first: see
+    /// Finer cells around the eye, in a box, or in another one within it, too: see
     /// [`Cache::move_windows`](crate::Cache::move_windows).
-    pub windows: Vec<Window>,
+    pub windows: [Option<Window>; 2],
     /// Rays of a question that no state answers, 1 to 4096.
     pub answer_rays: u32,
     /// Points of emissive triangles that are weighed for each state or question, 1 to 4096.
@@ -232,7 +232,7 @@ impl Settings {
     pub const fn new(grid: Grid) -> Self {
         Self {
             grid,
-            windows: Vec::new(),
+            windows: [None; 2],
             answer_rays: 64,
             lamp_points: 512,
             lamp_rays: 32,

@@ -86,7 +86,7 @@ pub(crate) struct Lattice {
 impl Lattice {
     /// The cells that cover a sound grid, and one more on each side, for surfaces in its faces; and
     /// finer ones in sound windows.
-    pub(crate) fn new(grid: &Grid, windows: &[Window]) -> Self {
+    pub(crate) fn new(grid: &Grid, windows: &[Option<Window>]) -> Self {
         let (min, max) = (grid.min.as_dvec3(), grid.max.as_dvec3());
         let cell = (max - min).max_element() / f64::from(grid.cells);
         let dims = ((max - min) / cell).round().as_ivec3();
@@ -95,7 +95,7 @@ impl Lattice {
         let dims = (dims + more).clamp(IVec3::ONE, IVec3::splat(grid.cells as i32)) + 2;
         let mut lattice = Self { min: min - cell, cell, dims, levels: [Level::default(); GRIDS], count: 1 };
         lattice.levels[0] = Level { fine: 1.0, dims, ..Level::default() };
-        for window in windows.iter().take(GRIDS - 1) {
+        for window in windows.iter().flatten().take(GRIDS - 1) {
             lattice.levels[lattice.count] = lattice.levels[lattice.count - 1].window(window, &lattice);
             lattice.count += 1;
         }

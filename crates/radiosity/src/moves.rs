@@ -14,7 +14,7 @@ use crate::error::LightError;
 use crate::input::Object;
 use crate::lattice::{Cell, Lattice};
 use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_LINKS, MOVED_STARTS, MOVED_WINDOWS};
-use crate::queues::{Waiting, Wish};
+use crate::queues::Wish;
 use crate::states::{Bundle, DARK, Ray, SKY};
 use crate::surfaces::{Skipped, Surface, surfaces};
 use crate::tree::within;
@@ -125,7 +125,8 @@ impl Cache {
         let old_glow = std::mem::replace(&mut self.glow, vec![Glow::default(); states]);
         let old_rays = std::mem::take(&mut self.rays);
         let old_gathered = std::mem::take(&mut self.gathered);
-        let old_waiting = std::mem::replace(&mut self.waiting, Waiting::new(states));
+        let old_waiting = std::mem::take(&mut self.waiting);
+        self.waiting = old_waiting.renewed(states);
         let old_links = std::mem::replace(&mut self.links, vec![None; states]);
         self.smoothed.clear();
         let mut moved = Moved::default();
@@ -144,6 +145,7 @@ impl Cache {
             self.gathered.push(new);
         }
         self.gathered.sort_unstable();
+        self.inherit(&map.fresh, &old, &old_glow);
         moved.kept = self.gathered.len();
         // A state that lost its starts is gathered anew, if it is still there.
         let old_gathered = old_gathered.iter().map(|s| (*s, Wish::Asked));
@@ -167,6 +169,28 @@ impl Cache {
         self.unlit = self.unlit.renumbered(|s| known(map.states[s as usize]));
         self.unlit.add_all(&self.gathered, states);
         moved
+    }
+
+    /// Lets states of entries that are new, or have other starts, send the light of the nearest old
+    /// state that faces like them on the same object: what moves would be dark until its turn comes.
+    fn inherit(&mut self, entries: &[u32], old: &Voxels, glow: &[Glow]) {
+        let object = |voxels: &Voxels, e: u32| voxels.surfaces[voxels.members_of(e)[0] as usize].object;
+        for &number in entries {
+            let entry = self.voxels.entries[number as usize];
+            let own = object(&self.voxels, number);
+            let is_like = |e: &u32| old.entries[*e as usize].bin == entry.bin && object(old, *e) == own;
+            let far = |e: &u32| old.entries[*e as usize].middle.distance_squared(entry.middle);
+            let cells = old.lattice.all_at(entry.middle.as_dvec3()).flat_map(|c| old.lattice.around(c));
+            let near = cells.flat_map(|c| old.entries_of(c)).filter(is_like);
+            let Some(nearest) = near.min_by(|a, b| far(a).total_cmp(&far(b))) else { continue };
+            for side in 0..2 {
+                let state = 2 * number + side;
+                if self.blocks[state as usize].count == 0 {
+                    self.glow[state as usize] = glow[(2 * nearest + side) as usize];
+                    self.send(state);
+                }
+            }
+        }
     }
 
     /// The links of a kept state by new numbers, if they cannot have changed. Those that gathering
@@ -246,6 +270,7 @@ impl Cache {
         let mut map = StateMap {
             states: vec![NONE; old.states() as usize],
             entries: vec![NONE; old.states() as usize],
+            fresh: Vec::new(),
         };
         let mut table = StartTable::new(new.states());
         for (i, entry) in (0..).zip(&new.entries) {
@@ -253,6 +278,7 @@ impl Cache {
             let before = old.entries_of(cell);
             let twin = before.start + u32::from(entry.rank);
             if twin >= before.end || !is_same(old, twin, new, i) {
+                map.fresh.push(i);
                 continue;
             }
             let is_close = is_cell_near(solid, &new.lattice, cell, MOVED_STARTS);
@@ -268,6 +294,8 @@ impl Cache {
                 if is_kept {
                     map.states[from as usize] = to;
                     table.0[to as usize] = OnceLock::from(starts);
+                } else if map.fresh.last() != Some(&i) {
+                    map.fresh.push(i);
                 }
             }
         }
@@ -276,12 +304,14 @@ impl Cache {
     }
 }
 
-/// Old states as new ones, or [`NONE`].
+/// Old states as new ones, or [`NONE`]; and which entries are new.
 struct StateMap {
     /// Those with the same starts.
     states: Vec<u32>,
     /// Those of the same entry, whatever its starts.
     entries: Vec<u32>,
+    /// New entries that are no old ones, or have other starts.
+    fresh: Vec<u32>,
 }
 
 fn known(state: u32) -> Option<u32> {

@@ -273,6 +273,10 @@ pub(crate) const MOST_CELLS: u32 = 512;
 /// References of cells to triangles at most: 2^25, which take 1.2 GB while the grid is built.
 pub(crate) const MOST_REFERENCES: usize = 1 << 25;
 
+/// One part out of so many is of states that rays hit, although questions ask for others: the light
+/// of what moves would not come while something new is asked for in each frame.
+pub(crate) const HIT_TURN: u32 = 4;
+
 /// Rays of a state at most.
 pub(crate) const MOST_RAYS: u32 = 4096;
 

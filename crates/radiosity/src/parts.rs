@@ -7,7 +7,7 @@ use crate::queues::Wish;
 impl Cache {
     /// As [`Cache::gather_ring`], but for so many of the states that wait; returns how many wait
     /// now. States that questions asked for come first and send `rays.0` each. When there are none,
-    /// those that were hit come, oldest first, and send `rays.1`.
+    /// and each fourth time, those that were hit come, oldest first, and send `rays.1`.
     ///
     /// A state sends the same rays whenever its turn comes.
     ///

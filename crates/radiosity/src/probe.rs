@@ -10,7 +10,7 @@ use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use crate::cache::Cache;
+use crate::cache::{Cache, in_parallel};
 use crate::checks::{numbers, way};
 use crate::colours::Colour;
 use crate::direct::Spot;
@@ -97,15 +97,30 @@ impl Cache {
     /// # Errors
     /// As there.
     pub fn request_radiance(&mut self, point: Vec3, direction: Vec3) -> Result<Option<Seen>, LightError> {
-        let (from, direction) = self.open_ray(point, direction)?;
-        let Some(met) = self.meets(from, direction) else { return Ok(None) };
-        self.want_at(&met.spot);
-        let lattice = &self.voxels.lattice;
-        Ok(Some(Seen {
-            point: lattice.metres(met.point),
+        Ok(self.request_radiances(&[(point, direction)])?[0])
+    }
+
+    /// The same for many rays, each a point and a direction, by all threads.
+    ///
+    /// # Errors
+    /// As there; then nothing is asked for.
+    pub fn request_radiances(&mut self, rays: &[(Vec3, Vec3)]) -> Result<Vec<Option<Seen>>, LightError> {
+        let open = rays.iter().map(|(point, direction)| self.open_ray(*point, *direction));
+        let open = open.collect::<Result<Vec<_>, _>>()?;
+        let ask = |&(from, direction): &(DVec3, DVec3)| {
+            self.meets(from, direction).map(|met| (self.answering(&met.spot), self.seen_at(&met)))
+        };
+        let found = in_parallel(&open, self.settings.threads, ask);
+        found.iter().flatten().for_each(|(targets, _)| self.want_all(targets));
+        Ok(found.into_iter().map(|f| f.map(|(_, seen)| seen)).collect())
+    }
+
+    fn seen_at(&self, met: &Met) -> Seen {
+        Seen {
+            point: self.voxels.lattice.metres(met.point),
             normal: met.spot.normal.as_vec3(),
             material: self.voxels.surfaces[met.surface as usize].material,
-        }))
+        }
     }
 
     /// The mean radiance that a glossy surface mirrors towards an eye: over the lobe of a

@@ -52,12 +52,22 @@ impl Cache {
 
     /// Asks for the states that answer at a spot.
     pub(crate) fn want_at(&mut self, spot: &Spot) {
+        let targets = self.answering(spot);
+        self.want_all(&targets);
+    }
+
+    /// Asks for states, of which some may be [`SKY`] or [`DARK`].
+    pub(crate) fn want_all(&mut self, targets: &[u32]) {
+        targets.iter().filter(|t| **t < DARK).for_each(|t| self.want(*t, Wish::Asked));
+    }
+
+    /// The states that answer at a spot.
+    pub(crate) fn answering(&self, spot: &Spot) -> Vec<u32> {
         let near = self.near(spot, |_| true);
-        let targets = match near.is_empty() {
+        match near.is_empty() {
             false => near.iter().map(|n| n.0).collect(),
-            true => self.seen(spot).into_iter().map(|(target, _)| target).collect::<Vec<_>>(),
-        };
-        targets.into_iter().filter(|t| *t < DARK).for_each(|t| self.want(t, Wish::Asked));
+            true => self.seen(spot).into_iter().map(|(target, _)| target).collect(),
+        }
     }
 
     /// The irradiance of a surface at a point with a normal, on the side of the normal: the mean of

@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::numeric::HIT_TURN;
+
 /// Why a state waits for rays. Those that a question asked for come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Wish {
@@ -14,7 +16,7 @@ pub(crate) enum Wish {
 }
 
 /// The states that wait for rays, each once.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Waiting {
     /// By state.
     wishes: Vec<Wish>,
@@ -22,12 +24,19 @@ pub(crate) struct Waiting {
     /// Some of them may have been asked for since.
     hit: VecDeque<u32>,
     count: usize,
+    /// Counts parts: see [`HIT_TURN`].
+    turn: u32,
 }
 
 impl Waiting {
     /// None of so many states waits.
     pub(crate) fn new(states: usize) -> Self {
-        Self { wishes: vec![Wish::None; states], asked: VecDeque::new(), hit: VecDeque::new(), count: 0 }
+        Self { wishes: vec![Wish::None; states], ..Self::default() }
+    }
+
+    /// None of so many other states waits, and turns go on.
+    pub(crate) fn renewed(&self, states: usize) -> Self {
+        Self { turn: self.turn, ..Self::new(states) }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -46,9 +55,12 @@ impl Waiting {
         queue.push_back(state);
     }
 
-    /// Takes up to so many states that wait for the same reason, the strongest, oldest first.
+    /// Takes up to so many states that wait for the same reason, the strongest, oldest first; each
+    /// time out of some those that were hit, so that they have their turn however much is asked.
     pub(crate) fn take(&mut self, most: usize) -> (Wish, Vec<u32>) {
-        let wish = if self.asked.is_empty() { Wish::Hit } else { Wish::Asked };
+        self.turn = (self.turn + 1) % HIT_TURN;
+        let is_hit = self.asked.is_empty() || self.turn == 0 && !self.hit.is_empty();
+        let wish = if is_hit { Wish::Hit } else { Wish::Asked };
         let queue = if wish == Wish::Asked { &mut self.asked } else { &mut self.hit };
         let mut taken = Vec::new();
         while taken.len() < most

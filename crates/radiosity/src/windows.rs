@@ -13,7 +13,7 @@ use crate::error::LightError;
 use crate::input::Grid;
 use crate::lattice::{Lattice, Level};
 use crate::moves::{Bounds, Change, Moved};
-use crate::numeric::{FINEST, GRIDS, MOST_CELLS, WINDOW_REST};
+use crate::numeric::{FINEST, MOST_CELLS, WINDOW_REST};
 use crate::voxels::Voxels;
 
 /// A box of finer cells, around a point that may move.
@@ -29,13 +29,10 @@ pub struct Window {
     pub finer: u32,
 }
 
-pub(crate) fn check_windows(grid: &Grid, windows: &[Window]) -> Result<(), LightError> {
-    if windows.len() >= GRIDS {
-        return Err(LightError::Windows { count: windows.len() });
-    }
+pub(crate) fn check_windows(grid: &Grid, windows: &[Option<Window>]) -> Result<(), LightError> {
     let mut finest = 1;
     let mut cell = (grid.max - grid.min).max_element() / grid.cells as f32;
-    for (index, window) in windows.iter().enumerate() {
+    for (index, window) in windows.iter().flatten().enumerate() {
         numbers("the middle of window", index, window.middle, -f32::MAX..=f32::MAX)?;
         if !window.finer.is_power_of_two() || !(2..=FINEST / finest).contains(&window.finer) {
             return Err(LightError::Finer { index, finer: window.finer, most: FINEST / finest });
@@ -97,8 +94,8 @@ impl Cache {
         if windows.clone().all(|level| is_resting(level, old.cells(eye))) {
             return Ok(self.unmoved());
         }
-        let mut settings = self.settings.clone();
-        settings.windows.iter_mut().for_each(|w| w.middle = eye);
+        let mut settings = self.settings;
+        settings.windows.iter_mut().flatten().for_each(|w| w.middle = eye);
         let lattice = Lattice::new(&settings.grid, &settings.windows);
         if lattice == old {
             return Ok(self.unmoved());
@@ -156,7 +153,7 @@ mod tests {
         let grid = Grid { min: Vec3::ZERO, max: Vec3::new(16.0, 8.0, 8.0), cells: 16 };
         let at = |x: f32| {
             let window = Window { middle: Vec3::new(x, 4.0, 4.0), half: 2.0, finer: 4 };
-            Lattice::new(&grid, &[window, Window { half: 0.6, finer: 2, ..window }])
+            Lattice::new(&grid, &[Some(window), Some(Window { half: 0.6, finer: 2, ..window })])
         };
         let (before, now) = (at(5.0), at(6.1));
         for lattice in [&before, &now] {
@@ -189,7 +186,8 @@ mod tests {
         let grid = Grid { min: Vec3::ZERO, max: Vec3::splat(8.0), cells: 8 };
         for middle in [Vec3::splat(-1e30), Vec3::splat(3e38), Vec3::new(0.1, 7.9, 4.0)] {
             let window = Window { middle, half: 1.0, finer: 2 };
-            let lattice = Lattice::new(&grid, &[window, Window { half: 100.0, finer: 8, ..window }]);
+            let lattice =
+                Lattice::new(&grid, &[Some(window), Some(Window { half: 100.0, finer: 8, ..window })]);
             for (inner, outer) in [(1, 0), (2, 1)] {
                 let (inner, outer) = (lattice.levels()[inner].bounds(), lattice.levels()[outer].bounds());
                 assert!(inner.0.cmpge(outer.0).all() && inner.1.cmple(outer.1).all(), "{middle}");

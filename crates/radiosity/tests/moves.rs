@@ -188,3 +188,36 @@ fn a_turned_scene_has_the_same_light() {
     }
     assert_eq!(Sky::Even(V::ONE).radiance(V::Y), V::ONE);
 }
+
+#[test]
+fn light_stays_while_something_moves_in_each_frame() {
+    let place = |frame: u32| V::new(1.0 + 0.05 * frame as f32, 0.0, 1.2);
+    let settled = |frame: u32| {
+        let mut cache = gathered(&house(0.9, place(frame)));
+        cache.direct();
+        cache.converge(SETTLED, MOST_PASSES);
+        cache
+    };
+    let mut cache = settled(0);
+    let points: Vec<V> = (0..40).map(|i| V::new(0.1 + 0.19 * i as f32, 3.0, 0.3 + 0.08 * i as f32)).collect();
+    let mean = |cache: &Cache| points.iter().map(|p| indirect(cache, *p, -V::Y)).sum::<f64>() / 40.0;
+    let mut moved = 0;
+    for frame in 1..=40 {
+        let chest = house(0.9, place(frame)).objects[2].clone();
+        moved += cache.set_object(2, chest).unwrap().waiting;
+        for i in 0..40 {
+            cache.request(V::new(0.1 + 0.19 * i as f32, 0.0, 2.5), V::Y).unwrap();
+        }
+        cache.gather_part((24, 6), 60).unwrap();
+        cache.direct_part(400);
+        (0..2).for_each(|_| _ = cache.pass());
+        if frame % 10 == 0 {
+            // What moved was dark until rays from it were sent, and its darkness spread: 0.93.
+            let share = mean(&cache) / mean(&settled(frame));
+            println!("{frame}: {share}, {} wait", cache.waiting());
+            assert!((share - 1.0).abs() < 0.02, "{frame}: {share}");
+        }
+    }
+    // All that was hit has had its turn, although something was asked for in each frame.
+    assert!(cache.waiting() < 100 && moved > 1000, "{} {moved}", cache.waiting());
+}

@@ -1,7 +1,8 @@
 //! The radiosity cache beside a path tracer with all bounces, the cones of the laboratory, and
 //! ambient light with a constant: the table of docs/radiosity.md.
 //!
-//! `radiosity [SCENE,..] [N,..] [RAYS] [SAMPLES]`; scenes are cornell, cornell-point, emissive,
+//! `radiosity [SCENE,..] [N,..] [RAYS] [SAMPLES] [FINER,..]`; cells are so many times finer around the
+//! camera, up to a quarter of the scene's length from it (1 is not at all). Scenes are cornell, cornell-point, emissive,
 //! house, gallery, street, cave, hall and aisle.
 
 mod cases;
@@ -11,7 +12,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use casca_lab::experiments::light::{Gather, LightVolume, Spot, Voxels};
-use casca_radiosity::{Cache, Grid, Scene, Settings};
+use casca_radiosity::{Cache, Grid, Scene, Settings, Window};
 use casca_scenes::lit::{self, LitScene};
 use casca_scenes::world::Camera;
 use casca_truth::oracle::path::{PathTracer, Quantity, Surface};
@@ -27,6 +28,8 @@ const BOUNCES: u32 = 64;
 /// error in the table, and after so many.
 const SETTLED: f64 = 1e-3;
 const MOST_PASSES: u32 = 40;
+/// The part of the scene's length that a window of finer cells reaches from the camera.
+const WINDOW: f32 = 4.0;
 /// For rays and bytes in millions.
 const MILLION: f64 = 1e6;
 
@@ -138,11 +141,13 @@ fn by_cache(
     scene: &Scene,
     truth: &Truth,
     (n, rays): (u32, u32),
+    window: Option<Window>,
     materials: &[lit::Material],
 ) -> Outcome<()> {
     let clock = Instant::now();
     let grid = Grid::around(&scene.objects, n);
-    let mut cache = Cache::new(scene, Settings { threads: 2, ..Settings::new(grid) })?;
+    let mut cache =
+        Cache::new(scene, Settings { threads: 2, windows: [window, None], ..Settings::new(grid) })?;
     let made = clock.elapsed();
     let shown: Vec<&Surface> = truth.surfaces.iter().flatten().collect();
     for s in &shown {
@@ -181,7 +186,8 @@ fn by_cache(
         s.bytes as f64 / MILLION,
         100.0 * s.dark_rays as f64 / s.rays as f64,
     );
-    row(name, &format!("cache, {rays} rays"), n, truth, &of_lights, &bounced, &time);
+    let finer = window.map_or(String::new(), |w| format!(", {} times finer near the camera", w.finer));
+    row(name, &format!("cache, {rays} rays{finer}"), n, truth, &of_lights, &bounced, &time);
     Ok(())
 }
 
@@ -190,6 +196,7 @@ fn main() -> Outcome<()> {
     let of = |i: usize, default: &str| arguments.get(i).cloned().unwrap_or(default.to_owned());
     let names = of(0, "cornell,cornell-point,emissive,house,gallery,street,cave,hall,aisle");
     let sizes = of(1, "128").split(',').map(str::parse).collect::<Result<Vec<u32>, _>>()?;
+    let finer = of(4, "1").split(',').map(str::parse).collect::<Result<Vec<u32>, _>>()?;
     let (rays, samples): (u32, u32) = (of(2, "64").parse()?, of(3, "256").parse()?);
     println!("| scene | how | N | mean | block RMSE | indirect mean | its RMSE | times |");
     println!("|---|---|---|---|---|---|---|---|");
@@ -207,7 +214,12 @@ fn main() -> Outcome<()> {
             let name = format!("{}, {view}", case.name);
             let truth = truth(&tracers, camera, samples)?;
             for &n in &sizes {
-                by_cache(&name, &scene, &truth, (n, rays), &case.scene.materials)?;
+                for &finer in &finer {
+                    let grid = Grid::around(&scene.objects, n);
+                    let half = (grid.max - grid.min).max_element() / WINDOW;
+                    let window = (finer > 1).then_some(Window { middle: camera.eye, half, finer });
+                    by_cache(&name, &scene, &truth, (n, rays), window, &case.scene.materials)?;
+                }
                 if case.name != "sponza" || n <= 128 {
                     let cones = by_cones(&case, camera, &truth, n)?;
                     row(&name, "six cones, direct light of the truth", n, &truth, &truth.direct, &cones, "");

@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::common::{lamp, leak_questions, matt, rooms, scene};
 use crate::device::{furnished, gpu, mirrored, points, shaded};
 
-fn lit(scene: &Scene, cells: u32, windows: Vec<Window>) -> Cache {
+fn lit(scene: &Scene, cells: u32, windows: [Option<Window>; 2]) -> Cache {
     let settings = Settings { windows, ..Settings::new(Grid::around(&scene.objects, cells)) };
     let mut cache = Cache::new(scene, settings).unwrap();
     light(&mut cache);
@@ -29,7 +29,7 @@ fn windows_give_the_light_of_the_processor() {
     for (cells, half) in [(13, 1.3), (10, 2.0)] {
         let outer = Window { middle: Vec3::new(2.4, 1.1, 2.2), half, finer: 2 };
         let inner = Window { half: 0.6, finer: 4, ..outer };
-        let mut cache = lit(&furnished(), cells, vec![outer, inner]);
+        let mut cache = lit(&furnished(), cells, [Some(outer), Some(inner)]);
         let mut device = GpuCache::new(&gpu.device, &cache).unwrap();
         same(&gpu, &cache, &device);
         // The device follows when windows move.
@@ -75,7 +75,7 @@ fn the_room_behind_a_wall_is_dark_at_the_faces_of_windows() {
         for x in [-1.0, -0.2, 0.4, 1.0] {
             let light = vec![lamp(Vec3::new(-2.0, 2.0, 0.3), 10.0)];
             let window = Window { middle: Vec3::new(x, 1.5, 0.0), half: 1.0, finer: 4 };
-            let cache = lit(&scene(rooms(thickness), vec![matt(0.7)], light, 0.0), 20, vec![window]);
+            let cache = lit(&scene(rooms(thickness), vec![matt(0.7)], light, 0.0), 20, [Some(window), None]);
             let device = GpuCache::new(&gpu.device, &cache).unwrap();
             let at = |side: f32| {
                 let all = leak_questions(side, thickness);

@@ -281,7 +281,7 @@ mod tests {
             pass(&context, Vec::new(), &mut |ui| controls.show(ui, 5.0));
         }
         assert_eq!(before, controls);
-        assert_eq!(controls.settings, Settings { resolution: 12, rays: 3 });
+        assert_eq!(controls.settings, Settings { resolution: 12, rays: 3, window: 0 });
     }
 
     #[test]

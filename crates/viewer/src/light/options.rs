@@ -21,6 +21,8 @@ const SAMPLES: RangeInclusive<i64> = 0..=4096;
 pub const RESOLUTIONS: RangeInclusive<i64> = 8..=512;
 /// Rays of a state, as the library takes them.
 pub const RAYS: RangeInclusive<i64> = 1..=4096;
+/// Cells from the eye to the end of the window: 512 finer ones, as the library takes them.
+const WINDOWS: RangeInclusive<i64> = 0..=64;
 /// Factors of light on the screen: less or more is black or white in any scene with lights of this
 /// world.
 pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
@@ -44,6 +46,9 @@ pub struct Options {
     /// Rays of each surface in a cell that the picture reads, 1 to 4096; others send a quarter
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(RAYS))]
     pub rays: u32,
+    /// Cells are four times finer up to so many cells from the eye, up to 64
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(WINDOWS))]
+    pub window: u32,
     /// Adds so many balls that move, up to 1000
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(BALLS))]
     pub balls: u16,
@@ -117,7 +122,7 @@ impl Options {
 
     /// How light is gathered.
     pub fn settings(&self) -> Settings {
-        Settings { resolution: self.resolution, rays: self.rays }
+        Settings { resolution: self.resolution, rays: self.rays, window: self.window }
     }
 
     /// The layers to draw. Refuses options that do not go together.
@@ -177,6 +182,7 @@ mod tests {
             ("--resolution -64", "8..=512"),
             ("--rays 0", "1..=4096"),
             ("--rays 5000", "1..=4096"),
+            ("--window 65", "0..=64"),
             ("--exposure 0", "from 0.0001 to 10000"),
             ("--exposure -1", "from 0.0001 to 10000"),
             ("--exposure inf", "from 0.0001 to 10000"),
@@ -236,7 +242,7 @@ mod tests {
         .unwrap();
         assert_eq!(layers, [Layer::Albedo, Layer::Picture]);
         assert_eq!((options.sun, options.from), (Some(Vec3::NEG_Y), Some(Vec3::new(1.0, 2.0, 3.0))));
-        assert_eq!(options.settings(), Settings { resolution: 64, rays: 9 });
+        assert_eq!(options.settings(), Settings { resolution: 64, rays: 9, window: 0 });
         assert_eq!(read(&["--headless", "--layers", "direct,all"]).unwrap().1, Layer::EVERY);
         assert_eq!(read(&["--time", "--times", "8,512"]).unwrap().0.times, [8, 512]);
         // Without options: the Cornell box in a window.

@@ -9,7 +9,7 @@ use std::thread::available_parallelism;
 use std::time::Duration;
 
 use casca_radiosity::gpu::GpuCache;
-use casca_radiosity::{Cache, Grid, Light, Scene, Statistics};
+use casca_radiosity::{Cache, Grid, Light, Scene, Statistics, Window};
 use casca_scenes::lit::{self, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
@@ -22,9 +22,11 @@ use crate::light::picture::{Picture, rays, roughness};
 
 /// States that send their rays, or find their direct light, between two looks at the clock.
 const PART: usize = 128;
-/// Questions of a frame, and between two looks at the clock.
+/// Questions of a frame, and of each thread between two looks at the clock.
 const QUESTIONS: u32 = 2048;
-const QUESTION_PART: u32 = 16;
+const QUESTION_PART: u32 = 64;
+/// Cells of the window along an edge of a cell of the grid.
+const FINER: u32 = 4;
 /// Rays of a question on what mirrors: for one of a few pixels, and for each pixel.
 const SOME_MIRRORED: u32 = 16;
 const MIRRORED: u32 = 4;
@@ -48,6 +50,8 @@ pub struct Settings {
     pub resolution: u32,
     /// Rays of each state that the picture reads.
     pub rays: u32,
+    /// Cells are four times finer up to so many cells from the eye along each axis; 0 is nowhere.
+    pub window: u32,
 }
 
 /// What a frame did.
@@ -70,6 +74,7 @@ pub struct Renderer {
     cache: Cache,
     device: GpuCache,
     picture: Picture,
+    threads: u32,
     /// Questions so far: each has another place in the picture.
     asked: u32,
     updated: Updated,
@@ -86,7 +91,10 @@ impl Renderer {
         let grid = Grid::around(&given.objects, settings.resolution);
         // A page has one thread.
         let threads = if IS_PAGE { 1 } else { available_parallelism().map_or(1, |n| n.get() as u32) };
-        let how = casca_radiosity::Settings { threads, ..casca_radiosity::Settings::new(grid) };
+        let half = settings.window as f32 * (grid.max - grid.min).max_element() / grid.cells as f32;
+        let window = (settings.window > 0).then_some(Window { middle: grid.min, half, finer: FINER });
+        let windows = [window, None];
+        let how = casca_radiosity::Settings { threads, windows, ..casca_radiosity::Settings::new(grid) };
         let cache = Cache::new(&given, how)?;
         Ok(Self {
             exposure: 1.0,
@@ -95,6 +103,7 @@ impl Renderer {
             picture: Picture::new(gpu, scene)?,
             scene: scene.clone(),
             cache,
+            threads,
             asked: 0,
             updated: Updated::default(),
         })
@@ -161,6 +170,9 @@ impl Renderer {
             clock.add(name, now - last);
             last = now;
         };
+        let moved = self.cache.move_windows(camera.eye)?;
+        self.updated.settled &= moved.kept + moved.dropped == 0;
+        stage(clock, "window");
         self.ask(camera, size, budget.is_some(), &is_late)?;
         stage(clock, "questions");
         if self.updated.settled && self.cache.waiting() == 0 {
@@ -199,27 +211,32 @@ impl Renderer {
     ) -> Result<(), Box<dyn Error>> {
         let [corner, right, down] = rays(camera, (1, 1));
         let count = if is_some { QUESTIONS } else { width * height };
-        for i in 0..count {
-            if i.is_multiple_of(QUESTION_PART) && i > 0 && is_late(1.0 / 3.0) {
+        let part = QUESTION_PART * self.threads;
+        for first in (0..count).step_by(part as usize) {
+            if first > 0 && is_late(1.0 / 3.0) {
                 break;
             }
-            let at = if is_some {
-                self.asked = self.asked.wrapping_add(1);
-                Vec2::from_array(SPREAD.map(|s| s.wrapping_mul(self.asked) as f32 / 2.0_f32.powi(32)))
-            } else {
+            let place = |i: u32| {
+                if is_some {
+                    let number = self.asked.wrapping_add(i);
+                    return Vec2::from_array(
+                        SPREAD.map(|s| s.wrapping_mul(number) as f32 / 2.0_f32.powi(32)),
+                    );
+                }
                 Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5)
                     / Vec2::new(width as f32, height as f32)
             };
-            let Some(seen) = self.cache.request_radiance(camera.eye, corner + right * at.x + down * at.y)?
-            else {
-                continue;
-            };
-            let material = self.scene.materials[seen.material as usize].sound();
-            if let Some(roughness) = roughness(&material) {
-                let rays = if is_some { SOME_MIRRORED } else { MIRRORED };
-                self.cache.request_reflection(seen.point, seen.normal, camera.eye, roughness, rays)?;
+            let places = (first..count.min(first + part)).map(place);
+            let rays: Vec<_> = places.map(|at| (camera.eye, corner + right * at.x + down * at.y)).collect();
+            for seen in self.cache.request_radiances(&rays)?.into_iter().flatten() {
+                let material = self.scene.materials[seen.material as usize].sound();
+                if let Some(roughness) = roughness(&material) {
+                    let rays = if is_some { SOME_MIRRORED } else { MIRRORED };
+                    self.cache.request_reflection(seen.point, seen.normal, camera.eye, roughness, rays)?;
+                }
             }
         }
+        self.asked = self.asked.wrapping_add(count);
         Ok(())
     }
 

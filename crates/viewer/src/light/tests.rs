@@ -15,7 +15,7 @@ use crate::light::renderer::{Renderer, Settings, Updated};
 use crate::light::scene::Start;
 
 const SIZE: (u32, u32) = (48, 36);
-const SETTINGS: Settings = Settings { resolution: 16, rays: 32 };
+const SETTINGS: Settings = Settings { resolution: 16, rays: 32, window: 0 };
 /// Frames of a small budget until light has settled, at most.
 const MOST_FRAMES: usize = 2000;
 /// Pictures whose states were asked for in another way: farther states have other numbers of rays.
@@ -186,7 +186,7 @@ fn edges_of_rooms_are_not_black() {
     // At this size, middles of pixels lie behind the wall that the floor ends at, and beside a box.
     for (scene, cells) in [("cornell", 16), ("emissive", 16), ("emissive", 32)] {
         let start = Start::open(scene, 0).unwrap();
-        let (size, settings) = ((320, 240), Settings { resolution: cells, rays: 4 });
+        let (size, settings) = ((320, 240), Settings { resolution: cells, rays: 4, window: 0 });
         let mut renderer = Renderer::new(&gpu, &start.scene, settings).unwrap();
         let camera = start.camera(size);
         renderer.update(&gpu, (&camera, (48, 36)), None, &mut Clock::off()).unwrap();
