@@ -50,6 +50,9 @@
 //! states around, as irradiance caching interpolates them (Ward et al. 1988), each behind a ray of
 //! its own. [`Cache::probe`] and [`Cache::reflection`] send rays that read states.
 //!
+//! A world larger than a grid has a coarse one and [`Window`]s of finer cells around the eye
+//! ([`Cache::move_windows`]); all cells share one list of states and one tree of triangles.
+//!
 //! # Limits
 //!
 //! Diffuse surfaces only; the surface of a cell has one mean albedo. Contact shadows and folds

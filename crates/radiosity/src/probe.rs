@@ -161,11 +161,29 @@ impl Cache {
         roughness: f32,
         rays: u32,
     ) -> Result<(), LightError> {
-        let mut met = Vec::new();
-        self.mirrored((point, normal), eye, roughness, rays, |from, direction, _| {
-            met.extend(self.meets(from, direction));
-        })?;
-        met.iter().for_each(|m| self.want_at(&m.spot));
+        self.request_reflections(&[(point, normal, roughness)], eye, rays)
+    }
+
+    /// The same for many points, each with its normal and roughness, by all threads.
+    ///
+    /// # Errors
+    /// As there; then nothing is asked for.
+    pub fn request_reflections(
+        &mut self,
+        points: &[(Vec3, Vec3, f32)],
+        eye: Vec3,
+        rays: u32,
+    ) -> Result<(), LightError> {
+        let ask = |&(point, normal, roughness): &(Vec3, Vec3, f32)| {
+            let mut targets = Vec::new();
+            self.mirrored((point, normal), eye, roughness, rays, |from, direction, _| {
+                targets.extend(self.meets(from, direction).map(|met| self.answering(&met.spot)));
+            })?;
+            Ok(targets.concat())
+        };
+        let found = in_parallel(points, self.settings.threads, ask);
+        let found = found.into_iter().collect::<Result<Vec<_>, LightError>>()?;
+        found.iter().for_each(|targets| self.want_all(targets));
         Ok(())
     }
 

@@ -3,7 +3,10 @@
 mod common;
 
 use casca_radiosity::{Cache, Grid, LightError, Scene, Settings, Window};
-use common::{cuboid, indirect, lamp, leak_questions, matt, placed, room, rooms, scene, total, turned};
+use common::{
+    cuboid, indirect, lamp, leak_questions, matt, on_faces, placed, room, rooms, scene, sheet, total, turned,
+    wall_questions,
+};
 use glam::{Affine3A, Vec3 as V};
 
 fn around(scene: &Scene, cells: u32, windows: [Option<Window>; 2]) -> Settings {
@@ -183,4 +186,55 @@ fn wrong_windows_are_refused_by_name() {
     let mut cache = Cache::new(&scene, around(&scene, 16, [None; 2])).unwrap();
     assert_eq!(cache.move_windows(V::splat(100.0)).unwrap().kept, 0);
     assert_eq!(cache.windows().len(), 1);
+}
+
+#[test]
+fn cells_in_a_window_are_there_instead_of_others_and_not_besides() {
+    let floor = sheet(V::new(0.0, 0.1, 0.0), V::Z * 4.0, V::X * 4.0, 0);
+    let scene = scene(floor, vec![matt(0.5)], vec![], 1.0);
+    let grid = Grid { min: V::ZERO, max: V::splat(4.0), cells: 4 };
+    let entries = |windows| {
+        let settings = Settings { windows, ..Settings::new(grid) };
+        Cache::new(&scene, settings).unwrap().statistics().entries
+    };
+    let window = |half| Some(Window { middle: V::new(2.0, 0.5, 2.0), half, finer: 2 });
+    assert_eq!(entries([None; 2]), 16);
+    assert_eq!(entries([window(9.0), None]), 64);
+    // Of 16 cells, four are 16 finer ones, of which four are 16 again.
+    assert_eq!(entries([window(1.0), None]), 12 + 16);
+    assert_eq!(entries([window(1.0), window(0.5)]), 12 + 12 + 16);
+}
+
+/// Beside a wall under the sky, light falls from cell to cell. Two floors in one room of cells of
+/// the same size, as a grid and as a window, show it alike.
+#[test]
+fn light_between_cells_of_a_window_is_as_between_those_of_a_grid() {
+    let mut all = sheet(V::ZERO, V::Z * 4.0, V::X * 4.0, 0);
+    all.extend(cuboid(V::new(1.9, 0.0, 0.0), V::new(2.1, 1.3, 4.0), 0));
+    let scene = scene(all, vec![matt(0.2)], vec![], 1.0);
+    let ask = |cells, windows| {
+        let grid = Grid { min: V::splat(-0.25), max: V::new(4.25, 4.25, 4.25), cells };
+        let mut cache = gathered(&scene, Settings { windows, ..Settings::new(grid) }, 512);
+        cache.converge(1e-4, 20);
+        let at = |i: usize| V::new(2.12 + 1.7 * i as f32 / 60.0, 0.0, 1.0 + (i as f32 * 0.618).fract());
+        (0..60).map(|i| indirect(&cache, at(i), V::Y)).collect::<Vec<_>>()
+    };
+    let truth = ask(36, [None; 2]);
+    let found = ask(9, [Some(Window { middle: V::splat(2.0), half: 9.0, finer: 4 }), None]);
+    let error = truth.iter().zip(&found).map(|(a, b)| (a - b).abs()).sum::<f64>() / truth.iter().sum::<f64>();
+    println!("beside a wall: {error}");
+    assert!(error < 0.006, "{error}");
+}
+
+#[test]
+fn walls_in_the_faces_of_windows_have_their_states() {
+    let scene = on_faces();
+    for x in [1.0, 1.5, 3.0, 3.5] {
+        let window = Window { middle: V::new(x, 3.0, 3.0), half: 1.0, finer: 2 };
+        let cache = gathered(&scene, around(&scene, 16, [Some(window), None]), 16);
+        assert_eq!(cache.statistics().dark_rays, 0, "{x}");
+        for (point, normal) in wall_questions() {
+            assert!(cache.irradiance(point, normal).unwrap().states > 0, "{x}: {point}");
+        }
+    }
 }

@@ -177,3 +177,28 @@ pub fn sealed(thickness: f32, cells: u32, rays: u32, place: Affine3A) -> f64 {
     assert!((above / std::f64::consts::PI - 1.0).abs() < 1e-4, "{above}");
     inside.into_iter().map(ask).fold(0.0, f64::max) / above
 }
+
+/// A glowing room of 4 metres with a block. In cells of 25 cm its walls lie in faces of cells: what is
+/// in the upper face of a cell belongs to the next one, which may be none of a window.
+pub fn on_faces() -> Scene {
+    let mut glowing = matt(0.5);
+    glowing.emission = Vec3::ONE;
+    let mut all = room(Vec3::ZERO, Vec3::splat(4.0), 0);
+    all.extend(cuboid(Vec3::new(2.0, 0.0, 1.0), Vec3::new(2.5, 1.0, 3.0), 0));
+    scene(all, vec![glowing], vec![], 0.0)
+}
+
+/// Points of its walls and of the block, with normals.
+pub fn wall_questions() -> Vec<(Vec3, Vec3)> {
+    let of = |i: usize| {
+        let (u, v) = (0.03 + i as f32 / 16.5, 0.05 + 3.9 * (i as f32 * 0.618).fract());
+        [
+            (Vec3::new(4.0, u, v), -Vec3::X),
+            (Vec3::new(u, 4.0, v), -Vec3::Y),
+            (Vec3::new(u, v, 4.0), -Vec3::Z),
+            (Vec3::new(2.0, 0.24 * u, 1.1 + 0.45 * v), -Vec3::X),
+            (Vec3::new(2.5, 0.24 * u, 1.1 + 0.45 * v), Vec3::X),
+        ]
+    };
+    (0..64).flat_map(of).collect()
+}

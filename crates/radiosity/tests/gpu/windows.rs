@@ -5,7 +5,7 @@ use casca_radiosity::{Cache, Grid, Scene, Settings, Window};
 use casca_stage::gpu::Gpu;
 use glam::Vec3;
 
-use crate::common::{lamp, leak_questions, matt, rooms, scene};
+use crate::common::{lamp, leak_questions, matt, on_faces, rooms, scene, wall_questions};
 use crate::device::{furnished, gpu, mirrored, points, shaded};
 
 fn lit(scene: &Scene, cells: u32, windows: [Option<Window>; 2]) -> Cache {
@@ -84,5 +84,17 @@ fn the_room_behind_a_wall_is_dark_at_the_faces_of_windows() {
             assert!(at(-1.0) > 50.0, "{thickness} {x}");
             assert_eq!(at(1.0), 0.0, "{thickness} {x}");
         }
+    }
+}
+
+#[test]
+fn walls_in_the_faces_of_windows_have_their_states_on_the_device() {
+    let Some(gpu) = gpu() else { return };
+    for x in [1.0, 3.5] {
+        let window = Window { middle: Vec3::new(x, 3.0, 3.0), half: 1.0, finer: 2 };
+        let cache = lit(&on_faces(), 16, [Some(window), None]);
+        let device = GpuCache::new(&gpu.device, &cache).unwrap();
+        let found = shaded(&gpu, &device, Answers::Indirect, &wall_questions());
+        assert!(found.iter().all(|p| p[3] == 1.0), "{x}");
     }
 }

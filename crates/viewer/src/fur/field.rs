@@ -99,7 +99,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box
             let same = |(a, b): &(&[u8], &[u8])| a == b;
             let pixels = || want.pixels.chunks(4).zip(picture.pixels.chunks(4));
             let differing = pixels().count() - pixels().filter(same).count();
-            if way == Way::Layered {
+            if way.is_coarser() {
                 let sum: f64 = want
                     .pixels
                     .iter()
@@ -115,7 +115,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box
                 };
                 say(format_args!("{head}{dropped}, RMSE {rmse:.4} from the picture of everything"));
                 write_png(
-                    &choices.out().join(format!("field-{i}-layered.png")),
+                    &choices.out().join(format!("field-{i}-{}.png", way.name())),
                     picture.size,
                     &picture.pixels,
                 )?;
@@ -161,12 +161,12 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     let places = choices.places as usize;
     for &count in &choices.animals {
         let mut stage = Stage::new(gpu, COLOUR, choices, count)?;
-        let mut totals = [[0.0f64; 3]; 4];
+        let mut totals = [[0.0f64; 3]; Way::EVERY.len()];
         for i in 0..places {
             let camera = camera_at(&stage.herd.field, place(i, places), shooter.aspect());
             let sun = stage.cast_shadows(gpu, &camera)?;
             // In turns, so that what else the machine does slows all ways alike.
-            let mut found = [[f64::INFINITY, 0.0, 0.0]; 4];
+            let mut found = [[f64::INFINITY, 0.0, 0.0]; Way::EVERY.len()];
             for _ in 0..RUNS {
                 for (way, [quickest, animals, vertices]) in Way::EVERY.into_iter().zip(&mut found) {
                     let demand = demand(choices, way, shooter.drawn_height());

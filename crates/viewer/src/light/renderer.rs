@@ -25,6 +25,8 @@ const PART: usize = 128;
 /// Questions of a frame, and of each thread between two looks at the clock.
 const QUESTIONS: u32 = 2048;
 const QUESTION_PART: u32 = 64;
+/// So many times as many if no clock is looked at, so that threads wait less for each other.
+const WHOLE_PARTS: u32 = 32;
 /// Cells of the window along an edge of a cell of the grid.
 const FINER: u32 = 4;
 /// Rays of a question on what mirrors: for one of a few pixels, and for each pixel.
@@ -211,7 +213,7 @@ impl Renderer {
     ) -> Result<(), Box<dyn Error>> {
         let [corner, right, down] = rays(camera, (1, 1));
         let count = if is_some { QUESTIONS } else { width * height };
-        let part = QUESTION_PART * self.threads;
+        let part = QUESTION_PART * self.threads * if is_some { 1 } else { WHOLE_PARTS };
         for first in (0..count).step_by(part as usize) {
             if first > 0 && is_late(1.0 / 3.0) {
                 break;
@@ -228,13 +230,13 @@ impl Renderer {
             };
             let places = (first..count.min(first + part)).map(place);
             let rays: Vec<_> = places.map(|at| (camera.eye, corner + right * at.x + down * at.y)).collect();
-            for seen in self.cache.request_radiances(&rays)?.into_iter().flatten() {
+            let seen = self.cache.request_radiances(&rays)?;
+            let glossy = seen.into_iter().flatten().filter_map(|seen| {
                 let material = self.scene.materials[seen.material as usize].sound();
-                if let Some(roughness) = roughness(&material) {
-                    let rays = if is_some { SOME_MIRRORED } else { MIRRORED };
-                    self.cache.request_reflection(seen.point, seen.normal, camera.eye, roughness, rays)?;
-                }
-            }
+                Some((seen.point, seen.normal, roughness(&material)?))
+            });
+            let rays = if is_some { SOME_MIRRORED } else { MIRRORED };
+            self.cache.request_reflections(&glossy.collect::<Vec<_>>(), camera.eye, rays)?;
         }
         self.asked = self.asked.wrapping_add(count);
         Ok(())

@@ -203,3 +203,31 @@ fn edges_of_rooms_are_not_black() {
         assert!(scattering.len() > 30_000 && black == 0, "{scene}, {cells}: {black}");
     }
 }
+
+#[test]
+fn a_window_of_finer_cells_follows_the_eye() {
+    let Some(gpu) = gpu() else { return };
+    let mut start = Start::open("cornell-point", 0).unwrap();
+    let made = |resolution, window| {
+        Renderer::new(&gpu, &start.scene, Settings { resolution, rays: 128, window }).unwrap()
+    };
+    let (mut renderer, mut without, mut fine) = (made(8, 3), made(8, 0), made(32, 0));
+    let mut before = Vec::new();
+    for (eye, to) in
+        [(Vec3::new(0.3, 0.3, 0.2), Vec3::ZERO), (Vec3::new(2.8, 0.5, 0.6), Vec3::new(2.8, 0.0, 0.9))]
+    {
+        start.change(None, Some((eye, to)));
+        assert!(at_once(&gpu, &mut renderer, &start).settled);
+        [&mut without, &mut fine].map(|renderer| at_once(&gpu, renderer, &start));
+        // Other cells than at the last place, and more than without a window.
+        let entries = renderer.statistics().entries;
+        assert!(entries > without.statistics().entries && !before.contains(&entries), "{entries} {before:?}");
+        before.push(entries);
+        let [found, plain, truth] = [&mut renderer, &mut without, &mut fine]
+            .map(|renderer| drawn(&gpu, renderer, &start, Layer::Indirect));
+        let (with, without) = (difference(&found, &truth), difference(&plain, &truth));
+        println!("{entries} entries, {with} and {without} from the picture of fine cells");
+        // What is far away is as coarse as before.
+        assert!(with < 0.9 * without, "{with} {without}");
+    }
+}

@@ -27,6 +27,9 @@ pub enum Way {
     All,
     /// What may be in the frustum.
     Frustum,
+    /// The same, with level of detail and layers by projected size, within a budget: what games do
+    /// without casca.
+    Levels,
     /// What casca finds visible.
     Visible,
     /// The same, with level of detail and layers by projected size and by the share that is seen,
@@ -35,12 +38,17 @@ pub enum Way {
 }
 
 impl Way {
-    /// All ways, in the order in which they draw less.
-    pub const EVERY: [Self; 4] = [Self::All, Self::Frustum, Self::Visible, Self::Layered];
+    /// All ways.
+    pub const EVERY: [Self; 5] = [Self::All, Self::Frustum, Self::Levels, Self::Visible, Self::Layered];
+
+    /// Whether it draws fewer layers than everything, so that its pictures are not the same.
+    pub fn is_coarser(self) -> bool {
+        matches!(self, Self::Levels | Self::Layered)
+    }
 
     /// Its name on command lines.
     pub fn name(self) -> &'static str {
-        ["all", "frustum", "visible", "layered"][self as usize]
+        ["all", "frustum", "levels", "visible", "layered"][self as usize]
     }
 }
 
@@ -59,9 +67,9 @@ pub struct Herd {
 pub struct Demand {
     /// The way.
     pub way: Way,
-    /// Layers above the skin: of all animals, or the most by [`Way::Layered`].
+    /// Layers above the skin: of all animals, or the most by [`Way::Levels`] and [`Way::Layered`].
     pub layers: u32,
-    /// For [`Way::Layered`]: the budget, as a share of the weight that it would draw without one. 1
+    /// For [`Way::Levels`] and [`Way::Layered`]: the budget, as a share of the weight that it would draw without one. 1
     /// or more sets no budget.
     pub budget: f64,
     /// The height of the picture in pixels.
@@ -170,9 +178,11 @@ impl Herd {
         }
         let mut dropped = 0;
         let chosen: Vec<(usize, usize, u32)> = match demand.way {
-            Way::Layered => {
+            way if way.is_coarser() => {
                 let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
-                self.soft.estimate(self.query.pvs(), &self.field.scene, FRACTION_RAYS, &mut items)?;
+                if culled {
+                    self.soft.estimate(self.query.pvs(), &self.field.scene, FRACTION_RAYS, &mut items)?;
+                }
                 let planned = self.planned(&items, camera, demand)?;
                 dropped = items.len() - planned.len();
                 planned
