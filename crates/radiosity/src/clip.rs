@@ -84,8 +84,8 @@ pub(crate) fn point_of(polygon: &Polygon, area: f64, across: f64) -> DVec3 {
     last
 }
 
-/// Calls `visit` with each cell from `low` up to `high` that is nearer to the polygon than a margin,
-/// until it returns false; returns whether it never did.
+/// Calls `visit` with each cell from `low` up to `high` that is nearer to the polygon than a
+/// margin, until it returns false; returns whether it never did.
 ///
 /// Costs the touched cells times the logarithm of the box.
 pub(crate) fn touched(

@@ -5,8 +5,7 @@ use glam::{Vec2, Vec3};
 use crate::checks::{bright, numbers, way};
 use crate::error::LightError;
 use crate::materials::{Material, Texture, check_materials};
-use crate::numeric::{ABSURD, MOST_CELLS, MOST_RAYS, OUTLIER};
-use crate::windows::{Window, check_windows};
+use crate::numeric::{ABSURD, FINEST, MOST_CELLS, MOST_RAYS, OUTLIER};
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -204,6 +203,19 @@ fn median(values: &mut [f32]) -> f32 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
+/// A box of finer cells, around a point that may move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// Its middle, in metres. The box stays within what is around it, and its faces are faces of
+    /// the cells there, so that its middle may be elsewhere.
+    pub middle: Vec3,
+    /// Half of its edges, in metres. At most 512 of its cells along each axis.
+    pub half: f32,
+    /// Its cells along an edge of a cell around it: 2, 4, 8 or 16; the product of all windows is at
+    /// most 16.
+    pub finer: u32,
+}
+
 /// How a cache works.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -227,8 +239,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// No windows, 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, 8 of lights,
-    /// and one thread.
+    /// No windows, 64 rays of a question, 512 weighed points and 32 shadow rays of lamps, 8 of
+    /// lights, and one thread.
     pub const fn new(grid: Grid) -> Self {
         Self {
             grid,
@@ -282,6 +294,22 @@ impl Object {
             }
         }
     }
+}
+
+pub(crate) fn check_windows(grid: &Grid, windows: &[Option<Window>]) -> Result<(), LightError> {
+    let mut finest = 1;
+    let mut cell = (grid.max - grid.min).max_element() / grid.cells as f32;
+    for (index, window) in windows.iter().flatten().enumerate() {
+        numbers("the middle of window", index, window.middle, -f32::MAX..=f32::MAX)?;
+        if !window.finer.is_power_of_two() || !(2..=FINEST / finest).contains(&window.finer) {
+            return Err(LightError::Finer { index, finer: window.finer, most: FINEST / finest });
+        }
+        finest *= window.finer;
+        cell /= window.finer as f32;
+        let most = 0.5 * MOST_CELLS as f32 * cell;
+        numbers("half an edge of window", index, Vec3::splat(window.half), f32::MIN_POSITIVE..=most)?;
+    }
+    Ok(())
 }
 
 pub(crate) fn check_lights(lights: &[Light]) -> Result<(), LightError> {

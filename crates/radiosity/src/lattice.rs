@@ -6,9 +6,8 @@
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::clip::{Polygon, part_of};
-use crate::input::Grid;
+use crate::input::{Grid, Window};
 use crate::numeric::{GRIDS, MOST_CELLS, OVER};
-use crate::windows::Window;
 
 /// Cells along an edge of a brick, as a power of two.
 const BRICK: i32 = 2;

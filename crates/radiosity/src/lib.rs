@@ -88,10 +88,9 @@ mod windows;
 
 pub use cache::{Cache, Statistics};
 pub use error::LightError;
-pub use input::{Grid, Light, Object, Scene, Settings, Sky, Triangle};
+pub use input::{Grid, Light, Object, Scene, Settings, Sky, Triangle, Window};
 pub use materials::{Material, Texture};
 pub use moves::Moved;
 pub use probe::{Probe, Seen};
 pub use query::Irradiance;
 pub use surfaces::Skipped;
-pub use windows::Window;

@@ -172,7 +172,7 @@ impl Cache {
     }
 
     /// Lets states of entries that are new, or have other starts, send the light of the nearest old
-    /// state that faces like them on the same object: what moves would be dark until its turn comes.
+    /// state that faces like them on the same object: what moves would be dark until its turn.
     fn inherit(&mut self, entries: &[u32], old: &Voxels, glow: &[Glow]) {
         let object = |voxels: &Voxels, e: u32| voxels.surfaces[voxels.members_of(e)[0] as usize].object;
         for &number in entries {

@@ -10,40 +10,10 @@ use glam::{DVec3, Vec3};
 use crate::cache::Cache;
 use crate::checks::numbers;
 use crate::error::LightError;
-use crate::input::Grid;
 use crate::lattice::{Lattice, Level};
 use crate::moves::{Bounds, Change, Moved};
-use crate::numeric::{FINEST, MOST_CELLS, WINDOW_REST};
+use crate::numeric::WINDOW_REST;
 use crate::voxels::Voxels;
-
-/// A box of finer cells, around a point that may move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
-    /// Its middle, in metres. The box stays within what is around it, and its faces are faces of
-    /// the cells there, so that its middle may be elsewhere.
-    pub middle: Vec3,
-    /// Half of its edges, in metres. At most 512 of its cells along each axis.
-    pub half: f32,
-    /// Its cells along an edge of a cell around it: 2, 4, 8 or 16; the product of all windows is at
-    /// most 16.
-    pub finer: u32,
-}
-
-pub(crate) fn check_windows(grid: &Grid, windows: &[Option<Window>]) -> Result<(), LightError> {
-    let mut finest = 1;
-    let mut cell = (grid.max - grid.min).max_element() / grid.cells as f32;
-    for (index, window) in windows.iter().flatten().enumerate() {
-        numbers("the middle of window", index, window.middle, -f32::MAX..=f32::MAX)?;
-        if !window.finer.is_power_of_two() || !(2..=FINEST / finest).contains(&window.finer) {
-            return Err(LightError::Finer { index, finer: window.finer, most: FINEST / finest });
-        }
-        finest *= window.finer;
-        cell /= window.finer as f32;
-        let most = 0.5 * MOST_CELLS as f32 * cell;
-        numbers("half an edge of window", index, Vec3::splat(window.half), f32::MIN_POSITIVE..=most)?;
-    }
-    Ok(())
-}
 
 /// The parts of a box that are not in another one.
 fn without((low, high): Bounds, (from, to): Bounds) -> Vec<Bounds> {
@@ -124,6 +94,7 @@ impl Cache {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::{Grid, Window};
     use crate::lattice::Cell;
     use glam::IVec3;
 

@@ -218,7 +218,7 @@ fn a_window_of_finer_cells_follows_the_eye() {
     {
         start.change(None, Some((eye, to)));
         assert!(at_once(&gpu, &mut renderer, &start).settled);
-        [&mut without, &mut fine].map(|renderer| at_once(&gpu, renderer, &start));
+        [&mut without, &mut fine].into_iter().for_each(|r| _ = at_once(&gpu, r, &start));
         // Other cells than at the last place, and more than without a window.
         let entries = renderer.statistics().entries;
         assert!(entries > without.statistics().entries && !before.contains(&entries), "{entries} {before:?}");

@@ -67,9 +67,11 @@ pub struct Herd {
 pub struct Demand {
     /// The way.
     pub way: Way,
-    /// Layers above the skin: of all animals, or the most by [`Way::Levels`] and [`Way::Layered`].
+    /// Layers above the skin: of all animals, or the most by [`Way::Levels`] and
+    /// [`Way::Layered`].
     pub layers: u32,
-    /// For [`Way::Levels`] and [`Way::Layered`]: the budget, as a share of the weight that it would draw without one. 1
+    /// For [`Way::Levels`] and [`Way::Layered`]: the budget, as a share of the weight that it would
+    /// draw without one. 1
     /// or more sets no budget.
     pub budget: f64,
     /// The height of the picture in pixels.
