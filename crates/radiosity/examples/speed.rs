@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use casca_radiosity::{Cache, Grid, Light, Scene, Settings, Sky, Triangle};
+use casca_radiosity::{Cache, Grid, Light, Object, Scene, Settings, Sky, Triangle};
 use casca_scenes::import::load_lit;
 use casca_scenes::lit::{Kind, LitScene};
 use glam::Vec3;
@@ -20,6 +20,32 @@ fn input(scene: &LitScene) -> Scene {
     }
 }
 
+/// A box of a size around a middle.
+fn cuboid(middle: Vec3, size: f32) -> Vec<Triangle> {
+    let faces = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+    let of = |normal: Vec3| {
+        let (u, v) = normal.any_orthonormal_pair();
+        let at = |a: f32, b: f32| middle + (normal + u * a + v * b) * (0.5 * size);
+        let [a, b, c, d] = [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)];
+        [[a, b, c], [a, c, d]].map(|corners| Triangle { corners, material: 0 })
+    };
+    faces.flat_map(of).collect()
+}
+
+/// Moves a box about, and says how long that takes.
+fn moves(cache: &mut Cache, object: usize, chest: impl Fn(f32) -> Object) -> Result<(), Box<dyn Error>> {
+    let mut times = Vec::new();
+    for step in 1..=6 {
+        let clock = Instant::now();
+        let moved = cache.set_object(object, chest(step as f32))?;
+        times.push(clock.elapsed().as_secs_f64() * 1e3);
+        if step == 6 {
+            println!("{:.1} ms the first move, then {:.1?}; {moved:?}", times[0], &times[1..]);
+        }
+    }
+    Ok(())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let of = |i: usize, default: &str| arguments.get(i).cloned().unwrap_or(default.to_owned());
@@ -29,9 +55,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (cells, rays, step): (u32, u32, usize) =
         (of(1, "128").parse()?, of(2, "64").parse()?, of(3, "8").parse()?);
-    let scene = input(&scene);
+    let mut scene = input(&scene);
+    let grid = Grid::around(&scene.objects, cells);
+    let chest = |along: f32| {
+        let size = (grid.max - grid.min).min_element() / 20.0;
+        Object::from(cuboid(grid.min.lerp(grid.max, 0.4 + 0.01 * along), size))
+    };
+    scene.objects.push(chest(0.0));
     let clock = Instant::now();
-    let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, cells)))?;
+    let mut cache = Cache::new(&scene, Settings::new(grid))?;
     println!("{:.2} s cells", clock.elapsed().as_secs_f64());
     let middle = |t: &Triangle| {
         let [a, b, c] = t.corners;
@@ -70,5 +102,5 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!("answers {number:016x}");
-    Ok(())
+    moves(&mut cache, scene.objects.len() - 1, chest)
 }

@@ -137,6 +137,15 @@ impl Lattice {
         std::iter::once(own).chain(others.map(of))
     }
 
+    /// How fine the coarsest cells are that lie in or next to the cell of a point.
+    pub(crate) fn coarsest_around(&self, p: DVec3) -> f64 {
+        let own = self.at(p);
+        let of = |level: usize| Cell { level, at: (p * self.levels[level].fine).floor().as_ivec3() };
+        let is_there = |c: Cell| self.has(c) && !self.is_finer(c);
+        let coarser = (0..own.level).find(|level| self.around(of(*level)).any(is_there));
+        self.levels[coarser.unwrap_or(own.level)].fine
+    }
+
     /// The number of a cell. A grid of 514³ cells has less than 2^28, and so has a window. A cell
     /// keeps its number when its window moves, as long as it stays inside.
     pub(crate) fn number(&self, cell: Cell) -> u32 {
@@ -173,6 +182,16 @@ impl Lattice {
         let (b, bricks) = (c >> BRICK, level.bricks());
         let brick = level.first_brick as i32 + (b.z * bricks.y + b.y) * bricks.x + b.x;
         (brick as usize, ((c.z & 3) << 4) | ((c.y & 3) << 2) | (c.x & 3))
+    }
+
+    /// The cell of a brick and a bit.
+    pub(crate) fn of_slot(&self, (brick, bit): (usize, i32)) -> Cell {
+        let brick = brick as u32;
+        let level = self.levels().iter().rposition(|l| l.first_brick <= brick).unwrap_or(0);
+        let (of, n) = (&self.levels[level], (brick - self.levels[level].first_brick) as i32);
+        let d = of.bricks();
+        let b = IVec3::new(n % d.x, n / d.x % d.y, n / d.x / d.y) << BRICK;
+        Cell { level, at: of.low + b + IVec3::new(bit & 3, bit >> 2 & 3, bit >> 4) }
     }
 
     /// The number of bricks of all levels.

@@ -67,6 +67,7 @@ mod colours;
 mod direct;
 mod error;
 mod filter;
+mod forest;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod input;

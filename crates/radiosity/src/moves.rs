@@ -1,6 +1,6 @@
 //! Objects that move: which rays must be sent again.
 //!
-//! The cells are made anew. A state stays if its entry has the same triangles and its starts did
+//! Only cells that something touches or touched are made anew. A state stays if its entry has the same triangles and its starts did
 //! not change; a ray of such a state stays if it met neither the old nor the new box of the object,
 //! and if what stands for its hit cannot have changed.
 
@@ -13,7 +13,7 @@ use crate::direct::Lamps;
 use crate::error::LightError;
 use crate::input::Object;
 use crate::lattice::{Cell, Lattice};
-use crate::numeric::{MOVED, MOVED_ALONE, MOVED_HITS, MOVED_LINKS, MOVED_STARTS, MOVED_WINDOWS};
+use crate::numeric::{MOVED, MOVED_HITS, MOVED_LINKS, MOVED_STARTS};
 use crate::queues::Wish;
 use crate::states::{Bundle, DARK, Ray, SKY};
 use crate::surfaces::{Skipped, Surface, surfaces};
@@ -74,8 +74,10 @@ impl Cache {
     /// again; light stays, and passes bring it up to date. Call [`Cache::gather`],
     /// [`Cache::direct`] and passes next.
     ///
-    /// The states then have the same rays as those of a cache that is made anew. Costs the cells of
-    /// all triangles, a test of each stored ray with two boxes, and the rays that are sent.
+    /// The states then have the same rays as those of a cache that is made anew. Costs a copy of the
+    /// cells, those that the object touches and touched, a test of each stored ray with two boxes,
+    /// and the rays that are sent; for an object that moves for the first time, also the tree of
+    /// all triangles.
     ///
     /// # Errors
     /// If there is no such object, a triangle names no material, or the triangles touch too many
@@ -85,7 +87,7 @@ impl Cache {
     }
 
     /// The same for several objects, by their numbers: for all that move in a frame, since cells
-    /// are made anew once. Of two with one number the last counts.
+    /// are copied once. Of two with one number the last counts.
     ///
     /// # Errors
     /// As [`Cache::set_object`].
@@ -107,7 +109,7 @@ impl Cache {
         changed.dedup();
         let mut skipped = Skipped::default();
         let all = surfaces(&objects, &self.voxels.lattice, &mut skipped);
-        let voxels = Voxels::new(self.voxels.lattice, all, &self.materials)?;
+        let voxels = self.voxels.moved(all, &changed, &self.materials)?;
         self.objects = objects;
         self.skipped = skipped;
         self.lamps = Lamps::new(&voxels, &self.materials);
@@ -155,7 +157,7 @@ impl Cache {
             }
         }
         let mended = {
-            let of = |state: &u32| self.mended(*state, &map.states, change);
+            let of = |state: &u32| self.mended(*state, &map, change);
             in_parallel(&self.gathered, self.settings.threads, of)
         };
         for (i, (rays, sent)) in mended.into_iter().enumerate() {
@@ -209,11 +211,12 @@ impl Cache {
 
     /// The rays of a kept state, of which those were sent again that can have changed, and how many
     /// these are.
-    fn mended(&self, state: u32, map: &[u32], change: &Change) -> (Vec<Ray>, usize) {
+    fn mended(&self, state: u32, map: &StateMap, change: &Change) -> (Vec<Ray>, usize) {
         let (boxes, solid): (&[Bounds], &[Bounds]) = match change {
-            Change::Triangles(boxes) => (boxes, boxes),
+            Change::Triangles(boxes) => (&map.near, boxes),
             Change::Windows(boxes) => (boxes, &[]),
         };
+        let map = &map.states;
         let block = self.blocks[state as usize];
         let seed = self.settings.seed;
         let mut rays = self.rays[block.range()].to_vec();
@@ -233,17 +236,15 @@ impl Cache {
             let target = if ray.target < DARK { map[ray.target as usize] } else { ray.target };
             let is_lost = ray.target < DARK && target == NONE;
             let end = from + direction * length;
-            let reach = match change {
-                Change::Windows(_) => MOVED_WINDOWS,
-                Change::Triangles(_) if ray.is_own() => MOVED_ALONE,
-                Change::Triangles(_) => MOVED_HITS,
-            };
-            let is_clear = ray.target == SKY || {
-                let cell = self.voxels.lattice.at(end);
-                !is_near(boxes, end, reach / self.voxels.lattice.fine(cell) + MOVED)
-            };
+            // Most hits are far from all, also in cells of the grid.
+            let is_read_anew = ray.target != SKY
+                && is_near(boxes, end, MOVED_HITS)
+                && (solid.is_empty() || {
+                    let boxes = if ray.is_own() { solid } else { boxes };
+                    is_near(boxes, end, MOVED_HITS / self.voxels.lattice.coarsest_around(end))
+                });
             ray.target = target;
-            if is_lost || !is_clear || solid.iter().any(meets) {
+            if is_lost || is_read_anew || solid.iter().any(meets) {
                 *ray = self.voxels.trace(start, direction, &|s| self.starts(s));
                 sent += 1;
             }
@@ -271,6 +272,7 @@ impl Cache {
             states: vec![NONE; old.states() as usize],
             entries: vec![NONE; old.states() as usize],
             fresh: Vec::new(),
+            near: solid.to_vec(),
         };
         let mut table = StartTable::new(new.states());
         for (i, entry) in (0..).zip(&new.entries) {
@@ -296,6 +298,7 @@ impl Cache {
                     table.0[to as usize] = OnceLock::from(starts);
                 } else if map.fresh.last() != Some(&i) {
                     map.fresh.push(i);
+                    map.stretch(solid, &new.lattice, cell);
                 }
             }
         }
@@ -312,6 +315,21 @@ struct StateMap {
     entries: Vec<u32>,
     /// New entries that are no old ones, or have other starts.
     fresh: Vec<u32>,
+    /// The boxes of triangles that changed, stretched over the cells of entries with other starts.
+    near: Vec<Bounds>,
+}
+
+impl StateMap {
+    /// Stretches the boxes that changed the starts of an entry over its cell.
+    fn stretch(&mut self, solid: &[Bounds], lattice: &Lattice, cell: Cell) {
+        let low = cell.at.as_dvec3() / lattice.fine(cell);
+        let high = (cell.at + 1).as_dvec3() / lattice.fine(cell);
+        for (bounds, near) in solid.iter().zip(&mut self.near) {
+            if is_cell_near(&[*bounds], lattice, cell, MOVED_STARTS) {
+                *near = (near.0.min(low), near.1.max(high));
+            }
+        }
+    }
 }
 
 fn known(state: u32) -> Option<u32> {

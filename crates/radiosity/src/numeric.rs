@@ -197,24 +197,12 @@ pub(crate) const MOVED: f64 = 0.01;
 /// They depend on rays of [`OPEN_REACH`] and on segments within the cell, of 1.74 at most.
 pub(crate) const MOVED_STARTS: f64 = OPEN_REACH + 1.0;
 
-/// Hits farther than this from what moved are read from the same entry.
+/// Hits farther than this from what moved, and from entries whose starts changed by it, are read as
+/// before; so are hits farther than this from where cells have another size now.
 ///
-/// Entries that stand in lie in cells next to the hit: their starts are within 3.5 cells of it, and
-/// change only if they are within [`MOVED_STARTS`] of what moved.
-pub(crate) const MOVED_HITS: f64 = MOVED_STARTS + 3.5;
-
-/// Hits on an entry that is alone in its cell, farther than this from what moved, are read as
-/// before.
-///
-/// Only what touches the cell itself counts for them, and the diagonal of a cell is 1.74.
-pub(crate) const MOVED_ALONE: f64 = 2.0;
-
-/// Hits farther than this from where cells have another size now, in cells of their own size, are
-/// read as before.
-///
-/// No triangle moved, so that starts are the same: entries that stand in lie in cells next to the
-/// hit.
-pub(crate) const MOVED_WINDOWS: f64 = 2.0;
+/// Entries that stand in lie in cells next to that of a point just above the hit: they, and the
+/// segments to them, are within two cells and twice [`LIFT`] of the hit.
+pub(crate) const MOVED_HITS: f64 = 2.0 + MOVED;
 
 /// Links of states in cells farther than this from what moved stay.
 ///

@@ -139,11 +139,12 @@ pub(crate) fn within(from: DVec3, direction: DVec3, low: DVec3, high: DVec3) -> 
 }
 
 impl Tree {
-    /// The triangles in a lattice, as far as they are inside. O(n log n) for n triangles.
-    pub(crate) fn new(lattice: &Lattice, surfaces: &[Surface]) -> Self {
+    /// Some of the triangles in a lattice, as far as they are inside. O(n log n) for n triangles.
+    pub(crate) fn new(lattice: &Lattice, surfaces: &[Surface], is_in: impl Fn(&Surface) -> bool) -> Self {
         let mut tree = Self { size: lattice.dims.as_dvec3(), ..Self::default() };
         let mut items: Vec<Item> = (0..)
             .zip(surfaces)
+            .filter(|(_, s)| is_in(s))
             .filter_map(|(surface, s)| {
                 let part = inside(&s.polygon(), IVec3::ZERO, lattice.dims, GROW);
                 let [x, y, z] = [0, 1, 2].map(|axis| range(&part, axis));
@@ -302,21 +303,30 @@ impl Tree {
         }
     }
 
-    /// For walks without a stack: all parts in the order in which a walk meets them, and the
+    /// How many triangles it has.
+    pub(crate) fn count(&self) -> usize {
+        self.facets.len()
+    }
+
+    /// Gives its triangles other numbers, by their old ones.
+    pub(crate) fn renumber(&mut self, numbers: &[u32]) {
+        self.facets.iter_mut().for_each(|f| f.surface = numbers[f.surface as usize]);
+    }
+
+    /// For walks without a stack: adds all parts in the order in which a walk meets them, and the
     /// triangles of leaves. Eight numbers of a part are the bits of its least and its greatest
     /// corner, the part that follows those inside of it, and 0 or, of a leaf, the place of its
     /// first triangle times [`LEAVES`] and their number.
     #[cfg(feature = "gpu")]
-    pub(crate) fn flat(&self) -> (Vec<[u32; 8]>, Vec<u32>) {
-        let mut parts = Vec::new();
+    pub(crate) fn add_flat(&self, parts: &mut Vec<[u32; 8]>, triangles: &mut Vec<u32>) {
         if !self.nodes.is_empty() {
-            self.flatten(0, &mut parts);
+            self.flatten(0, triangles.len() as u32, parts);
         }
-        (parts, self.facets.iter().map(|f| f.surface).collect())
+        triangles.extend(self.facets.iter().map(|f| f.surface));
     }
 
     #[cfg(feature = "gpu")]
-    fn flatten(&self, node: usize, parts: &mut Vec<[u32; 8]>) {
+    fn flatten(&self, node: usize, before: u32, parts: &mut Vec<[u32; 8]>) {
         let node = &self.nodes[node];
         for (i, part) in node.parts.iter().enumerate() {
             let corner = |of: &[Vec4; 3]| [0, 1, 2].map(|axis| of[axis][i]);
@@ -328,9 +338,18 @@ impl Tree {
             let at = parts.len();
             let [a, b, c] = low.map(f32::to_bits);
             let [x, y, z] = high.map(f32::to_bits);
-            parts.push([a, b, c, x, y, z, 0, part.first * LEAVES * part.count.min(1) + part.count]);
+            parts.push([
+                a,
+                b,
+                c,
+                x,
+                y,
+                z,
+                0,
+                (before + part.first) * LEAVES * part.count.min(1) + part.count,
+            ]);
             if part.count == 0 {
-                self.flatten(part.first as usize, parts);
+                self.flatten(part.first as usize, before, parts);
             }
             parts[at][6] = parts.len() as u32;
         }

@@ -9,10 +9,12 @@ use glam::{DVec3, Vec3};
 use crate::clip::{Polygon, cross, inside, part_of, range, touched};
 use crate::colours::{Colour, Materials};
 use crate::error::LightError;
+use crate::forest::Forest;
 use crate::lattice::{Cell, Lattice, Level};
 use crate::numeric::{FLAT, GAP, GROW, LEAST_PART, MOST_REFERENCES, SAME_NORMAL};
 use crate::surfaces::Surface;
-use crate::tree::Tree;
+
+mod renew;
 
 /// No entry, or no triangle.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -64,12 +66,32 @@ struct Part {
     high: f32,
 }
 
+impl Part {
+    /// The part in a cell of a triangle with a number and a bin, whose corners are in cells of that
+    /// size.
+    fn new(lattice: &Lattice, cell: Cell, whole: &Polygon, (surface, bin): (u32, u8)) -> Self {
+        let polygon = part_of(whole, cell.at);
+        let area = 0.5 * cross(&polygon).length();
+        let (low, high) = range(&polygon, usize::from(bin % 6 / 2));
+        let middle = polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64;
+        Self {
+            cell: lattice.number(cell),
+            surface,
+            bin: if area > LEAST_PART { bin } else { u8::MAX },
+            area: area as f32,
+            middle: (middle / lattice.fine(cell)).as_vec3(),
+            low: low as f32,
+            high: high as f32,
+        }
+    }
+}
+
 /// All surfaces in cells.
 #[derive(Debug, Clone)]
 pub(crate) struct Voxels {
     pub(crate) lattice: Lattice,
     pub(crate) surfaces: Vec<Surface>,
-    pub(crate) tree: Tree,
+    pub(crate) tree: Forest,
     pub(crate) entries: Vec<Entry>,
     pub(crate) members: Vec<u32>,
     pub(crate) references: Vec<Reference>,
@@ -96,7 +118,7 @@ impl Voxels {
         surfaces: Vec<Surface>,
         materials: &Materials,
     ) -> Result<Self, LightError> {
-        let tree = Tree::new(&lattice, &surfaces);
+        let tree = Forest::new(&lattice, &surfaces);
         Self::with(lattice, surfaces, tree, materials)
     }
 
@@ -104,11 +126,25 @@ impl Voxels {
     pub(crate) fn with(
         lattice: Lattice,
         surfaces: Vec<Surface>,
-        tree: Tree,
+        tree: Forest,
         materials: &Materials,
     ) -> Result<Self, LightError> {
+        let mut voxels = Self::empty(lattice, surfaces, tree);
+        let mut parts = voxels.parts(materials)?;
+        voxels.sort(&mut parts);
+        for of_cell in parts.chunk_by(|a, b| a.cell == b.cell) {
+            let (brick, bit) = lattice.slot(lattice.place(of_cell[0].cell));
+            voxels.masks[brick] |= 1 << bit;
+            voxels.add_cell(of_cell, materials);
+        }
+        voxels.count();
+        Ok(voxels)
+    }
+
+    /// No cells yet.
+    fn empty(lattice: Lattice, surfaces: Vec<Surface>, tree: Forest) -> Self {
         let count = lattice.bricks();
-        let mut voxels = Self {
+        Self {
             lattice,
             tree,
             surfaces,
@@ -119,66 +155,51 @@ impl Voxels {
             heads: vec![0],
             masks: vec![0; count],
             ranks: vec![0; count],
-        };
-        let mut parts = voxels.parts(materials)?;
-        // In the order in which bricks number their cells.
-        parts.sort_unstable_by_key(|p| (lattice.slot(lattice.place(p.cell)), p.bin, p.surface));
-        for of_cell in parts.chunk_by(|a, b| a.cell == b.cell) {
-            let (brick, bit) = lattice.slot(lattice.place(of_cell[0].cell));
-            voxels.masks[brick] |= 1 << bit;
-            voxels.add_cell(of_cell, materials);
         }
+    }
+
+    /// Sorts parts by cells, in the order in which bricks number these.
+    fn sort(&self, parts: &mut [Part]) {
+        let lattice = &self.lattice;
+        parts.sort_unstable_by_key(|p| (lattice.slot(lattice.place(p.cell)), p.bin, p.surface));
+    }
+
+    /// Counts the occupied cells before each brick.
+    fn count(&mut self) {
         let mut before = 0;
-        for (rank, mask) in voxels.ranks.iter_mut().zip(&voxels.masks) {
+        for (rank, mask) in self.ranks.iter_mut().zip(&self.masks) {
             *rank = before;
             before += mask.count_ones();
         }
-        Ok(voxels)
     }
 
     fn parts(&self, materials: &Materials) -> Result<Vec<Part>, LightError> {
         let mut parts = Vec::new();
         for (i, surface) in self.surfaces.iter().enumerate() {
             let bin = bin_of(surface.normal, materials.emits(surface));
-            for level in 0..self.lattice.levels().len() {
-                if !self.add_parts(level, (i as u32, bin), surface, &mut parts) {
-                    return Err(LightError::TooManyReferences);
-                }
+            if !self.add_all_parts((i as u32, bin), surface, &mut parts) {
+                return Err(LightError::TooManyReferences);
             }
         }
         Ok(parts)
     }
 
-    /// Adds the parts of a triangle, with its number and bin, in cells of one size; false if they
-    /// are too many.
-    fn add_parts(
-        &self,
-        level: usize,
-        (number, bin): (u32, u8),
-        surface: &Surface,
-        parts: &mut Vec<Part>,
-    ) -> bool {
+    /// Adds the parts of a triangle, with its number and bin, in all cells; false if they are too
+    /// many.
+    fn add_all_parts(&self, kind: (u32, u8), surface: &Surface, parts: &mut Vec<Part>) -> bool {
+        (0..self.lattice.levels().len()).all(|level| self.add_parts(level, kind, surface, parts))
+    }
+
+    /// The same in cells of one size.
+    fn add_parts(&self, level: usize, kind: (u32, u8), surface: &Surface, parts: &mut Vec<Part>) -> bool {
         let Level { fine, low, dims, .. } = self.lattice.levels()[level];
         let whole: Polygon = surface.corners.iter().map(|p| *p * fine).collect();
         let margin = GROW * fine;
         touched(&inside(&whole, low, low + dims, margin), low, low + dims, margin, &mut |at| {
             let cell = Cell { level, at };
-            if self.lattice.is_finer(cell) {
-                return true;
+            if !self.lattice.is_finer(cell) {
+                parts.push(Part::new(&self.lattice, cell, &whole, kind));
             }
-            let polygon = part_of(&whole, at);
-            let area = 0.5 * cross(&polygon).length();
-            let (low, high) = range(&polygon, usize::from(bin % 6 / 2));
-            let middle = polygon.iter().sum::<DVec3>() / polygon.len().max(1) as f64;
-            parts.push(Part {
-                cell: self.lattice.number(cell),
-                surface: number,
-                bin: if area > LEAST_PART { bin } else { u8::MAX },
-                area: area as f32,
-                middle: (middle / fine).as_vec3(),
-                low: low as f32,
-                high: high as f32,
-            });
             parts.len() < MOST_REFERENCES
         })
     }

@@ -133,6 +133,7 @@ mod tests {
                 let cell = lattice.place(number);
                 assert!(lattice.has(cell), "{cell:?}");
                 assert_eq!(lattice.number(cell), number);
+                assert_eq!(lattice.of_slot(lattice.slot(cell)), cell);
                 let middle = (cell.at.as_dvec3() + 0.5) / lattice.fine(cell);
                 assert_eq!(lattice.at(middle) != cell, lattice.is_finer(cell), "{cell:?}");
             }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use casca_radiosity::{Cache, Grid, Object, Scene, Settings, Sky};
+use casca_radiosity::{Cache, Grid, Object, Scene, Settings, Sky, Window};
 use common::{cuboid, indirect, lamp, lit, matt, placed, room, scene, sheet, turned};
 use glam::{Affine3A, Vec3 as V};
 
@@ -23,12 +23,12 @@ fn house(open: f32, at: V) -> Scene {
     Scene { objects, ..scene(vec![], vec![matt(0.6)], lights, 0.0) }
 }
 
-fn grid(scene: &Scene) -> Settings {
-    Settings::new(Grid { min: V::ZERO, max: V::new(8.0, 3.0, 4.0), ..Grid::around(&scene.objects, 40) })
+fn grid(scene: &Scene, cells: u32) -> Settings {
+    Settings::new(Grid { min: V::ZERO, max: V::new(8.0, 3.0, 4.0), ..Grid::around(&scene.objects, cells) })
 }
 
 fn gathered(scene: &Scene) -> Cache {
-    let mut cache = Cache::new(scene, grid(scene)).unwrap();
+    let mut cache = Cache::new(scene, grid(scene, 40)).unwrap();
     cache.request_all();
     cache.gather(24).unwrap();
     cache
@@ -145,7 +145,7 @@ fn lights_that_move_need_no_rays() {
 fn threads_do_not_matter() {
     let scene = house(0.5, V::new(1.0, 0.0, 2.0));
     let of = |threads| {
-        let mut cache = Cache::new(&scene, Settings { threads, ..grid(&scene) }).unwrap();
+        let mut cache = Cache::new(&scene, Settings { threads, ..grid(&scene, 40) }).unwrap();
         cache.request_all();
         cache.gather(8).unwrap();
         light(&mut cache)
@@ -159,7 +159,7 @@ fn the_order_of_requests_does_not_matter() {
     let scene = house(0.5, V::new(1.0, 0.0, 2.0));
     let points: Vec<V> = (0..30).map(|i| V::new(0.2 + 0.25 * i as f32, 0.0, 1.7)).collect();
     let of = |points: Vec<V>| {
-        let mut cache = Cache::new(&scene, grid(&scene)).unwrap();
+        let mut cache = Cache::new(&scene, grid(&scene, 40)).unwrap();
         points.into_iter().for_each(|p| cache.request(p, V::Y).unwrap());
         cache.gather(16).unwrap();
         light(&mut cache)
@@ -220,4 +220,36 @@ fn light_stays_while_something_moves_in_each_frame() {
     }
     // All that was hit has had its turn, although something was asked for in each frame.
     assert!(cache.waiting() < 100 && moved > 1000, "{} {moved}", cache.waiting());
+}
+
+/// Random moves of the door and of the chest, in cells of one size and with windows around the
+/// chest's room and in the wall.
+#[test]
+fn many_moves_are_as_if_made_anew() {
+    let window = |x, half, finer| Some(Window { middle: V::new(x, 1.0, 2.0), half, finer });
+    let all = [[None; 2], [window(2.0, 1.2, 4), None], [window(4.0, 1.4, 2), window(3.5, 0.6, 2)]];
+    for (number, windows) in all.into_iter().enumerate() {
+        let made = |scene: &Scene| {
+            let mut cache = Cache::new(scene, Settings { windows, ..grid(scene, 20) }).unwrap();
+            cache.request_all();
+            cache.gather(12).unwrap();
+            cache
+        };
+        let random = |i: usize| (((i + 10 * number) as f32 + 0.5) * 0.618_034).fract();
+        let mut cache = made(&house(0.3, V::new(1.0, 0.0, 2.0)));
+        for i in 0..8 {
+            let at =
+                V::new(0.2 + 6.8 * random(3 * i), 1.2 * random(3 * i + 1), 0.2 + 2.6 * random(3 * i + 2));
+            let scene = house(random(7 * i), at);
+            let objects = [1, 2].map(|o| (o, scene.objects[o].clone()));
+            // One alone, and both.
+            cache.set_objects(objects[i % 2..].to_vec()).unwrap();
+            cache.set_objects(objects.to_vec()).unwrap();
+            cache.request_all();
+            cache.gather(12).unwrap();
+            let mut anew = made(&scene);
+            assert_eq!(cache.statistics().dark_rays, anew.statistics().dark_rays, "{number} {i}");
+            assert_eq!(light(&mut cache), light(&mut anew), "{number} {i}");
+        }
+    }
 }

@@ -25,7 +25,7 @@ fn scene(count: u64) -> (Lattice, Vec<Surface>) {
 fn the_tree_finds_what_a_test_of_all_triangles_finds() {
     for count in [0, 1, 3, 5, 400] {
         let (lattice, surfaces) = scene(count);
-        let tree = Tree::new(&lattice, &surfaces);
+        let tree = Tree::new(&lattice, &surfaces, |_| true);
         let mut hits = 0;
         for i in 0..4000_u64 {
             let random = |k: u64| DVec3::from_array([0, 1, 2].map(|axis| unit(i << 8 | k, axis)));

@@ -71,8 +71,7 @@ pub struct Demand {
     /// [`Way::Layered`].
     pub layers: u32,
     /// For [`Way::Levels`] and [`Way::Layered`]: the budget, as a share of the weight that it would
-    /// draw without one. 1
-    /// or more sets no budget.
+    /// draw without one. 1 or more sets no budget.
     pub budget: f64,
     /// The height of the picture in pixels.
     pub height: u32,
