@@ -58,6 +58,12 @@ fn bounds_of(surfaces: &[Surface], objects: &[u32]) -> Vec<Bounds> {
     boxes.into_iter().flatten().collect()
 }
 
+/// Balls around boxes and all hits that count as near to them.
+fn balls_around(boxes: &[Bounds]) -> Vec<(DVec3, f64)> {
+    let of = |(low, high): &Bounds| (0.5 * (*low + *high), 0.5 * (*high - *low + 2.0 * MOVED_HITS).length());
+    boxes.iter().map(of).collect()
+}
+
 /// Whether a point is in a box that is grown by a margin.
 fn is_near(boxes: &[Bounds], p: DVec3, margin: f64) -> bool {
     boxes.iter().any(|(l, h)| p.cmpge(*l - margin).all() && p.cmple(*h + margin).all())
@@ -156,8 +162,12 @@ impl Cache {
                 self.want(new, wish);
             }
         }
+        let balls = balls_around(match change {
+            Change::Triangles(_) => &map.near,
+            Change::Windows(boxes) => boxes,
+        });
         let mended = {
-            let of = |state: &u32| self.mended(*state, &map, change);
+            let of = |state: &u32| self.mended(*state, &map, change, &balls);
             in_parallel(&self.gathered, self.settings.threads, of)
         };
         for (i, (rays, sent)) in mended.into_iter().enumerate() {
@@ -211,12 +221,17 @@ impl Cache {
 
     /// The rays of a kept state, of which those were sent again that can have changed, and how many
     /// these are.
-    fn mended(&self, state: u32, map: &StateMap, change: &Change) -> (Vec<Ray>, usize) {
+    fn mended(
+        &self,
+        state: u32,
+        map: &StateMap,
+        change: &Change,
+        balls: &[(DVec3, f64)],
+    ) -> (Vec<Ray>, usize) {
         let (boxes, solid): (&[Bounds], &[Bounds]) = match change {
             Change::Triangles(boxes) => (&map.near, boxes),
             Change::Windows(boxes) => (boxes, &[]),
         };
-        let map = &map.states;
         let block = self.blocks[state as usize];
         let seed = self.settings.seed;
         let mut rays = self.rays[block.range()].to_vec();
@@ -225,16 +240,22 @@ impl Cache {
             return (rays, 0);
         }
         let bundle = Bundle::new(starts, block.count, self.voxels.key(state, seed));
+        let towards = bundle.towards(balls);
         let mut sent = 0;
         for (i, ray) in (0..).zip(&mut rays) {
+            let target = if ray.target < DARK { map.states[ray.target as usize] } else { ray.target };
+            let is_lost = ray.target < DARK && target == NONE;
+            // Most rays pass what changed, and their directions need not be known.
+            if !is_lost && !towards[i as usize % starts.len()].iter().any(|range| range.contains(&i)) {
+                ray.target = target;
+                continue;
+            }
             let (start, direction) = bundle.ray(i);
             let from = start.at.as_dvec3();
             let length = ray.distance();
             let meets = |(l, h): &Bounds| {
                 within(from, direction, *l - MOVED, *h + MOVED).is_some_and(|(t, _)| t <= length + MOVED)
             };
-            let target = if ray.target < DARK { map[ray.target as usize] } else { ray.target };
-            let is_lost = ray.target < DARK && target == NONE;
             let end = from + direction * length;
             // Most hits are far from all, also in cells of the grid.
             let is_read_anew = ray.target != SKY

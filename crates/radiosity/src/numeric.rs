@@ -214,6 +214,12 @@ pub(crate) const MOVED_LINKS: f64 = 3.0;
 /// any number of them evenly (Vogel 1979).
 pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
+/// Angles between a normal and what may be met count as so much wider, in radians.
+///
+/// Normals come in single precision, which turns them by 2^-23; an arc cosine in double precision
+/// errs by 2^-26 near 1.
+pub(crate) const BAND: f64 = 1e-6;
+
 /// A triangle with a corner so many times as far from the middle as the median corner does not
 /// stretch [`crate::Grid::around`].
 pub(crate) const OUTLIER: f32 = 1000.0;

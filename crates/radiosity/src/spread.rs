@@ -1,10 +1,11 @@
 //! Directions and numbers that are spread evenly, the same in every run.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::numeric::GOLDEN;
+use crate::numeric::{BAND, GOLDEN};
 
 /// Mixes a number so that near ones become far from each other (the finaliser of SplitMix64, Steele
 /// et al. 2014).
@@ -42,6 +43,25 @@ impl Hemisphere {
         let (sine, cosine) = (square.sqrt(), (1.0 - square).max(0.0).sqrt());
         let (s, c) = (TAU * (f64::from(i) * GOLDEN + self.turn).fract()).sin_cos();
         (self.right * (c * sine) + self.up * (s * sine) + self.normal * cosine).normalize()
+    }
+}
+
+impl Hemisphere {
+    /// The directions that may meet a ball, of a middle as seen from the start: all others pass it.
+    /// Directions turn away from the normal one after the other.
+    pub(crate) fn towards(&self, middle: DVec3, radius: f64) -> Range<u32> {
+        let distance = middle.length();
+        if distance <= radius {
+            return 0..self.count as u32;
+        }
+        let wide = (radius / distance).asin() + BAND;
+        let away = (middle.dot(self.normal) / distance).clamp(-1.0, 1.0).acos();
+        if away - wide > FRAC_PI_2 {
+            return 0..0;
+        }
+        let number = |angle: f64| angle.sin().powi(2) * self.count - self.shift;
+        let (low, high) = (number((away - wide).max(0.0)), number((away + wide).min(FRAC_PI_2)));
+        (low.floor().max(0.0) as u32)..((high + 2.0).clamp(0.0, self.count) as u32)
     }
 }
 
@@ -118,4 +138,30 @@ impl Lobe {
 pub(crate) fn in_triangle(a: f64, b: f64) -> [f64; 3] {
     let root = a.sqrt();
     [1.0 - root, root * (1.0 - b), root * b]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_direction_that_meets_a_ball_is_left_out() {
+        let (mut met, mut asked) = (0, 0);
+        for k in 0..2000 {
+            let random = |d: u64| unit(k, d) - 0.5;
+            let normal = DVec3::new(random(0), random(1), random(2)).normalize().as_vec3().as_dvec3();
+            let ways = Hemisphere::new(normal, 64, k);
+            let middle = 10.0 * DVec3::new(random(3), random(4), random(5));
+            let radius = [0.1, 1.0, 4.0][k as usize % 3] * unit(k, 6);
+            let range = ways.towards(middle, radius);
+            for i in 0..64 {
+                let along = middle.dot(ways.direction(i)).max(0.0);
+                let meets = (ways.direction(i) * along).distance(middle) <= radius;
+                assert!(!meets || range.contains(&i), "{k} {i} {range:?}");
+                met += usize::from(meets);
+            }
+            asked += range.len();
+        }
+        assert!(met > 1000 && asked < 2000 * 64 / 2, "{met} {asked}");
+    }
 }

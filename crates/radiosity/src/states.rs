@@ -4,6 +4,8 @@
 //! state are joined by segments that are free. And a hit reads a state only if the segment from the
 //! hit to one of its starts is free.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
@@ -262,6 +264,16 @@ impl<'a> Bundle<'a> {
     pub(crate) fn new(starts: &'a [Start], count: u32, key: u64) -> Self {
         let way = |s: &Start| Hemisphere::new(s.normal.as_dvec3(), count, key);
         Self { starts, ways: starts.iter().map(way).collect() }
+    }
+
+    /// By start, which rays may meet one of some balls, each with a middle in cells and a radius.
+    pub(crate) fn towards(&self, balls: &[(DVec3, f64)]) -> SmallVec<[Vec<Range<u32>>; STARTS]> {
+        let of = |(start, ways): (&Start, &Hemisphere)| {
+            let from = start.at.as_dvec3();
+            let ranges = balls.iter().map(|(middle, radius)| ways.towards(*middle - from, *radius));
+            ranges.filter(|r| !r.is_empty()).collect()
+        };
+        self.starts.iter().zip(&self.ways).map(of).collect()
     }
 
     /// The start and the direction of the `i`th ray. There must be starts.
