@@ -1,8 +1,8 @@
 //! Objects that move: which rays must be sent again.
 //!
-//! Only cells that something touches or touched are made anew. A state stays if its entry has the same triangles and its starts did
-//! not change; a ray of such a state stays if it met neither the old nor the new box of the object,
-//! and if what stands for its hit cannot have changed.
+//! Only cells that what moved touches or touched are made anew. A state stays if its entry has the
+//! same triangles and its starts did not change; a ray of such a state stays if it met neither the
+//! old nor the new box of the object, and if what stands for its hit cannot have changed.
 
 use std::sync::OnceLock;
 
@@ -80,8 +80,8 @@ impl Cache {
     /// again; light stays, and passes bring it up to date. Call [`Cache::gather`],
     /// [`Cache::direct`] and passes next.
     ///
-    /// The states then have the same rays as those of a cache that is made anew. Costs a copy of the
-    /// cells, those that the object touches and touched, a test of each stored ray with two boxes,
+    /// The states then have the same rays as those of a cache that is made anew. Costs a copy of
+    /// the cells, making those anew that the object touches and touched, a look at each stored ray,
     /// and the rays that are sent; for an object that moves for the first time, also the tree of
     /// all triangles.
     ///
