@@ -93,9 +93,10 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// The edge of a cell, in metres.
+    /// The edge of a cell of the grid, in metres.
     pub cell: f64,
-    /// Cells along each axis, with one around the box on each side.
+    /// Cells of the grid along each axis, with one around the box on each side; see
+    /// [`Cache::windows`] for finer ones.
     pub dims: [i32; 3],
     /// Triangles in the grid.
     pub triangles: usize,

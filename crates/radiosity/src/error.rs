@@ -17,14 +17,16 @@ pub enum LightError {
         /// Its greatest corner, in metres.
         max: [f32; 3],
     },
-    /// Cells of a window that are too small, or not by a power of two.
-    #[error("cells of window {index} are {finer} times smaller: a power of two from 2 to {most} is possible")]
+    /// Cells of a window that are too fine, or not by a power of two.
+    #[error(
+        "cells of window {index} are {finer} times finer than those around it: possible are powers of two, {most} times at most"
+    )]
     Finer {
         /// The window.
         index: usize,
-        /// How many times.
+        /// How many times finer.
         finer: u32,
-        /// The most there.
+        /// The most there: 1 if the cells around are as fine as can be.
         most: u32,
     },
     /// A triangle with a material that the scene does not have.

@@ -165,9 +165,9 @@ fn wrong_windows_are_refused_by_name() {
     assert_eq!(said(&[good, Window { half: 0.3, ..good }]), Ok(()));
     let wrong: [(&[Window], &str); 8] = [
         (&[Window { finer: 3, ..good }], "window 0"),
-        (&[Window { finer: 1, ..good }], "from 2 to 16"),
-        (&[Window { finer: 32, ..good }], "from 2 to 16"),
-        (&[good, Window { finer: 8, ..good }], "from 2 to 4"),
+        (&[Window { finer: 1, ..good }], "16 times at most"),
+        (&[Window { finer: 32, ..good }], "16 times at most"),
+        (&[good, Window { finer: 8, ..good }], "4 times at most"),
         (&[Window { middle: V::new(0.0, f32::NAN, 0.0), ..good }], "middle of window 0"),
         (&[good, Window { half: 0.0, ..good }], "window 1"),
         (&[Window { half: f32::INFINITY, ..good }], "window 0"),

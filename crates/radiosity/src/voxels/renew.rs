@@ -56,11 +56,11 @@ impl Voxels {
             let Ok(k) = old.binary_search(slot) else { continue };
             next.add_others(*slot, self.references_at(k), &numbers, materials, &mut parts);
         }
-        if self.references.len() + parts.len() > MOST_REFERENCES {
-            return Err(LightError::TooManyReferences);
-        }
         next.sort(&mut parts);
         next.merge(self, (&old, &dirty), &parts, &numbers, materials);
+        if next.references.len() >= MOST_REFERENCES {
+            return Err(LightError::TooManyReferences);
+        }
         next.count();
         Ok(next)
     }
