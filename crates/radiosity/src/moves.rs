@@ -15,7 +15,7 @@ use crate::input::Object;
 use crate::lattice::{Cell, Lattice};
 use crate::numeric::{MOVED, MOVED_HITS, MOVED_LINKS, MOVED_STARTS};
 use crate::queues::Wish;
-use crate::states::{Bundle, DARK, Ray, SKY};
+use crate::states::{Bundle, DARK, Ray, SKY, Start};
 use crate::surfaces::{Skipped, Surface, surfaces};
 use crate::tree::within;
 use crate::voxels::{NONE, Voxels};
@@ -296,6 +296,8 @@ impl Cache {
             near: solid.to_vec(),
         };
         let mut table = StartTable::new(new.states());
+        // States near what moved: old and new numbers, and starts that may be others now.
+        let mut doubtful: Vec<(u32, u32, Box<[Start]>)> = Vec::new();
         for (i, entry) in (0..).zip(&new.entries) {
             let cell = new.lattice.place(entry.cell);
             let before = old.entries_of(cell);
@@ -313,14 +315,25 @@ impl Cache {
                     map.states[from as usize] = to;
                     continue;
                 };
-                let is_kept = !is_close || new.starts(to, self.settings.seed)[..] == starts[..];
-                if is_kept {
+                if is_close {
+                    doubtful.push((from, to, starts));
+                } else {
                     map.states[from as usize] = to;
                     table.0[to as usize] = OnceLock::from(starts);
-                } else if map.fresh.last() != Some(&i) {
-                    map.fresh.push(i);
-                    map.stretch(solid, &new.lattice, cell);
                 }
+            }
+        }
+        let seed = self.settings.seed;
+        let is_kept = |(_, to, starts): &(u32, u32, Box<[Start]>)| new.starts(*to, seed)[..] == starts[..];
+        let kept = in_parallel(&doubtful, self.settings.threads, is_kept);
+        for ((from, to, starts), is_kept) in doubtful.into_iter().zip(kept) {
+            let entry = to / 2;
+            if is_kept {
+                map.states[from as usize] = to;
+                table.0[to as usize] = OnceLock::from(starts);
+            } else if map.fresh.last() != Some(&entry) {
+                map.fresh.push(entry);
+                map.stretch(solid, &new.lattice, new.lattice.place(new.entries[entry as usize].cell));
             }
         }
         self.starts = table;

@@ -194,8 +194,9 @@ pub(crate) const MOVED: f64 = 0.01;
 
 /// The starts of an entry farther than this from what moved stay as they are.
 ///
-/// They depend on rays of [`OPEN_REACH`] and on segments within the cell, of 1.74 at most.
-pub(crate) const MOVED_STARTS: f64 = OPEN_REACH + 1.0;
+/// They depend on rays of [`OPEN_REACH`] from points of the cell or just above it, and on segments
+/// between these.
+pub(crate) const MOVED_STARTS: f64 = OPEN_REACH + MOVED;
 
 /// Hits farther than this from what moved, and from entries whose starts changed by it, are read as
 /// before; so are hits farther than this from where cells have another size now.
