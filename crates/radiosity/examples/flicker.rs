@@ -15,6 +15,8 @@ use glam::{DVec3, Vec3};
 
 const MOVING: u32 = 40;
 const FRAMES: u32 = 60;
+/// The last frames, in which nothing moves.
+const LAST: u32 = 10;
 /// Rays of each state of the cache that frames are compared with.
 const MANY: u32 = 512;
 /// States of one part of a frame.
@@ -155,6 +157,59 @@ fn truth(mover: Mover, cells: u32) -> Result<Vec<Vec<DVec3>>, Box<dyn Error>> {
     Ok(all)
 }
 
+/// What the frames of one setting show.
+#[derive(Debug, Default)]
+struct Shown {
+    lag: f64,
+    flicker: f64,
+    worst: f64,
+    rest: f64,
+    /// Milliseconds a frame, without the answers.
+    ms: f64,
+}
+
+/// Frames of so many rays of a state, and so many states of a frame, beside the truth.
+fn shown(
+    mover: Mover,
+    truth: &[Vec<DVec3>],
+    (cells, rays, states): (u32, u32, u32),
+) -> Result<Shown, Box<dyn Error>> {
+    let of_frame = |t: &Vec<DVec3>| t.iter().map(|l| l.element_sum()).sum::<f64>() / (3 * t.len()) as f64;
+    let mean = truth.iter().map(of_frame).sum::<f64>() / truth.len() as f64;
+    let mut cache = settled(&mover.start(), cells, rays, 0)?;
+    cache.smooth(MEANS);
+    let mut before = light(&cache)?;
+    let mut found = Shown::default();
+    for frame in 1..=FRAMES {
+        let clock = Instant::now();
+        if frame <= MOVING {
+            mover.step(&mut cache, frame)?;
+        }
+        for (point, normal) in points() {
+            cache.request(point, normal)?;
+        }
+        for _ in 0..states / PART {
+            cache.gather_part((rays, rays.div_ceil(4)), PART as usize)?;
+            cache.direct_part(PART as usize);
+        }
+        (0..PASSES).for_each(|_| _ = cache.pass());
+        cache.smooth(MEANS);
+        found.ms += clock.elapsed().as_secs_f64() * 1e3 / f64::from(FRAMES);
+        let now = light(&cache)?;
+        let (t, b) = (&truth[frame as usize], &truth[frame as usize - 1]);
+        let jump = apart(&change(&now, &before), &change(t, b)) / mean;
+        if frame <= MOVING {
+            found.lag += apart(&now, t) / mean / f64::from(MOVING);
+            found.flicker += jump / f64::from(MOVING);
+            found.worst = found.worst.max(jump);
+        } else if frame > FRAMES - LAST {
+            found.rest += jump / f64::from(LAST);
+        }
+        before = now;
+    }
+    Ok(found)
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let of = |i: usize, default: &str| {
@@ -167,48 +222,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     for mover in [Mover::Lamp, Mover::Door, Mover::Chest] {
         for &cells in &sizes {
             let truth = truth(mover, cells)?;
-            let of_frame =
-                |t: &Vec<DVec3>| t.iter().map(|l| l.element_sum()).sum::<f64>() / (3 * t.len()) as f64;
-            let mean = truth.iter().map(of_frame).sum::<f64>() / truth.len() as f64;
             for &rays in &rays {
-                for &most in &states {
-                    let mut cache = settled(&mover.start(), cells, rays, 0)?;
-                    cache.smooth(MEANS);
-                    let mut before = light(&cache)?;
-                    let (mut lag, mut flicker, mut worst, mut rest) = (0.0, 0.0, 0.0_f64, 0.0);
-                    let clock = Instant::now();
-                    let mut asked = 0.0;
-                    for frame in 1..=FRAMES {
-                        if frame <= MOVING {
-                            mover.step(&mut cache, frame)?;
-                        }
-                        for (point, normal) in points() {
-                            cache.request(point, normal)?;
-                        }
-                        for _ in 0..most / PART {
-                            cache.gather_part((rays, rays.div_ceil(4)), PART as usize)?;
-                            cache.direct_part(PART as usize);
-                        }
-                        (0..PASSES).for_each(|_| _ = cache.pass());
-                        cache.smooth(MEANS);
-                        let answers = Instant::now();
-                        let now = light(&cache)?;
-                        asked += answers.elapsed().as_secs_f64();
-                        let (t, b) = (&truth[frame as usize], &truth[frame as usize - 1]);
-                        let jump = apart(&change(&now, &before), &change(t, b)) / mean;
-                        if frame <= MOVING {
-                            lag += apart(&now, t) / mean / f64::from(MOVING);
-                            flicker += jump / f64::from(MOVING);
-                            worst = worst.max(jump);
-                        } else if frame > FRAMES - 10 {
-                            rest += jump / 10.0;
-                        }
-                        before = now;
-                    }
-                    let ms = (clock.elapsed().as_secs_f64() - asked) * 1e3 / f64::from(FRAMES);
-                    let [lag, flicker, worst, rest] = [lag, flicker, worst, rest].map(|s| 100.0 * s);
+                for &states in &states {
+                    let found = shown(mover, &truth, (cells, rays, states))?;
+                    let shares = [found.lag, found.flicker, found.worst, found.rest];
+                    let [lag, flicker, worst, rest] = shares.map(|s| 100.0 * s);
                     println!(
-                        "| {mover:?} | {cells} | {rays} | {most} | {lag:.2}% | {flicker:.2}% | {worst:.2}% | {rest:.3}% | {ms:.1} |"
+                        "| {mover:?} | {cells} | {rays} | {states} | {lag:.2}% | {flicker:.2}% | {worst:.2}% | {rest:.3}% | {:.1} |",
+                        found.ms
                     );
                 }
             }
