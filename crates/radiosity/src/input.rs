@@ -206,8 +206,8 @@ fn median(values: &mut [f32]) -> f32 {
 /// A box of finer cells, around a point that may move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// Its middle, in metres. The box stays within what is around it, and its faces are faces of
-    /// the cells there, so that its middle may be elsewhere.
+    /// Its middle, in metres. A window that would reach beyond the box around it moves inwards, and
+    /// its faces move to the next faces of cells there.
     pub middle: Vec3,
     /// Half of its edges, in metres. At most 512 of its cells along each axis.
     pub half: f32,

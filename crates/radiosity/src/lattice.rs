@@ -123,9 +123,13 @@ impl Lattice {
 
     /// The cell of a point: the finest one. Outside, there are cells like those of the grid.
     pub(crate) fn at(&self, p: DVec3) -> Cell {
-        let of = |level: usize| Cell { level, at: (p * self.levels[level].fine).floor().as_ivec3() };
-        let inside = (1..self.count).rev().map(of).find(|c| self.has(*c));
-        inside.unwrap_or_else(|| of(0))
+        let inside = (1..self.count).rev().map(|level| self.of_level(level, p)).find(|c| self.has(*c));
+        inside.unwrap_or_else(|| self.of_level(0, p))
+    }
+
+    /// The cell of a size that a point would be in, if there is one.
+    fn of_level(&self, level: usize, p: DVec3) -> Cell {
+        Cell { level, at: (p * self.levels[level].fine).floor().as_ivec3() }
     }
 
     /// The cell of a point, and then the cells of other sizes there, which may be none of their
@@ -133,16 +137,14 @@ impl Lattice {
     pub(crate) fn all_at(&self, p: DVec3) -> impl Iterator<Item = Cell> + '_ {
         let own = self.at(p);
         let others = (0..self.count).filter(move |level| *level != own.level);
-        let of = move |level: usize| Cell { level, at: (p * self.levels[level].fine).floor().as_ivec3() };
-        std::iter::once(own).chain(others.map(of))
+        std::iter::once(own).chain(others.map(move |level| self.of_level(level, p)))
     }
 
     /// How fine the coarsest cells are that lie in or next to the cell of a point.
     pub(crate) fn coarsest_around(&self, p: DVec3) -> f64 {
         let own = self.at(p);
-        let of = |level: usize| Cell { level, at: (p * self.levels[level].fine).floor().as_ivec3() };
         let is_there = |c: Cell| self.has(c) && !self.is_finer(c);
-        let coarser = (0..own.level).find(|level| self.around(of(*level)).any(is_there));
+        let coarser = (0..own.level).find(|level| self.around(self.of_level(*level, p)).any(is_there));
         self.levels[coarser.unwrap_or(own.level)].fine
     }
 
@@ -182,6 +184,11 @@ impl Lattice {
         let (b, bricks) = (c >> BRICK, level.bricks());
         let brick = level.first_brick as i32 + (b.z * bricks.y + b.y) * bricks.x + b.x;
         (brick as usize, ((c.z & 3) << 4) | ((c.y & 3) << 2) | (c.x & 3))
+    }
+
+    /// The brick and the bit of a cell by its number.
+    pub(crate) fn slot_of(&self, number: u32) -> (usize, i32) {
+        self.slot(self.place(number))
     }
 
     /// The cell of a brick and a bit.

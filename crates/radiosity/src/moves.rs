@@ -46,6 +46,21 @@ pub(crate) enum Change {
     Windows(Vec<Bounds>),
 }
 
+impl Change {
+    fn boxes(&self) -> &[Bounds] {
+        let (Self::Triangles(boxes) | Self::Windows(boxes)) = self;
+        boxes
+    }
+
+    /// The boxes that rays may meet.
+    fn solid(&self) -> &[Bounds] {
+        match self {
+            Self::Triangles(boxes) => boxes,
+            Self::Windows(_) => &[],
+        }
+    }
+}
+
 /// The boxes of some objects' triangles, whose numbers are sorted. O(triangles log objects).
 fn bounds_of(surfaces: &[Surface], objects: &[u32]) -> Vec<Bounds> {
     let mut boxes: Vec<Option<Bounds>> = vec![None; objects.len()];
@@ -60,19 +75,23 @@ fn bounds_of(surfaces: &[Surface], objects: &[u32]) -> Vec<Bounds> {
 
 /// Balls around boxes and all hits that count as near to them.
 fn balls_around(boxes: &[Bounds]) -> Vec<(DVec3, f64)> {
-    let of = |(low, high): &Bounds| (0.5 * (*low + *high), 0.5 * (*high - *low + 2.0 * MOVED_HITS).length());
+    let of = |(low, high): &Bounds| {
+        (0.5 * (*low + *high), 0.5 * (*high - *low + 2.0 * (MOVED_HITS + MOVED)).length())
+    };
     boxes.iter().map(of).collect()
 }
 
-/// Whether a point is in a box that is grown by a margin.
-fn is_near(boxes: &[Bounds], p: DVec3, margin: f64) -> bool {
+/// Whether a point is nearer to a box than so many cells, of which so many are along an edge of one
+/// of the grid.
+fn is_near(boxes: &[Bounds], p: DVec3, cells: f64, fine: f64) -> bool {
+    let margin = cells / fine + MOVED;
     boxes.iter().any(|(l, h)| p.cmpge(*l - margin).all() && p.cmple(*h + margin).all())
 }
 
 /// Whether a cell comes nearer to a box than a margin in cells of its size.
 fn is_cell_near(boxes: &[Bounds], lattice: &Lattice, cell: Cell, margin: f64) -> bool {
     let fine = lattice.fine(cell);
-    is_near(boxes, (cell.at.as_dvec3() + 0.5) / fine, (margin + 0.5) / fine)
+    is_near(boxes, (cell.at.as_dvec3() + 0.5) / fine, margin + 0.5, fine)
 }
 
 impl Cache {
@@ -126,7 +145,7 @@ impl Cache {
     /// Takes over other cells, in which only so much changed.
     pub(crate) fn replace(&mut self, voxels: Voxels, change: &Change) -> Moved {
         let map = self.map_states(&voxels, change);
-        let (Change::Triangles(boxes) | Change::Windows(boxes)) = change;
+        let boxes = change.boxes();
         let states = voxels.states() as usize;
         let old = std::mem::replace(&mut self.voxels, voxels);
         let old_blocks = std::mem::replace(&mut self.blocks, vec![Block::default(); states]);
@@ -162,10 +181,7 @@ impl Cache {
                 self.want(new, wish);
             }
         }
-        let balls = balls_around(match change {
-            Change::Triangles(_) => &map.near,
-            Change::Windows(boxes) => boxes,
-        });
+        let balls = balls_around(&map.near);
         let mended = {
             let of = |state: &u32| self.mended(*state, &map, change, &balls);
             in_parallel(&self.gathered, self.settings.threads, of)
@@ -228,10 +244,7 @@ impl Cache {
         change: &Change,
         balls: &[(DVec3, f64)],
     ) -> (Vec<Ray>, usize) {
-        let (boxes, solid): (&[Bounds], &[Bounds]) = match change {
-            Change::Triangles(boxes) => (&map.near, boxes),
-            Change::Windows(boxes) => (boxes, &[]),
-        };
+        let (boxes, solid) = (&map.near[..], change.solid());
         let block = self.blocks[state as usize];
         let seed = self.settings.seed;
         let mut rays = self.rays[block.range()].to_vec();
@@ -259,10 +272,10 @@ impl Cache {
             let end = from + direction * length;
             // Most hits are far from all, also in cells of the grid.
             let is_read_anew = ray.target != SKY
-                && is_near(boxes, end, MOVED_HITS)
+                && is_near(boxes, end, MOVED_HITS, 1.0)
                 && (solid.is_empty() || {
                     let boxes = if ray.is_own() { solid } else { boxes };
-                    is_near(boxes, end, MOVED_HITS / self.voxels.lattice.coarsest_around(end))
+                    is_near(boxes, end, MOVED_HITS, self.voxels.lattice.coarsest_around(end))
                 });
             ray.target = target;
             if is_lost || is_read_anew || solid.iter().any(meets) {
@@ -284,16 +297,13 @@ impl Cache {
 
     /// Which old state is which new one, and takes over the starts that stay.
     fn map_states(&mut self, new: &Voxels, change: &Change) -> StateMap {
-        let solid: &[Bounds] = match change {
-            Change::Triangles(boxes) => boxes,
-            Change::Windows(_) => &[],
-        };
+        let solid = change.solid();
         let old = &self.voxels;
         let mut map = StateMap {
             states: vec![NONE; old.states() as usize],
             entries: vec![NONE; old.states() as usize],
             fresh: Vec::new(),
-            near: solid.to_vec(),
+            near: change.boxes().to_vec(),
         };
         let mut table = StartTable::new(new.states());
         // States near what moved: old and new numbers, and starts that may be others now.
@@ -349,7 +359,7 @@ struct StateMap {
     entries: Vec<u32>,
     /// New entries that are no old ones, or have other starts.
     fresh: Vec<u32>,
-    /// The boxes of triangles that changed, stretched over the cells of entries with other starts.
+    /// The boxes of what changed, stretched over the cells of entries with other starts.
     near: Vec<Bounds>,
 }
 

@@ -187,23 +187,25 @@ pub(crate) const MOST_MIRRORED: u32 = 64;
 #[cfg(feature = "gpu")]
 pub(crate) const FAR: f64 = 1e9;
 
-/// Beyond the box of what moved by so much, a segment cannot have met it.
+/// Beyond the box of what moved by so much, a segment cannot have met it. All margins around what
+/// moved are so much larger, in cells of the grid also where cells are finer.
 ///
-/// Ends of rays are stored in single precision, which rounds by 2^-14 cells.
+/// Ends of rays are stored in single precision, which rounds by 2^-14 cells; starts are up to
+/// [`ABOVE`] outside of their cells.
 pub(crate) const MOVED: f64 = 0.01;
 
 /// The starts of an entry farther than this from what moved stay as they are.
 ///
-/// They depend on rays of [`OPEN_REACH`] from points of the cell or just above it, and on segments
-/// between these.
-pub(crate) const MOVED_STARTS: f64 = OPEN_REACH + MOVED;
+/// In cells of its size. They depend on rays of [`OPEN_REACH`] from points of the cell or just
+/// above it, and on segments between these.
+pub(crate) const MOVED_STARTS: f64 = OPEN_REACH;
 
 /// Hits farther than this from what moved, and from entries whose starts changed by it, are read as
 /// before; so are hits farther than this from where cells have another size now.
 ///
-/// Entries that stand in lie in cells next to that of a point just above the hit: they, and the
-/// segments to them, are within two cells and twice [`LIFT`] of the hit.
-pub(crate) const MOVED_HITS: f64 = 2.0 + MOVED;
+/// In cells of the size there. Entries that stand in lie in cells next to that of a point just
+/// above the hit: they, and the segments to them, are within two cells and [`ABOVE`] of the hit.
+pub(crate) const MOVED_HITS: f64 = 2.0;
 
 /// Links of states in cells farther than this from what moved stay.
 ///
@@ -254,7 +256,8 @@ pub(crate) const GRIDS: usize = 3;
 
 /// Cells of the finest window along an edge of a cell of the grid at most.
 ///
-/// [`LIFT`] is 1/64 of such a cell then: what is nearer to each other has one light.
+/// [`LIFT`] is then 1/64 of the finest cell: surfaces nearer to each other than that share their
+/// light.
 pub(crate) const FINEST: u32 = 16;
 
 /// Windows stay while the eye is so near to their middle along each axis, as a share of their edge.

@@ -62,6 +62,11 @@ impl Surface {
     pub(crate) fn polygon(&self) -> Polygon {
         self.corners.into_iter().collect()
     }
+
+    /// The polygon in cells of which so many are along an edge of one of the grid.
+    pub(crate) fn scaled(&self, fine: f64) -> Polygon {
+        self.corners.into_iter().map(|p| p * fine).collect()
+    }
 }
 
 /// Triangles that were left out, or not taken whole.

@@ -106,7 +106,8 @@ pub(crate) struct Voxels {
 }
 
 /// The kind of entry that a surface belongs to.
-fn bin_of(normal: DVec3, emits: bool) -> u8 {
+fn bin_of(surface: &Surface, materials: &Materials) -> u8 {
+    let (normal, emits) = (surface.normal, materials.emits(surface));
     let axis = normal.abs().max_position();
     (2 * axis) as u8 + u8::from(normal[axis] < 0.0) + 6 * u8::from(emits)
 }
@@ -133,7 +134,7 @@ impl Voxels {
         let mut parts = voxels.parts(materials)?;
         voxels.sort(&mut parts);
         for of_cell in parts.chunk_by(|a, b| a.cell == b.cell) {
-            let (brick, bit) = lattice.slot(lattice.place(of_cell[0].cell));
+            let (brick, bit) = lattice.slot_of(of_cell[0].cell);
             voxels.masks[brick] |= 1 << bit;
             voxels.add_cell(of_cell, materials);
         }
@@ -161,7 +162,7 @@ impl Voxels {
     /// Sorts parts by cells, in the order in which bricks number these.
     fn sort(&self, parts: &mut [Part]) {
         let lattice = &self.lattice;
-        parts.sort_unstable_by_key(|p| (lattice.slot(lattice.place(p.cell)), p.bin, p.surface));
+        parts.sort_unstable_by_key(|p| (lattice.slot_of(p.cell), p.bin, p.surface));
     }
 
     /// Counts the occupied cells before each brick.
@@ -176,7 +177,7 @@ impl Voxels {
     fn parts(&self, materials: &Materials) -> Result<Vec<Part>, LightError> {
         let mut parts = Vec::new();
         for (i, surface) in self.surfaces.iter().enumerate() {
-            let bin = bin_of(surface.normal, materials.emits(surface));
+            let bin = bin_of(surface, materials);
             if !self.add_all_parts((i as u32, bin), surface, &mut parts) {
                 return Err(LightError::TooManyReferences);
             }
@@ -193,7 +194,7 @@ impl Voxels {
     /// The same in cells of one size.
     fn add_parts(&self, level: usize, kind: (u32, u8), surface: &Surface, parts: &mut Vec<Part>) -> bool {
         let Level { fine, low, dims, .. } = self.lattice.levels()[level];
-        let whole: Polygon = surface.corners.iter().map(|p| *p * fine).collect();
+        let whole = surface.scaled(fine);
         let margin = GROW * fine;
         touched(&inside(&whole, low, low + dims, margin), low, low + dims, margin, &mut |at| {
             let cell = Cell { level, at };

@@ -1,4 +1,4 @@
-//! Rays, and what they hit.
+//! Rays: the surface that one hits first, and the entry of that surface there.
 
 use glam::DVec3;
 

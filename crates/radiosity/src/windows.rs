@@ -46,8 +46,8 @@ fn is_resting(level: &Level, point: DVec3) -> bool {
 
 impl Cache {
     /// Lets the windows follow an eye, which may move every frame: they stay while it is within the
-    /// middle quarter of each, and else move around it. Windows end at the edge of what is around
-    /// them.
+    /// middle quarter of each, and else move around it. No window leaves the grid, or the window
+    /// that it is in.
     ///
     /// States, rays and light of cells that keep their size stay; rays that end where cells have
     /// another size now are sent again. Call [`Cache::gather`], [`Cache::direct`] and passes next.

@@ -9,6 +9,11 @@ use common::{
 };
 use glam::{Affine3A, Vec3 as V};
 
+/// Passes end with the first that changes less than this share of the light, far below the 0.6% that
+/// tests allow, and after so many.
+const SETTLED: f64 = 1e-6;
+const MOST_PASSES: u32 = 60;
+
 fn around(scene: &Scene, cells: u32, windows: [Option<Window>; 2]) -> Settings {
     Settings { windows, ..Settings::new(Grid::around(&scene.objects, cells)) }
 }
@@ -70,7 +75,7 @@ fn a_window_is_as_good_as_fine_cells_everywhere() {
     let mut with = gathered(&scene, around(&scene, 16, [Some(window), None]), 64);
     let mut coarse = gathered(&scene, around(&scene, 16, [None; 2]), 64);
     let [truth, with, coarse] = [&mut truth, &mut with, &mut coarse].map(|cache| {
-        cache.converge(1e-4, 40);
+        cache.converge(SETTLED, MOST_PASSES);
         below().map(|p| indirect(cache, p, V::Y)).collect::<Vec<_>>()
     });
     let error = |other: &[f64]| {
@@ -145,7 +150,7 @@ fn the_light_of_a_furnace_does_not_depend_on_windows() {
     let scene = scene(room(V::ZERO, V::splat(4.0), 0), vec![glowing], vec![], 0.0);
     let window = Window { middle: V::new(1.0, 2.0, 2.0), half: 1.1, finer: 4 };
     let mut cache = gathered(&scene, around(&scene, 12, [None, Some(window)]), 32);
-    cache.converge(1e-6, 60);
+    cache.converge(SETTLED, MOST_PASSES);
     for z in [0.3, 1.0, 2.05, 3.6] {
         for x in [0.2, 1.9, 2.05, 2.3, 3.9] {
             let found = total(&cache, V::new(x, 0.0, z), V::Y) / std::f64::consts::PI;
@@ -215,7 +220,7 @@ fn light_between_cells_of_a_window_is_as_between_those_of_a_grid() {
     let ask = |cells, windows| {
         let grid = Grid { min: V::splat(-0.25), max: V::new(4.25, 4.25, 4.25), cells };
         let mut cache = gathered(&scene, Settings { windows, ..Settings::new(grid) }, 512);
-        cache.converge(1e-4, 20);
+        cache.converge(SETTLED, MOST_PASSES);
         let at = |i: usize| V::new(2.12 + 1.7 * i as f32 / 60.0, 0.0, 1.0 + (i as f32 * 0.618).fract());
         (0..60).map(|i| indirect(&cache, at(i), V::Y)).collect::<Vec<_>>()
     };

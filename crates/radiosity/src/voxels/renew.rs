@@ -1,7 +1,6 @@
 //! The cells after some objects moved: cells that these touch, or touched, are made anew, and all
 //! others are copied. What comes out is what would be made of all triangles.
 
-use crate::clip::Polygon;
 use crate::colours::Materials;
 use crate::error::LightError;
 use crate::numeric::MOST_REFERENCES;
@@ -38,14 +37,12 @@ impl Voxels {
         let mut next = Self::empty(self.lattice, surfaces, tree);
         let mut parts = Vec::new();
         for (i, surface) in (0..).zip(&next.surfaces).filter(|(_, s)| is_changed(s)) {
-            if !next.add_all_parts((i, bin_of(surface.normal, materials.emits(surface))), surface, &mut parts)
-            {
+            if !next.add_all_parts((i, bin_of(surface, materials)), surface, &mut parts) {
                 return Err(LightError::TooManyReferences);
             }
         }
         let old = self.slots();
-        let mut dirty: Vec<Slot> =
-            parts.iter().map(|p| self.lattice.slot(self.lattice.place(p.cell))).collect();
+        let mut dirty: Vec<Slot> = parts.iter().map(|p| self.lattice.slot_of(p.cell)).collect();
         let touched = |r: &Reference| numbers[r.surface as usize] == NONE;
         dirty.extend(
             (0..).zip(&old).filter(|(k, _)| self.references_at(*k).iter().any(touched)).map(|(_, s)| *s),
@@ -91,8 +88,8 @@ impl Voxels {
         let fine = self.lattice.fine(cell);
         for number in references.iter().map(|r| numbers[r.surface as usize]).filter(|n| *n != NONE) {
             let surface = &self.surfaces[number as usize];
-            let whole: Polygon = surface.corners.iter().map(|p| *p * fine).collect();
-            let kind = (number, bin_of(surface.normal, materials.emits(surface)));
+            let whole = surface.scaled(fine);
+            let kind = (number, bin_of(surface, materials));
             parts.push(Part::new(&self.lattice, cell, &whole, kind));
         }
     }
@@ -107,7 +104,7 @@ impl Voxels {
         materials: &Materials,
     ) {
         let lattice = self.lattice;
-        let slot_of = |parts: &&[Part]| lattice.slot(lattice.place(parts[0].cell));
+        let slot_of = |parts: &&[Part]| lattice.slot_of(parts[0].cell);
         let mut cells = parts.chunk_by(|a, b| a.cell == b.cell).peekable();
         let mut dirty = dirty.iter().copied().peekable();
         const END: Slot = (usize::MAX, 0);

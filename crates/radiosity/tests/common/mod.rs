@@ -178,8 +178,8 @@ pub fn sealed(thickness: f32, cells: u32, rays: u32, place: Affine3A) -> f64 {
     inside.into_iter().map(ask).fold(0.0, f64::max) / above
 }
 
-/// A glowing room of 4 metres with a block. In cells of 25 cm its walls lie in faces of cells: what is
-/// in the upper face of a cell belongs to the next one, which may be none of a window.
+/// A glowing room of 4 metres with a block. In cells of 25 cm its walls lie in faces of cells. A wall
+/// in the upper face of a cell belongs to the next cell, which may lie outside of a window.
 pub fn on_faces() -> Scene {
     let mut glowing = matt(0.5);
     glowing.emission = Vec3::ONE;

@@ -8,8 +8,9 @@ use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
 use crate::common::{lamp, leak_questions, lit, matt, placed, room, rooms, scene, sheet, turned};
 use crate::device::{Mirroring, depth_of, furnished, gpu, mirrored, picture_of, points, run, texture_of};
 
-/// A mirror that differs by more, as a share of the mean light, met another wall or other states.
-const ELSEWHERE: f32 = 1e-3;
+/// Light that differs by more, as a share of the mean or of its own, is that of another wall or of
+/// other states.
+pub const ELSEWHERE: f32 = 1e-3;
 /// Metres from a wall to the nearest point in its fold, and from point to point.
 const FOLD: f32 = 1e-4;
 
