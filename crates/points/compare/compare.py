@@ -81,7 +81,7 @@ def main():
     given = options.parse_args()
     rows = [["cloud", "points", "method", "median s", "times casca-points", "found visible", "other answers"]]
     with tempfile.TemporaryDirectory() as folder:
-        for name in ["sphere", "hare", "scan"]:
+        for name in ["sphere", "hare", "scan", "facade", "terrain", "torus", "copies"]:
             rows += measure(given.program, name, given.points, given.rounds, pathlib.Path(folder))
     for row in rows:
         print("".join(str(cell).ljust(20) for cell in row))

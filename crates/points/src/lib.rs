@@ -40,6 +40,7 @@ pub mod files;
 pub mod gpu;
 pub mod hpr;
 pub mod hull;
+mod morton;
 mod numeric;
 #[cfg(test)]
 mod samples;

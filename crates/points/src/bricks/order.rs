@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::file::{Brick, BrickPoint, LEVELS};
-use crate::cluster::morton;
+use crate::morton::morton;
 
 /// Bits of a coordinate in the codes that bricks are cut by.
 pub(super) const BITS: u32 = 21;

@@ -11,7 +11,6 @@ use crate::hpr::{HprError, Kernel, visible_points};
 use crate::numeric::DISTANCE_ERROR;
 use bitvec::vec::BitVec;
 use cells::Cells;
-pub use cells::morton;
 use glam::DVec3;
 pub use options::{ClusterError, Clustering, Passes, Radius};
 

@@ -25,7 +25,7 @@ use glam::DVec3;
 /// on each side is visible. For sure that is so along the axes of coordinates only: elsewhere
 /// images are rounded off the line, and a point right behind another may be visible, too.
 ///
-/// Costs the hull, `O(n log n)` on usual inputs, and about 150 bytes for each point.
+/// Costs the hull, `O(n log n)` on usual inputs, and about 155 bytes for each point.
 ///
 /// # Errors
 ///

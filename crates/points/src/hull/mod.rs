@@ -7,6 +7,7 @@
 mod flat;
 mod grow;
 mod mesh;
+mod order;
 mod start;
 
 use crate::numeric::{normalized, power_of_two_for};
@@ -45,7 +46,7 @@ pub const MAX_POINTS: usize = 1 << 30;
 ///
 /// The answer is exact for the given coordinates, except those below 2^-107 of the largest one:
 /// these are rounded to multiples of 2^-160 of it. It takes `O(n log n)` on usual inputs, also on
-/// those with facets and points of many edges, but more can be made up; and about 120 bytes for
+/// those with facets and points of many edges, but more can be made up; and about 125 bytes for
 /// each point.
 ///
 /// # Errors
@@ -60,14 +61,16 @@ pub fn extreme_points(points: &[DVec3]) -> Result<BitVec, HullError> {
     }
     let largest = points.iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
     let scale = power_of_two_for(largest);
-    let points: Vec<DVec3> = points.iter().map(|&p| normalized(p, scale)).collect();
-    Ok(match start::find(&points) {
+    let order = order::by_place(points, scale);
+    let points: Vec<DVec3> = order.iter().map(|&i| normalized(points[i as usize], scale)).collect();
+    let extreme = match start::find(&points) {
         Start::Empty => BitVec::new(),
         Start::Place => BitVec::repeat(true, points.len()),
         Start::Line => flat::ends(&points),
         Start::Plane { axis } => flat::corners(&points, axis),
         Start::Solid(simplex) => grow::extreme(&points, simplex),
-    })
+    };
+    Ok(order::undone(&extreme, &order))
 }
 
 #[cfg(test)]
