@@ -59,6 +59,14 @@ proptest! {
     }
 }
 
+/// What eyes in the corners of a tile see. No line passes between two opaque tiles that touch
+/// there, but these eyes look out.
+fn seen_from_corners(map: &BitGrid, tile: Tile) -> BTreeSet<Tile> {
+    let corners = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(x, y)| [tile.0 + x, tile.1 + y]);
+    let eyes = corners.map(|corner| corner.map(|at| i128::from(at) * UNIT));
+    eyes.into_iter().flat_map(|eye| Oracle { opaque: map, eye }.seen()).collect()
+}
+
 /// Small maps: lines through all pairs of corners are looked at for each pair of tiles.
 fn small_map_and_tile() -> impl Strategy<Value = (BitGrid, Tile)> {
     map_and_tile().prop_map(|(map, tile)| {
@@ -79,12 +87,40 @@ proptest! {
         let tiles = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
         let mut truth: BTreeSet<Tile> =
             tiles.filter(|&other| other == tile || is_visible(&opaque, at(tile), at(other))).collect();
-        // No line passes between two opaque tiles that touch at a corner, but eyes look out of it.
-        for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let eye = [i128::from(tile.0 + x) * UNIT, i128::from(tile.1 + y) * UNIT];
-            truth.extend(Oracle { opaque: &map, eye }.seen());
-        }
+        truth.extend(seen_from_corners(&map, tile));
         prop_assert_eq!(seen(&map, tile, &FovOptions::default()), truth);
+    }
+}
+
+/// A map with few walls, on which lines pass many of them.
+fn open_map() -> impl Strategy<Value = BitGrid> {
+    (14..=22_u32, 4..20_u32).prop_flat_map(|(size, density)| {
+        let tile = (0..100_u32).prop_map(move |roll| roll < density);
+        proptest::collection::vec(tile, (size * size) as usize).prop_map(move |tiles| {
+            let mut map = BitGrid::new(size, size);
+            (0..).zip(tiles).for_each(|(at, opaque)| map.set(at % size, at / size, opaque));
+            map
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(cases(150))]
+
+    #[test]
+    fn exactly_the_far_tiles_that_some_eye_sees(
+        map in open_map(),
+        tile in (0..6_u32, 0..6_u32),
+        others in proptest::collection::vec((0..14_u32, 0..14_u32), 24),
+    ) {
+        let at = |(x, y): Tile| IVec2::new(x as i32, y as i32);
+        let opaque: Vec<IVec2> = map.cells().map(at).collect();
+        let seen = seen(&map, tile, &FovOptions::default());
+        let (corners, last) = (seen_from_corners(&map, tile), map.width() - 1);
+        for other in others.into_iter().map(|(x, y)| (last - x, last - y)).filter(|&(x, y)| x.max(y) > 7) {
+            let truth = corners.contains(&other) || is_visible(&opaque, at(tile), at(other));
+            prop_assert_eq!(seen.contains(&other), truth, "{:?}", other);
+        }
     }
 }
 
