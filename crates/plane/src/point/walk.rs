@@ -8,6 +8,7 @@ use crate::geometry::Shape;
 use crate::point::arcs::{Arc, Circle};
 use crate::point::blocked;
 use crate::point::covers::Covers;
+use crate::point::reach::Reach;
 use crate::point::shells::Shells;
 use crate::point::wall::{NOBODY, Wall};
 use crate::pvs::Stats;
@@ -33,6 +34,8 @@ pub(crate) struct Walk {
     covers: Covers,
     /// The layers of the view.
     layers: u64,
+    /// How far its eyes may be from the middle one.
+    reach: f64,
     /// By slot: the last walk that found it.
     marks: Vec<u32>,
     number: u32,
@@ -58,7 +61,7 @@ impl Walk {
     ) {
         self.clear();
         self.mark_nothing(scene.slot_count());
-        self.layers = view.layers();
+        (self.layers, self.reach) = (view.layers(), view.reach());
         let eye = circle.eye;
         let always = scene.outer().iter().chain(scene.lost());
         always.for_each(|&slot| self.find(slot, scene, circle, stats));
@@ -70,7 +73,7 @@ impl Walk {
         let cell = scene.grid().cell_size();
         let (first, last) = shells.numbers();
         // The nearest points of a shell are one cell less away than its number says.
-        let end = view.range().map_or(f64::INFINITY, |range| range / cell + 2.0);
+        let end = view.farthest().map_or(f64::INFINITY, |range| range / cell + 2.0);
         let marks = [scene.lists().occupied(), scene.volumes().bits()];
         let (mut noticed, mut closing, mut check) = (0, true, scene.len() / MOST_LEFT);
         for shell in first..=last {
@@ -145,11 +148,16 @@ impl Walk {
             self.revealed.push(slot);
         }
         let Some(occluder) = object.occluder.as_ref().filter(|_| object.is_certain()) else { return };
-        if occluder.surrounds(circle.eye) {
+        let owner = if object.bounds == *occluder { self.found.len() as u32 - 1 } else { NOBODY };
+        if self.reach > 0.0 {
+            let (eye, walls) = (circle.eye, &mut self.walls);
+            let reach = Reach { scene, eye, reach: self.reach, layers: self.layers };
+            let add = |a, b| walls.extend(Wall::new(eye, a, b, owner));
+            stats.eye_in_occluder |= reach.walls(slot, occluder, add);
+        } else if occluder.surrounds(circle.eye) {
             stats.eye_in_occluder = true;
         } else {
-            let is_all = object.bounds == *occluder;
-            self.add(occluder, if is_all { self.found.len() as u32 - 1 } else { NOBODY }, circle);
+            self.add(occluder, owner, circle);
         }
     }
 

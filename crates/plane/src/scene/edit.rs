@@ -10,7 +10,6 @@ use crate::raster::touched;
 use crate::scene::Scene;
 use crate::scene::object::Object;
 use crate::scene::state::State;
-use crate::solid::filled;
 
 impl Scene {
     /// Adds an object. A dynamic one counts as visible until a frame ends without it. Costs the
@@ -165,25 +164,6 @@ impl Scene {
             other.outer = place + 1;
         }
         true
-    }
-
-    /// Makes the cells inside the occluder of an object opaque.
-    fn fill(&mut self, slot: Slot) {
-        let Some(object) = self.slots.get_mut(slot) else { return };
-        // Opaque cells hide in all views.
-        let Some(occluder) = object.occluder.as_ref().filter(|_| object.layers == u64::MAX) else { return };
-        let opacity = if object.mover.is_some() { &mut self.moving } else { &mut self.fixed };
-        object.fills = true;
-        filled(occluder, &self.grid, &mut |y, xs| xs.for_each(|x| opacity.add(x as u32, y as u32)));
-    }
-
-    /// Undoes [`Scene::fill`], if it was done.
-    pub(super) fn unfill(&mut self, slot: Slot) {
-        let Some(object) = self.slots.get_mut(slot).filter(|object| object.fills) else { return };
-        object.fills = false;
-        let Some(occluder) = &object.occluder else { return };
-        let opacity = if object.mover.is_some() { &mut self.moving } else { &mut self.fixed };
-        filled(occluder, &self.grid, &mut |y, xs| xs.for_each(|x| opacity.remove(x as u32, y as u32)));
     }
 
     /// Whether a shape is in no lists of cells: it leaves the grid, or touches more cells than

@@ -5,9 +5,9 @@
 //! by them, are in the list `outer`, which every query looks at.
 //!
 //! The matrices of the thesis (section 3.1): Os has the cells inside static occluders, and O those
-//! and the cells inside dynamic ones ([`crate::matrix`]); I is the lists; T has the outlines of the
-//! volumes that stand for hidden dynamic objects ([`crate::volume`], [`state`]). H belongs to a
-//! query ([`crate::cell`]).
+//! and the cells inside dynamic ones ([`crate::matrix`]), or inside several together ([`fill`]); I
+//! is the lists; T has the outlines of the volumes that stand for hidden dynamic objects
+//! ([`crate::volume`], [`state`]). H belongs to a query ([`crate::cell`]).
 //!
 //! A frame: [`Scene::begin_frame`] sets the clock and tells which objects are due for a report; the
 //! application moves objects; queries read the scene; [`Scene::end_frame`] takes their results, and
@@ -15,6 +15,7 @@
 
 mod doors;
 mod edit;
+mod fill;
 mod frame;
 mod hiding;
 pub(crate) mod lists;
@@ -74,6 +75,8 @@ pub struct Scene {
     fixed: Opacity,
     /// The cells that listed dynamic occluders add to make O.
     moving: Opacity,
+    /// The cells that solids of both kinds cover together, and none alone when they were decided.
+    joined: CrossBits,
     volumes: Volumes,
     /// Dynamic objects in the lists of cells, or too large for them.
     listed: SlotSet,
@@ -111,6 +114,7 @@ impl Scene {
             outer: Vec::new(),
             fixed: Opacity::new(dims),
             moving: Opacity::new(dims),
+            joined: CrossBits::new(dims),
             volumes: Volumes::new(&grid),
             listed: SlotSet::default(),
             listed_on_expiry: 0,
@@ -206,9 +210,9 @@ impl Scene {
         &self.lists
     }
 
-    /// Os and the rest of O: the cells that occluders fill.
-    pub(crate) fn opacity(&self) -> [&CrossBits; 2] {
-        [self.fixed.bits(), self.moving.bits()]
+    /// Os and the rest of O: the cells that occluders fill, alone or together.
+    pub(crate) fn opacity(&self) -> [&CrossBits; 3] {
+        [self.fixed.bits(), self.moving.bits(), &self.joined]
     }
 
     /// T: the temporal bounding volumes.

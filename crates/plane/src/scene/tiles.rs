@@ -22,10 +22,10 @@ impl Scene {
     /// rectangle of such tiles. Gives their ids. Corners of tiles are rounded to single precision,
     /// all tiles at a corner alike, so that no gaps open.
     ///
-    /// For [`Method::Cell`](crate::Method::Cell), cells that lie wholly inside one of the
-    /// rectangles are opaque; these are the cells of all tiles where tiles have the size of cells
-    /// and lie on them. Tiles that open and close are left free in the layer, and added as
-    /// doors afterwards ([`Scene::insert_door`]). Costs the cells that the tiles touch.
+    /// For [`Method::Cell`](crate::Method::Cell), cells that lie wholly inside the rectangles are
+    /// opaque, also if several of them and other solids cover them together. Tiles that open and
+    /// close are left free in the layer, and added as doors afterwards ([`Scene::insert_door`]).
+    /// Costs the cells that the tiles touch.
     ///
     /// # Errors
     /// As [`Scene::insert`]; then none is added.
@@ -122,7 +122,7 @@ mod tests {
         let layer = TileLayer::new(Vec2::new(-1.0, -1.5), 0.5, tiles.clone()).unwrap();
         let ids = scene.insert_tiles(&layer).unwrap();
         assert_eq!(ids.len(), scene.len());
-        let [fixed, _] = scene.opacity();
+        let [fixed, ..] = scene.opacity();
         for cell in (0..144).map(|i| IVec2::new(i % 12, i / 12)) {
             let tile = cell - IVec2::new(2, 1);
             let opaque = tile.cmpge(IVec2::ZERO).all() && tiles.get(tile.x as u32, tile.y as u32);

@@ -60,6 +60,23 @@ impl Ray {
         }
     }
 
+    /// A ray that is left of two, or on them, from here on.
+    pub fn leftmost(self, other: Self) -> Self {
+        let flat = if self.is_flatter(other) { other } else { self };
+        Self::through(self.column.min(other.column) as usize, flat.step, flat.whole)
+    }
+
+    /// A ray that is right of two, or on them, from here on.
+    pub fn rightmost(self, other: Self) -> Self {
+        let flat = if self.is_flatter(other) { self } else { other };
+        Self::through(self.end().max(other.end()) as usize, flat.step, flat.whole)
+    }
+
+    /// Whether the slope of a ray is greater than that of another.
+    fn is_flatter(self, other: Self) -> bool {
+        i128::from(self.step) * i128::from(other.whole) > i128::from(other.step) * i128::from(self.whole)
+    }
+
     /// The column after the last one that begins before the ray.
     #[inline(always)]
     pub fn end(self) -> i64 {
@@ -67,5 +84,5 @@ impl Ray {
     }
 }
 
-/// The rays between two, without these.
+/// The rays of one eye between two, without these.
 pub(super) type Beam = (Ray, Ray);

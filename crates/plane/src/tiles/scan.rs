@@ -26,13 +26,6 @@ impl<const MIRROR: bool> Row<'_, MIRROR> {
         self.next(from, end, |at| !self.words[at])
     }
 
-    /// The first column in `from..end` whose bit is set here and in another row of the same width;
-    /// `end` if there is none. `from < end <= width`.
-    #[inline]
-    pub fn next_in_both(self, other: Self, from: usize, end: usize) -> usize {
-        self.next(from, end, |at| self.words[at] & other.words[at])
-    }
-
     /// The first column whose bit is set in the words of a function.
     #[inline(always)]
     fn next(self, from: usize, end: usize, word_at: impl Fn(usize) -> u64) -> usize {

@@ -1,13 +1,18 @@
-//! Fields of view of all eyes in a tile: against single eyes, and against rays past shrunk walls.
+//! Fields of view of all eyes in a tile: against single eyes, and against all lines in whole numbers.
+
+#[path = "../../src/cell/tests/exact.rs"]
+mod exact;
 
 use std::collections::BTreeSet;
 
 use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TileError};
+use glam::IVec2;
 use proptest::prelude::*;
 
 use crate::cases::cases;
 use crate::maps::{drawn, map};
-use crate::oracle::{Direction, Oracle, UNIT};
+use crate::oracle::{Oracle, UNIT};
+use exact::is_visible;
 
 type Tile = (u32, u32);
 
@@ -23,37 +28,6 @@ fn map_and_tile() -> impl Strategy<Value = (BitGrid, Tile)> {
         let tile = (0..map.width(), 0..map.height());
         (Just(map), tile)
     })
-}
-
-/// The tiles that a ray from the centre of a tile crosses before it meets a segment between the
-/// centres of opaque neighbours. It must meet no centre and no corner. Lengths are halves of a
-/// tile.
-fn tiles_past_shrunk_walls(map: &BitGrid, eye: Tile, direction: Direction) -> Vec<Tile> {
-    let center = [i128::from(eye.0) * 2 + 1, i128::from(eye.1) * 2 + 1];
-    let size = [i128::from(map.width()) * 2, i128::from(map.height()) * 2];
-    let step = direction.map(i128::signum);
-    // The half tile that the ray is in, from its least corner.
-    let mut half = [0, 1].map(|axis| center[axis] - i128::from(step[axis] < 0));
-    let mut found = Vec::new();
-    while (0..2).all(|axis| (0..size[axis]).contains(&half[axis])) {
-        found.push(((half[0] / 2) as u32, (half[1] / 2) as u32));
-        let to = [0, 1].map(|axis| (half[axis] + i128::from(step[axis] > 0) - center[axis]).abs());
-        let axis = usize::from(to[1] * direction[0].abs() < to[0] * direction[1].abs());
-        let line = half[axis] + i128::from(step[axis] > 0);
-        if line % 2 == 1 {
-            // A line of centres: the ray crosses it between those of two tiles.
-            let across = half[1 - axis];
-            let ends = [(across - 1).div_euclid(2), (across - 1).div_euclid(2) + 1].map(|along| {
-                let tile = if axis == 0 { [line / 2, along] } else { [along, line / 2] };
-                tile.iter().all(|&at| at >= 0) && map.get(tile[0] as u32, tile[1] as u32)
-            });
-            if ends == [true, true] {
-                break;
-            }
-        }
-        half[axis] += step[axis];
-    }
-    found
 }
 
 proptest! {
@@ -83,29 +57,75 @@ proptest! {
             prop_assert!(in_range.is_subset(&near), "misses {:?}", in_range.difference(&near));
         }
     }
+}
+
+/// What eyes in the corners of a tile see. No line passes between two opaque tiles that touch
+/// there, but these eyes look out.
+fn seen_from_corners(map: &BitGrid, tile: Tile) -> BTreeSet<Tile> {
+    let corners = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(x, y)| [tile.0 + x, tile.1 + y]);
+    let eyes = corners.map(|corner| corner.map(|at| i128::from(at) * UNIT));
+    eyes.into_iter().flat_map(|eye| Oracle { opaque: map, eye }.seen()).collect()
+}
+
+/// Small maps: lines through all pairs of corners are looked at for each pair of tiles.
+fn small_map_and_tile() -> impl Strategy<Value = (BitGrid, Tile)> {
+    map_and_tile().prop_map(|(map, tile)| {
+        let (width, height) = (map.width().min(7), map.height().min(7));
+        let mut small = BitGrid::new(width, height);
+        map.cells().filter(|&(x, y)| x < width && y < height).for_each(|(x, y)| small.set(x, y, true));
+        (small, (tile.0 % width, tile.1 % height))
+    })
+}
+
+proptest! {
+    #![proptest_config(cases(150))]
 
     #[test]
-    fn exactly_the_tiles_past_shrunk_walls((map, tile) in map_and_tile()) {
-        // Between the directions of corners and centres of tiles, rays cross the same tiles.
-        let center = [tile.0, tile.1].map(|at| i128::from(at) * UNIT + UNIT / 2);
-        let oracle = Oracle { opaque: &map, eye: center };
-        let (width, height) = (i128::from(map.width()), i128::from(map.height()));
-        let halves = |size: i128| (0..=2 * size).map(|at| at * UNIT / 2);
-        let centers: Vec<_> = halves(width)
-            .flat_map(|x| halves(height).map(move |y| [x - center[0], y - center[1]]))
-            .filter(|&corner| corner != [0, 0])
-            .collect();
-        let truth: BTreeSet<_> = oracle
-            .directions(&centers)
-            .into_iter()
-            .flat_map(|ray| tiles_past_shrunk_walls(&map, tile, ray))
-            .collect();
+    fn exactly_the_tiles_that_some_eye_sees((map, tile) in small_map_and_tile()) {
+        let at = |(x, y): Tile| IVec2::new(x as i32, y as i32);
+        let opaque: Vec<IVec2> = map.cells().map(at).collect();
+        let tiles = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
+        let mut truth: BTreeSet<Tile> =
+            tiles.filter(|&other| other == tile || is_visible(&opaque, at(tile), at(other))).collect();
+        truth.extend(seen_from_corners(&map, tile));
         prop_assert_eq!(seen(&map, tile, &FovOptions::default()), truth);
     }
 }
 
+/// A map with few walls, on which lines pass many of them.
+fn open_map() -> impl Strategy<Value = BitGrid> {
+    (14..=22_u32, 4..20_u32).prop_flat_map(|(size, density)| {
+        let tile = (0..100_u32).prop_map(move |roll| roll < density);
+        proptest::collection::vec(tile, (size * size) as usize).prop_map(move |tiles| {
+            let mut map = BitGrid::new(size, size);
+            (0..).zip(tiles).for_each(|(at, opaque)| map.set(at % size, at / size, opaque));
+            map
+        })
+    })
+}
+
+proptest! {
+    #![proptest_config(cases(150))]
+
+    #[test]
+    fn exactly_the_far_tiles_that_some_eye_sees(
+        map in open_map(),
+        tile in (0..6_u32, 0..6_u32),
+        others in proptest::collection::vec((0..14_u32, 0..14_u32), 24),
+    ) {
+        let at = |(x, y): Tile| IVec2::new(x as i32, y as i32);
+        let opaque: Vec<IVec2> = map.cells().map(at).collect();
+        let seen = seen(&map, tile, &FovOptions::default());
+        let (corners, last) = (seen_from_corners(&map, tile), map.width() - 1);
+        for other in others.into_iter().map(|(x, y)| (last - x, last - y)).filter(|&(x, y)| x.max(y) > 7) {
+            let truth = corners.contains(&other) || is_visible(&opaque, at(tile), at(other));
+            prop_assert_eq!(seen.contains(&other), truth, "{:?}", other);
+        }
+    }
+}
+
 #[test]
-fn long_walls_hide_and_single_tiles_do_not() {
+fn long_walls_and_single_tiles_hide() {
     let map = drawn(&[".......", ".......", "#######", ".......", ".#...#.", "......."]);
     let seen = seen(&map, (3, 0), &FovOptions::default());
     assert!((0..7).all(|x| !seen.contains(&(x, 4)) && seen.contains(&(x, 3))));
