@@ -2,13 +2,14 @@
 //! cross, nobody can tell which is in front; darkening lines by the lines around them shows it.
 //!
 //! After L. de P. B. Benevides, *Oclusão de ambiente para renderização de linhas* (ambient
-//! occlusion for the rendering of lines; master's thesis, PUC-Rio 2015). Nothing is precomputed:
-//! lines may move in every frame.
+//! occlusion for the rendering of lines; master's thesis, PUC-Rio 2015), by its columns of slices,
+//! or by rays. Lines may move in every frame.
 //!
 //! - [`sets`]: sets of polylines, seeded generators, and files.
 //! - [`view`]: orthographic and perspective views.
 //! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can
 //!   be used alone.
+//! - [`cells`]: a grid of the world that names the segments near each cell, for rays.
 //! - [`buffers`]: the nearest line in each pixel.
 //! - [`samples`]: blue-noise points that choose columns.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
@@ -19,6 +20,7 @@
 //! Results are estimates, the same for any number of threads.
 
 pub mod buffers;
+pub mod cells;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod numeric;

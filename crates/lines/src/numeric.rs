@@ -38,6 +38,48 @@ pub const GROUP: u32 = 16;
 /// all one point.
 pub const DOT_ROOM: f64 = 1e-3;
 
+/// Segments of lines for each cell of a grid for rays, if they were spread evenly and short. Fewer
+/// make rays cross more cells, more make them test more segments.
+pub const SEGMENTS_IN_CELL: f64 = 0.5;
+
+/// The side of a cell in margins, at least: cells are named by what is within a margin of them, so
+/// that smaller ones would be in the lists of too many neighbours.
+pub const CELL_IN_MARGINS: f64 = 1.5;
+
+/// The mean length of a segment in sides of a cell, at most (the sum of the ways along x, y and z):
+/// it bounds the cells that long segments cross.
+pub const LENGTH_IN_CELLS: f64 = 4.0;
+
+/// The greatest number of cells in a row of a grid for rays: coordinates have 10 bits before the
+/// point then, and 14 behind it.
+pub const MOST_IN_ROW: f64 = 1024.0;
+
+/// The part of a cell's side by which single precision may move a ray: some units of 2^-14.
+pub const CELL_ROUNDING: f32 = 1.0 / 1024.0;
+
+/// The margin of cells in radii of the tubes that rays meet. Rays are as wide as two tubes at most,
+/// then: wider ones have less noise, but test more segments.
+pub const MARGIN_IN_TUBES: f32 = 3.0;
+
+/// Rays of a receiver, unless it is told another number: a quarter more noise than 32 in three
+/// quarters of their time.
+pub const USUAL_RAYS: u32 = 24;
+
+/// A ray has at least this part of its length in each direction: no border of cells is crossed at a
+/// place that is no number.
+pub const LEAST_WAY: f32 = 1e-9;
+
+/// Rays start this many radii of a tube above the middle of the receiver's own one, so that
+/// rounding does not put them into it.
+pub const RAY_LIFT: f32 = 1.01;
+
+/// A line whose angle to a ray has a square of its sine below this is parallel to it: single
+/// precision does not say where they are nearest, and the tube ends in the ray's own direction.
+pub const RAY_PARALLEL: f32 = 1e-8;
+
+/// A ray that lets less than this through is stopped.
+pub const STOPPED: f32 = 1.0 / 256.0;
+
 /// A pseudo-random number from two (the permutation RXS-M-XS of O'Neill 2014, "PCG", once for
 /// each). It needs 32 bits only, so that shaders can compute it.
 pub fn hash(a: u32, b: u32) -> u32 {

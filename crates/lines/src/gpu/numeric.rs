@@ -5,7 +5,9 @@
 //! enters deeper than [`IN_DOUBT`], and none that it misses by more: the tests compare both bounds
 //! with exact clipping.
 
-use crate::numeric::{ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, PARALLEL};
+use crate::numeric::{
+    ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, LEAST_WAY, MEAN_SINE, PARALLEL, RAY_LIFT, RAY_PARALLEL, STOPPED,
+};
 
 /// The part of a pixel or slice by which rounding may move a line. A coordinate of a picture has up
 /// to 14 bits before the binary point, so that the last of its 24 bits is worth 2^-10 of a pixel; a
@@ -38,6 +40,10 @@ pub(super) fn constants() -> String {
         ("LEAST_SINE", LEAST_SINE),
         ("PARALLEL", PARALLEL),
         ("MEAN_SINE", MEAN_SINE),
+        ("LEAST_WAY", LEAST_WAY),
+        ("RAY_LIFT", RAY_LIFT),
+        ("RAY_PARALLEL", RAY_PARALLEL),
+        ("STOPPED", STOPPED),
     ];
     all.iter().map(|(name, value)| format!("const {name}: f32 = {value:e};\n")).collect()
 }

@@ -16,7 +16,7 @@ use crate::gpu::numeric::FARTHEST;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
 use crate::gpu::shader::shader;
-use crate::occlusion::sector_of;
+use crate::occlusion::{Estimator, OptionsError, sector_of};
 use crate::samples::SampleSets;
 use crate::slabs::Slices;
 use crate::view::View;
@@ -68,12 +68,16 @@ pub struct Renderer {
     resolve: Kernel,
     walls: Kernel,
     estimate: Kernel,
+    trace: Kernel,
     picture: wgpu::RenderPipeline,
     /// The two runs of `draw`.
     choosing: [Buffer; 2],
     samples: Buffer,
     frame: Option<Frame>,
 }
+
+/// The pixels of a workgroup of rays, as in rays.wgsl.
+const TILE: [u32; 2] = [4, 2];
 
 const PICTURE: &[u32] = &[0, 10, 12, 17, 18];
 
@@ -85,7 +89,16 @@ impl Renderer {
     pub fn new(gpu: &Gpu, format: TextureFormat, settings: Settings) -> Result<Self, LinesGpuError> {
         let raster = shader(gpu, "raster", include_str!("shaders/raster.wgsl"));
         let walls = shader(gpu, "walls", include_str!("shaders/walls.wgsl"));
-        let occlusion = shader(gpu, "occlusion", include_str!("shaders/occlusion.wgsl"));
+        let occlusion = shader(
+            gpu,
+            "occlusion",
+            concat!(include_str!("shaders/receiver.wgsl"), include_str!("shaders/occlusion.wgsl")),
+        );
+        let rays = shader(
+            gpu,
+            "rays",
+            concat!(include_str!("shaders/receiver.wgsl"), include_str!("shaders/rays.wgsl")),
+        );
         let flag = |value: u32| filled(gpu, &[value, 0, 0, 0], BufferUsages::UNIFORM);
         Ok(Self {
             columns: Kernel::new(gpu, &raster, "columns", &[0, 2, 3, 4, 5, 6, 7]),
@@ -93,6 +106,7 @@ impl Renderer {
             resolve: Kernel::new(gpu, &raster, "resolve", &[0, 2, 3, 9, 11, 12]),
             walls: Kernel::new(gpu, &walls, "find", &[0, 13, 14]),
             estimate: Kernel::new(gpu, &occlusion, "estimate", &[0, 6, 7, 12, 15, 16, 17]),
+            trace: Kernel::new(gpu, &rays, "trace", &[0, 12, 15, 16, 17, 19, 20, 21, 22]),
             picture: picture(gpu, format),
             choosing: [flag(0)?, flag(1)?],
             samples: samples(gpu, &settings)?,
@@ -111,7 +125,7 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`].
     pub fn set_settings(&mut self, gpu: &Gpu, settings: Settings) -> Result<(), LinesGpuError> {
-        let of_samples = |s: &Settings| (s.samples, s.sets, s.seed);
+        let of_samples = |s: &Settings| (s.samples, s.sets, s.seed, s.by_rays());
         settings.check()?;
         if of_samples(&settings) != of_samples(&self.settings) {
             self.samples = samples(gpu, &settings)?;
@@ -120,17 +134,17 @@ impl Renderer {
         Ok(())
     }
 
-    /// Computes a view of lines: columns of `seen.read`, the nearest lines of `seen.drawn`, and the
-    /// occlusion. `walls` are boxes that hide lines, by their least and greatest corners; they take
-    /// no part in the occlusion.
+    /// Computes a view of lines: columns of `seen.read` unless rays are taken, the nearest lines of
+    /// `seen.drawn`, and the occlusion. `walls` are boxes that hide lines, by their least and
+    /// greatest corners; they take no part in the occlusion.
     ///
     /// Time: proportional to the vertices of the bundles, to the pixels that lines cross, and to
-    /// the pixels with lines times the samples. Memory on the device: 80 bytes a column with 128
-    /// slices, 160 with 256; 52 bytes a pixel.
+    /// the pixels with lines times the samples. Memory on the device: 52 bytes a pixel; with
+    /// columns 80 bytes a column with 128 slices, 160 with 256.
     ///
-    /// # Errors
-    /// If the device has no room or is lost, a bundle is not there, or a depth of the view is more
-    /// than [`FARTHEST`] times the range of its depths away.
+    /// # Errors If the device has no room or is lost, a bundle is not there, rays are to meet tubes
+    /// thicker than the margin of the cells, or a depth of the view is more than [`FARTHEST`] times
+    /// the range of its depths away.
     pub fn update(
         &mut self,
         gpu: &Gpu,
@@ -142,6 +156,11 @@ impl Renderer {
         self.fit(gpu, view)?;
         let Some(frame) = &self.frame else { return Ok(()) };
         let settings = &self.settings;
+        if let Estimator::Rays { line_radius } = settings.ao.estimator
+            && line_radius > lines.margin()
+        {
+            return Err(OptionsError::Margin { radius: line_radius, margin: lines.margin() }.into());
+        }
         let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
         let storage = BufferUsages::STORAGE;
         let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
@@ -150,11 +169,13 @@ impl Renderer {
         let ao = filled(gpu, &[GpuAo::new(settings, view.size())], BufferUsages::UNIFORM)?;
         let set: [Bound<'_>; 4] =
             [(2, &lines.vertices), (3, &lines.segments), (4, &lines.order), (11, &lines.tangents)];
-        clock.stage(gpu, "columns", |encoder| {
-            [&frame.bits, &frame.lengths].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
-            let bound = [(0, &frame.grid_lens), (5, &read_list), (6, &frame.bits), (7, &frame.lengths)];
-            self.columns.run_groups(gpu, encoder, read.len(), &among(&[&set[..], &bound[..]].concat()));
-        })?;
+        if !settings.by_rays() {
+            clock.stage(gpu, "columns", |encoder| {
+                [&frame.bits, &frame.lengths].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
+                let bound = [(0, &frame.grid_lens), (5, &read_list), (6, &frame.bits), (7, &frame.lengths)];
+                self.columns.run_groups(gpu, encoder, read.len(), &among(&[&set[..], &bound[..]].concat()));
+            })?;
+        }
         clock.stage(gpu, "walls", |encoder| {
             let bound = [(0, &frame.lens), (13, &boxes), (14, &frame.walls)];
             self.walls.run_pixels(gpu, encoder, view.size(), &among(&bound));
@@ -176,16 +197,24 @@ impl Renderer {
             self.resolve.run_pixels(gpu, encoder, view.size(), &among(&[&set[..], &bound[..]].concat()));
         })?;
         clock.stage(gpu, "occlusion", |encoder| {
-            let bound = [
-                (0, &frame.grid_lens),
-                (6, &frame.bits),
-                (7, &frame.lengths),
-                (12, &frame.fragments),
-                (15, &self.samples),
-                (16, &ao),
-                (17, &frame.occlusion),
-            ];
-            self.estimate.run_pixels(gpu, encoder, view.size(), &among(&bound));
+            let common: [Bound<'_>; 4] =
+                [(12, &frame.fragments), (15, &self.samples), (16, &ao), (17, &frame.occlusion)];
+            if settings.by_rays() {
+                let bound: [Bound<'_>; 5] = [
+                    (0, &frame.lens),
+                    (19, &lines.grid),
+                    (20, &lines.starts),
+                    (21, &lines.lists),
+                    (22, &lines.ends),
+                ];
+                let [width, height] = view.size();
+                let tiles = width.div_ceil(TILE[0]) as usize * height.div_ceil(TILE[1]) as usize;
+                self.trace.run_groups(gpu, encoder, tiles, &among(&[&common[..], &bound[..]].concat()));
+            } else {
+                let bound: [Bound<'_>; 3] = [(0, &frame.grid_lens), (6, &frame.bits), (7, &frame.lengths)];
+                let bound = [&common[..], &bound[..]].concat();
+                self.estimate.run_pixels(gpu, encoder, view.size(), &among(&bound));
+            }
         })?;
         Ok(())
     }
@@ -288,6 +317,8 @@ impl Renderer {
             return Err(LinesGpuError::Depths { near, far });
         }
         let grid = self.settings.grid(view)?;
+        // Rays need no columns.
+        let grid = if self.settings.by_rays() { grid.with_height(1)? } else { grid };
         let kind = |f: &Frame| (f.view.size(), f.grid.size(), f.slices);
         let fits = |f: &Frame| kind(f) == (view.size(), grid.size(), slices);
         if !self.frame.as_ref().is_some_and(fits) {
@@ -339,7 +370,8 @@ impl Frame {
 
 fn samples(gpu: &Gpu, settings: &Settings) -> Result<Buffer, LinesGpuError> {
     settings.check()?;
-    let sets = SampleSets::new(settings.samples, settings.sets, settings.seed)?;
+    let make = if settings.by_rays() { SampleSets::spirals } else { SampleSets::new };
+    let sets = make(settings.samples, settings.sets, settings.seed)?;
     let all = (0..sets.count()).flat_map(|i| sets.set(i));
     let flat: Vec<[f32; 4]> = all.map(|s| [s.at.x, s.at.y, s.area, sector_of(s) as f32]).collect();
     Ok(filled(gpu, &flat, BufferUsages::STORAGE)?)

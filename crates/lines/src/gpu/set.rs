@@ -1,11 +1,14 @@
 //! Lines in the memory of a device, in bundles.
 
+use bytemuck::{Pod, Zeroable};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{Buffer, BufferUsages};
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
+use crate::gpu::settings::Settings;
 use crate::sets::LineSet;
 use casca_stage::kernel::filled;
 
@@ -37,26 +40,50 @@ impl Bundle {
     }
 }
 
+/// `Grid` of rays.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GpuGrid {
+    origin: [f32; 3],
+    side: f32,
+    dims: [u32; 3],
+    margin: f32,
+}
+
 /// Lines in the memory of a device.
 pub struct GpuLines {
     pub(super) vertices: Buffer,
     pub(super) tangents: Buffer,
     pub(super) segments: Buffer,
     pub(super) order: Buffer,
+    pub(super) ends: Buffer,
+    pub(super) grid: Buffer,
+    pub(super) starts: Buffer,
+    pub(super) lists: Buffer,
+    margin: f32,
     bundles: Vec<Bundle>,
     vertex_count: usize,
 }
 
+impl GpuGrid {
+    fn new(cells: &Cells) -> Self {
+        let (origin, dims) = (cells.origin().to_array(), cells.dims().to_array());
+        Self { origin, side: cells.side(), dims, margin: cells.margin() }
+    }
+}
+
 impl GpuLines {
     /// Copies lines to the device and puts segments that lie near each other into bundles of
-    /// [`BUNDLE`].
+    /// [`BUNDLE`], and into [`Cells`] with a margin.
     ///
-    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex and 12 a
-    /// segment.
+    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex, 12 a
+    /// segment, and as much as the cells take.
     ///
     /// # Errors
     /// The device has no room.
-    pub fn new(gpu: &Gpu, lines: &LineSet) -> Result<Self, LinesGpuError> {
+    pub fn new(gpu: &Gpu, lines: &LineSet, margin: f32) -> Result<Self, LinesGpuError> {
+        let cells = Cells::new(lines, margin);
+        let flat: Vec<[f32; 3]> = cells.ends().iter().flatten().map(|p| p.to_array()).collect();
         let points = lines.points();
         let with = |v: &Vec3, w: f32| [v.x, v.y, v.z, w];
         let vertices: Vec<[f32; 4]> =
@@ -80,6 +107,11 @@ impl GpuLines {
             tangents: filled(gpu, &tangents, usage)?,
             segments: filled(gpu, &segments, usage)?,
             order: filled(gpu, &order, usage)?,
+            ends: filled(gpu, &flat, usage)?,
+            grid: filled(gpu, &[GpuGrid::new(&cells)], BufferUsages::UNIFORM)?,
+            starts: filled(gpu, cells.starts(), usage)?,
+            lists: filled(gpu, cells.lists(), usage)?,
+            margin: cells.margin(),
             bundles,
             vertex_count: points.len(),
         })
@@ -88,6 +120,18 @@ impl GpuLines {
     /// The bundles.
     pub fn bundles(&self) -> &[Bundle] {
         &self.bundles
+    }
+
+    /// The margin of the cells.
+    pub fn margin(&self) -> f32 {
+        self.margin
+    }
+
+    /// Whether the cells suit settings: their margin is within a factor of 2 of the best one, or
+    /// the settings need no cells.
+    pub fn suits(&self, settings: &Settings) -> bool {
+        let best = settings.margin();
+        !settings.by_rays() || (best / 2.0..=best * 2.0).contains(&self.margin)
     }
 
     /// The number of vertices.

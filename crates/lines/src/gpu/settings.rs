@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::Reach;
+use crate::numeric::{MARGIN_IN_TUBES, USUAL_RAYS};
 use crate::occlusion::{AoOptions, BasePlane, Estimator, SetChoice};
 use crate::slabs::Slices;
 use crate::view::View;
@@ -13,7 +14,7 @@ use crate::view::View;
 pub struct Settings {
     /// The occlusion.
     pub ao: AoOptions,
-    /// Samples of a set. The thesis takes 150.
+    /// Samples or rays of a set. The thesis takes 150.
     pub samples: u32,
     /// Sets of samples.
     pub sets: u32,
@@ -26,10 +27,33 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The best estimator for tubes of a radius, with 256 slices in columns of 2 x 2 pixels.
+    /// The best estimator for tubes of a radius: [`USUAL_RAYS`] rays.
     pub fn new(radius: f32, line_radius: f32) -> Self {
+        Self {
+            ao: AoOptions::rays(radius, line_radius),
+            samples: USUAL_RAYS,
+            ..Self::of_columns(radius, line_radius)
+        }
+    }
+
+    /// The best estimator of columns for tubes of a radius, with 150 samples and 256 slices in
+    /// columns of 2 x 2 pixels.
+    pub fn of_columns(radius: f32, line_radius: f32) -> Self {
         let ao = AoOptions::new(radius, line_radius);
         Self { ao, samples: 150, sets: 16, seed: 1, slices: Slices::S256, coarse: 2 }
+    }
+
+    /// Whether rays through cells are taken, instead of columns.
+    pub fn by_rays(&self) -> bool {
+        matches!(self.ao.estimator, Estimator::Rays { .. })
+    }
+
+    /// The margin of the cells of lines that suits the tubes that rays meet; 0 without rays.
+    pub fn margin(&self) -> f32 {
+        match self.ao.estimator {
+            Estimator::Rays { line_radius } => line_radius * MARGIN_IN_TUBES,
+            _ => 0.0,
+        }
     }
 
     /// The view of the columns of a view.
@@ -49,7 +73,9 @@ impl Settings {
     /// # Errors
     /// As [`Self::grid`].
     pub fn reach(&self, view: &View) -> Result<Reach, LinesGpuError> {
-        Ok(Reach::new(view, &self.grid(view)?, self.ao.radius, self.slices))
+        let reach = Reach::new(view, &self.grid(view)?, self.ao.radius, self.slices);
+        // Cells hold all lines in any case.
+        Ok(if self.by_rays() { Reach { read: reach.drawn, ..reach } } else { reach })
     }
 
     pub(super) fn check(&self) -> Result<(), LinesGpuError> {
@@ -85,6 +111,7 @@ impl GpuAo {
             Estimator::RatioOfSums { factor } => (1, factor),
             Estimator::Extinction { k } => (2, k),
             Estimator::OpticalDepth { line_radius } => (3, line_radius),
+            Estimator::Rays { line_radius } => (4, line_radius),
         };
         let (choice, step) = match ao.choice {
             SetChoice::One => (0, 1.0),

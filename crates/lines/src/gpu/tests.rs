@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3, vec3};
 use proptest::prelude::*;
 
 use crate::buffers::LineBuffer;
+use crate::cells::Cells;
 use crate::gpu::culling::{Culling, Seen};
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::{Reach, view_of_scene};
@@ -63,7 +64,7 @@ fn settings(ao: AoOptions) -> Settings {
 
 /// A frame of all lines without walls.
 fn run(gpu: &Gpu, lines: &LineSet, view: &View, settings: Settings) -> Renderer {
-    let on_device = GpuLines::new(gpu, lines).unwrap();
+    let on_device = GpuLines::new(gpu, lines, settings.margin()).unwrap();
     let mut renderer = Renderer::new(gpu, COLOUR, settings).unwrap();
     let seen = Seen::all(on_device.bundles().len());
     renderer.update(gpu, view, (&on_device, &seen), &[], &mut Clock::off()).unwrap();
@@ -181,11 +182,12 @@ fn the_unit_of_length_changes_nothing() {
             let scaled = LineSet::new(lines.iter().map(points)).unwrap();
             views([Vec3::splat(-unit), Vec3::splat(unit)]).map(|view| {
                 let renderer = run(&gpu, &scaled, &view, settings(AoOptions::new(0.3 * unit, 0.02 * unit)));
+                let rays = run(&gpu, &scaled, &view, settings(AoOptions::rays(0.3 * unit, 0.02 * unit)));
                 let lengths = renderer.read_lengths(&gpu).unwrap();
                 (
                     renderer.read_columns(&gpu).unwrap(),
                     lengths.into_iter().map(|l| l / f64::from(unit)).collect::<Vec<f64>>(),
-                    renderer.read_occlusion(&gpu).unwrap(),
+                    [renderer, rays].map(|r| r.read_occlusion(&gpu).unwrap()),
                 )
             })
         };
@@ -195,7 +197,7 @@ fn the_unit_of_length_changes_nothing() {
                 assert!(found.0 == expected.0, "columns in units of {unit}");
                 assert!(found.1 == expected.1, "lengths in units of {unit}");
                 assert!(found.2 == expected.2, "occlusion in units of {unit}");
-                assert!(found.2.iter().sum::<f32>() > 10.0);
+                assert!(found.2.iter().all(|o| o.iter().sum::<f32>() > 10.0));
             }
         }
     }
@@ -238,6 +240,8 @@ fn the_occlusion_is_that_of_the_processor_for_all_estimators_and_choices() {
         AoOptions { plane: BasePlane::ThesisSign, by_distance: false, ..AoOptions::thesis(0.2) },
         AoOptions { estimator: Estimator::RatioOfSums { factor: 3.0 }, by_angle: false, ..base },
         AoOptions { estimator: Estimator::Extinction { k: 9.0 }, choice: SetChoice::Screen, ..base },
+        AoOptions::rays(0.3, 0.02),
+        AoOptions { choice: SetChoice::One, ..AoOptions::rays(0.8, 0.005) },
     ];
     for (number, ao) in options.into_iter().enumerate() {
         let lines = set(Family::ALL[number % 5], 250);
@@ -248,8 +252,13 @@ fn the_occlusion_is_that_of_the_processor_for_all_estimators_and_choices() {
             // The same receivers: others are the matter of another test.
             let receivers = renderer.read_fragments(&gpu).unwrap();
             let grid = SlabGrid::of_lines(&lines, &view, settings.slices, SpanRule::Span);
-            let samples = SampleSets::new(settings.samples, settings.sets, settings.seed).unwrap();
-            let occlusion = Occlusion::new(&grid, &samples, ao).unwrap();
+            let cells = Cells::new(&lines, settings.margin());
+            let make = if settings.by_rays() { SampleSets::spirals } else { SampleSets::new };
+            let samples = make(settings.samples, settings.sets, settings.seed).unwrap();
+            let occlusion = match settings.by_rays() {
+                true => Occlusion::by_rays(&cells, &view, &samples, ao).unwrap(),
+                false => Occlusion::new(&grid, &samples, ao).unwrap(),
+            };
             let (mut off, mut far_off, mut covered, mut sum) = (0.0, 0, 0, 0.0);
             for (pixel, (found, fragment)) in found.iter().zip(&receivers).enumerate() {
                 let at = [pixel as u32 % SIZE[0], pixel as u32 / SIZE[0]];
@@ -273,7 +282,7 @@ fn the_occlusion_is_that_of_the_processor_for_all_estimators_and_choices() {
 fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
     let Some(gpu) = gpu() else { return };
     let house = House::new(4, 120, 5, 0.0).unwrap();
-    let lines = GpuLines::new(&gpu, &house.lines).unwrap();
+    let lines = GpuLines::new(&gpu, &house.lines, 0.04).unwrap();
     let mut culling = Culling::new(lines.bundles(), &house.walls).unwrap();
     let canvas = Canvas::new(&gpu, (160, 120));
     let everything = Seen::all(lines.bundles().len());
@@ -318,12 +327,12 @@ fn hidden_bundles_that_darken_visible_lines_are_read_and_without_the_reach_pixel
     // ones.
     let walls = [[vec3(-3.0, -3.0, 0.59), vec3(0.4, 3.0, 0.61)]];
     let cube = Recipe { lines: 1000, vertices: 100, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
-    let lines = GpuLines::new(&gpu, &cube).unwrap();
+    let lines = GpuLines::new(&gpu, &cube, 0.04).unwrap();
     let mut culling = Culling::new(lines.bundles(), &walls).unwrap();
     for view in
         [None, Some(0.5)].map(|fov| View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap())
     {
-        let with = Settings { samples: 40, sets: 4, coarse: 1, ..Settings::new(0.15, 0.02) };
+        let with = Settings { samples: 40, sets: 4, coarse: 1, ..Settings::of_columns(0.15, 0.02) };
         let mut renderer = Renderer::new(&gpu, COLOUR, with).unwrap();
         let mut values = |seen: &Seen| {
             renderer.update(&gpu, &view, (&lines, seen), &walls, &mut Clock::off()).unwrap();
@@ -371,10 +380,10 @@ fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed
     for fov in [None, Some(0.8)] {
         let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap();
         let mut renderer = Renderer::new(&gpu, COLOUR, settings(AoOptions::new(0.3, 0.01))).unwrap();
-        let mut lines = GpuLines::new(&gpu, &at(0.5)).unwrap();
+        let mut lines = GpuLines::new(&gpu, &at(0.5), 0.04).unwrap();
         let mut culling = Culling::new(lines.bundles(), &wall).unwrap();
         for z in [0.5, -0.9, 0.6] {
-            lines = GpuLines::new(&gpu, &at(z)).unwrap();
+            lines = GpuLines::new(&gpu, &at(z), 0.04).unwrap();
             culling.follow(lines.bundles()).unwrap();
             // Without the reach of the occlusion, so that the line behind the wall is culled.
             let seen = culling.look(&view, Reach { drawn: 0.01, read: 0.01 }).unwrap();
@@ -405,7 +414,7 @@ fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
     assert!(error(settings(AoOptions::new(f32::NAN, 0.1))).contains("radius"));
     // A picture beyond the limits of the adapter, and the renderer goes on.
     let mut renderer = Renderer::new(&gpu, COLOUR, Settings { slices: Slices::S256, ..good }).unwrap();
-    let lines = GpuLines::new(&gpu, &set(Family::Spiral, 5)).unwrap();
+    let lines = GpuLines::new(&gpu, &set(Family::Spiral, 5), 0.04).unwrap();
     let mut update = |size: [u32; 2], seen: &Seen| {
         let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, size).unwrap();
         renderer.update(&gpu, &view, (&lines, seen), &[], &mut Clock::off())
@@ -425,6 +434,11 @@ fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
     let unknown = update(SIZE, &Seen::all(lines.bundles().len() + 1)).unwrap_err();
     assert!(matches!(unknown, LinesGpuError::Bundle { .. }), "{unknown}");
     assert!(Settings { coarse: 0, ..good }.reach(&view).is_err());
+    let mut thick = Renderer::new(&gpu, COLOUR, Settings::new(0.3, 0.05)).unwrap();
+    let why = thick.update(&gpu, &view, (&lines, &seen), &[], &mut Clock::off()).unwrap_err();
+    assert!(why.to_string().contains("margin of 0.04"), "{why}");
+    assert!(!lines.suits(&Settings::new(0.3, 0.05)) && lines.suits(&Settings::new(0.3, 0.0133)));
+    assert!(!lines.suits(&Settings::new(0.3, 0.003)) && lines.suits(&Settings::of_columns(0.3, 0.003)));
     // Without a frame there is the background alone.
     let (canvas, renderer) = (Canvas::new(&gpu, (8, 8)), Renderer::new(&gpu, COLOUR, good).unwrap());
     let paint = |look| renderer.paint(&gpu, &canvas.picture(), look, 1.0, Vec3::X, &mut Clock::off());

@@ -1,6 +1,10 @@
-//! How much of the hemisphere above a line is hidden by other lines (Benevides 2015, section 3.3).
+//! How much of the hemisphere above a line is hidden by lines (Benevides 2015, section 3.3).
 //!
 //! The hemisphere of a radius R has its base tangent to the line and its pole turned to the viewer.
+//! [`Estimator::Rays`] sends rays from it through [`Cells`]: nothing depends on columns, views or
+//! pixels, so that few rays are near the truth and a moved picture stays the same.
+//!
+//! All other estimators count in columns.
 //! Samples of a disc choose columns of a [`SlabGrid`]; each is clipped to the hemisphere, and its
 //! set slices are counted. What the counts become is the [`Estimator`]'s matter.
 //!
@@ -11,27 +15,39 @@
 //! of the rays passes. L comes from the columns' lengths, so nothing depends on the grid but the
 //! noise.
 
+mod columns;
 mod options;
 mod prism;
+mod rays;
 #[cfg(test)]
 mod tests;
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::buffers::{Fragment, LineBuffer};
-use crate::numeric::{GROUP, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, SECTORS, hash};
-use crate::samples::{Sample, SampleSets};
-use crate::slabs::{SlabGrid, mask};
+use crate::cells::Cells;
+use crate::numeric::hash;
+use crate::samples::SampleSets;
+use crate::slabs::SlabGrid;
+use crate::view::View;
+use columns::Columns;
+pub use columns::sector_of;
 pub use options::{AoOptions, BasePlane, Estimator, OptionsError, SetChoice};
-use prism::{Hemisphere, Prism};
+use prism::Hemisphere;
 
 /// An estimate of the occlusion at points of lines: 0 in the open, 1 where nothing gets through.
 #[derive(Debug, Clone, Copy)]
 pub struct Occlusion<'a> {
-    grid: &'a SlabGrid,
+    through: Through<'a>,
     samples: &'a SampleSets,
     options: AoOptions,
+}
+
+/// What an estimate looks through.
+#[derive(Debug, Clone, Copy)]
+enum Through<'a> {
+    Columns(&'a SlabGrid),
+    Cells(&'a Cells, &'a View),
 }
 
 impl<'a> Occlusion<'a> {
@@ -39,14 +55,39 @@ impl<'a> Occlusion<'a> {
     /// direction.
     ///
     /// # Errors
-    /// If an option is out of its range.
+    /// If an option is out of its range, or the estimator is [`Estimator::Rays`].
     pub fn new(
         grid: &'a SlabGrid,
         samples: &'a SampleSets,
         options: AoOptions,
     ) -> Result<Self, OptionsError> {
         options.check()?;
-        Ok(Self { grid, samples, options })
+        match options.estimator {
+            Estimator::Rays { .. } => Err(OptionsError::Source),
+            _ => Ok(Self { through: Through::Columns(grid), samples, options }),
+        }
+    }
+
+    /// By rays, for receivers of a view; `samples` are best those of [`SampleSets::spirals`].
+    ///
+    /// # Errors
+    /// If an option is out of its range, the estimator is another than [`Estimator::Rays`], or its
+    /// tubes are thicker than the margin of the cells.
+    pub fn by_rays(
+        cells: &'a Cells,
+        view: &'a View,
+        samples: &'a SampleSets,
+        options: AoOptions,
+    ) -> Result<Self, OptionsError> {
+        options.check()?;
+        let margin = cells.margin();
+        match options.estimator {
+            Estimator::Rays { line_radius } if line_radius > margin => {
+                Err(OptionsError::Margin { radius: line_radius, margin })
+            }
+            Estimator::Rays { .. } => Ok(Self { through: Through::Cells(cells, view), samples, options }),
+            _ => Err(OptionsError::Source),
+        }
     }
 
     /// The occlusion in all pixels, row by row; 0 where there is no line. Time: proportional to the
@@ -72,155 +113,24 @@ impl<'a> Occlusion<'a> {
 
     /// The occlusion at a fragment, by a set of samples.
     pub fn at(&self, fragment: &Fragment, set: usize) -> f32 {
-        let Some(above) = Hemisphere::new(fragment, self.options.radius, self.grid.view()) else {
+        let view = match self.through {
+            Through::Columns(grid) => grid.view(),
+            Through::Cells(_, view) => view,
+        };
+        let Some(above) = Hemisphere::new(fragment, self.options.radius, view) else {
             return 0.0;
         };
         let set = self.samples.set(set);
-        let value = match self.options.estimator {
-            Estimator::MeanOfRatios { factor } => self.shares(&above, fragment.tangent, set).mean() * factor,
-            Estimator::RatioOfSums { factor } => self.shares(&above, fragment.tangent, set).ratio() * factor,
-            Estimator::Extinction { k } => {
-                1.0 - (-k * self.shares(&above, fragment.tangent, set).mean()).exp()
+        let value = match (self.through, self.options.estimator) {
+            (Through::Cells(cells, view), Estimator::Rays { line_radius }) => {
+                rays::stopped(cells, view, &above, fragment.tangent, (set, line_radius))
             }
-            Estimator::OpticalDepth { line_radius } => self.stopped(&above, set, line_radius),
+            (Through::Columns(grid), _) => {
+                Columns { grid, options: &self.options }.at(&above, fragment.tangent, set)
+            }
+            // Refused when this was made.
+            _ => 0.0,
         };
         if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 }
-    }
-
-    /// The prism of a sample, its column, and the range of its depths; `None` where there is
-    /// nothing or nothing is known.
-    fn prism(&self, above: &Hemisphere, sample: &Sample) -> Option<(Prism, [u32; 2], [f64; 2])> {
-        let prism = above.prism(sample.at, self.options.plane, 0.0)?;
-        let column = self.grid.view().pixel(above.place(prism.start))?;
-        Some((prism, column, above.depths(&prism)))
-    }
-
-    /// The set slices of the columns and all slices, weighted as the thesis does.
-    fn shares(&self, above: &Hemisphere, tangent: Vec3, set: &[Sample]) -> Shares {
-        let mut shares = Shares::default();
-        for sample in set {
-            let Some((prism, [x, y], depths)) = self.prism(above, sample) else { continue };
-            let count = self.grid.count(x, y, depths);
-            if count.total == 0 {
-                continue;
-            }
-            let ends = [prism.at(prism.from), prism.at(prism.to)];
-            let (mut near, mut sine) = (1.0, [1.0; 2]);
-            if self.options.by_distance {
-                // In radii: the thesis' units would make the result depend on the size of the
-                // scene.
-                let mean = (ends[0].length() + ends[1].length()) / 2.0;
-                near = 1.0 / (mean * mean);
-            }
-            if self.options.by_angle {
-                sine = ends.map(|e| tangent.cross(e.normalize_or_zero()).length());
-            }
-            let (mean_sine, first_sine) = ((sine[0] + sine[1]) / 2.0, sine[0].max(LEAST_SINE));
-            let (on, total) = (count.on as f32, count.total as f32);
-            shares.ratios += on * mean_sine * near / (total * first_sine);
-            shares.columns += 1.0;
-            shares.on += on * mean_sine * near;
-            shares.total += total * mean_sine * near;
-        }
-        shares
-    }
-
-    /// The share of cosine-weighted rays that tubes of a radius stop.
-    fn stopped(&self, above: &Hemisphere, set: &[Sample], line_radius: f32) -> f32 {
-        let mut sectors = [Sector::default(); SECTORS];
-        let mut all = 0.0;
-        let view = self.grid.view();
-        let [near, far] = view.depths();
-        // All lengths are in radii from here on.
-        let radius = f64::from(above.radius);
-        let side = |depth: f64| (view.pixel_size(depth) / radius) as f32;
-        let slice = ((far - near) / (f64::from(self.grid.slices().count()) * radius)) as f32;
-        let pixel = side(f64::from(-above.middle.z));
-        let pole = above.pole.abs();
-        // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the
-        // receiver's own line. They are taken as unknown: the cells above them stand for them, too.
-        let lift = (pixel * (pole.x + pole.y) + slice * pole.z) / 2.0;
-        for sample in set {
-            let Some(prism) = above.prism(sample.at, self.options.plane, lift) else { continue };
-            let weight = prism.weight(above.pole) * sample.area;
-            all += weight;
-            let Some([x, y]) = view.pixel(above.place(prism.start)) else { continue };
-            let Some(slices) = self.grid.slices_in(above.depths(&prism)) else { continue };
-            let sector = &mut sectors[sector_of(sample)];
-            sector.weight += weight;
-            let base = above.base(&prism);
-            let lines = self.in_column([x, y], slices, |depth| {
-                let from = prism.at(((depth - base) / radius) as f32);
-                let (height, distance, side) = (above.pole.dot(from), from.length(), side(depth));
-                let inside = height > lift && distance < 1.0;
-                if inside { height / (std::f32::consts::PI * distance.powi(3) * side * side) } else { 0.0 }
-            });
-            sector.stopped += sample.area * (lines / radius) as f32;
-        }
-        let known: f32 = sectors.iter().map(|s| s.weight).sum();
-        if known <= all * LEAST_KNOWN {
-            return 0.0;
-        }
-        let hidden = |s: &Sector| {
-            let width = (2.0 * f64::from(line_radius) / radius) as f32;
-            let depth = width * MEAN_SINE * s.stopped / s.weight;
-            if s.weight > 0.0 { s.weight * (1.0 - (-depth).exp()) } else { 0.0 }
-        };
-        sectors.iter().map(hidden).sum::<f32>() / known
-    }
-
-    /// The sum over the set slices of a column of the length of lines in each times a weight of its
-    /// depth. The length of a group of slices is spread evenly over those that are set.
-    fn in_column(&self, [x, y]: [u32; 2], [first, last]: [u32; 2], weight: impl Fn(f64) -> f32) -> f64 {
-        let (column, lengths) = (self.grid.column(x, y), self.grid.lengths(x, y));
-        let mut sum = 0.0;
-        for (group, &length) in (first / GROUP..=last / GROUP).zip(&lengths[(first / GROUP) as usize..]) {
-            let (word, at) = (column[(group * GROUP / 128) as usize], group * GROUP % 128);
-            let on = (word & mask(at, at + GROUP - 1, 0)).count_ones();
-            let mut left = word & mask(at, at + GROUP - 1, 0) & mask(first, last, group * GROUP / 128);
-            let mut weights = 0.0;
-            while left != 0 {
-                weights += weight(self.grid.slice_depth(group * GROUP / 128 * 128 + left.trailing_zeros()));
-                left &= left - 1;
-            }
-            if weights > 0.0 {
-                sum += f64::from(length) * f64::from(weights) / f64::from(on);
-            }
-        }
-        sum
-    }
-}
-
-/// Sums over the columns of a part.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sector {
-    /// The share of the directions times the way in them.
-    weight: f32,
-    /// The length of the lines, weighted likewise.
-    stopped: f32,
-}
-
-/// The part of the disc that a sample lies in: an eighth of the circle.
-pub fn sector_of(sample: &Sample) -> usize {
-    let p = sample.at;
-    usize::from(p.x > 0.0) + 2 * usize::from(p.y > 0.0) + 4 * usize::from(p.x.abs() > p.y.abs())
-}
-
-/// Sums over the columns of a hemisphere.
-#[derive(Debug, Default)]
-struct Shares {
-    ratios: f32,
-    columns: f32,
-    on: f32,
-    total: f32,
-}
-
-impl Shares {
-    fn mean(&self) -> f32 {
-        if self.columns > 0.0 { self.ratios / self.columns } else { 0.0 }
-    }
-
-    fn ratio(&self) -> f32 {
-        if self.total > 0.0 { self.on / self.total } else { 0.0 }
     }
 }

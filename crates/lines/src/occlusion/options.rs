@@ -28,6 +28,15 @@ pub enum Estimator {
         /// The radius of the tubes, in units of the scene.
         line_radius: f32,
     },
+    /// The share of cosine-weighted rays that tubes of a radius stop, by rays through [`Cells`]
+    /// instead of columns. A ray has the width of its share of the hemisphere, up to the margin of
+    /// the cells: tubes stop it by the share of that width, so that few rays give little noise.
+    ///
+    /// [`Cells`]: crate::cells::Cells
+    Rays {
+        /// The radius of the tubes, in units of the scene.
+        line_radius: f32,
+    },
 }
 
 /// Which slices of a column lie in the hemisphere.
@@ -88,10 +97,26 @@ pub enum OptionsError {
     /// The step of [`SetChoice::Surface`].
     #[error("a step of {0} along lines: it must be greater than 0")]
     Step(f32),
+    /// Rays need cells, all other estimators need columns.
+    #[error("rays go through cells, and all other estimators through columns")]
+    Source,
+    /// Cells do not name all tubes that rays meet.
+    #[error("tubes of the radius {radius} in cells with a margin of {margin}: it must be as great")]
+    Margin {
+        /// The radius of the tubes.
+        radius: f32,
+        /// That of the cells.
+        margin: f32,
+    },
 }
 
 impl AoOptions {
-    /// The best estimator, for tubes of a radius; samples are fixed to the lines.
+    /// Rays at tubes of a radius; their directions are fixed to the lines.
+    pub fn rays(radius: f32, line_radius: f32) -> Self {
+        Self { estimator: Estimator::Rays { line_radius }, ..Self::new(radius, line_radius) }
+    }
+
+    /// The best estimator of columns, for tubes of a radius; samples are fixed to the lines.
     pub fn new(radius: f32, line_radius: f32) -> Self {
         let estimator = Estimator::OpticalDepth { line_radius };
         let choice = SetChoice::Surface { step: radius / 8.0 };
@@ -115,7 +140,7 @@ impl AoOptions {
         let value = match self.estimator {
             Estimator::MeanOfRatios { factor } | Estimator::RatioOfSums { factor } => factor,
             Estimator::Extinction { k } => k,
-            Estimator::OpticalDepth { line_radius } => line_radius,
+            Estimator::OpticalDepth { line_radius } | Estimator::Rays { line_radius } => line_radius,
         };
         if !(value >= 0.0 && value.is_finite()) {
             return Err(OptionsError::Estimator(value));

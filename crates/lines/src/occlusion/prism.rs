@@ -20,7 +20,7 @@ pub(crate) struct Hemisphere {
     /// In units of the scene.
     pub(crate) radius: f32,
     /// Directions of the disc of samples, normal to the direction of view.
-    across: [Vec3; 2],
+    pub(super) across: [Vec3; 2],
     perspective: bool,
 }
 

@@ -1,6 +1,7 @@
 use glam::{DVec3, Quat, Vec3, vec3};
 use proptest::prelude::*;
 
+use super::prism::Prism;
 use super::*;
 use crate::sets::LineSet;
 use crate::sets::generate::{Family, Recipe};

@@ -25,8 +25,9 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     let size = <[u32; 2]>::from(canvas.size());
     let view = source.view(options, source.start(options, size, 0)?, size)?;
     let set = source.at(f64::from(options.at))?;
-    let lines = GpuLines::new(&gpu, &set)?;
-    let mut renderer = Renderer::new(&gpu, COLOUR, source.settings(options, &view))?;
+    let settings = source.settings(options, &view);
+    let lines = GpuLines::new(&gpu, &set, settings.margin())?;
+    let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
     let seen = match options.cull {
         true => {
             Culling::new(lines.bundles(), &source.walls)?.look(&view, renderer.settings().reach(&view)?)?

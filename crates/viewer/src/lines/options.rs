@@ -1,6 +1,7 @@
 //! The command line.
 
 use casca_lines::gpu::renderer::Look;
+use casca_lines::numeric::USUAL_RAYS;
 use casca_lines::occlusion::Estimator;
 use casca_lines::sets::generate::Family;
 use casca_lines::slabs::Slices;
@@ -59,19 +60,20 @@ pub struct Options {
     /// The radius of the occlusion, as a share of the extent
     #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| parse_within(t, 0.001, 1.0))]
     pub radius: f32,
-    /// The samples of a pixel
-    #[arg(long, default_value_t = 150, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub samples: u32,
+    /// The rays or samples of a pixel [default: 24 rays, or 150 samples of the other estimators]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub samples: Option<u32>,
     /// The occlusion is multiplied by this
     #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
     pub factor: f32,
-    /// How the columns around a pixel become an occlusion
-    #[arg(long, value_enum, default_value = "depth")]
+    /// How the lines around a pixel become an occlusion
+    #[arg(long, value_enum, default_value = "rays")]
     pub estimator: Way,
-    /// The radius of the tubes that lines are taken for, in pixels, by the estimator "depth"
+    /// The radius of the tubes that lines are taken for, in pixels, by the estimators "rays" and
+    /// "depth"
     #[arg(long, default_value = "0.5", value_parser = |t: &str| parse_within(t, 0.01, 100.0))]
     pub tube: f32,
-    /// Pixels along the side of a column
+    /// Pixels along the side of a column, for all estimators but "rays"
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub coarse: u32,
     /// Slices of a column
@@ -98,7 +100,10 @@ pub struct Options {
 /// Estimators by their names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Way {
-    /// The light that tubes stop; its mean hardly changes with the size of the columns
+    /// The share of rays that tubes stop, through a grid of the lines
+    Rays,
+    /// The light that tubes stop, by columns of slices; its mean hardly changes with the size of
+    /// the columns
     Depth,
     /// The thesis' mean of ratios, with its factor of 4
     Thesis,
@@ -121,10 +126,18 @@ pub enum LookName {
     Occlusion,
 }
 
+impl Options {
+    /// The rays or samples of a pixel.
+    pub fn samples(&self) -> u32 {
+        self.samples.unwrap_or(if self.estimator == Way::Rays { USUAL_RAYS } else { 150 })
+    }
+}
+
 impl Way {
     /// The estimator, for tubes of a radius.
     pub fn estimator(self, line_radius: f32) -> Estimator {
         match self {
+            Self::Rays => Estimator::Rays { line_radius },
             Self::Depth => Estimator::OpticalDepth { line_radius },
             Self::Thesis => Estimator::MeanOfRatios { factor: 4.0 },
             Self::Ratio => Estimator::RatioOfSums { factor: 4.0 },

@@ -105,7 +105,7 @@ impl Bench<'_> {
         let view = self.view(1.0, 0)?;
         let settings = self.source.settings(self.options, &view);
         let start = Instant::now();
-        let lines = GpuLines::new(self.gpu, &self.set)?;
+        let lines = GpuLines::new(self.gpu, &self.set, settings.margin())?;
         say(format_args!(
             "copied to the device and put into bundles: {:.1}",
             start.elapsed().as_secs_f64() * 1e3
@@ -140,7 +140,7 @@ impl Bench<'_> {
         for share in SHARES {
             let some = (self.set.len() as f64 * share).ceil() as usize;
             let set = LineSet::new(self.set.iter().take(some).map(|line| line.iter().copied()))?;
-            let lines = GpuLines::new(self.gpu, &set)?;
+            let lines = GpuLines::new(self.gpu, &set, settings.margin())?;
             let (stages, ..) = self.frame((&view, settings), &lines, None)?;
             by_vertices.push((lines.vertices() as f64, of(&stages, &["columns", "nearest lines"])));
         }
@@ -149,7 +149,8 @@ impl Bench<'_> {
     }
 
     fn culling(&self) -> Done {
-        let lines = GpuLines::new(self.gpu, &self.set)?;
+        let settings = self.source.settings(self.options, &self.view(1.0, 0)?);
+        let lines = GpuLines::new(self.gpu, &self.set, settings.margin())?;
         let mut culling = Culling::new(lines.bundles(), &self.source.walls)?;
         let (mut all, mut culled) = (Stages::new(), Stages::new());
         let (mut drawn, mut read) = (0, 0);

@@ -109,18 +109,19 @@ impl Viewer {
         let start = source.start(&options, size, 0)?;
         let view = source.view(&options, start, size)?;
         let seconds = f64::from(options.at);
-        let lines = GpuLines::new(&screen.gpu, &source.at(seconds)?)?;
+        let settings = source.settings(&options, &view);
+        let lines = GpuLines::new(&screen.gpu, &source.at(seconds)?, settings.margin())?;
         Ok(Self {
             dials: Dials {
                 radius: options.radius,
-                samples: options.samples,
+                samples: options.samples(),
                 factor: options.factor,
                 tube: options.tube,
                 moving: false,
                 cull: options.cull,
                 look: Look::Occluded,
             },
-            renderer: Renderer::new(&screen.gpu, screen.format(), source.settings(&options, &view))?,
+            renderer: Renderer::new(&screen.gpu, screen.format(), settings)?,
             culling: Culling::new(lines.bundles(), &source.walls)?,
             lines,
             panel: Panel::on(screen),
@@ -138,11 +139,6 @@ impl Viewer {
     /// Moves the lines, and computes the picture that the dials ask for.
     fn update(&mut self, screen: &Screen) -> Result<Seen, Failed> {
         let gpu = &screen.gpu;
-        if self.shown != self.seconds {
-            self.lines = GpuLines::new(gpu, &self.source.at(self.seconds)?)?;
-            self.culling.follow(self.lines.bundles())?;
-            self.shown = self.seconds;
-        }
         let eye = [self.fly.eye, self.fly.eye + self.fly.forward()];
         let view = self.source.view(&self.options, eye, screen.size().into())?;
         let Dials { radius, samples, tube, cull, .. } = self.dials;
@@ -152,10 +148,18 @@ impl Viewer {
             Estimator::OpticalDepth { line_radius } => {
                 Estimator::OpticalDepth { line_radius: line_radius * tube / self.options.tube }
             }
+            Estimator::Rays { line_radius } => {
+                Estimator::Rays { line_radius: line_radius * tube / self.options.tube }
+            }
             other => other,
         };
         settings.ao = AoOptions { estimator, radius: scaled, ..settings.ao };
         (settings.samples, settings.sets) = (samples, sets(samples));
+        if self.shown != self.seconds || !self.lines.suits(&settings) {
+            self.lines = GpuLines::new(gpu, &self.source.at(self.seconds)?, settings.margin())?;
+            self.culling.follow(self.lines.bundles())?;
+            self.shown = self.seconds;
+        }
         self.renderer.set_settings(gpu, settings)?;
         let seen = match cull {
             true => self.culling.look(&view, settings.reach(&view)?)?,

@@ -1,0 +1,133 @@
+//! Rays through the cells of a grid of segments (Amanatides and Woo 1987), that tubes stop.
+//!
+//! A ray stands for the share of the hemisphere around it, so it has a width that grows with its
+//! way. A tube beside its middle stops the part of that width that it covers; parts of several
+//! tubes are taken as independent of each other. Lengths are in radii of the hemisphere.
+
+#[cfg(test)]
+mod tests;
+
+use glam::{UVec3, Vec3};
+
+use super::prism::Hemisphere;
+use crate::cells::Cells;
+use crate::numeric::{LEAST_WAY, RAY_LIFT, RAY_PARALLEL, STOPPED};
+use crate::samples::Sample;
+use crate::view::View;
+
+/// The share of the rays of a set that tubes of a radius in units of the scene stop. A point of the
+/// disc is a direction: evenly spread points are cosine-weighted ones.
+pub(super) fn stopped(
+    cells: &Cells,
+    view: &View,
+    above: &Hemisphere,
+    tangent: Vec3,
+    (set, line_radius): (&[Sample], f32),
+) -> f32 {
+    let across = (tangent - above.pole * tangent.dot(above.pole)).try_normalize().unwrap_or(above.across[0]);
+    let to_world = view.eye_from_world().matrix3.transpose();
+    let [x, y, z] =
+        [across, above.pole.cross(across), above.pole].map(|v| (to_world * v.as_dvec3()).as_vec3());
+    let start = view.to_world(above.middle).as_vec3() + z * (line_radius * RAY_LIFT);
+    let rays = Rays {
+        cells,
+        start,
+        scale: 1.0 / above.radius,
+        tube: line_radius / above.radius,
+        soft: (cells.margin() - line_radius).max(0.0) / above.radius,
+        spread: 1.0 / (set.len() as f32).sqrt(),
+    };
+    let hidden = |sample: &Sample| {
+        let up = (1.0 - sample.at.length_squared()).max(0.0).sqrt();
+        1.0 - rays.passed(x * sample.at.x + y * sample.at.y + z * up)
+    };
+    set.iter().map(hidden).sum::<f32>() / set.len() as f32
+}
+
+/// The rays of a receiver.
+struct Rays<'a> {
+    cells: &'a Cells,
+    /// In the world.
+    start: Vec3,
+    /// Radii of the hemisphere in a unit of the scene.
+    scale: f32,
+    /// The radius of a tube.
+    tube: f32,
+    /// Half of the greatest width of a ray.
+    soft: f32,
+    /// Half of the width of a ray for each unit of its way.
+    spread: f32,
+}
+
+impl Rays<'_> {
+    /// The share of a ray of length 1 in a direction that gets through.
+    fn passed(&self, way: Vec3) -> f32 {
+        let (side, dims) = (self.cells.side(), self.cells.dims().as_vec3());
+        let from = (self.start - self.cells.origin()) / side;
+        let step = way.map(|w| w.abs().max(LEAST_WAY).copysign(w)) / (side * self.scale);
+        // Where the ray enters and leaves the grid.
+        let (low, high) = (-from / step, (dims - from) / step);
+        let mut enter = low.min(high).max_element().max(0.0);
+        let exit = low.max(high).min_element().min(1.0);
+        let is_inside = enter <= exit;
+        if !is_inside {
+            return 1.0;
+        }
+        let mut cell = (from + step * enter).clamp(Vec3::ZERO, dims - 1.0).floor();
+        let forth = step.signum();
+        let mut open = 1.0;
+        loop {
+            let borders = (cell + forth.max(Vec3::ZERO) - from) / step;
+            let leave = borders.min_element().min(exit);
+            open *= self.beside(way, [enter, leave], cell.as_uvec3());
+            if open < STOPPED || leave >= exit || leave.is_nan() {
+                return open;
+            }
+            enter = enter.max(leave);
+            let axis = borders.min_position();
+            cell[axis] += forth[axis];
+            // Each step leads on towards a side of the grid, so that rays end.
+            if !(0.0..dims[axis]).contains(&cell[axis]) {
+                return open;
+            }
+        }
+    }
+
+    /// The share of a ray that the tubes let through that come nearest to it on a part of its way.
+    fn beside(&self, way: Vec3, [from, to]: [f32; 2], cell: UVec3) -> f32 {
+        let mut open = 1.0;
+        // The square of the greatest distance at which a tube stops some of it.
+        let reach = (self.tube + self.soft.min(to * self.spread)).powi(2);
+        for &segment in self.cells.named(cell) {
+            let [a, b] = self.cells.ends()[segment as usize];
+            let (to_a, axis) = ((a - self.start) * self.scale, (b - a) * self.scale);
+            let normal = way.cross(axis);
+            let square = normal.length_squared();
+            if square <= RAY_PARALLEL * axis.length_squared() || square.is_nan() {
+                continue;
+            }
+            let beside = to_a.dot(normal);
+            if beside * beside > reach * square {
+                continue;
+            }
+            let t = to_a.cross(axis).dot(normal) / square;
+            let share = to_a.cross(way).dot(normal) / square;
+            if !(t > from && t <= to && (0.0..1.0).contains(&share)) {
+                continue;
+            }
+            let distance = beside.abs() / square.sqrt();
+            let half = (t * self.spread).min(self.soft).max(f32::MIN_POSITIVE);
+            let covered = (half.min(distance + self.tube) - (-half).max(distance - self.tube)) / (2.0 * half);
+            if covered > 0.0 && !self.holds(to_a, axis) {
+                open *= 1.0 - covered.min(1.0);
+            }
+        }
+        open
+    }
+
+    /// Whether the start lies in a tube.
+    fn holds(&self, to_a: Vec3, axis: Vec3) -> bool {
+        let along = (-to_a.dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
+        (to_a + axis * along).length() <= self.tube
+    }
+}
