@@ -1,7 +1,7 @@
 //! Errors of the operators beside rays at the triangles that points are samples of.
 //!
 //! ```sh
-//! cargo run --release -p casca-points --example accuracy -- KIND POINTS SPREAD NOISE SEED FOLDER
+//! cargo run --release -p casca-points --example accuracy -- KIND POINTS SPREAD NOISE SEED FOLDER causes
 //! ```
 //!
 //! For each scene: false visible and false hidden points over the truly visible ones, in percent,
@@ -9,8 +9,10 @@
 //! `held-out`, `SPREAD` is `even` or `random`, `NOISE` is its standard deviation over the side of
 //! the square that a point stands for. The defaults of `surface` were chosen on the scenes called
 //! tuned, of seed 3, with even points; the others tell how well they hold. With a `FOLDER`, `.glb`
-//! files of it are sampled in the place of generated scenes.
+//! files of it are sampled in the place of generated scenes. The last word `causes` sorts the wrong
+//! answers of `surface` by their causes; give `""` as the folder for generated scenes.
 
+mod causes;
 mod files;
 mod scenes;
 mod truth;
@@ -23,6 +25,7 @@ use bitvec::vec::BitVec;
 use casca_points::hpr;
 use casca_points::surface::Surface;
 use casca_points::{AutoSettings, Camera, PointCloud, splat};
+use causes::{Causes, Edges};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -88,12 +91,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | ms build, eye, hpr"
     );
     for scene in &all {
-        row(scene, points, spread, noise)?;
+        row(scene, points, spread, noise, word(7) == "causes")?;
     }
     Ok(())
 }
 
-fn row(scene: &Scene, points: usize, spread: Spread, noise: f32) -> Result<(), Box<dyn Error>> {
+fn row(scene: &Scene, points: usize, spread: Spread, noise: f32, causes: bool) -> Result<(), Box<dyn Error>> {
     let samples = sample(scene, points, spread, 11);
     let mut random = Pcg64Mcg::seed_from_u64(5);
     // The sum of twelve uniform numbers is nearly Gaussian.
@@ -109,12 +112,19 @@ fn row(scene: &Scene, points: usize, spread: Spread, noise: f32) -> Result<(), B
     let auto = AutoSettings::new(&bare.positions)?;
     let places: Vec<_> = bare.positions.iter().map(|p| p.as_dvec3()).collect();
     let mut sums = [Counts::default(); 4];
+    let edges = Edges::new(scene);
+    let mut reasons = [Causes::default(), Causes::default()];
+    let normals = [&given, &estimated].map(|surface| surface.normals().collect::<Vec<_>>());
     for &eye in &scene.eyes {
         let (truth, place) = (seen(scene, &samples, eye), eye.as_dvec3());
         count(&mut sums[0], &truth, given.visible(place)?.iter().by_vals().map(Some));
         let start = Instant::now();
         count(&mut sums[1], &truth, estimated.visible(place)?.iter().by_vals().map(Some));
         times[1] += start.elapsed().as_secs_f64() * 1e3 / scene.eyes.len() as f64;
+        for (k, surface) in [&given, &estimated].into_iter().enumerate().filter(|_| causes) {
+            let answers = surface.answers(place)?;
+            reasons[k].add((&edges, &samples, eye), &normals[k], &truth, &answers);
+        }
         let start = Instant::now();
         count(
             &mut sums[2],
@@ -132,5 +142,9 @@ fn row(scene: &Scene, points: usize, spread: Spread, noise: f32) -> Result<(), B
         sums[0][0] / scene.eyes.len() as f64,
         cells.join(" | ")
     );
+    if causes {
+        reasons[0].print("given", &normals[0], &samples);
+        reasons[1].print("estimated", &normals[1], &samples);
+    }
     Ok(())
 }

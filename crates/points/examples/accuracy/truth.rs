@@ -27,7 +27,7 @@ pub enum Spread {
 pub struct Samples {
     pub points: Vec<Vec3>,
     pub normals: Vec<Vec3>,
-    triangle: Vec<u32>,
+    pub triangle: Vec<u32>,
     /// The side of the square that a point stands for.
     pub spacing: f32,
 }

@@ -7,6 +7,11 @@ use glam::Vec3A;
 /// Neighbours of which all pairs are tried.
 const PAIRED: usize = 9;
 
+/// How much a neighbour off the plane counts against it, if it is on the side that has fewer of
+/// these: a plane that cuts through a bent surface has them on both of its sides, one that touches
+/// it on one.
+const CUT: f32 = 0.3;
+
 /// Rounds of least squares after that.
 const ROUNDS: usize = 2;
 
@@ -29,13 +34,19 @@ fn planes(near: &[Vec3A]) -> impl Iterator<Item = Vec3A> {
     })
 }
 
-/// The normal of the plane through the origin within `inlier` of which most neighbours lie; zero
-/// if they are on a line.
+/// The normal of the plane through the origin within `inlier` of which most neighbours lie, and
+/// that has few others on both of its sides; zero if they are on a line.
 pub(super) fn normal(near: &[Vec3A], inlier: f32) -> Vec3A {
     let weight = |height: f32| (1.0 - (height / inlier).powi(2)).max(0.0);
     let mut best = (0.0, Vec3A::ZERO);
     for normal in planes(near) {
-        let score: f32 = near.iter().map(|v| weight(v.dot(normal))).sum();
+        let (mut score, mut above, mut below) = (0.0, 0, 0);
+        for height in near.iter().map(|v| v.dot(normal)) {
+            score += weight(height);
+            above += u32::from(height > inlier);
+            below += u32::from(height < -inlier);
+        }
+        score -= CUT * above.min(below) as f32;
         if score > best.0 {
             best = (score, normal);
         }
@@ -85,4 +96,38 @@ pub(super) fn noise(near: &[Vec3A]) -> f32 {
         *heights.select_nth_unstable_by(rank, f32::total_cmp).1
     };
     planes(near).map(of_plane).fold(f32::INFINITY, f32::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::TAU;
+
+    fn best(mut near: Vec<Vec3A>) -> Vec3A {
+        near.sort_by(|a, b| a.length().total_cmp(&b.length()));
+        normal(&near, 0.1).abs()
+    }
+
+    #[test]
+    fn a_plane_that_touches_is_better_than_one_that_cuts() {
+        let ring = (0..10).map(|k| {
+            let (y, x) = (k as f32 * TAU / 10.0).sin_cos();
+            Vec3A::new(x, y, 0.0)
+        });
+        let below =
+            (0..11).map(|k| Vec3A::new(0.0, (k % 4) as f32 * 0.5 - 0.75, -0.5 - 0.4 * (k / 4) as f32));
+        let found = best(ring.chain(below).collect());
+        assert!(found.z > 0.9, "{found}");
+    }
+
+    #[test]
+    fn a_plane_of_more_neighbours_may_cut() {
+        let half = (0..8).map(|k| Vec3A::new(0.8 + 0.5 * (k / 4) as f32, (k % 4) as f32 * 0.6 - 0.9, 0.0));
+        let across = (0..7).map(|k| {
+            let side = if k % 2 == 0 { -1.0 } else { 1.0 };
+            Vec3A::new(0.0, (k / 2) as f32 * 0.6 - 0.9, 0.9 * side)
+        });
+        let found = best(half.chain(across).collect());
+        assert!(found.z > 0.9, "{found}");
+    }
 }

@@ -1,5 +1,6 @@
 //! Rays between discs.
 
+use super::Answer;
 use super::disc::{Disc, Discs, NOBODY};
 use super::fan::{axes, sector};
 use crate::numeric::ALONG;
@@ -66,53 +67,64 @@ impl Disc {
 }
 
 impl Discs {
-    /// Whether each disc can be seen from `eye`.
-    pub(super) fn seen(&self, eye: DVec3) -> Vec<bool> {
-        let seen: Vec<bool> = (0..self.discs.len()).into_par_iter().map(|i| self.is_seen(eye, i)).collect();
+    /// Why each disc can be seen from `eye`, or cannot.
+    pub(super) fn answers(&self, eye: DVec3) -> Vec<Answer> {
+        let first: Vec<Answer> = (0..self.discs.len()).into_par_iter().map(|i| self.answer(eye, i)).collect();
+        let seen = |i: usize| first[i].is_visible();
         let judged = |i: usize| {
             let peers = self.peers[i].iter().filter(|&&j| j != NOBODY);
             let (count, visible) = peers
-                .fold((0, 0), |(count, visible), &j| (count + 1, visible + usize::from(seen[j as usize])));
+                .fold((0, 0), |(count, visible), &j| (count + 1, visible + usize::from(seen(j as usize))));
             let share = visible as f32 / count as f32;
             if count < LEAST_PEERS {
-                seen[i]
-            } else if seen[i] {
-                share >= FEWEST
+                first[i]
+            } else if seen(i) {
+                if share >= FEWEST { first[i] } else { Answer::HiddenAsNeighbours }
+            } else if share > MOST {
+                Answer::VisibleAsNeighbours
             } else {
-                share > MOST
+                first[i]
             }
         };
-        (0..seen.len()).into_par_iter().map(judged).collect()
+        (0..first.len()).into_par_iter().map(judged).collect()
     }
 
-    fn is_seen(&self, eye: DVec3, i: usize) -> bool {
+    fn answer(&self, eye: DVec3, i: usize) -> Answer {
         let disc = &self.discs[i];
         let way = eye - disc.at.as_dvec3();
         let start = disc.at + (way * (START / way.length()).min(1.0)).as_vec3a();
         if start == disc.at {
-            return true;
+            return Answer::Visible;
         }
-        if self.is_behind(start, i) {
-            return false;
+        if let Some(by) = self.hider(start, i) {
+            return Answer::Behind(by);
         }
         let away = disc.normal.dot(start - disc.at) < 0.0;
-        if self.oriented { !(away && self.is_on_body(i)) } else { !self.is_in_plate(start, i) }
+        if self.oriented {
+            if away && self.is_on_body(i) { Answer::FacesAway } else { Answer::Visible }
+        } else if self.is_in_plate(start, i) {
+            Answer::FarSideOfPlate
+        } else {
+            Answer::Visible
+        }
     }
 
-    /// Whether a disc hides the point from `start`.
-    fn is_behind(&self, start: Vec3A, i: usize) -> bool {
+    /// A disc that hides the point from `start`.
+    fn hider(&self, start: Vec3A, i: usize) -> Option<usize> {
         let to = &self.discs[i];
         let ray = Ray::new(start, to.at - start, 0.0, 1.0);
         self.any(ray, |j, disc| j != i && self.hides(disc, start, to))
     }
 
-    /// Whether one of the discs near a ray has a property.
-    fn any(&self, ray: Ray, mut is: impl FnMut(usize, &Disc) -> bool) -> bool {
-        let mut found = false;
+    /// The first that is found of the discs near a ray that have a property.
+    fn any(&self, ray: Ray, mut is: impl FnMut(usize, &Disc) -> bool) -> Option<usize> {
+        let mut found = None;
         self.tree.ray_traverse_miss(ray, |_, k| {
             let j = self.tree.primitive_indices[k] as usize;
-            found |= is(j, &self.discs[j]);
-            if found { f32::NEG_INFINITY } else { f32::INFINITY }
+            if found.is_none() && is(j, &self.discs[j]) {
+                found = Some(j);
+            }
+            if found.is_some() { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         found
     }
@@ -167,6 +179,7 @@ impl Discs {
                 && parallel
                 && other.hit(disc.at, direction).is_some_and(|(far, _)| far > least && far <= most)
         })
+        .is_some()
     }
 
     /// Whether most rays from the back of the point first meet a surface from within: it is on a
