@@ -13,6 +13,9 @@ const MOST: usize = 3;
 /// Planes through three points that are tried for each. If a third of the points are of one facet,
 /// all tries miss it once in three times, and one of a half once in 70.
 const TRIES: usize = 32;
+/// How often a plane is fitted to the points near it. The first lies aslant through both sides of a
+/// board, and needs some to turn along it.
+const FITS: usize = 8;
 /// How far points of a facet lie off it at most, in cells: both sides of a thin board are one.
 const NEAR: f64 = 1.0;
 /// The deviation of points from a plane, in cells, below which they are a surface in any case:
@@ -39,15 +42,18 @@ pub(super) fn facets(mut points: Vec<DVec3>, middle: DVec3, cell: f64, seed: [u3
     let mut found = Vec::new();
     while points.len() >= FEWEST && found.len() < MOST {
         let Some(first) = best(&points, &mut random) else { break };
-        // Fitted twice: the first fit moves the plane off its three points.
-        let near = |plane: Plane| move |p: &&DVec3| plane.distance(**p).abs() <= NEAR;
         let fit = |plane: Plane| {
+            let near = points.iter().filter(|p| plane.distance(**p).abs() <= NEAR);
             let mut moments = Moments::default();
-            points.iter().filter(near(plane)).for_each(|p| moments.add(p.as_vec3()));
+            near.for_each(|p| moments.add(p.as_vec3()));
             let spread = (moments.count as usize >= FEWEST).then(|| moments.about(DVec3::ZERO))?;
             Some((spread, Plane::fit(&spread, 1.0)?))
         };
-        let Some((spread, plane)) = fit(first).and_then(|(_, plane)| fit(plane)) else { break };
+        let mut fits = fit(first);
+        for _ in 1..FITS {
+            fits = fits.and_then(|(_, plane)| fit(plane));
+        }
+        let Some((spread, plane)) = fits else { break };
         let distances = || points.iter().map(|p| plane.distance(*p).abs());
         let inner = distances().filter(|&d| d <= NEAR).count() as f64;
         let outer = distances().filter(|&d| d > NEAR && d <= 2.0 * NEAR).count() as f64;
