@@ -13,8 +13,7 @@ const MOST: usize = 3;
 /// Planes through three points that are tried for each. If a third of the points are of one facet,
 /// all tries miss it once in three times, and one of a half once in 70.
 const TRIES: usize = 32;
-/// How often a plane is fitted to the points near it. The first lies aslant through both sides of a
-/// board, and needs some to turn along it.
+/// How often a plane is fitted to the points near it: which these are changes with it.
 const FITS: usize = 8;
 /// How far points of a facet lie off it at most, in cells: both sides of a thin board are one.
 const NEAR: f64 = 1.0;
@@ -66,16 +65,19 @@ pub(super) fn facets(mut points: Vec<DVec3>, middle: DVec3, cell: f64, seed: [u3
     found
 }
 
-/// The plane through three of the points that has most of them near it.
+/// The plane through three of the points that has most of them near it, nearer ones counted more
+/// (MSAC: Torr & Zisserman 2000): one aslant through both sides of a board has more than one along a
+/// side, but farther ones.
 fn best(points: &[DVec3], random: &mut Pcg64Mcg) -> Option<Plane> {
-    let mut best = (0, None);
+    let mut best = (0.0, None);
     for _ in 0..TRIES {
         let [a, b, c] = std::array::from_fn(|_| points[random.next_u32() as usize % points.len()]);
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
         let plane = Plane { mean: a, normal, variance: 0.0 };
-        let near = points.iter().filter(|p| plane.distance(**p).abs() <= NEAR).count();
-        if near > best.0 {
-            best = (near, Some(plane));
+        let near = |p: &DVec3| (1.0 - (plane.distance(*p) / NEAR).powi(2)).max(0.0);
+        let score: f64 = points.iter().map(near).sum();
+        if score > best.0 {
+            best = (score, Some(plane));
         }
     }
     best.1
