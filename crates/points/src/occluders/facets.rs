@@ -66,8 +66,8 @@ pub(super) fn facets(mut points: Vec<DVec3>, middle: DVec3, cell: f64, seed: [u3
 }
 
 /// The plane through three of the points that has most of them near it, nearer ones counted more
-/// (MSAC: Torr & Zisserman 2000): one aslant through both sides of a board has more than one along a
-/// side, but farther ones.
+/// (MSAC: Torr & Zisserman 2000): one aslant through both sides of a board has more than one along
+/// a side, but farther ones.
 fn best(points: &[DVec3], random: &mut Pcg64Mcg) -> Option<Plane> {
     let mut best = (0.0, None);
     for _ in 0..TRIES {
