@@ -87,9 +87,9 @@ pub struct Occluders {
 }
 
 impl Occluders {
-    /// Estimates the occluders of a cloud. Reads each point twice, brick by brick. Beside one brick,
-    /// memory holds some hundred bytes for each voxel that has points, and two bits for each cell of
-    /// a patch. The result does not depend on the number of threads.
+    /// Estimates the occluders of a cloud. Reads each point twice, brick by brick. Beside one
+    /// brick, memory holds some hundred bytes for each voxel that has points, and two bits for each
+    /// cell of a patch. The result does not depend on the number of threads.
     ///
     /// # Errors
     /// Those of reading bricks.
