@@ -24,7 +24,8 @@
 //! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in
 //!   chunks, and writes PLY.
 //! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far
-//!   as a picture needs them.
+//!   as a picture needs them; and the module `occluders`: walls estimated from the points, behind
+//!   which these are culled.
 //! - `gpu`: the module `gpu`: the splat operator and surface splatting on the graphics processor.
 //!   It needs the Rust of `casca-stage`.
 
@@ -42,6 +43,8 @@ pub mod hpr;
 pub mod hull;
 mod morton;
 mod numeric;
+#[cfg(feature = "bricks")]
+pub mod occluders;
 #[cfg(test)]
 mod samples;
 pub mod spacing;

@@ -61,6 +61,7 @@ mod tests {
             ("walk x --pixels -1", "from 0 up"),
             ("walk x --speed inf", "from 0 up"),
             ("walk x --side nan", "from 0 up"),
+            ("walk x --estimate -1", "from 0 up"),
             ("walk x --height nan", "a finite number"),
             ("--size 0x720", "from 1 to 8192"),
             ("--size 99999x99999", "from 1 to 8192"),
