@@ -31,7 +31,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ("a radius each", Radius::Each(&each)),
         ];
         for (name, radius) in cases {
-            let options = SplatOptions { radius, bias: Bias::World(8.0 * automatic), filter: Filter::Max };
+            let options = SplatOptions {
+                radius,
+                bias: Bias::World(8.0 * automatic),
+                filter: Filter::Max,
+                slopes: false,
+            };
             let mut seconds: Vec<f64> = Vec::new();
             let mut visible = 0;
             for _ in 0..rounds {

@@ -54,8 +54,12 @@ pub fn splat_visible<'py>(
     let visible = py
         .detach(|| {
             let radius = radius.map_or_else(|| spacing::automatic_radius(&points), Ok)?;
-            let options =
-                SplatOptions { radius: Radius::Same(radius), bias: Bias::Window(bias), filter: Filter::Max };
+            let options = SplatOptions {
+                radius: Radius::Same(radius),
+                bias: Bias::Window(bias),
+                filter: Filter::Max,
+                slopes: false,
+            };
             splat::visible_points(&points, &camera, &options)
         })
         .map_err(refused)?

@@ -95,7 +95,8 @@ struct Lens {
     window: u32,
     filtering: u32,
     each: u32,
-    padding: [u32; 2],
+    slopes: u32,
+    padding: u32,
     starts: [u32; 12],
 }
 
@@ -135,7 +136,8 @@ impl Lens {
                 Filter::Min => 3,
             },
             each: u32::from(matches!(options.radius, Radius::Each(_))),
-            padding: [0; 2],
+            slopes: u32::from(options.slopes),
+            padding: 0,
             starts,
         }
     }
@@ -153,7 +155,7 @@ const STEPS: [(&str, &[u32]); 5] = [
     ("draw", &[0, 2, 5, 6]),
     ("push", &[0, 1, 2]),
     ("limit", &[0, 2, 3]),
-    ("test", &[0, 3, 5, 7]),
+    ("test", &[0, 3, 5, 6, 7]),
 ];
 const MEASURE: usize = 0;
 const DRAW: usize = 1;

@@ -25,6 +25,8 @@ struct Lens {
     filtering: u32,
     // 1 if there is a radius for each point.
     each: u32,
+    // 1 if surfaces may slant.
+    slopes: u32,
     // Where each level begins in `far_bits`.
     starts: array<vec4u, 3>,
 }
@@ -110,13 +112,18 @@ fn place(i: u32) -> Place {
     return found;
 }
 
-// The pixels that a square covers: the first and the last one.
-fn square(i: u32, p: Place) -> vec4i {
+// Half of a square's side beyond its first pixel.
+fn half_side(i: u32, p: Place) -> i32 {
     var scale = lens.scale;
     if lens.each == 1u {
         scale = product(radii[i], scale);
     }
-    let half = subpixels(clamp(quotient(scale, p.depth) - 0.5, 0.0, 512.0));
+    return subpixels(clamp(quotient(scale, p.depth) - 0.5, 0.0, 512.0));
+}
+
+// The pixels that a square covers: the first and the last one.
+fn square(i: u32, p: Place) -> vec4i {
+    let half = half_side(i, p);
     return vec4i(p.at - half, p.at + half) >> vec4u(8u);
 }
 
@@ -214,6 +221,36 @@ fn limit(@builtin(global_invocation_id) id: vec3u) {
     limits[id.y * u32(lens.size.x) + id.x] = max(bound, depth);
 }
 
+fn is_inside(at: vec2i) -> bool {
+    return all(at >= vec2i(0)) && all(at < lens.size);
+}
+
+fn inverse_limit(at: vec2i) -> f32 {
+    return quotient(1.0, limits[at.y * lens.size.x + at.x]);
+}
+
+// How much inverse depths rise around a pixel, by the lesser slope of its two sides.
+fn rise(own: f32, at: vec2i, step: vec2i) -> f32 {
+    var to = 0.0;
+    var ahead = 0.0;
+    let has_before = is_inside(at - step);
+    let has_after = is_inside(at + step);
+    if has_before { to = own - inverse_limit(at - step); }
+    if has_after { ahead = inverse_limit(at + step) - own; }
+    if has_before && has_after {
+        return select(0.0, min(abs(to), abs(ahead)), (to > 0.0) == (ahead > 0.0));
+    }
+    return abs(select(ahead, to, has_before));
+}
+
+// As `DepthImage::slanted` of the processor, where the reasons are.
+fn slanted(at: vec2i, half: i32) -> f32 {
+    let step = 2 * half / 256 + 1;
+    let own = inverse_limit(at);
+    let both = rise(own, at, vec2i(step, 0)) + rise(own, at, vec2i(0, step));
+    return own - product(quotient(f32(half + 128), f32(step * 256)), both);
+}
+
 @compute @workgroup_size(256)
 fn test(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
     let i = index(group, local);
@@ -221,7 +258,11 @@ fn test(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lo
     let p = place(i);
     if !p.seen { return; }
     let pixel = p.at >> vec2u(8u);
-    if p.depth <= limits[pixel.y * lens.size.x + pixel.x] {
+    var seen = p.depth <= limits[pixel.y * lens.size.x + pixel.x];
+    if !seen && lens.slopes == 1u {
+        seen = quotient(1.0, p.depth) >= slanted(pixel, half_side(i, p));
+    }
+    if seen {
         atomicOr(&visible[i / 32u], 1u << (i % 32u));
     }
 }

@@ -33,10 +33,10 @@ fn answers_are_those_of_the_processor_bit_by_bit() {
         ([-3.0..3.0_f32, -3.0..3.0_f32, 0.1..3.0_f32], 0.2..2.5_f32, (1..300_u32, 1..200_u32), 1e-3..0.5_f32);
     let bias = prop_oneof![(0.0..0.2_f32).prop_map(Bias::Window), (0.0..0.3_f32).prop_map(Bias::World)];
     let radius = prop_oneof![0.0..0.05_f32, 0.0..3.0_f32, Just(0.0_f32)];
-    let options = (0..4_usize, bias, radius, any::<bool>(), -10..10_i32);
+    let options = (0..4_usize, bias, radius, any::<[bool; 2]>(), -10..10_i32);
     let done = runner.run(
         &(cloud, camera, options),
-        |((random, even), (eye, fov, size, near), (filter, bias, radius, each, scale))| {
+        |((random, even), (eye, fov, size, near), (filter, bias, radius, [each, slopes], scale))| {
             // The scale of the world moves exponents, and with them the rounding.
             let scale = 3_f32.powi(scale);
             let random = random.iter().copied().map(Vec3::from_array);
@@ -54,7 +54,7 @@ fn answers_are_those_of_the_processor_bit_by_bit() {
             let radii: Vec<f32> = (0..points.len()).map(|i| radius * scale * (i % 7) as f32).collect();
             let radius = if each { Radius::Each(&radii) } else { Radius::Same(radius * scale) };
             let bias = if let Bias::World(length) = bias { Bias::World(length * scale) } else { bias };
-            let options = SplatOptions { radius, bias, filter: FILTERS[filter] };
+            let options = SplatOptions { radius, bias, filter: FILTERS[filter], slopes };
             let expected = splat::visible_points(&points, &camera, &options).unwrap().visible;
             let uploaded = GpuPoints::new(&gpu, &points).unwrap();
             for _ in 0..2 {
@@ -121,7 +121,12 @@ fn clouds_of_several_buffers_and_none_are_answered() {
     let Some(gpu) = gpu() else { return };
     let operator = SplatOperator::new(&gpu);
     let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO, Vec3::Y, 0.8, (640, 480), 0.1, 10.0).unwrap();
-    let options = SplatOptions { radius: Radius::Same(1e-3), bias: Bias::World(0.01), filter: Filter::Max };
+    let options = SplatOptions {
+        radius: Radius::Same(1e-3),
+        bias: Bias::World(0.01),
+        filter: Filter::Max,
+        slopes: false,
+    };
     // One buffer holds 2^22 points.
     for count in [0, (1 << 22) + 77] {
         let points = floats(sphere(count));
@@ -140,7 +145,12 @@ fn errors_name_the_cause() {
     assert!(matches!(error, GpuSplatError::Splat(SplatError::PointNotFinite { index: 1 })), "{error}");
     let points = GpuPoints::new(&gpu, &bad[..1]).unwrap();
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 0.8, (640, 480), 0.1, 10.0).unwrap();
-    let options = SplatOptions { radius: Radius::Each(&[]), bias: Bias::World(0.01), filter: Filter::Max };
+    let options = SplatOptions {
+        radius: Radius::Each(&[]),
+        bias: Bias::World(0.01),
+        filter: Filter::Max,
+        slopes: false,
+    };
     let error = SplatOperator::new(&gpu).visible_points(&gpu, &points, &camera, &options).unwrap_err();
     assert!(matches!(error, GpuSplatError::Splat(SplatError::Radii { radii: 0, points: 1 })), "{error}");
 }

@@ -1,6 +1,7 @@
 //! Depth images, their filters, and the limits of depth that points are tested against.
 
 use super::options::{Bias, Filter};
+use crate::numeric::SUBPIXELS;
 use rayon::prelude::*;
 
 /// The depth of the nearest square in each pixel.
@@ -72,6 +73,35 @@ impl DepthImage {
             },
         );
         pooled
+    }
+
+    /// For limits of depth: the least inverse depth of a visible point in a pixel of a surface that
+    /// slants, whose squares have this half side beyond the first pixel in 1/256 of one.
+    ///
+    /// Inverse depths of a plane are linear in the picture. Squares raise those of each pixel by
+    /// the largest of its surface within half a square: by as much as a plane rises over that on
+    /// both axes together. The pixels that are compared are a square apart, so that they have
+    /// different points.
+    pub(super) fn slanted(&self, x: i32, y: i32, half: i32) -> f32 {
+        let step = 2 * half / SUBPIXELS as i32 + 1;
+        let inverse = |x: i32, y: i32| {
+            let at = u32::try_from(x).ok().zip(u32::try_from(y).ok());
+            at.and_then(|(x, y)| self.get(x, y)).map(|depth| 1.0 / depth)
+        };
+        let own = inverse(x, y).unwrap_or(0.0);
+        let rise = |before: Option<f32>, after: Option<f32>| {
+            let to = before.map(|before| own - before);
+            let from = after.map(|after| after - own);
+            match to.zip(from) {
+                Some((to, from)) if (to > 0.0) == (from > 0.0) => to.abs().min(from.abs()),
+                Some(_) => 0.0,
+                None => to.or(from).map_or(0.0, f32::abs),
+            }
+        };
+        let across = rise(inverse(x - step, y), inverse(x + step, y));
+        let along = rise(inverse(x, y - step), inverse(x, y + step));
+        let pixel = SUBPIXELS as i32;
+        own - (half + pixel / 2) as f32 / (step * pixel) as f32 * (across + along)
     }
 
     /// The largest depth of a visible point in each pixel.

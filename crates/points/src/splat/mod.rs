@@ -68,9 +68,13 @@ pub fn visible_points(
     }
     let depth = squares.into_image().filtered(options.filter);
     let limits = depth.limits(options.bias, camera.depths().1);
-    let words = points
-        .par_chunks(TASK)
-        .flat_map_iter(|points| points.chunks(BLOCK).map(|points| test(&limits, points, camera)));
+    let words = points.par_chunks(TASK).enumerate().flat_map_iter(|(task, points)| {
+        let limits = &limits;
+        points.chunks(BLOCK).enumerate().map(move |(block, points)| {
+            let first = task * TASK + block * BLOCK;
+            test(limits, points, first, camera, options)
+        })
+    });
     let mut visible = BitVec::from_vec(words.collect());
     visible.truncate(points.len());
     Ok(SplatResult { visible, depth })
@@ -115,28 +119,41 @@ impl Block {
         }
         block
     }
+
+    /// The half sides of the squares, for a block of which `first` is the first point's index.
+    #[inline(always)]
+    fn half_sides(&self, first: usize, camera: &Camera, radius: Radius) -> [i32; BLOCK] {
+        let scale = camera.pixels_per_tangent();
+        match radius {
+            Radius::Same(radius) => self.depth.map(|depth| squares::half_side(radius * scale / depth)),
+            Radius::Each(all) => {
+                let mut radii = [0.0; BLOCK];
+                radii.iter_mut().zip(&all[first..]).for_each(|(to, &from)| *to = from);
+                std::array::from_fn(|i| squares::half_side(radii[i] * scale / self.depth[i]))
+            }
+        }
+    }
 }
 
 /// Draws the squares of a block, of which `first` is the first point's index. Says whether all
 /// coordinates are finite.
 fn draw(squares: &Squares, points: &[Vec3], first: usize, camera: &Camera, radius: Radius) -> bool {
     let block = Block::new(points, camera);
-    let scale = camera.pixels_per_tangent();
-    let half = match radius {
-        Radius::Same(radius) => block.depth.map(|depth| squares::half_side(radius * scale / depth)),
-        Radius::Each(all) => {
-            let mut radii = [0.0; BLOCK];
-            radii.iter_mut().zip(&all[first..]).for_each(|(to, &from)| *to = from);
-            std::array::from_fn(|i| squares::half_side(radii[i] * scale / block.depth[i]))
-        }
-    };
+    let half = block.half_sides(first, camera, radius);
     squares.draw(&block.x, &block.y, &half, &block.depth);
     // Zero times a coordinate is NaN if it is not finite.
     points.iter().fold(true, |all, p| all & (p.x * 0.0 + p.y * 0.0 + p.z * 0.0 == 0.0))
 }
 
-/// A bit for each point of a block: whether it is not beyond the limits.
-fn test(limits: &DepthImage, points: &[Vec3], camera: &Camera) -> usize {
+/// A bit for each point of a block, of which `first` is the first point's index: whether it is not
+/// beyond the limits.
+fn test(
+    limits: &DepthImage,
+    points: &[Vec3],
+    first: usize,
+    camera: &Camera,
+    options: &SplatOptions,
+) -> usize {
     let block = Block::new(points, camera);
     let width = camera.size().0;
     let pixel: [u32; BLOCK] =
@@ -145,6 +162,17 @@ fn test(limits: &DepthImage, points: &[Vec3], camera: &Camera) -> usize {
     for (i, &pixel) in pixel.iter().enumerate() {
         let limit = limits.depths.get(pixel as usize).copied().unwrap_or(0.0);
         bits |= usize::from(block.depth[i] <= limit) << i;
+    }
+    if options.slopes {
+        let half = block.half_sides(first, camera, options.radius);
+        let nearer = bits;
+        // Those outside have no depth.
+        let behind = |i: &usize| nearer >> i & 1 == 0 && block.depth[*i] > 0.0;
+        for i in (0..BLOCK).filter(behind) {
+            let [x, y] = [block.x[i], block.y[i]].map(|v| v / SUBPIXELS as i32);
+            let seen = 1.0 / block.depth[i] >= limits.slanted(x, y, half[i]);
+            bits |= usize::from(seen) << i;
+        }
     }
     bits
 }

@@ -111,7 +111,7 @@ proptest! {
     ) {
         let radii: Vec<f32> = points.iter().map(|p| p[3].max(0.0).powi(3)).collect();
         let radius = if each { Radius::Each(&radii) } else { Radius::Same(radii.first().copied().unwrap_or(0.1)) };
-        let options = SplatOptions { radius, bias, filter: FILTERS[filter] };
+        let options = SplatOptions { radius, bias, filter: FILTERS[filter], slopes: false };
         let points: Vec<Vec3> = points.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
         let camera = camera(size, fov_y);
         let found = visible_points(&points, &camera, &options).unwrap().visible;
@@ -128,7 +128,7 @@ proptest! {
         let floats: Vec<[f32; 4]> = bits.iter().map(|p| p.map(f32::from_bits)).collect();
         let radii: Vec<f32> = floats.iter().map(|p| p[3].abs()).collect();
         let points: Vec<Vec3> = floats.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
-        let options = SplatOptions { radius: Radius::Each(&radii), bias: Bias::World(0.1), filter: Filter::Max };
+        let options = SplatOptions { radius: Radius::Each(&radii), bias: Bias::World(0.1), filter: Filter::Max, slopes: false };
         let found = visible_points(&points, &camera((30, 20), 1.0), &options);
         let bad_radius = radii.iter().position(|r| !r.is_finite());
         let bad_point = points.iter().position(|p| !p.is_finite());
@@ -143,7 +143,12 @@ proptest! {
 #[test]
 fn answers_do_not_depend_on_the_number_of_threads() {
     let points: Vec<Vec3> = sphere(60_001).iter().map(|p| p.as_vec3()).collect();
-    let options = SplatOptions { radius: Radius::Same(0.02), bias: Bias::Window(0.05), filter: Filter::Max };
+    let options = SplatOptions {
+        radius: Radius::Same(0.02),
+        bias: Bias::Window(0.05),
+        filter: Filter::Max,
+        slopes: false,
+    };
     let found = [1, 2, 7].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| visible_points(&points, &camera((320, 240), 0.6), &options).unwrap())
@@ -160,7 +165,8 @@ fn errors(radius: f32, filter: Filter) -> [usize; 2] {
     let wall = (0..120 * 120)
         .map(|i| Vec3::new((i % 120) as f32 * 0.033 - 2.0, (i / 120) as f32 * 0.033 - 2.0, 0.0));
     let points: Vec<Vec3> = ball.chain(wall).collect();
-    let options = SplatOptions { radius: Radius::Same(radius), bias: Bias::World(0.3), filter };
+    let options =
+        SplatOptions { radius: Radius::Same(radius), bias: Bias::World(0.3), filter, slopes: false };
     let found = visible_points(&points, &camera, &options).unwrap().visible;
     let mut errors = [0; 2];
     for (i, (&p, found)) in points.iter().zip(&found).enumerate() {
@@ -189,7 +195,7 @@ fn the_max_filter_errs_least_and_the_min_filter_most() {
 #[test]
 fn errors_name_the_cause() {
     let find = |radius, bias| {
-        let options = SplatOptions { radius, bias, filter: Filter::Max };
+        let options = SplatOptions { radius, bias, filter: Filter::Max, slopes: false };
         visible_points(&[Vec3::ZERO; 2], &camera((4, 4), 1.0), &options)
             .map(|found| found.visible.count_ones())
     };
@@ -200,4 +206,65 @@ fn errors_name_the_cause() {
     assert_eq!(find(Radius::Each(&[1.0]), world), Err(SplatError::Radii { radii: 1, points: 2 }));
     let part = Bias::Window(1.0);
     assert_eq!(find(Radius::Same(0.0), part), Err(SplatError::Bias { bias: part }));
+}
+
+/// A point in each cell of a floor and of a cellar a metre below it, up to 50 m before an eye at the
+/// height of a man; the floor comes first. Their distance is 0.2 m.
+fn floor_and_cellar() -> Vec<Vec3> {
+    let random = |i: u32| f32::from((i.wrapping_mul(2_654_435_761) >> 16) as u16) / 65536.0;
+    let cell = |i: u32| Vec3::new((i % 100) as f32 + random(i), 0.0, (i / 100) as f32 + random(i + 7)) * 0.2;
+    let level = |y: f32| (0..25_000).map(move |i| cell(i) - Vec3::new(10.0, y, 50.0));
+    level(0.0).chain(level(1.0)).collect()
+}
+
+/// Of the points of the picture, the part of the floor that is hidden and the part of the cellar
+/// that is visible.
+fn errors_of_floor(slopes: bool) -> [f64; 2] {
+    let points = floor_and_cellar();
+    let eye = Vec3::new(0.0, 1.7, 0.0);
+    let camera = Camera::look_at(eye, eye - Vec3::Z, Vec3::Y, 0.9, (1920, 1080), 0.1, 100.0).unwrap();
+    let options =
+        SplatOptions { radius: Radius::Same(0.12), bias: Bias::World(0.1), filter: Filter::Max, slopes };
+    let visible = visible_points(&points, &camera, &options).unwrap().visible;
+    [true, false].map(|floor| {
+        let of = points
+            .iter()
+            .enumerate()
+            .filter(|(i, p)| (*i < 25_000) == floor && camera.project(**p).is_some());
+        let bits: Vec<bool> = of.map(|(i, _)| visible[i] != floor).collect();
+        bits.iter().filter(|wrong| **wrong).count() as f64 / bits.len() as f64
+    })
+}
+
+#[test]
+fn slopes_keep_the_points_of_a_floor_seen_at_a_grazing_angle() {
+    let [without, with] = [false, true].map(errors_of_floor);
+    assert!(without[0] > 0.4 && without[1] < 0.01, "{without:?}");
+    assert!(with[0] < 0.02 && with[1] < 0.02, "{with:?}");
+}
+
+/// A picture of a plane of which inverse depths rise by these on both axes, from 1/8 in the middle.
+fn plane([x, y]: [f32; 2]) -> DepthImage {
+    let depth = |i: usize| 1.0 / (0.125 + (i % 33) as f32 * x - 16.0 * x + (i / 33) as f32 * y - 16.0 * y);
+    DepthImage { width: 33, depths: (0..33 * 33).map(depth).collect() }
+}
+
+#[test]
+fn a_slope_is_what_a_plane_rises_within_half_a_square() {
+    for slope in [[0.0, 0.0], [1e-3, 0.0], [-2e-3, 1e-3], [1e-3, 3e-3], [-1e-3, -1e-3]] {
+        let (plane, both) = (plane(slope), slope[0].abs() + slope[1].abs());
+        // In the middle, and at a corner, where each axis has one side.
+        for (at, half) in [(16, 0), (16, 128), (16, 700), (0, 300), (32, 1000)] {
+            let own = 1.0 / plane.get(at as u32, at as u32).unwrap();
+            let expected = own - (half as f32 / 256.0 + 0.5) * both;
+            let found = plane.slanted(at, at, half);
+            assert!((found - expected).abs() < 1e-5, "{slope:?} {at} {half}: {found} {expected}");
+        }
+    }
+    // The rim of a near thing, and a ridge, are no slopes.
+    for rim in [|x: usize| if x < 16 { 2.0 } else { 8.0 }, |x: usize| 3.0 + x.abs_diff(16) as f32 / 100.0] {
+        let depths = (0..33 * 33).map(|i| rim(i % 33)).collect();
+        let image = DepthImage { width: 33, depths };
+        assert_eq!(image.slanted(16, 16, 500), 1.0 / rim(16));
+    }
 }

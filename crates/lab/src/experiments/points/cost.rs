@@ -69,7 +69,8 @@ fn operators(
     let (points, spacing) = random(count, seed)?;
     // A random surface has gaps: its spacing is no bound for them.
     let splat = |filter| {
-        let options = SplatOptions { radius: Radius::Same(spacing), bias: THESIS_BIAS, filter };
+        let options =
+            SplatOptions { radius: Radius::Same(spacing), bias: THESIS_BIAS, filter, slopes: false };
         Ok(casca_points::splat::visible_points(&points, &camera, &options)?.visible.count_ones())
     };
     let splats =

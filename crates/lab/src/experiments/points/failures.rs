@@ -89,6 +89,7 @@ fn answers(case: &Case, log: f64) -> Result<[BitVec; 3], LabError> {
         radius: Radius::Same(size * case.radius.splats),
         bias: Bias::World(RADII * size),
         filter: Filter::Max,
+        slopes: false,
     };
     Ok([
         by_hull(cloud, kernel)?,

@@ -120,8 +120,12 @@ pub(super) fn noise(study: &mut Study, radius: f64) -> Result<(), LabError> {
         let judge = |found: BitVec| Confusion::of(&noisy.truth, &found);
         let tuned = best(&sweep(&noisy, &values, |r| by_hull(&noisy, spherical(r)))?);
         let size = automatic_radius(&noisy.points)?;
-        let splats =
-            SplatOptions { radius: Radius::Same(size), bias: Bias::World(RADII * size), filter: Filter::Max };
+        let splats = SplatOptions {
+            radius: Radius::Same(size),
+            bias: Bias::World(RADII * size),
+            filter: Filter::Max,
+            slopes: false,
+        };
         let answers = [
             (radius, judge(by_hull(&noisy, spherical(radius))?)),
             tuned,

@@ -57,7 +57,11 @@ pub(super) fn filters(study: &mut Study) -> Result<(), LabError> {
             let (mut all, mut single) = (Sweep::new(), Sweep::new());
             for &value in &values {
                 let radius = Radius::Same(value as f32 * hare.spacing);
-                let found = by_splats(hare, size, &SplatOptions { radius, bias: THESIS_BIAS, filter })?;
+                let found = by_splats(
+                    hare,
+                    size,
+                    &SplatOptions { radius, bias: THESIS_BIAS, filter, slopes: false },
+                )?;
                 all.push((value, Confusion::of(&hare.truth, &found)));
                 single.push((value, Confusion::of(&truth, &one_per_pixel(hare, &camera, &found))));
             }
@@ -147,7 +151,7 @@ pub(super) fn bias(study: &mut Study) -> Result<(), LabError> {
             };
             let ask = |r: f64| {
                 let radius = Radius::Same(r as f32 * hare.spacing);
-                by_splats(hare, SIZE, &SplatOptions { radius, bias, filter })
+                by_splats(hare, SIZE, &SplatOptions { radius, bias, filter, slopes: false })
             };
             let (radius, counts) = best(&sweep(hare, &values, ask)?);
             let value = if way == "window" { format!("window {part}") } else { "world".to_owned() };
@@ -205,7 +209,9 @@ pub(super) fn automatic(study: &mut Study) -> Result<(), LabError> {
         // Near and far planes of rooms are far apart: a tolerance in the world is the one to
         // compare with.
         let bias = Bias::World(TOLERANCE * cloud.spacing);
-        let ask = |radius, bias| by_splats(cloud, SIZE, &SplatOptions { radius, bias, filter: Filter::Max });
+        let ask = |radius, bias| {
+            by_splats(cloud, SIZE, &SplatOptions { radius, bias, filter: Filter::Max, slopes: false })
+        };
         let judge = |found: BitVec| Confusion::of(&cloud.truth, &found);
         let by_hand = best(&sweep(cloud, &values, |r| ask(Radius::Same(r as f32 * cloud.spacing), bias))?);
         let size = automatic_radius(&cloud.points)?;
