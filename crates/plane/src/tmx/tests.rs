@@ -1,6 +1,9 @@
 //! The map of the harbour, maps that are refused, and the crate `tiled`, which reads the same.
 
+use glam::Vec2;
+
 use super::*;
+use crate::geometry::Rect;
 
 #[path = "../../tests/maps/mod.rs"]
 mod maps;
@@ -42,6 +45,31 @@ fn properties_and_layers_block() {
     let (by_property, by_layer) = (count(no_layer), count(no_property));
     assert_eq!(by_property + by_layer, walls.count());
     assert!(by_property > 0 && by_layer > 0);
+}
+
+#[test]
+fn objects_are_those_of_the_drawing() {
+    let drawing = include_str!("../../maps/harbour.txt");
+    let drawn = |letter: u8| {
+        let lines = (0..).zip(drawing.lines());
+        let tiles = lines.flat_map(|(y, line)| (0..).zip(line.bytes()).map(move |(x, tile)| (x, y, tile)));
+        tiles
+            .filter(move |t| t.2 == letter)
+            .map(|(x, y, _)| Vec2::new(x as f32, y as f32))
+            .collect::<Vec<_>>()
+    };
+    let map = TmxImport::default().read_map(example("harbour.tmx")).unwrap();
+    assert_eq!(map.warnings, []);
+    let found = |class: &'static str| map.objects.iter().filter(move |object| &*object.class == class);
+    let doors = found("door").map(|door| (door.role, door.shape.clone()));
+    let drawn_doors =
+        drawn(b'+').into_iter().map(|at| (TmxRole::Door, TmxShape::Rect(Rect::new(at, at + Vec2::ONE))));
+    assert!(doors.eq(drawn_doors));
+    for (class, letter) in [("guard", b'g'), ("start", b'@')] {
+        let places = found(class).map(|object| object.shape.clone());
+        assert!(places.eq(drawn(letter).into_iter().map(|at| TmxShape::Point(at + 0.5))), "{class}");
+    }
+    assert_eq!(map.objects.len(), [b'+', b'g', b'@'].map(|letter| drawn(letter).len()).iter().sum());
 }
 
 #[test]
@@ -118,7 +146,7 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
             );
             let mut xml = Xml::new(text.as_bytes(), "test").unwrap();
             let root = xml.root("tileset").unwrap();
-            Rc::new(Opaque::read(&mut xml, &root, "opaque").unwrap())
+            Rc::new(Opaque::read(&mut xml, &root, ["opaque", "door"]).unwrap())
         })
         .collect();
     for order in 0..256_u32 {
@@ -247,7 +275,9 @@ fn spread_chunks_and_damaged_ones_are_refused() {
     let hexagons = small.replace("orthogonal", "hexagonal");
     assert!(matches!(map(&hexagons), Err(TmxError::Orientation(_))));
     let none = infinite(&[], |_, _| true);
-    assert!(matches!(map(&none), Err(TmxError::NoTiles)));
+    let found = map(&none).unwrap();
+    assert_eq!((found.walls.count(), found.objects.len()), (0, 1), "a map of objects");
+    assert!(matches!(map(&none.replace("objectgroup", "imagelayer")), Err(TmxError::NoTiles)));
 }
 
 #[test]
