@@ -158,11 +158,12 @@ impl TmxImport {
     /// warnings.
     ///
     /// The walls are those of a rectangle around all layers of tiles, which may begin left of or
-    /// above the map. Tiles that no tileset has, and layers that are shifted by parts of a tile, block
-    /// nothing, and there is a warning for them; also for properties of the right name that are no
-    /// `bool`. Objects are read from all layers, in tiles; a layer's and its groups' shifts count,
-    /// by parts of tiles, too. [`TmxObject::insert`] puts them into scenes. Not read are templates,
-    /// for which there is a warning, texts, and the objects that tilesets draw on their tiles.
+    /// above the map. Tiles that no tileset has, and layers that are shifted by parts of a tile,
+    /// block nothing, and there is a warning for them; also for properties of the right name that
+    /// are no `bool`. Objects are read from all layers, in tiles; the shifts of layers and groups
+    /// count, by parts of tiles, too. [`TmxObject::insert`] puts them into scenes. Not read are
+    /// templates, for which there is a warning, texts, and the objects that tilesets draw on their
+    /// tiles.
     ///
     /// ```no_run
     /// use casca_plane::tmx::{TmxImport, TmxRole};

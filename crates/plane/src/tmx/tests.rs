@@ -1,10 +1,11 @@
-//! The map of the harbour, maps that are refused, and the crate `tiled`, which reads the same.
+//! The map of the harbour, and maps that are refused or read with warnings.
 
 use glam::Vec2;
 
 use super::*;
 use crate::geometry::Rect;
 
+mod compare;
 #[path = "../../tests/maps/mod.rs"]
 mod maps;
 
@@ -159,58 +160,6 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
             let says_so = last.is_some_and(|(number, first)| id - first == number);
             assert_eq!(tilesets.blocks(id | 0x6000_0000, false), says_so, "{firsts:?} {id}");
         }
-    }
-}
-
-/// The files of the tests for the crate `tiled`.
-struct Files(Vec<u8>);
-
-impl tiled::ResourceReader for Files {
-    type Resource = io::Cursor<Vec<u8>>;
-    type Error = io::Error;
-
-    fn read_from(&mut self, path: &Path) -> io::Result<Self::Resource> {
-        let is_map = path.extension().is_some_and(|e| e == "tmx");
-        Ok(io::Cursor::new(if is_map { self.0.clone() } else { maps::TILESET.into() }))
-    }
-}
-
-/// The tiles that block, by the crate `tiled`.
-fn by_tiled(map: Vec<u8>) -> Vec<(u32, u32)> {
-    let mut loader = tiled::Loader::with_cache_and_reader(tiled::DefaultResourceCache::new(), Files(map));
-    let map = loader.load_tmx_map("map.tmx").unwrap();
-    let mut opaque = BitGrid::new(map.width, map.height);
-    let mut open: Vec<_> = map.layers().collect();
-    while let Some(layer) = open.pop() {
-        match layer.layer_type() {
-            tiled::LayerType::Group(group) => open.extend(group.layers()),
-            tiled::LayerType::Tiles(tiled::TileLayer::Finite(tiles)) => {
-                for (x, y) in (0..map.height).flat_map(|y| (0..map.width).map(move |x| (x, y))) {
-                    let Some(tile) = tiles.get_tile(x as i32, y as i32) else { continue };
-                    let says_so = tile.get_tile().and_then(|t| t.properties.get("opaque").cloned());
-                    let blocks = says_so == Some(tiled::PropertyValue::BoolValue(true));
-                    opaque.set(x, y, opaque.get(x, y) || blocks || layer.name == "walls");
-                }
-            }
-            _ => {}
-        }
-    }
-    opaque.cells().collect()
-}
-
-#[test]
-fn the_crate_tiled_reads_the_same() {
-    let mut files = maps::all();
-    files.push(std::fs::read(example("harbour.tmx")).unwrap());
-    let text = String::from_utf8(files[0].clone()).unwrap();
-    files.push(text.replace("farther", "walls").into_bytes());
-    // Tiles before the first tileset are none; of tilesets that begin at one tile the last has it.
-    files.push(text.replace("farther", "walls").replace("firstgid=\"1\"", "firstgid=\"3\"").into_bytes());
-    files.push(text.replace("firstgid=\"5\"", "firstgid=\"1\"").into_bytes());
-    files.push(text.replace("firstgid=\"1\"", "firstgid=\"7\"").into_bytes());
-    for (i, file) in files.into_iter().enumerate() {
-        let ours = TmxImport::default().parse(&file, |_| Ok(maps::TILESET.into())).unwrap();
-        assert_eq!(ours.cells().collect::<Vec<_>>(), by_tiled(file), "{i}");
     }
 }
 
