@@ -48,6 +48,20 @@ pub enum Error {
         /// How many points were given.
         points: usize,
     },
+    /// A polygon to be split whose sides cross or touch.
+    #[error("the polygon of {corners} corners cannot be split: its sides cross or touch")]
+    NotSimple {
+        /// How many corners it has.
+        corners: usize,
+    },
+    /// A polygon to be split has too many corners.
+    #[error("the polygon cannot be split: it has {corners} corners, and {max} at most are taken")]
+    ManyCorners {
+        /// How many corners it has.
+        corners: usize,
+        /// The limit.
+        max: usize,
+    },
     /// A polyline needs two points at least.
     #[error("a polyline needs 2 points or more, not {points}")]
     ShortPolyline {

@@ -70,7 +70,7 @@ mod volume;
 pub use bits::BitGrid;
 pub use cell::{CellOptions, Fusion};
 pub use error::Error;
-pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
+pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, MAX_SPLIT_CORNERS, Polyline, Rect, Segment, Shape};
 /// The version of glam whose types these functions take and give.
 pub use glam;
 

@@ -132,6 +132,13 @@ pub(crate) const REACH_BACK: f64 = 1e-12;
 /// Ends of walls that are cut are multiples of this, as exact arithmetic asks for.
 pub(crate) const REACH_STEP: f64 = f64::from_bits((1023 - 140) << 52);
 
+// Maps of Tiled.
+
+/// An ellipse is round if its axes differ by this share of their length, or as much from a right
+/// angle: thousands of roundings of turns, and less than one to single precision.
+#[cfg(feature = "tiled")]
+pub(crate) const ROUND: f64 = 1e-9;
+
 // Tiles.
 
 /// Field of view on tiles.

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::sync::{Mutex, PoisonError};
 
-use casca_plane::BitGrid;
-use casca_plane::tmx::{TmxError, TmxImport};
+use casca_plane::tmx::{TmxError, TmxImport, TmxObject};
+use casca_plane::{BitGrid, GridSpec, Scene};
+use glam::{UVec2, Vec2};
 use peak_alloc::PeakAlloc;
 
 #[path = "../../../tests/damage/mod.rs"]
@@ -33,13 +34,70 @@ fn damaged_maps_are_read_or_refused() {
     let infinite = maps::map("encoding=\"csv\"", &chunk).replace("infinite=\"0\"", "infinite=\"1\"");
     files.push(infinite.replace("<group", "<group offsetx=\"16\" offsety=\"-32\"").into());
     files.push(maps::TILESET.into());
+    let mut objects = 0;
     damage::survive(&HEAP, "maps", &files, 6000, &|_| (), &mut |bytes| {
         // A map, or the tileset of one.
         drop(read(bytes, maps::TILESET.as_bytes()));
         drop(read(&files[0], bytes));
-        drop(TmxImport::default().parse_map(bytes, |_| Ok(maps::TILESET.into())));
         drop(TmxImport::default().parse_map(&files[0], |_| Ok(bytes.to_vec())));
+        let Ok(map) = TmxImport::default().parse_map(bytes, |_| Ok(maps::TILESET.into())) else { return };
+        objects += insert(&map.objects);
     });
+    assert!(objects > 1_000, "{objects}: some maps keep theirs");
+}
+
+/// Puts objects into a scene, and gives how many went in.
+fn insert(objects: &[TmxObject]) -> usize {
+    let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(8) }).unwrap();
+    for object in objects {
+        let Ok(placed) = object.insert(&mut scene, Vec2::ZERO, 1.0) else { continue };
+        assert_eq!(placed.set_closed(&mut scene, false), Ok(()));
+        assert_eq!(placed.set_closed(&mut scene, true), Ok(()));
+    }
+    scene.len()
+}
+
+/// Reads the objects of a map within the limits, and puts them into a scene.
+fn read_objects(layer: &str, objects: &str, tileset: &str) -> (usize, usize) {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let map = maps::map("encoding=\"csv\"", &maps::csv());
+    let text = format!("<objectgroup name=\"{layer}\">{objects}</objectgroup></map>");
+    let map = map.replace("</map>", &text);
+    let mut found = (0, 0);
+    damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
+        let map = TmxImport::default().parse_map(map, |_| Ok(tileset.as_bytes().to_vec())).unwrap();
+        insert(&map.objects);
+        found = (map.objects.len(), map.warnings.len());
+    });
+    found
+}
+
+#[test]
+fn objects_cost_what_their_bytes_do() {
+    // As small as they get.
+    assert_eq!(read_objects("o", &"<object/>".repeat(100_000), maps::TILESET), (100_001, 100_000));
+    // Names of layers and classes of tiles are not repeated.
+    let long = "n".repeat(1_000_000);
+    let tiles =
+        format!("<tileset tilewidth=\"1\" tileheight=\"1\"><tile id=\"0\" class=\"{long}\"/></tileset>");
+    assert_eq!(read_objects(&long, &"<object gid=\"5\"/>".repeat(10_000), &tiles), (10_001, 0));
+    assert_eq!(read_objects(&long, &"<object gid=\"4444\"/>".repeat(10_000), maps::TILESET), (1, 10_000));
+    // Polygons are split as long as that is cheap.
+    let polygon = |corners: usize| {
+        let mut points = String::new();
+        (0..corners).for_each(|i| write!(points, "{i},{} ", i * i % 7 + 9).unwrap());
+        format!("<object><polygon points=\"{points}{corners},0 0,0\"/></object>")
+    };
+    assert_eq!(read_objects("o", &polygon(150_000), maps::TILESET), (2, 1));
+    assert_eq!(read_objects("o", &polygon(254).repeat(600), maps::TILESET), (601, 0));
+    // Properties in each other.
+    let (open, close) = ("<properties><property name=\"p\" type=\"class\">", "</property></properties>");
+    let deep = format!("<object><point/>{}{}</object>", open.repeat(20_000), close.repeat(20_000));
+    assert_eq!(read_objects("o", &deep, maps::TILESET), (2, 1));
+    // Groups in each other.
+    let groups =
+        format!("<x/></objectgroup>{}{}<objectgroup>", "<group>".repeat(90_000), "</group>".repeat(90_000));
+    assert_eq!(read_objects("o", &groups, maps::TILESET), (1, 0));
 }
 
 /// Reads a map and its tileset within the limits.

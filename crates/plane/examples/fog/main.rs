@@ -17,12 +17,16 @@ mod game;
 mod look;
 mod pictures;
 mod screen;
+#[cfg(feature = "tiled")]
+mod tiled;
 
 use std::error::Error;
 
 use casca_plane::maps::{Drawing, FloorPlan, HARBOUR, MapKind};
 
 use crate::game::Game;
+#[cfg(feature = "tiled")]
+use crate::tiled::tiled;
 
 struct Options {
     map: String,
@@ -64,14 +68,6 @@ fn options() -> Result<Options, Box<dyn Error>> {
         }
     }
     Ok(options)
-}
-
-/// A map of the editor Tiled. What is amiss with it is printed.
-#[cfg(feature = "tiled")]
-fn tiled(file: &str) -> Result<Drawing, Box<dyn Error>> {
-    let map = casca_plane::tmx::TmxImport::default().read_map(file)?;
-    map.warnings.iter().for_each(|warning| eprintln!("{file}: {warning}"));
-    Ok(Drawing { walls: map.walls, ..Drawing::default() })
 }
 
 #[cfg(not(feature = "tiled"))]

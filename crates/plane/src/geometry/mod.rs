@@ -8,6 +8,7 @@ mod polyline;
 mod rect;
 mod segment;
 pub(crate) mod shape;
+pub(crate) mod split;
 
 pub use disc::{DISC_SIDES, Disc};
 pub use polygon::ConvexPolygon;
@@ -15,6 +16,7 @@ pub use polyline::Polyline;
 pub use rect::Rect;
 pub use segment::Segment;
 pub use shape::Shape;
+pub use split::MAX_SPLIT_CORNERS;
 
 use glam::DVec2;
 use robust::{Coord, orient2d};

@@ -3,14 +3,17 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 use std::{fmt, io};
 
 use glam::IVec2;
 
 use super::data::Data;
+use super::objects::{ObjectLayer, TmxFault, TmxObject};
+use super::space::Space;
 use super::tileset::Tilesets;
 use super::xml::{Element, Xml};
-use super::{TmxError, TmxImport, file, orientation};
+use super::{Place, TmxError, TmxImport, file, is_objects, orientation};
 use crate::bits::BitGrid;
 
 /// Shifts of layers in tiles that differ by less than this from whole numbers are whole: the editor
@@ -27,18 +30,21 @@ const SMALL: u64 = 1 << 24;
 /// Coordinates of tiles, at most.
 const FARTHEST: i64 = 1 << 30;
 
-/// The tiles of a map that block sight, and warnings about the map: see [`TmxImport::read_map`].
+/// The tiles of a map that block sight, its objects, and warnings about the map: see
+/// [`TmxImport::read_map`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TmxMap {
     /// The tiles that block.
     pub walls: BitGrid,
     /// The column and the row, as the editor counts them, of the tile `(0, 0)` of `walls`.
     pub origin: IVec2,
-    /// What was passed over. Nothing of it blocks sight.
+    /// The objects of all layers, in the order of the file. Texts are left out.
+    pub objects: Vec<TmxObject>,
+    /// What was passed over. Nothing of it blocks sight, but objects as their fault says.
     pub warnings: Vec<TmxWarning>,
 }
 
-/// What was passed over in a map, so that it blocks no sight.
+/// What was passed over in a map, so that it blocks no sight, or is amiss with an object.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum TmxWarning {
@@ -71,6 +77,15 @@ pub enum TmxWarning {
         /// By how many tiles down.
         y: f64,
     },
+    /// Something is amiss with an object.
+    Object {
+        /// Its number in the map; 0 if the file gives none.
+        id: u32,
+        /// The name of its layer.
+        layer: Arc<str>,
+        /// What is amiss.
+        fault: TmxFault,
+    },
 }
 
 impl fmt::Display for TmxWarning {
@@ -86,6 +101,7 @@ impl fmt::Display for TmxWarning {
             Self::Offset { layer, x, y } => {
                 write!(f, "the layer {layer:?} is shifted by {x} and {y} tiles: only whole tiles are read")
             }
+            Self::Object { id, layer, fault } => write!(f, "the object {id} of the layer {layer:?}: {fault}"),
         }
     }
 }
@@ -110,8 +126,7 @@ impl Part {
 struct Frame {
     size: (u32, u32),
     infinite: bool,
-    isometric: bool,
-    tile: [f64; 2],
+    space: Space,
 }
 
 /// The rectangle around all parts.
@@ -139,22 +154,36 @@ impl Extent {
 }
 
 impl TmxImport {
-    /// As [`Self::read`], also for infinite maps, with the shifts of layers, and with warnings.
+    /// As [`Self::read`], also for infinite maps, with the shifts of layers, with objects, and with
+    /// warnings.
     ///
-    /// The walls are those of a rectangle around all layers, which may begin left of or above the
-    /// map. Tiles that no tileset has, and layers that are shifted by parts of a tile, block
-    /// nothing, and there is a warning for them; also for properties of the right name that are no
-    /// `bool`.
+    /// The walls are those of a rectangle around all layers of tiles, which may begin left of or
+    /// above the map. Tiles that no tileset has, and layers that are shifted by parts of a tile,
+    /// block nothing, and there is a warning for them; also for properties of the right name that
+    /// are no `bool`. Objects are read from all layers, in tiles; the shifts of layers and groups
+    /// count, by parts of tiles, too. [`TmxObject::insert`] puts them into scenes. Not read are
+    /// templates, for which there is a warning, texts, and the objects that tilesets draw on their
+    /// tiles.
     ///
     /// ```no_run
-    /// use casca_plane::tmx::TmxImport;
-    /// use casca_plane::TileLayer;
+    /// use casca_plane::tmx::{TmxImport, TmxRole};
+    /// use casca_plane::{GridSpec, Scene, TileLayer};
+    /// use glam::{UVec2, Vec2};
     ///
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let grid = GridSpec { min: Vec2::ZERO, cell: 16.0, dims: UVec2::splat(256) };
+    /// let mut scene = Scene::new(&grid)?;
     /// let map = TmxImport::default().read_map("world.tmx")?;
     /// map.warnings.iter().for_each(|warning| eprintln!("world.tmx: {warning}"));
+    /// // Tiles of 16 world units, walls and objects in one scene.
     /// let layer = TileLayer::new(map.origin.as_vec2() * 16.0, 16.0, map.walls)?;
-    /// # let _ = layer;
+    /// scene.insert_tiles(&layer)?;
+    /// for object in &map.objects {
+    ///     let placed = object.insert(&mut scene, Vec2::ZERO, 16.0)?;
+    ///     if object.role == TmxRole::Door {
+    ///         placed.set_closed(&mut scene, false)?;
+    ///     }
+    /// }
     /// # Ok(())
     /// # }
     /// ```
@@ -182,8 +211,11 @@ impl TmxImport {
         let mut extent = Extent::NONE;
         let frame = self.frame(map)?;
         // First the parts, whose texts are long enough for them; then their tiles.
-        let tilesets = self.walk(map, &mut known, &mut tileset, &mut |xml, layer, _, shift| {
-            let (name, offset) = (layer_name(xml, layer)?, frame.offset(shift));
+        let tilesets = self.walk(map, &mut known, &mut tileset, &mut |xml, layer, _, place| {
+            if is_objects(layer) {
+                return xml.skip(layer);
+            }
+            let (name, offset) = (layer_name(xml, layer)?, frame.offset(place.shift));
             frame.parts(xml, layer, &mut |xml, part, data, text| {
                 data.check(text, part.tiles()).map_err(|why| damaged(xml, &name, why))?;
                 if let Some(offset) = offset {
@@ -193,8 +225,8 @@ impl TmxImport {
             })
         })?;
         let mut found = TmxMap::default();
-        for (first, tile, kind) in tilesets.wrong_types() {
-            let property = self.property.clone();
+        for (first, tile, which, kind) in tilesets.wrong_types() {
+            let property = self.names()[which].to_owned();
             found.warnings.push(TmxWarning::PropertyType { first, tile, property, kind });
         }
         if extent.tiles > 0 {
@@ -207,10 +239,20 @@ impl TmxImport {
             found.walls = BitGrid::new(size[0] as u32, size[1] as u32);
             found.origin = IVec2::new(extent.least[0] as i32, extent.least[1] as i32);
         }
-        self.walk(map, &mut known, &mut tileset, &mut |xml, layer, tilesets, shift| {
-            self.mark(xml, layer, (&frame, &extent), tilesets, shift, &mut found)
-        })?;
-        if extent.any || !found.warnings.is_empty() { Ok(found) } else { Err(TmxError::NoTiles) }
+        self.walk(
+            map,
+            &mut known,
+            &mut tileset,
+            &mut |xml, layer, tilesets, place| match is_objects(layer) {
+                true => self.objects(xml, layer, &frame, tilesets, place, &mut found),
+                false => self.mark(xml, layer, (&frame, &extent), tilesets, place.shift, &mut found),
+            },
+        )?;
+        if extent.any || !found.warnings.is_empty() || !found.objects.is_empty() {
+            Ok(found)
+        } else {
+            Err(TmxError::NoTiles)
+        }
     }
 
     fn frame(&self, map: &[u8]) -> Result<Frame, TmxError> {
@@ -223,7 +265,32 @@ impl TmxImport {
         if tile.contains(&0.0) {
             return Err(xml.damaged("tiles of no size"));
         }
-        Ok(Frame { size, infinite, isometric: orientation == "isometric", tile })
+        Ok(Frame { size, infinite, space: Space { isometric: orientation == "isometric", tile } })
+    }
+
+    /// Reads the objects of a layer.
+    fn objects(
+        &self,
+        xml: &mut Xml<'_>,
+        layer: &Element<'_>,
+        frame: &Frame,
+        tilesets: &Tilesets,
+        place: Place,
+        found: &mut TmxMap,
+    ) -> Result<(), TmxError> {
+        let name: Arc<str> = layer_name(xml, layer)?.into();
+        let layer = ObjectLayer {
+            space: &frame.space,
+            tilesets,
+            shift: place.shift,
+            visible: place.visible,
+            names: self.names(),
+            walls: *name == *self.layer,
+            name: name.clone(),
+        };
+        layer.read(xml, &mut found.objects, &mut |id, fault| {
+            found.warnings.push(TmxWarning::Object { id, layer: name.clone(), fault });
+        })
     }
 
     /// Marks the tiles of a layer that block.
@@ -239,7 +306,7 @@ impl TmxImport {
         let name = layer_name(xml, layer)?;
         let all = name == self.layer;
         let Some(offset) = frame.offset(shift) else {
-            let [x, y] = frame.tiles(shift);
+            let [x, y] = frame.space.tiles(shift);
             found.warnings.push(TmxWarning::Offset { layer: name, x, y });
             return frame.parts(xml, layer, &mut |_, _, _, _| Ok(()));
         };
@@ -273,16 +340,9 @@ fn damaged(xml: &Xml<'_>, layer: &str, why: impl fmt::Display) -> TmxError {
 type Take<'t> = &'t mut dyn FnMut(&Xml<'_>, Part, Data, &str) -> Result<(), TmxError>;
 
 impl Frame {
-    /// A shift in pixels as one in tiles.
-    fn tiles(&self, shift: [f64; 2]) -> [f64; 2] {
-        let [x, y] = [shift[0] / self.tile[0], shift[1] / self.tile[1]];
-        // Rows of isometric maps go down to the left, columns down to the right.
-        if self.isometric { [y + x, y - x] } else { [x, y] }
-    }
-
     /// A shift in whole tiles; `None` if it is none.
     fn offset(&self, shift: [f64; 2]) -> Option<[i64; 2]> {
-        let tiles = self.tiles(shift);
+        let tiles = self.space.tiles(shift);
         let whole = |v: f64| (v - v.round()).abs() < WHOLE && v.abs() <= FARTHEST as f64;
         tiles.iter().all(|&v| whole(v)).then(|| tiles.map(|v| v.round() as i64))
     }

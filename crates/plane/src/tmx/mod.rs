@@ -1,9 +1,9 @@
 //! Maps of the editor [Tiled](https://www.mapeditor.org) (`.tmx` files): which of their tiles block
-//! sight.
+//! sight, and the objects that are drawn over them.
 //!
 //! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers
-//! of tiles, also those in groups. Memory is reserved in proportion to the bytes of the files and
-//! the bits of the result, whatever the files promise.
+//! of tiles and of objects, also those in groups. Memory is reserved in proportion to the bytes of
+//! the files and the bits of the result, whatever the files promise.
 
 // Not by the crate `tiled` (0.16), which files can make
 // - overflow the stack: 10,000 groups in each other (150 kB), or properties of the type `class`; a
@@ -26,6 +26,8 @@
 mod data;
 mod error;
 mod map;
+mod objects;
+mod space;
 #[cfg(test)]
 mod tests;
 mod tileset;
@@ -40,6 +42,7 @@ use crate::bits::BitGrid;
 use data::Data;
 pub use error::TmxError;
 pub use map::{TmxMap, TmxWarning};
+pub use objects::{TmxFault, TmxObject, TmxPlaced, TmxRole, TmxShape, TmxValue};
 use tileset::{Opaque, Tilesets};
 use xml::{Element, Xml};
 
@@ -61,16 +64,19 @@ const LONGEST_SIDE: u32 = 1 << 20;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TmxImport {
-    /// Tiles whose tileset gives them a property of this name block, if it is `true`; at first
-    /// `opaque`.
+    /// Tiles whose tileset gives them a property of this name block, if it is `true`; so do objects
+    /// that have it, or whose class has this name; at first `opaque`.
     pub property: String,
-    /// All tiles in layers of this name block; at first `walls`.
+    /// All tiles and objects in layers of this name block; at first `walls`.
     pub layer: String,
+    /// Objects are doors that have a property of this name that is `true`, or whose tile has, or
+    /// whose class has this name; at first `door`. Tiles of layers are no doors.
+    pub door: String,
 }
 
 impl Default for TmxImport {
     fn default() -> Self {
-        Self { property: "opaque".into(), layer: "walls".into() }
+        Self { property: "opaque".into(), layer: "walls".into(), door: "door".into() }
     }
 }
 
@@ -110,14 +116,15 @@ impl TmxImport {
         orientation(&xml, &root)?;
         let size = self.size(&xml, &root)?;
         let (mut known, mut opaque) = (HashMap::new(), None);
-        self.walk(map, &mut known, &mut tileset, &mut |xml, layer, tilesets, _| {
-            self.layer(xml, layer, size, tilesets, &mut opaque)
+        self.walk(map, &mut known, &mut tileset, &mut |xml, layer, tilesets, _| match is_objects(layer) {
+            true => xml.skip(layer),
+            false => self.layer(xml, layer, size, tilesets, &mut opaque),
         })?;
         opaque.ok_or(TmxError::NoTiles)
     }
 
-    /// Reads the tilesets of a map, and hands out its layers of tiles with those before them and
-    /// with their shift in pixels, that of their groups included.
+    /// Reads the tilesets of a map, and hands out its layers of tiles and of objects with those
+    /// before them and with their place.
     fn walk(
         &self,
         map: &[u8],
@@ -128,8 +135,8 @@ impl TmxImport {
         let mut xml = Xml::new(map, "the map")?;
         xml.root("map")?;
         let mut tilesets = Tilesets::default();
-        let mut groups = vec![[0.0; 2]];
-        while let Some(&shift) = groups.last() {
+        let mut groups = vec![Place { shift: [0.0; 2], visible: true }];
+        while let Some(&place) = groups.last() {
             let Some(child) = xml.child()? else {
                 // The end of a group, or of the map.
                 groups.pop();
@@ -137,7 +144,9 @@ impl TmxImport {
             };
             let own = |xml: &Xml<'_>| {
                 let [x, y] = [xml.decimal(&child, "offsetx")?, xml.decimal(&child, "offsety")?];
-                Ok([shift[0] + x, shift[1] + y])
+                let hidden = xml.attribute(&child, "visible")?.is_some_and(|visible| visible == "0");
+                let shift = [place.shift[0] + x, place.shift[1] + y];
+                Ok(Place { shift, visible: place.visible && !hidden })
             };
             match child.local_name().as_ref() {
                 b"group" => groups.push(own(&xml)?),
@@ -148,18 +157,23 @@ impl TmxImport {
                             xml.skip(&child)?;
                             self.external(&source, known, tileset)?
                         }
-                        None => Rc::new(Opaque::read(&mut xml, &child, &self.property)?),
+                        None => Rc::new(Opaque::read(&mut xml, &child, self.names())?),
                     };
                     tilesets.push(first, tiles);
                 }
-                b"layer" => {
-                    let shift = own(&xml)?;
-                    take(&mut xml, &child, &tilesets, shift)?;
+                b"layer" | b"objectgroup" => {
+                    let place = own(&xml)?;
+                    take(&mut xml, &child, &tilesets, place)?;
                 }
                 _ => xml.skip(&child)?,
             }
         }
         Ok(tilesets)
+    }
+
+    /// The names of the properties that say that something blocks, and that it is a door.
+    fn names(&self) -> [&str; 2] {
+        [&self.property, &self.door]
     }
 
     /// The columns and rows of a map.
@@ -185,7 +199,7 @@ impl TmxImport {
         let bytes = tileset(source).map_err(|why| TmxError::File { file: source.to_owned(), why })?;
         let mut xml = Xml::new(&bytes, source)?;
         let root = xml.root("tileset")?;
-        let tiles = Rc::new(Opaque::read(&mut xml, &root, &self.property)?);
+        let tiles = Rc::new(Opaque::read(&mut xml, &root, self.names())?);
         known.insert(source.to_owned(), tiles.clone());
         Ok(tiles)
     }
@@ -234,9 +248,22 @@ impl TmxImport {
     }
 }
 
-/// Takes a layer of tiles, from behind its start, with the tilesets before it and its shift.
-type TakeLayer<'t> =
-    &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets, [f64; 2]) -> Result<(), TmxError>;
+/// Where a layer is, its groups included.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// Its shift in pixels.
+    shift: [f64; 2],
+    /// Whether it is switched on.
+    visible: bool,
+}
+
+/// Takes a layer, from behind its start, with the tilesets before it and its place.
+type TakeLayer<'t> = &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets, Place) -> Result<(), TmxError>;
+
+/// Whether a layer is one of objects.
+fn is_objects(layer: &Element<'_>) -> bool {
+    layer.local_name().as_ref() == b"objectgroup"
+}
 
 /// Refuses maps whose tiles are no squares in rows and columns.
 fn orientation(xml: &Xml<'_>, map: &Element<'_>) -> Result<String, TmxError> {

@@ -1,7 +1,11 @@
-//! The map of the harbour, maps that are refused, and the crate `tiled`, which reads the same.
+//! The map of the harbour, and maps that are refused or read with warnings.
+
+use glam::Vec2;
 
 use super::*;
+use crate::geometry::Rect;
 
+mod compare;
 #[path = "../../tests/maps/mod.rs"]
 mod maps;
 
@@ -42,6 +46,31 @@ fn properties_and_layers_block() {
     let (by_property, by_layer) = (count(no_layer), count(no_property));
     assert_eq!(by_property + by_layer, walls.count());
     assert!(by_property > 0 && by_layer > 0);
+}
+
+#[test]
+fn objects_are_those_of_the_drawing() {
+    let drawing = include_str!("../../maps/harbour.txt");
+    let drawn = |letter: u8| {
+        let lines = (0..).zip(drawing.lines());
+        let tiles = lines.flat_map(|(y, line)| (0..).zip(line.bytes()).map(move |(x, tile)| (x, y, tile)));
+        tiles
+            .filter(move |t| t.2 == letter)
+            .map(|(x, y, _)| Vec2::new(x as f32, y as f32))
+            .collect::<Vec<_>>()
+    };
+    let map = TmxImport::default().read_map(example("harbour.tmx")).unwrap();
+    assert_eq!(map.warnings, []);
+    let found = |class: &'static str| map.objects.iter().filter(move |object| &*object.class == class);
+    let doors = found("door").map(|door| (door.role, door.shape.clone()));
+    let drawn_doors =
+        drawn(b'+').into_iter().map(|at| (TmxRole::Door, TmxShape::Rect(Rect::new(at, at + Vec2::ONE))));
+    assert!(doors.eq(drawn_doors));
+    for (class, letter) in [("guard", b'g'), ("start", b'@')] {
+        let places = found(class).map(|object| object.shape.clone());
+        assert!(places.eq(drawn(letter).into_iter().map(|at| TmxShape::Point(at + 0.5))), "{class}");
+    }
+    assert_eq!(map.objects.len(), [b'+', b'g', b'@'].map(|letter| drawn(letter).len()).iter().sum());
 }
 
 #[test]
@@ -118,7 +147,7 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
             );
             let mut xml = Xml::new(text.as_bytes(), "test").unwrap();
             let root = xml.root("tileset").unwrap();
-            Rc::new(Opaque::read(&mut xml, &root, "opaque").unwrap())
+            Rc::new(Opaque::read(&mut xml, &root, ["opaque", "door"]).unwrap())
         })
         .collect();
     for order in 0..256_u32 {
@@ -131,58 +160,6 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
             let says_so = last.is_some_and(|(number, first)| id - first == number);
             assert_eq!(tilesets.blocks(id | 0x6000_0000, false), says_so, "{firsts:?} {id}");
         }
-    }
-}
-
-/// The files of the tests for the crate `tiled`.
-struct Files(Vec<u8>);
-
-impl tiled::ResourceReader for Files {
-    type Resource = io::Cursor<Vec<u8>>;
-    type Error = io::Error;
-
-    fn read_from(&mut self, path: &Path) -> io::Result<Self::Resource> {
-        let is_map = path.extension().is_some_and(|e| e == "tmx");
-        Ok(io::Cursor::new(if is_map { self.0.clone() } else { maps::TILESET.into() }))
-    }
-}
-
-/// The tiles that block, by the crate `tiled`.
-fn by_tiled(map: Vec<u8>) -> Vec<(u32, u32)> {
-    let mut loader = tiled::Loader::with_cache_and_reader(tiled::DefaultResourceCache::new(), Files(map));
-    let map = loader.load_tmx_map("map.tmx").unwrap();
-    let mut opaque = BitGrid::new(map.width, map.height);
-    let mut open: Vec<_> = map.layers().collect();
-    while let Some(layer) = open.pop() {
-        match layer.layer_type() {
-            tiled::LayerType::Group(group) => open.extend(group.layers()),
-            tiled::LayerType::Tiles(tiled::TileLayer::Finite(tiles)) => {
-                for (x, y) in (0..map.height).flat_map(|y| (0..map.width).map(move |x| (x, y))) {
-                    let Some(tile) = tiles.get_tile(x as i32, y as i32) else { continue };
-                    let says_so = tile.get_tile().and_then(|t| t.properties.get("opaque").cloned());
-                    let blocks = says_so == Some(tiled::PropertyValue::BoolValue(true));
-                    opaque.set(x, y, opaque.get(x, y) || blocks || layer.name == "walls");
-                }
-            }
-            _ => {}
-        }
-    }
-    opaque.cells().collect()
-}
-
-#[test]
-fn the_crate_tiled_reads_the_same() {
-    let mut files = maps::all();
-    files.push(std::fs::read(example("harbour.tmx")).unwrap());
-    let text = String::from_utf8(files[0].clone()).unwrap();
-    files.push(text.replace("farther", "walls").into_bytes());
-    // Tiles before the first tileset are none; of tilesets that begin at one tile the last has it.
-    files.push(text.replace("farther", "walls").replace("firstgid=\"1\"", "firstgid=\"3\"").into_bytes());
-    files.push(text.replace("firstgid=\"5\"", "firstgid=\"1\"").into_bytes());
-    files.push(text.replace("firstgid=\"1\"", "firstgid=\"7\"").into_bytes());
-    for (i, file) in files.into_iter().enumerate() {
-        let ours = TmxImport::default().parse(&file, |_| Ok(maps::TILESET.into())).unwrap();
-        assert_eq!(ours.cells().collect::<Vec<_>>(), by_tiled(file), "{i}");
     }
 }
 
@@ -247,7 +224,9 @@ fn spread_chunks_and_damaged_ones_are_refused() {
     let hexagons = small.replace("orthogonal", "hexagonal");
     assert!(matches!(map(&hexagons), Err(TmxError::Orientation(_))));
     let none = infinite(&[], |_, _| true);
-    assert!(matches!(map(&none), Err(TmxError::NoTiles)));
+    let found = map(&none).unwrap();
+    assert_eq!((found.walls.count(), found.objects.len()), (0, 1), "a map of objects");
+    assert!(matches!(map(&none.replace("objectgroup", "imagelayer")), Err(TmxError::NoTiles)));
 }
 
 #[test]

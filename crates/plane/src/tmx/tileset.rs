@@ -1,7 +1,8 @@
-//! Which tiles of tilesets block sight.
+//! Which tiles of tilesets block sight, and the pictures of tiles.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use super::TmxError;
 use super::xml::{Element, Xml};
@@ -9,53 +10,107 @@ use super::xml::{Element, Xml};
 /// What a tileset says of its tiles.
 #[derive(Debug, Default)]
 pub(super) struct Opaque {
-    /// Those that block, by their numbers in it.
-    tiles: BTreeSet<u32>,
+    /// Those that block and those that are doors, by their numbers in it.
+    says: [BTreeSet<u32>; 2],
+    /// The classes of those that have one.
+    classes: BTreeMap<u32, Arc<str>>,
+    /// The size of all pictures in pixels, or of single ones.
+    size: [f64; 2],
+    sizes: BTreeMap<u32, [f64; 2]>,
+    /// Which point of its picture an object names.
+    alignment: Option<Alignment>,
     /// How many tiles it says that it has.
     count: Option<u32>,
     /// Those that it lists beyond: tilesets of single images leave numbers out.
     listed: BTreeSet<u32>,
-    /// Tiles with a property of the right name and another type than `bool`, and this type.
-    wrong: Vec<(u32, String)>,
+    /// Tiles with a property of the right name and another type than `bool`: which, and this type.
+    wrong: Vec<(u32, usize, String)>,
 }
 
-/// What a list of properties says.
+/// A point of a picture, in shares of its width and height from the upper left corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Alignment(pub [f64; 2]);
+
+impl Alignment {
+    pub const BOTTOM: Self = Self([0.5, 1.0]);
+    pub const BOTTOM_LEFT: Self = Self([0.0, 1.0]);
+
+    fn named(name: &str) -> Option<Self> {
+        Some(Self(match name {
+            "topleft" => [0.0, 0.0],
+            "top" => [0.5, 0.0],
+            "topright" => [1.0, 0.0],
+            "left" => [0.0, 0.5],
+            "center" => [0.5, 0.5],
+            "right" => [1.0, 0.5],
+            "bottomleft" => return Some(Self::BOTTOM_LEFT),
+            "bottom" => return Some(Self::BOTTOM),
+            "bottomright" => [1.0, 1.0],
+            _ => return None,
+        }))
+    }
+}
+
+/// What a list of properties says of one.
+#[derive(Debug, Clone)]
 enum Says {
     Nothing,
-    Opaque,
+    True,
     Wrong(String),
 }
 
 impl Opaque {
     /// Reads a tileset, from behind its start. The number of tiles that it promises takes no
-    /// memory: those without properties are not listed in a file.
-    pub fn read(xml: &mut Xml<'_>, tileset: &Element<'_>, property: &str) -> Result<Self, TmxError> {
+    /// memory: those without properties are not listed in a file. `names` are those of the
+    /// properties that say that a tile blocks, and that it is a door.
+    pub fn read(xml: &mut Xml<'_>, tileset: &Element<'_>, names: [&str; 2]) -> Result<Self, TmxError> {
         let count = xml.attribute(tileset, "tilecount")?.and_then(|count| count.trim().parse().ok());
-        let mut found = Self { count, ..Self::default() };
+        let alignment = xml.attribute(tileset, "objectalignment")?.and_then(|name| Alignment::named(&name));
+        let size = size(xml, tileset, ["tilewidth", "tileheight"])?;
+        let mut found = Self { count, alignment, size, ..Self::default() };
         while let Some(child) = xml.child()? {
-            if child.local_name().as_ref() != b"tile" {
-                xml.skip(&child)?;
-                continue;
+            match child.local_name().as_ref() {
+                b"tile" => found.tile(xml, &child, names)?,
+                _ => xml.skip(&child)?,
             }
-            let id = xml.number(&child, "id")?;
-            if count.is_some_and(|count| id >= count) {
-                found.listed.insert(id);
-            }
-            // Of tiles and properties that come twice the last counts.
-            found.tiles.remove(&id);
-            while let Some(child) = xml.child()? {
-                if child.local_name().as_ref() != b"properties" {
+        }
+        Ok(found)
+    }
+
+    /// Reads a tile, from behind its start.
+    fn tile(&mut self, xml: &mut Xml<'_>, tile: &Element<'_>, names: [&str; 2]) -> Result<(), TmxError> {
+        let id = xml.number(tile, "id")?;
+        if self.count.is_some_and(|count| id >= count) {
+            self.listed.insert(id);
+        }
+        let kind = xml.attribute(tile, "type")?.filter(|kind| !kind.is_empty());
+        let class = kind.or(xml.attribute(tile, "class")?).filter(|class| !class.is_empty());
+        // Of tiles and properties that come twice the last counts.
+        self.says.iter_mut().for_each(|tiles| _ = tiles.remove(&id));
+        self.classes.remove(&id);
+        self.classes.extend(class.map(|class| (id, class.into())));
+        while let Some(child) = xml.child()? {
+            match child.local_name().as_ref() {
+                b"properties" => {}
+                b"image" => {
+                    self.sizes.insert(id, size(xml, &child, ["width", "height"])?);
                     xml.skip(&child)?;
                     continue;
                 }
-                match says(xml, property)? {
-                    Says::Opaque => _ = found.tiles.insert(id),
-                    Says::Wrong(kind) => found.wrong.push((id, kind)),
+                _ => {
+                    xml.skip(&child)?;
+                    continue;
+                }
+            }
+            for (which, says) in says(xml, names)?.into_iter().enumerate() {
+                match says {
+                    Says::True => _ = self.says[which].insert(id),
+                    Says::Wrong(kind) => self.wrong.push((id, which, kind)),
                     Says::Nothing => {}
                 }
             }
         }
-        Ok(found)
+        Ok(())
     }
 
     /// Whether it has a tile.
@@ -64,22 +119,33 @@ impl Opaque {
     }
 }
 
-/// What a list of properties says of one, from behind its start.
-fn says(xml: &mut Xml<'_>, property: &str) -> Result<Says, TmxError> {
-    let mut says = Says::Nothing;
+/// The size of a picture in pixels; 0 where it is not said.
+fn size(xml: &Xml<'_>, element: &Element<'_>, names: [&str; 2]) -> Result<[f64; 2], TmxError> {
+    let mut size = [0.0; 2];
+    for (length, name) in size.iter_mut().zip(names) {
+        let found = xml.attribute(element, name)?.and_then(|text| text.trim().parse::<u32>().ok());
+        *length = found.map_or(0.0, f64::from);
+    }
+    Ok(size)
+}
+
+/// What a list of properties says of two, from behind its start.
+fn says(xml: &mut Xml<'_>, names: [&str; 2]) -> Result<[Says; 2], TmxError> {
+    let mut all = [Says::Nothing, Says::Nothing];
     while let Some(child) = xml.child()? {
-        if xml.attribute(&child, "name")?.is_some_and(|name| name == property) {
+        let name = xml.attribute(&child, "name")?;
+        for (says, _) in all.iter_mut().zip(names).filter(|(_, other)| name.as_deref() == Some(*other)) {
             // Without a type it is a string.
             let kind = xml.attribute(&child, "type")?.unwrap_or("string".into()).into_owned();
-            says = match (kind == "bool", kind == "bool" && is_true(xml, &child)?) {
+            *says = match (kind == "bool", kind == "bool" && is_true(xml, &child)?) {
                 (false, _) => Says::Wrong(kind),
-                (true, true) => Says::Opaque,
+                (true, true) => Says::True,
                 (true, false) => Says::Nothing,
             };
         }
         xml.skip(&child)?;
     }
-    Ok(says)
+    Ok(all)
 }
 
 /// Whether a property of the type `bool` is `true`.
@@ -120,7 +186,27 @@ impl Tilesets {
     pub fn blocks(&self, id: u32, all: bool) -> bool {
         let id = id & TILE;
         // 0 is no tile.
-        self.of(id).is_some_and(|(first, set)| id != 0 && (all || set.tiles.contains(&(id - first))))
+        self.of(id).is_some_and(|(first, set)| id != 0 && (all || set.says[0].contains(&(id - first))))
+    }
+
+    /// Whether a tile says that it blocks (0), or that it is a door (1).
+    pub fn says(&self, id: u32, which: usize) -> bool {
+        let id = id & TILE;
+        self.of(id).is_some_and(|(first, set)| set.says[which].contains(&(id - first)))
+    }
+
+    /// The class of a tile.
+    pub fn class(&self, id: u32) -> Option<Arc<str>> {
+        let (first, set) = self.of(id & TILE)?;
+        set.classes.get(&((id & TILE) - first)).cloned()
+    }
+
+    /// The size of a tile's picture, and the point of it that an object names; `None` if there is
+    /// no such tile.
+    pub fn picture(&self, id: u32) -> Option<(Option<Alignment>, [f64; 2])> {
+        let (first, set) = self.of(id & TILE)?;
+        let tile = (id & TILE) - first;
+        set.has(tile).then(|| (set.alignment, set.sizes.get(&tile).copied().unwrap_or(set.size)))
     }
 
     /// Whether a tileset has a tile; there is always no tile.
@@ -129,11 +215,13 @@ impl Tilesets {
         id == 0 || self.of(id).is_some_and(|(first, set)| set.has(id - first))
     }
 
-    /// The first tiles of tilesets, with the tiles whose property has another type than `bool`, and
-    /// the type. A file that the map names often comes once.
-    pub fn wrong_types(&self) -> impl Iterator<Item = (u32, u32, String)> {
+    /// The first tiles of tilesets, with the tiles whose property has another type than `bool`,
+    /// which property, and the type. A file that the map names often comes once.
+    pub fn wrong_types(&self) -> impl Iterator<Item = (u32, u32, usize, String)> {
         let mut known = BTreeSet::new();
         let once = self.all.iter().filter(move |(_, set)| known.insert(Rc::as_ptr(set)));
-        once.flat_map(|(first, set)| set.wrong.iter().map(|(tile, kind)| (*first, *tile, kind.clone())))
+        once.flat_map(|(first, set)| {
+            set.wrong.iter().map(|(tile, which, kind)| (*first, *tile, *which, kind.clone()))
+        })
     }
 }

@@ -62,11 +62,32 @@ pub fn base64(compression: &str) -> String {
     STANDARD.encode(packed.expect("a list takes all bytes"))
 }
 
-/// Maps of each encoding.
+/// Objects of all kinds, in a layer.
+const OBJECTS: &str = "<group offsetx=\"8\" visible=\"0\"><objectgroup id=\"5\" name=\"things\" offsety=\"-4\">\
+    <object id=\"2\" name=\"box\" type=\"opaque\" x=\"16\" y=\"8.5\" width=\"12\" height=\"20\" rotation=\"30\"/>\
+    <object id=\"3\" class=\"door\" x=\"4\" y=\"4\" width=\"12\" height=\"20\" visible=\"0\"><ellipse/></object>\
+    <object id=\"4\" x=\"40\" y=\"40\"><point/></object><object id=\"5\" type=\"opaque\" x=\"1\" y=\"2\">\
+    <polygon points=\"0,0 30,0 30,10 10,10 10,30 0,30\"/></object><object id=\"6\" type=\"opaque\" x=\"1\" y=\"2\">\
+    <polyline points=\"0,0 30,10 10,30\"/></object><object id=\"7\" gid=\"2147483650\" x=\"16\" y=\"32\" width=\"16\" \
+    height=\"16\"/><object id=\"8\" x=\"3\" y=\"3\" width=\"9\" height=\"9\"><text>A</text></object>\
+    <object id=\"9\" x=\"20\" y=\"20\" width=\"8\" height=\"8\"><properties><property name=\"opaque\" type=\"bool\" \
+    value=\"true\"/><property name=\"i\" type=\"int\" value=\"7\"/><property name=\"f\" type=\"float\" value=\"0.5\"/>\
+    <property name=\"c\" type=\"color\" value=\"#ff102030\"/><property name=\"o\" type=\"object\" value=\"2\"/>\
+    <property name=\"s\" value=\"text\"/><property name=\"k\" type=\"class\" propertytype=\"K\"><properties>\
+    <property name=\"m\" type=\"bool\" value=\"false\"/></properties></property></properties></object>\
+    </objectgroup></group>";
+
+/// A map with objects of all kinds.
+pub fn objects() -> String {
+    map("encoding=\"csv\"", &csv()).replace("\n</map>", &format!("\n{OBJECTS}</map>"))
+}
+
+/// Maps of each encoding, and one with objects.
 pub fn all() -> Vec<Vec<u8>> {
     let packed = |compression: &str| {
         let attributes = format!("encoding=\"base64\" compression=\"{compression}\"");
         map(attributes.replace(" compression=\"\"", "").as_str(), &base64(compression)).into_bytes()
     };
-    vec![map("encoding=\"csv\"", &csv()).into_bytes(), packed(""), packed("zlib"), packed("gzip")]
+    let plain = map("encoding=\"csv\"", &csv()).into_bytes();
+    vec![plain, packed(""), packed("zlib"), packed("gzip"), objects().into_bytes()]
 }
