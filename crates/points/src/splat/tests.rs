@@ -208,8 +208,8 @@ fn errors_name_the_cause() {
     assert_eq!(find(Radius::Same(0.0), part), Err(SplatError::Bias { bias: part }));
 }
 
-/// A point in each cell of a floor and of a cellar a metre below it, up to 50 m before an eye at the
-/// height of a man; the floor comes first. Their distance is 0.2 m.
+/// A point in each cell of 0.2 m of a floor and of a cellar a metre below it, up to 50 m away; the
+/// floor comes first.
 fn floor_and_cellar() -> Vec<Vec3> {
     let random = |i: u32| f32::from((i.wrapping_mul(2_654_435_761) >> 16) as u16) / 65536.0;
     let cell = |i: u32| Vec3::new((i % 100) as f32 + random(i), 0.0, (i / 100) as f32 + random(i + 7)) * 0.2;
