@@ -26,17 +26,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let camera = Camera::look_at(Vec3::new(0.0, -3.0, 1.0), Vec3::ZERO, Vec3::Z, 0.8, size, 0.1, 10.0)?;
         let one = Radius::Same(automatic);
         let cases = [
-            ("one radius", one),
-            ("eight times as large", Radius::Same(8.0 * automatic)),
-            ("a radius each", Radius::Each(&each)),
+            ("one radius", one, false),
+            ("one radius, slopes", one, true),
+            ("eight times as large", Radius::Same(8.0 * automatic), false),
+            ("a radius each", Radius::Each(&each), false),
+            ("a radius each, slopes", Radius::Each(&each), true),
         ];
-        for (name, radius) in cases {
-            let options = SplatOptions {
-                radius,
-                bias: Bias::World(8.0 * automatic),
-                filter: Filter::Max,
-                slopes: false,
-            };
+        for (name, radius, slopes) in cases {
+            let options =
+                SplatOptions { radius, bias: Bias::World(8.0 * automatic), filter: Filter::Max, slopes };
             let mut seconds: Vec<f64> = Vec::new();
             let mut visible = 0;
             for _ in 0..rounds {
