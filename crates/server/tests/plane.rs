@@ -299,9 +299,14 @@ fn what_is_told_wrong_makes_it_late() {
         let late: u64 = (1..5).map(|seed| play(&map, seed, 150, options, truth).late).sum();
         assert!(late > 0, "{i}");
     }
-    let options = PlaneOptions::new().tick(0.001);
-    let late: u64 = (1..4).map(|seed| play(&map, seed, 150, options, TRUE).late).sum();
-    assert!(late > 0, "a tick that is longer than was said");
+    // Slow enough that a tile more than is in reach does not make up for it, and fast enough with
+    // the true tick.
+    let slow = Truth { eye_speed: 0.6, speed: 0.6, ..TRUE };
+    let late = [0.001, 1.0 / TICKS as f32].map(|tick| -> u64 {
+        let options = PlaneOptions::new().tick(tick);
+        (1..5).map(|seed| play(&map, seed, 150, options, slow).late).sum()
+    });
+    assert!(late[0] > 0 && late[1] == 0, "a tick that is longer than was said: {late:?}");
 }
 
 #[test]
