@@ -42,8 +42,8 @@ pub const DOT_ROOM: f64 = 1e-3;
 /// make rays cross more cells, more make them test more segments.
 pub const SEGMENTS_IN_CELL: f64 = 0.5;
 
-/// The side of a cell in margins, at least: cells are named by what is within a margin of them, so
-/// that smaller ones would be in the lists of too many neighbours.
+/// The side of a cell in margins, at least. A cell names each segment within a margin of it, so
+/// that smaller cells would name too many.
 pub const CELL_IN_MARGINS: f64 = 1.5;
 
 /// The mean length of a segment in sides of a cell, at most (the sum of the ways along x, y and z):

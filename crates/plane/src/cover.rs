@@ -1,7 +1,7 @@
 //! Whether solids together cover a cell.
 //!
-//! The solids are taken out of the cell, one after the other: what is left of a convex piece
-//! outside of a convex solid are the parts beyond its first side, beyond its second but not its
+//! The solids are taken out of the cell, one after the other: the remainder of a convex piece
+//! outside of a convex solid is the parts beyond its first side, beyond its second but not its
 //! first, and so on. A piece is an open set: a point of a cell that no solid contains has others
 //! around it that none contains, since solids are closed. So the solids cover the cell if and only
 //! if no piece is left. Pieces are lists of lines, their corners crossings of two lines, and the
@@ -208,7 +208,7 @@ mod tests {
         let left = rect([-1.0, -1.0], [seam, 2.0]);
         assert!(is_covered(&[left.clone(), rect([seam, 0.0], [1.0, 1.0])]));
         assert!(!is_covered(&[left.clone(), rect([seam.next_up(), 0.0], [1.0, 1.0])]));
-        // Three rectangles around a corner, and a triangle in what is left.
+        // Three rectangles around a corner, and a triangle in the remainder.
         let three = [left.clone(), rect([seam, 0.5], [1.5, 1.0]), rect([0.7, -0.1], [1.0, 0.5])];
         let fill = [polygon(&[at(seam, 0.5), at(0.7, 0.5), at(0.7, -0.5), at(seam, -0.1)])];
         assert!(!is_covered(&three) && is_covered(&[&three[..], &fill].concat()));

@@ -6,6 +6,10 @@ use casca_lines::glam::{DVec3, Vec3};
 use casca_lines::sets::random::Random;
 use casca_lines::sets::{LineError, LineSet};
 
+/// Half of the way, in the parameter of a knot, over which its direction is taken: less than a
+/// hundredth of a step from point to point.
+const AHEAD: f64 = 1e-4;
+
 /// A kind of set by its name.
 pub struct Kind {
     pub name: &'static str,
@@ -59,7 +63,7 @@ fn knots(random: &mut Random) -> Vec<Vec<DVec3>> {
         let (u, v) = in_disc(random);
         let line = (0..=500).map(|i| {
             let t = f64::from(i) / 500.0 * TAU;
-            let ahead = (knot(p, q, t + 1e-4) - knot(p, q, t - 1e-4)).normalize();
+            let ahead = (knot(p, q, t + AHEAD) - knot(p, q, t - AHEAD)).normalize();
             let side = ahead.cross(DVec3::Z).normalize();
             let up = side.cross(ahead);
             let (sine, cosine) = (4.0 * t).sin_cos();

@@ -1,6 +1,6 @@
 //! How near the occlusion of lines comes to that of rays, on kinds of sets that the library does
 //! not make, at the program's default settings; how much it changes from one frame to the next; and
-//! what it costs. Prints tables in Markdown.
+//! its costs. Prints tables in Markdown.
 //!
 //! `cargo run --release -p casca-lines --example accuracy -- [receivers] [words of kinds...]`
 //!
@@ -38,7 +38,7 @@ struct Case {
     view: View,
     buffer: LineBuffer,
     receivers: Vec<([u32; 2], Fragment)>,
-    /// Neighbours, for times: in a picture they share what is in caches.
+    /// Pixels side by side, whose time is taken: as in a picture, they use the same cells.
     block: Vec<([u32; 2], Fragment)>,
     setting: Setting,
 }
@@ -84,7 +84,7 @@ impl Case {
         self.receivers.iter().map(moved).collect()
     }
 
-    /// About the middle of what is seen.
+    /// The view turned around the middle of its depths.
     fn turned(&self, degrees: f64) -> Result<View, Box<dyn Error>> {
         let [near, far] = self.view.depths();
         let middle = DVec3::new(0.0, 0.0, -(near + far) / 2.0);

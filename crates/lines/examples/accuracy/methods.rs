@@ -53,7 +53,7 @@ pub const METHODS: [Method; 7] = [
     Method { name: "64 rays", way: Way::Rays(64) },
 ];
 
-/// A method with what it makes before the first pixel.
+/// A method after the work that it does before the first pixel.
 pub enum Prepared<'a> {
     Plain,
     DepthBuffer(&'a Case, Box<LineBuffer>, SampleSets),
@@ -127,7 +127,7 @@ impl Prepared<'_> {
 
 /// The share of points in the hemisphere that lie behind the nearest line of their pixel, if that
 /// is within the radius (Mittring 2007, "Finding next gen: CryEngine 2", with a hemisphere and a
-/// check of the range): what a depth buffer knows.
+/// check of the range). A depth buffer knows no more.
 fn behind(case: &Case, buffer: &LineBuffer, samples: &SampleSets, pixel: [u32; 2], f: &Fragment) -> f64 {
     let view = buffer.view();
     let away = view.away(f.position);

@@ -142,9 +142,10 @@ impl Renderer {
     /// the pixels with lines times the samples. Memory on the device: 52 bytes a pixel; with
     /// columns 80 bytes a column with 128 slices, 160 with 256.
     ///
-    /// # Errors If the device has no room or is lost, a bundle is not there, rays are to meet tubes
-    /// thicker than the margin of the cells, or a depth of the view is more than [`FARTHEST`] times
-    /// the range of its depths away.
+    /// # Errors
+    /// If the device has no room or is lost, a bundle is not there, rays are to meet tubes thicker
+    /// than the margin of the cells, or a depth of the view is more than [`FARTHEST`] times the
+    /// range of its depths away.
     pub fn update(
         &mut self,
         gpu: &Gpu,

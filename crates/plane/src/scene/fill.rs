@@ -41,18 +41,24 @@ impl Scene {
         // Objects in no lists are not looked for.
         let Some(object) = self.slots.get(slot).filter(|object| object.outer == 0) else { return };
         let Some(occluder @ (Shape::Rect(_) | Shape::Polygon(_))) = &object.occluder else { return };
-        let (came, opacity, mut cells) = (object.fills, self.opacity(), Vec::new());
+        let (came, opacity) = (object.fills, self.opacity());
+        let (mut cells, mut apart) = (Vec::new(), Vec::new());
         touched(occluder, &self.grid, &mut |y, xs| {
             for x in xs {
                 let [fixed, moving, joined] = opacity.map(|bits| bits.get(x as u32, y as u32));
-                // One that comes uncovers nothing; where one goes, others may be together. What one
-                // fills alone is decided when that goes.
-                let known = fixed || moving || came && joined;
-                if !known {
+                let alone = fixed || moving;
+                // One that comes uncovers nothing. Where one goes, others may be together; what one
+                // fills alone counts as not joined, since a disc that goes decides nothing anew.
+                if alone && joined && !came {
+                    apart.push(IVec2::new(x, y));
+                } else if !(alone || came && joined) {
                     cells.push(IVec2::new(x, y));
                 }
             }
         });
+        for cell in apart {
+            self.joined.set(cell.x as u32, cell.y as u32, false);
+        }
         for cell in cells {
             let covered = self.is_covered(cell);
             self.joined.set(cell.x as u32, cell.y as u32, covered);
@@ -78,7 +84,7 @@ mod tests {
     use rand_pcg::Pcg32;
 
     use super::*;
-    use crate::geometry::Rect;
+    use crate::geometry::{Disc, Rect};
     use crate::grid::GridSpec;
     use crate::id::ObjectId;
     use crate::object::ObjectDesc;
@@ -88,6 +94,24 @@ mod tests {
     fn opaque(scene: &Scene) -> Vec<bool> {
         let cells = (0..SIDE * SIDE).map(|i| ((i % SIDE) as u32, (i / SIDE) as u32));
         cells.map(|(x, y)| scene.opacity().iter().any(|bits| bits.get(x, y))).collect()
+    }
+
+    /// While a disc fills a cell alone, one of the solids that cover it together goes. Then the disc
+    /// goes.
+    #[test]
+    fn a_cell_that_a_disc_filled_meanwhile_is_not_opaque_without_its_solids() {
+        let spec = GridSpec { min: Vec2::ZERO, cell: 3.0, dims: UVec2::splat(SIDE as u32) };
+        let mut scene = Scene::new(&spec).unwrap();
+        let half = |x: f32| Rect::new(Vec2::new(x, 5.5), Vec2::new(x + 2.0, 9.5));
+        let disc = Disc::new(Vec2::splat(7.5), 3.0);
+        let [left, _] =
+            [5.5, 7.5].map(|x| scene.insert(ObjectDesc::dynamic(half(x)).occluder(half(x))).unwrap());
+        assert!(opaque(&scene)[14], "together");
+        let round = scene.insert(ObjectDesc::dynamic(disc).occluder(disc)).unwrap();
+        scene.remove(left).unwrap();
+        assert!(opaque(&scene)[14], "the disc alone");
+        scene.remove(round).unwrap();
+        assert!(!opaque(&scene)[14], "half of it is free");
     }
 
     /// Rectangles with corners on a lattice of thirds of cells come, move and go. Cells are opaque
