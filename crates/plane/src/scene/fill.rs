@@ -96,8 +96,7 @@ mod tests {
         cells.map(|(x, y)| scene.opacity().iter().any(|bits| bits.get(x, y))).collect()
     }
 
-    /// While a disc fills a cell alone, one of the solids that cover it together goes. Then the disc
-    /// goes.
+    /// A disc fills a cell while one of two solids goes that cover it together. Then it goes.
     #[test]
     fn a_cell_that_a_disc_filled_meanwhile_is_not_opaque_without_its_solids() {
         let spec = GridSpec { min: Vec2::ZERO, cell: 3.0, dims: UVec2::splat(SIDE as u32) };
