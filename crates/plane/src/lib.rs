@@ -40,15 +40,20 @@
 //!
 //! - `serde`: grids, shapes, motions and options can be stored.
 //! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
+//! - `ldtk`: the module `ldtk`, which reads projects of the editor LDtk.
 //! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.
 
 mod bits;
 mod cell;
 mod cover;
+#[cfg(any(feature = "ldtk", feature = "tiled"))]
+mod editor;
 mod error;
 mod geometry;
 mod grid;
 mod id;
+#[cfg(feature = "ldtk")]
+pub mod ldtk;
 #[cfg(feature = "maps")]
 pub mod maps;
 mod matrix;
@@ -69,6 +74,8 @@ mod volume;
 
 pub use bits::BitGrid;
 pub use cell::{CellOptions, Fusion};
+#[cfg(any(feature = "ldtk", feature = "tiled"))]
+pub use editor::{Placed, Role};
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, MAX_SPLIT_CORNERS, Polyline, Rect, Segment, Shape};
 /// The version of glam whose types these functions take and give.

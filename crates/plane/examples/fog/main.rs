@@ -5,7 +5,7 @@
 //! cargo run --release -p casca-plane --features maps --example fog
 //! cargo run --release -p casca-plane --features maps --example fog -- --map rooms --seed 7
 //! cargo run --release -p casca-plane --features maps --example fog -- --gif fog.gif
-//! cargo run --release -p casca-plane --features maps,tiled --example fog -- FILE.tmx
+//! cargo run --release -p casca-plane --features maps,tiled,ldtk --example fog -- FILE.tmx   # or FILE.ldtk
 //! ```
 //!
 //! Keys: the arrows, or `w` `a` `s` `d`, move and open doors; space opens and closes the doors
@@ -14,6 +14,8 @@
 
 mod explore;
 mod game;
+#[cfg(feature = "ldtk")]
+mod ldtk;
 mod look;
 mod pictures;
 mod screen;
@@ -25,6 +27,8 @@ use std::error::Error;
 use casca_plane::maps::{Drawing, FloorPlan, HARBOUR, MapKind};
 
 use crate::game::Game;
+#[cfg(feature = "ldtk")]
+use crate::ldtk::ldtk;
 #[cfg(feature = "tiled")]
 use crate::tiled::tiled;
 
@@ -75,6 +79,11 @@ fn tiled(file: &str) -> Result<Drawing, Box<dyn Error>> {
     Err(format!("{file} needs the feature tiled").into())
 }
 
+#[cfg(not(feature = "ldtk"))]
+fn ldtk(file: &str) -> Result<Drawing, Box<dyn Error>> {
+    Err(format!("{file} needs the feature ldtk").into())
+}
+
 /// The map that the options name, with its doors, guards and start.
 fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
     const WIDTH: u32 = 96;
@@ -90,10 +99,12 @@ fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
             Drawing { walls: kind.generate(WIDTH, HEIGHT, options.seed), ..Drawing::default() }
         }
         file if file.ends_with(".tmx") => tiled(file)?,
+        file if file.ends_with(".ldtk") => ldtk(file)?,
         other => {
-            return Err(
-                format!("{other} is no map: there are harbour, rooms, caves, fields, FILE.tmx").into()
-            );
+            return Err(format!(
+                "{other} is no map: there are harbour, rooms, caves, fields, FILE.tmx, FILE.ldtk"
+            )
+            .into());
         }
     };
     Ok(drawing)

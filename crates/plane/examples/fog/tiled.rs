@@ -2,8 +2,9 @@
 
 use std::error::Error;
 
+use casca_plane::Role;
 use casca_plane::maps::Drawing;
-use casca_plane::tmx::{TmxImport, TmxRole};
+use casca_plane::tmx::TmxImport;
 
 /// A map with its doors; objects of the class `guard` are guards, one of the class `start` is where
 /// the walk begins. What is amiss with it is printed.
@@ -20,7 +21,7 @@ pub fn tiled(file: &str) -> Result<Drawing, Box<dyn Error>> {
             continue;
         }
         match &*object.class {
-            _ if object.role == TmxRole::Door => drawing.doors.push((x, y)),
+            _ if object.role == Role::Door => drawing.doors.push((x, y)),
             "guard" => drawing.guards.push((x, y)),
             "start" => drawing.start = Some((x, y)),
             _ => {}

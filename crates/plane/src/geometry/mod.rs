@@ -2,6 +2,8 @@
 
 pub(crate) mod block;
 mod disc;
+#[cfg(any(feature = "ldtk", feature = "tiled"))]
+pub(crate) mod ellipse;
 pub(crate) mod expansion;
 pub(crate) mod polygon;
 mod polyline;

@@ -13,22 +13,16 @@ use super::objects::{ObjectLayer, TmxFault, TmxObject};
 use super::space::Space;
 use super::tileset::Tilesets;
 use super::xml::{Element, Xml};
-use super::{Place, TmxError, TmxImport, file, is_objects, orientation};
+use super::{Place, TmxError, TmxImport, is_objects, orientation};
 use crate::bits::BitGrid;
+use crate::editor::{FARTHEST, MOST_EMPTY, file};
 
 /// Shifts of layers in tiles that differ by less than this from whole numbers are whole: the editor
 /// writes offsets in decimals.
 const WHOLE: f64 = 1e-6;
 
-/// Tiles of a rectangle around all layers, for each of a layer, at most; but any map may have
-/// [`SMALL`]. Else two chunks far apart would take any memory.
-const MOST_EMPTY: u64 = 4;
-
-/// Tiles of a rectangle that is never too large: 2 MiB.
+/// Tiles of a rectangle around all layers that is never too large: 2 MiB.
 const SMALL: u64 = 1 << 24;
-
-/// Coordinates of tiles, at most.
-const FARTHEST: i64 = 1 << 30;
 
 /// The tiles of a map that block sight, its objects, and warnings about the map: see
 /// [`TmxImport::read_map`].
@@ -166,8 +160,8 @@ impl TmxImport {
     /// tiles.
     ///
     /// ```no_run
-    /// use casca_plane::tmx::{TmxImport, TmxRole};
-    /// use casca_plane::{GridSpec, Scene, TileLayer};
+    /// use casca_plane::tmx::TmxImport;
+    /// use casca_plane::{GridSpec, Role, Scene, TileLayer};
     /// use glam::{UVec2, Vec2};
     ///
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -180,7 +174,7 @@ impl TmxImport {
     /// scene.insert_tiles(&layer)?;
     /// for object in &map.objects {
     ///     let placed = object.insert(&mut scene, Vec2::ZERO, 16.0)?;
-    ///     if object.role == TmxRole::Door {
+    ///     if object.role == Role::Door {
     ///         placed.set_closed(&mut scene, false)?;
     ///     }
     /// }

@@ -39,10 +39,11 @@ use std::path::Path;
 use std::rc::Rc;
 
 use crate::bits::BitGrid;
+use crate::editor::file;
 use data::Data;
 pub use error::TmxError;
 pub use map::{TmxMap, TmxWarning};
-pub use objects::{TmxFault, TmxObject, TmxPlaced, TmxRole, TmxShape, TmxValue};
+pub use objects::{TmxFault, TmxObject, TmxShape, TmxValue};
 use tileset::{Opaque, Tilesets};
 use xml::{Element, Xml};
 
@@ -272,12 +273,4 @@ fn orientation(xml: &Xml<'_>, map: &Element<'_>) -> Result<String, TmxError> {
         true => Ok(orientation),
         false => Err(TmxError::Orientation(orientation)),
     }
-}
-
-/// The bytes of a file. Pipes and devices are not opened: they may have no end.
-fn file(path: &Path) -> io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("is no file"));
-    }
-    std::fs::read(path)
 }

@@ -3,6 +3,7 @@
 use glam::Vec2;
 
 use super::*;
+use crate::editor::Role;
 use crate::geometry::Rect;
 
 mod compare;
@@ -64,13 +65,13 @@ fn objects_are_those_of_the_drawing() {
     let found = |class: &'static str| map.objects.iter().filter(move |object| &*object.class == class);
     let doors = found("door").map(|door| (door.role, door.shape.clone()));
     let drawn_doors =
-        drawn(b'+').into_iter().map(|at| (TmxRole::Door, TmxShape::Rect(Rect::new(at, at + Vec2::ONE))));
+        drawn(b'+').into_iter().map(|at| (Role::Door, TmxShape::Rect(Rect::new(at, at + Vec2::ONE))));
     assert!(doors.eq(drawn_doors));
     for (class, letter) in [("guard", b'g'), ("start", b'@')] {
         let places = found(class).map(|object| object.shape.clone());
         assert!(places.eq(drawn(letter).into_iter().map(|at| TmxShape::Point(at + 0.5))), "{class}");
     }
-    assert_eq!(map.objects.len(), [b'+', b'g', b'@'].map(|letter| drawn(letter).len()).iter().sum());
+    assert_eq!(map.objects.len(), [b'+', b'g', b'@'].map(|letter| drawn(letter).len()).iter().sum::<usize>());
 }
 
 #[test]

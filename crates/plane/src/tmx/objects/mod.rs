@@ -10,8 +10,7 @@ mod shape;
 mod tests;
 
 pub use fault::TmxFault;
-pub use object::{TmxObject, TmxRole};
-pub use place::TmxPlaced;
+pub use object::TmxObject;
 pub use properties::TmxValue;
 pub(super) use read::ObjectLayer;
 pub use shape::TmxShape;

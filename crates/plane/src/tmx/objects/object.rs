@@ -5,18 +5,7 @@ use std::sync::Arc;
 
 use super::properties::TmxValue;
 use super::shape::TmxShape;
-
-/// Whether an object hides what is behind it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum TmxRole {
-    /// It hides nothing.
-    #[default]
-    Plain,
-    /// It hides.
-    Wall,
-    /// It hides until it is opened.
-    Door,
-}
+use crate::editor::Role;
 
 /// An object of a map: see [`TmxMap::objects`](crate::tmx::TmxMap::objects).
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +27,7 @@ pub struct TmxObject {
     /// Where it is, in tiles.
     pub shape: TmxShape,
     /// Whether it hides others.
-    pub role: TmxRole,
+    pub role: Role,
     /// Its own properties, by their names. Those of its tile are not repeated here.
     pub properties: BTreeMap<String, TmxValue>,
 }

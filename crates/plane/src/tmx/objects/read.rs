@@ -6,9 +6,10 @@ use std::sync::Arc;
 use glam::{DMat2, DVec2};
 
 use super::fault::{TmxFault, shortened};
-use super::object::{TmxObject, TmxRole};
+use super::object::TmxObject;
 use super::properties::{self, TmxValue};
 use super::shape::{Frame, Outline, TmxShape};
+use crate::editor::Role;
 use crate::tmx::TmxError;
 use crate::tmx::space::Space;
 use crate::tmx::tileset::{Alignment, Tilesets};
@@ -94,12 +95,12 @@ impl ObjectLayer<'_> {
             visible: self.visible && !hidden,
             tile,
             shape,
-            role: TmxRole::Plain,
+            role: Role::Plain,
             properties,
         };
         object.role = self.role(&object, faults);
         let is_point = matches!(object.shape, TmxShape::Point(_));
-        if is_point && (object.role != TmxRole::Plain || !matches!(outline, Outline::Point)) {
+        if is_point && (object.role != Role::Plain || !matches!(outline, Outline::Point)) {
             faults.push(TmxFault::NoSize);
         }
         faults.extend(object.shape.fault());
@@ -112,7 +113,7 @@ impl ObjectLayer<'_> {
     }
 
     /// What the object says of itself, or else its tile, its class and its layer.
-    fn role(&self, object: &TmxObject, faults: &mut Vec<TmxFault>) -> TmxRole {
+    fn role(&self, object: &TmxObject, faults: &mut Vec<TmxFault>) -> Role {
         let mut says = |which: usize| {
             let name = self.names[which];
             match object.properties.get(name) {
@@ -128,10 +129,10 @@ impl ObjectLayer<'_> {
         };
         let (hides, door) = (says(0), says(1));
         match (door, hides) {
-            (Some(true), _) => TmxRole::Door,
-            (_, Some(true)) => TmxRole::Wall,
-            (_, None) if self.walls => TmxRole::Wall,
-            _ => TmxRole::Plain,
+            (Some(true), _) => Role::Door,
+            (_, Some(true)) => Role::Wall,
+            (_, None) if self.walls => Role::Wall,
+            _ => Role::Plain,
         }
     }
 

@@ -6,6 +6,7 @@ use glam::{IVec2, UVec2, Vec2};
 
 use super::*;
 use crate::bits::BitGrid;
+use crate::editor::{Placed, Role};
 use crate::geometry::{Disc, Rect, Shape};
 use crate::grid::GridSpec;
 use crate::query::Query;
@@ -192,9 +193,9 @@ fn layers_groups_and_names_are_kept() {
     assert_eq!((found.walls, found.origin, found.warnings), (BitGrid::default(), IVec2::ZERO, vec![]));
     let [a, b, c] = &found.objects[..] else { panic!("{:?}", found.objects) };
     assert_eq!((a.id, &*a.name, &*a.class, &*a.layer, a.visible), (7, "n", "c", "in", false));
-    assert_eq!((&a.shape, a.role), (&TmxShape::Point(Vec2::new(-1., 1.)), TmxRole::Plain));
-    assert_eq!((b.id, &*b.class, b.visible, b.role), (8, "t", true, TmxRole::Wall));
-    assert_eq!((c.id, c.visible, c.role), (9, false, TmxRole::Plain));
+    assert_eq!((&a.shape, a.role), (&TmxShape::Point(Vec2::new(-1., 1.)), Role::Plain));
+    assert_eq!((b.id, &*b.class, b.visible, b.role), (8, "t", true, Role::Wall));
+    assert_eq!((c.id, c.visible, c.role), (9, false, Role::Plain));
 }
 
 #[test]
@@ -207,18 +208,18 @@ fn properties_classes_and_tiles_say_the_role() {
     };
     let says =
         |name: &str, value: bool| format!("<property name=\"{name}\" type=\"bool\" value=\"{value}\"/>");
-    assert_eq!(role("", ""), (TmxRole::Plain, vec![]));
-    assert_eq!(role("", &says("opaque", true)).0, TmxRole::Wall);
-    assert_eq!(role("type=\"opaque\"", "").0, TmxRole::Wall);
-    assert_eq!(role("class=\"opaque\"", &says("opaque", false)).0, TmxRole::Plain);
-    assert_eq!(role("gid=\"3\"", "").0, TmxRole::Wall);
-    assert_eq!(role("gid=\"3\"", &says("opaque", false)).0, TmxRole::Plain);
-    assert_eq!(role("", &says("door", true)).0, TmxRole::Door);
-    assert_eq!(role("gid=\"3\" type=\"door\"", "").0, TmxRole::Door);
-    assert_eq!(role("gid=\"1073741826\"", "").0, TmxRole::Door, "the class of the tile");
-    assert_eq!(role("gid=\"2\" type=\"hatch\"", "").0, TmxRole::Plain);
+    assert_eq!(role("", ""), (Role::Plain, vec![]));
+    assert_eq!(role("", &says("opaque", true)).0, Role::Wall);
+    assert_eq!(role("type=\"opaque\"", "").0, Role::Wall);
+    assert_eq!(role("class=\"opaque\"", &says("opaque", false)).0, Role::Plain);
+    assert_eq!(role("gid=\"3\"", "").0, Role::Wall);
+    assert_eq!(role("gid=\"3\"", &says("opaque", false)).0, Role::Plain);
+    assert_eq!(role("", &says("door", true)).0, Role::Door);
+    assert_eq!(role("gid=\"3\" type=\"door\"", "").0, Role::Door);
+    assert_eq!(role("gid=\"1073741826\"", "").0, Role::Door, "the class of the tile");
+    assert_eq!(role("gid=\"2\" type=\"hatch\"", "").0, Role::Plain);
     let (found, faults) = role("", "<property name=\"opaque\" value=\"true\"/>");
-    assert_eq!(found, TmxRole::Plain);
+    assert_eq!(found, Role::Plain);
     assert_eq!(faults, [TmxFault::PropertyType { property: "opaque".into(), kind: "string" }]);
 }
 
@@ -314,7 +315,7 @@ fn sees(scene: &Scene, eye: (f32, f32), to: (f32, f32)) -> bool {
     query.sees_point(world(to))
 }
 
-fn scene(objects: &[TmxObject]) -> (Scene, Vec<TmxPlaced>) {
+fn scene(objects: &[TmxObject]) -> (Scene, Vec<Placed>) {
     let spec = GridSpec { min: Vec2::splat(-16.), cell: 1., dims: UVec2::splat(48) };
     let mut scene = Scene::new(&spec).unwrap();
     let placed = objects.iter().map(|o| o.insert(&mut scene, Vec2::new(-4., -8.), 2.).unwrap()).collect();
@@ -335,7 +336,7 @@ fn walls_and_doors_hide_in_scenes() {
     for (placed, object) in placed.iter().zip(&found) {
         for id in placed.ids() {
             assert_eq!(scene.user_data(id).unwrap(), u64::from(object.id));
-            assert_eq!(scene.occluder(id).unwrap().is_some(), object.role != TmxRole::Plain);
+            assert_eq!(scene.occluder(id).unwrap().is_some(), object.role != Role::Plain);
         }
     }
     let eye = (3., 3.);

@@ -1,0 +1,68 @@
+//! Levels.
+
+use glam::IVec2;
+
+use super::entity::LdtkEntity;
+use super::error::{LdtkError, LdtkWarning};
+use super::import::LdtkImport;
+use super::project::{Blocking, Level};
+use super::walls::Budget;
+use crate::bits::BitGrid;
+
+/// A level: see [`LdtkImport::read`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct LdtkLevel {
+    /// Its name.
+    pub name: String,
+    /// The name that no other level has.
+    pub iid: String,
+    /// Where its upper left corner lies in the world, in pixels. Worlds that are a row of levels
+    /// say -1 for both.
+    pub place: IVec2,
+    /// Its floor: levels of different depths may lie above each other.
+    pub depth: i32,
+    /// Its width and height in pixels.
+    pub size: [u32; 2],
+    /// The tiles that block, from the upper left corner on, column and row: the finest of all
+    /// layers in which something blocks. Empty if nothing does.
+    pub walls: BitGrid,
+    /// The side of a tile of `walls` in pixels; `None` if nothing blocks.
+    pub tile: Option<u32>,
+    /// The entities of all layers.
+    pub entities: Vec<LdtkEntity>,
+    /// What was passed over. Nothing of it blocks sight.
+    pub warnings: Vec<LdtkWarning>,
+}
+
+impl LdtkImport {
+    pub(super) fn level(
+        &self,
+        level: &Level,
+        blocking: &Blocking,
+        budget: &mut Budget,
+    ) -> Result<LdtkLevel, LdtkError> {
+        let mut warnings = Vec::new();
+        let (walls, tile) = self.walls(level, blocking, budget, &mut warnings)?;
+        let mut entities = Vec::new();
+        for layer in level.layer_instances.iter().flatten() {
+            for entity in &layer.entity_instances {
+                match self.entity(layer, entity, blocking) {
+                    Ok(found) => entities.push(found),
+                    Err(warning) => warnings.push(warning),
+                }
+            }
+        }
+        Ok(LdtkLevel {
+            name: level.identifier.clone(),
+            iid: level.iid.clone(),
+            place: IVec2::new(level.world_x, level.world_y),
+            depth: level.world_depth,
+            size: [level.px_wid, level.px_hei],
+            walls,
+            tile,
+            entities,
+            warnings,
+        })
+    }
+}
