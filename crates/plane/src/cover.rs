@@ -105,7 +105,7 @@ pub(crate) fn covers<'a>(lo: DVec2, hi: DVec2, solids: impl Iterator<Item = &'a 
     let corners = [lo, DVec2::new(hi.x, lo.y), hi, DVec2::new(lo.x, hi.y)];
     let cell = Block { min: lo, max: hi };
     // Those that only touch the border take nothing away.
-    let overlaps = |solid: &&Shape| overlap(&solid.block(), &cell);
+    let overlaps = |solid: &&Shape| solid.block().overlaps(&cell);
     let solids: SmallVec<[&Shape; MOST_SOLIDS]> = solids.filter(overlaps).take(MOST_SOLIDS).collect();
     let in_some = |&corner: &DVec2| solids.iter().any(|solid| solid.contains(corner));
     if !corners.iter().all(in_some) {
@@ -137,17 +137,12 @@ pub(crate) fn covers<'a>(lo: DVec2, hi: DVec2, solids: impl Iterator<Item = &'a 
     pieces.is_empty()
 }
 
-/// Whether two blocks have more than borders in common.
-fn overlap(a: &Block, b: &Block) -> bool {
-    a.min.cmplt(b.max).all() && a.max.cmpgt(b.min).all()
-}
-
 /// What is left of some blocks outside of another, as blocks: exact, as coordinates are compared
 /// only.
 fn without(blocks: &[Block], taken: &Block) -> SmallVec<[Block; 8]> {
     let mut rest = SmallVec::new();
     for &block in blocks {
-        if !overlap(&block, taken) {
+        if !block.overlaps(taken) {
             rest.push(block);
             continue;
         }

@@ -5,6 +5,7 @@ use glam::IVec2;
 
 use crate::cover::covers;
 use crate::geometry::Shape;
+use crate::geometry::block::Block;
 use crate::raster::touched;
 use crate::scene::Scene;
 use crate::solid::filled;
@@ -43,8 +44,14 @@ impl Scene {
         let Some(occluder @ (Shape::Rect(_) | Shape::Polygon(_))) = &object.occluder else { return };
         let (came, opacity) = (object.fills, self.opacity());
         let (mut cells, mut apart) = (Vec::new(), Vec::new());
+        let block = occluder.block();
         touched(occluder, &self.grid, &mut |y, xs| {
             for x in xs {
+                // One at the border of a cell covers nothing of it.
+                let (min, max) = self.grid.cell_bounds(IVec2::new(x, y));
+                if !block.overlaps(&Block { min, max }) {
+                    continue;
+                }
                 let [fixed, moving, joined] = opacity.map(|bits| bits.get(x as u32, y as u32));
                 let alone = fixed || moving;
                 // One that comes uncovers nothing. Where one goes, others may be together; what one
