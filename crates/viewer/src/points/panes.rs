@@ -144,20 +144,29 @@ impl Panes {
             .collect();
         self.renderer.draw(gpu, target, camera, Color::WHITE, &drawn);
         self.panel.draw(gpu, target, scale, &|context| {
-            let painter = context.layer_painter(egui::LayerId::background());
-            let font = FontId::proportional((LETTERS * height as f32 / scale).max(8.0));
             let titles = panes.iter().map(|(at, shown)| (*at, &*shown.title));
             let left_over = (panes.len() > 1).then(|| (corner(panes.len()), EXPLANATION));
-            for ((x, y), text) in titles.chain(left_over) {
-                let at = Pos2::new(x as f32, y as f32) / scale + egui::Vec2::splat(0.6 * font.size);
-                let wide = width as f32 / scale - 1.2 * font.size;
-                let text = painter.layout(text.to_owned(), font.clone(), Color32::BLACK, wide);
-                let behind = Rect::from_min_size(at, text.size()).expand(0.25 * font.size);
-                painter.rect_filled(behind, 0.0, Color32::from_white_alpha(215));
-                painter.galley(at, text, Color32::BLACK);
-            }
+            titles.chain(left_over).for_each(|(at, text)| caption(context, at, (width, height), scale, text));
         });
     }
+}
+
+/// Writes a text into the left upper corner of a pane, whose place and size are in pixels.
+pub fn caption(
+    context: &egui::Context,
+    (x, y): (u32, u32),
+    (width, height): (u32, u32),
+    scale: f32,
+    text: &str,
+) {
+    let painter = context.layer_painter(egui::LayerId::background());
+    let font = FontId::proportional((LETTERS * height as f32 / scale).max(8.0));
+    let at = Pos2::new(x as f32, y as f32) / scale + egui::Vec2::splat(0.6 * font.size);
+    let wide = width as f32 / scale - 1.2 * font.size;
+    let text = painter.layout(text.to_owned(), font.clone(), Color32::BLACK, wide);
+    let behind = Rect::from_min_size(at, text.size()).expand(0.25 * font.size);
+    painter.rect_filled(behind, 0.0, Color32::from_white_alpha(215));
+    painter.galley(at, text, Color32::BLACK);
 }
 
 /// The disc of a point. Only surfaces need the normal: dots of all sides are drawn.

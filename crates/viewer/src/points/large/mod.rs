@@ -2,6 +2,7 @@
 
 mod bricks;
 mod generate;
+mod picture;
 mod progress;
 mod town;
 mod walk;

@@ -17,6 +17,7 @@ use casca_stage::window::Done;
 use clap::Args;
 use glam::{DVec3, Vec3, vec3};
 
+use crate::points::large::picture;
 use crate::points::operators::{finite_numbers, parse_finite, parse_length};
 
 /// Walk through a file of bricks and print, for each frame, the bricks and points that it takes.
@@ -56,6 +57,10 @@ pub struct Walk {
     /// splat operator's errors.
     #[arg(long)]
     check: bool,
+    /// Draws the last frame into a PNG file: the points that are loaded without and with occlusion
+    /// culling, from the eye and from above.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
     /// Prints the summary only.
     #[arg(long)]
     quiet: bool,
@@ -107,6 +112,12 @@ impl Walk {
             rows.push(row);
             thread::sleep(Duration::from_secs_f32(1.0 / RATE).saturating_sub(start.elapsed()));
         }
+        if let Some(path) = &self.picture {
+            let camera = self.camera(self.frames.saturating_sub(1), bricks.bounds())?;
+            let wants = self.wants(&bricks, &scene, &camera, &mut queries)?.map(|(wants, _)| wants);
+            picture::draw(path, &loader, &camera, &wants)?;
+            writeln!(out, "{}", path.display())?;
+        }
         if let Some(error) = loader.take_error() {
             return Err(error.into());
         }
@@ -155,16 +166,7 @@ impl Walk {
         walls: &[Aabb],
     ) -> Result<([f64; 9], Option<String>), Box<dyn std::error::Error>> {
         let camera = self.camera(frame, bricks.bounds())?;
-        let view = View::perspective(camera.eye(), camera.view_projection())?;
-        let wants = |pvs: &Pvs| {
-            let numbers = pvs.iter().filter_map(|id| u32::try_from(scene.user_data(id).ok()?).ok());
-            bricks.wants(numbers, &camera, self.pixels)
-        };
-        let [frustum, point] = queries.each_mut().map(|query| {
-            let start = Instant::now();
-            let wants = wants(query.run(scene, &view));
-            (wants, start.elapsed())
-        });
+        let [frustum, point] = self.wants(bricks, scene, &camera, queries)?;
         loader.want(&point.0);
         let cloud = loader.gather(&point.0);
         let start = Instant::now();
@@ -192,6 +194,26 @@ impl Walk {
             ms(refined),
         ];
         Ok((row, errors))
+    }
+
+    /// The bricks that a picture needs by each query, and the time of both.
+    fn wants(
+        &self,
+        bricks: &Bricks,
+        scene: &Scene,
+        camera: &Camera,
+        queries: &mut [Query; 2],
+    ) -> Result<[(Vec<Want>, Duration); 2], casca::Error> {
+        let view = View::perspective(camera.eye(), camera.view_projection())?;
+        let wants = |pvs: &Pvs| {
+            let numbers = pvs.iter().filter_map(|id| u32::try_from(scene.user_data(id).ok()?).ok());
+            bricks.wants(numbers, camera, self.pixels)
+        };
+        Ok(queries.each_mut().map(|query| {
+            let start = Instant::now();
+            let wants = wants(query.run(scene, &view));
+            (wants, start.elapsed())
+        }))
     }
 
     /// The eye goes around the square; the gaze sweeps 40 degrees to both sides.
