@@ -24,8 +24,8 @@ const OFFSET: f32 = 0.1;
 const ABOVE: [f32; 3] = [260.0, 100.0, 60.0];
 
 /// Draws four panes: in the upper row from the eye, in the lower from above; on the left the points
-/// of all bricks in the frustum, on the right those of the bricks that may be seen. Waits until they
-/// are loaded.
+/// of all bricks in the frustum, on the right those of the bricks that may be seen. Waits until
+/// they are loaded.
 pub fn draw(path: &Path, loader: &Loader, camera: &Camera, wants: &[Vec<Want>; 2]) -> Done {
     let gpu = Gpu::headless(false)?;
     let (width, height) = camera.size();
