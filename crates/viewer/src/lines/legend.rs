@@ -13,11 +13,11 @@ const TICKS: u8 = 4;
 /// The most groups that are named.
 const MOST_GROUPS: usize = 12;
 
-/// Draws the legend into the lower left corner of a picture; nothing if colours mean nothing.
+/// Draws the legend into the upper left corner of a picture; nothing if colours mean nothing.
 pub fn draw(panel: &mut Panel, gpu: &Gpu, target: &Target, legend: &Legend) {
     if *legend != Legend::Own {
         panel.draw(gpu, target, 1.0, &|context| {
-            boxed(context, "colours", Align2::LEFT_BOTTOM, [8.0, -8.0], &mut |ui| show(ui, legend));
+            boxed(context, "colours", Align2::LEFT_TOP, [8.0, 8.0], &mut |ui| show(ui, legend));
         });
     }
 }
