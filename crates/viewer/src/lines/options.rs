@@ -47,8 +47,9 @@ pub struct Options {
     /// A house of N x N rooms with a set in each, whose walls hide lines
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32), conflicts_with_all = ["file", "set"])]
     pub rooms: Option<u32>,
-    /// What colours show: "own" (those of the file, or a pale one for each line), "direction" (x is
-    /// red, y green, z blue), "scalar" or "scalar=NAME" (a number of the file, or "length"), "group"
+    /// What colours show: "own" (those of the file, or a pale one for each line), "direction" (x
+    /// is red, y green, z blue), "scalar" or "scalar=NAME" (a number of the file, or "length"),
+    /// "group"
     #[arg(long, value_name = "WHAT", default_value = "own", value_parser = parse_colour)]
     pub colour: Colouring,
     /// The numbers of the first and the last colour, for --colour scalar [default: the least and
