@@ -5,7 +5,7 @@
 //! occlusion for the rendering of lines; master's thesis, PUC-Rio 2015), by its columns of slices,
 //! or by rays. Lines may move in every frame.
 //!
-//! - [`sets`]: sets of polylines, seeded generators, and files.
+//! - [`sets`]: sets of polylines, seeded generators, files, colours, and regions.
 //! - [`view`]: orthographic and perspective views.
 //! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can
 //!   be used alone.

@@ -60,6 +60,14 @@ pub enum LinesGpuError {
     /// The scene refused bounds or a view.
     #[error("the scene for culling: {0}")]
     Scene(#[from] casca::Error),
+    /// Not as many colours as vertices.
+    #[error("{colours} colours for {vertices} vertices")]
+    Colours {
+        /// The number of colours.
+        colours: usize,
+        /// The number of vertices.
+        vertices: usize,
+    },
     /// The bundles are those of another set of lines.
     #[error("a bundle with number {number}, but the set has {bundles}")]
     Bundle {

@@ -12,6 +12,8 @@
 //! The results are those of the processor's version but for rounding: [`numeric`] says where that
 //! decides and how far.
 
+#[cfg(test)]
+mod colours;
 pub mod culling;
 pub mod error;
 pub mod lens;

@@ -58,6 +58,8 @@ struct Frame {
     occlusion: Buffer,
     lens: Buffer,
     grid_lens: Buffer,
+    /// Those of the lines that were drawn, if they have colours.
+    colours: Option<Buffer>,
 }
 
 /// Draws lines.
@@ -79,7 +81,7 @@ pub struct Renderer {
 /// The pixels of a workgroup of rays, as in rays.wgsl.
 const TILE: [u32; 2] = [4, 2];
 
-const PICTURE: &[u32] = &[0, 10, 12, 17, 18];
+const PICTURE: &[u32] = &[0, 9, 10, 12, 17, 18, 23];
 
 impl Renderer {
     /// Compiles the shaders, for pictures of a format.
@@ -155,7 +157,9 @@ impl Renderer {
         clock: &mut Clock,
     ) -> Result<(), LinesGpuError> {
         self.fit(gpu, view)?;
-        let Some(frame) = &self.frame else { return Ok(()) };
+        let Some(frame) = &mut self.frame else { return Ok(()) };
+        frame.colours = lines.coloured.then(|| lines.colours.clone());
+        let frame = &*frame;
         let settings = &self.settings;
         if let Estimator::Rays { line_radius } = settings.ao.estimator
             && line_radius > lines.margin()
@@ -236,7 +240,10 @@ impl Renderer {
     ) -> Result<(), LinesGpuError> {
         let [red, green, blue] = background.to_array().map(f64::from);
         let [r, g, b] = background.to_array().map(f32::to_bits);
-        let look = filled(gpu, &[r, g, b, look as u32, strength.to_bits(), 0, 0, 0], BufferUsages::UNIFORM)?;
+        let coloured = self.frame.as_ref().is_some_and(|f| f.colours.is_some());
+        let words = [r, g, b, look as u32, strength.to_bits(), u32::from(coloured), 0, 0];
+        let look = filled(gpu, &words, BufferUsages::UNIFORM)?;
+        let none = filled(gpu, &[[0u32; 4]], BufferUsages::STORAGE)?;
         clock.stage(gpu, "picture", |encoder| {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -251,12 +258,14 @@ impl Renderer {
                 ..Default::default()
             });
             let Some(frame) = &self.frame else { return };
-            let bound: [Bound<'_>; 5] = [
+            let bound: [Bound<'_>; 7] = [
                 (0, &frame.lens),
+                (9, &frame.owners),
                 (10, &frame.walls),
                 (12, &frame.fragments),
                 (17, &frame.occlusion),
                 (18, &look),
+                (23, frame.colours.as_ref().unwrap_or(&none)),
             ];
             let group = bind(gpu, &self.picture.get_bind_group_layout(0), PICTURE, &among(&bound));
             pass.set_pipeline(&self.picture);
@@ -365,6 +374,7 @@ impl Frame {
             occlusion: of_pixels(4)?,
             lens: lens()?,
             grid_lens: lens()?,
+            colours: None,
         })
     }
 }

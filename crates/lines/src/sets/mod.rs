@@ -1,14 +1,20 @@
 //! Sets of polylines: streamlines, hair, wires, tractograms.
 //!
 //! - [`LineSet`]: polylines with tangents and lengths.
+//! - [`attributes`]: numbers of vertices and lines, colours and groups.
+//! - [`colour`]: colours by direction, numbers or groups.
+//! - [`region`]: boxes and spheres that lines are chosen by.
 //! - [`generate`]: seeded sets that move with a time.
-//! - [`files`]: text, OBJ, PLY, TCK and TRK.
+//! - [`files`]: text, OBJ, PLY, TCK, TRK, VTK, HAIR; with the feature `formats` VTP and TRX.
 //! - [`rooms`]: a house with a set in each of its rooms.
 //! - [`random`]: the seeded numbers behind them.
 
+pub mod attributes;
+pub mod colour;
 pub mod files;
 pub mod generate;
 pub mod random;
+pub mod region;
 pub mod rooms;
 mod set;
 

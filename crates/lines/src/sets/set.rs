@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::attributes::{AttributeError, Attributes};
+
 /// The greatest number of vertices of a set.
 pub const MOST_VERTICES: usize = 1 << 28;
 
@@ -27,11 +29,12 @@ pub struct LineSet {
     points: Vec<Vec3>,
     /// Where each line starts, and where the last one ends.
     starts: Vec<u32>,
+    attributes: Attributes,
 }
 
 impl Default for LineSet {
     fn default() -> Self {
-        Self { points: Vec::new(), starts: vec![0] }
+        Self { points: Vec::new(), starts: vec![0], attributes: Attributes::default() }
     }
 }
 
@@ -46,7 +49,7 @@ impl LineSet {
         Ok(set)
     }
 
-    /// Adds a line.
+    /// Adds a line. Its numbers are not known, and it is in no group.
     ///
     /// # Errors
     /// As [`Self::new`]; the set is as it was then.
@@ -65,7 +68,50 @@ impl LineSet {
             self.points.push(point);
         }
         self.starts.push(self.points.len() as u32);
+        let (vertices, lines) = (self.points.len(), self.len());
+        self.attributes.fill(vertices, lines);
         Ok(())
+    }
+
+    /// The same lines with these attributes instead of theirs.
+    ///
+    /// # Errors
+    /// If there are not as many values as vertices and lines, or a group has no name.
+    pub fn with_attributes(self, attributes: Attributes) -> Result<Self, AttributeError> {
+        attributes.check(self.points.len(), self.len())?;
+        Ok(Self { attributes, ..self })
+    }
+
+    /// Numbers, colours and groups.
+    pub fn attributes(&self) -> &Attributes {
+        &self.attributes
+    }
+
+    /// The lines that `keep` says yes to, with their attributes. It is given the number of a line
+    /// and its vertices.
+    pub fn chosen(&self, mut keep: impl FnMut(usize, &[Vec3]) -> bool) -> Self {
+        let ranges = self.starts.windows(2).map(|w| w[0] as usize..w[1] as usize).enumerate();
+        let kept: Vec<_> = ranges.filter(|(line, r)| keep(*line, &self.points[r.clone()])).collect();
+        let mut starts = vec![0];
+        let mut points = Vec::new();
+        for (_, range) in &kept {
+            points.extend_from_slice(&self.points[range.clone()]);
+            starts.push(points.len() as u32);
+        }
+        Self { attributes: self.attributes.chosen(&kept), points, starts }
+    }
+
+    /// The same lines with each vertex moved.
+    ///
+    /// # Errors
+    /// If a vertex moves to a place that is not finite.
+    pub fn moved(&self, mut place: impl FnMut(Vec3) -> Vec3) -> Result<Self, LineError> {
+        let points: Vec<Vec3> = self.points.iter().map(|p| place(*p)).collect();
+        if let Some(bad) = points.iter().position(|p| !p.is_finite()) {
+            let line = self.starts.partition_point(|s| *s as usize <= bad) - 1;
+            return Err(LineError::NotFinite { line, vertex: bad - self.starts[line] as usize });
+        }
+        Ok(Self { points, starts: self.starts.clone(), attributes: self.attributes.clone() })
     }
 
     /// The number of lines.
@@ -144,6 +190,7 @@ pub struct Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sets::attributes::{Groups, NO_GROUP, Of, Scalars};
 
     #[test]
     fn lines_have_tangents_lengths_and_segments_and_bad_ones_are_named() {
@@ -159,5 +206,39 @@ mod tests {
         let bad = set.push([Vec3::ZERO, v(0.0, f32::NAN, 0.0)]);
         assert_eq!(bad, Err(LineError::NotFinite { line: 3, vertex: 1 }));
         assert_eq!(set, old);
+        let infinite = set.moved(|p| if p == Vec3::ONE { Vec3::INFINITY } else { p });
+        assert_eq!(infinite, Err(LineError::NotFinite { line: 2, vertex: 0 }));
+        assert_eq!(set.moved(|p| p + Vec3::X).unwrap().bounds(), [Vec3::X, v(4.0, 4.0, 1.0)]);
+    }
+
+    #[test]
+    fn attributes_follow_chosen_moved_and_added_lines_and_wrong_counts_are_refused() {
+        let set = LineSet::new([vec![Vec3::ZERO, Vec3::X], vec![], vec![Vec3::Y]]).unwrap();
+        let scalars = |of, values: &[f32]| Scalars { name: "s".into(), of, values: values.to_vec() };
+        let all = Attributes {
+            scalars: vec![scalars(Of::Vertices, &[1.0, 2.0, 3.0]), scalars(Of::Lines, &[7.0, 8.0, 9.0])],
+            colours: Some(vec![[1; 3], [2; 3], [3; 3]]),
+            groups: Some(Groups { names: vec!["left".into()], of: vec![NO_GROUP, NO_GROUP, 0] }),
+        };
+        let set = set.with_attributes(all.clone()).unwrap();
+        let mut last = set.moved(|p| p * 2.0).unwrap().chosen(|line, points| line == 2 && points.len() == 1);
+        assert_eq!(last.points(), [Vec3::Y * 2.0]);
+        let wanted = Attributes {
+            scalars: vec![scalars(Of::Vertices, &[3.0]), scalars(Of::Lines, &[9.0])],
+            colours: Some(vec![[3; 3]]),
+            groups: Some(Groups { names: vec!["left".into()], of: vec![0] }),
+        };
+        assert_eq!(*last.attributes(), wanted);
+        last.push([Vec3::ONE, Vec3::ZERO]).unwrap();
+        let added = last.attributes();
+        assert_eq!(added.scalars[0].values[0], 3.0);
+        assert!(added.scalars[0].values[1..].iter().all(|v| v.is_nan()));
+        assert_eq!(added.groups.as_ref().unwrap().of, [0, NO_GROUP]);
+        assert!(added.check(3, 2).is_ok());
+        let short = Attributes { scalars: vec![scalars(Of::Lines, &[1.0])], ..Default::default() };
+        assert!(set.clone().with_attributes(short).is_err());
+        let foreign = Groups { names: vec!["left".into()], of: vec![0, 1, 0] };
+        let foreign = Attributes { groups: Some(foreign), ..Default::default() };
+        assert_eq!(set.with_attributes(foreign), Err(AttributeError::NoGroup(1)));
     }
 }

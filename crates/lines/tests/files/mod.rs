@@ -5,8 +5,20 @@
 
 use casca_lines::sets::files::Format;
 
+mod formats;
+
 /// All formats.
-pub const FORMATS: [Format; 5] = [Format::Text, Format::Obj, Format::Ply, Format::Tck, Format::Trk];
+pub const FORMATS: [Format; 9] = [
+    Format::Text,
+    Format::Obj,
+    Format::Ply,
+    Format::Tck,
+    Format::Trk,
+    Format::Hair,
+    Format::Vtk,
+    Format::Vtp,
+    Format::Trx,
+];
 
 const TEXT: &str = "2\n3 1\n0 0 0\n1 0 0\n1 4 0.5\n7 7 7\n";
 const OBJ: &str = "# lines\nv 0 0 0\nv 1 0 0\nv 1 4 0.5\nvn 0 0 1\nl 1 2 3\nl -1 -2\n";
@@ -28,41 +40,22 @@ fn binary_ply() -> Vec<u8> {
     bytes
 }
 
-fn tck() -> Vec<u8> {
-    let mut bytes = b"mrtrix tracks\ndatatype: Float32LE\nfile: . 67\ncount: 2\nEND\n".to_vec();
-    bytes.resize(67, 0);
-    let (nan, end) = ([f32::NAN; 3], [f32::INFINITY; 3]);
-    bytes.extend(floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]));
-    bytes.extend(floats(&nan));
-    bytes.extend(floats(&[7.0, 7.0, 7.0]));
-    bytes.extend(floats(&nan));
-    bytes.extend(floats(&end));
-    bytes
-}
-
-fn trk() -> Vec<u8> {
-    let mut bytes = vec![0; 1000];
-    bytes[..5].copy_from_slice(b"TRACK");
-    // One scalar a vertex, one property a line, two lines.
-    bytes[36] = 1;
-    bytes[238] = 1;
-    bytes[988] = 2;
-    bytes[996..].copy_from_slice(&1000_i32.to_le_bytes());
-    for count in [3, 1] {
-        bytes.extend(i32::to_le_bytes(count));
-        bytes.extend(floats(&vec![0.5; 4 * count as usize + 1]));
-    }
-    bytes
-}
-
 /// Files with their formats.
 pub fn all() -> Vec<(Format, Vec<u8>)> {
-    vec![
-        (Format::Text, TEXT.into()),
-        (Format::Obj, OBJ.into()),
-        (Format::Ply, PLY.into()),
-        (Format::Ply, binary_ply()),
-        (Format::Tck, tck()),
-        (Format::Trk, trk()),
-    ]
+    let lines = [vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 4.0, 0.5]], vec![[7.0; 3]]];
+    let matrix = [[-2.0, 0.1, 0.0, 9.0], [0.0, 2.0, 0.0, -5.0], [0.0, 0.2, 3.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+    let mut all = vec![(Format::Text, TEXT.into()), (Format::Obj, OBJ.into()), (Format::Ply, PLY.into())];
+    all.push((Format::Ply, binary_ply()));
+    all.push((Format::Hair, formats::hair(&lines)));
+    for (a, b) in [(false, false), (false, true), (true, false), (true, true)] {
+        all.push((Format::Tck, formats::tck(&lines, a, b)));
+        all.push((Format::Trk, formats::trk(&lines, a, b.then_some((matrix, b"RPI")))));
+        all.push((Format::Vtk, formats::vtk(&lines, a, b)));
+        all.push((Format::Trx, formats::trx(&lines, a, b)));
+        use formats::Numbers::*;
+        for numbers in [Ascii, Inline, AppendedText, AppendedRaw] {
+            all.push((Format::Vtp, formats::vtp(&lines, numbers, a, b)));
+        }
+    }
+    all
 }

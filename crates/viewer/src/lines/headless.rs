@@ -2,16 +2,17 @@
 
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::Renderer;
-use casca_lines::gpu::set::GpuLines;
 use casca_stage::canvas::Canvas;
 use casca_stage::command_line::{make_folder, say};
 use casca_stage::gpu::COLOUR;
 use casca_stage::image::write_png;
+use casca_stage::panel::Panel;
 use casca_stage::timing::Clock;
 use casca_stage::window::Done;
 use clap::ValueEnum;
 use glam::Vec3;
 
+use crate::lines::legend;
 use crate::lines::options::Options;
 use crate::lines::source::Source;
 
@@ -26,7 +27,8 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     let view = source.view(options, source.start(options, size, 0)?, size)?;
     let set = source.at(f64::from(options.at))?;
     let settings = source.settings(options, &view);
-    let lines = GpuLines::new(&gpu, &set, settings.margin())?;
+    let (lines, legend) = source.on_device(&gpu, &set, settings.margin())?;
+    let mut panel = Panel::new(&gpu, COLOUR);
     let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
     let seen = match options.cull {
         true => {
@@ -49,6 +51,7 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     for look in &options.look {
         let (target, strength) = (canvas.picture(), options.factor);
         renderer.paint(&gpu, &target, look.look(), strength, BACKGROUND, &mut Clock::off())?;
+        legend::draw(&mut panel, &gpu, &target, &legend);
         let name = look.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
         let path = folder.join(format!("lines_{}_{name}.png", source.name));
         write_png(&path, canvas.size(), &canvas.read_picture(&gpu)?)?;

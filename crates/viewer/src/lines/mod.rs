@@ -2,6 +2,7 @@
 //! stage.
 
 mod headless;
+mod legend;
 mod options;
 mod run;
 mod source;

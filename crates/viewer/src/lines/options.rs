@@ -3,7 +3,9 @@
 use casca_lines::gpu::renderer::Look;
 use casca_lines::numeric::USUAL_RAYS;
 use casca_lines::occlusion::Estimator;
+use casca_lines::sets::colour::Colouring;
 use casca_lines::sets::generate::Family;
+use casca_lines::sets::region::Region;
 use casca_lines::slabs::Slices;
 use casca_stage::command_line::EXIT_CODES;
 use clap::{Args, ValueEnum};
@@ -23,7 +25,7 @@ const RADIUS: f32 = 0.13;
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck or .trk"))
+    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk, .trx, .vtk, .vtp or .hair"))
 )]
 pub struct Options {
     /// What all systems take.
@@ -45,6 +47,22 @@ pub struct Options {
     /// A house of N x N rooms with a set in each, whose walls hide lines
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32), conflicts_with_all = ["file", "set"])]
     pub rooms: Option<u32>,
+    /// What colours show: "own" (those of the file, or a pale one for each line), "direction" (x
+    /// is red, y green, z blue), "scalar" or "scalar=NAME" (a number of the file, or "length"),
+    /// "group"
+    #[arg(long, value_name = "WHAT", default_value = "own", value_parser = parse_colour)]
+    pub colour: Colouring,
+    /// The numbers of the first and the last colour, for --colour scalar [default: the least and
+    /// the greatest]
+    #[arg(long, value_name = "LOW,HIGH", value_parser = parse_range, allow_hyphen_values = true)]
+    pub range: Option<[f32; 2]>,
+    /// Only lines that cross this region and all others that are named so: box:X0,Y0,Z0,X1,Y1,Z1 or
+    /// sphere:X,Y,Z,RADIUS
+    #[arg(long, value_name = "REGION")]
+    pub include: Vec<Region>,
+    /// No lines that cross this region
+    #[arg(long, value_name = "REGION")]
+    pub exclude: Vec<Region>,
     /// The direction that the set is seen from
     #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
     pub from: Vec3,
@@ -127,6 +145,14 @@ pub enum LookName {
 }
 
 impl Options {
+    /// What colours show, with the range of numbers.
+    pub fn colouring(&self) -> Colouring {
+        match &self.colour {
+            Colouring::Scalar { name, .. } => Colouring::Scalar { name: name.clone(), range: self.range },
+            other => other.clone(),
+        }
+    }
+
     /// The rays or samples of a pixel.
     pub fn samples(&self) -> u32 {
         self.samples.unwrap_or(if self.estimator == Way::Rays { USUAL_RAYS } else { 150 })
@@ -161,6 +187,25 @@ fn parse_family(text: &str) -> Result<Family, String> {
     let names = || Family::ALL.map(Family::name).join(", ");
     let found = Family::ALL.into_iter().find(|f| f.name() == text);
     found.ok_or_else(|| format!("no generated set has this name; there are {}", names()))
+}
+
+fn parse_colour(text: &str) -> Result<Colouring, String> {
+    match text.split_once('=') {
+        Some(("scalar", name)) => Ok(Colouring::Scalar { name: Some(name.to_owned()), range: None }),
+        None if text == "scalar" => Ok(Colouring::Scalar { name: None, range: None }),
+        None if text == "own" => Ok(Colouring::Own),
+        None if text == "direction" => Ok(Colouring::Direction),
+        None if text == "group" => Ok(Colouring::Group),
+        _ => Err("expected own, direction, scalar, scalar=NAME or group".to_owned()),
+    }
+}
+
+fn parse_range(text: &str) -> Result<[f32; 2], String> {
+    let numbers = text.split_once(',').map(|(low, high)| [low, high].map(|n| n.trim().parse::<f32>()));
+    match numbers {
+        Some([Ok(low), Ok(high)]) if low.is_finite() && high.is_finite() => Ok([low, high]),
+        _ => Err("expected two numbers such as 0,1".to_owned()),
+    }
 }
 
 fn parse_slices(text: &str) -> Result<Slices, String> {

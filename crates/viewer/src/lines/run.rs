@@ -72,6 +72,18 @@ mod tests {
             (vec!["--size", "0x720"], "from 1 to 8192"),
             (vec!["--look", "photo", "--headless"], "occluded"),
             (vec!["x.obj", "--rooms", "3"], "cannot be used with"),
+            (vec!["--headless", "--colour", "red"], "scalar=NAME or group"),
+            (
+                vec!["--headless", "--lines", "5", "--colour", "scalar=fa"],
+                "no numbers \"fa\"; they have length",
+            ),
+            (vec!["--headless", "--lines", "5", "--colour", "group"], "in no groups"),
+            (vec!["--range", "-1,x"], "two numbers"),
+            (vec!["--include", "sphere:0,0,0"], "sphere:X,Y,Z,RADIUS"),
+            (
+                vec!["--headless", "--lines", "5", "--exclude", "sphere:0,0,0,99"],
+                "no line crosses the regions",
+            ),
         ] {
             let said = said(&words);
             assert!(said.contains(part), "{words:?}: {said}");

@@ -3,13 +3,17 @@
 use std::path::Path;
 
 use casca_lines::gpu::numeric::FARTHEST;
+use casca_lines::gpu::set::GpuLines;
 use casca_lines::gpu::settings::Settings;
 use casca_lines::occlusion::AoOptions;
+use casca_lines::sets::colour::{Colouring, Legend};
 use casca_lines::sets::generate::Recipe;
 use casca_lines::sets::random::Random;
+use casca_lines::sets::region::Region;
 use casca_lines::sets::rooms::House;
 use casca_lines::sets::{LineSet, files};
 use casca_lines::view::{Lens, View, ViewError};
+use casca_stage::gpu::Gpu;
 use glam::{Vec3, vec3};
 
 use crate::common::Failed;
@@ -35,6 +39,9 @@ pub struct Source {
     pub name: String,
     kind: Kind,
     seed: u64,
+    /// The regions that generated lines must cross, and those that they must not.
+    regions: [Vec<Region>; 2],
+    colouring: Colouring,
     /// The bounds at time 0, and some room for the motion.
     pub bounds: [Vec3; 2],
     /// The walls that hide lines.
@@ -47,7 +54,9 @@ impl Source {
         let (name, kind) = match (&options.common.file, options.rooms) {
             (Some(path), _) => {
                 let name = path.file_stem().map_or("file".into(), |n| n.to_string_lossy());
-                (name.into_owned(), Kind::File(files::open(Path::new(path))?))
+                let all = files::open(Path::new(path))?;
+                // Before they sway: the same lines at all times.
+                (name.into_owned(), Kind::File(all.within(&options.include, &options.exclude)))
             }
             (None, Some(side)) => {
                 ("rooms".to_owned(), Kind::Rooms(side, options.lines.unwrap_or(ROOM_LINES)))
@@ -59,11 +68,23 @@ impl Source {
                 (options.set.name().to_owned(), Kind::Generated(Recipe { lines, vertices, ..usual }))
             }
         };
-        let mut source = Self { name, kind, seed: options.seed, bounds: [Vec3::ZERO; 2], walls: Vec::new() };
+        let mut source = Self {
+            name,
+            kind,
+            seed: options.seed,
+            regions: [options.include.clone(), options.exclude.clone()],
+            colouring: options.colouring(),
+            bounds: [Vec3::ZERO; 2],
+            walls: Vec::new(),
+        };
         let lines = source.at(0.0)?;
         if lines.points().is_empty() {
-            return Err(format!("{}: there is no line with a vertex in it", source.name).into());
+            let all = source.regions.iter().all(Vec::is_empty);
+            let why =
+                if all { "there is no line with a vertex in it" } else { "no line crosses the regions so" };
+            return Err(format!("{}: {why}", source.name).into());
         }
+        lines.colours(&source.colouring)?;
         source.bounds = lines.bounds();
         if let Kind::Rooms(side, _) = source.kind {
             source.walls = House::new(side, 0, source.seed, 0.0)?.walls;
@@ -75,12 +96,24 @@ impl Source {
 
     /// The lines at a time in seconds.
     pub fn at(&self, time: f64) -> Result<LineSet, Failed> {
+        let chosen = |lines: LineSet| match self.regions.iter().all(Vec::is_empty) {
+            true => lines,
+            false => lines.within(&self.regions[0], &self.regions[1]),
+        };
         Ok(match &self.kind {
-            Kind::Generated(recipe) => Recipe { time, ..*recipe }.make()?,
-            Kind::Rooms(side, lines) => House::new(*side, *lines, self.seed, time)?.lines,
+            Kind::Generated(recipe) => chosen(Recipe { time, ..*recipe }.make()?),
+            Kind::Rooms(side, lines) => chosen(House::new(*side, *lines, self.seed, time)?.lines),
             Kind::File(lines) if time == 0.0 => lines.clone(),
             Kind::File(lines) => swayed(lines, self.seed, time)?,
         })
+    }
+
+    /// Copies lines to a device and paints them, and says what their colours mean.
+    pub fn on_device(&self, gpu: &Gpu, lines: &LineSet, margin: f32) -> Result<(GpuLines, Legend), Failed> {
+        let mut on_device = GpuLines::new(gpu, lines, margin)?;
+        let Some(colours) = lines.colours(&self.colouring)? else { return Ok((on_device, Legend::Own)) };
+        on_device.paint(gpu, lines, Some(&colours.of_vertices))?;
+        Ok((on_device, colours.legend))
     }
 
     /// The longest side of the bounds of a set, or of a room.
@@ -161,11 +194,11 @@ fn swayed(lines: &LineSet, seed: u64, time: f64) -> Result<LineSet, Failed> {
     let mut direction =
         || Vec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0) as f32)).normalize_or(Vec3::X);
     let (along, shift) = (direction(), direction() * extent * SWAY);
-    let moved = |p: &Vec3| {
-        let phase = f64::from((*p - min).dot(along) / extent) * 6.0 - time * 1.5;
-        *p + shift * phase.sin() as f32
+    let moved = |p: Vec3| {
+        let phase = f64::from((p - min).dot(along) / extent) * 6.0 - time * 1.5;
+        p + shift * phase.sin() as f32
     };
-    Ok(LineSet::new(lines.iter().map(|line| line.iter().map(moved).collect::<Vec<_>>()))?)
+    Ok(lines.moved(moved)?)
 }
 
 #[cfg(test)]

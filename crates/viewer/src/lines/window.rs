@@ -4,6 +4,7 @@ use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::occlusion::{AoOptions, Estimator};
+use casca_lines::sets::colour::Legend;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
 use casca_stage::egui::Align2;
@@ -18,6 +19,7 @@ use glam::Vec3;
 
 use crate::common::Failed;
 use crate::lines::headless::BACKGROUND;
+use crate::lines::legend;
 use crate::lines::options::Options;
 use crate::lines::source::{Source, sets};
 
@@ -90,6 +92,7 @@ struct Viewer {
     dials: Dials,
     renderer: Renderer,
     lines: GpuLines,
+    legend: Legend,
     culling: Culling,
     panel: Panel,
     fly: Fly,
@@ -110,7 +113,7 @@ impl Viewer {
         let view = source.view(&options, start, size)?;
         let seconds = f64::from(options.at);
         let settings = source.settings(&options, &view);
-        let lines = GpuLines::new(&screen.gpu, &source.at(seconds)?, settings.margin())?;
+        let (lines, legend) = source.on_device(&screen.gpu, &source.at(seconds)?, settings.margin())?;
         Ok(Self {
             dials: Dials {
                 radius: options.radius,
@@ -124,6 +127,7 @@ impl Viewer {
             renderer: Renderer::new(&screen.gpu, screen.format(), settings)?,
             culling: Culling::new(lines.bundles(), &source.walls)?,
             lines,
+            legend,
             panel: Panel::on(screen),
             fly: Fly::new(start[0], start[1] - start[0]),
             seconds,
@@ -156,7 +160,8 @@ impl Viewer {
         settings.ao = AoOptions { estimator, radius: scaled, ..settings.ao };
         (settings.samples, settings.sets) = (samples, sets(samples));
         if self.shown != self.seconds || !self.lines.suits(&settings) {
-            self.lines = GpuLines::new(gpu, &self.source.at(self.seconds)?, settings.margin())?;
+            (self.lines, self.legend) =
+                self.source.on_device(gpu, &self.source.at(self.seconds)?, settings.margin())?;
             self.culling.follow(self.lines.bundles())?;
             self.shown = self.seconds;
         }
@@ -183,13 +188,14 @@ impl Viewer {
         if IS_PAGE {
             return;
         }
-        let (dials, said) = (self.dials.listed(), &self.said);
+        let (dials, said, legend) = (self.dials.listed(), &self.said, &self.legend);
         let mut changed = None;
         self.panel.control(screen, target, &mut |context| {
             controls(context, "dials", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
                 said.iter().for_each(|line| drop(ui.label(line)));
                 changed = turned(ui, &dials);
                 ui.label("W A S D Q E, a mouse button: fly");
+                legend::show(ui, legend);
             });
         });
         if let Some(dial) = changed {
@@ -252,7 +258,7 @@ impl Demo for Viewer {
     }
 
     fn report(&self, _: &Screen) -> Report {
-        Report { lines: self.said.clone(), legend: Vec::new(), dials: self.dials.listed() }
+        Report { lines: self.said.clone(), legend: legend::entries(&self.legend), dials: self.dials.listed() }
     }
 
     fn set(&mut self, dial: &str, value: f64, _: &Screen) -> Done {

@@ -5,15 +5,20 @@ struct Look {
     // As the enum `Look`.
     kind: u32,
     strength: f32,
+    // Whether lines have the colours of `colours`.
+    coloured: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
+// The complement of the nearest segment.
+@group(0) @binding(9) var<storage, read> owners: array<u32>;
 @group(0) @binding(10) var<storage, read> walls: array<vec2f>;
 @group(0) @binding(12) var<storage, read> fragments: array<Fragment>;
 @group(0) @binding(17) var<storage, read> occlusion: array<f32>;
 @group(0) @binding(18) var<uniform> look: Look;
+// The colours of the ends of each segment, and the ways along its line to them.
+@group(0) @binding(23) var<storage, read> colours: array<vec4u>;
 
 const WALL: vec3f = vec3f(0.62, 0.64, 0.68);
 
@@ -27,6 +32,15 @@ fn colour_of(line: u32) -> vec3f {
     let mixed = (line * 0x9e3779b1u) ^ ((line * 0x85ebca6bu) >> 13u);
     let t = f32(mixed >> 16u) / 65535.0;
     return mix(mix(vec3f(0.95, 0.72, 0.42), vec3f(0.92, 0.86, 0.70), saturate(2.0 * t)), vec3f(0.55, 0.76, 0.90), saturate(2.0 * t - 1.0));
+}
+
+// The colour of a line between the ends of a segment, or its pale one.
+fn own_colour(pixel: u32, fragment: Fragment) -> vec3f {
+    if look.coloured == 0u { return colour_of(fragment.line); }
+    let ends = colours[~owners[pixel]];
+    let ways = bitcast<vec2f>(ends.zw);
+    let t = select(0.0, saturate((fragment.along - ways.x) / (ways.y - ways.x)), ways.y > ways.x);
+    return mix(unpack4x8unorm(ends.x).rgb, unpack4x8unorm(ends.y).rgb, t);
 }
 
 // Light on a tube: the side that is turned to the viewer, lit from the upper left, with a highlight.
@@ -46,7 +60,7 @@ fn paint(@builtin(position) at: vec4f) -> @location(0) vec4f {
         let open = saturate(1.0 - look.strength * occlusion[pixel]);
         let away = away_at(fragment.position);
         let normal = pole_of(fragment.tangent, away);
-        let plain = colour_of(fragment.line);
+        let plain = own_colour(pixel, fragment);
         switch look.kind {
             case 0u: { colour = plain; }
             case 1u: { colour = lit(plain, normal, -away, 1.0); }

@@ -4,6 +4,22 @@ use glam::Vec3;
 
 use super::error::{FileError, broken};
 
+/// The bytes of a number, and whether it is a float or has a sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Float(usize),
+    Signed(usize),
+    Unsigned(usize),
+}
+
+impl Kind {
+    /// The number of bytes.
+    pub(super) fn size(self) -> usize {
+        let (Self::Float(size) | Self::Signed(size) | Self::Unsigned(size)) = self;
+        size
+    }
+}
+
 /// The bytes of a file, from a place on.
 pub(super) struct Bytes<'a> {
     pub(super) bytes: &'a [u8],
@@ -39,6 +55,47 @@ impl<'a> Bytes<'a> {
         self.array().map(i32::from_le_bytes)
     }
 
+    /// A number of 1, 2, 4 or 8 bytes; floats have 4 or 8.
+    pub(super) fn number(&mut self, kind: Kind) -> Result<f64, FileError> {
+        Ok(match kind {
+            Kind::Float(4) => f64::from(self.f32()?),
+            Kind::Float(_) => f64::from_le_bytes(self.array()?),
+            Kind::Signed(1) => f64::from(i8::from_le_bytes(self.array()?)),
+            Kind::Signed(2) => f64::from(i16::from_le_bytes(self.array()?)),
+            Kind::Signed(4) => f64::from(self.i32()?),
+            Kind::Signed(_) => i64::from_le_bytes(self.array()?) as f64,
+            Kind::Unsigned(1) => f64::from(u8::from_le_bytes(self.array()?)),
+            Kind::Unsigned(2) => f64::from(u16::from_le_bytes(self.array()?)),
+            Kind::Unsigned(4) => f64::from(u32::from_le_bytes(self.array()?)),
+            Kind::Unsigned(_) => u64::from_le_bytes(self.array()?) as f64,
+        })
+    }
+
+    /// Numbers of a kind, as single precision has them.
+    pub(super) fn floats(&mut self, kind: Kind, count: usize) -> Result<Vec<f32>, FileError> {
+        self.has(kind, count)?;
+        (0..count).map(|_| Ok(self.number(kind)? as f32)).collect()
+    }
+
+    /// Whole numbers of a kind, none below 0 or above 2^32 - 1.
+    pub(super) fn indices(&mut self, kind: Kind, count: usize) -> Result<Vec<u32>, FileError> {
+        self.has(kind, count)?;
+        let next = |_| {
+            let place = self.at;
+            let number = self.number(kind)?;
+            let fail = || broken("byte", place, format!("{number} cannot be the number of something"));
+            whole(number).ok_or_else(fail)
+        };
+        (0..count).map(next).collect()
+    }
+
+    fn has(&self, kind: Kind, count: usize) -> Result<(), FileError> {
+        match count.checked_mul(kind.size()).is_some_and(|bytes| bytes <= self.left()) {
+            true => Ok(()),
+            false => Err(broken("byte", self.at, format!("the file ends within the next {count} numbers"))),
+        }
+    }
+
     pub(super) fn point(&mut self) -> Result<Vec3, FileError> {
         Ok(Vec3::new(self.f32()?, self.f32()?, self.f32()?))
     }
@@ -46,4 +103,10 @@ impl<'a> Bytes<'a> {
     pub(super) fn left(&self) -> usize {
         self.bytes.len().saturating_sub(self.at)
     }
+}
+
+/// A number as a whole one of 32 bits without a sign, if it is one.
+pub(super) fn whole(number: f64) -> Option<u32> {
+    let whole = number as u32;
+    (f64::from(whole) == number).then_some(whole)
 }

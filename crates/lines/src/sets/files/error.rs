@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use crate::sets::LineError;
+use crate::sets::attributes::AttributeError;
 
 /// Why a file was not read.
 #[derive(Debug, thiserror::Error)]
@@ -17,9 +18,12 @@ pub enum FileError {
         /// The cause.
         why: std::io::Error,
     },
-    /// The ending is none of .txt, .obj, .ply, .tck and .trk.
-    #[error("{0}: the ending must be .txt, .obj, .ply, .tck or .trk")]
+    /// The ending is that of no format that is read.
+    #[error("{0}: the ending must be .txt, .obj, .ply, .tck, .trk, .trx, .vtk, .vtp or .hair")]
     Unknown(PathBuf),
+    /// The library was built without the reader.
+    #[error("files of this format are read with the feature \"formats\" only")]
+    Feature,
     /// A file was read, and what it holds was refused.
     #[error("{path}: {why}")]
     In {
@@ -38,9 +42,15 @@ pub enum FileError {
         /// The cause.
         why: String,
     },
+    /// What the file holds is not read, or contradicts itself.
+    #[error("{0}")]
+    Refused(String),
     /// The lines were refused.
     #[error(transparent)]
     Lines(#[from] LineError),
+    /// The numbers, colours or groups were refused.
+    #[error(transparent)]
+    Attributes(#[from] AttributeError),
 }
 
 /// The vertices of each line.
@@ -48,4 +58,8 @@ pub(super) type Lines = Result<Vec<Vec<Vec3>>, FileError>;
 
 pub(super) fn broken(unit: &'static str, at: usize, why: impl Into<String>) -> FileError {
     FileError::Broken { unit, at, why: why.into() }
+}
+
+pub(super) fn refused(why: impl Into<String>) -> FileError {
+    FileError::Refused(why.into())
 }

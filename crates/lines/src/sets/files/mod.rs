@@ -1,15 +1,26 @@
-//! Lines from files: the thesis' text format, OBJ, PLY, and the tractograms TCK and TRK.
+//! Lines from files: the thesis' text format, OBJ, PLY, the tractograms TCK, TRK and TRX, VTK and
+//! HAIR, with the numbers, colours and groups that they have.
 //!
 //! Readers take bytes and need memory in proportion to them, whatever a header promises. Lines may
 //! be of any number of vertices.
 
-mod binary;
 mod bytes;
 mod error;
+mod hair;
 mod ply;
+mod polydata;
+mod tck;
 #[cfg(test)]
 mod tests;
 mod text;
+mod trk;
+#[cfg(feature = "formats")]
+mod trx;
+#[cfg(feature = "formats")]
+mod unpack;
+mod vtk;
+#[cfg(feature = "formats")]
+mod vtp;
 mod words;
 
 use std::path::Path;
@@ -29,10 +40,19 @@ pub enum Format {
     /// PLY, ASCII or binary: vertices, and elements `edge`, `line` or `polyline` with the two
     /// vertices `vertex1` and `vertex2` or a list `vertex_indices`.
     Ply,
-    /// MRtrix tracks of 32-bit floats.
+    /// MRtrix tracks of 32-bit or 64-bit floats.
     Tck,
-    /// TrackVis tracks.
+    /// TrackVis tracks, moved to the coordinates of the scanner if the file has their matrix.
     Trk,
+    /// Cem Yuksel's hair: strands with thickness, transparency and colours.
+    Hair,
+    /// VTK's legacy files: the lines of POLYDATA, ASCII or binary.
+    Vtk,
+    /// VTK's XML files: the lines of PolyData, with numbers as words, in base64, or after the XML,
+    /// packed by zlib or not. Only with the feature `formats`.
+    Vtp,
+    /// The tractograms of the TRX specification, as an archive. Only with the feature `formats`.
+    Trx,
 }
 
 /// The lines of a file, by its ending.
@@ -47,6 +67,10 @@ pub fn open(path: &Path) -> Result<LineSet, FileError> {
         "ply" => Format::Ply,
         "tck" => Format::Tck,
         "trk" => Format::Trk,
+        "vtk" => Format::Vtk,
+        "vtp" => Format::Vtp,
+        "trx" => Format::Trx,
+        "hair" => Format::Hair,
         _ => return Err(FileError::Unknown(path.to_owned())),
     };
     let bytes = std::fs::read(path).map_err(|why| FileError::Io { path: path.to_owned(), why })?;
@@ -58,12 +82,19 @@ pub fn open(path: &Path) -> Result<LineSet, FileError> {
 /// # Errors
 /// If the bytes break the format, or a coordinate is not finite.
 pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
-    let lines = match format {
-        Format::Text => text::thesis(bytes),
-        Format::Obj => text::obj(bytes),
-        Format::Ply => ply::read(bytes),
-        Format::Tck => binary::tck(bytes),
-        Format::Trk => binary::trk(bytes),
-    };
-    Ok(LineSet::new(lines?)?)
+    Ok(match format {
+        Format::Text => LineSet::new(text::thesis(bytes)?)?,
+        Format::Obj => LineSet::new(text::obj(bytes)?)?,
+        Format::Ply => LineSet::new(ply::read(bytes)?)?,
+        Format::Tck => tck::read(bytes)?,
+        Format::Trk => trk::read(bytes)?,
+        Format::Vtk => vtk::read(bytes)?,
+        #[cfg(feature = "formats")]
+        Format::Vtp => vtp::read(bytes)?,
+        #[cfg(feature = "formats")]
+        Format::Trx => trx::read(bytes)?,
+        #[cfg(not(feature = "formats"))]
+        Format::Vtp | Format::Trx => return Err(FileError::Feature),
+        Format::Hair => hair::read(bytes)?,
+    })
 }

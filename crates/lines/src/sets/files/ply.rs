@@ -5,32 +5,23 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::bytes::Bytes;
+use super::bytes::{Bytes, Kind, whole};
 use super::error::{FileError, Lines, broken};
 use super::words::{Words, parse, words};
 
-/// Bytes of a number, and whether it is a float or has a sign.
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    Float(usize),
-    Signed(usize),
-    Unsigned(usize),
-}
-
-impl Kind {
-    fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "float" | "float32" => Self::Float(4),
-            "double" | "float64" => Self::Float(8),
-            "char" | "int8" => Self::Signed(1),
-            "short" | "int16" => Self::Signed(2),
-            "int" | "int32" => Self::Signed(4),
-            "uchar" | "uint8" => Self::Unsigned(1),
-            "ushort" | "uint16" => Self::Unsigned(2),
-            "uint" | "uint32" => Self::Unsigned(4),
-            _ => return None,
-        })
-    }
+/// The kind of number with a name.
+fn kind_named(name: &str) -> Option<Kind> {
+    Some(match name {
+        "float" | "float32" => Kind::Float(4),
+        "double" | "float64" => Kind::Float(8),
+        "char" | "int8" => Kind::Signed(1),
+        "short" | "int16" => Kind::Signed(2),
+        "int" | "int32" => Kind::Signed(4),
+        "uchar" | "uint8" => Kind::Unsigned(1),
+        "ushort" | "uint16" => Kind::Unsigned(2),
+        "uint" | "uint32" => Kind::Unsigned(4),
+        _ => return None,
+    })
 }
 
 struct Property {
@@ -57,20 +48,10 @@ enum Body<'a> {
 
 impl Body<'_> {
     fn number(&mut self, kind: Kind) -> Result<f64, FileError> {
-        let file = match self {
-            Self::Text(words) => return words.number("a number"),
-            Self::Binary(file) => file,
-        };
-        Ok(match kind {
-            Kind::Float(4) => f64::from(file.f32()?),
-            Kind::Float(_) => f64::from_le_bytes(file.array()?),
-            Kind::Signed(1) => f64::from(i8::from_le_bytes(file.array()?)),
-            Kind::Signed(2) => f64::from(i16::from_le_bytes(file.array()?)),
-            Kind::Signed(_) => f64::from(file.i32()?),
-            Kind::Unsigned(1) => f64::from(u8::from_le_bytes(file.array()?)),
-            Kind::Unsigned(2) => f64::from(u16::from_le_bytes(file.array()?)),
-            Kind::Unsigned(_) => f64::from(u32::from_le_bytes(file.array()?)),
-        })
+        match self {
+            Self::Text(words) => words.number("a number"),
+            Self::Binary(file) => file.number(kind),
+        }
     }
 
     /// A number that must be whole and fit into 32 bits without a sign.
@@ -80,11 +61,7 @@ impl Body<'_> {
     }
 
     fn is_whole(&self, number: f64, what: &str) -> Result<u32, FileError> {
-        let whole = number as u32;
-        match f64::from(whole) == number {
-            true => Ok(whole),
-            false => Err(self.fail(format!("{number} cannot be {what}"))),
-        }
+        whole(number).ok_or_else(|| self.fail(format!("{number} cannot be {what}")))
     }
 
     fn fail(&self, why: String) -> FileError {
@@ -165,7 +142,7 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
         (at, number) = (at + end + 1, number + 1);
         let words = words(&rest[..end]);
         let fail = |why: &str| broken("line", number, why);
-        let kind = |name: &str| Kind::named(name).ok_or_else(|| fail("a property of unknown type"));
+        let kind = |name: &str| kind_named(name).ok_or_else(|| fail("a property of unknown type"));
         let mut property = |p: Property| -> Result<(), FileError> {
             let element = elements.last_mut().ok_or_else(|| fail("a property before the first element"))?;
             element.properties.push(p);

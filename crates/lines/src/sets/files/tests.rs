@@ -4,14 +4,39 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::sets::attributes::Of;
 use crate::testing::cases;
 
-const FORMATS: [Format; 5] = [Format::Text, Format::Obj, Format::Ply, Format::Tck, Format::Trk];
+#[path = "../../../tests/files/formats.rs"]
+#[allow(dead_code)]
+mod formats;
+mod tractograms;
+
+/// Files of lines in all formats, and whether they have the numbers of [`formats`].
+fn all_written(lines: &[Vec<Vec3>]) -> Vec<(Format, Vec<u8>, bool)> {
+    let plain = [Format::Text, Format::Obj, Format::Ply].map(|f| (f, written(lines, f), false));
+    let lines: Vec<Vec<[f32; 3]>> = lines.iter().map(|l| l.iter().map(Vec3::to_array).collect()).collect();
+    let mut all = plain.to_vec();
+    all.push((Format::Hair, formats::hair(&lines), false));
+    for (a, b) in [(false, false), (false, true), (true, false), (true, true)] {
+        all.push((Format::Tck, formats::tck(&lines, a, b), false));
+        all.push((Format::Trk, formats::trk(&lines, a, None), true));
+        all.push((Format::Vtk, formats::vtk(&lines, a, b), true));
+        #[cfg(feature = "formats")]
+        {
+            use formats::Numbers::*;
+            all.push((Format::Trx, formats::trx(&lines, a, b), true));
+            for numbers in [Ascii, Inline, AppendedText, AppendedRaw] {
+                all.push((Format::Vtp, formats::vtp(&lines, numbers, a, b), true));
+            }
+        }
+    }
+    all
+}
 
 /// A file of lines in a format.
 fn written(lines: &[Vec<Vec3>], format: Format) -> Vec<u8> {
     let coordinates = |p: &Vec3| format!("{} {} {}", p.x, p.y, p.z);
-    let floats = |p: Vec3| p.to_array().into_iter().flat_map(f32::to_le_bytes);
     let points: Vec<Vec3> = lines.concat();
     let mut text = String::new();
     match format {
@@ -45,28 +70,7 @@ fn written(lines: &[Vec<Vec3>], format: Format) -> Vec<u8> {
                 text += &format!("{} {}\n", line.len(), numbers.join(" "));
             }
         }
-        Format::Tck => {
-            let mut bytes = b"mrtrix tracks\ncount: 9\ndatatype: Float32LE\nfile: . 61\nEND\n".to_vec();
-            bytes.resize(61, 0);
-            for line in lines {
-                bytes.extend(line.iter().copied().flat_map(floats).chain(floats(Vec3::NAN)));
-            }
-            bytes.extend(floats(Vec3::INFINITY));
-            return bytes;
-        }
-        Format::Trk => {
-            let mut bytes = vec![0; 1000];
-            bytes[..5].copy_from_slice(b"TRACK");
-            (bytes[36], bytes[238]) = (1, 2);
-            bytes[988..992].copy_from_slice(&(lines.len() as i32).to_le_bytes());
-            bytes[996..].copy_from_slice(&1000i32.to_le_bytes());
-            for line in lines {
-                bytes.extend((line.len() as i32).to_le_bytes());
-                line.iter().for_each(|p| bytes.extend(floats(*p).chain([0; 4])));
-                bytes.extend([0; 8]);
-            }
-            return bytes;
-        }
+        _ => unreachable!("the others have writers of their own"),
     }
     text.into_bytes()
 }
@@ -82,9 +86,21 @@ proptest! {
 
     #[test]
     fn lines_are_read_as_they_were_written(lines in some_lines()) {
-        for format in FORMATS {
-            let read = read(&written(&lines, format), format).unwrap();
-            prop_assert_eq!(read, LineSet::new(lines.clone()).unwrap(), "{:?}", format);
+        let wanted = LineSet::new(lines.clone()).unwrap();
+        let halves: Vec<f32> = (0..wanted.points().len()).map(|n| n as f32 / 2.0).collect();
+        let tens: Vec<f32> = (0..wanted.len()).map(|n| n as f32 * 10.0).collect();
+        for (format, file, numbers) in all_written(&lines) {
+            let read = read(&file, format).unwrap();
+            prop_assert_eq!(read.points(), wanted.points(), "{:?}", format);
+            prop_assert!(read.segments().eq(wanted.segments()) && read.len() == wanted.len());
+            if numbers {
+                let [fa, bundle] = &read.attributes().scalars[..] else { panic!("{format:?}: two numbers") };
+                prop_assert_eq!((&*fa.name, fa.of, &fa.values), ("fa", Of::Vertices, &halves));
+                // Trx has them in a byte.
+                let tens = tens.iter().map(|v| if format == Format::Trx { v % 256.0 } else { *v });
+                prop_assert_eq!((&*bundle.name, bundle.of), ("bundle", Of::Lines));
+                prop_assert!(bundle.values.iter().copied().eq(tens));
+            }
         }
     }
 
@@ -93,8 +109,7 @@ proptest! {
         lines in some_lines(), changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
         cut: prop::sample::Index, digits: bool
     ) {
-        for format in FORMATS {
-            let mut bytes = written(&lines, format);
+        for (format, mut bytes, _) in all_written(&lines) {
             for (at, value) in &changes {
                 let at = at.index(bytes.len());
                 // Digits keep text valid further into the file.
@@ -133,8 +148,6 @@ fn errors_name_place_and_cause() {
             "ply\nformat binary_little_endian 1.0\nelement edge 1\nproperty list uint int v\nend_header\n\u{7f}\u{7f}\u{7f}\u{7f}",
             "the file ends",
         ),
-        (Format::Tck, "tracks", "byte 0: a TCK file starts"),
-        (Format::Tck, "mrtrix tracks\ndatatype: Bit\n", "line 2: data of Bit"),
         (Format::Trk, "TRACK", "byte 996: the file ends"),
     ] {
         let why = fail(text.as_bytes(), format);
@@ -168,17 +181,18 @@ fn errors_name_place_and_cause() {
     let two = format!("{list}\nproperty list int int near");
     let lines = read(ply(&two, "2 1 0 3 0 0 0").as_bytes(), Format::Ply).unwrap();
     assert_eq!(lines, LineSet::new([[Vec3::ONE, Vec3::ZERO]]).unwrap(), "only the list of that name counts");
-    let mut long = written(&[vec![Vec3::ONE]], Format::Trk);
+    let mut long = formats::trk(&[vec![[1.0; 3]]], false, None);
     long[1000..1004].copy_from_slice(&i32::MAX.to_le_bytes());
     assert!(
         fail(&long, Format::Trk).contains("byte 1000: a line of 2147483647 vertices is longer than the file")
     );
     for (damaged, said) in [
         (Vec3::new(1.0, f32::NAN, 2.0), "vertex [1, NaN, 2] of a line"),
-        (Vec3::new(f32::NAN, f32::INFINITY, f32::NAN), "byte 73: vertex [NaN, inf, NaN]"),
-        (Vec3::INFINITY, "byte 73: vertex [inf, inf, inf]"),
+        (Vec3::new(f32::NAN, f32::INFINITY, f32::NAN), "byte 79: vertex [NaN, inf, NaN]"),
+        (Vec3::INFINITY, "byte 79: vertex [inf, inf, inf]"),
     ] {
-        let why = fail(&written(&[vec![Vec3::ONE, damaged, Vec3::X]], Format::Tck), Format::Tck);
+        let why =
+            fail(&formats::tck(&[vec![[1.0; 3], damaged.to_array(), [0.0; 3]]], false, false), Format::Tck);
         assert!(why.contains(said), "{why}");
     }
     let path = std::env::temp_dir().join(format!("casca-lines-files-{}.txt", std::process::id()));
