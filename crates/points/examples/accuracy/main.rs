@@ -5,8 +5,8 @@
 //! ```
 //!
 //! For each scene: false visible and false hidden points over the truly visible ones, in percent,
-//! of three eyes together. All words may be left out from the right: `KIND` is `tuned` or
-//! `held-out`, `SPREAD` is `even` or `random`, `NOISE` is its standard deviation over the side of
+//! of three eyes together. All words may be left out from the right: `KIND` is `tuned`,
+//! `held-out`, `fresh` or `fences` of other gaps, `SPREAD` is `even` or `random`, `NOISE` is its standard deviation over the side of
 //! the square that a point stands for. The defaults of `surface` were chosen on the scenes called
 //! tuned, of seed 3, with even points; the others tell how well they hold. With a `FOLDER`, `.glb`
 //! files of it are sampled in the place of generated scenes. The last word `causes` sorts the wrong
@@ -14,6 +14,8 @@
 
 mod causes;
 mod files;
+mod fresh;
+mod limit;
 mod scenes;
 mod truth;
 
@@ -82,13 +84,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let all = match (word(1), word(6)) {
         (_, folder) if !folder.is_empty() => files::scenes(Path::new(folder))?,
         ("held-out", _) => scenes::held_out(seed),
+        ("fresh", _) => fresh::scenes(seed),
+        ("fences", _) => scenes::fences(seed),
         _ => scenes::tuned(seed),
     };
     println!(
         "{points} points, {spread:?}, noise {noise}, seed {seed}: errors (false visible + false hidden) in percent"
     );
     println!(
-        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | ms build, eye, hpr"
+        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | discs by hand, radius     | ms build, eye, hpr"
     );
     for scene in &all {
         row(scene, points, spread, noise, word(7) == "causes")?;
@@ -115,32 +119,35 @@ fn row(scene: &Scene, points: usize, spread: Spread, noise: f32, causes: bool) -
     let edges = Edges::new(scene);
     let mut reasons = [Causes::default(), Causes::default()];
     let normals = [&given, &estimated].map(|surface| surface.normals().collect::<Vec<_>>());
-    for &eye in &scene.eyes {
-        let (truth, place) = (seen(scene, &samples, eye), eye.as_dvec3());
-        count(&mut sums[0], &truth, given.visible(place)?.iter().by_vals().map(Some));
+    let truths: Vec<BitVec> = scene.eyes.iter().map(|&eye| seen(scene, &samples, eye)).collect();
+    for (&eye, truth) in scene.eyes.iter().zip(&truths) {
+        let place = eye.as_dvec3();
+        count(&mut sums[0], truth, given.visible(place)?.iter().by_vals().map(Some));
         let start = Instant::now();
-        count(&mut sums[1], &truth, estimated.visible(place)?.iter().by_vals().map(Some));
+        count(&mut sums[1], truth, estimated.visible(place)?.iter().by_vals().map(Some));
         times[1] += start.elapsed().as_secs_f64() * 1e3 / scene.eyes.len() as f64;
         for (k, surface) in [&given, &estimated].into_iter().enumerate().filter(|_| causes) {
             let answers = surface.answers(place)?;
-            reasons[k].add((&edges, &samples, eye), &normals[k], &truth, &answers);
+            reasons[k].add((&edges, &samples, eye), &normals[k], truth, &answers);
         }
         let start = Instant::now();
         count(
             &mut sums[2],
-            &truth,
+            truth,
             hpr::visible_points(&places, place, auto.kernel(&places, place))?.iter().by_vals().map(Some),
         );
         times[2] += start.elapsed().as_secs_f64() * 1e3 / scene.eyes.len() as f64;
-        count(&mut sums[3], &truth, by_splats(&bare.positions, eye, &auto)?.into_iter());
+        count(&mut sums[3], truth, by_splats(&bare.positions, eye, &auto)?.into_iter());
     }
     let cells: Vec<String> = sums.into_iter().map(text).collect();
     let [build, one, hpr] = times;
+    let (limit, radius) = limit::best(scene, &samples, &truths);
     println!(
-        "{:16} {:7.0} | {} | {build:.0}, {one:.0}, {hpr:.0}",
+        "{:16} {:7.0} | {} | {} {radius:4.2} | {build:.0}, {one:.0}, {hpr:.0}",
         scene.name,
         sums[0][0] / scene.eyes.len() as f64,
-        cells.join(" | ")
+        cells.join(" | "),
+        text(limit)
     );
     if causes {
         reasons[0].print("given", &normals[0], &samples);

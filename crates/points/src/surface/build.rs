@@ -39,9 +39,14 @@ const FARTHEST: f32 = 2.5;
 /// How far a disc reaches where the surface seems to end: half of a spacing would be right for
 /// straight ends, and is too much beside corners.
 const OVERHANG: f32 = 0.4;
-/// How far an edge may be from the points on both of its sides, and how far discs reach past it.
+/// How far an edge may be from the points on both of its sides.
 const EDGE: f32 = 1.5;
-const PAST_EDGE: f32 = 0.05;
+/// How far from a point the face that it is on may end at a side of its body, how far below the
+/// face the points of that side are at most, and how far along the edge: without and with normals
+/// that are given.
+const END: f32 = 2.0;
+const DEEP: f32 = 0.7;
+const ALONG: [f32; 2] = [1.0, 3.0];
 /// The spacing of a point's own layer over that of all its neighbours, at most.
 const THINNER: f32 = 2.0;
 /// Peers: how near, and how far from the plane as a part of [`Margins::layer`].
@@ -54,6 +59,9 @@ const PEER_TURN: f32 = 0.8;
 
 /// A neighbour: its number, and its place relative to the point.
 type Near = (u32, Vec3A);
+
+/// The plane of a neighbour: a place relative to the point, and a normal.
+type Plane = (Vec3A, Vec3A);
 
 /// Positions within the cube from -1 to 1, one for each place, with their normals and neighbours.
 struct Input {
@@ -179,22 +187,38 @@ fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> 
     let near = layer.iter().filter(|p| p.length() < FARTHEST * disc.spacing);
     let flat: Vec<Vec2> = near.map(|p| Vec2::new(p.dot(u), p.dot(v))).collect();
     disc.reach = fan::reach(&flat, HOLE * disc.spacing);
-    let across: Vec<(Vec3A, Vec3A)> = input.near[i]
+    let across: Vec<Plane> = input.near[i]
         .iter()
         .map(|&(j, v)| (v, of(j)))
-        .filter(|(v, n)| v.length() < EDGE * all && n.dot(normal).abs() < LAYER_TURN)
+        .filter(|(_, n)| n.dot(normal).abs() < LAYER_TURN)
         .collect();
-    for (k, reach) in disc.reach.iter_mut().enumerate().filter(|(_, reach)| **reach == 0.0) {
-        let d = fan::direction(k);
-        let edge = edge(u * d.x + v * d.y, &across, EDGE * all);
-        *reach = edge.map_or(OVERHANG * disc.spacing, |edge| edge + PAST_EDGE * disc.spacing);
+    let near: Vec<Plane> = across.iter().copied().filter(|(v, _)| v.length() < EDGE * all).collect();
+    let oriented = !input.normals.is_empty();
+    let is_side = |(v, _): &Plane| {
+        let depth = -v.dot(normal);
+        depth < DEEP * all && depth > if oriented { 0.0 } else { -DEEP * all }
+    };
+    let sides: Vec<Plane> = across.into_iter().filter(is_side).collect();
+    let (along, overhang) = (ALONG[usize::from(oriented)] * all, OVERHANG * disc.spacing);
+    for (reach, d) in disc.reach.iter_mut().zip(fan::DIRECTIONS) {
+        let direction = u * d.x + v * d.y;
+        let mut most = *reach;
+        if most == 0.0 {
+            *reach = edge(direction, &near, EDGE * all).unwrap_or(overhang);
+            most = END * all;
+        }
+        *reach = match end(direction, normal, &sides, most, along) {
+            None => *reach,
+            Some((far, beyond)) if beyond && oriented => reach.min(far).min(overhang),
+            Some((far, _)) => far,
+        };
     }
     disc
 }
 
 /// How far it is in a direction to the first of the planes of neighbours that meets it near the
 /// neighbour.
-fn edge(direction: Vec3A, across: &[(Vec3A, Vec3A)], most: f32) -> Option<f32> {
+fn edge(direction: Vec3A, across: &[Plane], most: f32) -> Option<f32> {
     let meets = across.iter().filter_map(|(v, normal)| {
         let far = normal.dot(*v) / normal.dot(direction);
         (far > 0.0 && far < most && (direction * far).distance(*v) < most).then_some(far)
@@ -202,9 +226,24 @@ fn edge(direction: Vec3A, across: &[(Vec3A, Vec3A)], most: f32) -> Option<f32> {
     meets.min_by(f32::total_cmp)
 }
 
+/// How far it is in a direction to the first of the sides of bodies, and whether that side faces
+/// here: then the face ended before, and the side belongs to another body beyond a gap.
+fn end(direction: Vec3A, normal: Vec3A, sides: &[Plane], most: f32, along: f32) -> Option<(f32, bool)> {
+    let meets = sides.iter().filter_map(|(v, side)| {
+        let facing = side.dot(direction);
+        let far = side.dot(*v) / facing;
+        let beside = (direction * far - *v).reject_from_normalized(normal).length();
+        (far > 0.0 && far < most && beside < along).then_some((far, facing < 0.0))
+    });
+    meets.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
 fn peers(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> [u32; PEERS] {
     let normal = planes[i].0;
     let mut peers = [NOBODY; PEERS];
+    if !input.normals.is_empty() {
+        return peers;
+    }
     let near = input.near[i].iter().filter(|(j, v)| {
         alike(input, normal, planes[*j as usize].0, PEER_TURN)
             && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i]

@@ -8,7 +8,7 @@ use obvhs::bvh2::Bvh2;
 #[derive(Clone)]
 pub(super) struct Discs {
     pub discs: Vec<Disc>,
-    /// For each disc, neighbours on the same part of the surface.
+    /// For each disc, neighbours on the same part of the surface; none with given normals.
     pub peers: Vec<[u32; PEERS]>,
     pub tree: Bvh2,
     /// The disc of each point.
@@ -56,6 +56,6 @@ pub(super) struct Disc {
     pub spacing: f32,
     /// How far the neighbours of the plane are from it: the root of the mean square.
     pub rough: f32,
-    /// How far the disc reaches, by sector.
+    /// How far the disc reaches in each of the directions in which sectors begin.
     pub reach: [f32; SECTORS],
 }

@@ -2,7 +2,7 @@
 
 use crate::numeric::SAME_DIRECTION;
 use glam::{Vec2, Vec3A};
-use std::f32::consts::{FRAC_PI_8, TAU};
+use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 
 /// Directions that have a reach each.
 pub(super) const SECTORS: usize = 16;
@@ -29,9 +29,35 @@ pub(super) fn sector(mut v: Vec2) -> usize {
     sector + usize::from(v.y > HALF_OF_OCTANT * v.x)
 }
 
-/// The direction in the middle of a sector.
-pub(super) fn direction(sector: usize) -> Vec2 {
-    Vec2::from_angle((sector as f32 + 0.5) * FRAC_PI_8)
+/// The sine and cosine of 22.5 degrees.
+const SIN: f32 = 0.382_683_43;
+const COS: f32 = 0.923_879_5;
+
+/// The direction in which each sector begins.
+pub(super) const DIRECTIONS: [Vec2; SECTORS] = {
+    let quarter = [(1.0, 0.0), (COS, SIN), (FRAC_1_SQRT_2, FRAC_1_SQRT_2), (SIN, COS)];
+    let mut all = [Vec2::ZERO; SECTORS];
+    let mut k = 0;
+    while k < SECTORS {
+        let (x, y) = quarter[k % 4];
+        all[k] = match k / 4 {
+            0 => Vec2::new(x, y),
+            1 => Vec2::new(-y, x),
+            2 => Vec2::new(-x, -y),
+            _ => Vec2::new(y, -x),
+        };
+        k += 1;
+    }
+    all
+};
+
+/// Whether the polygon that reaches so far in each of the [`DIRECTIONS`] covers a place.
+#[inline]
+pub(super) fn covers(reach: &[f32; SECTORS], place: Vec2) -> bool {
+    let k = sector(place);
+    let next = (k + 1) % SECTORS;
+    let (a, b) = (DIRECTIONS[k] * reach[k], DIRECTIONS[next] * reach[next]);
+    (b - a).perp_dot(place - a) >= 0.0
 }
 
 /// The axes of a disc's plane.
@@ -55,7 +81,7 @@ pub(super) fn reach(others: &[Vec2], most: f32) -> [f32; SECTORS] {
         for _ in 0..STEPS {
             let Some(next) = next(at, others, way, most) else { break };
             for (k, reach) in reach.iter_mut().enumerate() {
-                let d = direction(k);
+                let d = DIRECTIONS[k];
                 if way * at.perp_dot(d) >= 0.0 && way * d.perp_dot(next) >= 0.0 {
                     let edge = next - at;
                     let far = at.perp_dot(edge) / d.perp_dot(edge);

@@ -8,7 +8,8 @@
 //! a disc before it comes near the point's own part of the surface. The idea is that of ray tracing
 //! points (Schaufler & Jensen 2000, "Ray Tracing Point Sampled Geometry"); the planes are a robust
 //! fit by random sampling (Fischler & Bolles 1981) with all pairs of few neighbours in the place of
-//! random ones; the discs end like the triangles of a local Delaunay triangulation.
+//! random ones; the discs are polygons that end like the triangles of a local Delaunay
+//! triangulation, and where points of a side of the same body lie below their face.
 //!
 //! Where points have normals that tell front and back, the far sides of closed bodies are hidden
 //! even where rays leak in; sheets with one side are seen from both.
@@ -59,7 +60,7 @@ pub struct Surface(Discs);
 pub enum Answer {
     /// Nothing is before it.
     Visible,
-    /// Something is before it, but before few of its neighbours.
+    /// Something is before it, but before few of its neighbours; not with given normals.
     VisibleAsNeighbours,
     /// The disc of the point of this number is before it.
     Behind(usize),
@@ -67,7 +68,7 @@ pub enum Answer {
     FacesAway,
     /// A parallel surface is close before it, as if both were the sides of a plate.
     FarSideOfPlate,
-    /// Nothing is before it, but most of its neighbours are hidden.
+    /// Nothing is before it, but most of its neighbours are hidden; not with given normals.
     HiddenAsNeighbours,
 }
 

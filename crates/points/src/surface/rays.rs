@@ -2,7 +2,7 @@
 
 use super::Answer;
 use super::disc::{Disc, Discs, NOBODY};
-use super::fan::{axes, sector};
+use super::fan::{axes, covers};
 use crate::numeric::ALONG;
 use glam::{DVec3, Vec2, Vec3A};
 use obvhs::ray::Ray;
@@ -32,8 +32,9 @@ const BACK: f32 = 0.3;
 const PARALLEL: f32 = 0.9;
 
 /// A visible point is hidden if less than this part of its peers is visible, and a hidden one
-/// visible if more than that is: rays that slip through an edge see few points.
-const FEWEST: f32 = 0.4;
+/// visible if more than that is: rays that slip through an edge see few points. More by peers hides
+/// what is seen through narrow gaps.
+const FEWEST: f32 = 0.25;
 const MOST: f32 = 0.8;
 /// Fewer peers do not count.
 const LEAST_PEERS: usize = 4;
@@ -51,8 +52,7 @@ impl Disc {
     #[inline]
     fn covers(&self, hit: Vec3A) -> bool {
         let (u, v) = axes(self.normal);
-        let flat = Vec2::new(hit.dot(u), hit.dot(v));
-        flat.length_squared() <= self.reach[sector(flat)].powi(2)
+        covers(&self.reach, Vec2::new(hit.dot(u), hit.dot(v)))
     }
 
     /// Where a ray meets it, and the cosine of the ray's direction and its normal.

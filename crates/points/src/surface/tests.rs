@@ -128,6 +128,39 @@ fn a_near_sheet_hides_what_is_behind_it_and_nothing_beside() {
     assert!(found < 0.03, "{found}");
 }
 
+/// Planks two units wide and 0.6 thick with gaps of one unit, and a wall far behind them.
+fn fence() -> PointCloud {
+    let size = [Vec3::X * 2.0, Vec3::Y * 30.0];
+    let mut parts = vec![rectangle(Vec3::Z * -30.0, Vec3::X * 36.0, Vec3::Y * 30.0, Vec3::Z)];
+    for plank in 0..12 {
+        let left = Vec3::X * (3 * plank) as f32;
+        parts.push(rectangle(left, size[0], size[1], Vec3::Z));
+        parts.push(rectangle(left - Vec3::Z * 0.6, size[0], size[1], Vec3::NEG_Z));
+        for (x, normal) in [(0.0, Vec3::NEG_X), (2.0, Vec3::X)] {
+            let at = |i: usize| left + Vec3::new(x, (i as f32 + 0.5) / 0.6, -0.1 - 0.4 * (i % 2) as f32);
+            parts.push(((0..18).map(at).collect(), vec![normal; 18]));
+        }
+    }
+    join(parts)
+}
+
+#[test]
+fn narrow_gaps_between_planks_stay_open() {
+    let cloud = fence();
+    let eye = DVec3::new(18.0, 15.0, 300.0);
+    let found = visible(&cloud, eye).unwrap();
+    let [mut seen, mut lost, mut shown] = [0.0; 3];
+    for (p, found) in cloud.positions.iter().zip(&found).filter(|(p, _)| p.z == -30.0) {
+        // Where the ray passes the fronts and the backs of the planks.
+        let at = |z: f64| (eye + (p.as_dvec3() - eye) * ((eye.z - z) / (eye.z + 30.0))).x;
+        let open = [at(0.0), at(-0.6)].iter().all(|x| x.rem_euclid(3.0) > 2.0);
+        seen += f64::from(u8::from(open));
+        lost += f64::from(u8::from(open && !*found));
+        shown += f64::from(u8::from(!open && *found));
+    }
+    assert!(lost < 0.05 * seen && shown < 0.1 * seen, "{lost} lost and {shown} shown of {seen}");
+}
+
 #[test]
 fn the_answer_moves_with_the_cloud() {
     let cloud = plate(6.0);
