@@ -63,15 +63,36 @@ impl Kernel {
         [x, y]: [u32; 2],
         lookup: Lookup<'_, '_>,
     ) {
-        if x == 0 || y == 0 {
-            return;
+        if x > 0 && y > 0 {
+            self.pass(gpu, encoder, lookup, |pass| pass.dispatch_workgroups(x, y, 1));
         }
+    }
+
+    /// Runs it in as many groups along x, y and z as the first three numbers of a buffer say, which
+    /// it is not bound to.
+    pub fn run_counted(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        groups: &wgpu::Buffer,
+        lookup: Lookup<'_, '_>,
+    ) {
+        self.pass(gpu, encoder, lookup, |pass| pass.dispatch_workgroups_indirect(groups, 0));
+    }
+
+    fn pass(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        lookup: Lookup<'_, '_>,
+        dispatch: impl FnOnce(&mut wgpu::ComputePass<'_>),
+    ) {
         let group = bind(gpu, &self.pipeline.get_bind_group_layout(0), &self.bindings, lookup);
         let descriptor = wgpu::ComputePassDescriptor { label: Some(self.name), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(x, y, 1);
+        dispatch(&mut pass);
     }
 
     /// Runs it in so many groups. The shader numbers them: `x + y * 32768`; those of the last row

@@ -26,7 +26,7 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     let view = source.view(options, source.start(options, size, 0)?, size)?;
     let set = source.at(f64::from(options.at))?;
     let settings = source.settings(options, &view);
-    let lines = GpuLines::new(&gpu, &set, settings.margin())?;
+    let lines = GpuLines::new(&gpu, &set, &settings)?;
     let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
     let seen = match options.cull {
         true => {

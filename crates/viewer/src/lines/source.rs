@@ -101,7 +101,10 @@ impl Source {
         let [near, far] = view.depths();
         let tube = view.pixel_size((near + far) / 2.0) as f32 * options.tube;
         let radius = options.radius * self.extent();
-        let ao = AoOptions { estimator: options.estimator.estimator(tube), ..AoOptions::rays(radius, tube) };
+        let ao = AoOptions {
+            estimator: options.estimator.estimator([radius, tube]),
+            ..AoOptions::rays(radius, tube)
+        };
         let Options { slices, coarse, .. } = *options;
         let samples = options.samples();
         Settings { ao, samples, sets: sets(samples), slices, coarse, ..Settings::new(radius, tube) }
