@@ -65,7 +65,8 @@ pub const MARGIN_IN_TUBES: f32 = 3.0;
 /// quarters of their time.
 pub const USUAL_RAYS: u32 = 24;
 
-/// The way from place to place along a line, as a share of the radius.
+/// The way from place to place along a line, as a share of the radius: fine enough for threads that
+/// go over and under each other.
 pub const PLACE_STEP: f32 = 1.0 / 32.0;
 
 /// Sides of a place. Half as many are too few for lines that touch each other: there a little turn

@@ -50,6 +50,14 @@ pub enum Estimator {
     },
 }
 
+impl Estimator {
+    /// Rays from places along the lines for hemispheres and tubes of these radii, with the step that
+    /// suits them: no less than the width of a tube, since pixels are as large.
+    pub fn places(radius: f32, line_radius: f32) -> Self {
+        Self::Places { line_radius, step: (radius * PLACE_STEP).max(line_radius * 2.0) }
+    }
+}
+
 /// Which slices of a column lie in the hemisphere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BasePlane {
@@ -129,7 +137,7 @@ impl AoOptions {
 
     /// Rays from places along the lines, at tubes of a radius.
     pub fn places(radius: f32, line_radius: f32) -> Self {
-        let estimator = Estimator::Places { line_radius, step: radius * PLACE_STEP };
+        let estimator = Estimator::places(radius, line_radius);
         Self { estimator, ..Self::new(radius, line_radius) }
     }
 

@@ -6,6 +6,9 @@
 //! sides beside its pole, and interpolates: it has the rays of all four. Nothing but these weights
 //! changes with the view.
 
+#[cfg(test)]
+mod tests;
+
 use std::f32::consts::TAU;
 use std::sync::atomic::{AtomicU16, Ordering};
 

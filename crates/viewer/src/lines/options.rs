@@ -1,7 +1,7 @@
 //! The command line.
 
 use casca_lines::gpu::renderer::Look;
-use casca_lines::numeric::{PLACE_STEP, USUAL_RAYS, USUAL_SIDE_RAYS};
+use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
 use casca_lines::occlusion::Estimator;
 use casca_lines::sets::generate::Family;
 use casca_lines::slabs::Slices;
@@ -147,7 +147,7 @@ impl Way {
     /// The estimator, for hemispheres and tubes of these radii.
     pub fn estimator(self, [radius, line_radius]: [f32; 2]) -> Estimator {
         match self {
-            Self::Places => Estimator::Places { line_radius, step: radius * PLACE_STEP },
+            Self::Places => Estimator::places(radius, line_radius),
             Self::Rays => Estimator::Rays { line_radius },
             Self::Depth => Estimator::OpticalDepth { line_radius },
             Self::Thesis => Estimator::MeanOfRatios { factor: 4.0 },

@@ -3,7 +3,6 @@
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
-use casca_lines::numeric::PLACE_STEP;
 use casca_lines::occlusion::{AoOptions, Estimator};
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
@@ -156,7 +155,7 @@ impl Viewer {
             Estimator::Rays { line_radius } => Estimator::Rays { line_radius: thick(line_radius) },
             Estimator::Places { line_radius, .. } => {
                 self.tube = kept(self.tube, thick(line_radius));
-                Estimator::Places { line_radius: self.tube, step: scaled * PLACE_STEP }
+                Estimator::places(scaled, self.tube)
             }
             other => other,
         };
