@@ -159,6 +159,12 @@ mod tests {
         clock.stage(&gpu, "double", |e| kernel.run_groups(&gpu, e, 4, &among(&bound))).unwrap();
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&made).unwrap());
         assert_eq!((words, clock.stages().len()), (vec![2, 4, 6, 8], 1));
+        // As many groups as a buffer says: the last two stay as they were.
+        let groups = filled(&gpu, &[2_u32, 1, 1], BufferUsages::INDIRECT).unwrap();
+        let again = [(5, &given), (3, &made)];
+        clock.stage(&gpu, "twice", |e| kernel.run_counted(&gpu, e, &groups, &among(&again))).unwrap();
+        let words: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&given).unwrap());
+        assert_eq!(words, [4, 8, 3, 4]);
         let refused = clock.stage(&gpu, "double", |e| kernel.run(&gpu, e, [1, 1], &among(&bound[..1])));
         let said = refused.unwrap_err().to_string();
         assert!(said.contains("double"), "{said}");
