@@ -25,6 +25,7 @@ pub mod cells;
 pub mod gpu;
 pub mod numeric;
 pub mod occlusion;
+pub mod places;
 pub mod samples;
 pub mod sets;
 pub mod slabs;

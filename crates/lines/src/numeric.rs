@@ -65,6 +65,26 @@ pub const MARGIN_IN_TUBES: f32 = 3.0;
 /// quarters of their time.
 pub const USUAL_RAYS: u32 = 24;
 
+/// The way from place to place along a line, as a share of the radius: fine enough for threads that
+/// go over and under each other.
+pub const PLACE_STEP: f32 = 1.0 / 32.0;
+
+/// Sides of a place. Half as many are too few for lines that touch each other: there a little turn
+/// of the hemisphere frees it from a neighbour.
+pub const SIDES: u32 = 16;
+
+/// Rays of a side of a place. A pixel takes four sides, which are worth two and a quarter times as
+/// many rays.
+pub const USUAL_SIDE_RAYS: u32 = 8;
+
+/// The width of a ray from a place, in those of a ray that is one of as many: a pixel has those of
+/// four sides.
+pub const SIDE_SPREAD: f32 = 0.7;
+
+/// The greatest number of places along the lines of a set: a buffer of 16 bytes each has 128 MiB,
+/// which all adapters bind.
+pub const MOST_PLACES: u32 = 1 << 23;
+
 /// A ray has at least this part of its length in each direction: no border of cells is crossed at a
 /// place that is no number.
 pub const LEAST_WAY: f32 = 1e-9;

@@ -88,7 +88,7 @@ fn the_occlusion_in_perspective_agrees_with_rays() {
             true => Settings::new(RADIUS as f32, tube),
             false => Settings { coarse: 1, ..Settings::of_columns(RADIUS as f32, tube) },
         };
-        let on_device = GpuLines::new(&gpu, &set, settings.margin()).unwrap();
+        let on_device = GpuLines::new(&gpu, &set, &settings).unwrap();
         let mut renderer = Renderer::new(&gpu, COLOUR, settings).unwrap();
         let seen = Seen::all(on_device.bundles().len());
         renderer.update(&gpu, &view, (&on_device, &seen), &[], &mut Clock::off()).unwrap();

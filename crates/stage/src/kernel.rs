@@ -63,15 +63,36 @@ impl Kernel {
         [x, y]: [u32; 2],
         lookup: Lookup<'_, '_>,
     ) {
-        if x == 0 || y == 0 {
-            return;
+        if x > 0 && y > 0 {
+            self.pass(gpu, encoder, lookup, |pass| pass.dispatch_workgroups(x, y, 1));
         }
+    }
+
+    /// Runs it in as many groups along x, y and z as the first three numbers of a buffer say, which
+    /// it is not bound to.
+    pub fn run_counted(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        groups: &wgpu::Buffer,
+        lookup: Lookup<'_, '_>,
+    ) {
+        self.pass(gpu, encoder, lookup, |pass| pass.dispatch_workgroups_indirect(groups, 0));
+    }
+
+    fn pass(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        lookup: Lookup<'_, '_>,
+        dispatch: impl FnOnce(&mut wgpu::ComputePass<'_>),
+    ) {
         let group = bind(gpu, &self.pipeline.get_bind_group_layout(0), &self.bindings, lookup);
         let descriptor = wgpu::ComputePassDescriptor { label: Some(self.name), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(x, y, 1);
+        dispatch(&mut pass);
     }
 
     /// Runs it in so many groups. The shader numbers them: `x + y * 32768`; those of the last row
@@ -138,6 +159,12 @@ mod tests {
         clock.stage(&gpu, "double", |e| kernel.run_groups(&gpu, e, 4, &among(&bound))).unwrap();
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&made).unwrap());
         assert_eq!((words, clock.stages().len()), (vec![2, 4, 6, 8], 1));
+        // As many groups as a buffer says: the last two stay as they were.
+        let groups = filled(&gpu, &[2_u32, 1, 1], BufferUsages::INDIRECT).unwrap();
+        let again = [(5, &given), (3, &made)];
+        clock.stage(&gpu, "twice", |e| kernel.run_counted(&gpu, e, &groups, &among(&again))).unwrap();
+        let words: Vec<u32> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&given).unwrap());
+        assert_eq!(words, [4, 8, 3, 4]);
         let refused = clock.stage(&gpu, "double", |e| kernel.run(&gpu, e, [1, 1], &among(&bound[..1])));
         let said = refused.unwrap_err().to_string();
         assert!(said.contains("double"), "{said}");

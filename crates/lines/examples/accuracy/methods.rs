@@ -5,8 +5,8 @@ use std::time::Instant;
 use casca_lines::buffers::{Fragment, LineBuffer};
 use casca_lines::cells::Cells;
 use casca_lines::glam::Vec3;
-use casca_lines::numeric::{MARGIN_IN_TUBES, USUAL_RAYS};
-use casca_lines::occlusion::{AoOptions, Occlusion};
+use casca_lines::numeric::{MARGIN_IN_TUBES, USUAL_RAYS, USUAL_SIDE_RAYS};
+use casca_lines::occlusion::{AoOptions, Occlusion, Sides};
 use casca_lines::samples::SampleSets;
 use casca_lines::slabs::{SlabGrid, Slices, SpanRule};
 use casca_lines::view::View;
@@ -41,9 +41,11 @@ enum Way {
     Columns,
     /// So many rays.
     Rays(u32),
+    /// Rays from places along the lines.
+    Places,
 }
 
-pub const METHODS: [Method; 7] = [
+pub const METHODS: [Method; 8] = [
     Method { name: "plain lines", way: Way::Plain },
     Method { name: "depth buffer", way: Way::DepthBuffer },
     Method { name: "thesis", way: Way::Thesis },
@@ -51,6 +53,7 @@ pub const METHODS: [Method; 7] = [
     Method { name: "16 rays", way: Way::Rays(16) },
     Method { name: "24 rays (default)", way: Way::Rays(USUAL_RAYS) },
     Method { name: "64 rays", way: Way::Rays(64) },
+    Method { name: "places", way: Way::Places },
 ];
 
 /// A method after the work that it does before the first pixel.
@@ -59,6 +62,7 @@ pub enum Prepared<'a> {
     DepthBuffer(&'a Case, Box<LineBuffer>, SampleSets),
     Columns(SlabGrid, SampleSets, AoOptions),
     Rays(Box<Cells>, View, SampleSets, AoOptions),
+    Places(&'a Case, Box<Cells>, View, SampleSets, AoOptions),
 }
 
 impl Method {
@@ -78,6 +82,13 @@ impl Method {
             }
             Way::Thesis => columns(1, Slices::S128, AoOptions::thesis(radius)),
             Way::Columns => columns(2, Slices::S256, AoOptions::new(radius, tube)),
+            Way::Places => Prepared::Places(
+                case,
+                Box::new(Cells::new(&case.lines, tube * MARGIN_IN_TUBES)),
+                *view,
+                SampleSets::spirals(USUAL_SIDE_RAYS, SETS, 1).expect("sets"),
+                AoOptions::places(radius, tube),
+            ),
             Way::Rays(rays) => Prepared::Rays(
                 Box::new(Cells::new(&case.lines, tube * MARGIN_IN_TUBES)),
                 *view,
@@ -117,6 +128,10 @@ impl Prepared<'_> {
             }
             Self::Columns(grid, samples, options) => {
                 by(Occlusion::new(grid, samples, *options).expect("options"))
+            }
+            Self::Places(case, cells, view, samples, options) => {
+                let sides = Sides::new(&case.lines, cells, samples, *options).expect("options");
+                by(Occlusion::by_places(&sides, view))
             }
             Self::Rays(cells, view, samples, options) => {
                 by(Occlusion::by_rays(cells, view, samples, *options).expect("options"))

@@ -39,7 +39,7 @@ fn segments_run_from_the_colour_of_one_end_to_that_of_the_other() {
     let view = View::look_at([Vec3::Z * 5.0, Vec3::ZERO, Vec3::Y], lens, [1.0, 9.0], SIZE).unwrap();
     let settings = Settings::new(5.0, 0.5);
     let mut renderer = Renderer::new(&gpu, COLOUR, settings).unwrap();
-    let mut on_device = GpuLines::new(&gpu, &set, settings.margin()).unwrap();
+    let mut on_device = GpuLines::new(&gpu, &set, &settings).unwrap();
     let pale = plain(&gpu, &mut renderer, &on_device, &view);
     let (red, green, blue) = ([255, 0, 0], [0, 255, 0], [0, 0, 255]);
     let colours = [red, green, blue, blue, red, [10, 20, 30]];

@@ -45,6 +45,9 @@ pub enum LinesGpuError {
     /// The grid of columns.
     #[error("columns of {0} pixels: the side of a column is 1 to 64 pixels")]
     Coarse(u32),
+    /// Lines on the device without places, for an estimator that needs them.
+    #[error("the lines have no places: they were put on the device for another estimator")]
+    Places,
     /// A view was refused.
     #[error(transparent)]
     View(#[from] ViewError),

@@ -7,6 +7,7 @@
 //! - [`lens`]: a view as the shaders take it, and how far the occlusion of a pixel reaches.
 //! - [`culling`]: the bundles that a view may see, and those that may darken what it sees.
 //! - [`settings`]: what is computed.
+//! - `sides`: the occlusion at places along lines, which stays from frame to frame.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
 //!
 //! The results are those of the processor's version but for rounding: [`numeric`] says where that
@@ -22,5 +23,6 @@ pub mod renderer;
 pub mod set;
 pub mod settings;
 mod shader;
+mod sides;
 #[cfg(test)]
 mod tests;

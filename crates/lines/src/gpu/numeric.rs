@@ -6,7 +6,8 @@
 //! with exact clipping.
 
 use crate::numeric::{
-    ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, LEAST_WAY, MEAN_SINE, PARALLEL, RAY_LIFT, RAY_PARALLEL, STOPPED,
+    ALONG_VIEW, LEAST_KNOWN, LEAST_SINE, LEAST_WAY, MEAN_SINE, PARALLEL, RAY_LIFT, RAY_PARALLEL, SIDE_SPREAD,
+    SIDES, STOPPED,
 };
 
 /// The part of a pixel or slice by which rounding may move a line. A coordinate of a picture has up
@@ -44,6 +45,8 @@ pub(super) fn constants() -> String {
         ("RAY_LIFT", RAY_LIFT),
         ("RAY_PARALLEL", RAY_PARALLEL),
         ("STOPPED", STOPPED),
+        ("SIDE_SPREAD", SIDE_SPREAD),
     ];
-    all.iter().map(|(name, value)| format!("const {name}: f32 = {value:e};\n")).collect()
+    let sides = format!("const SIDES: u32 = {SIDES}u;\n");
+    all.iter().map(|(name, value)| format!("const {name}: f32 = {value:e};\n")).chain([sides]).collect()
 }

@@ -16,6 +16,7 @@ use crate::gpu::numeric::FARTHEST;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
 use crate::gpu::shader::shader;
+use crate::gpu::sides::{GpuSides, Passes, Work};
 use crate::occlusion::{Estimator, OptionsError, sector_of};
 use crate::samples::SampleSets;
 use crate::slabs::Slices;
@@ -56,6 +57,8 @@ struct Frame {
     walls: Buffer,
     fragments: Buffer,
     occlusion: Buffer,
+    /// With places.
+    work: Option<Work>,
     lens: Buffer,
     grid_lens: Buffer,
     /// Those of the lines that were drawn, if they have colours.
@@ -71,6 +74,7 @@ pub struct Renderer {
     walls: Kernel,
     estimate: Kernel,
     trace: Kernel,
+    places: Passes,
     picture: wgpu::RenderPipeline,
     /// The two runs of `draw`.
     choosing: [Buffer; 2],
@@ -99,7 +103,11 @@ impl Renderer {
         let rays = shader(
             gpu,
             "rays",
-            concat!(include_str!("shaders/receiver.wgsl"), include_str!("shaders/rays.wgsl")),
+            concat!(
+                include_str!("shaders/receiver.wgsl"),
+                include_str!("shaders/rays.wgsl"),
+                include_str!("shaders/sides.wgsl")
+            ),
         );
         let flag = |value: u32| filled(gpu, &[value, 0, 0, 0], BufferUsages::UNIFORM);
         Ok(Self {
@@ -109,6 +117,7 @@ impl Renderer {
             walls: Kernel::new(gpu, &walls, "find", &[0, 13, 14]),
             estimate: Kernel::new(gpu, &occlusion, "estimate", &[0, 6, 7, 12, 15, 16, 17]),
             trace: Kernel::new(gpu, &rays, "trace", &[0, 12, 15, 16, 17, 19, 20, 21, 22]),
+            places: Passes::new(gpu, &rays),
             picture: picture(gpu, format),
             choosing: [flag(0)?, flag(1)?],
             samples: samples(gpu, &settings)?,
@@ -161,17 +170,25 @@ impl Renderer {
         frame.colours = lines.coloured.then(|| lines.colours.clone());
         let frame = &*frame;
         let settings = &self.settings;
-        if let Estimator::Rays { line_radius } = settings.ao.estimator
+        if let Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } = settings.ao.estimator
             && line_radius > lines.margin()
         {
             return Err(OptionsError::Margin { radius: line_radius, margin: lines.margin() }.into());
+        }
+        let sides = lines.sides.as_ref().filter(|_| settings.by_places());
+        if settings.by_places() && sides.is_none() {
+            return Err(LinesGpuError::Places);
         }
         let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
         let storage = BufferUsages::STORAGE;
         let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
         let corners: Vec<[f32; 4]> = walls.iter().flatten().map(|c| c.extend(0.0).to_array()).collect();
         let boxes = filled(gpu, &corners, storage)?;
-        let ao = filled(gpu, &[GpuAo::new(settings, view.size())], BufferUsages::UNIFORM)?;
+        let ao = filled(
+            gpu,
+            &[GpuAo::new(settings, view.size(), sides.map_or(0, GpuSides::tangents))],
+            BufferUsages::UNIFORM,
+        )?;
         let set: [Bound<'_>; 4] =
             [(2, &lines.vertices), (3, &lines.segments), (4, &lines.order), (11, &lines.tangents)];
         if !settings.by_rays() {
@@ -201,23 +218,29 @@ impl Renderer {
             let bound = [(0, &frame.lens), (9, &frame.owners), (12, &frame.fragments)];
             self.resolve.run_pixels(gpu, encoder, view.size(), &among(&[&set[..], &bound[..]].concat()));
         })?;
+        let receivers: [Bound<'_>; 4] =
+            [(12, &frame.fragments), (15, &self.samples), (16, &ao), (17, &frame.occlusion)];
+        let cells: [Bound<'_>; 6] = [
+            (0, &frame.lens),
+            (2, &lines.vertices),
+            (19, &lines.grid),
+            (20, &lines.starts),
+            (21, &lines.lists),
+            (22, &lines.ends),
+        ];
+        let bound = [&receivers[..], &cells[..]].concat();
+        if let (Some(sides), Some(work)) = (sides, &frame.work) {
+            self.places.run(gpu, (sides, work), settings, (&bound, view.size()), clock)?;
+            return Ok(());
+        }
         clock.stage(gpu, "occlusion", |encoder| {
-            let common: [Bound<'_>; 4] =
-                [(12, &frame.fragments), (15, &self.samples), (16, &ao), (17, &frame.occlusion)];
             if settings.by_rays() {
-                let bound: [Bound<'_>; 5] = [
-                    (0, &frame.lens),
-                    (19, &lines.grid),
-                    (20, &lines.starts),
-                    (21, &lines.lists),
-                    (22, &lines.ends),
-                ];
                 let [width, height] = view.size();
                 let tiles = width.div_ceil(TILE[0]) as usize * height.div_ceil(TILE[1]) as usize;
-                self.trace.run_groups(gpu, encoder, tiles, &among(&[&common[..], &bound[..]].concat()));
+                self.trace.run_groups(gpu, encoder, tiles, &among(&bound));
             } else {
                 let bound: [Bound<'_>; 3] = [(0, &frame.grid_lens), (6, &frame.bits), (7, &frame.lengths)];
-                let bound = [&common[..], &bound[..]].concat();
+                let bound = [&receivers[..], &bound[..]].concat();
                 self.estimate.run_pixels(gpu, encoder, view.size(), &among(&bound));
             }
         })?;
@@ -314,6 +337,15 @@ impl Renderer {
         self.read(gpu, |frame| &frame.occlusion)
     }
 
+    /// The values of places that the last frame computed; 0 with other estimators.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_buffer`].
+    pub fn read_computed(&self, gpu: &Gpu) -> Result<u32, GpuError> {
+        let work = self.frame.as_ref().and_then(|frame| frame.work.as_ref());
+        work.map_or(Ok(0), |work| work.computed(gpu))
+    }
+
     fn read<T: Pod>(&self, gpu: &Gpu, of: impl Fn(&Frame) -> &Buffer) -> Result<Vec<T>, GpuError> {
         let bytes = self.frame.as_ref().map_or(Ok(Vec::new()), |frame| gpu.read_buffer(of(frame)))?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
@@ -329,12 +361,13 @@ impl Renderer {
         let grid = self.settings.grid(view)?;
         // Rays need no columns.
         let grid = if self.settings.by_rays() { grid.with_height(1)? } else { grid };
-        let kind = |f: &Frame| (f.view.size(), f.grid.size(), f.slices);
-        let fits = |f: &Frame| kind(f) == (view.size(), grid.size(), slices);
+        let has_places = self.settings.by_places();
+        let kind = |f: &Frame| (f.view.size(), f.grid.size(), f.slices, f.work.is_some());
+        let fits = |f: &Frame| kind(f) == (view.size(), grid.size(), slices, has_places);
         if !self.frame.as_ref().is_some_and(fits) {
             // The old ones are freed first.
             self.frame = None;
-            self.frame = Some(Frame::new(gpu, view, grid, slices)?);
+            self.frame = Some(Frame::new(gpu, view, grid, slices, has_places)?);
         }
         if let Some(frame) = &mut self.frame {
             (frame.view, frame.grid) = (*view, grid);
@@ -347,7 +380,13 @@ impl Renderer {
 }
 
 impl Frame {
-    fn new(gpu: &Gpu, view: &View, grid: View, slices: Slices) -> Result<Self, LinesGpuError> {
+    fn new(
+        gpu: &Gpu,
+        view: &View,
+        grid: View,
+        slices: Slices,
+        has_places: bool,
+    ) -> Result<Self, LinesGpuError> {
         let count = |of: &View| of.size().iter().map(|&s| u64::from(s)).product::<u64>();
         let storage = BufferUsages::STORAGE;
         let of_columns = |what, bytes: u32| {
@@ -372,6 +411,7 @@ impl Frame {
             walls: of_pixels(8)?,
             fragments: of_pixels(size_of::<GpuFragment>() as u64)?,
             occlusion: of_pixels(4)?,
+            work: if has_places { Some(Work::new(gpu, count(view))?) } else { None },
             lens: lens()?,
             grid_lens: lens()?,
             colours: None,

@@ -9,6 +9,8 @@ use rayon::prelude::*;
 use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::settings::Settings;
+use crate::gpu::sides::GpuSides;
+use crate::occlusion::Estimator;
 use crate::sets::LineSet;
 use casca_stage::kernel::filled;
 
@@ -63,6 +65,7 @@ pub struct GpuLines {
     /// For each segment the colours of its ends and the ways along its line to them.
     pub(super) colours: Buffer,
     pub(super) coloured: bool,
+    pub(super) sides: Option<GpuSides>,
     margin: f32,
     bundles: Vec<Bundle>,
     vertex_count: usize,
@@ -77,15 +80,18 @@ impl GpuGrid {
 
 impl GpuLines {
     /// Copies lines to the device and puts segments that lie near each other into bundles of
-    /// [`BUNDLE`], and into [`Cells`] with a margin.
+    /// [`BUNDLE`], and into the [`Cells`] that settings need. With [`Estimator::Places`] it also
+    /// puts places along them.
     ///
     /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex, 12 a
-    /// segment, and as much as the cells take.
+    /// segment, and as much as the cells take; 16 bytes a line and 22 a place.
+    ///
+    /// [`Estimator::Places`]: crate::occlusion::Estimator::Places
     ///
     /// # Errors
     /// The device has no room.
-    pub fn new(gpu: &Gpu, lines: &LineSet, margin: f32) -> Result<Self, LinesGpuError> {
-        let cells = Cells::new(lines, margin);
+    pub fn new(gpu: &Gpu, lines: &LineSet, settings: &Settings) -> Result<Self, LinesGpuError> {
+        let cells = Cells::new(lines, settings.margin());
         let flat: Vec<[f32; 3]> = cells.ends().iter().flatten().map(|p| p.to_array()).collect();
         let points = lines.points();
         let with = |v: &Vec3, w: f32| [v.x, v.y, v.z, w];
@@ -116,6 +122,7 @@ impl GpuLines {
             lists: filled(gpu, cells.lists(), usage)?,
             colours: filled(gpu, &[[0u32; 4]], usage)?,
             coloured: false,
+            sides: GpuSides::new(gpu, lines, settings)?,
             margin: cells.margin(),
             bundles,
             vertex_count: points.len(),
@@ -166,16 +173,38 @@ impl GpuLines {
         self.margin
     }
 
-    /// Whether the cells suit settings: their margin is within a factor of 2 of the best one, or
-    /// the settings need no cells.
+    /// Whether the cells and places suit settings: their margin and step are within a factor of 2 of
+    /// the best ones, or the settings need none.
     pub fn suits(&self, settings: &Settings) -> bool {
-        let best = settings.margin();
-        !settings.by_rays() || (best / 2.0..=best * 2.0).contains(&self.margin)
+        let near = |now: f32, best: f32| (best / 2.0..=best * 2.0).contains(&now);
+        let places = match (settings.ao.estimator, &self.sides) {
+            (Estimator::Places { step, .. }, Some(sides)) => near(sides.step(), step),
+            (Estimator::Places { .. }, None) => false,
+            _ => true,
+        };
+        places && (!settings.by_rays() || near(self.margin, settings.margin()))
+    }
+
+    /// The number of places along the lines.
+    pub fn places(&self) -> u32 {
+        self.sides.as_ref().map_or(0, GpuSides::count)
+    }
+
+    /// The next frame sends the rays of all places that it needs anew.
+    pub fn forget(&self) {
+        self.sides.iter().for_each(GpuSides::forget);
     }
 
     /// The number of vertices.
     pub fn vertices(&self) -> usize {
         self.vertex_count
+    }
+
+    /// The memory on the device in bytes.
+    pub fn bytes(&self) -> u64 {
+        let own = [&self.vertices, &self.tangents, &self.segments, &self.order, &self.ends, &self.starts];
+        let own: u64 = own.into_iter().chain([&self.lists]).map(Buffer::size).sum();
+        own + self.sides.as_ref().map_or(0, GpuSides::bytes)
     }
 
     /// The numbers of all bundles.

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::Reach;
-use crate::numeric::{MARGIN_IN_TUBES, USUAL_RAYS};
+use crate::numeric::{MARGIN_IN_TUBES, USUAL_RAYS, USUAL_SIDE_RAYS};
 use crate::occlusion::{AoOptions, BasePlane, Estimator, SetChoice};
 use crate::slabs::Slices;
 use crate::view::View;
@@ -36,6 +36,15 @@ impl Settings {
         }
     }
 
+    /// Rays from places along the lines: [`USUAL_SIDE_RAYS`] of a side of a place.
+    pub fn of_places(radius: f32, line_radius: f32) -> Self {
+        Self {
+            ao: AoOptions::places(radius, line_radius),
+            samples: USUAL_SIDE_RAYS,
+            ..Self::of_columns(radius, line_radius)
+        }
+    }
+
     /// The best estimator of columns for tubes of a radius, with 150 samples and 256 slices in
     /// columns of 2 x 2 pixels.
     pub fn of_columns(radius: f32, line_radius: f32) -> Self {
@@ -43,15 +52,22 @@ impl Settings {
         Self { ao, samples: 150, sets: 16, seed: 1, slices: Slices::S256, coarse: 2 }
     }
 
-    /// Whether rays through cells are taken, instead of columns.
+    /// Whether rays through cells are taken, instead of columns: from pixels or from places.
     pub fn by_rays(&self) -> bool {
-        matches!(self.ao.estimator, Estimator::Rays { .. })
+        matches!(self.ao.estimator, Estimator::Rays { .. } | Estimator::Places { .. })
+    }
+
+    /// Whether these rays are sent from places along the lines.
+    pub fn by_places(&self) -> bool {
+        matches!(self.ao.estimator, Estimator::Places { .. })
     }
 
     /// The margin of the cells of lines that suits the tubes that rays meet; 0 without rays.
     pub fn margin(&self) -> f32 {
         match self.ao.estimator {
-            Estimator::Rays { line_radius } => line_radius * MARGIN_IN_TUBES,
+            Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } => {
+                line_radius * MARGIN_IN_TUBES
+            }
             _ => 0.0,
         }
     }
@@ -100,11 +116,13 @@ pub(super) struct GpuAo {
     sets: u32,
     samples: u32,
     size: [u32; 2],
-    padding: [u32; 2],
+    tangents: u32,
+    padding: u32,
 }
 
 impl GpuAo {
-    pub(super) fn new(settings: &Settings, size: [u32; 2]) -> Self {
+    /// For a picture of a size; the tangents of places begin at a place of their buffer.
+    pub(super) fn new(settings: &Settings, size: [u32; 2], tangents: u32) -> Self {
         let ao = &settings.ao;
         let (estimator, value) = match ao.estimator {
             Estimator::MeanOfRatios { factor } => (0, factor),
@@ -112,6 +130,7 @@ impl GpuAo {
             Estimator::Extinction { k } => (2, k),
             Estimator::OpticalDepth { line_radius } => (3, line_radius),
             Estimator::Rays { line_radius } => (4, line_radius),
+            Estimator::Places { line_radius, .. } => (5, line_radius),
         };
         let (choice, step) = match ao.choice {
             SetChoice::One => (0, 1.0),
@@ -132,7 +151,8 @@ impl GpuAo {
             sets,
             samples,
             size,
-            padding: [0; 2],
+            tangents,
+            padding: 0,
         }
     }
 }

@@ -22,7 +22,7 @@ impl Columns<'_> {
             Estimator::RatioOfSums { factor } => self.shares(above, tangent, set).ratio() * factor,
             Estimator::Extinction { k } => 1.0 - (-k * self.shares(above, tangent, set).mean()).exp(),
             Estimator::OpticalDepth { line_radius } => self.stopped(above, set, line_radius),
-            Estimator::Rays { .. } => 0.0,
+            Estimator::Rays { .. } | Estimator::Places { .. } => 0.0,
         }
     }
 

@@ -19,6 +19,7 @@ mod columns;
 mod options;
 mod prism;
 mod rays;
+mod sides;
 #[cfg(test)]
 mod tests;
 
@@ -34,20 +35,21 @@ use columns::Columns;
 pub use columns::sector_of;
 pub use options::{AoOptions, BasePlane, Estimator, OptionsError, SetChoice};
 use prism::Hemisphere;
+pub use sides::Sides;
 
 /// An estimate of the occlusion at points of lines: 0 in the open, 1 where nothing gets through.
 #[derive(Debug, Clone, Copy)]
 pub struct Occlusion<'a> {
     through: Through<'a>,
-    samples: &'a SampleSets,
     options: AoOptions,
 }
 
 /// What an estimate looks through.
 #[derive(Debug, Clone, Copy)]
 enum Through<'a> {
-    Columns(&'a SlabGrid),
-    Cells(&'a Cells, &'a View),
+    Columns(&'a SlabGrid, &'a SampleSets),
+    Cells(&'a Cells, &'a View, &'a SampleSets),
+    Places(&'a Sides<'a>, &'a View),
 }
 
 impl<'a> Occlusion<'a> {
@@ -63,8 +65,8 @@ impl<'a> Occlusion<'a> {
     ) -> Result<Self, OptionsError> {
         options.check()?;
         match options.estimator {
-            Estimator::Rays { .. } => Err(OptionsError::Source),
-            _ => Ok(Self { through: Through::Columns(grid), samples, options }),
+            Estimator::Rays { .. } | Estimator::Places { .. } => Err(OptionsError::Source),
+            _ => Ok(Self { through: Through::Columns(grid, samples), options }),
         }
     }
 
@@ -85,9 +87,14 @@ impl<'a> Occlusion<'a> {
             Estimator::Rays { line_radius } if line_radius > margin => {
                 Err(OptionsError::Margin { radius: line_radius, margin })
             }
-            Estimator::Rays { .. } => Ok(Self { through: Through::Cells(cells, view), samples, options }),
+            Estimator::Rays { .. } => Ok(Self { through: Through::Cells(cells, view, samples), options }),
             _ => Err(OptionsError::Source),
         }
+    }
+
+    /// By rays from places along the lines, for receivers of a view.
+    pub fn by_places(sides: &'a Sides<'a>, view: &'a View) -> Self {
+        Self { through: Through::Places(sides, view), options: *sides.options() }
     }
 
     /// The occlusion in all pixels, row by row; 0 where there is no line. Time: proportional to the
@@ -101,35 +108,39 @@ impl<'a> Occlusion<'a> {
         buffer.fragments().par_iter().enumerate().map(at).collect()
     }
 
-    /// The number of the set of samples that a fragment takes.
+    /// The number of the set of samples that a fragment takes; 0 where places have their own.
     pub fn set_of(&self, fragment: &Fragment, pixel: [u32; 2]) -> usize {
+        let (Through::Columns(_, samples) | Through::Cells(_, _, samples)) = self.through else { return 0 };
         let key = match self.options.choice {
             SetChoice::One => return 0,
             SetChoice::Screen => hash(pixel[0], pixel[1]),
             SetChoice::Surface { step } => hash(fragment.line, (fragment.along / step) as u32),
         };
-        key as usize % self.samples.count()
+        key as usize % samples.count()
     }
 
     /// The occlusion at a fragment, by a set of samples.
     pub fn at(&self, fragment: &Fragment, set: usize) -> f32 {
         let view = match self.through {
-            Through::Columns(grid) => grid.view(),
-            Through::Cells(_, view) => view,
+            Through::Columns(grid, _) => grid.view(),
+            Through::Cells(_, view, _) | Through::Places(_, view) => view,
         };
         let Some(above) = Hemisphere::new(fragment, self.options.radius, view) else {
             return 0.0;
         };
-        let set = self.samples.set(set);
         let value = match (self.through, self.options.estimator) {
-            (Through::Cells(cells, view), Estimator::Rays { line_radius }) => {
-                rays::stopped(cells, view, &above, fragment.tangent, (set, line_radius))
+            (Through::Cells(cells, view, samples), Estimator::Rays { line_radius }) => {
+                rays::stopped(cells, view, &above, fragment.tangent, (samples.set(set), line_radius))
             }
-            (Through::Columns(grid), _) => {
-                Columns { grid, options: &self.options }.at(&above, fragment.tangent, set)
+            (Through::Columns(grid, samples), _) => {
+                Columns { grid, options: &self.options }.at(&above, fragment.tangent, samples.set(set))
+            }
+            (Through::Places(sides, view), _) => {
+                let pole = view.eye_from_world().matrix3.transpose() * above.pole.as_dvec3();
+                sides.at(fragment.line, fragment.along, pole.as_vec3())
             }
             // Refused when this was made.
-            _ => 0.0,
+            (Through::Cells(..), _) => 0.0,
         };
         if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 }
     }

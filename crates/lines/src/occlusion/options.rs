@@ -1,5 +1,7 @@
 //! What an estimate is told.
 
+use crate::numeric::PLACE_STEP;
+
 /// How the counts of the columns become an occlusion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Estimator {
@@ -37,6 +39,23 @@ pub enum Estimator {
         /// The radius of the tubes, in units of the scene.
         line_radius: f32,
     },
+    /// The same share, by rays that are sent once from places along the lines, in all directions
+    /// around them: they serve all views, so that a still set costs rays only for what comes into
+    /// view.
+    Places {
+        /// The radius of the tubes, in units of the scene.
+        line_radius: f32,
+        /// The way from place to place along a line, in units of the scene.
+        step: f32,
+    },
+}
+
+impl Estimator {
+    /// Rays from places along the lines for hemispheres and tubes of these radii, with the step that
+    /// suits them: no less than the width of a tube, since pixels are as large.
+    pub fn places(radius: f32, line_radius: f32) -> Self {
+        Self::Places { line_radius, step: (radius * PLACE_STEP).max(line_radius * 2.0) }
+    }
 }
 
 /// Which slices of a column lie in the hemisphere.
@@ -116,6 +135,12 @@ impl AoOptions {
         Self { estimator: Estimator::Rays { line_radius }, ..Self::new(radius, line_radius) }
     }
 
+    /// Rays from places along the lines, at tubes of a radius.
+    pub fn places(radius: f32, line_radius: f32) -> Self {
+        let estimator = Estimator::places(radius, line_radius);
+        Self { estimator, ..Self::new(radius, line_radius) }
+    }
+
     /// The best estimator of columns, for tubes of a radius; samples are fixed to the lines.
     pub fn new(radius: f32, line_radius: f32) -> Self {
         let estimator = Estimator::OpticalDepth { line_radius };
@@ -140,7 +165,9 @@ impl AoOptions {
         let value = match self.estimator {
             Estimator::MeanOfRatios { factor } | Estimator::RatioOfSums { factor } => factor,
             Estimator::Extinction { k } => k,
-            Estimator::OpticalDepth { line_radius } | Estimator::Rays { line_radius } => line_radius,
+            Estimator::OpticalDepth { line_radius }
+            | Estimator::Rays { line_radius }
+            | Estimator::Places { line_radius, .. } => line_radius,
         };
         if !(value >= 0.0 && value.is_finite()) {
             return Err(OptionsError::Estimator(value));

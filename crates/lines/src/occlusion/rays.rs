@@ -28,24 +28,12 @@ pub(super) fn stopped(
     let to_world = view.eye_from_world().matrix3.transpose();
     let [x, y, z] =
         [across, above.pole.cross(across), above.pole].map(|v| (to_world * v.as_dvec3()).as_vec3());
-    let start = view.to_world(above.middle).as_vec3() + z * (line_radius * RAY_LIFT);
-    let rays = Rays {
-        cells,
-        start,
-        scale: 1.0 / above.radius,
-        tube: line_radius / above.radius,
-        soft: (cells.margin() - line_radius).max(0.0) / above.radius,
-        spread: 1.0 / (set.len() as f32).sqrt(),
-    };
-    let hidden = |sample: &Sample| {
-        let up = (1.0 - sample.at.length_squared()).max(0.0).sqrt();
-        1.0 - rays.passed(x * sample.at.x + y * sample.at.y + z * up)
-    };
-    set.iter().map(hidden).sum::<f32>() / set.len() as f32
+    let rays = Rays::new(cells, [above.radius, line_radius], view.to_world(above.middle).as_vec3(), z);
+    rays.stopped([x, y, z], set, 1.0)
 }
 
 /// The rays of a receiver.
-struct Rays<'a> {
+pub(super) struct Rays<'a> {
     cells: &'a Cells,
     /// In the world.
     start: Vec3,
@@ -59,7 +47,31 @@ struct Rays<'a> {
     spread: f32,
 }
 
-impl Rays<'_> {
+impl<'a> Rays<'a> {
+    /// From the middle of a line in the world, lifted along the pole; with the radii of the
+    /// hemisphere and of a tube, in units of the scene. They have no width.
+    pub(super) fn new(cells: &'a Cells, [radius, line_radius]: [f32; 2], middle: Vec3, pole: Vec3) -> Self {
+        Self {
+            cells,
+            start: middle + pole * (line_radius * RAY_LIFT),
+            scale: 1.0 / radius,
+            tube: line_radius / radius,
+            soft: (cells.margin() - line_radius).max(0.0) / radius,
+            spread: 0.0,
+        }
+    }
+
+    /// The share that is stopped of the rays of a set, in a frame of the world whose last direction
+    /// is the pole. Each is as wide as its share of the hemisphere times `wide`.
+    pub(super) fn stopped(self, [x, y, z]: [Vec3; 3], set: &[Sample], wide: f32) -> f32 {
+        let rays = Self { spread: wide / (set.len() as f32).sqrt(), ..self };
+        let hidden = |sample: &Sample| {
+            let up = (1.0 - sample.at.length_squared()).max(0.0).sqrt();
+            1.0 - rays.passed(x * sample.at.x + y * sample.at.y + z * up)
+        };
+        set.iter().map(hidden).sum::<f32>() / set.len() as f32
+    }
+
     /// The share of a ray of length 1 in a direction that gets through.
     fn passed(&self, way: Vec3) -> f32 {
         let (side, dims) = (self.cells.side(), self.cells.dims().as_vec3());

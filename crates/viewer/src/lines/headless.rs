@@ -27,7 +27,7 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     let view = source.view(options, source.start(options, size, 0)?, size)?;
     let set = source.at(f64::from(options.at))?;
     let settings = source.settings(options, &view);
-    let (lines, legend) = source.on_device(&gpu, &set, settings.margin())?;
+    let (lines, legend) = source.on_device(&gpu, &set, &settings)?;
     let mut panel = Panel::new(&gpu, COLOUR);
     let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
     let seen = match options.cull {

@@ -1,7 +1,7 @@
 //! The command line.
 
 use casca_lines::gpu::renderer::Look;
-use casca_lines::numeric::USUAL_RAYS;
+use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
 use casca_lines::occlusion::Estimator;
 use casca_lines::sets::colour::Colouring;
 use casca_lines::sets::generate::Family;
@@ -78,7 +78,8 @@ pub struct Options {
     /// The radius of the occlusion, as a share of the extent
     #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| parse_within(t, 0.001, 1.0))]
     pub radius: f32,
-    /// The rays or samples of a pixel [default: 24 rays, or 150 samples of the other estimators]
+    /// The rays of a side of a place, or the rays or samples of a pixel [default: 8 of a side, 24
+    /// rays, or 150 samples of the other estimators]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
     /// The occlusion is multiplied by this
@@ -87,11 +88,11 @@ pub struct Options {
     /// How the lines around a pixel become an occlusion
     #[arg(long, value_enum, default_value = "rays")]
     pub estimator: Way,
-    /// The radius of the tubes that lines are taken for, in pixels, by the estimators "rays" and
-    /// "depth"
+    /// The radius of the tubes that lines are taken for, in pixels, by the estimators "places",
+    /// "rays" and "depth"
     #[arg(long, default_value = "0.5", value_parser = |t: &str| parse_within(t, 0.01, 100.0))]
     pub tube: f32,
-    /// Pixels along the side of a column, for all estimators but "rays"
+    /// Pixels along the side of a column, for all estimators but "places" and "rays"
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub coarse: u32,
     /// Slices of a column
@@ -113,12 +114,17 @@ pub struct Options {
     /// with --rooms, with and without culling
     #[arg(long, conflicts_with = "headless")]
     pub time: bool,
+    /// With --time, prints the stages alone, without how they grow: for large sets
+    #[arg(long, requires = "time", conflicts_with = "rooms")]
+    pub brief: bool,
 }
 
 /// Estimators by their names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Way {
-    /// The share of rays that tubes stop, through a grid of the lines
+    /// The share of rays that tubes stop, from places along the lines; they serve all frames
+    Places,
+    /// The share of rays that tubes stop, from each pixel, through a grid of the lines
     Rays,
     /// The light that tubes stop, by columns of slices; its mean hardly changes with the size of
     /// the columns
@@ -155,14 +161,19 @@ impl Options {
 
     /// The rays or samples of a pixel.
     pub fn samples(&self) -> u32 {
-        self.samples.unwrap_or(if self.estimator == Way::Rays { USUAL_RAYS } else { 150 })
+        self.samples.unwrap_or(match self.estimator {
+            Way::Places => USUAL_SIDE_RAYS,
+            Way::Rays => USUAL_RAYS,
+            _ => 150,
+        })
     }
 }
 
 impl Way {
-    /// The estimator, for tubes of a radius.
-    pub fn estimator(self, line_radius: f32) -> Estimator {
+    /// The estimator, for hemispheres and tubes of these radii.
+    pub fn estimator(self, [radius, line_radius]: [f32; 2]) -> Estimator {
         match self {
+            Self::Places => Estimator::places(radius, line_radius),
             Self::Rays => Estimator::Rays { line_radius },
             Self::Depth => Estimator::OpticalDepth { line_radius },
             Self::Thesis => Estimator::MeanOfRatios { factor: 4.0 },

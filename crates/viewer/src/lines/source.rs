@@ -109,8 +109,13 @@ impl Source {
     }
 
     /// Copies lines to a device and paints them, and says what their colours mean.
-    pub fn on_device(&self, gpu: &Gpu, lines: &LineSet, margin: f32) -> Result<(GpuLines, Legend), Failed> {
-        let mut on_device = GpuLines::new(gpu, lines, margin)?;
+    pub fn on_device(
+        &self,
+        gpu: &Gpu,
+        lines: &LineSet,
+        settings: &Settings,
+    ) -> Result<(GpuLines, Legend), Failed> {
+        let mut on_device = GpuLines::new(gpu, lines, settings)?;
         let Some(colours) = lines.colours(&self.colouring)? else { return Ok((on_device, Legend::Own)) };
         on_device.paint(gpu, lines, Some(&colours.of_vertices))?;
         Ok((on_device, colours.legend))
@@ -134,7 +139,10 @@ impl Source {
         let [near, far] = view.depths();
         let tube = view.pixel_size((near + far) / 2.0) as f32 * options.tube;
         let radius = options.radius * self.extent();
-        let ao = AoOptions { estimator: options.estimator.estimator(tube), ..AoOptions::rays(radius, tube) };
+        let ao = AoOptions {
+            estimator: options.estimator.estimator([radius, tube]),
+            ..AoOptions::rays(radius, tube)
+        };
         let Options { slices, coarse, .. } = *options;
         let samples = options.samples();
         Settings { ao, samples, sets: sets(samples), slices, coarse, ..Settings::new(radius, tube) }

@@ -13,6 +13,7 @@ use casca_stage::command_line::say;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::timing::Clock;
 use casca_stage::window::Done;
+use glam::Quat;
 
 use crate::common::Failed;
 use crate::lines::headless::BACKGROUND;
@@ -23,6 +24,10 @@ use crate::lines::source::Source;
 const REPEATS: usize = 5;
 /// Rooms from which a house is looked at.
 const ROOMS: u32 = 8;
+/// The stages of the occlusion.
+const OCCLUSION: [&str; 3] = ["places asked for", "rays of places", "occlusion"];
+/// Frames of a camera that turns.
+const TURNS: usize = 20;
 const SAMPLES: [u32; 8] = [8, 16, 32, 64, 96, 128, 150, 256];
 /// Shares of the picture's height, and of the lines.
 const SHARES: [f64; 4] = [0.4, 0.6, 0.8, 1.0];
@@ -74,6 +79,7 @@ impl Bench<'_> {
         lines: &GpuLines,
         mut culling: Option<&mut Culling>,
     ) -> Result<(Stages, usize, Seen), Failed> {
+        // What stays from other frames is forgotten, so that each repeat does the same.
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
         let canvas = Canvas::new(self.gpu, (view.size()[0], view.size()[1]));
         let mut least = Stages::new();
@@ -81,6 +87,7 @@ impl Bench<'_> {
         // The first frame makes buffers, and is not counted.
         for repeat in 0..=REPEATS {
             let mut clock = Clock::on();
+            lines.forget();
             if let Some(culling) = &mut culling {
                 let start = Instant::now();
                 seen = culling.look(view, settings.reach(view)?)?;
@@ -105,26 +112,32 @@ impl Bench<'_> {
         let view = self.view(1.0, 0)?;
         let settings = self.source.settings(self.options, &view);
         let start = Instant::now();
-        let lines = GpuLines::new(self.gpu, &self.set, settings.margin())?;
+        let lines = GpuLines::new(self.gpu, &self.set, &settings)?;
         say(format_args!(
             "copied to the device and put into bundles: {:.1}",
             start.elapsed().as_secs_f64() * 1e3
         ));
-        let (stages, covered, _) = self.frame((&view, settings), &lines, None)?;
-        for (name, ms) in &stages {
-            say(format_args!("{name:>14} {ms:9.2}"));
-        }
         say(format_args!(
-            "{:>14} {:9.2}, {covered} pixels covered",
-            "frame",
-            stages.iter().map(|s| s.1).sum::<f64>()
+            "on the device: {:.1} MiB, {} places along the lines",
+            lines.bytes() as f64 / f64::from(1 << 20),
+            lines.places()
         ));
+        let (stages, covered, _) = self.frame((&view, settings), &lines, None)?;
+        say(format_args!("a frame that finds nothing of older ones:"));
+        for (name, ms) in &stages {
+            say(format_args!("{name:>16} {ms:9.2}"));
+        }
+        let frame = stages.iter().map(|s| s.1).sum::<f64>();
+        say(format_args!("{:>16} {frame:9.2}, {covered} pixels covered", "frame"));
+        self.turning(settings, &lines)?;
+        if self.options.brief {
+            return Ok(());
+        }
 
         let mut points = Vec::new();
         for samples in SAMPLES {
             let with = Settings { samples, ..settings };
-            points
-                .push((f64::from(samples), of(&self.frame((&view, with), &lines, None)?.0, &["occlusion"])));
+            points.push((f64::from(samples), of(&self.frame((&view, with), &lines, None)?.0, &OCCLUSION)));
         }
         print_series("occlusion by samples", &points);
 
@@ -134,13 +147,13 @@ impl Bench<'_> {
             // With the settings of the full picture: the radius and the tubes keep their size in
             // the scene.
             let (stages, covered, _) = self.frame((&view, settings), &lines, None)?;
-            by_covered.push((covered as f64, of(&stages, &["occlusion"])));
+            by_covered.push((covered as f64, of(&stages, &OCCLUSION)));
         }
         print_series("occlusion by covered pixels", &by_covered);
         for share in SHARES {
             let some = (self.set.len() as f64 * share).ceil() as usize;
             let set = LineSet::new(self.set.iter().take(some).map(|line| line.iter().copied()))?;
-            let lines = GpuLines::new(self.gpu, &set, settings.margin())?;
+            let lines = GpuLines::new(self.gpu, &set, &settings)?;
             let (stages, ..) = self.frame((&view, settings), &lines, None)?;
             by_vertices.push((lines.vertices() as f64, of(&stages, &["columns", "nearest lines"])));
         }
@@ -148,9 +161,39 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// The mean of frames while the camera flies around the lines.
+    fn turning(&self, settings: Settings, lines: &GpuLines) -> Done {
+        let size = <[u32; 2]>::from(self.options.common.drawing.size);
+        let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
+        let seen = Seen::all(lines.bundles().len());
+        let [eye, middle] = self.source.start(self.options, size, 0)?;
+        lines.forget();
+        for (degrees, frames) in [(0.0, REPEATS), (0.2, TURNS), (1.0, TURNS)] {
+            let (mut all, mut computed) = (Stages::new(), 0);
+            // The first frame finds nothing, and is not counted.
+            for i in 0..=frames {
+                let turn = Quat::from_rotation_y((degrees * i as f32).to_radians());
+                let view = self.source.view(self.options, [middle + turn * (eye - middle), middle], size)?;
+                let mut clock = Clock::on();
+                renderer.update(self.gpu, &view, (lines, &seen), &self.source.walls, &mut clock)?;
+                if i > 0 {
+                    all.extend(clock.stages().iter().map(|(name, time)| (*name, time.as_secs_f64() * 1e3)));
+                    computed += renderer.read_computed(self.gpu)? as usize;
+                }
+            }
+            let rays = of(&all, &OCCLUSION) / frames as f64;
+            let frame = all.iter().map(|s| s.1).sum::<f64>() / frames as f64;
+            say(format_args!(
+                "turned by {degrees} degrees a frame, mean of {frames}: occlusion {rays:.2} of {frame:.2} without the picture, {} values of places computed",
+                computed / frames
+            ));
+        }
+        Ok(())
+    }
+
     fn culling(&self) -> Done {
         let settings = self.source.settings(self.options, &self.view(1.0, 0)?);
-        let lines = GpuLines::new(self.gpu, &self.set, settings.margin())?;
+        let lines = GpuLines::new(self.gpu, &self.set, &settings)?;
         let mut culling = Culling::new(lines.bundles(), &self.source.walls)?;
         let (mut all, mut culled) = (Stages::new(), Stages::new());
         let (mut drawn, mut read) = (0, 0);
@@ -171,8 +214,9 @@ impl Bench<'_> {
         say(format_args!("means of the views from {rooms} rooms, with {} walls", self.source.walls.len()));
         say(format_args!("bundles: {bundles}; drawn {:.0}, in columns {:.0}", mean(drawn), mean(read)));
         say(format_args!("vertices, about: drawn {:.0}, in columns {:.0}", vertices(drawn), vertices(read)));
-        for name in ["query", "columns", "walls", "nearest lines", "occlusion", "picture"] {
-            let ms = |stages: &Stages| of(stages, &[name]) / f64::from(rooms);
+        let alone = ["query", "columns", "walls", "nearest lines", "picture"].map(|name| (name, vec![name]));
+        for (name, names) in alone.into_iter().chain([("occlusion", OCCLUSION.to_vec())]) {
+            let ms = |stages: &Stages| of(stages, &names) / f64::from(rooms);
             say(format_args!("{name:>14} {:9.2} without culling {:9.2} with", ms(&all), ms(&culled)));
         }
         let sum = |stages: &Stages| stages.iter().map(|s| s.1).sum::<f64>();

@@ -100,6 +100,8 @@ struct Viewer {
     /// The time that the lines on the device are of.
     shown: f64,
     milliseconds: f64,
+    /// The radius of the tubes that values of places were computed for; 0 at first.
+    tube: f32,
     /// The last trouble with a setting.
     trouble: String,
     /// What it has to say.
@@ -113,7 +115,7 @@ impl Viewer {
         let view = source.view(&options, start, size)?;
         let seconds = f64::from(options.at);
         let settings = source.settings(&options, &view);
-        let (lines, legend) = source.on_device(&screen.gpu, &source.at(seconds)?, settings.margin())?;
+        let (lines, legend) = source.on_device(&screen.gpu, &source.at(seconds)?, &settings)?;
         Ok(Self {
             dials: Dials {
                 radius: options.radius,
@@ -133,6 +135,7 @@ impl Viewer {
             seconds,
             shown: seconds,
             milliseconds: 0.0,
+            tube: 0.0,
             trouble: String::new(),
             said: Vec::new(),
             options,
@@ -148,12 +151,15 @@ impl Viewer {
         let Dials { radius, samples, tube, cull, .. } = self.dials;
         let mut settings = self.source.settings(&self.options, &view);
         let scaled = settings.ao.radius * radius / self.options.radius;
+        let thick = |line_radius: f32| line_radius * tube / self.options.tube;
         let estimator = match settings.ao.estimator {
             Estimator::OpticalDepth { line_radius } => {
-                Estimator::OpticalDepth { line_radius: line_radius * tube / self.options.tube }
+                Estimator::OpticalDepth { line_radius: thick(line_radius) }
             }
-            Estimator::Rays { line_radius } => {
-                Estimator::Rays { line_radius: line_radius * tube / self.options.tube }
+            Estimator::Rays { line_radius } => Estimator::Rays { line_radius: thick(line_radius) },
+            Estimator::Places { line_radius, .. } => {
+                self.tube = kept(self.tube, thick(line_radius));
+                Estimator::places(scaled, self.tube)
             }
             other => other,
         };
@@ -161,7 +167,7 @@ impl Viewer {
         (settings.samples, settings.sets) = (samples, sets(samples));
         if self.shown != self.seconds || !self.lines.suits(&settings) {
             (self.lines, self.legend) =
-                self.source.on_device(gpu, &self.source.at(self.seconds)?, settings.margin())?;
+                self.source.on_device(gpu, &self.source.at(self.seconds)?, &settings)?;
             self.culling.follow(self.lines.bundles())?;
             self.shown = self.seconds;
         }
@@ -202,6 +208,12 @@ impl Viewer {
             self.dials.set(&dial.name, dial.value);
         }
     }
+}
+
+/// The radius of tubes that a frame takes instead of the best one. Tubes of another radius make all
+/// places send rays anew, so that the old one stays while it is near.
+fn kept(old: f32, best: f32) -> f32 {
+    if (best * 0.8..=best * 1.25).contains(&old) { old } else { best }
 }
 
 impl Demo for Viewer {

@@ -59,7 +59,7 @@ pub fn compare(family: Family, case: &Case, sampling: &Sampling) -> Result<Vec<A
         let fitted = match options.estimator {
             Estimator::MeanOfRatios { factor } | Estimator::RatioOfSums { factor } => Some(factor),
             Estimator::Extinction { k } => Some(k),
-            Estimator::OpticalDepth { .. } | Estimator::Rays { .. } => None,
+            Estimator::OpticalDepth { .. } | Estimator::Rays { .. } | Estimator::Places { .. } => None,
         };
         let sign = if plane == BasePlane::ThesisSign { ", literal sign" } else { "" };
         rows.push(Agreement {

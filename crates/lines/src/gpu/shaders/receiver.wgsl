@@ -15,7 +15,9 @@ struct Ao {
     samples: u32,
     // The size of the picture.
     size: vec2u,
-    padding: vec2u,
+    // Where the tangents of places begin in their buffer.
+    tangents: u32,
+    padding: u32,
 }
 
 @group(0) @binding(12) var<storage, read> fragments: array<Fragment>;

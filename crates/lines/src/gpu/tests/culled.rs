@@ -1,0 +1,134 @@
+//! Pictures with and without culling, and views of scenes.
+
+use casca_stage::canvas::Canvas;
+use proptest::prelude::*;
+
+use super::*;
+use crate::gpu::culling::Culling;
+use crate::gpu::lens::{Reach, view_of_scene};
+use crate::gpu::renderer::Look;
+use crate::sets::rooms::House;
+use crate::testing::cases;
+use crate::view::Lens;
+
+#[test]
+fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
+    let Some(gpu) = gpu() else { return };
+    let house = House::new(4, 120, 5, 0.0).unwrap();
+    let lines = GpuLines::new(&gpu, &house.lines, &of_margin(0.04)).unwrap();
+    let mut culling = Culling::new(lines.bundles(), &house.walls).unwrap();
+    let canvas = Canvas::new(&gpu, (160, 120));
+    let everything = Seen::all(lines.bundles().len());
+    let thesis = Settings { slices: Slices::S128, coarse: 1, ..settings(AoOptions::thesis(0.3)) };
+    let (mut drawn, mut read, mut dark) = (0, 0, 0.0);
+    for (frame, with) in [Settings::new(0.35, 0.01), thesis].into_iter().cycle().take(8).enumerate() {
+        let mut renderer = Renderer::new(&gpu, COLOUR, Settings { samples: 30, ..with }).unwrap();
+        let [eye, target] = house.eye(frame as u32 * 2);
+        let (lens, depths) = match frame {
+            // Parallel rays that look down over the walls.
+            7 => (Lens::Orthographic { half_height: 2.0 }, [-1.0, 6.0]),
+            _ => (Lens::Perspective { fov_y: 1.1 }, [0.05, 15.0]),
+        };
+        let view = View::look_at([eye, target, Vec3::Y], lens, depths, [160, 120]).unwrap();
+        let seen = culling.look(&view, renderer.settings().reach(&view).unwrap()).unwrap();
+        let mut shot = |seen: &Seen| {
+            renderer.update(&gpu, &view, (&lines, seen), &house.walls, &mut Clock::off()).unwrap();
+            renderer
+                .paint(&gpu, &canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, &mut Clock::off())
+                .unwrap();
+            (canvas.read_picture(&gpu).unwrap(), renderer.read_occlusion(&gpu).unwrap())
+        };
+        let (all, culled) = (shot(&everything), shot(&seen));
+        let differing = all.0.iter().zip(&culled.0).filter(|(a, b)| a != b).count();
+        assert_eq!(differing, 0, "frame {frame}: {} of {} bundles", seen.read.len(), everything.read.len());
+        assert!(all.1 == culled.1, "frame {frame}");
+        dark += all.1.iter().sum::<f32>();
+        drawn += seen.drawn.len();
+        read += seen.read.len();
+    }
+    let total = 8 * lines.bundles().len();
+    assert!(
+        drawn * 2 < total && drawn < read && read < total && dark > 500.0,
+        "{drawn} {read} {total} {dark}"
+    );
+}
+
+#[test]
+fn hidden_bundles_that_darken_visible_lines_are_read_and_without_the_reach_pixels_would_differ() {
+    let Some(gpu) = gpu() else { return };
+    // A wall before the left part of a set: beside its edge, visible lines are darkened by hidden
+    // ones.
+    let walls = [[vec3(-3.0, -3.0, 0.59), vec3(0.4, 3.0, 0.61)]];
+    let cube = Recipe { lines: 1000, vertices: 100, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
+    let lines = GpuLines::new(&gpu, &cube, &of_margin(0.04)).unwrap();
+    let mut culling = Culling::new(lines.bundles(), &walls).unwrap();
+    for view in
+        [None, Some(0.5)].map(|fov| View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap())
+    {
+        let with = Settings { samples: 40, sets: 4, coarse: 1, ..Settings::of_columns(0.15, 0.02) };
+        let mut renderer = Renderer::new(&gpu, COLOUR, with).unwrap();
+        let mut values = |seen: &Seen| {
+            renderer.update(&gpu, &view, (&lines, seen), &walls, &mut Clock::off()).unwrap();
+            (renderer.read_occlusion(&gpu).unwrap(), renderer.read_fragments(&gpu).unwrap())
+        };
+        let reach = with.reach(&view).unwrap();
+        let seen = culling.look(&view, reach).unwrap();
+        let short = culling.look(&view, Reach { read: reach.drawn, ..reach }).unwrap();
+        let counts = [short.read.len(), seen.read.len(), lines.bundles().len()];
+        assert!(counts.is_sorted_by(|a, b| a < b), "{counts:?}");
+        let all = values(&Seen::all(lines.bundles().len()));
+        assert!(all == values(&seen), "{} of {} bundles", seen.read.len(), lines.bundles().len());
+        let (darkness, shown) = values(&short);
+        assert!(shown == all.1 && darkness != all.0);
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    #[test]
+    fn views_of_scenes_hold_just_the_points_of_the_picture(
+        p in [-2.0f32..2.0, -2.0f32..2.0, -2.0f32..2.0], from in [-1.0f32..1.0, -1.0f32..1.0, 0.1f32..1.0], perspective: bool
+    ) {
+        let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::from(from), perspective.then_some(0.7), [48, 33]).unwrap();
+        let eye = view.to_eye(Vec3::from(p));
+        let (place, [near, far]) = (view.project(eye), view.depths());
+        // How far inside of each side, as a share of the view; negative outside.
+        let inside = [place.x / place.z / 48.0, place.y / place.z / 33.0, (-eye.z - near) / (far - near)];
+        let inside = inside.map(|share| share.min(1.0 - share)).into_iter().fold(f64::MAX, f64::min);
+        prop_assume!(inside.abs() > 1e-4);
+        let scene = casca::Scene::new(&casca::GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: glam::UVec3::splat(8) }).unwrap();
+        let mut query = casca::Query::new();
+        query.run(&scene, &view_of_scene(&view).unwrap());
+        let sight = query.sight(&scene).unwrap();
+        prop_assert_eq!(sight.may_see_point(Vec3::from(p)), inside > 0.0, "{:?} {}", view, inside);
+    }
+}
+
+#[test]
+fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed() {
+    let Some(gpu) = gpu() else { return };
+    let at = |z: f32| LineSet::new([[vec3(-0.5, 0.02, z), vec3(0.5, 0.02, z)]]).unwrap();
+    let wall = [[vec3(-2.0, -2.0, -0.1), vec3(2.0, 2.0, 0.1)]];
+    for fov in [None, Some(0.8)] {
+        let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap();
+        let mut renderer = Renderer::new(&gpu, COLOUR, settings(AoOptions::new(0.3, 0.01))).unwrap();
+        let mut lines = GpuLines::new(&gpu, &at(0.5), &of_margin(0.04)).unwrap();
+        let mut culling = Culling::new(lines.bundles(), &wall).unwrap();
+        for z in [0.5, -0.9, 0.6] {
+            lines = GpuLines::new(&gpu, &at(z), &of_margin(0.04)).unwrap();
+            culling.follow(lines.bundles()).unwrap();
+            // Without the reach of the occlusion, so that the line behind the wall is culled.
+            let seen = culling.look(&view, Reach { drawn: 0.01, read: 0.01 }).unwrap();
+            assert_eq!(seen.drawn.len(), usize::from(z > 0.0), "{z}");
+            for seen in [&seen, &Seen::all(1)] {
+                renderer.update(&gpu, &view, (&lines, seen), &wall, &mut Clock::off()).unwrap();
+                let shown = renderer.read_fragments(&gpu).unwrap().iter().flatten().count();
+                assert_eq!(shown > 10, z > 0.0, "{z}: {shown}");
+            }
+        }
+        culling.follow(&[]).unwrap();
+        assert_eq!(culling.look(&view, Reach { drawn: 0.0, read: 0.0 }).unwrap(), Seen::default());
+        drop(lines);
+    }
+}
