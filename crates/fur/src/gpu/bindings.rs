@@ -31,6 +31,7 @@ pub(super) fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
             texture(wgpu::TextureSampleType::Float { filterable: true }, wgpu::TextureViewDimension::Cube),
         ),
         entry(3, sampler(wgpu::SamplerBindingType::Filtering)),
+        entry(4, buffer(wgpu::BufferBindingType::Storage { read_only: true })),
     ];
     [&frame[..], &look[..]].map(|entries| {
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
@@ -98,7 +99,7 @@ pub(super) fn look_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
     look: &wgpu::Buffer,
-    records: &wgpu::Buffer,
+    [records, joints]: [&wgpu::Buffer; 2],
     map: &wgpu::Texture,
 ) -> wgpu::BindGroup {
     let view = map.create_view(&wgpu::TextureViewDescriptor {
@@ -118,6 +119,7 @@ pub(super) fn look_group(
             wgpu::BindGroupEntry { binding: 1, resource: records.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&view) },
             wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(&sampler) },
+            wgpu::BindGroupEntry { binding: 4, resource: joints.as_entire_binding() },
         ],
     })
 }

@@ -5,12 +5,17 @@ use casca_stage::wgpu::{
     self, CompareFunction, TextureFormat, VertexFormat, VertexStepMode, vertex_attr_array,
 };
 
+use crate::gpu::buffers::Follower;
 use crate::gpu::look::Corner;
 use crate::gpu::records::Block;
 
 /// The shaders, in the order in which they use each other.
-pub(crate) const SHADERS: &str =
-    concat!(include_str!("strands.wgsl"), include_str!("surroundings.wgsl"), include_str!("shells.wgsl"));
+pub(crate) const SHADERS: &str = concat!(
+    include_str!("strands.wgsl"),
+    include_str!("surroundings.wgsl"),
+    include_str!("pose.wgsl"),
+    include_str!("shells.wgsl")
+);
 
 /// Makes pipelines: for pictures, or for the shadow map if there is no fragment shader with
 /// colours.
@@ -21,15 +26,23 @@ pub(super) struct Pipelines<'a> {
 }
 
 impl Pipelines<'_> {
-    pub(super) fn shells(&self, colours: Option<(&str, TextureFormat)>) -> wgpu::RenderPipeline {
+    /// For meshes with weights (`posed`), or without.
+    pub(super) fn shells(&self, posed: bool, colours: Option<(&str, TextureFormat)>) -> wgpu::RenderPipeline {
         let shell = vertex_attr_array![0 => Uint32x2];
         let corner = vertex_attr_array![1 => Float32x3, 2 => Float32x3, 3 => Float32x4];
+        let follower = vertex_attr_array![4 => Uint16x4, 5 => Float32x4];
         let buffers = [
             Some(buffer::<[u32; 2]>(VertexStepMode::Instance, &shell)),
             Some(buffer::<Corner>(VertexStepMode::Vertex, &corner)),
+            Some(buffer::<Follower>(VertexStepMode::Vertex, &follower)),
         ];
-        let vertex = if colours.is_some() { "shell_corner" } else { "shell_shadow_corner" };
-        self.make(vertex, &buffers, colours, Some("shell_shadow"))
+        let vertex = match (posed, colours.is_some()) {
+            (false, true) => "shell_corner",
+            (false, false) => "shell_shadow_corner",
+            (true, true) => "posed_shell_corner",
+            (true, false) => "posed_shell_shadow_corner",
+        };
+        self.make(vertex, &buffers[..2 + usize::from(posed)], colours, Some("shell_shadow"))
     }
 
     pub(super) fn blocks(&self, colours: Option<(&str, TextureFormat)>) -> wgpu::RenderPipeline {

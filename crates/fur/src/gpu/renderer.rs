@@ -1,6 +1,8 @@
 //! Draws furry meshes as shells, their skins, blocks, and the sun's shadow map.
 
+use crate::Error;
 use crate::mesh::Mesh;
+use crate::skin::Weights;
 use casca_stage::camera::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, GpuError};
@@ -16,9 +18,10 @@ use crate::gpu::records::{DrawList, Frame, SHADOW_SIZE, Sun};
 /// Pipelines and buffers for some meshes and one format of pictures.
 pub struct Renderer {
     format: TextureFormat,
-    shells: wgpu::RenderPipeline,
+    /// For meshes without weights, and with.
+    shells: [wgpu::RenderPipeline; 2],
     blocks: wgpu::RenderPipeline,
-    shell_shadows: wgpu::RenderPipeline,
+    shell_shadows: [wgpu::RenderPipeline; 2],
     block_shadows: wgpu::RenderPipeline,
     layouts: [wgpu::BindGroupLayout; 2],
     frame: wgpu::Buffer,
@@ -32,6 +35,7 @@ pub struct Renderer {
     look_group: wgpu::BindGroup,
     meshes: Vec<Buffers>,
     records: Growing,
+    joints: Growing,
     instances: Growing,
     block_records: Growing,
     /// The share of the sky's colour that the air adds, for each unit of the way.
@@ -61,18 +65,20 @@ impl Renderer {
         };
         let frame = gpu.buffer(size_of::<Frame>() as u64, BufferUsages::UNIFORM)?;
         let records = Growing::new(gpu, BufferUsages::STORAGE)?;
+        let joints = Growing::new(gpu, BufferUsages::STORAGE)?;
         let shadow = depth_map(device, SHADOW_SIZE);
         let frame_groups =
             [&shadow, &depth_map(device, 1)].map(|map| frame_group(device, &layouts[0], &frame, map));
         let look_buffer = gpu.buffer(size_of::<LookRecord>() as u64, BufferUsages::UNIFORM)?;
         let faces = look.map_faces()?;
         let map = cube_map(gpu, &faces);
-        let look_group = look_group(device, &layouts[1], &look_buffer, &records.buffer, &map);
+        let look_group =
+            look_group(device, &layouts[1], &look_buffer, [&records.buffer, &joints.buffer], &map);
         let mut renderer = Self {
             format,
-            shells: pipelines.shells(Some(("shell_colour", format))),
+            shells: [false, true].map(|posed| pipelines.shells(posed, Some(("shell_colour", format)))),
             blocks: pipelines.blocks(Some(("block_colour", format))),
-            shell_shadows: pipelines.shells(None),
+            shell_shadows: [false, true].map(|posed| pipelines.shells(posed, None)),
             block_shadows: pipelines.blocks(None),
             layouts,
             frame,
@@ -84,6 +90,7 @@ impl Renderer {
             look_group,
             meshes: meshes.iter().map(|mesh| Buffers::new(gpu, mesh)).collect::<Result<_, _>>()?,
             records,
+            joints,
             instances: Growing::new(gpu, BufferUsages::VERTEX)?,
             block_records: Growing::new(gpu, BufferUsages::VERTEX)?,
             haze: 0.0,
@@ -112,9 +119,20 @@ impl Renderer {
         Ok(())
     }
 
+    /// Lets a mesh, by its number, be posed ([`DrawList::pose`]).
+    ///
+    /// # Errors
+    /// There is no such mesh, it has another number of vertices, or the weights do not fit into the
+    /// memory of the device.
+    pub fn set_weights(&mut self, gpu: &Gpu, mesh: usize, weights: &Weights) -> Result<(), FurGpuError> {
+        let most = self.meshes.len() as f64 - 1.0;
+        let refused = Error::Range { what: "the number of a mesh", value: mesh as f64, least: 0.0, most };
+        self.meshes.get_mut(mesh).ok_or(refused)?.set_weights(gpu, weights)
+    }
+
     fn group_look(&mut self, gpu: &Gpu) {
-        self.look_group =
-            look_group(&gpu.device, &self.layouts[1], &self.look, &self.records.buffer, &self.map);
+        let storage = [&self.records.buffer, &self.joints.buffer];
+        self.look_group = look_group(&gpu.device, &self.layouts[1], &self.look, storage, &self.map);
     }
 
     /// Draws the shadow map of a list. It holds until the next call: while neither the sun nor
@@ -153,7 +171,8 @@ impl Renderer {
         target: Option<&Target>,
     ) -> Result<(), GpuError> {
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
-        if self.records.write(gpu, bytemuck::cast_slice(&list.records))? {
+        let moved = self.records.write(gpu, bytemuck::cast_slice(&list.records))?;
+        if self.joints.write(gpu, bytemuck::cast_slice(&list.joints))? || moved {
             self.group_look(gpu);
         }
         self.instances.write(gpu, bytemuck::cast_slice(&list.shells))?;
@@ -193,10 +212,13 @@ impl Renderer {
             pass.set_vertex_buffer(0, self.block_records.buffer.slice(..));
             pass.draw(0..36, 0..list.blocks.len() as u32);
         }
-        pass.set_pipeline(shells);
         pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
         for (mesh, run) in &list.runs {
             let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
+            pass.set_pipeline(&shells[usize::from(mesh.followers.is_some())]);
+            if let Some(followers) = &mesh.followers {
+                pass.set_vertex_buffer(2, followers.slice(..));
+            }
             pass.set_vertex_buffer(1, mesh.corners.slice(..));
             pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..mesh.count, 0, run.clone());

@@ -27,7 +27,7 @@ impl SkinBounds {
     /// # Errors
     /// Refuses weights for another number of vertices.
     pub fn new(mesh: &Mesh, weights: &Weights) -> Result<Self, Error> {
-        weights.check(mesh)?;
+        weights.check(mesh.vertices().len())?;
         let mut boxes: Vec<Option<Aabb>> = Vec::new();
         let mut magnitude = 0f32;
         for ((vertex, joints), shares) in mesh.vertices().iter().zip(weights.joints()).zip(weights.shares()) {

@@ -84,7 +84,7 @@ impl Weights {
     /// Refuses a mesh with another number of vertices than these weights, and a vertex of `to` that
     /// is no vertex of `from`.
     pub fn carried(&self, from: &Mesh, to: &Mesh) -> Result<Self, Error> {
-        self.check(from)?;
+        self.check(from.vertices().len())?;
         let key = |p: glam::Vec3| p.to_array().map(|c| (c + 0.0).to_bits());
         let mut places = HashMap::with_capacity(from.vertices().len());
         for (number, vertex) in from.vertices().iter().enumerate() {
@@ -99,9 +99,8 @@ impl Weights {
         Ok(made)
     }
 
-    /// Refuses a mesh with another number of vertices.
-    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Error> {
-        let expected = mesh.vertices().len();
+    /// Refuses another number of vertices.
+    pub(crate) fn check(&self, expected: usize) -> Result<(), Error> {
         if self.len() == expected {
             return Ok(());
         }
