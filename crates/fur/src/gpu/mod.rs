@@ -12,6 +12,8 @@ pub mod error;
 pub mod look;
 mod numeric;
 mod pipelines;
+#[cfg(test)]
+mod pose_twin;
 pub mod records;
 pub mod reference;
 pub mod renderer;

@@ -4,12 +4,12 @@
 @group(1) @binding(4) var<storage, read> joints: array<array<vec4f, 3>>;
 
 /// The blended matrix of a vertex. `pose` is the first joint of the animal and their number; joints that it lacks stay at rest.
-fn blended(pose: vec2u, of: vec4u, shares: vec4f) -> array<vec4f, 3> {
+fn blended(pose: vec2u, follows: vec4u, shares: vec4f) -> array<vec4f, 3> {
     var sum = array<vec4f, 3>(vec4f(0.0), vec4f(0.0), vec4f(0.0));
     for (var i = 0u; i < 4u; i++) {
         var m = array<vec4f, 3>(vec4f(1.0, 0.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 0.0, 1.0, 0.0));
-        if of[i] < pose.y {
-            m = joints[pose.x + of[i]];
+        if follows[i] < pose.y {
+            m = joints[pose.x + follows[i]];
         }
         for (var row = 0u; row < 3u; row++) {
             sum[row] += m[row] * shares[i];

@@ -8,6 +8,7 @@ use glam::{Affine3A, Mat4, Vec3};
 
 use crate::error::Error;
 use crate::skin::Pose;
+use crate::strands::Lean;
 
 /// The camera and the light of one frame.
 #[repr(C)]
@@ -180,7 +181,8 @@ impl DrawList {
     }
 
     /// Poses an animal, by its number in the list; others are drawn at rest, and so are those whose
-    /// mesh has no [weights](crate::gpu::renderer::Renderer::set_weights). Costs a copy of the joints.
+    /// mesh has no [weights](crate::gpu::renderer::Renderer::set_weights). Costs a copy of the
+    /// joints.
     ///
     /// # Errors
     /// Refuses numbers that the list lacks.
@@ -188,6 +190,16 @@ impl DrawList {
         let first = self.joints.len() as u32;
         self.record(animal)?.pose = [first, pose.matrices().len() as u32, 0, 0];
         self.joints.extend(pose.matrices().iter().map(rows_of));
+        Ok(())
+    }
+
+    /// Lets the strands of an animal lean, by its number in the list. Its bounds must be those of
+    /// [`Fur::leaning`](crate::strands::Fur::leaning).
+    ///
+    /// # Errors
+    /// Refuses numbers that the list lacks.
+    pub fn lean(&mut self, animal: usize, lean: Lean) -> Result<(), Error> {
+        self.record(animal)?.lean = lean.towards.extend(lean.most).to_array();
         Ok(())
     }
 

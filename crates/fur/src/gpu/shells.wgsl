@@ -100,8 +100,8 @@ fn seen_by_sun(corner: Corner, rows: array<vec4f, 3>) -> Shell {
 }
 
 /// From the mesh at rest to the world, for a vertex that follows joints.
-fn posed(record: u32, of: vec4u, shares: vec4f) -> array<vec4f, 3> {
-    return chained(records[record].rows, blended(records[record].pose.xy, of, shares));
+fn posed(record: u32, follows: vec4u, shares: vec4f) -> array<vec4f, 3> {
+    return chained(records[record].rows, blended(records[record].pose.xy, follows, shares));
 }
 
 @vertex
@@ -115,13 +115,13 @@ fn shell_shadow_corner(corner: Corner) -> Shell {
 }
 
 @vertex
-fn posed_shell_corner(corner: Corner, @location(4) of: vec4u, @location(5) shares: vec4f) -> Shell {
-    return seen_by_eye(corner, posed(corner.which.x, of, shares));
+fn posed_shell_corner(corner: Corner, @location(4) follows: vec4u, @location(5) shares: vec4f) -> Shell {
+    return seen_by_eye(corner, posed(corner.which.x, follows, shares));
 }
 
 @vertex
-fn posed_shell_shadow_corner(corner: Corner, @location(4) of: vec4u, @location(5) shares: vec4f) -> Shell {
-    return seen_by_sun(corner, posed(corner.which.x, of, shares));
+fn posed_shell_shadow_corner(corner: Corner, @location(4) follows: vec4u, @location(5) shares: vec4f) -> Shell {
+    return seen_by_sun(corner, posed(corner.which.x, follows, shares));
 }
 
 /// The strand that a fragment shows, if any: its random number, and where on it the fragment is (0 root, 1 tip).

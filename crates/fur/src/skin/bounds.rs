@@ -52,9 +52,9 @@ impl SkinBounds {
     /// [`Fur::reach`]. For a vertex `p` it goes to `sum of w_j M_j x`, with shares `w_j` of joints
     /// that `p` follows, which are not negative and add up to 1: a convex mean of the points
     /// `M_j x`. Each `x` lies in the box of the vertices that follow `j`, wider by the reach, and
-    /// an affine `M_j` takes that box into the box around its image; so all `M_j x` lie in the union
-    /// of these, the mean in the box around the union. Points within a triangle of a layer are
-    /// means of its corners. How far fur reaches scales with the joints, as the fur does.
+    /// an affine `M_j` takes that box into the box around its image; so all `M_j x` lie in the
+    /// union of these, the mean in the box around the union. Points within a triangle of a layer
+    /// are means of its corners. How far fur reaches scales with the joints, as the fur does.
     ///
     /// A pose that is not finite gives a box that is not finite, which scenes refuse.
     pub fn posed(&self, pose: &Pose, fur: &Fur) -> Aabb {

@@ -31,9 +31,9 @@ impl Pose {
         pose
     }
 
-    /// Sets it to that of a clip at a time in seconds, in the memory that it has. Times that are not
-    /// finite count as 0; channels of joints that the skeleton lacks move nothing. Costs a binary
-    /// search for each channel and two products of matrices for each joint.
+    /// Sets it to that of a clip at a time in seconds, in the memory that it has. Times that are
+    /// not finite count as 0; channels of joints that the skeleton lacks move nothing. Costs a
+    /// binary search for each channel and two products of matrices for each joint.
     pub fn set(&mut self, skeleton: &Skeleton, clip: &Clip, time: f64, ending: Ending) {
         let long = f64::from(clip.seconds());
         let time = if time.is_finite() { time } else { 0.0 };

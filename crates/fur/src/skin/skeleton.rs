@@ -57,8 +57,8 @@ impl Skeleton {
     /// Costs one pass.
     ///
     /// # Errors
-    /// Refuses no joints and more than 65,536, a parent that does not come before its child, numbers
-    /// that are not finite or above 1e9, and rotations that are not of length 1.
+    /// Refuses no joints and more than 65,536, a parent that does not come before its child,
+    /// numbers that are not finite or above 1e9, and rotations that are not of length 1.
     pub fn new(mut joints: Vec<Joint>) -> Result<Self, Error> {
         range("the number of joints", joints.len() as f64, 1.0, MAX_JOINTS as f64)?;
         let mut globals: Vec<Affine3A> = Vec::with_capacity(joints.len());

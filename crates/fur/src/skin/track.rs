@@ -80,8 +80,8 @@ pub struct Track<T> {
 }
 
 impl<T: Keyed> Track<T> {
-    /// A track of keys at times in seconds, in ascending order; three values a key for splines, else
-    /// one.
+    /// A track of keys at times in seconds, in ascending order; three values a key for splines,
+    /// else one.
     ///
     /// # Errors
     /// Refuses no keys, times that are not finite or not in order, another number of values, and

@@ -92,6 +92,10 @@ pub enum Trouble {
     /// Nodes are their own ancestors, or have two parents.
     #[error("node {0} is reached twice: nodes must form trees")]
     NotATree(usize),
+    /// A skeleton, its weights or its clips are refused.
+    #[cfg(feature = "fur")]
+    #[error("has a skin that is refused: {0}")]
+    Skin(#[from] casca_fur::Error),
     /// There is nothing to show.
     #[error("holds no triangles in any node")]
     NoTriangles,

@@ -38,6 +38,8 @@ mod looks;
 mod meshes;
 mod nodes;
 mod path;
+#[cfg(feature = "fur")]
+mod skins;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -51,6 +53,8 @@ use document::parse;
 
 pub use error::{ImportError, Trouble};
 pub use looks::read_lit;
+#[cfg(feature = "fur")]
+pub use skins::{Skinned, read_skinned};
 
 /// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its
 /// folder.
@@ -67,6 +71,15 @@ pub fn load(path: &Path) -> Result<World, ImportError> {
 /// As [`load`].
 pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
     open(path, read_lit)
+}
+
+/// Loads the first mesh with a skin from such a file; see [`read_skinned`].
+///
+/// # Errors
+/// As [`load`].
+#[cfg(feature = "fur")]
+pub fn load_skinned(path: &Path) -> Result<Option<Skinned>, ImportError> {
+    open(path, |_, bytes, folder| read_skinned(bytes, folder))
 }
 
 fn open<T>(
