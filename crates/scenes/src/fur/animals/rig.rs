@@ -129,7 +129,6 @@ mod tests {
     use casca_fur::skin::{Ending, Pose};
 
     use super::super::animal::Animal;
-    use super::*;
 
     #[test]
     fn legs_walk_and_the_trunk_does_not() {
