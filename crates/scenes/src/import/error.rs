@@ -95,8 +95,15 @@ pub enum Trouble {
     /// A skeleton, its weights or its clips are refused.
     #[cfg(feature = "fur")]
     #[error("has a skin that is refused: {0}")]
-    Skin(#[from] casca_fur::Error),
+    Skin(Box<casca_fur::Error>),
     /// There is nothing to show.
     #[error("holds no triangles in any node")]
     NoTriangles,
+}
+
+#[cfg(feature = "fur")]
+impl From<casca_fur::Error> for Trouble {
+    fn from(error: casca_fur::Error) -> Self {
+        Self::Skin(Box::new(error))
+    }
 }

@@ -12,7 +12,8 @@
 //!   animations play together from time 0; of those for one property of a node the first
 //!   in the file is used. The greatest speed of an object bounds the way of each of its
 //!   points from any frame to any other. Skins and morph targets in use are refused,
-//!   because they move the surface in ways that the node does not tell.
+//!   because they move the surface in ways that the node does not tell; with the feature `fur`,
+//!   `load_skinned` reads a mesh with its skin.
 //! - **Path**: the first perspective camera that an animation moves, at 30 frames a
 //!   second, for as long as the longest animation (at most 100,000 frames); else the first
 //!   perspective camera, standing still for 150 frames. Orthographic cameras are passed over.
