@@ -65,7 +65,7 @@ fn strands_stick_to_skin_that_turns() {
         list
     };
     let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look()).unwrap();
-    let mut shot = |renderer: &mut Renderer, list: DrawList| shoot(&gpu, renderer, &list, &camera);
+    let shot = |renderer: &mut Renderer, list: DrawList| shoot(&gpu, renderer, &list, &camera);
     let rest = shot(&mut renderer, list(Affine3A::IDENTITY, None));
     let placed = shot(&mut renderer, list(Affine3A::from_quat(turn), None));
     let whole =
