@@ -105,7 +105,7 @@ pub struct Subject {
     pub levels: Vec<Mesh>,
     pub radius: f32,
     /// What moves it, if it walks.
-    pub walker: Option<Walker>,
+    pub walker: Option<Box<Walker>>,
 }
 
 impl Choices {
@@ -149,12 +149,14 @@ impl Choices {
         let Some(path) = &self.common.file else {
             let animal = Animal::new(self.seed, DETAIL)?;
             let levels = animal.levels().to_vec();
-            let walker = self.walk.then(|| Walker::generated(animal.rig(), &levels[0]));
+            let walker = self.walk.then(|| Box::new(Walker::generated(animal.rig(), &levels[0])));
             return Ok(Subject { name: "animal".into(), levels, radius: animal.radius(), walker });
         };
         let skinned = if self.walk { import::load_skinned(path)? } else { None };
         let (mesh, walker) = match &skinned {
-            Some(skinned) => Walker::of_file(path, skinned).map(|(mesh, walker)| (mesh, Some(walker)))?,
+            Some(skinned) => {
+                Walker::of_file(path, skinned).map(|(mesh, walker)| (mesh, Some(Box::new(walker))))?
+            }
             None if self.walk => return Err(format!("{}: has no mesh with a skin", path.display()).into()),
             None => (from_file(path)?, None),
         };
