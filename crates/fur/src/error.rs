@@ -91,6 +91,56 @@ pub enum Error {
         /// The share asked for.
         density: f64,
     },
+    /// A joint that hangs from one that does not come before it.
+    #[error("joint {joint} hangs from joint {parent}: parents must come before their children")]
+    Parent {
+        /// The joint.
+        joint: usize,
+        /// What it hangs from.
+        parent: usize,
+    },
+    /// A vertex that follows a joint that does not exist.
+    #[error("vertex {vertex} follows joint {joint} of {joints}: joints are numbered from 0")]
+    Joint {
+        /// The vertex.
+        vertex: usize,
+        /// The joint.
+        joint: u32,
+        /// How many joints there are.
+        joints: usize,
+    },
+    /// A channel for a joint that does not exist.
+    #[error("a channel moves joint {joint} of {joints}: joints are numbered from 0")]
+    Foreign {
+        /// The joint.
+        joint: usize,
+        /// How many joints there are.
+        joints: usize,
+    },
+    /// Shares of joints that cannot be scaled to add up to 1.
+    #[error(
+        "vertex {vertex} follows its joints with the shares {shares:?}: none may be negative, not all may be zero"
+    )]
+    Shares {
+        /// The vertex.
+        vertex: usize,
+        /// The shares.
+        shares: [f32; 4],
+    },
+    /// A vertex that the mesh with the weights lacks.
+    #[error("vertex {vertex} lies where the mesh with the weights has none: simplify that mesh only")]
+    Stranger {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// Keys of a track that are not in order or hold no value.
+    #[error("key {key} of a track {why}")]
+    Keys {
+        /// The key.
+        key: usize,
+        /// What is wrong with it.
+        why: &'static str,
+    },
     /// casca refused bounds, an occluder or a scene.
     #[error("casca refused the {what}: {source}")]
     Scene {

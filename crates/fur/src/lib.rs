@@ -8,6 +8,7 @@
 //! - [`strands`]: where strands of fur stand: a rule without texture coordinates and without
 //!   singularities, for shaders and rays.
 //! - [`maps`]: the fur maps of the thesis and their lookups, for comparison.
+//! - [`skin`]: skeletons, clips and poses of animals that move, and bounds that hold them.
 //! - [`shading`]: the light of a strand (Kajiya and Kay 1989).
 //! - [`visibility`]: bounds that contain the fur, the occluders of furry objects, and how many
 //!   layers each object gets.
@@ -26,6 +27,7 @@ mod numeric;
 #[cfg(test)]
 mod samples;
 pub mod shading;
+pub mod skin;
 pub mod strands;
 pub mod visibility;
 

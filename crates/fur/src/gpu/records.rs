@@ -6,6 +6,10 @@ use bytemuck::{Pod, Zeroable};
 use casca_stage::camera::Camera;
 use glam::{Affine3A, Mat4, Vec3};
 
+use crate::error::Error;
+use crate::skin::Pose;
+use crate::strands::Lean;
+
 /// The camera and the light of one frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -95,22 +99,31 @@ pub(crate) struct Record {
     eye: [f32; 4],
     root: [f32; 4],
     tip: [f32; 4],
+    /// How strands lean, in world space, and the longest bend.
+    lean: [f32; 4],
+    /// The first joint and the number of joints.
+    pose: [u32; 4],
 }
 
 impl Record {
     fn new(stand: &Stand, eye: Vec3) -> Self {
-        let (m, t) = (stand.place.matrix3, stand.place.translation);
-        let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];
-        let scale = m.x_axis.length();
+        let scale = stand.place.matrix3.x_axis.length();
         let eye = stand.place.inverse().transform_point3(eye);
         let colour = |c: [f32; 3]| [c[0], c[1], c[2], 0.0];
         Self {
-            rows: [row(0), row(1), row(2)],
+            rows: rows_of(&stand.place),
             eye: eye.extend(scale).to_array(),
             root: colour(stand.root),
             tip: colour(stand.tip),
+            lean: [0.0; 4],
+            pose: [0; 4],
         }
     }
+}
+
+/// The rows of a matrix.
+pub(crate) fn rows_of(m: &Affine3A) -> [[f32; 4]; 3] {
+    std::array::from_fn(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.translation[i]])
 }
 
 /// A box of the surroundings: a wall or the ground.
@@ -136,6 +149,8 @@ pub struct DrawList {
     pub(crate) shells: Vec<[u32; 2]>,
     /// The shells of each mesh.
     pub(crate) runs: Vec<(usize, Range<u32>)>,
+    /// The joints of all animals that are posed: rows of matrices.
+    pub(crate) joints: Vec<[[f32; 4]; 3]>,
     /// Walls and ground.
     pub blocks: Vec<Block>,
 }
@@ -163,6 +178,37 @@ impl DrawList {
             list.runs.push((of_mesh[0].0, first..list.shells.len() as u32));
         }
         list
+    }
+
+    /// Poses an animal, by its number in the list; others are drawn at rest, and so are those whose
+    /// mesh has no [weights](crate::gpu::renderer::Renderer::set_weights). Costs a copy of the
+    /// joints.
+    ///
+    /// # Errors
+    /// Refuses numbers that the list lacks.
+    pub fn pose(&mut self, animal: usize, pose: &Pose) -> Result<(), Error> {
+        let first = self.joints.len() as u32;
+        self.record(animal)?.pose = [first, pose.matrices().len() as u32, 0, 0];
+        self.joints.extend(pose.matrices().iter().map(rows_of));
+        Ok(())
+    }
+
+    /// Lets the strands of an animal lean, by its number in the list. Its bounds must be those of
+    /// [`Fur::leaning`](crate::strands::Fur::leaning).
+    ///
+    /// # Errors
+    /// Refuses numbers that the list lacks.
+    pub fn lean(&mut self, animal: usize, lean: Lean) -> Result<(), Error> {
+        self.record(animal)?.lean = lean.towards.extend(lean.most).to_array();
+        Ok(())
+    }
+
+    /// The record of an animal.
+    fn record(&mut self, animal: usize) -> Result<&mut Record, Error> {
+        let most = self.records.len() as f64 - 1.0;
+        let refused =
+            Error::Range { what: "the number of an animal", value: animal as f64, least: 0.0, most };
+        self.records.get_mut(animal).ok_or(refused)
     }
 
     /// How many instances of meshes it draws: skins and layers.

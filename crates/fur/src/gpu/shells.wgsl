@@ -12,6 +12,10 @@ struct Record {
     // Colours that multiply those of the mesh.
     root: vec4f,
     tip: vec4f,
+    // How all strands lean, in the world; the longest bend, 0 for no lean.
+    lean: vec4f,
+    // The first joint, and how many there are.
+    pose: vec4u,
 }
 
 @group(1) @binding(0) var<uniform> look: Look;
@@ -21,54 +25,103 @@ struct Record {
 
 struct Shell {
     @builtin(position) screen: vec4f,
-    // Object space: on the skin, before the layer moves it; the normal there.
+    // In the mesh at rest: on the skin, before the layer moves it; the normal there.
     @location(0) base: vec3f,
     @location(1) normal: vec3f,
     // Colour of the coat; the share of the full length.
     @location(2) coat: vec4f,
     // Record, layer, layers.
     @location(3) @interpolate(flat) which: vec3u,
+    // World space, on the layer; the scale from the mesh at rest to the world.
+    @location(4) at: vec4f,
+    // The way of looking or of light, in the mesh at rest, of any length.
+    @location(5) ray: vec3f,
+    // The axes of the mesh at rest in the world.
+    @location(6) x: vec3f,
+    @location(7) y: vec3f,
+    @location(8) z: vec3f,
+    // The bend of strands, in the mesh at rest.
+    @location(9) bend: vec3f,
 }
 
-fn to_world(record: u32, at: vec3f) -> vec3f {
-    let p = vec4f(at, 1.0);
-    return vec3f(dot(records[record].rows[0], p), dot(records[record].rows[1], p), dot(records[record].rows[2], p));
+struct Corner {
+    // Record; layer and layers.
+    @location(0) which: vec2u,
+    @location(1) base: vec3f,
+    @location(2) normal: vec3f,
+    @location(3) coat: vec4f,
 }
 
-fn turned(record: u32, v: vec3f) -> vec3f {
-    let d = vec4f(v, 0.0);
-    return normalize(vec3f(dot(records[record].rows[0], d), dot(records[record].rows[1], d), dot(records[record].rows[2], d)));
-}
-
-fn shell(which: vec2u, base: vec3f, normal: vec3f, coat: vec4f) -> Shell {
-    var out: Shell;
-    out.which = vec3u(which.x, which.y & 0xffffu, which.y >> 16u);
-    out.base = base;
-    out.normal = normal;
-    out.coat = coat;
-    return out;
+/// From the mesh at rest to the world.
+fn turned(in: Shell, v: vec3f) -> vec3f {
+    return normalize(in.x * v.x + in.y * v.y + in.z * v.z);
 }
 
 fn height_of(which: vec3u) -> f32 {
     return f32(which.y) / f32(max(which.z, 1u));
 }
 
-@vertex
-fn shell_corner(
-    @location(0) which: vec2u, @location(1) base: vec3f, @location(2) normal: vec3f, @location(3) coat: vec4f,
-) -> Shell {
-    var out = shell(which, base, normal, coat);
-    out.screen = to_screen(to_world(which.x, base + extrusion(look, normal, coat.w * height_of(out.which))));
+/// The fur as it is bent here.
+fn bent(bend: vec3f) -> Look {
+    var there = look;
+    there.bend = bend;
+    return there;
+}
+
+/// A vertex of a layer; `rows` go from the mesh at rest to the world, rays start at `eye` (w = 1) or run along it (w = 0).
+fn shell(corner: Corner, rows: array<vec4f, 3>, eye: vec4f) -> Shell {
+    var out: Shell;
+    out.which = vec3u(corner.which.x, corner.which.y & 0xffffu, corner.which.y >> 16u);
+    out.base = corner.base;
+    out.normal = corner.normal;
+    out.coat = corner.coat;
+    let axes = transpose(mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz));
+    out.x = axes[0];
+    out.y = axes[1];
+    out.z = axes[2];
+    out.bend = leaning(look.bend, records[corner.which.x].lean, axes);
+    let above = extrusion(bent(out.bend), corner.normal, corner.coat.w * height_of(out.which));
+    let at = transformed(rows, vec4f(corner.base + above, 1.0));
+    out.at = vec4f(at, pow(abs(determinant(axes)), 1.0 / 3.0));
+    out.ray = taken_back(axes, at * eye.w - eye.xyz);
     return out;
 }
 
-@vertex
-fn shell_shadow_corner(
-    @location(0) which: vec2u, @location(1) base: vec3f, @location(2) normal: vec3f, @location(3) coat: vec4f,
-) -> Shell {
-    var out = shell(which, base, normal, coat);
-    out.screen = frame.sun_clip * vec4f(to_world(which.x, base + extrusion(look, normal, coat.w * height_of(out.which))), 1.0);
+fn seen_by_eye(corner: Corner, rows: array<vec4f, 3>) -> Shell {
+    var out = shell(corner, rows, vec4f(frame.eye.xyz, 1.0));
+    out.screen = to_screen(out.at.xyz);
     return out;
+}
+
+fn seen_by_sun(corner: Corner, rows: array<vec4f, 3>) -> Shell {
+    var out = shell(corner, rows, vec4f(frame.sun.xyz, 0.0));
+    out.screen = frame.sun_clip * vec4f(out.at.xyz, 1.0);
+    return out;
+}
+
+/// From the mesh at rest to the world, for a vertex that follows joints.
+fn posed(record: u32, follows: vec4u, shares: vec4f) -> array<vec4f, 3> {
+    return chained(records[record].rows, blended(records[record].pose.xy, follows, shares));
+}
+
+@vertex
+fn shell_corner(corner: Corner) -> Shell {
+    return seen_by_eye(corner, records[corner.which.x].rows);
+}
+
+@vertex
+fn shell_shadow_corner(corner: Corner) -> Shell {
+    return seen_by_sun(corner, records[corner.which.x].rows);
+}
+
+@vertex
+fn posed_shell_corner(corner: Corner, @location(4) follows: vec4u, @location(5) shares: vec4f) -> Shell {
+    return seen_by_eye(corner, posed(corner.which.x, follows, shares));
+}
+
+@vertex
+fn posed_shell_shadow_corner(corner: Corner, @location(4) follows: vec4u, @location(5) shares: vec4f) -> Shell {
+    return seen_by_sun(corner, posed(corner.which.x, follows, shares));
 }
 
 /// The strand that a fragment shows, if any: its random number, and where on it the fragment is (0 root, 1 tip).
@@ -122,7 +175,7 @@ fn seen(in: Shell, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     // Along the ray through the slab below this shell, to the next one: shells seen from the side do not come apart.
     let down = dot(ray, normal);
     // Where on the skin the ray goes, seen along bent strands.
-    let side = ray - normal * down - bend_at(look, normal) * (2.0 * height * down);
+    let side = ray - normal * down - bend_at(bent(in.bend), normal) * (2.0 * height * down);
     let thick = look.height * long / f32(max(in.which.z, 1u));
     let stride = look.radius * look.spacing;
     let speed = length(side);
@@ -156,10 +209,10 @@ fn strand_light(colour: vec3f, tangent: vec3f, normal: vec3f, to_eye: vec3f, alo
 fn shell_colour(in: Shell) -> @location(0) vec4f {
     let record = in.which.x;
     let normal = normalize(in.normal);
-    let scale = records[record].eye.w;
+    let scale = in.at.w;
     let t = height_of(in.which);
-    let at = to_world(record, in.base + extrusion(look, normal, in.coat.w * t));
-    let out = turned(record, normal);
+    let at = in.at.xyz;
+    let out = turned(in, normal);
     let fur = look.height * in.coat.w * scale;
     // The fur's own height and two texels towards the outside: fur must not shade itself by the map.
     let lifted = at + out * (fur * (1.0 - t) + 2.0 * frame.shadow.x) + frame.sun.xyz * 2.0 * frame.shadow.x;
@@ -174,14 +227,13 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
         return stored(skin * colour * (look.ambient + look.diffuse * sun) + wet * sun, at);
     }
     let width = frame.eye.w * distance(at, frame.eye.xyz) / scale;
-    let ray = normalize(in.base + extrusion(look, normal, in.coat.w * t) - records[record].eye.xyz);
-    let hit = seen(in, normal, width, ray);
+    let hit = seen(in, normal, width, normalize(in.ray));
     if !hit.found {
         discard;
     }
     let own = 1.0 + look.vary * (2.0 * hit.own - 1.0);
     let colour = own * in.coat.rgb * mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
-    let along = turned(record, strand_tangent(look, normal, hit.height));
+    let along = turned(in, strand_tangent(bent(in.bend), normal, hit.height));
     let to_eye = normalize(frame.eye.xyz - at);
     return stored(strand_light(colour, along, out, to_eye, hit.along, sunlight(lifted)), at);
 }
@@ -189,10 +241,8 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
 @fragment
 fn shell_shadow(in: Shell) {
     if in.which.y > 0u {
-        let rows = records[in.which.x].rows;
-        // The sun's rays, turned back into object space: whoever looks changes no shadow.
-        let ray = -normalize(frame.sun.x * rows[0].xyz + frame.sun.y * rows[1].xyz + frame.sun.z * rows[2].xyz);
-        if !seen(in, normalize(in.normal), frame.shadow.x / records[in.which.x].eye.w, ray).found {
+        // The ray is the sun's: whoever looks changes no shadow.
+        if !seen(in, normalize(in.normal), frame.shadow.x / in.at.w, normalize(in.ray)).found {
             discard;
         }
     }

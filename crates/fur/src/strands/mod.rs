@@ -9,10 +9,12 @@
 
 mod fur;
 mod hash;
+mod lean;
 mod roots;
 
 pub use fur::{Fur, Strand};
 pub use hash::{hash, unit};
+pub use lean::{Forces, Lean};
 
 pub use crate::numeric::MAX_PER_CELL;
 pub use roots::{Root, roots};

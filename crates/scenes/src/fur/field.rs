@@ -4,13 +4,15 @@ use std::f32::consts::TAU;
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene};
 use casca_fur::Error;
-use casca_fur::strands::Fur;
+use casca_fur::skin::{Ending, Pose};
+use casca_fur::strands::{Forces, Fur, Lean};
 use casca_fur::visibility::{base_occluder, furry_object, inner_ball};
-use glam::{Affine3A, Quat, UVec3, Vec3};
+use glam::{Affine3A, UVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::fur::animals::Animal;
+use crate::fur::walk::Walk;
 
 /// What an object of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,18 +47,7 @@ pub struct Resident {
     /// From the space of its meshes to the world.
     pub placement: Affine3A,
     walk: Walk,
-}
-
-/// How an animal moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Walk {
-    /// The middle of its walk, on the ground.
-    center: Vec3,
-    /// The radius of its walk; 0 for those that stand.
-    radius: f32,
-    /// Radians per second, and where it starts.
-    turn: [f32; 2],
-    scale: f32,
+    lean: Lean,
 }
 
 /// A square field of lots with walls between some of them, and animals on the lots. y is up, the
@@ -69,6 +60,9 @@ pub struct Field {
     walls: Vec<Aabb>,
     ground: Aabb,
     hiding: Hiding,
+    /// By animal, in a herd.
+    poses: Vec<Pose>,
+    forces: Forces,
 }
 
 /// The edge of a lot, in units.
@@ -100,6 +94,37 @@ impl Field {
         species: usize,
         seed: u64,
         hiding: Hiding,
+        fur: impl Fn(f32) -> Result<Fur, Error>,
+    ) -> Result<Self, Error> {
+        Self::made(count, species, seed, hiding, None, fur)
+    }
+
+    /// A field like that of [`Field::new`] in which all animals walk on their legs, and their
+    /// strands lean by forces. Only walls hide others there: what is rigid of an animal is too
+    /// small.
+    ///
+    /// # Errors
+    /// As [`Field::new`], and a longest bend out of range.
+    pub fn herd(
+        count: usize,
+        species: usize,
+        seed: u64,
+        forces: Forces,
+        fur: impl Fn(f32) -> Result<Fur, Error>,
+    ) -> Result<Self, Error> {
+        let mut field = Self::made(count, species, seed, Hiding::Walls, Some(forces), fur)?;
+        let of = |resident: &Resident| Pose::rest(&field.species[resident.species].0.rig().skeleton);
+        field.poses = field.animals.iter().map(of).collect();
+        field.walk(0.0)?;
+        Ok(field)
+    }
+
+    fn made(
+        count: usize,
+        species: usize,
+        seed: u64,
+        hiding: Hiding,
+        forces: Option<Forces>,
         fur: impl Fn(f32) -> Result<Fur, Error>,
     ) -> Result<Self, Error> {
         Error::check_range("the number of animals", count as f64, 1.0, MOST as f64)?;
@@ -149,19 +174,20 @@ impl Field {
             let side = LOT * (0.27 + 0.46 * (number % CROWD) as f32);
             let center =
                 Vec3::new((lot % lots) as f32 * LOT + side, 0.0, (lot / lots) as f32 * LOT + LOT * 0.5);
-            let walks = random.random_bool(0.5);
+            let walks = random.random_bool(0.5) || forces.is_some();
             let walk = Walk {
                 center,
                 radius: if walks { 0.3 } else { 0.0 },
                 turn: [random.random_range(0.5..1.5), random.random_range(0.0..TAU)],
                 scale: random.random_range(0.75..1.0),
             };
-            let placement = walk.at(0.0, animal);
+            let placement = walk.at(0.0, animal).0;
             let desc = furry_object(animal.aabb(), fur, hides[kind].clone(), placement, walks)?;
             let id = scene.insert(desc.user_data(number as u64)).map_err(refused("animal"))?;
-            animals.push(Resident { id, species: kind, placement, walk });
+            animals.push(Resident { id, species: kind, placement, walk, lean: Lean::default() });
         }
-        Ok(Self { scene, species, animals, walls, ground, hiding })
+        let forces = forces.unwrap_or_default();
+        Ok(Self { scene, species, animals, walls, ground, hiding, poses: Vec::new(), forces })
     }
 
     /// Moves the animals that walk to where they are at a time in seconds; at 0 they are where they
@@ -171,12 +197,31 @@ impl Field {
     /// Refuses times that are not finite.
     pub fn walk(&mut self, time: f64) -> Result<(), Error> {
         Error::check_range("the time in seconds", time, -1e9, 1e9)?;
-        for resident in self.animals.iter_mut().filter(|r| r.walk.radius > 0.0) {
-            resident.placement = resident.walk.at(time, &self.species[resident.species].0);
-            let moved = self.scene.set_transform(resident.id, resident.placement);
-            moved.map_err(|source| Error::Scene { what: "step of an animal", source })?;
+        let failed = |source| Error::Scene { what: "step of an animal", source };
+        for (number, resident) in self.animals.iter_mut().enumerate().filter(|(_, r)| r.walk.radius > 0.0) {
+            let (animal, fur) = &self.species[resident.species];
+            let (placement, [velocity, acceleration]) = resident.walk.at(time, animal);
+            resident.placement = placement;
+            if let Some(pose) = self.poses.get_mut(number) {
+                let rig = animal.rig();
+                pose.set(&rig.skeleton, &rig.walk, resident.walk.rounds(time, rig.stride), Ending::Loop);
+                resident.lean = self.forces.lean(velocity, acceleration)?;
+                let bounds = rig.bounds.posed(pose, &fur.leaning(self.forces.most)?);
+                self.scene.set_bounds(resident.id, bounds).map_err(failed)?;
+            }
+            self.scene.set_transform(resident.id, resident.placement).map_err(failed)?;
         }
         Ok(())
+    }
+
+    /// How an animal of a [herd](Field::herd) stands; `None` for others, which stand as modelled.
+    pub fn pose(&self, animal: usize) -> Option<&Pose> {
+        self.poses.get(animal)
+    }
+
+    /// How the strands of an animal lean.
+    pub fn lean(&self, animal: usize) -> Lean {
+        self.animals.get(animal).map_or(Lean::default(), |a| a.lean)
     }
 
     /// The species: meshes and fur.
@@ -227,20 +272,6 @@ impl Field {
         let (start, end) = (Vec3::new(-LOT * 0.6, 1.3, -LOT * 0.6), Vec3::new(edge * 0.5, 1.3, edge * 0.45));
         let angle = std::f32::consts::FRAC_PI_4 + 0.5 * (share * TAU).sin();
         (start.lerp(end, share), Vec3::new(angle.cos(), -0.12, angle.sin()).normalize())
-    }
-}
-
-impl Walk {
-    /// The placement at a time: on its circle, looking ahead.
-    fn at(&self, time: f64, animal: &Animal) -> Affine3A {
-        let angle =
-            (f64::from(self.turn[1]) + time * f64::from(self.turn[0])).rem_euclid(f64::from(TAU)) as f32;
-        let (sin, cos) = angle.sin_cos();
-        let up = -animal.aabb().min.y * self.scale;
-        let place = self.center + Vec3::new(cos * self.radius, up, sin * self.radius);
-        // Along the tangent (-sin, cos).
-        let turn = Quat::from_rotation_y(-angle - TAU / 4.0);
-        Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), turn, place)
     }
 }
 

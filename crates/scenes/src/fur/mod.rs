@@ -2,3 +2,4 @@
 
 pub mod animals;
 pub mod field;
+mod walk;

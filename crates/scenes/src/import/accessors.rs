@@ -72,6 +72,7 @@ impl Buffers {
         let dimensions = match N {
             1 => Dimensions::Scalar,
             3 => Dimensions::Vec3,
+            16 => Dimensions::Mat4,
             _ => Dimensions::Vec4,
         };
         if !taken || accessor.dimensions() != dimensions {

@@ -22,7 +22,7 @@ pub(super) fn animate(
     let mut clip = 0f32;
     for animation in document.animations() {
         for channel in animation.channels() {
-            let (target, sampler) = (channel.target(), channel.sampler());
+            let target = channel.target();
             let Some(place) = places[target.node().index()] else { continue };
             let node = &mut nodes.0[place];
             if target.property() == Property::MorphTargetWeights {
@@ -32,28 +32,13 @@ pub(super) fn animate(
             if node.matrix.is_some() {
                 return Err(wrong(&target.node(), "is animated, but given as a matrix"));
             }
-            let (input, output) = (sampler.input(), sampler.output());
-            let interpolation = sampler.interpolation();
-            let times = times_of(buffers, &input)?;
-            let end = times.last().copied().unwrap_or(0.0);
-            let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-            if times.len().checked_mul(per_key) != Some(output.count()) {
-                return Err(unfit(&output, VALUES, "not as long as its times"));
-            }
+            let keys = keys_of(buffers, &channel)?;
             let tracks = &mut node.tracks;
-            let new = match target.property() {
-                Property::Rotation => {
-                    let values = rotations_of(buffers, &output, interpolation)?;
-                    put(&mut tracks.rotation, Track { times, values, interpolation })
-                }
-                Property::Translation => {
-                    let values = vectors_of(buffers, &output)?;
-                    put(&mut tracks.translation, Track { times, values, interpolation })
-                }
-                _ => {
-                    let values = vectors_of(buffers, &output)?;
-                    put(&mut tracks.scale, Track { times, values, interpolation })
-                }
+            let end = times_end(&keys);
+            let new = match keys {
+                Keys::Rotation(track) => put(&mut tracks.rotation, track),
+                Keys::Translation(track) => put(&mut tracks.translation, track),
+                Keys::Scale(track) => put(&mut tracks.scale, track),
             };
             if new {
                 clip = clip.max(end);
@@ -65,6 +50,42 @@ pub(super) fn animate(
 }
 
 const VALUES: &str = "animation values";
+
+/// The keys of a channel.
+pub(super) enum Keys {
+    Translation(Track<Vec3>),
+    Rotation(Track<Quat>),
+    Scale(Track<Vec3>),
+}
+
+fn times_end(keys: &Keys) -> f32 {
+    let times = match keys {
+        Keys::Translation(track) | Keys::Scale(track) => &track.times,
+        Keys::Rotation(track) => &track.times,
+    };
+    times.last().copied().unwrap_or(0.0)
+}
+
+/// Reads the keys of a channel, which moves, turns or scales its node.
+pub(super) fn keys_of(buffers: &Buffers, channel: &gltf::animation::Channel) -> Result<Keys, Trouble> {
+    let sampler = channel.sampler();
+    let (output, interpolation) = (sampler.output(), sampler.interpolation());
+    let times = times_of(buffers, &sampler.input())?;
+    let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+    if times.len().checked_mul(per_key) != Some(output.count()) {
+        return Err(unfit(&output, VALUES, "not as long as its times"));
+    }
+    Ok(match channel.target().property() {
+        Property::Rotation => {
+            let values = rotations_of(buffers, &output, interpolation)?;
+            Keys::Rotation(Track { times, values, interpolation })
+        }
+        Property::Translation => {
+            Keys::Translation(Track { times, values: vectors_of(buffers, &output)?, interpolation })
+        }
+        _ => Keys::Scale(Track { times, values: vectors_of(buffers, &output)?, interpolation }),
+    })
+}
 
 /// Sets what is not yet set; says whether it was not.
 fn put<T>(place: &mut Option<T>, value: T) -> bool {

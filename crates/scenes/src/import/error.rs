@@ -92,7 +92,18 @@ pub enum Trouble {
     /// Nodes are their own ancestors, or have two parents.
     #[error("node {0} is reached twice: nodes must form trees")]
     NotATree(usize),
+    /// A skeleton, its weights or its clips are refused.
+    #[cfg(feature = "fur")]
+    #[error("has a skin that is refused: {0}")]
+    Skin(Box<casca_fur::Error>),
     /// There is nothing to show.
     #[error("holds no triangles in any node")]
     NoTriangles,
+}
+
+#[cfg(feature = "fur")]
+impl From<casca_fur::Error> for Trouble {
+    fn from(error: casca_fur::Error) -> Self {
+        Self::Skin(Box::new(error))
+    }
 }

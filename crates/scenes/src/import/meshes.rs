@@ -27,6 +27,15 @@ impl<'a> Meshes<'a> {
     /// Joins the triangles of a mesh, with the vertices that they use, and says which material each
     /// has: its index in the file plus one, 0 for the default; `None` if there are no triangles.
     pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
+        self.mesh_from(mesh, |_, _| {})
+    }
+
+    /// The same; `each` is called for each vertex in turn, with its primitive and its number there.
+    pub(super) fn mesh_from(
+        &mut self,
+        mesh: &gltf::Mesh,
+        mut each: impl FnMut(usize, u32),
+    ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         let mut joined = Mesh::default();
         let mut materials = Vec::new();
         // By accessor and index there.
@@ -70,6 +79,7 @@ impl<'a> Meshes<'a> {
                             let new = u32::try_from(joined.positions.len())
                                 .map_err(|_| Trouble::TooManyVertices(mesh.index()))?;
                             joined.positions.push(points[vertex as usize]);
+                            each(primitive.index(), vertex);
                             *entry.insert(new)
                         }
                     };

@@ -12,7 +12,8 @@
 //!   animations play together from time 0; of those for one property of a node the first
 //!   in the file is used. The greatest speed of an object bounds the way of each of its
 //!   points from any frame to any other. Skins and morph targets in use are refused,
-//!   because they move the surface in ways that the node does not tell.
+//!   because they move the surface in ways that the node does not tell; with the feature `fur`,
+//!   `load_skinned` reads a mesh with its skin.
 //! - **Path**: the first perspective camera that an animation moves, at 30 frames a
 //!   second, for as long as the longest animation (at most 100,000 frames); else the first
 //!   perspective camera, standing still for 150 frames. Orthographic cameras are passed over.
@@ -38,6 +39,8 @@ mod looks;
 mod meshes;
 mod nodes;
 mod path;
+#[cfg(feature = "fur")]
+mod skins;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -51,6 +54,8 @@ use document::parse;
 
 pub use error::{ImportError, Trouble};
 pub use looks::read_lit;
+#[cfg(feature = "fur")]
+pub use skins::{Skinned, read_skinned};
 
 /// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its
 /// folder.
@@ -67,6 +72,15 @@ pub fn load(path: &Path) -> Result<World, ImportError> {
 /// As [`load`].
 pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
     open(path, read_lit)
+}
+
+/// Loads the first mesh with a skin from such a file; see [`read_skinned`].
+///
+/// # Errors
+/// As [`load`].
+#[cfg(feature = "fur")]
+pub fn load_skinned(path: &Path) -> Result<Option<Skinned>, ImportError> {
+    open(path, |_, bytes, folder| read_skinned(bytes, folder))
 }
 
 fn open<T>(

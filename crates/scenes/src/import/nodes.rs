@@ -15,7 +15,7 @@ pub(super) struct Node {
     /// Index in the file.
     pub(super) index: usize,
     pub(super) parent: Option<usize>,
-    rest: Pose,
+    pub(super) rest: Pose,
     /// Where the file gives a matrix instead of a pose.
     pub(super) matrix: Option<Affine3A>,
     pub(super) tracks: Tracks,

@@ -13,6 +13,7 @@ use clap::{Args, ValueEnum, value_parser};
 use glam::Vec3;
 
 use crate::common::{Common, Failed};
+use crate::fur::walker::Walker;
 
 /// The detail of the generated animal: some 10,000 vertices.
 const DETAIL: u32 = 96;
@@ -31,6 +32,9 @@ pub struct Choices {
     /// A field of so many generated animals among walls
     #[arg(long, value_parser = value_parser!(u32).range(1..=100_000), conflicts_with = "file")]
     pub field: Option<u32>,
+    /// Animals walk on their legs, and their fur follows; with --time, in addition to standing ones
+    #[arg(long)]
+    pub walk: bool,
     /// Prints times: by layers for one animal, then by the way of culling for fields of --animals
     #[arg(long)]
     pub time: bool,
@@ -100,6 +104,8 @@ pub struct Subject {
     pub name: String,
     pub levels: Vec<Mesh>,
     pub radius: f32,
+    /// What moves it, if it walks.
+    pub walker: Option<Box<Walker>>,
 }
 
 impl Choices {
@@ -143,12 +149,20 @@ impl Choices {
         let Some(path) = &self.common.file else {
             let animal = Animal::new(self.seed, DETAIL)?;
             let levels = animal.levels().to_vec();
-            return Ok(Subject { name: "animal".into(), levels, radius: animal.radius() });
+            let walker = self.walk.then(|| Box::new(Walker::generated(animal.rig(), &levels[0])));
+            return Ok(Subject { name: "animal".into(), levels, radius: animal.radius(), walker });
         };
-        let mesh = from_file(path)?;
+        let skinned = if self.walk { import::load_skinned(path)? } else { None };
+        let (mesh, walker) = match &skinned {
+            Some(skinned) => {
+                Walker::of_file(path, skinned).map(|(mesh, walker)| (mesh, Some(Box::new(walker))))?
+            }
+            None if self.walk => return Err(format!("{}: has no mesh with a skin", path.display()).into()),
+            None => (from_file(path)?, None),
+        };
         let name = path.file_stem().map_or("file".into(), |s| s.to_string_lossy().into_owned());
         let (lo, hi) = (mesh.aabb().min, mesh.aabb().max);
-        Ok(Subject { name, radius: (hi - lo).length() * 0.5, levels: vec![mesh] })
+        Ok(Subject { name, radius: (hi - lo).length() * 0.5, levels: vec![mesh], walker })
     }
 }
 

@@ -5,6 +5,7 @@ use std::error::Error;
 use crate::fur::herd::{Demand, Herd, Way, camera_at};
 use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
+use casca_fur::strands::Forces;
 use casca_scenes::fur::animals::Animal;
 use casca_scenes::fur::field::{Field, Hiding};
 use casca_scenes::world::Camera;
@@ -23,6 +24,10 @@ const SHADOW_LAYERS: u32 = 3;
 /// The part of the path that pictures and times are taken from: at its very start one stands
 /// outside of the field.
 const PATH: (f32, f32) = (0.2, 0.8);
+/// Seconds between frames of a herd that is timed.
+const FRAME: f64 = 1.0 / 60.0;
+/// Seconds between pictures of a herd that walks.
+const STEP: f64 = 0.35;
 /// Frames at each place, of which the quickest counts.
 const RUNS: usize = 3;
 
@@ -39,14 +44,22 @@ impl Stage {
         format: casca_stage::wgpu::TextureFormat,
         choices: &Choices,
         count: u32,
+        walks: bool,
     ) -> Result<Self, Box<dyn Error>> {
         // One fur for all species: animals are about a unit long.
         let radius = Animal::new(choices.seed, 24)?.radius();
         let look = choices.look(radius)?;
-        let field = Field::new(count as usize, SPECIES, choices.seed, Hiding::Balls, |_| Ok(look.fur))?;
+        let (count, seed) = (count as usize, choices.seed);
+        let field = match walks {
+            true => Field::herd(count, SPECIES, seed, Forces::default(), |_| Ok(look.fur))?,
+            false => Field::new(count, SPECIES, seed, Hiding::Balls, |_| Ok(look.fur))?,
+        };
         let herd = Herd::new(field)?;
         let mut renderer = Renderer::new(gpu, format, &herd.meshes(), &look)?;
         renderer.haze = 0.012;
+        if walks {
+            herd.weights().enumerate().try_for_each(|(i, weights)| renderer.set_weights(gpu, i, weights))?;
+        }
         Ok(Self { herd, renderer })
     }
 
@@ -56,7 +69,7 @@ impl Stage {
         let forward = -camera.view.row(2).truncate();
         let sun = Sun { towards: TO_SUN, center: camera.eye + forward * 9.0, radius: 14.0, shadows: true };
         // The map covers a cylinder around the ball.
-        let casters = self.herd.around(sun.center, 2.0 * sun.radius, SHADOW_LAYERS);
+        let casters = self.herd.around(sun.center, 2.0 * sun.radius, SHADOW_LAYERS)?;
         self.renderer.cast_shadows(gpu, &casters, &sun)?;
         Ok(sun)
     }
@@ -75,10 +88,13 @@ fn place(i: usize, n: usize) -> f32 {
 /// and casca leave: they must be the same.
 pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box<dyn Error>> {
     let shooter = Shooter::new(gpu, choices.common.drawing.size, choices.smooth);
-    let mut stage = Stage::new(gpu, COLOUR, choices, count)?;
+    let mut stage = Stage::new(gpu, COLOUR, choices, count, choices.walk)?;
     let frames = choices.common.drawing.frames.unwrap_or(2) as usize;
     let mut outcome = Outcome::Well;
     for i in 0..frames {
+        if choices.walk {
+            stage.herd.walk(i as f64 * STEP)?;
+        }
         let camera = camera_at(&stage.herd.field, place(i, frames), shooter.aspect());
         let sun = stage.cast_shadows(gpu, &camera)?;
         let mut everything: Option<Picture> = None;
@@ -146,12 +162,13 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     let shooter = Shooter::new(gpu, choices.common.drawing.size, 0);
     say(format_args!(
         "\nfields, {}x{}, {} layers; the quickest of {RUNS} frames, means over {} places; the shadow map is drawn before\n\
-         {:>7} {:<9}{:>9}{:>12}{:>10}{:>8}",
+         {:>7} {:<9}{:<9}{:>9}{:>12}{:>10}{:>8}",
         choices.common.drawing.size.0,
         choices.common.drawing.size.1,
         choices.layers,
         choices.places,
         "animals",
+        "",
         "way",
         "drawn",
         "vertices",
@@ -159,8 +176,11 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
         "ratio"
     ));
     let places = choices.places as usize;
-    for &count in &choices.animals {
-        let mut stage = Stage::new(gpu, COLOUR, choices, count)?;
+    // Standing, and walking.
+    let fields = choices.animals.iter().flat_map(|&count| [false, true].map(|walks| (count, walks)));
+    for (count, walks) in fields.filter(|(_, walks)| choices.walk || !walks) {
+        let mut stage = Stage::new(gpu, COLOUR, choices, count, walks)?;
+        let mut seconds = 0.0;
         let mut totals = [[0.0f64; 3]; Way::EVERY.len()];
         for i in 0..places {
             let camera = camera_at(&stage.herd.field, place(i, places), shooter.aspect());
@@ -170,7 +190,11 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
             for _ in 0..RUNS {
                 for (way, [quickest, animals, vertices]) in Way::EVERY.into_iter().zip(&mut found) {
                     let demand = demand(choices, way, shooter.drawn_height());
+                    seconds += FRAME;
                     let ms = shooter.time(&mut |canvas| {
+                        if walks {
+                            stage.herd.walk(seconds)?;
+                        }
                         let drawn = stage.herd.look(&camera, &demand)?;
                         (*animals, *vertices) = (drawn.animals as f64, drawn.vertices as f64);
                         stage.renderer.draw(gpu, &canvas.picture(), &camera, &drawn.list, &sun)?;
@@ -185,7 +209,8 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
         for (way, [ms, animals, vertices]) in Way::EVERY.into_iter().zip(totals) {
             let ratio = ms / totals[0][0].max(f64::MIN_POSITIVE);
             say(format_args!(
-                "{count:>7} {:<9}{animals:>9.1}{vertices:>12.0}{ms:>10.1}{ratio:>8.3}",
+                "{count:>7} {:<9}{:<9}{animals:>9.1}{vertices:>12.0}{ms:>10.1}{ratio:>8.3}",
+                if walks { "walking" } else { "standing" },
                 way.name()
             ));
         }

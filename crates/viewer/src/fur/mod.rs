@@ -8,6 +8,7 @@ mod one;
 mod run;
 mod shots;
 mod study;
+mod walker;
 mod window;
 
 pub use choices::{Choices as Options, Map};

@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use crate::fur::fit::fit;
+use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::records::Block;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::renderer::Renderer;
@@ -11,6 +12,7 @@ use casca_stage::canvas::Canvas;
 use casca_stage::command_line::say;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::image::write_png;
+use casca_stage::wgpu::TextureFormat;
 use glam::{Affine3A, Vec3};
 
 use crate::fur::choices::{Choices, Subject};
@@ -20,6 +22,9 @@ use crate::fur::shots::{Shooter, sheet};
 const TIMED: [u32; 6] = [4, 8, 16, 24, 32, 48];
 /// Frames of which the quickest counts.
 const RUNS: usize = 5;
+
+/// Seconds between pictures of what walks.
+const STEP: f64 = 0.25;
 
 /// The direction towards the sun.
 pub const TO_SUN: Vec3 = Vec3::new(0.45, 0.75, 0.5);
@@ -45,12 +50,34 @@ pub fn camera(radius: f32, aspect: f32) -> Camera {
 
 /// The object where it is modelled, over a ground if it stands on one.
 pub fn list(subject: &Subject, layers: u32, eye: Vec3, ground: bool) -> DrawList {
-    let mut list = tinted(layers, eye, (ROOT, TIP));
-    let (low, r) = (subject.levels[0].aabb().min.y, subject.radius);
+    let place = subject.walker.as_ref().map_or(Affine3A::IDENTITY, |walker| walker.place());
+    let stand = Stand { mesh: 0, place, root: ROOT, tip: TIP };
+    let mut list = DrawList::new(&[(stand, layers)], eye, Vec::new());
+    if let Some(walker) = &subject.walker {
+        // It has the animal that is posed.
+        walker.pose(&mut list, 0.0).ok();
+    }
+    let low = subject.walker.as_ref().map_or(subject.levels[0].aabb().min.y, |walker| walker.low);
+    let r = subject.radius;
     let block =
         Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
     list.blocks.extend(ground.then_some(block));
     list
+}
+
+/// A renderer for the object, which can be posed if it walks.
+pub fn renderer(
+    gpu: &Gpu,
+    format: TextureFormat,
+    choices: &Choices,
+    subject: &Subject,
+) -> Result<Renderer, FurGpuError> {
+    let mut renderer = Renderer::new(gpu, format, &subject.levels[..1], &choices.look(subject.radius)?)?;
+    renderer.haze = HAZE / subject.radius;
+    if let Some(walker) = &subject.walker {
+        renderer.set_weights(gpu, 0, &walker.weights)?;
+    }
+    Ok(renderer)
 }
 
 /// The object alone, with colours at roots and tips.
@@ -62,19 +89,28 @@ pub fn tinted(layers: u32, eye: Vec3, (root, tip): ([f32; 3], [f32; 3])) -> Draw
 /// Draws the object into a file.
 pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
     let shooter = Shooter::new(gpu, choices.common.drawing.size, choices.smooth);
-    let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
-    renderer.haze = HAZE / subject.radius;
+    let mut renderer = renderer(gpu, COLOUR, choices, subject)?;
     let camera = camera(subject.radius, shooter.aspect());
-    let list = list(subject, choices.layers, camera.eye, true);
     let sun = sun(subject.radius, true);
-    renderer.cast_shadows(gpu, &list, &sun)?;
-    let picture = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
-    let path = choices.out().join(format!("{}.png", subject.name));
-    write_png(&path, picture.size, &picture.pixels)?;
+    let frames = subject.walker.as_ref().map_or(1, |_| choices.common.drawing.frames.unwrap_or(2));
+    for frame in 0..frames {
+        let mut list = list(subject, choices.layers, camera.eye, true);
+        let name = match &subject.walker {
+            None => format!("{}.png", subject.name),
+            Some(walker) => {
+                walker.pose(&mut list, 0.1 + STEP * f64::from(frame))?;
+                format!("{}-walk-{frame}.png", subject.name)
+            }
+        };
+        renderer.cast_shadows(gpu, &list, &sun)?;
+        let picture = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
+        let path = choices.out().join(name);
+        write_png(&path, picture.size, &picture.pixels)?;
+        say(path.display());
+    }
     let mesh = &subject.levels[0];
     say(format_args!(
-        "{}: {} triangles, {} vertices, {} layers",
-        path.display(),
+        "{} triangles, {} vertices, {} layers",
         mesh.triangles().len(),
         mesh.vertices().len(),
         choices.layers
@@ -89,8 +125,7 @@ pub fn coats(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
         (choices.common.drawing.size.0 / 2, choices.common.drawing.size.1 / 2),
         choices.smooth,
     );
-    let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
-    renderer.haze = HAZE / subject.radius;
+    let mut renderer = renderer(gpu, COLOUR, choices, subject)?;
     let camera = camera(subject.radius, shooter.aspect());
     let list = list(subject, choices.layers, camera.eye, true);
     let sun = sun(subject.radius, true);

@@ -77,14 +77,12 @@ impl Viewer {
         let (gpu, format) = (&screen.gpu, screen.format());
         let (shown, camera) = match choices.field {
             Some(count) => {
-                let stage = Stage::new(gpu, format, &choices, count)?;
+                let stage = Stage::new(gpu, format, &choices, count, choices.walk)?;
                 let camera = camera_at(&stage.herd.field, 0.3, screen.aspect());
                 (Shown::Many(Box::new(stage)), camera)
             }
             None => {
-                let look = choices.look(subject.radius)?;
-                let mut renderer = Renderer::new(gpu, format, &subject.levels[..1], &look)?;
-                renderer.haze = one::HAZE / subject.radius;
+                let renderer = one::renderer(gpu, format, &choices, &subject)?;
                 let camera = one::camera(subject.radius, screen.aspect());
                 (Shown::One(subject, Box::new(renderer)), camera)
             }
@@ -94,9 +92,9 @@ impl Viewer {
             panel: Panel::on(screen),
             way: if choices.field.is_some() { Way::Visible } else { Way::All },
             smooth: gpu.adapter.get_info().device_type != wgpu::DeviceType::Cpu,
+            walking: choices.walk,
             choices,
             shown,
-            walking: false,
             time: 0.0,
             help: true,
             large: None,
@@ -127,7 +125,11 @@ impl Viewer {
         let (list, counts): (DrawList, (usize, usize));
         match &mut self.shown {
             Shown::One(subject, renderer) => {
-                list = one::list(subject, self.choices.layers, camera.eye, true);
+                let mut made = one::list(subject, self.choices.layers, camera.eye, true);
+                if let Some(walker) = &subject.walker {
+                    walker.pose(&mut made, self.time)?;
+                }
+                list = made;
                 counts = (1, list.shells());
                 if self.sun.is_none() {
                     let sun = one::sun(radius, true);
@@ -179,7 +181,7 @@ impl Viewer {
     fn rebuild(&mut self, gpu: &Gpu, old: Choices) -> Result<(), Box<dyn Error>> {
         let (Shown::Many(stage), Some(count)) = (&mut self.shown, self.choices.field) else { return Ok(()) };
         let format = stage.renderer.format();
-        match Stage::new(gpu, format, &self.choices, count) {
+        match Stage::new(gpu, format, &self.choices, count, self.choices.walk) {
             Ok(made) => **stage = made,
             Err(_) => self.choices = old,
         }
@@ -286,10 +288,10 @@ impl Demo for Viewer {
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
         let gpu = &screen.gpu;
         let camera = self.camera(screen.aspect());
-        if self.walking
-            && let Shown::Many(stage) = &mut self.shown
-        {
-            stage.herd.walk(self.time)?;
+        if self.walking {
+            if let Shown::Many(stage) = &mut self.shown {
+                stage.herd.walk(self.time)?;
+            }
             self.sun = None;
         }
         let (width, height) = screen.size();

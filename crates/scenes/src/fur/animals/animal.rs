@@ -5,6 +5,7 @@ use glam::IVec3;
 
 use super::body::Body;
 use super::polygons::surface;
+use super::rig::Rig;
 use casca_fur::Error;
 use casca_fur::mesh::{Mesh, Vertex};
 
@@ -21,6 +22,7 @@ pub struct Animal {
     levels: Vec<Mesh>,
     /// The distance of each level to the finest one, as estimated.
     errors: Vec<f32>,
+    rig: Rig,
 }
 
 impl Animal {
@@ -54,13 +56,19 @@ impl Animal {
             levels.push(mesh);
             errors.push(error);
         }
-        Ok(Self { levels, errors })
+        let rig = Rig::new(&body, middle, &levels)?;
+        Ok(Self { levels, errors, rig })
     }
 
     /// The meshes, finest first: [`LEVELS`] of them, each with about a quarter of the triangles of
     /// the one before.
     pub fn levels(&self) -> &[Mesh] {
         &self.levels
+    }
+
+    /// What moves it.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
     }
 
     /// About the greatest distance of each level to the finest, in units.

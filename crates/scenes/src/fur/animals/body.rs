@@ -6,8 +6,24 @@ use rand_pcg::Pcg64Mcg;
 
 use casca_fur::mesh::Coat;
 
+/// What a part moves with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Limb {
+    Trunk,
+    /// Head and neck.
+    Head,
+    /// The first or the second piece of the tail.
+    Tail(usize),
+    /// A leg, by its number.
+    Leg(usize),
+}
+
+/// Legs of an animal.
+pub(super) const LEGS: usize = 4;
+
 /// A cone with round ends.
 struct Part {
+    limb: Limb,
     from: Vec3,
     to: Vec3,
     radii: [f32; 2],
@@ -35,6 +51,12 @@ pub(super) struct Body {
     /// How far patches of the second colour spread: above 1 there are none.
     patches: f32,
     phase: Vec3,
+    /// Where the neck leaves the trunk.
+    pub(super) neck: Vec3,
+    /// Where the pieces of the tail begin.
+    pub(super) tail: [Vec3; 2],
+    /// Hip and foot of each leg: for each side the one behind, then the one before.
+    pub(super) legs: [[Vec3; 2]; LEGS],
 }
 
 /// How smoothly parts melt into each other, in units.
@@ -43,6 +65,9 @@ const MELT: f32 = 0.028;
 /// How softly coats of parts blend, and how sharply noses and eyes end, in units.
 const SOFT: f32 = 0.02;
 const SHARP: f32 = 0.012;
+
+/// Limbs that move a place by less than this share do not move it.
+const LEAST_SHARE: f32 = 0.02;
 
 /// The colour of feet; noses and eyes are darker.
 const DARK: Vec3 = Vec3::splat(0.02);
@@ -70,39 +95,57 @@ impl Body {
         let skull = Vec3::new(long + 0.17, back + neck, 0.0);
         let nose = skull + Vec3::new(head + muzzle * 0.7, -0.05, 0.0);
         let mut parts = Vec::new();
-        let mut add = |from: Vec3, to: Vec3, radii: [f32; 2], length: f32, tint: Tint| {
-            parts.push(Part { from, to, radii, length, tint });
+        let mut add = |limb: Limb, from: Vec3, to: Vec3, radii: [f32; 2], length: f32, tint: Tint| {
+            parts.push(Part { limb, from, to, radii, length, tint });
         };
+        let mut legs = [[Vec3::ZERO; 2]; LEGS];
         let at = |x: f32, y: f32| Vec3::new(x, y, 0.0);
-        add(at(-long, back), at(long, back + 0.02), [fat * 0.95, fat * 1.05], 1.0, Tint::Coat);
+        add(Limb::Trunk, at(-long, back), at(long, back + 0.02), [fat * 0.95, fat * 1.05], 1.0, Tint::Coat);
         let chest = back - fat * 0.3;
-        add(at(-long * 0.6, chest), at(long * 0.8, chest), [fat * 0.8; 2], 1.0, Tint::Belly);
-        add(at(long, back + 0.05), skull, [fat * 0.75, head * 0.75], 1.0, Tint::Coat);
-        add(skull, skull + at(0.03, 0.0), [head, head * 0.95], 0.7, Tint::Coat);
-        add(skull + at(head * 0.5, 0.0), nose, [head * 0.6, head * 0.34], 0.35, Tint::Belly);
+        add(Limb::Trunk, at(-long * 0.6, chest), at(long * 0.8, chest), [fat * 0.8; 2], 1.0, Tint::Belly);
+        add(Limb::Head, at(long, back + 0.05), skull, [fat * 0.75, head * 0.75], 1.0, Tint::Coat);
+        add(Limb::Head, skull, skull + at(0.03, 0.0), [head, head * 0.95], 0.7, Tint::Coat);
+        add(Limb::Head, skull + at(head * 0.5, 0.0), nose, [head * 0.6, head * 0.34], 0.35, Tint::Belly);
         let tip = nose + at(head * 0.3, 0.01);
-        add(tip, tip, [head * 0.22; 2], 0.0, Tint::Bald);
+        add(Limb::Head, tip, tip, [head * 0.22; 2], 0.0, Tint::Bald);
         let rump = at(-long - fat * 0.6, back + fat * 0.3);
         let bow = rump + at(-tail * 0.5, tail * 0.1);
-        add(rump, bow, [fluff * 0.8, fluff], 1.0, Tint::Coat);
-        add(bow, bow + at(-tail * 0.4, tail * (0.2 + curl * 2.0)), [fluff, fluff * 0.55], 1.0, Tint::Coat);
-        for side in [-1.0, 1.0] {
+        add(Limb::Tail(0), rump, bow, [fluff * 0.8, fluff], 1.0, Tint::Coat);
+        add(
+            Limb::Tail(1),
+            bow,
+            bow + at(-tail * 0.4, tail * (0.2 + curl * 2.0)),
+            [fluff, fluff * 0.55],
+            1.0,
+            Tint::Coat,
+        );
+        for (pair, side) in [-1.0, 1.0].into_iter().enumerate() {
             let z = Vec3::Z * side;
             let root = skull + at(-0.02, head * 0.75) + z * head * 0.6;
-            add(root, root + at(-0.03, ear) + z * 0.05, [0.055, 0.03], 0.4, Tint::Coat);
+            add(Limb::Head, root, root + at(-0.03, ear) + z * 0.05, [0.055, 0.03], 0.4, Tint::Coat);
             let eye = skull + at(head * 0.9, head * 0.34) + z * head * 0.48;
-            add(eye, eye, [head * 0.2; 2], 0.0, Tint::Bald);
-            for x in [-long, long] {
+            add(Limb::Head, eye, eye, [head * 0.2; 2], 0.0, Tint::Bald);
+            for (end, x) in [-long, long].into_iter().enumerate() {
+                let leg = 2 * pair + end;
                 let hip = at(x, back - fat * 0.25) + z * fat * 0.62;
                 let foot = at(x + 0.01, 0.06) + z * fat * 0.72;
-                add(hip, foot, [fat * 0.5, 0.055], 0.6, Tint::Coat);
-                add(foot - at(0.0, 0.01), foot + at(0.06, -0.012), [0.05, 0.045], 0.15, Tint::Foot);
+                legs[leg] = [hip, foot];
+                add(Limb::Leg(leg), hip, foot, [fat * 0.5, 0.055], 0.6, Tint::Coat);
+                add(
+                    Limb::Leg(leg),
+                    foot - at(0.0, 0.01),
+                    foot + at(0.06, -0.012),
+                    [0.05, 0.045],
+                    0.15,
+                    Tint::Foot,
+                );
             }
         }
         let (colors, patches) = COATS[random.random_range(0..COATS.len())];
         let [main, second, belly] = colors.map(Vec3::from_array);
         let phase = Vec3::from_array(std::array::from_fn(|_| random.random::<f32>() * std::f32::consts::TAU));
-        Self { parts, main, second, belly, patches, phase }
+        let neck = at(long, back + 0.05);
+        Self { parts, main, second, belly, patches, phase, neck, tail: [rump, bow], legs }
     }
 
     /// About the distance to the surface, in units; negative inside. The soft least distance of all
@@ -154,6 +197,28 @@ impl Body {
             color: color.clamp(Vec3::ZERO, Vec3::ONE),
             length: (length / sum * (1.0 - mask)).clamp(0.0, 1.0),
         }
+    }
+
+    /// The limbs near a point of the surface, and how near they are as shares of 1: limbs farther
+    /// than the nearest one lose by a factor of e each `soft` units.
+    pub(super) fn nearness(&self, p: Vec3, soft: f32) -> Vec<(Limb, f32)> {
+        let mut near: Vec<(Limb, f32)> = Vec::new();
+        for part in &self.parts {
+            let distance = part.distance(p);
+            match near.iter_mut().find(|(limb, _)| *limb == part.limb) {
+                Some((_, least)) => *least = least.min(distance),
+                None => near.push((part.limb, distance)),
+            }
+        }
+        let least = near.iter().map(|n| n.1).fold(f32::INFINITY, f32::min);
+        near.iter_mut().for_each(|n| n.1 = (-(n.1 - least) / soft).exp());
+        let sum: f32 = near.iter().map(|n| n.1).sum();
+        // What is far away is rounding, and would widen the bounds of its joint.
+        near.retain_mut(|n| {
+            n.1 /= sum;
+            n.1 > LEAST_SHARE
+        });
+        near
     }
 
     /// A box around the surface.

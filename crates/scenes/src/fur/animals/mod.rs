@@ -3,5 +3,7 @@
 mod animal;
 mod body;
 mod polygons;
+mod rig;
 
 pub use animal::{Animal, LEVELS};
+pub use rig::Rig;

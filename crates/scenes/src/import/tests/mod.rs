@@ -16,6 +16,8 @@ mod files;
 mod instances;
 mod lit;
 mod nodes;
+#[cfg(feature = "fur")]
+mod skins;
 
 /// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
 fn small_file() -> Vec<u8> {

@@ -5,6 +5,7 @@
 use casca::soft::SoftGrid;
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
 use casca_fur::mesh::Mesh;
+use casca_fur::skin::Weights;
 use casca_fur::visibility::{Furry, PlanOptions, plan};
 use casca_scenes::fur::animals::LEVELS;
 use casca_scenes::fur::field::{Field, Hiding, Kind};
@@ -136,14 +137,42 @@ impl Herd {
 
     /// All animals and walls within a distance of a point, with so many layers: for shadow maps,
     /// which must not depend on what the camera sees.
-    pub fn around(&self, center: Vec3, reach: f32, layers: u32) -> DrawList {
+    ///
+    /// # Errors
+    /// None for lists of its own animals.
+    pub fn around(&self, center: Vec3, reach: f32, layers: u32) -> Result<DrawList, FurGpuError> {
         let near = |p: Vec3| p.distance(center) <= reach;
         let animals = (0..self.field.animals().len())
-            .filter(|&i| near(self.field.animals()[i].placement.translation.into()))
+            .filter(|&i| self.is_near(i, center, reach))
             .map(|i| (self.stand(i, 0), layers));
         let animals: Vec<(Stand, u32)> = animals.collect();
         let walls = self.field.walls().iter().filter(|w| near(center.clamp(w.min, w.max)));
-        DrawList::new(&animals, center, walls.map(|w| block(w, 1)).collect())
+        let list = DrawList::new(&animals, center, walls.map(|w| block(w, 1)).collect());
+        self.posed(list, (0..self.field.animals().len()).filter(|&i| self.is_near(i, center, reach)))
+    }
+
+    /// Poses the animals of a list, which are in its order.
+    fn posed(
+        &self,
+        mut list: DrawList,
+        animals: impl Iterator<Item = usize>,
+    ) -> Result<DrawList, FurGpuError> {
+        for (place, animal) in animals.enumerate() {
+            if let Some(pose) = self.field.pose(animal) {
+                list.pose(place, pose)?;
+                list.lean(place, self.field.lean(animal))?;
+            }
+        }
+        Ok(list)
+    }
+
+    fn is_near(&self, animal: usize, center: Vec3, reach: f32) -> bool {
+        Vec3::from(self.field.animals()[animal].placement.translation).distance(center) <= reach
+    }
+
+    /// The weights of all meshes, in the order of [`Herd::meshes`].
+    pub fn weights(&self) -> impl Iterator<Item = &Weights> {
+        self.field.species().iter().flat_map(|(animal, _)| &animal.rig().weights)
     }
 
     /// Where an animal stands, with a level of detail.
@@ -198,6 +227,7 @@ impl Herd {
         let vertices = vertices.sum();
         let stands: Vec<(Stand, u32)> = chosen.iter().map(stand).collect();
         let list = DrawList::new(&stands, camera.eye, blocks);
+        let list = self.posed(list, chosen.iter().map(|(animal, ..)| *animal))?;
         Ok(Drawn { list, animals: stands.len(), dropped, vertices })
     }
 

@@ -2,7 +2,7 @@ use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::look::Look;
 use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
-use casca_fur::strands::Fur;
+use casca_fur::strands::{Forces, Fur};
 use casca_scenes::fur::field::{Field, Hiding};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
@@ -55,4 +55,64 @@ fn pictures_of_what_can_be_seen_are_those_of_everything() {
 fn species_with_different_furs_are_refused() {
     let field = Field::new(12, 3, 5, Hiding::Walls, |radius| Fur::for_radius(radius, 0.1, 0.4)).unwrap();
     assert!(matches!(Herd::new(field), Err(FurGpuError::Furs)));
+}
+
+/// A herd that walks among walls, drawn in small pictures.
+struct Walkers {
+    herd: Herd,
+    renderer: Renderer,
+    gpu: Gpu,
+    canvas: Canvas,
+}
+
+impl Walkers {
+    fn new(count: usize, seed: u64) -> Option<Self> {
+        let Ok(gpu) = Gpu::headless(false) else {
+            println!("skipped: no adapter");
+            return None;
+        };
+        let fur = Fur { spacing: 0.02, ..Fur::for_radius(0.6, 0.1, 0.4).unwrap() };
+        let field = Field::herd(count, 1, seed, Forces::default(), |_| Ok(fur)).unwrap();
+        let herd = Herd::new(field).unwrap();
+        let mut renderer = Renderer::new(&gpu, COLOUR, &herd.meshes(), &Look::new(fur)).unwrap();
+        for (i, weights) in herd.weights().enumerate() {
+            renderer.set_weights(&gpu, i, weights).unwrap();
+        }
+        let canvas = Canvas::new(&gpu, (96, 64));
+        Some(Self { herd, renderer, gpu, canvas })
+    }
+
+    /// The picture by a way, and how many animals it draws.
+    fn shoot(&mut self, share: f32, way: Way) -> (Vec<u8>, usize) {
+        let camera = camera_at(&self.herd.field, share, self.canvas.aspect());
+        let sun = Sun { towards: TO_SUN, center: camera.eye, radius: 12.0, shadows: true };
+        let drawn = self.herd.look(&camera, &Demand { way, layers: 4, budget: 1.0, height: 64 }).unwrap();
+        if way == Way::All {
+            self.renderer.cast_shadows(&self.gpu, &drawn.list, &sun).unwrap();
+        }
+        self.renderer.draw(&self.gpu, &self.canvas.picture(), &camera, &drawn.list, &sun).unwrap();
+        (self.canvas.read_picture(&self.gpu).unwrap(), drawn.animals)
+    }
+}
+
+#[test]
+fn a_walking_herd_looks_the_same_when_it_is_culled() {
+    let Some(mut walkers) = Walkers::new(24, 5) else { return };
+    let (mut saved, mut changed) = (0, 0);
+    let mut last = Vec::new();
+    for frame in 0..6 {
+        walkers.herd.walk(0.17 * f64::from(frame)).unwrap();
+        // Twice at each place, so that what differs there is the walk.
+        let share = 0.1 + 0.3 * (frame / 2) as f32;
+        let (all, _) = walkers.shoot(share, Way::All);
+        for way in [Way::Frustum, Way::Visible] {
+            let (pixels, animals) = walkers.shoot(share, way);
+            assert!(pixels == all, "{way:?} changes pixels in frame {frame}");
+            saved += 24 - animals;
+        }
+        changed += usize::from(frame % 2 == 1 && all != last);
+        last = all;
+    }
+    println!("{saved} of 288 animals not drawn, {changed} of 3 places in motion");
+    assert!(saved > 60 && changed > 0, "{saved} {changed}");
 }

@@ -1,0 +1,49 @@
+// Skinned vertices: the twin of `Weights::blend` in casca-fur, and how posed strands lean.
+
+// Of all animals that are posed: for each joint the rows of a matrix, from the mesh at rest to object space.
+@group(1) @binding(4) var<storage, read> joints: array<array<vec4f, 3>>;
+
+/// The blended matrix of a vertex. `pose` is the first joint of the animal and their number; joints that it lacks stay at rest.
+fn blended(pose: vec2u, follows: vec4u, shares: vec4f) -> array<vec4f, 3> {
+    var sum = array<vec4f, 3>(vec4f(0.0), vec4f(0.0), vec4f(0.0));
+    for (var i = 0u; i < 4u; i++) {
+        var m = array<vec4f, 3>(vec4f(1.0, 0.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 0.0, 1.0, 0.0));
+        if follows[i] < pose.y {
+            m = joints[pose.x + follows[i]];
+        }
+        for (var row = 0u; row < 3u; row++) {
+            sum[row] += m[row] * shares[i];
+        }
+    }
+    return sum;
+}
+
+/// First `inner`, then `outer`.
+fn chained(outer: array<vec4f, 3>, inner: array<vec4f, 3>) -> array<vec4f, 3> {
+    var rows = array<vec4f, 3>();
+    for (var i = 0u; i < 3u; i++) {
+        rows[i] = outer[i].x * inner[0] + outer[i].y * inner[1] + outer[i].z * inner[2] + vec4f(0.0, 0.0, 0.0, outer[i].w);
+    }
+    return rows;
+}
+
+fn transformed(rows: array<vec4f, 3>, v: vec4f) -> vec3f {
+    return vec3f(dot(rows[0], v), dot(rows[1], v), dot(rows[2], v));
+}
+
+/// The way in the mesh at rest that becomes `way`; nowhere for matrices that flatten.
+fn taken_back(axes: mat3x3f, way: vec3f) -> vec3f {
+    let adjugate = mat3x3f(cross(axes[1], axes[2]), cross(axes[2], axes[0]), cross(axes[0], axes[1]));
+    let det = dot(axes[0], adjugate[0]);
+    return (way * adjugate) * (sign(det) / max(abs(det), 1e-30));
+}
+
+/// A bend with a lean of the world, xyz, no longer than w; with w = 0 there is none. The twin of `Lean::bend`.
+fn leaning(bend: vec3f, lean: vec4f, axes: mat3x3f) -> vec3f {
+    if lean.w <= 0.0 {
+        return bend;
+    }
+    let long = max(vec3f(length(axes[0]), length(axes[1]), length(axes[2])), vec3f(1e-30));
+    let sum = bend + (lean.xyz * axes) / long;
+    return sum * min(1.0, lean.w / max(length(sum), 1e-30));
+}

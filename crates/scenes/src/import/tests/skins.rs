@@ -1,0 +1,117 @@
+//! Meshes with skins.
+
+use casca_fur::skin::{Ending, Pose};
+
+use super::*;
+
+/// What stands where in [`arm`].
+struct Arm {
+    parts: Parts,
+    joints: usize,
+    weights: usize,
+    inverse: usize,
+}
+
+/// An arm along x with four vertices at x = 0, 1, 2 and 3: the elbow at 1 turns by a right angle
+/// around z in a second.
+fn arm(component: u32, joints: &[u8], weights: (u32, &[u8])) -> Arm {
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 1.0, 0.0]);
+    let joints = parts.dense(component, "VEC4", joints, "");
+    let normalized = if weights.0 == F32 { "" } else { r#","normalized":true"# };
+    let weights = parts.dense(weights.0, "VEC4", weights.1, normalized);
+    let indices = parts.dense(5121, "SCALAR", &[0, 1, 2, 1, 2, 3], "");
+    assert_eq!(indices, 3);
+    let matrix = |x: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, 0.0, 0.0, 1.0];
+    let bytes = bytes_of(&[matrix(0.0), matrix(-1.0)].concat());
+    let view = parts.view(&bytes);
+    let inverse = parts.accessor(F32, "MAT4", 2, &format!(r#""bufferView":{view}"#));
+    parts.floats("SCALAR", &[0.0, 1.0]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    parts.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half]);
+    Arm { parts, joints, weights, inverse }
+}
+
+impl Arm {
+    fn read(&self, joints: &str) -> Result<Option<Skinned>, Trouble> {
+        let rest = format!(
+            r#""scene":0,"scenes":[{{"nodes":[0,1]}}],
+            "nodes":[{{"mesh":0,"skin":0,"translation":[9,9,9]}},{{"name":"up","translation":[0,5,0],"children":[2]}},
+                {{"name":"shoulder","children":[3]}},{{"name":"elbow","translation":[1,0,0]}}],
+            "skins":[{{"joints":{joints},"inverseBindMatrices":{}}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":{},"WEIGHTS_0":{}}},"indices":3}}]}}],
+            "animations":[{{"name":"bend","channels":[{{"sampler":0,"target":{{"node":3,"path":"rotation"}}}}],
+                "samplers":[{{"input":{},"output":{}}}]}}]"#,
+            self.inverse,
+            self.joints,
+            self.weights,
+            self.inverse + 1,
+            self.inverse + 2
+        );
+        read_skinned(&glb(&self.parts.json(&rest, ""), &self.parts.bin), None)
+    }
+}
+
+const BYTES: [u8; 16] = [0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0];
+const HALVES: [u8; 16] = [255, 0, 0, 0, 255, 255, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0];
+
+#[test]
+fn skins_are_read_and_their_clips_pose_them() {
+    let words = |bytes: &[u8]| bytes.iter().flat_map(|&b| [b, 0]).collect::<Vec<u8>>();
+    let shorts = |bytes: &[u8]| bytes.iter().flat_map(|&b| [b, b]).collect::<Vec<u8>>();
+    let floats = bytes_of(&HALVES.map(f32::from));
+    for (component, joints, weights) in [
+        (5121, BYTES.to_vec(), (5121, HALVES.to_vec())),
+        (5123, words(&BYTES), (5123, shorts(&HALVES))),
+        (5121, BYTES.to_vec(), (F32, floats)),
+    ] {
+        let arm = arm(component, &joints, (weights.0, &weights.1));
+        let skinned = arm.read("[2,3]").unwrap().unwrap();
+        assert_eq!((skinned.skeleton.joints().len(), skinned.mesh.triangles.len()), (3, 2));
+        let [(name, clip)] = &skinned.clips[..] else { panic!("{:?}", skinned.clips) };
+        assert_eq!((name.as_str(), clip.seconds()), ("bend", 1.0));
+        let mut pose = Pose::rest(&skinned.skeleton);
+        let at = |pose: &Pose, v: usize| {
+            skinned.weights.blend(v, pose).transform_point3(skinned.mesh.positions[v])
+        };
+        // At rest it stands where its joints are, wherever its own node is.
+        assert!(at(&pose, 2).distance(Vec3::new(2.0, 5.0, 0.0)) < 1e-5);
+        pose.set(&skinned.skeleton, clip, 0.999_999, Ending::Loop);
+        for (v, want) in
+            [[0.0, 5.0, 0.0], [1.0, 5.0, 0.0], [1.0, 6.0, 0.0], [0.0, 7.0, 0.0]].into_iter().enumerate()
+        {
+            assert!(at(&pose, v).distance(Vec3::from(want)) < 1e-4, "{v}: {}", at(&pose, v));
+        }
+        assert!(skinned.weights.shares()[1][1] == 0.5 && skinned.weights.shares()[0][0] == 1.0);
+    }
+    assert!(read_skinned(&small_file(), None).unwrap().is_none(), "a file without skins");
+}
+
+#[test]
+fn absurd_skins_are_refused_by_name() {
+    let good = || arm(5121, &BYTES, (5121, &HALVES));
+    let why = |arm: &Arm, joints: &str| arm.read(joints).map(|_| ()).unwrap_err().to_string();
+    // The second joint of a vertex does not exist in the skin, and has weight.
+    let said = why(&good(), "[2]");
+    assert!(said.contains("follows joint 1 of 1"), "{said}");
+    let zero = arm(5121, &BYTES, (5121, &[0; 16]));
+    assert!(why(&zero, "[2,3]").contains("not all may be zero"));
+    let nan = arm(5121, &BYTES, (F32, &bytes_of(&[f32::NAN; 16])));
+    assert!(why(&nan, "[2,3]").contains("shares"));
+    let mut typed = good();
+    typed.joints = typed.weights;
+    assert!(why(&typed, "[2,3]").contains("(joints) is of a type"), "{}", why(&typed, "[2,3]"));
+    let mut short = good();
+    short.weights = 0;
+    assert!(why(&short, "[2,3]").contains("(weights)"));
+    let mut few = good();
+    few.parts.accessors[few.inverse] =
+        few.parts.accessors[few.inverse].replace(r#""count":2"#, r#""count":1"#);
+    assert!(why(&few, "[2,3]").contains("shorter than the joints"));
+    // Cut anywhere, a file is refused and nothing ends.
+    let arm = good();
+    let whole = glb(&arm.parts.json(r#""scene":0,"scenes":[{"nodes":[]}]"#, ""), &arm.parts.bin);
+    for length in (0..whole.len()).step_by(7) {
+        let _ = read_skinned(&whole[..length], None);
+    }
+}

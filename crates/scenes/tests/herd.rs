@@ -1,0 +1,127 @@
+//! A herd that walks among walls: no tip in sight is lost, and what its steps cost.
+
+use casca::{Aabb, ObjectId, Query, View};
+use casca_fur::skin::Ending;
+use casca_fur::strands::{Forces, Fur};
+use casca_scenes::fur::field::{Field, Kind};
+use casca_scenes::measure::timed;
+use glam::{Mat3, Vec3};
+
+fn fur(radius: f32) -> Result<Fur, casca_fur::Error> {
+    Fur::for_radius(radius, 0.08, 0.2)
+}
+
+fn forces() -> Forces {
+    Forces { wind: Vec3::new(2.0, 0.0, 1.0), ..Forces::default() }
+}
+
+/// Whether a segment meets a box.
+fn meets(from: Vec3, to: Vec3, aabb: &Aabb) -> bool {
+    let way = to - from;
+    let (a, b) = ((aabb.min - from) / way, (aabb.max - from) / way);
+    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+    enter <= leave && leave >= 0.0 && enter <= 1.0
+}
+
+/// Tips of an animal as it walks and leans now.
+fn tips(field: &Field, animal: usize) -> Vec<Vec3> {
+    let resident = &field.animals()[animal];
+    let (kind, fur) = &field.species()[resident.species];
+    let (mesh, weights) = (&kind.levels()[3], &kind.rig().weights[3]);
+    let (pose, lean) = (field.pose(animal).unwrap(), field.lean(animal));
+    let tip = |(v, vertex): (usize, &casca_fur::mesh::Vertex)| {
+        let m = resident.placement * weights.blend(v, pose);
+        let bent = Fur { bend: lean.bend(fur.bend, Mat3::from(m.matrix3)), ..*fur };
+        m.transform_point3(bent.extruded(vertex.position, vertex.normal, 1.0))
+    };
+    mesh.vertices().iter().enumerate().map(tip).collect()
+}
+
+#[test]
+fn no_tip_in_sight_of_a_walking_herd_is_lost() {
+    let mut field = Field::herd(200, 2, 3, forces(), fur).unwrap();
+    let mut query = Query::new();
+    let (mut seen, mut in_sight, mut outside_of_rest) = (0, 0, 0);
+    for frame in 0..5 {
+        let time = 0.37 * f64::from(frame);
+        field.scene.begin_frame(time).unwrap();
+        field.walk(time).unwrap();
+        let (eye, _) = field.eye(frame as f32 / 5.0);
+        let visible: Vec<ObjectId> =
+            query.run(&field.scene, &View::omnidirectional(eye).unwrap()).visible().to_vec();
+        field.scene.end_frame([query.pvs()]).unwrap();
+        seen += visible.iter().filter(|id| matches!(field.kind(**id), Some(Kind::Animal(_)))).count();
+        for (animal, resident) in field.animals().iter().enumerate() {
+            let bounds = field.scene.bounds(resident.id).unwrap().aabb();
+            let (kind, fur) = &field.species()[resident.species];
+            let rest = casca_fur::visibility::inflate(kind.aabb(), fur.reach(1.0));
+            for tip in tips(&field, animal) {
+                assert!(bounds.contains(tip), "frame {frame}: {tip} is outside of {bounds:?}");
+                let own = resident.placement.inverse().transform_point3(tip);
+                outside_of_rest += usize::from(!rest.contains(own));
+                if field.walls().iter().any(|wall| meets(eye, tip, wall)) || meets(eye, tip, &field.ground())
+                {
+                    continue;
+                }
+                // Animals hide nothing in a herd.
+                in_sight += 1;
+                assert!(visible.contains(&resident.id), "frame {frame}: a tip at {tip} is lost");
+            }
+        }
+    }
+    println!(
+        "{seen} of 1000 animals visible, {in_sight} tips in sight, {outside_of_rest} beyond the bounds at rest"
+    );
+    assert!(seen < 600 && in_sight > 5000 && outside_of_rest > 100);
+}
+
+#[test]
+fn herds_repeat_walk_and_refuse_absurd_forces() {
+    let make = || Field::herd(6, 1, 7, forces(), fur).unwrap();
+    let (mut a, mut b) = (make(), make());
+    a.walk(1.3).unwrap();
+    b.walk(0.2).unwrap();
+    assert!((0..6).all(|i| a.pose(i) != b.pose(i)));
+    b.walk(1.3).unwrap();
+    assert!((0..6).all(|i| a.pose(i) == b.pose(i) && a.lean(i) == b.lean(i) && a.lean(i).most > 0.0));
+    assert_eq!((a.pose(6), a.lean(6).most), (None, 0.0));
+    assert!(a.walk(f64::NAN).is_err());
+    assert!(Field::herd(6, 1, 7, Forces { most: 9.0, ..forces() }, fur).is_err());
+}
+
+/// Prints, and checks nothing but that it works: other programs may run beside it.
+#[test]
+fn what_the_steps_of_500_animals_cost() {
+    let mut field = Field::herd(500, 4, 1, forces(), fur).unwrap();
+    let frames = 100;
+    let step = |frame: i32| f64::from(frame) / 60.0;
+    let (_, walk) = timed(|| (1..=frames).for_each(|frame| field.walk(step(frame)).unwrap()));
+    let mut poses: Vec<_> = (0..500).map(|i| field.pose(i).unwrap().clone()).collect();
+    let rig = |i: usize| field.species()[field.animals()[i].species].0.rig();
+    let (_, posing) = timed(|| {
+        for frame in 0..frames {
+            for (i, pose) in poses.iter_mut().enumerate() {
+                pose.set(&rig(i).skeleton, &rig(i).walk, step(frame) + i as f64, Ending::Loop);
+            }
+        }
+    });
+    let (volume, bounding) = timed(|| {
+        let mut volume = 0.0;
+        for _ in 0..frames {
+            for (i, pose) in poses.iter().enumerate() {
+                let size = rig(i).bounds.posed(pose, &field.species()[0].1);
+                volume += (size.max - size.min).element_product();
+            }
+        }
+        volume
+    });
+    let of = |time: std::time::Duration| time.as_secs_f64() * 1e3 / f64::from(frames);
+    println!(
+        "a step of 500 animals, in ms of a thread: {:.3}; of that poses {:.3}, bounds {:.3}; boxes of {:.2} cubic units",
+        of(walk),
+        of(posing),
+        of(bounding),
+        volume / (500.0 * frames as f32)
+    );
+    assert!(volume > 0.0);
+}
