@@ -6,11 +6,12 @@
 //!
 //! For each scene: false visible and false hidden points over the truly visible ones, in percent,
 //! of three eyes together. All words may be left out from the right: `KIND` is `tuned`,
-//! `held-out`, `fresh` or `fences` of other gaps, `SPREAD` is `even` or `random`, `NOISE` is its standard deviation over the side of
-//! the square that a point stands for. The defaults of `surface` were chosen on the scenes called
-//! tuned, of seed 3, with even points; the others tell how well they hold. With a `FOLDER`, `.glb`
-//! files of it are sampled in the place of generated scenes. The last word `causes` sorts the wrong
-//! answers of `surface` by their causes; give `""` as the folder for generated scenes.
+//! `held-out`, `fresh` or `fences` of other gaps, `SPREAD` is `even` or `random`, `NOISE` is its
+//! standard deviation over the side of the square that a point stands for. The defaults of
+//! `surface` were chosen on the scenes called tuned, of seed 3, with even points; the others tell
+//! how well they hold, the fresh ones best. With a `FOLDER`, `.glb` files of it are sampled in the
+//! place of generated scenes. The last word `causes` sorts the wrong answers of `surface` by their
+//! causes; give `""` as the folder for generated scenes.
 
 mod causes;
 mod files;

@@ -158,7 +158,7 @@ fn narrow_gaps_between_planks_stay_open() {
         lost += f64::from(u8::from(open && !*found));
         shown += f64::from(u8::from(!open && *found));
     }
-    assert!(lost < 0.05 * seen && shown < 0.1 * seen, "{lost} lost and {shown} shown of {seen}");
+    assert!(lost < 0.01 * seen && shown < 0.01 * seen, "{lost} lost and {shown} shown of {seen}");
 }
 
 #[test]
