@@ -17,7 +17,7 @@ use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
 use crate::gpu::shader::shader;
 use crate::gpu::sides::{GpuSides, Passes, Work};
-use crate::occlusion::{Estimator, OptionsError, sector_of};
+use crate::occlusion::sector_of;
 use crate::samples::SampleSets;
 use crate::slabs::Slices;
 use crate::view::View;
@@ -170,15 +170,7 @@ impl Renderer {
         frame.colours = lines.coloured.then(|| lines.colours.clone());
         let frame = &*frame;
         let settings = &self.settings;
-        if let Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } = settings.ao.estimator
-            && line_radius > lines.margin()
-        {
-            return Err(OptionsError::Margin { radius: line_radius, margin: lines.margin() }.into());
-        }
-        let sides = lines.sides.as_ref().filter(|_| settings.by_places());
-        if settings.by_places() && sides.is_none() {
-            return Err(LinesGpuError::Places);
-        }
+        let sides = lines.sides_for(settings)?;
         let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
         let storage = BufferUsages::STORAGE;
         let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);

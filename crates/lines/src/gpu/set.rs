@@ -10,7 +10,7 @@ use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::settings::Settings;
 use crate::gpu::sides::GpuSides;
-use crate::occlusion::Estimator;
+use crate::occlusion::{Estimator, OptionsError};
 use crate::sets::LineSet;
 use casca_stage::kernel::filled;
 
@@ -183,6 +183,24 @@ impl GpuLines {
             _ => true,
         };
         places && (!settings.by_rays() || near(self.margin, settings.margin()))
+    }
+
+    /// The values of places that settings take, if they take some; or why these lines have not what
+    /// the settings need.
+    pub(super) fn sides_for(&self, settings: &Settings) -> Result<Option<&GpuSides>, LinesGpuError> {
+        let (Estimator::Rays { line_radius: radius } | Estimator::Places { line_radius: radius, .. }) =
+            settings.ao.estimator
+        else {
+            return Ok(None);
+        };
+        if radius > self.margin {
+            return Err(OptionsError::Margin { radius, margin: self.margin }.into());
+        }
+        match (settings.by_places(), &self.sides) {
+            (false, _) => Ok(None),
+            (true, None) => Err(LinesGpuError::Places),
+            (true, sides) => Ok(sides.as_ref()),
+        }
     }
 
     /// The number of places along the lines.
