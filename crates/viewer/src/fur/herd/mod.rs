@@ -84,8 +84,8 @@ pub struct Drawn {
     pub list: DrawList,
     /// How many animals it holds.
     pub animals: usize,
-    /// How many animals that can be seen it lacks, since their skins alone exceed the budget.
-    pub dropped: usize,
+    /// By how much the skins alone exceed the budget, in weight; they are drawn all the same.
+    pub excess: f64,
     /// Vertices of all skins and layers.
     pub vertices: u64,
 }
@@ -177,15 +177,15 @@ impl Herd {
                 None => {}
             }
         }
-        let mut dropped = 0;
+        let mut excess = 0.0;
         let chosen: Vec<(usize, usize, u32)> = match demand.way {
             way if way.is_coarser() => {
                 let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
                 if culled {
                     self.soft.estimate(self.query.pvs(), &self.field.scene, FRACTION_RAYS, &mut items)?;
                 }
-                let planned = self.planned(&items, camera, demand)?;
-                dropped = items.len() - planned.len();
+                let planned;
+                (planned, excess) = self.planned(&items, camera, demand)?;
                 planned
             }
             _ => seen.iter().map(|&(animal, _)| (animal, 0, demand.layers)).collect(),
@@ -198,16 +198,16 @@ impl Herd {
         let vertices = vertices.sum();
         let stands: Vec<(Stand, u32)> = chosen.iter().map(stand).collect();
         let list = DrawList::new(&stands, camera.eye, blocks);
-        Ok(Drawn { list, animals: stands.len(), dropped, vertices })
+        Ok(Drawn { list, animals: stands.len(), excess, vertices })
     }
 
-    /// Animals with their level of detail and layers, within the budget.
+    /// Animals with their level of detail and layers, and by how much they exceed the budget.
     fn planned(
         &self,
         items: &[DrawItem],
         camera: &Camera,
         demand: &Demand,
-    ) -> Result<Vec<(usize, usize, u32)>, FurGpuError> {
+    ) -> Result<(Vec<(usize, usize, u32)>, f64), FurGpuError> {
         // Where the finest meshes hide others, coarser ones would leave gaps.
         let levels = if self.field.hiding() == Hiding::Meshes { 1 } else { LEVELS };
         let vertices: Vec<Vec<u32>> = self
@@ -241,7 +241,8 @@ impl Herd {
                 plan(items, furry, &PlanOptions { budget: made.weight * demand.budget.max(0.0), ..options })?;
         }
         let entries = made.entries.iter();
-        Ok(entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers))).collect())
+        let chosen = entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers)));
+        Ok((chosen.collect(), made.excess))
     }
 }
 
