@@ -6,9 +6,12 @@
 //! - [`records`]: places of objects, and lists of what to draw.
 //! - [`mod@reference`]: the same strands as tubes, hit by rays.
 
+mod bindings;
+mod buffers;
 pub mod error;
 pub mod look;
 mod numeric;
+mod pipelines;
 pub mod records;
 pub mod reference;
 pub mod renderer;
