@@ -4,7 +4,8 @@
 //! of its number. A point within a thin slab around the surface is the root of a strand, which
 //! stands along the normal. The points are equally dense everywhere, so that strands are equally
 //! dense on any surface, whatever its shape, its place and its triangles. All that a fragment needs
-//! are the position and the normal of the base mesh, and how it bends: [`Fur::strand_at`] is the same function for
+//! are the position and the normal of the base mesh, and how it bends ([`Skin`]):
+//! [`Fur::strand_at`] is the same function for
 //! shaders, in single precision; [`roots`] lists the strands of a mesh one by one, for ray tracers.
 
 mod fur;
