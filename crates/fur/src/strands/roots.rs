@@ -279,7 +279,7 @@ mod tests {
                         200.0 * f64::from(differ) / f64::from(fragments + strands)
                     );
                     // The normals at a fragment and at the root of its strand differ a little.
-                    assert!(fragments > 20 && strands > 20 && 12 * differ < fragments + strands, "{name}");
+                    assert!(fragments > 20 && strands > 20 && 24 * differ < fragments + strands, "{name}");
                 }
             }
         }
