@@ -27,6 +27,10 @@ pub(crate) const NO_SUM: f32 = 1e-6;
 /// cells are enough: 0.25² + 0.43² < 0.5².
 pub(crate) const HALF_SLAB: f32 = 0.25;
 
+/// Normals whose cosine to that of their triangle is below this belong to another surface: the
+/// triangle says nothing about heights above it.
+pub(crate) const LEAST_LEAN: f32 = 0.1;
+
 /// Cells on the radius of a mesh, unless the caller sets another spacing: strands of an animal that
 /// fills a picture 700 pixels high are then about five pixels apart.
 pub(crate) const CELLS_ON_RADIUS: f32 = 60.0;

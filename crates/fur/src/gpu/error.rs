@@ -14,6 +14,17 @@ pub enum FurGpuError {
         "the species of the field have different furs, but a renderer draws one: give all species the same"
     )]
     Furs,
+    /// A pass that this device or these shaders cannot draw into.
+    #[error(
+        "a pass of {format:?} with {samples} samples a pixel cannot be drawn into: give a format for colours that \
+         does not convert them (not sRGB), and 1 or 4 samples"
+    )]
+    Pass {
+        /// The format of its colours.
+        format: casca_stage::wgpu::TextureFormat,
+        /// Its samples.
+        samples: u32,
+    },
     /// The device fails, or has no room.
     #[error(transparent)]
     Gpu(#[from] GpuError),

@@ -2,6 +2,7 @@
 //! that share a mesh, and a ray-traced reference of the same strands.
 //!
 //! - [`renderer`]: shells, skins, ground and walls, and the shadow map of the sun.
+//! - [`own_pass`]: the same in a pass of the application's own, with multisampling.
 //! - [`look`]: the strands, how fragments find them, and how light falls on them.
 //! - [`records`]: places of objects, and lists of what to draw.
 //! - [`mod@reference`]: the same strands as tubes, hit by rays.
@@ -11,6 +12,7 @@ mod buffers;
 pub mod error;
 pub mod look;
 mod numeric;
+pub mod own_pass;
 mod pipelines;
 #[cfg(test)]
 mod pose_twin;

@@ -6,17 +6,17 @@ pub(crate) const FINE: f32 = 0.6;
 /// ...and here they have done so: pixels wider than the spacing cannot show single strands.
 pub(crate) const COARSE: f32 = 1.2;
 
-/// The most steps of a fragment through its slab, each as long as a strand's radius. More do not
-/// show at 8 layers and up, and each costs as much as a fragment without them.
-pub(crate) const STEPS: u32 = 6;
+/// The most steps of a fragment through its slab, each half as long as a strand's radius, since
+/// tips are thinner than roots. Each costs as much as a fragment without them. At 8 layers of fur
+/// of 5%, six steps of a radius leave an error of 0.074, these 0.055, and 64 of a quarter 0.050.
+pub(crate) const STEPS: u32 = 12;
 
 /// Texels along a side of the faces of the fur map: what the thesis uses in its last test.
 pub(crate) const MAP_SIDE: u32 = 256;
 
-/// Tubes of a strand of the reference. Between neighbours of ten the radius of a needle changes by
-/// a tenth of that at the root, and a bent strand leaves its chord by less than 1/100 of its
-/// height.
-pub(crate) const TUBES: u32 = 10;
+/// Tubes of a strand of the reference. Between neighbours of 32 the radius of a needle changes by a
+/// 32nd of that at the root, and a bent strand leaves its chord by less than 1/1000 of its height.
+pub(crate) const TUBES: u32 = 32;
 
 /// Boxes of the reference's hierarchy are wider by this share of their coordinates, and hits count
 /// as so much farther, so that rays in single precision lose nothing.

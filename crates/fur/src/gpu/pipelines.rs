@@ -23,6 +23,8 @@ pub(super) struct Pipelines<'a> {
     pub(super) device: &'a wgpu::Device,
     pub(super) shader: &'a wgpu::ShaderModule,
     pub(super) layout: &'a wgpu::PipelineLayout,
+    /// Samples in a pixel of pictures; the shadow map has one.
+    pub(super) samples: u32,
 }
 
 impl Pipelines<'_> {
@@ -66,6 +68,7 @@ impl Pipelines<'_> {
             compilation_options: Default::default(),
             targets: &targets,
         });
+        let count = if colours.is_some() { self.samples } else { 1 };
         let compare = if colours.is_some() { CompareFunction::Greater } else { CompareFunction::Less };
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(vertex),
@@ -85,7 +88,7 @@ impl Pipelines<'_> {
                 stencil: Default::default(),
                 bias: Default::default(),
             }),
-            multisample: Default::default(),
+            multisample: wgpu::MultisampleState { count, ..Default::default() },
             fragment,
             multiview_mask: None,
             cache: None,

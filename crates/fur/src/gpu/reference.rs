@@ -19,7 +19,8 @@ use rayon::prelude::*;
 use crate::gpu::look::{Look, SKY, stored};
 use crate::gpu::numeric::{TUBES, WET, WET_EXPONENT, WIDER};
 
-/// A piece of a strand: a tube with round ends.
+/// A piece of a strand: a tube with a round end where the next piece begins. Tips end flat, as the
+/// highest layer of a strand does.
 struct Tube {
     ends: [DVec3; 2],
     radius: f64,
@@ -48,7 +49,7 @@ pub struct Reference<'a> {
 pub type Tint = [Vec3; 2];
 
 impl<'a> Reference<'a> {
-    /// All strands of a mesh. Takes about a kilobyte for each.
+    /// All strands of a mesh. Takes about four kilobytes for each.
     ///
     /// # Errors
     /// As [`roots`].
@@ -191,14 +192,15 @@ impl Part {
     /// How far along a ray it begins; `None` if the ray misses it, or starts inside.
     fn enter(&self, start: DVec3, direction: DVec3) -> Option<f64> {
         match self {
-            Self::Tube(tube) => enter_tube(tube.ends, tube.radius, start, direction),
+            Self::Tube(tube) => enter_tube(tube.ends, tube.radius, tube.along[1] >= 1.0, start, direction),
             Self::Skin(_, corners) => enter_triangle(corners, start, direction),
         }
     }
 }
 
-/// A tube with round ends: the part between the ends is a cylinder, and a ball is at each of them.
-fn enter_tube([a, b]: [DVec3; 2], radius: f64, start: DVec3, direction: DVec3) -> Option<f64> {
+/// A tube: the part between the ends is a cylinder, and a ball is at each of them, or at the second
+/// one a disc if it is `flat`.
+fn enter_tube([a, b]: [DVec3; 2], radius: f64, flat: bool, start: DVec3, direction: DVec3) -> Option<f64> {
     let ball = |center: DVec3| {
         let way = center - start;
         let near = way.dot(direction);
@@ -209,14 +211,20 @@ fn enter_tube([a, b]: [DVec3; 2], radius: f64, start: DVec3, direction: DVec3) -
     let (axis, long) = (b - a).try_normalize().map_or((DVec3::Z, 0.0), |axis| (axis, a.distance(b)));
     // Across the axis the cylinder is a circle.
     let (across, way) = (direction - axis * axis.dot(direction), start - a);
-    let flat = way - axis * axis.dot(way);
-    let (aa, ab) = (across.length_squared(), across.dot(flat));
-    let square = ab * ab - aa * (flat.length_squared() - radius * radius);
+    let aside = way - axis * axis.dot(way);
+    let (aa, ab) = (across.length_squared(), across.dot(aside));
+    let square = ab * ab - aa * (aside.length_squared() - radius * radius);
     let side = (square >= 0.0 && aa > 0.0).then(|| (-ab - square.sqrt()) / aa).filter(|t| {
         let height = axis.dot(way + direction * *t);
         *t > 0.0 && height >= 0.0 && height <= long
     });
-    [side, ball(a), ball(b)].into_iter().flatten().min_by(f64::total_cmp)
+    let disc = || {
+        let t = axis.dot(b - start) / axis.dot(direction);
+        let inside = (start + direction * t).distance_squared(b) <= radius * radius;
+        (inside && t > 0.0).then_some(t)
+    };
+    let end = if flat { disc() } else { ball(b) };
+    [side, ball(a), end].into_iter().flatten().min_by(f64::total_cmp)
 }
 
 /// A triangle, from both sides.
@@ -249,7 +257,8 @@ mod tests {
         let ends = [DVec3::ZERO, DVec3::new(0.0, 2.0, 0.0)];
         let enter = |from: [f64; 3], to: [f64; 3]| {
             let (from, to) = (DVec3::from(from), DVec3::from(to));
-            enter_tube(ends, 0.5, from, (to - from).normalize()).map(|t| from + (to - from).normalize() * t)
+            let way = (to - from).normalize();
+            enter_tube(ends, 0.5, false, from, way).map(|t| from + way * t)
         };
         let near = |p: Option<DVec3>, q: [f64; 3]| p.is_some_and(|p| p.distance(DVec3::from(q)) < 1e-9);
         assert!(near(enter([3.0, 1.0, 0.0], [0.0, 1.0, 0.0]), [0.5, 1.0, 0.0]), "the side");
@@ -257,7 +266,13 @@ mod tests {
         assert!(near(enter([3.0, -0.3, 0.0], [0.0, -0.3, 0.0]), [0.4, -0.3, 0.0]), "a round end");
         assert_eq!(enter([3.0, 1.0, 0.6], [0.0, 1.0, 0.6]), None);
         assert_eq!(enter([3.0, 1.0, 0.0], [4.0, 1.0, 0.0]), None, "behind");
-        assert_eq!(enter_tube([DVec3::ZERO; 2], 0.5, DVec3::X * 2.0, DVec3::NEG_X), Some(1.5), "a ball");
+        let down = |x: f64| enter_tube(ends, 0.5, true, DVec3::new(x, 9.0, 0.0), DVec3::NEG_Y);
+        assert_eq!((down(0.3), down(0.6)), (Some(7.0), None), "a tip ends flat");
+        assert_eq!(
+            enter_tube([DVec3::ZERO; 2], 0.5, false, DVec3::X * 2.0, DVec3::NEG_X),
+            Some(1.5),
+            "a ball"
+        );
 
         let triangle = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let from = DVec3::new(0.2, 0.3, 2.0);

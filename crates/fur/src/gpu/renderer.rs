@@ -1,5 +1,7 @@
 //! Draws furry meshes as shells, their skins, blocks, and the sun's shadow map.
 
+use std::ops::Range;
+
 use crate::Error;
 use crate::mesh::Mesh;
 use crate::skin::Weights;
@@ -48,6 +50,17 @@ impl Renderer {
     /// # Errors
     /// A mesh does not fit into the memory of the device.
     pub fn new(gpu: &Gpu, format: TextureFormat, meshes: &[Mesh], look: &Look) -> Result<Self, FurGpuError> {
+        Self::with_samples(gpu, format, 1, meshes, look)
+    }
+
+    /// The same, for pictures with so many samples a pixel, which the adapter must have.
+    pub(super) fn with_samples(
+        gpu: &Gpu,
+        format: TextureFormat,
+        samples: u32,
+        meshes: &[Mesh],
+        look: &Look,
+    ) -> Result<Self, FurGpuError> {
         let device = &gpu.device;
         let layouts = layouts(device);
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -57,6 +70,7 @@ impl Renderer {
         let pipelines = Pipelines {
             device,
             shader: &shader,
+            samples,
             layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
                 bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1])],
@@ -170,13 +184,7 @@ impl Renderer {
         frame: &Frame,
         target: Option<&Target>,
     ) -> Result<(), GpuError> {
-        gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
-        let moved = self.records.write(gpu, bytemuck::cast_slice(&list.records))?;
-        if self.joints.write(gpu, bytemuck::cast_slice(&list.joints))? || moved {
-            self.group_look(gpu);
-        }
-        self.instances.write(gpu, bytemuck::cast_slice(&list.shells))?;
-        self.block_records.write(gpu, bytemuck::cast_slice(&list.blocks))?;
+        self.upload(gpu, list, frame)?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let sky = SKY.map(|c| f64::from(c.powf(1.0 / 2.2)));
         let colour = target.map(|target| wgpu::RenderPassColorAttachment {
@@ -201,19 +209,45 @@ impl Renderer {
             }),
             ..Default::default()
         });
-        pass.set_bind_group(0, &self.frame_groups[usize::from(target.is_none())], &[]);
+        self.record(&mut pass, (&list.runs, list.blocks.len() as u32), target.is_none());
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+
+    /// Writes the buffers that the next [`Renderer::record`] reads.
+    pub(super) fn upload(&mut self, gpu: &Gpu, list: &DrawList, frame: &Frame) -> Result<(), GpuError> {
+        gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
+        let moved = self.records.write(gpu, bytemuck::cast_slice(&list.records))?;
+        if self.joints.write(gpu, bytemuck::cast_slice(&list.joints))? || moved {
+            self.group_look(gpu);
+        }
+        self.instances.write(gpu, bytemuck::cast_slice(&list.shells))?;
+        self.block_records.write(gpu, bytemuck::cast_slice(&list.blocks))?;
+        Ok(())
+    }
+
+    /// Draws what was uploaded, into a pass for pictures or for the shadow map: the runs of shells
+    /// of each mesh, and a number of blocks.
+    pub(super) fn record(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        (runs, walls): (&[(usize, Range<u32>)], u32),
+        shadows: bool,
+    ) {
+        pass.set_bind_group(0, &self.frame_groups[usize::from(shadows)], &[]);
         pass.set_bind_group(1, &self.look_group, &[]);
-        let (blocks, shells) = match target {
-            Some(_) => (&self.blocks, &self.shells),
-            None => (&self.block_shadows, &self.shell_shadows),
+        let (blocks, shells) = match shadows {
+            false => (&self.blocks, &self.shells),
+            true => (&self.block_shadows, &self.shell_shadows),
         };
-        if !list.blocks.is_empty() {
+        if walls > 0 {
             pass.set_pipeline(blocks);
             pass.set_vertex_buffer(0, self.block_records.buffer.slice(..));
-            pass.draw(0..36, 0..list.blocks.len() as u32);
+            pass.draw(0..36, 0..walls);
         }
         pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
-        for (mesh, run) in &list.runs {
+        for (mesh, run) in runs {
             let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
             pass.set_pipeline(&shells[usize::from(mesh.followers.is_some())]);
             if let Some(followers) = &mesh.followers {
@@ -223,8 +257,5 @@ impl Renderer {
             pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..mesh.count, 0, run.clone());
         }
-        drop(pass);
-        gpu.queue.submit([encoder.finish()]);
-        Ok(())
     }
 }

@@ -4,6 +4,9 @@
 const WET: f32 = 0.7;
 const WET_EXPONENT: f32 = 140.0;
 
+// Steps of a ray through its slab, in radii of strands.
+const STRIDE: f32 = 0.5;
+
 struct Record {
     // Object space to world space.
     rows: array<vec4f, 3>,
@@ -140,14 +143,47 @@ fn mapped(base: vec3f, normal: vec3f, t: f32) -> bool {
     return textureSampleLevel(map, map_sampler, direction, 0.0).r > 0.25 + 0.6 * look.taper * t;
 }
 
-fn strand_here(base: vec3f, normal: vec3f, height: f32, long: f32) -> Seen {
+fn strand_here(there: Look, skin: Skin, height: f32, long: f32) -> Seen {
     if look.mapping == 1u {
         let t = height / long;
-        return Seen(mapped(base, normal, t), 0.5, t, height);
+        return Seen(mapped(skin.base, skin.normal, t), 0.5, t, height);
     }
-    let hit = strand_at(look, base, normal, height, long);
+    let hit = strand_at(there, skin, height, long);
     // The upper bits give the length: the lower ones are for the colour.
     return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height);
+}
+
+/// How skin and layer change from pixel to pixel: those of the skin, of its normal, and of the layer.
+struct Change {
+    base: array<vec3f, 2>,
+    normal: array<vec3f, 2>,
+    shell: array<vec3f, 2>,
+}
+
+/// Must be called by all fragments.
+fn change(in: Shell) -> Change {
+    let normal = normalize(in.normal);
+    let shell = in.base + extrusion(bent(in.bend), normal, in.coat.w * height_of(in.which));
+    return Change(
+        array(dpdx(in.base), dpdy(in.base)), array(dpdx(normal), dpdy(normal)), array(dpdx(shell), dpdy(shell)),
+    );
+}
+
+fn skin_of(base: vec3f, normal: vec3f, c: Change) -> Skin {
+    let across = cross(c.base[0], c.base[1]);
+    let area = dot(across, across);
+    var slope = mat3x3f();
+    var plane = vec3f(0.0);
+    if area > 0.0 {
+        let u = cross(c.base[1], across) / area;
+        let v = cross(across, c.base[0]) / area;
+        slope = mat3x3f(
+            c.normal[0] * u.x + c.normal[1] * v.x, c.normal[0] * u.y + c.normal[1] * v.y,
+            c.normal[0] * u.z + c.normal[1] * v.z,
+        );
+        plane = across * (sign(dot(across, normal)) / sqrt(area));
+    }
+    return Skin(base, normal, plane, slope);
 }
 
 /// A random number for a place and a layer, the same for all places of about a pixel: hashed alpha, Wyman and McGuire 2017.
@@ -157,7 +193,7 @@ fn dither(base: vec3f, width: f32, layer: u32) -> vec4u {
 }
 
 /// The strand in a fragment of a shell. `width` is that of a pixel, `ray` the unit direction of looking or of light, both in object space.
-fn seen(in: Shell, normal: vec3f, width: f32, ray: vec3f) -> Seen {
+fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     let t = height_of(in.which);
     let long = in.coat.w;
     let height = t * long;
@@ -169,22 +205,30 @@ fn seen(in: Shell, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     if unit(word.x) < saturate((width - look.fine) / (look.coarse - look.fine)) {
         return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height);
     }
+    let skin = skin_of(in.base, normal, c);
+    let there = bent(in.bend);
     if look.steps <= 1u {
-        return strand_here(in.base, normal, height, long);
+        return strand_here(there, skin, height, long);
     }
     // Along the ray through the slab below this shell, to the next one: shells seen from the side do not come apart.
-    let down = dot(ray, normal);
-    // Where on the skin the ray goes, seen along bent strands.
-    let side = ray - normal * down - bend_at(bent(in.bend), normal) * (2.0 * height * down);
-    let thick = look.height * long / f32(max(in.which.z, 1u));
-    let stride = look.radius * look.spacing;
+    let up = (normal + bend_at(there, normal) * (2.0 * height)) * look.height;
+    let across = cross(c.shell[0], c.shell[1]);
+    let det = dot(across, up);
+    let x = dot(cross(ray, c.shell[1]), up) / det;
+    let y = dot(cross(c.shell[0], ray), up) / det;
+    let side = c.base[0] * x + c.base[1] * y;
+    let turn = c.normal[0] * x + c.normal[1] * y;
+    let rise = dot(across, ray) / det;
+    let thick = long / f32(max(in.which.z, 1u));
+    let stride = look.radius * look.spacing * STRIDE;
     let speed = length(side);
-    let steps = clamp(ceil(thick * speed / (abs(down) * stride + 1e-12)), 1.0, f32(look.steps));
-    let way = min(thick / max(abs(down), 1e-6), steps * stride / max(speed, 1e-6)) / steps;
+    let steps = clamp(ceil(thick * speed / (abs(rise) * stride + 1e-12)), 1.0, f32(look.steps));
+    let way = min(thick / max(abs(rise), 1e-6), steps * stride / max(speed, 1e-6)) / steps;
     for (var i = 0.0; i < steps; i += 1.0) {
         let at = i * way;
-        let here = clamp(height + at * down / look.height, 0.0, long);
-        let hit = strand_here(in.base + side * at, normal, here, long);
+        let here = clamp(height + at * rise, 0.0, long);
+        let below = Skin(in.base + side * at, normalize(normal + turn * at), skin.plane, skin.slope);
+        let hit = strand_here(there, below, here, long);
         if hit.found {
             return hit;
         }
@@ -207,6 +251,7 @@ fn strand_light(colour: vec3f, tangent: vec3f, normal: vec3f, to_eye: vec3f, alo
 
 @fragment
 fn shell_colour(in: Shell) -> @location(0) vec4f {
+    let c = change(in);
     let record = in.which.x;
     let normal = normalize(in.normal);
     let scale = in.at.w;
@@ -227,7 +272,7 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
         return stored(skin * colour * (look.ambient + look.diffuse * sun) + wet * sun, at);
     }
     let width = frame.eye.w * distance(at, frame.eye.xyz) / scale;
-    let hit = seen(in, normal, width, normalize(in.ray));
+    let hit = seen(in, c, normal, width, normalize(in.ray));
     if !hit.found {
         discard;
     }
@@ -240,9 +285,10 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
 
 @fragment
 fn shell_shadow(in: Shell) {
+    let c = change(in);
     if in.which.y > 0u {
         // The ray is the sun's: whoever looks changes no shadow.
-        if !seen(in, normalize(in.normal), frame.shadow.x / in.at.w, normalize(in.ray)).found {
+        if !seen(in, c, normalize(in.normal), frame.shadow.x / in.at.w, normalize(in.ray)).found {
             discard;
         }
     }

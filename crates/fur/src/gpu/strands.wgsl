@@ -2,6 +2,8 @@
 
 // Half the slab around the skin in which points are roots, in cells; as in casca-fur.
 const HALF_SLAB: f32 = 0.25;
+// Normals that lean more belong to another surface; as in casca-fur.
+const LEAST_LEAN: f32 = 0.1;
 // A coat shorter than this share of the full length is bald: a step of a colour of 8 bits.
 const SHORTEST: f32 = 0.004;
 
@@ -64,10 +66,29 @@ fn share(look: Look, id: u32) -> f32 {
     return 1.0 - look.variation * unit(id);
 }
 
-/// The strand at a point of a layer; `base` and `normal` are of the skin, `height` and `long` 0 to 1.
-fn strand_at(look: Look, base: vec3f, normal: vec3f, height: f32, long: f32) -> Strand {
-    let place = base * (1.0 / look.spacing);
+/// The skin below a point of a layer.
+struct Skin {
+    base: vec3f,
+    normal: vec3f,
+    // The unit normal of its triangle; zero if it is that of the skin.
+    plane: vec3f,
+    // How the normal changes along the skin, for each unit of the way.
+    slope: mat3x3f,
+}
+
+/// The strand at a point of a layer; `height` and `long` are 0 to 1.
+fn strand_at(look: Look, skin: Skin, height: f32, long: f32) -> Strand {
+    let place = skin.base * (1.0 / look.spacing);
     let first = floor(place - 0.5);
+    let lean = dot(skin.normal, skin.plane);
+    let lift = select(skin.normal, skin.plane / lean, lean > LEAST_LEAN);
+    // In cells from here on.
+    let tall = look.height / look.spacing;
+    let slope = skin.slope * look.spacing;
+    // How far a turn of the normal moves the layer; along the bend, too.
+    let turned = tall * height * (1.0 - height * dot(look.bend, skin.normal));
+    let tangent = strand_tangent(look, skin.normal, height);
+    let rise = dot(tangent, skin.normal) / max(tall, 1e-30);
     var best = Strand(false, 0u, 1.0, 0.0);
     for (var corner = 0u; corner < 8u; corner++) {
         let cell = first + vec3f(f32(corner & 1u), f32((corner >> 1u) & 1u), f32(corner >> 2u));
@@ -75,10 +96,14 @@ fn strand_at(look: Look, base: vec3f, normal: vec3f, height: f32, long: f32) -> 
         for (var k = 0u; k < look.per_cell; k++) {
             let word = hash(vec4u(number, look.seed * 4u + k));
             let way = (cell - place) + vec3f(unit(word.x), unit(word.y), unit(word.z));
-            let above = dot(way, normal);
-            let along = height / (long * share(look, word.w));
+            let above = dot(way, lift);
+            let side = way - skin.normal * above;
+            // From here to the middle of the strand at this height.
+            let away = side + (slope * side) * (turned - above);
+            let back = dot(away, tangent);
+            let along = max(height - back * rise, 0.0) / (long * share(look, word.w));
             let radius = look.radius * (1.0 - look.taper * along);
-            let offset = length(way - normal * above) / radius;
+            let offset = length(away - tangent * back) / radius;
             if abs(above) < HALF_SLAB && along <= 1.0 && radius > 0.0 && offset < best.offset {
                 best = Strand(true, word.w, offset, along);
             }

@@ -1,7 +1,7 @@
 //! The shaders' rules against those of casca-fur, point by point.
 
 use crate::shading::kajiya_kay;
-use crate::strands::{Fur, hash};
+use crate::strands::{Fur, Skin, hash};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{self, BufferUsages};
 use glam::{Vec3, Vec4};
@@ -11,7 +11,7 @@ use crate::gpu::look::Look;
 const STRANDS: &str = include_str!("strands.wgsl");
 const POINTS: &str = "
 @group(0) @binding(0) var<uniform> look: Look;
-@group(0) @binding(1) var<storage, read> points: array<array<vec4f, 2>>;
+@group(0) @binding(1) var<storage, read> points: array<array<vec4f, 3>>;
 @group(0) @binding(2) var<storage, read_write> found: array<array<vec4u, 2>>;
 
 @compute @workgroup_size(64)
@@ -21,7 +21,10 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
     }
     let base = points[id.x][0];
     let normal = points[id.x][1];
-    let strand = strand_at(look, base.xyz, normal.xyz, base.w, normal.w);
+    let bent = points[id.x][2];
+    // Skin that bends like a ball, in a plane that leans.
+    let slope = mat3x3f(bent.w, 0.0, 0.0, 0.0, bent.w, 0.0, 0.0, 0.0, bent.w);
+    let strand = strand_at(look, Skin(base.xyz, normal.xyz, bent.xyz, slope), base.w, normal.w);
     let word = hash(bitcast<vec4u>(base)).w;
     found[id.x][0] = vec4u(u32(strand.found), strand.id, bitcast<u32>(strand.offset), bitcast<u32>(strand.along));
     let lobes = kajiya_kay(normal.xyz, normalize(base.xyz), normalize(base.yzx), 24.0);
@@ -30,7 +33,7 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
 ";
 
 /// What the shader gives for each point: strand and hash, lobes, extrusion.
-fn look_up(gpu: &Gpu, look: &Look, points: &[[Vec4; 2]]) -> Vec<[[u32; 4]; 2]> {
+fn look_up(gpu: &Gpu, look: &Look, points: &[[Vec4; 3]]) -> Vec<[[u32; 4]; 2]> {
     let filled = |data: &[u8], usage| {
         let buffer = gpu.buffer(data.len() as u64, usage).unwrap();
         gpu.queue.write_buffer(&buffer, 0, data);
@@ -79,17 +82,22 @@ fn shaders_find_the_strands_that_the_processor_finds() {
     let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
     // Evenly spread over a ball, at all heights and lengths.
     let number = |i: u32, k: u32| crate::strands::unit(hash([i, k, 0, 0])[0]);
-    let points: Vec<[Vec4; 2]> = (0..20_000)
+    let points: Vec<[Vec4; 3]> = (0..20_000)
         .map(|i| {
             let way = Vec3::from_array([0, 1, 2].map(|k| number(i, k) - 0.5)).normalize_or(Vec3::Y);
-            [way.extend(number(i, 3) * number(i, 4)), way.extend(number(i, 4))]
+            let lean = Vec3::from_array([5, 6, 7].map(|k| 0.4 * number(i, k) - 0.2));
+            [
+                way.extend(number(i, 3) * number(i, 4)),
+                way.extend(number(i, 4)),
+                (way + lean).normalize_or_zero().extend(3.0 * number(i, 8) - 1.0),
+            ]
         })
         .collect();
     for (bend, density) in [(Vec3::ZERO, 0.15), (Vec3::new(0.4, -0.7, 0.1), 0.9)] {
         let fur = Fur { bend, seed: 9, ..Fur::for_radius(1.0, 0.1, density).unwrap() };
         let answers = look_up(&gpu, &Look::new(fur), &points);
         let (mut strands, mut others) = (0, 0);
-        for ([base, normal], [strand, more]) in points.iter().zip(answers) {
+        for ([base, normal, bent], [strand, more]) in points.iter().zip(answers) {
             let (at, up) = (base.truncate(), normal.truncate());
             assert_eq!(
                 more[0],
@@ -102,7 +110,9 @@ fn shaders_find_the_strands_that_the_processor_finds() {
                 // Powers multiply the error of their base.
                 assert!((f32::from_bits(word) - want).abs() < 100.0 * ROUNDING, "{at}: {word} {want}");
             }
-            let want = fur.strand_at(at, up, base.w, normal.w);
+            let slope = glam::Mat3::from_diagonal(Vec3::splat(bent.w));
+            let skin = Skin { position: at, normal: up, plane: bent.truncate(), slope };
+            let want = fur.strand_at(&skin, base.w, normal.w);
             strands += usize::from(want.is_some());
             let same = match want {
                 None => strand[0] == 0,

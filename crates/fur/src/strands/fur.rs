@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{IVec3, Vec3};
 
 use super::hash::{hash, unit};
+use super::skin::Skin;
 use crate::error::{Error, range};
 use crate::numeric::{
     CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, LEAST_LENGTH, MAX_CELLS, MAX_COORDINATE, MAX_PER_CELL,
@@ -157,16 +158,29 @@ impl Fur {
         self.spacing * self.radius * (1.0 - self.taper * along)
     }
 
-    /// The strand at a point of a layer, or none. `position` and the unit `normal` are of the base
-    /// mesh, `height` is that of the layer as a share of the greatest height, and `length` the
-    /// length of the coat there ([`crate::mesh::Coat`]); both are 0 to 1.
+    /// The strand at a point of a layer, or none. `height` is that of the layer as a share of the
+    /// greatest height, and `length` the length of the coat there ([`crate::mesh::Coat`]); both are
+    /// 0 to 1.
+    ///
+    /// Strands are round and as thick as [`Fur::radius_along`], wherever the skin bends: the
+    /// distance to the middle of a strand is taken at the height of the layer, where strands are
+    /// farther apart than their roots on round bodies and nearer in hollows, and across the strand
+    /// if it leans. Both hold as far as the skin is flat or a ball within a cell.
     ///
     /// Of several strands it is the one whose middle is relatively nearest; of those equally near,
     /// the one in the cell found first: least z, then y, then x. Costs `8 * per_cell` hashes. NaN
     /// has no strand.
-    pub fn strand_at(&self, position: Vec3, normal: Vec3, height: f32, length: f32) -> Option<Strand> {
-        let place = position * (1.0 / self.spacing);
+    pub fn strand_at(&self, skin: &Skin, height: f32, length: f32) -> Option<Strand> {
+        let place = skin.position * (1.0 / self.spacing);
         let first = (place - 0.5).floor();
+        let lift = skin.lift();
+        // In cells from here on.
+        let tall = self.height / self.spacing;
+        let slope = skin.slope * self.spacing;
+        // How far a turn of the normal moves the layer; along the bend, too.
+        let turned = tall * height * (1.0 - height * self.bend.dot(skin.normal));
+        let tangent = self.tangent(skin.normal, height);
+        let rise = tangent.dot(skin.normal) / tall.max(f32::MIN_POSITIVE);
         let mut best: Option<Strand> = None;
         for corner in 0..8 {
             let cell = first + Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32);
@@ -174,11 +188,14 @@ impl Fur {
                 let (point, id) = self.point(cell.as_ivec3(), k);
                 // Relative to the cell, which loses fewer bits than world coordinates.
                 let way = (cell - place) + point;
-                let above = way.dot(normal);
-                let side = way - normal * above;
-                let along = height / (length * self.share(id));
+                let above = way.dot(lift);
+                let side = way - skin.normal * above;
+                // From here to the middle of the strand at this height.
+                let away = side + (slope * side) * (turned - above);
+                let back = away.dot(tangent);
+                let along = (height - back * rise).max(0.0) / (length * self.share(id));
                 let radius = self.radius * (1.0 - self.taper * along);
-                let offset = side.length() / radius;
+                let offset = (away - tangent * back).length() / radius;
                 let within = above.abs() < HALF_SLAB && along <= 1.0 && radius > 0.0 && offset < 1.0;
                 if within && best.is_none_or(|b| offset < b.offset) {
                     best = Some(Strand { id, offset, along });

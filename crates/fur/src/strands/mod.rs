@@ -4,13 +4,15 @@
 //! of its number. A point within a thin slab around the surface is the root of a strand, which
 //! stands along the normal. The points are equally dense everywhere, so that strands are equally
 //! dense on any surface, whatever its shape, its place and its triangles. All that a fragment needs
-//! are the position and the normal of the base mesh: [`Fur::strand_at`] is the same function for
+//! are the position and the normal of the base mesh, and how it bends ([`Skin`]):
+//! [`Fur::strand_at`] is the same function for
 //! shaders, in single precision; [`roots`] lists the strands of a mesh one by one, for ray tracers.
 
 mod fur;
 mod hash;
 mod lean;
 mod roots;
+mod skin;
 
 pub use fur::{Fur, Strand};
 pub use hash::{hash, unit};
@@ -18,3 +20,4 @@ pub use lean::{Forces, Lean};
 
 pub use crate::numeric::MAX_PER_CELL;
 pub use roots::{Root, roots};
+pub use skin::Skin;

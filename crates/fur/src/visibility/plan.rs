@@ -90,11 +90,12 @@ pub struct Entry {
 pub struct Plan {
     /// What is drawn, in the order of the draw list.
     pub entries: Vec<Entry>,
-    /// Objects for which the budget is too small even without any fur, in the order of the draw
-    /// list. **They could be seen.**
-    pub dropped: Vec<ObjectId>,
     /// The sum of the weights.
     pub weight: f64,
+    /// By how much the weight exceeds the budget: above 0 only if the bases alone, at their
+    /// coarsest levels, are more than the budget. **All of them are drawn all the same**: whatever
+    /// can be seen stays.
+    pub excess: f64,
 }
 
 /// Gives each object of a draw list ([`casca::Pvs::draw_list`]: nearest first) its level of detail
@@ -102,10 +103,12 @@ pub struct Plan {
 ///
 /// Without a budget, layers follow from the projected height of the fur ([`layers_for`]) and levels
 /// from the projected size ([`level_for`]). A budget takes layers from all objects by the same
-/// factor; furry objects keep one layer each. Then the farthest lose this one, and only if the
-/// bases alone are too much, the objects that appear smallest are dropped. What is left over of the
-/// budget goes to the nearest. The result depends on nothing but the arguments. Costs some fifty
-/// passes over the list if there is a budget.
+/// factor; furry objects keep one layer each. Then the farthest lose this one. If the bases alone
+/// are too much, objects become coarser, the one that appears smallest first, until the bases fit;
+/// no object is dropped, since all of them can be seen, and [`Plan::excess`] says how much is too
+/// much where all are at their coarsest. What is left over of the budget goes to the nearest. The
+/// result depends on nothing but the arguments. Costs some fifty passes over the list if there is a
+/// budget.
 ///
 /// # Errors
 /// Refuses options that are negative or NaN.
@@ -125,18 +128,24 @@ pub fn plan<'a>(
         // A disc of this diameter; NaN and more than the picture count as the picture.
         let covered = (size * size * std::f32::consts::FRAC_PI_4).min(options.screen);
         let level = level_for(covered, object.vertices);
-        let vertices = f64::from(object.vertices.get(level).copied().unwrap_or(0));
+        let vertices = |level: usize| f64::from(object.vertices.get(level).copied().unwrap_or(0));
+        // The cheapest of the levels; the finest of those that cost the same.
+        let coarsest = (level..object.vertices.len())
+            .min_by(|&a, &b| vertices(a).total_cmp(&vertices(b)))
+            .unwrap_or(level);
         let seen = if fraction < 1.0 { fraction.max(0.0) } else { 1.0 };
         Wish {
             id: item.id,
             level,
+            coarsest,
+            saving: vertices(level) - vertices(coarsest),
             seen_size: if item.seen_size().is_nan() { f32::INFINITY } else { item.seen_size() },
             layers: layers_for(
                 pixels_of(object.height, item.distance, options.focal),
                 fraction,
                 options.most_layers,
             ),
-            pass: vertices + options.pixel_weight * f64::from(covered * seen),
+            pass: vertices(level) + options.pixel_weight * f64::from(covered * seen),
         }
     };
     let wishes: Vec<Wish> = items.iter().map(wish).collect();
@@ -147,6 +156,9 @@ pub fn plan<'a>(
 struct Wish {
     id: ObjectId,
     level: usize,
+    /// The level that costs least, and how many vertices less than the other it costs.
+    coarsest: usize,
+    saving: f64,
     seen_size: f32,
     layers: u32,
     /// The weight of the base, and of each layer.
@@ -183,7 +195,7 @@ fn fit(mut wishes: Vec<Wish>, budget: f64) -> Plan {
         }
         layers = wishes.iter().map(|w| w.scaled(low)).collect();
     } else {
-        drop_smallest(&mut wishes, budget, &mut plan.dropped);
+        coarsen_smallest(&mut wishes, budget);
         layers = vec![0; wishes.len()];
     }
     // What is left over, to the nearest first: a layer each.
@@ -198,26 +210,26 @@ fn fit(mut wishes: Vec<Wish>, budget: f64) -> Plan {
     plan.entries =
         entries.map(|(w, n)| Entry { id: w.id, level: w.level, layers: n, weight: w.weight(n) }).collect();
     plan.weight = plan.entries.iter().map(|e| e.weight).sum();
+    plan.excess = (plan.weight - budget).max(0.0);
     plan
 }
 
-/// Keeps the objects that appear largest, as far as their bases are within the budget. A base that
-/// does not fit leaves its room to smaller ones.
-fn drop_smallest(wishes: &mut Vec<Wish>, budget: f64, dropped: &mut Vec<ObjectId>) {
+/// Gives objects their coarsest level, those that appear smallest first, until the bases are within
+/// the budget.
+fn coarsen_smallest(wishes: &mut [Wish], budget: f64) {
     let mut order: Vec<usize> = (0..wishes.len()).collect();
-    // Largest first; among equals the nearest.
-    order.sort_by(|&a, &b| wishes[b].seen_size.total_cmp(&wishes[a].seen_size).then(a.cmp(&b)));
-    let mut keep = vec![false; wishes.len()];
-    let mut used = 0.0;
+    // Smallest first; among equals the farthest.
+    order.sort_by(|&a, &b| wishes[a].seen_size.total_cmp(&wishes[b].seen_size).then(b.cmp(&a)));
+    let mut used: f64 = wishes.iter().map(|w| w.pass).sum();
     for i in order {
-        if used + wishes[i].pass <= budget {
-            used += wishes[i].pass;
-            keep[i] = true;
+        if used <= budget {
+            return;
         }
+        let wish = &mut wishes[i];
+        used -= wish.saving;
+        wish.pass -= wish.saving;
+        (wish.level, wish.saving) = (wish.coarsest, 0.0);
     }
-    dropped.extend(wishes.iter().zip(&keep).filter(|(_, k)| !**k).map(|(w, _)| w.id));
-    let mut at = keep.iter();
-    wishes.retain(|_| at.next().copied().unwrap_or(false));
 }
 
 #[cfg(test)]
@@ -270,7 +282,7 @@ mod tests {
         let items = list(200);
         let options = PlanOptions::default();
         let plan = plan(&items, |_| FURRY, &options).unwrap();
-        assert!(plan.dropped.is_empty());
+        assert_eq!(plan.excess, 0.0);
         assert_eq!(
             plan.entries.iter().map(|e| e.id).collect::<Vec<_>>(),
             items.iter().map(|i| i.id).collect::<Vec<_>>()
@@ -294,24 +306,27 @@ mod tests {
         let items = list(300);
         let mut random = dice(8);
         let free = plan(&items, |_| FURRY, &PlanOptions::default()).unwrap();
-        let bases: f64 = free.entries.iter().map(|e| e.weight / f64::from(1 + e.layers)).sum();
+        let base = |e: &Entry| e.weight / f64::from(1 + e.layers);
+        let bases: f64 = free.entries.iter().map(base).sum();
         let furry = |e: &&Entry| e.layers > 0;
         let one_each = bases
             + free.entries.iter().filter(furry).map(|e| e.weight / f64::from(1 + e.layers)).sum::<f64>();
-        let mut before: Option<(f64, Plan)> = None;
+        let least = |e: &Entry| base(e) - f64::from(FURRY.vertices[e.level] - 250);
+        let coarsest: f64 = free.entries.iter().map(least).sum();
         for step in 0..60 {
             let budget = free.weight * (f64::from(step) / 50.0 + 0.01 * random.next());
             let options = PlanOptions { budget, ..PlanOptions::default() };
             let plan = super::plan(&items, |_| FURRY, &options).unwrap();
             assert_eq!(plan, super::plan(&items, |_| FURRY, &options).unwrap());
-            assert!(plan.weight <= budget, "{} above {budget}", plan.weight);
-            assert_eq!(plan.entries.len() + plan.dropped.len(), items.len());
-            // No object is lost while the bases fit, and none has fur beside lost ones that fit.
-            assert_eq!(plan.dropped.is_empty(), bases <= budget, "step {step}");
-            if plan.entries.iter().any(|e| e.layers > 0) {
-                let dropped = free.entries.iter().filter(|e| plan.dropped.contains(&e.id));
-                let base = |e: &Entry| e.weight / f64::from(1 + e.layers);
-                assert!(dropped.map(base).all(|base| base > budget - plan.weight), "step {step}");
+            // All that can be seen stays, in the order of the list.
+            assert!(plan.entries.iter().map(|e| e.id).eq(items.iter().map(|i| i.id)), "step {step}");
+            assert!(plan.weight <= budget + plan.excess + 1e-6 * budget, "{} above {budget}", plan.weight);
+            assert_eq!(plan.excess > 0.0, coarsest > budget, "step {step}");
+            if plan.excess > 0.0 {
+                assert!(plan.entries.iter().all(|e| e.layers == 0 && e.level == 2), "step {step}");
+            }
+            if bases <= budget {
+                assert!(plan.entries.iter().zip(&free.entries).all(|(e, f)| e.level == f.level));
             }
             if budget >= free.weight {
                 assert_eq!(plan, free);
@@ -324,30 +339,31 @@ mod tests {
                     "step {step}"
                 );
             }
-            if let Some((less, old)) = before {
-                assert!(less > budget || old.dropped.len() >= plan.dropped.len());
-            }
-            before = Some((budget, plan));
         }
     }
 
     #[test]
-    fn the_smallest_are_dropped_first() {
+    fn a_budget_smaller_than_the_skins_keeps_all_skins() {
         let items = list(50);
-        let options = PlanOptions { budget: 500_000.0, ..PlanOptions::default() };
-        let plan = plan(&items, |_| FURRY, &options).unwrap();
-        assert!(!plan.entries.is_empty() && plan.weight <= 500_000.0);
-        let of = |ids: &[ObjectId]| -> Vec<usize> {
-            (0..items.len()).filter(|&i| ids.contains(&items[i].id)).collect()
-        };
-        let kept: Vec<_> = plan.entries.iter().map(|e| e.id).collect();
-        assert_eq!(of(&kept)[..2], [0, 1], "the nearest appear largest");
-        assert_eq!(of(&kept).len() + of(&plan.dropped).len(), items.len());
-        // The nearest alone is more than this budget: others take its room.
-        let little = super::plan(&items, |_| FURRY, &PlanOptions { budget: 330_000.0, ..options }).unwrap();
-        assert!(!little.entries.is_empty() && little.weight > 200_000.0);
+        let free = plan(&items, |_| FURRY, &PlanOptions::default()).unwrap();
+        let base = |e: &Entry| e.weight / f64::from(1 + e.layers);
+        let bases: f64 = free.entries.iter().map(base).sum();
+        // A little too small: the farthest become coarser, the nearest stay as they are.
+        let options = PlanOptions { budget: bases - 800.0, ..PlanOptions::default() };
+        let tight = super::plan(&items, |_| FURRY, &options).unwrap();
+        assert_eq!((tight.entries.len(), tight.excess), (50, 0.0));
+        assert!(tight.weight <= options.budget);
+        let changed: Vec<usize> =
+            (0..50).filter(|&i| tight.entries[i].level != free.entries[i].level).collect();
+        assert!(!changed.is_empty() && changed.iter().all(|&i| tight.entries[i].level == 2));
+        let finer = free.entries.iter().filter(|e| e.level < 2).count();
+        assert!(changed.len() < finer && changed.last() == Some(&(finer - 1)), "{changed:?} of {finer}");
+        // Nothing at all: every skin at its coarsest level, and the plan says that it is too much.
         let none = PlanOptions { budget: 0.0, ..options };
-        assert_eq!(super::plan(&items, |_| FURRY, &none).unwrap().dropped.len(), 50);
+        let over = super::plan(&items, |_| FURRY, &none).unwrap();
+        assert!(over.entries.iter().map(|e| e.id).eq(items.iter().map(|i| i.id)));
+        assert!(over.entries.iter().all(|e| (e.level, e.layers) == (2, 0)));
+        assert!(over.excess > 0.0 && over.excess == over.weight);
         assert_eq!(super::plan(&[], |_| FURRY, &none).unwrap(), Plan::default());
     }
 
@@ -360,7 +376,8 @@ mod tests {
         for budget in [0.0, 1e5, 1e9, f64::INFINITY] {
             let options = PlanOptions { budget, ..PlanOptions::default() };
             let plan = plan(&items, |_| Furry { vertices: &[], height: f32::NAN }, &options).unwrap();
-            assert!(plan.weight <= budget && plan.weight.is_finite());
+            assert!(plan.entries.len() == 4 && plan.weight.is_finite());
+            assert_eq!(plan.excess, (plan.weight - budget).max(0.0));
         }
         let usual = PlanOptions::default();
         for options in [

@@ -173,8 +173,8 @@ impl GpuLines {
         self.margin
     }
 
-    /// Whether the cells and places suit settings: their margin and step are within a factor of 2 of
-    /// the best ones, or the settings need none.
+    /// Whether the cells and places suit settings: their margin and step are within a factor of 2
+    /// of the best ones, or the settings need none.
     pub fn suits(&self, settings: &Settings) -> bool {
         let near = |now: f32, best: f32| (best / 2.0..=best * 2.0).contains(&now);
         let places = match (settings.ao.estimator, &self.sides) {

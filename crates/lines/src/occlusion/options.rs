@@ -51,8 +51,8 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// Rays from places along the lines for hemispheres and tubes of these radii, with the step that
-    /// suits them: no less than the width of a tube, since pixels are as large.
+    /// Rays from places along the lines for hemispheres and tubes of these radii, with the step
+    /// that suits them: no less than the width of a tube, since pixels are as large.
     pub fn places(radius: f32, line_radius: f32) -> Self {
         Self::Places { line_radius, step: (radius * PLACE_STEP).max(line_radius * 2.0) }
     }

@@ -124,12 +124,12 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box
                     .sum();
                 // A quarter of the bytes is opacity, which never differs.
                 let rmse = (sum / (0.75 * want.pixels.len() as f64)).sqrt() / 255.0;
-                let dropped = if drawn.dropped > 0 {
-                    format!(", {} more dropped by the budget", drawn.dropped)
+                let over = if drawn.excess > 0.0 {
+                    format!(", {:.0} above the budget", drawn.excess)
                 } else {
                     String::new()
                 };
-                say(format_args!("{head}{dropped}, RMSE {rmse:.4} from the picture of everything"));
+                say(format_args!("{head}{over}, RMSE {rmse:.4} from the picture of everything"));
                 write_png(
                     &choices.out().join(format!("field-{i}-{}.png", way.name())),
                     picture.size,

@@ -19,7 +19,7 @@ use crate::fur::choices::{Choices, Subject};
 use crate::fur::one::{self, TO_SUN};
 use crate::fur::shots::{Picture, Shooter, sheet};
 
-const LAYERS: [u32; 5] = [4, 8, 16, 32, 64];
+const LAYERS: [u32; 6] = [4, 8, 16, 32, 64, 256];
 /// Heights as shares of the radius: the two of the thesis, and a taller one.
 const HEIGHTS: [f32; 3] = [0.02, 0.05, 0.1];
 const DENSITIES: [f32; 2] = [0.1, 0.3];
@@ -42,6 +42,8 @@ struct Row {
     layers: u32,
     marched: bool,
     rmse: f64,
+    /// The error away from outlines, see [`inside`].
+    inside: f64,
     /// See [`gaps`]; not a number where it was not measured.
     gaps: f64,
 }
@@ -62,6 +64,28 @@ fn rmse(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
     (pixels().map(square).sum::<f64>() / pixels().count().max(1) as f64).sqrt() / 255.0
 }
 
+/// Pixels nearer than this to one of the sky belong to an outline.
+const OUTLINE: i64 = 4;
+
+/// The error over the pixels that are no part of an outline, 0 to 1.
+fn inside(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
+    let (width, height) = (i64::from(SIZE.0), i64::from(SIZE.1));
+    let is_sky = |x: i64, y: i64| {
+        let at = 4 * (y * width + x) as usize;
+        [want, got].iter().any(|p| p.get(at..at + 4) == Some(sky))
+    };
+    let mut masked = [want.to_vec(), got.to_vec()];
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let (left, right) = ((x - OUTLINE).max(0), (x + OUTLINE).min(width - 1));
+        let mut near = (y - OUTLINE).max(0)..=(y + OUTLINE).min(height - 1);
+        if near.any(|v| (left..=right).any(|u| is_sky(u, v))) {
+            let at = 4 * (y * width + x) as usize;
+            masked.iter_mut().filter_map(|p| p.get_mut(at..at + 4)).for_each(|p| p.copy_from_slice(sky));
+        }
+    }
+    rmse(&masked[0], &masked[1], sky)
+}
+
 /// Compares all cases, writes them, and prints what follows.
 pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
     let mesh = &subject.levels[0];
@@ -80,7 +104,15 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
             let name = format!("study-{:.0}-{:.0}", height * 100.0, density * 100.0);
             let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
-            say(format_args!("height {height}, density {density}: {} strands", reference.strands()));
+            // The same strands, seen by other rays in the same pixels: what sampling alone does.
+            let again = reference.picture(&camera, SIZE, 3, &tint, TO_SUN.normalize());
+            say(format_args!(
+                "height {height}, density {density}: {} strands; strands sampled at 3x3 instead of 2x2 places of \
+                 a pixel: RMSE {:.4}, away from outlines {:.4}",
+                reference.strands(),
+                rmse(&truth, &again, &sky),
+                inside(&truth, &again, &sky)
+            ));
             // Strands shine by themselves, the more the nearer to the tip; skin and roots are
             // black.
             let shining = Look { material: SHINING, vary: 0.0, ..look };
@@ -97,13 +129,15 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                 for layers in LAYERS {
                     let list = one::list(subject, layers, camera.eye, false);
                     let Picture { pixels, .. } = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
-                    let rmse = rmse(&truth, &pixels, &sky);
+                    let (rmse, inside) = (rmse(&truth, &pixels, &sky), inside(&truth, &pixels, &sky));
                     let way = if marched { "followed" } else { "plain" };
-                    say(format_args!("  {way:<9}{layers:>3} layers: RMSE {rmse:.4}"));
+                    say(format_args!(
+                        "  {way:<9}{layers:>3} layers: RMSE {rmse:.4}, away from outlines {inside:.4}"
+                    ));
                     if SHOWN.contains(&(layers, marched)) {
                         shown.push(Picture { size: SIZE, pixels });
                     }
-                    let mut row = Row { height, density, layers, marched, rmse, gaps: f64::NAN };
+                    let mut row = Row { height, density, layers, marched, rmse, inside, gaps: f64::NAN };
                     if layers == GAP_LAYERS {
                         renderer.set_look(gpu, &Look { marched, ..shining })?;
                         let list = one::tinted(layers, camera.eye, ([0.0; 3], [1.0; 3]));
@@ -124,10 +158,14 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
 }
 
 fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
-    let mut csv = String::from("height,density,layers,rays followed,RMSE,light of tips lost\n");
+    let mut csv =
+        String::from("height,density,layers,rays followed,RMSE,RMSE away from outlines,light of tips lost\n");
     for r in rows {
         let gaps = if r.gaps.is_nan() { String::new() } else { format!("{:.4}", r.gaps) };
-        csv += &format!("{},{},{},{},{:.5},{gaps}\n", r.height, r.density, r.layers, r.marched, r.rmse);
+        csv += &format!(
+            "{},{},{},{},{:.5},{:.5},{gaps}\n",
+            r.height, r.density, r.layers, r.marched, r.rmse, r.inside
+        );
     }
     let path = choices.out().join("study.csv");
     std::fs::write(&path, csv).map_err(PathError::write(&path))?;
@@ -164,7 +202,7 @@ fn conclude(rows: &[Row]) {
             let Some(&(_, goal)) = short.iter().find(|p| p.0 == f64::from(GAP_LAYERS)) else { continue };
             for height in &HEIGHTS[1..] {
                 let needed = layers_for_error(&curve(*height, density, marched), goal);
-                let needed = needed.map_or("more than 64".to_owned(), |n| format!("{n:.0}"));
+                let needed = needed.map_or("more than 256".to_owned(), |n| format!("{n:.0}"));
                 say(format_args!(
                     "  density {density}: fur {}% high needs {needed} layers for the error of fur {}% high with {GAP_LAYERS}",
                     height * 100.0,
@@ -215,6 +253,18 @@ mod tests {
         let got = [sky, fur, dark, sky].concat();
         assert!((rmse(&want, &got, &sky) - (0.5f64 * (100.0f64 / 255.0).powi(2)).sqrt()).abs() < 1e-12);
         assert!((gaps(&want, &got, &sky) - 0.5 * (1.0 - 0.5f64.powf(2.2))).abs() < 1e-12);
+        // A picture of fur with a single pixel of sky and one that differs next to it, or far away.
+        let full = fur.repeat((SIZE.0 * SIZE.1) as usize);
+        let with = |at: usize| {
+            let mut picture = full.clone();
+            picture[..4].copy_from_slice(&sky);
+            picture[4 * at..4 * at + 4].copy_from_slice(&dark);
+            picture
+        };
+        let mut truth = full.clone();
+        truth[..4].copy_from_slice(&sky);
+        assert_eq!(inside(&truth, &with(4), &sky), 0.0);
+        assert!(inside(&truth, &with(5), &sky) > 0.0);
         let curve = [(4.0, 0.4), (16.0, 0.2), (64.0, 0.1)];
         assert!((layers_for_error(&curve, 0.3).unwrap() - 8.0).abs() < 1e-9);
         assert_eq!(layers_for_error(&curve, 0.05), None);

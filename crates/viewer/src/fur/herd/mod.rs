@@ -78,6 +78,9 @@ pub struct Demand {
     pub height: u32,
 }
 
+/// An animal that is drawn: its number, its level of detail, its layers.
+type Chosen = (usize, usize, u32);
+
 /// A list of what to draw, and how much it is.
 #[derive(Debug, Clone, Default)]
 pub struct Drawn {
@@ -85,8 +88,8 @@ pub struct Drawn {
     pub list: DrawList,
     /// How many animals it holds.
     pub animals: usize,
-    /// How many animals that can be seen it lacks, since their skins alone exceed the budget.
-    pub dropped: usize,
+    /// By how much the skins alone exceed the budget, in weight; they are drawn all the same.
+    pub excess: f64,
     /// Vertices of all skins and layers.
     pub vertices: u64,
 }
@@ -206,20 +209,20 @@ impl Herd {
                 None => {}
             }
         }
-        let mut dropped = 0;
-        let chosen: Vec<(usize, usize, u32)> = match demand.way {
+        let mut excess = 0.0;
+        let chosen: Vec<Chosen> = match demand.way {
             way if way.is_coarser() => {
                 let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
                 if culled {
                     self.soft.estimate(self.query.pvs(), &self.field.scene, FRACTION_RAYS, &mut items)?;
                 }
-                let planned = self.planned(&items, camera, demand)?;
-                dropped = items.len() - planned.len();
+                let planned;
+                (planned, excess) = self.planned(&items, camera, demand)?;
                 planned
             }
             _ => seen.iter().map(|&(animal, _)| (animal, 0, demand.layers)).collect(),
         };
-        let stand = |&(animal, level, layers): &(usize, usize, u32)| (self.stand(animal, level), layers);
+        let stand = |&(animal, level, layers): &Chosen| (self.stand(animal, level), layers);
         let vertices = chosen.iter().map(|&(animal, level, layers)| {
             let species = &self.field.species()[self.field.animals()[animal].species].0;
             species.levels()[level].vertices().len() as u64 * u64::from(layers + 1)
@@ -228,16 +231,16 @@ impl Herd {
         let stands: Vec<(Stand, u32)> = chosen.iter().map(stand).collect();
         let list = DrawList::new(&stands, camera.eye, blocks);
         let list = self.posed(list, chosen.iter().map(|(animal, ..)| *animal))?;
-        Ok(Drawn { list, animals: stands.len(), dropped, vertices })
+        Ok(Drawn { list, animals: stands.len(), excess, vertices })
     }
 
-    /// Animals with their level of detail and layers, within the budget.
+    /// Animals with their level of detail and layers, and by how much they exceed the budget.
     fn planned(
         &self,
         items: &[DrawItem],
         camera: &Camera,
         demand: &Demand,
-    ) -> Result<Vec<(usize, usize, u32)>, FurGpuError> {
+    ) -> Result<(Vec<Chosen>, f64), FurGpuError> {
         // Where the finest meshes hide others, coarser ones would leave gaps.
         let levels = if self.field.hiding() == Hiding::Meshes { 1 } else { LEVELS };
         let vertices: Vec<Vec<u32>> = self
@@ -271,7 +274,8 @@ impl Herd {
                 plan(items, furry, &PlanOptions { budget: made.weight * demand.budget.max(0.0), ..options })?;
         }
         let entries = made.entries.iter();
-        Ok(entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers))).collect())
+        let chosen = entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers)));
+        Ok((chosen.collect(), made.excess))
     }
 }
 
