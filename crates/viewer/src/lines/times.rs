@@ -201,7 +201,9 @@ impl Bench<'_> {
         let rooms = ROOMS.min(side * side);
         for i in 0..rooms {
             let view = self.view(1.0, i * side * side / rooms)?;
-            let settings = self.source.settings(self.options, &view);
+            // Rays need the tubes that the lines were copied for.
+            let of_view = self.source.settings(self.options, &view);
+            let settings = if settings.by_rays() { settings } else { of_view };
             all.extend(self.frame((&view, settings), &lines, None)?.0);
             let (stages, _, seen) = self.frame((&view, settings), &lines, Some(&mut culling))?;
             culled.extend(stages);
