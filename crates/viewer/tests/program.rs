@@ -113,6 +113,9 @@ fn pictures_are_written_culling_does_not_change_them_and_errors_end_with_3() {
         assert!(picture(&format!("all/{name}")) == picture(&format!("some/{name}")), "{name}");
     }
     assert!(picture("all/lines_rooms_plain.png") != picture("all/lines_rooms_occluded.png"));
+    // Rooms at other distances have thinner tubes than the first, for which the lines were copied.
+    let (code, said, errors) = run(&folder, "lines --rooms 6 --lines 4 --time --size 24x18 --samples 4");
+    assert!(code == Some(0) && said.contains("of the time without culling"), "{errors}");
     // A file is swayed at another time than 0.
     std::fs::write(folder.join("zigzag.obj"), "v 0 0 0\nv 1 1 0\nv 2 0 0.5\nv 3 1 0\nl 1 2 3 4\n").unwrap();
     let words = "lines zigzag.obj --headless --size 96x72 --look occlusion --fov 0 --out";
