@@ -96,7 +96,7 @@ pub enum Error {
     Parent {
         /// The joint.
         joint: usize,
-        /// What it hangs from.
+        /// Its parent.
         parent: usize,
     },
     /// A vertex that follows a joint that does not exist.
@@ -138,7 +138,7 @@ pub enum Error {
     Keys {
         /// The key.
         key: usize,
-        /// What is wrong with it.
+        /// The reason.
         why: &'static str,
     },
     /// casca refused bounds, an occluder or a scene.

@@ -30,7 +30,7 @@ fn texture(gpu: &Gpu, format: TextureFormat, samples: u32) -> wgpu::Texture {
     })
 }
 
-/// What a pass with so many samples shows, over the colour of the first pixel of `sky`.
+/// The picture of a pass with so many samples, over the colour of the first pixel of `sky`.
 fn drawn(gpu: &Gpu, fur: &OwnPass, samples: u32, sky: &[u8]) -> Vec<u8> {
     let [colour, resolved] = [samples, 1].map(|samples| texture(gpu, COLOUR, samples));
     let depth = texture(gpu, DEPTH, samples);

@@ -46,7 +46,7 @@ pub(super) struct Buffers {
     /// Three for each triangle.
     pub(super) count: u32,
     vertices: usize,
-    /// Of meshes that are posed.
+    /// Only meshes that are posed have some.
     pub(super) followers: Option<wgpu::Buffer>,
 }
 

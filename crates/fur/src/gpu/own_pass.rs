@@ -25,11 +25,11 @@ use crate::mesh::Mesh;
 /// - **Multisampling** smooths outlines of skins and walls. A fragment shades once for each pixel,
 ///   and a strand takes all its samples or none, so that strands are no smoother than without.
 /// - **Temporal antialiasing** smooths strands, too: put its jitter into the camera's projection.
-///   What hides strands thinner than a pixel is chosen by their place on the skin, not by the
+///   Hashed alpha of strands thinner than a pixel is chosen by their place on the skin, not by the
 ///   frame (hashed alpha), so that it does not flicker and still pictures stay still.
 pub struct OwnPass {
     renderer: Renderer,
-    /// What the last [`OwnPass::prepare`] uploaded: the shells of each mesh, and blocks.
+    /// The parts of the last [`OwnPass::prepare`]: the shells of each mesh, and blocks.
     runs: Vec<(usize, Range<u32>)>,
     blocks: u32,
 }

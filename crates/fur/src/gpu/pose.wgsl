@@ -1,6 +1,6 @@
 // Skinned vertices: the twin of `Weights::blend` in casca-fur, and how posed strands lean.
 
-// Of all animals that are posed: for each joint the rows of a matrix, from the mesh at rest to object space.
+// For each joint of all animals that are posed, the rows of a matrix, from the mesh at rest to object space.
 @group(1) @binding(4) var<storage, read> joints: array<array<vec4f, 3>>;
 
 /// The blended matrix of a vertex. `pose` is the first joint of the animal and their number; joints that it lacks stay at rest.

@@ -29,7 +29,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
-/// What the shader gives for each vertex: its place, a way taken back, the bend.
+/// The shader's results for each vertex: its place, a way taken back, the bend.
 fn place(gpu: &Gpu, joints: &[[[f32; 4]; 3]], given: &[[u32; 16]]) -> Vec<[Vec4; 3]> {
     let filled = |data: &[u8]| {
         let buffer = gpu.buffer(data.len() as u64, BufferUsages::STORAGE).unwrap();

@@ -5,7 +5,7 @@ use glam::Affine3A;
 use super::clip::{Channel, Clip};
 use super::skeleton::{Local, Skeleton};
 
-/// What comes behind the end of a clip.
+/// How a clip goes on behind its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Ending {
     /// It begins anew.

@@ -18,7 +18,7 @@ pub enum Interpolation {
     CubicSpline,
 }
 
-/// What can be keyed.
+/// Values that can be keyed.
 pub trait Keyed: Copy {
     /// Whether it can be the value of a key.
     fn is_sound(self) -> bool;

@@ -29,7 +29,7 @@ impl Lean {
     }
 }
 
-/// What bends strands. There is no memory: a strand is where its animal's motion puts it now.
+/// Forces that bend strands. There is no memory: a strand is where its animal's motion puts it now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forces {
     /// How far gravity pulls tips down (against y), in multiples of the fur's height.

@@ -25,11 +25,11 @@ pub(super) struct GpuSides {
     count: u32,
     values: Buffer,
     asked: Buffer,
-    /// What the values on the device were computed for.
+    /// The settings for which the values on the device were computed.
     known: Mutex<Option<Known>>,
 }
 
-/// What values depend on, besides the lines.
+/// The settings that values depend on.
 type Known = (Estimator, f32, [u32; 2], u64);
 
 impl GpuSides {

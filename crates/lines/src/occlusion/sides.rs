@@ -67,7 +67,7 @@ impl<'a> Sides<'a> {
         Ok(Self { lines, cells, samples, places, lengths, options, line_radius, values })
     }
 
-    /// What the estimate is told.
+    /// The options of the estimate.
     pub(super) fn options(&self) -> &AoOptions {
         &self.options
     }

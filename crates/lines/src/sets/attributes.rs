@@ -1,4 +1,4 @@
-//! What sets carry besides places: numbers of vertices and of lines, colours, and groups.
+//! Attributes of sets: numbers of vertices and of lines, colours, and groups.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ pub const NO_GROUP: u32 = u32::MAX;
 /// The colour of vertices that were given none.
 const GREY: [u8; 3] = [160; 3];
 
-/// What a value belongs to.
+/// Whether values belong to vertices or lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Of {
     /// Each vertex has a value.
@@ -21,7 +21,7 @@ pub enum Of {
 pub struct Scalars {
     /// The name, as the file has it.
     pub name: String,
-    /// What the values belong to.
+    /// Whether they belong to vertices or lines.
     pub of: Of,
     /// The values, in the order of vertices or lines. NaN is a value that is not known.
     pub values: Vec<f32>,
@@ -36,7 +36,7 @@ pub struct Groups {
     pub of: Vec<u32>,
 }
 
-/// What a [`LineSet`](super::LineSet) carries besides places.
+/// Numbers, colours and groups of a [`LineSet`](super::LineSet).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Attributes {
     /// Numbers of vertices and of lines.

@@ -11,7 +11,7 @@ pub const LENGTH: &str = "length";
 /// any first groups lie far from each other.
 const HUE_STEP: f64 = 0.618_033_988_749_895;
 
-/// What colours show.
+/// How lines are coloured.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Colouring {
     /// The colours of the set, if it has some.
@@ -32,7 +32,7 @@ pub enum Colouring {
     Group,
 }
 
-/// What colours mean.
+/// The meaning of colours.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Legend {
     /// Nothing.
@@ -55,7 +55,7 @@ pub enum Legend {
 pub struct Colours {
     /// In the order of [`LineSet::points`].
     pub of_vertices: Vec<[u8; 3]>,
-    /// What they mean.
+    /// Their meaning.
     pub legend: Legend,
 }
 

@@ -1,4 +1,4 @@
-//! What maps of all editors share: which objects hide, how they get into scenes, files.
+//! Parts that maps of all editors share: which objects hide, how they get into scenes, files.
 
 mod placed;
 mod role;

@@ -1,4 +1,4 @@
-//! Why projects are refused, and what is passed over.
+//! Why projects are refused, and the parts that are passed over.
 
 use std::io;
 
@@ -19,7 +19,7 @@ pub enum LdtkError {
     Damaged {
         /// "the project", or the path of a level as the project has it.
         file: String,
-        /// What is wrong, with line and column.
+        /// The reason, with line and column.
         why: serde_json::Error,
     },
     /// Two levels are in one file.
@@ -59,7 +59,7 @@ pub enum LdtkError {
     },
 }
 
-/// What was passed over in a level, so that it blocks no sight.
+/// Something that was passed over in a level, so that it blocks no sight.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LdtkWarning {

@@ -31,7 +31,7 @@ pub struct LdtkLevel {
     pub tile: Option<u32>,
     /// The entities of all layers.
     pub entities: Vec<LdtkEntity>,
-    /// What was passed over. Nothing of it blocks sight.
+    /// The parts that were passed over. Nothing of it blocks sight.
     pub warnings: Vec<LdtkWarning>,
 }
 

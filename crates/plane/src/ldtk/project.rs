@@ -165,7 +165,7 @@ impl Layer {
     }
 }
 
-/// What definitions say of layers, tiles and entities.
+/// The definitions of layers, tiles and entities, as far as they are needed.
 #[derive(Debug, Default)]
 pub(super) struct Blocking {
     /// The values of a layer, by its definition, and whether they block.

@@ -27,7 +27,7 @@ pub struct Skinned {
     pub mesh: Mesh,
     /// The joints: those of the skin, and all nodes that they hang from.
     pub skeleton: Skeleton,
-    /// What the vertices follow.
+    /// The joints that vertices follow.
     pub weights: Weights,
     /// The animations that move a joint, with their names, which may be empty.
     pub clips: Vec<(String, Clip)>,

@@ -104,7 +104,7 @@ pub struct Subject {
     pub name: String,
     pub levels: Vec<Mesh>,
     pub radius: f32,
-    /// What moves it, if it walks.
+    /// Its skeleton and walk, if it walks.
     pub walker: Option<Box<Walker>>,
 }
 

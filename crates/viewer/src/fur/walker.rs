@@ -1,4 +1,4 @@
-//! What walks alone: a generated animal or a file with a skin.
+//! One animal that walks: a generated animal or a file with a skin.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use glam::{Affine3A, Vec3};
 
 use crate::common::Failed;
 
-/// What moves the mesh of a subject.
+/// The skeleton, weights and clip of a subject.
 pub struct Walker {
     skeleton: Skeleton,
-    /// Of its finest mesh.
+    /// Those of its finest mesh.
     pub weights: Weights,
     clip: Clip,
     /// From where the skeleton poses the mesh to where the mesh was at rest, with its size.
@@ -25,7 +25,7 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// Of a generated animal.
+    /// The walk of a generated animal.
     pub fn generated(rig: &Rig, mesh: &Mesh) -> Self {
         let weights = rig.weights[0].clone();
         let (place, low) = (Affine3A::IDENTITY, mesh.aabb().min.y);

@@ -1,4 +1,4 @@
-//! What the colours of lines mean: a bar with numbers, or names.
+//! The legend of the colours of lines: a bar with numbers, or names.
 
 use casca_lines::sets::colour::{Legend, viridis};
 use casca_stage::canvas::Target;

@@ -47,7 +47,7 @@ pub struct Options {
     /// A house of N x N rooms with a set in each, whose walls hide lines
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32), conflicts_with_all = ["file", "set"])]
     pub rooms: Option<u32>,
-    /// What colours show: "own" (those of the file, or a pale one for each line), "direction" (x
+    /// How lines are coloured: "own" (by the file, or a pale colour for each line), "direction" (x
     /// is red, y green, z blue), "scalar" or "scalar=NAME" (a number of the file, or "length"),
     /// "group"
     #[arg(long, value_name = "WHAT", default_value = "own", value_parser = parse_colour)]
@@ -151,7 +151,7 @@ pub enum LookName {
 }
 
 impl Options {
-    /// What colours show, with the range of numbers.
+    /// How lines are coloured, with the range of numbers.
     pub fn colouring(&self) -> Colouring {
         match &self.colour {
             Colouring::Scalar { name, .. } => Colouring::Scalar { name: name.clone(), range: self.range },

@@ -42,7 +42,7 @@ pub enum FileError {
         /// The cause.
         why: String,
     },
-    /// What the file holds is not read, or contradicts itself.
+    /// The file has a part that is not read, or contradicts itself.
     #[error("{0}")]
     Refused(String),
     /// The lines were refused.

@@ -38,7 +38,7 @@ pub(super) struct Piece {
     pub(super) cell_data: Vec<Array>,
 }
 
-/// What a column of values is, in the order of vertices or lines.
+/// A column of values, in the order of vertices or lines.
 enum Column {
     Scalars(Scalars),
     Colours(Of, Vec<[u8; 3]>),

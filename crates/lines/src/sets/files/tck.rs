@@ -7,7 +7,7 @@ use super::bytes::{Bytes, Kind};
 use super::error::{FileError, broken};
 use crate::sets::LineSet;
 
-/// What the header says: where the numbers start, their bytes, and whether the highest is first.
+/// The header: where the numbers start, their bytes, and whether the highest is first.
 struct Header {
     offset: usize,
     kind: Kind,

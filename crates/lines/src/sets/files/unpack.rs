@@ -9,7 +9,7 @@ use super::error::{FileError, refused};
 /// How many times its size a file may unpack to: arrays of one number pack a thousand times, but
 /// coordinates hardly twice.
 const MOST_UNPACKED: usize = 64;
-/// What a file may unpack to in any case.
+/// Bytes that any file may unpack to.
 const ANYWAY: usize = 1 << 20;
 
 /// The bytes that a file may still unpack to.

@@ -66,7 +66,7 @@ impl Animal {
         &self.levels
     }
 
-    /// What moves it.
+    /// Its skeleton, weights and walk.
     pub fn rig(&self) -> &Rig {
         &self.rig
     }

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 
 use casca_fur::mesh::Coat;
 
-/// What a part moves with.
+/// The joints that a part follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Limb {
     Trunk,

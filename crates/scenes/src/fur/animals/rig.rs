@@ -1,4 +1,4 @@
-//! What moves an animal: a skeleton, the weights of its levels of detail, and a walk.
+//! The rig of an animal: a skeleton, the weights of its levels of detail, and a walk.
 
 use std::f32::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ const BEND: f32 = 0.7;
 const NOD: f32 = 0.08;
 const WAG: f32 = 0.25;
 
-/// What moves an animal.
+/// The skeleton, weights and walk of an animal.
 #[derive(Debug, Clone)]
 pub struct Rig {
     /// The joints. The first is the trunk, which the walk does not move.
@@ -48,7 +48,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Of a body whose levels of detail are moved by `-middle`.
+    /// The rig of a body whose levels of detail are moved by `-middle`.
     pub(super) fn new(body: &Body, middle: Vec3, levels: &[Mesh]) -> Result<Self, Error> {
         let skeleton = skeleton(body, middle)?;
         let finest = &levels[0];

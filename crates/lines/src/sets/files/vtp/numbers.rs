@@ -10,9 +10,9 @@ use crate::sets::files::bytes::{Bytes, Kind};
 use crate::sets::files::error::{FileError, refused};
 use crate::sets::files::unpack::Room;
 
-/// What all arrays of a file have in common.
+/// The encoding that all arrays of a file share.
 pub(super) struct Store<'a> {
-    /// What stands after the XML.
+    /// The bytes after the XML.
     appended: &'a [u8],
     /// Whether that is base64.
     encoded: bool,
