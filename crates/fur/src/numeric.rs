@@ -92,6 +92,10 @@ pub(crate) const PIXELS_PER_VERTEX: f32 = 16.0;
 /// triangles, with room.
 pub(crate) const INNER_ROUNDING: f64 = 1e-5;
 
+/// Lengths that are divided by are at least this, so that axes and bends of no length give no NaN.
+/// Squares of shorter ones vanish in single precision. Shaders write the number itself.
+pub(crate) const LEAST_DIVISOR: f32 = 1e-30;
+
 /// The most joints of a skeleton: vertices number theirs by 16 bits.
 pub(crate) const MAX_JOINTS: usize = 1 << 16;
 

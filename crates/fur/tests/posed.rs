@@ -1,4 +1,4 @@
-//! Pictures of posed animals: strands stick to their skin, and joints move what they hold.
+//! Pictures of posed animals: strands stick to their skin, and joints move the vertices that follow them.
 
 use casca_fur::gpu::look::Look;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};

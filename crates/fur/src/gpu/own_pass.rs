@@ -17,16 +17,16 @@ use crate::mesh::Mesh;
 
 /// Draws fur into passes that others begin.
 ///
-/// - **Colour**: one attachment of the format given, which stores what is drawn as it is: the
-///   shaders write values for screens (a gamma of 2.2). No blending; alpha is 1.
+/// - **Colour**: one attachment of the given format, which must not convert colours: the shaders
+///   write values for screens (a gamma of 2.2). No blending; alpha is 1.
 /// - **Depth**: one attachment of [`DEPTH`], *reversed*: 1 is near and 0 far, cleared to 0, the
 ///   greater value wins. The matrices of the [`Camera`] are *not* reversed (depth 0 to 1, as those
 ///   of casca); the shaders turn their depth around.
 /// - **Multisampling** smooths outlines of skins and walls. A fragment shades once for each pixel,
 ///   and a strand takes all its samples or none, so that strands are no smoother than without.
 /// - **Temporal antialiasing** smooths strands, too: put its jitter into the camera's projection.
-///   Hashed alpha of strands thinner than a pixel is chosen by their place on the skin, not by the
-///   frame (hashed alpha), so that it does not flicker and still pictures stay still.
+///   Hashed alpha hides strands thinner than a pixel by their place on the skin, not by the frame,
+///   so that still pictures stay still.
 pub struct OwnPass {
     renderer: Renderer,
     /// The parts of the last [`OwnPass::prepare`]: the shells of each mesh, and blocks.
@@ -100,8 +100,8 @@ impl OwnPass {
         Ok(())
     }
 
-    /// Draws what was prepared. Sets pipelines, both bind groups, and vertex and index buffers of
-    /// the pass; nothing before the first [`OwnPass::prepare`].
+    /// Draws the list of the last [`OwnPass::prepare`]; nothing before the first. Sets pipelines,
+    /// both bind groups, and vertex and index buffers of the pass.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.renderer.record(pass, (&self.runs, self.blocks), false);
     }

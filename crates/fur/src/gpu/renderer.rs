@@ -227,7 +227,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws what was uploaded, into a pass for pictures or for the shadow map: the runs of shells
+    /// Draws the uploaded list into a pass for pictures or for the shadow map: the runs of shells
     /// of each mesh, and a number of blocks.
     pub(super) fn record(
         &self,

@@ -6,7 +6,7 @@ use super::skeleton::Skeleton;
 use super::track::Track;
 use crate::error::Error;
 
-/// A part of the place of a joint over time, in the place of what it is at rest.
+/// The translation, rotation or scale of a joint over time. It replaces that at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Channel {
     /// Its translation.

@@ -1,4 +1,4 @@
-//! Joints, and what they hang from.
+//! Joints and their parents.
 
 use glam::{Affine3A, Quat, Vec3};
 

@@ -4,6 +4,7 @@ use glam::{Mat3, Vec3};
 
 use super::fur::Fur;
 use crate::error::{Error, range};
+use crate::numeric::LEAST_DIVISOR;
 
 /// How all strands of an animal lean in the world, besides the bend that their fur has.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -23,9 +24,9 @@ impl Lean {
         if self.most.is_nan() || self.most <= 0.0 {
             return own;
         }
-        let back = |axis: Vec3| axis.dot(self.towards) / axis.length().max(1e-30);
+        let back = |axis: Vec3| axis.dot(self.towards) / axis.length().max(LEAST_DIVISOR);
         let sum = own + Vec3::new(back(axes.x_axis), back(axes.y_axis), back(axes.z_axis));
-        sum * (self.most / sum.length().max(1e-30)).min(1.0)
+        sum * (self.most / sum.length().max(LEAST_DIVISOR)).min(1.0)
     }
 }
 

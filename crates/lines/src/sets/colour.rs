@@ -1,9 +1,9 @@
-//! Colours of lines: by direction, by numbers, by groups, or their own; and what they mean.
+//! Colours of lines: by direction, by numbers, by groups, or their own; and their meaning.
 
 use crate::sets::LineSet;
 use crate::sets::attributes::{NO_GROUP, Of};
 
-/// The colour of what is not known: a value of NaN, a line in no group, a dot's direction.
+/// The colour of unknown values: NaN, a line in no group, the direction of a dot.
 pub const UNKNOWN: [u8; 3] = [160; 3];
 /// The number that every set has, besides those of its attributes: the length of each line.
 pub const LENGTH: &str = "length";
@@ -50,7 +50,7 @@ pub enum Legend {
     Groups(Vec<(String, [u8; 3])>),
 }
 
-/// A colour for each vertex, as bytes of sRGB, and what they mean.
+/// A colour for each vertex, as bytes of sRGB, and their meaning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Colours {
     /// In the order of [`LineSet::points`].
