@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use arbitrary::Arbitrary;
 use casca::{
-    Aabb, Bounds, Error, Facing, GridSpec, Instance, Method, ObjectDesc, Occluder, MeshOptions, Query, Scene,
-    PointOptions, TriMesh, View,
+    Aabb, Bounds, Error, Facing, GridSpec, Instance, MeshOptions, Method, ObjectDesc, Occluder, PointOptions,
+    Query, Scene, TriMesh, View,
 };
 use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
@@ -166,7 +166,8 @@ fuzz_target!(|play: Play| {
         let badly = how.max_angle.is_some_and(|a| !(0.0..=80.0).contains(&a))
             || !length(how.tolerance)
             || !length(how.min_radius);
-        let made = TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut |_| ControlFlow::Continue(()));
+        let made =
+            TriMesh::prepare(positions.clone(), triangles.clone(), &how, &mut |_| ControlFlow::Continue(()));
         assert_eq!(made.is_err(), broken || badly, "{made:?}");
         let Ok(made) = made else { continue };
         let made = Arc::new(made);

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use arbitrary::Arbitrary;
 use casca::{
-    Facing, GridSpec, Instance, Method, ObjectDesc, Plane, MeshOptions, PointOptions, Query, Scene, Sphere,
+    Facing, GridSpec, Instance, MeshOptions, Method, ObjectDesc, Plane, PointOptions, Query, Scene, Sphere,
     TriMesh, View,
 };
 use glam::{Affine3A, Mat3, UVec3, Vec3};
@@ -108,7 +108,9 @@ fn originals() -> &'static [Vec<u8>] {
             (bowl.clone(), bent.clone(), bounds),
             (bowl, bent, front),
         ];
-        let prepare = |(p, t, how)| bytes(&TriMesh::prepare(p, t, &how, &mut |_| ControlFlow::Continue(())).expect("a plain mesh"));
+        let prepare = |(p, t, how)| {
+            bytes(&TriMesh::prepare(p, t, &how, &mut |_| ControlFlow::Continue(())).expect("a plain mesh"))
+        };
         all.into_iter().map(prepare).collect()
     })
 }
@@ -221,7 +223,10 @@ fuzz_target!(|play: Play| {
             let count = positions.len().max(1) as u32;
             let triangles: Vec<[u32; 3]> =
                 triangles.iter().map(|t| t.map(|v| u32::from(v) % count)).collect();
-            let Ok(mesh) = TriMesh::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(())) else { return };
+            let Ok(mesh) = TriMesh::prepare(positions, triangles, &how, &mut |_| ControlFlow::Continue(()))
+            else {
+                return;
+            };
             let file = bytes(&mesh);
             let loaded = TriMesh::read(&mut file.as_slice()).expect("a mesh that was written");
             assert_eq!(loaded.is_closed(), mesh.is_closed());

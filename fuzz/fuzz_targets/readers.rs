@@ -14,10 +14,10 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use casca::TriMesh;
 use casca_baked::{Baked, Cells, Writer};
+use casca_plane::tmx::TmxImport;
 use casca_points::PointCloud;
 use casca_points::bricks::{Bricks, Loader, Want};
 use casca_points::files::{FileError, read_source};
-use casca_plane::tmx::TmxImport;
 use libfuzzer_sys::fuzz_target;
 use peak_alloc::PeakAlloc;
 
@@ -58,6 +58,7 @@ static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         kind("clouds", clouds::all(), clouds::mend, Box::new(cloud)),
         kind("bricks", vec![clouds::bricks(40), clouds::bricks(200)], |_| (), Box::new(bricks)),
         kind("maps", maps::all(), |_| (), Box::new(|bytes| map(bytes, maps::TILESET.as_bytes()))),
+        kind("templates", maps::TEMPLATES.map(|(_, text)| text.into()).into(), |_| (), Box::new(template)),
         kind("tilesets", vec![maps::TILESET.into()], |_| (), Box::new(|bytes| map(&maps::all()[0], bytes))),
         kind("scenes", scenes::all(), scenes::mend, Box::new(scene)),
         kind("meshes", meshes::all(), |file| meshes::mend(file), Box::new(mesh)),
@@ -138,6 +139,11 @@ fn read_sets(bytes: &[u8]) -> Option<()> {
 fn map(map: &[u8], tileset: &[u8]) {
     let _ = TmxImport::default().parse(map, |_| Ok(tileset.to_vec()));
     let _ = TmxImport::default().parse_map(map, |_| Ok(tileset.to_vec()));
+}
+
+fn template(bytes: &[u8]) {
+    let open = |path: &str| Ok(if path.ends_with(".tx") { bytes.to_vec() } else { maps::file(path) });
+    let _ = TmxImport::default().parse_map(maps::made().as_bytes(), open);
 }
 
 fn scene(bytes: &[u8]) {

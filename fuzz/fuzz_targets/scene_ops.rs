@@ -6,11 +6,10 @@
 use arbitrary::Arbitrary;
 use casca::internals::SceneInternals;
 use casca::{
-    Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Sphere,
-    View,
+    Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Sphere, View,
 };
-use casca_truth::oracle::RayOracle;
 use casca_scenes::world::{Motion, Object, Shape};
+use casca_truth::oracle::RayOracle;
 use glam::{DVec3, Mat4, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
 
@@ -149,13 +148,15 @@ fuzz_target!(|play: Play| {
                 assert!(!query.pvs().contains(id) || scene.len() == count);
             }
             Op::Look { eye, planes, frustum } => {
-                query.set_method(if frustum {
-                    Method::Frustum
-                } else if planes.len() % 2 == 0 {
-                    Method::point()
-                } else {
-                    Method::cell()
-                }).expect("default settings");
+                query
+                    .set_method(if frustum {
+                        Method::Frustum
+                    } else if planes.len() % 2 == 0 {
+                        Method::point()
+                    } else {
+                        Method::cell()
+                    })
+                    .expect("default settings");
                 let planes: Vec<Plane> =
                     planes.iter().map(|(n, d)| Plane { normal: n.value(), offset: d.value() }).collect();
                 let Ok(view) = View::from_planes(eye.value(), &planes) else { continue };

@@ -17,14 +17,28 @@ use libfuzzer_sys::fuzz_target;
 enum Op {
     /// Bytes as they are.
     Raw(Vec<u8>),
-    Hello { right: bool, latency: u16, token: [u8; 9] },
-    Eye { sequence: u32, eye: [f32; 3] },
+    Hello {
+        right: bool,
+        latency: u16,
+        token: [u8; 9],
+    },
+    Eye {
+        sequence: u32,
+        eye: [f32; 3],
+    },
     Ping(u64),
     /// Another connection.
     Connect,
     Wait(u16),
-    Add { at: [f32; 3], size: f32, speed: f32 },
-    Move { which: u8, at: [f32; 3] },
+    Add {
+        at: [f32; 3],
+        size: f32,
+        speed: f32,
+    },
+    Move {
+        which: u8,
+        at: [f32; 3],
+    },
     Remove(u8),
     Tick,
 }

@@ -34,13 +34,18 @@ fn damaged_maps_are_read_or_refused() {
     let infinite = maps::map("encoding=\"csv\"", &chunk).replace("infinite=\"0\"", "infinite=\"1\"");
     files.push(infinite.replace("<group", "<group offsetx=\"16\" offsety=\"-32\"").into());
     files.push(maps::TILESET.into());
+    files.extend(maps::TEMPLATES.map(|(_, text)| text.into()));
+    let made = maps::made();
     let mut objects = 0;
     damage::survive(&HEAP, "maps", &files, 6000, &|_| (), &mut |bytes| {
-        // A map, or the tileset of one.
+        // A map, or the tileset or template of one.
         drop(read(bytes, maps::TILESET.as_bytes()));
         drop(read(&files[0], bytes));
         drop(TmxImport::default().parse_map(&files[0], |_| Ok(bytes.to_vec())));
-        let Ok(map) = TmxImport::default().parse_map(bytes, |_| Ok(maps::TILESET.into())) else { return };
+        let with = |path: &str| Ok(if path.ends_with(".tx") { bytes.to_vec() } else { maps::file(path) });
+        let of_templates = TmxImport::default().parse_map(made.as_bytes(), with).unwrap();
+        insert(&of_templates.objects);
+        let Ok(map) = TmxImport::default().parse_map(bytes, |path| Ok(maps::file(path))) else { return };
         objects += insert(&map.objects);
     });
     assert!(objects > 1_000, "{objects}: some maps keep theirs");
@@ -59,13 +64,19 @@ fn insert(objects: &[TmxObject]) -> usize {
 
 /// Reads the objects of a map within the limits, and puts them into a scene.
 fn read_objects(layer: &str, objects: &str, tileset: &str) -> (usize, usize) {
+    read_objects_of(layer, objects, tileset, "")
+}
+
+/// As [`read_objects`], with a template.
+fn read_objects_of(layer: &str, objects: &str, tileset: &str, template: &str) -> (usize, usize) {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let map = maps::map("encoding=\"csv\"", &maps::csv());
     let text = format!("<objectgroup name=\"{layer}\">{objects}</objectgroup></map>");
     let map = map.replace("</map>", &text);
     let mut found = (0, 0);
     damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
-        let map = TmxImport::default().parse_map(map, |_| Ok(tileset.as_bytes().to_vec())).unwrap();
+        let open = |path: &str| Ok(if path.ends_with(".tx") { template } else { tileset }.into());
+        let map = TmxImport::default().parse_map(map, open).unwrap();
         insert(&map.objects);
         found = (map.objects.len(), map.warnings.len());
     });
@@ -98,6 +109,35 @@ fn objects_cost_what_their_bytes_do() {
     let groups =
         format!("<x/></objectgroup>{}{}<objectgroup>", "<group>".repeat(90_000), "</group>".repeat(90_000));
     assert_eq!(read_objects("o", &groups, maps::TILESET), (1, 0));
+}
+
+/// Small objects of a large template, and templates of templates.
+#[test]
+fn templates_give_what_the_bytes_of_the_map_allow() {
+    let instance = "<object template=\"a.tx\"/>".repeat(40_000);
+    let template = |inner: &str| format!("<template>{inner}</template>");
+    let read = |text: &str| read_objects_of("o", &instance, maps::TILESET, text);
+    let mut properties = String::new();
+    (0..20_000).for_each(|i| write!(properties, "<property name=\"{i}\" value=\"{i}\"/>").unwrap());
+    let large =
+        template(&format!("<object width=\"4\" height=\"4\"><properties>{properties}</properties></object>"));
+    let (objects, warnings) = read(&large);
+    assert_eq!(objects - 1 + warnings, 40_000);
+    // 32 times the bytes of the map, and a MiB, of which the template has 770 kB.
+    assert!((30..60).contains(&objects), "{objects}");
+    let long = "n".repeat(1_000_000);
+    assert!((30..60).contains(&read(&template(&format!("<object name=\"{long}\"><point/></object>"))).0));
+    // Classes are shared, yet counted alike.
+    assert_eq!(read(&template("<object width=\"1\" height=\"1\"/>")), (40_001, 0));
+    for refused in [
+        "<object template=\"a.tx\"/>",
+        "",
+        "<object width=\"-1\"/>",
+        "<object>",
+        "<tileset source=\"t.tsx\"/>",
+    ] {
+        assert_eq!(read(&template(refused)), (1, 40_000), "{refused}");
+    }
 }
 
 /// Reads a map and its tileset within the limits.

@@ -1,7 +1,6 @@
 //! Maps with all that may be amiss with them: infinite ones, layers beside the map, tiles that no
 //! tileset has.
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::{fmt, io};
@@ -9,7 +8,8 @@ use std::{fmt, io};
 use glam::IVec2;
 
 use super::data::Data;
-use super::objects::{ObjectLayer, TmxFault, TmxObject};
+use super::files::Files;
+use super::objects::{ObjectLayer, Templates, TmxFault, TmxObject};
 use super::space::Space;
 use super::tileset::Tilesets;
 use super::xml::{Element, Xml};
@@ -155,9 +155,10 @@ impl TmxImport {
     /// above the map. Tiles that no tileset has, and layers that are shifted by parts of a tile,
     /// block nothing, and there is a warning for them; also for properties of the right name that
     /// are no `bool`. Objects are read from all layers, in tiles; the shifts of layers and groups
-    /// count, by parts of tiles, too. [`TmxObject::insert`] puts them into scenes. Not read are
-    /// templates, for which there is a warning, texts, and the objects that tilesets draw on their
-    /// tiles.
+    /// count, by parts of tiles, too. [`TmxObject::insert`] puts them into scenes. Objects that are
+    /// made of templates take over what they do not say themselves; templates are looked for from
+    /// the folder of the map, and their tilesets from that of the template. Not read are texts, and
+    /// the objects that tilesets draw on their tiles.
     ///
     /// ```no_run
     /// use casca_plane::tmx::TmxImport;
@@ -199,13 +200,13 @@ impl TmxImport {
     pub fn parse_map(
         &self,
         map: &[u8],
-        mut tileset: impl FnMut(&str) -> io::Result<Vec<u8>>,
+        mut open: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<TmxMap, TmxError> {
-        let mut known = HashMap::new();
+        let (mut files, mut left) = (Files::new(&mut open, self.names()), Templates::most(map));
         let mut extent = Extent::NONE;
         let frame = self.frame(map)?;
         // First the parts, whose texts are long enough for them; then their tiles.
-        let tilesets = self.walk(map, &mut known, &mut tileset, &mut |xml, layer, _, place| {
+        let tilesets = self.walk(map, &mut files, &mut |xml, layer, _, _, place| {
             if is_objects(layer) {
                 return xml.skip(layer);
             }
@@ -233,15 +234,14 @@ impl TmxImport {
             found.walls = BitGrid::new(size[0] as u32, size[1] as u32);
             found.origin = IVec2::new(extent.least[0] as i32, extent.least[1] as i32);
         }
-        self.walk(
-            map,
-            &mut known,
-            &mut tileset,
-            &mut |xml, layer, tilesets, place| match is_objects(layer) {
-                true => self.objects(xml, layer, &frame, tilesets, place, &mut found),
-                false => self.mark(xml, layer, (&frame, &extent), tilesets, place.shift, &mut found),
-            },
-        )?;
+        self.walk(map, &mut files, &mut |xml, layer, files, tilesets, place| {
+            if !is_objects(layer) {
+                return self.mark(xml, layer, (&frame, &extent), tilesets, place.shift, &mut found);
+            }
+            let mut open = |path: &str| files.template(path);
+            let templates = &mut Templates::new(&mut open, &mut left);
+            self.objects(xml, layer, (&frame.space, tilesets, place), templates, &mut found)
+        })?;
         if extent.any || !found.warnings.is_empty() || !found.objects.is_empty() {
             Ok(found)
         } else {
@@ -267,14 +267,13 @@ impl TmxImport {
         &self,
         xml: &mut Xml<'_>,
         layer: &Element<'_>,
-        frame: &Frame,
-        tilesets: &Tilesets,
-        place: Place,
+        (space, tilesets, place): (&Space, &Tilesets, Place),
+        templates: &mut Templates<'_>,
         found: &mut TmxMap,
     ) -> Result<(), TmxError> {
         let name: Arc<str> = layer_name(xml, layer)?.into();
         let layer = ObjectLayer {
-            space: &frame.space,
+            space,
             tilesets,
             shift: place.shift,
             visible: place.visible,
@@ -282,7 +281,7 @@ impl TmxImport {
             walls: *name == *self.layer,
             name: name.clone(),
         };
-        layer.read(xml, &mut found.objects, &mut |id, fault| {
+        layer.read(xml, templates, &mut found.objects, &mut |id, fault| {
             found.warnings.push(TmxWarning::Object { id, layer: name.clone(), fault });
         })
     }

@@ -25,6 +25,7 @@
 
 mod data;
 mod error;
+mod files;
 mod map;
 mod objects;
 mod space;
@@ -33,18 +34,17 @@ mod tests;
 mod tileset;
 mod xml;
 
-use std::collections::HashMap;
 use std::io;
 use std::path::Path;
-use std::rc::Rc;
 
 use crate::bits::BitGrid;
 use crate::editor::file;
 use data::Data;
 pub use error::TmxError;
+use files::Files;
 pub use map::{TmxMap, TmxWarning};
 pub use objects::{TmxFault, TmxObject, TmxShape, TmxValue};
-use tileset::{Opaque, Tilesets};
+use tileset::Tilesets;
 use xml::{Element, Xml};
 
 /// Tiles along a side of a map, at most: the editor makes no larger ones.
@@ -99,15 +99,15 @@ impl TmxImport {
         self.parse(&map, |source| file(&folder.join(source)))
     }
 
-    /// As [`Self::read`], from the bytes of a map. `tileset` gives the bytes of a tileset in a file
-    /// of its own, by the path that the map has for it; it is called once for each path.
+    /// As [`Self::read`], from the bytes of a map. `open` gives the bytes of a tileset in a file of
+    /// its own, by the path that the map has for it; it is called once for each path.
     ///
     /// # Errors
-    /// As [`Self::read`]; those of `tileset` become [`TmxError::File`].
+    /// As [`Self::read`]; those of `open` become [`TmxError::File`].
     pub fn parse(
         &self,
         map: &[u8],
-        mut tileset: impl FnMut(&str) -> io::Result<Vec<u8>>,
+        mut open: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<BitGrid, TmxError> {
         let mut xml = Xml::new(map, "the map")?;
         let root = xml.root("map")?;
@@ -116,8 +116,8 @@ impl TmxImport {
         }
         orientation(&xml, &root)?;
         let size = self.size(&xml, &root)?;
-        let (mut known, mut opaque) = (HashMap::new(), None);
-        self.walk(map, &mut known, &mut tileset, &mut |xml, layer, tilesets, _| match is_objects(layer) {
+        let (mut files, mut opaque) = (Files::new(&mut open, self.names()), None);
+        self.walk(map, &mut files, &mut |xml, layer, _, tilesets, _| match is_objects(layer) {
             true => xml.skip(layer),
             false => self.layer(xml, layer, size, tilesets, &mut opaque),
         })?;
@@ -126,13 +126,7 @@ impl TmxImport {
 
     /// Reads the tilesets of a map, and hands out its layers of tiles and of objects with those
     /// before them and with their place.
-    fn walk(
-        &self,
-        map: &[u8],
-        known: &mut HashMap<String, Rc<Opaque>>,
-        tileset: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
-        take: TakeLayer<'_>,
-    ) -> Result<Tilesets, TmxError> {
+    fn walk(&self, map: &[u8], files: &mut Files<'_>, take: TakeLayer<'_>) -> Result<Tilesets, TmxError> {
         let mut xml = Xml::new(map, "the map")?;
         xml.root("map")?;
         let mut tilesets = Tilesets::default();
@@ -151,20 +145,10 @@ impl TmxImport {
             };
             match child.local_name().as_ref() {
                 b"group" => groups.push(own(&xml)?),
-                b"tileset" => {
-                    let first = xml.number(&child, "firstgid")?;
-                    let tiles = match xml.attribute(&child, "source")? {
-                        Some(source) => {
-                            xml.skip(&child)?;
-                            self.external(&source, known, tileset)?
-                        }
-                        None => Rc::new(Opaque::read(&mut xml, &child, self.names())?),
-                    };
-                    tilesets.push(first, tiles);
-                }
+                b"tileset" => files.tileset(&mut xml, &child, "", &mut tilesets)?,
                 b"layer" | b"objectgroup" => {
                     let place = own(&xml)?;
-                    take(&mut xml, &child, &tilesets, place)?;
+                    take(&mut xml, &child, files, &tilesets, place)?;
                 }
                 _ => xml.skip(&child)?,
             }
@@ -185,24 +169,6 @@ impl TmxImport {
             false => Err(xml
                 .damaged(format!("{width} by {height} tiles: at most {LONGEST_SIDE} along a side are read"))),
         }
-    }
-
-    /// The opaque tiles of a tileset in a file of its own.
-    fn external(
-        &self,
-        source: &str,
-        known: &mut HashMap<String, Rc<Opaque>>,
-        tileset: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
-    ) -> Result<Rc<Opaque>, TmxError> {
-        if let Some(tiles) = known.get(source) {
-            return Ok(tiles.clone());
-        }
-        let bytes = tileset(source).map_err(|why| TmxError::File { file: source.to_owned(), why })?;
-        let mut xml = Xml::new(&bytes, source)?;
-        let root = xml.root("tileset")?;
-        let tiles = Rc::new(Opaque::read(&mut xml, &root, self.names())?);
-        known.insert(source.to_owned(), tiles.clone());
-        Ok(tiles)
     }
 
     /// Adds the tiles of a layer that block, from behind its start.
@@ -259,7 +225,8 @@ struct Place {
 }
 
 /// Takes a layer, from behind its start, with the tilesets before it and its place.
-type TakeLayer<'t> = &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets, Place) -> Result<(), TmxError>;
+type TakeLayer<'t> =
+    &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &mut Files<'_>, &Tilesets, Place) -> Result<(), TmxError>;
 
 /// Whether a layer is one of objects.
 fn is_objects(layer: &Element<'_>) -> bool {

@@ -1,7 +1,10 @@
 //! The map of the harbour, and maps that are refused or read with warnings.
 
+use std::rc::Rc;
+
 use glam::Vec2;
 
+use super::tileset::Opaque;
 use super::*;
 use crate::editor::Role;
 use crate::geometry::Rect;
@@ -178,7 +181,7 @@ fn infinite(chunks: &[[i32; 4]], wall: impl Fn(i32, i32) -> bool) -> String {
 }
 
 fn map(text: &str) -> Result<TmxMap, TmxError> {
-    TmxImport::default().parse_map(text.as_bytes(), |_| Ok(maps::TILESET.into()))
+    TmxImport::default().parse_map(text.as_bytes(), |path| Ok(maps::file(path)))
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Which tiles of tilesets block sight, and the pictures of tiles.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -113,6 +113,21 @@ impl Opaque {
         Ok(())
     }
 
+    /// Whether a tile says that it blocks (0), or that it is a door (1).
+    pub fn says(&self, tile: u32, which: usize) -> bool {
+        self.says[which].contains(&tile)
+    }
+
+    /// The class of a tile.
+    pub fn class(&self, tile: u32) -> Option<Arc<str>> {
+        self.classes.get(&tile).cloned()
+    }
+
+    /// The size of a tile's picture, and the point of it that an object names.
+    pub fn picture(&self, tile: u32) -> (Option<Alignment>, [f64; 2]) {
+        (self.alignment, self.sizes.get(&tile).copied().unwrap_or(self.size))
+    }
+
     /// Whether it has a tile.
     fn has(&self, tile: u32) -> bool {
         self.count.is_none_or(|count| tile < count) || self.listed.contains(&tile)
@@ -165,13 +180,20 @@ const TILE: u32 = 0x1fff_ffff;
 pub(super) struct Tilesets {
     /// With the number of their first tiles in the map, which ascend.
     all: Vec<(u32, Rc<Opaque>)>,
+    /// The least of these numbers for each tileset: a search would be quadratic.
+    firsts: HashMap<*const Opaque, u32>,
 }
 
 impl Tilesets {
     /// Adds a tileset.
     pub fn push(&mut self, first: u32, tiles: Rc<Opaque>) {
         // A tile is of the last tileset in the file that begins at or before it.
-        while self.all.pop_if(|(other, _)| *other >= first).is_some() {}
+        while let Some((other, last)) = self.all.pop_if(|(other, _)| *other >= first) {
+            if self.firsts.get(&Rc::as_ptr(&last)) == Some(&other) {
+                self.firsts.remove(&Rc::as_ptr(&last));
+            }
+        }
+        self.firsts.entry(Rc::as_ptr(&tiles)).or_insert(first);
         self.all.push((first, tiles));
     }
 
@@ -186,27 +208,23 @@ impl Tilesets {
     pub fn blocks(&self, id: u32, all: bool) -> bool {
         let id = id & TILE;
         // 0 is no tile.
-        self.of(id).is_some_and(|(first, set)| id != 0 && (all || set.says[0].contains(&(id - first))))
+        self.of(id).is_some_and(|(first, set)| id != 0 && (all || set.says(id - first, 0)))
     }
 
-    /// Whether a tile says that it blocks (0), or that it is a door (1).
-    pub fn says(&self, id: u32, which: usize) -> bool {
-        let id = id & TILE;
-        self.of(id).is_some_and(|(first, set)| set.says[which].contains(&(id - first)))
-    }
-
-    /// The class of a tile.
-    pub fn class(&self, id: u32) -> Option<Arc<str>> {
+    /// The tileset of a tile, and the tile's number in it; `None` if there is no such tile.
+    pub fn find(&self, id: u32) -> Option<(&Rc<Opaque>, u32)> {
         let (first, set) = self.of(id & TILE)?;
-        set.classes.get(&((id & TILE) - first)).cloned()
+        let number = (id & TILE) - first;
+        set.has(number).then_some((set, number))
     }
 
-    /// The size of a tile's picture, and the point of it that an object names; `None` if there is
-    /// no such tile.
-    pub fn picture(&self, id: u32) -> Option<(Option<Alignment>, [f64; 2])> {
-        let (first, set) = self.of(id & TILE)?;
-        let tile = (id & TILE) - first;
-        set.has(tile).then(|| (set.alignment, set.sizes.get(&tile).copied().unwrap_or(set.size)))
+    /// The id of a tile that other tilesets call `other`, whose upper bits turn it, by its tileset
+    /// and its number there; `None` without this tileset.
+    pub fn id(&self, set: &Rc<Opaque>, number: u32, other: u32) -> Option<u32> {
+        let id = self.firsts.get(&Rc::as_ptr(set))?.checked_add(number)?;
+        // Another tileset may begin between.
+        let own = self.find(id).is_some_and(|(found, _)| Rc::ptr_eq(found, set));
+        own.then_some(id | other & !TILE)
     }
 
     /// Whether a tileset has a tile; there is always no tile.

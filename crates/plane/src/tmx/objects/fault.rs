@@ -1,5 +1,12 @@
 //! What is amiss with objects.
 
+/// Bytes that templates may give to the objects of a map, for each byte of the map: an object that
+/// names a template takes some 60. Else 4,000 objects (100 kB) would copy 4 GB of one of 1 MB.
+pub(super) const BYTES_FOR_A_BYTE: u64 = 32;
+
+/// Bytes that templates may give to the objects of any map: 1 MiB.
+pub(super) const BYTES_FOR_ALL: u64 = 1 << 20;
+
 /// What is amiss with an object: see [`TmxWarning::Object`](crate::tmx::TmxWarning::Object). Texts
 /// from the file are cut to 40 characters.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -27,9 +34,22 @@ pub enum TmxFault {
     /// A tile that no tileset of the map has. The object is left out.
     #[error("no tileset has its tile {0}: it is left out")]
     UnknownTile(u32),
-    /// The object is made of a template, which is not read. The object is left out.
-    #[error("the template {0} is not read: it is left out")]
-    Template(String),
+    /// The object is made of a template that is missing or damaged. The object is left out.
+    #[error("the template {path} is not read: {why}: it is left out")]
+    Template {
+        /// The path as the map has it.
+        path: String,
+        /// The reason, cut to 200 characters.
+        why: String,
+    },
+    /// Templates gave the objects before this one more than a MiB and 32 bytes for each of the map.
+    /// The object is left out.
+    #[error(
+        "templates give the objects of the map more than {} bytes and {} for each of its own: it is left out",
+        BYTES_FOR_ALL,
+        BYTES_FOR_A_BYTE
+    )]
+    Copies,
     /// A polygon whose sides cross or touch, or without area: it is a ring of walls.
     #[error("the sides of the polygon cross or touch: it is taken as a ring of walls")]
     Crossed,
@@ -62,6 +82,13 @@ pub enum TmxFault {
     /// A property has classes in each other, deeper than 16: the inner ones are left out.
     #[error("the property {0} has classes in each other, deeper than 16: the inner ones are left out")]
     Deep(String),
+}
+
+impl TmxFault {
+    /// A template that is not read.
+    pub(crate) fn template(path: &str, why: &str) -> Self {
+        Self::Template { path: shortened(path), why: why.chars().take(200).collect() }
+    }
 }
 
 /// The begin of a text from the file.

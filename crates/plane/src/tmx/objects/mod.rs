@@ -1,11 +1,15 @@
 //! Objects of maps: areas, walls, doors and places that were drawn over the tiles.
 
+mod draft;
 mod fault;
 mod object;
 mod place;
 mod properties;
 mod read;
 mod shape;
+mod template;
+#[cfg(test)]
+mod template_tests;
 #[cfg(test)]
 mod tests;
 
@@ -14,3 +18,4 @@ pub use object::TmxObject;
 pub use properties::TmxValue;
 pub(super) use read::ObjectLayer;
 pub use shape::TmxShape;
+pub(super) use template::{Template, Templates};

@@ -23,11 +23,13 @@ pub struct TmxObject {
     /// others all the same, as layers of tiles do.
     pub visible: bool,
     /// Its tile as the map counts, with the upper bits that turn it, for an object with a picture.
+    /// `None` for that of a template whose tileset the map does not have.
     pub tile: Option<u32>,
     /// Where it is, in tiles.
     pub shape: TmxShape,
     /// Whether it hides others.
     pub role: Role,
-    /// Its own properties, by their names. Those of its tile are not repeated here.
+    /// Its own properties and those of its template, by their names. Those of its tile are not
+    /// repeated here.
     pub properties: BTreeMap<String, TmxValue>,
 }

@@ -76,6 +76,20 @@ pub(super) fn read(
     Ok(())
 }
 
+/// Adds the properties that an object does not have from its template, and the members that a
+/// class lacks. Calls itself as deep as reading does.
+pub(super) fn complete(own: &mut BTreeMap<String, TmxValue>, template: &BTreeMap<String, TmxValue>) {
+    for (name, value) in template {
+        match (own.get_mut(name), value) {
+            (None, _) => _ = own.insert(name.clone(), value.clone()),
+            (Some(TmxValue::Class { members, .. }), TmxValue::Class { members: others, .. }) => {
+                complete(members, others);
+            }
+            _ => {}
+        }
+    }
+}
+
 fn class(
     xml: &mut Xml<'_>,
     property: &Element<'_>,

@@ -271,7 +271,7 @@ fn faults_name_the_object_and_the_reason() {
         ("gid=\"0\"/>", true, "no tileset has its tile 0"),
         ("x=\"1e300\" width=\"4\" height=\"4\"/>", true, "a coordinate=\""),
         ("x=\"1e12\"><point/></object>", true, "31250000000 tiles"),
-        ("template=\"t.tx\"/>", true, "the template t.tx is not read"),
+        ("template=\"t.tx\"/>", true, "the template t.tx is not read: t.tx cannot be read"),
         ("><capsule/></object>", true, "the shape capsule is not known"),
         (&points("polygon", "0,0 1,1"), true, "2 points"),
         (&points("polyline", "0,0"), true, "1 points"),

@@ -1,0 +1,130 @@
+//! The files that a map names: each is read once.
+
+use std::collections::HashMap;
+use std::io;
+use std::rc::Rc;
+
+use super::TmxError;
+use super::objects::{Template, TmxFault};
+use super::tileset::{Opaque, Tilesets};
+use super::xml::{Element, Xml};
+
+/// Opens a file by the path that the map has for it.
+pub(super) type Open<'f> = &'f mut dyn FnMut(&str) -> io::Result<Vec<u8>>;
+
+/// The files that were read.
+pub(super) struct Files<'f> {
+    open: Open<'f>,
+    /// The names of the properties that say that something blocks, and that it is a door.
+    names: [&'f str; 2],
+    tilesets: HashMap<String, Rc<Opaque>>,
+    templates: HashMap<String, Result<Rc<Template>, TmxFault>>,
+}
+
+impl<'f> Files<'f> {
+    pub fn new(open: Open<'f>, names: [&'f str; 2]) -> Self {
+        Self { open, names, tilesets: HashMap::new(), templates: HashMap::new() }
+    }
+
+    /// Adds a tileset, from behind its start: one in the file at hand, or one in a file of its own,
+    /// whose path counts from `folder`.
+    pub fn tileset(
+        &mut self,
+        xml: &mut Xml<'_>,
+        element: &Element<'_>,
+        folder: &str,
+        into: &mut Tilesets,
+    ) -> Result<(), TmxError> {
+        let first = xml.number(element, "firstgid")?;
+        let tiles = match xml.attribute(element, "source")? {
+            Some(source) => {
+                xml.skip(element)?;
+                self.external(joined(folder, &source))?
+            }
+            None => Rc::new(Opaque::read(xml, element, self.names)?),
+        };
+        into.push(first, tiles);
+        Ok(())
+    }
+
+    fn external(&mut self, source: String) -> Result<Rc<Opaque>, TmxError> {
+        if let Some(tiles) = self.tilesets.get(&source) {
+            return Ok(tiles.clone());
+        }
+        let bytes = (self.open)(&source).map_err(|why| TmxError::File { file: source.clone(), why })?;
+        let mut xml = Xml::new(&bytes, &source)?;
+        let root = xml.root("tileset")?;
+        let tiles = Rc::new(Opaque::read(&mut xml, &root, self.names)?);
+        self.tilesets.insert(source, tiles.clone());
+        Ok(tiles)
+    }
+
+    /// The template of an object.
+    ///
+    /// # Errors
+    /// Why there is none: the objects that are made of it are left out, and the map is read.
+    pub fn template(&mut self, path: &str) -> Result<Rc<Template>, TmxFault> {
+        if let Some(known) = self.templates.get(path) {
+            return known.clone();
+        }
+        let read = self.read_template(path).map_err(|why| TmxFault::template(path, &why.to_string()));
+        self.templates.insert(path.to_owned(), read.clone());
+        read
+    }
+
+    fn read_template(&mut self, path: &str) -> Result<Rc<Template>, TmxError> {
+        // Its tilesets count from its own folder.
+        let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let bytes = (self.open)(path).map_err(|why| TmxError::File { file: path.to_owned(), why })?;
+        let mut xml = Xml::new(&bytes, path)?;
+        xml.root("template")?;
+        let (mut tilesets, mut object) = (Tilesets::default(), None);
+        while let Some(child) = xml.child()? {
+            match child.local_name().as_ref() {
+                b"tileset" => self.tileset(&mut xml, &child, folder, &mut tilesets)?,
+                b"object" => object = Some(Template::object(&mut xml, &child)?),
+                _ => xml.skip(&child)?,
+            }
+        }
+        let object = object.ok_or_else(|| xml.damaged("the template has no object"))?;
+        Ok(Rc::new(Template { object, tilesets, bytes: bytes.len() as u64 }))
+    }
+}
+
+/// A path that counts from a folder, without steps back as far as there are folders for them.
+fn joined(folder: &str, path: &str) -> String {
+    if folder.is_empty() || path.starts_with('/') {
+        return path.to_owned();
+    }
+    let mut steps: Vec<&str> = folder.split('/').collect();
+    for step in path.split('/') {
+        match step {
+            "." => {}
+            ".." if steps.last().is_some_and(|last| !last.is_empty() && *last != "..") => _ = steps.pop(),
+            _ => steps.push(step),
+        }
+    }
+    steps.join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::joined;
+
+    #[test]
+    fn paths_count_from_the_folder() {
+        for (folder, path, all) in [
+            ("", "t.tsx", "t.tsx"),
+            ("", "../t.tsx", "../t.tsx"),
+            ("parts", "t.tsx", "parts/t.tsx"),
+            ("parts", "../t.tsx", "t.tsx"),
+            ("parts/trees", "../../sets/./t.tsx", "sets/t.tsx"),
+            ("..", "../t.tsx", "../../t.tsx"),
+            ("/maps", "../t.tsx", "/t.tsx"),
+            ("/maps", "../../t.tsx", "/../t.tsx"),
+            ("parts", "/t.tsx", "/t.tsx"),
+        ] {
+            assert_eq!(joined(folder, path), all, "{folder} {path}");
+        }
+    }
+}
