@@ -10,12 +10,13 @@
 //! - [`slabs`]: a grid of bits along the view, a column of 128 or 256 slices for each pixel. It can
 //!   be used alone.
 //! - [`cells`]: a grid of the world that names the segments near each cell, for rays.
+//! - [`mesh`]: triangle meshes among the lines.
 //! - [`buffers`]: the nearest line in each pixel.
 //! - [`samples`]: blue-noise points that choose columns.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
 //! - [`numeric`]: all margins and constants of the estimate, for twins on other processors.
 //! - `gpu`, only with the feature `gpu`: the same as compute shaders, and culling of bundles of
-//!   lines behind walls.
+//!   lines behind walls and meshes.
 //!
 //! Results are estimates, the same for any number of threads.
 
@@ -23,6 +24,7 @@ pub mod buffers;
 pub mod cells;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod mesh;
 pub mod numeric;
 pub mod occlusion;
 pub mod places;

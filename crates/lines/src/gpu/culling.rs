@@ -1,6 +1,6 @@
-//! Bundles of lines as objects of a scene, in which walls hide them.
+//! Bundles of lines as objects of a scene, in which context hides them.
 //!
-//! Lines fill a fraction of a pixel, so they never hide anything: only walls are occluders. A pixel
+//! Lines fill a fraction of a pixel, so they hide nothing here: only context does. A pixel
 //! depends on the line that it shows and on the lines that its occlusion reads. Both lie near a
 //! point that the eye sees, as near as [`Reach`] says. A bundle whose bounds, inflated by that
 //! reach, are hidden holds no such line. So a picture without it is the same in every pixel.
@@ -8,13 +8,14 @@
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene};
 use glam::Vec3;
 
+use crate::gpu::context::Context;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::{Reach, view_of_scene};
 use crate::gpu::set::Bundle;
 use crate::view::View;
 
-/// The user data of walls.
-const WALL: u64 = u64::MAX;
+/// The user data of context.
+const CONTEXT: u64 = u64::MAX;
 
 /// The bundles that a frame needs, by their numbers, ascending.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -45,23 +46,23 @@ pub struct Culling {
 }
 
 impl Culling {
-    /// A scene of the bundles and of walls.
+    /// A scene of the bundles and of context.
     ///
     /// # Errors
-    /// If a wall or the bounds of a bundle are not finite, or all of them lie at one place so far
+    /// If a box of the context or the bounds of a bundle are not finite, or all of them lie at one place so far
     /// from the origin that no grid is possible.
-    pub fn new(bundles: &[Bundle], walls: &[[Vec3; 2]]) -> Result<Self, LinesGpuError> {
+    pub fn new(bundles: &[Bundle], context: &[Context]) -> Result<Self, LinesGpuError> {
         let bounds: Vec<Aabb> = bundles.iter().map(|b| Aabb::new(b.bounds[0], b.bounds[1])).collect();
-        let walls: Vec<Aabb> = walls.iter().map(|w| Aabb::new(w[0], w[1])).collect();
-        let all = bounds.iter().chain(&walls);
+        let hiding = || context.iter().flat_map(Context::occluders);
+        let all = bounds.iter().chain(hiding().map(|(bounds, _)| bounds));
         let joined = all.copied().reduce(|a, b| Aabb::new(a.min.min(b.min), a.max.max(b.max)));
         let region = joined.unwrap_or(Aabb::new(Vec3::ZERO, Vec3::ONE));
         let size =
             (region.max - region.min).max_element().max(region.max.abs().max_element() * 1e-3).max(1e-3);
         let region = inflate(&region, size * 0.01);
-        let mut scene = Scene::new(&GridSpec::fit(region, bounds.len() + walls.len())?)?;
-        for wall in walls {
-            scene.insert(ObjectDesc::fixed(wall).occluder(wall).user_data(WALL))?;
+        let mut scene = Scene::new(&GridSpec::fit(region, bounds.len() + hiding().count())?)?;
+        for (bounds, occluder) in hiding() {
+            scene.insert(ObjectDesc::fixed(*bounds).occluder(occluder.clone()).user_data(CONTEXT))?;
         }
         let insert = |(i, b): (usize, &Aabb)| scene.insert(ObjectDesc::dynamic(*b).user_data(i as u64));
         let objects = bounds.iter().enumerate().map(insert).collect::<Result<_, _>>()?;

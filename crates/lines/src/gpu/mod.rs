@@ -1,11 +1,12 @@
 //! The columns, the nearest lines and the occlusion on the graphics processor, as compute shaders
 //! of `wgpu`, for lines that move in every frame; and bundles of lines as objects of a
-//! [`casca::Scene`], so that lines behind walls are not drawn, and those beyond the reach of the
-//! occlusion not voxelised either.
+//! [`casca::Scene`], so that lines behind walls and meshes are not drawn, and those beyond the
+//! reach of the occlusion not voxelised either.
 //!
 //! - [`set`]: lines in the memory of a device, in bundles.
 //! - [`lens`]: a view as the shaders take it, and how far the occlusion of a pixel reaches.
 //! - [`culling`]: the bundles that a view may see, and those that may darken what it sees.
+//! - [`context`]: meshes among the lines, which hide them.
 //! - [`settings`]: what is computed.
 //! - `sides`: the occlusion at places along lines, which stays from frame to frame.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
@@ -15,10 +16,12 @@
 
 #[cfg(test)]
 mod colours;
+pub mod context;
 pub mod culling;
 pub mod error;
 pub mod lens;
 pub mod numeric;
+mod picture;
 pub mod renderer;
 pub mod set;
 pub mod settings;

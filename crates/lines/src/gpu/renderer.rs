@@ -3,16 +3,18 @@
 use bytemuck::{Pod, Zeroable};
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, GpuError};
-use casca_stage::kernel::{Bound, Kernel, among, bind, filled};
+use casca_stage::kernel::{Bound, Kernel, among, filled};
 use casca_stage::timing::Clock;
-use casca_stage::wgpu::{self, Buffer, BufferUsages, TextureFormat};
+use casca_stage::wgpu::{Buffer, BufferUsages, TextureFormat};
 use glam::Vec3;
 
 use crate::buffers::Fragment;
+use crate::gpu::context::{ContextPass, GpuContext, Surfaces};
 use crate::gpu::culling::Seen;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::GpuLens;
 use crate::gpu::numeric::FARTHEST;
+use crate::gpu::picture::Picture;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
 use crate::gpu::shader::shader;
@@ -54,7 +56,7 @@ struct Frame {
     lengths: Buffer,
     nearest: Buffer,
     owners: Buffer,
-    walls: Buffer,
+    surfaces: Surfaces,
     fragments: Buffer,
     occlusion: Buffer,
     /// With places.
@@ -71,11 +73,11 @@ pub struct Renderer {
     columns: Kernel,
     draw: Kernel,
     resolve: Kernel,
-    walls: Kernel,
+    context: ContextPass,
     estimate: Kernel,
     trace: Kernel,
     places: Passes,
-    picture: wgpu::RenderPipeline,
+    picture: Picture,
     /// The two runs of `draw`.
     choosing: [Buffer; 2],
     samples: Buffer,
@@ -85,8 +87,6 @@ pub struct Renderer {
 /// The pixels of a workgroup of rays, as in rays.wgsl.
 const TILE: [u32; 2] = [4, 2];
 
-const PICTURE: &[u32] = &[0, 9, 10, 12, 17, 18, 23];
-
 impl Renderer {
     /// Compiles the shaders, for pictures of a format.
     ///
@@ -94,7 +94,6 @@ impl Renderer {
     /// If a setting is out of its range, or the device has no room.
     pub fn new(gpu: &Gpu, format: TextureFormat, settings: Settings) -> Result<Self, LinesGpuError> {
         let raster = shader(gpu, "raster", include_str!("shaders/raster.wgsl"));
-        let walls = shader(gpu, "walls", include_str!("shaders/walls.wgsl"));
         let occlusion = shader(
             gpu,
             "occlusion",
@@ -114,11 +113,11 @@ impl Renderer {
             columns: Kernel::new(gpu, &raster, "columns", &[0, 2, 3, 4, 5, 6, 7]),
             draw: Kernel::new(gpu, &raster, "draw", &[0, 1, 2, 3, 4, 5, 8, 9, 10]),
             resolve: Kernel::new(gpu, &raster, "resolve", &[0, 2, 3, 9, 11, 12]),
-            walls: Kernel::new(gpu, &walls, "find", &[0, 13, 14]),
+            context: ContextPass::new(gpu),
             estimate: Kernel::new(gpu, &occlusion, "estimate", &[0, 6, 7, 12, 15, 16, 17]),
             trace: Kernel::new(gpu, &rays, "trace", &[0, 12, 15, 16, 17, 19, 20, 21, 22]),
             places: Passes::new(gpu, &rays),
-            picture: picture(gpu, format),
+            picture: Picture::new(gpu, format),
             choosing: [flag(0)?, flag(1)?],
             samples: samples(gpu, &settings)?,
             settings,
@@ -146,11 +145,10 @@ impl Renderer {
     }
 
     /// Computes a view of lines: columns of `seen.read` unless rays are taken, the nearest lines of
-    /// `seen.drawn`, and the occlusion. `walls` are boxes that hide lines, by their least and
-    /// greatest corners; they take no part in the occlusion.
+    /// `seen.drawn`, and the occlusion. `context` hides lines; it takes no part in the occlusion.
     ///
     /// Time: proportional to the vertices of the bundles, to the pixels that lines cross, and to
-    /// the pixels with lines times the samples. Memory on the device: 52 bytes a pixel; with
+    /// the pixels with lines times the samples. Memory on the device: 56 bytes a pixel; with
     /// columns 80 bytes a column with 128 slices, 160 with 256.
     ///
     /// # Errors
@@ -162,7 +160,7 @@ impl Renderer {
         gpu: &Gpu,
         view: &View,
         (lines, seen): (&GpuLines, &Seen),
-        walls: &[[Vec3; 2]],
+        context: &[GpuContext],
         clock: &mut Clock,
     ) -> Result<(), LinesGpuError> {
         self.fit(gpu, view)?;
@@ -174,8 +172,6 @@ impl Renderer {
         let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
         let storage = BufferUsages::STORAGE;
         let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
-        let corners: Vec<[f32; 4]> = walls.iter().flatten().map(|c| c.extend(0.0).to_array()).collect();
-        let boxes = filled(gpu, &corners, storage)?;
         let ao = filled(
             gpu,
             &[GpuAo::new(settings, view.size(), sides.map_or(0, GpuSides::tangents))],
@@ -190,9 +186,8 @@ impl Renderer {
                 self.columns.run_groups(gpu, encoder, read.len(), &among(&[&set[..], &bound[..]].concat()));
             })?;
         }
-        clock.stage(gpu, "walls", |encoder| {
-            let bound = [(0, &frame.lens), (13, &boxes), (14, &frame.walls)];
-            self.walls.run_pixels(gpu, encoder, view.size(), &among(&bound));
+        clock.stage(gpu, "context", |encoder| {
+            self.context.draw(gpu, encoder, (&frame.lens, context), &frame.surfaces);
         })?;
         clock.stage(gpu, "nearest lines", |encoder| {
             [&frame.nearest, &frame.owners].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
@@ -203,9 +198,9 @@ impl Renderer {
                     (5, &drawn_list),
                     (8, &frame.nearest),
                     (9, &frame.owners),
-                    (10, &frame.walls),
                 ];
-                self.draw.run_groups(gpu, encoder, drawn.len(), &among(&[&set[..], &bound[..]].concat()));
+                let bound = [&set[..], &bound[..]].concat();
+                self.draw.run_groups(gpu, encoder, drawn.len(), &frame.surfaces.with(among(&bound)));
             }
             let bound = [(0, &frame.lens), (9, &frame.owners), (12, &frame.fragments)];
             self.resolve.run_pixels(gpu, encoder, view.size(), &among(&[&set[..], &bound[..]].concat()));
@@ -253,39 +248,27 @@ impl Renderer {
         background: Vec3,
         clock: &mut Clock,
     ) -> Result<(), LinesGpuError> {
-        let [red, green, blue] = background.to_array().map(f64::from);
         let [r, g, b] = background.to_array().map(f32::to_bits);
         let coloured = self.frame.as_ref().is_some_and(|f| f.colours.is_some());
         let words = [r, g, b, look as u32, strength.to_bits(), u32::from(coloured), 0, 0];
         let look = filled(gpu, &words, BufferUsages::UNIFORM)?;
         let none = filled(gpu, &[[0u32; 4]], BufferUsages::STORAGE)?;
-        clock.stage(gpu, "picture", |encoder| {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &target.colour,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color { r: red, g: green, b: blue, a: 1.0 }),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                ..Default::default()
-            });
-            let Some(frame) = &self.frame else { return };
-            let bound: [Bound<'_>; 7] = [
+        let bound = self.frame.as_ref().map(|frame| -> [Bound<'_>; 6] {
+            [
                 (0, &frame.lens),
                 (9, &frame.owners),
-                (10, &frame.walls),
                 (12, &frame.fragments),
                 (17, &frame.occlusion),
                 (18, &look),
                 (23, frame.colours.as_ref().unwrap_or(&none)),
-            ];
-            let group = bind(gpu, &self.picture.get_bind_group_layout(0), PICTURE, &among(&bound));
-            pass.set_pipeline(&self.picture);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..3, 0..1);
+            ]
+        });
+        clock.stage(gpu, "picture", |encoder| match (&self.frame, &bound) {
+            (Some(frame), Some(bound)) => {
+                let lookup = frame.surfaces.with(among(bound));
+                self.picture.paint(gpu, encoder, (target, background), Some(&lookup));
+            }
+            _ => self.picture.paint(gpu, encoder, (target, background), None),
         })?;
         Ok(())
     }
@@ -400,7 +383,7 @@ impl Frame {
             lengths: of_columns("the lengths", slices.groups() as u32 * 8)?,
             nearest: of_pixels(4)?,
             owners: of_pixels(4)?,
-            walls: of_pixels(8)?,
+            surfaces: Surfaces::new(gpu, view.size())?,
             fragments: of_pixels(size_of::<GpuFragment>() as u64)?,
             occlusion: of_pixels(4)?,
             work: if has_places { Some(Work::new(gpu, count(view))?) } else { None },
@@ -418,29 +401,4 @@ fn samples(gpu: &Gpu, settings: &Settings) -> Result<Buffer, LinesGpuError> {
     let all = (0..sets.count()).flat_map(|i| sets.set(i));
     let flat: Vec<[f32; 4]> = all.map(|s| [s.at.x, s.at.y, s.area, sector_of(s) as f32]).collect();
     Ok(filled(gpu, &flat, BufferUsages::STORAGE)?)
-}
-
-fn picture(gpu: &Gpu, format: TextureFormat) -> wgpu::RenderPipeline {
-    let module = shader(gpu, "picture", include_str!("shaders/picture.wgsl"));
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("picture"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("whole"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("paint"),
-            compilation_options: Default::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

@@ -17,5 +17,6 @@ pub mod random;
 pub mod region;
 pub mod rooms;
 mod set;
+mod surfaces;
 
 pub use set::{LineError, LineSet, MOST_VERTICES, Segment};

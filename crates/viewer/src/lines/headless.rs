@@ -32,11 +32,12 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
     let seen = match options.cull {
         true => {
-            Culling::new(lines.bundles(), &source.walls)?.look(&view, renderer.settings().reach(&view)?)?
+            Culling::new(lines.bundles(), &source.context)?.look(&view, renderer.settings().reach(&view)?)?
         }
         false => Seen::all(lines.bundles().len()),
     };
-    renderer.update(&gpu, &view, (&lines, &seen), &source.walls, &mut Clock::off())?;
+    let context = source.context_on_device(&gpu)?;
+    renderer.update(&gpu, &view, (&lines, &seen), &context, &mut Clock::off())?;
     let folder = options.common.folder("lines");
     make_folder(&folder)?;
     say(format_args!(

@@ -12,6 +12,7 @@ use clap::{Args, ValueEnum};
 use glam::Vec3;
 
 use crate::common::Common;
+use crate::lines::context::{ContextName, parse_context};
 
 /// The radius of the thesis' hemispheres, as a share of the extent of the scene.
 const RADIUS: f32 = 0.13;
@@ -63,6 +64,10 @@ pub struct Options {
     /// No lines that cross this region
     #[arg(long, value_name = "REGION")]
     pub exclude: Vec<Region>,
+    /// A mesh that hides lines, and is drawn: a file (.obj, .ply, .glb or .gltf), or "own": the
+    /// ground of the set "reservoir", the ball of "pompom". May be given several times
+    #[arg(long, value_name = "MESH", value_parser = parse_context)]
+    pub context: Vec<ContextName>,
     /// The direction that the set is seen from
     #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
     pub from: Vec3,

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use casca_lines::gpu::context::{Context, GREY, GpuContext};
 use casca_lines::gpu::numeric::FARTHEST;
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::gpu::settings::Settings;
+use casca_lines::mesh::Mesh;
 use casca_lines::occlusion::AoOptions;
 use casca_lines::sets::colour::{Colouring, Legend};
 use casca_lines::sets::generate::Recipe;
@@ -17,6 +19,7 @@ use casca_stage::gpu::Gpu;
 use glam::{Vec3, vec3};
 
 use crate::common::Failed;
+use crate::lines::context::{self, ContextName};
 use crate::lines::options::Options;
 
 /// Lines of a room, unless the command line says otherwise.
@@ -44,8 +47,8 @@ pub struct Source {
     colouring: Colouring,
     /// The bounds at time 0, and some room for the motion.
     pub bounds: [Vec3; 2],
-    /// The walls that hide lines.
-    pub walls: Vec<[Vec3; 2]>,
+    /// The meshes and walls that hide lines, at the time of the command line.
+    pub context: Vec<Context>,
 }
 
 impl Source {
@@ -75,7 +78,7 @@ impl Source {
             regions: [options.include.clone(), options.exclude.clone()],
             colouring: options.colouring(),
             bounds: [Vec3::ZERO; 2],
-            walls: Vec::new(),
+            context: Vec::new(),
         };
         let lines = source.at(0.0)?;
         if lines.points().is_empty() {
@@ -87,10 +90,13 @@ impl Source {
         lines.colours(&source.colouring)?;
         source.bounds = lines.bounds();
         if let Kind::Rooms(side, _) = source.kind {
-            source.walls = House::new(side, 0, source.seed, 0.0)?.walls;
-            let corners = || source.walls.iter().flatten();
-            source.bounds = corners().fold(source.bounds, |[min, max], c| [min.min(*c), max.max(*c)]);
+            source.context.push(Context::of_boxes(&House::new(side, 0, source.seed, 0.0)?.walls));
         }
+        for what in &options.context {
+            source.context.push(Context::new(source.mesh(what, options.at)?, GREY)?);
+        }
+        let corners = || source.context.iter().flat_map(|c| &c.mesh().positions);
+        source.bounds = corners().fold(source.bounds, |[min, max], c| [min.min(*c), max.max(*c)]);
         Ok(source)
     }
 
@@ -106,6 +112,24 @@ impl Source {
             Kind::File(lines) if time == 0.0 => lines.clone(),
             Kind::File(lines) => swayed(lines, self.seed, time)?,
         })
+    }
+
+    /// The mesh that an option asks for.
+    fn mesh(&self, what: &ContextName, time: f32) -> Result<Mesh, Failed> {
+        match (what, &self.kind) {
+            (ContextName::File(path), _) => context::open(path),
+            (ContextName::Own, Kind::Generated(recipe)) => {
+                let surface = Recipe { time: f64::from(time), ..*recipe }.surface();
+                surface
+                    .ok_or_else(|| format!("--context own: {} has no surface of its own", self.name).into())
+            }
+            _ => Err("--context own: only generated sets have a surface of their own".into()),
+        }
+    }
+
+    /// Copies the context to a device.
+    pub fn context_on_device(&self, gpu: &Gpu) -> Result<Vec<GpuContext>, Failed> {
+        Ok(self.context.iter().map(|context| GpuContext::new(gpu, context)).collect::<Result<_, _>>()?)
     }
 
     /// Copies lines to a device and paints them, and says what their colours mean.

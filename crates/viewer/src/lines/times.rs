@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use casca_lines::gpu::context::GpuContext;
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
@@ -35,7 +36,8 @@ const SHARES: [f64; 4] = [0.4, 0.6, 0.8, 1.0];
 /// Prints all times of a source.
 pub fn print(options: &Options, source: &Source) -> Done {
     let gpu = options.common.drawing.device()?;
-    let bench = Bench { gpu: &gpu, options, source, set: source.at(f64::from(options.at))? };
+    let context = source.context_on_device(&gpu)?;
+    let bench = Bench { gpu: &gpu, options, source, context, set: source.at(f64::from(options.at))? };
     say(format_args!(
         "{}: {} lines with {} vertices, {} x {} pixels, on {}; the least of {REPEATS} times, in milliseconds",
         source.name,
@@ -55,6 +57,7 @@ struct Bench<'a> {
     gpu: &'a Gpu,
     options: &'a Options,
     source: &'a Source,
+    context: Vec<GpuContext>,
     set: LineSet,
 }
 
@@ -93,7 +96,7 @@ impl Bench<'_> {
                 seen = culling.look(view, settings.reach(view)?)?;
                 clock.add("query", start.elapsed());
             }
-            renderer.update(self.gpu, view, (lines, &seen), &self.source.walls, &mut clock)?;
+            renderer.update(self.gpu, view, (lines, &seen), &self.context, &mut clock)?;
             let target = canvas.picture();
             renderer.paint(self.gpu, &target, Look::Occluded, 1.0, BACKGROUND, &mut clock)?;
             let ms = |time: &Duration| time.as_secs_f64() * 1e3;
@@ -175,7 +178,7 @@ impl Bench<'_> {
                 let turn = Quat::from_rotation_y((degrees * i as f32).to_radians());
                 let view = self.source.view(self.options, [middle + turn * (eye - middle), middle], size)?;
                 let mut clock = Clock::on();
-                renderer.update(self.gpu, &view, (lines, &seen), &self.source.walls, &mut clock)?;
+                renderer.update(self.gpu, &view, (lines, &seen), &self.context, &mut clock)?;
                 if i > 0 {
                     all.extend(clock.stages().iter().map(|(name, time)| (*name, time.as_secs_f64() * 1e3)));
                     computed += renderer.read_computed(self.gpu)? as usize;
@@ -194,7 +197,7 @@ impl Bench<'_> {
     fn culling(&self) -> Done {
         let settings = self.source.settings(self.options, &self.view(1.0, 0)?);
         let lines = GpuLines::new(self.gpu, &self.set, &settings)?;
-        let mut culling = Culling::new(lines.bundles(), &self.source.walls)?;
+        let mut culling = Culling::new(lines.bundles(), &self.source.context)?;
         let (mut all, mut culled) = (Stages::new(), Stages::new());
         let (mut drawn, mut read) = (0, 0);
         let side = self.options.rooms.unwrap_or(1);
@@ -213,10 +216,12 @@ impl Bench<'_> {
         let mean = |n: usize| n as f64 / f64::from(rooms);
         let bundles = lines.bundles().len();
         let vertices = |n: usize| mean(n) / bundles.max(1) as f64 * lines.vertices() as f64;
-        say(format_args!("means of the views from {rooms} rooms, with {} walls", self.source.walls.len()));
+        let triangles = || self.source.context.iter().map(|c| c.mesh().triangles.len()).sum::<usize>();
+        say(format_args!("means of the views from {rooms} rooms, with {} triangles", triangles()));
         say(format_args!("bundles: {bundles}; drawn {:.0}, in columns {:.0}", mean(drawn), mean(read)));
         say(format_args!("vertices, about: drawn {:.0}, in columns {:.0}", vertices(drawn), vertices(read)));
-        let alone = ["query", "columns", "walls", "nearest lines", "picture"].map(|name| (name, vec![name]));
+        let alone =
+            ["query", "columns", "context", "nearest lines", "picture"].map(|name| (name, vec![name]));
         for (name, names) in alone.into_iter().chain([("occlusion", OCCLUSION.to_vec())]) {
             let ms = |stages: &Stages| of(stages, &names) / f64::from(rooms);
             say(format_args!("{name:>14} {:9.2} without culling {:9.2} with", ms(&all), ms(&culled)));

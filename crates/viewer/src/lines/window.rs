@@ -1,5 +1,6 @@
 //! The window: a camera to fly with, sliders and a motion.
 
+use casca_lines::gpu::context::GpuContext;
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
@@ -94,6 +95,7 @@ struct Viewer {
     lines: GpuLines,
     legend: Legend,
     culling: Culling,
+    context: Vec<GpuContext>,
     panel: Panel,
     fly: Fly,
     seconds: f64,
@@ -127,7 +129,8 @@ impl Viewer {
                 look: Look::Occluded,
             },
             renderer: Renderer::new(&screen.gpu, screen.format(), settings)?,
-            culling: Culling::new(lines.bundles(), &source.walls)?,
+            culling: Culling::new(lines.bundles(), &source.context)?,
+            context: source.context_on_device(&screen.gpu)?,
             lines,
             legend,
             panel: Panel::on(screen),
@@ -176,7 +179,7 @@ impl Viewer {
             true => self.culling.look(&view, settings.reach(&view)?)?,
             false => Seen::all(self.lines.bundles().len()),
         };
-        self.renderer.update(gpu, &view, (&self.lines, &seen), &self.source.walls, &mut Clock::off())?;
+        self.renderer.update(gpu, &view, (&self.lines, &seen), &self.context, &mut Clock::off())?;
         Ok(seen)
     }
 

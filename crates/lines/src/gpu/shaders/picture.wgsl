@@ -1,4 +1,4 @@
-// The picture: lines and walls with or without light and occlusion.
+// The picture: lines with or without light and occlusion.
 
 struct Look {
     background: vec3f,
@@ -13,14 +13,14 @@ struct Look {
 
 // The complement of the nearest segment.
 @group(0) @binding(9) var<storage, read> owners: array<u32>;
-@group(0) @binding(10) var<storage, read> walls: array<vec2f>;
+// The depth and the shade of the context in each pixel.
+@group(0) @binding(10) var surfaces: texture_2d<f32>;
+@group(0) @binding(13) var shades: texture_2d<f32>;
 @group(0) @binding(12) var<storage, read> fragments: array<Fragment>;
 @group(0) @binding(17) var<storage, read> occlusion: array<f32>;
 @group(0) @binding(18) var<uniform> look: Look;
 // The colours of the ends of each segment, and the ways along its line to them.
 @group(0) @binding(23) var<storage, read> colours: array<vec4u>;
-
-const WALL: vec3f = vec3f(0.62, 0.64, 0.68);
 
 @vertex
 fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
@@ -67,10 +67,8 @@ fn paint(@builtin(position) at: vec4f) -> @location(0) vec4f {
             case 2u: { colour = lit(plain, normal, -away, open); }
             default: { colour = vec3f(open); }
         }
-    } else if walls[pixel].x < FAR_AWAY {
-        // Sides along x, y and z have shades of their own.
-        let side = walls[pixel].y;
-        colour = WALL * (0.7 + 0.12 * abs(side) * select(0.9, 1.0, side > 0.0));
+    } else if textureLoad(surfaces, vec2u(at.xy), 0).x < FAR_AWAY {
+        colour = textureLoad(shades, vec2u(at.xy), 0).rgb;
     }
     return vec4f(colour, 1.0);
 }

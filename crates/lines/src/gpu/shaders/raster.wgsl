@@ -12,7 +12,8 @@
 // The greatest inverted depth, and the greatest inverted number of a segment at it: 0 is nothing.
 @group(0) @binding(8) var<storage, read_write> nearest: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> owners: array<atomic<u32>>;
-@group(0) @binding(10) var<storage, read> walls: array<vec2f>;
+// The depth of the context in each pixel.
+@group(0) @binding(10) var surfaces: texture_2d<f32>;
 @group(0) @binding(11) var<storage, read> tangents: array<vec4f>;
 @group(0) @binding(12) var<storage, read_write> fragments: array<Fragment>;
 
@@ -182,7 +183,7 @@ fn draw(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
         let pixel = pixel_number(vec2u(w.at));
         let depth = -mix(w.a.z, w.b.z, (w.begin + w.to) * 0.5);
         let key = key_of(depth);
-        if depth <= walls[pixel].x {
+        if depth <= textureLoad(surfaces, w.at, 0).x {
             if choosing == 0u {
                 atomicMax(&nearest[pixel], key);
             } else if atomicLoad(&nearest[pixel]) == key {

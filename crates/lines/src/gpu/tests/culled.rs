@@ -4,6 +4,7 @@ use casca_stage::canvas::Canvas;
 use proptest::prelude::*;
 
 use super::*;
+use crate::gpu::context::{Context, GpuContext};
 use crate::gpu::culling::Culling;
 use crate::gpu::lens::{Reach, view_of_scene};
 use crate::gpu::renderer::Look;
@@ -16,7 +17,9 @@ fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
     let Some(gpu) = gpu() else { return };
     let house = House::new(4, 120, 5, 0.0).unwrap();
     let lines = GpuLines::new(&gpu, &house.lines, &of_margin(0.04)).unwrap();
-    let mut culling = Culling::new(lines.bundles(), &house.walls).unwrap();
+    let context = [Context::of_boxes(&house.walls)];
+    let mut culling = Culling::new(lines.bundles(), &context).unwrap();
+    let context = context.map(|c| GpuContext::new(&gpu, &c).unwrap());
     let canvas = Canvas::new(&gpu, (160, 120));
     let everything = Seen::all(lines.bundles().len());
     let thesis = Settings { slices: Slices::S128, coarse: 1, ..settings(AoOptions::thesis(0.3)) };
@@ -32,7 +35,7 @@ fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
         let view = View::look_at([eye, target, Vec3::Y], lens, depths, [160, 120]).unwrap();
         let seen = culling.look(&view, renderer.settings().reach(&view).unwrap()).unwrap();
         let mut shot = |seen: &Seen| {
-            renderer.update(&gpu, &view, (&lines, seen), &house.walls, &mut Clock::off()).unwrap();
+            renderer.update(&gpu, &view, (&lines, seen), &context, &mut Clock::off()).unwrap();
             renderer
                 .paint(&gpu, &canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, &mut Clock::off())
                 .unwrap();
@@ -58,10 +61,11 @@ fn hidden_bundles_that_darken_visible_lines_are_read_and_without_the_reach_pixel
     let Some(gpu) = gpu() else { return };
     // A wall before the left part of a set: beside its edge, visible lines are darkened by hidden
     // ones.
-    let walls = [[vec3(-3.0, -3.0, 0.59), vec3(0.4, 3.0, 0.61)]];
+    let walls = [Context::of_boxes(&[[vec3(-3.0, -3.0, 0.59), vec3(0.4, 3.0, 0.61)]])];
     let cube = Recipe { lines: 1000, vertices: 100, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
     let lines = GpuLines::new(&gpu, &cube, &of_margin(0.04)).unwrap();
     let mut culling = Culling::new(lines.bundles(), &walls).unwrap();
+    let walls = walls.map(|w| GpuContext::new(&gpu, &w).unwrap());
     for view in
         [None, Some(0.5)].map(|fov| View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap())
     {
@@ -109,7 +113,8 @@ proptest! {
 fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed() {
     let Some(gpu) = gpu() else { return };
     let at = |z: f32| LineSet::new([[vec3(-0.5, 0.02, z), vec3(0.5, 0.02, z)]]).unwrap();
-    let wall = [[vec3(-2.0, -2.0, -0.1), vec3(2.0, 2.0, 0.1)]];
+    let wall = [Context::of_boxes(&[[vec3(-2.0, -2.0, -0.1), vec3(2.0, 2.0, 0.1)]])];
+    let shown_wall = [GpuContext::new(&gpu, &wall[0]).unwrap()];
     for fov in [None, Some(0.8)] {
         let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, fov, SIZE).unwrap();
         let mut renderer = Renderer::new(&gpu, COLOUR, settings(AoOptions::new(0.3, 0.01))).unwrap();
@@ -122,7 +127,7 @@ fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed
             let seen = culling.look(&view, Reach { drawn: 0.01, read: 0.01 }).unwrap();
             assert_eq!(seen.drawn.len(), usize::from(z > 0.0), "{z}");
             for seen in [&seen, &Seen::all(1)] {
-                renderer.update(&gpu, &view, (&lines, seen), &wall, &mut Clock::off()).unwrap();
+                renderer.update(&gpu, &view, (&lines, seen), &shown_wall, &mut Clock::off()).unwrap();
                 let shown = renderer.read_fragments(&gpu).unwrap().iter().flatten().count();
                 assert_eq!(shown > 10, z > 0.0, "{z}: {shown}");
             }

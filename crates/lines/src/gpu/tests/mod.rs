@@ -2,6 +2,7 @@
 //! culling.
 
 mod columns;
+mod context;
 mod culled;
 mod occlusion;
 mod places;

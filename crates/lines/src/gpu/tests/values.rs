@@ -4,6 +4,7 @@ use casca_stage::canvas::Canvas;
 use casca_stage::gpu::GpuError;
 
 use super::*;
+use crate::gpu::context::Context;
 use crate::gpu::culling::Culling;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::renderer::Look;
@@ -59,6 +60,9 @@ fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
     paint(Look::Plain).unwrap();
     assert!(canvas.read_picture(&gpu).unwrap().chunks(4).all(|pixel| pixel == [255, 0, 0, 255]));
     let nan = [[Vec3::NAN, Vec3::ONE]];
-    assert!(matches!(Culling::new(lines.bundles(), &nan), Err(LinesGpuError::Scene(_))));
+    assert!(matches!(
+        Culling::new(lines.bundles(), &[Context::of_boxes(&nan)]),
+        Err(LinesGpuError::Scene(_))
+    ));
     assert!(matches!(LinesGpuError::from(GpuError::NoAdapter("x".into())), LinesGpuError::Gpu(_)));
 }

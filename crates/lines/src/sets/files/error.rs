@@ -21,6 +21,9 @@ pub enum FileError {
     /// The ending is that of no format that is read.
     #[error("{0}: the ending must be .txt, .obj, .ply, .tck, .trk, .trx, .vtk, .vtp or .hair")]
     Unknown(PathBuf),
+    /// The ending is that of no format whose meshes are read.
+    #[error("{0}: the ending of a mesh must be .obj or .ply")]
+    NoMesh(PathBuf),
     /// The library was built without the reader.
     #[error("files of this format are read with the feature \"formats\" only")]
     Feature,
@@ -52,6 +55,9 @@ pub enum FileError {
     #[error(transparent)]
     Attributes(#[from] AttributeError),
 }
+
+/// The vertices of a file, and lists of their numbers.
+pub(super) type Lists = Result<(Vec<Vec3>, Vec<Vec<u32>>), FileError>;
 
 /// The vertices of each line.
 pub(super) type Lines = Result<Vec<Vec<Vec3>>, FileError>;

@@ -1,5 +1,5 @@
 //! Lines from files: the thesis' text format, OBJ, PLY, the tractograms TCK, TRK and TRX, VTK and
-//! HAIR, with the numbers, colours and groups that they have.
+//! HAIR, with the numbers, colours and groups that they have; and triangle meshes from OBJ and PLY.
 //!
 //! Readers take bytes and need memory in proportion to them, whatever a header promises. Lines may
 //! be of any number of vertices.
@@ -7,6 +7,7 @@
 mod bytes;
 mod error;
 mod hair;
+mod mesh;
 mod ply;
 mod polydata;
 mod tck;
@@ -26,6 +27,7 @@ mod words;
 use std::path::Path;
 
 pub use error::FileError;
+pub use mesh::{open_mesh, read_mesh};
 
 use crate::sets::LineSet;
 

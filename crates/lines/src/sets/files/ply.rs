@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::bytes::{Bytes, Kind, whole};
-use super::error::{FileError, Lines, broken};
+use super::error::{FileError, Lines, Lists, broken, refused};
 use super::words::{Words, parse, words};
 
 /// The kind of number with a name.
@@ -74,6 +74,17 @@ impl Body<'_> {
 
 /// The lines of a PLY file. Edges that follow each other make one line.
 pub(super) fn read(bytes: &[u8]) -> Lines {
+    let (points, lines) = lists(bytes, &["edge", "line", "polyline"])?;
+    let point = |i: &u32| {
+        let found = points.get(*i as usize).copied();
+        found.ok_or_else(|| refused(format!("a line names vertex {i} of {}", points.len())))
+    };
+    lines.iter().map(|line| line.iter().map(point).collect()).collect()
+}
+
+/// The vertices of a PLY file, and their numbers in each element with one of these names; these may
+/// not be there.
+pub(super) fn lists(bytes: &[u8], wanted: &[&str]) -> Lists {
     let (elements, mut body) = header(bytes)?;
     let mut points: Vec<Vec3> = Vec::new();
     let mut lines: Vec<Vec<u32>> = Vec::new();
@@ -104,7 +115,7 @@ pub(super) fn read(bytes: &[u8]) -> Lines {
                         [coordinate("x")?, coordinate("y")?, coordinate("z")?].map(|c| c as f32),
                     ));
                 }
-                ("edge" | "line" | "polyline", a, b) => match (list, a.zip(b)) {
+                (name, a, b) if wanted.contains(&name) => match (list, a.zip(b)) {
                     (Some(list), _) => lines.push(list),
                     (None, Some((a, b))) => {
                         let [a, b] = [body.is_whole(a, VERTEX)?, body.is_whole(b, VERTEX)?];
@@ -114,7 +125,6 @@ pub(super) fn read(bytes: &[u8]) -> Lines {
                         }
                     }
                     (None, None) => {
-                        let name = &element.name;
                         return Err(body.fail(format!(
                             "the element {name} has neither a list vertex_indices nor vertex1 and vertex2"
                         )));
@@ -124,11 +134,7 @@ pub(super) fn read(bytes: &[u8]) -> Lines {
             }
         }
     }
-    let point = |i: &u32| {
-        let found = points.get(*i as usize).copied();
-        found.ok_or_else(|| body.fail(format!("a line names vertex {i} of {}", points.len())))
-    };
-    lines.iter().map(|line| line.iter().map(point).collect()).collect()
+    Ok((points, lines))
 }
 
 fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {

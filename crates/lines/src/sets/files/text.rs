@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::error::{FileError, Lines, broken};
+use super::error::{FileError, Lines, Lists, broken};
 use super::words::{Words, parse, words};
 
 /// The thesis' format: the number of lines, the number of vertices of each, and the vertices.
@@ -25,6 +25,12 @@ pub(super) fn thesis(bytes: &[u8]) -> Lines {
 
 /// The lines of an OBJ file; statements other than `v` and `l` are passed over.
 pub(super) fn obj(bytes: &[u8]) -> Lines {
+    let (points, lines) = lists(bytes, "l")?;
+    Ok(lines.iter().map(|line| line.iter().map(|&v| points[v as usize]).collect()).collect())
+}
+
+/// The vertices of an OBJ file, and their numbers in each statement with a name; these are there.
+pub(super) fn lists(bytes: &[u8], statement: &str) -> Lists {
     let (mut points, mut lines) = (Vec::new(), Vec::new());
     for (i, line) in bytes.split(|b| *b == b'\n').enumerate() {
         let words = words(line);
@@ -33,23 +39,28 @@ pub(super) fn obj(bytes: &[u8]) -> Lines {
                 let [x, y, z] = rest
                     .first_chunk()
                     .ok_or_else(|| broken("line", i + 1, "a vertex of less than 3 numbers"))?;
-                let number = |w| parse(w, "a coordinate", i + 1);
-                points.push(Vec3::new(number(x)?, number(y)?, number(z)?));
+                let coordinate = |w| parse(w, "a coordinate", i + 1);
+                points.push(Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?));
             }
-            Some((&"l", rest)) => {
+            Some((name, rest)) if *name == statement => {
                 let vertex = |word: &&str| {
                     // Texture coordinates may follow a slash; negative numbers count from the last
                     // vertex.
-                    let number: i64 =
-                        parse(word.split('/').next().unwrap_or(word), "a vertex number", i + 1)?;
-                    let index = if number < 0 { points.len() as i64 + number } else { number - 1 };
-                    let point = usize::try_from(index).ok().and_then(|p| points.get(p)).copied();
-                    point.ok_or_else(|| broken("line", i + 1, format!("there is no vertex {number}")))
+                    let named: i64 = parse(word.split('/').next().unwrap_or(word), "a vertex number", i + 1)?;
+                    let index = if named < 0 { points.len() as i64 + named } else { named - 1 };
+                    let index = usize::try_from(index).ok().filter(|&p| p < points.len());
+                    let none = || broken("line", i + 1, format!("there is no vertex {named}"));
+                    number(index.ok_or_else(none)?, i + 1)
                 };
                 lines.push(rest.iter().map(vertex).collect::<Result<_, _>>()?);
             }
             _ => {}
         }
     }
-    Ok(lines)
+    Ok((points, lines))
+}
+
+/// The number of a vertex as 32 bits.
+fn number(index: usize, line: usize) -> Result<u32, FileError> {
+    u32::try_from(index).map_err(|_| broken("line", line, "more vertices than 32 bits can number"))
 }

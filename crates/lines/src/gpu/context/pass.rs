@@ -1,0 +1,147 @@
+//! The pass that draws context: its depth and its shade in each pixel.
+
+use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::kernel::{among, bind};
+use casca_stage::wgpu::{self, Buffer, TextureFormat, TextureUsages, TextureView};
+
+use crate::gpu::context::GpuContext;
+use crate::gpu::context::device::GpuVertex;
+use crate::gpu::shader::shader;
+
+/// The depths of eye space, in full.
+const DEPTH: TextureFormat = TextureFormat::R32Float;
+const SHADE: TextureFormat = TextureFormat::Rgba8Unorm;
+/// By which triangles hide each other.
+const ORDER: TextureFormat = TextureFormat::Depth32Float;
+/// The depth of a pixel without context, as `FAR_AWAY` of the shaders.
+const FAR_AWAY: f64 = 3e38;
+
+/// What context leaves in each pixel.
+pub(in crate::gpu) struct Surfaces {
+    depth: TextureView,
+    shade: TextureView,
+    order: TextureView,
+}
+
+impl Surfaces {
+    /// Of a size in pixels. Memory on the device: 12 bytes a pixel.
+    pub(in crate::gpu) fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self, GpuError> {
+        let most = u64::from(gpu.device.limits().max_texture_dimension_2d);
+        let bytes = u64::from(width) * u64::from(height) * 4;
+        let no_room = GpuError::NoRoom { bytes, most: most * most * 4 };
+        if u64::from(width.max(height)) > most {
+            return Err(no_room);
+        }
+        let texture = |format, usage| {
+            let descriptor = wgpu::TextureDescriptor {
+                label: Some("context"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: TextureUsages::RENDER_ATTACHMENT | usage,
+                view_formats: &[],
+            };
+            gpu.try_room(|| gpu.device.create_texture(&descriptor).create_view(&Default::default()))
+        };
+        let of = TextureUsages::TEXTURE_BINDING;
+        match (texture(DEPTH, of), texture(SHADE, of), texture(ORDER, TextureUsages::empty())) {
+            (Some(depth), Some(shade), Some(order)) => Ok(Self { depth, shade, order }),
+            _ => Err(no_room),
+        }
+    }
+
+    /// The bindings of shaders that read them, and `others`.
+    pub(in crate::gpu) fn with<'a>(
+        &'a self,
+        others: impl Fn(u32) -> Option<wgpu::BindingResource<'a>>,
+    ) -> impl Fn(u32) -> Option<wgpu::BindingResource<'a>> {
+        move |number| match number {
+            10 => Some(wgpu::BindingResource::TextureView(&self.depth)),
+            13 => Some(wgpu::BindingResource::TextureView(&self.shade)),
+            _ => others(number),
+        }
+    }
+}
+
+/// Draws context.
+pub(in crate::gpu) struct ContextPass {
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl ContextPass {
+    pub(in crate::gpu) fn new(gpu: &Gpu) -> Self {
+        let module = shader(gpu, "context", include_str!("../shaders/context.wgsl"));
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4];
+        let buffers = [Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<GpuVertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &attributes,
+        })];
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("context"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("corner"),
+                compilation_options: Default::default(),
+                buffers: &buffers,
+            },
+            primitive: Default::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: ORDER,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Less),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("shade"),
+                compilation_options: Default::default(),
+                targets: &[Some(DEPTH.into()), Some(SHADE.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Self { pipeline }
+    }
+
+    /// Draws meshes through a lens.
+    pub(in crate::gpu) fn draw(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        (lens, context): (&Buffer, &[GpuContext]),
+        onto: &Surfaces,
+    ) {
+        let target = |view, clear: wgpu::Color| {
+            let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store };
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+        };
+        let far_away = wgpu::Color { r: FAR_AWAY, ..wgpu::Color::BLACK };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("context"),
+            color_attachments: &[target(&onto.depth, far_away), target(&onto.shade, wgpu::Color::BLACK)],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &onto.order,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        let group = bind(gpu, &self.pipeline.get_bind_group_layout(0), &[0], &among(&[(0, lens)]));
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        for mesh in context.iter().filter(|mesh| mesh.count > 0) {
+            pass.set_vertex_buffer(0, mesh.vertices.slice(..));
+            pass.set_index_buffer(mesh.corners.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..mesh.count, 0, 0..1);
+        }
+    }
+}

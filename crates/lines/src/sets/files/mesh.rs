@@ -1,0 +1,91 @@
+//! Triangle meshes from OBJ and PLY.
+
+use std::path::Path;
+
+use super::error::FileError;
+use super::{Format, ply, text};
+use crate::mesh::Mesh;
+
+/// The triangles of a file whose ending is .obj (`v` and `f`) or .ply (`vertex` and `face`);
+/// polygons become fans. Normals, colours and materials are passed over.
+///
+/// # Errors
+/// If the file cannot be read, has another ending, or breaks its format.
+pub fn open_mesh(path: &Path) -> Result<Mesh, FileError> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let format = match ending.as_str() {
+        "obj" => Format::Obj,
+        "ply" => Format::Ply,
+        _ => return Err(FileError::NoMesh(path.to_owned())),
+    };
+    let bytes = std::fs::read(path).map_err(|why| FileError::Io { path: path.to_owned(), why })?;
+    read_mesh(&bytes, format).map_err(|why| FileError::In { path: path.to_owned(), why: Box::new(why) })
+}
+
+/// The triangles in the bytes of a file of [`Format::Obj`] or [`Format::Ply`].
+///
+/// # Errors
+/// If the format is another, the bytes break it, or a coordinate is not finite.
+pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Mesh, FileError> {
+    let (positions, polygons) = match format {
+        Format::Obj => text::lists(bytes, "f")?,
+        Format::Ply => ply::lists(bytes, &["face"])?,
+        _ => return Err(FileError::Refused(format!("{format:?} has no meshes"))),
+    };
+    if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(FileError::Refused(format!("vertex {at} is not finite")));
+    }
+    for &vertex in polygons.iter().flatten() {
+        if vertex as usize >= positions.len() {
+            let why = format!("there is no vertex {vertex} of {}", positions.len());
+            return Err(FileError::Refused(why));
+        }
+    }
+    Ok(Mesh::of_polygons(positions, polygons.iter().map(Vec::as_slice)))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    const SQUARE: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+
+    #[test]
+    fn polygons_of_obj_and_ply_become_triangles_beside_their_lines() {
+        let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nl 1 2\nvn 0 0 1\nf 1/1/1 2//1 3 -1\n";
+        let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int vertex1\n\
+            property int vertex2\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n0 1\n";
+        for (text, format) in [(obj, Format::Obj), (ply, Format::Ply)] {
+            let mesh = read_mesh(text.as_bytes(), format).unwrap();
+            assert_eq!(
+                (&mesh.positions[..], &mesh.triangles[..]),
+                (&SQUARE[..], &[[0, 1, 2], [0, 2, 3]][..])
+            );
+            let lines = crate::sets::files::read(text.as_bytes(), format).unwrap();
+            assert_eq!((lines.len(), lines.points()), (1, &SQUARE[..2]));
+        }
+    }
+
+    #[test]
+    fn wrong_numbers_and_formats_are_refused() {
+        let ply = |face: &str| {
+            let head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+            format!("{head}element face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n{face}\n")
+        };
+        for (text, format, part) in [
+            ("v 0 0 0\nf 1 2 3\n".to_owned(), Format::Obj, "line 2: there is no vertex 2"),
+            ("v 0 0 nan\nf 1 1 1\n".to_owned(), Format::Obj, "vertex 0 is not finite"),
+            (ply("3 0 0 1"), Format::Ply, "no vertex 1 of 1"),
+            (ply("3 0 0"), Format::Ply, "ends"),
+            (String::new(), Format::Tck, "no meshes"),
+        ] {
+            let why = read_mesh(text.as_bytes(), format).unwrap_err().to_string();
+            assert!(why.contains(part), "{text}: {why}");
+        }
+        assert!(open_mesh(Path::new("x.stl")).unwrap_err().to_string().contains(".obj or .ply"));
+        assert!(open_mesh(Path::new("no/such.obj")).unwrap_err().to_string().contains("no/such.obj"));
+    }
+}

@@ -1,0 +1,40 @@
+//! Meshes among the lines, from files.
+
+use std::path::{Path, PathBuf};
+
+use casca_lines::mesh::Mesh;
+use casca_lines::sets::files::open_mesh;
+use casca_scenes::import;
+use casca_scenes::world::Shape;
+
+use crate::common::Failed;
+
+/// Where a mesh comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ContextName {
+    /// The surface of the generated set.
+    Own,
+    /// A file.
+    File(PathBuf),
+}
+
+/// A name of the command line.
+pub fn parse_context(text: &str) -> Result<ContextName, String> {
+    Ok(if text == "own" { ContextName::Own } else { ContextName::File(text.into()) })
+}
+
+/// The triangles of a file: those of all objects of glTF, or of OBJ or PLY.
+pub fn open(path: &Path) -> Result<Mesh, Failed> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    if !ending.is_some_and(|e| e == "glb" || e == "gltf") {
+        return Ok(open_mesh(path)?);
+    }
+    let mut all = Mesh::default();
+    for object in import::load(path)?.objects {
+        let Shape::Mesh { mesh, transform } = object.shape else { continue };
+        let first = all.positions.len() as u32;
+        all.positions.extend(mesh.positions.iter().map(|&p| transform.transform_point3(p)));
+        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    Ok(all)
+}
