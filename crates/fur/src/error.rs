@@ -59,6 +59,12 @@ pub enum Error {
         /// The most allowed.
         max: usize,
     },
+    /// A triangle whose corners lie on different images.
+    #[error("the corners of triangle {triangle} lie on different images: part the vertices there")]
+    Images {
+        /// The number of the triangle.
+        triangle: usize,
+    },
     /// An open mesh where a closed one is needed.
     #[error(
         "the mesh is not closed: {edges} edges do not belong to exactly two triangles that run along them in opposite \

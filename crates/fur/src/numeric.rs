@@ -22,6 +22,16 @@ pub(crate) const OUTSIDE_BALL: f64 = 1e-9;
 /// (single precision, three components each off by a few units of 6e-8).
 pub(crate) const NO_SUM: f32 = 1e-6;
 
+/// The longest side of an image, in texels: what graphics processors commonly take.
+pub(crate) const MAX_IMAGE_SIDE: u32 = 16_384;
+
+/// The most images of a mesh: their rules for places outside lie in a uniform of a kilobyte.
+pub(crate) const MAX_IMAGES: u16 = 64;
+
+/// The greatest texture coordinate: an image repeated so often still has four places a texel in
+/// single precision where it is small.
+pub(crate) const MAX_TEX_COORD: f32 = 1e6;
+
 /// Half the thickness of the slab around the surface in which points become roots, in cells.
 /// Together with [`MAX_RADIUS`] it keeps all strands of a point within half a cell, so that eight
 /// cells are enough: 0.25² + 0.43² < 0.5².

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::maps::blue_noise;
-use crate::mesh::Mesh;
+use crate::mesh::{Coat, Mesh, TexCoord, Vertex};
 use crate::shading::Material;
 use crate::strands::{Fur, MAX_PER_CELL};
 use bytemuck::{Pod, Zeroable};
@@ -134,13 +134,20 @@ pub(crate) struct Corner {
     position: [f32; 3],
     normal: [f32; 3],
     coat: [f32; 4],
+    tex: [f32; 2],
+    /// The number of its image plus one; 0 for none.
+    image: u32,
 }
 
 pub(crate) fn corners_of(mesh: &Mesh) -> Vec<Corner> {
-    let corner = |(v, c): (&crate::mesh::Vertex, &crate::mesh::Coat)| Corner {
+    let places = mesh.tex_coords().iter().copied().chain(std::iter::repeat(TexCoord::default()));
+    let rows = mesh.vertices().iter().zip(mesh.coats()).zip(places);
+    let corner = |((v, c), place): ((&Vertex, &Coat), TexCoord)| Corner {
         position: v.position.to_array(),
         normal: v.normal.to_array(),
         coat: c.color.extend(c.length).to_array(),
+        tex: place.uv.to_array(),
+        image: place.image.map_or(0, |image| u32::from(image) + 1),
     };
-    mesh.vertices().iter().zip(mesh.coats()).map(corner).collect()
+    rows.map(corner).collect()
 }

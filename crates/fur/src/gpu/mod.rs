@@ -10,6 +10,7 @@
 mod bindings;
 mod buffers;
 pub mod error;
+mod images;
 pub mod look;
 mod numeric;
 pub mod own_pass;

@@ -14,6 +14,13 @@ pub(crate) const STEPS: u32 = 12;
 /// Texels along a side of the faces of the fur map: what the thesis uses in its last test.
 pub(crate) const MAP_SIDE: u32 = 256;
 
+/// The longest side of an image on the device, in texels. A character that fills a picture of 1,080
+/// rows does not show more.
+pub(crate) const DRAWN_SIDE: u32 = 2048;
+
+/// The most bytes of the images of a mesh on the device, without smaller copies.
+pub(crate) const DRAWN_BYTES: u64 = 1 << 28;
+
 /// Tubes of a strand of the reference. Between neighbours of 32 the radius of a needle changes by a
 /// 32nd of that at the root, and a bent strand leaves its chord by less than 1/1000 of its height.
 pub(crate) const TUBES: u32 = 32;

@@ -13,7 +13,7 @@ use crate::gpu::error::FurGpuError;
 use crate::gpu::look::{Look, SKY};
 use crate::gpu::records::{DrawList, Frame, Sun};
 use crate::gpu::renderer::Renderer;
-use crate::mesh::Mesh;
+use crate::mesh::{Image, Mesh};
 
 /// Draws fur into passes that others begin.
 ///
@@ -71,6 +71,14 @@ impl OwnPass {
         self.renderer.set_look(gpu, look)
     }
 
+    /// As [`Renderer::set_images`].
+    ///
+    /// # Errors
+    /// There is no such mesh, or there are more than 64 images.
+    pub fn set_images(&mut self, gpu: &Gpu, mesh: usize, images: &[Image]) -> Result<(), FurGpuError> {
+        self.renderer.set_images(gpu, mesh, images)
+    }
+
     /// As [`Renderer::cast_shadows`], in a pass of its own: call it before [`OwnPass::prepare`].
     ///
     /// # Errors
@@ -101,7 +109,7 @@ impl OwnPass {
     }
 
     /// Draws the list of the last [`OwnPass::prepare`]; nothing before the first. Sets pipelines,
-    /// both bind groups, and vertex and index buffers of the pass.
+    /// its three bind groups, and vertex and index buffers of the pass.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.renderer.record(pass, (&self.runs, self.blocks), false);
     }

@@ -14,7 +14,8 @@ pub(crate) const SHADERS: &str = concat!(
     include_str!("strands.wgsl"),
     include_str!("surroundings.wgsl"),
     include_str!("pose.wgsl"),
-    include_str!("shells.wgsl")
+    include_str!("shells.wgsl"),
+    include_str!("paint.wgsl")
 );
 
 /// Makes pipelines: for pictures, or for the shadow map if there is no fragment shader with
@@ -31,7 +32,9 @@ impl Pipelines<'_> {
     /// For meshes with weights (`posed`), or without.
     pub(super) fn shells(&self, posed: bool, colours: Option<(&str, TextureFormat)>) -> wgpu::RenderPipeline {
         let shell = vertex_attr_array![0 => Uint32x2];
-        let corner = vertex_attr_array![1 => Float32x3, 2 => Float32x3, 3 => Float32x4];
+        let corner = vertex_attr_array![
+            1 => Float32x3, 2 => Float32x3, 3 => Float32x4, 6 => Float32x2, 7 => Uint32
+        ];
         let follower = vertex_attr_array![4 => Uint16x4, 5 => Float32x4];
         let buffers = [
             Some(buffer::<[u32; 2]>(VertexStepMode::Instance, &shell)),

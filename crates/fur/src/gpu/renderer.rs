@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::Error;
-use crate::mesh::Mesh;
+use crate::mesh::{Image, Mesh};
 use crate::skin::Weights;
 use casca_stage::camera::Camera;
 use casca_stage::canvas::Target;
@@ -13,6 +13,7 @@ use casca_stage::wgpu::{self, BufferUsages, TextureFormat};
 use crate::gpu::bindings::{cube_map, depth_map, frame_group, layouts, look_group};
 use crate::gpu::buffers::{Buffers, Growing};
 use crate::gpu::error::FurGpuError;
+use crate::gpu::images;
 use crate::gpu::look::{Look, LookRecord, SKY};
 use crate::gpu::pipelines::{Pipelines, SHADERS};
 use crate::gpu::records::{DrawList, Frame, SHADOW_SIZE, Sun};
@@ -35,6 +36,9 @@ pub struct Renderer {
     /// One of these reads the shadow map, the other draws it.
     frame_groups: [wgpu::BindGroup; 2],
     look_group: wgpu::BindGroup,
+    images_layout: wgpu::BindGroupLayout,
+    /// For meshes without images.
+    no_images: wgpu::BindGroup,
     meshes: Vec<Buffers>,
     records: Growing,
     joints: Growing,
@@ -63,6 +67,7 @@ impl Renderer {
     ) -> Result<Self, FurGpuError> {
         let device = &gpu.device;
         let layouts = layouts(device);
+        let images_layout = images::layout(device);
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("fur"),
             source: wgpu::ShaderSource::Wgsl(SHADERS.into()),
@@ -73,7 +78,7 @@ impl Renderer {
             samples,
             layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
-                bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1])],
+                bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1]), Some(&images_layout)],
                 immediate_size: 0,
             }),
         };
@@ -95,6 +100,8 @@ impl Renderer {
             shell_shadows: [false, true].map(|posed| pipelines.shells(posed, None)),
             block_shadows: pipelines.blocks(None),
             layouts,
+            no_images: images::group(gpu, &images_layout, &[])?,
+            images_layout,
             frame,
             look: look_buffer,
             map,
@@ -139,9 +146,26 @@ impl Renderer {
     /// There is no such mesh, it has another number of vertices, or the weights do not fit into the
     /// memory of the device.
     pub fn set_weights(&mut self, gpu: &Gpu, mesh: usize, weights: &Weights) -> Result<(), FurGpuError> {
+        self.mesh(mesh)?.set_weights(gpu, weights)
+    }
+
+    /// Gives a mesh, by its number, the images on which its vertices lie
+    /// ([`Mesh::with_tex_coords`]). Without them, and where one is missing, coats alone colour it.
+    /// All are drawn at the size of the largest, of at most 2048 texels a side and 256 MiB for all.
+    ///
+    /// # Errors
+    /// There is no such mesh, or there are more than 64 images.
+    pub fn set_images(&mut self, gpu: &Gpu, mesh: usize, given: &[Image]) -> Result<(), FurGpuError> {
+        images::check(given)?;
+        let group = images::group(gpu, &self.images_layout, given)?;
+        self.mesh(mesh)?.images = Some(group);
+        Ok(())
+    }
+
+    fn mesh(&mut self, mesh: usize) -> Result<&mut Buffers, Error> {
         let most = self.meshes.len() as f64 - 1.0;
         let refused = Error::Range { what: "the number of a mesh", value: mesh as f64, least: 0.0, most };
-        self.meshes.get_mut(mesh).ok_or(refused)?.set_weights(gpu, weights)
+        self.meshes.get_mut(mesh).ok_or(refused)
     }
 
     fn group_look(&mut self, gpu: &Gpu) {
@@ -237,6 +261,7 @@ impl Renderer {
     ) {
         pass.set_bind_group(0, &self.frame_groups[usize::from(shadows)], &[]);
         pass.set_bind_group(1, &self.look_group, &[]);
+        pass.set_bind_group(2, &self.no_images, &[]);
         let (blocks, shells) = match shadows {
             false => (&self.blocks, &self.shells),
             true => (&self.block_shadows, &self.shell_shadows),
@@ -250,6 +275,7 @@ impl Renderer {
         for (mesh, run) in runs {
             let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
             pass.set_pipeline(&shells[usize::from(mesh.followers.is_some())]);
+            pass.set_bind_group(2, mesh.images.as_ref().unwrap_or(&self.no_images), &[]);
             if let Some(followers) = &mesh.followers {
                 pass.set_vertex_buffer(2, followers.slice(..));
             }

@@ -45,6 +45,9 @@ struct Shell {
     @location(8) z: vec3f,
     // The bend of strands, in the mesh at rest.
     @location(9) bend: vec3f,
+    // The place on an image, and its number plus one, 0 for none.
+    @location(10) tex: vec2f,
+    @location(11) @interpolate(flat) image: u32,
 }
 
 struct Corner {
@@ -53,6 +56,8 @@ struct Corner {
     @location(1) base: vec3f,
     @location(2) normal: vec3f,
     @location(3) coat: vec4f,
+    @location(6) tex: vec2f,
+    @location(7) image: u32,
 }
 
 /// From the mesh at rest to the world.
@@ -78,6 +83,8 @@ fn shell(corner: Corner, rows: array<vec4f, 3>, eye: vec4f) -> Shell {
     out.base = corner.base;
     out.normal = corner.normal;
     out.coat = corner.coat;
+    out.tex = corner.tex;
+    out.image = corner.image;
     let axes = transpose(mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz));
     out.x = axes[0];
     out.y = axes[1];
@@ -134,6 +141,8 @@ struct Seen {
     along: f32,
     // The height of the layer there.
     height: f32,
+    // From the skin below the fragment to the root.
+    root: vec3f,
 }
 
 /// What the thesis' map shows in the direction normal + position, where that has a direction.
@@ -146,11 +155,11 @@ fn mapped(base: vec3f, normal: vec3f, t: f32) -> bool {
 fn strand_here(there: Look, skin: Skin, height: f32, long: f32) -> Seen {
     if look.mapping == 1u {
         let t = height / long;
-        return Seen(mapped(skin.base, skin.normal, t), 0.5, t, height);
+        return Seen(mapped(skin.base, skin.normal, t), 0.5, t, height, vec3f(0.0));
     }
     let hit = strand_at(there, skin, height, long);
     // The upper bits give the length: the lower ones are for the colour.
-    return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height);
+    return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height, hit.root);
 }
 
 /// How skin and layer change from pixel to pixel: those of the skin, of its normal, and of the layer.
@@ -198,12 +207,12 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     let long = in.coat.w;
     let height = t * long;
     if long < SHORTEST {
-        return Seen(false, 0.0, 0.0, 0.0);
+        return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0));
     }
     // Strands thinner than a pixel cannot be told apart: what shows is their share of the skin.
     let word = dither(in.base, width, in.which.y);
     if unit(word.x) < saturate((width - look.fine) / (look.coarse - look.fine)) {
-        return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height);
+        return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0));
     }
     let skin = skin_of(in.base, normal, c);
     let there = bent(in.bend);
@@ -228,12 +237,13 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
         let at = i * way;
         let here = clamp(height + at * rise, 0.0, long);
         let below = Skin(in.base + side * at, normalize(normal + turn * at), skin.plane, skin.slope);
-        let hit = strand_here(there, below, here, long);
+        var hit = strand_here(there, below, here, long);
+        hit.root += side * at;
         if hit.found {
             return hit;
         }
     }
-    return Seen(false, 0.0, 0.0, 0.0);
+    return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0));
 }
 
 /// How much of the sun the skin gets: light wraps around it.
@@ -252,6 +262,7 @@ fn strand_light(colour: vec3f, tangent: vec3f, normal: vec3f, to_eye: vec3f, alo
 @fragment
 fn shell_colour(in: Shell) -> @location(0) vec4f {
     let c = change(in);
+    let paint = paint_of(in);
     let record = in.which.x;
     let normal = normalize(in.normal);
     let scale = in.at.w;
@@ -264,7 +275,7 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
     if in.which.y == 0u {
         // The skin below fur is as dark as the roots, bald skin is not.
         let skin = mix(1.0, look.dark, smoothstep(0.0, 0.2, in.coat.w));
-        let colour = in.coat.rgb * records[record].root.rgb;
+        let colour = colour_at(in, c, paint, vec3f(0.0)) * records[record].root.rgb;
         let sun = facing(out) * sunlight(lifted);
         // Bald skin, as of eyes and noses, is wet: Blinn's highlight.
         let half = normalize(frame.sun.xyz + normalize(frame.eye.xyz - at));
@@ -277,7 +288,7 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
         discard;
     }
     let own = 1.0 + look.vary * (2.0 * hit.own - 1.0);
-    let colour = own * in.coat.rgb * mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
+    let colour = own * colour_at(in, c, paint, hit.root) * mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
     let along = turned(in, strand_tangent(bent(in.bend), normal, hit.height));
     let to_eye = normalize(frame.eye.xyz - at);
     return stored(strand_light(colour, along, out, to_eye, hit.along, sunlight(lifted)), at);

@@ -41,6 +41,8 @@ struct Strand {
     id: u32,
     offset: f32,
     along: f32,
+    // From the point on the skin to the strand's root.
+    root: vec3f,
 }
 
 fn mixed(words: vec4u) -> vec4u {
@@ -89,7 +91,7 @@ fn strand_at(look: Look, skin: Skin, height: f32, long: f32) -> Strand {
     let turned = tall * height * (1.0 - height * dot(look.bend, skin.normal));
     let tangent = strand_tangent(look, skin.normal, height);
     let rise = dot(tangent, skin.normal) / max(tall, 1e-30);
-    var best = Strand(false, 0u, 1.0, 0.0);
+    var best = Strand(false, 0u, 1.0, 0.0, vec3f(0.0));
     for (var corner = 0u; corner < 8u; corner++) {
         let cell = first + vec3f(f32(corner & 1u), f32((corner >> 1u) & 1u), f32(corner >> 2u));
         let number = bitcast<vec3u>(vec3i(cell));
@@ -105,7 +107,7 @@ fn strand_at(look: Look, skin: Skin, height: f32, long: f32) -> Strand {
             let radius = look.radius * (1.0 - look.taper * along);
             let offset = length(away - tangent * back) / radius;
             if abs(above) < HALF_SLAB && along <= 1.0 && radius > 0.0 && offset < best.offset {
-                best = Strand(true, word.w, offset, along);
+                best = Strand(true, word.w, offset, along, side * look.spacing);
             }
         }
     }

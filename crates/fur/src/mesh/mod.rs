@@ -18,12 +18,14 @@
 //! ```
 
 mod center;
+mod image;
 mod normals;
 mod order;
 mod types;
 mod weld;
 
 pub use center::{Placing, center};
+pub use image::{Image, TexCoord, Wrap};
 pub use normals::{NormalRule, continuous_normals};
 pub use types::{Coat, Mesh, Vertex, indexed_bytes};
-pub use weld::{prepare, weld};
+pub use weld::{prepare, weld, weld_textured};

@@ -3,6 +3,7 @@
 use casca::Aabb;
 use glam::Vec3;
 
+use super::image::{TexCoord, check_tex_coords};
 use crate::error::Error;
 use crate::numeric::{MAX_COORDINATE, MAX_TRIANGLES};
 
@@ -46,6 +47,8 @@ pub struct Mesh {
     vertices: Vec<Vertex>,
     coats: Vec<Coat>,
     triangles: Vec<[u32; 3]>,
+    /// Empty, or one for each vertex.
+    tex_coords: Vec<TexCoord>,
 }
 
 impl Mesh {
@@ -75,12 +78,36 @@ impl Mesh {
         for v in &mut vertices {
             v.normal = v.normal.as_dvec3().normalize_or_zero().as_vec3();
         }
-        Ok(Self { vertices, coats, triangles })
+        Ok(Self { vertices, coats, triangles, tex_coords: Vec::new() })
     }
 
     /// A mesh of parts of one that was checked.
-    pub(super) fn from_checked(vertices: Vec<Vertex>, coats: Vec<Coat>, triangles: Vec<[u32; 3]>) -> Self {
-        Self { vertices, coats, triangles }
+    pub(super) fn from_checked(
+        vertices: Vec<Vertex>,
+        coats: Vec<Coat>,
+        triangles: Vec<[u32; 3]>,
+        tex_coords: Vec<TexCoord>,
+    ) -> Self {
+        Self { vertices, coats, triangles, tex_coords }
+    }
+
+    /// The same mesh on images, one place for each vertex; with none, coats alone colour it. The
+    /// colour of an image multiplies that of the coat.
+    ///
+    /// # Errors
+    /// Refuses another number of places than vertices, coordinates that are not finite or above
+    /// 1e6, image numbers above 63, and triangles whose corners lie on different images.
+    pub fn with_tex_coords(mut self, tex_coords: Vec<TexCoord>) -> Result<Self, Error> {
+        if !tex_coords.is_empty() {
+            check_tex_coords(&tex_coords, self.vertices.len(), &self.triangles)?;
+        }
+        self.tex_coords = tex_coords;
+        Ok(self)
+    }
+
+    /// Where each vertex lies on an image; empty for meshes without images.
+    pub fn tex_coords(&self) -> &[TexCoord] {
+        &self.tex_coords
     }
 
     /// The vertices.
@@ -106,6 +133,13 @@ impl Mesh {
         self.coats = self.vertices.iter().map(coat).collect();
         check_coats(&self.coats, self.vertices.len())?;
         Ok(self)
+    }
+
+    /// The place on an image within a triangle, by the weights of its corners.
+    pub(crate) fn tex_coord(&self, corners: [u32; 3], weights: [f32; 3]) -> TexCoord {
+        let [a, b, c] = corners.map(|v| self.tex_coords.get(v as usize).copied().unwrap_or_default());
+        let uv = a.uv * weights[0] + b.uv * weights[1] + c.uv * weights[2];
+        TexCoord { uv, image: a.image }
     }
 
     /// The positions of all vertices.

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::center::{Placing, center};
+use super::image::TexCoord;
 use super::normals::{NormalRule, continuous_normals};
 use super::types::{Coat, Mesh, Vertex, check_count};
 use crate::error::Error;
@@ -16,6 +17,15 @@ use crate::error::Error;
 /// # Errors
 /// Refuses lists whose length is no multiple of 3, and what [`Mesh::new`] refuses.
 pub fn weld(soup: &[Vertex], coats: &[Coat]) -> Result<Mesh, Error> {
+    weld_textured(soup, coats, &[])
+}
+
+/// The same for corners on images: those with the same place on the same image become one.
+/// Coordinates may be left out.
+///
+/// # Errors
+/// As [`weld`], and what [`Mesh::with_tex_coords`] refuses.
+pub fn weld_textured(soup: &[Vertex], coats: &[Coat], coords: &[TexCoord]) -> Result<Mesh, Error> {
     if !soup.len().is_multiple_of(3) {
         return Err(Error::Corners { vertices: soup.len() });
     }
@@ -23,25 +33,33 @@ pub fn weld(soup: &[Vertex], coats: &[Coat]) -> Result<Mesh, Error> {
     if !coats.is_empty() && coats.len() != soup.len() {
         return Err(Error::Count { what: "coats", found: coats.len(), expected: soup.len() });
     }
-    let mut numbers: HashMap<[u32; 10], u32> = HashMap::new();
-    let (mut vertices, mut kept) = (Vec::new(), Vec::new());
+    if !coords.is_empty() && coords.len() != soup.len() {
+        return Err(Error::Count { what: "texture coordinates", found: coords.len(), expected: soup.len() });
+    }
+    let mut numbers: HashMap<[u32; 13], u32> = HashMap::new();
+    let (mut vertices, mut kept, mut places) = (Vec::new(), Vec::new(), Vec::new());
     let mut corners = Vec::with_capacity(soup.len());
     for (i, vertex) in soup.iter().enumerate() {
         let coat = coats.get(i).copied().unwrap_or_default();
-        let mut key = [0; 10];
+        let coord = coords.get(i).copied().unwrap_or_default();
+        let mut key = [0; 13];
+        key[12] = coord.image.map_or(u32::MAX, u32::from);
         let values = [vertex.position.to_array(), vertex.normal.to_array(), coat.color.to_array()];
         // Adding 0 makes -0 the same as 0.
-        for (slot, value) in key.iter_mut().zip(values.into_iter().flatten().chain([coat.length])) {
+        let more = [coat.length, coord.uv.x, coord.uv.y];
+        for (slot, value) in key.iter_mut().zip(values.into_iter().flatten().chain(more)) {
             *slot = (value + 0.0).to_bits();
         }
         corners.push(*numbers.entry(key).or_insert_with(|| {
             vertices.push(*vertex);
             kept.push(coat);
+            places.push(coord);
             vertices.len() as u32 - 1
         }));
     }
     let triangles = corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
-    Mesh::new(vertices, kept, triangles)
+    let mesh = Mesh::new(vertices, kept, triangles)?;
+    mesh.with_tex_coords(if coords.is_empty() { Vec::new() } else { places })
 }
 
 /// Prepares an indexed mesh, of a file for example: [`center`], [`continuous_normals`], [`weld`]
