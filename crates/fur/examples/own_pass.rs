@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let aspect = SIZE.0 as f32 / SIZE.1 as f32;
     let camera = Camera::look_at(Vec3::new(0.5, 1.0, 3.2), Vec3::ZERO, 45.0, aspect, 0.1, 20.0);
     let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [0.3, 0.15, 0.05], tip: [0.9, 0.6, 0.3] };
-    let list = DrawList::new(&[(stand, 24)], camera.eye, Vec::new());
+    let list = DrawList::new(&[(stand, 24)], Vec::new());
     let sun = Sun { towards: Vec3::ONE, center: Vec3::ZERO, radius: 2.0, shadows: true };
     fur.cast_shadows(&gpu, &list, &sun)?;
     fur.prepare(&gpu, &camera, SIZE.1, &list, &sun)?;

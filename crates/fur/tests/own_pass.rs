@@ -73,7 +73,7 @@ fn a_pass_of_ones_own_shows_what_the_renderer_shows() {
     let look = Look::new(Fur::for_radius(1.0, 0.2, 0.4).unwrap());
     let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 45.0, 1.5, 0.1, 20.0);
     let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [0.4, 0.2, 0.1], tip: [1.0, 0.5, 0.2] };
-    let list = DrawList::new(&[(stand, 6)], camera.eye, Vec::new());
+    let list = DrawList::new(&[(stand, 6)], Vec::new());
     let sun = Sun { towards: Vec3::ONE, center: Vec3::ZERO, radius: 2.0, shadows: true };
 
     let mut renderer = Renderer::new(&gpu, COLOUR, &meshes, &look).unwrap();

@@ -58,7 +58,7 @@ fn strands_stick_to_skin_that_turns() {
     let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 40.0, 1.0, 0.1, 20.0);
     let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [1.0; 3], tip: [1.0; 3] };
     let list = |place, pose: Option<&Pose>| {
-        let mut list = DrawList::new(&[(Stand { place, ..stand }, 12)], camera.eye, Vec::new());
+        let mut list = DrawList::new(&[(Stand { place, ..stand }, 12)], Vec::new());
         if let Some(pose) = pose {
             list.pose(0, pose).unwrap();
         }
@@ -100,7 +100,7 @@ fn strands_that_lean_in_the_world_look_as_if_they_were_combed_so() {
     let mut renderer = Renderer::new(&gpu, COLOUR, &[ball()], &look()).unwrap();
     let place = Affine3A::from_quat(Quat::from_rotation_x(1.2));
     let stand = Stand { mesh: 0, place, root: [1.0; 3], tip: [1.0; 3] };
-    let mut list = DrawList::new(&[(stand, 12)], camera.eye, Vec::new());
+    let mut list = DrawList::new(&[(stand, 12)], Vec::new());
     let straight = shoot(&gpu, &mut renderer, &list, &camera);
     let lean = Lean { towards: Vec3::new(3.0, 1.0, 0.0), most: 1.5 };
     list.lean(0, lean).unwrap();
@@ -132,7 +132,7 @@ fn absurd_weights_and_poses_are_refused_or_drawn_at_rest() {
     renderer.set_weights(&gpu, 0, &all).unwrap();
     let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 40.0, 1.0, 0.1, 20.0);
     let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [1.0; 3], tip: [1.0; 3] };
-    let mut list = DrawList::new(&[(stand, 2)], camera.eye, Vec::new());
+    let mut list = DrawList::new(&[(stand, 2)], Vec::new());
     let rest = shoot(&gpu, &mut renderer, &list, &camera);
     // A pose without the joint.
     list.pose(0, &Pose::default()).unwrap();

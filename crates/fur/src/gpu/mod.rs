@@ -9,6 +9,8 @@
 
 mod bindings;
 mod buffers;
+#[cfg(test)]
+mod compute;
 pub mod error;
 mod images;
 pub mod look;

@@ -1,9 +1,10 @@
 //! The shaders' skinning and leaning against those of casca-fur, vertex by vertex.
 
 use casca_stage::gpu::Gpu;
-use casca_stage::wgpu::{self, BufferUsages};
+use casca_stage::wgpu::BufferUsages;
 use glam::{Mat3, Quat, Vec3, Vec4};
 
+use crate::gpu::compute::{Given, computed};
 use crate::gpu::records::rows_of;
 use crate::samples::dice;
 use crate::skin::{Channel, Clip, Ending, Interpolation, Joint, Pose, Skeleton, Track, Weights};
@@ -31,49 +32,12 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
 
 /// The shader's results for each vertex: its place, a way taken back, the bend.
 fn place(gpu: &Gpu, joints: &[[[f32; 4]; 3]], given: &[[u32; 16]]) -> Vec<[Vec4; 3]> {
-    let filled = |data: &[u8]| {
-        let buffer = gpu.buffer(data.len() as u64, BufferUsages::STORAGE).unwrap();
-        gpu.queue.write_buffer(&buffer, 0, data);
-        buffer
-    };
-    let (joints, vertices) = (filled(bytemuck::cast_slice(joints)), filled(bytemuck::cast_slice(given)));
-    let found = gpu.buffer(48 * given.len() as u64, BufferUsages::STORAGE).unwrap();
-    let device = &gpu.device;
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: None,
-            source: wgpu::ShaderSource::Wgsl([POSE, VERTICES].concat().into()),
-        }),
-        entry_point: None,
-        compilation_options: Default::default(),
-        cache: None,
-    });
-    let group = |index, buffers: &[(u32, &wgpu::Buffer)]| {
-        let entries: Vec<_> = buffers
-            .iter()
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding: *binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(index),
-            entries: &entries,
-        })
-    };
-    let groups = [group(0, &[(0, &vertices), (1, &found)]), group(1, &[(4, &joints)])];
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut pass = encoder.begin_compute_pass(&Default::default());
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &groups[0], &[]);
-    pass.set_bind_group(1, &groups[1], &[]);
-    pass.dispatch_workgroups(given.len().div_ceil(64) as u32, 1, 1);
-    drop(pass);
-    gpu.queue.submit([encoder.finish()]);
-    let rows: Vec<[[f32; 4]; 3]> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&found).unwrap());
+    let given_at = |place, bytes| Given { place, usage: BufferUsages::STORAGE, bytes };
+    let buffers =
+        [given_at((0, 0), bytemuck::cast_slice(given)), given_at((1, 4), bytemuck::cast_slice(joints))];
+    let found = ((0, 1), 48 * given.len());
+    let bytes = computed(gpu, [POSE, VERTICES].concat(), &buffers, found, given.len());
+    let rows: Vec<[[f32; 4]; 3]> = bytemuck::pod_collect_to_vec(&bytes);
     rows.into_iter().map(|rows| rows.map(Vec4::from_array)).collect()
 }
 

@@ -95,8 +95,6 @@ pub struct Stand {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub(crate) struct Record {
     rows: [[f32; 4]; 3],
-    /// The eye in object space, and the scale of the object.
-    eye: [f32; 4],
     root: [f32; 4],
     tip: [f32; 4],
     /// How strands lean, in world space, and the longest bend.
@@ -106,13 +104,10 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    fn new(stand: &Stand, eye: Vec3) -> Self {
-        let scale = stand.place.matrix3.x_axis.length();
-        let eye = stand.place.inverse().transform_point3(eye);
+    fn new(stand: &Stand) -> Self {
         let colour = |c: [f32; 3]| [c[0], c[1], c[2], 0.0];
         Self {
             rows: rows_of(&stand.place),
-            eye: eye.extend(scale).to_array(),
             root: colour(stand.root),
             tip: colour(stand.tip),
             lean: [0.0; 4],
@@ -156,13 +151,12 @@ pub struct DrawList {
 }
 
 impl DrawList {
-    /// A list of animals with their numbers of layers above the skin, near to far, as seen from
-    /// `eye`. One draw holds all layers of all animals of one mesh: first the skins, then the
-    /// shells of each animal from the outermost to the innermost, so that nearer fragments come
-    /// first.
-    pub fn new(animals: &[(Stand, u32)], eye: Vec3, blocks: Vec<Block>) -> Self {
+    /// A list of animals with their numbers of layers above the skin, best near to far. One draw
+    /// holds all layers of all animals of one mesh: first the skins, then the shells of each animal
+    /// from the outermost to the innermost, so that nearer fragments come first.
+    pub fn new(animals: &[(Stand, u32)], blocks: Vec<Block>) -> Self {
         let mut list = Self { blocks, ..Self::default() };
-        list.records = animals.iter().map(|(stand, _)| Record::new(stand, eye)).collect();
+        list.records = animals.iter().map(|(stand, _)| Record::new(stand)).collect();
         let mut order: Vec<(usize, u32, u32)> = (0..)
             .zip(animals)
             .map(|(i, (stand, layers))| (stand.mesh, i, *layers.min(&MOST_LAYERS)))

@@ -10,8 +10,6 @@ const STRIDE: f32 = 0.5;
 struct Record {
     // Object space to world space.
     rows: array<vec4f, 3>,
-    // The eye in object space; the scale.
-    eye: vec4f,
     // Colours that multiply those of the mesh.
     root: vec4f,
     tip: vec4f,

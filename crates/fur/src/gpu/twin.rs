@@ -3,9 +3,10 @@
 use crate::shading::kajiya_kay;
 use crate::strands::{Fur, Skin, hash};
 use casca_stage::gpu::Gpu;
-use casca_stage::wgpu::{self, BufferUsages};
+use casca_stage::wgpu::BufferUsages;
 use glam::{Vec3, Vec4};
 
+use crate::gpu::compute::{Given, computed};
 use crate::gpu::look::Look;
 
 const STRANDS: &str = include_str!("strands.wgsl");
@@ -34,44 +35,16 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
 
 /// What the shader gives for each point: strand and hash, lobes, extrusion.
 fn look_up(gpu: &Gpu, look: &Look, points: &[[Vec4; 3]]) -> Vec<[[u32; 4]; 2]> {
-    let filled = |data: &[u8], usage| {
-        let buffer = gpu.buffer(data.len() as u64, usage).unwrap();
-        gpu.queue.write_buffer(&buffer, 0, data);
-        buffer
-    };
     let flat: Vec<f32> = points.iter().flatten().flat_map(|v| v.to_array()).collect();
-    let uniform = filled(bytemuck::bytes_of(&look.record()), BufferUsages::UNIFORM);
-    let given = filled(bytemuck::cast_slice(&flat), BufferUsages::STORAGE);
-    let found = gpu.buffer(32 * points.len() as u64, BufferUsages::STORAGE).unwrap();
-    let device = &gpu.device;
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: None,
-            source: wgpu::ShaderSource::Wgsl([STRANDS, POINTS].concat().into()),
-        }),
-        entry_point: None,
-        compilation_options: Default::default(),
-        cache: None,
-    });
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: given.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 2, resource: found.as_entire_binding() },
-        ],
-    });
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut pass = encoder.begin_compute_pass(&Default::default());
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.dispatch_workgroups(points.len().div_ceil(64) as u32, 1, 1);
-    drop(pass);
-    gpu.queue.submit([encoder.finish()]);
-    bytemuck::pod_collect_to_vec(&gpu.read_buffer(&found).unwrap())
+    let record = look.record();
+    let given = |binding, usage, bytes| Given { place: (0, binding), usage, bytes };
+    let given = [
+        given(0, BufferUsages::UNIFORM, bytemuck::bytes_of(&record)),
+        given(1, BufferUsages::STORAGE, bytemuck::cast_slice(&flat)),
+    ];
+    let found = ((0, 2), 32 * points.len());
+    let bytes = computed(gpu, [STRANDS, POINTS].concat(), &given, found, points.len());
+    bytemuck::pod_collect_to_vec(&bytes)
 }
 
 /// Relative errors of sums of a few products in single precision.

@@ -8,7 +8,8 @@
 //! - [`Skeleton`] and [`Joint`]: what hangs from what.
 //! - [`Weights`]: which joints a vertex follows.
 //! - [`Track`], [`Clip`]: keyed motion. [`Pose`]: all joints at a time.
-//! - [`SkinBounds`]: a box that holds all layers in a pose, whatever the weights are.
+//! - [`SkinBounds`]: a box that holds all layers in a pose or a whole clip, whatever the weights
+//!   are.
 //!
 //! ```
 //! use casca_fur::mesh::{NormalRule, prepare};
@@ -41,6 +42,7 @@ mod bounds;
 mod clip;
 mod pose;
 mod skeleton;
+mod stray;
 mod track;
 mod weights;
 
@@ -48,5 +50,6 @@ pub use bounds::SkinBounds;
 pub use clip::{Channel, Clip};
 pub use pose::{Ending, Pose};
 pub use skeleton::{Joint, Local, Skeleton};
+pub(crate) use stray::{pieces, stray};
 pub use track::{Interpolation, Keyed, Track};
 pub use weights::{PER_VERTEX, Weights};

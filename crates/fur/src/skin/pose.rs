@@ -66,6 +66,11 @@ impl Pose {
         &self.matrices
     }
 
+    /// Where the joints are, relative to their parents.
+    pub(super) fn locals(&self) -> &[Local] {
+        &self.locals
+    }
+
     /// Where the joints are.
     pub fn globals(&self) -> &[Affine3A] {
         &self.globals

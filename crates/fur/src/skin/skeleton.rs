@@ -64,6 +64,7 @@ impl Skeleton {
         let mut globals: Vec<Affine3A> = Vec::with_capacity(joints.len());
         for (number, joint) in joints.iter_mut().enumerate() {
             check_local(&joint.rest)?;
+            joint.rest.rotation = joint.rest.rotation.normalize();
             let local = joint.rest.matrix();
             let global = match joint.parent {
                 None => local,

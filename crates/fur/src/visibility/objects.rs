@@ -75,17 +75,7 @@ pub fn inner_ball(meshes: &[&Mesh]) -> Result<Option<Sphere>, Error> {
         return Err(Error::Open { edges });
     }
     let coarsest = meshes.iter().min_by_key(|m| m.triangles().len()).ok_or(Error::Empty)?;
-    let aabb = coarsest.aabb();
-    let (lo, size) = (aabb.min.as_dvec3(), (aabb.max - aabb.min).as_dvec3());
-    let margin = INNER_ROUNDING * (size.length() + aabb.min.abs().max(aabb.max.abs()).as_dvec3().length());
-    let centers = (0..CENTERS.pow(3)).map(|i| {
-        let cell =
-            DVec3::new((i % CENTERS).into(), (i / CENTERS % CENTERS).into(), (i / CENTERS / CENTERS).into());
-        let center = (lo + size * ((cell + 0.5) / f64::from(CENTERS))).as_vec3().as_dvec3();
-        (center, depth(coarsest, center))
-    });
-    let mut centers: Vec<(DVec3, f64)> = centers.filter(|c| c.1 > margin).collect();
-    centers.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let (centers, margin) = deepest(coarsest);
     let mut best: Option<(DVec3, f64)> = None;
     for (center, bound) in centers {
         let least = best.map_or(0.0, |b| b.1);
@@ -100,20 +90,43 @@ pub fn inner_ball(meshes: &[&Mesh]) -> Result<Option<Sphere>, Error> {
     Ok(best.map(|(center, radius)| Sphere::new(center.as_vec3(), (radius as f32).next_down())))
 }
 
-/// How deep a point is inside a closed mesh: its distance to the nearest triangle; 0 or less
-/// outside.
+/// Places inside a mesh, deepest first, with their depths, and the margin for rounding. The depths
+/// are above it.
+pub(super) fn deepest(mesh: &Mesh) -> (Vec<(DVec3, f64)>, f64) {
+    let aabb = mesh.aabb();
+    let (lo, size) = (aabb.min.as_dvec3(), (aabb.max - aabb.min).as_dvec3());
+    let margin = INNER_ROUNDING * (size.length() + aabb.min.abs().max(aabb.max.abs()).as_dvec3().length());
+    let centers = (0..CENTERS.pow(3)).map(|i| {
+        let cell =
+            DVec3::new((i % CENTERS).into(), (i / CENTERS % CENTERS).into(), (i / CENTERS / CENTERS).into());
+        let center = (lo + size * ((cell + 0.5) / f64::from(CENTERS))).as_vec3().as_dvec3();
+        (center, depth(mesh, center))
+    });
+    let mut centers: Vec<(DVec3, f64)> = centers.filter(|c| c.1 > margin).collect();
+    centers.sort_by(|a, b| b.1.total_cmp(&a.1));
+    (centers, margin)
+}
+
+/// How deep a point is inside a closed mesh at rest.
 fn depth(mesh: &Mesh, point: DVec3) -> f64 {
+    let at = |v: u32| mesh.vertices()[v as usize].position.as_dvec3();
+    depth_among(mesh.triangles().iter().map(|t| (t.map(at), 0.0)), point)
+}
+
+/// How deep a point is inside a closed surface of triangles, each with a distance that its points
+/// may be elsewhere: the least distance to a triangle, less that; 0 or less outside.
+pub(super) fn depth_among(triangles: impl Iterator<Item = ([DVec3; 3], f64)>, point: DVec3) -> f64 {
     let (mut nearest, mut winding) = (f64::INFINITY, 0.0);
-    for t in mesh.triangles() {
-        let [a, b, c] = t.map(|v| mesh.vertices()[v as usize].position.as_dvec3() - point);
-        nearest = nearest.min(distance(a, b, c));
+    for (triangle, stray) in triangles {
+        let [a, b, c] = triangle.map(|p| p - point);
+        nearest = nearest.min(distance(a, b, c) - stray);
         // The solid angle of the triangle (van Oosterom & Strackee 1983).
         let (la, lb, lc) = (a.length(), b.length(), c.length());
         let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
         winding += 2.0 * a.dot(b.cross(c)).atan2(below);
     }
     // Each turn is 4 pi; inside there is at least one.
-    if winding > std::f64::consts::TAU { nearest } else { -nearest }
+    if winding > std::f64::consts::TAU { nearest } else { -nearest.abs() }
 }
 
 /// The distance of the origin to a triangle.

@@ -3,7 +3,8 @@
 use glam::{Quat, Vec3};
 use gltf::animation::Interpolation;
 
-/// A key-framed property of a node.
+/// A key-framed property of a node, as the file has it: `casca_fur::skin::Track` holds keys that
+/// were checked, and is there with the feature `fur` only.
 #[derive(Debug, Clone)]
 pub(super) struct Track<T> {
     pub(super) times: Vec<f32>,

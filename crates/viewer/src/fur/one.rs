@@ -49,10 +49,10 @@ pub fn camera(radius: f32, aspect: f32) -> Camera {
 }
 
 /// The object where it is modelled, over a ground if it stands on one.
-pub fn list(subject: &Subject, layers: u32, eye: Vec3, ground: bool) -> DrawList {
+pub fn list(subject: &Subject, layers: u32, ground: bool) -> DrawList {
     let place = subject.walker.as_ref().map_or(Affine3A::IDENTITY, |walker| walker.place());
     let stand = Stand { mesh: 0, place, root: ROOT, tip: TIP };
-    let mut list = DrawList::new(&[(stand, layers)], eye, Vec::new());
+    let mut list = DrawList::new(&[(stand, layers)], Vec::new());
     if let Some(walker) = &subject.walker {
         // It has the animal that is posed.
         walker.pose(&mut list, 0.0).ok();
@@ -81,9 +81,9 @@ pub fn renderer(
 }
 
 /// The object alone, with colours at roots and tips.
-pub fn tinted(layers: u32, eye: Vec3, (root, tip): ([f32; 3], [f32; 3])) -> DrawList {
+pub fn tinted(layers: u32, (root, tip): ([f32; 3], [f32; 3])) -> DrawList {
     let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root, tip };
-    DrawList::new(&[(stand, layers)], eye, Vec::new())
+    DrawList::new(&[(stand, layers)], Vec::new())
 }
 
 /// Draws the object into a file.
@@ -94,7 +94,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
     let sun = sun(subject.radius, true);
     let frames = subject.walker.as_ref().map_or(1, |_| choices.common.drawing.frames.unwrap_or(2));
     for frame in 0..frames {
-        let mut list = list(subject, choices.layers, camera.eye, true);
+        let mut list = list(subject, choices.layers, true);
         let name = match &subject.walker {
             None => format!("{}.png", subject.name),
             Some(walker) => {
@@ -127,7 +127,7 @@ pub fn coats(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
     );
     let mut renderer = renderer(gpu, COLOUR, choices, subject)?;
     let camera = camera(subject.radius, shooter.aspect());
-    let list = list(subject, choices.layers, camera.eye, true);
+    let list = list(subject, choices.layers, true);
     let sun = sun(subject.radius, true);
     let mut pictures = Vec::new();
     for (height, density) in COATS {
@@ -149,7 +149,7 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
     let camera = camera(subject.radius, shooter.aspect());
     let sun = sun(subject.radius, false);
-    let lists = TIMED.map(|layers| list(subject, layers, camera.eye, true));
+    let lists = TIMED.map(|layers| list(subject, layers, true));
     let mut points = TIMED.map(|layers| (f64::from(layers), f64::INFINITY));
     // In turns, so that what else the machine does slows all alike.
     for _ in 0..RUNS {

@@ -127,7 +127,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                 look.marched = marched;
                 renderer.set_look(gpu, &look)?;
                 for layers in LAYERS {
-                    let list = one::list(subject, layers, camera.eye, false);
+                    let list = one::list(subject, layers, false);
                     let Picture { pixels, .. } = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
                     let (rmse, inside) = (rmse(&truth, &pixels, &sky), inside(&truth, &pixels, &sky));
                     let way = if marched { "followed" } else { "plain" };
@@ -140,7 +140,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
                     let mut row = Row { height, density, layers, marched, rmse, inside, gaps: f64::NAN };
                     if layers == GAP_LAYERS {
                         renderer.set_look(gpu, &Look { marched, ..shining })?;
-                        let list = one::tinted(layers, camera.eye, ([0.0; 3], [1.0; 3]));
+                        let list = one::tinted(layers, ([0.0; 3], [1.0; 3]));
                         let shells = shooter.shoot(&mut renderer, &camera, &list, &sun)?.pixels;
                         row.gaps = gaps(&tips, &shells, &sky);
                         renderer.set_look(gpu, &look)?;

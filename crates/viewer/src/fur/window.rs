@@ -125,7 +125,7 @@ impl Viewer {
         let (list, counts): (DrawList, (usize, usize));
         match &mut self.shown {
             Shown::One(subject, renderer) => {
-                let mut made = one::list(subject, self.choices.layers, camera.eye, true);
+                let mut made = one::list(subject, self.choices.layers, true);
                 if let Some(walker) = &subject.walker {
                     walker.pose(&mut made, self.time)?;
                 }

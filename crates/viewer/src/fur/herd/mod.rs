@@ -150,7 +150,7 @@ impl Herd {
             .map(|i| (self.stand(i, 0), layers));
         let animals: Vec<(Stand, u32)> = animals.collect();
         let walls = self.field.walls().iter().filter(|w| near(center.clamp(w.min, w.max)));
-        let list = DrawList::new(&animals, center, walls.map(|w| block(w, 1)).collect());
+        let list = DrawList::new(&animals, walls.map(|w| block(w, 1)).collect());
         self.posed(list, (0..self.field.animals().len()).filter(|&i| self.is_near(i, center, reach)))
     }
 
@@ -229,7 +229,7 @@ impl Herd {
         });
         let vertices = vertices.sum();
         let stands: Vec<(Stand, u32)> = chosen.iter().map(stand).collect();
-        let list = DrawList::new(&stands, camera.eye, blocks);
+        let list = DrawList::new(&stands, blocks);
         let list = self.posed(list, chosen.iter().map(|(animal, ..)| *animal))?;
         Ok(Drawn { list, animals: stands.len(), excess, vertices })
     }
