@@ -169,7 +169,9 @@ impl<'a> Rays<'a> {
             let on = decoded(neighbour);
             // A tube that holds the start stops nothing, and its ball neither.
             let is_alone = (end + on * (-end.dot(on)).max(0.0)).length() <= self.tube;
-            if !is_alone && !(is_first && off.dot(on) < 0.0) {
+            // Where both stop rays, the ball at their joint counts for the second one.
+            let is_own = is_alone || (is_first && off.dot(on) < 0.0);
+            if !is_own {
                 return 0.0;
             }
         }
