@@ -11,13 +11,18 @@ mod tests;
 use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::directions::coded;
 use crate::numeric::{CELL_IN_MARGINS, CELL_ROUNDING, LENGTH_IN_CELLS, MOST_IN_ROW, SEGMENTS_IN_CELL};
 use crate::sets::LineSet;
+
+/// Instead of a direction: no segment of the line is there. It is the code of none.
+pub const NONE: u32 = 0x8000_8000;
 
 /// Segments in the cells of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
     ends: Vec<[Vec3; 2]>,
+    neighbours: Vec<[u32; 2]>,
     margin: f32,
     origin: Vec3,
     side: f32,
@@ -29,19 +34,18 @@ pub struct Cells {
 
 impl Cells {
     /// The segments of lines; cells name what comes nearer than `margin`, in units of the scene.
-    /// Dots are left out: they have no length. A margin that is negative or not a number counts as
+    /// Dots and other segments without length are left out. A margin that is negative or not a number counts as
     /// 0.
     ///
-    /// Time: n log n for n segments. Memory: 24 bytes a segment, 4 bytes for each cell that names
+    /// Time: n log n for n segments. Memory: 32 bytes a segment, 4 bytes for each cell that names
     /// it, about 10, and 4 bytes a cell, of which there are 2 a segment; while it is made, twice as
     /// much.
     pub fn new(lines: &LineSet, margin: f32) -> Self {
         let margin = if margin > 0.0 && margin.is_finite() { margin } else { 0.0 };
-        let points = lines.points();
-        let segments = lines.segments().filter(|s| s.a != s.b);
-        let ends: Vec<[Vec3; 2]> = segments.map(|s| [points[s.a as usize], points[s.b as usize]]).collect();
+        let (ends, neighbours) = segments(lines);
         let (origin, side, dims) = shape(&ends, lines.bounds(), f64::from(margin));
-        let mut grid = Self { ends, margin, origin, side, dims, starts: Vec::new(), lists: Vec::new() };
+        let mut grid =
+            Self { ends, neighbours, margin, origin, side, dims, starts: Vec::new(), lists: Vec::new() };
         grid.order();
         grid.fill();
         grid
@@ -53,9 +57,10 @@ impl Cells {
             let middle = (self.place(*a) + self.place(*b)) / 2.0;
             self.number(middle.clamp(DVec3::ZERO, self.dims.as_dvec3() - 1.0).as_uvec3())
         };
-        let mut keyed: Vec<(u32, [Vec3; 2])> = self.ends.par_iter().map(|e| (cell(e), *e)).collect();
-        keyed.par_sort_by_key(|(cell, _)| *cell);
-        self.ends = keyed.into_iter().map(|(_, ends)| ends).collect();
+        let of = |(ends, beside): (&[Vec3; 2], &[u32; 2])| (cell(ends), *ends, *beside);
+        let mut keyed: Vec<_> = self.ends.par_iter().zip(&self.neighbours).map(of).collect();
+        keyed.par_sort_by_key(|(cell, ..)| *cell);
+        (self.ends, self.neighbours) = keyed.into_iter().map(|(_, ends, beside)| (ends, beside)).unzip();
     }
 
     /// Counting sort: how many segments each cell names, then which.
@@ -156,11 +161,43 @@ impl Cells {
         &self.ends
     }
 
+    /// The directions in which the line of each segment leads on from its two ends, as codes of
+    /// [`crate::directions`]; [`NONE`] where the line ends.
+    pub fn neighbours(&self) -> &[[u32; 2]] {
+        &self.neighbours
+    }
+
     /// The segments that a cell names.
     pub(crate) fn named(&self, cell: UVec3) -> &[u32] {
         let at = self.number(cell) as usize;
         &self.lists[self.starts[at] as usize..self.starts[at + 1] as usize]
     }
+}
+
+/// The ends of all segments with a length, and the directions of their neighbours.
+fn segments(lines: &LineSet) -> (Vec<[Vec3; 2]>, Vec<[u32; 2]>) {
+    let points = lines.points();
+    let mut ends: Vec<[Vec3; 2]> = Vec::new();
+    let mut neighbours: Vec<[u32; 2]> = Vec::new();
+    // An eighth: sums of the huge coordinates do not overflow.
+    let way = |[a, b]: [Vec3; 2]| coded(b * 0.125 - a * 0.125);
+    let mut of_line = u32::MAX;
+    for segment in lines.segments() {
+        let [a, b] = [segment.a, segment.b].map(|v| points[v as usize]);
+        if a == b {
+            continue;
+        }
+        let mut before = NONE;
+        if let (Some(&[c, d]), Some([_, after])) = (ends.last(), neighbours.last_mut())
+            && segment.line == of_line
+        {
+            (before, *after) = (way([d, c]), way([a, b]));
+        }
+        of_line = segment.line;
+        ends.push([a, b]);
+        neighbours.push([before, NONE]);
+    }
+    (ends, neighbours)
 }
 
 /// The least corner, the side of a cell and the cells in each direction.

@@ -75,7 +75,7 @@ pub const SIDES: u32 = 16;
 
 /// Rays of a side of a place. A pixel takes four sides, which are worth two and a quarter times as
 /// many rays.
-pub const USUAL_SIDE_RAYS: u32 = 8;
+pub const USUAL_SIDE_RAYS: u32 = 12;
 
 /// The width of a ray from a place, in those of a ray that is one of as many: a pixel has those of
 /// four sides.

@@ -3,9 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use crate::directions::coded;
 use crate::numeric::MOST_PLACES;
 use crate::sets::LineSet;
 
@@ -84,7 +84,7 @@ impl Places {
         &self.spans
     }
 
-    /// The tangent at each place: as [`tangent`] reads it.
+    /// The tangent at each place: as [`crate::directions::decoded`] reads it.
     pub fn tangents(&self) -> &[u32] {
         &self.tangents
     }
@@ -103,25 +103,4 @@ pub(crate) fn segment(lengths: &[f32], span: &Span, number: u32) -> (u32, f32) {
     let way = line[next] - line[next - 1];
     let share = if way > 0.0 { ((along - line[next - 1]) / way).clamp(0.0, 1.0) } else { 0.0 };
     (span.vertex + next as u32 - 1, share)
-}
-
-/// A direction as two numbers of 16 bits with signs: its place on an octahedron, unfolded (Meyer et
-/// al. 2010, "On floating-point normal vectors"). Zero becomes the direction z.
-fn coded(way: Vec3) -> u32 {
-    let sum = way.abs().element_sum();
-    let flat = if sum > 0.0 { way / sum } else { Vec3::Z };
-    let fold = |p: Vec2| (1.0 - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p);
-    let at = flat.truncate();
-    let at = if flat.z < 0.0 { fold(at) } else { at };
-    let part = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    part(at.x) | part(at.y) << 16
-}
-
-/// The unit direction of a code of [`Places::tangents`].
-pub fn tangent(code: u32) -> Vec3 {
-    let part = |bits: u32| (f32::from(bits as u16 as i16) / 32767.0).max(-1.0);
-    let [x, y] = [part(code), part(code >> 16)];
-    let z = 1.0 - x.abs() - y.abs();
-    let back = (-z).max(0.0);
-    Vec3::new(x - back.copysign(x), y - back.copysign(y), z).normalize_or(Vec3::Z)
 }

@@ -18,7 +18,7 @@ pub struct Kind {
     make: fn(&mut Random) -> Vec<Vec<DVec3>>,
 }
 
-pub const KINDS: [Kind; 9] = [
+pub const KINDS: [Kind; 10] = [
     Kind { name: "bundle of knots", is_held_out: false, make: knots },
     Kind { name: "streamlines", is_held_out: false, make: streamlines },
     Kind { name: "hair on a torus", is_held_out: false, make: torus_hair },
@@ -27,6 +27,7 @@ pub const KINDS: [Kind; 9] = [
     Kind { name: "woven sheets", is_held_out: false, make: woven },
     Kind { name: "random walks", is_held_out: true, make: walks },
     Kind { name: "smoke rings", is_held_out: true, make: rings },
+    Kind { name: "branching vessels", is_held_out: true, make: vessels },
     Kind { name: "lines at the viewer", is_held_out: false, make: at_viewer },
 ];
 
@@ -206,6 +207,30 @@ fn rings(random: &mut Random) -> Vec<Vec<DVec3>> {
             .collect()
     };
     (0..400).map(&mut ring).collect()
+}
+
+/// Crooked vessels that part in two again and again, with short segments near the trunk and long
+/// ones at the tips.
+fn vessels(random: &mut Random) -> Vec<Vec<DVec3>> {
+    let mut lines = Vec::new();
+    let root = |random: &mut Random| (direction(random) * 0.15, direction(random), 0);
+    let mut open: Vec<(DVec3, DVec3, u32)> = (0..12).map(|_| root(random)).collect();
+    while let Some((mut p, mut way, level)) = open.pop() {
+        let mut line = vec![p];
+        for _ in 0..24 {
+            way = (way + direction(random) * 0.4).normalize();
+            p += way * (0.006 + 0.0015 * f64::from(level));
+            line.push(p);
+        }
+        lines.push(line);
+        if level < 7 {
+            open.extend([0.7, -0.7].map(|turn| {
+                let side = way.cross(direction(random)).normalize_or_zero();
+                (p, (way + side * turn).normalize(), level + 1)
+            }));
+        }
+    }
+    lines
 }
 
 /// Nearly straight lines that point at the viewer.

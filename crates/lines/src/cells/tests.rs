@@ -2,6 +2,7 @@ use glam::{DVec3, UVec3, Vec3, vec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::directions::decoded;
 use crate::numeric::MOST_IN_ROW;
 use crate::sets::random::Random;
 use crate::testing::cases;
@@ -101,4 +102,21 @@ fn absurd_sets_and_margins_give_cells() {
             assert!(cells.margin() >= 0.0 && cells.margin().is_finite());
         }
     }
+}
+
+#[test]
+fn segments_know_where_their_line_leads_on_whatever_lies_between() {
+    // A vertex twice, and lines that end where others begin.
+    let bent = vec![Vec3::ZERO, Vec3::X, Vec3::X, vec3(1.0, 1.0, 0.0)];
+    let lines = LineSet::new([bent, vec![vec3(1.0, 1.0, 0.0), Vec3::ONE], vec![Vec3::ONE]]).unwrap();
+    let cells = Cells::new(&lines, 0.1);
+    let of = |a: Vec3| {
+        let at = cells.ends().iter().position(|e| e[0] == a).unwrap();
+        cells.neighbours()[at].map(|code| (code != NONE).then(|| decoded(code)))
+    };
+    assert_eq!(cells.ends().len(), 3);
+    assert_eq!(of(Vec3::ZERO), [None, Some(Vec3::Y)]);
+    assert_eq!(of(Vec3::X), [Some(Vec3::NEG_X), None]);
+    assert_eq!(of(vec3(1.0, 1.0, 0.0)), [None, None]);
+    assert!((0..=2000).all(|i| coded(vec3(-1.0, i as f32 - 1000.0, -1.0)) != NONE));
 }

@@ -92,7 +92,9 @@ impl GpuLines {
     /// The device has no room.
     pub fn new(gpu: &Gpu, lines: &LineSet, settings: &Settings) -> Result<Self, LinesGpuError> {
         let cells = Cells::new(lines, settings.margin());
-        let flat: Vec<[f32; 3]> = cells.ends().iter().flatten().map(|p| p.to_array()).collect();
+        let row = |(p, neighbour): (&Vec3, &u32)| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), *neighbour];
+        let flat: Vec<[u32; 4]> =
+            cells.ends().iter().flatten().zip(cells.neighbours().iter().flatten()).map(row).collect();
         let points = lines.points();
         let with = |v: &Vec3, w: f32| [v.x, v.y, v.z, w];
         let vertices: Vec<[f32; 4]> =

@@ -1,8 +1,9 @@
 //! Rays through the cells of a grid of segments (Amanatides and Woo 1987), that tubes stop.
 //!
 //! A ray stands for the share of the hemisphere around it, so it has a width that grows with its
-//! way. A tube beside its middle stops the part of that width that it covers; parts of several
-//! tubes are taken as independent of each other. Lengths are in radii of the hemisphere.
+//! way. A tube beside its middle stops the part of that width that it covers, and so does the ball
+//! that rounds the bend of a line where no tube of it comes nearest; parts of several tubes are
+//! taken as independent of each other. Lengths are in radii of the hemisphere.
 
 #[cfg(test)]
 mod tests;
@@ -10,7 +11,8 @@ mod tests;
 use glam::{UVec3, Vec3};
 
 use super::prism::Hemisphere;
-use crate::cells::Cells;
+use crate::cells::{Cells, NONE};
+use crate::directions::decoded;
 use crate::numeric::{LEAST_WAY, RAY_LIFT, RAY_PARALLEL, STOPPED};
 use crate::samples::Sample;
 use crate::view::View;
@@ -122,19 +124,59 @@ impl<'a> Rays<'a> {
             if beside * beside > reach * square {
                 continue;
             }
-            let t = to_a.cross(axis).dot(normal) / square;
             let share = to_a.cross(way).dot(normal) / square;
-            if !(t > from && t <= to && (0.0..1.0).contains(&share)) {
-                continue;
-            }
-            let distance = beside.abs() / square.sqrt();
-            let half = (t * self.spread).min(self.soft).max(f32::MIN_POSITIVE);
-            let covered = (half.min(distance + self.tube) - (-half).max(distance - self.tube)) / (2.0 * half);
+            let covered = if (0.0..1.0).contains(&share) {
+                let t = to_a.cross(axis).dot(normal) / square;
+                let is_here = t > from && t <= to;
+                if is_here { self.covered(t, beside.abs() / square.sqrt()) } else { 0.0 }
+            } else {
+                self.rounded(way, [from, to], [to_a, axis], self.cells.neighbours()[segment as usize])
+            };
             if covered > 0.0 && !self.holds(to_a, axis) {
                 open *= 1.0 - covered.min(1.0);
             }
         }
         open
+    }
+
+    /// The share of the width of a ray that a tube covers, at a way and a distance from its middle.
+    fn covered(&self, t: f32, distance: f32) -> f32 {
+        let half = self.half(t);
+        (half.min(distance + self.tube) - (-half).max(distance - self.tube)) / (2.0 * half)
+    }
+
+    /// Half of the width of a ray.
+    fn half(&self, t: f32) -> f32 {
+        (t * self.spread).min(self.soft).max(f32::MIN_POSITIVE)
+    }
+
+    /// The share that the ball at an end of a tube covers, of a ray that comes nearest to the line
+    /// of the tube beyond that end; 0 where the tube after it on its line, or the ball of that one,
+    /// covers it.
+    fn rounded(&self, way: Vec3, [from, to]: [f32; 2], [to_a, axis]: [Vec3; 2], neighbours: [u32; 2]) -> f32 {
+        let at = |end: Vec3| (end.dot(way), way * end.dot(way) - end);
+        let (t, off) = at(to_a);
+        let is_first = off.dot(axis) < 0.0;
+        let (end, neighbour) = match is_first {
+            true => (to_a, neighbours[0]),
+            false => (to_a + axis, neighbours[1]),
+        };
+        let (t, off) = if is_first { (t, off) } else { at(end) };
+        if !(t > from && t <= to) {
+            return 0.0;
+        }
+        if neighbour != NONE {
+            let on = decoded(neighbour);
+            // A tube that holds the start stops nothing, and its ball neither.
+            let is_alone = (end + on * (-end.dot(on)).max(0.0)).length() <= self.tube;
+            // Where both stop rays, the ball at their joint counts for the second one.
+            let is_own = is_alone || (is_first && off.dot(on) < 0.0);
+            if !is_own {
+                return 0.0;
+            }
+        }
+        // A ball is no longer than it is wide.
+        self.covered(t, off.length()) * (self.tube / self.half(t)).min(1.0)
     }
 
     /// Whether the start lies in a tube.

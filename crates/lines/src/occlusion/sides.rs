@@ -17,8 +17,9 @@ use glam::Vec3;
 use super::options::{AoOptions, Estimator, OptionsError};
 use super::rays::Rays;
 use crate::cells::Cells;
+use crate::directions::decoded;
 use crate::numeric::{SIDE_SPREAD, SIDES, hash};
-use crate::places::{Places, segment, tangent};
+use crate::places::{Places, segment};
 use crate::samples::SampleSets;
 use crate::sets::LineSet;
 
@@ -88,7 +89,7 @@ impl<'a> Sides<'a> {
         let before = at.floor().min((steps - 1.0).max(0.0));
         let of = |number: f32, share: f32| {
             let place = span.place + number as u32;
-            let (side, up) = tangent(self.places.tangents()[place as usize]).any_orthonormal_pair();
+            let (side, up) = decoded(self.places.tangents()[place as usize]).any_orthonormal_pair();
             let angle = pole.dot(up).atan2(pole.dot(side)) / TAU * SIDES as f32;
             let turn = angle.floor();
             let first = (turn as i32).rem_euclid(SIDES as i32) as u32;
@@ -123,7 +124,7 @@ impl<'a> Sides<'a> {
         let (first, share) = segment(&self.lengths, span, place - span.place);
         let points = self.lines.points();
         let [a, b] = [first, span.last_vertex.min(first + 1)].map(|v| points[v as usize]);
-        let along = tangent(self.places.tangents()[place as usize]);
+        let along = decoded(self.places.tangents()[place as usize]);
         let (x, y) = along.any_orthonormal_pair();
         let (sine, cosine) = (side as f32 * (TAU / SIDES as f32)).sin_cos();
         let pole = x * cosine + y * sine;

@@ -11,8 +11,10 @@ struct Grid {
 // Where the list of each cell starts, and the numbers of segments in the lists.
 @group(0) @binding(20) var<storage, read> starts: array<u32>;
 @group(0) @binding(21) var<storage, read> lists: array<u32>;
-// Six coordinates of each segment.
-@group(0) @binding(22) var<storage, read> ends: array<f32>;
+// The two ends of each segment: three coordinates, and the code of the direction in which its line leads on from there.
+@group(0) @binding(22) var<storage, read> ends: array<vec4u>;
+// Instead of a direction: the line ends.
+const LINE_ENDS: u32 = 0x80008000u;
 
 // A ray, and what all rays of a receiver have in common.
 struct Ray {
@@ -30,6 +32,48 @@ fn holds(ray: Ray, to_a: vec3f, axis: vec3f) -> bool {
     return length(to_a + axis * along) <= ray.tube;
 }
 
+fn part_of(bits: u32) -> f32 {
+    return max(f32(i32(bits << 16u) >> 16u) / 32767.0, -1.0);
+}
+
+// The unit direction of a code of directions.rs.
+fn direction_of(code: u32) -> vec3f {
+    let x = part_of(code);
+    let y = part_of(code >> 16u);
+    let z = 1.0 - abs(x) - abs(y);
+    let back = max(-z, 0.0);
+    return normalize(vec3f(x - select(back, -back, x < 0.0), y - select(back, -back, y < 0.0), z));
+}
+
+// Half of the width of a ray.
+fn half_width(ray: Ray, t: f32) -> f32 {
+    return max(min(t * ray.spread, ray.soft), 1.17549435e-38);
+}
+
+// The share of the width of a ray that a tube covers, at a way and a distance from its middle.
+fn covered(ray: Ray, t: f32, distance: f32) -> f32 {
+    let half = half_width(ray, t);
+    return (min(half, distance + ray.tube) - max(-half, distance - ray.tube)) / (2.0 * half);
+}
+
+// The share that the ball at an end of a tube covers, of a ray that comes nearest to the line of the tube beyond that end; 0 where the tube after it on its line, or the ball of that one, covers it.
+fn rounded(ray: Ray, part: vec2f, to_a: vec3f, axis: vec3f, neighbours: vec2u) -> f32 {
+    let is_first = dot(ray.way * dot(to_a, ray.way) - to_a, axis) < 0.0;
+    let end = select(to_a + axis, to_a, is_first);
+    let neighbour = select(neighbours.y, neighbours.x, is_first);
+    let t = dot(end, ray.way);
+    let off = ray.way * t - end;
+    if !(t > part.x && t <= part.y) { return 0.0; }
+    if neighbour != LINE_ENDS {
+        let on = direction_of(neighbour);
+        // A tube that holds the start stops nothing, and its ball neither.
+        let is_alone = length(end + on * max(-dot(end, on), 0.0)) <= ray.tube;
+        if !is_alone && !(is_first && dot(off, on) < 0.0) { return 0.0; }
+    }
+    // A ball is no longer than it is wide.
+    return covered(ray, t, length(off)) * min(ray.tube / half_width(ray, t), 1.0);
+}
+
 // The share of a ray that the tubes let through that come nearest to it on a part of its way.
 fn beside(ray: Ray, part: vec2f, cell: u32) -> f32 {
     var open = 1.0;
@@ -37,22 +81,25 @@ fn beside(ray: Ray, part: vec2f, cell: u32) -> f32 {
     let widest = ray.tube + min(ray.soft, part.y * ray.spread);
     let reach = widest * widest;
     for (var i = starts[cell]; i < starts[cell + 1u]; i++) {
-        let at = lists[i] * 6u;
-        let a = vec3f(ends[at], ends[at + 1u], ends[at + 2u]);
+        let first = ends[lists[i] * 2u];
+        let last = ends[lists[i] * 2u + 1u];
+        let a = bitcast<vec3f>(first.xyz);
         let to_a = (a - ray.start) / ao.radius;
-        let axis = (vec3f(ends[at + 3u], ends[at + 4u], ends[at + 5u]) - a) / ao.radius;
+        let axis = (bitcast<vec3f>(last.xyz) - a) / ao.radius;
         let normal = cross(ray.way, axis);
         let square = dot(normal, normal);
         if !(square > RAY_PARALLEL * dot(axis, axis)) { continue; }
         let beside = dot(to_a, normal);
         if beside * beside > reach * square { continue; }
-        let t = dot(cross(to_a, axis), normal) / square;
         let share = dot(cross(to_a, ray.way), normal) / square;
-        if !(t > part.x && t <= part.y && share >= 0.0 && share < 1.0) { continue; }
-        let distance = abs(beside) / sqrt(square);
-        let half = max(min(t * ray.spread, ray.soft), 1.17549435e-38);
-        let covered = (min(half, distance + ray.tube) - max(-half, distance - ray.tube)) / (2.0 * half);
-        if covered > 0.0 && !holds(ray, to_a, axis) { open *= 1.0 - min(covered, 1.0); }
+        var part_covered = 0.0;
+        if share >= 0.0 && share < 1.0 {
+            let t = dot(cross(to_a, axis), normal) / square;
+            if t > part.x && t <= part.y { part_covered = covered(ray, t, abs(beside) / sqrt(square)); }
+        } else {
+            part_covered = rounded(ray, part, to_a, axis, vec2u(first.w, last.w));
+        }
+        if part_covered > 0.0 && !holds(ray, to_a, axis) { open *= 1.0 - min(part_covered, 1.0); }
     }
     return open;
 }

@@ -11,20 +11,13 @@
 @group(0) @binding(27) var<storage, read_write> groups: array<u32>;
 
 const WORK: u32 = 4u;
+// Rays of a value that are traced side by side: three each, as of a pixel.
+const SIDE_LANES: u32 = 4u;
 const TURN: f32 = 6.2831855;
-
-fn part_of(bits: u32) -> f32 {
-    return max(f32(i32(bits << 16u) >> 16u) / 32767.0, -1.0);
-}
 
 // The unit tangent at a place.
 fn tangent_at(place: u32) -> vec3f {
-    let code = places[ao.tangents + place];
-    let x = part_of(code);
-    let y = part_of(code >> 16u);
-    let z = 1.0 - abs(x) - abs(y);
-    let back = max(-z, 0.0);
-    return normalize(vec3f(x - select(back, -back, x < 0.0), y - select(back, -back, y < 0.0), z));
+    return direction_of(places[ao.tangents + place]);
 }
 
 // Two directions that are normal to a unit direction and to each other (Duff et al. 2017, "Building an orthonormal basis, revisited").
@@ -99,7 +92,7 @@ const ROW: u32 = 32768u;
 // The workgroups that the work takes.
 @compute @workgroup_size(1)
 fn count() {
-    let all = (atomicLoad(&work[0]) + 64u / LANES - 1u) / (64u / LANES);
+    let all = (atomicLoad(&work[0]) + 64u / SIDE_LANES - 1u) / (64u / SIDE_LANES);
     groups[0] = min(all, ROW);
     groups[1] = (all + ROW - 1u) / ROW;
     groups[2] = 1u;
@@ -156,7 +149,7 @@ fn traced_side(value: u32, lane: u32) -> f32 {
     ray.spread = SIDE_SPREAD / sqrt(f32(ao.samples));
     let chosen = hash(place, side) % ao.sets;
     var hidden = 0.0;
-    for (var i = lane; i < ao.samples; i += LANES) {
+    for (var i = lane; i < ao.samples; i += SIDE_LANES) {
         let at = samples[chosen * ao.samples + i].xy;
         ray.way = along * at.x + upwards * at.y + pole * sqrt(max(1.0 - dot(at, at), 0.0));
         hidden += 1.0 - passed(ray);
@@ -167,17 +160,17 @@ fn traced_side(value: u32, lane: u32) -> f32 {
 // The rays of the values in the list of work.
 @compute @workgroup_size(64)
 fn trace_sides(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
-    let number = (group.y * ROW + group.x) * (64u / LANES) + local / LANES;
+    let number = (group.y * ROW + group.x) * (64u / SIDE_LANES) + local / SIDE_LANES;
     let is_there = number < atomicLoad(&work[0]);
     var value = 0u;
     if is_there { value = atomicLoad(&work[WORK + number]); }
     var hidden = 0.0;
-    if is_there { hidden = traced_side(value, local % LANES); }
+    if is_there { hidden = traced_side(value, local % SIDE_LANES); }
     sums[local] = hidden;
     workgroupBarrier();
-    if is_there && local % LANES == 0u {
+    if is_there && local % SIDE_LANES == 0u {
         var sum = 0.0;
-        for (var i = 0u; i < LANES; i++) { sum += sums[local + i]; }
+        for (var i = 0u; i < SIDE_LANES; i++) { sum += sums[local + i]; }
         let share = sum / f32(ao.samples);
         // What is not a number becomes 0.
         let byte = u32(select(0.0, min(share, 1.0), share > 0.0) * 255.0 + 0.5);

@@ -44,7 +44,7 @@ fn other_settings_and_other_lines_are_computed_anew() {
     let view = views(first.bounds())[1];
     let changed = [
         Settings { seed: 2, ..settings },
-        Settings { samples: 12, ..settings },
+        Settings { samples: 8, ..settings },
         Settings { sets: 3, ..settings },
         Settings { ao: AoOptions { radius: 0.2, ..settings.ao }, ..settings },
         Settings {

@@ -26,46 +26,109 @@ fn distance([a, b]: [DVec3; 2], p: DVec3) -> f64 {
     p.distance(a + axis * ((p - a).dot(axis) / axis.length_squared()).clamp(0.0, 1.0))
 }
 
-#[test]
-fn thin_rays_stop_at_the_tubes_that_small_steps_meet() {
-    let (lines, radius) = (short_lines(125, 1.0, 3), 0.02);
-    // No margin beyond the tubes: rays have no width.
-    let cells = Cells::new(&lines, radius);
-    let ends: Vec<[DVec3; 2]> = cells.ends().iter().map(|e| e.map(|p| p.as_dvec3())).collect();
-    let mut random = Random::new(8);
-    let mut point = || DVec3::from_array(std::array::from_fn(|_| random.within(-1.2, 1.2)));
-    let mut counts = [0; 3];
-    for _ in 0..1500 {
-        let (start, way) = (point(), point().normalize());
-        let outside = |e: &&[DVec3; 2]| distance(**e, start) > f64::from(radius);
-        let others: Vec<[DVec3; 2]> = ends.iter().filter(outside).copied().collect();
-        let nearest = |t: f64| others.iter().map(|&e| distance(e, start + way * t)).fold(f64::MAX, f64::min);
-        // Steps as long as the way that is surely free; a tube as thin and one as thick tell what
-        // rounding and the ends of tubes may decide.
-        let meets = |radius: f64| {
-            let mut t = 0.0;
-            while t < 1.0 {
-                let free = nearest(t) - radius;
-                if free < 1e-4 {
-                    return true;
-                }
-                t += free;
-            }
-            false
+/// Lines that bend sharply at each vertex.
+fn bent_lines(count: u32, seed: u64) -> LineSet {
+    let mut random = Random::new(seed);
+    let mut point = |s: f64| DVec3::from_array(std::array::from_fn(|_| random.within(-s, s)));
+    LineSet::new((0..count).map(|_| {
+        let mut at = point(1.0);
+        let next = |_| {
+            at += point(0.25);
+            at.as_vec3()
         };
-        let rays =
-            Rays { cells: &cells, start: start.as_vec3(), scale: 1.0, tube: radius, soft: 0.0, spread: 0.1 };
-        let open = rays.passed(way.as_vec3());
-        assert!(open == 0.0 || open == 1.0, "{open}");
-        match (meets(0.019), meets(0.021)) {
-            (true, true) => counts[usize::from(open == 0.0)] += 1,
-            (false, false) => counts[2] += usize::from(open == 0.0),
-            _ => {}
+        (0..6).map(next).collect::<Vec<_>>()
+    }))
+    .unwrap()
+}
+
+#[test]
+fn thin_rays_stop_at_the_tubes_and_balls_that_small_steps_meet() {
+    for (lines, radius) in [(short_lines(125, 1.0, 3), 0.02), (bent_lines(60, 4), 0.05)] {
+        // No margin beyond the tubes: rays have no width.
+        let cells = Cells::new(&lines, radius);
+        let ends: Vec<[DVec3; 2]> = cells.ends().iter().map(|e| e.map(|p| p.as_dvec3())).collect();
+        let mut random = Random::new(8);
+        let mut point = || DVec3::from_array(std::array::from_fn(|_| random.within(-1.2, 1.2)));
+        let mut counts = [0; 3];
+        for _ in 0..1500 {
+            let (start, way) = (point(), point().normalize());
+            let outside = |e: &&[DVec3; 2]| distance(**e, start) > f64::from(radius);
+            let others: Vec<[DVec3; 2]> = ends.iter().filter(outside).copied().collect();
+            let nearest =
+                |t: f64| others.iter().map(|&e| distance(e, start + way * t)).fold(f64::MAX, f64::min);
+            // Steps as long as the way that is surely free; a tube as thin and one as thick tell what
+            // rounding may decide.
+            let meets = |radius: f64, long: f64| {
+                let mut t = 0.0;
+                while t < long {
+                    let free = nearest(t) - radius;
+                    if free < 1e-4 {
+                        return true;
+                    }
+                    t += free;
+                }
+                false
+            };
+            let rays = Rays {
+                cells: &cells,
+                start: start.as_vec3(),
+                scale: 1.0,
+                tube: radius,
+                soft: 0.0,
+                spread: 0.1,
+            };
+            let open = rays.passed(way.as_vec3());
+            assert!(open == 0.0 || open == 1.0, "{open}");
+            match (
+                meets(f64::from(radius) * 0.98, 1.0 - 3.0 * f64::from(radius)),
+                meets(f64::from(radius) * 1.02, 1.0),
+            ) {
+                (true, true) => counts[usize::from(open == 0.0)] += 1,
+                (false, false) => counts[2] += usize::from(open == 0.0),
+                _ => {}
+            }
         }
+        // Rays that end in a tube, before they come nearest to its line, may pass.
+        let [missed, met, wrong] = counts;
+        assert!(met > 250 && missed * 60 < met && wrong == 0, "{counts:?}");
     }
-    // Rays that meet the round end of a tube alone pass.
-    let [missed, met, wrong] = counts;
-    assert!(met > 250 && missed * 12 < met && wrong == 0, "{counts:?}");
+}
+
+#[test]
+fn splitting_straight_lines_changes_nothing_and_a_bend_is_round_whatever_the_width() {
+    let whole = short_lines(3000, 0.3, 9);
+    let split = LineSet::new(whole.iter().map(|l| (0..=9).map(|i| l[0].lerp(l[1], i as f32 / 9.0)))).unwrap();
+    let samples = SampleSets::spirals(24, 8, 1).unwrap();
+    let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [32; 2]).unwrap();
+    let values = |lines: &LineSet| -> Vec<f32> {
+        let cells = Cells::new(lines, 0.012);
+        let occlusion = Occlusion::by_rays(&cells, &view, &samples, AoOptions::rays(0.4, 0.004)).unwrap();
+        let at = |i: usize| {
+            let place = vec3((i % 5) as f32, (i / 5 % 5) as f32, (i / 25) as f32) * 0.2 - 0.4;
+            let tangent = vec3((i as f32).sin(), (i as f32 * 1.7).cos(), 0.4).normalize();
+            let position = view.to_eye(place).as_vec3();
+            occlusion.at(&Fragment { position, tangent, line: 0, along: 0.0 }, i % 8)
+        };
+        (0..125).map(at).collect()
+    };
+    let (a, b) = (values(&whole), values(&split));
+    // A joint that rounding moves to one side or the other, at most.
+    assert!(rmse(&a, &b) < 2e-3 && a.iter().sum::<f32>() > 5.0, "{}", rmse(&a, &b));
+    // A right angle, seen from before it: parallel rays of a width show the area of a quarter of a
+    // ball beyond the two tubes, whatever the width is.
+    let corner = LineSet::new([[Vec3::X, Vec3::ZERO, Vec3::Y]]).unwrap();
+    for soft in [0.0, 0.02, 0.05, 0.1] {
+        let cells = Cells::new(&corner, 0.05 + soft);
+        let (mut area, side) = (0.0, 0.004);
+        for (i, j) in (-60..0).flat_map(|i| (-60..0).map(move |j| (i, j))) {
+            let start = vec3(i as f32 + 0.5, j as f32 + 0.5, 0.0) * side + Vec3::Z * 0.5;
+            // As wide at the corner as they may be.
+            let rays = Rays { cells: &cells, start, scale: 1.0, tube: 0.05, soft, spread: 1.0 };
+            area += (1.0 - rays.passed(Vec3::NEG_Z)) * side * side;
+        }
+        let wanted = std::f32::consts::FRAC_PI_4 * 0.05 * 0.05;
+        assert!((0.8..1.35).contains(&(area / wanted)), "{soft}: {area}, wanted {wanted}");
+    }
 }
 
 #[test]
