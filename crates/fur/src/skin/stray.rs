@@ -20,8 +20,8 @@ pub(crate) struct Stray {
 }
 
 impl Stray {
-    /// How far the image of a point at a distance from the joint strays. `magnitude` is the greatest
-    /// sum of magnitudes that went into its place relative to the joint, for its rounding.
+    /// How far the image of a point at a distance from the joint strays. `magnitude` is the
+    /// greatest sum of magnitudes that went into its place relative to the joint, for its rounding.
     fn at(&self, distance: f64, magnitude: f64) -> f64 {
         let far = self.fixed + self.turning * distance + CLIP_ERROR * self.scale * magnitude;
         if far.is_nan() { f64::INFINITY } else { far }

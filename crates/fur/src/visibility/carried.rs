@@ -38,8 +38,8 @@ impl CarriedBall {
 /// from the ball than they and the ball stray within the piece, so that no triangle meets it there;
 /// and the skin winds around its middle at least once. How often a closed surface winds around a
 /// point changes only when it crosses the point, so that it winds around all points of the ball at
-/// all times of the piece. A ray from where it does not wind to a point of the ball enters skin more
-/// often than it leaves it, so that the eye sees the front of skin before the ball. For an eye
+/// all times of the piece. A ray from where it does not wind to a point of the ball enters skin
+/// more often than it leaves it, so that the eye sees the front of skin before the ball. For an eye
 /// within the skin the skin behind the ball hides as much.
 ///
 /// Costs the triangles of the coarsest level times 1,728 and then times 48 for each piece, and once
