@@ -3,9 +3,9 @@
 use casca::{Aabb, ObjectId, Query, View};
 use casca_fur::skin::Ending;
 use casca_fur::strands::{Forces, Fur};
-use casca_scenes::fur::field::{Field, Kind};
+use casca_scenes::fur::field::{Field, Hiding, Kind};
 use casca_scenes::measure::timed;
-use glam::{Mat3, Vec3};
+use glam::{Affine3A, Mat3, Vec3};
 
 fn fur(radius: f32) -> Result<Fur, casca_fur::Error> {
     Fur::for_radius(radius, 0.08, 0.2)
@@ -39,7 +39,13 @@ fn tips(field: &Field, animal: usize) -> Vec<Vec3> {
 
 #[test]
 fn no_tip_in_sight_of_a_walking_herd_is_lost() {
-    let mut field = Field::herd(200, 2, 3, forces(), fur).unwrap();
+    for hiding in [Hiding::Walls, Hiding::Balls] {
+        walk_among_walls(hiding);
+    }
+}
+
+fn walk_among_walls(hiding: Hiding) {
+    let mut field = Field::herd(200, 2, 3, hiding, forces(), fur).unwrap();
     let mut query = Query::new();
     let (mut seen, mut in_sight, mut outside_of_rest) = (0, 0, 0);
     for frame in 0..5 {
@@ -63,21 +69,32 @@ fn no_tip_in_sight_of_a_walking_herd_is_lost() {
                 {
                     continue;
                 }
-                // Animals hide nothing in a herd.
+                // Another animal may be in the way, unless animals hide nothing.
+                let near = |other: ObjectId, at: &Affine3A| {
+                    let way = tip - eye;
+                    let middle = Vec3::from(at.translation);
+                    let t = ((middle - eye).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+                    other != resident.id && (eye + way * t).distance(middle) < 1.2
+                };
+                let covers = |a: &casca_scenes::fur::field::Resident| near(a.id, &a.placement);
+                if hiding != Hiding::Walls && field.animals().iter().any(covers) {
+                    continue;
+                }
                 in_sight += 1;
                 assert!(visible.contains(&resident.id), "frame {frame}: a tip at {tip} is lost");
             }
         }
     }
     println!(
-        "{seen} of 1000 animals visible, {in_sight} tips in sight, {outside_of_rest} beyond the bounds at rest"
+        "{hiding:?}: {seen} of 1000 animals visible, {in_sight} tips in sight, {outside_of_rest} beyond the bounds at rest"
     );
-    assert!(seen < 600 && in_sight > 5000 && outside_of_rest > 100);
+    let least = if hiding == Hiding::Walls { 5000 } else { 250 };
+    assert!(seen < 600 && in_sight > least && outside_of_rest > 100);
 }
 
 #[test]
 fn herds_repeat_walk_and_refuse_absurd_forces() {
-    let make = || Field::herd(6, 1, 7, forces(), fur).unwrap();
+    let make = || Field::herd(6, 1, 7, Hiding::Balls, forces(), fur).unwrap();
     let (mut a, mut b) = (make(), make());
     a.walk(1.3).unwrap();
     b.walk(0.2).unwrap();
@@ -86,13 +103,53 @@ fn herds_repeat_walk_and_refuse_absurd_forces() {
     assert!((0..6).all(|i| a.pose(i) == b.pose(i) && a.lean(i) == b.lean(i) && a.lean(i).most > 0.0));
     assert_eq!((a.pose(6), a.lean(6).most), (None, 0.0));
     assert!(a.walk(f64::NAN).is_err());
-    assert!(Field::herd(6, 1, 7, Forces { most: 9.0, ..forces() }, fur).is_err());
+    assert!(Field::herd(6, 1, 7, Hiding::Balls, Forces { most: 9.0, ..forces() }, fur).is_err());
+}
+
+/// Animals that five looks along the path find visible, the bounds being those of `bounds`.
+fn seen(count: usize, hiding: Hiding, bounds: impl Fn(&Field, usize) -> Option<Aabb>) -> usize {
+    let mut field = Field::herd(count, 4, 9, hiding, forces(), fur).unwrap();
+    let (mut query, mut found) = (Query::new(), 0);
+    for frame in 0..5 {
+        field.walk(0.37 * f64::from(frame)).unwrap();
+        for (animal, resident) in field.animals().to_vec().iter().enumerate() {
+            if let Some(bounds) = bounds(&field, animal) {
+                field.scene.set_bounds(resident.id, bounds).unwrap();
+            }
+        }
+        let view = View::omnidirectional(field.eye(frame as f32 / 5.0).0).unwrap();
+        let visible = query.run(&field.scene, &view);
+        found +=
+            visible.visible().iter().filter(|id| matches!(field.kind(**id), Some(Kind::Animal(_)))).count();
+    }
+    found
+}
+
+#[test]
+fn what_bounds_of_poses_and_balls_in_trunks_would_save() {
+    let posed = |field: &Field, animal: usize| {
+        let (kind, fur) = &field.species()[field.animals()[animal].species];
+        let leaning = fur.leaning(forces().most).unwrap();
+        Some(kind.rig().bounds.posed(field.pose(animal).unwrap(), &leaning))
+    };
+    for count in [50, 500, 2000] {
+        let [whole, poses, balls] = [
+            seen(count, Hiding::Walls, |_, _| None),
+            seen(count, Hiding::Walls, posed),
+            seen(count, Hiding::Balls, |_, _| None),
+        ];
+        println!(
+            "{count} animals, seen by five eyes: {whole} with bounds of the walk, {poses} with those of poses, \
+             {balls} with balls in trunks that hide"
+        );
+        assert!(poses <= whole && balls <= whole && whole * 20 <= poses * 21, "{whole} {poses} {balls}");
+    }
 }
 
 /// Prints, and checks nothing but that it works: other programs may run beside it.
 #[test]
 fn what_the_steps_of_500_animals_cost() {
-    let mut field = Field::herd(500, 4, 1, forces(), fur).unwrap();
+    let mut field = Field::herd(500, 4, 1, Hiding::Walls, forces(), fur).unwrap();
     let frames = 100;
     let step = |frame: i32| f64::from(frame) / 60.0;
     let (_, walk) = timed(|| (1..=frames).for_each(|frame| field.walk(step(frame)).unwrap()));

@@ -38,8 +38,8 @@ impl CarriedBall {
 /// from the ball than they and the ball stray within the piece, so that no triangle meets it there;
 /// and the skin winds around its middle at least once. How often a closed surface winds around a
 /// point changes only when it crosses the point, so that it winds around all points of the ball at
-/// all times of the piece. A ray from where it does not wind to a point of the ball enters skin more
-/// often than it leaves it, so that the eye sees the front of skin before the ball. For an eye
+/// all times of the piece. A ray from where it does not wind to a point of the ball enters skin
+/// more often than it leaves it, so that the eye sees the front of skin before the ball. For an eye
 /// within the skin the skin behind the ball hides as much.
 ///
 /// Costs the triangles of the coarsest level times 1,728 and then times 48 for each piece, and once
@@ -108,11 +108,13 @@ impl Search<'_> {
                 for (v, vertex) in mesh.vertices().iter().enumerate() {
                     let at = weights.blend(v, pose).transform_point3(vertex.position).as_dvec3();
                     greatest = greatest.max(at.length()).max(vertex.position.length().into());
-                    // A mean of images strays no farther than the farthest of them.
-                    let far = weights.joints()[v].iter().zip(weights.shares()[v]).filter(|(_, s)| *s > 0.0);
-                    let far = far
-                        .map(|(&joint, _)| stray(strays, self.skeleton, joint.into(), vertex.position, 0.0));
-                    posed.push((at, far.fold(0.0, f64::max)));
+                    // A mean of images strays no farther than the mean of their ways.
+                    let rows = weights.joints()[v].iter().zip(weights.shares()[v]).filter(|(_, s)| *s > 0.0);
+                    let far = rows.map(|(&joint, share)| {
+                        let way = stray(strays, self.skeleton, joint.into(), vertex.position, 0.0);
+                        f64::from(share) * way
+                    });
+                    posed.push((at, far.sum()));
                 }
                 let margin = INNER_ROUNDING * greatest;
                 for (center, depth) in centers.iter().zip(&mut depths).filter(|(_, depth)| **depth > 0.0) {
@@ -247,5 +249,36 @@ mod tests {
         let refused = carried_ball(&[(&mesh, &own)], &skeleton, &away(1.0), 2);
         assert_eq!(refused, Err(Error::Foreign { joint: 2, joints: 2 }));
         assert_eq!(carried_ball(&[], &skeleton, &away(1.0), 0), Err(Error::Empty));
+    }
+
+    #[test]
+    fn what_happens_between_the_middles_of_pieces_counts() {
+        let joint = || Joint::at(None, Vec3::ZERO);
+        let (mesh, skeleton) = (ball(4), Skeleton::new(vec![joint(), joint()]).unwrap());
+        let count = mesh.vertices().len();
+        // The skin follows joint 1, the ball joint 0; one of them leaps and comes back.
+        let shares = vec![[1e-9, 1.0, 0.0, 0.0]; count];
+        let weights = Weights::new(&vec![[0, 1, 0, 0]; count], &shares, &skeleton).unwrap();
+        let radius = |joint: usize, leap: f32, how: Interpolation| {
+            let (mut times, mut values) = (vec![0.0, 0.5001, 0.5002, 0.5003, 1.0], [0.0; 5].to_vec());
+            values[2] = leap;
+            if how == Interpolation::CubicSpline {
+                // Back at the next key, and away between: an eighth of the time and of both speeds.
+                let (key, speed) = (0.0, 4.0 * leap / 0.0002);
+                times = vec![0.0, 0.5001, 0.5003, 1.0];
+                values = vec![0.0, key, 0.0, 0.0, key, speed, -speed, key, 0.0, 0.0, key, 0.0];
+            }
+            let places = values.iter().map(|x| Vec3::X * *x).collect();
+            let track = Track::new(times, places, how).unwrap();
+            let clip = Clip::new(vec![(joint, Channel::Translation(track))], &skeleton).unwrap();
+            carried_ball(&[(&mesh, &weights)], &skeleton, &clip, 0).unwrap().map(|ball| ball.radius)
+        };
+        let hows = [Interpolation::Linear, Interpolation::Step, Interpolation::CubicSpline];
+        for (joint, how) in [0, 1].into_iter().flat_map(|joint| hows.map(|how| (joint, how))) {
+            let (still, leapt) = (radius(joint, 0.0, how).unwrap(), radius(joint, 0.2, how).unwrap());
+            // What is allowed to a spline is twice its way.
+            assert!(leapt < still - 0.19 && leapt > still - 0.5, "joint {joint}, {how:?}: {still} {leapt}");
+            assert_eq!(radius(joint, 2.0, how), None);
+        }
     }
 }

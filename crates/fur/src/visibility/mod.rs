@@ -2,8 +2,9 @@
 //! object gets.
 //!
 //! Three rules keep the picture whole: the bounds contain the fur ([`furry_object`]); only what
-//! lies inside the base mesh hides others ([`base_occluder`], [`inner_ball`], and [`carried_ball`] for
-//! meshes that move), never the fur, which has gaps; and a budget takes layers before it takes objects ([`plan`]).
+//! lies inside the base mesh hides others ([`base_occluder`], [`inner_ball`], and [`carried_ball`]
+//! for meshes that move), never the fur, which has gaps; and a budget takes layers before it takes
+//! objects ([`plan`]).
 
 mod carried;
 mod objects;

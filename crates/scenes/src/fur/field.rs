@@ -6,7 +6,7 @@ use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene};
 use casca_fur::Error;
 use casca_fur::skin::{Ending, Pose};
 use casca_fur::strands::{Forces, Fur, Lean};
-use casca_fur::visibility::{base_occluder, furry_object, inner_ball};
+use casca_fur::visibility::{base_occluder, carried_ball, furry_object, inner_ball};
 use glam::{Affine3A, UVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -30,10 +30,12 @@ pub enum Kind {
 pub enum Hiding {
     /// Walls only.
     Walls,
-    /// A ball inside all levels of detail of each animal, and walls.
+    /// A ball inside all levels of detail of each animal, and walls. In a herd it is a ball that
+    /// stays inside the trunk throughout the walk.
     #[default]
     Balls,
-    /// The finest mesh of each animal, and walls. Draw that level only.
+    /// The finest mesh of each animal, and walls. Draw that level only. In a herd, as balls: the
+    /// mesh at rest says nothing about poses.
     Meshes,
 }
 
@@ -68,6 +70,9 @@ pub struct Field {
 /// The edge of a lot, in units.
 const LOT: f32 = 4.0;
 
+/// The joint of the trunk.
+const TRUNK: usize = 0;
+
 /// Animals on each lot, on average.
 const CROWD: usize = 2;
 
@@ -100,8 +105,8 @@ impl Field {
     }
 
     /// A field like that of [`Field::new`] in which all animals walk on their legs, and their
-    /// strands lean by forces. Only walls hide others there: what is rigid of an animal is too
-    /// small.
+    /// strands lean by forces. Bounds hold for the whole walk, so that a step moves an object and
+    /// changes no bounds.
     ///
     /// # Errors
     /// As [`Field::new`], and a longest bend out of range.
@@ -109,10 +114,11 @@ impl Field {
         count: usize,
         species: usize,
         seed: u64,
+        hiding: Hiding,
         forces: Forces,
         fur: impl Fn(f32) -> Result<Fur, Error>,
     ) -> Result<Self, Error> {
-        let mut field = Self::made(count, species, seed, Hiding::Walls, Some(forces), fur)?;
+        let mut field = Self::made(count, species, seed, hiding, Some(forces), fur)?;
         let of = |resident: &Resident| Pose::rest(&field.species[resident.species].0.rig().skeleton);
         field.poses = field.animals.iter().map(of).collect();
         field.walk(0.0)?;
@@ -136,8 +142,12 @@ impl Field {
             Ok((animal, fur))
         };
         let species = (0..species).map(make).collect::<Result<Vec<(Animal, Fur)>, Error>>()?;
-        let hides =
-            species.iter().map(|(animal, _)| occluder(animal, hiding)).collect::<Result<Vec<_>, Error>>()?;
+        let hides = species
+            .iter()
+            .map(|(animal, _)| occluder(animal, hiding, forces.is_some()))
+            .collect::<Result<Vec<_>, Error>>()?;
+        let walk_bounds = |forces: Forces| species.iter().map(move |kind| bounds_of_walk(kind, forces));
+        let whole = forces.map(|f| walk_bounds(f).collect::<Result<Vec<Aabb>, Error>>()).transpose()?;
         let lots = (count.div_ceil(CROWD) as f64).sqrt().ceil() as usize;
         let edge = lots as f32 * LOT;
         let ground = Aabb::new(Vec3::new(-LOT, -0.5, -LOT), Vec3::new(edge + LOT, 0.0, edge + LOT));
@@ -182,7 +192,14 @@ impl Field {
                 scale: random.random_range(0.75..1.0),
             };
             let placement = walk.at(0.0, animal).0;
-            let desc = furry_object(animal.aabb(), fur, hides[kind].clone(), placement, walks)?;
+            let hides = hides[kind].clone();
+            let desc = match &whole {
+                Some(whole) => {
+                    let desc = ObjectDesc::dynamic(whole[kind]).placed(placement);
+                    hides.into_iter().fold(desc, ObjectDesc::occluder)
+                }
+                None => furry_object(animal.aabb(), fur, hides, placement, walks)?,
+            };
             let id = scene.insert(desc.user_data(number as u64)).map_err(refused("animal"))?;
             animals.push(Resident { id, species: kind, placement, walk, lean: Lean::default() });
         }
@@ -199,15 +216,13 @@ impl Field {
         Error::check_range("the time in seconds", time, -1e9, 1e9)?;
         let failed = |source| Error::Scene { what: "step of an animal", source };
         for (number, resident) in self.animals.iter_mut().enumerate().filter(|(_, r)| r.walk.radius > 0.0) {
-            let (animal, fur) = &self.species[resident.species];
+            let (animal, _) = &self.species[resident.species];
             let (placement, [velocity, acceleration]) = resident.walk.at(time, animal);
             resident.placement = placement;
             if let Some(pose) = self.poses.get_mut(number) {
                 let rig = animal.rig();
                 pose.set(&rig.skeleton, &rig.walk, resident.walk.rounds(time, rig.stride), Ending::Loop);
                 resident.lean = self.forces.lean(velocity, acceleration)?;
-                let bounds = rig.bounds.posed(pose, &fur.leaning(self.forces.most)?);
-                self.scene.set_bounds(resident.id, bounds).map_err(failed)?;
             }
             self.scene.set_transform(resident.id, resident.placement).map_err(failed)?;
         }
@@ -275,9 +290,22 @@ impl Field {
     }
 }
 
-fn occluder(animal: &Animal, hiding: Hiding) -> Result<Option<Occluder>, Error> {
+/// The bounds of a species for its whole walk, in object space.
+fn bounds_of_walk((animal, fur): &(Animal, Fur), forces: Forces) -> Result<Aabb, Error> {
+    let rig = animal.rig();
+    Ok(rig.bounds.over(&rig.skeleton, &rig.walk, &fur.leaning(forces.most)?))
+}
+
+fn occluder(animal: &Animal, hiding: Hiding, walks: bool) -> Result<Option<Occluder>, Error> {
     Ok(match hiding {
         Hiding::Walls => None,
+        _ if walks => {
+            // The walk does not move the trunk, so that the ball stays where it is in the object.
+            let (rig, levels) = (animal.rig(), animal.levels());
+            let levels: Vec<_> = levels.iter().zip(&rig.weights).collect();
+            let ball = carried_ball(&levels, &rig.skeleton, &rig.walk, TRUNK)?;
+            ball.map(|ball| Occluder::from(ball.posed(&Pose::rest(&rig.skeleton))))
+        }
         Hiding::Balls => {
             let levels: Vec<_> = animal.levels().iter().collect();
             inner_ball(&levels)?.map(Occluder::from)

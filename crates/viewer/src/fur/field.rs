@@ -51,7 +51,7 @@ impl Stage {
         let look = choices.look(radius)?;
         let (count, seed) = (count as usize, choices.seed);
         let field = match walks {
-            true => Field::herd(count, SPECIES, seed, Forces::default(), |_| Ok(look.fur))?,
+            true => Field::herd(count, SPECIES, seed, Hiding::Walls, Forces::default(), |_| Ok(look.fur))?,
             false => Field::new(count, SPECIES, seed, Hiding::Balls, |_| Ok(look.fur))?,
         };
         let herd = Herd::new(field)?;

@@ -20,6 +20,8 @@ const COARSER: usize = 4;
 #[derive(Debug, Clone)]
 pub struct Animal {
     levels: Vec<Mesh>,
+    /// Of the finest level: finding it takes a pass over its vertices.
+    aabb: Aabb,
     /// The distance of each level to the finest one, as estimated.
     errors: Vec<f32>,
     rig: Rig,
@@ -57,7 +59,7 @@ impl Animal {
             errors.push(error);
         }
         let rig = Rig::new(&body, middle, &levels)?;
-        Ok(Self { levels, errors, rig })
+        Ok(Self { aabb: levels[0].aabb(), levels, errors, rig })
     }
 
     /// The meshes, finest first: [`LEVELS`] of them, each with about a quarter of the triangles of
@@ -78,7 +80,7 @@ impl Animal {
 
     /// The box of the finest level, which contains the others; its centre is the origin.
     pub fn aabb(&self) -> Aabb {
-        self.levels[0].aabb()
+        self.aabb
     }
 
     /// Half the diagonal of the box: the radius by which the thesis measures fur.

@@ -72,7 +72,7 @@ impl Walkers {
             return None;
         };
         let fur = Fur { spacing: 0.02, ..Fur::for_radius(0.6, 0.1, 0.4).unwrap() };
-        let field = Field::herd(count, 1, seed, Forces::default(), |_| Ok(fur)).unwrap();
+        let field = Field::herd(count, 1, seed, Hiding::Balls, Forces::default(), |_| Ok(fur)).unwrap();
         let herd = Herd::new(field).unwrap();
         let mut renderer = Renderer::new(&gpu, COLOUR, &herd.meshes(), &Look::new(fur)).unwrap();
         for (i, weights) in herd.weights().enumerate() {
