@@ -56,7 +56,7 @@ pub use glam;
 
 pub use auto::AutoSettings;
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
-pub use cloud::{LengthError, PointCloud};
+pub use cloud::{LengthError, PointCloud, UNKNOWN_SCANNER};
 pub use surface::visible;
 
 #[cfg(doctest)]

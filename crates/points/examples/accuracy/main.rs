@@ -12,11 +12,15 @@
 //! how well they hold, the fresh ones best. With a `FOLDER`, `.glb` files of it are sampled in the
 //! place of generated scenes. The last word `causes` sorts the wrong answers of `surface` by their
 //! causes; give `""` as the folder for generated scenes.
+//!
+//! With `scans-` before a kind, points are the first hits of rays from scanners, as many as `SPREAD`
+//! says (4), and `surface` is judged without and with the places of these.
 
 mod causes;
 mod files;
 mod fresh;
 mod limit;
+mod scans;
 mod scenes;
 mod truth;
 
@@ -52,6 +56,13 @@ fn text([visible, false_visible, false_hidden]: Counts) -> String {
     format!("{sum:5.1} ({:4.1} + {:4.1})", percent(false_visible), percent(false_hidden))
 }
 
+/// Normally distributed numbers.
+fn gauss() -> impl FnMut() -> f32 {
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    // The sum of twelve uniform numbers is nearly Gaussian.
+    move || (0..12).map(|_| random.random::<f32>()).sum::<f32>() - 6.0
+}
+
 /// The near plane of cameras over the distance of the farthest point.
 const NEAR: f32 = 1e-4;
 
@@ -82,13 +93,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     let spread = if word(3) == "random" { Spread::Random } else { Spread::Even };
     let noise: f32 = word(4).parse().unwrap_or(0.0);
     let seed: u64 = word(5).parse().unwrap_or(3);
-    let all = match (word(1), word(6)) {
+    let (kind, scanned) = match word(1).strip_prefix("scans-") {
+        Some(kind) => (kind, true),
+        None => (word(1), false),
+    };
+    let all = match (kind, word(6)) {
         (_, folder) if !folder.is_empty() => files::scenes(Path::new(folder))?,
         ("held-out", _) => scenes::held_out(seed),
         ("fresh", _) => fresh::scenes(seed),
         ("fences", _) => scenes::fences(seed),
         _ => scenes::tuned(seed),
     };
+    if scanned {
+        return scans::print(&all, points, word(3).parse().unwrap_or(4), noise);
+    }
     println!(
         "{points} points, {spread:?}, noise {noise}, seed {seed}: errors (false visible + false hidden) in percent"
     );
@@ -103,9 +121,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn row(scene: &Scene, points: usize, spread: Spread, noise: f32, causes: bool) -> Result<(), Box<dyn Error>> {
     let samples = sample(scene, points, spread, 11);
-    let mut random = Pcg64Mcg::seed_from_u64(5);
-    // The sum of twelve uniform numbers is nearly Gaussian.
-    let mut gauss = || (0..12).map(|_| random.random::<f32>()).sum::<f32>() - 6.0;
+    let mut gauss = gauss();
     let mut moved = |p: &Vec3| *p + Vec3::new(gauss(), gauss(), gauss()) * noise * samples.spacing;
     let positions: Vec<Vec3> = samples.points.iter().map(&mut moved).collect();
     let bare = PointCloud { positions, ..Default::default() };

@@ -80,45 +80,86 @@ const GROWN: f32 = 1e-4;
 /// The share of a segment at its end that crosses nothing: the point lies on its own surface there.
 const END: f64 = 1e-5;
 
-/// Whether `eye` sees each point: no triangle but its own is between them.
-pub fn seen(scene: &Scene, samples: &Samples, eye: Vec3) -> BitVec {
-    let bounds: Vec<Aabb> = scene
-        .triangles
-        .iter()
-        .map(|t| {
+/// The triangles of a scene, ready for rays.
+pub struct Mesh<'a> {
+    triangles: &'a [[Vec3; 3]],
+    tree: Bvh2,
+}
+
+/// Where a ray first meets a triangle, and whether it meets its front.
+pub struct Hit {
+    pub at: DVec3,
+    pub triangle: u32,
+    pub front: bool,
+}
+
+impl<'a> Mesh<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        let bounds = |t: &[Vec3; 3]| {
             let [a, b, c] = t.map(Vec3A::from);
             Aabb { min: a.min(b).min(c) - GROWN, max: a.max(b).max(c) + GROWN }
-        })
-        .collect();
-    let tree = build_bvh2(&bounds, BvhBuildParams::medium_build(), &mut Duration::default());
-    let is_seen = |i: usize| !hidden(scene, &tree, samples.points[i], samples.triangle[i], eye);
+        };
+        let bounds: Vec<Aabb> = scene.triangles.iter().map(bounds).collect();
+        let tree = build_bvh2(&bounds, BvhBuildParams::medium_build(), &mut Duration::default());
+        Self { triangles: &scene.triangles, tree }
+    }
+
+    pub fn normal(&self, triangle: u32) -> Vec3 {
+        let [a, b, c] = self.triangles[triangle as usize];
+        (b - a).cross(c - a).normalize()
+    }
+
+    pub fn first_hit(&self, from: DVec3, direction: DVec3) -> Option<Hit> {
+        let ray = Ray::new(from.as_vec3a(), direction.as_vec3a(), 0.0, f32::INFINITY);
+        let mut first = (f64::INFINITY, 0);
+        self.tree.ray_traverse_miss(ray, |_, i| {
+            let i = self.tree.primitive_indices[i];
+            if let Some(far) = crosses(from, direction, self.triangle(i)) {
+                first = if far < first.0 { (far, i) } else { first };
+            }
+            f32::INFINITY
+        });
+        let (far, triangle) = first;
+        let front = || self.normal(triangle).as_dvec3().dot(direction) < 0.0;
+        far.is_finite().then(|| Hit { at: from + direction * far, triangle, front: front() })
+    }
+
+    fn triangle(&self, i: u32) -> [DVec3; 3] {
+        self.triangles[i as usize].map(|p| p.as_dvec3())
+    }
+
+    /// Whether a triangle that is not the point's own is between it and an eye.
+    fn hides(&self, point: Vec3, own: u32, eye: Vec3) -> bool {
+        let (from, step) = (eye.as_dvec3(), (point - eye).as_dvec3());
+        let ray = Ray::new(eye.into(), (point - eye).into(), 0.0, 1.0);
+        let mut hidden = false;
+        self.tree.ray_traverse_miss(ray, |_, i| {
+            let i = self.tree.primitive_indices[i];
+            hidden |= i != own && crosses(from, step, self.triangle(i)).is_some_and(|far| far < 1.0 - END);
+            if hidden { f32::NEG_INFINITY } else { f32::INFINITY }
+        });
+        hidden
+    }
+}
+
+/// Whether `eye` sees each point: no triangle but its own is between them.
+pub fn seen(scene: &Scene, samples: &Samples, eye: Vec3) -> BitVec {
+    let mesh = Mesh::new(scene);
+    let is_seen = |i: usize| !mesh.hides(samples.points[i], samples.triangle[i], eye);
     let seen: Vec<bool> = (0..samples.points.len()).into_par_iter().map(is_seen).collect();
     seen.into_iter().collect()
 }
 
-fn hidden(scene: &Scene, tree: &Bvh2, point: Vec3, own: u32, eye: Vec3) -> bool {
-    let (from, step) = (eye.as_dvec3(), (point - eye).as_dvec3());
-    let ray = Ray::new(eye.into(), (point - eye).into(), 0.0, 1.0);
-    let mut hidden = false;
-    tree.ray_traverse_miss(ray, |_, i| {
-        let i = tree.primitive_indices[i];
-        let [a, b, c] = scene.triangles[i as usize].map(|p| p.as_dvec3());
-        hidden |= i != own && crosses(from, step, [a, b, c]);
-        if hidden { f32::NEG_INFINITY } else { f32::INFINITY }
-    });
-    hidden
-}
-
-/// Whether the segment crosses the triangle (Möller & Trumbore 1997), but at its end: see [`END`].
-fn crosses(from: DVec3, step: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
+/// Where a ray meets a triangle (Möller & Trumbore 1997), in steps from its start.
+fn crosses(from: DVec3, step: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let (u, v) = (b - a, c - a);
     let p = step.cross(v);
     let det = u.dot(p);
     if det == 0.0 {
-        return false;
+        return None;
     }
     let t = from - a;
     let q = t.cross(u);
     let (x, y, z) = (t.dot(p) / det, step.dot(q) / det, v.dot(q) / det);
-    x >= 0.0 && y >= 0.0 && x + y <= 1.0 && z > 0.0 && z < 1.0 - END
+    (x >= 0.0 && y >= 0.0 && x + y <= 1.0 && z > 0.0).then_some(z)
 }

@@ -20,6 +20,7 @@ mod files;
 #[allow(dead_code, reason = "its scenes are not buildings")]
 mod scenes;
 #[path = "../accuracy/truth.rs"]
+#[allow(dead_code, reason = "it makes no scans")]
 mod truth;
 
 mod buildings;

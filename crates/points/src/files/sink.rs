@@ -4,7 +4,7 @@ use std::io::{self, BufRead, Seek};
 
 use glam::{DVec3, Vec3};
 
-use crate::{PointCloud, numeric};
+use crate::{PointCloud, UNKNOWN_SCANNER, numeric};
 
 /// Why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -62,10 +62,13 @@ pub(super) struct Sample {
     pub colour: [u8; 3],
     pub normal: Vec3,
     pub radius: f32,
+    /// Where the scanner stood.
+    pub scanner: Option<DVec3>,
 }
 
 impl Sample {
-    pub const NONE: Self = Self { position: DVec3::NAN, colour: [255; 3], normal: Vec3::ZERO, radius: 0.0 };
+    pub const NONE: Self =
+        Self { position: DVec3::NAN, colour: [255; 3], normal: Vec3::ZERO, radius: 0.0, scanner: None };
 }
 
 /// Collects points and hands out full chunks.
@@ -98,7 +101,22 @@ impl<E: From<FileError>> Sink<'_, E> {
         if has.radii {
             self.chunk.radii.push(sample.radius);
         }
+        self.push_scanner(sample.scanner);
         if self.chunk.len() >= self.most { self.flush() } else { Ok(()) }
+    }
+
+    /// Adds the scanner of the last point. Each chunk has the scanners of its own points.
+    fn push_scanner(&mut self, scanner: Option<DVec3>) {
+        let PointCloud { scanners, seen_by, positions, .. } = &mut self.chunk;
+        if let Some(place) = scanner {
+            if scanners.last() != Some(&place) {
+                scanners.push(place);
+            }
+            seen_by.resize(positions.len() - 1, UNKNOWN_SCANNER);
+            seen_by.push(scanners.len() as u32 - 1);
+        } else if !seen_by.is_empty() {
+            seen_by.push(UNKNOWN_SCANNER);
+        }
     }
 
     pub fn flush(&mut self) -> Result<(), E> {

@@ -61,6 +61,7 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
                     colour: [r, g, b].map(unit_to_byte),
                     normal: DVec3::new(nx, ny, nz).as_vec3(),
                     radius: radius as f32,
+                    scanner: None,
                 };
                 sink.push(sample, all)?;
                 read += 1;

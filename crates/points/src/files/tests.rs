@@ -40,6 +40,7 @@ fn helix(count: usize) -> PointCloud {
         colours: (0..count).map(|i| [i as u8, 255 - i as u8, 7]).collect(),
         normals: (0..count).map(|i| turn(2 * i).normalize_or_zero()).collect(),
         radii: (0..count).map(|i| 0.1 + i as f32).collect(),
+        ..PointCloud::default()
     }
 }
 
@@ -74,17 +75,31 @@ fn las_with_colours(count: usize, compressed: bool, scale: u16) -> Vec<u8> {
 
 /// The helix in doubles, moved by a pose of 1 unit along x, written by the crate `e57`.
 fn e57(count: usize) -> Vec<u8> {
-    use e57::{Record, RecordValue, Transform, Translation};
+    e57_of(count, &[(Some(1.0), false)])
+}
+
+/// The helix once for each scan: with a pose that moves it along x, and with the rows of a scanner.
+fn e57_of(count: usize, scans: &[(Option<f64>, bool)]) -> Vec<u8> {
+    use e57::{Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
     let mut bytes = Cursor::new(Vec::new());
     let mut file = e57::E57Writer::new(&mut bytes, "file").unwrap();
-    let prototype = vec![Record::CARTESIAN_X_F64, Record::CARTESIAN_Y_F64, Record::CARTESIAN_Z_F64];
-    let mut scan = file.add_pointcloud("scan", prototype).unwrap();
-    let translation = Translation { x: 1.0, y: 0.0, z: 0.0 };
-    scan.set_transform(Some(Transform { translation, ..Default::default() }));
-    for p in helix(count).world_positions() {
-        scan.add_point(p.to_array().map(RecordValue::Double).to_vec()).unwrap();
+    for (i, &(pose, rows)) in scans.iter().enumerate() {
+        let mut prototype = vec![Record::CARTESIAN_X_F64, Record::CARTESIAN_Y_F64, Record::CARTESIAN_Z_F64];
+        let data_type = RecordDataType::Integer { min: 0, max: 255 };
+        let index = |name| Record { name, data_type: data_type.clone() };
+        if rows {
+            prototype.extend([index(RecordName::RowIndex), index(RecordName::ColumnIndex)]);
+        }
+        let mut scan = file.add_pointcloud(&format!("scan {i}"), prototype).unwrap();
+        let pose = pose.map(|x| Translation { x, y: 0.0, z: 0.0 });
+        scan.set_transform(pose.map(|translation| Transform { translation, ..Default::default() }));
+        for p in helix(count).world_positions() {
+            let mut values = p.to_array().map(RecordValue::Double).to_vec();
+            values.extend([RecordValue::Integer(3), RecordValue::Integer(4)].into_iter().filter(|_| rows));
+            scan.add_point(values).unwrap();
+        }
+        scan.finalize().unwrap();
     }
-    scan.finalize().unwrap();
     file.finalize().unwrap();
     drop(file);
     bytes.into_inner()
@@ -149,6 +164,28 @@ fn scans_are_read_to_their_resolution() {
         let worst = errors.fold(0.0, f64::max);
         assert!(worst < resolution * 3_f64.sqrt(), "{worst}");
         assert!(cloud.colours.is_empty() || cloud.colours == expected.colours);
+    }
+}
+
+#[test]
+fn points_of_scans_have_the_places_of_their_scanners() {
+    // Without a pose, with one, and with one that does not move, without and with rows.
+    let scans = [(None, false), (Some(1.0), false), (Some(0.0), false), (Some(0.0), true), (None, true)];
+    let expected = [None, Some(DVec3::X), None, Some(DVec3::ZERO), Some(DVec3::ZERO)];
+    let bytes = e57_of(5, &scans);
+    for most in [1, 7, usize::MAX] {
+        let mut index = 0;
+        let each = |chunk: PointCloud| {
+            assert_eq!(chunk.check(), Ok(()));
+            assert!(chunk.scanners.len() <= chunk.len().min(2), "others' scanners");
+            for i in 0..chunk.len() {
+                assert_eq!(chunk.scanner(i), expected[index / 5], "point {index} in chunks of {most}");
+                index += 1;
+            }
+            Ok::<_, FileError>(())
+        };
+        read_source(Cursor::new(bytes.clone()), "test".into(), most, each).unwrap();
+        assert_eq!(index, 25);
     }
 }
 

@@ -4,16 +4,14 @@ use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS};
 use super::error::SurfaceError;
 use super::fan::{self, SECTORS, axes};
 use super::plane;
+use super::scanners::Scanners;
 use crate::PointCloud;
-use crate::numeric::{BOX, power_of_two_for};
+use crate::numeric::power_of_two_for;
 use crate::spacing::{Neighbours, Places};
 use glam::{DVec3, Vec2, Vec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::Bvh2;
 use rayon::prelude::*;
 use std::f32::consts::PI;
-use std::time::Duration;
 
 /// Neighbours of a point that are looked at: on a plate, half of them are on its other side.
 const NEIGHBOURS: u32 = 28;
@@ -53,6 +51,9 @@ const THINNER: f32 = 2.0;
 const PEER: f32 = 2.0;
 const PEER_LAYER: f32 = 0.5;
 
+/// How far apart the two sides of a sheet are at most.
+const SHEET: f32 = 0.1;
+
 /// The least cosine between normals of one layer, and of peers.
 const LAYER_TURN: f32 = 0.5;
 const PEER_TURN: f32 = 0.8;
@@ -70,6 +71,9 @@ struct Input {
     normals: Vec<Vec3A>,
     near: Vec<Vec<Near>>,
     spacing: Vec<f32>,
+    scanners: Scanners,
+    /// Whether the signs of all normals tell front and back.
+    oriented: bool,
 }
 
 pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
@@ -102,7 +106,20 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     let near = neighbours(&places);
     let spacing = near.iter().map(|near| spacing(near)).collect();
     let frame = Frame { middle: middle + cloud.origin, scale };
-    Ok(surface(&Input { places, normals, near, spacing }, disc_of, frame))
+    let scanners = Scanners::new(cloud, &unique, &frame);
+    let oriented = !normals.is_empty() || scanners.all_known();
+    let mut input = Input { places, normals, near, spacing, scanners, oriented };
+    let discs = surface(&input, disc_of, frame);
+    let Some(evidence) = input.scanners.evidence(&discs) else { return Ok(discs) };
+    if !input.scanners.disbelieve(&evidence) {
+        return Ok(evidence.carved(discs));
+    }
+    input.oriented = !input.normals.is_empty() || input.scanners.all_known();
+    let discs = surface(&input, discs.disc_of, frame);
+    Ok(match input.scanners.evidence(&discs) {
+        Some(evidence) => evidence.carved(discs),
+        None => discs,
+    })
 }
 
 fn neighbours(places: &[Vec3A]) -> Vec<Vec<Near>> {
@@ -132,14 +149,23 @@ fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
             let near: Vec<Vec3A> = input.near[i].iter().map(|n| n.1).collect();
             let inlier = margins.inlier * input.spacing[i];
             let normal = input.normals.get(i).copied().unwrap_or_else(|| plane::normal(&near, inlier));
+            let normal = input.scanners.facing(normal, input.places[i], i);
             (normal, plane::rough(&near, normal, 2.0 * inlier))
         })
         .collect();
     let made = |i: usize| (disc(input, &planes, &margins, i), peers(input, &planes, &margins, i));
     let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
-    let bounds: Vec<Aabb> = discs.iter().map(bounds).collect();
-    let tree = build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default());
-    Discs { discs, peers, tree, disc_of, oriented: !input.normals.is_empty(), margins, frame }
+    let mut all = Discs {
+        discs: Vec::new(),
+        peers,
+        tree: Bvh2::default(),
+        disc_of,
+        oriented: input.oriented,
+        margins,
+        frame,
+    };
+    all.replace(discs);
+    all
 }
 
 /// The margins for the noise of most points.
@@ -158,20 +184,21 @@ fn margins(input: &Input) -> Margins {
     Margins { inlier: margin(INLIER), layer: margin(LAYER), behind: margin(BEHIND), plate: margin(PLATE) }
 }
 
-/// Whether two normals differ by an angle of at most this cosine; without given normals their signs
-/// mean nothing.
+/// Whether two normals differ by an angle of at least this cosine; their signs may mean nothing.
 fn alike(input: &Input, a: Vec3A, b: Vec3A, least: f32) -> bool {
     let cosine = a.dot(b);
-    if input.normals.is_empty() { cosine.abs() > least } else { cosine > least }
+    if input.oriented { cosine > least } else { cosine.abs() > least }
 }
 
 fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> Disc {
     let (normal, rough) = planes[i];
     let all = input.spacing[i];
-    let mut disc = Disc { at: input.places[i], normal, spacing: all, rough, reach: [0.0; SECTORS] };
+    let at = input.places[i];
+    let mut disc = Disc { at, normal, spacing: all, rough, solid: false, reach: [0.0; SECTORS] };
     if normal == Vec3A::ZERO {
         return disc;
     }
+    disc.solid = is_solid(input, planes, i);
     let of = |j: u32| planes[j as usize].0;
     let layer: Vec<Vec3A> = input.near[i]
         .iter()
@@ -193,13 +220,13 @@ fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> 
         .filter(|(_, n)| n.dot(normal).abs() < LAYER_TURN)
         .collect();
     let near: Vec<Plane> = across.iter().copied().filter(|(v, _)| v.length() < EDGE * all).collect();
-    let oriented = !input.normals.is_empty();
+    let given = !input.normals.is_empty();
     let is_side = |(v, _): &Plane| {
         let depth = -v.dot(normal);
-        depth < DEEP * all && depth > if oriented { 0.0 } else { -DEEP * all }
+        depth < DEEP * all && depth > if given { 0.0 } else { -DEEP * all }
     };
     let sides: Vec<Plane> = across.into_iter().filter(is_side).collect();
-    let (along, overhang) = (ALONG[usize::from(oriented)] * all, OVERHANG * disc.spacing);
+    let (along, overhang) = (ALONG[usize::from(given)] * all, OVERHANG * disc.spacing);
     for (reach, d) in disc.reach.iter_mut().zip(fan::DIRECTIONS) {
         let direction = u * d.x + v * d.y;
         let mut most = *reach;
@@ -209,11 +236,23 @@ fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> 
         }
         *reach = match end(direction, normal, &sides, most, along) {
             None => *reach,
-            Some((far, beyond)) if beyond && oriented => reach.min(far).min(overhang),
+            Some((far, beyond)) if beyond && given => reach.min(far).min(overhang),
             Some((far, _)) => far,
         };
     }
     disc
+}
+
+/// Whether a scanner saw a point, and none saw the other side of the same plane near it, as they do
+/// on sheets.
+fn is_solid(input: &Input, planes: &[(Vec3A, f32)], i: usize) -> bool {
+    let normal = planes[i].0;
+    let is_back = |&(j, v): &Near| {
+        v.dot(normal).abs() < SHEET * input.spacing[i]
+            && planes[j as usize].0.dot(normal) < -PEER_TURN
+            && input.scanners.of(j as usize).is_some()
+    };
+    input.scanners.of(i).is_some() && !input.near[i].iter().any(is_back)
 }
 
 /// How far it is in a direction to the first of the planes of neighbours that meets it near the
@@ -241,7 +280,7 @@ fn end(direction: Vec3A, normal: Vec3A, sides: &[Plane], most: f32, along: f32) 
 fn peers(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> [u32; PEERS] {
     let normal = planes[i].0;
     let mut peers = [NOBODY; PEERS];
-    if !input.normals.is_empty() {
+    if input.oriented {
         return peers;
     }
     let near = input.near[i].iter().filter(|(j, v)| {
@@ -251,12 +290,4 @@ fn peers(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) ->
     });
     peers.iter_mut().zip(near).for_each(|(peer, near)| *peer = near.0);
     peers
-}
-
-fn bounds(disc: &Disc) -> Aabb {
-    let reach = disc.reach.iter().copied().fold(0.0, f32::max);
-    let sine2 = (Vec3A::ONE - disc.normal * disc.normal).max(Vec3A::ZERO);
-    let half =
-        Vec3A::new(sine2.x.sqrt(), sine2.y.sqrt(), sine2.z.sqrt()) * reach + BOX * (reach + disc.at.abs());
-    Aabb { min: disc.at - half, max: disc.at + half }
 }

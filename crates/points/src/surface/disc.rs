@@ -1,8 +1,13 @@
 //! One disc, and the discs of a whole cloud.
 
 use super::fan::SECTORS;
+use crate::numeric::BOX;
 use glam::{DVec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use std::time::Duration;
 
 /// The discs of a cloud: one for each of its places.
 #[derive(Clone)]
@@ -56,6 +61,27 @@ pub(super) struct Disc {
     pub spacing: f32,
     /// How far the neighbours of the plane are from it: the root of the mean square.
     pub rough: f32,
+    /// A scanner saw it, and it is no sheet: nobody sees it from behind.
+    pub solid: bool,
     /// How far the disc reaches in each of the directions in which sectors begin.
     pub reach: [f32; SECTORS],
+}
+
+impl Discs {
+    /// Takes other discs, and makes their tree.
+    pub fn replace(&mut self, discs: Vec<Disc>) {
+        let bounds: Vec<Aabb> = discs.iter().map(Disc::bounds).collect();
+        self.tree = build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default());
+        self.discs = discs;
+    }
+}
+
+impl Disc {
+    fn bounds(&self) -> Aabb {
+        let reach = self.reach.iter().copied().fold(0.0, f32::max);
+        let sine2 = (Vec3A::ONE - self.normal * self.normal).max(Vec3A::ZERO);
+        let half = Vec3A::new(sine2.x.sqrt(), sine2.y.sqrt(), sine2.z.sqrt()) * reach
+            + BOX * (reach + self.at.abs());
+        Aabb { min: self.at - half, max: self.at + half }
+    }
 }

@@ -13,6 +13,10 @@
 //!
 //! Where points have normals that tell front and back, the far sides of closed bodies are hidden
 //! even where rays leak in; sheets with one side are seen from both.
+//!
+//! Where the places of scanners are known ([`PointCloud::scanners`]), they tell the signs of
+//! normals, and the segments between them and their points end discs. A scanner that discs hide
+//! from half of its points is not believed.
 
 mod build;
 mod disc;
@@ -20,6 +24,7 @@ mod error;
 mod fan;
 mod plane;
 mod rays;
+mod scanners;
 #[cfg(test)]
 mod tests;
 
@@ -64,7 +69,8 @@ pub enum Answer {
     VisibleAsNeighbours,
     /// The disc of the point of this number is before it.
     Behind(usize),
-    /// Its normal points away from the eye, and it lies on a closed body.
+    /// Its normal points away from the eye, and it lies on a closed body, or a scanner saw it and
+    /// none its back.
     FacesAway,
     /// A parallel surface is close before it, as if both were the sides of a plate.
     FarSideOfPlate,

@@ -39,6 +39,9 @@ const MOST: f32 = 0.8;
 /// Fewer peers do not count.
 const LEAST_PEERS: usize = 4;
 
+/// The least cosine by which a point of a solid is turned away from an eye that does not see it.
+const TURNED_AWAY: f32 = 0.05;
+
 /// The rays that tell whether a point is on a closed body: one along the normal and others around
 /// it, the tangent of their angle to it, and the least part of a spacing that a hit is away.
 const AROUND: usize = 6;
@@ -91,8 +94,7 @@ impl Discs {
 
     fn answer(&self, eye: DVec3, i: usize) -> Answer {
         let disc = &self.discs[i];
-        let way = eye - disc.at.as_dvec3();
-        let start = disc.at + (way * (START / way.length()).min(1.0)).as_vec3a();
+        let start = self.start(eye, i);
         if start == disc.at {
             return Answer::Visible;
         }
@@ -100,6 +102,9 @@ impl Discs {
             return Answer::Behind(by);
         }
         let away = disc.normal.dot(start - disc.at) < 0.0;
+        if disc.solid && disc.normal.dot(start - disc.at) < -TURNED_AWAY * (start - disc.at).length() {
+            return Answer::FacesAway;
+        }
         if self.oriented {
             if away && self.is_on_body(i) { Answer::FacesAway } else { Answer::Visible }
         } else if self.is_in_plate(start, i) {
@@ -107,6 +112,24 @@ impl Discs {
         } else {
             Answer::Visible
         }
+    }
+
+    /// Where the ray from an eye to a point starts: at the eye, or nearer.
+    pub(super) fn start(&self, eye: DVec3, i: usize) -> Vec3A {
+        let at = self.discs[i].at;
+        let way = eye - at.as_dvec3();
+        at + (way * (START / way.length()).min(1.0)).as_vec3a()
+    }
+
+    /// Calls for each disc that hides a point from `start`, with the place relative to its middle
+    /// where the ray crosses it, until the call says that it is enough.
+    pub(super) fn hiders(&self, start: Vec3A, i: usize, mut each: impl FnMut(usize, Vec3A) -> bool) {
+        let to = &self.discs[i];
+        let step = to.at - start;
+        self.any(Ray::new(start, step, 0.0, 1.0), |j, disc| {
+            let crossed = || disc.normal.dot(disc.at - start) / disc.normal.dot(step);
+            j != i && self.hides(disc, start, to) && each(j, start + step * crossed() - disc.at)
+        });
     }
 
     /// A disc that hides the point from `start`.
