@@ -49,8 +49,8 @@ impl Culling {
     /// A scene of the bundles and of context.
     ///
     /// # Errors
-    /// If a box of the context or the bounds of a bundle are not finite, or all of them lie at one place so far
-    /// from the origin that no grid is possible.
+    /// If a box of the context or the bounds of a bundle are not finite, or all of them lie at one
+    /// place so far from the origin that no grid is possible.
     pub fn new(bundles: &[Bundle], context: &[Context]) -> Result<Self, LinesGpuError> {
         let bounds: Vec<Aabb> = bundles.iter().map(|b| Aabb::new(b.bounds[0], b.bounds[1])).collect();
         let hiding = || context.iter().flat_map(Context::occluders);

@@ -7,6 +7,7 @@
 //! - [`lens`]: a view as the shaders take it, and how far the occlusion of a pixel reaches.
 //! - [`culling`]: the bundles that a view may see, and those that may darken what it sees.
 //! - [`context`]: meshes among the lines, which hide them.
+//! - [`hidden`]: lines behind nearer lines, which are not drawn.
 //! - [`settings`]: what is computed.
 //! - `sides`: the occlusion at places along lines, which stays from frame to frame.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
@@ -19,7 +20,9 @@ mod colours;
 pub mod context;
 pub mod culling;
 pub mod error;
+pub mod hidden;
 pub mod lens;
+mod nearest;
 pub mod numeric;
 mod picture;
 pub mod renderer;

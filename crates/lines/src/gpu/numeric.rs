@@ -32,6 +32,22 @@ pub const OCCLUSION_OFF: f32 = 2e-3;
 /// of units.
 pub const LENGTH_UNITS: f64 = 134_217_728.0;
 
+/// Segments of a workgroup, the chunks that are drawn or left out.
+pub const CHUNK: u32 = 64;
+
+/// The rounding of a coordinate of eye space, as a share of the way from the eye along all axes:
+/// differences, products and sums, of a corner of a chunk and of a point in it, are some 17 units
+/// in the last place, 2^-24 each. Twice that is taken.
+pub const HIDDEN_ROUNDING: f32 = 1.0 / 524_288.0;
+
+/// Pixels around the outline of a chunk that its lines may touch: the pixel that holds a border,
+/// which [`IN_DOUBT`] may move.
+pub const HIDDEN_ROOM: f32 = 1.0;
+
+/// Chunks that reach farther from the middle of the picture, in pixels, count as seen: as far as
+/// [`IN_DOUBT`] holds.
+pub const FARTHEST_PIXEL: f32 = 16_384.0;
+
 /// Constants as the shaders take them.
 pub(super) fn constants() -> String {
     let all = [
@@ -46,7 +62,10 @@ pub(super) fn constants() -> String {
         ("RAY_PARALLEL", RAY_PARALLEL),
         ("STOPPED", STOPPED),
         ("SIDE_SPREAD", SIDE_SPREAD),
+        ("HIDDEN_ROUNDING", HIDDEN_ROUNDING),
+        ("HIDDEN_ROOM", HIDDEN_ROOM),
+        ("FARTHEST_PIXEL", FARTHEST_PIXEL),
     ];
-    let sides = format!("const SIDES: u32 = {SIDES}u;\n");
+    let sides = format!("const SIDES: u32 = {SIDES}u;\nconst CHUNK: u32 = {CHUNK}u;\n");
     all.iter().map(|(name, value)| format!("const {name}: f32 = {value:e};\n")).chain([sides]).collect()
 }

@@ -12,7 +12,9 @@ use crate::buffers::Fragment;
 use crate::gpu::context::{ContextPass, GpuContext, Surfaces};
 use crate::gpu::culling::Seen;
 use crate::gpu::error::LinesGpuError;
+use crate::gpu::hidden::Drawn;
 use crate::gpu::lens::GpuLens;
+use crate::gpu::nearest::{Nearest, Pixels};
 use crate::gpu::numeric::FARTHEST;
 use crate::gpu::picture::Picture;
 use crate::gpu::set::GpuLines;
@@ -71,15 +73,12 @@ struct Frame {
 pub struct Renderer {
     settings: Settings,
     columns: Kernel,
-    draw: Kernel,
-    resolve: Kernel,
+    nearest: Nearest,
     context: ContextPass,
     estimate: Kernel,
     trace: Kernel,
     places: Passes,
     picture: Picture,
-    /// The two runs of `draw`.
-    choosing: [Buffer; 2],
     samples: Buffer,
     frame: Option<Frame>,
 }
@@ -93,7 +92,11 @@ impl Renderer {
     /// # Errors
     /// If a setting is out of its range, or the device has no room.
     pub fn new(gpu: &Gpu, format: TextureFormat, settings: Settings) -> Result<Self, LinesGpuError> {
-        let raster = shader(gpu, "raster", include_str!("shaders/raster.wgsl"));
+        let raster = shader(
+            gpu,
+            "raster",
+            concat!(include_str!("shaders/keys.wgsl"), include_str!("shaders/raster.wgsl")),
+        );
         let occlusion = shader(
             gpu,
             "occlusion",
@@ -108,17 +111,14 @@ impl Renderer {
                 include_str!("shaders/sides.wgsl")
             ),
         );
-        let flag = |value: u32| filled(gpu, &[value, 0, 0, 0], BufferUsages::UNIFORM);
         Ok(Self {
             columns: Kernel::new(gpu, &raster, "columns", &[0, 2, 3, 4, 5, 6, 7]),
-            draw: Kernel::new(gpu, &raster, "draw", &[0, 1, 2, 3, 4, 5, 8, 9, 10]),
-            resolve: Kernel::new(gpu, &raster, "resolve", &[0, 2, 3, 9, 11, 12]),
+            nearest: Nearest::new(gpu, &raster)?,
             context: ContextPass::new(gpu),
             estimate: Kernel::new(gpu, &occlusion, "estimate", &[0, 6, 7, 12, 15, 16, 17]),
             trace: Kernel::new(gpu, &rays, "trace", &[0, 12, 15, 16, 17, 19, 20, 21, 22]),
             places: Passes::new(gpu, &rays),
             picture: Picture::new(gpu, format),
-            choosing: [flag(0)?, flag(1)?],
             samples: samples(gpu, &settings)?,
             settings,
             frame: None,
@@ -144,6 +144,13 @@ impl Renderer {
         Ok(())
     }
 
+    /// Whether lines that lie wholly behind nearer lines are left out when the nearest are looked
+    /// for, 64 segments at a time; they are at first. No pixel depends on it, but the time does: it
+    /// saves time in dense sets and costs some in loose ones.
+    pub fn cull_lines(&mut self, culls: bool) {
+        self.nearest.culls = culls;
+    }
+
     /// Computes a view of lines: columns of `seen.read` unless rays are taken, the nearest lines of
     /// `seen.drawn`, and the occlusion. `context` hides lines; it takes no part in the occlusion.
     ///
@@ -164,12 +171,13 @@ impl Renderer {
         clock: &mut Clock,
     ) -> Result<(), LinesGpuError> {
         self.fit(gpu, view)?;
+        let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
+        self.nearest.fit(gpu, (lines, &drawn), view.size())?;
         let Some(frame) = &mut self.frame else { return Ok(()) };
         frame.colours = lines.coloured.then(|| lines.colours.clone());
         let frame = &*frame;
         let settings = &self.settings;
         let sides = lines.sides_for(settings)?;
-        let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
         let storage = BufferUsages::STORAGE;
         let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
         let ao = filled(
@@ -177,8 +185,7 @@ impl Renderer {
             &[GpuAo::new(settings, view.size(), sides.map_or(0, GpuSides::tangents))],
             BufferUsages::UNIFORM,
         )?;
-        let set: [Bound<'_>; 4] =
-            [(2, &lines.vertices), (3, &lines.segments), (4, &lines.order), (11, &lines.tangents)];
+        let set: [Bound<'_>; 3] = [(2, &lines.vertices), (3, &lines.segments), (4, &lines.order)];
         if !settings.by_rays() {
             clock.stage(gpu, "columns", |encoder| {
                 [&frame.bits, &frame.lengths].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
@@ -189,21 +196,16 @@ impl Renderer {
         clock.stage(gpu, "context", |encoder| {
             self.context.draw(gpu, encoder, (&frame.lens, context), &frame.surfaces);
         })?;
+        let pixels = Pixels {
+            size: view.size(),
+            lens: &frame.lens,
+            nearest: &frame.nearest,
+            owners: &frame.owners,
+            fragments: &frame.fragments,
+            surfaces: &frame.surfaces,
+        };
         clock.stage(gpu, "nearest lines", |encoder| {
-            [&frame.nearest, &frame.owners].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
-            for choosing in &self.choosing {
-                let bound = [
-                    (0, &frame.lens),
-                    (1, choosing),
-                    (5, &drawn_list),
-                    (8, &frame.nearest),
-                    (9, &frame.owners),
-                ];
-                let bound = [&set[..], &bound[..]].concat();
-                self.draw.run_groups(gpu, encoder, drawn.len(), &frame.surfaces.with(among(&bound)));
-            }
-            let bound = [(0, &frame.lens), (9, &frame.owners), (12, &frame.fragments)];
-            self.resolve.run_pixels(gpu, encoder, view.size(), &among(&[&set[..], &bound[..]].concat()));
+            self.nearest.run(gpu, encoder, (lines, &drawn, &drawn_list), &pixels);
         })?;
         let receivers: [Bound<'_>; 4] =
             [(12, &frame.fragments), (15, &self.samples), (16, &ao), (17, &frame.occlusion)];
@@ -310,6 +312,14 @@ impl Renderer {
     /// As [`Gpu::read_buffer`].
     pub fn read_occlusion(&self, gpu: &Gpu) -> Result<Vec<f32>, GpuError> {
         self.read(gpu, |frame| &frame.occlusion)
+    }
+
+    /// What was drawn of the last view.
+    ///
+    /// # Errors
+    /// As [`Gpu::read_buffer`].
+    pub fn read_drawn(&self, gpu: &Gpu) -> Result<Drawn, GpuError> {
+        self.nearest.drawn(gpu)
     }
 
     /// The values of places that the last frame computed; 0 with other estimators.

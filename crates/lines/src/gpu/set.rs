@@ -8,14 +8,13 @@ use rayon::prelude::*;
 
 use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
+use crate::gpu::numeric::CHUNK;
 use crate::gpu::settings::Settings;
 use crate::gpu::sides::GpuSides;
 use crate::occlusion::{Estimator, OptionsError};
 use crate::sets::LineSet;
 use casca_stage::kernel::filled;
 
-/// Segments of a workgroup.
-const CHUNK: u32 = 64;
 /// Segments of a bundle: enough that the objects of a scene are few, so few that a bundle is small.
 pub const BUNDLE: u32 = 256;
 /// The bit of a segment without length in the number of its vertex.
@@ -58,6 +57,8 @@ pub struct GpuLines {
     pub(super) tangents: Buffer,
     pub(super) segments: Buffer,
     pub(super) order: Buffer,
+    /// The least and the greatest corner of each chunk of segments.
+    pub(super) corners: Buffer,
     pub(super) ends: Buffer,
     pub(super) grid: Buffer,
     pub(super) starts: Buffer,
@@ -83,7 +84,7 @@ impl GpuLines {
     /// [`BUNDLE`], and into the [`Cells`] that settings need. With [`Estimator::Places`] it also
     /// puts places along them.
     ///
-    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex, 12 a
+    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex, 12.5 a
     /// segment, and as much as the cells take; 16 bytes a line and 22 a place.
     ///
     /// [`Estimator::Places`]: crate::occlusion::Estimator::Places
@@ -105,11 +106,17 @@ impl GpuLines {
         let segments: Vec<[u32; 2]> =
             lines.segments().map(|s| [s.a | if s.a == s.b { DOT } else { 0 }, s.line]).collect();
         let order = near_order(&ends, lines.bounds());
-        let bundle = |(i, members): (usize, &[u32])| {
+        let bounds = |members: &[u32]| {
             let corners = members.iter().flat_map(|&s| ends[s as usize]);
             let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-            let bounds = corners.fold(start, |[min, max], p| [min.min(p), max.max(p)]);
-            Bundle { bounds, first: i as u32 * BUNDLE, segments: members.len() as u32 }
+            corners.fold(start, |[min, max], p| [min.min(p), max.max(p)])
+        };
+        let chunks = order.chunks(CHUNK as usize).flat_map(bounds);
+        let corners: Vec<[f32; 4]> = chunks.map(|corner| with(&corner, 0.0)).collect();
+        let bundle = |(i, members): (usize, &[u32])| Bundle {
+            bounds: bounds(members),
+            first: i as u32 * BUNDLE,
+            segments: members.len() as u32,
         };
         let bundles = order.chunks(BUNDLE as usize).enumerate().map(bundle).collect();
         let usage = BufferUsages::STORAGE;
@@ -118,6 +125,7 @@ impl GpuLines {
             tangents: filled(gpu, &tangents, usage)?,
             segments: filled(gpu, &segments, usage)?,
             order: filled(gpu, &order, usage)?,
+            corners: filled(gpu, &corners, usage)?,
             ends: filled(gpu, &flat, usage)?,
             grid: filled(gpu, &[GpuGrid::new(&cells)], BufferUsages::UNIFORM)?,
             starts: filled(gpu, cells.starts(), usage)?,
@@ -215,6 +223,12 @@ impl GpuLines {
         self.sides.iter().for_each(GpuSides::forget);
     }
 
+    /// The number of chunks of segments.
+    pub(super) fn chunk_count(&self) -> usize {
+        let segments: u32 = self.bundles.iter().map(|bundle| bundle.segments).sum();
+        segments.div_ceil(CHUNK) as usize
+    }
+
     /// The number of vertices.
     pub fn vertices(&self) -> usize {
         self.vertex_count
@@ -224,7 +238,7 @@ impl GpuLines {
     pub fn bytes(&self) -> u64 {
         let own = [&self.vertices, &self.tangents, &self.segments, &self.order, &self.ends, &self.starts];
         let own: u64 = own.into_iter().chain([&self.lists]).map(Buffer::size).sum();
-        own + self.sides.as_ref().map_or(0, GpuSides::bytes)
+        own + self.corners.size() + self.sides.as_ref().map_or(0, GpuSides::bytes)
     }
 
     /// The numbers of all bundles.

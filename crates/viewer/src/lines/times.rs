@@ -53,11 +53,11 @@ pub fn print(options: &Options, source: &Source) -> Done {
     }
 }
 
-struct Bench<'a> {
-    gpu: &'a Gpu,
-    options: &'a Options,
-    source: &'a Source,
-    context: Vec<GpuContext>,
+pub(super) struct Bench<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) options: &'a Options,
+    pub(super) source: &'a Source,
+    pub(super) context: Vec<GpuContext>,
     set: LineSet,
 }
 
@@ -84,6 +84,7 @@ impl Bench<'_> {
     ) -> Result<(Stages, usize, Seen), Failed> {
         // What stays from other frames is forgotten, so that each repeat does the same.
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
+        renderer.cull_lines(culling.is_some() || self.options.cull);
         let canvas = Canvas::new(self.gpu, (view.size()[0], view.size()[1]));
         let mut least = Stages::new();
         let mut seen = Seen::all(lines.bundles().len());
@@ -133,6 +134,7 @@ impl Bench<'_> {
         let frame = stages.iter().map(|s| s.1).sum::<f64>();
         say(format_args!("{:>16} {frame:9.2}, {covered} pixels covered", "frame"));
         self.turning(settings, &lines)?;
+        self.behind(settings, &lines)?;
         if self.options.brief {
             return Ok(());
         }
@@ -168,6 +170,7 @@ impl Bench<'_> {
     fn turning(&self, settings: Settings, lines: &GpuLines) -> Done {
         let size = <[u32; 2]>::from(self.options.common.drawing.size);
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
+        renderer.cull_lines(self.options.cull);
         let seen = Seen::all(lines.bundles().len());
         let [eye, middle] = self.source.start(self.options, size, 0)?;
         lines.forget();

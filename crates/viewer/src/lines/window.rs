@@ -175,6 +175,7 @@ impl Viewer {
             self.shown = self.seconds;
         }
         self.renderer.set_settings(gpu, settings)?;
+        self.renderer.cull_lines(cull);
         let seen = match cull {
             true => self.culling.look(&view, settings.reach(&view)?)?,
             false => Seen::all(self.lines.bundles().len()),

@@ -16,6 +16,8 @@
 @group(0) @binding(10) var surfaces: texture_2d<f32>;
 @group(0) @binding(11) var<storage, read> tangents: array<vec4f>;
 @group(0) @binding(12) var<storage, read_write> fragments: array<Fragment>;
+// Whether a pixel shows a segment of a chunk.
+@group(0) @binding(41) var<storage, read_write> shown: array<atomic<u32>>;
 
 const FAR_AWAY: f32 = 3e38;
 const DOT: u32 = 0x80000000u;
@@ -166,18 +168,13 @@ fn columns(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     }
 }
 
-// An order of depths as whole numbers, the nearest greatest.
-fn key_of(depth: f32) -> u32 {
-    let b = bitcast<u32>(depth);
-    return select(~(b | DOT), b, (b & DOT) != 0u);
-}
-
 // Runs twice: depths first, then the segments at them. One entry serves both, so that both round alike.
 @compute @workgroup_size(64)
 fn draw(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let segment = segment_of(group, groups, local);
     if segment == NONE { return; }
     var w = start(segment);
+    var found = false;
     while w.alive {
         let over = measure(&w);
         let pixel = pixel_number(vec2u(w.at));
@@ -188,9 +185,13 @@ fn draw(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
                 atomicMax(&nearest[pixel], key);
             } else if atomicLoad(&nearest[pixel]) == key {
                 atomicMax(&owners[pixel], ~segment);
+                found = true;
             }
         }
         advance(&w, over);
+    }
+    if found {
+        atomicStore(&shown[chunks[group.y * groups.x + group.x].x / CHUNK], 1u);
     }
 }
 

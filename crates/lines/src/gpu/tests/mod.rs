@@ -4,6 +4,7 @@
 mod columns;
 mod context;
 mod culled;
+mod hidden;
 mod occlusion;
 mod places;
 mod values;
