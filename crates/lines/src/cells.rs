@@ -34,8 +34,8 @@ pub struct Cells {
 
 impl Cells {
     /// The segments of lines; cells name what comes nearer than `margin`, in units of the scene.
-    /// Dots and other segments without length are left out. A margin that is negative or not a number counts as
-    /// 0.
+    /// Dots and other segments without length are left out. A margin that is negative or not a
+    /// number counts as 0.
     ///
     /// Time: n log n for n segments. Memory: 32 bytes a segment, 4 bytes for each cell that names
     /// it, about 10, and 4 bytes a cell, of which there are 2 a segment; while it is made, twice as

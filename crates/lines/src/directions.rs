@@ -1,5 +1,5 @@
-//! Directions in 32 bits, as devices have them: points of an octahedron, unfolded to a square (Meyer
-//! et al. 2010, "On floating-point normal vectors").
+//! Directions in 32 bits, as devices have them: points of an octahedron, unfolded to a square
+//! (Meyer et al. 2010, "On floating-point normal vectors").
 
 use glam::{Vec2, Vec3};
 

@@ -13,8 +13,8 @@
 //! - [`mesh`]: triangle meshes among the lines.
 //! - [`buffers`]: the nearest line in each pixel.
 //! - [`samples`]: blue-noise points that choose columns.
-//! - [`places`] and [`directions`]: places along lines for rays that serve all views, and directions in
-//!   32 bits.
+//! - [`places`] and [`directions`]: places along lines for rays that serve all views, and
+//!   directions in 32 bits.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
 //! - [`numeric`]: all margins and constants of the estimate, for twins on other processors.
 //! - `gpu`, only with the feature `gpu`: the same as compute shaders, and culling of bundles of

@@ -27,7 +27,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The best estimator for tubes of a radius: [`USUAL_RAYS`] rays.
+    /// The best estimator for tubes of a radius: [`USUAL_RAYS`] rays. Where lines stand still and
+    /// the view moves, [`Self::of_places`] costs a tenth.
     pub fn new(radius: f32, line_radius: f32) -> Self {
         Self {
             ao: AoOptions::rays(radius, line_radius),

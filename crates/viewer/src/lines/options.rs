@@ -83,7 +83,7 @@ pub struct Options {
     /// The radius of the occlusion, as a share of the extent
     #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| parse_within(t, 0.001, 1.0))]
     pub radius: f32,
-    /// The rays of a side of a place, or the rays or samples of a pixel [default: 8 of a side, 24
+    /// The rays of a side of a place, or the rays or samples of a pixel [default: 12 of a side, 24
     /// rays, or 150 samples of the other estimators]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
@@ -91,7 +91,7 @@ pub struct Options {
     #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
     pub factor: f32,
     /// How the lines around a pixel become an occlusion
-    #[arg(long, value_enum, default_value = "rays")]
+    #[arg(long, value_enum, default_value = "auto")]
     pub estimator: Way,
     /// The radius of the tubes that lines are taken for, in pixels, by the estimators "places",
     /// "rays" and "depth"
@@ -127,6 +127,8 @@ pub struct Options {
 /// Estimators by their names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Way {
+    /// In a window "places" while the lines stand still, "rays" while they move; "rays" otherwise
+    Auto,
     /// The share of rays that tubes stop, from places along the lines; they serve all frames
     Places,
     /// The share of rays that tubes stop, from each pixel, through a grid of the lines
@@ -164,22 +166,42 @@ impl Options {
         }
     }
 
+    /// Takes another estimator; `samples` that were usual for the old one become those of the new
+    /// one.
+    pub fn follow(&mut self, samples: &mut u32, way: Way) {
+        let is_usual = *samples == self.samples();
+        self.estimator = way;
+        if is_usual {
+            *samples = self.samples();
+        }
+    }
+
     /// The rays or samples of a pixel.
     pub fn samples(&self) -> u32 {
         self.samples.unwrap_or(match self.estimator {
             Way::Places => USUAL_SIDE_RAYS,
-            Way::Rays => USUAL_RAYS,
+            Way::Auto | Way::Rays => USUAL_RAYS,
             _ => 150,
         })
     }
 }
 
 impl Way {
+    /// The one for a window whose lines move or stand still: those that move lose the values of all
+    /// places in each frame.
+    pub fn in_window(self, moving: bool) -> Self {
+        match self {
+            Self::Auto if moving => Self::Rays,
+            Self::Auto => Self::Places,
+            other => other,
+        }
+    }
+
     /// The estimator, for hemispheres and tubes of these radii.
     pub fn estimator(self, [radius, line_radius]: [f32; 2]) -> Estimator {
         match self {
             Self::Places => Estimator::places(radius, line_radius),
-            Self::Rays => Estimator::Rays { line_radius },
+            Self::Auto | Self::Rays => Estimator::Rays { line_radius },
             Self::Depth => Estimator::OpticalDepth { line_radius },
             Self::Thesis => Estimator::MeanOfRatios { factor: 4.0 },
             Self::Ratio => Estimator::RatioOfSums { factor: 4.0 },
@@ -250,4 +272,39 @@ fn parse_direction(text: &str) -> Result<Vec3, String> {
     let direction = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok()).map(Vec3::from_array);
     let direction = direction.and_then(Vec3::try_normalize);
     direction.ok_or_else(|| "expected a direction such as 0.5,0.6,1".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args, Command, FromArgMatches};
+
+    use super::*;
+
+    fn options(words: &[&str]) -> Options {
+        let command = Options::augment_args(Command::new("lines"));
+        let all = std::iter::once(&"lines").chain(words);
+        Options::from_arg_matches(&command.try_get_matches_from(all).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn the_estimator_follows_the_motion_unless_one_is_asked_for() {
+        let usual = options(&[]);
+        assert_eq!([false, true].map(|m| usual.estimator.in_window(m)), [Way::Places, Way::Rays]);
+        assert!(matches!(usual.estimator.estimator([1.0, 0.1]), Estimator::Rays { .. }));
+        let depth = options(&["--estimator", "depth"]).estimator;
+        assert_eq!([false, true].map(|m| depth.in_window(m)), [Way::Depth; 2]);
+    }
+
+    #[test]
+    fn usual_samples_follow_the_estimator_and_chosen_ones_stay() {
+        for (words, first, start, end) in
+            [(&[][..], 24, 24, USUAL_SIDE_RAYS), (&[], 24, 31, 31), (&["--samples", "40"], 40, 40, 40)]
+        {
+            let mut options = options(words);
+            assert_eq!(options.samples(), first);
+            let mut samples = start;
+            options.follow(&mut samples, Way::Places);
+            assert_eq!((samples, options.estimator), (end, Way::Places));
+        }
+    }
 }

@@ -21,7 +21,7 @@ use glam::Vec3;
 use crate::common::Failed;
 use crate::lines::headless::BACKGROUND;
 use crate::lines::legend;
-use crate::lines::options::Options;
+use crate::lines::options::{Options, Way};
 use crate::lines::source::{Source, sets};
 
 /// The share of the extent that the camera flies in a second.
@@ -104,6 +104,8 @@ struct Viewer {
     milliseconds: f64,
     /// The radius of the tubes that values of places were computed for; 0 at first.
     tube: f32,
+    /// The estimator that was asked for; that of the options may change with the motion.
+    way: Way,
     /// The last trouble with a setting.
     trouble: String,
     /// What it has to say.
@@ -111,7 +113,9 @@ struct Viewer {
 }
 
 impl Viewer {
-    fn new(screen: &Screen, options: Options, source: Source) -> Result<Self, Failed> {
+    fn new(screen: &Screen, mut options: Options, source: Source) -> Result<Self, Failed> {
+        let way = options.estimator;
+        options.estimator = way.in_window(false);
         let size = <[u32; 2]>::from(screen.size());
         let start = source.start(&options, size, 0)?;
         let view = source.view(&options, start, size)?;
@@ -139,6 +143,7 @@ impl Viewer {
             shown: seconds,
             milliseconds: 0.0,
             tube: 0.0,
+            way,
             trouble: String::new(),
             said: Vec::new(),
             options,
@@ -149,6 +154,7 @@ impl Viewer {
     /// Moves the lines, and computes the picture that the dials ask for.
     fn update(&mut self, screen: &Screen) -> Result<Seen, Failed> {
         let gpu = &screen.gpu;
+        self.options.follow(&mut self.dials.samples, self.way.in_window(self.dials.moving));
         let eye = [self.fly.eye, self.fly.eye + self.fly.forward()];
         let view = self.source.view(&self.options, eye, screen.size().into())?;
         let Dials { radius, samples, tube, cull, .. } = self.dials;

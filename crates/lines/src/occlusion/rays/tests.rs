@@ -56,8 +56,8 @@ fn thin_rays_stop_at_the_tubes_and_balls_that_small_steps_meet() {
             let others: Vec<[DVec3; 2]> = ends.iter().filter(outside).copied().collect();
             let nearest =
                 |t: f64| others.iter().map(|&e| distance(e, start + way * t)).fold(f64::MAX, f64::min);
-            // Steps as long as the way that is surely free; a tube as thin and one as thick tell what
-            // rounding may decide.
+            // Steps as long as the way that is surely free; a tube as thin and one as thick tell
+            // what rounding may decide.
             let meets = |radius: f64, long: f64| {
                 let mut t = 0.0;
                 while t < long {
