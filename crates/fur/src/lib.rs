@@ -4,7 +4,7 @@
 //! objects" (Master's thesis in Portuguese, UFMG 2009), with the errors of the thesis mended.
 //! Without the feature `gpu` it is the processor's part: no window, no graphics.
 //!
-//! - [`mesh`]: centring, continuous normals, welding, vertex-cache order, simplification.
+//! - [`mesh`]: centring, continuous normals, welding, vertex-cache order, images, levels of detail.
 //! - [`strands`]: where strands of fur stand: a rule without texture coordinates and without
 //!   singularities, for shaders and rays.
 //! - [`maps`]: the fur maps of the thesis and their lookups, for comparison.

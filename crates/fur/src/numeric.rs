@@ -32,6 +32,18 @@ pub(crate) const MAX_IMAGES: u16 = 64;
 /// single precision where it is small.
 pub(crate) const MAX_TEX_COORD: f32 = 1e6;
 
+/// How many times fewer triangles the next level of detail has, as in the thesis.
+pub(crate) const COARSER: usize = 4;
+
+/// Levels of detail have so many triangles at least, where the mesh has.
+pub(crate) const LEAST_LEVEL: usize = 32;
+
+/// How much colours (0 to 1 as stored), lengths (0 to 1) and places on images count when a mesh is
+/// simplified, against places as shares of the size of the mesh.
+pub(crate) const COLOR_WEIGHT: f32 = 0.5;
+pub(crate) const LENGTH_WEIGHT: f32 = 0.5;
+pub(crate) const PLACE_WEIGHT: f32 = 0.25;
+
 /// Half the thickness of the slab around the surface in which points become roots, in cells.
 /// Together with [`MAX_RADIUS`] it keeps all strands of a point within half a cell, so that eight
 /// cells are enough: 0.25² + 0.43² < 0.5².

@@ -78,13 +78,13 @@ fn bare_skin_has_the_colours_of_its_image_however_it_goes_on() {
     for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
         let images = [stripes(wrap)];
         let mut renderer = Renderer::new(&gpu, COLOUR, std::slice::from_ref(&mesh), &look).unwrap();
-        renderer.set_images(&gpu, 0, &images).unwrap();
+        renderer.set_images(&gpu, &[0], &images).unwrap();
         let reference = Reference::new(&mesh, &look).unwrap().with_images(&images);
         let bald = mesh.clone().with_coats(|_| Coat { length: 0.0, ..Coat::default() }).unwrap();
         let bare = Reference::new(&bald, &look).unwrap().with_images(&images);
         assert!(reference.strands() > 0 && bare.strands() == 0);
         let mut drawn = Renderer::new(&gpu, COLOUR, std::slice::from_ref(&bald), &look).unwrap();
-        drawn.set_images(&gpu, 0, &images).unwrap();
+        drawn.set_images(&gpu, &[0], &images).unwrap();
         let [want, got] =
             [bare.picture(&camera(), SIZE, 2, &[Vec3::ONE; 2], TO_SUN), shells(&gpu, &mut drawn, 0)];
         let error = rmse(&want, &got);
@@ -108,14 +108,14 @@ fn shells_have_the_colours_of_roots() {
     let want = reference.picture(&camera(), SIZE, 2, &[Vec3::ONE; 2], TO_SUN);
     let mut renderer = Renderer::new(&gpu, COLOUR, std::slice::from_ref(&mesh), &look).unwrap();
     let plain = rmse(&want, &shells(&gpu, &mut renderer, 32));
-    renderer.set_images(&gpu, 0, &images).unwrap();
+    renderer.set_images(&gpu, &[0], &images).unwrap();
     let errors = [4, 12, 32].map(|layers| rmse(&want, &shells(&gpu, &mut renderer, layers)));
     println!("RMSE with 4, 12 and 32 layers: {errors:.4?}, without the image {plain:.4}");
     assert!(errors.is_sorted_by(|a, b| a > b) && errors[2] < ROOTS && plain > 0.15, "{errors:?} {plain}");
 }
 
-/// Colours below fragments instead of those of roots err by 0.051.
-const ROOTS: f64 = 0.045;
+/// Colours below fragments instead of those of roots err by 0.0447.
+const ROOTS: f64 = 0.041;
 
 #[test]
 fn strange_images_end_no_device() {
@@ -128,12 +128,12 @@ fn strange_images_end_no_device() {
     let one = |x: u32, y: u32, byte: u8| {
         Image::new(UVec2::new(x, y), vec![byte; 4 * (x * y) as usize], [Wrap::Mirror; 2]).unwrap()
     };
-    renderer.set_images(&gpu, 0, &[one(1, 1, 255), one(16_384, 1, 7)]).unwrap();
+    renderer.set_images(&gpu, &[0], &[one(1, 1, 255), one(16_384, 1, 7)]).unwrap();
     assert_eq!(shells(&gpu, &mut renderer, 2), white);
-    renderer.set_images(&gpu, 0, &[]).unwrap();
+    renderer.set_images(&gpu, &[0], &[]).unwrap();
     assert_eq!(shells(&gpu, &mut renderer, 2), white);
-    assert!(renderer.set_images(&gpu, 1, &[]).is_err());
-    assert!(renderer.set_images(&gpu, 0, &vec![one(1, 1, 0); 65]).is_err());
-    renderer.set_images(&gpu, 0, &vec![one(1, 1, 0); 64]).unwrap();
+    assert!(renderer.set_images(&gpu, &[0, 1], &[]).is_err());
+    assert!(renderer.set_images(&gpu, &[0], &vec![one(1, 1, 0); 65]).is_err());
+    renderer.set_images(&gpu, &[0], &vec![one(1, 1, 0); 64]).unwrap();
     assert!(rmse(&shells(&gpu, &mut renderer, 2), &white) > 0.1);
 }

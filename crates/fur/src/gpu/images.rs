@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn layers_keep_within_their_bytes() {
         let wide = image(UVec2::new(4096, 1), |_, _| 0);
-        assert_eq!(layer_size(&[wide.clone()], 16_384), UVec2::new(DRAWN_SIDE, 1));
+        assert_eq!(layer_size(std::slice::from_ref(&wide), 16_384), UVec2::new(DRAWN_SIDE, 1));
         assert_eq!(layer_size(&[wide], 1024), UVec2::new(1024, 1));
         let square = image(UVec2::splat(2048), |_, _| 0);
         let size = layer_size(&vec![square; 64], 16_384);

@@ -75,8 +75,8 @@ impl OwnPass {
     ///
     /// # Errors
     /// There is no such mesh, or there are more than 64 images.
-    pub fn set_images(&mut self, gpu: &Gpu, mesh: usize, images: &[Image]) -> Result<(), FurGpuError> {
-        self.renderer.set_images(gpu, mesh, images)
+    pub fn set_images(&mut self, gpu: &Gpu, meshes: &[usize], images: &[Image]) -> Result<(), FurGpuError> {
+        self.renderer.set_images(gpu, meshes, images)
     }
 
     /// As [`Renderer::cast_shadows`], in a pass of its own: call it before [`OwnPass::prepare`].

@@ -149,16 +149,18 @@ impl Renderer {
         self.mesh(mesh)?.set_weights(gpu, weights)
     }
 
-    /// Gives a mesh, by its number, the images on which its vertices lie
-    /// ([`Mesh::with_tex_coords`]). Without them, and where one is missing, coats alone colour it.
-    /// All are drawn at the size of the largest, of at most 2048 texels a side and 256 MiB for all.
+    /// Gives meshes, by their numbers, the images on which their vertices lie
+    /// ([`Mesh::with_tex_coords`]). Without them, and where one is missing, coats alone colour.
+    /// All are drawn at the size of the largest, of at most 2048 texels a side and 256 MiB.
     ///
     /// # Errors
     /// There is no such mesh, or there are more than 64 images.
-    pub fn set_images(&mut self, gpu: &Gpu, mesh: usize, given: &[Image]) -> Result<(), FurGpuError> {
+    pub fn set_images(&mut self, gpu: &Gpu, meshes: &[usize], given: &[Image]) -> Result<(), FurGpuError> {
         images::check(given)?;
         let group = images::group(gpu, &self.images_layout, given)?;
-        self.mesh(mesh)?.images = Some(group);
+        for &mesh in meshes {
+            self.mesh(mesh)?.images = Some(group.clone());
+        }
         Ok(())
     }
 

@@ -1,4 +1,5 @@
-//! Directions and places in maps (thesis, section 5.1 and algorithms 5 and 6).
+//! Directions and places in maps (thesis, section 5.1 and algorithm 5). Its sphere maps (algorithm
+//! 6) are left out: nothing draws them, and they stretch towards one pole, where cube maps do not.
 
 use glam::Vec3;
 
@@ -52,15 +53,6 @@ pub fn cube_direction(place: CubePlace) -> Vec3 {
     direction.normalize_or_zero()
 }
 
-/// Where a unit direction meets a sphere map around the z axis (algorithm 6): 0 to 1 each. `None`
-/// for -z, which is the whole rim, and for values that are not finite. Equal areas of the sphere
-/// are equal areas of the map; away from the axis it stretches.
-pub fn sphere_uv(direction: Vec3) -> Option<(f32, f32)> {
-    let length = (direction + Vec3::Z).length();
-    let (u, v) = (direction.x / (2.0 * length) + 0.5, direction.y / (2.0 * length) + 0.5);
-    (length > NO_SUM && u.is_finite() && v.is_finite()).then_some((u, v))
-}
-
 /// The direction by which the thesis looks fur up: that of `normal + position / |position|`, for a
 /// unit normal. `None` where both cancel, as on the inner equator of a torus around the origin, at
 /// the origin itself and for values that are not finite.
@@ -97,20 +89,6 @@ mod tests {
     }
 
     #[test]
-    fn sphere_maps_have_equal_areas() {
-        let mut random = dice(2);
-        for _ in 0..100_000 {
-            let direction = random.direction();
-            let (u, v) = sphere_uv(direction).unwrap();
-            let radius = (f64::from(u) - 0.5).hypot(f64::from(v) - 0.5);
-            let angle = direction.as_dvec3().angle_between(glam::DVec3::Z);
-            assert!((radius - 0.5 * (0.5 * angle).sin()).abs() < 1e-4, "{direction}");
-        }
-        assert_eq!(sphere_uv(Vec3::NEG_Z), None);
-        assert_eq!(sphere_uv(Vec3::Z), Some((0.5, 0.5)));
-    }
-
-    #[test]
     fn directions_have_values_where_normal_and_position_cancel() {
         // A point of the inner equator of a torus around the origin.
         assert_eq!(fur_direction(Vec3::NEG_X, Vec3::X * 2.0), None);
@@ -122,7 +100,7 @@ mod tests {
         for x in [f32::NAN, f32::INFINITY] {
             assert_eq!(fur_direction(Vec3::splat(x), Vec3::X), None);
             assert_eq!(fur_direction(Vec3::X, Vec3::splat(x)), None);
-            assert_eq!((cube_uv(Vec3::new(x, 1.0, 0.0)), sphere_uv(Vec3::splat(x))), (None, None));
+            assert_eq!(cube_uv(Vec3::new(x, 1.0, 0.0)), None);
         }
         assert_eq!(cube_uv(Vec3::ZERO), None);
     }

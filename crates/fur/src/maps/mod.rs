@@ -7,5 +7,5 @@
 mod lookup;
 mod texture;
 
-pub use lookup::{CubePlace, cube_direction, cube_uv, fur_direction, fur_direction_or_normal, sphere_uv};
+pub use lookup::{CubePlace, cube_direction, cube_uv, fur_direction, fur_direction_or_normal};
 pub use texture::{FurMap, Neighborhood, blue_noise, fur_map};

@@ -19,6 +19,7 @@
 
 mod center;
 mod image;
+mod levels;
 mod normals;
 mod order;
 mod types;
@@ -26,6 +27,7 @@ mod weld;
 
 pub use center::{Placing, center};
 pub use image::{Image, TexCoord, Wrap};
+pub use levels::Level;
 pub use normals::{NormalRule, continuous_normals};
 pub use types::{Coat, Mesh, Vertex, indexed_bytes};
 pub use weld::{prepare, weld, weld_textured};

@@ -62,7 +62,7 @@ impl Mesh {
     }
 
     /// The mesh of some corners, with its vertices in the order of use.
-    fn used(&self, corners: &[u32]) -> Self {
+    pub(super) fn used(&self, corners: &[u32]) -> Self {
         let mut number = vec![u32::MAX; self.vertices().len()];
         let mut vertices: Vec<Vertex> = Vec::new();
         let mut coats: Vec<Coat> = Vec::new();
@@ -84,7 +84,7 @@ impl Mesh {
 
 /// The triangles without pairs of the same three vertices in opposite orders. Edge collapses leave
 /// such pairs: they enclose nothing, but their edges would belong to four triangles.
-fn without_fins(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+pub(super) fn without_fins(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     for t in &mut triangles {
         let first = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
         t.rotate_left(first);

@@ -71,6 +71,7 @@ impl Buffers {
         };
         let dimensions = match N {
             1 => Dimensions::Scalar,
+            2 => Dimensions::Vec2,
             3 => Dimensions::Vec3,
             16 => Dimensions::Mat4,
             _ => Dimensions::Vec4,
@@ -108,6 +109,13 @@ impl Buffers {
     /// Makes sure that all elements of an accessor are there, whatever they are.
     pub(super) fn check(&self, accessor: &Accessor, what: &'static str) -> Result<(), Trouble> {
         self.elements(accessor, what, (), |_| ()).map(drop)
+    }
+
+    /// The bytes of a view.
+    #[cfg(feature = "fur")]
+    pub(super) fn view(&self, view: &View) -> Result<&[u8], Trouble> {
+        let found = self.span(view, 0, 1, view.length(), view.length())?;
+        Ok(found.unwrap_or(&[]))
     }
 
     fn elements<T: Copy>(

@@ -13,7 +13,7 @@ use percent_encoding::percent_decode_str;
 use super::error::Trouble;
 
 /// Files that were read, by their paths without detours: many buffers may name the same.
-type Known = HashMap<PathBuf, Rc<Vec<u8>>>;
+pub(super) type Known = HashMap<PathBuf, Rc<Vec<u8>>>;
 
 /// Reads all buffers; each holds at least as many bytes as the file says.
 pub(super) fn buffers_of(
@@ -45,7 +45,7 @@ pub(super) fn buffers_of(
 }
 
 /// The bytes of a data URI, from behind its scheme.
-fn decoded(rest: &str) -> Result<Vec<u8>, String> {
+pub(super) fn decoded(rest: &str) -> Result<Vec<u8>, String> {
     let (kind, data) = rest.split_once(',').ok_or("its data URI has no comma")?;
     if !kind.to_ascii_lowercase().ends_with(";base64") {
         return Err("its data URI is not in base64, and no other is read".to_owned());
@@ -55,7 +55,12 @@ fn decoded(rest: &str) -> Result<Vec<u8>, String> {
 
 /// The bytes of the file at a relative URI; no more than the `most` that a buffer needs, for it may
 /// have no end.
-fn beside(folder: Option<&Path>, uri: &str, most: usize, known: &mut Known) -> Result<Rc<Vec<u8>>, String> {
+pub(super) fn beside(
+    folder: Option<&Path>,
+    uri: &str,
+    most: usize,
+    known: &mut Known,
+) -> Result<Rc<Vec<u8>>, String> {
     let fail = |why: &str| format!("{uri}: {why}");
     let start = uri.split(['/', '?', '#']).next().unwrap_or("");
     if start.contains(':') {

@@ -92,9 +92,25 @@ pub enum Trouble {
     /// Nodes are their own ancestors, or have two parents.
     #[error("node {0} is reached twice: nodes must form trees")]
     NotATree(usize),
+    /// An image is damaged, too large or one too many.
+    #[error("image {image} {why}")]
+    Image {
+        /// Index of the image.
+        image: usize,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// There is no material of this name.
+    #[error("has no material {name:?}; there are: {known}")]
+    Material {
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
     /// A skeleton, its weights or its clips are refused.
     #[cfg(feature = "fur")]
-    #[error("has a skin that is refused: {0}")]
+    #[error("has fur or a skin that is refused: {0}")]
     Skin(Box<casca_fur::Error>),
     /// There is nothing to show.
     #[error("holds no triangles in any node")]

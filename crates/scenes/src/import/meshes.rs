@@ -30,16 +30,35 @@ impl<'a> Meshes<'a> {
         self.mesh_from(mesh, |_, _| {})
     }
 
+    /// As [`Meshes::mesh_from`], but primitives share no vertices: they may differ in colour.
+    #[cfg(feature = "fur")]
+    pub(super) fn parted(
+        &mut self,
+        mesh: &gltf::Mesh,
+        each: impl FnMut(usize, u32),
+    ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
+        self.joined(mesh, true, each)
+    }
+
     /// The same; `each` is called for each vertex in turn, with its primitive and its number there.
     pub(super) fn mesh_from(
         &mut self,
         mesh: &gltf::Mesh,
+        each: impl FnMut(usize, u32),
+    ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
+        self.joined(mesh, false, each)
+    }
+
+    fn joined(
+        &mut self,
+        mesh: &gltf::Mesh,
+        parted: bool,
         mut each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         let mut joined = Mesh::default();
         let mut materials = Vec::new();
-        // By accessor and index there.
-        let mut known: HashMap<(usize, u32), u32> = HashMap::new();
+        // By accessor, index there and, where primitives are parted, their number.
+        let mut known: HashMap<(usize, u32, usize), u32> = HashMap::new();
         for primitive in mesh.primitives() {
             let mode = primitive.mode();
             if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
@@ -73,7 +92,11 @@ impl<'a> Meshes<'a> {
                 }
                 let mut triangle = [0; 3];
                 for (place, vertex) in triangle.iter_mut().zip(corners) {
-                    *place = match known.entry((accessor.index(), vertex)) {
+                    *place = match known.entry((
+                        accessor.index(),
+                        vertex,
+                        if parted { primitive.index() } else { 0 },
+                    )) {
                         Entry::Occupied(entry) => *entry.get(),
                         Entry::Vacant(entry) => {
                             let new = u32::try_from(joined.positions.len())

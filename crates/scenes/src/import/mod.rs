@@ -31,10 +31,16 @@
 mod accessors;
 mod animations;
 mod buffers;
+#[cfg(feature = "fur")]
+mod coated;
 mod contents;
 mod document;
 mod error;
+#[cfg(feature = "fur")]
+mod images;
 mod instances;
+#[cfg(feature = "fur")]
+mod join;
 mod looks;
 mod meshes;
 mod nodes;
@@ -52,7 +58,11 @@ use crate::world::World;
 use contents::contents;
 use document::parse;
 
+#[cfg(feature = "fur")]
+pub use coated::{Coated, Rig, read_coated};
 pub use error::{ImportError, Trouble};
+#[cfg(feature = "fur")]
+pub use images::load_map;
 pub use looks::read_lit;
 #[cfg(feature = "fur")]
 pub use skins::{Skinned, read_skinned};
@@ -81,6 +91,15 @@ pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
 #[cfg(feature = "fur")]
 pub fn load_skinned(path: &Path) -> Result<Option<Skinned>, ImportError> {
     open(path, |_, bytes, folder| read_skinned(bytes, folder))
+}
+
+/// Loads what can grow fur from such a file; see [`read_coated`].
+///
+/// # Errors
+/// As [`read_coated`].
+#[cfg(feature = "fur")]
+pub fn load_coated(path: &Path) -> Result<Coated, ImportError> {
+    open(path, |_, bytes, folder| read_coated(bytes, folder))
 }
 
 fn open<T>(

@@ -60,35 +60,44 @@ pub fn read_skinned(bytes: &[u8], folder: Option<&Path>) -> Result<Option<Skinne
     let of_skin: Vec<u32> = skin.joints().map(|joint| number_of[&joint.index()] as u32).collect();
     let rows = followers_of(&node, &mesh, &buffers)?;
     let (mut joints, mut shares) = (Vec::new(), Vec::new());
-    for (vertex, (primitive, place)) in sources.into_iter().enumerate() {
-        let Some((of, by)) =
-            rows.get(&primitive).and_then(|rows| Some((rows.0.get(place)?, rows.1.get(place)?)))
-        else {
-            return Err(wrong(&node, "has a skin, but vertices without joints and weights"));
-        };
-        let mut row = [0; PER_VERTEX];
-        for (slot, (&joint, &share)) in row.iter_mut().zip(of.iter().zip(by)) {
-            let found = of_skin.get(joint as usize).copied();
-            // A joint without weight may be anything.
-            *slot = match found {
-                Some(joint) => joint,
-                None if share == 0.0 => 0,
-                None => {
-                    let (joint, joints) = (joint as u32, of_skin.len());
-                    return Err(casca_fur::Error::Joint { vertex, joint, joints }.into());
-                }
-            };
-        }
+    for source in sources {
+        let (row, by) = follower(&node, &rows, &of_skin, source)?;
         joints.push(row);
-        shares.push(*by);
+        shares.push(by);
     }
     let weights = Weights::new(&joints, &shares, &skeleton)?;
     let clips = clips_of(&document, &buffers, &skeleton, &number_of)?;
     Ok(Some(Skinned { mesh: joined, skeleton, weights, clips }))
 }
 
+/// The joints that a vertex of a primitive follows, and their shares.
+pub(super) fn follower(
+    node: &gltf::Node,
+    rows: &HashMap<usize, Rows>,
+    of_skin: &[u32],
+    (primitive, vertex): (usize, usize),
+) -> Result<([u32; PER_VERTEX], [f32; PER_VERTEX]), Trouble> {
+    let found = rows.get(&primitive).and_then(|rows| Some((rows.0.get(vertex)?, rows.1.get(vertex)?)));
+    let Some((of, by)) = found else {
+        return Err(wrong(node, "has a skin, but vertices without joints and weights"));
+    };
+    let mut row = [0; PER_VERTEX];
+    for (slot, (&joint, &share)) in row.iter_mut().zip(of.iter().zip(by)) {
+        // A joint without weight may be anything.
+        *slot = match of_skin.get(joint as usize).copied() {
+            Some(joint) => joint,
+            None if share == 0.0 => 0,
+            None => {
+                let (joint, joints) = (joint as u32, of_skin.len());
+                return Err(casca_fur::Error::Joint { vertex, joint, joints }.into());
+            }
+        };
+    }
+    Ok((row, *by))
+}
+
 /// The joints of a skin and the nodes that they hang from; and by node its number there.
-fn skeleton_of(
+pub(super) fn skeleton_of(
     all: &[gltf::Node],
     buffers: &Buffers,
     nodes: &Nodes,
@@ -152,10 +161,10 @@ fn skeleton_of(
     Ok((Skeleton::new(joints)?, number_of))
 }
 
-type Rows = (Vec<[f32; PER_VERTEX]>, Vec<[f32; PER_VERTEX]>);
+pub(super) type Rows = (Vec<[f32; PER_VERTEX]>, Vec<[f32; PER_VERTEX]>);
 
 /// By primitive: joints and weights of its vertices.
-fn followers_of(
+pub(super) fn followers_of(
     node: &gltf::Node,
     mesh: &gltf::Mesh,
     buffers: &Buffers,
@@ -178,7 +187,7 @@ fn followers_of(
 }
 
 /// All animations, as far as they move joints.
-fn clips_of(
+pub(super) fn clips_of(
     document: &gltf::Document,
     buffers: &Buffers,
     skeleton: &Skeleton,

@@ -1,13 +1,13 @@
 //! The options of the command line, and the fur, camera and files that they stand for.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use casca_fur::gpu::look::{Look, Mapping};
-use casca_fur::mesh::{Coat, Mesh, NormalRule, Vertex, center, continuous_normals, weld};
+use casca_fur::mesh::{Image, Mesh};
 use casca_fur::strands::Fur;
-use casca_scenes::fur::animals::Animal;
-use casca_scenes::import;
-use casca_scenes::world::Shape;
+use casca_scenes::fur::animals::{Animal, LEVELS};
+use casca_scenes::fur::{Character, Masks};
+use casca_scenes::import::load_map;
 use casca_stage::command_line::EXIT_CODES;
 use clap::{Args, ValueEnum, value_parser};
 use glam::Vec3;
@@ -52,6 +52,22 @@ pub struct Choices {
     /// Draws short and long fur, sparse and dense, side by side
     #[arg(long, requires = "headless", conflicts_with_all = ["field", "time", "study"])]
     pub coats: bool,
+    /// Materials of the file without fur, by their names: eyes, claws, a nose
+    #[arg(long, value_name = "MATERIAL", value_delimiter = ',', requires = "file")]
+    pub bald: Vec<String>,
+    /// A picture (PNG or JPEG) on the first texture coordinates of the file: its red channel makes
+    /// fur shorter, black is bald. The file may give lengths itself, by the attribute _FURLENGTH or
+    /// the alpha of COLOR_0
+    #[arg(long, value_name = "FILE", requires = "file")]
+    pub length_map: Option<PathBuf>,
+    /// The level of detail that is drawn: 0 is the mesh itself, each next one has a quarter of the
+    /// triangles
+    #[arg(long, default_value_t = 0, value_parser = value_parser!(u32).range(0..LEVELS as i64))]
+    pub level: u32,
+    /// Draws all levels of detail side by side, and prints how far each is from the mesh where it
+    /// is used
+    #[arg(long, requires = "headless", conflicts_with_all = ["field", "time", "study", "coats", "walk"])]
+    pub levels: bool,
     /// Layers above the skin, up to 256
     #[arg(long, default_value_t = 24, value_parser = value_parser!(u32).range(0..=256))]
     pub layers: u32,
@@ -103,6 +119,8 @@ fn within<const MOST: u32>(text: &str) -> Result<f32, String> {
 pub struct Subject {
     pub name: String,
     pub levels: Vec<Mesh>,
+    /// The images on which its vertices lie.
+    pub images: Vec<Image>,
     pub radius: f32,
     /// Its skeleton and walk, if it walks.
     pub walker: Option<Box<Walker>>,
@@ -150,39 +168,25 @@ impl Choices {
             let animal = Animal::new(self.seed, DETAIL)?;
             let levels = animal.levels().to_vec();
             let walker = self.walk.then(|| Box::new(Walker::generated(animal.rig(), &levels[0])));
-            return Ok(Subject { name: "animal".into(), levels, radius: animal.radius(), walker });
+            let (name, images) = ("animal".into(), Vec::new());
+            return Ok(Subject { name, levels, images, radius: animal.radius(), walker });
         };
-        let skinned = if self.walk { import::load_skinned(path)? } else { None };
-        let (mesh, walker) = match &skinned {
-            Some(skinned) => {
-                Walker::of_file(path, skinned).map(|(mesh, walker)| (mesh, Some(Box::new(walker))))?
-            }
-            None if self.walk => return Err(format!("{}: has no mesh with a skin", path.display()).into()),
-            None => (from_file(path)?, None),
+        let lengths = match &self.length_map {
+            None => None,
+            Some(map) => Some(load_map(map).map_err(|e| format!("{}: {e}", map.display()))?),
+        };
+        let masks = Masks { bald: self.bald.clone(), lengths };
+        let character = Character::load(path, &masks, LEVELS)?;
+        let levels: Vec<Mesh> = character.levels.into_iter().map(|level| level.mesh).collect();
+        let walker = match (self.walk, &character.rig) {
+            (false, _) => None,
+            (true, None) => return Err(format!("{}: has no mesh with a skin", path.display()).into()),
+            (true, Some(rig)) => Some(Box::new(Walker::of_file(path, rig, &levels[0])?)),
         };
         let name = path.file_stem().map_or("file".into(), |s| s.to_string_lossy().into_owned());
-        let (lo, hi) = (mesh.aabb().min, mesh.aabb().max);
-        Ok(Subject { name, radius: (hi - lo).length() * 0.5, levels: vec![mesh], walker })
+        let (lo, hi) = (levels[0].aabb().min, levels[0].aabb().max);
+        Ok(Subject { name, radius: (hi - lo).length() * 0.5, levels, images: character.images, walker })
     }
-}
-
-/// All triangles of a file in one mesh, centred, with normals that are the same on both sides of
-/// each edge.
-fn from_file(path: &Path) -> Result<Mesh, Failed> {
-    let world = import::load(path)?;
-    let mut soup = Vec::new();
-    for object in &world.objects {
-        let Shape::Mesh { mesh, transform } = &object.shape else { continue };
-        let corner = |v: u32| Vertex::at(transform.transform_point3(mesh.positions[v as usize]));
-        // A mirrored mesh would be inside out.
-        let order = if transform.matrix3.determinant() < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
-        soup.extend(mesh.triangles.iter().flat_map(|t| order.map(|i| corner(t[i]))));
-    }
-    let refused = |e: casca_fur::Error| format!("{}: {e}", path.display());
-    center(&mut soup).map_err(refused)?;
-    continuous_normals(&mut soup, NormalRule::AngleWeighted).map_err(refused)?;
-    let brown = vec![Coat { color: Vec3::new(0.36, 0.21, 0.10), length: 1.0 }; soup.len()];
-    Ok(weld(&soup, &brown).map_err(refused)?.ordered())
 }
 
 #[cfg(test)]
@@ -210,6 +214,10 @@ mod tests {
             ("--time --animals 0", "1..=100000"),
             ("--mapping sphere", "cells"),
             ("x.glb --field 5", "--field"),
+            ("--bald eyes", "required"),
+            ("--length-map x.png", "required"),
+            ("--level 4", "0..=3"),
+            ("--levels", "--headless"),
         ] {
             let said = choices(words).expect_err(words);
             assert!(said.contains(expected), "{words}: {said}");

@@ -4,6 +4,7 @@ mod choices;
 mod field;
 mod fit;
 mod herd;
+mod levels;
 mod one;
 mod run;
 mod shots;

@@ -50,8 +50,14 @@ pub fn camera(radius: f32, aspect: f32) -> Camera {
 
 /// The object where it is modelled, over a ground if it stands on one.
 pub fn list(subject: &Subject, layers: u32, ground: bool) -> DrawList {
+    level_list(subject, 0, layers, ground)
+}
+
+/// The same for a level of detail; the coarsest if there is none of this number.
+pub fn level_list(subject: &Subject, level: u32, layers: u32, ground: bool) -> DrawList {
+    let mesh = (level as usize).min(subject.levels.len() - 1);
     let place = subject.walker.as_ref().map_or(Affine3A::IDENTITY, |walker| walker.place());
-    let stand = Stand { mesh: 0, place, root: ROOT, tip: TIP };
+    let stand = Stand { mesh, place, root: ROOT, tip: TIP };
     let mut list = DrawList::new(&[(stand, layers)], Vec::new());
     if let Some(walker) = &subject.walker {
         // It has the animal that is posed.
@@ -72,10 +78,14 @@ pub fn renderer(
     choices: &Choices,
     subject: &Subject,
 ) -> Result<Renderer, FurGpuError> {
-    let mut renderer = Renderer::new(gpu, format, &subject.levels[..1], &choices.look(subject.radius)?)?;
+    let mut renderer = Renderer::new(gpu, format, &subject.levels, &choices.look(subject.radius)?)?;
     renderer.haze = HAZE / subject.radius;
-    if let Some(walker) = &subject.walker {
-        renderer.set_weights(gpu, 0, &walker.weights)?;
+    let all: Vec<usize> = (0..subject.levels.len()).collect();
+    renderer.set_images(gpu, &all, &subject.images)?;
+    for level in all {
+        if let Some(walker) = &subject.walker {
+            renderer.set_weights(gpu, level, &walker.weights[level])?;
+        }
     }
     Ok(renderer)
 }
@@ -94,7 +104,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
     let sun = sun(subject.radius, true);
     let frames = subject.walker.as_ref().map_or(1, |_| choices.common.drawing.frames.unwrap_or(2));
     for frame in 0..frames {
-        let mut list = list(subject, choices.layers, true);
+        let mut list = level_list(subject, choices.level, choices.layers, true);
         let name = match &subject.walker {
             None => format!("{}.png", subject.name),
             Some(walker) => {
@@ -108,7 +118,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
         write_png(&path, picture.size, &picture.pixels)?;
         say(path.display());
     }
-    let mesh = &subject.levels[0];
+    let mesh = &subject.levels[(choices.level as usize).min(subject.levels.len() - 1)];
     say(format_args!(
         "{} triangles, {} vertices, {} layers",
         mesh.triangles().len(),
@@ -146,7 +156,7 @@ pub fn coats(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
 /// Prints the time of a frame by layers, and the line through it.
 pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
     let shooter = Shooter::new(gpu, choices.common.drawing.size, 0);
-    let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &choices.look(subject.radius)?)?;
+    let mut renderer = renderer(gpu, COLOUR, choices, subject)?;
     let camera = camera(subject.radius, shooter.aspect());
     let sun = sun(subject.radius, false);
     let lists = TIMED.map(|layers| list(subject, layers, true));

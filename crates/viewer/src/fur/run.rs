@@ -5,7 +5,7 @@ use casca_stage::window::Start;
 
 use crate::common::Failed;
 use crate::fur::choices::Choices;
-use crate::fur::{field, one, study, window};
+use crate::fur::{field, levels, one, study, window};
 
 impl Choices {
     /// The window.
@@ -35,6 +35,7 @@ impl Choices {
         match (self.field, self.time) {
             (_, true) => field::time(&gpu, self, &subject)?,
             (Some(count), false) => return field::pictures(&gpu, self, count),
+            (None, false) if self.levels => levels::levels(&gpu, self, &subject)?,
             (None, false) if self.coats => one::coats(&gpu, self, &subject)?,
             (None, false) => one::pictures(&gpu, self, &subject)?,
         }

@@ -97,8 +97,9 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
         for height in HEIGHTS {
             let mut look = Look::new(Fur::for_radius(subject.radius, height, density)?);
             look.fur.bend = choices.fur(subject.radius)?.bend;
-            let reference = Reference::new(mesh, &look)?;
+            let reference = Reference::new(mesh, &look)?.with_images(&subject.images);
             let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
+            renderer.set_images(gpu, &[0], &subject.images)?;
             let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
             let sky = sky_pixel();
             let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());

@@ -125,7 +125,8 @@ impl Viewer {
         let (list, counts): (DrawList, (usize, usize));
         match &mut self.shown {
             Shown::One(subject, renderer) => {
-                let mut made = one::list(subject, self.choices.layers, true);
+                let (level, layers) = (self.choices.level, self.choices.layers);
+                let mut made = one::level_list(subject, level, layers, true);
                 if let Some(walker) = &subject.walker {
                     walker.pose(&mut made, self.time)?;
                 }

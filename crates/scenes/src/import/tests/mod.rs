@@ -12,6 +12,8 @@ use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 
 mod accessors;
 mod animation;
+#[cfg(feature = "fur")]
+mod coated;
 mod files;
 mod instances;
 mod lit;

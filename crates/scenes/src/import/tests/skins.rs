@@ -34,12 +34,17 @@ fn arm(component: u32, joints: &[u8], weights: (u32, &[u8])) -> Arm {
 
 impl Arm {
     fn read(&self, joints: &str) -> Result<Option<Skinned>, Trouble> {
+        read_skinned(&self.file(joints, ["", "", ""]), None)
+    }
+
+    /// The file; more follows the elbow, the nodes and the meshes.
+    fn file(&self, joints: &str, [of_elbow, nodes, meshes]: [&str; 3]) -> Vec<u8> {
         let rest = format!(
             r#""scene":0,"scenes":[{{"nodes":[0,1]}}],
             "nodes":[{{"mesh":0,"skin":0,"translation":[9,9,9]}},{{"name":"up","translation":[0,5,0],"children":[2]}},
-                {{"name":"shoulder","children":[3]}},{{"name":"elbow","translation":[1,0,0]}}],
+                {{"name":"shoulder","children":[3]}},{{"name":"elbow","translation":[1,0,0]{of_elbow}}}{nodes}],
             "skins":[{{"joints":{joints},"inverseBindMatrices":{}}}],
-            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":{},"WEIGHTS_0":{}}},"indices":3}}]}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":{},"WEIGHTS_0":{}}},"indices":3}}]}}{meshes}],
             "animations":[{{"name":"bend","channels":[{{"sampler":0,"target":{{"node":3,"path":"rotation"}}}}],
                 "samplers":[{{"input":{},"output":{}}}]}}]"#,
             self.inverse,
@@ -48,7 +53,7 @@ impl Arm {
             self.inverse + 1,
             self.inverse + 2
         );
-        read_skinned(&glb(&self.parts.json(&rest, ""), &self.parts.bin), None)
+        glb(&self.parts.json(&rest, ""), &self.parts.bin)
     }
 }
 
@@ -113,5 +118,32 @@ fn absurd_skins_are_refused_by_name() {
     let whole = glb(&arm.parts.json(r#""scene":0,"scenes":[{"nodes":[]}]"#, ""), &arm.parts.bin);
     for length in (0..whole.len()).step_by(7) {
         let _ = read_skinned(&whole[..length], None);
+    }
+}
+
+#[test]
+fn rigid_parts_follow_the_joint_that_they_hang_from() {
+    let arm = arm(5121, &BYTES, (5121, &HALVES));
+    // A hand half a unit beyond the elbow.
+    let more = [
+        r#","children":[4]"#,
+        r#",{"mesh":1,"translation":[0.5,0,0]}"#,
+        r#",{"primitives":[{"attributes":{"POSITION":0},"indices":3}]}"#,
+    ];
+    let read = read_coated(&arm.file("[2,3]", more), None).unwrap();
+    // Four vertices of the arm, four of the hand.
+    assert_eq!((read.mesh.positions.len(), read.mesh.triangles.len()), (8, 4));
+    let rig = read.rig.unwrap();
+    let at = |vertex: usize, seconds: f64| {
+        let mut pose = Pose::rest(&rig.skeleton);
+        pose.set(&rig.skeleton, &rig.clips[0].1, seconds, Ending::Clamp);
+        rig.weights.blend(vertex, &pose).transform_point3(read.mesh.positions[vertex])
+    };
+    for (vertex, p) in [(4, Vec3::ZERO), (5, Vec3::X), (7, Vec3::new(3.0, 1.0, 0.0))] {
+        let hand = p + Vec3::X * 0.5;
+        let elbow = Vec3::new(1.0, 5.0, 0.0);
+        assert!(at(vertex, 0.0).distance(elbow + hand) < 1e-5, "{}", at(vertex, 0.0));
+        let turned = Vec3::new(-hand.y, hand.x, 0.0);
+        assert!(at(vertex, 1.0).distance(elbow + turned) < 1e-5, "{}", at(vertex, 1.0));
     }
 }
