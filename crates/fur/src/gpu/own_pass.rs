@@ -14,6 +14,7 @@ use crate::gpu::look::{Look, SKY};
 use crate::gpu::records::{DrawList, Frame, Sun};
 use crate::gpu::renderer::Renderer;
 use crate::mesh::Mesh;
+use crate::skin::Weights;
 
 /// Draws fur into passes that others begin.
 ///
@@ -69,6 +70,15 @@ impl OwnPass {
     /// The fur map cannot hold as many hairs.
     pub fn set_look(&mut self, gpu: &Gpu, look: &Look) -> Result<(), FurGpuError> {
         self.renderer.set_look(gpu, look)
+    }
+
+    /// As [`Renderer::set_weights`]: lets a mesh be posed, so that animals walk in this pass.
+    ///
+    /// # Errors
+    /// There is no such mesh, it has another number of vertices, or the weights do not fit into
+    /// the memory of the device.
+    pub fn set_weights(&mut self, gpu: &Gpu, mesh: usize, weights: &Weights) -> Result<(), FurGpuError> {
+        self.renderer.set_weights(gpu, mesh, weights)
     }
 
     /// As [`Renderer::cast_shadows`], in a pass of its own: call it before [`OwnPass::prepare`].
