@@ -49,6 +49,9 @@ mod tests {
         let even = Fur { taper: 0.0, variation: 0.0, ..fur(0.2) };
         let met = even.strands_per_area() as f32 * 2.0 * even.radius_along(0.0) * 0.5 * even.height * 0.75;
         assert!((even.sun_through(Vec3::Y, 0.5, sun) - (-met).exp()).abs() < 1e-5);
+        // Strands that lean towards the sun take less of it than those that lean away.
+        let leaning = |x: f32| Fur { bend: Vec3::X * x, ..fur(0.3) }.sun_through(Vec3::Y, 0.2, sun);
+        assert!(leaning(0.5) > leaning(0.0) && leaning(0.0) > leaning(-0.5));
         assert!(at(0.3, 0.0, -Vec3::Y) <= 1.0 && at(0.3, f32::NAN, sun).is_nan());
     }
 }
