@@ -147,3 +147,10 @@ pub(crate) const LEAST_SPLINE: f64 = 1e-3;
 /// Centres at rest of which the best one for a whole clip is taken: those near the deepest one
 /// differ little.
 pub(crate) const CARRIED_CENTERS: usize = 48;
+
+/// Steps of the sun's way through fur: what they sum is even, but where strands of a length end.
+pub(crate) const LIGHT_STEPS: u32 = 8;
+
+/// The sun stands at least so high over the skin, as the cosine to its normal: bodies are round,
+/// and a flat ray leaves their fur sooner than that of a plane.
+pub(crate) const LEAST_RISE: f32 = 0.15;

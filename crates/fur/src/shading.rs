@@ -64,15 +64,24 @@ impl Material {
     /// The linear colour of a point of a strand. `along` is its place on the strand, 0 to 1; `sun`
     /// the share of sunlight that reaches it, 0 in a shadow. The thesis adds only the lobes.
     pub fn shade(&self, color: Vec3, strand: &Directions, along: f32, sun: f32) -> Vec3 {
+        let depth = self.depth(along);
+        self.shade_by(color, strand, depth, sun * depth)
+    }
+
+    /// The share of light that reaches a place along a strand between its neighbours.
+    pub(crate) fn depth(&self, along: f32) -> f32 {
+        self.root + (1.0 - self.root) * along
+    }
+
+    /// The same with the shares of the light from everywhere and of the sun's that reach a point.
+    pub(crate) fn shade_by(&self, color: Vec3, strand: &Directions, sky: f32, sun: f32) -> Vec3 {
         let lobes = kajiya_kay(strand.tangent, strand.to_light, strand.to_eye, self.exponent);
         let facing = ((strand.normal.dot(strand.to_light) + self.wrap) / (1.0 + self.wrap)).clamp(0.0, 1.0);
-        let depth = self.root + (1.0 - self.root) * along;
         // Strands that point at the light show it their sides: half the light comes from the body's
         // slope alone.
         let diffuse = self.diffuse * (0.5 + 0.5 * lobes.diffuse) * facing;
-        let lit = color * (self.ambient + sun * diffuse)
-            + Vec3::splat(sun * self.specular * lobes.specular * facing);
-        lit * depth
+        color * (sky * self.ambient + sun * diffuse)
+            + Vec3::splat(sun * self.specular * lobes.specular * facing)
     }
 }
 

@@ -55,7 +55,7 @@ fn camera() -> Camera {
 fn shells(gpu: &Gpu, renderer: &mut Renderer, layers: u32) -> Vec<u8> {
     let canvas = Canvas::new(gpu, (2 * SIZE.0, 2 * SIZE.1));
     let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [1.0; 3], tip: [1.0; 3] };
-    let list = DrawList::new(&[(stand, layers)], camera().eye, Vec::new());
+    let list = DrawList::new(&[(stand, layers)], Vec::new());
     let sun = Sun { towards: TO_SUN, center: Vec3::ZERO, radius: 2.0, shadows: false };
     renderer.draw(gpu, &canvas.picture(), &camera(), &list, &sun).unwrap();
     casca_stage::image::halved(&canvas.read_picture(gpu).unwrap(), canvas.size())

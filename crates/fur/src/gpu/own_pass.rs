@@ -14,6 +14,7 @@ use crate::gpu::look::{Look, SKY};
 use crate::gpu::records::{DrawList, Frame, Sun};
 use crate::gpu::renderer::Renderer;
 use crate::mesh::{Image, Mesh};
+use crate::skin::Weights;
 
 /// Draws fur into passes that others begin.
 ///
@@ -77,6 +78,15 @@ impl OwnPass {
     /// There is no such mesh, or there are more than 64 images.
     pub fn set_images(&mut self, gpu: &Gpu, meshes: &[usize], images: &[Image]) -> Result<(), FurGpuError> {
         self.renderer.set_images(gpu, meshes, images)
+    }
+
+    /// As [`Renderer::set_weights`]: lets a mesh be posed, so that animals walk in this pass.
+    ///
+    /// # Errors
+    /// There is no such mesh, it has another number of vertices, or the weights do not fit into
+    /// the memory of the device.
+    pub fn set_weights(&mut self, gpu: &Gpu, mesh: usize, weights: &Weights) -> Result<(), FurGpuError> {
+        self.renderer.set_weights(gpu, mesh, weights)
     }
 
     /// As [`Renderer::cast_shadows`], in a pass of its own: call it before [`OwnPass::prepare`].

@@ -17,7 +17,7 @@ use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
 use crate::gpu::look::{Look, SKY, stored};
-use crate::gpu::numeric::{TUBES, WET, WET_EXPONENT, WIDER};
+use crate::gpu::numeric::{SHADOW_LIFT, TUBES, WET, WET_EXPONENT, WIDER};
 
 /// A piece of a strand: a tube with a round end where the next piece begins. Tips end flat, as the
 /// highest layer of a strand does.
@@ -44,6 +44,20 @@ pub struct Reference<'a> {
     parts: Vec<Part>,
     bvh: Bvh2,
     images: Vec<Image>,
+    self_shadow: SelfShadow,
+}
+
+/// How strands take the sun from each other and from the skin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SelfShadow {
+    /// Not by the sun: a factor that grows from root to tip, as shells are lit.
+    #[default]
+    Height,
+    /// By how many strands the sun's ray meets on its way out of the fur on flat skin, on average.
+    Depth,
+    /// By a ray towards the sun. A strand does not shade itself: its light is that of a whole
+    /// cylinder.
+    Traced,
 }
 
 /// The colours at the roots and the tips of strands, which multiply those of the mesh.
@@ -76,12 +90,25 @@ impl<'a> Reference<'a> {
         // In the order of the hierarchy.
         let mut sorted: Vec<Option<Part>> = parts.drain(..).map(Some).collect();
         let parts = bvh.primitive_indices.iter().filter_map(|&i| sorted[i as usize].take()).collect();
-        Ok(Self { mesh, look: *look, strands, parts, bvh, images: Vec::new() })
+        Ok(Self {
+            mesh,
+            look: *look,
+            strands,
+            parts,
+            bvh,
+            images: Vec::new(),
+            self_shadow: SelfShadow::default(),
+        })
     }
 
     /// The same with the images on which the vertices lie.
     pub fn with_images(self, images: &[Image]) -> Self {
         Self { images: images.to_vec(), ..self }
+    }
+
+    /// The same with another way of shadows among strands.
+    pub fn with_self_shadow(self, self_shadow: SelfShadow) -> Self {
+        Self { self_shadow, ..self }
     }
 
     /// How many strands there are.
@@ -91,7 +118,7 @@ impl<'a> Reference<'a> {
 
     /// The picture that a camera takes of the object where it is modelled, with `side * side` rays
     /// in each pixel: red, green, blue, opacity, row by row from the top. `to_sun` is a unit
-    /// vector. Nothing casts shadows, as in a picture without a shadow map.
+    /// vector. There is no shadow map; strands shade each other by [`SelfShadow`].
     pub fn picture(
         &self,
         camera: &Camera,
@@ -136,7 +163,16 @@ impl<'a> Reference<'a> {
                     to_eye: -direction.as_vec3(),
                 };
                 let color = own * root.color * root.tex.color(&self.images) * tint[0].lerp(tint[1], along);
-                self.look.material.shade(color, &strand, along, 1.0)
+                let sky = self.look.material.depth(along);
+                let lit = self.sunlight(Fragment {
+                    at: eye + direction * t,
+                    strand: Some(tube.strand),
+                    normal: root.direction,
+                    height: along * root.share,
+                    to_sun,
+                    factor: sky,
+                });
+                self.look.material.shade_by(color, &strand, sky, lit)
             }
             Part::Skin(i, corners) => {
                 let weights = weights(corners, eye + direction * t);
@@ -149,7 +185,36 @@ impl<'a> Reference<'a> {
                 let length = mix(&|v| Vec3::splat(self.mesh.coats()[v].length)).x;
                 let to_eye = -direction.as_vec3();
                 let seen = Directions { tangent: normal, normal, to_light: to_sun, to_eye };
-                skin(&self.look.material, color * tint[0], length, &seen)
+                let sky = under(&self.look.material, length);
+                let lit = self.sunlight(Fragment {
+                    at: eye + direction * t,
+                    strand: None,
+                    normal,
+                    height: 0.0,
+                    to_sun,
+                    factor: sky,
+                });
+                skin(&self.look.material, color * tint[0], length, &seen, [sky, lit])
+            }
+        }
+    }
+
+    /// The share of the sun that reaches a point between strands.
+    fn sunlight(&self, f: Fragment) -> f32 {
+        match self.self_shadow {
+            SelfShadow::Height => f.factor,
+            SelfShadow::Depth => self.look.fur.sun_through(f.normal, f.height, f.to_sun),
+            SelfShadow::Traced => {
+                let up = f.normal.as_dvec3() * (SHADOW_LIFT * f64::from(self.look.fur.spacing));
+                let (start, way) = (f.at + up, f.to_sun.as_dvec3());
+                let ray = Ray::new(start.as_vec3a(), way.as_vec3a(), 0.0, f32::MAX);
+                let mut free = true;
+                self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
+                    let own = matches!(&self.parts[i], Part::Tube(t) if Some(t.strand) == f.strand);
+                    free &= own || self.parts[i].enter(start, way).is_none();
+                    f32::INFINITY
+                });
+                f32::from(u8::from(free))
             }
         }
     }
@@ -170,17 +235,37 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// The light of skin under a coat of a length, as a share of the greatest: below fur it is as dark
-/// as roots, bald it is wet.
-fn skin(material: &Material, color: Vec3, length: f32, strand: &Directions) -> Vec3 {
+/// A point that is seen, on a strand or, without one, on the skin.
+struct Fragment {
+    at: DVec3,
+    strand: Option<u32>,
+    normal: Vec3,
+    /// Above the skin, as a share of the greatest height.
+    height: f32,
+    to_sun: Vec3,
+    /// The factor by height.
+    factor: f32,
+}
+
+/// How much of a coat of a length, as a share of the greatest, covers the skin.
+fn covered(length: f32) -> f32 {
     let t = (length / 0.2).clamp(0.0, 1.0);
-    let covered = t * t * (3.0 - 2.0 * t);
-    let depth = 1.0 + (material.root - 1.0) * covered;
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The factor of skin under a coat of a length: as dark as roots.
+fn under(material: &Material, length: f32) -> f32 {
+    1.0 + (material.root - 1.0) * covered(length)
+}
+
+/// The light of skin under a coat of a length, by the shares of the light from everywhere and of
+/// the sun's that reach it; bald it is wet.
+fn skin(material: &Material, color: Vec3, length: f32, strand: &Directions, [sky, lit]: [f32; 2]) -> Vec3 {
     let facing = strand.normal.dot(strand.to_light);
     let direct = ((facing + material.wrap) / (1.0 + material.wrap)).clamp(0.0, 1.0);
     let half = (strand.to_light + strand.to_eye).normalize_or_zero();
-    let wet = WET * (1.0 - covered) * strand.normal.dot(half).clamp(0.0, 1.0).powf(WET_EXPONENT);
-    color * depth * (material.ambient + material.diffuse * direct) + Vec3::splat(wet * direct)
+    let wet = WET * (1.0 - covered(length)) * strand.normal.dot(half).clamp(0.0, 1.0).powf(WET_EXPONENT);
+    color * (sky * material.ambient + lit * material.diffuse * direct) + Vec3::splat(wet * direct)
 }
 
 impl Part {

@@ -11,6 +11,7 @@
 mod fur;
 mod hash;
 mod lean;
+mod light;
 mod roots;
 mod skin;
 
