@@ -64,7 +64,8 @@ impl PointCloud {
         self.scanners.get(*self.seen_by.get(point)? as usize).copied()
     }
 
-    /// The points whose bits are set, with their attributes, and all scanners. Points without a bit are left out.
+    /// The points whose bits are set, with their attributes, and all scanners. Points without a bit
+    /// are left out.
     pub fn subset(&self, chosen: &BitSlice) -> Self {
         fn some<T: Copy>(all: &[T], chosen: &BitSlice) -> Vec<T> {
             chosen.iter_ones().map_while(|i| all.get(i)).copied().collect()

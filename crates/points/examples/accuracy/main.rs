@@ -13,8 +13,8 @@
 //! place of generated scenes. The last word `causes` sorts the wrong answers of `surface` by their
 //! causes; give `""` as the folder for generated scenes.
 //!
-//! With `scans-` before a kind, points are the first hits of rays from scanners, as many as `SPREAD`
-//! says (4), and `surface` is judged without and with the places of these.
+//! With `scans-` before a kind, points are the first hits of rays from scanners, as many as
+//! `SPREAD` says (4), and `surface` is judged without and with the places of these.
 
 mod causes;
 mod files;

@@ -241,8 +241,8 @@ mod tests {
 
     #[test]
     fn discs_end_half_way_to_free_segments() {
-        // Of a wall whose points are so far from the middle, segments pass the strip at 1.9 and 1.33:
-        // 0.9 and 0.33 beyond its last points.
+        // Segments to the nearest points of the wall pass the strip at x = 1.9 and 1.33, which is
+        // 0.9 and 0.33 beyond the last points of the strip.
         for (shift, least, most) in [(0.0, 0.4, 0.46), (0.6, 0.14, 0.18)] {
             let mut cloud = strip(1.5);
             let wall = cloud.positions.iter_mut().filter(|p| p.z == 0.0);
