@@ -78,6 +78,10 @@ mod tests {
                 "no numbers \"fa\"; they have length",
             ),
             (vec!["--headless", "--lines", "5", "--colour", "group"], "in no groups"),
+            (vec!["--headless", "--lines", "5", "--context", "own"], "spiral has no surface of its own"),
+            (vec!["--headless", "--lines", "5", "--context", "no/such.ply"], "no/such.ply"),
+            (vec!["--headless", "--lines", "5", "--context", "no/such.glb"], "no/such.glb"),
+            (vec!["--headless", "--lines", "5", "--context", "x.stl"], ".obj or .ply"),
             (vec!["--range", "-1,x"], "two numbers"),
             (vec!["--include", "sphere:0,0,0"], "sphere:X,Y,Z,RADIUS"),
             (
