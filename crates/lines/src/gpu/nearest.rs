@@ -5,7 +5,7 @@ use casca_stage::kernel::{Bound, Kernel, among, filled};
 use casca_stage::wgpu::{Buffer, BufferUsages, CommandEncoder, ShaderModule};
 
 use crate::gpu::context::Surfaces;
-use crate::gpu::hidden::{Chunks, Drawn, Hidden};
+use crate::gpu::hidden::{Chunks, Drawn, Hidden, LineCulling};
 use crate::gpu::set::GpuLines;
 use crate::gpu::shader::shader;
 
@@ -16,8 +16,9 @@ pub(super) struct Nearest {
     hidden: Hidden,
     /// The two runs of `draw`.
     choosing: [Buffer; 2],
-    /// Whether lines behind lines are left out.
-    pub(super) culls: bool,
+    /// Whether lines behind lines are left out, and whether they are in the last view.
+    pub(super) culling: LineCulling,
+    culls: bool,
     chunks: Option<Chunks>,
     /// What was to be drawn of the last view.
     all: Drawn,
@@ -46,7 +47,8 @@ impl Nearest {
             resolve: Kernel::new(gpu, raster, "resolve", &[0, 2, 3, 9, 11, 12]),
             hidden: Hidden::new(gpu, &hidden)?,
             choosing: [flag(0)?, flag(1)?],
-            culls: true,
+            culling: LineCulling::default(),
+            culls: false,
             chunks: None,
             all: Drawn::default(),
         })
@@ -62,6 +64,7 @@ impl Nearest {
     ) -> Result<(), GpuError> {
         let segments = all.iter().map(|chunk| chunk[1]).sum();
         self.all = Drawn { chunks: all.len() as u32, segments };
+        self.culls = self.culling.applies(gpu, segments);
         let count = lines.chunk_count();
         if !self.chunks.as_ref().is_some_and(|chunks| chunks.fit(count, size)) {
             self.chunks = None;

@@ -35,6 +35,10 @@ pub const LENGTH_UNITS: f64 = 134_217_728.0;
 /// Segments of a workgroup, the chunks that are drawn or left out.
 pub const CHUNK: u32 = 64;
 
+/// Segments of a view from which on looking for lines behind lines pays on graphics processors: see
+/// [`LineCulling::Large`](crate::gpu::hidden::LineCulling::Large).
+pub const LARGE_SET: u32 = 1 << 19;
+
 /// The rounding of a coordinate of eye space, as a share of the way from the eye along all axes:
 /// differences, products and sums, of a corner of a chunk and of a point in it, are some 17 units
 /// in the last place, 2^-24 each. Twice that is taken.

@@ -12,7 +12,7 @@ use crate::buffers::Fragment;
 use crate::gpu::context::{ContextPass, GpuContext, Surfaces};
 use crate::gpu::culling::Seen;
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::hidden::Drawn;
+use crate::gpu::hidden::{Drawn, LineCulling};
 use crate::gpu::lens::GpuLens;
 use crate::gpu::nearest::{Nearest, Pixels};
 use crate::gpu::numeric::FARTHEST;
@@ -144,11 +144,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether lines that lie wholly behind nearer lines are left out when the nearest are looked
-    /// for, 64 segments at a time; they are at first. No pixel depends on it, but the time does: it
-    /// saves time in dense sets and costs some in loose ones.
-    pub fn cull_lines(&mut self, culls: bool) {
-        self.nearest.culls = culls;
+    /// Whether lines that lie wholly behind nearer lines are left out: of large sets, at first.
+    pub fn cull_lines(&mut self, culling: LineCulling) {
+        self.nearest.culling = culling;
     }
 
     /// Computes a view of lines: columns of `seen.read` unless rays are taken, the nearest lines of

@@ -1,6 +1,7 @@
 //! The times of the nearest lines with and without the lines that are behind others.
 
 use casca_lines::gpu::culling::Seen;
+use casca_lines::gpu::hidden::LineCulling;
 use casca_lines::gpu::renderer::Renderer;
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::gpu::settings::Settings;
@@ -28,7 +29,9 @@ impl Bench<'_> {
         for degrees in [0.0, 0.2, 1.0, 10.0] {
             let mut renderers =
                 [Renderer::new(self.gpu, COLOUR, settings)?, Renderer::new(self.gpu, COLOUR, settings)?];
-            renderers[0].cull_lines(false);
+            for (renderer, culling) in renderers.iter_mut().zip([LineCulling::Never, LineCulling::Always]) {
+                renderer.cull_lines(culling);
+            }
             let (mut times, mut segments) = ([Vec::new(), Vec::new()], [0.0; 2]);
             for i in 0..UNCOUNTED + TURNS {
                 let turn = Quat::from_rotation_y((degrees * i as f32).to_radians());

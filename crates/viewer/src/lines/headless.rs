@@ -13,7 +13,7 @@ use clap::ValueEnum;
 use glam::Vec3;
 
 use crate::lines::legend;
-use crate::lines::options::Options;
+use crate::lines::options::{Options, behind_lines};
 use crate::lines::source::Source;
 
 /// Behind lines.
@@ -30,7 +30,7 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     let (lines, legend) = source.on_device(&gpu, &set, &settings)?;
     let mut panel = Panel::new(&gpu, COLOUR);
     let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
-    renderer.cull_lines(options.cull);
+    renderer.cull_lines(behind_lines(options.cull));
     let seen = match options.cull {
         true => {
             Culling::new(lines.bundles(), &source.context)?.look(&view, renderer.settings().reach(&view)?)?

@@ -1,5 +1,6 @@
 //! The command line.
 
+use casca_lines::gpu::hidden::LineCulling;
 use casca_lines::gpu::renderer::Look;
 use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
 use casca_lines::occlusion::Estimator;
@@ -272,6 +273,11 @@ fn parse_direction(text: &str) -> Result<Vec3, String> {
     let direction = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok()).map(Vec3::from_array);
     let direction = direction.and_then(Vec3::try_normalize);
     direction.ok_or_else(|| "expected a direction such as 0.5,0.6,1".to_owned())
+}
+
+/// Which lines behind others are left out, with culling and without.
+pub fn behind_lines(cull: bool) -> LineCulling {
+    if cull { LineCulling::Large } else { LineCulling::Never }
 }
 
 #[cfg(test)]

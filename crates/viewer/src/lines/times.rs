@@ -18,7 +18,7 @@ use glam::Quat;
 
 use crate::common::Failed;
 use crate::lines::headless::BACKGROUND;
-use crate::lines::options::Options;
+use crate::lines::options::{Options, behind_lines};
 use crate::lines::source::Source;
 
 /// Times that a frame is drawn; the least time counts, since other programs only add to it.
@@ -84,7 +84,7 @@ impl Bench<'_> {
     ) -> Result<(Stages, usize, Seen), Failed> {
         // What stays from other frames is forgotten, so that each repeat does the same.
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
-        renderer.cull_lines(culling.is_some() || self.options.cull);
+        renderer.cull_lines(behind_lines(culling.is_some() || self.options.cull));
         let canvas = Canvas::new(self.gpu, (view.size()[0], view.size()[1]));
         let mut least = Stages::new();
         let mut seen = Seen::all(lines.bundles().len());
@@ -170,7 +170,7 @@ impl Bench<'_> {
     fn turning(&self, settings: Settings, lines: &GpuLines) -> Done {
         let size = <[u32; 2]>::from(self.options.common.drawing.size);
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
-        renderer.cull_lines(self.options.cull);
+        renderer.cull_lines(behind_lines(self.options.cull));
         let seen = Seen::all(lines.bundles().len());
         let [eye, middle] = self.source.start(self.options, size, 0)?;
         lines.forget();

@@ -21,7 +21,7 @@ use glam::Vec3;
 use crate::common::Failed;
 use crate::lines::headless::BACKGROUND;
 use crate::lines::legend;
-use crate::lines::options::{Options, Way};
+use crate::lines::options::{Options, Way, behind_lines};
 use crate::lines::source::{Source, sets};
 
 /// The share of the extent that the camera flies in a second.
@@ -181,7 +181,7 @@ impl Viewer {
             self.shown = self.seconds;
         }
         self.renderer.set_settings(gpu, settings)?;
-        self.renderer.cull_lines(cull);
+        self.renderer.cull_lines(behind_lines(cull));
         let seen = match cull {
             true => self.culling.look(&view, settings.reach(&view)?)?,
             false => Seen::all(self.lines.bundles().len()),

@@ -11,8 +11,9 @@
 @group(0) @binding(27) var<storage, read_write> groups: array<u32>;
 
 const WORK: u32 = 4u;
-// Rays of a value that are traced side by side: three each, as of a pixel.
-const SIDE_LANES: u32 = 4u;
+// Rays of a value that are traced side by side: one each, as a turned view asks for too few values to fill a device. And the values of a workgroup.
+const SIDE_LANES: u32 = 12u;
+const SIDE_VALUES: u32 = 64u / SIDE_LANES;
 const TURN: f32 = 6.2831855;
 
 // The unit tangent at a place.
@@ -92,7 +93,7 @@ const ROW: u32 = 32768u;
 // The workgroups that the work takes.
 @compute @workgroup_size(1)
 fn count() {
-    let all = (atomicLoad(&work[0]) + 64u / SIDE_LANES - 1u) / (64u / SIDE_LANES);
+    let all = (atomicLoad(&work[0]) + SIDE_VALUES - 1u) / SIDE_VALUES;
     groups[0] = min(all, ROW);
     groups[1] = (all + ROW - 1u) / ROW;
     groups[2] = 1u;
@@ -160,8 +161,8 @@ fn traced_side(value: u32, lane: u32) -> f32 {
 // The rays of the values in the list of work.
 @compute @workgroup_size(64)
 fn trace_sides(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
-    let number = (group.y * ROW + group.x) * (64u / SIDE_LANES) + local / SIDE_LANES;
-    let is_there = number < atomicLoad(&work[0]);
+    let number = (group.y * ROW + group.x) * SIDE_VALUES + local / SIDE_LANES;
+    let is_there = local < SIDE_VALUES * SIDE_LANES && number < atomicLoad(&work[0]);
     var value = 0u;
     if is_there { value = atomicLoad(&work[WORK + number]); }
     var hidden = 0.0;

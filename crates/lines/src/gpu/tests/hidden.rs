@@ -3,7 +3,7 @@
 use super::*;
 use crate::buffers::Fragment;
 use crate::gpu::context::{Context, GREY, GpuContext};
-use crate::gpu::hidden::Drawn;
+use crate::gpu::hidden::{Drawn, LineCulling};
 use crate::view::Lens;
 
 /// Draws views in turn, with and without the lines behind lines, and compares all fragments.
@@ -17,9 +17,9 @@ struct Pair<'a> {
 impl<'a> Pair<'a> {
     fn new(gpu: &'a Gpu, lines: &LineSet, context: Vec<GpuContext>) -> Self {
         let with = Settings { samples: 1, ..Settings::new(0.01, 0.001) };
-        let renderers = [true, false].map(|culls| {
+        let renderers = [LineCulling::Always, LineCulling::Never].map(|culling| {
             let mut renderer = Renderer::new(gpu, COLOUR, with).unwrap();
-            renderer.cull_lines(culls);
+            renderer.cull_lines(culling);
             renderer
         });
         Self { gpu, lines: GpuLines::new(gpu, lines, &with).unwrap(), context, renderers }
