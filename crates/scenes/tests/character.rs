@@ -217,7 +217,7 @@ fn damaged_characters_are_read_or_refused() {
         match read_coated(&damaged, None) {
             Ok(coated) => {
                 read += 1;
-                // What was read can grow fur, or is refused.
+                // A file that was read can grow fur, or is refused.
                 drop(Character::new(&coated, &Masks::default(), 1));
             }
             Err(_) => refused += 1,

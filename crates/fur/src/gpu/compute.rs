@@ -10,8 +10,8 @@ pub(super) struct Given<'a> {
     pub(super) bytes: &'a [u8],
 }
 
-/// What `threads` threads of a shader with one entry point, in groups of 64, write into the `bytes`
-/// bytes of the buffer at `found` (group and binding).
+/// The words that `threads` threads of a shader with one entry point, in groups of 64, write into
+/// the `bytes` bytes of the buffer at `found` (group and binding).
 pub(super) fn computed(
     gpu: &Gpu,
     source: String,

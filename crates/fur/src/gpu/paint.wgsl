@@ -3,7 +3,7 @@
 // Images of the mesh, all of one size.
 @group(2) @binding(0) var images: texture_2d_array<f32>;
 @group(2) @binding(1) var image_sampler: sampler;
-// Of each image how it goes on along u and v: 0 repeated, 1 clamped, 2 mirrored. The z of the first: how many there are.
+// How each image goes on along u and v: 0 repeated, 1 clamped, 2 mirrored. The z of the first is their number.
 @group(2) @binding(2) var<uniform> wraps: array<vec4u, 64>;
 
 /// How the coat and the place on the image change from pixel to pixel.

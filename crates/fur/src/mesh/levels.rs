@@ -48,7 +48,7 @@ impl Mesh {
             target = (target / COARSER).max(LEAST_LEVEL);
             let finer = levels.last().map_or(0, |level| level.mesh.triangles().len());
             let Some(level) = simplifier.level(target, is_closed) else { break };
-            // What hardly saves anything is no level.
+            // A level must save a quarter.
             if 4 * level.mesh.triangles().len() > 3 * finer {
                 break;
             }

@@ -125,7 +125,7 @@ impl Search<'_> {
                     });
                     let own = stray(strays, self.skeleton, self.joint, *center, 0.0);
                     let found = depth_among(triangles, there) - own - margin;
-                    // What is no number is no depth.
+                    // NaN counts as outside.
                     *depth = if found.is_nan() { f64::NEG_INFINITY } else { depth.min(found) };
                 }
             }
@@ -243,7 +243,7 @@ mod tests {
         let (still, near) = (radius(0.0).unwrap(), radius(0.4).unwrap());
         assert!(still > 0.8 && near < still - 0.1 && near > 0.5, "{still} {near}");
         assert_eq!(radius(3.0), None);
-        // What joint 1 carries runs with it.
+        // Vertices that joint 1 carries run with it.
         let along = carried_ball(&[(&mesh, &own)], &skeleton, &away(3.0), 1).unwrap().unwrap();
         assert!(along.radius > 0.6, "{along:?}");
         let refused = carried_ball(&[(&mesh, &own)], &skeleton, &away(1.0), 2);
@@ -276,7 +276,7 @@ mod tests {
         let hows = [Interpolation::Linear, Interpolation::Step, Interpolation::CubicSpline];
         for (joint, how) in [0, 1].into_iter().flat_map(|joint| hows.map(|how| (joint, how))) {
             let (still, leapt) = (radius(joint, 0.0, how).unwrap(), radius(joint, 0.2, how).unwrap());
-            // What is allowed to a spline is twice its way.
+            // A spline may take twice its way.
             assert!(leapt < still - 0.19 && leapt > still - 0.5, "joint {joint}, {how:?}: {still} {leapt}");
             assert_eq!(radius(joint, 2.0, how), None);
         }

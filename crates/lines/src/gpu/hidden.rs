@@ -43,7 +43,7 @@ impl LineCulling {
     }
 }
 
-/// What was drawn of a view.
+/// How much was drawn of a view.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Drawn {
     /// Chunks of up to 64 segments.
@@ -90,7 +90,7 @@ impl Chunks {
         (self.count, self.size) == (count, size)
     }
 
-    /// What was drawn.
+    /// How much was drawn.
     pub(super) fn drawn(&self, gpu: &Gpu) -> Result<Drawn, GpuError> {
         let bytes = gpu.read_buffer(&self.counts)?;
         let word = |i: usize| bytes.as_chunks().0.get(i).map_or(0, |b| u32::from_le_bytes(*b));

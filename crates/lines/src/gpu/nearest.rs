@@ -20,7 +20,7 @@ pub(super) struct Nearest {
     pub(super) culling: LineCulling,
     culls: bool,
     chunks: Option<Chunks>,
-    /// What was to be drawn of the last view.
+    /// How much was to be drawn of the last view.
     all: Drawn,
 }
 
@@ -73,7 +73,7 @@ impl Nearest {
         Ok(())
     }
 
-    /// What was drawn of the last view.
+    /// How much was drawn of the last view.
     pub(super) fn drawn(&self, gpu: &Gpu) -> Result<Drawn, GpuError> {
         match &self.chunks {
             Some(chunks) if self.culls => chunks.drawn(gpu),

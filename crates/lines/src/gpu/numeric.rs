@@ -52,6 +52,10 @@ pub const HIDDEN_ROOM: f32 = 1.0;
 /// [`IN_DOUBT`] holds.
 pub const FARTHEST_PIXEL: f32 = 16_384.0;
 
+/// A normal of context that is shorter than this after interpolation has no direction: vertices
+/// whose triangles face all ways have the normal 0. Triangles are shaded flat there.
+pub const LEAST_NORMAL: f32 = 1e-3;
+
 /// Constants as the shaders take them.
 pub(super) fn constants() -> String {
     let all = [
@@ -69,6 +73,7 @@ pub(super) fn constants() -> String {
         ("HIDDEN_ROUNDING", HIDDEN_ROUNDING),
         ("HIDDEN_ROOM", HIDDEN_ROOM),
         ("FARTHEST_PIXEL", FARTHEST_PIXEL),
+        ("LEAST_NORMAL", LEAST_NORMAL),
     ];
     let sides = format!("const SIDES: u32 = {SIDES}u;\nconst CHUNK: u32 = {CHUNK}u;\n");
     all.iter().map(|(name, value)| format!("const {name}: f32 = {value:e};\n")).chain([sides]).collect()

@@ -312,7 +312,7 @@ impl Renderer {
         self.read(gpu, |frame| &frame.occlusion)
     }
 
-    /// What was drawn of the last view.
+    /// How much was drawn of the last view.
     ///
     /// # Errors
     /// As [`Gpu::read_buffer`].

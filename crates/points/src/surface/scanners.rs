@@ -32,7 +32,7 @@ pub(super) struct Scanners {
     of: Vec<u32>,
 }
 
-/// What the segments from scanners to their points tell.
+/// The evidence of segments from scanners to their points.
 pub(super) struct Evidence {
     /// For each disc and sector, how far away the nearest segment crosses its plane.
     nearest: Vec<[f32; SECTORS]>,

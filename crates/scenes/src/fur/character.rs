@@ -27,11 +27,11 @@ pub struct Character {
     pub levels: Vec<Level>,
     /// The images on which their vertices lie.
     pub images: Vec<Image>,
-    /// What moves it, if the file has a skin.
+    /// The motion, if the file has a skin.
     pub rig: Option<CharacterRig>,
 }
 
-/// What moves a character.
+/// The skeleton, weights and clip that move a character.
 #[derive(Debug, Clone)]
 pub struct CharacterRig {
     /// The joints; poses take the centred mesh to where the file has it.

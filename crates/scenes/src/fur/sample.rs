@@ -74,7 +74,7 @@ fn place(mesh: &Mesh, p: Vec3) -> Vec2 {
 /// Stripes and a red collar.
 fn png(mesh: &Mesh, rig: &Rig) -> Vec<u8> {
     let (lo, hi) = (mesh.aabb().min, mesh.aabb().max);
-    // Of the joints that hang from the trunk the neck is highest in front.
+    // The neck is highest in front among the joints that hang from the trunk.
     let hangs = rig.skeleton.joints().iter().filter(|joint| joint.parent == Some(0));
     let neck = hangs.map(|joint| joint.rest.translation).max_by(|a, b| (a.x + a.y).total_cmp(&(b.x + b.y)));
     let neck = neck.unwrap_or_default();
@@ -93,7 +93,7 @@ fn png(mesh: &Mesh, rig: &Rig) -> Vec<u8> {
     image.write_to(&mut bytes, ImageFormat::Png).map_or(Vec::new(), |()| bytes.into_inner())
 }
 
-/// What a file holds.
+/// The parts of a file.
 #[derive(Default)]
 struct File {
     bytes: Vec<u8>,

@@ -34,7 +34,7 @@ pub struct Coated {
     pub names: Vec<String>,
     /// The images that colour it.
     pub images: Vec<Image>,
-    /// What moves it.
+    /// The skeleton and clips that move it.
     pub rig: Option<Rig>,
 }
 
@@ -138,7 +138,7 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
     })
 }
 
-/// Of each node: the joint of the skin that it hangs from or is, by its number, and the place of
+/// For each node the joint of the skin that it hangs from or is, by its number, and the place of
 /// the joint's node.
 fn joints_above(
     nodes: &Nodes,

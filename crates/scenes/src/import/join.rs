@@ -24,7 +24,7 @@ const LENGTH: &str = "FURLENGTH";
 /// The joints that a vertex follows, and their shares.
 pub(super) type Follower = ([u32; PER_VERTEX], [f32; PER_VERTEX]);
 
-/// What is joined; all by vertex but the mesh and the materials.
+/// The joined parts; all by vertex but the mesh and the materials.
 #[derive(Default)]
 pub(super) struct Made {
     pub(super) mesh: Mesh,
@@ -33,7 +33,7 @@ pub(super) struct Made {
     pub(super) places: Vec<Option<Vec2>>,
     /// By triangle.
     pub(super) materials: Vec<u32>,
-    /// Of vertices that follow something.
+    /// Only of vertices that follow something.
     pub(super) followers: Vec<Follower>,
 }
 
@@ -73,7 +73,7 @@ impl<'a> Join<'a> {
         }
     }
 
-    /// What was joined, and the images that it needs.
+    /// The joined parts, and the images that they need.
     pub(super) fn done(self) -> (Made, Vec<Image>) {
         (self.made, self.images.read)
     }

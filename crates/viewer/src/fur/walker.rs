@@ -32,7 +32,7 @@ impl Walker {
         Self { skeleton: rig.skeleton.clone(), weights, clip: rig.walk.clone(), place, low }
     }
 
-    /// What moves the character of a file, by its first animation.
+    /// The walker of the character of a file, by its first animation.
     ///
     /// # Errors
     /// The skin is refused, or the file has no animation that moves a joint.

@@ -54,7 +54,7 @@ impl Context {
         &self.mesh
     }
 
-    /// What hides, and its bounds.
+    /// The occluders, and their bounds.
     pub(super) fn occluders(&self) -> &[(Aabb, Occluder)] {
         &self.occluders
     }

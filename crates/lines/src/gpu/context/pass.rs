@@ -16,7 +16,7 @@ const ORDER: TextureFormat = TextureFormat::Depth32Float;
 /// The depth of a pixel without context, as `FAR_AWAY` of the shaders.
 const FAR_AWAY: f64 = 3e38;
 
-/// What context leaves in each pixel.
+/// The depth and shade of context in each pixel.
 pub(in crate::gpu) struct Surfaces {
     depth: TextureView,
     shade: TextureView,

@@ -32,7 +32,7 @@ fn corner(@location(0) position: vec3f, @location(1) normal: vec3f, @location(2)
 fn shade(corner: Corner) -> Shaded {
     let flat = cross(dpdx(corner.eye), dpdy(corner.eye));
     let long = length(corner.normal);
-    let normal = select(normalize(flat), corner.normal / max(long, 1e-30), long > 1e-3);
+    let normal = select(normalize(flat), corner.normal / max(long, LEAST_NORMAL), long > LEAST_NORMAL);
     let away = away_at(corner.eye);
     let turned = select(normal, -normal, dot(normal, away) > 0.0);
     let light = max(dot(turned, normalize(vec3f(-0.45, 0.7, 0.6))), 0.0);

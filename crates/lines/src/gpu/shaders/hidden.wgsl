@@ -56,7 +56,7 @@ fn tiles_of(size: vec2u) -> vec2u {
     return (size + SIDE - 1u) / SIDE;
 }
 
-// What a line must be nearer than to be seen: the nearest line so far, or context.
+// A line must be nearer than this to be seen: the key of the nearest line so far, or of context.
 fn cover(at: vec2u) -> u32 {
     return max(nearest[pixel_number(at)], key_of(textureLoad(surfaces, at, 0).x));
 }

@@ -31,7 +31,7 @@ pub(super) struct Draft {
     pub rotation: Option<f64>,
     /// The tile of an object with a picture.
     pub tile: Option<u32>,
-    /// Of several the last counts.
+    /// The last one, if there are several.
     pub form: Option<Form>,
     pub properties: BTreeMap<String, TmxValue>,
     /// Faults of its properties.

@@ -20,7 +20,7 @@ const COARSER: usize = 4;
 #[derive(Debug, Clone)]
 pub struct Animal {
     levels: Vec<Mesh>,
-    /// Of the finest level: finding it takes a pass over its vertices.
+    /// The box of the finest level: finding it takes a pass over its vertices.
     aabb: Aabb,
     /// The distance of each level to the finest one, as estimated.
     errors: Vec<f32>,
