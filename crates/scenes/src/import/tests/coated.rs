@@ -1,5 +1,7 @@
 //! Colours, lengths and images of meshes that grow fur.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use casca_fur::mesh::Coat;
 
 use super::*;
@@ -125,6 +127,20 @@ fn images_are_read_once_and_bad_ones_are_named() {
         assert_eq!(coord.image, Some(0));
     }
     assert_eq!(read.places[1], Some(glam::Vec2::X), "maps lie on the coordinates of the file");
+    // A picture of one colour as JPEG, which a uniform block keeps but for rounding.
+    let mut jpeg = Vec::new();
+    let made = image::RgbImage::from_pixel(16, 8, image::Rgb([200, 30, 60]));
+    made.write_with_encoder(image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 95)).unwrap();
+    let uri = |bytes: &[u8]| format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes));
+    let read = texture(&uri(&jpeg)).read().unwrap();
+    assert_eq!(read.images[0].size(), glam::UVec2::new(16, 8));
+    let near = |texel: &[u8]| texel.iter().zip([200u8, 30, 60, 255]).all(|(a, b)| a.abs_diff(b) <= 2);
+    assert!(read.images[0].texels().chunks(4).all(near));
+    for part in [2, 20, jpeg.len() / 2] {
+        // Decoders may fill up a picture that was cut in its middle.
+        let cut = texture(&uri(&jpeg[..part])).read();
+        assert!(part == jpeg.len() / 2 || cut.unwrap_err().to_string().starts_with("image 0"), "{part}");
+    }
     for uri in ["data:image/png;base64,iVBORw0KGgo=", "data:,", "nowhere.png", "/etc/passwd", "a?b"] {
         let said = texture(uri).read().unwrap_err().to_string();
         assert!(said.starts_with("image 0"), "{said}");
