@@ -197,7 +197,10 @@ mod tests {
     fn nobody_sees_a_solid_from_behind_but_a_sheet() {
         let solid = cloud(&[(0.0, ABOVE)]);
         let surface = Surface::new(&solid).unwrap();
-        assert!(surface.visible(ABOVE).unwrap().all());
+        // Flat ways of looking at its front, too.
+        for eye in [ABOVE, DVec3::new(100.0, 0.0, 30.0), DVec3::new(0.0, -100.0, 15.0)] {
+            assert!(surface.visible(eye).unwrap().all(), "{eye}");
+        }
         assert!(surface.answers(BELOW).unwrap().iter().all(|answer| *answer == Answer::FacesAway));
         // A scanner below it has seen the same points, so that it is a sheet.
         let mut sheet = cloud(&[(0.0, ABOVE), (0.02, BELOW)]);
@@ -206,6 +209,21 @@ mod tests {
         sheet.positions.iter_mut().skip(441).for_each(|p| p.z = -0.4);
         let seen = visible(&sheet, BELOW).unwrap();
         assert!(!seen[..441].any() && seen[441..].all());
+        // Through a hole in the lower side one sees the upper one from behind, up to the border.
+        let in_hole = |p: &Vec3| p.x.abs() < 5.5 && p.y.abs() < 5.5;
+        let kept = |i: &usize| *i < 441 || !in_hole(&sheet.positions[*i]);
+        let kept: Vec<usize> = (0..sheet.len()).filter(kept).collect();
+        let holed = PointCloud {
+            positions: kept.iter().map(|&i| sheet.positions[i]).collect(),
+            seen_by: kept.iter().map(|&i| sheet.seen_by[i]).collect(),
+            ..sheet
+        };
+        let answers = Surface::new(&holed).unwrap().answers(BELOW).unwrap();
+        let near_border = |p: &Vec3| in_hole(p) && p.x.abs().max(p.y.abs()) > 3.5;
+        let seen = (0..441).filter(|&i| near_border(&holed.positions[i]));
+        let seen: Vec<Answer> =
+            seen.map(|i| answers[i]).filter(|a| !matches!(a, Answer::Behind(_))).collect();
+        assert!(seen.len() > 30 && seen.iter().all(|a| *a == Answer::FacesAway), "{seen:?}");
     }
 
     /// A strip of points before a wall: those of the wall that are not near its shadow.
