@@ -32,7 +32,6 @@ pub fn levels(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box
         pictures.push(large.shoot(&mut renderer, &camera, &list, &sun)?);
     }
     let path = choices.out().join(format!("{}-levels.png", subject.name));
-    pictures.resize(pictures.len().next_multiple_of(2), pictures[0].clone());
     let all = sheet(&pictures, 2);
     write_png(&path, all.size, &all.pixels)?;
     say(path.display());

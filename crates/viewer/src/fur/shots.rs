@@ -18,17 +18,20 @@ pub struct Picture {
     pub pixels: Vec<u8>,
 }
 
-/// Pictures of one size in rows of `columns`, from the left and from the top.
+/// Pictures of one size in rows of `columns`, from the left and from the top; white where the last
+/// row has none.
 pub fn sheet(pictures: &[Picture], columns: usize) -> Picture {
+    let columns = columns.max(1);
     let Some(first) = pictures.first() else { return Picture { size: (0, 0), pixels: Vec::new() } };
     let (width, height) = (first.size.0 as usize, first.size.1 as usize);
     let mut pixels = Vec::new();
-    for row in pictures.chunks_exact(columns.max(1)) {
+    for row in pictures.chunks(columns) {
         for y in 0..height {
             row.iter().for_each(|p| pixels.extend(p.pixels.iter().skip(4 * width * y).take(4 * width)));
+            pixels.resize(pixels.len() + 4 * width * (columns - row.len()), 255);
         }
     }
-    let rows = pictures.len() / columns.max(1);
+    let rows = pictures.len().div_ceil(columns);
     Picture { size: (first.size.0 * columns as u32, first.size.1 * rows as u32), pixels }
 }
 
@@ -97,6 +100,10 @@ mod tests {
         let made = sheet(&[one(0), one(10), one(20), one(30)], 2);
         let values: Vec<u8> = made.pixels.chunks(4).map(|p| p[0]).collect();
         assert_eq!((made.size, values), ((2, 4), vec![0, 10, 1, 11, 20, 30, 21, 31]));
+        // White where one is missing.
+        let made = sheet(&[one(0), one(10), one(20)], 2);
+        let values: Vec<u8> = made.pixels.chunks(4).map(|p| p[0]).collect();
+        assert_eq!((made.size, values), ((2, 4), vec![0, 10, 1, 11, 20, 255, 21, 255]));
         assert_eq!(sheet(&[], 2).size, (0, 0));
     }
 }
