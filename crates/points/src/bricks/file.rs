@@ -4,6 +4,9 @@
 //! f64), points (u64), bricks (u64), 0 (u64). Then 16 bytes for each point: position minus origin
 //! (3 f32), red, green, blue, 0. Then 64 bytes for each brick, in the order of their points: least
 //! and greatest corner (6 f32), and the points of each level (10 u32), of which the last is all.
+//!
+//! In version 2 a point has 20 bytes: then follows its normal (u32), three numbers of ten bits with
+//! signs, of which 511 is 1; all of them 0 for none.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -15,48 +18,21 @@ use casca::{Aabb, ObjectDesc, ObjectId, Scene};
 use glam::{DVec3, Vec3};
 
 use super::error::BrickError;
+use super::point::{BrickPoint, POINT, POINT_WITH_NORMAL};
 use crate::Camera;
 
 /// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256
 /// cells along its longest edge, and all.
 pub(super) const LEVELS: usize = 10;
-/// The most points of a brick: 4 MiB.
+/// The most points of a brick: 4 MiB, 5 with normals.
 pub(super) const MOST: u32 = 1 << 18;
 /// Bytes of the header, and of each entry of the index.
 pub(super) const HEADER: u64 = 64;
 pub(super) const ENTRY: u64 = 64;
-/// Bytes of a point.
-pub(super) const POINT: u64 = 16;
 
 const MAGIC: [u8; 8] = *b"CASCABRK";
-const VERSION: u32 = 1;
-
-/// A point of a brick.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct BrickPoint {
-    pub position: Vec3,
-    pub colour: [u8; 3],
-}
-
-impl BrickPoint {
-    pub fn to_bytes(self) -> [u8; POINT as usize] {
-        let [x, y, z] = self.position.to_array().map(f32::to_le_bytes);
-        let [r, g, b] = self.colour;
-        let mut bytes = [0; POINT as usize];
-        bytes[..4].copy_from_slice(&x);
-        bytes[4..8].copy_from_slice(&y);
-        bytes[8..12].copy_from_slice(&z);
-        bytes[12..15].copy_from_slice(&[r, g, b]);
-        bytes
-    }
-
-    pub fn from_bytes(bytes: &[u8]) -> Self {
-        Self {
-            position: Vec3::from([0, 4, 8].map(|at| float(bytes, at))),
-            colour: [bytes[12], bytes[13], bytes[14]],
-        }
-    }
-}
+/// The versions of files without normals, and with them.
+const VERSIONS: [u32; 2] = [1, 2];
 
 fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     std::array::from_fn(|i| bytes[at + i])
@@ -72,15 +48,22 @@ pub(super) struct Header {
     pub origin: DVec3,
     pub points: u64,
     pub bricks: u64,
+    /// Whether points have normals.
+    pub normals: bool,
 }
 
 impl Header {
+    /// Bytes of a point.
+    pub fn point(&self) -> u64 {
+        if self.normals { POINT_WITH_NORMAL } else { POINT }
+    }
+
     pub fn to_bytes(self) -> Vec<u8> {
         let origin = self.origin.to_array().map(f64::to_le_bytes);
         let counts = [self.points, self.bricks, 0].map(u64::to_le_bytes);
         [
             &MAGIC[..],
-            &VERSION.to_le_bytes(),
+            &VERSIONS[usize::from(self.normals)].to_le_bytes(),
             &(LEVELS as u32).to_le_bytes(),
             origin.as_flattened(),
             counts.as_flattened(),
@@ -95,12 +78,12 @@ impl Header {
             );
         }
         let [version, levels] = [8, 12].map(|at| u32::from_le_bytes(array(bytes, at)));
-        if version != VERSION {
-            return Err(format!("its version is {version}, and only {VERSION} is known"));
-        }
+        let Some(normals) = VERSIONS.iter().position(|known| *known == version) else {
+            return Err(format!("its version is {version}, and only {VERSIONS:?} are known"));
+        };
         if levels != LEVELS as u32 {
             return Err(format!(
-                "its bricks have {levels} levels of detail, and version {VERSION} has {LEVELS}"
+                "its bricks have {levels} levels of detail, and version {version} has {LEVELS}"
             ));
         }
         let origin = DVec3::from([16, 24, 32].map(|at| f64::from_le_bytes(array(bytes, at))));
@@ -108,7 +91,7 @@ impl Header {
         if !origin.is_finite() {
             return Err("its origin is not finite".into());
         }
-        Ok(Self { origin, points, bricks })
+        Ok(Self { origin, points, bricks, normals: normals > 0 })
     }
 }
 
@@ -185,7 +168,7 @@ impl Bricks {
         }
         file.read_exact(&mut start).map_err(io)?;
         let header = Header::from_bytes(&start).map_err(&broken)?;
-        let index = header.points.checked_mul(POINT).and_then(|bytes| bytes.checked_add(HEADER));
+        let index = header.points.checked_mul(header.point()).and_then(|bytes| bytes.checked_add(HEADER));
         let end =
             header.bricks.checked_mul(ENTRY).zip(index).and_then(|(bytes, index)| index.checked_add(bytes));
         if end != Some(length) || u32::try_from(header.bricks).is_err() {
@@ -230,6 +213,11 @@ impl Bricks {
     /// The number of points in all bricks.
     pub fn points(&self) -> u64 {
         self.header.points
+    }
+
+    /// Whether points have normals: those of clouds without normals are zero.
+    pub fn has_normals(&self) -> bool {
+        self.header.normals
     }
 
     /// The place that all coordinates are relative to, in those of the source.
@@ -322,13 +310,14 @@ impl Bricks {
     pub(super) fn read(&self, brick: u32, range: Range<u32>) -> Result<Vec<BrickPoint>, BrickError> {
         let io = |source| BrickError::Io { name: self.name.clone(), source };
         let Brick { bounds, first, .. } = self.index[brick as usize];
-        let mut bytes = vec![0; range.len() * POINT as usize];
+        let size = self.header.point();
+        let mut bytes = vec![0; range.len() * size as usize];
         {
             let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-            file.seek(SeekFrom::Start(HEADER + (first + u64::from(range.start)) * POINT)).map_err(io)?;
+            file.seek(SeekFrom::Start(HEADER + (first + u64::from(range.start)) * size)).map_err(io)?;
             file.read_exact(&mut bytes).map_err(io)?;
         }
-        let points: Vec<_> = bytes.chunks_exact(POINT as usize).map(BrickPoint::from_bytes).collect();
+        let points: Vec<_> = bytes.chunks_exact(size as usize).map(BrickPoint::from_bytes).collect();
         if points.iter().any(|p| !bounds.contains(p.position)) {
             let cause = format!("a point of brick {brick} lies outside its bounds");
             return Err(BrickError::Broken { name: self.name.clone(), cause });

@@ -2,10 +2,10 @@
 //! walls that the application inserts, or [occluders](crate::occluders) estimated from the points.
 //!
 //! A file of bricks is built out of core by a [`Builder`]. [`Bricks`] opens it: the index is in
-//! memory, 64 bytes for each brick; the points, 16 bytes each, stay in the file. The points of a
-//! brick are in an order of which every beginning is a coarser level of detail. A [`Loader`] reads
-//! as much of each wanted brick as a picture needs, in a thread of its own, into a budget of
-//! memory.
+//! memory, 64 bytes for each brick; the points, 16 bytes each and 20 with normals, stay in the
+//! file. The points of a brick are in an order of which every beginning is a coarser level of
+//! detail. A [`Loader`] reads as much of each wanted brick as a picture needs, in a thread of its
+//! own, into a budget of memory.
 //!
 //! ```no_run
 //! use casca_points::bricks::{Bricks, Loader};
@@ -37,6 +37,7 @@ mod error;
 mod file;
 mod loader;
 mod order;
+mod point;
 #[cfg(test)]
 mod tests;
 

@@ -9,7 +9,8 @@ use glam::Vec3;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-use super::file::{Brick, BrickPoint, LEVELS};
+use super::file::{Brick, LEVELS};
+use super::point::BrickPoint;
 use crate::morton::morton;
 
 /// Bits of a coordinate in the codes that bricks are cut by.

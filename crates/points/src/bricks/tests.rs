@@ -73,6 +73,76 @@ fn bricks_hold_every_point_once() {
 }
 
 #[test]
+fn normals_are_kept_and_files_without_them_have_16_bytes_a_point() {
+    let plain = cloud(3000);
+    let count = plain.len() as u64;
+    let (_folder, path) = build(&plain, 700, options(200));
+    let without = Bricks::open(&path).unwrap();
+    let length = |path: &PathBuf| fs::metadata(path).unwrap().len();
+    assert!(!without.has_normals());
+    assert_eq!(length(&path), 64 + 16 * count + 64 * without.len() as u64);
+    // The second half has normals: away from the origin.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bricks");
+    let mut builder = Builder::create(&path, BuildOptions { memory: 0, ..options(200) }).unwrap();
+    let half = plain.len() / 2;
+    let part = |range: std::ops::Range<usize>, has: bool| {
+        let positions = plain.positions[range.clone()].to_vec();
+        let normals = positions.iter().filter(|_| has).map(|p| p.normalize()).collect();
+        PointCloud {
+            origin: plain.origin,
+            positions,
+            colours: plain.colours[range].to_vec(),
+            normals,
+            ..PointCloud::default()
+        }
+    };
+    builder.push(&part(0..half, false)).unwrap();
+    builder.push(&part(half..plain.len(), true)).unwrap();
+    builder.finish(|_, _| ()).unwrap();
+    let bricks = Arc::new(Bricks::open(&path).unwrap());
+    assert!(bricks.has_normals() && bricks.len() == without.len());
+    assert_eq!(length(&path), 64 + 20 * count + 64 * bricks.len() as u64);
+    let loader = Loader::new(bricks.clone(), 1 << 20).unwrap();
+    let number = |c: [u8; 3]| usize::from(c[0]) | usize::from(c[1]) << 8 | usize::from(c[2]) << 16;
+    let check = |loader: &Loader, wants: &[Want]| {
+        loader.want(wants);
+        loader.settle();
+        assert!(loader.take_error().is_none());
+        let found = loader.gather(wants);
+        assert_eq!((found.check(), found.normals.len()), (Ok(()), found.len()));
+        for i in 0..found.len() {
+            let (normal, away) = (found.normals[i], found.positions[i].normalize());
+            match number(found.colours[i]) >= half {
+                true => assert!(normal.distance(away) < 2e-3, "{normal} {away}"),
+                false => assert_eq!(normal, Vec3::ZERO),
+            }
+        }
+        found.len()
+    };
+    let all =
+        |most: u32| (0..bricks.len() as u32).map(|brick| Want { brick, points: most }).collect::<Vec<_>>();
+    // In two steps, so that parts of bricks are joined; then less.
+    let counts = [7, u32::MAX, 3].map(|most| check(&loader, &all(most)));
+    assert!(counts[1] as u64 == count && counts[0] > counts[2], "{counts:?}");
+    // Bricks that are cut to make room for others, and grow again.
+    let large =
+        (0..bricks.len() as u32).filter(|&b| bricks.available(Want { brick: b, points: u32::MAX }) > 100);
+    let large: Vec<u32> = large.take(2).collect();
+    let tight = Loader::new(bricks.clone(), 20 * 210).unwrap();
+    let want = |which: usize, points: u32| Want { brick: large[which], points };
+    for wants in [vec![want(0, 100)], vec![want(1, 200), want(0, 5)], vec![want(0, 100)]] {
+        assert!(check(&tight, &wants) >= 100);
+    }
+    // Without normals in the file there are none.
+    let loader = Loader::new(Arc::new(without), 1 << 20).unwrap();
+    loader.want(&all(u32::MAX));
+    loader.settle();
+    let found = loader.gather(&all(u32::MAX));
+    assert!(found.normals.is_empty() && found.len() as u64 == count);
+}
+
+#[test]
 fn the_size_of_chunks_and_the_memory_do_not_matter() {
     let cloud = cloud(80_000);
     let small = BuildOptions { memory: 0, ..options(5000) };

@@ -136,15 +136,20 @@ pub fn e57(count: usize, doubles: bool) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// A file of bricks.
-pub fn bricks(count: usize) -> Vec<u8> {
+/// A file of bricks, with normals if the cloud has some.
+pub fn bricks_of(cloud: &PointCloud) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bricks");
     let options = BuildOptions { most_points: 50, ..BuildOptions::default() };
     let mut builder = Builder::create(&path, options).expect("a file");
-    builder.push(&helix(count)).expect("finite points");
+    builder.push(cloud).expect("finite points");
     builder.finish(|_, _| ()).expect("a file");
     std::fs::read(&path).expect("a file")
+}
+
+/// A file of bricks.
+pub fn bricks(count: usize) -> Vec<u8> {
+    bricks_of(&helix(count))
 }
 
 /// Files of all formats but bricks.
