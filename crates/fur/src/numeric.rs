@@ -148,7 +148,8 @@ pub(crate) const LEAST_SPLINE: f64 = 1e-3;
 /// differ little.
 pub(crate) const CARRIED_CENTERS: usize = 48;
 
-/// Steps of the sun's way through fur: what they sum is even, but where strands of a length end.
+/// Steps of the sun's way through fur: along it the density changes only where strands of a length
+/// end.
 pub(crate) const LIGHT_STEPS: u32 = 8;
 
 /// The sun stands at least so high over the skin, as the cosine to its normal: bodies are round,

@@ -1,5 +1,7 @@
 //! Fur coloured by images: shells beside rays that take the colour at each strand's root.
 
+mod common;
+
 use casca_fur::gpu::look::Look;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
@@ -10,22 +12,11 @@ use casca_fur::strands::Fur;
 use casca_scenes::world;
 use casca_stage::camera::Camera;
 use casca_stage::canvas::Canvas;
-use casca_stage::gpu::{COLOUR, Gpu, GpuError};
+use casca_stage::gpu::{COLOUR, Gpu};
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 
 const TO_SUN: Vec3 = Vec3::new(0.6, 0.64, 0.48);
 const SIZE: (u32, u32) = (96, 72);
-
-fn gpu() -> Option<Gpu> {
-    match Gpu::headless(false) {
-        Ok(gpu) => Some(gpu),
-        Err(GpuError::NoAdapter(why)) => {
-            println!("skipped: no adapter: {why}");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
-}
 
 /// A ball of radius 1 whose place on image 0 is its shadow on the plane z = 0: two images in each
 /// direction, and half of one more.
@@ -68,7 +59,7 @@ fn rmse(a: &[u8], b: &[u8]) -> f64 {
 
 #[test]
 fn bare_skin_has_the_colours_of_its_image_however_it_goes_on() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = common::gpu() else { return };
     // Light from everywhere, and no fur: a pixel is a texel.
     let material =
         Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, exponent: 1.0, wrap: 0.0, root: 1.0 };
@@ -98,7 +89,7 @@ fn bare_skin_has_the_colours_of_its_image_however_it_goes_on() {
 
 #[test]
 fn shells_have_the_colours_of_roots() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = common::gpu() else { return };
     let mesh = ball();
     let images = [stripes(Wrap::Repeat)];
     let mut fur = Fur { spacing: 0.1, ..Fur::for_radius(1.0, 0.2, 0.4).unwrap() };
@@ -119,7 +110,7 @@ const ROOTS: f64 = 0.041;
 
 #[test]
 fn strange_images_end_no_device() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = common::gpu() else { return };
     let look = Look::new(Fur::for_radius(1.0, 0.1, 0.3).unwrap());
     let mesh = [ball()];
     let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look).unwrap();

@@ -109,7 +109,8 @@ pub(super) fn check(images: &[Image]) -> Result<(), Error> {
     range("the number of images", images.len() as f64, 0.0, MAX_IMAGES.into())
 }
 
-/// The size of all layers: that of the largest image, within what is drawn and `most`.
+/// The size of all layers: that of the largest image, but no side is longer than `most` or
+/// [`DRAWN_SIDE`], and all layers have at most [`DRAWN_BYTES`].
 fn layer_size(images: &[Image], most: u32) -> UVec2 {
     let largest = images.iter().fold(UVec2::ONE, |size, image| size.max(image.size()));
     let mut size = largest.min(UVec2::splat(DRAWN_SIDE.min(most)));

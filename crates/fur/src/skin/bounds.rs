@@ -82,7 +82,7 @@ impl SkinBounds {
                 };
                 let far =
                     (0..8).map(|i| stray(strays, skeleton, joint, corner(i), reach)).fold(0.0, f64::max);
-                // Rounded up: a box must not lose what it strays.
+                // Rounded up: a box that is too small could lose a point.
                 (far as f32).next_up()
             });
             // NaN of one piece must not vanish.

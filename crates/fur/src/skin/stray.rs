@@ -108,6 +108,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::Mesh;
+    use crate::numeric::SKINNING_ERROR;
     use crate::samples::{Dice, ball, dice};
     use crate::skin::{Interpolation, Joint, Local, SkinBounds, Track, Weights};
     use crate::strands::Fur;
@@ -181,7 +182,7 @@ mod tests {
                 pose.set(&skeleton, &clip, time, Ending::Loop);
                 let posed = bounds.posed(&pose, &fur);
                 // The bounds of a pose are wider than it by the same rounding.
-                let slack = 4e-6 * posed.min.abs().max(posed.max.abs()).max_element();
+                let slack = 2.0 * SKINNING_ERROR * posed.min.abs().max(posed.max.abs()).max_element();
                 assert!(
                     posed.min.cmpge(whole.min - slack).all() && posed.max.cmple(whole.max + slack).all(),
                     "case {case}, {time}: {posed:?} is not in {whole:?}"

@@ -33,14 +33,14 @@ impl CarriedBall {
 /// A large ball that a joint carries and that lies inside all levels of a mesh at all times of a
 /// clip; `None` if none was found. `levels` are meshes with their weights.
 ///
-/// It hides what is behind it in each pose, whatever other joints do, and although skin folds. The
-/// clip is cut into 64 pieces. In the middle of each, all triangles of the posed skin are farther
-/// from the ball than they and the ball stray within the piece, so that no triangle meets it there;
-/// and the skin winds around its middle at least once. How often a closed surface winds around a
-/// point changes only when it crosses the point, so that it winds around all points of the ball at
-/// all times of the piece. A ray from where it does not wind to a point of the ball enters skin
-/// more often than it leaves it, so that the eye sees the front of skin before the ball. For an eye
-/// within the skin the skin behind the ball hides as much.
+/// The ball hides things behind it in each pose, whatever other joints do, and even where skin
+/// folds. The clip is cut into 64 pieces. In the middle of each, all triangles of the posed skin
+/// are farther from the ball than they and the ball stray within the piece, so that no triangle
+/// meets it there; and the skin winds around its middle at least once. How often a closed surface
+/// winds around a point changes only when it crosses the point, so that it winds around all points
+/// of the ball at all times of the piece. A ray from where it does not wind to a point of the ball
+/// enters skin more often than it leaves it, so that the eye sees skin before the ball. For an eye
+/// within the skin, the skin behind the ball hides as much: both sides of skin are drawn.
 ///
 /// Costs the triangles of the coarsest level times 1,728 and then times 48 for each piece, and once
 /// the other levels for each piece.
@@ -142,6 +142,9 @@ mod tests {
     use crate::samples::{Dice, ball, dice};
     use crate::skin::{Channel, Ending, Interpolation, Joint, Track};
 
+    /// The share of a joint that hardly moves a vertex, which then still counts as following it.
+    const HARDLY: f32 = 1e-6;
+
     /// A ball whose halves swing against each other, its middle softly, and grow and move.
     fn swinger(random: &mut Dice, how: Interpolation) -> (Mesh, Weights, Skeleton, Clip) {
         let mesh = ball(5);
@@ -229,7 +232,7 @@ mod tests {
         );
         let count = mesh.vertices().len();
         let weights = |joint| {
-            let shares: Vec<[f32; 4]> = (0..count).map(|_| [1e-6, 1.0, 0.0, 0.0]).collect();
+            let shares = vec![[HARDLY, 1.0, 0.0, 0.0]; count];
             Weights::new(&vec![[joint, 1, 0, 0]; count], &shares, &skeleton).unwrap()
         };
         let away = |most: f32| {
@@ -257,7 +260,7 @@ mod tests {
         let (mesh, skeleton) = (ball(4), Skeleton::new(vec![joint(), joint()]).unwrap());
         let count = mesh.vertices().len();
         // The skin follows joint 1, the ball joint 0; one of them leaps and comes back.
-        let shares = vec![[1e-9, 1.0, 0.0, 0.0]; count];
+        let shares = vec![[HARDLY, 1.0, 0.0, 0.0]; count];
         let weights = Weights::new(&vec![[0, 1, 0, 0]; count], &shares, &skeleton).unwrap();
         let radius = |joint: usize, leap: f32, how: Interpolation| {
             let (mut times, mut values) = (vec![0.0, 0.5001, 0.5002, 0.5003, 1.0], [0.0; 5].to_vec());

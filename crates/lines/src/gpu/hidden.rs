@@ -4,7 +4,8 @@
 //! and two passes by what the last frame saw. Chunks that were seen in the last frame are drawn
 //! first. The depths that they leave bound what each pixel can still show: a chunk whose pixels all
 //! have something nearer changes none of them, and is not drawn. A pixel without a line hides
-//! nothing, and what the last frame saw decides only what is drawn first: no pixel depends on it.
+//! nothing. The last frame decides only which chunks are drawn first, so that no pixel depends on
+//! it.
 
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::kernel::{Bound, Kernel, among, filled};

@@ -54,8 +54,8 @@ impl Nearest {
         })
     }
 
-    /// Buffers for the chunks of a set and the pixels of a picture. The old ones stay if they fit:
-    /// what was seen of another set is as good a guess as any.
+    /// Buffers for the chunks of a set and the pixels of a picture. The old ones stay if they fit,
+    /// even those of another set: their chunks are only a guess.
     pub(super) fn fit(
         &mut self,
         gpu: &Gpu,

@@ -1,12 +1,9 @@
-//! Meshes among the lines: what they hide, in the picture and in the scene of bundles.
-
-use casca_stage::canvas::Canvas;
+//! Meshes among the lines hide lines, in the picture and in the scene of bundles.
 
 use super::*;
 use crate::buffers::Fragment;
-use crate::gpu::context::{Context, GREY, GpuContext};
+use crate::gpu::context::{Context, GREY};
 use crate::gpu::culling::Culling;
-use crate::gpu::renderer::Look;
 use crate::mesh::Mesh;
 use crate::view::Lens;
 
@@ -81,11 +78,8 @@ fn pictures_with_and_without_bundles_behind_meshes_are_the_same_in_every_pixel()
                 let view = View::look_at([eye, Vec3::ZERO, Vec3::Y], lens, [near, 5.0], [160, 120]).unwrap();
                 let seen = culling.look(&view, renderer.settings().reach(&view).unwrap()).unwrap();
                 let mut shot = |seen: &Seen| {
-                    renderer.update(&gpu, &view, (&lines, seen), &context, &mut Clock::off()).unwrap();
-                    renderer
-                        .paint(&gpu, &canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, &mut Clock::off())
-                        .unwrap();
-                    (renderer.read_fragments(&gpu).unwrap(), canvas.read_picture(&gpu).unwrap())
+                    let picture = picture((&gpu, &canvas), &mut renderer, &view, (&lines, seen), &context);
+                    (renderer.read_fragments(&gpu).unwrap(), picture)
                 };
                 let (all, culled) = (shot(&everything), shot(&seen));
                 let lost = all.0.iter().zip(&culled.0).filter(|(a, b)| a != b).count();

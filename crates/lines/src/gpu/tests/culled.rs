@@ -1,13 +1,11 @@
 //! Pictures with and without culling, and views of scenes.
 
-use casca_stage::canvas::Canvas;
 use proptest::prelude::*;
 
 use super::*;
-use crate::gpu::context::{Context, GpuContext};
+use crate::gpu::context::Context;
 use crate::gpu::culling::Culling;
 use crate::gpu::lens::{Reach, view_of_scene};
-use crate::gpu::renderer::Look;
 use crate::sets::rooms::House;
 use crate::testing::cases;
 use crate::view::Lens;
@@ -35,11 +33,8 @@ fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
         let view = View::look_at([eye, target, Vec3::Y], lens, depths, [160, 120]).unwrap();
         let seen = culling.look(&view, renderer.settings().reach(&view).unwrap()).unwrap();
         let mut shot = |seen: &Seen| {
-            renderer.update(&gpu, &view, (&lines, seen), &context, &mut Clock::off()).unwrap();
-            renderer
-                .paint(&gpu, &canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, &mut Clock::off())
-                .unwrap();
-            (canvas.read_picture(&gpu).unwrap(), renderer.read_occlusion(&gpu).unwrap())
+            let picture = picture((&gpu, &canvas), &mut renderer, &view, (&lines, seen), &context);
+            (picture, renderer.read_occlusion(&gpu).unwrap())
         };
         let (all, culled) = (shot(&everything), shot(&seen));
         let differing = all.0.iter().zip(&culled.0).filter(|(a, b)| a != b).count();

@@ -74,7 +74,7 @@ fn pictures_with_and_without_lines_behind_lines_are_the_same_in_every_pixel() {
         let mut pair = Pair::new(&gpu, &lines, context);
         let (mut drawn, mut all) = (0, 0);
         for (i, view) in around([61, 45]).enumerate() {
-            // Twice: what a frame sees is drawn first in the next one.
+            // Twice: the second frame first draws the chunks that the first one saw.
             for again in 0..2 {
                 let [some, every] = pair.compare(&view, &format!("{name}, view {i}, {again}"));
                 (drawn, all) = (drawn + some, all + every);

@@ -9,12 +9,14 @@ mod occlusion;
 mod places;
 mod values;
 
+use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::timing::Clock;
 use glam::{Vec3, vec3};
 
+use crate::gpu::context::GpuContext;
 use crate::gpu::culling::Seen;
-use crate::gpu::renderer::Renderer;
+use crate::gpu::renderer::{Look, Renderer};
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::Settings;
 use crate::numeric::MARGIN_IN_TUBES;
@@ -64,6 +66,19 @@ fn settings(ao: AoOptions) -> Settings {
 /// Settings whose cells have a margin.
 fn of_margin(margin: f32) -> Settings {
     Settings::new(0.3, margin / MARGIN_IN_TUBES)
+}
+
+/// The picture of some bundles among context, with their occlusion.
+fn picture(
+    (gpu, canvas): (&Gpu, &Canvas),
+    renderer: &mut Renderer,
+    view: &View,
+    lines: (&GpuLines, &Seen),
+    context: &[GpuContext],
+) -> Vec<u8> {
+    renderer.update(gpu, view, lines, context, &mut Clock::off()).unwrap();
+    renderer.paint(gpu, &canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, &mut Clock::off()).unwrap();
+    canvas.read_picture(gpu).unwrap()
 }
 
 /// A frame of all lines without walls.

@@ -41,6 +41,10 @@ fn bent_lines(count: u32, seed: u64) -> LineSet {
     .unwrap()
 }
 
+/// Steps along a ray end here, far below the 2% of a radius by which tubes are made thinner and
+/// thicker.
+const SHORTEST_STEP: f64 = 1e-4;
+
 #[test]
 fn thin_rays_stop_at_the_tubes_and_balls_that_small_steps_meet() {
     for (lines, radius) in [(short_lines(125, 1.0, 3), 0.02), (bent_lines(60, 4), 0.05)] {
@@ -62,7 +66,7 @@ fn thin_rays_stop_at_the_tubes_and_balls_that_small_steps_meet() {
                 let mut t = 0.0;
                 while t < long {
                     let free = nearest(t) - radius;
-                    if free < 1e-4 {
+                    if free < SHORTEST_STEP {
                         return true;
                     }
                     t += free;
