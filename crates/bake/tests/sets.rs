@@ -52,7 +52,8 @@ fn in_solid(objects: &[Object], place: Vec3) -> bool {
         Shape::Box { min, max } => place.cmpge(min - CLEAR).all() && place.cmple(max + CLEAR).all(),
         Shape::Mesh { mesh, transform } => {
             let (min, max) = mesh.bounds(transform);
-            mesh.is_closed() && place.cmpge(min).all() && place.cmple(max).all()
+            // Last, because it is a pass over all edges.
+            place.cmpge(min).all() && place.cmple(max).all() && mesh.is_closed()
         }
     })
 }
