@@ -20,6 +20,16 @@ pub enum Mapping {
     CubeMap,
 }
 
+/// How much of the sun strands take from each other and from the skin. The light from everywhere
+/// always has the factor by height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SelfShadow {
+    /// A factor that grows from root to tip ([`Material::root`]), wherever the sun stands.
+    Height,
+    /// By how many strands the sun's ray meets on its way out: [`Fur::sun_through`].
+    Depth,
+}
+
 /// The fur of all meshes of a renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
@@ -35,12 +45,21 @@ pub struct Look {
     pub material: Material,
     /// How much strands differ in colour, 0 to 1.
     pub vary: f32,
+    /// How strands shade each other.
+    pub self_shadow: SelfShadow,
 }
 
 impl Look {
-    /// Hashed cells, followed rays and the usual light.
+    /// Hashed cells, followed rays, the usual light, and shadows among strands by depth.
     pub fn new(fur: Fur) -> Self {
-        Self { fur, mapping: Mapping::Cells, marched: true, material: Material::default(), vary: 0.22 }
+        Self {
+            fur,
+            mapping: Mapping::Cells,
+            marched: true,
+            material: Material::default(),
+            vary: 0.22,
+            self_shadow: SelfShadow::Depth,
+        }
     }
 
     pub(crate) fn record(&self) -> LookRecord {
@@ -65,7 +84,8 @@ impl Look {
             diffuse: material.diffuse,
             specular: material.specular,
             vary: self.vary,
-            pad: [0.0; 3],
+            self_shadow: u32::from(self.self_shadow == SelfShadow::Depth),
+            pad: [0.0; 2],
         }
     }
 
@@ -124,7 +144,8 @@ pub(crate) struct LookRecord {
     diffuse: f32,
     specular: f32,
     vary: f32,
-    pad: [f32; 3],
+    self_shadow: u32,
+    pad: [f32; 2],
 }
 
 /// A vertex as the shaders take it.

@@ -16,7 +16,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
-use crate::gpu::look::{Look, SKY, stored};
+use crate::gpu::look::{Look, SKY, SelfShadow, stored};
 use crate::gpu::numeric::{SHADOW_LIFT, TUBES, WET, WET_EXPONENT, WIDER};
 
 /// A piece of a strand: a tube with a round end where the next piece begins. Tips end flat, as the
@@ -44,20 +44,7 @@ pub struct Reference<'a> {
     parts: Vec<Part>,
     bvh: Bvh2,
     images: Vec<Image>,
-    self_shadow: SelfShadow,
-}
-
-/// How strands take the sun from each other and from the skin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SelfShadow {
-    /// Not by the sun: a factor that grows from root to tip, as shells are lit.
-    #[default]
-    Height,
-    /// By how many strands the sun's ray meets on its way out of the fur on flat skin, on average.
-    Depth,
-    /// By a ray towards the sun. A strand does not shade itself: its light is that of a whole
-    /// cylinder.
-    Traced,
+    traced: bool,
 }
 
 /// The colours at the roots and the tips of strands, which multiply those of the mesh.
@@ -90,15 +77,7 @@ impl<'a> Reference<'a> {
         // In the order of the hierarchy.
         let mut sorted: Vec<Option<Part>> = parts.drain(..).map(Some).collect();
         let parts = bvh.primitive_indices.iter().filter_map(|&i| sorted[i as usize].take()).collect();
-        Ok(Self {
-            mesh,
-            look: *look,
-            strands,
-            parts,
-            bvh,
-            images: Vec::new(),
-            self_shadow: SelfShadow::default(),
-        })
+        Ok(Self { mesh, look: *look, strands, parts, bvh, images: Vec::new(), traced: false })
     }
 
     /// The same with the images on which the vertices lie.
@@ -106,9 +85,10 @@ impl<'a> Reference<'a> {
         Self { images: images.to_vec(), ..self }
     }
 
-    /// The same with another way of shadows among strands.
-    pub fn with_self_shadow(self, self_shadow: SelfShadow) -> Self {
-        Self { self_shadow, ..self }
+    /// The same with shadows among strands by rays towards the sun, instead of those of the look.
+    /// A strand does not shade itself: its light is that of a whole cylinder.
+    pub fn with_traced_shadows(self) -> Self {
+        Self { traced: true, ..self }
     }
 
     /// How many strands there are.
@@ -118,7 +98,7 @@ impl<'a> Reference<'a> {
 
     /// The picture that a camera takes of the object where it is modelled, with `side * side` rays
     /// in each pixel: red, green, blue, opacity, row by row from the top. `to_sun` is a unit
-    /// vector. There is no shadow map; strands shade each other by [`SelfShadow`].
+    /// vector. There is no shadow map; strands shade each other as the look says.
     pub fn picture(
         &self,
         camera: &Camera,
@@ -169,6 +149,7 @@ impl<'a> Reference<'a> {
                     strand: Some(tube.strand),
                     normal: root.direction,
                     height: along * root.share,
+                    length: root.share / self.look.fur.share(root.id),
                     to_sun,
                     factor: sky,
                 });
@@ -191,6 +172,7 @@ impl<'a> Reference<'a> {
                     strand: None,
                     normal,
                     height: 0.0,
+                    length,
                     to_sun,
                     factor: sky,
                 });
@@ -201,22 +183,27 @@ impl<'a> Reference<'a> {
 
     /// The share of the sun that reaches a point between strands.
     fn sunlight(&self, f: Fragment) -> f32 {
-        match self.self_shadow {
-            SelfShadow::Height => f.factor,
-            SelfShadow::Depth => self.look.fur.sun_through(f.normal, f.height, f.to_sun),
-            SelfShadow::Traced => {
-                let up = f.normal.as_dvec3() * (SHADOW_LIFT * f64::from(self.look.fur.spacing));
-                let (start, way) = (f.at + up, f.to_sun.as_dvec3());
-                let ray = Ray::new(start.as_vec3a(), way.as_vec3a(), 0.0, f32::MAX);
-                let mut free = true;
-                self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
-                    let own = matches!(&self.parts[i], Part::Tube(t) if Some(t.strand) == f.strand);
-                    free &= own || self.parts[i].enter(start, way).is_none();
-                    f32::INFINITY
-                });
-                f32::from(u8::from(free))
-            }
+        if self.traced {
+            return self.traced_sunlight(f);
         }
+        match self.look.self_shadow {
+            SelfShadow::Height => f.factor,
+            SelfShadow::Depth => self.look.fur.sun_through(f.normal, f.height, f.length, f.to_sun),
+        }
+    }
+
+    /// 1 if nothing is between a point and the sun, else 0.
+    fn traced_sunlight(&self, f: Fragment) -> f32 {
+        let up = f.normal.as_dvec3() * (SHADOW_LIFT * f64::from(self.look.fur.spacing));
+        let (start, way) = (f.at + up, f.to_sun.as_dvec3());
+        let ray = Ray::new(start.as_vec3a(), way.as_vec3a(), 0.0, f32::MAX);
+        let mut free = true;
+        self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
+            let own = matches!(&self.parts[i], Part::Tube(t) if Some(t.strand) == f.strand);
+            free &= own || self.parts[i].enter(start, way).is_none();
+            f32::INFINITY
+        });
+        f32::from(u8::from(free))
     }
 
     /// The nearest part on a ray, and how far it is.
@@ -242,6 +229,8 @@ struct Fragment {
     normal: Vec3,
     /// Above the skin, as a share of the greatest height.
     height: f32,
+    /// Of the coat there, as a share of the same.
+    length: f32,
     to_sun: Vec3,
     /// The factor by height.
     factor: f32,

@@ -249,12 +249,23 @@ fn facing(normal: vec3f) -> f32 {
     return saturate((dot(normal, frame.sun.xyz) + look.wrap) / (1.0 + look.wrap));
 }
 
-/// The light of a strand: the twin of `Material::shade` in casca-fur.
-fn strand_light(colour: vec3f, tangent: vec3f, normal: vec3f, to_eye: vec3f, along: f32, sun: f32) -> vec3f {
+/// The share of the sun that other strands let through to a height in the mesh at rest; `factor` is that by height.
+fn between_strands(in: Shell, normal: vec3f, height: f32, factor: f32) -> f32 {
+    if look.self_shadow == 0u {
+        return factor;
+    }
+    let sun = vec3f(dot(frame.sun.xyz, in.x), dot(frame.sun.xyz, in.y), dot(frame.sun.xyz, in.z));
+    let there = sun / max(length(sun), 1e-30);
+    return sun_through(bent(in.bend), normal, height, in.coat.w, there);
+}
+
+/// The light of a strand, by the shares of the light from everywhere and of the sun's that reach it: the twin of
+/// `Material::shade_by` in casca-fur.
+fn strand_light(colour: vec3f, tangent: vec3f, normal: vec3f, to_eye: vec3f, sky: f32, sun: f32) -> vec3f {
     let lobes = kajiya_kay(tangent, frame.sun.xyz, to_eye, look.exponent);
     let direct = facing(normal) * sun;
-    let matt = colour * (look.ambient + look.diffuse * (0.5 + 0.5 * lobes.x) * direct);
-    return (matt + look.specular * lobes.y * direct) * mix(look.dark, 1.0, along);
+    let matt = colour * (sky * look.ambient + look.diffuse * (0.5 + 0.5 * lobes.x) * direct);
+    return matt + look.specular * lobes.y * direct;
 }
 
 @fragment
@@ -275,10 +286,11 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
         let skin = mix(1.0, look.dark, smoothstep(0.0, 0.2, in.coat.w));
         let colour = colour_at(in, c, paint, vec3f(0.0)) * records[record].root.rgb;
         let sun = facing(out) * sunlight(lifted);
+        let through = between_strands(in, normal, 0.0, skin);
         // Bald skin, as of eyes and noses, is wet: Blinn's highlight.
         let half = normalize(frame.sun.xyz + normalize(frame.eye.xyz - at));
         let wet = WET * (1.0 - smoothstep(0.0, 0.2, in.coat.w)) * pow(saturate(dot(out, half)), WET_EXPONENT);
-        return stored(skin * colour * (look.ambient + look.diffuse * sun) + wet * sun, at);
+        return stored(colour * (skin * look.ambient + through * look.diffuse * sun) + wet * sun, at);
     }
     let width = frame.eye.w * distance(at, frame.eye.xyz) / scale;
     let hit = seen(in, c, normal, width, normalize(in.ray));
@@ -289,7 +301,9 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
     let colour = own * colour_at(in, c, paint, hit.root) * mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
     let along = turned(in, strand_tangent(bent(in.bend), normal, hit.height));
     let to_eye = normalize(frame.eye.xyz - at);
-    return stored(strand_light(colour, along, out, to_eye, hit.along, sunlight(lifted)), at);
+    let sky = mix(look.dark, 1.0, hit.along);
+    let sun = between_strands(in, normal, hit.height, sky) * sunlight(lifted);
+    return stored(strand_light(colour, along, out, to_eye, sky, sun), at);
 }
 
 @fragment

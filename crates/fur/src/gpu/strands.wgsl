@@ -6,6 +6,9 @@ const HALF_SLAB: f32 = 0.25;
 const LEAST_LEAN: f32 = 0.1;
 // A coat shorter than this share of the full length is bald: a step of a colour of 8 bits.
 const SHORTEST: f32 = 0.004;
+// Steps of the sun's way through fur, and its least height over the skin; as in casca-fur.
+const LIGHT_STEPS: u32 = 8;
+const LEAST_RISE: f32 = 0.15;
 
 struct Look {
     // See `Fur` in casca-fur.
@@ -31,9 +34,10 @@ struct Look {
     diffuse: f32,
     specular: f32,
     vary: f32,
+    // Shadows among strands. 0: a factor by height, 1: by depth.
+    self_shadow: u32,
     pad: f32,
     pad2: f32,
-    pad3: f32,
 }
 
 struct Strand {
@@ -140,6 +144,25 @@ fn mean_cover(look: Look, t: f32) -> f32 {
     }
     // Half of the points in cells are roots.
     return 1.0 - exp(-0.5 * f32(look.per_cell) * 3.14159265 * area / 4.0);
+}
+
+/// The mean share of sunlight that reaches a height in a coat of a length: the twin of `sun_through` in casca-fur.
+fn sun_through(look: Look, normal: vec3f, height: f32, long: f32, to_sun: vec3f) -> f32 {
+    let up = dot(normal, to_sun);
+    let slope = (to_sun - normal * up) / max(up, LEAST_RISE);
+    let side = bend_at(look, normal);
+    let step = max(long - height, 0.0) / f32(LIGHT_STEPS);
+    // Strands of four lengths stand for all.
+    let lengths = max(long, 1e-30) * (1.0 - look.variation * (vec4f(0.5, 1.5, 2.5, 3.5) / 4.0));
+    var met = 0.0;
+    for (var i = 0u; i < LIGHT_STEPS; i++) {
+        let there = height + (f32(i) + 0.5) * step;
+        let along = vec4f(there) / lengths;
+        let wide = select(vec4f(0.0), 2.0 * (1.0 - look.taper * along), along <= vec4f(1.0));
+        met += dot(wide, vec4f(0.25)) * length(slope - side * (2.0 * there));
+    }
+    let strands = 0.5 * f32(look.per_cell) / look.spacing;
+    return exp(-met * step * look.height * look.radius * strands);
 }
 
 /// The diffuse and the specular share of the light of a strand along `along`: Kajiya and Kay 1989.

@@ -7,6 +7,7 @@ mod herd;
 mod levels;
 mod one;
 mod run;
+mod shadows;
 mod shots;
 mod study;
 mod walker;

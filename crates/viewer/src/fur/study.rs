@@ -17,6 +17,7 @@ use glam::Vec3;
 
 use crate::fur::choices::{Choices, Subject};
 use crate::fur::one::{self, TO_SUN};
+use crate::fur::shadows;
 use crate::fur::shots::{Picture, Shooter, sheet};
 
 const LAYERS: [u32; 6] = [4, 8, 16, 32, 64, 256];
@@ -49,14 +50,14 @@ struct Row {
 }
 
 /// Looks at the shoulder and the head from so near that strands are some pixels wide.
-fn close(radius: f32) -> Camera {
-    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+pub fn close(radius: f32, (width, height): (u32, u32)) -> Camera {
+    let aspect = width as f32 / height as f32;
     let (eye, at) = (Vec3::new(0.75, 0.55, 1.0) * radius, Vec3::new(0.35, 0.2, 0.15) * radius);
     Camera::look_at(eye, at, 38.0, aspect, 0.01 * radius, 20.0 * radius)
 }
 
 /// The error of a picture over the pixels in which either picture shows the object, 0 to 1.
-fn rmse(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
+pub fn rmse(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
     let pixels = || want.chunks(4).zip(got.chunks(4)).filter(|(a, b)| *a != sky || *b != sky);
     let square = |(a, b): (&[u8], &[u8])| {
         (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>() / 3.0
@@ -90,7 +91,7 @@ fn inside(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
 pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
     let mesh = &subject.levels[0];
     let shooter = Shooter::new(gpu, SIZE, SMOOTH);
-    let camera = close(subject.radius);
+    let camera = close(subject.radius, SIZE);
     let sun = one::sun(subject.radius, false);
     let mut rows: Vec<Row> = Vec::new();
     for density in DENSITIES {
@@ -155,6 +156,7 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
     }
     write(choices, &rows)?;
     conclude(&rows);
+    shadows::compare(gpu, subject)?;
     Ok(())
 }
 
