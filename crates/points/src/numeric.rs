@@ -66,6 +66,12 @@ pub(crate) fn origin_near(point: DVec3) -> DVec3 {
     if near.abs().max_element() <= 549_755_813_888.0 { near } else { DVec3::ZERO }
 }
 
+/// How far outside of a node of a file's octree its points may lie beside the resolution of their
+/// coordinates, over the side of the octree: roundings of writers that place points in single
+/// precision.
+#[cfg(feature = "files")]
+pub(crate) const NODE_SLACK: f64 = 1e-6;
+
 /// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6
 /// and 1 it had the fewest errors in the streets that `casca-viewer points generate` makes, with
 /// the thesis' bias of 0.05.

@@ -1,106 +1,14 @@
-//! Cloud-optimized files (COPC 1.0) are read as the LAZ files that they are: all points of all
-//! levels of detail, from chunks of different sizes.
+//! Cloud-optimized files (COPC 1.0): as the LAZ files that they are, all points from chunks of
+//! different sizes; by levels and boxes; and with a hostile hierarchy.
 
-use std::io::{Cursor, Write};
+mod octrees;
+
+use std::io::Cursor;
 
 use casca_points::PointCloud;
-use casca_points::files::{FileError, read_source};
+use casca_points::files::{FileError, Levels, Selection, read_selected_source, read_source};
 use glam::DVec3;
-use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlrBuilder};
-
-/// Bytes of a header of LAS 1.4 and of a point of format 7, and of the record of COPC.
-const HEADER: usize = 375;
-const POINT: usize = 36;
-const INFO: usize = 160;
-
-/// Where points lie, exactly in the scale of the file.
-fn place(i: usize) -> DVec3 {
-    DVec3::new((i % 7) as f64 * 0.5, (i % 11) as f64 * 0.25, (i % 5) as f64)
-}
-
-fn colour(i: usize) -> [u8; 3] {
-    [i as u8, 255 - i as u8, 9]
-}
-
-/// A file of LAS 1.4 without compression, by the crate `las`.
-fn plain(count: usize) -> Vec<u8> {
-    let mut builder = las::Builder::from((1, 4));
-    builder.point_format = las::point::Format::new(7).unwrap();
-    let transform = las::Transform { scale: 1e-3, offset: 0.0 };
-    builder.transforms = las::Vector { x: transform, y: transform, z: transform };
-    let mut writer = las::Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
-    for i in 0..count {
-        let (p, [red, green, blue]) = (place(i), colour(i).map(|c| u16::from(c) * 257));
-        let color = Some(las::Color { red, green, blue });
-        let point = las::Point { x: p.x, y: p.y, z: p.z, color, gps_time: Some(0.0), ..Default::default() };
-        writer.write_point(point).unwrap();
-    }
-    writer.close().unwrap();
-    writer.into_inner().unwrap().into_inner()
-}
-
-/// The head of a record: of a length in two bytes, or of eight behind the points.
-fn record(user: &str, id: u16, length: &[u8]) -> Vec<u8> {
-    let mut bytes = vec![0; 2];
-    bytes.extend(user.as_bytes());
-    bytes.resize(18, 0);
-    bytes.extend(id.to_le_bytes());
-    bytes.extend(length);
-    bytes.resize(bytes.len() + 32, 0);
-    bytes
-}
-
-/// A file whose nodes have so many points: a root, and children of it, each a chunk of its own.
-fn copc(nodes: &[usize]) -> Vec<u8> {
-    let count = nodes.iter().sum();
-    let plain = plain(count);
-    let items = LazItemRecordBuilder::default_for_point_format_id(7, 0).unwrap();
-    let vlr = LazVlrBuilder::new(items).with_variable_chunk_size().build();
-    let mut laszip = Vec::new();
-    vlr.write_to(&mut laszip).unwrap();
-    let mut file = plain[..HEADER].to_vec();
-    file.extend(record("copc", 1, &(INFO as u16).to_le_bytes()));
-    let info = file.len();
-    file.resize(info + INFO, 0);
-    file.extend(record("laszip encoded", 22204, &(laszip.len() as u16).to_le_bytes()));
-    file.extend(laszip);
-    let points = file.len() as u32;
-    file[96..100].copy_from_slice(&points.to_le_bytes());
-    file[100..104].copy_from_slice(&2_u32.to_le_bytes());
-    file[104] = 0x80 | 7;
-    let mut out = Cursor::new(file);
-    out.set_position(points.into());
-    let mut packer = LasZipCompressor::new(out, vlr).unwrap();
-    let mut entries = Vec::new();
-    let mut start = u64::from(points) + 8;
-    let mut left = &plain[plain.len() - count * POINT..];
-    for (i, &node) in nodes.iter().enumerate() {
-        packer.compress_many(&left[..node * POINT]).unwrap();
-        packer.finish_current_chunk().unwrap();
-        left = &left[node * POINT..];
-        let end = packer.get().position();
-        // Level, x, y and z: the root, or one of its children.
-        let key = if i == 0 { [0; 4] } else { [1, i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2 & 1] };
-        entries.extend(key.map(i32::to_le_bytes).concat());
-        entries.extend(start.to_le_bytes());
-        entries.extend([(end - start) as i32, node as i32].map(i32::to_le_bytes).concat());
-        start = end;
-    }
-    packer.done().unwrap();
-    let mut file = packer.into_inner().into_inner();
-    let pages = file.len() as u64;
-    file[235..243].copy_from_slice(&pages.to_le_bytes());
-    file[243..247].copy_from_slice(&1_u32.to_le_bytes());
-    file.write_all(&record("copc", 1000, &(entries.len() as u64).to_le_bytes())).unwrap();
-    let first = file.len() as u64;
-    // The middle and half side of the cube, the spacing of the root, and the page of the hierarchy.
-    let cube = [2.0, 2.0, 2.0, 2.5, 0.5].map(f64::to_le_bytes).concat();
-    file[info..info + 40].copy_from_slice(&cube);
-    let page = [first, entries.len() as u64].map(u64::to_le_bytes).concat();
-    file[info + 40..info + 56].copy_from_slice(&page);
-    file.extend(entries);
-    file
-}
+use octrees::{HEADER, INFO_AT, Node, TREE, copc, entry, las, points};
 
 fn parse(bytes: Vec<u8>) -> Result<PointCloud, FileError> {
     let mut all = PointCloud::default();
@@ -111,24 +19,159 @@ fn parse(bytes: Vec<u8>) -> Result<PointCloud, FileError> {
     Ok(all)
 }
 
-#[test]
-fn all_points_of_all_nodes_are_read() {
-    for nodes in [&[9][..], &[50, 1, 200, 3], &[1000, 70_000, 5]] {
-        let cloud = parse(copc(nodes)).unwrap();
-        assert_eq!(cloud.len(), nodes.iter().sum::<usize>());
-        for (i, p) in cloud.world_positions().enumerate() {
-            assert!(p.distance(place(i)) < 1e-9, "{i}: {p}");
-        }
-        assert!(cloud.colours.iter().enumerate().all(|(i, &c)| c == colour(i)));
+fn selected(bytes: &[u8], wanted: Selection) -> Result<PointCloud, FileError> {
+    let mut all = PointCloud::default();
+    let name = "test.copc.laz".into();
+    read_selected_source(Cursor::new(bytes.to_vec()), name, &wanted, usize::MAX, |cloud| {
+        all = cloud;
+        Ok::<_, FileError>(())
+    })?;
+    Ok(all)
+}
+
+fn levels(levels: Levels) -> Selection {
+    Selection { levels, within: None }
+}
+
+#[track_caller]
+fn same(cloud: &PointCloud, expected: impl Iterator<Item = (DVec3, [u8; 3])>) {
+    let expected: Vec<_> = expected.collect();
+    assert_eq!(cloud.len(), expected.len());
+    assert_eq!(cloud.colours.len(), expected.len());
+    for (i, (p, c)) in cloud.world_positions().zip(&cloud.colours).enumerate() {
+        assert!(p.distance(expected[i].0) < 1e-6 && *c == expected[i].1, "{i}: {p}");
     }
 }
 
 #[test]
+fn all_points_of_all_nodes_are_read() {
+    let nodes = |counts: &[usize]| -> Vec<Node> {
+        (0..).zip(counts).map(|(i, &n)| ([i.min(1), i & 1, i >> 1 & 1, 0], n)).collect()
+    };
+    for nodes in [nodes(&[9]), nodes(&[50, 1, 200, 3]), nodes(&[1000, 70_000, 5])] {
+        let file = copc(&nodes, false);
+        same(&parse(file.clone()).unwrap(), points(&nodes));
+        let cloud = selected(&file, levels(Levels::To(9))).unwrap();
+        assert!(cloud == parse(file).unwrap(), "nodes and chunks have the same points");
+    }
+}
+
+#[test]
+fn levels_end_where_they_are_told() {
+    for pages in [false, true] {
+        let file = copc(&TREE, pages);
+        let to = |level: i32| {
+            points(&TREE)
+                .zip(TREE.iter().flat_map(|n| vec![n.0[0]; n.1]))
+                .filter_map(move |(point, own)| (own <= level).then_some(point))
+        };
+        for (wanted, level) in [
+            (Levels::To(0), 0),
+            (Levels::To(1), 1),
+            (Levels::To(2), 2),
+            (Levels::To(u32::MAX), 2),
+            (Levels::Spacing(0.5), 0),
+            (Levels::Spacing(0.4), 1),
+            (Levels::Spacing(1e-9), 2),
+            (Levels::Spacing(-1.0), 2),
+            (Levels::All, 2),
+        ] {
+            same(&selected(&file, levels(wanted)).unwrap(), to(level));
+        }
+    }
+}
+
+#[test]
+fn only_the_nodes_of_the_wanted_part_are_read() {
+    let file = copc(&TREE, true);
+    let damaged = |from: usize, to: usize| {
+        let mut file = file.clone();
+        file[from..to].fill(0xa5);
+        file
+    };
+    // The chunks behind that of level 0, and the page of the child.
+    let start = u32::from_le_bytes(std::array::from_fn(|i| file[96 + i])) as usize;
+    let page = u64::from_le_bytes(std::array::from_fn(|i| file[INFO_AT + 40 + i])) as usize;
+    let second = u64::from_le_bytes(std::array::from_fn(|i| file[page + 48 + i])) as usize;
+    let table = u64::from_le_bytes(std::array::from_fn(|i| file[start + i])) as usize;
+    let child = file.len() - 2 * 32;
+    let coarse = selected(&file, levels(Levels::To(0))).unwrap();
+    for (from, to) in [(second, table), (child, file.len())] {
+        let file = damaged(from, to);
+        assert!(selected(&file, levels(Levels::To(0))).unwrap() == coarse);
+        assert!(selected(&file, levels(Levels::To(2))).is_err());
+    }
+    let far = Some([DVec3::new(4.0, -9.0, -9.0), DVec3::splat(9.0)]);
+    let wanted = Selection { within: far, ..Selection::default() };
+    assert!(
+        selected(&damaged(child, file.len()), wanted).unwrap() == selected(&file, wanted).unwrap(),
+        "the page of the child lies outside of the box"
+    );
+}
+
+#[test]
+fn points_outside_of_the_box_are_left_out() {
+    let boxes = [
+        [DVec3::splat(-9.0), DVec3::splat(20.0)],
+        [DVec3::ZERO, DVec3::new(4.0, 3.5, 2.0)],
+        [DVec3::new(3.5, -0.5, -0.5), DVec3::new(3.5, 9.0, 9.0)],
+        [DVec3::splat(3.0), DVec3::splat(2.0)],
+        [DVec3::NAN, DVec3::splat(2.0)],
+    ];
+    for file in [copc(&TREE, true), las(&TREE, true), las(&TREE, false)] {
+        for [low, high] in boxes {
+            let wanted = Selection { within: Some([low, high]), ..Selection::default() };
+            let inside = |p: &DVec3| p.cmpge(low).all() && p.cmple(high).all();
+            same(&selected(&file, wanted).unwrap(), points(&TREE).filter(|(p, _)| inside(p)));
+        }
+    }
+}
+
+#[test]
+fn files_without_levels_say_so() {
+    for (file, name) in [(las(&TREE, true), "LAS"), (b"ply\n".to_vec(), "PLY"), (b"1\n".to_vec(), "surfel")] {
+        let said = selected(&file, levels(Levels::To(3))).unwrap_err().to_string();
+        assert_eq!(said, format!("test.copc.laz: {name} files have no levels, only COPC files do"));
+    }
+}
+
+#[test]
+fn a_hostile_hierarchy_is_refused() {
+    let file = copc(&TREE, true);
+    let page = u64::from_le_bytes(std::array::from_fn(|i| file[INFO_AT + 40 + i]));
+    let refused = |at: usize, bytes: &[u8], reason: &str| {
+        let mut file = file.clone();
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        let said = selected(&file, levels(Levels::To(5))).unwrap_err().to_string();
+        assert!(said.contains(reason), "{said} / {reason}");
+    };
+    let first = page as usize;
+    let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| file[at + i]));
+    let (start, bytes) = (number(first + 16), number(first + 24) as i32);
+    refused(INFO_AT + 40, &u64::MAX.to_le_bytes(), "a page of");
+    refused(INFO_AT + 48, &(1_u64 << 40).to_le_bytes(), "a page of 1099511627776 bytes");
+    refused(INFO_AT + 48, &33_u64.to_le_bytes(), "a page of 33 bytes");
+    refused(INFO_AT + 24, &f64::NAN.to_le_bytes(), "a side of NaN");
+    refused(first, &entry([0; 4], page, 32, -1), "refer to each other");
+    refused(first, &entry([-1, 0, 0, 0], start, bytes, 50), "an entry of the node [-1, 0, 0, 0]");
+    refused(first, &entry([0, 1, 0, 0], start, bytes, 50), "an entry of the node");
+    refused(first, &entry([0; 4], u64::MAX - 9, bytes, 50), "50 points in");
+    refused(first, &entry([0; 4], start, -1, 50), "50 points in");
+    refused(first, &entry([0; 4], start, bytes, -2), "-2 points in");
+    refused(first, &entry([0; 4], start, bytes, i32::MAX), "points, the header says 291");
+    refused(first, &entry([0; 4], start, bytes, 49), "its chunk has 50 points, the hierarchy says 49");
+    refused(first, &entry([0; 4], start, 40, 50), "layers of");
+    refused(first, &entry([1, 1, 0, 0], start, bytes, 50), "the node 1-1-0-0 comes twice");
+}
+
+#[test]
 fn a_file_that_was_cut_is_refused() {
-    let whole = copc(&[50, 1, 200]);
+    let whole = copc(&TREE, true);
     let points = u32::from_le_bytes(std::array::from_fn(|i| whole[96 + i])) as usize;
     for end in [200, HEADER + 20, points - 1, points + 4, points + 60] {
-        let said = parse(whole[..end].to_vec()).unwrap_err().to_string();
-        assert!(said.contains("test.copc.laz"), "{end}: {said}");
+        for wanted in [Levels::All, Levels::To(0)] {
+            let said = selected(&whole[..end], levels(wanted)).unwrap_err().to_string();
+            assert!(said.contains("test.copc.laz"), "{end}: {said}");
+        }
     }
 }

@@ -2,12 +2,16 @@
 //! E57, surfels; and PLY written.
 //!
 //! The format is found by the first bytes, not by the name. Counts in headers are checked by
-//! reading, never believed by allocating.
+//! reading, never believed by allocating. Of COPC files only some levels and a box can be read
+//! ([`Selection`]).
 
+mod copc;
 mod guarded;
 mod layers;
+mod levels;
 mod lidar;
 mod ply;
+mod records;
 mod scans;
 mod sink;
 mod surfel;
@@ -21,6 +25,7 @@ use std::path::Path;
 use crate::PointCloud;
 use sink::Sink;
 
+pub use levels::{Levels, Selection};
 pub use ply::PlyWriter;
 pub use sink::{Attributes, FileError, Source};
 
@@ -57,9 +62,24 @@ pub fn read_chunks<E: From<FileError>>(
     most: usize,
     each: impl FnMut(PointCloud) -> Result<(), E>,
 ) -> Result<u64, E> {
+    read_selected(path, &Selection::default(), most, each)
+}
+
+/// As [`read_chunks`], only the part that is wanted. Of COPC files with levels or a box, only nodes
+/// that are wanted are read from the file, and their points come in the order of the file.
+///
+/// # Errors
+/// As [`read_chunks`]; [`FileError::NoLevels`] if [`Selection::levels`] is given and the file has
+/// none.
+pub fn read_selected<E: From<FileError>>(
+    path: &Path,
+    wanted: &Selection,
+    most: usize,
+    each: impl FnMut(PointCloud) -> Result<(), E>,
+) -> Result<u64, E> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| FileError::Io { name: name.clone(), source })?;
-    read_source(BufReader::with_capacity(1 << 18, file), name, most, each)
+    read_selected_source(BufReader::with_capacity(1 << 18, file), name, wanted, most, each)
 }
 
 /// As [`read_chunks`], from any source. Errors call it `name`.
@@ -67,24 +87,49 @@ pub fn read_chunks<E: From<FileError>>(
 /// # Errors
 /// As [`read_chunks`].
 pub fn read_source<E: From<FileError>>(
+    source: impl Source,
+    name: String,
+    most: usize,
+    each: impl FnMut(PointCloud) -> Result<(), E>,
+) -> Result<u64, E> {
+    read_selected_source(source, name, &Selection::default(), most, each)
+}
+
+/// As [`read_selected`], from any source. Errors call it `name`.
+///
+/// # Errors
+/// As [`read_selected`].
+pub fn read_selected_source<E: From<FileError>>(
     mut source: impl Source,
     name: String,
+    wanted: &Selection,
     most: usize,
     mut each: impl FnMut(PointCloud) -> Result<(), E>,
 ) -> Result<u64, E> {
     let mut sink = Sink {
         name,
+        wanted: *wanted,
         most: most.max(1),
         chunk: PointCloud::default(),
         origin: None,
         skipped: 0,
+        colour_shift: None,
         each: &mut each,
     };
     let start = source.fill_buf().map_err(|e| sink.io(e))?;
-    match start.get(..4) {
-        Some(b"ply\n" | b"ply\r") => ply::read(source, &mut sink)?,
-        Some(b"LASF") => lidar::read(source, &mut sink)?,
-        Some(b"ASTM") => scans::read(source, &mut sink)?,
+    let format = match start.get(..4) {
+        Some(b"ply\n" | b"ply\r") => "PLY",
+        Some(b"LASF") => "LAS",
+        Some(b"ASTM") => "E57",
+        _ => "surfel",
+    };
+    if format != "LAS" && wanted.levels != Levels::All {
+        return Err(sink.no_levels(format).into());
+    }
+    match format {
+        "PLY" => ply::read(source, &mut sink)?,
+        "LAS" => lidar::read(source, &mut sink)?,
+        "E57" => scans::read(source, &mut sink)?,
         _ => surfel::read(source, &mut sink)?,
     }
     sink.flush()?;

@@ -4,6 +4,7 @@ use std::io::{self, BufRead, Seek};
 
 use glam::{DVec3, Vec3};
 
+use super::levels::Selection;
 use crate::{PointCloud, UNKNOWN_SCANNER, numeric};
 
 /// Why a file could not be read or written.
@@ -22,10 +23,18 @@ pub enum FileError {
     Header {
         /// The file.
         name: String,
-        /// "PLY", "LAS", "E57" or "surfel".
+        /// "PLY", "LAS", "COPC", "E57" or "surfel".
         format: &'static str,
         /// What is wrong.
         cause: String,
+    },
+    /// Levels were wanted of a file that has none.
+    #[error("{name}: {format} files have no levels, only COPC files do")]
+    NoLevels {
+        /// The file.
+        name: String,
+        /// "PLY", "LAS", "E57" or "surfel".
+        format: &'static str,
     },
     /// A point that does not follow the format, or is missing.
     #[error("{name}, {place}: {cause}")]
@@ -74,10 +83,14 @@ impl Sample {
 /// Collects points and hands out full chunks.
 pub(super) struct Sink<'a, E> {
     pub name: String,
+    /// What is wanted of the file.
+    pub wanted: Selection,
     pub most: usize,
     pub chunk: PointCloud,
     pub origin: Option<DVec3>,
     pub skipped: u64,
+    /// The bits below the byte of a LAS colour, known from the first points that are not black.
+    pub colour_shift: Option<u32>,
     pub each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
 }
 
@@ -87,6 +100,9 @@ impl<E: From<FileError>> Sink<'_, E> {
         let position = (place - self.origin.unwrap_or_else(|| numeric::origin_near(place))).as_vec3();
         if !position.is_finite() {
             self.skipped += 1;
+            return Ok(());
+        }
+        if !self.wanted.has(place) {
             return Ok(());
         }
         self.origin.get_or_insert_with(|| numeric::origin_near(place));
@@ -129,6 +145,10 @@ impl<E: From<FileError>> Sink<'_, E> {
 
     pub fn io(&self, source: io::Error) -> FileError {
         FileError::Io { name: self.name.clone(), source }
+    }
+
+    pub fn no_levels(&self, format: &'static str) -> FileError {
+        FileError::NoLevels { name: self.name.clone(), format }
     }
 
     pub fn header(&self, format: &'static str, cause: impl ToString) -> FileError {

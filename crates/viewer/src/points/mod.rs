@@ -5,6 +5,7 @@ mod large;
 mod operators;
 mod options;
 mod panes;
+mod part;
 mod run;
 mod view;
 mod visible;

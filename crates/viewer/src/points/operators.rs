@@ -5,18 +5,19 @@ use std::path::Path;
 use std::time::Duration;
 
 use bitvec::vec::BitVec;
+use casca_points::PointCloud;
 use casca_points::cluster::{Clustering, Passes, visible_clusters};
 use casca_points::gpu::{GpuPoints, SplatOperator};
 use casca_points::hpr::{self, Kernel};
 use casca_points::surface::Surface;
 use casca_points::{AutoSettings, Camera, MAX_SIDE, cluster, splat};
-use casca_points::{PointCloud, files};
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Instant;
 use clap::{Args, ValueEnum};
 use glam::{DVec3, Quat, Vec3};
 
 use crate::points::house;
+use crate::points::part::Part;
 
 /// The distance between the house's points, in metres: so large that rooms show through the walls.
 const HOUSE_SPACING: f32 = 0.055;
@@ -64,6 +65,8 @@ pub struct Look {
     /// The distance between the points of the house in metres, 0.02 to 1
     #[arg(long, default_value_t = HOUSE_SPACING, value_parser = parse_spacing)]
     pub spacing: f32,
+    #[command(flatten)]
+    pub part: Part,
 }
 
 /// A cloud with y upwards, and the way that it is looked at.
@@ -88,7 +91,7 @@ impl Look {
     /// Reads the cloud of a file; without one it is a house.
     pub fn open(&self, file: Option<&Path>) -> Result<Looked, Box<dyn Error>> {
         let cloud = match file {
-            Some(path) => files::read(path)?,
+            Some(path) => self.part.read(path)?,
             None => house::scan(self.spacing),
         };
         if cloud.is_empty() {

@@ -4,11 +4,12 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use casca_points::bricks::{BrickError, Bricks, BuildOptions, Builder};
-use casca_points::files::{FileError, read_chunks};
+use casca_points::files::{FileError, read_selected};
 use casca_stage::window::Done;
 use clap::Args;
 
 use crate::points::large::progress::progress;
+use crate::points::part::Part;
 
 /// Cut a file into bricks, which `walk` reads.
 #[derive(Debug, Args)]
@@ -17,6 +18,8 @@ pub struct Cut {
     file: PathBuf,
     /// The file of bricks to write.
     out: PathBuf,
+    #[command(flatten)]
+    part: Part,
     /// The most points of a brick.
     #[arg(long, default_value_t = 65536)]
     points: u32,
@@ -42,7 +45,7 @@ impl Cut {
         let mut builder =
             Builder::create(&self.out, BuildOptions { most_points: self.points, memory, seed: self.seed })?;
         let bar = progress(None, "reading");
-        let skipped = read_chunks::<CutError>(&self.file, 1 << 20, |cloud| {
+        let skipped = read_selected::<CutError>(&self.file, &self.part.selection(), 1 << 20, |cloud| {
             bar.inc(cloud.len() as u64);
             Ok(builder.push(&cloud)?)
         })?;
