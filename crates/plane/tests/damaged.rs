@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::sync::{Mutex, PoisonError};
 
-use casca_plane::tmx::{TmxError, TmxImport, TmxObject};
+use casca_plane::tmx::{TmxError, TmxImport, TmxMap, TmxWarning};
 use casca_plane::{BitGrid, GridSpec, Scene};
 use glam::{UVec2, Vec2};
 use peak_alloc::PeakAlloc;
@@ -44,18 +44,20 @@ fn damaged_maps_are_read_or_refused() {
         drop(TmxImport::default().parse_map(&files[0], |_| Ok(bytes.to_vec())));
         let with = |path: &str| Ok(if path.ends_with(".tx") { bytes.to_vec() } else { maps::file(path) });
         let of_templates = TmxImport::default().parse_map(made.as_bytes(), with).unwrap();
-        insert(&of_templates.objects);
+        insert(&of_templates);
         let Ok(map) = TmxImport::default().parse_map(bytes, |path| Ok(maps::file(path))) else { return };
-        objects += insert(&map.objects);
+        objects += insert(&map);
     });
     assert!(objects > 1_000, "{objects}: some maps keep theirs");
 }
 
-/// Puts objects into a scene, and gives how many went in.
-fn insert(objects: &[TmxObject]) -> usize {
+/// Puts objects and shapes of tiles into a scene, and gives how many went in.
+fn insert(map: &TmxMap) -> usize {
     let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(8) }).unwrap();
-    for object in objects {
-        let Ok(placed) = object.insert(&mut scene, Vec2::ZERO, 1.0) else { continue };
+    let mut all: Vec<_> =
+        map.objects.iter().map(|object| object.insert(&mut scene, Vec2::ZERO, 1.0)).collect();
+    all.extend(map.tiles.iter().map(|tile| tile.insert(&mut scene, Vec2::ZERO, 1.0, 0)));
+    for placed in all.into_iter().flatten() {
         assert_eq!(placed.set_closed(&mut scene, false), Ok(()));
         assert_eq!(placed.set_closed(&mut scene, true), Ok(()));
     }
@@ -77,7 +79,7 @@ fn read_objects_of(layer: &str, objects: &str, tileset: &str, template: &str) ->
     damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
         let open = |path: &str| Ok(if path.ends_with(".tx") { template } else { tileset }.into());
         let map = TmxImport::default().parse_map(map, open).unwrap();
-        insert(&map.objects);
+        insert(&map);
         found = (map.objects.len(), map.warnings.len());
     });
     found
@@ -138,6 +140,45 @@ fn templates_give_what_the_bytes_of_the_map_allow() {
     ] {
         assert_eq!(read(&template(refused)), (1, 40_000), "{refused}");
     }
+}
+
+/// Many tiles, each with many shapes, that are turned in each way.
+#[test]
+fn shapes_on_tiles_are_kept_as_the_bytes_of_the_map_allow() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let all = 1 << 22;
+    let square = |map: String| map.replace("width=\"4\" height=\"3\"", "width=\"2048\" height=\"2048\"");
+    let shape = "<object type=\"opaque\"><polygon points=\"0,0 4,0 0,4\"/></object>";
+    let read = |map: &str, shapes: usize| {
+        let group = format!("<objectgroup>{}</objectgroup>", shape.repeat(shapes));
+        let tiles =
+            format!("<tileset tilewidth=\"16\" tileheight=\"16\"><tile id=\"0\">{group}</tile></tileset>");
+        let mut found = (0, 0);
+        damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
+            let map = TmxImport::default().parse_map(map, |_| Ok(tiles.clone().into())).unwrap();
+            let [TmxWarning::ManyShapes { layer, count }] = &map.warnings[..] else {
+                panic!("{:?}", map.warnings)
+            };
+            assert_eq!(layer, "ground");
+            found = (map.tiles.len(), *count as usize);
+        });
+        found
+    };
+    // One layer is in a group; it comes first here, and names nothing.
+    let mut map = square(same_tiles(5, all));
+    let (from, to) = (map.find("<group").unwrap(), map.find("</group>").unwrap() + 8);
+    map.replace_range(from..to, "");
+    let left = (1 << 20) + 2 * map.len();
+    assert_eq!(read(&map, 1), (left / 4, all - left / 4));
+    assert_eq!(read(&map, 30_000), (left / 90_001, all - left / 90_001));
+    // Turned in eight ways.
+    let ids: Vec<_> = (0..1000).map(|i: u32| ((i % 8) << 29 | 5).to_string()).collect();
+    let csv = maps::map("encoding=\"csv\"", &ids.join(","))
+        .replace("width=\"4\" height=\"3\"", "width=\"40\" height=\"25\"");
+    let (from, to) = (csv.find("<group").unwrap(), csv.find("</group>").unwrap() + 8);
+    let csv = csv.replace(&csv[from..to], "");
+    let most = ((1 << 20) + 2 * csv.len()) / 60_001;
+    assert_eq!(read(&csv, 20_000), (most, 1000 - most));
 }
 
 /// Reads a map and its tileset within the limits.

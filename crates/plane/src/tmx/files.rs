@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use super::TmxError;
 use super::objects::{Template, TmxFault};
+use super::paths::{folder, joined};
 use super::tileset::{Opaque, Tilesets};
 use super::xml::{Element, Xml};
 
@@ -41,7 +42,7 @@ impl<'f> Files<'f> {
                 xml.skip(element)?;
                 self.external(joined(folder, &source))?
             }
-            None => Rc::new(Opaque::read(xml, element, self.names)?),
+            None => Rc::new(Opaque::read(xml, element, folder, self.names)?),
         };
         into.push(first, tiles);
         Ok(())
@@ -54,7 +55,7 @@ impl<'f> Files<'f> {
         let bytes = (self.open)(&source).map_err(|why| TmxError::File { file: source.clone(), why })?;
         let mut xml = Xml::new(&bytes, &source)?;
         let root = xml.root("tileset")?;
-        let tiles = Rc::new(Opaque::read(&mut xml, &root, self.names)?);
+        let tiles = Rc::new(Opaque::read(&mut xml, &root, folder(&source), self.names)?);
         self.tilesets.insert(source, tiles.clone());
         Ok(tiles)
     }
@@ -74,7 +75,7 @@ impl<'f> Files<'f> {
 
     fn read_template(&mut self, path: &str) -> Result<Rc<Template>, TmxError> {
         // Its tilesets count from its own folder.
-        let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let folder = folder(path);
         let bytes = (self.open)(path).map_err(|why| TmxError::File { file: path.to_owned(), why })?;
         let mut xml = Xml::new(&bytes, path)?;
         xml.root("template")?;
@@ -88,43 +89,5 @@ impl<'f> Files<'f> {
         }
         let object = object.ok_or_else(|| xml.damaged("the template has no object"))?;
         Ok(Rc::new(Template { object, tilesets, bytes: bytes.len() as u64 }))
-    }
-}
-
-/// A path that counts from a folder, without steps back as far as there are folders for them.
-fn joined(folder: &str, path: &str) -> String {
-    if folder.is_empty() || path.starts_with('/') {
-        return path.to_owned();
-    }
-    let mut steps: Vec<&str> = folder.split('/').collect();
-    for step in path.split('/') {
-        match step {
-            "." => {}
-            ".." if steps.last().is_some_and(|last| !last.is_empty() && *last != "..") => _ = steps.pop(),
-            _ => steps.push(step),
-        }
-    }
-    steps.join("/")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::joined;
-
-    #[test]
-    fn paths_count_from_the_folder() {
-        for (folder, path, all) in [
-            ("", "t.tsx", "t.tsx"),
-            ("", "../t.tsx", "../t.tsx"),
-            ("parts", "t.tsx", "parts/t.tsx"),
-            ("parts", "../t.tsx", "t.tsx"),
-            ("parts/trees", "../../sets/./t.tsx", "sets/t.tsx"),
-            ("..", "../t.tsx", "../../t.tsx"),
-            ("/maps", "../t.tsx", "/t.tsx"),
-            ("/maps", "../../t.tsx", "/../t.tsx"),
-            ("parts", "/t.tsx", "/t.tsx"),
-        ] {
-            assert_eq!(joined(folder, path), all, "{folder} {path}");
-        }
     }
 }

@@ -1,5 +1,5 @@
 //! Maps of the editor [Tiled](https://www.mapeditor.org) (`.tmx` files): which of their tiles block
-//! sight, and the objects that are drawn over them.
+//! sight, the shapes that tilesets draw on them, and the objects that are drawn over them.
 //!
 //! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers
 //! of tiles and of objects, also those in groups. Memory is reserved in proportion to the bytes of
@@ -26,12 +26,19 @@
 mod data;
 mod error;
 mod files;
+mod layer;
 mod map;
 mod objects;
+mod parts;
+mod paths;
+mod picture;
+mod read;
 mod space;
 #[cfg(test)]
 mod tests;
+mod tile;
 mod tileset;
+mod warning;
 mod xml;
 
 use std::io;
@@ -42,9 +49,11 @@ use crate::editor::file;
 use data::Data;
 pub use error::TmxError;
 use files::Files;
-pub use map::{TmxMap, TmxWarning};
+pub use map::TmxMap;
 pub use objects::{TmxFault, TmxObject, TmxShape, TmxValue};
+pub use tile::TmxTile;
 use tileset::Tilesets;
+pub use warning::TmxWarning;
 use xml::{Element, Xml};
 
 /// Tiles along a side of a map, at most: the editor makes no larger ones.
@@ -71,7 +80,8 @@ pub struct TmxImport {
     /// All tiles and objects in layers of this name block; at first `walls`.
     pub layer: String,
     /// Objects are doors that have a property of this name that is `true`, or whose tile has, or
-    /// whose class has this name; at first `door`. Tiles of layers are no doors.
+    /// whose class has this name; at first `door`. Tiles of layers are no doors, but shapes that
+    /// tilesets draw on them may be: see [`TmxMap::tiles`].
     pub door: String,
 }
 

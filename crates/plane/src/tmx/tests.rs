@@ -10,6 +10,7 @@ use crate::editor::Role;
 use crate::geometry::Rect;
 
 mod compare;
+mod drawn;
 #[path = "../../tests/maps/mod.rs"]
 mod maps;
 
@@ -151,7 +152,7 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
             );
             let mut xml = Xml::new(text.as_bytes(), "test").unwrap();
             let root = xml.root("tileset").unwrap();
-            Rc::new(Opaque::read(&mut xml, &root, ["opaque", "door"]).unwrap())
+            Rc::new(Opaque::read(&mut xml, &root, "", ["opaque", "door"]).unwrap())
         })
         .collect();
     for order in 0..256_u32 {

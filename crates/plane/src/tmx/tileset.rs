@@ -1,10 +1,13 @@
-//! Which tiles of tilesets block sight, and the pictures of tiles.
+//! Which tiles of tilesets block sight, the pictures of tiles, and the shapes drawn on them.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
 
 use super::TmxError;
+use super::objects::Drawn;
+use super::paths::joined;
+use super::picture::{Picture, Style};
 use super::xml::{Element, Xml};
 
 /// What a tileset says of its tiles.
@@ -14,6 +17,10 @@ pub(super) struct Opaque {
     says: [BTreeSet<u32>; 2],
     /// The classes of those that have one.
     classes: BTreeMap<u32, Arc<str>>,
+    /// The shapes that are drawn on tiles, in the order of the file.
+    drawn: BTreeMap<u32, Vec<Drawn>>,
+    /// How pictures lie in cells.
+    style: Style,
     /// The size of all pictures in pixels, or of single ones.
     size: [f64; 2],
     sizes: BTreeMap<u32, [f64; 2]>,
@@ -62,15 +69,26 @@ enum Says {
 impl Opaque {
     /// Reads a tileset, from behind its start. The number of tiles that it promises takes no
     /// memory: those without properties are not listed in a file. `names` are those of the
-    /// properties that say that a tile blocks, and that it is a door.
-    pub fn read(xml: &mut Xml<'_>, tileset: &Element<'_>, names: [&str; 2]) -> Result<Self, TmxError> {
+    /// properties that say that a tile blocks, and that it is a door; `folder` is that from which
+    /// its paths count.
+    pub fn read(
+        xml: &mut Xml<'_>,
+        tileset: &Element<'_>,
+        folder: &str,
+        names: [&str; 2],
+    ) -> Result<Self, TmxError> {
         let count = xml.attribute(tileset, "tilecount")?.and_then(|count| count.trim().parse().ok());
         let alignment = xml.attribute(tileset, "objectalignment")?.and_then(|name| Alignment::named(&name));
         let size = size(xml, tileset, ["tilewidth", "tileheight"])?;
-        let mut found = Self { count, alignment, size, ..Self::default() };
+        let style = Style::new(xml, tileset)?;
+        let mut found = Self { count, alignment, size, style, ..Self::default() };
         while let Some(child) = xml.child()? {
             match child.local_name().as_ref() {
-                b"tile" => found.tile(xml, &child, names)?,
+                b"tile" => found.tile(xml, &child, folder, names)?,
+                b"tileoffset" | b"grid" => {
+                    found.style.add(xml, &child)?;
+                    xml.skip(&child)?;
+                }
                 _ => xml.skip(&child)?,
             }
         }
@@ -78,7 +96,13 @@ impl Opaque {
     }
 
     /// Reads a tile, from behind its start.
-    fn tile(&mut self, xml: &mut Xml<'_>, tile: &Element<'_>, names: [&str; 2]) -> Result<(), TmxError> {
+    fn tile(
+        &mut self,
+        xml: &mut Xml<'_>,
+        tile: &Element<'_>,
+        folder: &str,
+        names: [&str; 2],
+    ) -> Result<(), TmxError> {
         let id = xml.number(tile, "id")?;
         if self.count.is_some_and(|count| id >= count) {
             self.listed.insert(id);
@@ -89,28 +113,36 @@ impl Opaque {
         self.says.iter_mut().for_each(|tiles| _ = tiles.remove(&id));
         self.classes.remove(&id);
         self.classes.extend(class.map(|class| (id, class.into())));
+        self.drawn.remove(&id);
+        // The tile may be a part of its image.
+        let part = size(xml, tile, ["width", "height"])?;
         while let Some(child) = xml.child()? {
             match child.local_name().as_ref() {
-                b"properties" => {}
+                b"properties" => self.keep(id, says(xml, names)?),
+                b"objectgroup" => {
+                    let drawn = Drawn::read(xml, |path| joined(folder, path))?;
+                    self.drawn.insert(id, drawn);
+                }
                 b"image" => {
-                    self.sizes.insert(id, size(xml, &child, ["width", "height"])?);
+                    let all = size(xml, &child, ["width", "height"])?;
+                    self.sizes.insert(id, if part.contains(&0.0) { all } else { part });
                     xml.skip(&child)?;
-                    continue;
                 }
-                _ => {
-                    xml.skip(&child)?;
-                    continue;
-                }
-            }
-            for (which, says) in says(xml, names)?.into_iter().enumerate() {
-                match says {
-                    Says::True => _ = self.says[which].insert(id),
-                    Says::Wrong(kind) => self.wrong.push((id, which, kind)),
-                    Says::Nothing => {}
-                }
+                _ => xml.skip(&child)?,
             }
         }
         Ok(())
+    }
+
+    /// Keeps what the properties of a tile say.
+    fn keep(&mut self, id: u32, all: [Says; 2]) {
+        for (which, says) in all.into_iter().enumerate() {
+            match says {
+                Says::True => _ = self.says[which].insert(id),
+                Says::Wrong(kind) => self.wrong.push((id, which, kind)),
+                Says::Nothing => {}
+            }
+        }
     }
 
     /// Whether a tile says that it blocks (0), or that it is a door (1).
@@ -126,6 +158,16 @@ impl Opaque {
     /// The size of a tile's picture, and the point of it that an object names.
     pub fn picture(&self, tile: u32) -> (Option<Alignment>, [f64; 2]) {
         (self.alignment, self.sizes.get(&tile).copied().unwrap_or(self.size))
+    }
+
+    /// The shapes that are drawn on a tile.
+    pub fn drawn(&self, tile: u32) -> &[Drawn] {
+        self.drawn.get(&tile).map_or(&[], Vec::as_slice)
+    }
+
+    /// The picture of a tile as layers show it.
+    pub fn on_layers(&self, tile: u32) -> Picture {
+        Picture { size: self.picture(tile).1, style: self.style }
     }
 
     /// Whether it has a tile.
@@ -173,7 +215,7 @@ fn is_true(xml: &Xml<'_>, property: &Element<'_>) -> Result<bool, TmxError> {
 }
 
 /// The bits of an id that are not for turning the tile.
-const TILE: u32 = 0x1fff_ffff;
+pub(super) const TILE: u32 = 0x1fff_ffff;
 
 /// The tilesets of a map.
 #[derive(Debug, Default)]
@@ -225,12 +267,6 @@ impl Tilesets {
         // Another tileset may begin between.
         let own = self.find(id).is_some_and(|(found, _)| Rc::ptr_eq(found, set));
         own.then_some(id | other & !TILE)
-    }
-
-    /// Whether a tileset has a tile; there is always no tile.
-    pub fn has(&self, id: u32) -> bool {
-        let id = id & TILE;
-        id == 0 || self.of(id).is_some_and(|(first, set)| set.has(id - first))
     }
 
     /// The first tiles of tilesets, with the tiles whose property has another type than `bool`,

@@ -106,6 +106,20 @@ pub fn made() -> String {
     map("encoding=\"csv\"", &csv()).replace("\n</map>", &format!("\n{MADE}</map>"))
 }
 
+/// Shapes that a tileset draws on a tile: walls and a door.
+const DRAWN: &str = "<tile id=\"0\"><objectgroup draworder=\"index\" id=\"2\"><object id=\"1\" type=\"opaque\" x=\"1\" y=\"2\" \
+    width=\"9\" height=\"3\" rotation=\"10\"/><object id=\"2\" class=\"door\" x=\"2.5\" y=\"4\" width=\"5\" height=\"7\"><ellipse/>\
+    </object><object id=\"3\" type=\"opaque\" x=\"8\" y=\"8\"><polygon points=\"0,0 7,1.5 2,6\"/></object><object id=\"4\" \
+    type=\"opaque\" x=\"3\" y=\"1\"><polyline points=\"0,0 4,1 4,7\"/></object></objectgroup></tile>";
+
+/// A map with shapes on the tile 1, which comes twice, once turned.
+pub fn drawn() -> String {
+    let text = map("encoding=\"csv\"", &csv());
+    let image = "<image source=\"s.png\" width=\"32\" height=\"32\"/>";
+    let with_style = format!("<tileoffset x=\"2\" y=\"-1\"/>{image}{DRAWN}");
+    text.replace(image, &with_style).replace("8,\n", "3758096385,\n")
+}
+
 /// The file of a path that maps name: a template, or the tileset.
 pub fn file(path: &str) -> Vec<u8> {
     let template = TEMPLATES.iter().find(|(name, _)| *name == path);
@@ -117,12 +131,21 @@ pub fn objects() -> String {
     map("encoding=\"csv\"", &csv()).replace("\n</map>", &format!("\n{OBJECTS}</map>"))
 }
 
-/// Maps of each encoding, one with objects, and one with objects of templates.
+/// Maps of each encoding, one with objects, one with objects of templates, and one with shapes on
+/// tiles.
 pub fn all() -> Vec<Vec<u8>> {
     let packed = |compression: &str| {
         let attributes = format!("encoding=\"base64\" compression=\"{compression}\"");
         map(attributes.replace(" compression=\"\"", "").as_str(), &base64(compression)).into_bytes()
     };
     let plain = map("encoding=\"csv\"", &csv()).into_bytes();
-    vec![plain, packed(""), packed("zlib"), packed("gzip"), objects().into_bytes(), made().into_bytes()]
+    vec![
+        plain,
+        packed(""),
+        packed("zlib"),
+        packed("gzip"),
+        objects().into_bytes(),
+        made().into_bytes(),
+        drawn().into_bytes(),
+    ]
 }

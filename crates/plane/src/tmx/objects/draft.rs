@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use glam::DVec2;
+use glam::{DMat2, DVec2};
 
 use super::fault::{TmxFault, shortened};
 use super::properties::{self, TmxValue};
@@ -66,6 +66,21 @@ impl Draft {
         let at = DVec2::new(x.unwrap_or(0.0), y.unwrap_or(0.0));
         let size = [width, height];
         Ok(Ok(Self { name, class, visible, template, at, size, rotation, tile, form, properties, faults }))
+    }
+
+    /// How it is turned on the screen about its place.
+    pub fn turn(&self) -> DMat2 {
+        let angle = self.rotation.unwrap_or(0.0).rem_euclid(360.0);
+        // Right angles keep rectangles along the axes.
+        let (sin, cos) = match angle {
+            0.0 => (0.0, 1.0),
+            90.0 => (1.0, 0.0),
+            180.0 => (0.0, -1.0),
+            270.0 => (-1.0, 0.0),
+            _ => angle.to_radians().sin_cos(),
+        };
+        // Clockwise, for y goes down.
+        DMat2::from_cols(DVec2::new(cos, sin), DVec2::new(-sin, cos))
     }
 
     /// Takes over the parts that it does not say from its template, as the editor does: its place

@@ -50,6 +50,10 @@ pub enum TmxFault {
         BYTES_FOR_A_BYTE
     )]
     Copies,
+    /// An object with a picture that a tileset draws on a tile: the editor makes none. It is left
+    /// out.
+    #[error("an object on a tile has a picture: it is left out")]
+    Picture,
     /// A polygon whose sides cross or touch, or without area: it is a ring of walls.
     #[error("the sides of the polygon cross or touch: it is taken as a ring of walls")]
     Crossed,

@@ -1,6 +1,6 @@
 //! Objects of maps in scenes.
 
-use glam::Vec2;
+use glam::{DVec2, Vec2};
 
 use super::object::TmxObject;
 use super::shape::TmxShape;
@@ -34,34 +34,44 @@ impl TmxObject {
     /// # Errors
     /// As [`Self::insert`]; coordinates of discs and rectangles are not looked at.
     pub fn parts(&self, origin: Vec2, tile_size: f32) -> Result<Vec<(Shape, Option<Shape>)>, Error> {
-        finite2("the origin of the map", origin)?;
-        not_negative("the size of a tile", tile_size)?;
-        let at = |p: Vec2| (origin.as_dvec2() + p.as_dvec2() * f64::from(tile_size)).as_vec2();
-        let hides = self.role != Role::Plain;
-        let both = |shape: Shape| (shape.clone(), hides.then_some(shape));
-        Ok(match &self.shape {
-            TmxShape::Point(p) => vec![(Disc::new(at(*p), 0.0).into(), None)],
-            TmxShape::Rect(rect) => vec![both(Rect::new(at(rect.min), at(rect.max)).into())],
-            TmxShape::Disc(disc) => vec![both(Disc::new(at(disc.center), disc.radius * tile_size).into())],
-            TmxShape::Ellipse { center, axes } => {
-                let axes = axes.map(|axis| axis.as_dvec2() * f64::from(tile_size));
-                let [inner, outer] = ellipse(at(*center), axes)?;
-                vec![(outer, hides.then_some(inner))]
-            }
-            TmxShape::Polyline(points) => {
-                let points: Vec<Vec2> = points.iter().map(|&p| at(p)).collect();
-                vec![both(Polyline::new(&points)?.into())]
-            }
-            TmxShape::Polygon(corners) => {
-                let mut corners: Vec<Vec2> = corners.iter().map(|&p| at(p)).collect();
-                match ConvexPolygon::split(&corners) {
-                    Ok(parts) => parts.into_iter().map(|part| both(part.into())).collect(),
-                    Err(_) => {
-                        corners.extend(corners.first().copied());
-                        vec![both(Polyline::new(&corners)?.into())]
-                    }
+        parts(&self.shape, self.role != Role::Plain, (origin, DVec2::ZERO), tile_size)
+    }
+}
+
+/// The parts of a shape in a scene, with their occluders if it hides. Its coordinates count from
+/// `place`, in tiles.
+pub(in crate::tmx) fn parts(
+    shape: &TmxShape,
+    hides: bool,
+    (origin, place): (Vec2, DVec2),
+    tile_size: f32,
+) -> Result<Vec<(Shape, Option<Shape>)>, Error> {
+    finite2("the origin of the map", origin)?;
+    not_negative("the size of a tile", tile_size)?;
+    let at = |p: Vec2| (origin.as_dvec2() + (place + p.as_dvec2()) * f64::from(tile_size)).as_vec2();
+    let both = |shape: Shape| (shape.clone(), hides.then_some(shape));
+    Ok(match shape {
+        TmxShape::Point(p) => vec![(Disc::new(at(*p), 0.0).into(), None)],
+        TmxShape::Rect(rect) => vec![both(Rect::new(at(rect.min), at(rect.max)).into())],
+        TmxShape::Disc(disc) => vec![both(Disc::new(at(disc.center), disc.radius * tile_size).into())],
+        TmxShape::Ellipse { center, axes } => {
+            let axes = axes.map(|axis| axis.as_dvec2() * f64::from(tile_size));
+            let [inner, outer] = ellipse(at(*center), axes)?;
+            vec![(outer, hides.then_some(inner))]
+        }
+        TmxShape::Polyline(points) => {
+            let points: Vec<Vec2> = points.iter().map(|&p| at(p)).collect();
+            vec![both(Polyline::new(&points)?.into())]
+        }
+        TmxShape::Polygon(corners) => {
+            let mut corners: Vec<Vec2> = corners.iter().map(|&p| at(p)).collect();
+            match ConvexPolygon::split(&corners) {
+                Ok(parts) => parts.into_iter().map(|part| both(part.into())).collect(),
+                Err(_) => {
+                    corners.extend(corners.first().copied());
+                    vec![both(Polyline::new(&corners)?.into())]
                 }
             }
-        })
-    }
+        }
+    })
 }

@@ -3,12 +3,12 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use glam::{DMat2, DVec2};
+use glam::DVec2;
 
 use super::draft::{Draft, Form};
-use super::fault::{TmxFault, shortened};
+use super::fault::TmxFault;
 use super::object::TmxObject;
-use super::properties::TmxValue;
+use super::role::Roles;
 use super::shape::{Frame, Outline, TmxShape};
 use super::template::{Template, Templates};
 use crate::editor::Role;
@@ -26,10 +26,7 @@ pub(in crate::tmx) struct ObjectLayer<'l> {
     pub shift: [f64; 2],
     /// Whether it and its groups are switched on.
     pub visible: bool,
-    /// The names of the properties that say that an object hides, and that it is a door.
-    pub names: [&'l str; 2],
-    /// Whether all its objects hide.
-    pub walls: bool,
+    pub roles: Roles<'l>,
 }
 
 /// The tile of an object with a picture.
@@ -105,7 +102,8 @@ impl ObjectLayer<'_> {
         {
             object.class = class;
         }
-        object.role = self.role(&object, tile.as_ref(), faults);
+        let of_tile = tile.as_ref().map(|tile| (&**tile.set, tile.number));
+        object.role = self.roles.role(&object.properties, &object.class, of_tile, faults);
         if is_point || matches!(object.shape, TmxShape::Point(_)) && object.role != Role::Plain {
             faults.push(TmxFault::NoSize);
         }
@@ -131,44 +129,10 @@ impl ObjectLayer<'_> {
         Ok(Some(Tile { set, number, id }))
     }
 
-    /// What the object says of itself, or else its tile, its class and its layer.
-    fn role(&self, object: &TmxObject, tile: Option<&Tile<'_>>, faults: &mut Vec<TmxFault>) -> Role {
-        let mut says = |which: usize| {
-            let name = self.names[which];
-            match object.properties.get(name) {
-                Some(TmxValue::Bool(says)) => return Some(*says),
-                Some(other) => {
-                    let (property, kind) = (shortened(name), other.kind());
-                    faults.push(TmxFault::PropertyType { property, kind });
-                }
-                None => {}
-            }
-            let of_tile = tile.is_some_and(|tile| tile.set.says(tile.number, which));
-            (of_tile || &*object.class == name).then_some(true)
-        };
-        let (hides, door) = (says(0), says(1));
-        match (door, hides) {
-            (Some(true), _) => Role::Door,
-            (_, Some(true)) => Role::Wall,
-            (_, None) if self.walls => Role::Wall,
-            _ => Role::Plain,
-        }
-    }
-
     /// Where the coordinates of an object lie.
     fn frame(&self, draft: &Draft, tile: Option<&Tile<'_>>) -> Result<Frame<'_>, TmxFault> {
         let screen = self.space.screen();
-        let angle = draft.rotation.unwrap_or(0.0).rem_euclid(360.0);
-        // Right angles keep rectangles along the axes.
-        let (sin, cos) = match angle {
-            0.0 => (0.0, 1.0),
-            90.0 => (1.0, 0.0),
-            180.0 => (0.0, -1.0),
-            270.0 => (-1.0, 0.0),
-            _ => angle.to_radians().sin_cos(),
-        };
-        // Clockwise, for y goes down.
-        let turn = DMat2::from_cols(DVec2::new(cos, sin), DVec2::new(-sin, cos));
+        let turn = draft.turn();
         let at = screen * draft.at + DVec2::from_array(self.shift);
         let [width, height] = draft.size;
         let Some(tile) = tile else {

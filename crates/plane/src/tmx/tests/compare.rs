@@ -130,3 +130,48 @@ fn compare_objects(text: String) -> usize {
     assert_eq!(found, ours.objects.len());
     found
 }
+
+#[test]
+fn the_crate_tiled_reads_the_same_shapes_of_tiles() {
+    let text = maps::drawn();
+    let ours = map(&text).unwrap();
+    assert_eq!(ours.warnings, []);
+    let mut loader =
+        tiled::Loader::with_cache_and_reader(tiled::DefaultResourceCache::new(), Files(text.into_bytes()));
+    let map = loader.load_tmx_map("map.tmx").unwrap();
+    let mut found = 0;
+    let group = map.layers().filter_map(|layer| layer.as_group_layer().and_then(|group| group.get_layer(0)));
+    for tiles in map.layers().chain(group).filter_map(|layer| layer.as_tile_layer()) {
+        let tiled::TileLayer::Finite(tiles) = tiles else { panic!() };
+        for (x, y) in (0..3).flat_map(|y| (0..4).map(move |x| (x, y))) {
+            let Some(tile) = tiles.get_tile(x, y).filter(|tile| tile.id() == 0) else { continue };
+            let Some(shapes) = tile.get_tile().and_then(|tile| tile.collision.clone()) else { continue };
+            let place = glam::DVec2::new(x.into(), y.into());
+            let here: Vec<_> = ours.tiles.iter().filter(|tile| tile.place == place).collect();
+            for role in [Role::Wall, Role::Door] {
+                let theirs =
+                    shapes.object_data().iter().filter(|o| (o.user_type == "door") == (role == Role::Door));
+                let ours = here.iter().find(|tile| tile.role == role).unwrap();
+                assert_eq!(theirs.clone().count(), ours.shapes.len());
+                for (theirs, ours) in theirs.zip(&*ours.shapes) {
+                    found += 1;
+                    let mut at = Vec2::new(theirs.x, theirs.y);
+                    if tile.flip_d {
+                        at = Vec2::new(at.y, at.x);
+                    }
+                    at.x = if tile.flip_h { 16.0 - at.x } else { at.x };
+                    at.y = if tile.flip_v { 16.0 - at.y } else { at.y };
+                    let at = (at + Vec2::new(2.0, -1.0)) / 16.0;
+                    let first = match ours {
+                        TmxShape::Polygon(points) | TmxShape::Polyline(points) => points[0],
+                        round if tile.flip_h => round.bounds().max,
+                        round => round.bounds().min,
+                    };
+                    assert!((first - at).length() < 1e-6, "{ours:?} {at}");
+                }
+            }
+        }
+    }
+    // Two tiles in each of two layers, with four shapes each.
+    assert_eq!(found, 16);
+}
