@@ -21,8 +21,8 @@
 //!
 //! None is on by default. These pages show the crate with all of them.
 //!
-//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in
-//!   chunks, and writes PLY.
+//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, COPC, EPT, E57 and surfel
+//!   files in chunks, and writes PLY.
 //! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far
 //!   as a picture needs them; and the module `occluders`: walls estimated from the points, behind
 //!   which these are culled.

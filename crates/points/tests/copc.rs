@@ -131,7 +131,7 @@ fn points_outside_of_the_box_are_left_out() {
 fn files_without_levels_say_so() {
     for (file, name) in [(las(&TREE, true), "LAS"), (b"ply\n".to_vec(), "PLY"), (b"1\n".to_vec(), "surfel")] {
         let said = selected(&file, levels(Levels::To(3))).unwrap_err().to_string();
-        assert_eq!(said, format!("test.copc.laz: {name} files have no levels, only COPC files do"));
+        assert_eq!(said, format!("test.copc.laz: {name} files have no levels, only COPC and EPT files do"));
     }
 }
 

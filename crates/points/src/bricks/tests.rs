@@ -268,7 +268,7 @@ fn of_a_brick_that_is_wanted_twice_the_larger_count_is_loaded() {
         loader.want(list);
         loader.settle();
         assert_eq!([0, 1].map(|brick| loader.gather(&[want(brick, 400)]).len()), expected);
-        assert_eq!(loader.loaded(), expected.iter().sum());
+        assert_eq!(loader.loaded(), expected.iter().sum::<usize>());
     }
 }
 

@@ -46,6 +46,8 @@ pub(super) struct Key {
 }
 
 impl Key {
+    pub const ROOT: Self = Self { level: 0, place: [0; 3] };
+
     /// Of a level, x, y and z, if there is such a node.
     pub fn new(numbers: [i64; 4]) -> Option<Self> {
         let level = u32::try_from(numbers[0]).ok().filter(|&level| level <= FINEST)?;

@@ -21,11 +21,7 @@ use crate::numeric;
 const LEAST_RECORD: u64 = 20;
 
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
-    let header = guarded(|| header(&mut source)).map_err(|e| sink.header("LAS", e))?;
-    let (bounds, count) = (header.bounds(), header.number_of_points());
-    let low = DVec3::new(bounds.min.x, bounds.min.y, bounds.min.z);
-    let middle = low.midpoint(DVec3::new(bounds.max.x, bounds.max.y, bounds.max.z));
-    sink.origin = sink.origin.or_else(|| middle.is_finite().then(|| numeric::origin_near(middle)));
+    let header = open(&mut source, sink)?;
     if sink.wanted != Selection::default() {
         match header.vlrs().iter().find(|vlr| vlr.is_copc_info()) {
             Some(info) => return copc::read(source, &header, &info.data, sink),
@@ -33,10 +29,33 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
             None => {}
         }
     }
-    let mut points = guarded(|| Points::new(source, &header)).map_err(|e| sink.header("LAS", e))?;
+    read_all(source, &header, sink)
+}
+
+/// The header of a file, whose source is then at the points.
+pub(super) fn open<E>(source: &mut impl Source, sink: &mut Sink<'_, E>) -> Result<Header, FileError>
+where
+    E: From<FileError>,
+{
+    let header = guarded(|| header(source)).map_err(|e| sink.header("LAS", e))?;
+    let bounds = header.bounds();
+    let low = DVec3::new(bounds.min.x, bounds.min.y, bounds.min.z);
+    let middle = low.midpoint(DVec3::new(bounds.max.x, bounds.max.y, bounds.max.z));
+    sink.origin = sink.origin.or_else(|| middle.is_finite().then(|| numeric::origin_near(middle)));
+    Ok(header)
+}
+
+/// Reads all points, in their order.
+pub(super) fn read_all<E: From<FileError>>(
+    source: impl Source,
+    header: &Header,
+    sink: &mut Sink<'_, E>,
+) -> Result<(), E> {
+    let count = header.number_of_points();
+    let mut points = guarded(|| Points::new(source, header)).map_err(|e| sink.header("LAS", e))?;
     let mut read = 0;
     while read < count {
-        let batch = guarded(|| points.next(count - read, &header));
+        let batch = guarded(|| points.next(count - read, header));
         let batch = batch.map_err(|e| sink.point(format!("after point {read} of {count}"), e))?;
         read += batch.len() as u64;
         hand_out(&batch, sink)?;

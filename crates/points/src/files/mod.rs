@@ -1,11 +1,12 @@
 //! Point clouds from files, in chunks, so that a file may be larger than memory: PLY, LAS and LAZ,
-//! E57, surfels; and PLY written.
+//! COPC, EPT, E57, surfels; and PLY written.
 //!
 //! The format is found by the first bytes, not by the name. Counts in headers are checked by
-//! reading, never believed by allocating. Of COPC files only some levels and a box can be read
-//! ([`Selection`]).
+//! reading, never believed by allocating. Of COPC and EPT files only some levels and a box can
+//! be read ([`Selection`]).
 
 mod copc;
+mod ept;
 mod guarded;
 mod layers;
 mod levels;
@@ -29,8 +30,8 @@ pub use levels::{Levels, Selection};
 pub use ply::PlyWriter;
 pub use sink::{Attributes, FileError, Source};
 
-/// Reads a whole file. Points whose coordinates are not finite, as scanners write them for rays
-/// without an echo, are left out.
+/// Reads a whole file; of EPT its `ept.json`, or the folder that this lies in. Points whose
+/// coordinates are not finite, as scanners write them for rays without an echo, are left out.
 ///
 /// Colours of LAS and LAZ files have 16 bits a channel; they are taken as 8 bits if no channel of
 /// the first 65,536 points that are not all black exceeds 255 (of fewer points, if their records
@@ -66,7 +67,8 @@ pub fn read_chunks<E: From<FileError>>(
 }
 
 /// As [`read_chunks`], only the part that is wanted. Of COPC files with levels or a box, only nodes
-/// that are wanted are read from the file, and their points come in the order of the file.
+/// that are wanted are read from the file, and their points come in the order of the file; of EPT,
+/// always, and level by level.
 ///
 /// # Errors
 /// As [`read_chunks`]; [`FileError::NoLevels`] if [`Selection::levels`] is given and the file has
@@ -77,9 +79,10 @@ pub fn read_selected<E: From<FileError>>(
     most: usize,
     each: impl FnMut(PointCloud) -> Result<(), E>,
 ) -> Result<u64, E> {
+    let path = if path.is_dir() { &path.join("ept.json") } else { path };
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| FileError::Io { name: name.clone(), source })?;
-    read_selected_source(BufReader::with_capacity(1 << 18, file), name, wanted, most, each)
+    read_part(BufReader::with_capacity(1 << 18, file), (name, path.parent()), wanted, most, each)
 }
 
 /// As [`read_chunks`], from any source. Errors call it `name`.
@@ -98,10 +101,21 @@ pub fn read_source<E: From<FileError>>(
 /// As [`read_selected`], from any source. Errors call it `name`.
 ///
 /// # Errors
-/// As [`read_selected`].
+/// As [`read_selected`]; if it is an `ept.json`, whose points lie in files beside it.
 pub fn read_selected_source<E: From<FileError>>(
-    mut source: impl Source,
+    source: impl Source,
     name: String,
+    wanted: &Selection,
+    most: usize,
+    each: impl FnMut(PointCloud) -> Result<(), E>,
+) -> Result<u64, E> {
+    read_part(source, (name, None), wanted, most, each)
+}
+
+/// As [`read_selected_source`], of a file with a name, in a folder if that is known.
+fn read_part<E: From<FileError>>(
+    mut source: impl Source,
+    (name, folder): (String, Option<&Path>),
     wanted: &Selection,
     most: usize,
     mut each: impl FnMut(PointCloud) -> Result<(), E>,
@@ -121,15 +135,20 @@ pub fn read_selected_source<E: From<FileError>>(
         Some(b"ply\n" | b"ply\r") => "PLY",
         Some(b"LASF") => "LAS",
         Some(b"ASTM") => "E57",
+        _ if start.trim_ascii_start().starts_with(b"{") => "EPT",
         _ => "surfel",
     };
-    if format != "LAS" && wanted.levels != Levels::All {
+    if !["LAS", "EPT"].contains(&format) && wanted.levels != Levels::All {
         return Err(sink.no_levels(format).into());
     }
     match format {
         "PLY" => ply::read(source, &mut sink)?,
         "LAS" => lidar::read(source, &mut sink)?,
         "E57" => scans::read(source, &mut sink)?,
+        "EPT" => match folder {
+            Some(folder) => ept::read(source, folder, &mut sink)?,
+            None => return Err(sink.header("EPT", "its points lie in files beside it").into()),
+        },
         _ => surfel::read(source, &mut sink)?,
     }
     sink.flush()?;

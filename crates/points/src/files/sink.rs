@@ -23,13 +23,13 @@ pub enum FileError {
     Header {
         /// The file.
         name: String,
-        /// "PLY", "LAS", "COPC", "E57" or "surfel".
+        /// "PLY", "LAS", "COPC", "EPT", "E57" or "surfel".
         format: &'static str,
         /// What is wrong.
         cause: String,
     },
     /// Levels were wanted of a file that has none.
-    #[error("{name}: {format} files have no levels, only COPC files do")]
+    #[error("{name}: {format} files have no levels, only COPC and EPT files do")]
     NoLevels {
         /// The file.
         name: String,

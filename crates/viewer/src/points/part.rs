@@ -6,10 +6,10 @@ use casca_points::PointCloud;
 use casca_points::files::{FileError, Levels, Selection, read_selected};
 use clap::Args;
 
-/// The levels of a COPC file that are read; all by default.
+/// The levels of a COPC or EPT file that are read; all by default.
 #[derive(Debug, Args)]
 pub struct Part {
-    /// The finest level that is read, of COPC files: 0 is the coarsest [default: all levels]
+    /// The finest level of a COPC or EPT file that is read; 0 is the coarsest [default: all levels]
     #[arg(long, conflicts_with = "point_spacing")]
     level: Option<u32>,
     /// Reads levels until points are so close together, in the unit of the file

@@ -15,7 +15,8 @@ use crate::points::operators::{Look, Operator, parse_size};
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Visible {
-    /// A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]
+    /// A PLY, LAS, LAZ, COPC, E57 or surfel file, or a folder of EPT [default: a scan of a house,
+    /// made by rules]
     file: Option<PathBuf>,
     #[command(flatten)]
     look: Look,

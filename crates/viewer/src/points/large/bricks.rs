@@ -14,7 +14,7 @@ use crate::points::part::Part;
 /// Cut a file into bricks, which `walk` reads.
 #[derive(Debug, Args)]
 pub struct Cut {
-    /// A PLY, LAS, LAZ, E57 or surfel file.
+    /// A PLY, LAS, LAZ, COPC, E57 or surfel file, or a folder of EPT.
     file: PathBuf,
     /// The file of bricks to write.
     out: PathBuf,
