@@ -35,6 +35,7 @@ mod image;
 mod patches;
 mod plane;
 mod rectangles;
+mod resolution;
 #[cfg(test)]
 mod tests;
 mod voxels;
@@ -45,21 +46,13 @@ use crate::bricks::{BrickError, Bricks};
 use image::{HALF_THICKNESS, Images, NEAR};
 use voxels::Voxels;
 
-/// The side of a cell over the spacing of points. Points at random leave then a fifth of the cells
-/// empty, and nine together in one of a million places.
-const CELL_OF_SPACING: f32 = 1.25;
-/// The share of the points that lie at most so far apart as the spacing that the cell is made from:
-/// parts scanned more thinly hide less, and none falls apart because others are dense.
-const DENSER: f64 = 0.75;
-/// The most cells along the longest edge of a cloud: their numbers fit into 32 bits with room.
-const MOST_CELLS: f32 = (1 << 20) as f32;
-
 /// How occluders are estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OccluderOptions {
     /// The side of a cell in the units of the points: openings of three cells and more stay open.
     /// `None`, and numbers that are not positive, take 1.25 times the spacing that three quarters
-    /// of the points keep.
+    /// of the points keep in bricks, or up to 1.6 times as much where those on flat parts leave
+    /// more cells empty.
     pub resolution: Option<f32>,
     /// The shorter side of the smallest rectangles, in cells; at least 1.
     pub least_side: u32,
@@ -87,14 +80,14 @@ pub struct Occluders {
 }
 
 impl Occluders {
-    /// Estimates the occluders of a cloud. Reads each point twice, brick by brick. Beside one
-    /// brick, memory holds some hundred bytes for each voxel that has points, and two bits for each
+    /// Estimates the occluders of a cloud. Reads each point twice, brick by brick, and those of
+    /// 256 bricks up to five times more. Beside one brick, memory holds some hundred bytes for each voxel that has points, and two bits for each
     /// cell of a patch. The result does not depend on the number of threads.
     ///
     /// # Errors
     /// Those of reading bricks.
     pub fn estimate(bricks: &Bricks, options: &OccluderOptions) -> Result<Self, BrickError> {
-        let resolution = resolution(bricks, options.resolution);
+        let resolution = resolution::resolution(bricks, options.resolution)?;
         let mut found = Self { boxes: Vec::new(), margin: 0.0, resolution };
         if resolution == 0.0 {
             return Ok(found);
@@ -120,17 +113,4 @@ impl Occluders {
         let object = |b: &Obb| ObjectDesc::fixed(*b).occluder(*b).user_data(u64::MAX);
         self.boxes.iter().map(|b| scene.insert(object(b))).collect()
     }
-}
-
-/// The side of a cell; 0 without points.
-fn resolution(bricks: &Bricks, wanted: Option<f32>) -> f32 {
-    if bricks.is_empty() {
-        return 0.0;
-    }
-    let bounds = bricks.bounds();
-    let longest = (bounds.max - bounds.min).max_element();
-    let wanted = wanted.filter(|&side| side > 0.0 && side.is_finite());
-    let side = wanted.unwrap_or_else(|| CELL_OF_SPACING * bricks.usual_spacing(DENSER));
-    let side = side.max(longest / MOST_CELLS).min(longest);
-    if side.is_normal() && longest.is_finite() { side } else { 0.0 }
 }

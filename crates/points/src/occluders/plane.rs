@@ -51,6 +51,17 @@ pub(super) struct Spread {
 }
 
 impl Spread {
+    pub fn count(&self) -> f64 {
+        self.count
+    }
+
+    /// About how far apart points of a flat part are. A rectangle that is filled evenly has an area
+    /// of twelve times the root of the product of its two variances, a triangle of 10.4 times.
+    pub fn spacing(&self) -> f64 {
+        let (values, _) = eigen(self.scatter * (1.0 / self.count));
+        (12.0 * (values[1] * values[2]).max(0.0).sqrt() / self.count).sqrt()
+    }
+
     /// The same for points that were relative to a place, in cells.
     pub fn placed(&self, middle: DVec3, cell: f64) -> Self {
         Self { mean: middle + self.mean * cell, scatter: self.scatter * (cell * cell), ..*self }

@@ -99,6 +99,27 @@ fn a_wall_hides_and_its_window_stays_open() {
 }
 
 #[test]
+fn walls_whose_sides_look_like_one_to_bricks_have_no_holes() {
+    let mut scan = Scan::new(0.1, 0.0);
+    for z in [0.0, 0.22] {
+        scan.rectangle(vec3(-9.0, -3.0, z), Vec3::X * 18.0, Vec3::Y * 6.0, |_| true);
+    }
+    let (_folder, bricks) = scan.bricks(Mat3::IDENTITY);
+    let rough = bricks.usual_spacing(0.75);
+    assert!(rough < 0.078, "bricks tell the spacing, {rough}");
+    let found = Occluders::estimate(&bricks, &OccluderOptions::default()).unwrap();
+    assert!((0.1..0.2).contains(&found.resolution), "{}", found.resolution);
+    let places: Vec<Vec3> =
+        (-85..85).flat_map(|i| (-25..25).map(move |j| vec3(i as f32, j as f32, 0.0) / 10.0)).collect();
+    let hidden = places.iter().filter(|&&p| hides(&found, Mat3::IDENTITY, p + Vec3::Z, p - Vec3::Z)).count();
+    assert!(hidden * 10 > places.len() * 9, "{hidden} of {}", places.len());
+    let small = OccluderOptions { resolution: Some(1.25 * rough), ..OccluderOptions::default() };
+    let (found, before) = (Occluders::estimate(&bricks, &small).unwrap(), hidden);
+    let hidden = places.iter().filter(|&&p| hides(&found, Mat3::IDENTITY, p + Vec3::Z, p - Vec3::Z)).count();
+    assert!(hidden * 10 < before * 9, "{hidden} with the spacing of bricks, {before} without");
+}
+
+#[test]
 fn a_corner_of_walls_is_closed() {
     let mut scan = Scan::new(0.1, 0.005);
     let up = Vec3::Y * 6.0;
