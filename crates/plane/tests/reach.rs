@@ -312,3 +312,89 @@ fn absurd_reaches() {
         }
     }
 }
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    /// By cells, a reach shows what is seen from the cells that it touches, and no more.
+    #[test]
+    fn cells_within_reach_are_seen_together(
+        walls in proptest::collection::vec((0..16i32, 0..16i32, 1..6i32, 1..4i32), 4..24),
+        others in proptest::collection::vec(anywhere(), 30),
+        middle in anywhere(),
+        // At most four cells along an axis.
+        reach in prop_oneof![0.01..0.4f32, 0.4..1.4f32],
+        hidden: bool,
+    ) {
+        let mut scene = Scene::new(&spec(0.0, 1.0, 16)).unwrap();
+        for (x, y, w, h) in walls {
+            let wall = Rect::new(Vec2::new(x as f32, y as f32), Vec2::new((x + w) as f32, (y + h) as f32));
+            scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+        }
+        let mut query = Query::with_method(Method::Cell).unwrap();
+        for at in others {
+            scene.insert(ObjectDesc::dynamic(Disc::new(at + 1.5, 0.2)).max_speed(1.0)).unwrap();
+        }
+        if hidden {
+            // Those that one eye does not see are in volumes.
+            scene.begin_frame(0.0).unwrap();
+            let pvs = query.run(&scene, &View::all_round(Vec2::splat(8.5)).unwrap()).clone();
+            scene.end_frame([&pvs]).unwrap();
+            scene.begin_frame(0.5).unwrap();
+        }
+        let eye = middle + 2.0;
+        let kept = query.run(&scene, &View::all_round(eye).unwrap().with_reach(reach).unwrap()).clone();
+        prop_assume!(!kept.stats().eye_in_occluder);
+        let cells = query.seen_cells(&scene).unwrap();
+        let (mut all, mut in_sight) = (std::collections::BTreeSet::new(), BitGrid::new(16, 16));
+        let mut exact = !hidden;
+        for (x, y) in (0..16).flat_map(|x| (0..16).map(move |y| (x as f32, y as f32))) {
+            let (cell, rim) = (Vec2::new(x, y), 1.0 - f32::EPSILON * 16.0);
+            let nearest = eye.clamp(cell, cell + rim);
+            let away = nearest.as_dvec2().distance(eye.as_dvec2()) - f64::from(reach);
+            prop_assume!(away.abs() > 1e-5);
+            if away > 0.0 {
+                continue;
+            }
+            let view = View::all_round(nearest).unwrap();
+            let found = query.run(&scene, &view).clone();
+            if found.stats().eye_in_occluder {
+                // In a solid, an eye sees all, and does not count; others of the cell may.
+                prop_assert!(!kept.is_valid_for(&scene, &view));
+                exact = false;
+                continue;
+            }
+            let seen = query.seen_cells(&scene).unwrap();
+            seen.cells().for_each(|(x, y)| in_sight.set(x, y, true));
+            all.extend(found.iter());
+        }
+        prop_assert!(all.iter().all(|&id| kept.contains(id)));
+        prop_assert!(in_sight.cells().all(|(x, y)| cells.get(x, y)));
+        if exact {
+            prop_assert_eq!(kept.len(), all.len());
+            prop_assert_eq!(cells, in_sight);
+        }
+    }
+}
+
+/// An eye that may cross a border between cells sees what either cell does; far more cells hide
+/// nothing.
+#[test]
+fn walls_hide_from_all_cells_within_reach() {
+    let at = Vec2::new;
+    let wall = Rect::new(at(2.0, 6.0), at(14.0, 7.0));
+    let behind = Shape::from(Disc::new(at(8.0, 8.0), 0.3));
+    let scene = scene(&spec(0.0, 1.0, 16), &[(wall.into(), true), (behind, false)]);
+    let mut query = Query::with_method(Method::Cell).unwrap();
+    let mut shown = |eye: Vec2, reach: f32| {
+        query.run(&scene, &View::all_round(eye).unwrap().with_reach(reach).unwrap()).len()
+    };
+    assert_eq!(shown(at(8.5, 4.5), 0.4), 1);
+    // Two cells, and four by four; then more than 16.
+    assert_eq!(shown(at(8.0, 4.5), 0.4), 1);
+    assert_eq!(shown(at(8.0, 4.0), 1.5), 1);
+    assert_eq!(shown(at(8.5, 3.5), 2.5), 2);
+    // Some cells look past the end of the wall.
+    assert_eq!(shown(at(2.5, 6.8), 0.2), 2, "in the wall");
+    assert_eq!(shown(at(1.0, 7.5), 0.7), 2);
+}

@@ -1,4 +1,5 @@
-//! One run of the cell method on a scene: which objects the cells in sight hold.
+//! One run of the cell method on a scene: which objects the cells in sight hold. Eyes within a
+//! reach may be in several cells, and see what is in sight of any of them.
 
 use casca_slots::Slot;
 use glam::{DVec2, IVec2};
@@ -14,10 +15,16 @@ use crate::raster::touched;
 use crate::scene::Scene;
 use crate::view::View;
 
+/// Cells that the eyes of a view may be in, at most; beyond, nothing is hidden. Each takes a walk,
+/// which keeps two bits for each cell of the grid.
+const MOST_CELLS: i64 = 16;
+
 /// The memory of the cell method, reused from run to run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CellScratch {
-    walk: Walk,
+    /// One for each cell of the eyes; of these, the last run used the first.
+    walks: Vec<Walk>,
+    used: usize,
     found: Found,
 }
 
@@ -36,7 +43,8 @@ struct Found {
     tested: u32,
 }
 
-/// Fills the set with the objects that can be seen from anywhere in the cell of the view's eye.
+/// Fills the set with the objects that can be seen from anywhere in the cells that the eyes of the
+/// view may be in.
 pub(crate) fn run(
     scene: &Scene,
     view: &View,
@@ -45,36 +53,48 @@ pub(crate) fn run(
     scratch: &mut CellScratch,
     pvs: &mut Pvs,
 ) {
-    let CellScratch { walk, found } = scratch;
+    let CellScratch { walks, used, found } = scratch;
     let grid = scene.grid();
     let v = grid.cell_of(view.eye());
     found.begin(scene.slot_count());
     found.layers = view.layers();
     found.everywhere = view.direction().is_none() && view.range().is_none();
-    let away = (-v).max(v - (grid.dims() - 1)).max_element();
+    let away = |v: IVec2| (-v).max(v - (grid.dims() - 1)).max_element();
     let eye_in_occluder = is_in_occluder(scene, view.eye(), v);
     let opacity = scene.opacity();
-    let stays = stays_in_cell(scene, view, v);
-    let hides = !eye_in_occluder && away <= FAR_VIEWER && stays;
+    let cells = cells_of_eyes(scene, view);
+    let known = cells.is_some();
+    let starts = cells.unwrap_or_else(|| vec![v]);
+    let near = known && starts.iter().all(|&start| away(start) <= FAR_VIEWER);
     let map = CellMap {
         dims: grid.dims(),
-        opaque: if hides { &opacity } else { &[] },
+        opaque: if near && !eye_in_occluder { &opacity } else { &[] },
         found: [scene.lists().occupied(), scene.volumes().bits()],
     };
-    let region = if away <= FAR_VIEWER && stays { region_of(scene, view, v) } else { Region::default() };
-    scene.volumes_around(v, |slot| found.reveal(slot));
-    if !stays {
+    if !known {
         // Outlines do not stand for volumes that some eyes are in.
         let hidden = scene.living().filter(|(_, object)| object.is_hidden());
         hidden.for_each(|(slot, _)| found.reveal(slot));
     }
-    // So far away all cells are in sight, and the numbers of shells must not overflow.
-    let middle = v.clamp(IVec2::splat(-FAR_VIEWER), grid.dims() + FAR_VIEWER);
-    let walked = walk.run(&map, middle, &region, options.hiding(), |cell, shell| {
-        scene.lists().get(cell).iter().for_each(|&slot| found.decide(scene, sight, slot, shell));
-        scene.volumes().at(cell).iter().for_each(|&slot| found.reveal(slot));
-    });
-    found.settle(scene, sight, walk);
+    *used = starts.len();
+    walks.resize_with(walks.len().max(*used), Walk::default);
+    let mut stats = Stats { eye_in_occluder, ..Stats::default() };
+    for (walk, start) in walks.iter_mut().zip(starts) {
+        let region = if near { region_of(scene, view, start) } else { Region::default() };
+        scene.volumes_around(start, |slot| found.reveal(slot));
+        // So far away all cells are in sight, and the numbers of shells must not overflow.
+        let middle = start.clamp(IVec2::splat(-FAR_VIEWER), grid.dims() + FAR_VIEWER);
+        let walked = walk.run(&map, middle, &region, options.hiding(), |cell, shell| {
+            scene.lists().get(cell).iter().for_each(|&slot| found.decide(scene, sight, slot, shell));
+            scene.volumes().at(cell).iter().for_each(|&slot| found.reveal(slot));
+        });
+        stats.shells += walked.shells;
+        stats.cells_visited += walked.cells;
+        stats.cells_hidden += walked.hidden;
+        stats.occluders_drawn += walked.occluders;
+        stats.occluders_skipped += walked.skipped;
+    }
+    found.settle(scene, sight, &walks[..*used]);
     // Nothing is known to hide objects beyond the grid, and large ones have too many cells.
     for &slot in scene.outer() {
         found.decide(scene, sight, slot, i32::MAX);
@@ -82,17 +102,7 @@ pub(crate) fn run(
     found.visible.sort_by_key(|&(shell, _)| shell);
     found.visible.iter().for_each(|&(_, slot)| pvs.push(scene.id(slot)));
     pvs.revealed.extend(found.revealed.iter().map(|&slot| scene.id(slot)));
-    pvs.stats = Stats {
-        shells: walked.shells,
-        cells_visited: walked.cells,
-        cells_hidden: walked.hidden,
-        occluders_drawn: walked.occluders,
-        occluders_skipped: walked.skipped,
-        objects_tested: found.tested,
-        tbvs_revealed: found.revealed.len() as u32,
-        eye_in_occluder,
-        ..Stats::default()
-    };
+    pvs.stats = Stats { objects_tested: found.tested, tbvs_revealed: found.revealed.len() as u32, ..stats };
 }
 
 impl CellScratch {
@@ -101,7 +111,7 @@ impl CellScratch {
         let dims = scene.grid().dims();
         let mut seen = BitGrid::new(dims.x as u32, dims.y as u32);
         for cell in (0..dims.y).flat_map(|y| (0..dims.x).map(move |x| IVec2::new(x, y))) {
-            if self.walk.is_seen(cell) {
+            if self.walks[..self.used].iter().any(|walk| walk.is_seen(cell)) {
                 seen.set(cell.x as u32, cell.y as u32, true);
             }
         }
@@ -140,7 +150,7 @@ impl Found {
 
     /// Decides the objects whose volumes are in sight. One whose moves are reported is visible if
     /// one of its cells is in sight; one that goes unreported may be anywhere in the volume.
-    fn settle(&mut self, scene: &Scene, sight: &Sight, walk: &Walk) {
+    fn settle(&mut self, scene: &Scene, sight: &Sight, walks: &[Walk]) {
         // The order of look-ups among volumes must not show.
         self.revealed.sort_unstable();
         for at in 0..self.revealed.len() {
@@ -149,8 +159,10 @@ impl Found {
             let mut shell = if object.on_expiry() { Some(0) } else { None };
             if shell.is_none() {
                 touched(&object.bounds, scene.grid(), &mut |y, xs| {
-                    let seen = xs.map(|x| IVec2::new(x, y)).filter(|&cell| walk.is_seen(cell));
-                    shell = seen.map(|cell| walk.shell_of(cell)).chain(shell).min();
+                    for cell in xs.map(|x| IVec2::new(x, y)) {
+                        let seen = walks.iter().filter(|walk| walk.is_seen(cell));
+                        shell = seen.map(|walk| walk.shell_of(cell)).chain(shell).min();
+                    }
                 });
             }
             shell.into_iter().for_each(|shell| self.decide(scene, sight, slot, shell));
@@ -169,11 +181,22 @@ pub(crate) fn is_in_occluder(scene: &Scene, eye: DVec2, v: IVec2) -> bool {
     })
 }
 
-/// Whether no eye within the reach of a view leaves a cell; not known on its border.
-fn stays_in_cell(scene: &Scene, view: &View, v: IVec2) -> bool {
-    let (lo, hi) = scene.grid().cell_bounds(v);
-    let room = (view.eye() - lo).min(hi - view.eye()).min_element();
-    view.reach() == 0.0 || room > view.reach() * (1.0 + REACH)
+/// The cells that the eyes of a view may be in; `None` for more than [`MOST_CELLS`].
+fn cells_of_eyes(scene: &Scene, view: &View) -> Option<Vec<IVec2>> {
+    let (grid, eye, reach) = (scene.grid(), view.eye(), view.reach() * (1.0 + REACH));
+    let (first, last) = (grid.cell_of(eye - reach), grid.cell_of(eye + reach));
+    let size = last.as_i64vec2() - first.as_i64vec2() + 1;
+    if size.x * size.y > MOST_CELLS {
+        return None;
+    }
+    let all = (first.y..=last.y).flat_map(|y| (first.x..=last.x).map(move |x| IVec2::new(x, y)));
+    let near = |cell: &IVec2| {
+        let (lo, hi) = grid.cell_bounds(*cell);
+        eye.clamp(lo, hi).distance(eye) <= reach
+    };
+    // The eye's own cell counts also where its borders are rounded.
+    let own = grid.cell_of(eye);
+    Some(all.filter(|cell| *cell == own || near(cell)).collect())
 }
 
 /// The cells that a view may see. That of a sector wider than a half-plane is not convex, so it

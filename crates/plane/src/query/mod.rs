@@ -82,8 +82,9 @@ impl Query {
     }
 
     /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell of
-    /// which a point of the eye's cell sees a point inside the view, and a few more. `None` if the
-    /// last run was by another method, or on another scene. Costs all cells of the grid.
+    /// which a point of the eye's cell sees a point inside the view, and a few more; with a
+    /// [reach](View::with_reach), of any cell that the eye may be in. `None` if the last run was by
+    /// another method, or on another scene. Costs all cells of the grid, for each cell of the eye.
     pub fn seen_cells(&self, scene: &Scene) -> Option<BitGrid> {
         let ran = self.pvs.method == Method::Cell && self.pvs.scene == scene.tag();
         ran.then(|| self.cell.seen_cells(scene))
