@@ -114,7 +114,7 @@ fn strange_images_end_no_device() {
     let look = Look::new(Fur::for_radius(1.0, 0.1, 0.3).unwrap());
     let mesh = [ball()];
     let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look).unwrap();
-    // An image that is not there is white.
+    // Meshes without images have shaders of their own; an image that is not there is white.
     let white = shells(&gpu, &mut renderer, 2);
     let one = |x: u32, y: u32, byte: u8| {
         Image::new(UVec2::new(x, y), vec![byte; 4 * (x * y) as usize], [Wrap::Mirror; 2]).unwrap()

@@ -1,4 +1,4 @@
-// The colour of a strand: that of the coat and of an image at its root.
+// The colour of a strand: that of the coat and of an image at its root. As to the comment "images" see shells.wgsl.
 
 // Images of the mesh, all of one size.
 @group(2) @binding(0) var images: texture_2d_array<f32>;
@@ -9,13 +9,16 @@
 /// How the coat and the place on the image change from pixel to pixel.
 struct Paint {
     coat: array<vec3f, 2>,
-    tex: array<vec2f, 2>,
+    tex: array<vec2f, 2>, // images
 }
 
 /// Must be called by all fragments.
 fn paint_of(shell: Shell) -> Paint {
     let coat = shell.coat.rgb;
-    return Paint(array(dpdx(coat), dpdy(coat)), array(dpdx(shell.tex), dpdy(shell.tex)));
+    var paint: Paint;
+    paint.coat = array(dpdx(coat), dpdy(coat));
+    paint.tex = array(dpdx(shell.tex), dpdy(shell.tex)); // images
+    return paint;
 }
 
 /// A coordinate within the image; `rim` is half of the width over which the sampler mixes.
@@ -48,7 +51,8 @@ fn colour_at(shell: Shell, c: Change, paint: Paint, way: vec3f) -> vec3f {
     if area > 0.0 {
         pixels = vec2f(dot(way, cross(c.base[1], across)), dot(way, cross(across, c.base[0]))) / area;
     }
-    let coat = saturate(shell.coat.rgb + paint.coat[0] * pixels.x + paint.coat[1] * pixels.y);
-    let uv = shell.tex + paint.tex[0] * pixels.x + paint.tex[1] * pixels.y;
-    return coat * image_colour(uv, shell.image, paint.tex[0], paint.tex[1]);
+    var colour = saturate(shell.coat.rgb + paint.coat[0] * pixels.x + paint.coat[1] * pixels.y);
+    let uv = shell.tex + paint.tex[0] * pixels.x + paint.tex[1] * pixels.y; // images
+    colour *= image_colour(uv, shell.image, paint.tex[0], paint.tex[1]); // images
+    return colour;
 }

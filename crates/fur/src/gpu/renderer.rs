@@ -15,15 +15,16 @@ use crate::gpu::buffers::{Buffers, Growing};
 use crate::gpu::error::FurGpuError;
 use crate::gpu::images;
 use crate::gpu::look::{Look, LookRecord, SKY};
-use crate::gpu::pipelines::{Pipelines, SHADERS};
+use crate::gpu::pipelines::{Kind, Pipelines, shaders};
 use crate::gpu::records::{DrawList, Frame, SHADOW_SIZE, Sun};
 
 /// Pipelines and buffers for some meshes and one format of pictures.
 pub struct Renderer {
     format: TextureFormat,
-    /// For meshes without weights, and with.
-    shells: [wgpu::RenderPipeline; 2],
+    /// By [`Kind::number`].
+    shells: [wgpu::RenderPipeline; 4],
     blocks: wgpu::RenderPipeline,
+    /// Without weights, and with; shadows have no colours.
     shell_shadows: [wgpu::RenderPipeline; 2],
     block_shadows: wgpu::RenderPipeline,
     layouts: [wgpu::BindGroupLayout; 2],
@@ -68,13 +69,15 @@ impl Renderer {
         let device = &gpu.device;
         let layouts = layouts(device);
         let images_layout = images::layout(device);
-        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("fur"),
-            source: wgpu::ShaderSource::Wgsl(SHADERS.into()),
+        let modules = [false, true].map(|images| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("fur"),
+                source: wgpu::ShaderSource::Wgsl(shaders(images).into()),
+            })
         });
         let pipelines = Pipelines {
             device,
-            shader: &shader,
+            shaders: &modules,
             samples,
             layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
@@ -95,9 +98,9 @@ impl Renderer {
             look_group(device, &layouts[1], &look_buffer, [&records.buffer, &joints.buffer], &map);
         let mut renderer = Self {
             format,
-            shells: [false, true].map(|posed| pipelines.shells(posed, Some(("shell_colour", format)))),
+            shells: Kind::EVERY.map(|kind| pipelines.shells(kind, Some(("shell_colour", format)))),
             blocks: pipelines.blocks(Some(("block_colour", format))),
-            shell_shadows: [false, true].map(|posed| pipelines.shells(posed, None)),
+            shell_shadows: [false, true].map(|posed| pipelines.shells(Kind { posed, images: false }, None)),
             block_shadows: pipelines.blocks(None),
             layouts,
             no_images: images::group(gpu, &images_layout, &[])?,
@@ -157,9 +160,12 @@ impl Renderer {
     /// There is no such mesh, or there are more than 64 images.
     pub fn set_images(&mut self, gpu: &Gpu, meshes: &[usize], given: &[Image]) -> Result<(), FurGpuError> {
         images::check(given)?;
-        let group = images::group(gpu, &self.images_layout, given)?;
+        let group = match given {
+            [] => None,
+            _ => Some(images::group(gpu, &self.images_layout, given)?),
+        };
         for &mesh in meshes {
-            self.mesh(mesh)?.images = Some(group.clone());
+            self.mesh(mesh)?.images = group.clone();
         }
         Ok(())
     }
@@ -265,8 +271,8 @@ impl Renderer {
         pass.set_bind_group(1, &self.look_group, &[]);
         pass.set_bind_group(2, &self.no_images, &[]);
         let (blocks, shells) = match shadows {
-            false => (&self.blocks, &self.shells),
-            true => (&self.block_shadows, &self.shell_shadows),
+            false => (&self.blocks, &self.shells[..]),
+            true => (&self.block_shadows, &self.shell_shadows[..]),
         };
         if walls > 0 {
             pass.set_pipeline(blocks);
@@ -276,7 +282,8 @@ impl Renderer {
         pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
         for (mesh, run) in runs {
             let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
-            pass.set_pipeline(&shells[usize::from(mesh.followers.is_some())]);
+            let kind = Kind { posed: mesh.followers.is_some(), images: mesh.images.is_some() && !shadows };
+            pass.set_pipeline(&shells[kind.number()]);
             pass.set_bind_group(2, mesh.images.as_ref().unwrap_or(&self.no_images), &[]);
             if let Some(followers) = &mesh.followers {
                 pass.set_vertex_buffer(2, followers.slice(..));

@@ -1,4 +1,5 @@
-// Shells: instance k of a mesh is its layer k, layer 0 the skin.
+// Shells: instance k of a mesh is its layer k, layer 0 the skin. Shaders for meshes without images lack the lines that
+// end with the comment "images".
 
 // The highlight of bald skin; as in the reference.
 const WET: f32 = 0.7;
@@ -44,8 +45,8 @@ struct Shell {
     // The bend of strands, in the mesh at rest.
     @location(9) bend: vec3f,
     // The place on an image, and its number plus one, 0 for none.
-    @location(10) tex: vec2f,
-    @location(11) @interpolate(flat) image: u32,
+    @location(10) tex: vec2f, // images
+    @location(11) @interpolate(flat) image: u32, // images
 }
 
 struct Corner {
@@ -54,8 +55,8 @@ struct Corner {
     @location(1) base: vec3f,
     @location(2) normal: vec3f,
     @location(3) coat: vec4f,
-    @location(6) tex: vec2f,
-    @location(7) image: u32,
+    @location(6) tex: vec2f, // images
+    @location(7) image: u32, // images
 }
 
 /// From the mesh at rest to the world.
@@ -81,8 +82,8 @@ fn shell(corner: Corner, rows: array<vec4f, 3>, eye: vec4f) -> Shell {
     out.base = corner.base;
     out.normal = corner.normal;
     out.coat = corner.coat;
-    out.tex = corner.tex;
-    out.image = corner.image;
+    out.tex = corner.tex; // images
+    out.image = corner.image; // images
     let axes = transpose(mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz));
     out.x = axes[0];
     out.y = axes[1];
@@ -199,6 +200,16 @@ fn dither(base: vec3f, width: f32, layer: u32) -> vec4u {
     return hash(vec4u(bitcast<vec3u>(cell), layer));
 }
 
+/// How far a ray goes that leaves a shell with a slope and a bulge, until it is a slab lower or higher, or back.
+fn through_slab(rise: f32, bulge: f32, thick: f32) -> f32 {
+    let down = rise < 0.0;
+    let square = rise * rise + select(2.0, -2.0, down) * bulge * thick;
+    if down && square < 0.0 {
+        return -2.0 * rise / bulge;
+    }
+    return 2.0 * thick / max(abs(rise) + sqrt(max(square, 0.0)), 1e-6);
+}
+
 /// The strand in a fragment of a shell. `width` is that of a pixel, `ray` the unit direction of looking or of light, both in object space.
 fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     let t = height_of(in.which);
@@ -226,17 +237,22 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     let side = c.base[0] * x + c.base[1] * y;
     let turn = c.normal[0] * x + c.normal[1] * y;
     let rise = dot(across, ray) / det;
+    // The skin bends away from the ray, so that the height is a parabola.
+    let bulge = dot(ray, turn) / look.height;
+    let sag = 0.5 * dot(side, turn);
     let thick = long / f32(max(in.which.z, 1u));
     let stride = look.radius * look.spacing * STRIDE;
     let speed = length(side);
-    let steps = clamp(ceil(thick * speed / (abs(rise) * stride + 1e-12)), 1.0, f32(look.steps));
-    let way = min(thick / max(abs(rise), 1e-6), steps * stride / max(speed, 1e-6)) / steps;
+    let all = through_slab(rise, bulge, thick);
+    let steps = clamp(ceil(all * speed / stride), 1.0, f32(look.steps));
+    let way = min(all, steps * stride / max(speed, 1e-6)) / steps;
     for (var i = 0.0; i < steps; i += 1.0) {
         let at = i * way;
-        let here = clamp(height + at * rise, 0.0, long);
-        let below = Skin(in.base + side * at, normalize(normal + turn * at), skin.plane, skin.slope);
+        let here = clamp(height + at * (rise + 0.5 * bulge * at), 0.0, long);
+        let foot = side * at - normal * (sag * at * at);
+        let below = Skin(in.base + foot, normalize(normal + turn * at), skin.plane, skin.slope);
         var hit = strand_here(there, below, here, long);
-        hit.root += side * at;
+        hit.root += foot;
         if hit.found {
             return hit;
         }

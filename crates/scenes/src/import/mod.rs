@@ -13,7 +13,7 @@
 //!   in the file is used. The greatest speed of an object bounds the way of each of its
 //!   points from any frame to any other. Skins and morph targets in use are refused,
 //!   because they move the surface in ways that the node does not tell; with the feature `fur`,
-//!   `load_skinned` reads a mesh with its skin.
+//!   `read_skinned` reads a mesh with its skin.
 //! - **Path**: the first perspective camera that an animation moves, at 30 frames a
 //!   second, for as long as the longest animation (at most 100,000 frames); else the first
 //!   perspective camera, standing still for 150 frames. Orthographic cameras are passed over.
@@ -82,15 +82,6 @@ pub fn load(path: &Path) -> Result<World, ImportError> {
 /// As [`load`].
 pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
     open(path, read_lit)
-}
-
-/// Loads the first mesh with a skin from such a file; see [`read_skinned`].
-///
-/// # Errors
-/// As [`load`].
-#[cfg(feature = "fur")]
-pub fn load_skinned(path: &Path) -> Result<Option<Skinned>, ImportError> {
-    open(path, |_, bytes, folder| read_skinned(bytes, folder))
 }
 
 /// Loads what can grow fur from such a file; see [`read_coated`].

@@ -122,6 +122,8 @@ pub struct Subject {
     /// The images on which its vertices lie.
     pub images: Vec<Image>,
     pub radius: f32,
+    /// The height of the ground on which it stands.
+    pub low: f32,
     /// Its skeleton and walk, if it walks.
     pub walker: Option<Box<Walker>>,
 }
@@ -169,7 +171,8 @@ impl Choices {
             let levels = animal.levels().to_vec();
             let walker = self.walk.then(|| Box::new(Walker::generated(animal.rig(), &levels[0])));
             let (name, images) = ("animal".into(), Vec::new());
-            return Ok(Subject { name, levels, images, radius: animal.radius(), walker });
+            let (radius, low) = (animal.radius(), animal.aabb().min.y);
+            return Ok(Subject { name, levels, images, radius, low, walker });
         };
         let lengths = match &self.length_map {
             None => None,
@@ -185,7 +188,9 @@ impl Choices {
         };
         let name = path.file_stem().map_or("file".into(), |s| s.to_string_lossy().into_owned());
         let (lo, hi) = (levels[0].aabb().min, levels[0].aabb().max);
-        Ok(Subject { name, radius: (hi - lo).length() * 0.5, levels, images: character.images, walker })
+        let (radius, images) = ((hi - lo).length() * 0.5, character.images);
+        let low = walker.as_ref().map_or(lo.y, |walker| walker.low);
+        Ok(Subject { name, levels, images, radius, low, walker })
     }
 }
 

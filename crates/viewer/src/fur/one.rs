@@ -63,8 +63,7 @@ pub fn level_list(subject: &Subject, level: u32, layers: u32, ground: bool) -> D
         // It has the animal that is posed.
         walker.pose(&mut list, 0.0).ok();
     }
-    let low = subject.walker.as_ref().map_or(subject.levels[0].aabb().min.y, |walker| walker.low);
-    let r = subject.radius;
+    let (low, r) = (subject.low, subject.radius);
     let block =
         Block { min: [-30.0 * r, low - r, -30.0 * r], paint: 0, max: [30.0 * r, low, 30.0 * r], pad: 0 };
     list.blocks.extend(ground.then_some(block));

@@ -17,7 +17,6 @@ use glam::Vec3;
 
 use crate::fur::choices::{Choices, Subject};
 use crate::fur::one::{self, TO_SUN};
-use crate::fur::shadows;
 use crate::fur::shots::{Picture, Shooter, sheet};
 
 const LAYERS: [u32; 6] = [4, 8, 16, 32, 64, 256];
@@ -156,7 +155,6 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
     }
     write(choices, &rows)?;
     conclude(&rows);
-    shadows::compare(gpu, subject)?;
     Ok(())
 }
 
