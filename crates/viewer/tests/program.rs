@@ -113,6 +113,12 @@ fn pictures_are_written_culling_does_not_change_them_and_errors_end_with_3() {
         assert!(picture(&format!("all/{name}")) == picture(&format!("some/{name}")), "{name}");
     }
     assert!(picture("all/lines_rooms_plain.png") != picture("all/lines_rooms_occluded.png"));
+    // Smooth lines, which culling does not change either.
+    assert_eq!(run(&folder, &format!("{words} smooth --antialias")).0, Some(0));
+    assert_eq!(run(&folder, &format!("{words} smooth_some --antialias --cull")).0, Some(0));
+    let name = "lines_rooms_occluded.png";
+    assert!(picture(&format!("smooth/{name}")) == picture(&format!("smooth_some/{name}")));
+    assert!(picture(&format!("smooth/{name}")) != picture(&format!("all/{name}")));
     // Rooms at other distances have thinner tubes than the first, for which the lines were copied.
     let (code, said, errors) = run(&folder, "lines --rooms 6 --lines 4 --time --size 24x18 --samples 4");
     assert!(code == Some(0) && said.contains("of the time without culling"), "{errors}");

@@ -2,6 +2,7 @@
 
 use casca_stage::gpu::GpuError;
 
+use crate::gpu::numeric::MOST_THICK;
 use crate::occlusion::OptionsError;
 use crate::samples::SampleError;
 use crate::sets::LineError;
@@ -45,6 +46,9 @@ pub enum LinesGpuError {
     /// The grid of columns.
     #[error("columns of {0} pixels: the side of a column is 1 to 64 pixels")]
     Coarse(u32),
+    /// The thickness of smooth lines.
+    #[error("lines of {0} pixels: smooth lines are 1 to {MOST_THICK} pixels thick")]
+    Thickness(f32),
     /// Lines on the device without places, for an estimator that needs them.
     #[error("the lines have no places: they were put on the device for another estimator")]
     Places,

@@ -28,11 +28,12 @@ pub(super) struct GpuLens {
     group: u32,
     groups: u32,
     units: f32,
-    padding: u32,
+    thick: f32,
 }
 
 impl GpuLens {
-    pub(super) fn new(view: &View, slices: Slices) -> Self {
+    /// Of lines whose half is so thick, in pixels.
+    pub(super) fn new(view: &View, slices: Slices, thick: f32) -> Self {
         let turn = view.eye_from_world().matrix3;
         let origin = view.eye_from_world().inverse().translation;
         let [near, far] = view.depths();
@@ -52,7 +53,7 @@ impl GpuLens {
             group: GROUP,
             groups: slices.groups() as u32,
             units: (LENGTH_UNITS / (far - near)) as f32,
-            padding: 0,
+            thick,
         }
     }
 }

@@ -9,17 +9,20 @@
 //! - [`context`]: meshes among the lines, which hide them.
 //! - [`hidden`]: lines behind nearer lines, which are not drawn.
 //! - [`settings`]: what is computed.
+//! - [`antialiasing`]: smooth borders of lines.
 //! - `sides`: the occlusion at places along lines, which stays from frame to frame.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
 //!
 //! The results are those of the processor's version but for rounding: [`numeric`] says where that
 //! decides and how far.
 
+pub mod antialiasing;
 #[cfg(test)]
 mod colours;
 pub mod context;
 pub mod culling;
 pub mod error;
+mod frame;
 pub mod hidden;
 pub mod lens;
 mod nearest;

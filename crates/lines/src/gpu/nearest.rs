@@ -13,6 +13,8 @@ use crate::gpu::shader::shader;
 pub(super) struct Nearest {
     draw: Kernel,
     resolve: Kernel,
+    draw_thick: Kernel,
+    resolve_samples: Kernel,
     hidden: Hidden,
     /// The two runs of `draw`.
     choosing: [Buffer; 2],
@@ -24,12 +26,16 @@ pub(super) struct Nearest {
     all: Drawn,
 }
 
-/// The buffers of pixels: the lens, the greatest keys of depths and their segments, fragments.
+/// The buffers of pixels: the lens, the greatest keys of depths and their segments, the layers of
+/// samples, fragments.
 pub(super) struct Pixels<'a> {
     pub(super) size: [u32; 2],
+    /// Whether pixels have samples, which the lens and the first two buffers are of.
+    pub(super) has_samples: bool,
     pub(super) lens: &'a Buffer,
     pub(super) nearest: &'a Buffer,
     pub(super) owners: &'a Buffer,
+    pub(super) layers: &'a Buffer,
     pub(super) fragments: &'a Buffer,
     pub(super) surfaces: &'a Surfaces,
 }
@@ -45,6 +51,8 @@ impl Nearest {
         Ok(Self {
             draw: Kernel::new(gpu, raster, "draw", &[0, 1, 2, 3, 4, 5, 8, 9, 10, 41]),
             resolve: Kernel::new(gpu, raster, "resolve", &[0, 2, 3, 9, 11, 12]),
+            draw_thick: Kernel::new(gpu, raster, "draw_thick", &[0, 1, 2, 3, 4, 5, 8, 9, 10, 41]),
+            resolve_samples: Kernel::new(gpu, raster, "resolve_samples", &[0, 2, 3, 9, 11, 12, 28]),
             hidden: Hidden::new(gpu, &hidden)?,
             choosing: [flag(0)?, flag(1)?],
             culling: LineCulling::default(),
@@ -105,9 +113,10 @@ impl Nearest {
             let own: [Bound<'_>; 2] = [(1, &self.choosing[run]), (5, list)];
             let bound = [&set[..], &own[..]].concat();
             let lookup = pixels.surfaces.with(among(&bound));
+            let kernel = if pixels.has_samples { &self.draw_thick } else { &self.draw };
             match groups {
-                Some(groups) => self.draw.run_counted(gpu, encoder, groups, &lookup),
-                None => self.draw.run_groups(gpu, encoder, all.len(), &lookup),
+                Some(groups) => kernel.run_counted(gpu, encoder, groups, &lookup),
+                None => kernel.run_groups(gpu, encoder, all.len(), &lookup),
             }
         };
         if self.culls {
@@ -127,8 +136,9 @@ impl Nearest {
             draw(encoder, 0, list, None);
             draw(encoder, 1, list, None);
         }
-        let bound: [Bound<'_>; 2] = [(11, &lines.tangents), (12, pixels.fragments)];
+        let bound: [Bound<'_>; 3] = [(11, &lines.tangents), (12, pixels.fragments), (28, pixels.layers)];
         let bound = [&set[..], &bound[..]].concat();
-        self.resolve.run_pixels(gpu, encoder, pixels.size, &among(&bound));
+        let kernel = if pixels.has_samples { &self.resolve_samples } else { &self.resolve };
+        kernel.run_pixels(gpu, encoder, pixels.size, &among(&bound));
     }
 }

@@ -56,6 +56,9 @@ pub const FARTHEST_PIXEL: f32 = 16_384.0;
 /// whose triangles face all ways have the normal 0. Triangles are shaded flat there.
 pub const LEAST_NORMAL: f32 = 1e-3;
 
+/// The greatest thickness of smooth lines in pixels: the cost of a line grows with it.
+pub const MOST_THICK: f32 = 16.0;
+
 /// Constants as the shaders take them.
 pub(super) fn constants() -> String {
     let all = [

@@ -1,6 +1,6 @@
 //! Columns, nearest lines, occlusion and pictures of a frame.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::kernel::{Bound, Kernel, among, filled};
@@ -9,21 +9,19 @@ use casca_stage::wgpu::{Buffer, BufferUsages, TextureFormat};
 use glam::Vec3;
 
 use crate::buffers::Fragment;
-use crate::gpu::context::{ContextPass, GpuContext, Surfaces};
+use crate::gpu::context::{ContextPass, GpuContext};
 use crate::gpu::culling::Seen;
 use crate::gpu::error::LinesGpuError;
+use crate::gpu::frame::{Frame, GpuFragment};
 use crate::gpu::hidden::{Drawn, LineCulling};
-use crate::gpu::lens::GpuLens;
 use crate::gpu::nearest::{Nearest, Pixels};
-use crate::gpu::numeric::FARTHEST;
 use crate::gpu::picture::Picture;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
 use crate::gpu::shader::shader;
-use crate::gpu::sides::{GpuSides, Passes, Work};
+use crate::gpu::sides::{GpuSides, Passes};
 use crate::occlusion::sector_of;
 use crate::samples::SampleSets;
-use crate::slabs::Slices;
 use crate::view::View;
 
 /// How a picture looks.
@@ -37,36 +35,6 @@ pub enum Look {
     Occluded,
     /// The occlusion alone: white in the open.
     Occlusion,
-}
-
-/// `Fragment` of view.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct GpuFragment {
-    position: [f32; 3],
-    line: u32,
-    tangent: [f32; 3],
-    along: f32,
-}
-
-/// The buffers of a frame.
-struct Frame {
-    view: View,
-    grid: View,
-    slices: Slices,
-    bits: Buffer,
-    lengths: Buffer,
-    nearest: Buffer,
-    owners: Buffer,
-    surfaces: Surfaces,
-    fragments: Buffer,
-    occlusion: Buffer,
-    /// With places.
-    work: Option<Work>,
-    lens: Buffer,
-    grid_lens: Buffer,
-    /// Those of the lines that were drawn, if they have colours.
-    colours: Option<Buffer>,
 }
 
 /// Draws lines.
@@ -95,7 +63,11 @@ impl Renderer {
         let raster = shader(
             gpu,
             "raster",
-            concat!(include_str!("shaders/keys.wgsl"), include_str!("shaders/raster.wgsl")),
+            concat!(
+                include_str!("shaders/keys.wgsl"),
+                include_str!("shaders/raster.wgsl"),
+                include_str!("shaders/thick.wgsl")
+            ),
         );
         let occlusion = shader(
             gpu,
@@ -153,8 +125,8 @@ impl Renderer {
     /// `seen.drawn`, and the occlusion. `context` hides lines; it takes no part in the occlusion.
     ///
     /// Time: proportional to the vertices of the bundles, to the pixels that lines cross, and to
-    /// the pixels with lines times the samples. Memory on the device: 56 bytes a pixel; with
-    /// columns 80 bytes a column with 128 slices, 160 with 256.
+    /// the pixels with lines times the samples. Memory on the device: 56 bytes a pixel without
+    /// antialiasing; with columns 80 bytes a column with 128 slices, 160 with 256.
     ///
     /// # Errors
     /// If the device has no room or is lost, a bundle is not there, rays are to meet tubes thicker
@@ -168,9 +140,11 @@ impl Renderer {
         context: &[GpuContext],
         clock: &mut Clock,
     ) -> Result<(), LinesGpuError> {
-        self.fit(gpu, view)?;
+        Frame::fit(&mut self.frame, gpu, view, &self.settings)?;
+        let antialiasing = self.settings.antialiasing;
+        let (samples, layers) = (antialiasing.samples_of(view)?.size(), antialiasing.layers_of(view.size()));
         let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
-        self.nearest.fit(gpu, (lines, &drawn), view.size())?;
+        self.nearest.fit(gpu, (lines, &drawn), samples)?;
         let Some(frame) = &mut self.frame else { return Ok(()) };
         frame.colours = lines.coloured.then(|| lines.colours.clone());
         let frame = &*frame;
@@ -180,7 +154,7 @@ impl Renderer {
         let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
         let ao = filled(
             gpu,
-            &[GpuAo::new(settings, view.size(), sides.map_or(0, GpuSides::tangents))],
+            &[GpuAo::new(settings, layers, sides.map_or(0, GpuSides::tangents))],
             BufferUsages::UNIFORM,
         )?;
         let set: [Bound<'_>; 3] = [(2, &lines.vertices), (3, &lines.segments), (4, &lines.order)];
@@ -196,9 +170,11 @@ impl Renderer {
         })?;
         let pixels = Pixels {
             size: view.size(),
+            has_samples: antialiasing.has_samples(),
             lens: &frame.lens,
             nearest: &frame.nearest,
             owners: &frame.owners,
+            layers: &frame.layers,
             fragments: &frame.fragments,
             surfaces: &frame.surfaces,
         };
@@ -217,18 +193,18 @@ impl Renderer {
         ];
         let bound = [&receivers[..], &cells[..]].concat();
         if let (Some(sides), Some(work)) = (sides, &frame.work) {
-            self.places.run(gpu, (sides, work), settings, (&bound, view.size()), clock)?;
+            self.places.run(gpu, (sides, work), settings, (&bound, layers), clock)?;
             return Ok(());
         }
         clock.stage(gpu, "occlusion", |encoder| {
             if settings.by_rays() {
-                let [width, height] = view.size();
+                let [width, height] = layers;
                 let tiles = width.div_ceil(TILE[0]) as usize * height.div_ceil(TILE[1]) as usize;
                 self.trace.run_groups(gpu, encoder, tiles, &among(&bound));
             } else {
                 let bound: [Bound<'_>; 3] = [(0, &frame.grid_lens), (6, &frame.bits), (7, &frame.lengths)];
                 let bound = [&receivers[..], &bound[..]].concat();
-                self.estimate.run_pixels(gpu, encoder, view.size(), &among(&bound));
+                self.estimate.run_pixels(gpu, encoder, layers, &among(&bound));
             }
         })?;
         Ok(())
@@ -253,7 +229,7 @@ impl Renderer {
         let words = [r, g, b, look as u32, strength.to_bits(), u32::from(coloured), 0, 0];
         let look = filled(gpu, &words, BufferUsages::UNIFORM)?;
         let none = filled(gpu, &[[0u32; 4]], BufferUsages::STORAGE)?;
-        let bound = self.frame.as_ref().map(|frame| -> [Bound<'_>; 6] {
+        let bound = self.frame.as_ref().map(|frame| -> [Bound<'_>; 7] {
             [
                 (0, &frame.lens),
                 (9, &frame.owners),
@@ -261,12 +237,13 @@ impl Renderer {
                 (17, &frame.occlusion),
                 (18, &look),
                 (23, frame.colours.as_ref().unwrap_or(&none)),
+                (28, &frame.layers),
             ]
         });
         clock.stage(gpu, "picture", |encoder| match (&self.frame, &bound) {
             (Some(frame), Some(bound)) => {
                 let lookup = frame.surfaces.with(among(bound));
-                self.picture.paint(gpu, encoder, (target, background), Some(&lookup));
+                self.picture.paint(gpu, encoder, (target, background), Some((&lookup, frame.has_samples())));
             }
             _ => self.picture.paint(gpu, encoder, (target, background), None),
         })?;
@@ -291,7 +268,9 @@ impl Renderer {
         Ok(words.into_iter().map(|w| w as f64 * range / crate::gpu::numeric::LENGTH_UNITS).collect())
     }
 
-    /// The nearest line of each pixel, row by row, as [`crate::buffers::LineBuffer`] has it.
+    /// The nearest line of each pixel, row by row, as [`crate::buffers::LineBuffer`] has it. With
+    /// antialiasing four layers follow each other: the line that the first sample of a pixel shows,
+    /// then up to three others.
     ///
     /// # Errors
     /// As [`Gpu::read_buffer`].
@@ -304,7 +283,7 @@ impl Renderer {
         Ok(all.iter().map(fragment).collect())
     }
 
-    /// The occlusion of each pixel, row by row.
+    /// The occlusion of each fragment, row by row and layer by layer.
     ///
     /// # Errors
     /// As [`Gpu::read_buffer`].
@@ -332,73 +311,6 @@ impl Renderer {
     fn read<T: Pod>(&self, gpu: &Gpu, of: impl Fn(&Frame) -> &Buffer) -> Result<Vec<T>, GpuError> {
         let bytes = self.frame.as_ref().map_or(Ok(Vec::new()), |frame| gpu.read_buffer(of(frame)))?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
-    }
-
-    /// Buffers for a view: the old ones if their sizes are right.
-    fn fit(&mut self, gpu: &Gpu, view: &View) -> Result<(), LinesGpuError> {
-        let slices = self.settings.slices;
-        let [near, far] = view.depths();
-        if near.abs().max(far.abs()) > FARTHEST * (far - near) {
-            return Err(LinesGpuError::Depths { near, far });
-        }
-        let grid = self.settings.grid(view)?;
-        // Rays need no columns.
-        let grid = if self.settings.by_rays() { grid.with_height(1)? } else { grid };
-        let has_places = self.settings.by_places();
-        let kind = |f: &Frame| (f.view.size(), f.grid.size(), f.slices, f.work.is_some());
-        let fits = |f: &Frame| kind(f) == (view.size(), grid.size(), slices, has_places);
-        if !self.frame.as_ref().is_some_and(fits) {
-            // The old ones are freed first.
-            self.frame = None;
-            self.frame = Some(Frame::new(gpu, view, grid, slices, has_places)?);
-        }
-        if let Some(frame) = &mut self.frame {
-            (frame.view, frame.grid) = (*view, grid);
-            let lens = |of: &View| [GpuLens::new(of, slices)];
-            gpu.write(&frame.lens, bytemuck::cast_slice(&lens(view)))?;
-            gpu.write(&frame.grid_lens, bytemuck::cast_slice(&lens(&grid)))?;
-        }
-        Ok(())
-    }
-}
-
-impl Frame {
-    fn new(
-        gpu: &Gpu,
-        view: &View,
-        grid: View,
-        slices: Slices,
-        has_places: bool,
-    ) -> Result<Self, LinesGpuError> {
-        let count = |of: &View| of.size().iter().map(|&s| u64::from(s)).product::<u64>();
-        let storage = BufferUsages::STORAGE;
-        let of_columns = |what, bytes: u32| {
-            let bytes = count(&grid) * u64::from(bytes);
-            let [width, height] = grid.size();
-            let large = |most| LinesGpuError::TooLarge { what, width, height, bytes, most };
-            gpu.buffer(bytes, storage).map_err(|e| match e {
-                GpuError::NoRoom { most, .. } => large(most),
-                other => other.into(),
-            })
-        };
-        let of_pixels = |bytes: u64| gpu.buffer(count(view) * bytes, storage);
-        let lens = || gpu.buffer(size_of::<GpuLens>() as u64, BufferUsages::UNIFORM);
-        Ok(Self {
-            view: *view,
-            grid,
-            slices,
-            bits: of_columns("the bits", slices.count() / 8)?,
-            lengths: of_columns("the lengths", slices.groups() as u32 * 8)?,
-            nearest: of_pixels(4)?,
-            owners: of_pixels(4)?,
-            surfaces: Surfaces::new(gpu, view.size())?,
-            fragments: of_pixels(size_of::<GpuFragment>() as u64)?,
-            occlusion: of_pixels(4)?,
-            work: if has_places { Some(Work::new(gpu, count(view))?) } else { None },
-            lens: lens()?,
-            grid_lens: lens()?,
-            colours: None,
-        })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::gpu::antialiasing::Antialiasing;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::Reach;
 use crate::numeric::{MARGIN_IN_TUBES, USUAL_RAYS, USUAL_SIDE_RAYS};
@@ -24,6 +25,8 @@ pub struct Settings {
     pub slices: Slices,
     /// Pixels along the side of a column, 1 to 64.
     pub coarse: u32,
+    /// Whether borders of lines are smooth.
+    pub antialiasing: Antialiasing,
 }
 
 impl Settings {
@@ -50,7 +53,15 @@ impl Settings {
     /// columns of 2 x 2 pixels.
     pub fn of_columns(radius: f32, line_radius: f32) -> Self {
         let ao = AoOptions::new(radius, line_radius);
-        Self { ao, samples: 150, sets: 16, seed: 1, slices: Slices::S256, coarse: 2 }
+        Self {
+            ao,
+            samples: 150,
+            sets: 16,
+            seed: 1,
+            slices: Slices::S256,
+            coarse: 2,
+            antialiasing: Antialiasing::None,
+        }
     }
 
     /// Whether rays through cells are taken, instead of columns: from pixels or from places.
@@ -90,13 +101,16 @@ impl Settings {
     /// # Errors
     /// As [`Self::grid`].
     pub fn reach(&self, view: &View) -> Result<Reach, LinesGpuError> {
-        let reach = Reach::new(view, &self.grid(view)?, self.ao.radius, self.slices);
+        let mut reach = Reach::new(view, &self.grid(view)?, self.ao.radius, self.slices);
+        let beyond = (view.pixel_size(view.depths()[1]) * self.antialiasing.beyond()) as f32;
+        (reach.drawn, reach.read) = (reach.drawn + beyond, reach.read + beyond);
         // Cells hold all lines in any case.
         Ok(if self.by_rays() { Reach { read: reach.drawn, ..reach } } else { reach })
     }
 
     pub(super) fn check(&self) -> Result<(), LinesGpuError> {
         self.ao.check()?;
+        self.antialiasing.check()?;
         if !(1..=64).contains(&self.coarse) {
             return Err(LinesGpuError::Coarse(self.coarse));
         }

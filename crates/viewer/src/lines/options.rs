@@ -1,6 +1,8 @@
 //! The command line.
 
+use casca_lines::gpu::antialiasing::Antialiasing;
 use casca_lines::gpu::hidden::LineCulling;
+use casca_lines::gpu::numeric::MOST_THICK;
 use casca_lines::gpu::renderer::Look;
 use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
 use casca_lines::occlusion::Estimator;
@@ -98,6 +100,10 @@ pub struct Options {
     /// "rays" and "depth"
     #[arg(long, default_value = "0.5", value_parser = |t: &str| parse_within(t, 0.01, 100.0))]
     pub tube: f32,
+    /// Smooth lines of so many pixels, 1 to 16, by four samples a pixel
+    #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
+        default_missing_value = "1", value_parser = |t: &str| parse_within(t, 1.0, MOST_THICK))]
+    pub antialias: Option<f32>,
     /// Pixels along the side of a column, for all estimators but "places" and "rays"
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub coarse: u32,
@@ -175,6 +181,11 @@ impl Options {
         if is_usual {
             *samples = self.samples();
         }
+    }
+
+    /// Whether borders of lines are smooth.
+    pub fn antialiasing(&self) -> Antialiasing {
+        self.antialias.map_or(Antialiasing::None, |thickness| Antialiasing::Four { thickness })
     }
 
     /// The rays or samples of a pixel.
@@ -299,6 +310,16 @@ mod tests {
         assert!(matches!(usual.estimator.estimator([1.0, 0.1]), Estimator::Rays { .. }));
         let depth = options(&["--estimator", "depth"]).estimator;
         assert_eq!([false, true].map(|m| depth.in_window(m)), [Way::Depth; 2]);
+    }
+
+    #[test]
+    fn smooth_lines_are_one_pixel_thick_unless_a_thickness_is_asked_for() {
+        assert_eq!(options(&[]).antialiasing(), Antialiasing::None);
+        // The word after it is a file.
+        let usual = options(&["--antialias", "lines.obj"]);
+        assert_eq!(usual.antialiasing(), Antialiasing::SMOOTH);
+        assert_eq!(usual.common.file.unwrap().to_str(), Some("lines.obj"));
+        assert_eq!(options(&["--antialias=2.5"]).antialias, Some(2.5));
     }
 
     #[test]

@@ -52,7 +52,12 @@ mod tests {
             path.to_str().unwrap().to_owned()
         };
         let (broken, empty) = (file("broken.txt", "2\n3 x"), file("empty.obj", "# nothing\n"));
+        // Pictures of these would be empty, or have no depths.
+        let [huge, tiny] = ["1e20", "1e-20"]
+            .map(|far| file(&format!("{far}.obj"), &format!("v {far} 0 0\nv 0 {far} 0\nl 1 2\n")));
         for (words, part) in [
+            (vec!["--headless", &*huge], "scale the lines"),
+            (vec!["--headless", &*tiny], "1e-20 units wide"),
             (vec!["--headless", "no/such.obj"], "no/such.obj"),
             (vec!["--headless", "lines.stl"], ".trk"),
             (vec!["--headless", &*broken], &*broken),
@@ -65,6 +70,7 @@ mod tests {
             (vec!["--factor", "inf"], "from 0 to 100"),
             (vec!["--fov", "180"], "from 1 to 150, or 0"),
             (vec!["--zoom", "0"], "from 0.1 to 100"),
+            (vec!["--antialias=0.5"], "from 1 to 16"),
             (vec!["--samples", "0"], "1..=4096"),
             (vec!["--slices", "64"], "128 or 256"),
             (vec!["--from", "0,0,0"], "direction"),
@@ -92,6 +98,6 @@ mod tests {
             let said = said(&words);
             assert!(said.contains(part), "{words:?}: {said}");
         }
-        [broken, empty].iter().for_each(|path| std::fs::remove_file(path).unwrap());
+        [broken, empty, huge, tiny].iter().for_each(|path| std::fs::remove_file(path).unwrap());
     }
 }

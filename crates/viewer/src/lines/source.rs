@@ -28,6 +28,9 @@ const ROOM_LINES: u32 = 400;
 const SWAY: f32 = 0.02;
 /// The least depth in perspective, as a share of the extent.
 const NEAREST: f32 = 2e-3;
+/// The extents of lines, and their greatest distance from the origin: squares of longer and of
+/// shorter ways do not fit into single precision, so that pictures would be empty.
+const SIZES: std::ops::RangeInclusive<f32> = 1e-15..=1e18;
 
 enum Kind {
     File(LineSet),
@@ -97,7 +100,19 @@ impl Source {
         }
         let corners = || source.context.iter().flat_map(|c| &c.mesh().positions);
         source.bounds = corners().fold(source.bounds, |[min, max], c| [min.min(*c), max.max(*c)]);
+        source.check_size()?;
         Ok(source)
+    }
+
+    /// Refuses lines that would not be seen.
+    fn check_size(&self) -> Result<(), Failed> {
+        let (extent, [low, high]) = (self.extent(), [SIZES.start(), SIZES.end()]);
+        let far = self.bounds.map(|c| c.abs().max_element()).into_iter().fold(0.0, f32::max);
+        if SIZES.contains(&extent) && far <= *high {
+            return Ok(());
+        }
+        let why = format!("pictures take {low:e} to {high:e} units: scale the lines");
+        Err(format!("{}: {extent:e} units wide, up to {far:e} from the origin: {why}", self.name).into())
     }
 
     /// The lines at a time in seconds.
@@ -169,7 +184,9 @@ impl Source {
         };
         let Options { slices, coarse, .. } = *options;
         let samples = options.samples();
-        Settings { ao, samples, sets: sets(samples), slices, coarse, ..Settings::new(radius, tube) }
+        let antialiasing = options.antialiasing();
+        let sets = sets(samples);
+        Settings { ao, samples, sets, slices, coarse, antialiasing, ..Settings::new(radius, tube) }
     }
 
     /// Where the eye starts, and the place that it looks at. In a house it is in the room `room`.

@@ -1,5 +1,6 @@
 //! The window: a camera to fly with, sliders and a motion.
 
+use casca_lines::gpu::antialiasing::Antialiasing;
 use casca_lines::gpu::context::GpuContext;
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
@@ -47,6 +48,7 @@ struct Dials {
     tube: f32,
     moving: bool,
     cull: bool,
+    smooth: bool,
     look: Look,
 }
 
@@ -58,6 +60,7 @@ const FACTOR: &str = "factor";
 const TUBE: &str = "tube radius in pixels";
 const MOVING: &str = "moving (Space)";
 const CULL: &str = "culling (C)";
+const SMOOTH: &str = "smooth lines";
 
 impl Dials {
     fn listed(&self) -> Vec<Dial> {
@@ -70,6 +73,7 @@ impl Dials {
             Dial::number(TUBE, self.tube, 0.1..=4.0, 0.0),
             Dial::switch(MOVING, self.moving),
             Dial::switch(CULL, self.cull),
+            Dial::switch(SMOOTH, self.smooth),
         ]
     }
 
@@ -82,6 +86,7 @@ impl Dials {
             TUBE => self.tube = value as f32,
             MOVING => self.moving = value != 0.0,
             CULL => self.cull = value != 0.0,
+            SMOOTH => self.smooth = value != 0.0,
             _ => {}
         }
     }
@@ -130,6 +135,7 @@ impl Viewer {
                 tube: options.tube,
                 moving: false,
                 cull: options.cull,
+                smooth: options.antialias.is_some(),
                 look: Look::Occluded,
             },
             renderer: Renderer::new(&screen.gpu, screen.format(), settings)?,
@@ -157,7 +163,7 @@ impl Viewer {
         self.options.follow(&mut self.dials.samples, self.way.in_window(self.dials.moving));
         let eye = [self.fly.eye, self.fly.eye + self.fly.forward()];
         let view = self.source.view(&self.options, eye, screen.size().into())?;
-        let Dials { radius, samples, tube, cull, .. } = self.dials;
+        let Dials { radius, samples, tube, cull, smooth, .. } = self.dials;
         let mut settings = self.source.settings(&self.options, &view);
         let scaled = settings.ao.radius * radius / self.options.radius;
         let thick = |line_radius: f32| line_radius * tube / self.options.tube;
@@ -174,6 +180,11 @@ impl Viewer {
         };
         settings.ao = AoOptions { estimator, radius: scaled, ..settings.ao };
         (settings.samples, settings.sets) = (samples, sets(samples));
+        settings.antialiasing = match self.options.antialiasing() {
+            _ if !smooth => Antialiasing::None,
+            Antialiasing::None => Antialiasing::SMOOTH,
+            four => four,
+        };
         if self.shown != self.seconds || !self.lines.suits(&settings) {
             (self.lines, self.legend) =
                 self.source.on_device(gpu, &self.source.at(self.seconds)?, &settings)?;

@@ -110,7 +110,7 @@ fn outline(chunk: u32) -> Outline {
     let off_middle = max(abs(found.low - lens.middle), abs(found.high - lens.middle));
     let beside = max(off_middle.x, off_middle.y);
     let per_unit = select(lens.scale, (lens.scale + beside) / found.near, lens.perspective == 1u);
-    let room = HIDDEN_ROOM + off * per_unit;
+    let room = HIDDEN_ROOM + lens.thick + off * per_unit;
     found.low -= room;
     found.high += room;
     found.near -= off;

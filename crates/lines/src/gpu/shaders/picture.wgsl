@@ -19,6 +19,8 @@ struct Look {
 @group(0) @binding(12) var<storage, read> fragments: array<Fragment>;
 @group(0) @binding(17) var<storage, read> occlusion: array<f32>;
 @group(0) @binding(18) var<uniform> look: Look;
+// The layers of the fragments of samples, as in thick.wgsl.
+@group(0) @binding(28) var<storage, read> layers: array<u32>;
 // The colours of the ends of each segment, and the ways along its line to them.
 @group(0) @binding(23) var<storage, read> colours: array<vec4u>;
 
@@ -35,9 +37,9 @@ fn colour_of(line: u32) -> vec3f {
 }
 
 // The colour of a line between the ends of a segment, or its pale one.
-fn own_colour(pixel: u32, fragment: Fragment) -> vec3f {
+fn own_colour(segment: u32, fragment: Fragment) -> vec3f {
     if look.coloured == 0u { return colour_of(fragment.line); }
-    let ends = colours[~owners[pixel]];
+    let ends = colours[segment];
     let ways = bitcast<vec2f>(ends.zw);
     let t = select(0.0, saturate((fragment.along - ways.x) / (ways.y - ways.x)), ways.y > ways.x);
     return mix(unpack4x8unorm(ends.x).rgb, unpack4x8unorm(ends.y).rgb, t);
@@ -51,26 +53,60 @@ fn lit(colour: vec3f, normal: vec3f, to_eye: vec3f, open: f32) -> vec3f {
     return colour * open * (0.45 + 0.6 * diffuse) + vec3f(0.25 * shine * open);
 }
 
+// The colour of a fragment of a segment, with this number.
+fn tone(number: u32, segment: u32) -> vec3f {
+    let fragment = fragments[number];
+    let open = saturate(1.0 - look.strength * occlusion[number]);
+    let away = away_at(fragment.position);
+    let normal = pole_of(fragment.tangent, away);
+    let plain = own_colour(segment, fragment);
+    switch look.kind {
+        case 0u: { return plain; }
+        case 1u: { return lit(plain, normal, -away, 1.0); }
+        case 2u: { return lit(plain, normal, -away, open); }
+        default: { return vec3f(open); }
+    }
+}
+
+// The colour where there is no line.
+fn behind_lines(at: vec2u) -> vec3f {
+    let is_context = textureLoad(surfaces, at, 0).x < FAR_AWAY;
+    return select(look.background, textureLoad(shades, at, 0).rgb, is_context);
+}
+
 @fragment
 fn paint(@builtin(position) at: vec4f) -> @location(0) vec4f {
-    let pixel = pixel_number(min(vec2u(at.xy), lens.size - 1u));
-    let fragment = fragments[pixel];
-    var colour = look.background;
-    if fragment.line != NONE {
-        let open = saturate(1.0 - look.strength * occlusion[pixel]);
-        let away = away_at(fragment.position);
-        let normal = pole_of(fragment.tangent, away);
-        let plain = own_colour(pixel, fragment);
-        switch look.kind {
-            case 0u: { colour = plain; }
-            case 1u: { colour = lit(plain, normal, -away, 1.0); }
-            case 2u: { colour = lit(plain, normal, -away, open); }
-            default: { colour = vec3f(open); }
+    let place = min(vec2u(at.xy), lens.size - 1u);
+    let pixel = pixel_number(place);
+    if fragments[pixel].line == NONE { return vec4f(behind_lines(place), 1.0); }
+    return vec4f(tone(pixel, ~owners[pixel]), 1.0);
+}
+
+// The mean of the samples of a pixel, in the bytes of the picture, as a picture is scaled down.
+@fragment
+fn paint_samples(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    let size = lens.size / 2u;
+    let place = min(vec2u(at.xy), size - 1u);
+    let pixel = place.y * size.x + place.x;
+    let word = layers[pixel];
+    var tones: array<vec3f, 4>;
+    // Layers are numbered as their first samples follow each other.
+    var count = 0u;
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < 4u; i++) {
+        let sample = 2u * place + vec2u(i & 1u, i >> 1u);
+        let layer = word >> (4u * i) & 15u;
+        if layer >= 4u {
+            sum += behind_lines(sample);
+            continue;
         }
-    } else if textureLoad(surfaces, vec2u(at.xy), 0).x < FAR_AWAY {
-        colour = textureLoad(shades, vec2u(at.xy), 0).rgb;
+        if layer == count {
+            tones[layer] = tone(layer * size.x * size.y + pixel, ~owners[pixel_number(sample)]);
+            count++;
+        }
+        sum += tones[layer];
     }
-    return vec4f(colour, 1.0);
+    return vec4f(sum * 0.25, 1.0);
 }
 
 const FAR_AWAY: f32 = 1e38;

@@ -179,20 +179,26 @@ fn draw(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
         let over = measure(&w);
         let pixel = pixel_number(vec2u(w.at));
         let depth = -mix(w.a.z, w.b.z, (w.begin + w.to) * 0.5);
-        let key = key_of(depth);
-        if depth <= textureLoad(surfaces, w.at, 0).x {
-            if choosing == 0u {
-                atomicMax(&nearest[pixel], key);
-            } else if atomicLoad(&nearest[pixel]) == key {
-                atomicMax(&owners[pixel], ~segment);
-                found = true;
-            }
-        }
+        if depth <= textureLoad(surfaces, w.at, 0).x && is_nearest(pixel, depth, segment) { found = true; }
         advance(&w, over);
     }
-    if found {
-        atomicStore(&shown[chunks[group.y * groups.x + group.x].x / CHUNK], 1u);
+    if found { show_chunk(group, groups); }
+}
+
+// Enters a depth in the first run, and a segment that is at the nearest one in the second.
+fn is_nearest(pixel: u32, depth: f32, segment: u32) -> bool {
+    let key = key_of(depth);
+    if choosing == 0u {
+        atomicMax(&nearest[pixel], key);
+        return false;
     }
+    if atomicLoad(&nearest[pixel]) != key { return false; }
+    atomicMax(&owners[pixel], ~segment);
+    return true;
+}
+
+fn show_chunk(group: vec3u, groups: vec3u) {
+    atomicStore(&shown[chunks[group.y * groups.x + group.x].x / CHUNK], 1u);
 }
 
 @compute @workgroup_size(8, 8)
@@ -215,14 +221,21 @@ fn resolve(@builtin(global_invocation_id) id: vec3u) {
             // Rounding put the pixel into the walk.
             part = clip(a, b, pa, pb, corner - IN_DOUBT, corner + 1.0 + IN_DOUBT);
         }
-        let t = clamp((part.x + part.y) * 0.5, 0.0, 1.0);
-        let tangent = mix(tangents[ends.x].xyz, tangents[ends.y].xyz, t);
-        let turned = vec3f(dot(lens.right, tangent), dot(lens.up, tangent), dot(lens.back, tangent));
-        let long = length(turned);
-        found.position = mix(a, b, t);
-        found.line = segments[segment].y;
-        found.tangent = select(vec3f(0.0), turned / max(long, 1e-30), long > 1e-30);
-        found.along = mix(vertices[ends.x].w, vertices[ends.y].w, t);
+        found = fragment_of(segment, a, b, clamp((part.x + part.y) * 0.5, 0.0, 1.0));
     }
     fragments[pixel] = found;
+}
+
+// The fragment at a share of a segment, whose ends are at `a` and `b` in eye space.
+fn fragment_of(segment: u32, a: vec3f, b: vec3f, t: f32) -> Fragment {
+    let ends = ends_of(segment);
+    let tangent = mix(tangents[ends.x].xyz, tangents[ends.y].xyz, t);
+    let turned = vec3f(dot(lens.right, tangent), dot(lens.up, tangent), dot(lens.back, tangent));
+    let long = length(turned);
+    var found: Fragment;
+    found.position = mix(a, b, t);
+    found.line = segments[segment].y;
+    found.tangent = select(vec3f(0.0), turned / max(long, 1e-30), long > 1e-30);
+    found.along = mix(vertices[ends.x].w, vertices[ends.y].w, t);
+    return found;
 }

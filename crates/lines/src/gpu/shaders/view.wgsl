@@ -19,7 +19,8 @@ struct Lens {
     group: u32,
     groups: u32,
     units: f32,
-    padding: u32,
+    // Half the thickness of lines in pixels; 0 where a line shows in all pixels that it crosses.
+    thick: f32,
 }
 
 @group(0) @binding(0) var<uniform> lens: Lens;

@@ -42,7 +42,7 @@ impl<'a> Pair<'a> {
 }
 
 /// Views of a set from all around, inside and close by, from parallel rays to a wide angle.
-fn around(size: [u32; 2]) -> impl Iterator<Item = View> {
+pub(super) fn around(size: [u32; 2]) -> impl Iterator<Item = View> {
     let mut random = Random::new(7);
     (0..24).map(move |i| {
         let mut point = || Vec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0) as f32));

@@ -7,6 +7,7 @@ mod culled;
 mod hidden;
 mod occlusion;
 mod places;
+mod smooth;
 mod values;
 
 use casca_stage::canvas::Canvas;

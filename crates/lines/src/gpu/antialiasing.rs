@@ -1,0 +1,75 @@
+//! How pixels at the borders of lines are mixed.
+
+use crate::gpu::error::LinesGpuError;
+use crate::gpu::numeric::MOST_THICK;
+use crate::view::{View, ViewError};
+
+/// Samples of a pixel that show another line, each with a fragment of its own, at most.
+pub(super) const LAYERS: u32 = 4;
+
+/// How pixels at the borders of lines are mixed.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Antialiasing {
+    /// A pixel shows one line: the nearest of those that cross it.
+    #[default]
+    None,
+    /// A pixel is the mean of four samples, which lie on a turned square. Lines are `thickness`
+    /// pixels thick with round ends, 1 to [`MOST_THICK`]: at any depth, so that none is too thin
+    /// for the samples. The occlusion is computed once for each line that a pixel shows.
+    ///
+    /// Memory on the device: 228 bytes a pixel instead of 56; places take 64 more instead of 16.
+    Four {
+        /// In pixels.
+        thickness: f32,
+    },
+}
+
+impl Antialiasing {
+    /// Lines of one pixel.
+    pub const SMOOTH: Self = Self::Four { thickness: 1.0 };
+
+    pub(super) fn check(self) -> Result<(), LinesGpuError> {
+        match self {
+            Self::Four { thickness } if !(1.0..=MOST_THICK).contains(&thickness) => {
+                Err(LinesGpuError::Thickness(thickness))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether pixels have samples.
+    pub(super) fn has_samples(self) -> bool {
+        matches!(self, Self::Four { .. })
+    }
+
+    /// The view whose pixels are the samples of a view's pixels.
+    pub(super) fn samples_of(self, view: &View) -> Result<View, ViewError> {
+        match self {
+            Self::None => Ok(*view),
+            Self::Four { .. } => view.with_height(view.size()[1].saturating_mul(2)),
+        }
+    }
+
+    /// Half the thickness of lines in samples; 0 where a line shows in all pixels that it crosses.
+    pub(super) fn half_thickness(self) -> f32 {
+        match self {
+            Self::None => 0.0,
+            Self::Four { thickness } => thickness,
+        }
+    }
+
+    /// How far from the middle of a line the samples that show it may lie, in pixels, beyond the
+    /// pixel that [`Reach`](crate::gpu::lens::Reach) counts with.
+    pub(super) fn beyond(self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            // Context is drawn up to 0.18 pixels beside the samples.
+            Self::Four { thickness } => f64::from(thickness) / 2.0 - 0.5,
+        }
+    }
+
+    /// The columns and rows of the fragments of a picture: one picture above the other.
+    pub(super) fn layers_of(self, [width, height]: [u32; 2]) -> [u32; 2] {
+        [width, if self.has_samples() { height * LAYERS } else { height }]
+    }
+}

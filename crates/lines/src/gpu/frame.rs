@@ -1,0 +1,147 @@
+//! The buffers of a frame.
+
+use bytemuck::{Pod, Zeroable};
+use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::wgpu::{Buffer, BufferUsages};
+
+use crate::gpu::antialiasing::Antialiasing;
+use crate::gpu::context::Surfaces;
+use crate::gpu::error::LinesGpuError;
+use crate::gpu::lens::GpuLens;
+use crate::gpu::numeric::FARTHEST;
+use crate::gpu::settings::Settings;
+use crate::gpu::sides::Work;
+use crate::slabs::Slices;
+use crate::view::View;
+
+/// `Fragment` of view.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct GpuFragment {
+    pub(super) position: [f32; 3],
+    pub(super) line: u32,
+    pub(super) tangent: [f32; 3],
+    pub(super) along: f32,
+}
+
+/// The buffers of a frame.
+pub(super) struct Frame {
+    /// That of the picture.
+    pub(super) view: View,
+    pub(super) grid: View,
+    kind: Kind,
+    pub(super) bits: Buffer,
+    pub(super) lengths: Buffer,
+    /// Of each sample, as are the next two: of each pixel without antialiasing.
+    pub(super) nearest: Buffer,
+    pub(super) owners: Buffer,
+    pub(super) surfaces: Surfaces,
+    /// The layers of the samples of each pixel, with antialiasing.
+    pub(super) layers: Buffer,
+    pub(super) fragments: Buffer,
+    pub(super) occlusion: Buffer,
+    /// With places.
+    pub(super) work: Option<Work>,
+    /// That of the samples.
+    pub(super) lens: Buffer,
+    pub(super) grid_lens: Buffer,
+    /// Those of the lines that were drawn, if they have colours.
+    pub(super) colours: Option<Buffer>,
+}
+
+/// What the sizes of the buffers depend on.
+#[derive(PartialEq)]
+struct Kind {
+    size: [u32; 2],
+    grid: [u32; 2],
+    slices: Slices,
+    has_samples: bool,
+    has_places: bool,
+}
+
+impl Frame {
+    /// Buffers for a view: the old ones if their sizes are right. After an error there are none, or
+    /// the old ones.
+    pub(super) fn fit(
+        old: &mut Option<Self>,
+        gpu: &Gpu,
+        view: &View,
+        settings: &Settings,
+    ) -> Result<(), LinesGpuError> {
+        let [near, far] = view.depths();
+        if near.abs().max(far.abs()) > FARTHEST * (far - near) {
+            return Err(LinesGpuError::Depths { near, far });
+        }
+        let Settings { slices, antialiasing, .. } = *settings;
+        let grid = settings.grid(view)?;
+        // Rays need no columns.
+        let grid = if settings.by_rays() { grid.with_height(1)? } else { grid };
+        let samples = antialiasing.samples_of(view)?;
+        let kind = Kind {
+            size: view.size(),
+            grid: grid.size(),
+            slices,
+            has_samples: antialiasing.has_samples(),
+            has_places: settings.by_places(),
+        };
+        if !old.as_ref().is_some_and(|f| f.kind == kind) {
+            // The old ones are freed first.
+            *old = None;
+            *old = Some(Self::new(gpu, (view, &samples, &grid), antialiasing, kind)?);
+        }
+        if let Some(frame) = old {
+            (frame.view, frame.grid) = (*view, grid);
+            let thick = antialiasing.half_thickness();
+            let lens = |of: &View, thick: f32| [GpuLens::new(of, slices, thick)];
+            gpu.write(&frame.lens, bytemuck::cast_slice(&lens(&samples, thick)))?;
+            gpu.write(&frame.grid_lens, bytemuck::cast_slice(&lens(&grid, 0.0)))?;
+        }
+        Ok(())
+    }
+
+    /// Whether pixels have samples.
+    pub(super) fn has_samples(&self) -> bool {
+        self.kind.has_samples
+    }
+
+    fn new(
+        gpu: &Gpu,
+        (view, samples, grid): (&View, &View, &View),
+        antialiasing: Antialiasing,
+        kind: Kind,
+    ) -> Result<Self, LinesGpuError> {
+        let count = |size: [u32; 2]| size.iter().map(|&s| u64::from(s)).product::<u64>();
+        let storage = BufferUsages::STORAGE;
+        let of_columns = |what, bytes: u32| {
+            let bytes = count(kind.grid) * u64::from(bytes);
+            let [width, height] = kind.grid;
+            let large = |most| LinesGpuError::TooLarge { what, width, height, bytes, most };
+            gpu.buffer(bytes, storage).map_err(|e| match e {
+                GpuError::NoRoom { most, .. } => large(most),
+                other => other.into(),
+            })
+        };
+        let of_samples = |bytes: u64| gpu.buffer(count(samples.size()) * bytes, storage);
+        let lens = || gpu.buffer(size_of::<GpuLens>() as u64, BufferUsages::UNIFORM);
+        let layers = if kind.has_samples { count(kind.size) } else { 1 };
+        // As many fragments as samples.
+        let work = || Work::new(gpu, count(antialiasing.layers_of(kind.size)));
+        Ok(Self {
+            view: *view,
+            grid: *grid,
+            bits: of_columns("the bits", kind.slices.count() / 8)?,
+            lengths: of_columns("the lengths", kind.slices.groups() as u32 * 8)?,
+            nearest: of_samples(4)?,
+            owners: of_samples(4)?,
+            surfaces: Surfaces::new(gpu, samples.size())?,
+            layers: gpu.buffer(layers * 4, storage)?,
+            fragments: of_samples(size_of::<GpuFragment>() as u64)?,
+            occlusion: of_samples(4)?,
+            work: if kind.has_places { Some(work()?) } else { None },
+            lens: lens()?,
+            grid_lens: lens()?,
+            colours: None,
+            kind,
+        })
+    }
+}

@@ -1,0 +1,235 @@
+//! Antialiasing, beside larger pictures and samples by the processor.
+
+use glam::{DVec2, DVec3};
+
+use super::*;
+use crate::gpu::antialiasing::Antialiasing;
+use crate::gpu::hidden::LineCulling;
+
+/// How much larger pictures are that stand for the truth.
+const LARGER: u32 = 8;
+const ONE: Antialiasing = Antialiasing::None;
+
+/// A picture, in shares of white.
+fn painted(gpu: &Gpu, set: &LineSet, view: &View, antialiasing: Antialiasing, look: Look) -> Vec<f64> {
+    let settings = Settings { samples: 8, antialiasing, ..Settings::new(0.3, 0.01) };
+    let renderer = run(gpu, set, view, settings);
+    let canvas = Canvas::new(gpu, view.size().into());
+    renderer.paint(gpu, &canvas.picture(), look, 1.0, Vec3::ONE, &mut Clock::off()).unwrap();
+    let bytes = canvas.read_picture(gpu).unwrap();
+    bytes.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).map(|b| f64::from(b) / 255.0).collect()
+}
+
+/// The root of the mean square of differences.
+fn rmse(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+/// The means of squares of pixels.
+fn scaled_down(large: &[f64], width: usize, side: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; large.len() / (side * side)];
+    for (i, value) in large.iter().enumerate() {
+        let (pixel, channel) = (i / 3, i % 3);
+        let (x, y) = (pixel % width / side, pixel / width / side);
+        sums[(y * (width / side) + x) * 3 + channel] += value / (side * side) as f64;
+    }
+    sums
+}
+
+#[test]
+fn smooth_pictures_are_near_larger_ones_that_are_scaled_down() {
+    let Some(gpu) = gpu() else { return };
+    for (name, lines) in [
+        ("spiral", set(Family::Spiral, 40)),
+        ("hair", set(Family::PomPom, 90)),
+        ("reservoir", set(Family::Reservoir, 150)),
+        ("segments of all directions and dots", wild(3)),
+    ] {
+        let small = views([-Vec3::ONE, Vec3::ONE]).map(|v| v.with_height(24).unwrap());
+        for (view, look) in small.iter().zip([Look::Plain, Look::Occluded]) {
+            let large = view.with_height(view.size()[1] * LARGER).unwrap();
+            let thick = Antialiasing::Four { thickness: LARGER as f32 };
+            let truth = painted(&gpu, &lines, &large, thick, look);
+            let truth = scaled_down(&truth, large.size()[0] as usize, LARGER as usize);
+            let [one, four] =
+                [ONE, Antialiasing::SMOOTH].map(|a| rmse(&painted(&gpu, &lines, view, a, look), &truth));
+            println!("{name}, {look:?}: {one:.4} without, {four:.4} with");
+            assert!(four < 0.04 && four < one * 0.5, "{name}: {four} of {one}");
+        }
+    }
+}
+
+/// The lines that samples of a pixel show, on a turned square: `None` if rounding may decide.
+fn shown(lines: &LineSet, view: &View, [x, y]: [usize; 2]) -> Option<Vec<u32>> {
+    const DOUBT: f64 = 1.0 / 32.0;
+    let mut found = Vec::new();
+    for place in [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]] {
+        let place = DVec2::new(x as f64, y as f64) + DVec2::from_array(place);
+        let mut all = Vec::new();
+        for (line, points) in lines.iter().enumerate() {
+            for pair in points.windows(2) {
+                let [a, b] = [pair[0], pair[1]].map(|p| view.to_eye(p));
+                let on = |eye: DVec3| {
+                    let p = view.project(eye);
+                    p.truncate() / p.z
+                };
+                let (from, way) = (on(a), on(b) - on(a));
+                let share = ((place - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+                let distance = place.distance(from + way * share);
+                // The place of the share in space: depths are means of inverses in perspective.
+                let (wa, wb) = (view.project(a).z, view.project(b).z);
+                let depth = -a.lerp(b, share * wa / (share * wa + (1.0 - share) * wb)).z;
+                if distance < 0.5 + DOUBT {
+                    all.push((depth, line as u32, distance > 0.5 - DOUBT));
+                }
+            }
+        }
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Those that may lie before the first one that is sure.
+        let Some(&(nearest, line, _)) = all.iter().find(|a| !a.2).or(all.first()) else { continue };
+        let is_beside = |&(depth, other, doubt): &(f64, u32, bool)| {
+            depth < nearest + 1e-4 && (doubt && depth < nearest || other != line)
+        };
+        if all.iter().any(is_beside) || all.iter().all(|a| a.2) {
+            return None;
+        }
+        if !found.contains(&line) {
+            found.push(line);
+        }
+    }
+    Some(found)
+}
+
+#[test]
+fn samples_show_the_nearest_line_within_half_a_pixel() {
+    let Some(gpu) = gpu() else { return };
+    let lines = set(Family::Spiral, 25);
+    for view in views(lines.bounds()) {
+        let settings =
+            Settings { antialiasing: Antialiasing::SMOOTH, samples: 1, ..Settings::new(0.3, 0.01) };
+        let fragments = run(&gpu, &lines, &view, settings).read_fragments(&gpu).unwrap();
+        let pixels = (SIZE[0] * SIZE[1]) as usize;
+        assert_eq!(fragments.len(), 4 * pixels);
+        let (mut sure, mut several) = (0, 0);
+        for (i, nearest) in fragments[..pixels].iter().enumerate() {
+            let at = [i % SIZE[0] as usize, i / SIZE[0] as usize];
+            let Some(wanted) = shown(&lines, &view, at) else { continue };
+            let layers = || (0..4).filter_map(|layer| fragments[layer * pixels + i]);
+            let mut seen: Vec<u32> = layers().map(|f| f.line).collect();
+            let mut known = Vec::new();
+            seen.retain(|line| {
+                !known.contains(line) && {
+                    known.push(*line);
+                    true
+                }
+            });
+            assert_eq!((&seen, nearest.map(|f| f.line)), (&wanted, wanted.first().copied()), "{at:?}");
+            // Their places are those of lines that pass by the pixel.
+            for fragment in layers() {
+                let p = view.project(fragment.position.as_dvec3());
+                let off = p.truncate() / p.z - DVec2::new(at[0] as f64 + 0.5, at[1] as f64 + 0.5);
+                assert!(off.abs().max_element() < 1.0, "{at:?}: {off}");
+            }
+            (sure, several) = (sure + usize::from(!seen.is_empty()), several + usize::from(seen.len() > 1));
+        }
+        assert!(sure > 250 && several > 60, "{sure} {several}");
+    }
+}
+
+/// The greatest error of the area of a line, wherever it lies in a pixel.
+fn area_off(gpu: &Gpu, lines: &GpuLines, view: &View, antialiasing: Antialiasing, area: f64) -> f64 {
+    let settings = Settings { antialiasing, samples: 1, ..Settings::new(0.3, 0.01) };
+    let mut renderer = Renderer::new(gpu, COLOUR, settings).unwrap();
+    let (canvas, seen) = (Canvas::new(gpu, SIZE.into()), Seen::all(lines.bundles().len()));
+    // No place puts samples onto the border of a line: rounding would decide.
+    let errors = (0..8).map(|i| 0.03 + 0.107 * f64::from(i)).map(|part| {
+        let moved = view.moved_by_pixels(part, part * 0.5);
+        renderer.update(gpu, &moved, (lines, &seen), &[], &mut Clock::off()).unwrap();
+        // White lines before black.
+        let (target, look) = (canvas.picture(), Look::Occlusion);
+        renderer.paint(gpu, &target, look, 0.0, Vec3::ZERO, &mut Clock::off()).unwrap();
+        let bytes = canvas.read_picture(gpu).unwrap();
+        let sum = bytes.chunks_exact(4).map(|p| f64::from(p[0]) / 255.0).sum::<f64>();
+        (sum / area - 1.0).abs()
+    });
+    errors.fold(0.0, f64::max)
+}
+
+#[test]
+fn lines_of_any_direction_keep_their_width_wherever_they_lie_in_a_pixel() {
+    let Some(gpu) = gpu() else { return };
+    let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, SIZE).unwrap();
+    // On a diagonal two samples of four lie beside each other.
+    for (angle, most) in [(0.0f32, 0.06), (90.0, 0.06), (87.0, 0.06), (20.0, 0.06), (45.0, 0.3)] {
+        let way = Vec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0);
+        let line = LineSet::new([vec![-way, way]]).unwrap();
+        let lines = GpuLines::new(&gpu, &line, &of_margin(0.03)).unwrap();
+        // A stadium, in pixels.
+        let area = 2.0 / view.pixel_size(0.0) + std::f64::consts::FRAC_PI_4;
+        let [one, four] = [ONE, Antialiasing::SMOOTH].map(|a| area_off(&gpu, &lines, &view, a, area));
+        println!("{angle} degrees: {one:.3} without, {four:.3} with");
+        assert!(four < most, "{angle}: {four}");
+    }
+}
+
+#[test]
+fn smooth_pictures_change_less_when_the_camera_moves_by_part_of_a_pixel() {
+    let Some(gpu) = gpu() else { return };
+    for family in [Family::Spiral, Family::PomPom, Family::Reservoir] {
+        let lines = set(family, 40);
+        let view = views(lines.bounds())[0];
+        let change = |antialiasing| {
+            let [first, moved] = [view, view.moved_by_pixels(0.25, 0.1)]
+                .map(|v| painted(&gpu, &lines, &v, antialiasing, Look::Plain));
+            rmse(&first, &moved)
+        };
+        let [one, four] = [ONE, Antialiasing::SMOOTH].map(change);
+        println!("{family:?}: {one:.4} without, {four:.4} with");
+        assert!(four > 0.0 && four < one * 0.75, "{family:?}: {four} of {one}");
+    }
+}
+
+#[test]
+fn lines_behind_smooth_lines_change_no_pixel_when_they_are_left_out() {
+    let Some(gpu) = gpu() else { return };
+    let lines = Recipe { lines: 1500, vertices: 40, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
+    let antialiasing = Antialiasing::Four { thickness: 3.0 };
+    let settings = Settings { antialiasing, samples: 1, ..Settings::new(0.01, 0.001) };
+    let on_device = GpuLines::new(&gpu, &lines, &settings).unwrap();
+    let seen = Seen::all(on_device.bundles().len());
+    let mut renderers = [LineCulling::Always, LineCulling::Never].map(|culling| {
+        let mut renderer = Renderer::new(&gpu, COLOUR, settings).unwrap();
+        renderer.cull_lines(culling);
+        renderer
+    });
+    let (mut drawn, mut all) = (0, 0);
+    for view in super::hidden::around([61, 45]) {
+        let [culled, whole] = renderers.each_mut().map(|renderer| {
+            renderer.update(&gpu, &view, (&on_device, &seen), &[], &mut Clock::off()).unwrap();
+            (renderer.read_fragments(&gpu).unwrap(), renderer.read_drawn(&gpu).unwrap().segments)
+        });
+        assert!(culled.0 == whole.0);
+        (drawn, all) = (drawn + culled.1, all + whole.1);
+    }
+    assert!(drawn * 10 < all * 9, "{drawn} of {all}");
+}
+
+#[test]
+fn thin_and_very_thick_lines_are_refused() {
+    let Some(gpu) = gpu() else { return };
+    for thickness in [0.5, 17.0, f32::NAN, f32::INFINITY] {
+        let antialiasing = Antialiasing::Four { thickness };
+        let why = Renderer::new(&gpu, COLOUR, Settings { antialiasing, ..Settings::new(0.3, 0.01) });
+        let why = why.err().unwrap().to_string();
+        assert!(why.contains("1 to 16 pixels thick"), "{why}");
+    }
+    let settings = Settings { antialiasing: Antialiasing::SMOOTH, ..Settings::of_places(0.3, 0.01) };
+    for odd in [LineSet::default(), LineSet::new([vec![], vec![Vec3::ZERO], vec![]]).unwrap()] {
+        for view in views([-Vec3::ONE, Vec3::ONE]) {
+            let found = run(&gpu, &odd, &view, settings).read_fragments(&gpu).unwrap();
+            let count = found.iter().flatten().count();
+            assert!(if odd.is_empty() { count == 0 } else { (1..=4).contains(&count) }, "{count}");
+        }
+    }
+}
