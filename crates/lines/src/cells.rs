@@ -7,6 +7,9 @@
 
 #[cfg(test)]
 mod tests;
+mod update;
+
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
@@ -14,6 +17,7 @@ use rayon::prelude::*;
 use crate::directions::coded;
 use crate::numeric::{CELL_IN_MARGINS, CELL_ROUNDING, LENGTH_IN_CELLS, MOST_IN_ROW, SEGMENTS_IN_CELL};
 use crate::sets::LineSet;
+pub use update::Change;
 
 /// Instead of a direction: no segment of the line is there. It is the code of none.
 pub const NONE: u32 = 0x8000_8000;
@@ -30,6 +34,12 @@ pub struct Cells {
     /// Where the list of each cell starts in `lists`; one more for the end of the last.
     starts: Vec<u32>,
     lists: Vec<u32>,
+    /// The number of each segment in `ends`, in the order of lines.
+    numbers: Vec<u32>,
+    /// Where the segments of each line start in `numbers`, and where those of the last end.
+    firsts: Vec<u32>,
+    /// The names in `lists` when the grid was made.
+    first_names: usize,
 }
 
 impl Cells {
@@ -37,17 +47,30 @@ impl Cells {
     /// Dots and other segments without length are left out. A margin that is negative or not a
     /// number counts as 0.
     ///
-    /// Time: n log n for n segments. Memory: 32 bytes a segment, 4 bytes for each cell that names
-    /// it, about 10, and 4 bytes a cell, of which there are 2 a segment; while it is made, twice as
-    /// much.
+    /// Time: n log n for n segments. Memory: 36 bytes a segment, 4 bytes for each cell that names
+    /// it, about 10, 4 bytes a line, and 4 bytes a cell, of which there are 2 a segment; while it is
+    /// made, 40 bytes a segment and 4 bytes a cell more.
     pub fn new(lines: &LineSet, margin: f32) -> Self {
         let margin = if margin > 0.0 && margin.is_finite() { margin } else { 0.0 };
-        let (ends, neighbours) = segments(lines);
+        let Segments { ends, neighbours, firsts } = segments(lines.iter());
         let (origin, side, dims) = shape(&ends, lines.bounds(), f64::from(margin));
-        let mut grid =
-            Self { ends, neighbours, margin, origin, side, dims, starts: Vec::new(), lists: Vec::new() };
+        let (starts, lists, numbers) = (Vec::new(), Vec::new(), Vec::new());
+        let mut grid = Self {
+            ends,
+            neighbours,
+            margin,
+            origin,
+            side,
+            dims,
+            starts,
+            lists,
+            numbers,
+            firsts,
+            first_names: 0,
+        };
         grid.order();
         grid.fill();
+        grid.first_names = grid.lists.len();
         grid
     }
 
@@ -57,28 +80,37 @@ impl Cells {
             let middle = (self.place(*a) + self.place(*b)) / 2.0;
             self.number(middle.clamp(DVec3::ZERO, self.dims.as_dvec3() - 1.0).as_uvec3())
         };
-        let of = |(ends, beside): (&[Vec3; 2], &[u32; 2])| (cell(ends), *ends, *beside);
-        let mut keyed: Vec<_> = self.ends.par_iter().zip(&self.neighbours).map(of).collect();
-        keyed.par_sort_by_key(|(cell, ..)| *cell);
-        (self.ends, self.neighbours) = keyed.into_iter().map(|(_, ends, beside)| (ends, beside)).unzip();
+        let mut keyed: Vec<[u32; 2]> =
+            self.ends.par_iter().map(cell).zip(0..self.ends.len() as u32).map(<[u32; 2]>::from).collect();
+        keyed.par_sort_unstable();
+        self.numbers = vec![0; keyed.len()];
+        for (number, [_, old]) in keyed.iter().enumerate() {
+            self.numbers[*old as usize] = number as u32;
+        }
+        self.ends = keyed.iter().map(|[_, old]| self.ends[*old as usize]).collect();
+        self.neighbours = keyed.iter().map(|[_, old]| self.neighbours[*old as usize]).collect();
     }
 
     /// Counting sort: how many segments each cell names, then which.
     fn fill(&mut self) {
         let count = self.dims.as_u64vec3().element_product() as usize;
-        let cells: Vec<Vec<u32>> = self.ends.par_iter().map(|e| self.cells_of(*e)).collect();
-        let mut starts = vec![0u32; count + 1];
-        cells.iter().flatten().for_each(|&cell| starts[cell as usize + 1] += 1);
+        let names: Vec<AtomicU32> = (0..=count).map(|_| AtomicU32::new(0)).collect();
+        self.ends.par_iter().for_each(|e| {
+            self.for_cells(*e, |cell| {
+                names[cell as usize + 1].fetch_add(1, Ordering::Relaxed);
+            });
+        });
+        let mut starts: Vec<u32> = names.into_iter().map(AtomicU32::into_inner).collect();
         for i in 0..count {
             starts[i + 1] += starts[i];
         }
         let mut next = starts.clone();
         let mut lists = vec![0; starts[count] as usize];
-        for (segment, cells) in cells.iter().enumerate() {
-            for &cell in cells {
+        for (segment, ends) in self.ends.iter().enumerate() {
+            self.for_cells(*ends, |cell| {
                 lists[next[cell as usize] as usize] = segment as u32;
                 next[cell as usize] += 1;
-            }
+            });
         }
         (self.starts, self.lists) = (starts, lists);
     }
@@ -93,9 +125,9 @@ impl Cells {
         (at.z * self.dims.y + at.y) * self.dims.x + at.x
     }
 
-    /// The cells that a segment comes near: layer by layer along its longest direction, the cells
+    /// Visits the cells that a segment comes near, each once: layer by layer along its longest direction, the cells
     /// around its part there.
-    fn cells_of(&self, ends: [Vec3; 2]) -> Vec<u32> {
+    fn for_cells(&self, ends: [Vec3; 2], mut visit: impl FnMut(u32)) {
         let [a, b] = ends.map(|p| self.place(p));
         let way = (b - a).abs();
         let axis = if way.x >= way.y && way.x >= way.z { 0 } else { 1 + usize::from(way.z > way.y) };
@@ -108,7 +140,6 @@ impl Cells {
         let at = |t: f64| {
             if b[axis] > a[axis] { ((t - a[axis]) / (b[axis] - a[axis])).clamp(0.0, 1.0) } else { 0.5 }
         };
-        let mut found = Vec::new();
         for layer in cell(a[axis] - margin, axis)..=cell(b[axis] + margin, axis) {
             let (low, high) = (f64::from(layer) - margin, f64::from(layer) + 1.0 + margin);
             let [from, to] = if b[axis] > a[axis] { [at(low), at(high)] } else { [0.0, 1.0] };
@@ -118,11 +149,10 @@ impl Cells {
                 for j in cell(least[v], v)..=cell(most[v], v) {
                     let mut at = UVec3::ZERO;
                     (at[axis], at[u], at[v]) = (layer, i, j);
-                    found.push(self.number(at));
+                    visit(self.number(at));
                 }
             }
         }
-        found
     }
 
     /// The greatest distance at which a cell names a segment, in units of the scene.
@@ -174,30 +204,35 @@ impl Cells {
     }
 }
 
-/// The ends of all segments with a length, and the directions of their neighbours.
-fn segments(lines: &LineSet) -> (Vec<[Vec3; 2]>, Vec<[u32; 2]>) {
-    let points = lines.points();
-    let mut ends: Vec<[Vec3; 2]> = Vec::new();
-    let mut neighbours: Vec<[u32; 2]> = Vec::new();
+/// Segments in the order of their lines.
+struct Segments {
+    ends: Vec<[Vec3; 2]>,
+    /// The directions of their neighbours.
+    neighbours: Vec<[u32; 2]>,
+    /// Where those of each line start, and where those of the last end.
+    firsts: Vec<u32>,
+}
+
+/// All segments of lines that have a length.
+fn segments<'a>(lines: impl Iterator<Item = &'a [Vec3]>) -> Segments {
+    let mut made = Segments { ends: Vec::new(), neighbours: Vec::new(), firsts: vec![0] };
     // An eighth: sums of the huge coordinates do not overflow.
     let way = |[a, b]: [Vec3; 2]| coded(b * 0.125 - a * 0.125);
-    let mut of_line = u32::MAX;
-    for segment in lines.segments() {
-        let [a, b] = [segment.a, segment.b].map(|v| points[v as usize]);
-        if a == b {
-            continue;
+    for line in lines {
+        let first = made.ends.len();
+        for pair in line.windows(2).filter(|pair| pair[0] != pair[1]) {
+            let now = [pair[0], pair[1]];
+            let mut before = NONE;
+            if let (Some(&[c, d]), Some([_, after])) = (made.ends[first..].last(), made.neighbours.last_mut())
+            {
+                (before, *after) = (way([d, c]), way(now));
+            }
+            made.ends.push(now);
+            made.neighbours.push([before, NONE]);
         }
-        let mut before = NONE;
-        if let (Some(&[c, d]), Some([_, after])) = (ends.last(), neighbours.last_mut())
-            && segment.line == of_line
-        {
-            (before, *after) = (way([d, c]), way([a, b]));
-        }
-        of_line = segment.line;
-        ends.push([a, b]);
-        neighbours.push([before, NONE]);
+        made.firsts.push(made.ends.len() as u32);
     }
-    (ends, neighbours)
+    made
 }
 
 /// The least corner, the side of a cell and the cells in each direction.

@@ -54,6 +54,14 @@ pub const LENGTH_IN_CELLS: f64 = 4.0;
 /// point then, and 14 behind it.
 pub const MOST_IN_ROW: f64 = 1024.0;
 
+/// The names in the lists of cells after lines moved, in those of a grid that was made for lines: of
+/// more, the grid no longer suits the lines, and rays test too many segments.
+pub const MOST_NAMES: usize = 2;
+
+/// The share of the vertices that may move before all is made anew: with more, hardly a value of a
+/// place stays, and looking for those costs more than it saves.
+pub const MOST_MOVED: f64 = 0.25;
+
 /// The part of a cell's side by which single precision may move a ray: some units of 2^-14.
 pub const CELL_ROUNDING: f32 = 1.0 / 1024.0;
 

@@ -3,11 +3,12 @@
 #[cfg(test)]
 mod tests;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::directions::coded;
 use crate::numeric::MOST_PLACES;
-use crate::sets::LineSet;
+use crate::sets::{LineSet, arc_lengths_of, tangents_of};
 
 /// Places along the lines of a set. Each line has one at both ends and others at equal ways between
 /// them; a dot has one.
@@ -15,6 +16,8 @@ use crate::sets::LineSet;
 pub struct Places {
     spans: Vec<Span>,
     tangents: Vec<u32>,
+    /// The way from place to place.
+    step: f64,
 }
 
 /// The places of a line.
@@ -60,18 +63,41 @@ impl Places {
             count += span.steps + 1;
         }
         let vertices = lines.tangents();
-        let of = |span: &Span| {
-            let at = |number| {
-                let (segment, share) = segment(&lengths, span, number);
-                let [a, b] = [segment, span.last_vertex.min(segment + 1)].map(|v| vertices[v as usize]);
-                coded(a.lerp(b, share))
-            };
-            // An empty last line has no vertex of its own.
-            let is_there = (span.vertex as usize) < vertices.len();
-            (0..=span.steps).map(|n| if is_there { at(n) } else { 0 }).collect::<Vec<u32>>()
-        };
+        let of = |span: &Span| tangents(span, &lengths, &vertices);
         let tangents = spans.par_iter().flat_map_iter(of).collect();
-        Self { spans, tangents }
+        Self { spans, tangents, step }
+    }
+
+    /// Puts the places of some lines to where these are in `lines`. Their numbers stay, so that
+    /// places of a line that grew are farther apart. `false`, and some lines may be moved, if a
+    /// line has another number of vertices, or should have less than half or more than twice as
+    /// many places: then places must be made anew.
+    ///
+    /// Time: proportional to the vertices and places of the moved lines.
+    #[must_use]
+    pub fn update(&mut self, lines: &LineSet, moved: &[u32]) -> bool {
+        for &line in moved {
+            let span = self.spans.get(line as usize).copied();
+            let (Some(span), Some(range)) = (span, lines.range(line as usize)) else { return false };
+            let last = range.end.saturating_sub(1);
+            if range.start != span.vertex as usize || last.max(range.start) != span.last_vertex as usize {
+                return false;
+            }
+            let vertices = &lines.points()[range];
+            if vertices.is_empty() {
+                continue;
+            }
+            let lengths: Vec<f32> = arc_lengths_of(vertices).collect();
+            let steps = f64::from(lengths.last().copied().unwrap_or_default()) / self.step;
+            let now = f64::from(span.steps);
+            if span.steps > 0 && !(steps.ceil().max(1.0) / 2.0..=2.0 * steps.ceil().max(1.0)).contains(&now) {
+                return false;
+            }
+            let alone = Span { vertex: 0, last_vertex: span.last_vertex - span.vertex, ..span };
+            let made = tangents(&alone, &lengths, &tangents_of(vertices).collect::<Vec<_>>());
+            self.tangents[span.place as usize..][..made.len()].copy_from_slice(&made);
+        }
+        true
     }
 
     /// The number of places.
@@ -88,6 +114,18 @@ impl Places {
     pub fn tangents(&self) -> &[u32] {
         &self.tangents
     }
+}
+
+/// The tangents at the places of a line, of those at vertices.
+fn tangents(span: &Span, lengths: &[f32], vertices: &[Vec3]) -> Vec<u32> {
+    let at = |number| {
+        let (segment, share) = segment(lengths, span, number);
+        let [a, b] = [segment, span.last_vertex.min(segment + 1)].map(|v| vertices[v as usize]);
+        coded(a.lerp(b, share))
+    };
+    // An empty last line has no vertex of its own.
+    let is_there = (span.vertex as usize) < vertices.len();
+    (0..=span.steps).map(|n| if is_there { at(n) } else { 0 }).collect()
 }
 
 /// The segment of a place of a line with these ways along all lines, by its first vertex, and the

@@ -4,6 +4,7 @@
 //! reach of the occlusion not voxelised either.
 //!
 //! - [`set`]: lines in the memory of a device, in bundles.
+//! - [`moving`]: lines of which a part moves, so that only that part is put into place anew.
 //! - [`lens`]: a view as the shaders take it, and how far the occlusion of a pixel reaches.
 //! - [`culling`]: the bundles that a view may see, and those that may darken what it sees.
 //! - [`context`]: meshes among the lines, which hide them.
@@ -23,8 +24,10 @@ pub mod context;
 pub mod culling;
 pub mod error;
 mod frame;
+mod grid;
 pub mod hidden;
 pub mod lens;
+pub mod moving;
 mod nearest;
 pub mod numeric;
 mod picture;

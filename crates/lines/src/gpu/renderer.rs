@@ -183,15 +183,8 @@ impl Renderer {
         })?;
         let receivers: [Bound<'_>; 4] =
             [(12, &frame.fragments), (15, &self.samples), (16, &ao), (17, &frame.occlusion)];
-        let cells: [Bound<'_>; 6] = [
-            (0, &frame.lens),
-            (2, &lines.vertices),
-            (19, &lines.grid),
-            (20, &lines.starts),
-            (21, &lines.lists),
-            (22, &lines.ends),
-        ];
-        let bound = [&receivers[..], &cells[..]].concat();
+        let seen: [Bound<'_>; 2] = [(0, &frame.lens), (2, &lines.vertices)];
+        let bound = [&receivers[..], &seen[..], &lines.cells.bound()[..]].concat();
         if let (Some(sides), Some(work)) = (sides, &frame.work) {
             self.places.run(gpu, (sides, work), settings, (&bound, layers), clock)?;
             return Ok(());

@@ -1,6 +1,5 @@
 //! Lines in the memory of a device, in bundles.
 
-use bytemuck::{Pod, Zeroable};
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{Buffer, BufferUsages};
 use glam::Vec3;
@@ -8,10 +7,12 @@ use rayon::prelude::*;
 
 use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
+use crate::gpu::grid::GpuCells;
 use crate::gpu::numeric::CHUNK;
 use crate::gpu::settings::Settings;
 use crate::gpu::sides::GpuSides;
 use crate::occlusion::{Estimator, OptionsError};
+use crate::places::Places;
 use crate::sets::LineSet;
 use casca_stage::kernel::filled;
 
@@ -41,16 +42,6 @@ impl Bundle {
     }
 }
 
-/// `Grid` of rays.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct GpuGrid {
-    origin: [f32; 3],
-    side: f32,
-    dims: [u32; 3],
-    margin: f32,
-}
-
 /// Lines in the memory of a device.
 pub struct GpuLines {
     pub(super) vertices: Buffer,
@@ -59,10 +50,7 @@ pub struct GpuLines {
     pub(super) order: Buffer,
     /// The least and the greatest corner of each chunk of segments.
     pub(super) corners: Buffer,
-    pub(super) ends: Buffer,
-    pub(super) grid: Buffer,
-    pub(super) starts: Buffer,
-    pub(super) lists: Buffer,
+    pub(super) cells: GpuCells,
     /// For each segment the colours of its ends and the ways along its line to them.
     pub(super) colours: Buffer,
     pub(super) coloured: bool,
@@ -72,10 +60,35 @@ pub struct GpuLines {
     vertex_count: usize,
 }
 
-impl GpuGrid {
-    fn new(cells: &Cells) -> Self {
-        let (origin, dims) = (cells.origin().to_array(), cells.dims().to_array());
-        Self { origin, side: cells.side(), dims, margin: cells.margin() }
+/// What the processor knows of lines on a device.
+pub(super) struct Host {
+    pub(super) cells: Cells,
+    pub(super) places: Option<Places>,
+    /// The vertices at the ends of each segment, in the order of lines.
+    pub(super) segments: Vec<[u32; 2]>,
+    /// The segments in the order of bundles.
+    pub(super) order: Vec<u32>,
+}
+
+impl Host {
+    fn new(lines: &LineSet, settings: &Settings) -> Self {
+        let points = lines.points();
+        let segments: Vec<[u32; 2]> = lines.segments().map(|s| [s.a, s.b]).collect();
+        let ends: Vec<[Vec3; 2]> = segments.iter().map(|s| s.map(|v| points[v as usize])).collect();
+        let places = match settings.ao.estimator {
+            Estimator::Places { step, .. } => Some(Places::new(lines, step)),
+            _ => None,
+        };
+        let order = near_order(&ends, lines.bounds());
+        Self { cells: Cells::new(lines, settings.margin()), places, segments, order }
+    }
+
+    /// The least and the greatest corner of some segments in the order of bundles.
+    pub(super) fn bounds(&self, lines: &LineSet, from: usize, most: u32) -> [Vec3; 2] {
+        let members = &self.order[from..self.order.len().min(from + most as usize)];
+        let ends = members.iter().flat_map(|&s| self.segments[s as usize]);
+        let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        ends.map(|v| lines.points()[v as usize]).fold(start, |[min, max], p| [min.min(p), max.max(p)])
     }
 }
 
@@ -92,51 +105,49 @@ impl GpuLines {
     /// # Errors
     /// The device has no room.
     pub fn new(gpu: &Gpu, lines: &LineSet, settings: &Settings) -> Result<Self, LinesGpuError> {
-        let cells = Cells::new(lines, settings.margin());
-        let row = |(p, neighbour): (&Vec3, &u32)| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), *neighbour];
-        let flat: Vec<[u32; 4]> =
-            cells.ends().iter().flatten().zip(cells.neighbours().iter().flatten()).map(row).collect();
-        let points = lines.points();
-        let with = |v: &Vec3, w: f32| [v.x, v.y, v.z, w];
+        Ok(Self::with_host(gpu, lines, settings)?.0)
+    }
+
+    /// The same, and what the processor knows of them.
+    pub(super) fn with_host(
+        gpu: &Gpu,
+        lines: &LineSet,
+        settings: &Settings,
+    ) -> Result<(Self, Host), LinesGpuError> {
+        let host = Host::new(lines, settings);
         let vertices: Vec<[f32; 4]> =
-            points.iter().zip(lines.arc_lengths()).map(|(p, along)| with(p, along)).collect();
+            lines.points().iter().zip(lines.arc_lengths()).map(|(p, along)| with(p, along)).collect();
         let tangents: Vec<[f32; 4]> = lines.tangents().iter().map(|t| with(t, 0.0)).collect();
-        let ends: Vec<[Vec3; 2]> =
-            lines.segments().map(|s| [points[s.a as usize], points[s.b as usize]]).collect();
         let segments: Vec<[u32; 2]> =
             lines.segments().map(|s| [s.a | if s.a == s.b { DOT } else { 0 }, s.line]).collect();
-        let order = near_order(&ends, lines.bounds());
-        let bounds = |members: &[u32]| {
-            let corners = members.iter().flat_map(|&s| ends[s as usize]);
-            let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-            corners.fold(start, |[min, max], p| [min.min(p), max.max(p)])
-        };
-        let chunks = order.chunks(CHUNK as usize).flat_map(bounds);
+        let starts = |most: u32| (0..host.order.len()).step_by(most as usize);
+        let chunks = starts(CHUNK).flat_map(|at| host.bounds(lines, at, CHUNK));
         let corners: Vec<[f32; 4]> = chunks.map(|corner| with(&corner, 0.0)).collect();
-        let bundle = |(i, members): (usize, &[u32])| Bundle {
-            bounds: bounds(members),
-            first: i as u32 * BUNDLE,
-            segments: members.len() as u32,
+        let bundle = |at: usize| Bundle {
+            bounds: host.bounds(lines, at, BUNDLE),
+            first: at as u32,
+            segments: BUNDLE.min((host.order.len() - at) as u32),
         };
-        let bundles = order.chunks(BUNDLE as usize).enumerate().map(bundle).collect();
+        let sides = match (&host.places, settings.ao.estimator) {
+            (Some(places), Estimator::Places { step, .. }) => Some(GpuSides::new(gpu, places, step)?),
+            _ => None,
+        };
         let usage = BufferUsages::STORAGE;
-        Ok(Self {
+        let made = Self {
             vertices: filled(gpu, &vertices, usage)?,
             tangents: filled(gpu, &tangents, usage)?,
             segments: filled(gpu, &segments, usage)?,
-            order: filled(gpu, &order, usage)?,
+            order: filled(gpu, &host.order, usage)?,
             corners: filled(gpu, &corners, usage)?,
-            ends: filled(gpu, &flat, usage)?,
-            grid: filled(gpu, &[GpuGrid::new(&cells)], BufferUsages::UNIFORM)?,
-            starts: filled(gpu, cells.starts(), usage)?,
-            lists: filled(gpu, cells.lists(), usage)?,
+            cells: GpuCells::new(gpu, &host.cells)?,
             colours: filled(gpu, &[[0u32; 4]], usage)?,
             coloured: false,
-            sides: GpuSides::new(gpu, lines, settings)?,
-            margin: cells.margin(),
-            bundles,
-            vertex_count: points.len(),
-        })
+            sides,
+            margin: host.cells.margin(),
+            bundles: starts(BUNDLE).map(bundle).collect(),
+            vertex_count: lines.points().len(),
+        };
+        Ok((made, host))
     }
 
     /// Paints the lines in these colours, bytes of sRGB for each vertex of the set that was copied;
@@ -171,6 +182,11 @@ impl GpuLines {
         self.colours = filled(gpu, &all, BufferUsages::STORAGE)?;
         self.coloured = colours.is_some();
         Ok(())
+    }
+
+    /// Bundles whose bounds are others now.
+    pub(super) fn bundles_mut(&mut self) -> &mut [Bundle] {
+        &mut self.bundles
     }
 
     /// The bundles.
@@ -236,9 +252,9 @@ impl GpuLines {
 
     /// The memory on the device in bytes.
     pub fn bytes(&self) -> u64 {
-        let own = [&self.vertices, &self.tangents, &self.segments, &self.order, &self.ends, &self.starts];
-        let own: u64 = own.into_iter().chain([&self.lists]).map(Buffer::size).sum();
-        own + self.corners.size() + self.sides.as_ref().map_or(0, GpuSides::bytes)
+        let own = [&self.vertices, &self.tangents, &self.segments, &self.order, &self.corners];
+        let own: u64 = own.map(Buffer::size).iter().sum();
+        own + self.cells.bytes() + self.sides.as_ref().map_or(0, GpuSides::bytes)
     }
 
     /// The numbers of all bundles.
@@ -257,6 +273,11 @@ impl GpuLines {
         }
         Ok(chunks)
     }
+}
+
+/// A vector as shaders read it, with a number behind it.
+pub(super) fn with(v: &Vec3, w: f32) -> [f32; 4] {
+    [v.x, v.y, v.z, w]
 }
 
 /// Segments in an order in which neighbours lie near each other: along the Z-curve through their

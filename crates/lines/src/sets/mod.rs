@@ -20,3 +20,4 @@ mod set;
 mod surfaces;
 
 pub use set::{LineError, LineSet, MOST_VERTICES, Segment};
+pub(crate) use set::{arc_lengths_of, tangents_of};

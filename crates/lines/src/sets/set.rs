@@ -129,6 +129,11 @@ impl LineSet {
         &self.points
     }
 
+    /// Where the vertices of a line are in [`Self::points`]; `None` if there is no such line.
+    pub fn range(&self, line: usize) -> Option<std::ops::Range<usize>> {
+        Some(*self.starts.get(line)? as usize..*self.starts.get(line + 1)? as usize)
+    }
+
     /// The vertices of each line.
     pub fn iter(&self) -> impl Iterator<Item = &[Vec3]> {
         self.starts.windows(2).map(|w| &self.points[w[0] as usize..w[1] as usize])
@@ -153,27 +158,32 @@ impl LineSet {
     /// The unit tangent at each vertex: the central difference, one-sided at the ends; zero where
     /// neighbours coincide.
     pub fn tangents(&self) -> Vec<Vec3> {
-        let of = |line: &[Vec3], i: usize| {
-            let (before, after) = (line[i.saturating_sub(1)], line[(i + 1).min(line.len() - 1)]);
-            (after.as_dvec3() - before.as_dvec3()).normalize_or_zero().as_vec3()
-        };
-        self.iter().flat_map(|line| (0..line.len()).map(move |i| of(line, i))).collect()
+        self.iter().flat_map(tangents_of).collect()
     }
 
     /// The way along its line from the first vertex to each vertex.
     pub fn arc_lengths(&self) -> Vec<f32> {
-        let along = |line: &[Vec3]| {
-            let mut way = 0.0;
-            let mut last = line.first().copied().unwrap_or_default();
-            let step = move |p: &Vec3| {
-                way += p.as_dvec3().distance(last.as_dvec3());
-                last = *p;
-                way as f32
-            };
-            line.iter().map(step).collect::<Vec<_>>()
-        };
-        self.iter().flat_map(along).collect()
+        self.iter().flat_map(arc_lengths_of).collect()
     }
+}
+
+/// The unit tangent at each vertex of a line.
+pub(crate) fn tangents_of(line: &[Vec3]) -> impl Iterator<Item = Vec3> {
+    (0..line.len()).map(|i| {
+        let (before, after) = (line[i.saturating_sub(1)], line[(i + 1).min(line.len() - 1)]);
+        (after.as_dvec3() - before.as_dvec3()).normalize_or_zero().as_vec3()
+    })
+}
+
+/// The way along a line from its first vertex to each vertex.
+pub(crate) fn arc_lengths_of(line: &[Vec3]) -> impl Iterator<Item = f32> {
+    let mut way = 0.0;
+    let mut last = line.first().copied().unwrap_or_default();
+    line.iter().map(move |p| {
+        way += p.as_dvec3().distance(last.as_dvec3());
+        last = *p;
+        way as f32
+    })
 }
 
 /// A segment of a line.

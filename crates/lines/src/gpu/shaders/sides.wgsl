@@ -134,28 +134,62 @@ fn middle_of(place: u32) -> vec3f {
     return a.xyz + (b.xyz - a.xyz) * share;
 }
 
+// What the rays of a value have in common, and the set of their directions.
+struct Side {
+    ray: Ray,
+    along: vec3f,
+    upwards: vec3f,
+    pole: vec3f,
+    chosen: u32,
+}
+
+fn side_of(value: u32) -> Side {
+    let place = value / SIDES;
+    let number = value % SIDES;
+    var side: Side;
+    side.along = tangent_at(place);
+    let axes = beside_axis(side.along);
+    let angle = f32(number) * (TURN / f32(SIDES));
+    side.pole = axes[0] * cos(angle) + axes[1] * sin(angle);
+    side.upwards = cross(side.pole, side.along);
+    side.ray.start = middle_of(place) + side.pole * (ao.value * RAY_LIFT);
+    side.ray.tube = ao.value / ao.radius;
+    side.ray.soft = max(grid.margin - ao.value, 0.0) / ao.radius;
+    side.ray.spread = SIDE_SPREAD / sqrt(f32(ao.samples));
+    side.chosen = hash(place, number) % ao.sets;
+    return side;
+}
+
+fn ray_of(side: Side, i: u32) -> Ray {
+    let at = samples[side.chosen * ao.samples + i].xy;
+    var ray = side.ray;
+    ray.way = side.along * at.x + side.upwards * at.y + side.pole * sqrt(max(1.0 - dot(at, at), 0.0));
+    return ray;
+}
+
 // Some rays of a value, from the one numbered `lane` on.
 fn traced_side(value: u32, lane: u32) -> f32 {
-    let place = value / SIDES;
-    let side = value % SIDES;
-    let along = tangent_at(place);
-    let axes = beside_axis(along);
-    let angle = f32(side) * (TURN / f32(SIDES));
-    let pole = axes[0] * cos(angle) + axes[1] * sin(angle);
-    let upwards = cross(pole, along);
-    var ray: Ray;
-    ray.start = middle_of(place) + pole * (ao.value * RAY_LIFT);
-    ray.tube = ao.value / ao.radius;
-    ray.soft = max(grid.margin - ao.value, 0.0) / ao.radius;
-    ray.spread = SIDE_SPREAD / sqrt(f32(ao.samples));
-    let chosen = hash(place, side) % ao.sets;
+    let side = side_of(value);
     var hidden = 0.0;
-    for (var i = lane; i < ao.samples; i += SIDE_LANES) {
-        let at = samples[chosen * ao.samples + i].xy;
-        ray.way = along * at.x + upwards * at.y + pole * sqrt(max(1.0 - dot(at, at), 0.0));
-        hidden += 1.0 - passed(ray);
-    }
+    for (var i = lane; i < ao.samples; i += SIDE_LANES) { hidden += 1.0 - passed(ray_of(side, i)); }
     return hidden;
+}
+
+// Forgets the values of which a ray meets what the cells hold: lines that moved, where they were and where they are.
+@compute @workgroup_size(64)
+fn doubt(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
+    let value = (group.y * ROW + group.x) * 64u + local;
+    if value >= arrayLength(&values) * 4u { return; }
+    let bit = 1u << (value % 32u);
+    if (atomicLoad(&asked[value / 32u]) & bit) == 0u { return; }
+    let side = side_of(value);
+    for (var i = 0u; i < ao.samples; i++) {
+        if passed(ray_of(side, i)) < 1.0 {
+            atomicAnd(&asked[value / 32u], ~bit);
+            atomicAnd(&values[value / 4u], ~(255u << (8u * (value % 4u))));
+            return;
+        }
+    }
 }
 
 // The rays of the values in the list of work.

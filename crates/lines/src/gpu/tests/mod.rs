@@ -5,6 +5,7 @@ mod columns;
 mod context;
 mod culled;
 mod hidden;
+mod moving;
 mod occlusion;
 mod places;
 mod smooth;
