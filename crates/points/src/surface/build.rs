@@ -3,7 +3,8 @@
 use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS};
 use super::error::SurfaceError;
 use super::fan::{self, SECTORS, axes};
-use super::plane;
+use super::plane::{self, Near};
+use super::rim;
 use super::scanners::Scanners;
 use crate::PointCloud;
 use crate::numeric::power_of_two_for;
@@ -30,6 +31,7 @@ const INLIER: [f32; 2] = [0.08, 2.0];
 const LAYER: [f32; 2] = [0.2, 3.0];
 const BEHIND: [f32; 2] = [0.05, 2.0];
 const PLATE: [f32; 2] = [0.1, 3.0];
+const BETWEEN: [f32; 2] = [0.05, 3.0];
 /// The radius of the largest circle without a point that a disc covers, and the distance of the
 /// farthest neighbour that it reaches to.
 const HOLE: f32 = 2.0;
@@ -58,11 +60,18 @@ const SHEET: f32 = 0.1;
 const LAYER_TURN: f32 = 0.5;
 const PEER_TURN: f32 = 0.8;
 
-/// A neighbour: its number, and its place relative to the point.
-type Near = (u32, Vec3A);
+/// The plane of a point.
+struct Plane {
+    normal: Vec3A,
+    /// How far its neighbours are from it.
+    rough: f32,
+    /// It is on the rim of a plate, which the normal leads out of.
+    rim: bool,
+}
 
-/// The plane of a neighbour: a place relative to the point, and a normal.
-type Plane = (Vec3A, Vec3A);
+/// The plane of a neighbour: a place relative to the point, a normal, and whether its sign tells
+/// inside and outside.
+type Side = (Vec3A, Vec3A, bool);
 
 /// Positions within the cube from -1 to 1, one for each place, with their normals and neighbours.
 struct Input {
@@ -143,16 +152,7 @@ fn spacing(near: &[Near]) -> f32 {
 fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
     let count = input.places.len();
     let margins = margins(input);
-    let planes: Vec<(Vec3A, f32)> = (0..count)
-        .into_par_iter()
-        .map(|i| {
-            let near: Vec<Vec3A> = input.near[i].iter().map(|n| n.1).collect();
-            let inlier = margins.inlier * input.spacing[i];
-            let normal = input.normals.get(i).copied().unwrap_or_else(|| plane::normal(&near, inlier));
-            let normal = input.scanners.facing(normal, input.places[i], i);
-            (normal, plane::rough(&near, normal, 2.0 * inlier))
-        })
-        .collect();
+    let planes = planes(input, &margins);
     let made = |i: usize| (disc(input, &planes, &margins, i), peers(input, &planes, &margins, i));
     let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
     let mut all = Discs {
@@ -168,6 +168,30 @@ fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
     all
 }
 
+/// The planes of all points: by given normals, or estimated ones.
+fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
+    let all = 0..input.places.len();
+    let near = |i: usize| -> Vec<Vec3A> { input.near[i].iter().map(|n| n.1).collect() };
+    let inlier = |i: usize| margins.inlier * input.spacing[i];
+    let (normals, rims) = if input.normals.is_empty() {
+        let of_plane = |i: usize| plane::normal(&near(i), inlier(i));
+        let normals: Vec<Vec3A> = all.clone().into_par_iter().map(of_plane).collect();
+        let rims = rim::normals(&input.near, &normals, &input.spacing, margins);
+        (normals, rims)
+    } else {
+        (input.normals.clone(), Vec::new())
+    };
+    let plane = |i: usize| {
+        let rim = rims.get(i).copied().flatten();
+        let found = rim.unwrap_or(normals[i]);
+        let normal = input.scanners.facing(found, input.places[i], i);
+        let rough = plane::rough(&near(i), normal, 2.0 * inlier(i));
+        // A scanner within the plate tells that it is none.
+        Plane { normal, rough, rim: rim == Some(normal) }
+    };
+    all.into_par_iter().map(plane).collect()
+}
+
 /// The margins for the noise of most points.
 fn margins(input: &Input) -> Margins {
     let step = (input.places.len() / MEASURED).max(1);
@@ -181,7 +205,13 @@ fn margins(input: &Input) -> Margins {
     let noise =
         if noises.is_empty() { 0.0 } else { *noises.select_nth_unstable_by(middle, f32::total_cmp).1 };
     let margin = |[least, by_noise]: [f32; 2]| least.max(by_noise * noise);
-    Margins { inlier: margin(INLIER), layer: margin(LAYER), behind: margin(BEHIND), plate: margin(PLATE) }
+    Margins {
+        inlier: margin(INLIER),
+        layer: margin(LAYER),
+        behind: margin(BEHIND),
+        plate: margin(PLATE),
+        between: margin(BETWEEN),
+    }
 }
 
 /// Whether two normals differ by an angle of at least this cosine; their signs may mean nothing.
@@ -190,16 +220,17 @@ fn alike(input: &Input, a: Vec3A, b: Vec3A, least: f32) -> bool {
     if input.oriented { cosine > least } else { cosine.abs() > least }
 }
 
-fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> Disc {
-    let (normal, rough) = planes[i];
+fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
+    let Plane { normal, rough, rim } = planes[i];
     let all = input.spacing[i];
     let at = input.places[i];
     let mut disc = Disc { at, normal, spacing: all, rough, solid: false, reach: [0.0; SECTORS] };
     if normal == Vec3A::ZERO {
         return disc;
     }
-    disc.solid = is_solid(input, planes, i);
-    let of = |j: u32| planes[j as usize].0;
+    disc.solid = rim || is_solid(input, planes, i);
+    let of = |j: u32| planes[j as usize].normal;
+    let given = !input.normals.is_empty();
     let layer: Vec<Vec3A> = input.near[i]
         .iter()
         .filter(|(j, v)| {
@@ -214,18 +245,17 @@ fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> 
     let near = layer.iter().filter(|p| p.length() < FARTHEST * disc.spacing);
     let flat: Vec<Vec2> = near.map(|p| Vec2::new(p.dot(u), p.dot(v))).collect();
     disc.reach = fan::reach(&flat, HOLE * disc.spacing);
-    let across: Vec<Plane> = input.near[i]
+    let across: Vec<Side> = input.near[i]
         .iter()
-        .map(|&(j, v)| (v, of(j)))
-        .filter(|(_, n)| n.dot(normal).abs() < LAYER_TURN)
+        .map(|&(j, v)| (v, of(j), given || planes[j as usize].rim))
+        .filter(|(_, n, _)| n.dot(normal).abs() < LAYER_TURN)
         .collect();
-    let near: Vec<Plane> = across.iter().copied().filter(|(v, _)| v.length() < EDGE * all).collect();
-    let given = !input.normals.is_empty();
-    let is_side = |(v, _): &Plane| {
+    let near: Vec<Side> = across.iter().copied().filter(|(v, ..)| v.length() < EDGE * all).collect();
+    let is_side = |(v, ..): &Side| {
         let depth = -v.dot(normal);
         depth < DEEP * all && depth > if given { 0.0 } else { -DEEP * all }
     };
-    let sides: Vec<Plane> = across.into_iter().filter(is_side).collect();
+    let sides: Vec<Side> = across.into_iter().filter(is_side).collect();
     let (along, overhang) = (ALONG[usize::from(given)] * all, OVERHANG * disc.spacing);
     for (reach, d) in disc.reach.iter_mut().zip(fan::DIRECTIONS) {
         let direction = u * d.x + v * d.y;
@@ -236,7 +266,7 @@ fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> 
         }
         *reach = match end(direction, normal, &sides, most, along) {
             None => *reach,
-            Some((far, beyond)) if beyond && given => reach.min(far).min(overhang),
+            Some((far, true)) => reach.min(far).min(overhang),
             Some((far, _)) => far,
         };
     }
@@ -245,11 +275,11 @@ fn disc(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> 
 
 /// Whether a scanner saw a point, and none saw the other side of the same plane near it, as they do
 /// on sheets.
-fn is_solid(input: &Input, planes: &[(Vec3A, f32)], i: usize) -> bool {
-    let normal = planes[i].0;
+fn is_solid(input: &Input, planes: &[Plane], i: usize) -> bool {
+    let normal = planes[i].normal;
     let is_back = |&(j, v): &Near| {
         v.dot(normal).abs() < SHEET * input.spacing[i]
-            && planes[j as usize].0.dot(normal) < -PEER_TURN
+            && planes[j as usize].normal.dot(normal) < -PEER_TURN
             && input.scanners.of(j as usize).is_some()
     };
     input.scanners.of(i).is_some() && !input.near[i].iter().any(is_back)
@@ -257,34 +287,34 @@ fn is_solid(input: &Input, planes: &[(Vec3A, f32)], i: usize) -> bool {
 
 /// How far it is in a direction to the first of the planes of neighbours that meets it near the
 /// neighbour.
-fn edge(direction: Vec3A, across: &[Plane], most: f32) -> Option<f32> {
-    let meets = across.iter().filter_map(|(v, normal)| {
+fn edge(direction: Vec3A, across: &[Side], most: f32) -> Option<f32> {
+    let meets = across.iter().filter_map(|(v, normal, _)| {
         let far = normal.dot(*v) / normal.dot(direction);
         (far > 0.0 && far < most && (direction * far).distance(*v) < most).then_some(far)
     });
     meets.min_by(f32::total_cmp)
 }
 
-/// How far it is in a direction to the first of the sides of bodies, and whether that side faces
-/// here: then the face ended before, and the side belongs to another body beyond a gap.
-fn end(direction: Vec3A, normal: Vec3A, sides: &[Plane], most: f32, along: f32) -> Option<(f32, bool)> {
-    let meets = sides.iter().filter_map(|(v, side)| {
+/// How far it is in a direction to the first of the sides of bodies, and whether that side is known
+/// to face here: then the face ended before, and the side belongs to another body beyond a gap.
+fn end(direction: Vec3A, normal: Vec3A, sides: &[Side], most: f32, along: f32) -> Option<(f32, bool)> {
+    let meets = sides.iter().filter_map(|(v, side, known)| {
         let facing = side.dot(direction);
         let far = side.dot(*v) / facing;
         let beside = (direction * far - *v).reject_from_normalized(normal).length();
-        (far > 0.0 && far < most && beside < along).then_some((far, facing < 0.0))
+        (far > 0.0 && far < most && beside < along).then_some((far, *known && facing < 0.0))
     });
     meets.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-fn peers(input: &Input, planes: &[(Vec3A, f32)], margins: &Margins, i: usize) -> [u32; PEERS] {
-    let normal = planes[i].0;
+fn peers(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> [u32; PEERS] {
+    let normal = planes[i].normal;
     let mut peers = [NOBODY; PEERS];
     if input.oriented {
         return peers;
     }
     let near = input.near[i].iter().filter(|(j, v)| {
-        alike(input, normal, planes[*j as usize].0, PEER_TURN)
+        alike(input, normal, planes[*j as usize].normal, PEER_TURN)
             && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i]
             && v.length() < PEER * input.spacing[i]
     });

@@ -49,6 +49,8 @@ pub(super) struct Margins {
     pub behind: f32,
     /// The least distance between the two sides of a plate.
     pub plate: f32,
+    /// The least distance of a point between the two sides of a plate from each.
+    pub between: f32,
 }
 
 /// A piece of the estimated surface.
@@ -61,7 +63,8 @@ pub(super) struct Disc {
     pub spacing: f32,
     /// How far the neighbours of the plane are from it: the root of the mean square.
     pub rough: f32,
-    /// A scanner saw it, and it is no sheet: nobody sees it from behind.
+    /// A scanner saw it, and it is no sheet, or it is on the rim of a plate: nobody sees it from
+    /// behind.
     pub solid: bool,
     /// How far the disc reaches in each of the directions in which sectors begin.
     pub reach: [f32; SECTORS],

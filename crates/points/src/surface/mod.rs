@@ -11,12 +11,20 @@
 //! random ones; the discs are polygons that end like the triangles of a local Delaunay
 //! triangulation, and where points of a side of the same body lie below their face.
 //!
+//! Points between two parallel faces are on the rim of a thin plate, which has too few points for a
+//! plane of its own: their normals lead away from the points of the faces.
+//!
 //! Where points have normals that tell front and back, the far sides of closed bodies are hidden
 //! even where rays leak in; sheets with one side are seen from both.
 //!
 //! Where the places of scanners are known ([`PointCloud::scanners`]), they tell the signs of
 //! normals, and the segments between them and their points end discs. A scanner that discs hide
 //! from half of its points is not believed.
+//!
+//! A sheet that was scanned from one side only, such as a leaf or a curtain, looks the same as the
+//! front of a solid. It is taken for a solid, which most surfaces are, so that its points are
+//! hidden from behind. To see known sheets from both sides, give their points
+//! [`UNKNOWN_SCANNER`](crate::UNKNOWN_SCANNER).
 
 mod build;
 mod disc;
@@ -24,6 +32,7 @@ mod error;
 mod fan;
 mod plane;
 mod rays;
+mod rim;
 mod scanners;
 #[cfg(test)]
 mod tests;
@@ -69,8 +78,8 @@ pub enum Answer {
     VisibleAsNeighbours,
     /// The disc of the point of this number is before it.
     Behind(usize),
-    /// Its normal points away from the eye, and it lies on a closed body, or a scanner saw it and
-    /// none its back.
+    /// Its normal points away from the eye, and it lies on a closed body or on the rim of a plate,
+    /// or a scanner saw it and none its back.
     FacesAway,
     /// A parallel surface is close before it, as if both were the sides of a plate.
     FarSideOfPlate,

@@ -4,6 +4,9 @@ use super::fan::axes;
 use crate::numeric::{FLAT, THIN};
 use glam::Vec3A;
 
+/// A neighbour: its number, and its place relative to the point.
+pub(super) type Near = (u32, Vec3A);
+
 /// Neighbours of which all pairs are tried.
 const PAIRED: usize = 9;
 

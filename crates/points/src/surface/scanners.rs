@@ -202,6 +202,9 @@ mod tests {
             assert!(surface.visible(eye).unwrap().all(), "{eye}");
         }
         assert!(surface.answers(BELOW).unwrap().iter().all(|answer| *answer == Answer::FacesAway));
+        // Points whose scanner is not told are seen from both sides.
+        let unknown = PointCloud { seen_by: vec![crate::UNKNOWN_SCANNER; 441], ..cloud(&[(0.0, ABOVE)]) };
+        assert!(visible(&unknown, BELOW).unwrap().all());
         // A scanner below it has seen the same points, so that it is a sheet.
         let mut sheet = cloud(&[(0.0, ABOVE), (0.02, BELOW)]);
         assert!(visible(&sheet, BELOW).unwrap().all());

@@ -128,6 +128,45 @@ fn a_near_sheet_hides_what_is_behind_it_and_nothing_beside() {
     assert!(found < 0.03, "{found}");
 }
 
+/// A board of 12 x 20 x 0.5 units, and how many of its points are on its two faces: those of the
+/// rim are two units apart.
+fn board() -> (PointCloud, usize) {
+    let (wide, high, thick) = (Vec3::X * 12.0, Vec3::Y * 20.0, Vec3::Z * 0.5);
+    let mut parts =
+        vec![rectangle(Vec3::ZERO, wide, high, Vec3::Z), rectangle(-thick, wide, high, Vec3::NEG_Z)];
+    let faces = parts.iter().map(|part| part.0.len()).sum();
+    let sides = [
+        (Vec3::ZERO, high, Vec3::NEG_X),
+        (wide, high, Vec3::X),
+        (Vec3::ZERO, wide, Vec3::NEG_Y),
+        (high, wide, Vec3::Y),
+    ];
+    for (corner, along, normal) in sides {
+        let count = along.length() as usize / 2;
+        let at = |i: usize| {
+            let depth = Vec3::Z * (0.15 + 0.1 * (i % 3) as f32);
+            corner - depth + along * ((i as f32 + 0.5) / count as f32)
+        };
+        parts.push(((0..count).map(at).collect(), vec![normal; count]));
+    }
+    (join(parts), faces)
+}
+
+#[test]
+fn points_of_narrow_rims_face_outwards() {
+    let (cloud, faces) = board();
+    let surface = Surface::new(&bare(&cloud)).unwrap();
+    let normals: Vec<Vec3> = surface.normals().collect();
+    let right = (faces..cloud.len()).filter(|&i| normals[i].dot(cloud.normals[i]) > 0.9).count();
+    assert!(10 * right >= 9 * (cloud.len() - faces), "{right} of {}", cloud.len() - faces);
+    let eye = DVec3::new(60.0, 50.0, 30.0);
+    let answers = surface.answers(eye).unwrap();
+    let truth = |i: usize| cloud.normals[i].as_dvec3().dot(eye - cloud.positions[i].as_dvec3()) > 0.0;
+    let wrong = (0..cloud.len()).filter(|&i| answers[i].is_visible() != truth(i)).count();
+    let away = (faces..cloud.len()).filter(|&i| answers[i] == Answer::FacesAway).count();
+    assert!(wrong <= 8 && away >= 1, "{wrong} wrong, {away} face away");
+}
+
 /// Planks two units wide and 0.6 thick with gaps of one unit, and a wall far behind them.
 fn fence() -> PointCloud {
     let size = [Vec3::X * 2.0, Vec3::Y * 30.0];
