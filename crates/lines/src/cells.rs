@@ -48,8 +48,8 @@ impl Cells {
     /// number counts as 0.
     ///
     /// Time: n log n for n segments. Memory: 36 bytes a segment, 4 bytes for each cell that names
-    /// it, about 10, 4 bytes a line, and 4 bytes a cell, of which there are 2 a segment; while it is
-    /// made, 40 bytes a segment and 4 bytes a cell more.
+    /// it, about 10, 4 bytes a line, and 4 bytes a cell, of which there are 2 a segment; while it
+    /// is made, 40 bytes a segment and 4 bytes a cell more.
     pub fn new(lines: &LineSet, margin: f32) -> Self {
         let margin = if margin > 0.0 && margin.is_finite() { margin } else { 0.0 };
         let Segments { ends, neighbours, firsts } = segments(lines.iter());
@@ -125,8 +125,8 @@ impl Cells {
         (at.z * self.dims.y + at.y) * self.dims.x + at.x
     }
 
-    /// Visits the cells that a segment comes near, each once: layer by layer along its longest direction, the cells
-    /// around its part there.
+    /// Visits the cells that a segment comes near, each once: layer by layer along its longest
+    /// direction, the cells around its part there.
     fn for_cells(&self, ends: [Vec3; 2], mut visit: impl FnMut(u32)) {
         let [a, b] = ends.map(|p| self.place(p));
         let way = (b - a).abs();
@@ -149,7 +149,12 @@ impl Cells {
                 for j in cell(least[v], v)..=cell(most[v], v) {
                     let mut at = UVec3::ZERO;
                     (at[axis], at[u], at[v]) = (layer, i, j);
-                    visit(self.number(at));
+                    // From the part's box to the cell: those at its edges and corners are farther.
+                    let low = at.as_dvec3();
+                    let gap = (p.min(q) - low - 1.0).max(low - p.max(q)).max(DVec3::ZERO);
+                    if gap.length_squared() <= margin * margin {
+                        visit(self.number(at));
+                    }
                 }
             }
         }

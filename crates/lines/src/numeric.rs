@@ -54,8 +54,8 @@ pub const LENGTH_IN_CELLS: f64 = 4.0;
 /// point then, and 14 behind it.
 pub const MOST_IN_ROW: f64 = 1024.0;
 
-/// The names in the lists of cells after lines moved, in those of a grid that was made for lines: of
-/// more, the grid no longer suits the lines, and rays test too many segments.
+/// The names in the lists of cells after lines moved, in those of a grid that was made for lines:
+/// of more, the grid no longer suits the lines, and rays test too many segments.
 pub const MOST_NAMES: usize = 2;
 
 /// The share of the vertices that may move before all is made anew: with more, hardly a value of a

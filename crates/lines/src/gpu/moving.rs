@@ -88,7 +88,7 @@ impl MovingLines {
     }
 
     /// Moves the lines to where they are in `to`. Bundles keep their segments, so their bounds grow
-    /// when lines drift apart; [`Culling::follow`](crate::gpu::culling::Culling::follow) takes them.
+    /// when lines drift apart; [`follow`](crate::gpu::culling::Culling::follow) takes them.
     ///
     /// Time: a comparison of all vertices, a copy of the lists of cells to the device, and
     /// n log n for the n segments that moved; the next frame also sends the rays of all known

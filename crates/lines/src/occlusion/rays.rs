@@ -78,7 +78,7 @@ impl<'a> Rays<'a> {
     fn passed(&self, way: Vec3) -> f32 {
         let (side, dims) = (self.cells.side(), self.cells.dims().as_vec3());
         let from = (self.start - self.cells.origin()) / side;
-        let step = way.map(|w| w.abs().max(LEAST_WAY).copysign(w)) / (side * self.scale);
+        let step = step_of(way, side * self.scale);
         // Where the ray enters and leaves the grid.
         let (low, high) = (-from / step, (dims - from) / step);
         let mut enter = low.min(high).max_element().max(0.0);
@@ -184,4 +184,10 @@ impl<'a> Rays<'a> {
         let along = (-to_a.dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
         (to_a + axis * along).length() <= self.tube
     }
+}
+
+/// The cells, with a side in radii, that a ray crosses on each unit of its way: 0 in no direction,
+/// so that the crossing of any border is a number.
+fn step_of(way: Vec3, side: f32) -> Vec3 {
+    way.map(|w| w.abs().max(LEAST_WAY).copysign(w)) / side
 }

@@ -81,8 +81,9 @@ pub struct Occluders {
 
 impl Occluders {
     /// Estimates the occluders of a cloud. Reads each point twice, brick by brick, and those of
-    /// 256 bricks up to five times more. Beside one brick, memory holds some hundred bytes for each voxel that has points, and two bits for each
-    /// cell of a patch. The result does not depend on the number of threads.
+    /// 256 bricks up to five times more. Beside one brick, memory holds some hundred bytes for
+    /// each voxel that has points, and two bits for each cell of a patch. The result does not
+    /// depend on the number of threads.
     ///
     /// # Errors
     /// Those of reading bricks.
