@@ -1,4 +1,4 @@
-//! Ambient occlusion of lines against rays, as a page with tables and charts.
+//! Ambient occlusion of lines by columns against rays, as a page with tables and charts.
 
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::lines::{self, HEAD};
@@ -10,7 +10,7 @@ use crate::arguments::{PageArguments, about};
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
-    about = "Compares the ambient occlusion of lines with rays: agreement, noise, times, stability",
+    about = "Compares the ambient occlusion of lines by columns with rays: agreement, noise, times, stability",
     after_help = EXIT_CODES, allow_negative_numbers = true,
     mut_arg("out", about("target/lines", "Where the page goes, and its folder of charts, pictures and tables"))
 )]

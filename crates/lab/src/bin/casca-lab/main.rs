@@ -54,7 +54,7 @@ const MORE: &str = if cfg!(feature = "experiments") {
      methods and settings\n  buffer     Times a \
      sampled occlusion buffer, beside the default method\n  scaling    Charts times and memory by objects, \
      triangles, pixels and threads\n  reach      Charts sets for eyes that may go some way\n  coherence  Times the frames of a walking camera, by each way to \
-     answer them\n  sight      Times questions about boxes and points\n  world      Charts a drive through a land larger than a grid\n  lines      Compares the occlusion of lines with rays\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\
+     answer them\n  sight      Times questions about boxes and points\n  world      Charts a drive through a land larger than a grid\n  lines      Compares the occlusion of lines by columns with rays\n  points     Errors and times of the operators on point clouds\n  report     Runs the experiments and writes the report\n\
      Built with --features light, which needs a C++ compiler, there is also:\n  light      Compares light gathered from voxels with a path tracer\n\n"
 };
 

@@ -1,4 +1,5 @@
-//! Ambient occlusion of lines (`casca-lines`) against rays: agreement, noise, times, stability.
+//! Ambient occlusion of lines by columns (`casca-lines`) against rays: agreement, noise, times,
+//! stability.
 
 mod agreement;
 mod case;
@@ -16,9 +17,12 @@ use super::{Lab, LabError, Section};
 use case::{Case, Sampling};
 
 /// The title and introduction of the page.
-pub const HEAD: &str = "# Ambient occlusion of lines\n\n\
-    How near the occlusion that `casca-lines` estimates from a grid of bits comes to that of rays at capsules around the lines, and in which \
-    time. The source is Benevides, PUC-Rio 2015. Occlusion is from 0 to 1; errors are those of visible pixels.\n";
+pub const HEAD: &str = "# Ambient occlusion of lines by columns\n\n\
+    How near the occlusion that `casca-lines` estimates from a grid of bits along the view (`Estimator::Columns`) comes to that of rays at \
+    capsules around the lines, and in which time, on one thread of the processor. The source is Benevides, PUC-Rio 2015. Occlusion is from 0 to 1; \
+    errors are those of visible pixels.\n\n\
+    Columns are not the default: rays through a grid of the lines, and places that keep their values, come nearer and change less. Their accuracy \
+    and cost, and lines that hide lines, are in [the README of the crate](../../crates/lines/README.md).\n";
 
 /// The later experiments take every third of the receivers: they compare estimates with each other,
 /// many times.
@@ -36,7 +40,7 @@ pub fn lines(lab: &Lab) -> Result<Section, LabError> {
         seconds: lab.pick(0.6, 0.0),
         seed: lab.seed,
     };
-    let mut section = Section::new("Ambient occlusion of lines");
+    let mut section = Section::new("Ambient occlusion of lines by columns");
     let (mut rows, mut kept) = (Vec::new(), Vec::new());
     for family in agreement::FAMILIES {
         (lab.progress)(family.name());
