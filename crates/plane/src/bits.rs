@@ -11,12 +11,42 @@ const WORD: u32 = u64::BITS;
 ///
 /// Cells are `(x, y)`, from `(0, 0)`. Cells outside of the grid are clear and stay so.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Stored", into = "Stored")
+)]
 pub struct BitGrid {
     width: u32,
     height: u32,
     /// Words of a row.
     stride: usize,
     words: Vec<u64>,
+}
+
+/// A grid as files have it.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Stored {
+    width: u32,
+    height: u32,
+    words: Vec<u64>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Stored> for BitGrid {
+    type Error = Error;
+
+    fn try_from(Stored { width, height, words }: Stored) -> Result<Self, Error> {
+        Self::from_words(width, height, words)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<BitGrid> for Stored {
+    fn from(BitGrid { width, height, words, .. }: BitGrid) -> Self {
+        Self { width, height, words }
+    }
 }
 
 impl BitGrid {

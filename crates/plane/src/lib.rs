@@ -38,7 +38,8 @@
 //!
 //! # Features
 //!
-//! - `serde`: grids, shapes, motions and options can be stored.
+//! - `serde`: [`BitGrid`], [`GridSpec`], [`Shape`]s, [`Motion`], [`Method`] and [`CellOptions`] can
+//!   be stored.
 //! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
 //! - `ldtk`: the module `ldtk`, which reads projects of the editor LDtk.
 //! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.

@@ -137,7 +137,18 @@ fn shapes_and_options_are_stored() {
     }
     assert_eq!(again(&CellOptions::default()), CellOptions::default());
     assert_eq!(again(&Method::Cell), Method::Cell);
+    let mut bits = BitGrid::new(70, 3);
+    bits.fill(1, 5..70);
+    assert_eq!(again(&bits), bits);
     // What no constructor makes, no file does.
+    for bad in [
+        r#"{"width":4294967295,"height":4294967295,"words":[1]}"#,
+        r#"{"width":3,"height":2,"words":[1,2,3]}"#,
+    ] {
+        assert!(serde_json::from_str::<BitGrid>(bad).is_err(), "{bad}");
+    }
+    let full: BitGrid = serde_json::from_str(r#"{"width":3,"height":1,"words":[255]}"#).unwrap();
+    assert_eq!(full.count(), 3);
     for bad in [r#"{"polygon":[[0,0],[1,1],[2,2]]}"#, r#"{"polyline":[[0,0]]}"#, r#"{"ball":1}"#] {
         assert!(serde_json::from_str::<Shape>(bad).is_err(), "{bad}");
     }

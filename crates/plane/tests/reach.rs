@@ -325,7 +325,12 @@ proptest! {
         // At most four cells along an axis.
         reach in prop_oneof![0.01..0.4f32, 0.4..1.4f32],
         hidden: bool,
+        range in prop_oneof![Just(None), (0.5..6.0f32).prop_map(Some)],
     ) {
+        let all_round = |eye: Vec2| {
+            let view = View::all_round(eye).unwrap();
+            range.map_or(view, |range| view.with_range(range).unwrap())
+        };
         let mut scene = Scene::new(&spec(0.0, 1.0, 16)).unwrap();
         for (x, y, w, h) in walls {
             let wall = Rect::new(Vec2::new(x as f32, y as f32), Vec2::new((x + w) as f32, (y + h) as f32));
@@ -343,11 +348,12 @@ proptest! {
             scene.begin_frame(0.5).unwrap();
         }
         let eye = middle + 2.0;
-        let kept = query.run(&scene, &View::all_round(eye).unwrap().with_reach(reach).unwrap()).clone();
+        let kept = query.run(&scene, &all_round(eye).with_reach(reach).unwrap()).clone();
         prop_assume!(!kept.stats().eye_in_occluder);
         let cells = query.seen_cells(&scene).unwrap();
         let (mut all, mut in_sight) = (std::collections::BTreeSet::new(), BitGrid::new(16, 16));
         let mut exact = !hidden;
+        let mut starts = Vec::new();
         for (x, y) in (0..16).flat_map(|x| (0..16).map(move |y| (x as f32, y as f32))) {
             let (cell, rim) = (Vec2::new(x, y), 1.0 - f32::EPSILON * 16.0);
             let nearest = eye.clamp(cell, cell + rim);
@@ -356,7 +362,8 @@ proptest! {
             if away > 0.0 {
                 continue;
             }
-            let view = View::all_round(nearest).unwrap();
+            starts.push(cell);
+            let view = all_round(nearest);
             let found = query.run(&scene, &view).clone();
             if found.stats().eye_in_occluder {
                 // In a solid, an eye sees all, and does not count; others of the cell may.
@@ -370,7 +377,13 @@ proptest! {
         }
         prop_assert!(all.iter().all(|&id| kept.contains(id)));
         prop_assert!(in_sight.cells().all(|(x, y)| cells.get(x, y)));
-        if exact {
+        if let Some(range) = range {
+            // Other eyes of a cell see farther to a side, none beyond the range.
+            let far = |(x, y): (u32, u32), start: &Vec2| {
+                Vec2::new(x as f32, y as f32).distance(*start) - range > 2f32.sqrt() + 1e-4
+            };
+            prop_assert!(!cells.cells().any(|cell| starts.iter().all(|start| far(cell, start))));
+        } else if exact {
             prop_assert_eq!(kept.len(), all.len());
             prop_assert_eq!(cells, in_sight);
         }

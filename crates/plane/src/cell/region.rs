@@ -29,13 +29,17 @@ impl Region {
     /// The region of the directions between two half-planes through an eye in V, of which it takes
     /// the normals of length 1; all directions without them. The eye is relative to the centre of
     /// V.
-    pub(crate) fn new(eye: DVec2, normals: &[DVec2], range: Option<f64>) -> Self {
+    ///
+    /// With a reach, eyes in other cells have the same region relative to the centres of these.
+    pub(crate) fn new(eye: DVec2, normals: &[DVec2], reach: f64, range: Option<f64>) -> Self {
         // Moved out by half of this, a half-plane through the eye holds V; the other half is for
         // cells that reach into it.
         let offset = |normal: DVec2| normal.abs().element_sum() + REGION;
         let plane = |&normal: &DVec2| CellPlane { normal, offset: offset(normal) };
         let half_diagonal = std::f64::consts::FRAC_1_SQRT_2;
-        let radius = |range: f64| (range + eye.length()).max(half_diagonal) + half_diagonal + REGION;
+        // How far an eye is from the centre of its cell: nearer than from the centre of V.
+        let away = (eye.length() + reach).min(half_diagonal);
+        let radius = |range: f64| (range + away).max(half_diagonal) + half_diagonal + REGION;
         Self { planes: normals.iter().map(plane).collect(), radius: range.map(radius) }
     }
 
@@ -92,7 +96,7 @@ mod tests {
             let middle = f64::from(turn) * 0.27;
             let normals = [0.4 - 0.5 * std::f64::consts::PI, 0.5 * std::f64::consts::PI - 0.4]
                 .map(|by| DVec2::from_angle(middle + by));
-            let region = Region::new(eye, &normals, Some(9.0));
+            let region = Region::new(eye, &normals, 0.0, Some(9.0));
             for (axis, depth) in (0..2).flat_map(|axis| (-14..=14).map(move |depth| (axis, depth))) {
                 let row = region.row(axis, depth, (-14, 14));
                 for lateral in -14..=14 {
@@ -112,10 +116,24 @@ mod tests {
     }
 
     #[test]
+    fn a_reach_adds_what_other_eyes_of_the_cell_see() {
+        for (eye, reach) in [(DVec2::ZERO, 0.3), (DVec2::new(0.3, -0.1), 0.1), (DVec2::new(-0.4, 0.4), 7.0)] {
+            let region = Region::new(eye, &[], reach, Some(5.0));
+            let places = (0..100).map(|i| DVec2::new(f64::from(i % 10), f64::from(i / 10)) / 9.0 - 0.5);
+            let eyes: Vec<_> = places.filter(|at| at.distance(eye) <= reach).collect();
+            for cell in (0..29 * 29).map(|i| IVec2::new(i % 29 - 14, i / 29 - 14)) {
+                let sees = points(cell).any(|p| eyes.iter().any(|eye| p.distance(*eye) <= 5.0));
+                assert!(region.meets(cell) || !sees, "{eye} {reach} {cell}");
+                assert!(!region.meets(cell) || cell.as_dvec2().length() <= 5.0 + 2f64.sqrt() + 1e-5);
+            }
+        }
+    }
+
+    #[test]
     fn absurd_half_planes_overflow_nothing() {
         for value in [0.0, -0.0, 1e-300, 1e300, f64::NAN, f64::INFINITY] {
             let normals = [DVec2::new(value, 1e-8), DVec2::new(1.0, value)];
-            let region = Region::new(DVec2::splat(value), &normals, Some(value));
+            let region = Region::new(DVec2::splat(value), &normals, value, Some(value));
             for depth in [-1 << 20, -1, 0, 7, 1 << 20] {
                 let row = region.row(0, depth, (-9, 9));
                 assert!(row.is_none_or(|(a, b)| -9 <= a && a <= b && b <= 9));

@@ -79,8 +79,8 @@ pub(crate) fn run(
     *used = starts.len();
     walks.resize_with(walks.len().max(*used), Walk::default);
     let mut stats = Stats { eye_in_occluder, ..Stats::default() };
+    let region = if near { region_of(scene, view, v) } else { Region::default() };
     for (walk, start) in walks.iter_mut().zip(starts) {
-        let region = if near { region_of(scene, view, start) } else { Region::default() };
         scene.volumes_around(start, |slot| found.reveal(slot));
         // So far away all cells are in sight, and the numbers of shells must not overflow.
         let middle = start.clamp(IVec2::splat(-FAR_VIEWER), grid.dims() + FAR_VIEWER);
@@ -199,8 +199,8 @@ fn cells_of_eyes(scene: &Scene, view: &View) -> Option<Vec<IVec2>> {
     Some(all.filter(|cell| *cell == own || near(cell)).collect())
 }
 
-/// The cells that a view may see. That of a sector wider than a half-plane is not convex, so it
-/// bounds nothing.
+/// The cells that a view may see from its eye's cell, or from another one within its reach. That of
+/// a sector wider than a half-plane is not convex, so it bounds nothing.
 fn region_of(scene: &Scene, view: &View, v: IVec2) -> Region {
     let (lo, hi) = scene.grid().cell_bounds(v);
     let per_cell = 1.0 / scene.grid().cell_size();
@@ -215,5 +215,5 @@ fn region_of(scene: &Scene, view: &View, v: IVec2) -> Region {
             .collect(),
         _ => Vec::new(),
     };
-    Region::new(eye, &normals, view.farthest().map(|range| range * per_cell))
+    Region::new(eye, &normals, view.reach() * per_cell, view.range().map(|range| range * per_cell))
 }

@@ -40,6 +40,18 @@ impl Placed {
         self.parts.iter().map(|(id, _)| *id)
     }
 
+    /// Whether any of its parts hides: a wall, or a door that is closed. Costs a look at each part.
+    ///
+    /// # Errors
+    /// [`Error::UnknownObject`] if a part was removed or belongs to another scene.
+    pub fn is_closed(&self, scene: &Scene) -> Result<bool, Error> {
+        let mut hides = false;
+        for id in self.ids() {
+            hides |= scene.occluder(id)?.is_some();
+        }
+        Ok(hides)
+    }
+
     /// Closes or opens a door: all its parts hide, or none does. Walls are opened in the same way;
     /// objects that hide nothing do not change. Costs as [`Scene::set_occluder`] for each part.
     ///

@@ -5,7 +5,7 @@
 ///
 /// ```no_run
 /// use casca_plane::ldtk::LdtkImport;
-/// use casca_plane::{GridSpec, Role, Scene, TileLayer};
+/// use casca_plane::{GridSpec, Role, Scene};
 /// use glam::{UVec2, Vec2};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -15,8 +15,8 @@
 /// for level in LdtkImport::default().read("world.ldtk")? {
 ///     level.warnings.iter().for_each(|warning| eprintln!("{}: {warning}", level.name));
 ///     let place = level.place.as_vec2();
-///     if let Some(tile) = level.tile {
-///         scene.insert_tiles(&TileLayer::new(place, tile as f32, level.walls)?)?;
+///     if let Some(layer) = level.tile_layer(place, 1.0)? {
+///         scene.insert_tiles(&layer)?;
 ///     }
 ///     for entity in &level.entities {
 ///         let placed = entity.insert(&mut scene, place, 1.0, 0)?;

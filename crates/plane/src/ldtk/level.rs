@@ -1,6 +1,6 @@
 //! Levels.
 
-use glam::IVec2;
+use glam::{IVec2, Vec2};
 
 use super::entity::LdtkEntity;
 use super::error::{LdtkError, LdtkWarning};
@@ -8,6 +8,7 @@ use super::import::LdtkImport;
 use super::project::{Blocking, Level};
 use super::walls::Budget;
 use crate::bits::BitGrid;
+use crate::tiles::{TileError, TileLayer};
 
 /// A level: see [`LdtkImport::read`].
 #[derive(Debug, Clone, PartialEq)]
@@ -64,5 +65,18 @@ impl LdtkImport {
             entities,
             warnings,
         })
+    }
+}
+
+impl LdtkLevel {
+    /// The tiles that block, placed in a scene as [`LdtkEntity::insert`] places entities: the upper
+    /// left corner of the level lies at `origin`, and a pixel is `pixel` world units wide. `None`
+    /// if nothing blocks. Copies the tiles.
+    ///
+    /// # Errors
+    /// As [`TileLayer::new`].
+    pub fn tile_layer(&self, origin: Vec2, pixel: f32) -> Result<Option<TileLayer>, TileError> {
+        let layer = |tile: u32| TileLayer::new(origin, tile as f32 * pixel, self.walls.clone());
+        self.tile.map(layer).transpose()
     }
 }

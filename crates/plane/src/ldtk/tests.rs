@@ -69,12 +69,17 @@ fn values_block_by_their_names_or_by_the_layer() {
     let csv = json!({"intGridCsv": [0, 1, 2, 3, 1, 0, 0, 2]});
     let found = one(&[layer("Ground", 10, csv.clone())]);
     assert_eq!(drawn(&found.walls), [".#..", "#..."]);
+    let placed = found.tile_layer(Vec2::new(10.0, 20.0), 0.5).unwrap().unwrap();
+    assert_eq!((placed.bounds().min, placed.bounds().max), (Vec2::new(10.0, 20.0), Vec2::new(26.0, 28.0)));
+    assert_eq!(placed.opaque().bits(), &found.walls);
+    assert!(found.tile_layer(Vec2::ZERO, 0.0).is_err());
     assert_eq!((found.tile, found.place, found.depth), (Some(8), IVec2::new(-32, 16), -1));
     assert_eq!((&*found.name, &*found.iid, found.size, found.warnings.len()), ("Cellar", "a-b", [32, 16], 0));
     let found = one(&[layer("WALLS", 10, csv)]);
     assert_eq!(drawn(&found.walls), [".###", "#..#"]);
     // Nothing blocks, and no grid is made.
     let found = one(&[layer("Ground", 10, json!({"intGridCsv": [0, 2, 2, 3, 2, 0, 0, 2]}))]);
+    assert_eq!(found.tile_layer(Vec2::ZERO, 0.0), Ok(None));
     assert_eq!((found.tile, found.walls), (None, BitGrid::default()));
     // Two layers together.
     let a = layer("A", 10, json!({"intGridCsv": [1, 0, 0, 0, 0, 0, 0, 0]}));

@@ -47,11 +47,15 @@ pub fn visible_region(walls: &[Segment], eye: Vec2, range: f32) -> Result<Vec<Ve
             (min, max) = (min.min(reach(end)), max.max(reach(end)));
         }
     }
-    let extent = (max - min).max_element().max(f32::MIN_POSITIVE.sqrt());
-    let room = Vec2::splat(extent * ROOM);
+    // Half of it: all of it may be more than the greatest number.
+    let extent = (max * 0.5 - min * 0.5).max_element().max(f32::MIN_POSITIVE.sqrt());
+    let room = Vec2::splat(extent * (2.0 * ROOM));
     let [fewest, most] = CELLS;
-    let cell = extent / (walls.len() as f32).sqrt().clamp(fewest, most);
-    let grid = GridSpec::covering(Rect::new(min - room, max + room), cell)?;
+    // No finer than numbers are there.
+    let finest = min.abs().max(max.abs()).max_element() * f32::EPSILON;
+    let cell = (extent / ((walls.len() as f32).sqrt().clamp(fewest, most) * 0.5)).max(finest);
+    let end = Vec2::splat(f32::MAX);
+    let grid = GridSpec::covering(Rect::new((min - room).max(-end), (max + room).min(end)), cell)?;
     let mut scene = Scene::new(&grid)?;
     for &wall in walls {
         scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
@@ -74,6 +78,15 @@ mod tests {
             assert!(visible_region(&[], Vec2::ZERO, bad).is_err());
         }
         assert!(visible_region(&[], Vec2::ZERO, -1.0).is_err());
+        // Near and far, with ranges of all sizes.
+        for eye in [0.0, 1.0, 5e6, 1e9, -3e38] {
+            for range in [1e-45, 1e-3, 10.0, 1e30, f32::MAX] {
+                for far in [1.0, 1e9, f32::MAX] {
+                    let corners = visible_region(&[wall(-far, far)], Vec2::splat(eye), range);
+                    assert!(corners.is_ok(), "{eye} {range} {far}: {corners:?}");
+                }
+            }
+        }
         // Far walls do not make the grid coarse, nor an eye alone make it empty.
         /// From nothing to almost the greatest float.
         const FAR: [f32; 4] = [0.0, 1e-20, 1.0, 1e30];

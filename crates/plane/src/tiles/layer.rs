@@ -3,6 +3,7 @@
 use glam::{DVec2, Vec2};
 
 use crate::bits::BitGrid;
+use crate::geometry::Rect;
 use crate::tiles::error::{TileError, finite, positive, within};
 use crate::tiles::faces::TileFace;
 use crate::tiles::opaque::OpaqueTiles;
@@ -92,6 +93,13 @@ impl TileLayer {
     /// The least corner of a tile, in the scene.
     pub fn corner(&self, x: u32, y: u32) -> DVec2 {
         self.origin.as_dvec2() + DVec2::new(x.into(), y.into()) * f64::from(self.tile_size)
+    }
+
+    /// The rectangle of all tiles, in the scene, rounded to single precision: for
+    /// [`GridSpec::covering`](crate::GridSpec::covering), for example.
+    pub fn bounds(&self) -> Rect {
+        let max = self.corner(self.opaque.width(), self.opaque.height());
+        Rect::new(self.origin, max.as_vec2())
     }
 
     /// The ends of a face, in the scene.

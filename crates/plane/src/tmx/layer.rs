@@ -125,7 +125,8 @@ impl<'l> TileLayer<'l> {
         let name = || self.name.to_string();
         if self.to_walls.is_none() {
             warnings.push(TmxWarning::Offset { layer: name(), x: self.shift.x, y: self.shift.y });
-        } else if let Some((id, count)) = self.unknown {
+        }
+        if let Some((id, count)) = self.unknown {
             warnings.push(TmxWarning::UnknownTiles { layer: name(), id, count });
         }
         if self.many > 0 {

@@ -1,11 +1,12 @@
 //! What is read of a map.
 
-use glam::IVec2;
+use glam::{IVec2, Vec2};
 
 use super::objects::TmxObject;
 use super::tile::TmxTile;
 use super::warning::TmxWarning;
 use crate::bits::BitGrid;
+use crate::tiles::{TileError, TileLayer};
 
 /// The tiles of a map that block sight, its objects, and warnings about the map: see
 /// [`TmxImport::read_map`](super::TmxImport::read_map).
@@ -23,4 +24,17 @@ pub struct TmxMap {
     pub tiles: Vec<TmxTile>,
     /// What was passed over. Nothing of it blocks sight, but objects as their fault says.
     pub warnings: Vec<TmxWarning>,
+}
+
+impl TmxMap {
+    /// The tiles that block, placed in a scene as [`TmxObject::insert`] places objects: the tile
+    /// `(0, 0)` of the map, as the editor counts, has its least corner at `origin`; `tile_size` is
+    /// the side of a tile in world units. Copies the tiles.
+    ///
+    /// # Errors
+    /// As [`TileLayer::new`].
+    pub fn tile_layer(&self, origin: Vec2, tile_size: f32) -> Result<TileLayer, TileError> {
+        let least = origin.as_dvec2() + self.origin.as_dvec2() * f64::from(tile_size);
+        TileLayer::new(least.as_vec2(), tile_size, self.walls.clone())
+    }
 }

@@ -246,6 +246,10 @@ fn shifted_layers_lie_elsewhere() {
     // By three tiles to the right and one up, in the group and the layer together.
     let found = map(&shifted("offsetx=\"32\" offsety=\"-32\"", "offsetx=\"16\" offsety=\"16\"")).unwrap();
     assert_eq!((found.origin.to_array(), found.walls.width(), found.walls.height()), ([0, -1], 7, 4));
+    let layer = found.tile_layer(Vec2::new(10.0, 20.0), 2.5).unwrap();
+    assert_eq!((layer.bounds().min, layer.bounds().max), (Vec2::new(10.0, 17.5), Vec2::new(27.5, 27.5)));
+    assert_eq!((layer.opaque().bits(), layer.tile_size()), (&found.walls, 2.5));
+    assert!(found.tile_layer(Vec2::ZERO, 0.0).is_err());
     for (x, y) in (0..7).flat_map(|x| (0..4).map(move |y| (x, y))) {
         let own = y > 0 && whole.get(x, y - 1);
         let other = x > 2 && whole.get(x - 3, y);
@@ -277,6 +281,10 @@ fn unknown_tiles_and_types_are_named() {
     assert!(
         found.warnings[0].to_string().contains("\"ground\" has 2 tiles of no tileset, the first of id 252")
     );
+    // Also in layers that are shifted by a part of a tile.
+    let shifted = unknown(&walls.replace("name=\"ground\"", "name=\"ground\" offsetx=\"3\""));
+    assert!(matches!(&shifted.warnings[..], [TmxWarning::Offset { .. }, first, second]
+        if *first == named("ground") && *second == named("walls")));
     let typed = text.replacen("type=\"bool\" value=\"true\"", "value=\"true\"", 1);
     let found = map(&typed).unwrap();
     let (property, kind) = ("opaque".to_string(), "string".to_string());

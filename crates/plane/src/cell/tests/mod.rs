@@ -125,7 +125,7 @@ proptest! {
         let normals = [wide - std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2 - wide]
             .map(|by| DVec2::from_angle(turn + by));
         let eye = DVec2::from(eye);
-        let region = Region::new(eye, &normals, Some(range));
+        let region = Region::new(eye, &normals, 0.0, Some(range));
         let seen = map.seen(&region, ROWS);
         let center = map.v.as_dvec2() + eye;
         let in_view = |p: DVec2| p.distance(center) <= range && normals.iter().all(|n| n.dot(p - center) >= 0.0);

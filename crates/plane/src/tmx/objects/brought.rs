@@ -178,3 +178,18 @@ fn shape(space: &Space, tile: &Standing<'_>, draft: &Draft) -> Result<TmxShape, 
     };
     Frame { space, at, turn, least: DVec2::ZERO, size }.shape(outline)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+
+    use super::*;
+
+    #[test]
+    fn corners_of_all_forms_count() {
+        let corners = |shape: TmxShape| Shapes::from(vec![shape]).corners;
+        assert_eq!(corners(TmxShape::Polygon(vec![Vec2::ZERO; 7])), 7);
+        assert_eq!(corners(TmxShape::Polyline(vec![Vec2::ZERO; 9])), 9);
+        assert_eq!(corners(TmxShape::Point(Vec2::ZERO)), 1);
+    }
+}

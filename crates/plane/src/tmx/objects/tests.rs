@@ -342,7 +342,9 @@ fn walls_and_doors_hide_in_scenes() {
     let eye = (3., 3.);
     assert!(!sees(&scene, eye, (6., 3.)) && !sees(&scene, eye, (3., 6.)), "behind the angle");
     assert!(sees(&scene, eye, (1.5, 1.5)), "in the angle, and outside of its open sides");
+    assert_eq!(placed[0].is_closed(&scene), Ok(true));
     placed[0].set_closed(&mut scene, false).unwrap();
+    assert_eq!(placed[0].is_closed(&scene), Ok(false));
     assert!(sees(&scene, eye, (6., 3.)) && sees(&scene, eye, (3., 6.)));
     assert!(!sees(&scene, (2., 6.), (2., 10.)) && sees(&scene, (0.5, 6.), (0.5, 10.)), "the ellipse");
     placed[0].set_closed(&mut scene, true).unwrap();
@@ -351,7 +353,7 @@ fn walls_and_doors_hide_in_scenes() {
     let first = placed[0].ids().next().unwrap();
     let last = placed[0].ids().last().unwrap();
     scene.remove(last).unwrap();
-    assert!(placed[0].set_closed(&mut scene, false).is_err());
+    assert!(placed[0].set_closed(&mut scene, false).is_err() && placed[0].is_closed(&scene).is_err());
     assert!(scene.occluder(first).unwrap().is_some(), "nothing changed");
 }
 

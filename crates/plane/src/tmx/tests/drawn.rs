@@ -155,6 +155,42 @@ fn shapes_turn_as_the_pixels_of_the_picture_do() {
 }
 
 #[test]
+fn tiles_of_one_map_bring_what_each_does_alone() {
+    let object =
+        |width: u32| format!("<object type=\"opaque\" x=\"2\" y=\"1\" width=\"{width}\" height=\"2\"/>");
+    let attributes = "tilewidth=\"16\" tileheight=\"8\"";
+    let shapes = |found: &TmxMap| found.tiles.iter().map(|tile| tile.shapes.clone()).collect::<Vec<_>>();
+    // All turns of a tile; they differ.
+    let alone: Vec<_> = turns().flat_map(|turn| shapes(&one(turn, &object(5)))).collect();
+    let set = tileset(attributes, "", &object(5));
+    let all = turns().map(|turn| (turn | 2).to_string()).collect::<Vec<_>>().join(",");
+    let together = map_of("orthogonal", &set, "name=\"l\"", &all);
+    let together = together.replace("width=\"3\" height=\"2\"", "width=\"8\" height=\"1\"");
+    assert_eq!(shapes(&map(&together).unwrap()), alone);
+    assert!((0..8).all(|i| !alone[..i].contains(&alone[i])));
+    // Pictures of their own sizes stand on the foot of the cell.
+    let own = |id: u32, high: u32| {
+        let image =
+            format!("<image width=\"16\" height=\"{high}\"/><objectgroup>{}</objectgroup>", object(5));
+        format!("<tile id=\"{id}\">{image}</tile>")
+    };
+    let pictures = format!("<tileset tilecount=\"2\">{}{}</tileset>", own(0, 8), own(7, 12));
+    let tops = shapes(&map(&map_of("orthogonal", &pictures, "name=\"l\"", "1,8,0,0,0,0")).unwrap());
+    assert_eq!(*tops[0], [rect(0.125, 0.125, 0.4375, 0.375)]);
+    assert_eq!(*tops[1], [rect(0.125, -0.375, 0.4375, -0.125)]);
+    // Two tiles of a tileset, and one of another that has the number of the first.
+    let more = set.replace(
+        "</tileset>",
+        &format!("<tile id=\"2\"><objectgroup>{}</objectgroup></tile></tileset>", object(6)),
+    );
+    let other = tileset(attributes, "", &object(7)).replacen("<tileset", "<tileset firstgid=\"10\"", 1);
+    let text =
+        map_of("orthogonal", &more, "name=\"l\"", "2,3,11,0,0,0").replace("<layer", &(other + "<layer"));
+    let widths = [5.0, 6.0, 7.0].map(|width| [rect(0.125, 0.125, (2.0 + width) / 16.0, 0.375)]);
+    assert_eq!(shapes(&map(&text).unwrap()).iter().map(|shapes| &shapes[..]).collect::<Vec<_>>(), widths);
+}
+
+#[test]
 fn isometric_maps_and_tilesets_stand_on_the_foot_of_the_cell() {
     let tiles = |p: DVec2| {
         let (x, y) = (p.x / 16.0, p.y / 8.0);
@@ -227,6 +263,8 @@ fn roles_are_those_of_objects() {
     assert_eq!(read("<tile id=\"1\">", "walls", &plain), (1, vec![]));
     let out = "<object type=\"opaque\" x=\"4\" y=\"-2\" width=\"4\" height=\"4\"/>";
     assert_eq!(read("<tile id=\"1\">", "walls", out), (1, vec![(Role::Wall, 1)]));
+    let right = "<object type=\"opaque\" x=\"4\" y=\"2\" width=\"13\" height=\"4\"/>";
+    assert_eq!(read("<tile id=\"1\">", "walls", right), (1, vec![(Role::Wall, 1)]));
     // But not with a door: then its other shapes are walls.
     let with_door = [&*plain, &*door].concat();
     assert_eq!(read("<tile id=\"1\">", "walls", &with_door), (0, vec![(Role::Wall, 1), (Role::Door, 1)]));
@@ -242,6 +280,14 @@ fn roles_are_those_of_objects() {
     assert_eq!(read("<tile id=\"1\">", "l", &over(0, 16)), (1, vec![]));
     assert_eq!(read("<tile id=\"1\">", "l", &over(-1, 17)), (1, vec![(Role::Wall, 1)]));
     assert_eq!(read("<tile id=\"1\">", "l", &over(0, 15)), (0, vec![(Role::Wall, 1)]));
+    let low = over(0, 16).replace("height=\"8\"", "height=\"7\"");
+    assert_eq!(read("<tile id=\"1\">", "l", &low), (0, vec![(Role::Wall, 1)]));
+    // It hides, whatever doors are in it.
+    assert_eq!(read("<tile id=\"1\">", "l", &(over(0, 16) + &door)), (1, vec![(Role::Door, 1)]));
+    // On a layer that is shifted by a part of a tile, no tile stands for the shapes in it.
+    let set = tileset("tilewidth=\"16\" tileheight=\"8\"", "", &over(0, 16));
+    let shifted = map(&map_of("orthogonal", &set, "name=\"walls\" offsetx=\"5\"", "0,0,0,0,2,0")).unwrap();
+    assert_eq!((shifted.walls.count(), shifted.tiles.len()), (0, 1));
     // `read` looks at tiles only.
     let set = tileset("tilewidth=\"16\" tileheight=\"8\"", "", &over(0, 16));
     let text = map_of("orthogonal", &set, "name=\"l\"", "0,0,0,0,2,0");
@@ -316,7 +362,9 @@ fn what_is_amiss_with_shapes_is_named_once() {
         <object id=\"5\" type=\"opaque\"><polygon points=\"0,0 8,8 8,0 0,8\"/></object><object id=\"6\"><star/></object>\
         <object id=\"7\"><polygon points=\"0,0 8,8 8,0 0,8\"/></object><object id=\"8\"><point/></object>\
         <object id=\"9\" type=\"opaque\"><polyline points=\"0,0 8,8\"/></object><object id=\"10\" type=\"opaque\" x=\"1e30\" \
-        width=\"1\" height=\"1\"/>";
+        width=\"1\" height=\"1\"/><object id=\"11\" width=\"4\" height=\"4\"><properties><property name=\"n\" type=\"int\" \
+        value=\"x\"/></properties></object><object id=\"12\" width=\"4\" height=\"4\"><properties><property name=\"opaque\" \
+        value=\"yes\"/></properties></object>";
     let set = tileset("tilewidth=\"16\" tileheight=\"8\"", "", objects);
     let tiles = format!("2,2,{},0,{},2", SIDEWAYS | 2, SWAPPED | 2);
     let text = map_of("orthogonal", &set, "name=\"l\"", &tiles);
@@ -327,9 +375,9 @@ fn what_is_amiss_with_shapes_is_named_once() {
     };
     let faults: Vec<_> = found.warnings.iter().map(fault).collect();
     let ids: Vec<_> = faults.iter().map(|(id, _)| *id).collect();
-    assert_eq!(ids, [2, 3, 6, 1, 5, 10]);
+    assert_eq!(ids, [2, 3, 6, 11, 1, 5, 10, 12]);
     assert_eq!(
-        (&faults[1].1, &faults[3].1, &faults[4].1),
+        (&faults[1].1, &faults[4].1, &faults[5].1),
         (&TmxFault::Picture, &TmxFault::NoSize, &TmxFault::Crossed)
     );
     assert!(found.warnings[1].to_string().contains("the object 3 on tile 1 of the tileset from 1 on: "));
