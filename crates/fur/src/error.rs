@@ -97,6 +97,9 @@ pub enum Error {
         /// The share asked for.
         density: f64,
     },
+    /// An animal that has to walk and cannot.
+    #[error("the animal cannot walk: give a skeleton, and a clip that moves a joint")]
+    Still,
     /// A joint that hangs from one that does not come before it.
     #[error("joint {joint} hangs from joint {parent}: parents must come before their children")]
     Parent {

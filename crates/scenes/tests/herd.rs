@@ -4,6 +4,9 @@ use casca::{Aabb, ObjectId, Query, View};
 use casca_fur::skin::Ending;
 use casca_fur::strands::{Forces, Fur};
 use casca_scenes::fur::field::{Field, Hiding, Kind};
+use casca_scenes::fur::sample::character_glb;
+use casca_scenes::fur::{Character, Masks, Species};
+use casca_scenes::import::{Coated, read_coated};
 use casca_scenes::measure::timed;
 use glam::{Affine3A, Mat3, Vec3};
 
@@ -27,7 +30,7 @@ fn meets(from: Vec3, to: Vec3, aabb: &Aabb) -> bool {
 fn tips(field: &Field, animal: usize) -> Vec<Vec3> {
     let resident = &field.animals()[animal];
     let (kind, fur) = &field.species()[resident.species];
-    let (mesh, weights) = (&kind.levels()[3], &kind.rig().weights[3]);
+    let (mesh, weights) = (&kind.levels()[3], &kind.rig().unwrap().weights[3]);
     let (pose, lean) = (field.pose(animal).unwrap(), field.lean(animal));
     let tip = |(v, vertex): (usize, &casca_fur::mesh::Vertex)| {
         let m = resident.placement * weights.blend(v, pose);
@@ -40,12 +43,74 @@ fn tips(field: &Field, animal: usize) -> Vec<Vec3> {
 #[test]
 fn no_tip_in_sight_of_a_walking_herd_is_lost() {
     for hiding in [Hiding::Walls, Hiding::Balls] {
-        walk_among_walls(hiding);
+        walk_among_walls(Field::herd(200, 2, 3, hiding, forces(), fur).unwrap());
     }
 }
 
-fn walk_among_walls(hiding: Hiding) {
-    let mut field = Field::herd(200, 2, 3, hiding, forces(), fur).unwrap();
+fn character(seed: u64) -> Coated {
+    read_coated(&character_glb(seed, 48).unwrap(), None).unwrap()
+}
+
+fn species(coated: &Coated) -> (Species, Fur) {
+    let character = Character::new(coated, &Masks::default(), 4).unwrap();
+    let species = Species::of_character(&character).unwrap();
+    let fur = fur(species.radius()).unwrap();
+    (species, fur)
+}
+
+#[test]
+fn no_tip_in_sight_of_a_walking_herd_of_files_is_lost() {
+    let own = [10, 11].map(|seed| species(&character(seed))).to_vec();
+    let field = Field::herd_of_species(200, own, 3, Hiding::Balls, forces()).unwrap();
+    for (animal, resident) in field.animals().iter().enumerate() {
+        let (kind, pose) = (&field.species()[resident.species].0, field.pose(animal).unwrap());
+        let weights = &kind.rig().unwrap().weights[0];
+        let heights = kind.levels()[0].vertices().iter().enumerate().map(|(v, vertex)| {
+            let m = resident.placement * weights.blend(v, pose);
+            m.transform_point3(vertex.position).y
+        });
+        let low = heights.fold(f32::INFINITY, f32::min);
+        assert!((-0.02..0.05).contains(&low), "feet at {low}");
+    }
+    walk_among_walls(field);
+}
+
+#[test]
+fn standing_characters_are_as_long_as_a_unit_whatever_their_files_are_in() {
+    let mut coated = character(10);
+    coated.rig = None;
+    coated.mesh.positions.iter_mut().for_each(|p| *p = 100.0 * *p + Vec3::Y * 900.0);
+    let own = species(&coated);
+    assert!(own.0.rig().is_none());
+    let refused = Field::herd_of_species(3, vec![own.clone()], 3, Hiding::Balls, forces());
+    assert!(matches!(refused, Err(casca_fur::Error::Still)));
+    let mut field = Field::of_species(20, vec![own], 3, Hiding::Balls).unwrap();
+    for (animal, resident) in field.animals().iter().enumerate() {
+        let (kind, fur) = &field.species()[0];
+        let at = |p: Vec3| resident.placement.transform_point3(p);
+        let Aabb { min, max } = kind.aabb();
+        let length = at(max).distance(at(Vec3::new(min.x, max.y, max.z)));
+        assert!((0.74..1.01).contains(&length) && at(min).y.abs() < 1e-4, "{length}, feet at {}", at(min).y);
+        let fur_there = at(Vec3::Y * fur.height).distance(at(Vec3::ZERO));
+        assert!((field.fur_height(animal) / fur_there - 1.0).abs() < 1e-3);
+        let hides = field.scene.bounds(resident.id).unwrap().aabb();
+        assert!(hides.contains(at(kind.aabb().center())));
+    }
+    // Those that move look ahead: along z of their file.
+    let before = field.animals().to_vec();
+    field.walk(0.05).unwrap();
+    let mut moved = 0;
+    for (old, new) in before.iter().zip(field.animals()) {
+        let way = Vec3::from(new.placement.translation - old.placement.translation);
+        let ahead = new.placement.transform_vector3(Vec3::Z).normalize();
+        moved += usize::from(way.length() > 0.0);
+        assert!(way.length() == 0.0 || way.normalize().dot(ahead) > 0.99, "{way} {ahead}");
+    }
+    assert!(moved > 4, "{moved}");
+}
+
+fn walk_among_walls(mut field: Field) {
+    let hiding = field.hiding();
     let mut query = Query::new();
     let (mut seen, mut in_sight, mut outside_of_rest) = (0, 0, 0);
     for frame in 0..5 {
@@ -130,7 +195,7 @@ fn what_bounds_of_poses_and_balls_in_trunks_would_save() {
     let posed = |field: &Field, animal: usize| {
         let (kind, fur) = &field.species()[field.animals()[animal].species];
         let leaning = fur.leaning(forces().most).unwrap();
-        Some(kind.rig().bounds.posed(field.pose(animal).unwrap(), &leaning))
+        Some(kind.rig().unwrap().bounds.posed(field.pose(animal).unwrap(), &leaning))
     };
     for count in [50, 500, 2000] {
         let [whole, poses, balls] = [
@@ -154,7 +219,7 @@ fn what_the_steps_of_500_animals_cost() {
     let step = |frame: i32| f64::from(frame) / 60.0;
     let (_, walk) = timed(|| (1..=frames).for_each(|frame| field.walk(step(frame)).unwrap()));
     let mut poses: Vec<_> = (0..500).map(|i| field.pose(i).unwrap().clone()).collect();
-    let rig = |i: usize| field.species()[field.animals()[i].species].0.rig();
+    let rig = |i: usize| field.species()[field.animals()[i].species].0.rig().unwrap();
     let (_, posing) = timed(|| {
         for frame in 0..frames {
             for (i, pose) in poses.iter_mut().enumerate() {

@@ -164,6 +164,40 @@ fn furry_pictures_are_written_and_errors_name_their_cause() {
 }
 
 #[test]
+fn fields_of_a_file_look_the_same_when_they_are_culled() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let file = casca_scenes::fur::sample::character_glb(12, 32).unwrap();
+    std::fs::write(folder.join("cat.glb"), file).unwrap();
+    // A file whose animal has no skin.
+    let still = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"scene":0,"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+    std::fs::write(folder.join("still.gltf"), still).unwrap();
+    let (code, _, said) = run(folder, "fur still.gltf --field 3 --walk --headless");
+    assert!(code == Some(3) && said.contains("still.gltf: has no mesh with a skin"), "{said}");
+    let rest = "--headless --size 48x32 --smooth 0 --layers 2 --frames 1 --out";
+    let (code, _, said) = run(folder, &format!("fur cat.glb --field 12 --bald eyes {rest} standing"));
+    if said.contains("no graphics adapter") {
+        return println!("skipped: no adapter");
+    }
+    assert_eq!(code, Some(0), "{said}");
+    let picture = |name: &str| std::fs::read(folder.join(name).join("field-0.png")).unwrap();
+    for (words, name) in [
+        ("fur cat.glb --field 12 --walk", "walking"),
+        // An open mesh hides nothing.
+        ("fur still.gltf --field 12", "still"),
+        ("fur --field 12", "generated"),
+    ] {
+        let (code, said, errors) = run(folder, &format!("{words} {rest} {name}"));
+        assert!(code == Some(0) && said.matches(" 0 pixels differ").count() == 2, "{words}: {said}{errors}");
+        assert!(picture(name) != picture("standing"), "{words}");
+    }
+}
+
+#[test]
 fn pictures_of_a_map_and_of_one_frame_have_the_names_that_are_said() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
+use casca_fur::Error;
 use casca_fur::mesh::{
     Image, Level, Mesh, NormalRule, TexCoord, Vertex, center, continuous_normals, weld_textured,
 };
-use casca_fur::skin::{Clip, Joint, Skeleton, Weights};
-use glam::Affine3A;
+use casca_fur::skin::{Clip, Joint, Pose, Skeleton, SkinBounds, Weights};
+use casca_fur::strands::Fur;
+use glam::{Affine3A, Vec3};
 
 use crate::import::{Coated, ImportError, Trouble, load_coated};
 
@@ -94,6 +96,25 @@ impl Character {
             }
         };
         Ok(Self { levels, images: coated.images.clone(), rig })
+    }
+}
+
+impl CharacterRig {
+    /// From the posed mesh to where it has the size of the mesh at rest and its box, posed at rest,
+    /// has the origin as its centre, whatever the units of the skeleton are; and the lower end of
+    /// that box. `mesh` is the finest level.
+    ///
+    /// # Errors
+    /// The weights are not those of the mesh.
+    pub fn place_at_rest(&self, mesh: &Mesh) -> Result<(Affine3A, f32), Error> {
+        let weights = self.weights.first().ok_or(Error::Empty)?;
+        let bald = Fur { height: 0.0, ..Fur::for_radius(1.0, 0.0, 0.1)? };
+        let posed = SkinBounds::new(mesh, weights)?.posed(&Pose::rest(&self.skeleton), &bald);
+        let (size, wanted) = (posed.max - posed.min, mesh.aabb().max - mesh.aabb().min);
+        let least = f32::MIN_POSITIVE;
+        let scale = wanted.length().max(least) / size.length().max(least);
+        let place = Affine3A::from_scale(Vec3::splat(scale)) * Affine3A::from_translation(-posed.center());
+        Ok((place, -0.5 * scale * size.y))
     }
 }
 

@@ -6,12 +6,15 @@ use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene};
 use casca_fur::Error;
 use casca_fur::skin::{Ending, Pose};
 use casca_fur::strands::{Forces, Fur, Lean};
-use casca_fur::visibility::{base_occluder, carried_ball, furry_object, inner_ball};
+use casca_fur::visibility::furry_object;
 use glam::{Affine3A, UVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::fur::animals::Animal;
+pub use crate::fur::hiding::Hiding;
+use crate::fur::hiding::occluder;
+use crate::fur::species::Species;
 use crate::fur::walk::Walk;
 
 /// What an object of a field is.
@@ -23,20 +26,6 @@ pub enum Kind {
     Wall(usize),
     /// The ground.
     Ground,
-}
-
-/// What hides others besides walls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Hiding {
-    /// Walls only.
-    Walls,
-    /// A ball inside all levels of detail of each animal, and walls. In a herd it is a ball that
-    /// stays inside the trunk throughout the walk.
-    #[default]
-    Balls,
-    /// The finest mesh of each animal, and walls. Draw that level only. In a herd, as balls: the
-    /// mesh at rest says nothing about poses.
-    Meshes,
 }
 
 /// An animal in a field.
@@ -57,7 +46,9 @@ pub struct Resident {
 pub struct Field {
     /// The scene, for queries.
     pub scene: Scene,
-    species: Vec<(Animal, Fur)>,
+    species: Vec<(Species, Fur)>,
+    /// By species, from the space of its meshes, posed in a herd, to units.
+    places: Vec<Affine3A>,
     animals: Vec<Resident>,
     walls: Vec<Aabb>,
     ground: Aabb,
@@ -69,9 +60,6 @@ pub struct Field {
 
 /// The edge of a lot, in units.
 const LOT: f32 = 4.0;
-
-/// The joint of the trunk.
-const TRUNK: usize = 0;
 
 /// Animals on each lot, on average.
 const CROWD: usize = 2;
@@ -85,7 +73,10 @@ const WALLED: f64 = 0.4;
 /// The most animals: walls and animals then fit a scene of casca.
 const MOST: usize = 100_000;
 
-/// The detail of the animals' meshes.
+/// The most species of a field.
+const MOST_SPECIES: usize = 16;
+
+/// The detail of the meshes of generated animals.
 const DETAIL: u32 = 48;
 
 impl Field {
@@ -101,7 +92,21 @@ impl Field {
         hiding: Hiding,
         fur: impl Fn(f32) -> Result<Fur, Error>,
     ) -> Result<Self, Error> {
-        Self::made(count, species, seed, hiding, None, fur)
+        Self::of_species(count, generated(species, seed, fur)?, seed, hiding)
+    }
+
+    /// The same field of species of one's own (1 to 16), each with its fur. Each animal is of one
+    /// of them, by the seed.
+    ///
+    /// # Errors
+    /// As [`Field::new`].
+    pub fn of_species(
+        count: usize,
+        species: Vec<(Species, Fur)>,
+        seed: u64,
+        hiding: Hiding,
+    ) -> Result<Self, Error> {
+        Self::made(count, species, seed, hiding, None)
     }
 
     /// A field like that of [`Field::new`] in which all animals walk on their legs, and their
@@ -118,35 +123,47 @@ impl Field {
         forces: Forces,
         fur: impl Fn(f32) -> Result<Fur, Error>,
     ) -> Result<Self, Error> {
-        let mut field = Self::made(count, species, seed, hiding, Some(forces), fur)?;
-        let of = |resident: &Resident| Pose::rest(&field.species[resident.species].0.rig().skeleton);
-        field.poses = field.animals.iter().map(of).collect();
+        Self::herd_of_species(count, generated(species, seed, fur)?, seed, hiding, forces)
+    }
+
+    /// The same herd of species of one's own, as [`Field::of_species`].
+    ///
+    /// # Errors
+    /// As [`Field::herd`], and a species that cannot walk.
+    pub fn herd_of_species(
+        count: usize,
+        species: Vec<(Species, Fur)>,
+        seed: u64,
+        hiding: Hiding,
+        forces: Forces,
+    ) -> Result<Self, Error> {
+        let mut field = Self::made(count, species, seed, hiding, Some(forces))?;
+        let rest = |(kind, _): &(Species, Fur)| Ok(Pose::rest(&kind.walker()?.skeleton));
+        let rests = field.species.iter().map(rest).collect::<Result<Vec<Pose>, Error>>()?;
+        field.poses = field.animals.iter().map(|resident| rests[resident.species].clone()).collect();
         field.walk(0.0)?;
         Ok(field)
     }
 
     fn made(
         count: usize,
-        species: usize,
+        species: Vec<(Species, Fur)>,
         seed: u64,
         hiding: Hiding,
         forces: Option<Forces>,
-        fur: impl Fn(f32) -> Result<Fur, Error>,
     ) -> Result<Self, Error> {
         Error::check_range("the number of animals", count as f64, 1.0, MOST as f64)?;
-        Error::check_range("the number of species", species as f64, 1.0, 16.0)?;
+        Error::check_range("the number of species", species.len() as f64, 1.0, MOST_SPECIES as f64)?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let make = |i: usize| {
-            let animal = Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL)?;
-            let fur = fur(animal.radius())?;
-            Ok((animal, fur))
+        let hides = species.iter().map(|(kind, _)| occluder(kind, hiding, forces.is_some()));
+        let hides = hides.collect::<Result<Vec<Option<Occluder>>, Error>>()?;
+        let place = |(kind, _): &(Species, Fur)| match forces {
+            Some(_) => kind.places().posed,
+            None => kind.places().rest,
         };
-        let species = (0..species).map(make).collect::<Result<Vec<(Animal, Fur)>, Error>>()?;
-        let hides = species
-            .iter()
-            .map(|(animal, _)| occluder(animal, hiding, forces.is_some()))
-            .collect::<Result<Vec<_>, Error>>()?;
-        let walk_bounds = |forces: Forces| species.iter().map(move |kind| bounds_of_walk(kind, forces));
+        let places: Vec<Affine3A> = species.iter().map(place).collect();
+        let walk_bounds =
+            |forces: Forces| species.iter().map(move |(kind, fur)| kind.bounds_of_walk(fur, forces));
         let whole = forces.map(|f| walk_bounds(f).collect::<Result<Vec<Aabb>, Error>>()).transpose()?;
         let lots = (count.div_ceil(CROWD) as f64).sqrt().ceil() as usize;
         let edge = lots as f32 * LOT;
@@ -179,7 +196,6 @@ impl Field {
         for number in 0..count {
             let lot = number / CROWD;
             let kind = random.random_range(0..species.len());
-            let (animal, fur) = &species[kind];
             // Each in its half of the lot.
             let side = LOT * (0.27 + 0.46 * (number % CROWD) as f32);
             let center =
@@ -191,20 +207,20 @@ impl Field {
                 turn: [random.random_range(0.5..1.5), random.random_range(0.0..TAU)],
                 scale: random.random_range(0.75..1.0),
             };
-            let placement = walk.at(0.0, animal).0;
+            let placement = walk.at(0.0).0 * places[kind];
             let hides = hides[kind].clone();
             let desc = match &whole {
                 Some(whole) => {
                     let desc = ObjectDesc::dynamic(whole[kind]).placed(placement);
                     hides.into_iter().fold(desc, ObjectDesc::occluder)
                 }
-                None => furry_object(animal.aabb(), fur, hides, placement, walks)?,
+                None => furry_object(species[kind].0.aabb(), &species[kind].1, hides, placement, walks)?,
             };
             let id = scene.insert(desc.user_data(number as u64)).map_err(refused("animal"))?;
             animals.push(Resident { id, species: kind, placement, walk, lean: Lean::default() });
         }
         let forces = forces.unwrap_or_default();
-        Ok(Self { scene, species, animals, walls, ground, hiding, poses: Vec::new(), forces })
+        Ok(Self { scene, species, places, animals, walls, ground, hiding, poses: Vec::new(), forces })
     }
 
     /// Moves the animals that walk to where they are at a time in seconds; at 0 they are where they
@@ -216,12 +232,12 @@ impl Field {
         Error::check_range("the time in seconds", time, -1e9, 1e9)?;
         let failed = |source| Error::Scene { what: "step of an animal", source };
         for (number, resident) in self.animals.iter_mut().enumerate().filter(|(_, r)| r.walk.radius > 0.0) {
-            let (animal, _) = &self.species[resident.species];
-            let (placement, [velocity, acceleration]) = resident.walk.at(time, animal);
-            resident.placement = placement;
+            let (placement, [velocity, acceleration]) = resident.walk.at(time);
+            resident.placement = placement * self.places[resident.species];
             if let Some(pose) = self.poses.get_mut(number) {
-                let rig = animal.rig();
-                pose.set(&rig.skeleton, &rig.walk, resident.walk.rounds(time, rig.stride), Ending::Loop);
+                let rig = self.species[resident.species].0.walker()?;
+                let seconds = resident.walk.rounds(time, rig.stride) * f64::from(rig.walk.seconds());
+                pose.set(&rig.skeleton, &rig.walk, seconds, Ending::Loop);
                 resident.lean = self.forces.lean(velocity, acceleration)?;
             }
             self.scene.set_transform(resident.id, resident.placement).map_err(failed)?;
@@ -240,7 +256,7 @@ impl Field {
     }
 
     /// The species: meshes and fur.
-    pub fn species(&self) -> &[(Animal, Fur)] {
+    pub fn species(&self) -> &[(Species, Fur)] {
         &self.species
     }
 
@@ -276,7 +292,9 @@ impl Field {
 
     /// The height of an animal's fur in world units.
     pub fn fur_height(&self, animal: usize) -> f32 {
-        self.animals.get(animal).map_or(0.0, |a| self.species[a.species].1.height * a.walk.scale)
+        let Some(resident) = self.animals.get(animal) else { return 0.0 };
+        let (kind, fur) = &self.species[resident.species];
+        fur.height * kind.places().scale * resident.walk.scale
     }
 
     /// An eye on a path through the field and the direction in which it looks, for a share of the
@@ -290,28 +308,19 @@ impl Field {
     }
 }
 
-/// The bounds of a species for its whole walk, in object space.
-fn bounds_of_walk((animal, fur): &(Animal, Fur), forces: Forces) -> Result<Aabb, Error> {
-    let rig = animal.rig();
-    Ok(rig.bounds.over(&rig.skeleton, &rig.walk, &fur.leaning(forces.most)?))
-}
-
-fn occluder(animal: &Animal, hiding: Hiding, walks: bool) -> Result<Option<Occluder>, Error> {
-    Ok(match hiding {
-        Hiding::Walls => None,
-        _ if walks => {
-            // The walk does not move the trunk, so that the ball stays where it is in the object.
-            let (rig, levels) = (animal.rig(), animal.levels());
-            let levels: Vec<_> = levels.iter().zip(&rig.weights).collect();
-            let ball = carried_ball(&levels, &rig.skeleton, &rig.walk, TRUNK)?;
-            ball.map(|ball| Occluder::from(ball.posed(&Pose::rest(&rig.skeleton))))
-        }
-        Hiding::Balls => {
-            let levels: Vec<_> = animal.levels().iter().collect();
-            inner_ball(&levels)?.map(Occluder::from)
-        }
-        Hiding::Meshes => Some(base_occluder(&animal.levels()[0])?.into()),
-    })
+/// Generated species of a seed, with their furs.
+fn generated(
+    count: usize,
+    seed: u64,
+    fur: impl Fn(f32) -> Result<Fur, Error>,
+) -> Result<Vec<(Species, Fur)>, Error> {
+    Error::check_range("the number of species", count as f64, 1.0, MOST_SPECIES as f64)?;
+    let make = |i: usize| {
+        let animal = Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL)?;
+        let fur = fur(animal.radius())?;
+        Ok((Species::from(&animal), fur))
+    };
+    (0..count).map(make).collect()
 }
 
 #[cfg(test)]
@@ -391,8 +400,8 @@ mod tests {
         for (number, resident) in a.animals().iter().enumerate() {
             assert_eq!(a.kind(resident.id), Some(Kind::Animal(number)));
             // Feet on the ground, within the lot.
-            let (animal, _) = &a.species()[resident.species];
-            let feet = resident.placement.transform_point3(Vec3::Y * animal.aabb().min.y);
+            let (kind, _) = &a.species()[resident.species];
+            let feet = resident.placement.transform_point3(Vec3::Y * kind.aabb().min.y);
             assert!(feet.y.abs() < 1e-5 && feet.x > 0.0 && feet.z > 0.0);
             assert!(a.fur_height(number) > 0.0);
         }

@@ -3,7 +3,11 @@
 pub mod animals;
 mod character;
 pub mod field;
+mod gait;
+mod hiding;
 pub mod sample;
+mod species;
 mod walk;
 
 pub use character::{Character, CharacterRig, Masks};
+pub use species::Species;

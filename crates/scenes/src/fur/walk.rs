@@ -4,8 +4,6 @@ use std::f64::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3};
 
-use crate::fur::animals::Animal;
-
 /// A walk on a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Walk {
@@ -19,12 +17,12 @@ pub(super) struct Walk {
 }
 
 impl Walk {
-    /// The placement at a time, and the velocity and the acceleration, in units and seconds.
-    pub(super) fn at(&self, time: f64, animal: &Animal) -> (Affine3A, [Vec3; 2]) {
+    /// The placement at a time of what stands on the ground at 0 and looks along x, and the
+    /// velocity and the acceleration, in units and seconds.
+    pub(super) fn at(&self, time: f64) -> (Affine3A, [Vec3; 2]) {
         let angle = (f64::from(self.turn[1]) + time * f64::from(self.turn[0])).rem_euclid(TAU) as f32;
         let (sin, cos) = angle.sin_cos();
-        let up = -animal.aabb().min.y * self.scale;
-        let place = self.center + Vec3::new(cos * self.radius, up, sin * self.radius);
+        let place = self.center + Vec3::new(cos * self.radius, 0.0, sin * self.radius);
         // Along the tangent (-sin, cos).
         let turn = Quat::from_rotation_y(-angle - std::f32::consts::FRAC_PI_2);
         let velocity = Vec3::new(-sin, 0.0, cos) * self.radius * self.turn[0];
@@ -46,13 +44,12 @@ mod tests {
 
     #[test]
     fn velocity_and_acceleration_are_those_of_the_placement() {
-        let animal = Animal::new(0, 24).unwrap();
         let walk = Walk { center: Vec3::new(3.0, 0.0, 5.0), radius: 0.5, turn: [1.3, 0.4], scale: 0.9 };
-        let at = |time: f64| Vec3::from(walk.at(time, &animal).0.translation);
+        let at = |time: f64| Vec3::from(walk.at(time).0.translation);
         let h = 0.01;
         for step in 0..20 {
             let time = f64::from(step) * 0.3;
-            let (placement, [velocity, acceleration]) = walk.at(time, &animal);
+            let (placement, [velocity, acceleration]) = walk.at(time);
             let way = (at(time + h) - at(time - h)) / (2.0 * h as f32);
             let change = (at(time + h) - 2.0 * at(time) + at(time - h)) / (h * h) as f32;
             assert!(velocity.distance(way) < 1e-2 && acceleration.distance(change) < 5e-2, "{time}");

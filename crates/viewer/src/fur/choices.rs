@@ -6,7 +6,7 @@ use casca_fur::gpu::look::{Look, Mapping};
 use casca_fur::mesh::{Image, Mesh};
 use casca_fur::strands::Fur;
 use casca_scenes::fur::animals::{Animal, LEVELS};
-use casca_scenes::fur::{Character, Masks};
+use casca_scenes::fur::{Character, Masks, Species};
 use casca_scenes::import::load_map;
 use casca_stage::command_line::EXIT_CODES;
 use clap::{Args, ValueEnum, value_parser};
@@ -29,8 +29,8 @@ pub struct Choices {
     /// What all systems take.
     #[command(flatten)]
     pub common: Common,
-    /// A field of so many generated animals among walls
-    #[arg(long, value_parser = value_parser!(u32).range(1..=100_000), conflicts_with = "file")]
+    /// A field of so many animals among walls: of the file, or generated
+    #[arg(long, value_parser = value_parser!(u32).range(1..=100_000))]
     pub field: Option<u32>,
     /// Animals walk on their legs, and their fur follows; with --time, in addition to standing ones
     #[arg(long)]
@@ -61,9 +61,9 @@ pub struct Choices {
     #[arg(long, value_name = "FILE", requires = "file")]
     pub length_map: Option<PathBuf>,
     /// The level of detail that is drawn: 0 is the mesh itself, each next one has a quarter of the
-    /// triangles
-    #[arg(long, default_value_t = 0, value_parser = value_parser!(u32).range(0..LEVELS as i64))]
-    pub level: u32,
+    /// triangles [default: in a window the one for the distance, in files 0]
+    #[arg(long, value_parser = value_parser!(u32).range(0..LEVELS as i64))]
+    pub level: Option<u32>,
     /// Draws all levels of detail side by side, and prints how far each is from the mesh where it
     /// is used
     #[arg(long, requires = "headless", conflicts_with_all = ["field", "time", "study", "coats", "walk"])]
@@ -126,6 +126,8 @@ pub struct Subject {
     pub low: f32,
     /// Its skeleton and walk, if it walks.
     pub walker: Option<Box<Walker>>,
+    /// The kind of animal for fields, if it is of a file and there will be fields.
+    pub species: Option<Box<Species>>,
 }
 
 impl Choices {
@@ -172,7 +174,7 @@ impl Choices {
             let walker = self.walk.then(|| Box::new(Walker::generated(animal.rig(), &levels[0])));
             let (name, images) = ("animal".into(), Vec::new());
             let (radius, low) = (animal.radius(), animal.aabb().min.y);
-            return Ok(Subject { name, levels, images, radius, low, walker });
+            return Ok(Subject { name, levels, images, radius, low, walker, species: None });
         };
         let lengths = match &self.length_map {
             None => None,
@@ -180,6 +182,8 @@ impl Choices {
         };
         let masks = Masks { bald: self.bald.clone(), lengths };
         let character = Character::load(path, &masks, LEVELS)?;
+        let many = self.field.is_some() || self.time;
+        let species = many.then(|| Species::of_character(&character)).transpose()?.map(Box::new);
         let levels: Vec<Mesh> = character.levels.into_iter().map(|level| level.mesh).collect();
         let walker = match (self.walk, &character.rig) {
             (false, _) => None,
@@ -190,7 +194,7 @@ impl Choices {
         let (lo, hi) = (levels[0].aabb().min, levels[0].aabb().max);
         let (radius, images) = ((hi - lo).length() * 0.5, character.images);
         let low = walker.as_ref().map_or(lo.y, |walker| walker.low);
-        Ok(Subject { name, levels, images, radius, low, walker })
+        Ok(Subject { name, levels, images, radius, low, walker, species })
     }
 }
 
@@ -218,7 +222,6 @@ mod tests {
             ("--animals 5", "--time"),
             ("--time --animals 0", "1..=100000"),
             ("--mapping sphere", "cells"),
-            ("x.glb --field 5", "--field"),
             ("--bald eyes", "required"),
             ("--length-map x.png", "required"),
             ("--level 4", "--level"),

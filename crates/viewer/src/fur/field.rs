@@ -6,6 +6,7 @@ use crate::fur::herd::{Demand, Herd, Way, camera_at};
 use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::strands::Forces;
+use casca_scenes::fur::Species;
 use casca_scenes::fur::animals::Animal;
 use casca_scenes::fur::field::{Field, Hiding};
 use casca_scenes::world::Camera;
@@ -17,7 +18,7 @@ use crate::fur::choices::{Choices, Subject};
 use crate::fur::one::{self, TO_SUN};
 use crate::fur::shots::{Picture, Shooter};
 
-/// Kinds of animals in a field.
+/// Kinds of generated animals in a field.
 const SPECIES: usize = 4;
 /// Layers that cast shadows.
 const SHADOW_LAYERS: u32 = 3;
@@ -38,27 +39,37 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A field of animals with the fur that is chosen.
+    /// A field of animals with the fur that is chosen: of the subject's species, or generated.
     pub fn new(
         gpu: &Gpu,
         format: casca_stage::wgpu::TextureFormat,
         choices: &Choices,
+        subject: &Subject,
         count: u32,
         walks: bool,
     ) -> Result<Self, Box<dyn Error>> {
-        // One fur for all species: animals are about a unit long.
-        let radius = Animal::new(choices.seed, 24)?.radius();
+        // One fur for all species: generated animals are about a unit long.
+        let radius = match &subject.species {
+            Some(species) => species.radius(),
+            None => Animal::new(choices.seed, 24)?.radius(),
+        };
         let look = choices.look(radius)?;
-        let (count, seed) = (count as usize, choices.seed);
-        let field = match walks {
-            true => Field::herd(count, SPECIES, seed, Hiding::Walls, Forces::default(), |_| Ok(look.fur))?,
-            false => Field::new(count, SPECIES, seed, Hiding::Balls, |_| Ok(look.fur))?,
+        let (count, seed, forces) = (count as usize, choices.seed, Forces::default());
+        let own = subject.species.as_ref().map(|species| vec![(Species::clone(species), look.fur)]);
+        let field = match (own, walks) {
+            (Some(own), true) => Field::herd_of_species(count, own, seed, Hiding::Walls, forces)?,
+            (Some(own), false) => Field::of_species(count, own, seed, Hiding::Balls)?,
+            (None, true) => Field::herd(count, SPECIES, seed, Hiding::Walls, forces, |_| Ok(look.fur))?,
+            (None, false) => Field::new(count, SPECIES, seed, Hiding::Balls, |_| Ok(look.fur))?,
         };
         let herd = Herd::new(field)?;
         let mut renderer = Renderer::new(gpu, format, &herd.meshes(), &look)?;
         renderer.haze = 0.012;
         if walks {
             herd.weights().enumerate().try_for_each(|(i, weights)| renderer.set_weights(gpu, i, weights))?;
+        }
+        for (meshes, images) in herd.images() {
+            renderer.set_images(gpu, &meshes, images)?;
         }
         Ok(Self { herd, renderer })
     }
@@ -86,9 +97,14 @@ fn place(i: usize, n: usize) -> f32 {
 
 /// Draws pictures along the path, and compares those of everything with those of what the frustum
 /// and casca leave: they must be the same.
-pub fn pictures(gpu: &Gpu, choices: &Choices, count: u32) -> Result<Outcome, Box<dyn Error>> {
+pub fn pictures(
+    gpu: &Gpu,
+    choices: &Choices,
+    subject: &Subject,
+    count: u32,
+) -> Result<Outcome, Box<dyn Error>> {
     let shooter = Shooter::new(gpu, choices.common.drawing.size, choices.smooth);
-    let mut stage = Stage::new(gpu, COLOUR, choices, count, choices.walk)?;
+    let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, choices.walk)?;
     let frames = choices.common.drawing.frames.unwrap_or(2) as usize;
     let mut outcome = Outcome::Well;
     for i in 0..frames {
@@ -179,7 +195,7 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<d
     // Standing, and walking.
     let fields = choices.animals.iter().flat_map(|&count| [false, true].map(|walks| (count, walks)));
     for (count, walks) in fields.filter(|(_, walks)| choices.walk || !walks) {
-        let mut stage = Stage::new(gpu, COLOUR, choices, count, walks)?;
+        let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, walks)?;
         let mut seconds = 0.0;
         let mut totals = [[0.0f64; 3]; Way::EVERY.len()];
         for i in 0..places {

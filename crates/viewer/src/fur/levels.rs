@@ -93,4 +93,24 @@ mod tests {
         assert!((sizes[1] - 90.27).abs() < 0.1 && (sizes[2] - 45.1).abs() < 0.1, "{sizes:?}");
         assert!(sizes[0] >= 1e4, "the finest is used however near");
     }
+
+    #[test]
+    fn the_level_that_is_drawn_follows_the_distance_and_the_size_of_the_picture() {
+        let choices: Choices = crate::common::parsed(&[]).unwrap();
+        let subject = choices.subject().unwrap();
+        let counts: Vec<u32> = subject.levels.iter().map(|mesh| mesh.vertices().len() as u32).collect();
+        let level = |distance: f32, height: u32| {
+            let eye = glam::Vec3::new(0.6, 0.0, 0.8) * distance;
+            let there = Camera::look_at(eye, glam::Vec3::ZERO, 50.0, 1.0, 0.01, 1e4);
+            one::level_at(&subject, &there, (height, height)) as usize
+        };
+        let focal = |height: u32| height as f32 * 0.5 / (25.0f32).to_radians().tan();
+        for (number, height) in [(1, 480), (2, 240), (3, 240), (3, 480)] {
+            let distance = 2.0 * subject.radius * focal(height) / used_at(number, &counts);
+            let found = [0.99, 1.01].map(|share| level(share * distance, height));
+            assert_eq!(found, [number - 1, number], "{height} pixels");
+        }
+        // Within the object, and in a picture that is smaller than the object.
+        assert_eq!((level(0.01, 4000), level(0.01, 16)), (0, 3));
+    }
 }

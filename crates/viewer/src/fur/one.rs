@@ -1,12 +1,14 @@
 //! One furry object: its picture, and its time by layers.
 
 use std::error::Error;
+use std::f32::consts::PI;
 
 use crate::fur::fit::fit;
 use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::records::Block;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::renderer::Renderer;
+use casca_fur::visibility::{level_for, pixels_of};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::command_line::say;
@@ -70,6 +72,16 @@ pub fn level_list(subject: &Subject, level: u32, layers: u32, ground: bool) -> D
     list
 }
 
+/// The level of detail for a camera and a picture of so many pixels: by [`level_for`], for the disc
+/// that the ball around the object covers.
+pub fn level_at(subject: &Subject, camera: &Camera, (width, height): (u32, u32)) -> u32 {
+    let counts: Vec<u32> = subject.levels.iter().map(|mesh| mesh.vertices().len() as u32).collect();
+    let focal = camera.projection.y_axis.y * height as f32 * 0.5;
+    let size = pixels_of(2.0 * subject.radius, camera.eye.length(), focal);
+    let covered = (0.25 * PI * size * size).min(width as f32 * height as f32);
+    level_for(covered, &counts) as u32
+}
+
 /// A renderer for the object, which can be posed if it walks.
 pub fn renderer(
     gpu: &Gpu,
@@ -103,7 +115,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
     let sun = sun(subject.radius, true);
     let frames = subject.walker.as_ref().map_or(1, |_| choices.common.drawing.frames.unwrap_or(2));
     for frame in 0..frames {
-        let mut list = level_list(subject, choices.level, choices.layers, true);
+        let mut list = level_list(subject, choices.level.unwrap_or(0), choices.layers, true);
         let name = match &subject.walker {
             None => format!("{}.png", subject.name),
             Some(walker) => {
@@ -117,7 +129,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
         write_png(&path, picture.size, &picture.pixels)?;
         say(path.display());
     }
-    let mesh = &subject.levels[(choices.level as usize).min(subject.levels.len() - 1)];
+    let mesh = &subject.levels[(choices.level.unwrap_or(0) as usize).min(subject.levels.len() - 1)];
     say(format_args!(
         "{} triangles, {} vertices, {} layers",
         mesh.triangles().len(),

@@ -35,7 +35,7 @@ impl Choices {
         }
         match (self.field, self.time) {
             (_, true) => field::time(&gpu, self, &subject)?,
-            (Some(count), false) => return field::pictures(&gpu, self, count),
+            (Some(count), false) => return field::pictures(&gpu, self, &subject, count),
             (None, false) if self.levels => levels::levels(&gpu, self, &subject)?,
             (None, false) if self.coats => one::coats(&gpu, self, &subject)?,
             (None, false) => one::pictures(&gpu, self, &subject)?,

@@ -4,11 +4,10 @@ use std::path::Path;
 
 use casca_fur::gpu::records::DrawList;
 use casca_fur::mesh::Mesh;
-use casca_fur::skin::{Clip, Ending, Pose, Skeleton, SkinBounds, Weights};
-use casca_fur::strands::Fur;
+use casca_fur::skin::{Clip, Ending, Pose, Skeleton, Weights};
 use casca_scenes::fur::CharacterRig;
 use casca_scenes::fur::animals::Rig;
-use glam::{Affine3A, Vec3};
+use glam::Affine3A;
 
 use crate::common::Failed;
 
@@ -37,18 +36,12 @@ impl Walker {
     /// # Errors
     /// The skin is refused, or the file has no animation that moves a joint.
     pub fn of_file(path: &Path, rig: &CharacterRig, mesh: &Mesh) -> Result<Self, Failed> {
-        let refused = |e: casca_fur::Error| format!("{}: {e}", path.display());
         let Some((_, clip)) = rig.clips.first() else {
             return Err(format!("{}: has no animation that moves a joint", path.display()).into());
         };
         let (skeleton, weights) = (rig.skeleton.clone(), rig.weights.clone());
-        // As large as at rest, around the origin, whatever the units of the skeleton are.
-        let bald = Fur { height: 0.0, ..Fur::for_radius(1.0, 0.0, 0.1).map_err(refused)? };
-        let posed = SkinBounds::new(mesh, &weights[0]).map_err(refused)?.posed(&Pose::rest(&skeleton), &bald);
-        let size = |lo: Vec3, hi: Vec3| (hi - lo).length().max(f32::MIN_POSITIVE);
-        let scale = size(mesh.aabb().min, mesh.aabb().max) / size(posed.min, posed.max);
-        let place = Affine3A::from_scale(Vec3::splat(scale)) * Affine3A::from_translation(-posed.center());
-        let low = -0.5 * scale * (posed.max.y - posed.min.y);
+        let placed = rig.place_at_rest(mesh);
+        let (place, low) = placed.map_err(|e| format!("{}: {e}", path.display()))?;
         Ok(Self { skeleton, weights, clip: clip.clone(), place, low })
     }
 

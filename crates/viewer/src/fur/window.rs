@@ -42,6 +42,7 @@ const BUDGET: &str = "budget";
 /// The window.
 pub fn start(choices: Choices, subject: Subject) -> Start {
     let title = match choices.field {
+        Some(count) if subject.species.is_some() => format!("{count} of {} - casca fur", subject.name),
         Some(count) => format!("{count} animals - casca fur"),
         None => format!("{} - casca fur", subject.name),
     };
@@ -51,7 +52,7 @@ pub fn start(choices: Choices, subject: Subject) -> Start {
 /// What is shown.
 enum Shown {
     One(Subject, Box<Renderer>),
-    Many(Box<Stage>),
+    Many(Subject, Box<Stage>),
 }
 
 struct Viewer {
@@ -63,6 +64,8 @@ struct Viewer {
     walking: bool,
     time: f64,
     help: bool,
+    /// The level of detail that was drawn last, of one object.
+    level: u32,
     /// Draws at twice the size.
     smooth: bool,
     large: Option<(Target, TextureBlitter)>,
@@ -77,9 +80,9 @@ impl Viewer {
         let (gpu, format) = (&screen.gpu, screen.format());
         let (shown, camera) = match choices.field {
             Some(count) => {
-                let stage = Stage::new(gpu, format, &choices, count, choices.walk)?;
+                let stage = Stage::new(gpu, format, &choices, &subject, count, choices.walk)?;
                 let camera = camera_at(&stage.herd.field, 0.3, screen.aspect());
-                (Shown::Many(Box::new(stage)), camera)
+                (Shown::Many(subject, Box::new(stage)), camera)
             }
             None => {
                 let renderer = one::renderer(gpu, format, &choices, &subject)?;
@@ -96,6 +99,7 @@ impl Viewer {
             choices,
             shown,
             time: 0.0,
+            level: 0,
             help: true,
             large: None,
             sun: None,
@@ -111,7 +115,7 @@ impl Viewer {
 
     fn camera(&self, aspect: f32) -> Camera {
         let r = self.radius();
-        let far = if let Shown::Many(stage) = &self.shown {
+        let far = if let Shown::Many(_, stage) = &self.shown {
             stage.herd.field.ground().max.length() * 2.0
         } else {
             40.0 * r
@@ -125,8 +129,13 @@ impl Viewer {
         let (list, counts): (DrawList, (usize, usize));
         match &mut self.shown {
             Shown::One(subject, renderer) => {
-                let (level, layers) = (self.choices.level, self.choices.layers);
-                let mut made = one::level_list(subject, level, layers, true);
+                let by_distance = || one::level_at(subject, camera, target.size());
+                let level = self.choices.level.unwrap_or_else(by_distance);
+                if level != self.level {
+                    // A level casts its own shadow.
+                    (self.level, self.sun) = (level, None);
+                }
+                let mut made = one::level_list(subject, level, self.choices.layers, true);
                 if let Some(walker) = &subject.walker {
                     walker.pose(&mut made, self.time)?;
                 }
@@ -140,7 +149,7 @@ impl Viewer {
                 let Some((sun, _)) = &self.sun else { return Ok(()) };
                 renderer.draw(gpu, target, camera, &list, sun)?;
             }
-            Shown::Many(stage) => {
+            Shown::Many(_, stage) => {
                 if self.sun.is_none_or(|(_, eye)| eye.distance(camera.eye) > 1.0) {
                     self.sun = Some((stage.cast_shadows(gpu, camera)?, camera.eye));
                 }
@@ -165,7 +174,7 @@ impl Viewer {
         let radius = match &self.shown {
             Shown::One(subject, _) => subject.radius,
             // As the field was made: bounds hold for its fur only.
-            Shown::Many(_) => return self.rebuild(gpu, old),
+            Shown::Many(..) => return self.rebuild(gpu, old),
         };
         let Ok(look) = self.choices.look(radius) else {
             self.choices = old;
@@ -180,9 +189,11 @@ impl Viewer {
 
     /// Makes the field anew: the bounds of its animals hold the fur that they have.
     fn rebuild(&mut self, gpu: &Gpu, old: Choices) -> Result<(), Box<dyn Error>> {
-        let (Shown::Many(stage), Some(count)) = (&mut self.shown, self.choices.field) else { return Ok(()) };
+        let (Shown::Many(subject, stage), Some(count)) = (&mut self.shown, self.choices.field) else {
+            return Ok(());
+        };
         let format = stage.renderer.format();
-        match Stage::new(gpu, format, &self.choices, count, self.choices.walk) {
+        match Stage::new(gpu, format, &self.choices, subject, count, self.choices.walk) {
             Ok(made) => **stage = made,
             Err(_) => self.choices = old,
         }
@@ -192,7 +203,11 @@ impl Viewer {
 
     fn line(&self) -> String {
         let (animals, shells) = self.counts;
-        format!("{:.1} ms   {animals} objects, {shells} shells", self.milliseconds)
+        let level = match &self.shown {
+            Shown::One(..) => format!(", level of detail {}", self.level),
+            Shown::Many(..) => String::new(),
+        };
+        format!("{:.1} ms   {animals} objects, {shells} shells{level}", self.milliseconds)
     }
 
     fn show_panel(&mut self, screen: &Screen, target: &Target) -> Done {
@@ -223,7 +238,7 @@ impl Viewer {
             Dial::switch(CUBE, choices.mapping == Map::Cube),
             Dial::switch(SMOOTH, self.smooth),
         ];
-        if matches!(self.shown, Shown::Many(_)) {
+        if matches!(self.shown, Shown::Many(..)) {
             dials.push(Dial::switch(WALKING, self.walking));
             let way = Way::EVERY.iter().position(|way| *way == self.way);
             dials.push(Dial::choice(CULLED, Way::EVERY.map(Way::name), way.unwrap_or(0)));
@@ -255,7 +270,7 @@ impl Viewer {
             _ => {}
         }
         let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN, CUBE].contains(&dial);
-        let waits = is_held && matches!(self.shown, Shown::Many(_));
+        let waits = is_held && matches!(self.shown, Shown::Many(..));
         if is_fur && !waits { self.change(gpu, old) } else { Ok(()) }
     }
 }
@@ -290,7 +305,7 @@ impl Demo for Viewer {
         let gpu = &screen.gpu;
         let camera = self.camera(screen.aspect());
         if self.walking {
-            if let Shown::Many(stage) = &mut self.shown {
+            if let Shown::Many(_, stage) = &mut self.shown {
                 stage.herd.walk(self.time)?;
             }
             self.sun = None;

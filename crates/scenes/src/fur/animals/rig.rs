@@ -13,6 +13,7 @@ use super::body::{Body, LEGS, Limb};
 
 /// Joints: the trunk, for each leg hip and knee, the neck, and the root and the middle of the tail.
 const JOINTS: usize = 2 * LEGS + 4;
+const TRUNK: usize = 0;
 const NECK: usize = 2 * LEGS + 1;
 const TAIL: usize = 2 * LEGS + 2;
 
@@ -32,19 +33,22 @@ const BEND: f32 = 0.7;
 const NOD: f32 = 0.08;
 const WAG: f32 = 0.25;
 
-/// The skeleton, weights and walk of an animal.
+/// The skeleton, weights and walk of an animal, generated or of a file.
 #[derive(Debug, Clone)]
 pub struct Rig {
-    /// The joints. The first is the trunk, which the walk does not move.
+    /// The joints.
     pub skeleton: Skeleton,
     /// For each level of detail the weights of its vertices.
     pub weights: Vec<Weights>,
-    /// Two steps of each leg in a second: a trot, in which legs across from each other go together.
+    /// One round of steps. That of generated animals takes a second, and is a trot: legs across
+    /// from each other go together.
     pub walk: Clip,
     /// The bounds of poses, for all levels.
     pub bounds: SkinBounds,
     /// The way of the trunk in one round of the walk, in units: feet then slide least.
     pub stride: f32,
+    /// A joint that the walk does not move, if one is known: that of the trunk.
+    pub trunk: Option<usize>,
 }
 
 impl Rig {
@@ -60,7 +64,14 @@ impl Rig {
         let long = body.legs.iter().map(|[hip, foot]| hip.distance(*foot)).sum::<f32>() / LEGS as f32;
         // From the rearmost to the foremost place and back.
         let stride = 4.0 * long * SWING.sin();
-        Ok(Self { bounds: SkinBounds::new(finest, &own)?, skeleton, weights, walk, stride })
+        Ok(Self {
+            bounds: SkinBounds::new(finest, &own)?,
+            skeleton,
+            weights,
+            walk,
+            stride,
+            trunk: Some(TRUNK),
+        })
     }
 }
 

@@ -4,10 +4,9 @@
 
 use casca::soft::SoftGrid;
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
-use casca_fur::mesh::Mesh;
+use casca_fur::mesh::{Image, Mesh};
 use casca_fur::skin::Weights;
 use casca_fur::visibility::{Furry, PlanOptions, plan};
-use casca_scenes::fur::animals::LEVELS;
 use casca_scenes::fur::field::{Field, Hiding, Kind};
 use casca_scenes::world::Camera;
 use glam::Vec3;
@@ -57,6 +56,8 @@ impl Way {
 pub struct Herd {
     /// The field.
     pub field: Field,
+    /// By species, the number of its finest mesh.
+    firsts: Vec<usize>,
     soft: SoftGrid,
     query: Query,
     items: Vec<DrawItem>,
@@ -119,13 +120,15 @@ impl Herd {
             // Tips are bleached.
             [0.85, 1.55].map(|share| [light * share * (0.95 + 0.1 * b), light * share, light * share])
         };
+        let sizes = field.species().iter().map(|(kind, _)| kind.levels().len());
+        let firsts = sizes.scan(0, |next, size| Some(std::mem::replace(next, *next + size))).collect();
         let tints = (0..field.animals().len()).map(tint).collect();
-        Ok(Self { field, soft, query: Query::new(), items: Vec::new(), tints })
+        Ok(Self { field, firsts, soft, query: Query::new(), items: Vec::new(), tints })
     }
 
     /// The meshes of all species and levels of detail, as [`Stand::mesh`] numbers them.
     pub fn meshes(&self) -> Vec<Mesh> {
-        self.field.species().iter().flat_map(|(animal, _)| animal.levels().iter().cloned()).collect()
+        self.field.species().iter().flat_map(|(kind, _)| kind.levels().iter().cloned()).collect()
     }
 
     /// Moves the animals to where they are at a time in seconds.
@@ -170,19 +173,30 @@ impl Herd {
     }
 
     fn is_near(&self, animal: usize, center: Vec3, reach: f32) -> bool {
-        Vec3::from(self.field.animals()[animal].placement.translation).distance(center) <= reach
+        // Where the space of the mesh has its origin says nothing of posed meshes of files.
+        let bounds = self.field.scene.bounds(self.field.animals()[animal].id);
+        bounds.is_ok_and(|bounds| bounds.aabb().center().distance(center) <= reach)
     }
 
-    /// The weights of all meshes, in the order of [`Herd::meshes`].
+    /// The weights of all meshes, in the order of [`Herd::meshes`], where all species can walk.
     pub fn weights(&self) -> impl Iterator<Item = &Weights> {
-        self.field.species().iter().flat_map(|(animal, _)| &animal.rig().weights)
+        self.field.species().iter().filter_map(|(kind, _)| kind.rig()).flat_map(|rig| &rig.weights)
+    }
+
+    /// The images of each species that has some, and the numbers of its meshes.
+    pub fn images(&self) -> impl Iterator<Item = (Vec<usize>, &[Image])> {
+        let species = self.field.species().iter().zip(&self.firsts);
+        species.filter(|((kind, _), _)| !kind.images().is_empty()).map(|((kind, _), &first)| {
+            let meshes = first..first + kind.levels().len();
+            (meshes.collect(), kind.images())
+        })
     }
 
     /// Where an animal stands, with a level of detail.
     fn stand(&self, animal: usize, level: usize) -> Stand {
         let resident = &self.field.animals()[animal];
         let [root, tip] = self.tints[animal];
-        Stand { mesh: resident.species * LEVELS + level, place: resident.placement, root, tip }
+        Stand { mesh: self.firsts[resident.species] + level, place: resident.placement, root, tip }
     }
 
     /// What a camera draws, near to far.
@@ -242,12 +256,12 @@ impl Herd {
         demand: &Demand,
     ) -> Result<(Vec<Chosen>, f64), FurGpuError> {
         // Where the finest meshes hide others, coarser ones would leave gaps.
-        let levels = if self.field.hiding() == Hiding::Meshes { 1 } else { LEVELS };
+        let most = if self.field.hiding() == Hiding::Meshes { 1 } else { usize::MAX };
         let vertices: Vec<Vec<u32>> = self
             .field
             .species()
             .iter()
-            .map(|(animal, _)| animal.levels()[..levels].iter().map(|m| m.vertices().len() as u32).collect())
+            .map(|(kind, _)| kind.levels().iter().take(most).map(|m| m.vertices().len() as u32).collect())
             .collect();
         let number = |id| match self.field.kind(id) {
             Some(Kind::Animal(animal)) => Some(animal),

@@ -4,6 +4,9 @@ use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::strands::{Forces, Fur};
 use casca_scenes::fur::field::{Field, Hiding};
+use casca_scenes::fur::sample::character_glb;
+use casca_scenes::fur::{Character, Masks, Species};
+use casca_scenes::import::read_coated;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use glam::Vec3;
@@ -66,17 +69,30 @@ struct Walkers {
 }
 
 impl Walkers {
-    fn new(count: usize, seed: u64) -> Option<Self> {
+    /// A herd of generated animals, or of the character of a file.
+    fn new(count: usize, seed: u64, own: Option<(Species, Fur)>) -> Option<Self> {
         let Ok(gpu) = Gpu::headless(false) else {
             println!("skipped: no adapter");
             return None;
         };
-        let fur = Fur { spacing: 0.02, ..Fur::for_radius(0.6, 0.1, 0.4).unwrap() };
-        let field = Field::herd(count, 1, seed, Hiding::Balls, Forces::default(), |_| Ok(fur)).unwrap();
+        let forces = Forces::default();
+        let (field, fur) = match own {
+            Some((species, fur)) => {
+                let own = vec![(species, fur)];
+                (Field::herd_of_species(count, own, seed, Hiding::Walls, forces).unwrap(), fur)
+            }
+            None => {
+                let fur = Fur { spacing: 0.02, ..Fur::for_radius(0.6, 0.1, 0.4).unwrap() };
+                (Field::herd(count, 1, seed, Hiding::Balls, forces, |_| Ok(fur)).unwrap(), fur)
+            }
+        };
         let herd = Herd::new(field).unwrap();
         let mut renderer = Renderer::new(&gpu, COLOUR, &herd.meshes(), &Look::new(fur)).unwrap();
         for (i, weights) in herd.weights().enumerate() {
             renderer.set_weights(&gpu, i, weights).unwrap();
+        }
+        for (meshes, images) in herd.images() {
+            renderer.set_images(&gpu, &meshes, images).unwrap();
         }
         let canvas = Canvas::new(&gpu, (96, 64));
         Some(Self { herd, renderer, gpu, canvas })
@@ -97,7 +113,33 @@ impl Walkers {
 
 #[test]
 fn a_walking_herd_looks_the_same_when_it_is_culled() {
-    let Some(mut walkers) = Walkers::new(24, 5) else { return };
+    let Some(walkers) = Walkers::new(24, 5, None) else { return };
+    looks_the_same_when_it_is_culled(walkers);
+}
+
+#[test]
+fn a_walking_herd_of_a_file_looks_the_same_when_it_is_culled() {
+    let file = character_glb(12, 40).unwrap();
+    let character = Character::new(&read_coated(&file, None).unwrap(), &Masks::default(), 3).unwrap();
+    let species = Species::of_character(&character).unwrap();
+    assert_eq!((species.levels().len(), species.images().len()), (3, 1));
+    let radius = species.radius();
+    let fur = Fur { spacing: 0.03 * radius, ..Fur::for_radius(radius, 0.1, 0.4).unwrap() };
+    let Some(mut walkers) = Walkers::new(24, 5, Some((species, fur))) else { return };
+    // All of its levels of detail are drawn.
+    let mut levels = [0; 3];
+    for place in 0..5 {
+        let camera = camera_at(&walkers.herd.field, 0.2 * place as f32, 1.5);
+        let demand = Demand { way: Way::Levels, layers: 4, budget: 0.5, height: 160 };
+        walkers.herd.look(&camera, &demand).unwrap();
+        let (planned, _) = walkers.herd.planned(&walkers.herd.items, &camera, &demand).unwrap();
+        planned.iter().for_each(|(_, level, _)| levels[*level] += 1);
+    }
+    assert!(levels.iter().all(|count| *count > 0), "{levels:?}");
+    looks_the_same_when_it_is_culled(walkers);
+}
+
+fn looks_the_same_when_it_is_culled(mut walkers: Walkers) {
     let (mut saved, mut changed) = (0, 0);
     let mut last = Vec::new();
     for frame in 0..6 {
