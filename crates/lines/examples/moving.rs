@@ -1,7 +1,9 @@
-//! How much of a set is put into place anew when a hundredth of its lines moves: cells, values of
+//! How much of a set is put into place anew when a share of its lines moves: cells, values of
 //! places, and the time of the update and of the next frame, beside making everything anew.
 //!
-//! `cargo run --release -p casca-lines --features gpu --example moving -- [--software]`
+//! `cargo run --release -p casca-lines --features gpu --example moving -- [--software] [percents...]`
+//!
+//! Without percents a hundredth moves. Beyond `numeric::MOST_MOVED` all is made anew.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -20,8 +22,6 @@ use casca_stage::timing::Clock;
 
 /// Pixels of a frame.
 const SIZE: [u32; 2] = [240, 180];
-/// The share of the lines that moves: one of so many.
-const ONE_OF: usize = 100;
 /// The radius of the occlusion and the way that lines move, as shares of the extent.
 const RADIUS: f32 = 0.13;
 const WAY: f32 = 0.01;
@@ -31,24 +31,26 @@ const ROUNDS: usize = 3;
 /// Which lines move.
 #[derive(Clone, Copy, Debug)]
 enum Which {
-    /// Every hundredth.
+    /// Evenly spread over the numbers of the lines.
     Spread,
     /// Those whose middle vertices are nearest to that of the first line.
     Together,
 }
 
 /// The numbers of the lines that move, ascending.
-fn chosen(set: &LineSet, which: Which) -> Vec<usize> {
+fn chosen(set: &LineSet, which: Which, percent: f64) -> Vec<usize> {
+    let share = percent / 100.0;
     let middles: Vec<Vec3> = set.iter().map(|l| l.get(l.len() / 2).copied().unwrap_or_default()).collect();
     let mut order: Vec<usize> = (0..set.len()).collect();
     match which {
-        Which::Spread => order.retain(|i| i % ONE_OF == 0),
+        // One each time that the sum of the shares passes a whole number.
+        Which::Spread => order.retain(|&i| (i as f64 * share).floor() != ((i + 1) as f64 * share).floor()),
         Which::Together => {
             order.sort_by(|a, b| {
                 let far = |i: &usize| middles[*i].distance(middles[0]);
                 far(a).total_cmp(&far(b))
             });
-            order.truncate(set.len().div_ceil(ONE_OF));
+            order.truncate((set.len() as f64 * share) as usize);
             order.sort_unstable();
         }
     }
@@ -69,7 +71,12 @@ fn frame(
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let gpu = Gpu::headless(std::env::args().any(|word| word == "--software"))?;
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let gpu = Gpu::headless(words.iter().any(|word| word == "--software"))?;
+    let mut percents: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
+    if percents.is_empty() {
+        percents.push(1.0);
+    }
     println!("{}, {} x {} pixels\n", gpu.name, SIZE[0], SIZE[1]);
     println!(
         "| set | moved | segments | cells changed | values anew | update, its frame (ms) | all anew, its frame (ms) |"
@@ -83,8 +90,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let [near, far] = view.depths();
         let settings = Settings::of_places(RADIUS * extent, view.pixel_size((near + far) / 2.0) as f32 / 2.0);
         let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
-        for which in [Which::Spread, Which::Together] {
-            let lines = chosen(&set, which);
+        let ways = percents.iter().flat_map(|&p| [(Which::Spread, p), (Which::Together, p)]);
+        for (which, percent) in ways {
+            let lines = chosen(&set, which, percent);
             let mut moving = MovingLines::new(&gpu, set.clone(), &settings)?;
             let mut least = [Duration::MAX; 4];
             let mut row = String::new();
@@ -109,12 +117,18 @@ fn main() -> Result<(), Box<dyn Error>> {
                 for (least, now) in least.iter_mut().zip([update, its_frame, made, whole_frame]) {
                     *least = now.min(*least);
                 }
-                let cells = if found.new_cells { "all".to_string() } else { found.cells.to_string() };
+                let cells = if found.new_lines {
+                    "all, and all values".to_string()
+                } else if found.new_cells {
+                    "all".to_string()
+                } else {
+                    found.cells.to_string()
+                };
                 row = format!("{} | {cells} | {anew} of {all}", found.segments);
             }
             let [a, b, c, d] = least.map(|time| time.as_secs_f64() * 1e3);
             println!(
-                "| {}, {} lines | {which:?} | {row} | {a:.1}, {b:.1} | {c:.1}, {d:.1} |",
+                "| {}, {} lines | {percent}%, {which:?} | {row} | {a:.1}, {b:.1} | {c:.1}, {d:.1} |",
                 family.name(),
                 set.len()
             );

@@ -5,7 +5,7 @@ use std::time::Instant;
 use casca_lines::buffers::{Fragment, LineBuffer};
 use casca_lines::cells::Cells;
 use casca_lines::glam::Vec3;
-use casca_lines::numeric::{MARGIN_IN_TUBES, USUAL_RAYS, USUAL_SIDE_RAYS};
+use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
 use casca_lines::occlusion::{AoOptions, Occlusion, Sides};
 use casca_lines::samples::SampleSets;
 use casca_lines::slabs::{SlabGrid, Slices, SpanRule};
@@ -82,19 +82,25 @@ impl Method {
             }
             Way::Thesis => columns(1, Slices::S128, AoOptions::thesis(radius)),
             Way::Columns => columns(2, Slices::S256, AoOptions::new(radius, tube)),
-            Way::Places => Prepared::Places(
-                case,
-                Box::new(Cells::new(&case.lines, tube * MARGIN_IN_TUBES)),
-                *view,
-                SampleSets::spirals(USUAL_SIDE_RAYS, SETS, 1).expect("sets"),
-                AoOptions::places(radius, tube),
-            ),
-            Way::Rays(rays) => Prepared::Rays(
-                Box::new(Cells::new(&case.lines, tube * MARGIN_IN_TUBES)),
-                *view,
-                SampleSets::spirals(rays, SETS, 1).expect("sets"),
-                AoOptions::rays(radius, tube),
-            ),
+            Way::Places => {
+                let options = AoOptions::places(radius, tube);
+                Prepared::Places(
+                    case,
+                    Box::new(Cells::new(&case.lines, options.margin())),
+                    *view,
+                    SampleSets::spirals(USUAL_SIDE_RAYS, SETS, 1).expect("sets"),
+                    options,
+                )
+            }
+            Way::Rays(rays) => {
+                let options = AoOptions::rays(radius, tube);
+                Prepared::Rays(
+                    Box::new(Cells::new(&case.lines, options.margin())),
+                    *view,
+                    SampleSets::spirals(rays, SETS, 1).expect("sets"),
+                    options,
+                )
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::gpu::antialiasing::Antialiasing;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::Reach;
-use crate::numeric::{MARGIN_IN_TUBES, USUAL_RAYS, USUAL_SIDE_RAYS};
+use crate::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
 use crate::occlusion::{AoOptions, BasePlane, Estimator, SetChoice};
 use crate::slabs::Slices;
 use crate::view::View;
@@ -76,12 +76,7 @@ impl Settings {
 
     /// The margin of the cells of lines that suits the tubes that rays meet; 0 without rays.
     pub fn margin(&self) -> f32 {
-        match self.ao.estimator {
-            Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } => {
-                line_radius * MARGIN_IN_TUBES
-            }
-            _ => 0.0,
-        }
+        self.ao.margin()
     }
 
     /// The view of the columns of a view.

@@ -1,6 +1,6 @@
 //! What an estimate is told.
 
-use crate::numeric::PLACE_STEP;
+use crate::numeric::{MARGIN_IN_RADII, MARGIN_IN_TUBES, MOST_MARGIN_IN_TUBES, PLACE_STEP};
 
 /// How the counts of the columns become an occlusion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,6 +152,18 @@ impl AoOptions {
     pub fn thesis(radius: f32) -> Self {
         let estimator = Estimator::MeanOfRatios { factor: 4.0 };
         Self { estimator, choice: SetChoice::Screen, ..Self::new(radius, 0.0) }
+    }
+
+    /// The margin of the cells that suits rays, in units of the scene: a share of the radius within
+    /// bounds in tubes. 0 without rays.
+    pub fn margin(&self) -> f32 {
+        match self.estimator {
+            Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } => (self.radius
+                * MARGIN_IN_RADII)
+                .max(line_radius * MARGIN_IN_TUBES)
+                .min(line_radius * MOST_MARGIN_IN_TUBES),
+            _ => 0.0,
+        }
     }
 
     /// Whether all values are in their ranges.

@@ -89,13 +89,17 @@ fn lines_that_leave_the_grid_keep_values_and_others_are_made_anew_with_their_col
         all.fold(start, |[min, max], b| [min.min(b[0]), max.max(b[1])])
     };
     assert_eq!(bounds(&moving), moving.set().bounds());
-    // A line of three times the length, half of all lines, and other lines.
+    // A line of three times the length, back, many lines, and other lines.
     let grown =
         |(i, l): (usize, &[Vec3])| l.iter().map(|p| *p * if i == 7 { 3.0 } else { 1.0 }).collect::<Vec<_>>();
     let (found, anew, all, is_red) =
         update(&mut moving, LineSet::new(set.iter().enumerate().map(grown)).unwrap());
     assert!(found.new_lines && anew == all && is_red, "{found:?}");
-    assert!(update(&mut moving, shifted(&set, 2, Vec3::Y * 0.1)).0.new_lines);
+    assert!(update(&mut moving, set.clone()).0.new_lines);
+    // Eight lines of 60, and five.
+    assert!(update(&mut moving, shifted(&set, 8, Vec3::Y * 0.1)).0.new_lines);
+    let few = shifted(moving.set(), 12, Vec3::Y * 0.1);
+    assert!(!update(&mut moving, few).0.new_lines);
     let (found, _, _, is_red) =
         update(&mut moving, LineSet::new(set.iter().take(40).map(<[Vec3]>::to_vec)).unwrap());
     assert!(found.new_lines && !is_red, "{found:?}");

@@ -234,6 +234,31 @@ fn few_wide_rays_have_little_noise_in_a_bundle_and_thin_ones_more() {
 }
 
 #[test]
+fn margins_of_cells_keep_the_rays_of_thin_tubes_wide_within_bounds() {
+    let margin = |tube: f32| AoOptions::rays(2.0, tube).margin();
+    // Three tubes, a twentieth of the radius, nine tubes.
+    for (tube, wanted) in [(0.04, 0.12), (0.02, 0.1), (0.001, 0.009), (0.0, 0.0)] {
+        assert!((margin(tube) - wanted).abs() < 1e-6, "{tube}: {}", margin(tube));
+        assert_eq!(AoOptions::places(2.0, tube).margin(), margin(tube));
+        assert_eq!(AoOptions::new(2.0, tube).margin(), 0.0);
+    }
+    // The tubes of a picture of six times the size.
+    let (lines, view, tube) = bundle();
+    let (tube, buffer) = (tube / 6.0, LineBuffer::new(&lines, &view));
+    let samples = [2000, USUAL_RAYS].map(|rays| SampleSets::spirals(rays, 1, 1).unwrap());
+    let options = AoOptions::rays(0.26, tube);
+    let values = |samples: &SampleSets, margin: f32| -> Vec<f32> {
+        let cells = Cells::new(&lines, margin);
+        let occlusion = Occlusion::by_rays(&cells, &view, samples, options).unwrap();
+        buffer.fragments().iter().flatten().step_by(7).map(|f| occlusion.at(f, 0)).collect()
+    };
+    let truth = values(&samples[0], tube);
+    let [usual, narrow] =
+        [options.margin(), tube * MARGIN_IN_TUBES].map(|m| rmse(&values(&samples[1], m), &truth));
+    assert!(usual < 0.75 * narrow, "{usual} {narrow}");
+}
+
+#[test]
 fn a_moved_or_slightly_turned_picture_hardly_changes_the_occlusion() {
     let (lines, view, tube) = bundle();
     let cells = Cells::new(&lines, tube * MARGIN_IN_TUBES);
