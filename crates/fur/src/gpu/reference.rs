@@ -229,7 +229,7 @@ struct Fragment {
     normal: Vec3,
     /// Above the skin, as a share of the greatest height.
     height: f32,
-    /// Of the coat there, as a share of the same.
+    /// The length of the coat there, as a share of the same.
     length: f32,
     to_sun: Vec3,
     /// The factor by height.

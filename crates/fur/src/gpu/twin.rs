@@ -35,7 +35,7 @@ fn look_up(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
-/// What the shader gives for each point: strand and hash, lobes, extrusion, the sun's share.
+/// The shader's values for each point: strand and hash, lobes, extrusion, the sun's share.
 fn look_up(gpu: &Gpu, look: &Look, points: &[[Vec4; 3]]) -> Vec<[[u32; 4]; 3]> {
     let flat: Vec<f32> = points.iter().flatten().flat_map(|v| v.to_array()).collect();
     let record = look.record();

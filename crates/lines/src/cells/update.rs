@@ -70,7 +70,7 @@ impl Cells {
             self.for_cells(new, |cell| edits.push((cell, number, true)));
         }
         edits.sort_unstable();
-        // What a cell named and goes on to name.
+        // A cell that goes on to name a segment does not change.
         let mut kept: Vec<Edit> = Vec::with_capacity(edits.len());
         for edit in edits {
             match kept.last() {

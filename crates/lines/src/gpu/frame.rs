@@ -32,7 +32,7 @@ pub(super) struct Frame {
     kind: Kind,
     pub(super) bits: Buffer,
     pub(super) lengths: Buffer,
-    /// Of each sample, as are the next two: of each pixel without antialiasing.
+    /// One for each sample, as in the next two: for each pixel without antialiasing.
     pub(super) nearest: Buffer,
     pub(super) owners: Buffer,
     pub(super) surfaces: Surfaces,
@@ -49,7 +49,7 @@ pub(super) struct Frame {
     pub(super) colours: Option<Buffer>,
 }
 
-/// What the sizes of the buffers depend on.
+/// The settings and the view by which buffers are sized.
 #[derive(PartialEq)]
 struct Kind {
     size: [u32; 2],

@@ -54,7 +54,7 @@ impl GpuCells {
         write_ranges(gpu, &self.ends, &ranges, &rows)
     }
 
-    /// What the passes of rays bind.
+    /// The buffers that passes of rays bind.
     pub(super) fn bound(&self) -> [Bound<'_>; 4] {
         [(19, &self.grid), (20, &self.starts), (21, &self.lists), (22, &self.ends)]
     }

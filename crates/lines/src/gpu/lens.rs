@@ -32,7 +32,7 @@ pub(super) struct GpuLens {
 }
 
 impl GpuLens {
-    /// Of lines whose half is so thick, in pixels.
+    /// The same for lines whose half is so thick, in pixels.
     pub(super) fn new(view: &View, slices: Slices, thick: f32) -> Self {
         let turn = view.eye_from_world().matrix3;
         let origin = view.eye_from_world().inverse().translation;

@@ -1,6 +1,6 @@
 //! Lines on a device of which some move from frame to frame.
 //!
-//! What moved is found by comparing vertices, so that nobody can forget to name a line. Cells
+//! Moved lines are found by comparing vertices, so that nobody can forget to name one. Cells
 //! change where moved lines were and are. Values of places stay, but for those of the moved lines
 //! and those of which a ray meets a moved line, where it was or where it is: a pass of the next
 //! frame sends the rays of all known values through cells that hold nothing else.

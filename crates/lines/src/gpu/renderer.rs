@@ -130,8 +130,8 @@ impl Renderer {
     ///
     /// # Errors
     /// If the device has no room or is lost, a bundle is not there, rays are to meet tubes thicker
-    /// than the margin of the cells, or a depth of the view is more than [`FARTHEST`] times the
-    /// range of its depths away.
+    /// than the margin of the cells, or a depth of the view is more than
+    /// [`FARTHEST`](crate::gpu::numeric::FARTHEST) times the range of its depths away.
     pub fn update(
         &mut self,
         gpu: &Gpu,

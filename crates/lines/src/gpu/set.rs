@@ -60,7 +60,7 @@ pub struct GpuLines {
     vertex_count: usize,
 }
 
-/// What the processor knows of lines on a device.
+/// The data of lines on a device that the processor keeps.
 pub(super) struct Host {
     pub(super) cells: Cells,
     pub(super) places: Option<Places>,

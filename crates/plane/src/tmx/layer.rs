@@ -21,7 +21,7 @@ const CORNERS_FOR_ALL: u64 = 1 << 20;
 /// 10,000,000 tiles.
 const CORNERS_FOR_A_BYTE: u64 = 2;
 
-/// What all layers of a map share.
+/// The data that all layers of a map share.
 pub(super) struct Stock {
     drawn: DrawnTiles,
     /// Tiles and corners that may still be kept.

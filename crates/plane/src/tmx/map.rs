@@ -1,4 +1,4 @@
-//! What is read of a map.
+//! A map, as it is read.
 
 use glam::{IVec2, Vec2};
 

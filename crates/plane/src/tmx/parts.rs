@@ -27,7 +27,7 @@ impl Part {
     }
 }
 
-/// What the map says of all layers.
+/// The attributes of the map that hold for all layers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     pub size: (u32, u32),

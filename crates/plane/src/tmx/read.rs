@@ -174,7 +174,7 @@ impl TmxImport {
         })
     }
 
-    /// What decides on the roles of the objects of a layer.
+    /// The rules for the roles of the objects of a layer.
     fn roles(&self, layer: &str) -> Roles<'_> {
         Roles { names: self.names(), walls: layer == self.layer }
     }

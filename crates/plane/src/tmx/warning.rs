@@ -1,11 +1,11 @@
-//! What may be amiss with a map that is read all the same.
+//! Faults of a map that is read all the same.
 
 use std::fmt;
 use std::sync::Arc;
 
 use super::objects::TmxFault;
 
-/// What was passed over in a map, so that it blocks no sight, or is amiss with an object.
+/// A part of a map that was passed over, so that it blocks no sight, or a fault of an object.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum TmxWarning {
@@ -48,7 +48,7 @@ pub enum TmxWarning {
         tile: u32,
         /// The number of the object on the tile; 0 if the file gives none.
         id: u32,
-        /// What is amiss.
+        /// The fault.
         fault: TmxFault,
     },
     /// Tiles before these brought more shapes than are kept: see
@@ -65,7 +65,7 @@ pub enum TmxWarning {
         id: u32,
         /// The name of its layer.
         layer: Arc<str>,
-        /// What is amiss.
+        /// The fault.
         fault: TmxFault,
     },
 }

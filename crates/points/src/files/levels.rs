@@ -21,7 +21,7 @@ pub enum Levels {
 /// The part of a file that is read.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Selection {
-    /// Of COPC and EPT files.
+    /// The levels of COPC and EPT files.
     pub levels: Levels,
     /// The low and the high corner of a box: only points in it, or on its sides, are read. COPC and
     /// EPT files are read only where their nodes meet it.
@@ -48,7 +48,7 @@ pub(super) struct Key {
 impl Key {
     pub const ROOT: Self = Self { level: 0, place: [0; 3] };
 
-    /// Of a level, x, y and z, if there is such a node.
+    /// The node of a level, x, y and z, if there is one.
     pub fn new(numbers: [i64; 4]) -> Option<Self> {
         let level = u32::try_from(numbers[0]).ok().filter(|&level| level <= FINEST)?;
         let inside = |i: i64| u32::try_from(i).ok().filter(|i| u64::from(*i) < 1 << level);

@@ -1,4 +1,4 @@
-//! What LAS, LAZ and COPC files share: how points are decoded, and records of points.
+//! Records of points, and how they are decoded: shared by LAS, LAZ and COPC files.
 
 use glam::DVec3;
 use las::{Header, PointData, PointDataBuilder};

@@ -83,7 +83,7 @@ impl Sample {
 /// Collects points and hands out full chunks.
 pub(super) struct Sink<'a, E> {
     pub name: String,
-    /// What is wanted of the file.
+    /// The part of the file that is wanted.
     pub wanted: Selection,
     pub most: usize,
     pub chunk: PointCloud,

@@ -11,7 +11,7 @@ const STEPS: u32 = 48;
 /// animal on.
 const LEAST_STRIDE: f32 = 0.1;
 
-/// What is so near to the lowest place, in units, may be a foot on the ground: legs turn as they
+/// A vertex so near to the lowest place, in units, may be on the ground: legs turn as they
 /// push, and lift it.
 const NEAR_GROUND: f32 = 0.06;
 

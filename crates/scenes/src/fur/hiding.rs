@@ -1,4 +1,4 @@
-//! What hides others in a field besides walls.
+//! Occluders of a field besides walls.
 
 use casca::Occluder;
 use casca_fur::Error;
@@ -7,7 +7,7 @@ use casca_fur::visibility::{base_occluder, carried_ball, inner_ball};
 
 use crate::fur::species::Species;
 
-/// What hides others besides walls.
+/// The occluders of a field besides walls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Hiding {
     /// Walls only.
@@ -22,7 +22,7 @@ pub enum Hiding {
     Meshes,
 }
 
-/// What hides others, in the space of meshes at rest or, if it walks, of posed meshes.
+/// The occluder of a species, in the space of meshes at rest or, if it walks, of posed meshes.
 pub(super) fn occluder(kind: &Species, hiding: Hiding, walks: bool) -> Result<Option<Occluder>, Error> {
     let levels = kind.levels();
     // One could look through the holes of an open mesh.

@@ -134,7 +134,7 @@ fn middle_of(place: u32) -> vec3f {
     return a.xyz + (b.xyz - a.xyz) * share;
 }
 
-// What the rays of a value have in common, and the set of their directions.
+// The data that all rays of a value share, and the set of their directions.
 struct Side {
     ray: Ray,
     along: vec3f,

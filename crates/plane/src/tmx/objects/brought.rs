@@ -1,4 +1,4 @@
-//! What tiles bring to the places of layers on which they stand.
+//! The shapes that tiles bring to the places of layers on which they stand.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -92,7 +92,7 @@ impl DrawnTiles {
         Self { space, known: HashMap::new() }
     }
 
-    /// What a tile brings. What is amiss with its objects is told once for each.
+    /// The shapes that a tile brings. Faults of its objects are told once for each.
     pub fn at(&mut self, tile: Standing<'_>, templates: &mut Templates<'_>, tell: Tell<'_>) -> Rc<Brought> {
         let Standing { set, number, id, roles } = tile;
         let known = self.known.entry((Rc::as_ptr(set), number)).or_insert_with(|| {

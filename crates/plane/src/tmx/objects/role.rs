@@ -7,7 +7,7 @@ use super::properties::TmxValue;
 use crate::editor::Role;
 use crate::tmx::tileset::Opaque;
 
-/// What decides on the roles of the objects of a layer.
+/// The rules for the roles of the objects of a layer.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::tmx) struct Roles<'l> {
     /// The names of the properties that say that an object hides, and that it is a door.
@@ -17,7 +17,7 @@ pub(in crate::tmx) struct Roles<'l> {
 }
 
 impl Roles<'_> {
-    /// What an object says of itself, or else its tile, its class and its layer.
+    /// The role that an object gives itself, or else its tile, its class or its layer.
     pub(super) fn role(
         &self,
         properties: &BTreeMap<String, TmxValue>,

@@ -34,7 +34,7 @@ fn map_of(orientation: &str, tileset: &str, layer: &str, tiles: &str) -> String 
     )
 }
 
-/// What is read of a map with one tile with objects, in the column 1 and the row 1.
+/// Reads a map with one tile with objects, in the column 1 and the row 1.
 fn one(turn: u32, objects: &str) -> TmxMap {
     let set = tileset("tilewidth=\"16\" tileheight=\"8\"", "", objects);
     map(&map_of("orthogonal", &set, "name=\"l\"", &format!("0,0,0,0,{},0", turn | 2))).unwrap()
