@@ -1,7 +1,5 @@
 //! Fur in a pass that the application begins.
 
-mod common;
-
 use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::look::Look;
 use casca_fur::gpu::own_pass::OwnPass;
@@ -82,7 +80,7 @@ fn nodding(mesh: &Mesh) -> (Weights, Pose) {
 
 #[test]
 fn a_pass_of_ones_own_shows_what_the_renderer_shows() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let ball = world::Mesh::ball(3);
     let vertices = ball.positions.iter().map(|&p| Vertex { position: p, normal: p }).collect();
     let meshes = [Mesh::new(vertices, Vec::new(), ball.triangles).unwrap()];

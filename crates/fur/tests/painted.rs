@@ -1,7 +1,5 @@
 //! Fur coloured by images: shells beside rays that take the colour at each strand's root.
 
-mod common;
-
 use casca_fur::gpu::look::Look;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
@@ -59,7 +57,7 @@ fn rmse(a: &[u8], b: &[u8]) -> f64 {
 
 #[test]
 fn bare_skin_has_the_colours_of_its_image_however_it_goes_on() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // Light from everywhere, and no fur: a pixel is a texel.
     let material =
         Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, exponent: 1.0, wrap: 0.0, root: 1.0 };
@@ -89,7 +87,7 @@ fn bare_skin_has_the_colours_of_its_image_however_it_goes_on() {
 
 #[test]
 fn shells_have_the_colours_of_roots() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = ball();
     let images = [stripes(Wrap::Repeat)];
     let mut fur = Fur { spacing: 0.1, ..Fur::for_radius(1.0, 0.2, 0.4).unwrap() };
@@ -110,7 +108,7 @@ const ROOTS: f64 = 0.041;
 
 #[test]
 fn strange_images_end_no_device() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let look = Look::new(Fur::for_radius(1.0, 0.1, 0.3).unwrap());
     let mesh = [ball()];
     let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look).unwrap();

@@ -1,7 +1,5 @@
 //! Pictures of shells: fur shows beyond walls, and more shells come nearer to strands.
 
-mod common;
-
 use casca_fur::gpu::look::{Look, Mapping};
 use casca_fur::gpu::records::{Block, DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
@@ -41,7 +39,7 @@ fn shoot(gpu: &Gpu, renderer: &mut Renderer, canvas: &Canvas, camera: &Camera, l
 
 #[test]
 fn fur_stands_above_the_skin_only_where_the_coat_has_length() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = [ball()];
     let canvas = Canvas::new(&gpu, (96, 96));
     let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 40.0, 1.0, 0.1, 20.0);
@@ -77,7 +75,7 @@ fn fur_stands_above_the_skin_only_where_the_coat_has_length() {
 
 #[test]
 fn shells_come_nearer_to_ray_traced_strands_with_their_number() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = ball();
     let (size, canvas) = ((96, 72), Canvas::new(&gpu, (192, 144)));
     let camera =
@@ -105,7 +103,7 @@ fn shells_come_nearer_to_ray_traced_strands_with_their_number() {
 
 #[test]
 fn fur_that_stands_out_behind_a_wall_is_drawn_and_the_wall_hides_the_rest() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = [ball()];
     let look = Look::new(Fur { spacing: 0.08, ..Fur::for_radius(1.0, 0.2, 0.5).unwrap() });
     let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look).unwrap();
@@ -124,7 +122,7 @@ fn fur_that_stands_out_behind_a_wall_is_drawn_and_the_wall_hides_the_rest() {
 
 #[test]
 fn shadows_do_not_depend_on_the_eye() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = [ball()];
     let look = Look::new(Fur { spacing: 0.08, ..Fur::for_radius(1.0, 0.3, 0.4).unwrap() });
     let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look).unwrap();
@@ -146,7 +144,7 @@ fn shadows_do_not_depend_on_the_eye() {
 
 #[test]
 fn absurd_lists_and_looks_neither_panic_nor_end_the_device() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = [ball()];
     let look = Look::new(Fur::for_radius(1.0, 0.2, 0.5).unwrap());
     let mut renderer = Renderer::new(&gpu, COLOUR, &mesh, &look).unwrap();

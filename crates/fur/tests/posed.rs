@@ -1,7 +1,5 @@
 //! Pictures of posed animals: strands stick to their skin, and joints move the vertices that follow them.
 
-mod common;
-
 use casca_fur::gpu::look::Look;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::renderer::Renderer;
@@ -53,7 +51,7 @@ fn differing(a: &[u8], b: &[u8], within: impl Fn(usize) -> bool) -> usize {
 
 #[test]
 fn strands_stick_to_skin_that_turns() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let (mesh, turn) = ([ball()], Quat::from_axis_angle(Vec3::new(0.3, 0.9, 0.2).normalize(), 0.8));
     let (skeleton, pose) = turned(turn);
     let count = mesh[0].vertices().len();
@@ -97,7 +95,7 @@ fn strands_stick_to_skin_that_turns() {
 
 #[test]
 fn strands_that_lean_in_the_world_look_as_if_they_were_combed_so() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 40.0, 1.0, 0.1, 20.0);
     let mut renderer = Renderer::new(&gpu, COLOUR, &[ball()], &look()).unwrap();
     let place = Affine3A::from_quat(Quat::from_rotation_x(1.2));
@@ -120,7 +118,7 @@ fn strands_that_lean_in_the_world_look_as_if_they_were_combed_so() {
 
 #[test]
 fn absurd_weights_and_poses_are_refused_or_drawn_at_rest() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = [ball()];
     let (skeleton, _) = turned(Quat::IDENTITY);
     let count = mesh[0].vertices().len();

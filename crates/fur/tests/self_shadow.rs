@@ -1,7 +1,5 @@
 //! Ways of shadows among strands against rays towards the sun, and shells against both.
 
-mod common;
-
 use casca_fur::gpu::look::{Look, SelfShadow, sky_pixel};
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
@@ -94,7 +92,7 @@ const EYE: Vec3 = Vec3::new(0.0, 0.3, 2.2);
 
 #[test]
 fn shells_are_lit_as_strands_of_the_reference_by_either_way() {
-    let Some(gpu) = common::gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mesh = ball();
     let sun = Vec3::new(-0.9, 0.3, 0.3).normalize();
     let fur = Fur { bend: Vec3::new(0.4, -0.5, 0.0), ..Fur::for_radius(1.0, 0.1, 0.3).unwrap() };

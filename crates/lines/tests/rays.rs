@@ -71,7 +71,7 @@ fn occlusion(tubes: &RayOracle, radius: f64, view: &View, at: &Fragment, random:
 
 #[test]
 fn the_occlusion_in_perspective_agrees_with_rays() {
-    let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // Bounds just beside the values of Mesa's software adapter, which docs/lines/trends.md quotes.
     let sets = [
         (Family::Spiral, 150, false, [0.915, 0.115]),

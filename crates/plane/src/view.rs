@@ -90,8 +90,8 @@ impl View {
     /// like then are about a region that holds what any of these eyes sees.
     ///
     /// Costs a query in all directions, with the walls at the ends of walls looked up in the grid.
-    /// [`Method::Cell`] shows what is seen from any cell within the reach, at the cost of a query
-    /// for each; from more than 16 cells it hides nothing. 0 is the view as it was.
+    /// [`Method::Cell`] takes each cell within the reach as an eye's, and costs a query for each;
+    /// from more than 16 cells it hides nothing. 0 is the view as it was.
     ///
     /// ```
     /// use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};

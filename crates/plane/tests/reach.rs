@@ -316,7 +316,7 @@ fn absurd_reaches() {
 proptest! {
     #![proptest_config(cases(200))]
 
-    /// By cells, a reach shows what is seen from the cells that it touches, and no more.
+    /// By cells, a view with a reach shows the union of the sets of the cells that it touches.
     #[test]
     fn cells_within_reach_are_seen_together(
         walls in proptest::collection::vec((0..16i32, 0..16i32, 1..6i32, 1..4i32), 4..24),

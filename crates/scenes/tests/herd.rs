@@ -1,7 +1,7 @@
 //! A herd that walks among walls: no tip in sight is lost, and what its steps cost.
 
 use casca::{Aabb, ObjectId, Query, View};
-use casca_fur::skin::Ending;
+use casca_fur::skin::{Ending, Weights};
 use casca_fur::strands::{Forces, Fur};
 use casca_scenes::fur::field::{Field, Hiding, Kind};
 use casca_scenes::fur::sample::character_glb;
@@ -73,6 +73,18 @@ fn no_tip_in_sight_of_a_walking_herd_of_files_is_lost() {
         assert!((-0.02..0.05).contains(&low), "feet at {low}");
     }
     walk_among_walls(field);
+}
+
+#[test]
+fn weights_that_are_not_those_of_the_levels_are_refused() {
+    let whole = Character::new(&character(10), &Masks::default(), 3).unwrap();
+    let refused = |change: fn(&mut Vec<Weights>)| {
+        let mut character = whole.clone();
+        change(&mut character.rig.as_mut().unwrap().weights);
+        Species::of_character(&character).is_err()
+    };
+    assert!(!refused(|_| ()) && refused(|w| w.truncate(1)) && refused(Vec::clear));
+    assert!(refused(|w| w.swap(0, 2)) && refused(|w| w.swap(1, 2)));
 }
 
 #[test]

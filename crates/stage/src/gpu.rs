@@ -44,6 +44,22 @@ impl Gpu {
         Self::on(&instance, None, software)
     }
 
+    /// The device of a test, without a window. Without an adapter `None`, and a line that says so:
+    /// the test is skipped.
+    ///
+    /// # Panics
+    /// If there is an adapter and no device can be had: a test must not pass without a look.
+    pub fn for_tests() -> Option<Self> {
+        match Self::headless(false) {
+            Ok(gpu) => Some(gpu),
+            Err(GpuError::NoAdapter(why)) => {
+                println!("skipped: no adapter: {why}");
+                None
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+
     /// A device that can draw to `surface`, if one is given. It has all limits of the adapter.
     ///
     /// # Errors
@@ -253,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_buffer_beyond_the_limits_is_an_error() {
-        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let Some(gpu) = Gpu::for_tests() else { return };
         let most = gpu.device.limits().max_buffer_size;
         let error = gpu.buffer(most + 1, wgpu::BufferUsages::STORAGE).unwrap_err();
         assert!(matches!(error, GpuError::NoRoom { bytes, .. } if bytes == most + 1), "{error}");
@@ -264,7 +280,7 @@ mod tests {
 
     #[test]
     fn a_buffer_is_read_as_it_was_written() {
-        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let Some(gpu) = Gpu::for_tests() else { return };
         let contents: Vec<u8> = (0..1024_u32).map(|i| i as u8).collect();
         let buffer = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: None,

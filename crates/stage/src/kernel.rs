@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn a_kernel_runs_over_its_buffers_and_one_that_is_missing_is_refused() {
-        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let Some(gpu) = Gpu::for_tests() else { return };
         let source = wgpu::ShaderSource::Wgsl(SHADER.into());
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
         let kernel = Kernel::new(&gpu, &module, "doubled", &[3, 5]);

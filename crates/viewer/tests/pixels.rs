@@ -9,7 +9,7 @@ use casca_scenes::name::SceneName;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::compare::Shot;
-use casca_stage::gpu::{COLOUR, Gpu, GpuError};
+use casca_stage::gpu::{COLOUR, Gpu};
 use casca_viewer::scene::birds_eye::{above_frustum, from_above};
 use casca_viewer::scene::draw::{Painter, coloured};
 use casca_viewer::scene::overlays::Overlays;
@@ -19,18 +19,6 @@ use casca_viewer::scene::renderer::{Marks, Renderer};
 use casca_viewer::scene::role::Role;
 
 const SIZE: (u32, u32) = (640, 360);
-
-/// A device, unless the machine has none.
-fn gpu() -> Option<Gpu> {
-    match Gpu::headless(false) {
-        Ok(gpu) => Some(gpu),
-        Err(GpuError::NoAdapter(why)) => {
-            println!("skipped: no adapter: {why}");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
-}
 
 fn playback(scene: &str) -> Playback {
     let scene: SceneName = scene.parse().unwrap();
@@ -52,7 +40,7 @@ fn proves(gpu: &Gpu, scene: &str, frames: usize) {
 
 #[test]
 fn procedural_scenes() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for kind in SceneKind::SOLIDS {
         proves(&gpu, kind.name(), if kind == SceneKind::Crowd { 2 } else { 4 });
     }
@@ -60,7 +48,7 @@ fn procedural_scenes() {
 
 #[test]
 fn files() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for name in ["cornell", "kitchen-parts", "sponza", "sponza-parts"] {
         let path = format!("../../../shared/scenes/{name}.glb");
         if Path::new(&path).is_file() {
@@ -85,7 +73,7 @@ fn differing(a: &Shot, b: &Shot) -> usize {
 /// Without an object that pixels show, the picture is another, and the check names it.
 #[test]
 fn a_lost_object_shows() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for scene in ["spheres", "city"] {
         let mut playback = playback(scene);
         let camera = playback.path_camera(SIZE.0 as f32 / SIZE.1 as f32);
@@ -122,7 +110,7 @@ fn a_lost_object_shows() {
 /// up.
 #[test]
 fn a_frame_from_above_shows_what_its_legend_names() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for scene in ["city", "rooms"] {
         let mut playback = playback(scene);
         let aspect = SIZE.0 as f32 / SIZE.1 as f32;

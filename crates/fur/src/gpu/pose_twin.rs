@@ -43,7 +43,7 @@ fn place(gpu: &Gpu, joints: &[[[f32; 4]; 3]], given: &[[u32; 16]]) -> Vec<[Vec4;
 
 #[test]
 fn shaders_place_vertices_where_the_processor_does() {
-    let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut random = dice(21);
     let joints = (0..6).map(|i: usize| Joint::at(i.checked_sub(1), random.point())).collect();
     let skeleton = Skeleton::new(joints).unwrap();

@@ -54,7 +54,7 @@ const ROUNDING: f32 = 1e-5;
 
 #[test]
 fn shaders_find_the_strands_that_the_processor_finds() {
-    let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // Evenly spread over a ball, at all heights and lengths.
     let number = |i: u32, k: u32| crate::strands::unit(hash([i, k, 0, 0])[0]);
     let points: Vec<[Vec4; 3]> = (0..20_000)

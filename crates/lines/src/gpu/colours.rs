@@ -26,7 +26,7 @@ fn plain(gpu: &Gpu, renderer: &mut Renderer, lines: &GpuLines, view: &View) -> V
 
 #[test]
 fn segments_run_from_the_colour_of_one_end_to_that_of_the_other() {
-    let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // Along the middles of a row of pixels each, from the left border to the right one; and a dot.
     let row = |y: f32| y - 0.5;
     let lines = [

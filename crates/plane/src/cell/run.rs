@@ -1,5 +1,5 @@
-//! One run of the cell method on a scene: which objects the cells in sight hold. Eyes within a
-//! reach may be in several cells, and see what is in sight of any of them.
+//! One run of the cell method on a scene: which objects the cells in sight hold. If eyes
+//! within a reach are in several cells, objects in sight of any of these are visible.
 
 use casca_slots::Slot;
 use glam::{DVec2, IVec2};

@@ -32,8 +32,9 @@ impl TmxImport {
     /// block nothing, and there is a warning for them; also for properties of the right name that
     /// are no `bool`. Objects are read from all layers, in tiles; the shifts of layers and groups
     /// count, by parts of tiles, too. [`TmxObject::insert`] puts them into scenes. Objects that are
-    /// made of templates take over what they do not say themselves; templates are looked for from
-    /// the folder of the map, and their tilesets from that of the template. Texts are not read.
+    /// made of templates take over the properties that they do not have themselves; templates are
+    /// found from the folder of the map, and their tilesets from that of the template. Texts are
+    /// not read.
     ///
     /// [`TmxObject::insert`]: super::TmxObject::insert
     ///

@@ -10,11 +10,6 @@ use casca_stage::wgpu::{self, Color};
 use glam::Vec3;
 use proptest::prelude::*;
 
-/// A device, or `None` and a line that says so.
-fn gpu() -> Option<Gpu> {
-    Gpu::headless(false).map_err(|_| println!("skipped: no adapter")).ok()
-}
-
 fn floats(points: impl IntoIterator<Item = glam::DVec3>) -> Vec<Vec3> {
     points.into_iter().map(|p| p.as_vec3()).collect()
 }
@@ -23,7 +18,7 @@ const FILTERS: [Filter; 4] = [Filter::None, Filter::Max, Filter::PlainMax, Filte
 
 #[test]
 fn answers_are_those_of_the_processor_bit_by_bit() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let operator = SplatOperator::new(&gpu);
     let config = cases(60);
     let mut runner = proptest::test_runner::TestRunner::new(config);
@@ -75,7 +70,7 @@ fn answers_are_those_of_the_processor_bit_by_bit() {
 
 #[test]
 fn quotients_of_the_shader_are_rounded_as_those_of_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let entry = "@compute @workgroup_size(1) fn quotients(@builtin(workgroup_id) group: vec3u) {
         limits[group.x] = quotient(points[2u * group.x], points[2u * group.x + 1u]);
     }";
@@ -118,7 +113,7 @@ fn quotients_of_the_shader_are_rounded_as_those_of_the_processor() {
 
 #[test]
 fn clouds_of_several_buffers_and_none_are_answered() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let operator = SplatOperator::new(&gpu);
     let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO, Vec3::Y, 0.8, (640, 480), 0.1, 10.0).unwrap();
     let options = SplatOptions {
@@ -139,7 +134,7 @@ fn clouds_of_several_buffers_and_none_are_answered() {
 
 #[test]
 fn errors_name_the_cause() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let bad = [Vec3::ONE, Vec3::NAN];
     let error = GpuPoints::new(&gpu, &bad).err().unwrap();
     assert!(matches!(error, GpuSplatError::Splat(SplatError::PointNotFinite { index: 1 })), "{error}");
@@ -200,7 +195,7 @@ fn pixel(pixels: &[u8], width: u32, x: u32, y: u32) -> [u8; 3] {
 
 #[test]
 fn a_ball_is_closed_and_hides_what_is_behind_it() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let surfels = [ball(3000, 1), backdrop()].concat();
     let pixels = picture(&gpu, &[(&surfels, STYLE)]);
     // The ball's outline in pixels: its tangents leave the eye, at distance 4, by the sine 1/4.
@@ -221,7 +216,7 @@ fn a_ball_is_closed_and_hides_what_is_behind_it() {
 
 #[test]
 fn the_order_of_surfels_does_not_matter() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut surfels = [ball(3000, 1), backdrop()].concat();
     let style = Style { lit: true, ..STYLE };
     let first = picture(&gpu, &[(&surfels, style)]);
@@ -238,7 +233,7 @@ fn the_order_of_surfels_does_not_matter() {
 
 #[test]
 fn back_faces_are_culled_and_panes_keep_apart() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut inside_out = ball(3000, 2);
     inside_out.iter_mut().for_each(|s| s.normal = s.normal.map(|x| -x));
     let broken = Surfel { radius: f32::NAN, ..inside_out[0] };

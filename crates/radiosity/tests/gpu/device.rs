@@ -8,11 +8,6 @@ use glam::{Mat4, Vec3};
 
 use crate::common::{cuboid, lamp, matt, room, scene};
 
-/// A device, if there is any.
-pub fn gpu() -> Option<Gpu> {
-    Gpu::headless(false).map_err(|why| println!("skipped: no adapter: {why}")).ok()
-}
-
 /// Work of one submission.
 pub fn run(gpu: &Gpu, work: impl FnOnce(&mut wgpu::CommandEncoder)) {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());

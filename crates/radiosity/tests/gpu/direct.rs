@@ -6,7 +6,7 @@ use casca_stage::gpu::Gpu;
 use glam::{Mat4, Vec3, Vec4};
 
 use crate::common::{lamp, lit, matt, scene, sheet};
-use crate::device::{furnished, gpu, picture_of, points, shaded};
+use crate::device::{furnished, picture_of, points, shaded};
 
 /// Relative differences to the processor's direct light of points: of the sums, and the share of
 /// points that differ by more than a hundredth of the mean.
@@ -27,7 +27,7 @@ fn apart(gpu: &Gpu, cache: &Cache) -> (f64, f64) {
 
 #[test]
 fn lights_with_sharp_shadows_are_those_of_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let one = Vec3::new(6.0, 4.0, 2.0);
     for light in [
         lamp(Vec3::new(3.0, 2.0, 0.6), 9.0),
@@ -52,7 +52,7 @@ fn lights_with_sharp_shadows_are_those_of_the_processor() {
 
 #[test]
 fn soft_lights_and_lamps_give_what_they_give_on_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let one = Vec3::new(6.0, 4.0, 2.0);
     let ball = Light::Point { position: Vec3::new(3.0, 2.0, 0.6), intensity: one, radius: 0.3 };
     let panel = Light::Rectangle {
@@ -91,7 +91,7 @@ fn soft_lights_and_lamps_give_what_they_give_on_the_processor() {
 
 #[test]
 fn rays_cross_empty_bricks_and_end_at_far_walls() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // A long hall of 200 cells with a screen in its middle that has a hole.
     let mut all = crate::common::room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
     all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 0));
@@ -113,7 +113,7 @@ fn rays_cross_empty_bricks_and_end_at_far_walls() {
 
 #[test]
 fn what_hangs_outside_of_the_grid_hides_nothing() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // A sheet that rises out of the grid over the floor, in the cells of which rays end.
     let slope = sheet(Vec3::new(-1.0, 0.5, -4.0), Vec3::new(4.0, 4.0, 0.0), Vec3::Z * 8.0, 0);
     let mut all = sheet(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0, 0);
@@ -141,7 +141,7 @@ fn what_hangs_outside_of_the_grid_hides_nothing() {
 
 #[test]
 fn depths_show_what_positions_show() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&furnished(), 24, 16, 6);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let (width, height) = (24, 16);

@@ -6,7 +6,7 @@ use casca_stage::gpu::Gpu;
 use glam::{Mat4, Vec3};
 
 use crate::common::{lamp, matt, rooms, scene};
-use crate::device::{furnished, gpu, picture_of, points, shaded, texture_of};
+use crate::device::{furnished, picture_of, points, shaded, texture_of};
 
 /// Passes end with the first that changes less than this share of the light, far below the 3% that
 /// tests allow, and after so many.
@@ -30,7 +30,7 @@ fn filled(gpu: &Gpu, light: &GpuCache, points: &[(Vec3, Vec3)], rays: u32) -> Ve
 
 #[test]
 fn gaps_have_the_light_that_rays_of_the_processor_find() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let scene = furnished();
     let settings = Settings { answer_rays: 512, ..Settings::new(Grid::around(&scene.objects, 20)) };
     let mut cache = Cache::new(&scene, settings).unwrap();
@@ -61,7 +61,7 @@ fn gaps_have_the_light_that_rays_of_the_processor_find() {
 
 #[test]
 fn rays_of_gaps_cross_no_wall_and_see_no_lamp_twice() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for thickness in [0.0, 0.02] {
         let lights = vec![lamp(Vec3::new(-2.0, 2.0, 0.3), 10.0)];
         let scene = scene(rooms(thickness), vec![matt(0.7)], lights, 0.0);
@@ -90,7 +90,7 @@ fn rays_of_gaps_cross_no_wall_and_see_no_lamp_twice() {
 
 #[test]
 fn numbers_of_rays_are_checked_and_nothing_is_filled_where_nothing_is_shown() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = Cache::new(&furnished(), Settings::new(Grid::around(&furnished().objects, 8))).unwrap();
     let light = GpuCache::new(&gpu.device, &cache).unwrap();
     let gaps = Gaps::new(&gpu.device, Input::Positions);

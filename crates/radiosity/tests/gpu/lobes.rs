@@ -5,8 +5,9 @@ use casca_radiosity::{Cache, Grid, Material, Settings};
 use glam::{DVec3, Vec3};
 
 use crate::common::{lit, room, scene};
-use crate::device::{Mirroring, furnished, gpu, mirrored, points};
+use crate::device::{Mirroring, furnished, mirrored, points};
 use crate::mirrors::{floor, on_floor};
+use casca_stage::gpu::Gpu;
 
 /// The rays of the processor's lobes.
 const MANY: u32 = 1024;
@@ -30,7 +31,7 @@ fn apart(found: DVec3, known: DVec3) -> f64 {
 
 #[test]
 fn lobes_under_a_sky_are_those_of_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&floor(), 8, 16, 2);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     for rough in [0.02, 0.1, 0.4, 1.0] {
@@ -62,7 +63,7 @@ fn lobes_under_a_sky_are_those_of_the_processor() {
 
 #[test]
 fn lobes_in_a_room_are_those_of_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&furnished(), 25, 32, 20);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let eye = Vec3::new(3.1, 1.7, 2.9);
@@ -83,7 +84,7 @@ fn lobes_in_a_room_are_those_of_the_processor() {
 
 #[test]
 fn pixels_depend_on_their_places_alone() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&furnished(), 16, 16, 8);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let eye = Vec3::new(3.1, 1.7, 2.9);
@@ -102,7 +103,7 @@ fn pixels_depend_on_their_places_alone() {
 
 #[test]
 fn the_last_component_tells_the_share_without_states() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // A room whose floor alone is gathered.
     let glow = Material::new(Vec3::splat(0.5), Vec3::splat(0.25));
     let s = scene(room(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), 0), vec![glow], vec![], 0.0);

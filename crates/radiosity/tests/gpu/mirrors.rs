@@ -6,7 +6,7 @@ use casca_stage::gpu::Gpu;
 use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
 
 use crate::common::{lamp, leak_questions, lit, matt, placed, room, rooms, scene, sheet, turned};
-use crate::device::{Mirroring, depth_of, furnished, gpu, mirrored, picture_of, points, run, texture_of};
+use crate::device::{Mirroring, depth_of, furnished, mirrored, picture_of, points, run, texture_of};
 
 /// Light that differs by more, as a share of the mean or of its own, is that of another wall or of
 /// other states.
@@ -56,7 +56,7 @@ fn apart(gpu: &Gpu, device: &GpuCache, cache: &Cache, points: &[Mirroring], eye:
 
 #[test]
 fn mirrors_show_the_sky_and_lamps() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let glow = Material::new(Vec3::ZERO, Vec3::new(5.0, 3.0, 1.0));
     let mut s = floor();
     s.materials.push(glow);
@@ -83,7 +83,7 @@ fn mirrors_show_the_sky_and_lamps() {
 
 #[test]
 fn mirrors_show_walls_as_on_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // Some walls turn their backs to the room.
     let mut s = furnished();
     s.objects[0].triangles.iter_mut().step_by(3).for_each(|t| t.corners.swap(0, 1));
@@ -102,7 +102,7 @@ fn mirrors_show_walls_as_on_the_processor() {
 
 #[test]
 fn mirrored_rays_cross_empty_bricks_and_end_at_the_nearest_wall() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // A long hall of 200 cells with a screen in its middle that has a hole; each wall glows alike.
     let mut all = room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
     all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 1));
@@ -129,7 +129,7 @@ fn mirrored_rays_cross_empty_bricks_and_end_at_the_nearest_wall() {
 
 #[test]
 fn the_room_behind_a_wall_is_dark_in_mirrors() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let walls = [0.0, 0.02, 0.2].map(|thickness| [(thickness, Affine3A::IDENTITY), (thickness, turned())]);
     for (thickness, place) in walls.into_iter().flatten() {
         let lights = vec![lamp(place.transform_point3(Vec3::new(-2.0, 2.0, 0.3)), 10.0)];
@@ -158,7 +158,7 @@ fn the_room_behind_a_wall_is_dark_in_mirrors() {
 
 #[test]
 fn an_eye_below_sees_nothing_and_odd_numbers_do_no_harm() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&floor(), 8, 16, 2);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let eye = Vec3::new(0.1, 1.0, 0.2);
@@ -203,7 +203,7 @@ fn an_eye_below_sees_nothing_and_odd_numbers_do_no_harm() {
 
 #[test]
 fn wrong_numbers_of_rays_and_eyes_are_refused() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let device = GpuCache::new(&gpu.device, &lit(&floor(), 8, 4, 1)).unwrap();
     let mirrors = Mirrors::new(&gpu.device, Input::Positions);
     let view = texture_of(&gpu, (1, 1), &[[0.0; 4]]);
@@ -220,7 +220,7 @@ fn wrong_numbers_of_rays_and_eyes_are_refused() {
 
 #[test]
 fn what_is_outside_of_the_grid_is_not_mirrored() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // A lamp that rises out of the grid over the floor.
     let mut s = floor();
     s.materials.push(Material::new(Vec3::ZERO, Vec3::new(9.0, 0.0, 0.0)));
@@ -247,7 +247,7 @@ fn what_is_outside_of_the_grid_is_not_mirrored() {
 
 #[test]
 fn lamps_with_textures_have_their_mean() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut s = floor();
     s.textures.push(Texture::new(2, 1, vec![Vec3::ZERO, Vec3::ONE]).unwrap());
     let emission = Vec3::new(8.0, 4.0, 2.0);
@@ -270,7 +270,7 @@ fn lamps_with_textures_have_their_mean() {
 
 #[test]
 fn mirrors_of_depths_are_those_of_positions() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&floor(), 8, 16, 2);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let (width, height) = (20, 12);
@@ -308,7 +308,7 @@ fn mirrors_of_depths_are_those_of_positions() {
 
 #[test]
 fn mirrors_show_the_light_of_now() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut cache = lit(&furnished(), 25, 16, 12);
     let mut device = GpuCache::new(&gpu.device, &cache).unwrap();
     let points: Vec<_> = points().into_iter().map(|(p, n)| (p, n, 0.0)).collect();

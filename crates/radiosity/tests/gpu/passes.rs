@@ -6,7 +6,7 @@ use casca_stage::gpu::Gpu;
 use glam::Vec3;
 
 use crate::common::{indirect, lamp, lit};
-use crate::device::{furnished, gpu, points, read, run};
+use crate::device::{furnished, points, read, run};
 
 /// Passes of the device until nothing changes: 0.7 to the power of 64 is 1e-10.
 const PASSES: u32 = 64;
@@ -30,7 +30,7 @@ fn apart(gpu: &Gpu, light: &GpuCache, cache: &Cache) -> f64 {
 
 #[test]
 fn passes_on_the_device_end_in_the_same_light() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut cache = lit(&furnished(), 24, 32, 0);
     let mut light = GpuCache::new(&gpu.device, &cache).unwrap();
     cache.converge(SETTLED, MOST_PASSES);
@@ -56,7 +56,7 @@ fn passes_on_the_device_end_in_the_same_light() {
 
 #[test]
 fn other_direct_light_is_sent_with_the_light_that_is_there() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&furnished(), 16, 16, 60);
     let mut light = GpuCache::new(&gpu.device, &cache).unwrap();
     // Nothing changed, so that one pass changes nothing, whichever half it reads.

@@ -5,11 +5,12 @@ use casca_stage::wgpu;
 use glam::Vec3;
 
 use crate::common::{lamp, lit, matt, rooms, scene};
-use crate::device::{furnished, gpu, points, read, run, shaded};
+use crate::device::{furnished, points, read, run, shaded};
+use casca_stage::gpu::Gpu;
 
 #[test]
 fn pictures_of_the_device_have_the_light_of_answers() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&furnished(), 25, 32, 20);
     let light = GpuCache::new(&gpu.device, &cache).unwrap();
     // Normals that are not those of the surfaces weigh heights and normals.
@@ -38,7 +39,7 @@ fn pictures_of_the_device_have_the_light_of_answers() {
 
 #[test]
 fn the_room_behind_a_wall_is_dark_in_pictures() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for thickness in [0.0, 0.02, 0.2] {
         let light = vec![lamp(Vec3::new(-2.0, 2.0, 0.3), 10.0)];
         let cache = lit(&scene(rooms(thickness), vec![matt(0.7)], light, 0.0), 32, 16, 4);
@@ -63,7 +64,7 @@ fn the_room_behind_a_wall_is_dark_in_pictures() {
 
 #[test]
 fn the_function_works_in_a_shader_of_the_application() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&furnished(), 16, 16, 8);
     let light = GpuCache::new(&gpu.device, &cache).unwrap();
     let mine = "@group(0) @binding(0) var<storage, read_write> found: vec4f;
@@ -99,7 +100,7 @@ fn the_function_works_in_a_shader_of_the_application() {
 
 #[test]
 fn an_empty_scene_is_dark_on_the_device() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let cache = lit(&scene(vec![], vec![matt(0.5)], vec![], 1.0), 8, 4, 1);
     let mut light = GpuCache::new(&gpu.device, &cache).unwrap();
     run(&gpu, |encoder| light.pass(encoder, 2));
@@ -112,7 +113,7 @@ fn an_empty_scene_is_dark_on_the_device() {
 
 #[test]
 fn the_device_smooths_as_the_processor_does() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut cache = lit(&furnished(), 25, 16, 12);
     let mut light = GpuCache::new(&gpu.device, &cache).unwrap();
     let points = points();

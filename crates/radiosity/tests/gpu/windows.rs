@@ -6,7 +6,7 @@ use casca_stage::gpu::Gpu;
 use glam::Vec3;
 
 use crate::common::{lamp, leak_questions, matt, on_faces, rooms, scene, wall_questions};
-use crate::device::{furnished, gpu, mirrored, points, shaded};
+use crate::device::{furnished, mirrored, points, shaded};
 use crate::mirrors::ELSEWHERE;
 
 /// Passes end with the first that changes less than this share of the light, a thousandth of what
@@ -30,7 +30,7 @@ fn light(cache: &mut Cache) {
 
 #[test]
 fn windows_give_the_light_of_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // Faces that lie in no wall, and some that do.
     for (cells, half) in [(13, 1.3), (10, 2.0)] {
         let outer = Window { middle: Vec3::new(2.4, 1.1, 2.2), half, finer: 2 };
@@ -76,7 +76,7 @@ fn same(gpu: &Gpu, cache: &Cache, device: &GpuCache) {
 
 #[test]
 fn the_room_behind_a_wall_is_dark_at_the_faces_of_windows() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for thickness in [0.0, 0.05] {
         for x in [-1.0, -0.2, 0.4, 1.0] {
             let light = vec![lamp(Vec3::new(-2.0, 2.0, 0.3), 10.0)];
@@ -95,7 +95,7 @@ fn the_room_behind_a_wall_is_dark_at_the_faces_of_windows() {
 
 #[test]
 fn walls_in_the_faces_of_windows_have_their_states_on_the_device() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for x in [1.0, 3.5] {
         let window = Window { middle: Vec3::new(x, 3.0, 3.0), half: 1.0, finer: 2 };
         let cache = lit(&on_faces(), 16, [Some(window), None]);

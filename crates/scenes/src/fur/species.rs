@@ -50,7 +50,8 @@ impl Species {
     /// It walks by that clip, at the pace at which feet on the ground stay there.
     ///
     /// # Errors
-    /// Refuses a character without levels, and what `casca_fur` refuses.
+    /// Refuses a character without levels, weights that are not those of its levels, and what
+    /// `casca_fur` refuses.
     pub fn of_character(character: &Character) -> Result<Self, Error> {
         let levels: Vec<Mesh> = character.levels.iter().map(|level| level.mesh.clone()).collect();
         let aabb = levels.first().ok_or(Error::Empty)?.aabb();
@@ -60,11 +61,16 @@ impl Species {
         let mut gait = Gait::of_none(scale * aabb.min.y);
         let (mut rig, mut own) = (None, units);
         if let Some((of, walk)) = moved {
+            let count = levels.len() as f64;
+            Error::check_range("the number of levels with weights", of.weights.len() as f64, count, count)?;
             own = units * of.place_at_rest(&levels[0])?.0;
+            // All levels, since weights of other meshes are refused.
+            let bounds = levels.iter().zip(&of.weights).map(|(mesh, weights)| SkinBounds::new(mesh, weights));
+            let mut bounds = bounds.collect::<Result<Vec<SkinBounds>, Error>>()?;
             let coarsest = levels.len() - 1;
             gait = Gait::new((&levels[coarsest], &of.weights[coarsest]), &of.skeleton, walk, own);
             rig = Some(Rig {
-                bounds: SkinBounds::new(&levels[0], &of.weights[0])?,
+                bounds: bounds.swap_remove(0),
                 skeleton: of.skeleton.clone(),
                 weights: of.weights.clone(),
                 walk: walk.clone(),

@@ -89,7 +89,7 @@ mod tests {
     /// Nothing was chosen on this animal.
     #[test]
     fn shells_by_depth_are_nearer_to_traced_shadows_on_another_animal() {
-        let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+        let Some(gpu) = Gpu::for_tests() else { return };
         let choices: crate::fur::Options = crate::common::parsed(&["--seed", "10"]).unwrap();
         let [[by_height, _], [by_depth, brighter]] = compare(&gpu, &choices.subject().unwrap()).unwrap();
         assert!(by_depth < 0.95 * by_height && brighter.abs() < 0.03, "{by_height} {by_depth} {brighter}");

@@ -23,16 +23,6 @@ const NOISE: f32 = 0.03;
 /// The same states, some of which other questions asked for.
 const MOVED: f32 = 0.006;
 
-fn gpu() -> Option<Gpu> {
-    match Gpu::headless(false) {
-        Ok(gpu) => Some(gpu),
-        Err(why) => {
-            println!("skipped: no adapter ({why})");
-            None
-        }
-    }
-}
-
 /// Updates frame by frame until light has settled.
 fn settle(gpu: &Gpu, renderer: &mut Renderer, start: &Start, budget: Duration) -> usize {
     let camera = start.camera(SIZE);
@@ -65,7 +55,7 @@ fn difference(found: &[Vec3], truth: &[Vec3]) -> f32 {
 
 #[test]
 fn frames_with_a_budget_end_in_the_picture_that_is_made_at_once() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let start = Start::open("cornell-point", 0).unwrap();
     let made = || Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     let (mut whole, mut parts) = (made(), made());
@@ -84,7 +74,7 @@ fn frames_with_a_budget_end_in_the_picture_that_is_made_at_once() {
 
 #[test]
 fn balls_that_moved_are_lit_where_they_are() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut start = Start::open("cornell-point", 3).unwrap();
     let mut moved = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut moved, &start);
@@ -108,7 +98,7 @@ fn balls_that_moved_are_lit_where_they_are() {
 
 #[test]
 fn lights_go_out_with_all_of_their_bounces() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let start = Start::open("cornell-point", 0).unwrap();
     let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut renderer, &start);
@@ -124,7 +114,7 @@ fn lights_go_out_with_all_of_their_bounces() {
 
 #[test]
 fn layers_show_what_their_names_say() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let start = Start::open("cornell-point", 0).unwrap();
     let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut renderer, &start);
@@ -147,7 +137,7 @@ fn layers_show_what_their_names_say() {
 
 #[test]
 fn a_mirror_shows_the_room_and_rough_metal_the_mean_of_it() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut start = Start::open("cornell-point", 0).unwrap();
     // Every wall half as bright as one that scatters, and half a mirror.
     for m in &mut start.scene.materials {
@@ -182,7 +172,7 @@ fn a_mirror_shows_the_room_and_rough_metal_the_mean_of_it() {
 
 #[test]
 fn edges_of_rooms_are_not_black() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // At this size, middles of pixels lie behind the wall that the floor ends at, and beside a box.
     for (scene, cells) in [("cornell", 16), ("emissive", 16), ("emissive", 32)] {
         let start = Start::open(scene, 0).unwrap();
@@ -206,7 +196,7 @@ fn edges_of_rooms_are_not_black() {
 
 #[test]
 fn a_window_of_finer_cells_follows_the_eye() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let mut start = Start::open("cornell-point", 0).unwrap();
     let made = |resolution, window| {
         Renderer::new(&gpu, &start.scene, Settings { resolution, rays: 128, window }).unwrap()

@@ -37,7 +37,7 @@ fn enters(view: &View, [a, b]: [DVec3; 2], [x, y]: [u32; 2], slice: u32, slices:
 
 #[test]
 fn columns_hold_the_slices_that_lines_enter_and_differ_from_the_processors_only_where_rounding_decides() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let (mut differing, mut all) = (0, 0);
     let sets = [wild(1), wild(2), set(Family::Abc, 60), set(Family::PomPom, 150), set(Family::Parallel, 200)];
     for (number, lines) in sets.iter().enumerate() {
@@ -87,7 +87,7 @@ fn columns_hold_the_slices_that_lines_enter_and_differ_from_the_processors_only_
 
 #[test]
 fn lines_on_borders_of_tiles_are_in_the_columns_of_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, SIZE).unwrap();
     let lines = LineSet::new([[vec3(-0.5, 0.0, 0.01), vec3(0.5, 0.0, 0.01)]]).unwrap();
     let renderer = run(&gpu, &lines, &view, settings(AoOptions::new(0.3, 0.01)));
@@ -105,7 +105,7 @@ fn lines_on_borders_of_tiles_are_in_the_columns_of_the_processor() {
 
 #[test]
 fn nearest_lines_are_those_of_the_processor() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let (mut covered, mut others) = (0, 0);
     for lines in [wild(3), set(Family::Spiral, 80), set(Family::Reservoir, 100)] {
         for view in views([-Vec3::ONE, Vec3::ONE]) {

@@ -19,7 +19,7 @@ fn bumpy(radius: f32) -> Mesh {
 
 #[test]
 fn a_slanted_mesh_hides_the_lines_behind_it_and_no_others() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let lines = wild(3);
     let on_device = GpuLines::new(&gpu, &lines, &of_margin(0.04)).unwrap();
     // Heights above the plane are distances to it.
@@ -57,7 +57,7 @@ fn a_slanted_mesh_hides_the_lines_behind_it_and_no_others() {
 
 #[test]
 fn pictures_with_and_without_bundles_behind_meshes_are_the_same_in_every_pixel() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let recipe = Recipe { lines: 400, ..Recipe::new(Family::Abc, 3) };
     let lines = GpuLines::new(&gpu, &recipe.make().unwrap(), &of_margin(0.04)).unwrap();
     let ground = Recipe::new(Family::Reservoir, 1).surface().unwrap();
@@ -95,7 +95,7 @@ fn pictures_with_and_without_bundles_behind_meshes_are_the_same_in_every_pixel()
 
 #[test]
 fn meshes_that_hide_nothing_or_cannot_are_refused_or_harmless() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let corners = || vec![Vec3::ZERO, Vec3::X, Vec3::Y];
     let mesh = |positions, triangles| Context::new(Mesh { positions, triangles }, GREY);
     assert!(mesh(corners(), vec![]).is_err() && mesh(vec![], vec![]).is_err());

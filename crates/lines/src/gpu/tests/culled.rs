@@ -12,7 +12,7 @@ use crate::view::Lens;
 
 #[test]
 fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let house = House::new(4, 120, 5, 0.0).unwrap();
     let lines = GpuLines::new(&gpu, &house.lines, &of_margin(0.04)).unwrap();
     let context = [Context::of_boxes(&house.walls)];
@@ -53,7 +53,7 @@ fn pictures_with_and_without_culling_are_the_same_in_every_pixel() {
 
 #[test]
 fn hidden_bundles_that_darken_visible_lines_are_read_and_without_the_reach_pixels_would_differ() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // A wall before the left part of a set: beside its edge, visible lines are darkened by hidden
     // ones.
     let walls = [Context::of_boxes(&[[vec3(-3.0, -3.0, 0.59), vec3(0.4, 3.0, 0.61)]])];
@@ -106,7 +106,7 @@ proptest! {
 
 #[test]
 fn lines_before_walls_are_shown_those_behind_are_not_and_moved_ones_are_followed() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let at = |z: f32| LineSet::new([[vec3(-0.5, 0.02, z), vec3(0.5, 0.02, z)]]).unwrap();
     let wall = [Context::of_boxes(&[[vec3(-2.0, -2.0, -0.1), vec3(2.0, 2.0, 0.1)]])];
     let shown_wall = [GpuContext::new(&gpu, &wall[0]).unwrap()];

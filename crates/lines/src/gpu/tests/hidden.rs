@@ -60,7 +60,7 @@ pub(super) fn around(size: [u32; 2]) -> impl Iterator<Item = View> {
 
 #[test]
 fn pictures_with_and_without_lines_behind_lines_are_the_same_in_every_pixel() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let dense = |family| Recipe { lines: 1500, vertices: 40, ..Recipe::new(family, 3) }.make().unwrap();
     let ball = Recipe::new(Family::PomPom, 3).surface().unwrap();
     for (name, lines, context) in [
@@ -87,7 +87,7 @@ fn pictures_with_and_without_lines_behind_lines_are_the_same_in_every_pixel() {
 
 #[test]
 fn a_curtain_hides_what_hangs_behind_it_until_it_is_seen_from_the_other_side_or_opened() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     // More lines than pixels, before a few that have the same places in the picture.
     let vertical = |x: f32, z: f32| {
         (0..=20).map(move |i| Vec3::new(x, -1.2 + 0.12 * i as f32, z)).collect::<Vec<Vec3>>()
@@ -115,7 +115,7 @@ fn a_curtain_hides_what_hangs_behind_it_until_it_is_seen_from_the_other_side_or_
 
 #[test]
 fn sets_of_no_or_few_segments_and_other_sets_of_the_same_size_are_drawn() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let [view, _] = views([-Vec3::ONE, Vec3::ONE]);
     let mut pair = Pair::new(&gpu, &LineSet::default(), Vec::new());
     assert_eq!(pair.compare(&view, "none"), [0, 0]);

@@ -31,11 +31,6 @@ use crate::view::View;
 
 const SIZE: [u32; 2] = [64, 48];
 
-/// A device, or `None` and a line that says so.
-fn gpu() -> Option<Gpu> {
-    Gpu::headless(false).map_err(|_| println!("skipped: no adapter")).ok()
-}
-
 fn set(family: Family, lines: u32) -> LineSet {
     Recipe { lines, ..Recipe::new(family, 3) }.make().unwrap()
 }

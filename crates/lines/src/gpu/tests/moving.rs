@@ -1,4 +1,4 @@
-//! Lines of which some move: what stays, and that it is what it would be anew.
+//! Lines of which some move: most values stay, and are those that are computed anew.
 
 use super::*;
 use crate::gpu::moving::{Moved, MovingLines};
@@ -20,7 +20,7 @@ fn frame(gpu: &Gpu, renderer: &mut Renderer, lines: &GpuLines, view: &View) -> (
 
 #[test]
 fn values_that_stay_are_those_that_are_computed_anew_and_most_stay() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for (family, lines, every) in [(Family::Spiral, 300, 100), (Family::PomPom, 400, 133)] {
         let set = set(family, lines);
         let settings = Settings::of_places(0.15, 0.008);
@@ -59,7 +59,7 @@ fn values_that_stay_are_those_that_are_computed_anew_and_most_stay() {
 
 #[test]
 fn lines_that_leave_the_grid_keep_values_and_others_are_made_anew_with_their_colours() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let set = set(Family::Spiral, 60);
     let settings = Settings::of_places(0.15, 0.008);
     let [view, _] = views(set.bounds());

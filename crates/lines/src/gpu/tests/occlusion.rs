@@ -9,7 +9,7 @@ use crate::slabs::{SlabGrid, SpanRule};
 
 #[test]
 fn the_unit_of_length_changes_nothing() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for lines in [wild(1), set(Family::PomPom, 150)] {
         // Powers of 2 scale without rounding, but their squares do not fit into single precision.
         let in_unit = |unit: f32| {
@@ -40,7 +40,7 @@ fn the_unit_of_length_changes_nothing() {
 
 #[test]
 fn the_occlusion_is_that_of_the_processor_for_all_estimators_and_choices() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let base = AoOptions::new(0.3, 0.02);
     let options = [
         base,

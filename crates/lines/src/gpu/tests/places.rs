@@ -13,7 +13,7 @@ fn frame(gpu: &Gpu, renderer: &mut Renderer, lines: &GpuLines, view: &View) -> (
 
 #[test]
 fn a_still_picture_computes_nothing_anew_and_a_moved_one_little() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let set = set(Family::Spiral, 120);
     // Places about as far apart as pixels.
     let settings = Settings::of_places(0.3, 0.02);
@@ -38,7 +38,7 @@ fn a_still_picture_computes_nothing_anew_and_a_moved_one_little() {
 
 #[test]
 fn other_settings_and_other_lines_are_computed_anew() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let (first, second) = (set(Family::Spiral, 60), set(Family::PomPom, 100));
     let settings = Settings::of_places(0.3, 0.01);
     let view = views(first.bounds())[1];
@@ -75,7 +75,7 @@ fn other_settings_and_other_lines_are_computed_anew() {
 
 #[test]
 fn lines_without_places_are_refused_and_empty_ones_are_not() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let settings = Settings::of_places(0.3, 0.01);
     let set = set(Family::Spiral, 5);
     let view = views(set.bounds())[0];

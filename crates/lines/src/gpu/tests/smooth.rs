@@ -39,7 +39,7 @@ fn scaled_down(large: &[f64], width: usize, side: usize) -> Vec<f64> {
 
 #[test]
 fn smooth_pictures_are_near_larger_ones_that_are_scaled_down() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for (name, lines) in [
         ("spiral", set(Family::Spiral, 40)),
         ("hair", set(Family::PomPom, 90)),
@@ -62,7 +62,9 @@ fn smooth_pictures_are_near_larger_ones_that_are_scaled_down() {
 
 /// The lines that samples of a pixel show, on a turned square: `None` if rounding may decide.
 fn shown(lines: &LineSet, view: &View, [x, y]: [usize; 2]) -> Option<Vec<u32>> {
+    // In pixels and in depth: rounding decides between lines that are nearer to each other.
     const DOUBT: f64 = 1.0 / 32.0;
+    const SAME_DEPTH: f64 = 1e-4;
     let mut found = Vec::new();
     for place in [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]] {
         let place = DVec2::new(x as f64, y as f64) + DVec2::from_array(place);
@@ -89,7 +91,7 @@ fn shown(lines: &LineSet, view: &View, [x, y]: [usize; 2]) -> Option<Vec<u32>> {
         // Those that may lie before the first one that is sure.
         let Some(&(nearest, line, _)) = all.iter().find(|a| !a.2).or(all.first()) else { continue };
         let is_beside = |&(depth, other, doubt): &(f64, u32, bool)| {
-            depth < nearest + 1e-4 && (doubt && depth < nearest || other != line)
+            depth < nearest + SAME_DEPTH && (doubt && depth < nearest || other != line)
         };
         if all.iter().any(is_beside) || all.iter().all(|a| a.2) {
             return None;
@@ -103,7 +105,7 @@ fn shown(lines: &LineSet, view: &View, [x, y]: [usize; 2]) -> Option<Vec<u32>> {
 
 #[test]
 fn samples_show_the_nearest_line_within_half_a_pixel() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let lines = set(Family::Spiral, 25);
     for view in views(lines.bounds()) {
         let settings =
@@ -158,7 +160,7 @@ fn area_off(gpu: &Gpu, lines: &GpuLines, view: &View, antialiasing: Antialiasing
 
 #[test]
 fn lines_of_any_direction_keep_their_width_wherever_they_lie_in_a_pixel() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, SIZE).unwrap();
     // On a diagonal two samples of four lie beside each other.
     for (angle, most) in [(0.0f32, 0.06), (90.0, 0.06), (87.0, 0.06), (20.0, 0.06), (45.0, 0.3)] {
@@ -175,7 +177,7 @@ fn lines_of_any_direction_keep_their_width_wherever_they_lie_in_a_pixel() {
 
 #[test]
 fn smooth_pictures_change_less_when_the_camera_moves_by_part_of_a_pixel() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for family in [Family::Spiral, Family::PomPom, Family::Reservoir] {
         let lines = set(family, 40);
         let view = views(lines.bounds())[0];
@@ -192,7 +194,7 @@ fn smooth_pictures_change_less_when_the_camera_moves_by_part_of_a_pixel() {
 
 #[test]
 fn lines_behind_smooth_lines_change_no_pixel_when_they_are_left_out() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let lines = Recipe { lines: 1500, vertices: 40, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
     let antialiasing = Antialiasing::Four { thickness: 3.0 };
     let settings = Settings { antialiasing, samples: 1, ..Settings::new(0.01, 0.001) };
@@ -217,7 +219,7 @@ fn lines_behind_smooth_lines_change_no_pixel_when_they_are_left_out() {
 
 #[test]
 fn thin_and_very_thick_lines_are_refused() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     for thickness in [0.5, 17.0, f32::NAN, f32::INFINITY] {
         let antialiasing = Antialiasing::Four { thickness };
         let why = Renderer::new(&gpu, COLOUR, Settings { antialiasing, ..Settings::new(0.3, 0.01) });

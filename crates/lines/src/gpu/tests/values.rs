@@ -17,7 +17,7 @@ fn run_on(gpu: &Gpu, view: &View, lines: (&GpuLines, &Seen)) -> Result<(), Lines
 
 #[test]
 fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let good = settings(AoOptions::new(0.3, 0.01));
     let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, SIZE).unwrap();
     let renderer = run(&gpu, &LineSet::default(), &view, good);

@@ -367,8 +367,9 @@ fn rays_at_the_borders_of_cells_lose_no_tube_to_rounding() {
     // behind it.
     let mut random = Random::new(4);
     let row: Vec<f32> = (0..150_000).map(|_| random.within(0.0, 1.0) as f32).collect();
-    let lines = LineSet::new(row.iter().map(|x| [vec3(*x, 0.0, -1e-3), vec3(*x, 0.0, 1e-3)])).unwrap();
-    let tube = 5e-7;
+    // So short that cells are a thousandth of the row, and so thin that tubes hardly overlap.
+    let (half, tube) = (1e-3, 5e-7);
+    let lines = LineSet::new(row.iter().map(|x| [vec3(*x, 0.0, -half), vec3(*x, 0.0, half)])).unwrap();
     let cells = Cells::new(&lines, tube);
     assert!(cells.dims().x > 900, "{:?}", cells.dims());
     let lost = |x: f32| thin(&cells, vec3(x, -0.01, 0.0), tube).passed(Vec3::Y) > 0.0;
@@ -394,18 +395,20 @@ fn rays_along_the_axes_meet_tubes_on_the_borders_of_cells_too() {
         [at - Vec3::Z, at + Vec3::Z]
     });
     let turned = |axis: usize| move |p: Vec3| Vec3::from_array(std::array::from_fn(|i| p[(i + axis) % 3]));
+    // Rays half a radius beside the axis of a tube meet it, those 20 radii beside it do not.
+    let tube = 1e-3;
     for axis in 0..3 {
         let lines = LineSet::new(rods.clone().map(|rod| rod.map(turned(axis)))).unwrap();
-        let cells = Cells::new(&lines, 1e-3);
+        let cells = Cells::new(&lines, tube);
         for i in 0..20 {
             for (side, zero) in [(-1.0, 0.0), (1.0, -0.0)] {
-                let at = vec3(0.5 + side * 0.8, i as f32 / 16.0 + 5e-4, 0.0);
+                let at = vec3(0.5 + side * 0.8, i as f32 / 16.0 + tube / 2.0, 0.0);
                 let start = turned(axis)(at);
-                let rays = thin(&cells, start, 1e-3);
+                let rays = thin(&cells, start, tube);
                 let way = turned(axis)(vec3(-side, zero, zero));
                 assert_eq!(rays.passed(way), 0.0, "{axis} {at}");
-                let beside = turned(axis)(at + Vec3::Y * 2e-2);
-                assert_eq!(thin(&cells, beside, 1e-3).passed(way), 1.0, "{axis} {at}");
+                let beside = turned(axis)(at + Vec3::Y * (20.0 * tube));
+                assert_eq!(thin(&cells, beside, tube).passed(way), 1.0, "{axis} {at}");
             }
         }
     }
@@ -425,7 +428,8 @@ fn rays_pass_lines_beside_them_that_are_parallel_and_meet_those_that_almost_are(
         assert_eq!(rays.passed(way.as_vec3()), 1.0, "{start} {way}");
     }
     // Angles of a thousandth, where a tube is crossed within a fifth of its length.
-    let lines = LineSet::new([[vec3(0.1, -4e-4, 0.0), vec3(0.9, 4e-4, 0.0)]]).unwrap();
-    let cells = Cells::new(&lines, 1e-4);
-    assert_eq!(thin(&cells, Vec3::ZERO, 1e-4).passed(Vec3::X), 0.0);
+    let (rise, tube) = (4e-4, 1e-4);
+    let lines = LineSet::new([[vec3(0.1, -rise, 0.0), vec3(0.9, rise, 0.0)]]).unwrap();
+    let cells = Cells::new(&lines, tube);
+    assert_eq!(thin(&cells, Vec3::ZERO, tube).passed(Vec3::X), 0.0);
 }

@@ -80,11 +80,11 @@ struct Object {
     id: u32,
     /// With the parts of its template.
     draft: Draft,
-    /// Whether it was told what is amiss with it.
+    /// Whether its faults were told.
     told: bool,
 }
 
-/// Is told the number of an object on a tile, and what is amiss with it.
+/// Takes the number of an object on a tile, and its fault.
 type Tell<'f> = &'f mut dyn FnMut(u32, TmxFault);
 
 impl DrawnTiles {

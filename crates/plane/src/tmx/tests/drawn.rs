@@ -274,7 +274,7 @@ fn roles_are_those_of_objects() {
     );
     let open = object("", &says("opaque", false));
     assert_eq!(read("<tile id=\"1\">", "walls", &[&*open, &*door].concat()), (0, vec![(Role::Door, 1)]));
-    // A rectangle over the cell is a tile; a larger one, too, with what is left of it.
+    // A rectangle over the cell becomes a tile; a larger one stays a shape beside the tile.
     let over =
         |x: i32, width: i32| format!("<object type=\"opaque\" x=\"{x}\" width=\"{width}\" height=\"8\"/>");
     assert_eq!(read("<tile id=\"1\">", "l", &over(0, 16)), (1, vec![]));

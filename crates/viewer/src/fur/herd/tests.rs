@@ -17,7 +17,7 @@ const TO_SUN: Vec3 = Vec3::new(0.6, 0.64, 0.48);
 
 #[test]
 fn pictures_of_what_can_be_seen_are_those_of_everything() {
-    let Ok(gpu) = Gpu::headless(false) else { return println!("skipped: no adapter") };
+    let Some(gpu) = Gpu::for_tests() else { return };
     let fur = Fur { spacing: 0.02, ..Fur::for_radius(0.6, 0.1, 0.4).unwrap() };
     let field = Field::new(24, 1, 5, Hiding::Balls, |_| Ok(fur)).unwrap();
     let mut herd = Herd::new(field).unwrap();
@@ -71,10 +71,7 @@ struct Walkers {
 impl Walkers {
     /// A herd of generated animals, or of the character of a file.
     fn new(count: usize, seed: u64, own: Option<(Species, Fur)>) -> Option<Self> {
-        let Ok(gpu) = Gpu::headless(false) else {
-            println!("skipped: no adapter");
-            return None;
-        };
+        let gpu = Gpu::for_tests()?;
         let forces = Forces::default();
         let (field, fur) = match own {
             Some((species, fur)) => {
