@@ -32,7 +32,8 @@ pub(super) struct GpuLens {
 }
 
 impl GpuLens {
-    /// The lens of a view. `thick` is half the thickness of lines in its pixels, or 0: see view.wgsl.
+    /// The lens of a view. `thick` is half the thickness of lines in its pixels, or 0, as in
+    /// view.wgsl.
     pub(super) fn new(view: &View, slices: Slices, thick: f32) -> Self {
         let turn = view.eye_from_world().matrix3;
         let origin = view.eye_from_world().inverse().translation;
