@@ -46,7 +46,7 @@ pub enum Legend {
         /// The values of the first and the last colour.
         range: [f32; 2],
     },
-    /// Groups, by their names.
+    /// Groups that have lines, by their names.
     Groups(Vec<(String, [u8; 3])>),
 }
 
@@ -142,7 +142,10 @@ impl LineSet {
         let groups = self.attributes().groups.as_ref().ok_or(ColourError::NoGroups)?;
         let of_line = |g: &u32| if *g == NO_GROUP { UNKNOWN } else { hue(*g) };
         let colours: Vec<[u8; 3]> = groups.of.iter().map(of_line).collect();
-        let mut named: Vec<_> = (0..).zip(&groups.names).map(|(i, name)| (name.clone(), hue(i))).collect();
+        let mut used = vec![false; groups.names.len()];
+        groups.of.iter().filter(|g| **g != NO_GROUP).for_each(|g| used[*g as usize] = true);
+        let named = (0..).zip(&groups.names).zip(used).filter(|(_, used)| *used);
+        let mut named: Vec<_> = named.map(|((i, name), _)| (name.clone(), hue(i))).collect();
         if groups.of.contains(&NO_GROUP) {
             named.push(("in no group".to_owned(), UNKNOWN));
         }
@@ -253,6 +256,9 @@ mod tests {
         let (left, right) = (named[0].1, named[1].1);
         assert_eq!(named.iter().map(|n| &*n.0).collect::<Vec<_>>(), ["left", "right", "in no group"]);
         assert_eq!(colours.of_vertices, [right, right, UNKNOWN, left, left]);
+        // A group keeps its colour where others lose all lines.
+        let chosen = set().chosen(|line, _| line == 0).colours(&Colouring::Group).unwrap().unwrap();
+        assert_eq!(chosen.legend, Legend::Groups(vec![("right".to_owned(), right)]));
         let apart = |a: [u8; 3], b: [u8; 3]| (0..3).map(|c| u32::from(a[c].abs_diff(b[c]))).sum::<u32>();
         for i in 0..8 {
             (0..i).for_each(|j| assert!(apart(hue(i), hue(j)) > 60, "{i}, {j}: {:?} {:?}", hue(i), hue(j)));
