@@ -79,8 +79,8 @@ impl Recipe {
         Self { family, lines, vertices, seed, time: 0.0 }
     }
 
-    /// Makes the set. Each line depends on its own number and the seed only. Lines of a reservoir are
-    /// in the group of the well that they come from. Time: proportional to the vertices.
+    /// Makes the set. Each line depends on its own number and the seed only. Lines of a reservoir
+    /// are in the group of the well that they come from. Time: proportional to the vertices.
     ///
     /// # Errors
     /// If there are more than [`MOST_VERTICES`]. A time that is not finite is taken as 0.
