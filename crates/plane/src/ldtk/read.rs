@@ -37,7 +37,8 @@ impl LdtkImport {
         mut level: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<Vec<LdtkLevel>, LdtkError> {
         let damaged = |file: &str, why| LdtkError::Damaged { file: file.into(), why };
-        let project: Project = serde_json::from_slice(project).map_err(|why| damaged("the project", why))?;
+        let project: Project =
+            serde_json::from_slice(unmarked(project)).map_err(|why| damaged("the project", why))?;
         let (blocking, mut budget) = (project.blocking(&self.property), Budget::default());
         let mut levels = Vec::new();
         let mut taken = HashSet::new();
@@ -50,7 +51,7 @@ impl LdtkImport {
                         return Err(LdtkError::Twice(path.clone()));
                     }
                     let bytes = level(path).map_err(|why| LdtkError::File { file: path.clone(), why })?;
-                    outside = serde_json::from_slice(&bytes).map_err(|why| damaged(path, why))?;
+                    outside = serde_json::from_slice(unmarked(&bytes)).map_err(|why| damaged(path, why))?;
                     &outside
                 }
                 _ => inner,
@@ -59,4 +60,9 @@ impl LdtkImport {
         }
         Ok(levels)
     }
+}
+
+/// The text behind a byte-order mark, which some editors put before UTF-8.
+fn unmarked(file: &[u8]) -> &[u8] {
+    file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(file)
 }

@@ -99,6 +99,20 @@ fn values_without_a_definition_are_named_and_block_only_in_walls() {
 }
 
 #[test]
+fn files_with_a_byte_order_mark_are_read() {
+    let marked = |file: Value| [b"\xef\xbb\xbf", file.to_string().as_bytes()].concat();
+    let walls = level(&[layer("Walls", 10, json!({"intGridCsv": [0, 1, 0, 0, 0, 0, 0, 1]}))]);
+    let mut named = walls.clone();
+    named["layerInstances"] = Value::Null;
+    named["externalRelPath"] = "cellar.ldtkl".into();
+    for project_of in [walls.clone(), named] {
+        let file = marked(project(&[project_of]));
+        let found = LdtkImport::default().parse(&file, |_| Ok(marked(walls.clone()))).unwrap();
+        assert_eq!(drawn(&found[0].walls), [".#..", "...#"]);
+    }
+}
+
+#[test]
 fn tiles_block_by_their_tags() {
     let tile = |x: i32, y: i32, t: i64| json!({"px": [x, y], "src": [0, 0], "f": 0, "t": t, "d": [1]});
     let tiles =
