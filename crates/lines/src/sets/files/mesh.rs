@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::error::FileError;
-use super::{Format, ply, text};
+use super::{Format, ply, text, unmarked};
 use crate::mesh::Mesh;
 
 /// The triangles of a file whose ending is .obj (`v` and `f`) or .ply (`vertex` and `face`);
@@ -27,6 +27,7 @@ pub fn open_mesh(path: &Path) -> Result<Mesh, FileError> {
 /// # Errors
 /// If the format is another, the bytes break it, or a coordinate is not finite.
 pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Mesh, FileError> {
+    let bytes = unmarked(bytes);
     let (positions, polygons) = match format {
         Format::Obj => text::lists(bytes, "f")?,
         Format::Ply => ply::lists(bytes, &["face"])?,
@@ -55,6 +56,8 @@ mod tests {
     #[test]
     fn polygons_of_obj_and_ply_become_triangles_beside_their_lines() {
         let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nl 1 2\nvn 0 0 1\nf 1/1/1 2//1 3 -1\n";
+        // The mark must not hide the first vertex.
+        let obj = &*format!("\u{feff}{obj}");
         let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
             element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int vertex1\n\
             property int vertex2\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n0 1\n";

@@ -84,6 +84,8 @@ pub fn open(path: &Path) -> Result<LineSet, FileError> {
 /// # Errors
 /// If the bytes break the format, or a coordinate is not finite.
 pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
+    // The offset that a TCK names counts from the start of the file.
+    let bytes = if format == Format::Tck { bytes } else { unmarked(bytes) };
     Ok(match format {
         Format::Text => LineSet::new(text::thesis(bytes)?)?,
         Format::Obj => LineSet::new(text::obj(bytes)?)?,
@@ -99,4 +101,10 @@ pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
         Format::Vtp | Format::Trx => return Err(FileError::Feature),
         Format::Hair => hair::read(bytes)?,
     })
+}
+
+/// The file behind a byte-order mark, which some editors put before text: a first `v` of OBJ would
+/// be another word with it. No binary format begins so.
+fn unmarked(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }

@@ -125,6 +125,24 @@ proptest! {
 }
 
 #[test]
+fn text_with_a_byte_order_mark_is_read() {
+    let lines = [vec![Vec3::X, Vec3::Y], vec![Vec3::Z, Vec3::ONE, Vec3::ZERO]];
+    let mut text = all_written(&lines);
+    // The first word of this file counts.
+    text.push((
+        Format::Obj,
+        b"v 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nv 0 0 0\nl 1 2\nl 3 4 5\n".to_vec(),
+        false,
+    ));
+    let kinds = [Format::Text, Format::Obj, Format::Ply, Format::Vtk, Format::Vtp];
+    for (format, file, _) in text.into_iter().filter(|(format, ..)| kinds.contains(format)) {
+        let marked = [b"\xef\xbb\xbf", &*file].concat();
+        let (marked, plain) = (read(&marked, format).unwrap(), read(&file, format).unwrap());
+        assert_eq!((marked.len(), &marked), (2, &plain), "{format:?}");
+    }
+}
+
+#[test]
 fn errors_name_place_and_cause() {
     let fail = |bytes: &[u8], format| read(bytes, format).unwrap_err().to_string();
     let huge = "99999999999999999";
