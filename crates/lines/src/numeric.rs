@@ -38,6 +38,15 @@ pub const GROUP: u32 = 16;
 /// all one point.
 pub const DOT_ROOM: f64 = 1e-3;
 
+/// The part of the greatest coordinate by which rounding may add to the error of simplified lines:
+/// distances are some roundings of 2^-53. It is 2^24 times finer than coordinates are, so that a
+/// tolerance of 0 still drops vertices of straight lines.
+pub const SIMPLIFY_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
+
+/// The share of the range of numbers and colours by which simplified lines may be wrong, unless
+/// they are told another: 4 of 255, hardly to be seen.
+pub const VALUE_TOLERANCE: f32 = 1.0 / 64.0;
+
 /// Segments of lines for each cell of a grid for rays, if they were spread evenly and short. Fewer
 /// make rays cross more cells, more make them test more segments.
 pub const SEGMENTS_IN_CELL: f64 = 0.5;

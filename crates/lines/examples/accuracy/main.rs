@@ -4,11 +4,13 @@
 //!
 //! `cargo run --release -p casca-lines --example accuracy -- [receivers] [words of kinds...]`
 //!
+//! With `--simplified` it compares simplified lines with the truth of those that they were made of.
 //! With `--pictures FOLDER` it draws the first of these kinds by each method and by rays instead.
 
 mod kinds;
 mod methods;
 mod pictures;
+mod simplified;
 mod truth;
 
 use std::error::Error;
@@ -175,6 +177,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let kind = KINDS.iter().find(|k| words.get(2).is_none_or(|w| k.name.contains(w.as_str())));
         return pictures::draw(kind.ok_or("no kind has this name")?, folder.as_ref());
     }
+    let simplified = words.first().is_some_and(|w| w == "--simplified");
+    if simplified {
+        words.remove(0);
+    }
     let most = words.first().and_then(|w| w.parse().ok());
     if most.is_some() {
         words.remove(0);
@@ -184,6 +190,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         let case = |k| Ok((k, Case::new(k, size, most.unwrap_or(1000))?));
         let cases: Vec<(&Kind, Case)> =
             KINDS.iter().filter(wanted).map(case).collect::<Result<_, Box<dyn Error>>>()?;
+        if simplified {
+            println!(
+                "\nSimplified lines at {} x {}, against {} rays at the whole ones:\n",
+                size[0],
+                size[1],
+                RAYS * RAYS
+            );
+            simplified::print(&cases);
+            continue;
+        }
         println!("\nPearson and RMSE to {} rays at {} x {}:\n", RAYS * RAYS, size[0], size[1]);
         agreement(&cases);
         if size == SIZES[0] {

@@ -11,6 +11,8 @@
 //! - [`hidden`]: lines behind nearer lines, which are not drawn.
 //! - [`settings`]: what is computed.
 //! - [`antialiasing`]: smooth borders of lines.
+//! - `grid`: the cells of lines on the device, in parts where they are large; `rays`: the passes of
+//!   rays through them.
 //! - `sides`: the occlusion at places along lines, which stays from frame to frame.
 //! - [`renderer`]: columns, nearest lines, occlusion, pictures.
 //!
@@ -31,6 +33,7 @@ pub mod moving;
 mod nearest;
 pub mod numeric;
 mod picture;
+mod rays;
 pub mod renderer;
 pub mod set;
 pub mod settings;

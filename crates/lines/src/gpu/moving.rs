@@ -72,6 +72,12 @@ impl MovingLines {
         &self.lines
     }
 
+    /// Puts the cells into parts of 2^`part` words.
+    #[cfg(test)]
+    pub(super) fn split_cells(&mut self, gpu: &Gpu, part: u32) {
+        self.lines.cells = GpuCells::of_parts(gpu, &self.host.cells, part).unwrap();
+    }
+
     /// The lines where they are now.
     pub fn set(&self) -> &LineSet {
         &self.set

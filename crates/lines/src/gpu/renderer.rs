@@ -16,10 +16,11 @@ use crate::gpu::frame::{Frame, GpuFragment};
 use crate::gpu::hidden::{Drawn, LineCulling};
 use crate::gpu::nearest::{Nearest, Pixels};
 use crate::gpu::picture::Picture;
+use crate::gpu::rays::Rays;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
 use crate::gpu::shader::shader;
-use crate::gpu::sides::{GpuSides, Passes};
+use crate::gpu::sides::GpuSides;
 use crate::occlusion::sector_of;
 use crate::samples::SampleSets;
 use crate::view::View;
@@ -44,15 +45,13 @@ pub struct Renderer {
     nearest: Nearest,
     context: ContextPass,
     estimate: Kernel,
-    trace: Kernel,
-    places: Passes,
+    rays: Rays,
+    /// For cells in parts, once there are some.
+    split_rays: Option<Rays>,
     picture: Picture,
     samples: Buffer,
     frame: Option<Frame>,
 }
-
-/// The pixels of a workgroup of rays, as in rays.wgsl.
-const TILE: [u32; 2] = [4, 2];
 
 impl Renderer {
     /// Compiles the shaders, for pictures of a format.
@@ -74,22 +73,13 @@ impl Renderer {
             "occlusion",
             concat!(include_str!("shaders/receiver.wgsl"), include_str!("shaders/occlusion.wgsl")),
         );
-        let rays = shader(
-            gpu,
-            "rays",
-            concat!(
-                include_str!("shaders/receiver.wgsl"),
-                include_str!("shaders/rays.wgsl"),
-                include_str!("shaders/sides.wgsl")
-            ),
-        );
         Ok(Self {
             columns: Kernel::new(gpu, &raster, "columns", &[0, 2, 3, 4, 5, 6, 7]),
             nearest: Nearest::new(gpu, &raster)?,
             context: ContextPass::new(gpu),
             estimate: Kernel::new(gpu, &occlusion, "estimate", &[0, 6, 7, 12, 15, 16, 17]),
-            trace: Kernel::new(gpu, &rays, "trace", &[0, 12, 15, 16, 17, 19, 20, 21, 22]),
-            places: Passes::new(gpu, &rays),
+            rays: Rays::new(gpu, false),
+            split_rays: None,
             picture: Picture::new(gpu, format),
             samples: samples(gpu, &settings)?,
             settings,
@@ -150,6 +140,12 @@ impl Renderer {
         let frame = &*frame;
         let settings = &self.settings;
         let sides = lines.sides_for(settings)?;
+        let is_split =
+            settings.by_rays() && (lines.cells.is_split() || sides.is_some_and(GpuSides::is_split));
+        if is_split && self.split_rays.is_none() {
+            self.split_rays = Some(Rays::new(gpu, true));
+        }
+        let rays = self.split_rays.as_ref().filter(|_| is_split).unwrap_or(&self.rays);
         let storage = BufferUsages::STORAGE;
         let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
         let ao = filled(
@@ -186,14 +182,12 @@ impl Renderer {
         let seen: [Bound<'_>; 2] = [(0, &frame.lens), (2, &lines.vertices)];
         let bound = [&receivers[..], &seen[..], &lines.cells.bound()[..]].concat();
         if let (Some(sides), Some(work)) = (sides, &frame.work) {
-            self.places.run(gpu, (sides, work), settings, (&bound, layers), clock)?;
+            rays.places.run(gpu, (sides, work), settings, (&bound, layers), clock)?;
             return Ok(());
         }
         clock.stage(gpu, "occlusion", |encoder| {
             if settings.by_rays() {
-                let [width, height] = layers;
-                let tiles = width.div_ceil(TILE[0]) as usize * height.div_ceil(TILE[1]) as usize;
-                self.trace.run_groups(gpu, encoder, tiles, &among(&bound));
+                rays.of_pixels(gpu, encoder, layers, &bound);
             } else {
                 let bound: [Bound<'_>; 3] = [(0, &frame.grid_lens), (6, &frame.bits), (7, &frame.lengths)];
                 let bound = [&receivers[..], &bound[..]].concat();

@@ -91,6 +91,12 @@ impl GpuSides {
         Ok(())
     }
 
+    /// Whether cells of lines that moved are in parts.
+    pub(super) fn is_split(&self) -> bool {
+        let motions = self.motions.lock().unwrap_or_else(PoisonError::into_inner);
+        motions.iter().any(|motion| motion.cells.is_split())
+    }
+
     /// The number of places.
     pub(super) fn count(&self) -> u32 {
         self.count
@@ -170,12 +176,14 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    pub(super) fn new(gpu: &Gpu, module: &ShaderModule) -> Self {
+    /// Of rays through cells with these bindings.
+    pub(super) fn new(gpu: &Gpu, module: &ShaderModule, cells: &[u32]) -> Self {
+        let through = |own: &[u32]| [own, cells].concat();
         Self {
-            doubt: Kernel::new(gpu, module, "doubt", &[2, 15, 16, 19, 20, 21, 22, 23, 24, 25]),
+            doubt: Kernel::new(gpu, module, "doubt", &through(&[2, 15, 16, 23, 24, 25])),
             ask: Kernel::new(gpu, module, "ask", &[0, 2, 12, 16, 23, 25, 26]),
             count: Kernel::new(gpu, module, "count", &[26, 27]),
-            trace: Kernel::new(gpu, module, "trace_sides", &[2, 15, 16, 19, 20, 21, 22, 23, 24, 26]),
+            trace: Kernel::new(gpu, module, "trace_sides", &through(&[2, 15, 16, 23, 24, 26])),
             shade: Kernel::new(gpu, module, "shade", &[0, 2, 12, 16, 17, 23, 24]),
         }
     }

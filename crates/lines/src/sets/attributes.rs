@@ -102,6 +102,19 @@ impl Attributes {
         }
     }
 
+    /// Those of the same lines with some of their vertices, ascending.
+    pub(super) fn of_vertices(&self, kept: &[u32]) -> Self {
+        let scalars = |s: &Scalars| match s.of {
+            Of::Vertices => Scalars { values: pick(&s.values, kept), name: s.name.clone(), of: s.of },
+            Of::Lines => s.clone(),
+        };
+        Self {
+            scalars: self.scalars.iter().map(scalars).collect(),
+            colours: self.colours.as_ref().map(|all| pick(all, kept)),
+            groups: self.groups.clone(),
+        }
+    }
+
     /// Those of some lines, by their numbers and the vertices of each.
     pub(super) fn chosen(&self, lines: &[(usize, Range<usize>)]) -> Self {
         let of_vertices = || lines.iter().flat_map(|(_, vertices)| vertices.clone());
@@ -122,4 +135,8 @@ impl Attributes {
             groups: self.groups.as_ref().map(groups),
         }
     }
+}
+
+fn pick<T: Copy>(all: &[T], kept: &[u32]) -> Vec<T> {
+    kept.iter().map(|&v| all[v as usize]).collect()
 }

@@ -4,6 +4,7 @@
 //! - [`attributes`]: numbers of vertices and lines, colours and groups.
 //! - [`colour`]: colours by direction, numbers or groups.
 //! - [`region`]: boxes and spheres that lines are chosen by.
+//! - [`simplify`]: lines with fewer vertices, within a tolerance.
 //! - [`generate`]: seeded sets that move with a time.
 //! - [`files`]: text, OBJ, PLY, TCK, TRK, VTK, HAIR; with the feature `formats` VTP and TRX.
 //! - [`rooms`]: a house with a set in each of its rooms.
@@ -17,6 +18,7 @@ pub mod random;
 pub mod region;
 pub mod rooms;
 mod set;
+pub mod simplify;
 mod surfaces;
 
 pub use set::{LineError, LineSet, MOST_VERTICES, Segment};

@@ -101,6 +101,18 @@ impl LineSet {
         Self { attributes: self.attributes.chosen(&kept), points, starts }
     }
 
+    /// The same lines with some of their vertices: for each line the numbers of those, ascending.
+    pub(super) fn of_vertices(&self, kept: &[Vec<u32>]) -> Self {
+        let ends = kept.iter().scan(0, |end, line| {
+            *end += line.len() as u32;
+            Some(*end)
+        });
+        let starts = std::iter::once(0).chain(ends).collect();
+        let vertices = kept.concat();
+        let points = vertices.iter().map(|&v| self.points[v as usize]).collect();
+        Self { attributes: self.attributes.of_vertices(&vertices), points, starts }
+    }
+
     /// The same lines with each vertex moved.
     ///
     /// # Errors

@@ -71,6 +71,12 @@ pub struct Options {
     /// ground of the set "reservoir", the ball of "pompom". May be given several times
     #[arg(long, value_name = "MESH", value_parser = parse_context)]
     pub context: Vec<ContextName>,
+    /// Drops vertices of lines where the lines then stay within so many pixels, at the middle of
+    /// the depths of the first view, and the numbers and colours of vertices within 1/64 of their
+    /// range [default without a number: 0.25]
+    #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
+        default_missing_value = "0.25", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
+    pub simplify: Option<f32>,
     /// The direction that the set is seen from
     #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
     pub from: Vec3,
@@ -320,6 +326,14 @@ mod tests {
         assert_eq!(usual.antialiasing(), Antialiasing::SMOOTH);
         assert_eq!(usual.common.file.unwrap().to_str(), Some("lines.obj"));
         assert_eq!(options(&["--antialias=2.5"]).antialias, Some(2.5));
+    }
+
+    #[test]
+    fn lines_are_whole_unless_a_tolerance_is_asked_for() {
+        assert_eq!(options(&[]).simplify, None);
+        let usual = options(&["--simplify", "lines.obj"]);
+        assert_eq!((usual.simplify, usual.common.file.unwrap().to_str()), (Some(0.25), Some("lines.obj")));
+        assert_eq!(options(&["--simplify=2"]).simplify, Some(2.0));
     }
 
     #[test]

@@ -13,9 +13,13 @@ use casca_lines::sets::generate::Recipe;
 use casca_lines::sets::random::Random;
 use casca_lines::sets::region::Region;
 use casca_lines::sets::rooms::House;
+use casca_lines::sets::simplify::Tolerance;
 use casca_lines::sets::{LineSet, files};
 use casca_lines::view::{Lens, View, ViewError};
+use casca_stage::command_line::say;
 use casca_stage::gpu::Gpu;
+use casca_stage::timing::Instant;
+use casca_stage::window::Done;
 use glam::{Vec3, vec3};
 
 use crate::common::Failed;
@@ -48,6 +52,8 @@ pub struct Source {
     /// The regions that generated lines must cross, and those that they must not.
     regions: [Vec<Region>; 2],
     colouring: Colouring,
+    /// How far lines may be from where they were, if vertices are dropped.
+    simplify: Option<Tolerance>,
     /// The bounds at time 0, and some room for the motion.
     pub bounds: [Vec3; 2],
     /// The meshes and walls that hide lines, at the time of the command line.
@@ -80,6 +86,7 @@ impl Source {
             seed: options.seed,
             regions: [options.include.clone(), options.exclude.clone()],
             colouring: options.colouring(),
+            simplify: None,
             bounds: [Vec3::ZERO; 2],
             context: Vec::new(),
         };
@@ -101,7 +108,39 @@ impl Source {
         let corners = || source.context.iter().flat_map(|c| &c.mesh().positions);
         source.bounds = corners().fold(source.bounds, |[min, max], c| [min.min(*c), max.max(*c)]);
         source.check_size()?;
+        source.simplify(options)?;
         Ok(source)
+    }
+
+    /// From now on lines are simplified, if the command line asks for it: those of a file before
+    /// they sway, generated ones at each time.
+    fn simplify(&mut self, options: &Options) -> Done {
+        let Some(pixels) = options.simplify else { return Ok(()) };
+        let (width, height) = options.common.drawing.size;
+        let size = [width, height];
+        let view = self.view(options, self.start(options, size, 0)?, size)?;
+        let [near, far] = view.depths();
+        let tolerance = Tolerance::within(view.pixel_size((near + far) / 2.0) as f32 * pixels);
+        let start = Instant::now();
+        let (old, new) = match &mut self.kind {
+            Kind::File(lines) => {
+                let old = lines.points().len();
+                *lines = lines.simplified(&tolerance);
+                (old, lines.points().len())
+            }
+            _ => {
+                let old = self.at(0.0)?;
+                self.simplify = Some(tolerance);
+                (old.points().len(), old.simplified(&tolerance).points().len())
+            }
+        };
+        say(format_args!(
+            "{}: {new} of {old} vertices stay, within {:.2e} units; simplified in {:.2} s",
+            self.name,
+            tolerance.distance,
+            start.elapsed().as_secs_f64()
+        ));
+        Ok(())
     }
 
     /// Refuses lines that would not be seen.
@@ -121,11 +160,15 @@ impl Source {
             true => lines,
             false => lines.within(&self.regions[0], &self.regions[1]),
         };
-        Ok(match &self.kind {
+        let lines = match &self.kind {
             Kind::Generated(recipe) => chosen(Recipe { time, ..*recipe }.make()?),
             Kind::Rooms(side, lines) => chosen(House::new(*side, *lines, self.seed, time)?.lines),
             Kind::File(lines) if time == 0.0 => lines.clone(),
             Kind::File(lines) => swayed(lines, self.seed, time)?,
+        };
+        Ok(match &self.simplify {
+            Some(tolerance) => lines.simplified(tolerance),
+            None => lines,
         })
     }
 
@@ -267,5 +310,24 @@ mod tests {
             }
         }
         assert!(parsed::<Options>(&["--fov", "0.5"]).is_err());
+    }
+
+    #[test]
+    fn lines_are_simplified_by_pixels_of_the_first_view() {
+        let set = |words: &[&str]| {
+            let options = parsed::<Options>(words).unwrap();
+            Source::open(&options).unwrap().at(0.0).unwrap()
+        };
+        let words = ["--set", "abc", "--lines", "20", "--simplify=0.25"];
+        let [all, some] = [set(&words[..4]), set(&words)];
+        let fine = set(&[&words[..], &["--size", "5120x2880"]].concat());
+        let counts = [&some, &fine, &all].map(|set| set.points().len());
+        assert!(counts[0] * 3 < counts[1] * 2 && counts[1] < counts[2], "{counts:?}");
+        assert_eq!([all.len(), some.len()], [20; 2]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("straight.obj");
+        let vertices: String = (0..9).map(|i| format!("v {i} {i} 0\n")).collect();
+        std::fs::write(&path, format!("{vertices}l 1 2 3 4 5 6 7 8 9\n")).unwrap();
+        assert_eq!(set(&[path.to_str().unwrap(), "--simplify=0"]).points().len(), 2);
     }
 }

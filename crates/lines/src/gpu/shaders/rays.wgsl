@@ -5,14 +5,13 @@ struct Grid {
     side: f32,
     dims: vec3u,
     margin: f32,
+    // As in parts.wgsl.
+    part: u32,
 }
 
 @group(0) @binding(19) var<uniform> grid: Grid;
-// Where the list of each cell starts, and the numbers of segments in the lists.
+// Where the list of each cell starts.
 @group(0) @binding(20) var<storage, read> starts: array<u32>;
-@group(0) @binding(21) var<storage, read> lists: array<u32>;
-// The two ends of each segment: three coordinates, and the code of the direction in which its line leads on from there.
-@group(0) @binding(22) var<storage, read> ends: array<vec4u>;
 // Instead of a direction: the line ends.
 const LINE_ENDS: u32 = 0x80008000u;
 
@@ -81,8 +80,9 @@ fn beside(ray: Ray, part: vec2f, cell: u32) -> f32 {
     let widest = ray.tube + min(ray.soft, part.y * ray.spread);
     let reach = widest * widest;
     for (var i = starts[cell]; i < starts[cell + 1u]; i++) {
-        let first = ends[lists[i] * 2u];
-        let last = ends[lists[i] * 2u + 1u];
+        let row = named(i) * 2u;
+        let first = end_of(row);
+        let last = end_of(row + 1u);
         let a = bitcast<vec3f>(first.xyz);
         let to_a = (a - ray.start) / ao.radius;
         let axis = (bitcast<vec3f>(last.xyz) - a) / ao.radius;

@@ -7,6 +7,7 @@ mod culled;
 mod hidden;
 mod moving;
 mod occlusion;
+mod parts;
 mod places;
 mod smooth;
 mod values;
