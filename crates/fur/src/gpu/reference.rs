@@ -19,8 +19,8 @@ use rayon::prelude::*;
 use crate::gpu::look::{Look, SKY, SelfShadow, stored};
 use crate::gpu::numeric::{SHADOW_LIFT, TUBES, WET, WET_EXPONENT, WIDER};
 
-/// A piece of a strand: a part of a cone, with a ball that fills the joint at its first end. Tips end
-/// flat, as the highest layer of a strand does.
+/// A piece of a strand: a part of a cone, with a ball that fills the joint at its first end. Tips
+/// end flat, as the highest layer of a strand does.
 struct Tube {
     ends: [DVec3; 2],
     /// At its ends.
