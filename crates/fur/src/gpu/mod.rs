@@ -19,6 +19,8 @@ pub mod own_pass;
 mod pipelines;
 #[cfg(test)]
 mod pose_twin;
+#[cfg(test)]
+mod rays_twin;
 pub mod records;
 pub mod reference;
 pub mod renderer;

@@ -6,10 +6,9 @@ pub(crate) const FINE: f32 = 0.6;
 /// ...and here they have done so: pixels wider than the spacing cannot show single strands.
 pub(crate) const COARSE: f32 = 1.2;
 
-/// The most steps of a fragment through its slab, each half as long as a strand's radius, since
-/// tips are thinner than roots. Each costs as much as a fragment without them, but only rays along
-/// the skin take many. At 8 layers of fur of 5%, 12 of them leave an error of 0.054, these 0.051
-/// and 48 of them 0.050.
+/// The most blocks of cells that a fragment's ray visits in its slab: eight cells, and one to seven
+/// more for each next block. Only rays along the skin under tall fur with few layers take as many:
+/// with 4 layers of fur of 10%, 12 blocks leave an error of 0.0735, these 0.0732, and 64 the same.
 pub(crate) const STEPS: u32 = 24;
 
 /// Texels along a side of the faces of the fur map: what the thesis uses in its last test.
@@ -22,8 +21,8 @@ pub(crate) const DRAWN_SIDE: u32 = 2048;
 /// The most bytes of the images of a mesh on the device, without smaller copies.
 pub(crate) const DRAWN_BYTES: u64 = 1 << 28;
 
-/// Tubes of a strand of the reference. Between neighbours of 32 the radius of a needle changes by a
-/// 32nd of that at the root, and a bent strand leaves its chord by less than 1/1000 of its height.
+/// Tubes of a strand of the reference, each a part of a cone: a bent strand leaves the chord of a
+/// 32nd by less than 1/1000 of its height.
 pub(crate) const TUBES: u32 = 32;
 
 /// Boxes of the reference's hierarchy are wider by this share of their coordinates, and hits count

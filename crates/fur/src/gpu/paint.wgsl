@@ -49,7 +49,9 @@ fn colour_at(shell: Shell, c: Change, paint: Paint, way: vec3f) -> vec3f {
     let area = dot(across, across);
     var pixels = vec2f(0.0);
     if area > 0.0 {
-        pixels = vec2f(dot(way, cross(c.base[1], across)), dot(way, cross(across, c.base[0]))) / area;
+        // Colours do not go on changing so far beyond the triangle.
+        let near = way * min(1.0, length(shell.corner - shell.base) / max(length(way), 1e-30));
+        pixels = vec2f(dot(near, cross(c.base[1], across)), dot(near, cross(across, c.base[0]))) / area;
     }
     var colour = saturate(shell.coat.rgb + paint.coat[0] * pixels.x + paint.coat[1] * pixels.y);
     let uv = shell.tex + paint.tex[0] * pixels.x + paint.tex[1] * pixels.y; // images

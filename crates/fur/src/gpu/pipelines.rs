@@ -12,6 +12,7 @@ use crate::gpu::records::Block;
 /// The shaders, in the order in which they use each other.
 const SHADERS: &str = concat!(
     include_str!("strands.wgsl"),
+    include_str!("rays.wgsl"),
     include_str!("surroundings.wgsl"),
     include_str!("pose.wgsl"),
     include_str!("shells.wgsl"),

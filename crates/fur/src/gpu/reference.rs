@@ -19,11 +19,12 @@ use rayon::prelude::*;
 use crate::gpu::look::{Look, SKY, SelfShadow, stored};
 use crate::gpu::numeric::{SHADOW_LIFT, TUBES, WET, WET_EXPONENT, WIDER};
 
-/// A piece of a strand: a tube with a round end where the next piece begins. Tips end flat, as the
-/// highest layer of a strand does.
+/// A piece of a strand: a part of a cone, with a ball that fills the joint at its first end. Tips
+/// end flat, as the highest layer of a strand does.
 struct Tube {
     ends: [DVec3; 2],
-    radius: f64,
+    /// At its ends.
+    radii: [f64; 2],
     strand: u32,
     /// Where it is on the strand, 0 to 1.
     along: [f32; 2],
@@ -61,8 +62,8 @@ impl<'a> Reference<'a> {
             (0..TUBES).map(move |i| {
                 let along = [i, i + 1].map(|i| i as f32 / TUBES as f32);
                 let ends = along.map(|t| root.point(&look.fur, t).as_dvec3());
-                let radius = f64::from(look.fur.radius_along(0.5 * (along[0] + along[1])));
-                Part::Tube(Tube { ends, radius, strand, along })
+                let radii = along.map(|t| f64::from(look.fur.radius_along(t)));
+                Part::Tube(Tube { ends, radii, strand, along })
             })
         });
         let skin = mesh.triangles().iter().zip(0u32..).map(|(triangle, i)| {
@@ -263,7 +264,7 @@ impl Part {
             Self::Tube(tube) => &tube.ends,
             Self::Skin(_, corners) => corners,
         };
-        let radius = if let Self::Tube(tube) = self { tube.radius } else { 0.0 };
+        let radius = if let Self::Tube(tube) = self { tube.radii[0] } else { 0.0 };
         let (lo, hi) = points
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
@@ -274,39 +275,57 @@ impl Part {
     /// How far along a ray it begins; `None` if the ray misses it, or starts inside.
     fn enter(&self, start: DVec3, direction: DVec3) -> Option<f64> {
         match self {
-            Self::Tube(tube) => enter_tube(tube.ends, tube.radius, tube.along[1] >= 1.0, start, direction),
+            Self::Tube(tube) => enter_tube(tube.ends, tube.radii, tube.along[1] >= 1.0, start, direction),
             Self::Skin(_, corners) => enter_triangle(corners, start, direction),
         }
     }
 }
 
-/// A tube: the part between the ends is a cylinder, and a ball is at each of them, or at the second
-/// one a disc if it is `flat`.
-fn enter_tube([a, b]: [DVec3; 2], radius: f64, flat: bool, start: DVec3, direction: DVec3) -> Option<f64> {
-    let ball = |center: DVec3| {
-        let way = center - start;
+/// A tube: the part between the ends is that of a cone that does not widen, and a ball that touches
+/// it from inside is at the first end; at the second one is a disc if it is `flat`.
+fn enter_tube(
+    [a, b]: [DVec3; 2],
+    radii: [f64; 2],
+    flat: bool,
+    start: DVec3,
+    direction: DVec3,
+) -> Option<f64> {
+    let (axis, long) = (b - a).try_normalize().map_or((DVec3::Z, 0.0), |axis| (axis, a.distance(b)));
+    let narrows = if long > 0.0 { (radii[0] - radii[1]) / long } else { 0.0 };
+    let ball = || {
+        let way = a - start;
         let near = way.dot(direction);
         let miss = way - direction * near;
-        let half = radius * radius - miss.length_squared();
-        (half >= 0.0).then(|| near - half.sqrt()).filter(|t| *t > 0.0)
+        let half = radii[0] * radii[0] / (1.0 + narrows * narrows) - miss.length_squared();
+        // Beside the cone it would touch it.
+        let behind = |t: &f64| *t > 0.0 && axis.dot(direction * *t - way) <= 0.0;
+        (half >= 0.0).then(|| near - half.sqrt()).filter(behind)
     };
-    let (axis, long) = (b - a).try_normalize().map_or((DVec3::Z, 0.0), |axis| (axis, a.distance(b)));
-    // Across the axis the cylinder is a circle.
-    let (across, way) = (direction - axis * axis.dot(direction), start - a);
-    let aside = way - axis * axis.dot(way);
-    let (aa, ab) = (across.length_squared(), across.dot(aside));
+    // Along the axis, and away from it.
+    let way = start - a;
+    let (rise, height) = (axis.dot(direction), axis.dot(way));
+    let (across, aside) = (direction - axis * rise, way - axis * height);
+    let radius = radii[0] - narrows * height;
+    let aa = across.length_squared() - (narrows * rise).powi(2);
+    let ab = across.dot(aside) + radius * narrows * rise;
     let square = ab * ab - aa * (aside.length_squared() - radius * radius);
-    let side = (square >= 0.0 && aa > 0.0).then(|| (-ab - square.sqrt()) / aa).filter(|t| {
-        let height = axis.dot(way + direction * *t);
-        *t > 0.0 && height >= 0.0 && height <= long
-    });
+    let side = || {
+        if square < 0.0 {
+            return None;
+        }
+        // Without differences of numbers that are nearly equal.
+        let q = -(ab + square.sqrt().copysign(ab));
+        let crossings = [q / aa, (aside.length_squared() - radius * radius) / q];
+        let within = |t: &f64| *t > 0.0 && (0.0..=long).contains(&(height + rise * t));
+        crossings.into_iter().filter(within).min_by(f64::total_cmp)
+    };
     let disc = || {
-        let t = axis.dot(b - start) / axis.dot(direction);
-        let inside = (start + direction * t).distance_squared(b) <= radius * radius;
+        let t = axis.dot(b - start) / rise;
+        let inside = (start + direction * t).distance_squared(b) <= radii[1] * radii[1];
         (inside && t > 0.0).then_some(t)
     };
-    let end = if flat { disc() } else { ball(b) };
-    [side, ball(a), end].into_iter().flatten().min_by(f64::total_cmp)
+    let end = if flat { disc() } else { None };
+    [side(), ball(), end].into_iter().flatten().min_by(f64::total_cmp)
 }
 
 /// A triangle, from both sides.
@@ -340,18 +359,27 @@ mod tests {
         let enter = |from: [f64; 3], to: [f64; 3]| {
             let (from, to) = (DVec3::from(from), DVec3::from(to));
             let way = (to - from).normalize();
-            enter_tube(ends, 0.5, false, from, way).map(|t| from + way * t)
+            enter_tube(ends, [0.5; 2], false, from, way).map(|t| from + way * t)
         };
         let near = |p: Option<DVec3>, q: [f64; 3]| p.is_some_and(|p| p.distance(DVec3::from(q)) < 1e-9);
         assert!(near(enter([3.0, 1.0, 0.0], [0.0, 1.0, 0.0]), [0.5, 1.0, 0.0]), "the side");
-        assert!(near(enter([0.0, 9.0, 0.0], [0.0, 0.0, 0.0]), [0.0, 2.5, 0.0]), "along the axis");
+        assert!(near(enter([0.0, -9.0, 0.0], [0.0, 0.0, 0.0]), [0.0, -0.5, 0.0]), "along the axis");
         assert!(near(enter([3.0, -0.3, 0.0], [0.0, -0.3, 0.0]), [0.4, -0.3, 0.0]), "a round end");
         assert_eq!(enter([3.0, 1.0, 0.6], [0.0, 1.0, 0.6]), None);
         assert_eq!(enter([3.0, 1.0, 0.0], [4.0, 1.0, 0.0]), None, "behind");
-        let down = |x: f64| enter_tube(ends, 0.5, true, DVec3::new(x, 9.0, 0.0), DVec3::NEG_Y);
+        // A cone of half the radius at its end.
+        let cone = |from: DVec3, way: DVec3| enter_tube(ends, [0.5, 0.25], false, from, way);
+        for (y, radius) in [(0.5, 0.4375), (1.5, 0.3125)] {
+            let found = cone(DVec3::new(3.0, y, 0.0), DVec3::NEG_X).unwrap();
+            assert!((3.0 - found - radius).abs() < 1e-12, "{y}: {found}");
+        }
+        assert_eq!(cone(DVec3::new(3.0, 1.5, 0.32), DVec3::NEG_X), None, "beside where it is narrower");
+        let found = cone(DVec3::new(0.3, 9.0, 0.0), DVec3::NEG_Y).unwrap();
+        assert!((9.0 - found - 1.6).abs() < 1e-12, "along the axis, to its side: {found}");
+        let down = |x: f64| enter_tube(ends, [0.5; 2], true, DVec3::new(x, 9.0, 0.0), DVec3::NEG_Y);
         assert_eq!((down(0.3), down(0.6)), (Some(7.0), None), "a tip ends flat");
         assert_eq!(
-            enter_tube([DVec3::ZERO; 2], 0.5, false, DVec3::X * 2.0, DVec3::NEG_X),
+            enter_tube([DVec3::ZERO; 2], [0.5; 2], false, DVec3::X * 2.0, DVec3::NEG_X),
             Some(1.5),
             "a ball"
         );

@@ -5,9 +5,6 @@
 const WET: f32 = 0.7;
 const WET_EXPONENT: f32 = 140.0;
 
-// Steps of a ray through its slab, in radii of strands.
-const STRIDE: f32 = 0.5;
-
 struct Record {
     // Object space to world space.
     rows: array<vec4f, 3>,
@@ -47,6 +44,8 @@ struct Shell {
     // The place on an image, and its number plus one, 0 for none.
     @location(10) tex: vec2f, // images
     @location(11) @interpolate(flat) image: u32, // images
+    // A corner of the triangle, in the mesh at rest.
+    @location(12) @interpolate(flat) corner: vec3f,
 }
 
 struct Corner {
@@ -80,6 +79,7 @@ fn shell(corner: Corner, rows: array<vec4f, 3>, eye: vec4f) -> Shell {
     var out: Shell;
     out.which = vec3u(corner.which.x, corner.which.y & 0xffffu, corner.which.y >> 16u);
     out.base = corner.base;
+    out.corner = corner.base;
     out.normal = corner.normal;
     out.coat = corner.coat;
     out.tex = corner.tex; // images
@@ -140,8 +140,9 @@ struct Seen {
     along: f32,
     // The height of the layer there.
     height: f32,
-    // From the skin below the fragment to the root.
+    // From the skin below the fragment to the root; the normal there.
     root: vec3f,
+    normal: vec3f,
 }
 
 /// What the thesis' map shows in the direction normal + position, where that has a direction.
@@ -154,11 +155,11 @@ fn mapped(base: vec3f, normal: vec3f, t: f32) -> bool {
 fn strand_here(there: Look, skin: Skin, height: f32, long: f32) -> Seen {
     if look.mapping == 1u {
         let t = height / long;
-        return Seen(mapped(skin.base, skin.normal, t), 0.5, t, height, vec3f(0.0));
+        return Seen(mapped(skin.base, skin.normal, t), 0.5, t, height, vec3f(0.0), skin.normal);
     }
     let hit = strand_at(there, skin, height, long);
     // The upper bits give the length: the lower ones are for the colour.
-    return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height, hit.root);
+    return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height, hit.root, skin.normal);
 }
 
 /// How skin and layer change from pixel to pixel: those of the skin, of its normal, and of the layer.
@@ -210,26 +211,11 @@ fn through_slab(rise: f32, bulge: f32, thick: f32) -> f32 {
     return 2.0 * thick / max(abs(rise) + sqrt(max(square, 0.0)), 1e-6);
 }
 
-/// The strand in a fragment of a shell. `width` is that of a pixel, `ray` the unit direction of looking or of light, both in object space.
-fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
-    let t = height_of(in.which);
-    let long = in.coat.w;
-    let height = t * long;
-    if long < SHORTEST {
-        return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0));
-    }
-    // Strands thinner than a pixel cannot be told apart: what shows is their share of the skin.
-    let word = dither(in.base, width, in.which.y);
-    if unit(word.x) < saturate((width - look.fine) / (look.coarse - look.fine)) {
-        return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0));
-    }
-    let skin = skin_of(in.base, normal, c);
+/// The strand that a ray meets between this shell and the next one: shells seen from the side do not come apart.
+fn along_ray(in: Shell, c: Change, skin: Skin, ray: vec3f) -> Seen {
     let there = bent(in.bend);
-    if look.steps <= 1u {
-        return strand_here(there, skin, height, long);
-    }
-    // Along the ray through the slab below this shell, to the next one: shells seen from the side do not come apart.
-    let up = (normal + bend_at(there, normal) * (2.0 * height)) * look.height;
+    let height = height_of(in.which) * in.coat.w;
+    let up = (skin.normal + bend_at(there, skin.normal) * (2.0 * height)) * look.height;
     let across = cross(c.shell[0], c.shell[1]);
     let det = dot(across, up);
     let x = dot(cross(ray, c.shell[1]), up) / det;
@@ -237,27 +223,58 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     let side = c.base[0] * x + c.base[1] * y;
     let turn = c.normal[0] * x + c.normal[1] * y;
     let rise = dot(across, ray) / det;
-    // The skin bends away from the ray, so that the height is a parabola.
-    let bulge = dot(ray, turn) / look.height;
-    let sag = 0.5 * dot(side, turn);
-    let thick = long / f32(max(in.which.z, 1u));
-    let stride = look.radius * look.spacing * STRIDE;
-    let speed = length(side);
-    let all = through_slab(rise, bulge, thick);
-    let steps = clamp(ceil(all * speed / stride), 1.0, f32(look.steps));
-    let way = min(all, steps * stride / max(speed, 1e-6)) / steps;
-    for (var i = 0.0; i < steps; i += 1.0) {
-        let at = i * way;
-        let here = clamp(height + at * (rise + 0.5 * bulge * at), 0.0, long);
-        let foot = side * at - normal * (sag * at * at);
-        let below = Skin(in.base + foot, normalize(normal + turn * at), skin.plane, skin.slope);
-        var hit = strand_here(there, below, here, long);
-        hit.root += foot;
-        if hit.found {
-            return hit;
-        }
+    if rise > 0.0 && in.which.y >= in.which.z {
+        // Nothing is above the highest shell.
+        return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0), skin.normal);
     }
-    return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0));
+    // The skin bends away from the ray, so that the height is a parabola. Beyond the triangle it goes by the normal and
+    // not by the triangle.
+    let bulge = dot(ray, turn) / look.height;
+    let climb = dot(ray, skin.normal) / look.height;
+    let far = through_slab(select(rise, climb, climb * rise >= 0.0), bulge, in.coat.w / f32(max(in.which.z, 1u)));
+    // In cells from here on.
+    let cell = look.spacing;
+    let speed = length(side);
+    let curve = dot(side, turn) / max(speed, 1e-20);
+    let narrowing = curve / max(speed, 1e-20) * look.height;
+    var path: Path;
+    path.skin = skin;
+    path.skin.slope = skin.slope * cell;
+    path.corner = (in.corner - in.base) / cell;
+    // Between vertices a shell is as much lower as the mean of their normals is shorter.
+    path.start = extrusion(there, skin.normal, height * length(in.normal)) / cell;
+    path.ray = ray;
+    path.far = far / cell;
+    path.side = side;
+    path.curve = curve * cell;
+    path.slowing = narrowing * rise / (1.0 + narrowing * height) * cell;
+    path.height = height;
+    path.rise = rise * cell;
+    path.bulge = bulge * cell * cell;
+    path.long = in.coat.w;
+    let met = strand_along(there, path);
+    return Seen(met.found, f32(met.id & 255u) / 255.0, met.along, met.height, met.root * cell, met.normal);
+}
+
+/// The strand in a fragment of a shell. `width` is that of a pixel, `ray` the unit direction of looking or of light, both in object space.
+fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
+    let t = height_of(in.which);
+    let long = in.coat.w;
+    let height = t * long;
+    let nothing = Seen(false, 0.0, 0.0, 0.0, vec3f(0.0), normal);
+    if long < SHORTEST {
+        return nothing;
+    }
+    // Strands thinner than a pixel cannot be told apart: what shows is their share of the skin.
+    let word = dither(in.base, width, in.which.y);
+    if unit(word.x) < saturate((width - look.fine) / (look.coarse - look.fine)) {
+        return Seen(unit(word.y) < mean_cover(look, t), unit(word.z), t, height, vec3f(0.0), normal);
+    }
+    let skin = skin_of(in.base, normal, c);
+    if look.steps <= 1u {
+        return strand_here(bent(in.bend), skin, height, long);
+    }
+    return along_ray(in, c, skin, ray);
 }
 
 /// How much of the sun the skin gets: light wraps around it.
@@ -315,11 +332,11 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
     }
     let own = 1.0 + look.vary * (2.0 * hit.own - 1.0);
     let colour = own * colour_at(in, c, paint, hit.root) * mix(records[record].root.rgb, records[record].tip.rgb, hit.along);
-    let along = turned(in, strand_tangent(bent(in.bend), normal, hit.height));
+    let along = turned(in, strand_tangent(bent(in.bend), hit.normal, hit.height));
     let to_eye = normalize(frame.eye.xyz - at);
     let sky = mix(look.dark, 1.0, hit.along);
-    let sun = between_strands(in, normal, hit.height, sky) * sunlight(lifted);
-    return stored(strand_light(colour, along, out, to_eye, sky, sun), at);
+    let sun = between_strands(in, hit.normal, hit.height, sky) * sunlight(lifted);
+    return stored(strand_light(colour, along, turned(in, hit.normal), to_eye, sky, sun), at);
 }
 
 @fragment

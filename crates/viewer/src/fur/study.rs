@@ -2,7 +2,9 @@
 
 use std::error::Error;
 
+use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::look::{Look, sky_pixel};
+use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::reference::{Reference, Tint};
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::shading::Material;
@@ -19,12 +21,16 @@ use crate::fur::choices::{Choices, Subject};
 use crate::fur::one::{self, TO_SUN};
 use crate::fur::shots::{Picture, Shooter, sheet};
 
-const LAYERS: [u32; 6] = [4, 8, 16, 32, 64, 256];
+const LAYERS: [u32; 5] = [4, 8, 16, 32, 64];
 /// Heights as shares of the radius: the two of the thesis, and a taller one.
 const HEIGHTS: [f32; 3] = [0.02, 0.05, 0.1];
-const DENSITIES: [f32; 2] = [0.1, 0.3];
-/// Both pictures sample each pixel at the same 2x2 places.
+const DENSITIES: [f32; 2] = [0.3, 0.1];
+/// Both pictures sample each pixel at the same 2x2 places, as most pictures of this program do...
 const SMOOTH: u32 = 1;
+/// ...and at 8x8 places, so that samples alone hardly change a picture: for the first density and
+/// up to so many layers, since that costs sixteen times as much.
+const FINE: u32 = 3;
+const FINE_LAYERS: u32 = 8;
 const SIZE: (u32, u32) = (240, 180);
 
 /// Layers at which gaps are measured: those that the thesis finds enough for fur of 2%.
@@ -44,6 +50,8 @@ struct Row {
     rmse: f64,
     /// The error away from outlines, see [`inside`].
     inside: f64,
+    /// Both with more samples; not numbers where they were not measured.
+    fine: [f64; 2],
     /// See [`gaps`]; not a number where it was not measured.
     gaps: f64,
 }
@@ -86,72 +94,111 @@ fn inside(want: &[u8], got: &[u8], sky: &[u8]) -> f64 {
     rmse(&masked[0], &masked[1], sky)
 }
 
+/// The strands and the shells of one height and density.
+struct Case<'a> {
+    gpu: &'a Gpu,
+    subject: &'a Subject,
+    camera: Camera,
+    sun: Sun,
+    height: f32,
+    density: f32,
+    look: Look,
+    reference: Reference<'a>,
+    renderer: Renderer,
+}
+
+impl<'a> Case<'a> {
+    fn new(
+        gpu: &'a Gpu,
+        choices: &Choices,
+        subject: &'a Subject,
+        (height, density): (f32, f32),
+    ) -> Result<Self, Box<dyn Error>> {
+        let mut look = Look::new(Fur::for_radius(subject.radius, height, density)?);
+        look.fur.bend = choices.fur(subject.radius)?.bend;
+        let reference = Reference::new(&subject.levels[0], &look)?.with_images(&subject.images);
+        let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
+        renderer.set_images(gpu, &[0], &subject.images)?;
+        let (camera, sun) = (close(subject.radius, SIZE), one::sun(subject.radius, false));
+        Ok(Self { gpu, subject, camera, sun, height, density, look, reference, renderer })
+    }
+
+    /// The strands, sampled at `side * side` places of each pixel.
+    fn strands(&self, side: u32) -> Vec<u8> {
+        let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
+        self.reference.picture(&self.camera, SIZE, side, &tint, TO_SUN.normalize())
+    }
+
+    fn shells(&mut self, shooter: &Shooter, layers: u32, marched: bool) -> Result<Vec<u8>, FurGpuError> {
+        self.renderer.set_look(self.gpu, &Look { marched, ..self.look })?;
+        let list = one::list(self.subject, layers, false);
+        Ok(shooter.shoot(&mut self.renderer, &self.camera, &list, &self.sun)?.pixels)
+    }
+
+    /// See [`gaps`]. Strands shine by themselves, the more the nearer to the tip; skin and roots
+    /// are black.
+    fn gaps(&mut self, shooter: &Shooter, marched: bool) -> Result<f64, Box<dyn Error>> {
+        let shining = Look { material: SHINING, vary: 0.0, marched, ..self.look };
+        let ends = [Vec3::ZERO, Vec3::ONE];
+        let tips = Reference::new(&self.subject.levels[0], &shining)?.picture(
+            &self.camera,
+            SIZE,
+            1 << SMOOTH,
+            &ends,
+            TO_SUN.normalize(),
+        );
+        self.renderer.set_look(self.gpu, &shining)?;
+        let list = one::tinted(GAP_LAYERS, ([0.0; 3], [1.0; 3]));
+        let shells = shooter.shoot(&mut self.renderer, &self.camera, &list, &self.sun)?.pixels;
+        Ok(gaps(&tips, &shells, &sky_pixel()))
+    }
+}
+
+/// The error and that away from outlines.
+fn errors(want: &[u8], got: &[u8]) -> [f64; 2] {
+    let sky = sky_pixel();
+    [rmse(want, got, &sky), inside(want, got, &sky)]
+}
+
 /// Compares all cases, writes them, and prints what follows.
 pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
-    let mesh = &subject.levels[0];
-    let shooter = Shooter::new(gpu, SIZE, SMOOTH);
-    let camera = close(subject.radius, SIZE);
-    let sun = one::sun(subject.radius, false);
+    let [shooter, finer] = [SMOOTH, FINE].map(|smooth| Shooter::new(gpu, SIZE, smooth));
     let mut rows: Vec<Row> = Vec::new();
-    for density in DENSITIES {
-        for height in HEIGHTS {
-            let mut look = Look::new(Fur::for_radius(subject.radius, height, density)?);
-            look.fur.bend = choices.fur(subject.radius)?.bend;
-            let reference = Reference::new(mesh, &look)?.with_images(&subject.images);
-            let mut renderer = Renderer::new(gpu, COLOUR, &subject.levels[..1], &look)?;
-            renderer.set_images(gpu, &[0], &subject.images)?;
-            let tint: Tint = [one::ROOT, one::TIP].map(Vec3::from_array);
-            let sky = sky_pixel();
-            let truth = reference.picture(&camera, SIZE, 1 << SMOOTH, &tint, TO_SUN.normalize());
-            let name = format!("study-{:.0}-{:.0}", height * 100.0, density * 100.0);
-            let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
-            // The same strands, seen by other rays in the same pixels: what sampling alone does.
-            let again = reference.picture(&camera, SIZE, 3, &tint, TO_SUN.normalize());
+    for (density, height) in DENSITIES.into_iter().flat_map(|d| HEIGHTS.map(|h| (d, h))) {
+        let mut case = Case::new(gpu, choices, subject, (height, density))?;
+        say(format_args!("height {height}, density {density}: {} strands", case.reference.strands()));
+        let [truth, fine] = [SMOOTH, FINE].map(|smooth| case.strands(1 << smooth));
+        // The same strands, seen by other rays in the same pixels: what samples alone do.
+        for (picture, side, other) in [(&truth, 1 << SMOOTH, 3), (&fine, 1 << FINE, (1 << FINE) - 1)] {
+            let [all, inside] = errors(picture, &case.strands(other));
             say(format_args!(
-                "height {height}, density {density}: {} strands; strands sampled at 3x3 instead of 2x2 places of \
-                 a pixel: RMSE {:.4}, away from outlines {:.4}",
-                reference.strands(),
-                rmse(&truth, &again, &sky),
-                inside(&truth, &again, &sky)
+                "  strands at {other}x{other} instead of {side}x{side} places of a pixel: RMSE {all:.4}, away from \
+                 outlines {inside:.4}"
             ));
-            // Strands shine by themselves, the more the nearer to the tip; skin and roots are
-            // black.
-            let shining = Look { material: SHINING, vary: 0.0, ..look };
-            let tips = Reference::new(mesh, &shining)?.picture(
-                &camera,
-                SIZE,
-                1 << SMOOTH,
-                &[Vec3::ZERO, Vec3::ONE],
-                TO_SUN.normalize(),
-            );
-            for marched in [true, false] {
-                look.marched = marched;
-                renderer.set_look(gpu, &look)?;
-                for layers in LAYERS {
-                    let list = one::list(subject, layers, false);
-                    let Picture { pixels, .. } = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
-                    let (rmse, inside) = (rmse(&truth, &pixels, &sky), inside(&truth, &pixels, &sky));
-                    let way = if marched { "followed" } else { "plain" };
-                    say(format_args!(
-                        "  {way:<9}{layers:>3} layers: RMSE {rmse:.4}, away from outlines {inside:.4}"
-                    ));
-                    if SHOWN.contains(&(layers, marched)) {
-                        shown.push(Picture { size: SIZE, pixels });
-                    }
-                    let mut row = Row { height, density, layers, marched, rmse, inside, gaps: f64::NAN };
-                    if layers == GAP_LAYERS {
-                        renderer.set_look(gpu, &Look { marched, ..shining })?;
-                        let list = one::tinted(layers, ([0.0; 3], [1.0; 3]));
-                        let shells = shooter.shoot(&mut renderer, &camera, &list, &sun)?.pixels;
-                        row.gaps = gaps(&tips, &shells, &sky);
-                        renderer.set_look(gpu, &look)?;
-                    }
-                    rows.push(row);
-                }
-            }
-            let beside = sheet(&shown, shown.len());
-            write_png(&choices.out().join(format!("{name}.png")), beside.size, &beside.pixels)?;
         }
+        let mut shown = vec![Picture { size: SIZE, pixels: truth.clone() }];
+        for (marched, layers) in [true, false].into_iter().flat_map(|m| LAYERS.map(|l| (m, l))) {
+            let pixels = case.shells(&shooter, layers, marched)?;
+            let [rmse, inside] = errors(&truth, &pixels);
+            let fine = match marched && layers <= FINE_LAYERS && density == DENSITIES[0] {
+                true => errors(&fine, &case.shells(&finer, layers, marched)?),
+                false => [f64::NAN; 2],
+            };
+            let gaps = if layers == GAP_LAYERS { case.gaps(&shooter, marched)? } else { f64::NAN };
+            say(format_args!(
+                "  {:<9}{layers:>3} layers: RMSE {rmse:.4}, away from outlines {inside:.4}; with 8x8 samples {:.4}, {:.4}",
+                if marched { "followed" } else { "plain" },
+                fine[0],
+                fine[1]
+            ));
+            if SHOWN.contains(&(layers, marched)) {
+                shown.push(Picture { size: SIZE, pixels });
+            }
+            rows.push(Row { height, density, layers, marched, rmse, inside, fine, gaps });
+        }
+        let beside = sheet(&shown, shown.len());
+        let name = format!("study-{:.0}-{:.0}.png", case.height * 100.0, case.density * 100.0);
+        write_png(&choices.out().join(name), beside.size, &beside.pixels)?;
     }
     write(choices, &rows)?;
     conclude(&rows);
@@ -159,12 +206,14 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
 }
 
 fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
-    let mut csv =
-        String::from("height,density,layers,rays followed,RMSE,RMSE away from outlines,light of tips lost\n");
+    let mut csv = String::from(
+        "height,density,layers,rays followed,RMSE,RMSE away from outlines,RMSE of 8x8 samples,away from outlines,light of tips lost\n",
+    );
     for r in rows {
-        let gaps = if r.gaps.is_nan() { String::new() } else { format!("{:.4}", r.gaps) };
+        let [fine, fine_inside, gaps] = [r.fine[0], r.fine[1], r.gaps]
+            .map(|x| if x.is_nan() { String::new() } else { format!("{x:.5}") });
         csv += &format!(
-            "{},{},{},{},{:.5},{:.5},{gaps}\n",
+            "{},{},{},{},{:.5},{:.5},{fine},{fine_inside},{gaps}\n",
             r.height, r.density, r.layers, r.marched, r.rmse, r.inside
         );
     }
@@ -173,7 +222,7 @@ fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
     let mut curves = Vec::new();
     for marched in [true, false] {
         for (height, style) in HEIGHTS.into_iter().zip(OTHERS) {
-            let of = |r: &&Row| r.height == height && r.marched == marched && r.density == DENSITIES[1];
+            let of = |r: &&Row| r.height == height && r.marched == marched && r.density == DENSITIES[0];
             let points = rows.iter().filter(of).map(|r| (f64::from(r.layers), r.rmse)).collect();
             let way = if marched { "rays followed" } else { "plain shells" };
             let label = format!("{}% high, {way}", height * 100.0);
@@ -182,7 +231,7 @@ fn write(choices: &Choices, rows: &[Row]) -> Result<(), Box<dyn Error>> {
     }
     let title = "Shells come nearer to strands with more layers, and tall fur needs more of them";
     let subtitle =
-        format!("Error against ray-traced strands, density {}, {}x{} pixels", DENSITIES[1], SIZE.0, SIZE.1);
+        format!("Error against ray-traced strands, density {}, {}x{} pixels", DENSITIES[0], SIZE.0, SIZE.1);
     let axes = (&Axis::log("layers"), &Axis::linear("RMSE of pixel values, 0 to 1"));
     let path = choices.out().join("study.svg");
     lines(&path, title, &subtitle, axes, &curves)?;
@@ -203,7 +252,8 @@ fn conclude(rows: &[Row]) {
             let Some(&(_, goal)) = short.iter().find(|p| p.0 == f64::from(GAP_LAYERS)) else { continue };
             for height in &HEIGHTS[1..] {
                 let needed = layers_for_error(&curve(*height, density, marched), goal);
-                let needed = needed.map_or("more than 256".to_owned(), |n| format!("{n:.0}"));
+                let needed =
+                    needed.map_or(format!("more than {}", LAYERS[LAYERS.len() - 1]), |n| format!("{n:.0}"));
                 say(format_args!(
                     "  density {density}: fur {}% high needs {needed} layers for the error of fur {}% high with {GAP_LAYERS}",
                     height * 100.0,
