@@ -155,3 +155,15 @@ pub(crate) const LIGHT_STEPS: u32 = 8;
 /// The sun stands at least so high over the skin, as the cosine to its normal: bodies are round,
 /// and a flat ray leaves their fur sooner than that of a plane.
 pub(crate) const LEAST_RISE: f32 = 0.15;
+
+/// Where pixels are wider than this share of the spacing of strands, strands begin to give way to
+/// their mean...
+pub const FINE: f32 = 0.6;
+/// ...and here they have done so: pixels wider than the spacing cannot show single strands.
+pub const COARSE: f32 = 1.2;
+
+/// The most steps of a fragment through its slab, each half as long as a strand's radius, since
+/// tips are thinner than roots. Each costs as much as a fragment without them, but only rays along
+/// the skin take many. At 8 layers of fur of 5%, 12 of them leave an error of 0.054, these 0.051
+/// and 48 of them 0.050.
+pub const STEPS: u32 = 24;

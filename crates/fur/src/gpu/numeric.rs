@@ -1,17 +1,5 @@
 //! Constants of the pictures, each with its reason.
 
-/// Where pixels are wider than this share of the spacing of strands, strands begin to give way to
-/// their mean...
-pub(crate) const FINE: f32 = 0.6;
-/// ...and here they have done so: pixels wider than the spacing cannot show single strands.
-pub(crate) const COARSE: f32 = 1.2;
-
-/// The most steps of a fragment through its slab, each half as long as a strand's radius, since
-/// tips are thinner than roots. Each costs as much as a fragment without them, but only rays along
-/// the skin take many. At 8 layers of fur of 5%, 12 of them leave an error of 0.054, these 0.051
-/// and 48 of them 0.050.
-pub(crate) const STEPS: u32 = 24;
-
 /// Texels along a side of the faces of the fur map: what the thesis uses in its last test.
 pub(crate) const MAP_SIDE: u32 = 256;
 

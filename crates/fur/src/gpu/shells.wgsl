@@ -5,9 +5,6 @@
 const WET: f32 = 0.7;
 const WET_EXPONENT: f32 = 140.0;
 
-// Steps of a ray through its slab, in radii of strands.
-const STRIDE: f32 = 0.5;
-
 struct Record {
     // Object space to world space.
     rows: array<vec4f, 3>,
@@ -133,17 +130,6 @@ fn posed_shell_shadow_corner(corner: Corner, @location(4) follows: vec4u, @locat
     return seen_by_sun(corner, posed(corner.which.x, follows, shares));
 }
 
-/// The strand that a fragment shows, if any: its random number, and where on it the fragment is (0 root, 1 tip).
-struct Seen {
-    found: bool,
-    own: f32,
-    along: f32,
-    // The height of the layer there.
-    height: f32,
-    // From the skin below the fragment to the root.
-    root: vec3f,
-}
-
 /// What the thesis' map shows in the direction normal + position, where that has a direction.
 fn mapped(base: vec3f, normal: vec3f, t: f32) -> bool {
     let sum = normal + normalize(base);
@@ -159,6 +145,22 @@ fn strand_here(there: Look, skin: Skin, height: f32, long: f32) -> Seen {
     let hit = strand_at(there, skin, height, long);
     // The upper bits give the length: the lower ones are for the colour.
     return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height, hit.root);
+}
+
+// SLAB: the lines from here to its end are `casca_fur::shader::SLAB`, for other renderers, too.
+
+// Steps of a ray through its slab, in radii of strands.
+const STRIDE: f32 = 0.5;
+
+/// The strand that a fragment shows, if any: its random number, and where on it the fragment is (0 root, 1 tip).
+struct Seen {
+    found: bool,
+    own: f32,
+    along: f32,
+    // The height of the layer there.
+    height: f32,
+    // From the skin below the fragment to the root.
+    root: vec3f,
 }
 
 /// How skin and layer change from pixel to pixel: those of the skin, of its normal, and of the layer.
@@ -259,6 +261,8 @@ fn seen(in: Shell, c: Change, normal: vec3f, width: f32, ray: vec3f) -> Seen {
     }
     return Seen(false, 0.0, 0.0, 0.0, vec3f(0.0));
 }
+
+// The end of SLAB.
 
 /// How much of the sun the skin gets: light wraps around it.
 fn facing(normal: vec3f) -> f32 {
