@@ -14,7 +14,7 @@ use syn::visit::{self, Visit};
 use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, UseTree, Visibility};
 
 /// The sources whose imports and files are checked; the first one is drawn.
-const ROOTS: [&str; 18] = [
+const ROOTS: [&str; 19] = [
     "src",
     "crates/plane/src",
     "crates/scenes/src",
@@ -27,6 +27,7 @@ const ROOTS: [&str; 18] = [
     "crates/lab/src",
     "crates/lab/src/bin/casca-lab",
     "crates/bevy_casca/src",
+    "crates/bevy_casca_fur/src",
     "crates/bake/src",
     "crates/server/src",
     "crates/walls/src",
@@ -42,7 +43,7 @@ const MORE: [&str; 4] = ["crates/baked/src", "crates/cache/src", "crates/page/sr
 const LONGEST: usize = 450;
 
 /// The sources whose comments and functions are checked for their size: all files below them.
-const TIDY: [&str; 21] = [
+const TIDY: [&str; 22] = [
     "src",
     "crates/plane/src",
     "crates/baked/src",
@@ -57,6 +58,7 @@ const TIDY: [&str; 21] = [
     "crates/lab/src",
     "crates/viewer/src",
     "crates/bevy_casca/src",
+    "crates/bevy_casca_fur/src",
     "crates/bake/src",
     "crates/server/src",
     "crates/walls/src",

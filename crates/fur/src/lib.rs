@@ -10,6 +10,7 @@
 //! - [`maps`]: the fur maps of the thesis and their lookups, for comparison.
 //! - [`skin`]: skeletons, clips and poses of animals that move, and bounds that hold them.
 //! - [`shading`]: the light of a strand (Kajiya and Kay 1989).
+//! - [`shader`]: the rule of strands as text for shaders, for other renderers.
 //! - [`visibility`]: bounds that contain the fur, the occluders of furry objects, and how many
 //!   layers each object gets.
 //!
@@ -26,6 +27,7 @@ pub mod mesh;
 mod numeric;
 #[cfg(test)]
 mod samples;
+pub mod shader;
 pub mod shading;
 pub mod skin;
 pub mod strands;

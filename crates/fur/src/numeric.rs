@@ -155,3 +155,14 @@ pub(crate) const LIGHT_STEPS: u32 = 8;
 /// The sun stands at least so high over the skin, as the cosine to its normal: bodies are round,
 /// and a flat ray leaves their fur sooner than that of a plane.
 pub(crate) const LEAST_RISE: f32 = 0.15;
+
+/// Where pixels are wider than this share of the spacing of strands, strands begin to give way to
+/// their mean...
+pub const FINE: f32 = 0.6;
+/// ...and here they have done so: pixels wider than the spacing cannot show single strands.
+pub const COARSE: f32 = 1.2;
+
+/// The most blocks of cells that a fragment's ray visits in its slab: eight cells, and one to seven
+/// more for each next block. Only rays along the skin under tall fur with few layers take as many:
+/// with 4 layers of fur of 10%, 12 blocks leave an error of 0.0735, these 0.0732, and 64 the same.
+pub const STEPS: u32 = 24;

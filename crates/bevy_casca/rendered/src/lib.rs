@@ -1,5 +1,11 @@
 //! Scenes for `bevy_casca`, and an app that renders them by Bevy, with or without the plugin.
 
+/// Without a window; not in pages.
+#[cfg(not(target_family = "wasm"))]
+pub mod fur;
+/// Without a window; not in pages.
+#[cfg(not(target_family = "wasm"))]
+pub mod herd;
 pub mod level;
 /// Without a window; not in pages.
 #[cfg(not(target_family = "wasm"))]

@@ -88,6 +88,19 @@ impl Rendered {
         fill: impl FnOnce(&mut World),
         eye: Transform,
     ) -> Result<Self, String> {
+        Self::with_plugins(settings, |_| (), fill, eye)
+    }
+
+    /// The same with plugins of the caller's.
+    ///
+    /// # Errors
+    /// As [`Rendered::with`].
+    pub fn with_plugins(
+        settings: Option<CascaSettings>,
+        more: impl FnOnce(&mut App),
+        fill: impl FnOnce(&mut World),
+        eye: Transform,
+    ) -> Result<Self, String> {
         let mut app = App::new();
         let window =
             WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
@@ -101,6 +114,7 @@ impl Rendered {
             app.add_plugins((CascaPlugin, standard_materials!(bevy::pbr)));
             app.insert_resource(settings);
         }
+        more(&mut app);
         while app.plugins_state() == PluginsState::Adding {
             bevy::tasks::tick_global_task_pools_on_main_thread();
         }

@@ -8,7 +8,8 @@ use crate::strands::{Fur, MAX_PER_CELL};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::gpu::numeric::{COARSE, FINE, MAP_SIDE, STEPS};
+use crate::gpu::numeric::MAP_SIDE;
+use crate::numeric::{COARSE, FINE, STEPS};
 
 /// How a fragment finds its strand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

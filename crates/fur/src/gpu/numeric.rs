@@ -1,16 +1,5 @@
 //! Constants of the pictures, each with its reason.
 
-/// Where pixels are wider than this share of the spacing of strands, strands begin to give way to
-/// their mean...
-pub(crate) const FINE: f32 = 0.6;
-/// ...and here they have done so: pixels wider than the spacing cannot show single strands.
-pub(crate) const COARSE: f32 = 1.2;
-
-/// The most blocks of cells that a fragment's ray visits in its slab: eight cells, and one to seven
-/// more for each next block. Only rays along the skin under tall fur with few layers take as many:
-/// with 4 layers of fur of 10%, 12 blocks leave an error of 0.0735, these 0.0732, and 64 the same.
-pub(crate) const STEPS: u32 = 24;
-
 /// Texels along a side of the faces of the fur map: what the thesis uses in its last test.
 pub(crate) const MAP_SIDE: u32 = 256;
 

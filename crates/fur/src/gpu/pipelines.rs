@@ -13,6 +13,7 @@ use crate::gpu::records::Block;
 const SHADERS: &str = concat!(
     include_str!("strands.wgsl"),
     include_str!("rays.wgsl"),
+    include_str!("slab.wgsl"),
     include_str!("surroundings.wgsl"),
     include_str!("pose.wgsl"),
     include_str!("shells.wgsl"),

@@ -12,4 +12,6 @@ mod plan;
 
 pub use carried::{CarriedBall, carried_ball};
 pub use objects::{base_occluder, furry_object, inflate, inner_ball};
-pub use plan::{Entry, Furry, Plan, PlanOptions, layers_for, level_for, pixels_of, plan};
+pub use plan::{
+    Entry, Furry, Plan, PlanOptions, Share, Sight, layers_for, level_for, pixels_of, plan, plan_sights,
+};

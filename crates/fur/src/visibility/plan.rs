@@ -117,12 +117,64 @@ pub fn plan<'a>(
     furry: impl Fn(ObjectId) -> Furry<'a>,
     options: &PlanOptions,
 ) -> Result<Plan, Error> {
+    let sight = |item: &DrawItem| Sight {
+        furry: furry(item.id),
+        distance: item.distance,
+        size: item.size,
+        fraction: item.fraction,
+    };
+    let sights: Vec<Sight> = items.iter().map(sight).collect();
+    let shares = plan_sights(&sights, options)?;
+    let entry = |(item, share): (&DrawItem, &Share)| Entry {
+        id: item.id,
+        level: share.level,
+        layers: share.layers,
+        weight: share.weight,
+    };
+    let weight = shares.iter().map(|share| share.weight).sum();
+    Ok(Plan {
+        entries: items.iter().zip(&shares).map(entry).collect(),
+        weight,
+        excess: (weight - options.budget).max(0.0),
+    })
+}
+
+/// An object as a picture sees it, for [`plan_sights`]: fields are as in [`DrawItem`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight<'a> {
+    /// What it costs.
+    pub furry: Furry<'a>,
+    /// From the eye to its nearest point, in world units.
+    pub distance: f32,
+    /// The angle in radians under which it is seen.
+    pub size: f32,
+    /// The share of it that can be seen, 0 to 1.
+    pub fraction: f32,
+}
+
+/// How one object of [`plan_sights`] is drawn: as [`Entry`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// Its level of detail: 0 is the finest.
+    pub level: usize,
+    /// Layers of fur above the base mesh.
+    pub layers: u32,
+    /// Its weight.
+    pub weight: f64,
+}
+
+/// [`plan`] for objects of other renderers, which have no ids here: a share for each, in their
+/// order, nearest first.
+///
+/// # Errors
+/// Refuses options that are negative or NaN.
+pub fn plan_sights(sights: &[Sight], options: &PlanOptions) -> Result<Vec<Share>, Error> {
     range("the focal length in pixels", options.focal.into(), 0.0, f64::MAX)?;
     range("the pixels of the picture", options.screen.into(), 0.0, f64::MAX)?;
     range("the weight of a pixel", options.pixel_weight, 0.0, f64::MAX)?;
     range("the budget", options.budget, 0.0, f64::INFINITY)?;
-    let wish = |item: &DrawItem| {
-        let object = furry(item.id);
+    let wish = |item: &Sight| {
+        let object = item.furry;
         let fraction = if options.by_fraction { item.fraction } else { 1.0 };
         let size = pixels_of(1.0, 1.0, options.focal) * item.size;
         // A disc of this diameter; NaN and more than the picture count as the picture.
@@ -134,12 +186,12 @@ pub fn plan<'a>(
             .min_by(|&a, &b| vertices(a).total_cmp(&vertices(b)))
             .unwrap_or(level);
         let seen = if fraction < 1.0 { fraction.max(0.0) } else { 1.0 };
+        let seen_size = item.size * item.fraction.sqrt();
         Wish {
-            id: item.id,
             level,
             coarsest,
             saving: vertices(level) - vertices(coarsest),
-            seen_size: if item.seen_size().is_nan() { f32::INFINITY } else { item.seen_size() },
+            seen_size: if seen_size.is_nan() { f32::INFINITY } else { seen_size },
             layers: layers_for(
                 pixels_of(object.height, item.distance, options.focal),
                 fraction,
@@ -148,13 +200,12 @@ pub fn plan<'a>(
             pass: vertices(level) + options.pixel_weight * f64::from(covered * seen),
         }
     };
-    let wishes: Vec<Wish> = items.iter().map(wish).collect();
+    let wishes: Vec<Wish> = sights.iter().map(wish).collect();
     Ok(fit(wishes, options.budget))
 }
 
 /// What an object would get without a budget.
 struct Wish {
-    id: ObjectId,
     level: usize,
     /// The level that costs least, and how many vertices less than the other it costs.
     coarsest: usize,
@@ -179,11 +230,10 @@ impl Wish {
 /// Steps of the bisection: 256 layers are told apart after 8, and sums of many objects soon after.
 const STEPS: usize = 40;
 
-fn fit(mut wishes: Vec<Wish>, budget: f64) -> Plan {
+fn fit(mut wishes: Vec<Wish>, budget: f64) -> Vec<Share> {
     let total = |wishes: &[Wish], layers: &dyn Fn(&Wish) -> u32| -> f64 {
         wishes.iter().map(|w| w.weight(layers(w))).sum()
     };
-    let mut plan = Plan::default();
     let mut layers: Vec<u32>;
     if total(&wishes, &|w| w.layers) <= budget {
         layers = wishes.iter().map(|w| w.layers).collect();
@@ -206,12 +256,8 @@ fn fit(mut wishes: Vec<Wish>, budget: f64) -> Plan {
             *n += 1;
         }
     }
-    let entries = wishes.iter().zip(layers);
-    plan.entries =
-        entries.map(|(w, n)| Entry { id: w.id, level: w.level, layers: n, weight: w.weight(n) }).collect();
-    plan.weight = plan.entries.iter().map(|e| e.weight).sum();
-    plan.excess = (plan.weight - budget).max(0.0);
-    plan
+    let shares = wishes.iter().zip(layers);
+    shares.map(|(w, n)| Share { level: w.level, layers: n, weight: w.weight(n) }).collect()
 }
 
 /// Gives objects their coarsest level, those that appear smallest first, until the bases are within

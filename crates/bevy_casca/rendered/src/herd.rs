@@ -1,0 +1,186 @@
+//! Furry animals on the ground, behind walls, under a sun with shadows and a lamp.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap};
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_casca::{CascaScene, CascaSettings};
+use bevy_casca_fur::{
+    ATTRIBUTE_FUR_LENGTH, Coat, FurExtension, FurMaterial, FurSettings, Furry, fur_material,
+};
+use casca_fur::mesh::Mesh as OwnMesh;
+use casca_fur::strands::Fur;
+use casca_scenes::fur::animals::Animal;
+
+use crate::fur::furry;
+use crate::rendered::Rendered;
+
+/// The seeds of the kinds of animals.
+const KINDS: [u64; 3] = [3, 4, 5];
+
+/// Frames until meshes are prepared, or never.
+const MOST_FRAMES: u32 = 60;
+
+/// Frames before the first picture, until all pipelines and lists of lights are there.
+const WARM_UP: u32 = 6;
+
+/// One kind of animals: its mesh, its skin and its fur.
+#[derive(Clone)]
+struct Kind {
+    mesh: Handle<Mesh>,
+    skin: Handle<StandardMaterial>,
+    fur: Handle<FurMaterial>,
+    /// From its feet to the origin of its mesh.
+    high: f32,
+}
+
+/// Where animals and walls are, and the eyes that look at them.
+pub struct Herd {
+    animals: Vec<(usize, Transform)>,
+    /// Cells along an animal.
+    detail: u32,
+    /// Their layers at most: pictures by a software adapter take long.
+    layers: u32,
+    walls: Vec<(Vec3, Vec3)>,
+    /// The eyes.
+    pub eyes: Vec<Transform>,
+}
+
+impl Herd {
+    /// Two animals side by side.
+    pub fn pair() -> Self {
+        let place =
+            |x: f32, turn: f32| Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_y(turn));
+        let eye = Transform::from_xyz(0.3, 0.95, 2.35).looking_at(Vec3::new(0.0, 0.27, 0.0), Vec3::Y);
+        Self {
+            animals: vec![(0, place(-0.38, 0.5)), (1, place(0.42, -0.6))],
+            walls: Vec::new(),
+            eyes: vec![eye],
+            detail: 64,
+            layers: 16,
+        }
+    }
+
+    /// Rows of animals, with walls between them.
+    pub fn behind_walls() -> Self {
+        let place = |i: usize| {
+            let (row, column) = (i / 6, i % 6);
+            let at = Vec3::new(1.3 * column as f32 - 3.2, 0.0, -1.6 * row as f32);
+            Transform::from_translation(at).with_rotation(Quat::from_rotation_y(1.7 * i as f32))
+        };
+        let wall = |x: f32, z: f32, wide: f32| (Vec3::new(x, 0.6, z), Vec3::new(wide, 1.2, 0.1));
+        let walls =
+            vec![wall(-2.0, -0.8, 4.2), wall(2.6, -2.4, 3.8), wall(-1.0, -4.0, 6.0), wall(1.6, -0.8, 0.7)];
+        let eye = |x: f32, y: f32, z: f32, to: Vec3| Transform::from_xyz(x, y, z).looking_at(to, Vec3::Y);
+        let eyes = vec![
+            eye(0.0, 0.5, 2.4, Vec3::new(0.0, 0.3, -3.0)),
+            eye(-3.2, 0.4, 1.2, Vec3::new(1.0, 0.2, -4.0)),
+            eye(3.4, 0.9, 1.0, Vec3::new(-1.0, 0.0, -3.0)),
+        ];
+        Self {
+            animals: (0..24).map(|i| (i % KINDS.len(), place(i))).collect(),
+            walls,
+            eyes,
+            detail: 32,
+            layers: 6,
+        }
+    }
+
+    /// The number of animals.
+    pub fn len(&self) -> usize {
+        self.animals.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.animals.is_empty()
+    }
+
+    /// An app with the herd, ready for pictures.
+    ///
+    /// # Errors
+    /// If no app comes up.
+    pub fn app(&self, settings: Option<CascaSettings>) -> Result<Rendered, String> {
+        let mut rendered = furry(settings, |world| self.fill(world), self.eyes[0])?;
+        for frame in 0..MOST_FRAMES {
+            rendered.app().update();
+            let waits = rendered.casca().is_some_and(CascaScene::is_preparing);
+            if frame >= WARM_UP && !waits {
+                break;
+            }
+        }
+        Ok(rendered)
+    }
+
+    fn fill(&self, world: &mut World) {
+        let kinds = KINDS.map(|seed| kind(world, seed, self.detail));
+        for (number, place) in &self.animals {
+            let Some(kind) = kinds[*number].clone() else { continue };
+            let place = Transform::from_xyz(0.0, kind.high, 0.0) * *place;
+            world.spawn((Mesh3d(kind.mesh), MeshMaterial3d(kind.skin), Furry(kind.fur), place));
+        }
+        let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
+        let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+        let mut matt = |r, g, b| {
+            let base_color = Color::linear_rgb(r, g, b);
+            materials.add(StandardMaterial { base_color, perceptual_roughness: 0.95, ..default() })
+        };
+        let (ground, brick) = (matt(0.2, 0.24, 0.1), matt(0.4, 0.2, 0.13));
+        let flat = Transform::from_xyz(0.0, -0.05, 0.0).with_scale(Vec3::new(60.0, 0.1, 60.0));
+        world.spawn((Mesh3d(cube.clone()), MeshMaterial3d(ground), flat));
+        for &(middle, size) in &self.walls {
+            let place = Transform::from_translation(middle).with_scale(size);
+            world.spawn((Mesh3d(cube.clone()), MeshMaterial3d(brick.clone()), place));
+        }
+        world.insert_resource(FurSettings { most_layers: self.layers, ..default() });
+        world.insert_resource(DirectionalLightShadowMap { size: 1024 });
+        world.insert_resource(ClearColor(Color::linear_rgb(0.58, 0.71, 0.86)));
+        let sun = DirectionalLight { illuminance: 6_500.0, shadow_maps_enabled: true, ..default() };
+        let cascades =
+            CascadeShadowConfigBuilder { num_cascades: 1, maximum_distance: 9.0, ..default() }.build();
+        world.spawn((sun, cascades, Transform::default().looking_to(Vec3::new(-0.6, -1.0, -0.5), Vec3::Y)));
+        let lamp = PointLight { intensity: 20_000.0, range: 8.0, ..default() };
+        world.spawn((lamp, Transform::from_xyz(1.0, 1.8, -1.6)));
+        world.insert_resource(GlobalAmbientLight { brightness: 500.0, ..default() });
+    }
+}
+
+/// Makes a kind of animals.
+fn kind(world: &mut World, seed: u64, detail: u32) -> Option<Kind> {
+    let animal = Animal::new(seed, detail).ok()?;
+    let own = animal.levels().first()?;
+    let fur = Fur::for_radius(animal.radius(), 0.07, 0.35).ok()?;
+    let bend = casca_fur::glam::Vec3::new(0.0, -0.6, 0.0);
+    let plain = StandardMaterial { perceptual_roughness: 0.8, ..default() };
+    let skin = StandardMaterial { base_color: Color::linear_rgb(0.3, 0.3, 0.3), ..plain.clone() };
+    let fur = fur_material(plain, FurExtension::new(Fur { bend, ..fur }));
+    Some(Kind {
+        high: -animal.aabb().min.y,
+        mesh: world.resource_mut::<Assets<Mesh>>().add(mesh_of(own)),
+        skin: world.resource_mut::<Assets<StandardMaterial>>().add(skin),
+        fur: world.resource_mut::<Assets<FurMaterial>>().add(fur),
+    })
+}
+
+/// A mesh with the colours and lengths of its coat.
+fn mesh_of(own: &OwnMesh) -> Mesh {
+    let (vertices, coats) = (own.vertices(), own.coats());
+    let positions: Vec<[f32; 3]> = vertices.iter().map(|v| v.position.to_array()).collect();
+    let normals: Vec<[f32; 3]> = vertices.iter().map(|v| v.normal.to_array()).collect();
+    let colors: Vec<[f32; 4]> = coats.iter().map(|c| c.color.extend(1.0).to_array()).collect();
+    let lengths: Vec<f32> = coats.iter().map(|c| c.length).collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
+        .with_inserted_attribute(ATTRIBUTE_FUR_LENGTH, lengths)
+        .with_inserted_indices(Indices::U32(own.triangles().concat()))
+}
+
+/// The coats that are drawn, and the layers in them.
+pub fn drawn(rendered: &mut Rendered) -> (usize, u32) {
+    let world = rendered.app().world_mut();
+    let mut coats = world.query::<(&Coat, &ViewVisibility)>();
+    let seen = coats.iter(world).filter(|(_, seen)| seen.get());
+    seen.fold((0, 0), |(count, layers), (coat, _)| (count + 1, layers + coat.layers()))
+}

@@ -1,0 +1,44 @@
+//! The components.
+
+use bevy_asset::{AssetId, Handle};
+use bevy_camera::visibility::{NoAutoAabb, Visibility};
+use bevy_ecs::prelude::*;
+use bevy_mesh::Mesh;
+use bevy_transform::components::Transform;
+
+use crate::material::FurMaterial;
+
+/// Fur on the mesh of this entity (`Mesh3d`). The skin is drawn by the entity's own material, the
+/// fur by a child with a [`Coat`], which the plugin makes and removes.
+///
+/// The child takes the entity's render layers, its `NotShadowCaster`, `NotShadowReceiver`,
+/// `NoFrustumCulling` and its `SkinnedMesh`. Fur does not follow morph targets.
+#[derive(Component, Debug, Clone, PartialEq, Eq)]
+pub struct Furry(pub Handle<FurMaterial>);
+
+/// The fur of its parent, made by the plugin. Its `Aabb` contains all layers.
+#[derive(Component, Debug, Clone, PartialEq, Eq)]
+#[require(Transform, Visibility, NoAutoAabb)]
+pub struct Coat {
+    pub(crate) layers: u32,
+    pub(crate) made: Made,
+}
+
+/// What the mesh of a coat was made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Made {
+    pub mesh: AssetId<Mesh>,
+    /// Counts the changes of that mesh.
+    pub version: u32,
+    /// The layers in the mesh: those of the coat, or the last ones before it had none.
+    pub layers: u32,
+    /// The bits of the reach of the fur, for meshes with a skin.
+    pub reach: u32,
+}
+
+impl Coat {
+    /// The layers that it has now. With 0 it is hidden.
+    pub fn layers(&self) -> u32 {
+        self.layers
+    }
+}

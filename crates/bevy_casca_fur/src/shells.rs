@@ -1,0 +1,221 @@
+//! All layers of a mesh as one mesh.
+
+use std::sync::Arc;
+
+use bevy_asset::RenderAssetUsages;
+use bevy_camera::primitives::Aabb;
+use bevy_math::Vec3;
+use bevy_mesh::skinning::SkinnedMeshBounds;
+use bevy_mesh::{Indices, Mesh, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues, VertexFormat};
+use thiserror::Error;
+
+use crate::numeric::{MOST_TRIANGLES, MOST_VERTICES, NO_NORMAL};
+
+/// The length of the coat at a vertex of a mesh, as a share of the full length: 0 for bald skin.
+/// Optional; without it all skin has the full length. The format is `Float32`.
+pub const ATTRIBUTE_FUR_LENGTH: MeshVertexAttribute =
+    MeshVertexAttribute::new("Fur_Length", 0x6361_7363_6166_7572, VertexFormat::Float32);
+
+/// In a mesh of layers: the layer of a vertex, how many there are, and the length there.
+pub const ATTRIBUTE_FUR_LAYER: MeshVertexAttribute =
+    MeshVertexAttribute::new("Fur_Layer", 0x6361_7363_6166_7573, VertexFormat::Float32x3);
+
+/// Why a mesh gets no fur.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum Unfit {
+    /// The processor has no copy of it: its `asset_usage` is `RENDER_WORLD` alone.
+    #[error("only the graphics processor has a copy of the mesh")]
+    Unreadable,
+    /// Its triangles are no list.
+    #[error("the mesh is no triangle list")]
+    Topology,
+    /// It has no positions, or they are not three floats.
+    #[error("the mesh has no positions of three floats")]
+    Positions,
+    /// It has no normals for all vertices, or they are not three floats.
+    #[error("the mesh has no normals of three floats for its vertices")]
+    Normals,
+    /// Lengths are not one float for each vertex.
+    #[error("the lengths of the coat are not a float for each vertex")]
+    Lengths,
+    /// A position, normal or length is infinite or NaN.
+    #[error("the mesh has numbers that are not finite")]
+    NotFinite,
+    /// An index beyond the last vertex.
+    #[error("a triangle of the mesh has a vertex that is not there")]
+    Indices,
+    /// No vertices, or no triangles.
+    #[error("the mesh has no triangles")]
+    Empty,
+    /// A single layer has more vertices than 4,194,304 or more triangles than 16,777,216.
+    #[error("the mesh is too large for fur")]
+    TooLarge,
+}
+
+/// What coats need of a mesh, checked.
+#[derive(Debug, Clone)]
+pub(crate) struct Skin {
+    /// The box of the positions.
+    pub low: Vec3,
+    pub high: Vec3,
+    pub vertices: u32,
+    /// The most layers that are within the limits.
+    pub most_layers: u32,
+    pub indices: Arc<[u32]>,
+}
+
+impl Skin {
+    /// Checks a mesh.
+    pub fn of(mesh: &Mesh) -> Result<Self, Unfit> {
+        if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+            return Err(Unfit::Topology);
+        }
+        if mesh.try_attributes().is_err() {
+            return Err(Unfit::Unreadable);
+        }
+        let positions = floats(mesh, Mesh::ATTRIBUTE_POSITION).ok_or(Unfit::Positions)?;
+        let normals = floats(mesh, Mesh::ATTRIBUTE_NORMAL).ok_or(Unfit::Normals)?;
+        if positions.is_empty() {
+            return Err(Unfit::Empty);
+        }
+        if normals.len() != positions.len() {
+            return Err(Unfit::Normals);
+        }
+        let finite = |values: &[[f32; 3]]| values.iter().flatten().all(|v| v.is_finite());
+        let lengths = lengths(mesh, positions.len())?;
+        if !finite(positions) || !finite(normals) || !lengths.is_none_or(|l| l.iter().all(|v| v.is_finite()))
+        {
+            return Err(Unfit::NotFinite);
+        }
+        let indices = indices_of(mesh, positions.len())?;
+        let (vertices, triangles) = (positions.len(), indices.len() / 3);
+        let most = (MOST_VERTICES / vertices).min(MOST_TRIANGLES / triangles);
+        if most == 0 {
+            return Err(Unfit::TooLarge);
+        }
+        let mut corners = positions.iter().map(|&p| Vec3::from_array(p));
+        let first = corners.next().unwrap_or_default();
+        let (low, high) = corners.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+        Ok(Self { low, high, vertices: vertices as u32, most_layers: most.min(256) as u32, indices })
+    }
+
+    /// The greatest absolute coordinate.
+    pub fn magnitude(&self) -> f32 {
+        self.low.abs().max(self.high.abs()).max_element()
+    }
+
+    /// A box that contains all layers of fur with a reach.
+    pub fn grown(&self, reach: f32) -> Aabb {
+        Aabb::from_min_max(self.low - reach, self.high + reach)
+    }
+}
+
+/// An attribute of three floats.
+fn floats(mesh: &Mesh, attribute: MeshVertexAttribute) -> Option<&[[f32; 3]]> {
+    match mesh.try_attribute(attribute).ok()? {
+        VertexAttributeValues::Float32x3(values) => Some(values),
+        _ => None,
+    }
+}
+
+/// The lengths of the coat, if the mesh has some.
+fn lengths(mesh: &Mesh, vertices: usize) -> Result<Option<&[f32]>, Unfit> {
+    match mesh.try_attribute_option(ATTRIBUTE_FUR_LENGTH).map_err(|_| Unfit::Unreadable)? {
+        None => Ok(None),
+        Some(VertexAttributeValues::Float32(values)) if values.len() == vertices => Ok(Some(values)),
+        Some(_) => Err(Unfit::Lengths),
+    }
+}
+
+/// Whole triangles, as 32-bit indices; without indices three vertices are one.
+fn indices_of(mesh: &Mesh, vertices: usize) -> Result<Arc<[u32]>, Unfit> {
+    let count = u32::try_from(vertices).map_err(|_| Unfit::TooLarge)?;
+    let mut all: Vec<u32> = match mesh.try_indices_option().map_err(|_| Unfit::Unreadable)? {
+        Some(Indices::U16(indices)) => indices.iter().map(|&i| i.into()).collect(),
+        Some(Indices::U32(indices)) => indices.clone(),
+        None => (0..count).collect(),
+    };
+    all.truncate(all.len() / 3 * 3);
+    match all.iter().max() {
+        None => Err(Unfit::Empty),
+        Some(&most) if most >= count => Err(Unfit::Indices),
+        Some(_) => Ok(all.into()),
+    }
+}
+
+/// All layers of a mesh above its skin, as one mesh for a [`crate::FurMaterial`]: the outermost
+/// first, so that what lies below is found to be hidden. Positions are those of the skin; the
+/// shader moves them. The mesh keeps texture coordinates, colours, joints and weights, and is gone
+/// from the main world once it is on the graphics processor. `layers` counts as 1 to 256, fewer for
+/// large meshes. Costs time and memory as `layers` times the mesh.
+///
+/// # Errors
+/// Says why the mesh can have no fur.
+pub fn shells(mesh: &Mesh, layers: u32) -> Result<Mesh, Unfit> {
+    Skin::of(mesh).map(|skin| shells_of(mesh, &skin, layers, None))
+}
+
+/// The same with a checked mesh. With a reach, the bounds of joints contain all layers.
+pub(crate) fn shells_of(mesh: &Mesh, skin: &Skin, layers: u32, reach: Option<f32>) -> Mesh {
+    let layers = layers.clamp(1, skin.most_layers);
+    let (vertices, times) = (skin.vertices, layers as usize);
+    let mut all = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD);
+    let kept = [
+        Mesh::ATTRIBUTE_POSITION,
+        Mesh::ATTRIBUTE_UV_0,
+        Mesh::ATTRIBUTE_UV_1,
+        Mesh::ATTRIBUTE_COLOR,
+        Mesh::ATTRIBUTE_JOINT_INDEX,
+        Mesh::ATTRIBUTE_JOINT_WEIGHT,
+    ];
+    for attribute in kept {
+        let values = mesh.try_attribute_option(attribute).ok().flatten();
+        if let Some(values) = values.and_then(|values| repeated(values, vertices as usize, times)) {
+            let format = VertexFormat::from(&values);
+            all.insert_attribute(MeshVertexAttribute { format, ..attribute }, values);
+        }
+    }
+    let normals = floats(mesh, Mesh::ATTRIBUTE_NORMAL).unwrap_or_default();
+    let unit = |&n: &[f32; 3]| Vec3::from_array(n).try_normalize().filter(|_| length(n) > NO_NORMAL);
+    let ups: Vec<Option<Vec3>> = normals.iter().map(unit).collect();
+    let lengths = lengths(mesh, vertices as usize).ok().flatten();
+    let length_at = |i: usize| lengths.map_or(1.0, |lengths| lengths[i].clamp(0.0, 1.0));
+    // Where there is no normal, there is no fur.
+    let length_at = |i: usize| if ups[i].is_some() { length_at(i) } else { 0.0 };
+    let tips_first = || (1..=layers).rev();
+    let layer = |k: u32| (0..ups.len()).map(move |i| (k, i));
+    let marks = tips_first().flat_map(layer).map(|(k, i)| [k as f32, layers as f32, length_at(i)]);
+    all.insert_attribute(ATTRIBUTE_FUR_LAYER, marks.collect::<Vec<[f32; 3]>>());
+    let ups: Vec<[f32; 3]> = ups.iter().map(|up| up.unwrap_or(Vec3::Y).to_array()).collect();
+    all.insert_attribute(Mesh::ATTRIBUTE_NORMAL, ups.repeat(times));
+    let of_layer = |k: u32| skin.indices.iter().map(move |i| i + k * vertices);
+    all.insert_indices(Indices::U32((0..layers).flat_map(of_layer).collect()));
+    if let (Some(reach), Ok(mut bounds)) = (reach, SkinnedMeshBounds::from_mesh(mesh)) {
+        bounds.aabbs.iter_mut().for_each(|joint| joint.half_size += reach);
+        all.set_skinned_mesh_bounds(Some(bounds));
+    }
+    all
+}
+
+fn length(v: [f32; 3]) -> f32 {
+    Vec3::from_array(v).length()
+}
+
+/// The values of an attribute, one after the other for each layer; none if they are not one for
+/// each vertex, or in a format that shaders of this crate do not take.
+fn repeated(values: &VertexAttributeValues, vertices: usize, times: usize) -> Option<VertexAttributeValues> {
+    use VertexAttributeValues::{Float32x2, Float32x3, Float32x4, Uint8x4, Uint16x4, Unorm8x4, Unorm16x4};
+    if values.len() != vertices {
+        return None;
+    }
+    Some(match values {
+        Float32x2(v) => Float32x2(v.repeat(times)),
+        Float32x3(v) => Float32x3(v.repeat(times)),
+        Float32x4(v) => Float32x4(v.repeat(times)),
+        Uint16x4(v) => Uint16x4(v.repeat(times)),
+        Uint8x4(v) => Uint8x4(v.repeat(times)),
+        Unorm8x4(v) => Unorm8x4(v.repeat(times)),
+        Unorm16x4(v) => Unorm16x4(v.repeat(times)),
+        _ => return None,
+    })
+}
