@@ -120,7 +120,8 @@ pub const LEAST_WAY: f32 = 1e-9;
 pub const RAY_LIFT: f32 = 1.01;
 
 /// A line whose angle to a ray has a square of its sine below this is parallel to it: single
-/// precision does not say where they are nearest, and the tube ends in the ray's own direction.
+/// precision does not say where they are nearest, so that the ray meets the end of the tube that
+/// it comes to first.
 pub const RAY_PARALLEL: f32 = 1e-8;
 
 /// A ray that lets less than this through is stopped.

@@ -89,3 +89,8 @@ pub fn parsed<A: Args>(words: &[&str]) -> Result<A, String> {
     let matches = command.try_get_matches_from(words).map_err(|e| e.to_string())?;
     A::from_arg_matches(&matches).map_err(|e| e.to_string())
 }
+
+/// A number with its noun: "1 line", "2 lines".
+pub fn counted(number: usize, [one, more]: [&str; 2]) -> String {
+    format!("{number} {}", if number == 1 { one } else { more })
+}

@@ -13,7 +13,8 @@ pub enum Antialiasing {
     /// A pixel shows one line: the nearest of those that cross it.
     #[default]
     None,
-    /// A pixel is the mean of four samples, which lie on a turned square. Lines are `thickness`
+    /// A pixel is the mean of four samples, which lie on a turned square; the nearest line in it
+    /// has the share that it covers, which the samples would tell in steps. Lines are `thickness`
     /// pixels thick with round ends, 1 to [`MOST_THICK`]: at any depth, so that none is too thin
     /// for the samples. The occlusion is computed once for each line that a pixel shows.
     ///

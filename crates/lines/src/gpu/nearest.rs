@@ -52,7 +52,7 @@ impl Nearest {
             draw: Kernel::new(gpu, raster, "draw", &[0, 1, 2, 3, 4, 5, 8, 9, 10, 41]),
             resolve: Kernel::new(gpu, raster, "resolve", &[0, 2, 3, 9, 11, 12]),
             draw_thick: Kernel::new(gpu, raster, "draw_thick", &[0, 1, 2, 3, 4, 5, 8, 9, 10, 41]),
-            resolve_samples: Kernel::new(gpu, raster, "resolve_samples", &[0, 2, 3, 9, 11, 12, 28]),
+            resolve_samples: Kernel::new(gpu, raster, "resolve_samples", &[0, 2, 3, 9, 10, 11, 12, 28]),
             hidden: Hidden::new(gpu, &hidden)?,
             choosing: [flag(0)?, flag(1)?],
             culling: LineCulling::default(),
@@ -139,6 +139,6 @@ impl Nearest {
         let bound: [Bound<'_>; 3] = [(11, &lines.tangents), (12, pixels.fragments), (28, pixels.layers)];
         let bound = [&set[..], &bound[..]].concat();
         let kernel = if pixels.has_samples { &self.resolve_samples } else { &self.resolve };
-        kernel.run_pixels(gpu, encoder, pixels.size, &among(&bound));
+        kernel.run_pixels(gpu, encoder, pixels.size, &pixels.surfaces.with(among(&bound)));
     }
 }

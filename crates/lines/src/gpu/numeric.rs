@@ -59,6 +59,11 @@ pub const LEAST_NORMAL: f32 = 1e-3;
 /// The greatest thickness of smooth lines in pixels: the cost of a line grows with it.
 pub const MOST_THICK: f32 = 16.0;
 
+/// The share of a pixel that a line covers may differ by this from that of its samples. Those of a
+/// straight line differ by up to 0.3, where two samples lie along its border; more comes from ends
+/// and bends.
+pub const SAMPLES_OFF: f32 = 0.35;
+
 /// Constants as the shaders take them.
 pub(super) fn constants() -> String {
     let all = [
@@ -77,6 +82,7 @@ pub(super) fn constants() -> String {
         ("HIDDEN_ROOM", HIDDEN_ROOM),
         ("FARTHEST_PIXEL", FARTHEST_PIXEL),
         ("LEAST_NORMAL", LEAST_NORMAL),
+        ("SAMPLES_OFF", SAMPLES_OFF),
     ];
     let sides = format!("const SIDES: u32 = {SIDES}u;\nconst CHUNK: u32 = {CHUNK}u;\n");
     all.iter().map(|(name, value)| format!("const {name}: f32 = {value:e};\n")).chain([sides]).collect()

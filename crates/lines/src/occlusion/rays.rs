@@ -117,20 +117,19 @@ impl<'a> Rays<'a> {
             let (to_a, axis) = ((a - self.start) * self.scale, (b - a) * self.scale);
             let normal = way.cross(axis);
             let square = normal.length_squared();
-            if square <= RAY_PARALLEL * axis.length_squared() || square.is_nan() {
-                continue;
-            }
+            let is_across = square > RAY_PARALLEL * axis.length_squared();
             let beside = to_a.dot(normal);
-            if beside * beside > reach * square {
+            if is_across && beside * beside > reach * square {
                 continue;
             }
             let share = to_a.cross(way).dot(normal) / square;
-            let covered = if (0.0..1.0).contains(&share) {
+            let covered = if is_across && (0.0..1.0).contains(&share) {
                 let t = to_a.cross(axis).dot(normal) / square;
                 let is_here = t > from && t <= to;
                 if is_here { self.covered(t, beside.abs() / square.sqrt()) } else { 0.0 }
             } else {
-                self.rounded(way, [from, to], [to_a, axis], self.cells.neighbours()[segment as usize])
+                let neighbours = self.cells.neighbours()[segment as usize];
+                self.rounded(way, [from, to], ([to_a, axis], neighbours), is_across)
             };
             if covered > 0.0 && !self.holds(to_a, axis) {
                 open *= 1.0 - covered.min(1.0);
@@ -151,12 +150,18 @@ impl<'a> Rays<'a> {
     }
 
     /// The share that the ball at an end of a tube covers, of a ray that comes nearest to the line
-    /// of the tube beyond that end; 0 where the tube after it on its line, or the ball of that one,
-    /// covers it.
-    fn rounded(&self, way: Vec3, [from, to]: [f32; 2], [to_a, axis]: [Vec3; 2], neighbours: [u32; 2]) -> f32 {
+    /// of the tube beyond that end, or runs along the tube and comes to that end first; 0 where the
+    /// tube after it on its line, or the ball of that one, covers it.
+    fn rounded(
+        &self,
+        way: Vec3,
+        [from, to]: [f32; 2],
+        ([to_a, axis], neighbours): ([Vec3; 2], [u32; 2]),
+        is_across: bool,
+    ) -> f32 {
         let at = |end: Vec3| (end.dot(way), way * end.dot(way) - end);
         let (t, off) = at(to_a);
-        let is_first = off.dot(axis) < 0.0;
+        let is_first = if is_across { off.dot(axis) < 0.0 } else { way.dot(axis) > 0.0 };
         let (end, neighbour) = match is_first {
             true => (to_a, neighbours[0]),
             false => (to_a + axis, neighbours[1]),
@@ -170,7 +175,7 @@ impl<'a> Rays<'a> {
             // A tube that holds the start stops nothing, and its ball neither.
             let is_alone = (end + on * (-end.dot(on)).max(0.0)).length() <= self.tube;
             // Where both stop rays, the ball at their joint counts for the second one.
-            let is_own = is_alone || (is_first && off.dot(on) < 0.0);
+            let is_own = is_alone || (is_across && is_first && off.dot(on) < 0.0);
             if !is_own {
                 return 0.0;
             }

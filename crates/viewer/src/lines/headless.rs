@@ -2,6 +2,8 @@
 
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::Renderer;
+use casca_lines::gpu::set::GpuLines;
+use casca_lines::gpu::settings::Settings;
 use casca_stage::canvas::Canvas;
 use casca_stage::command_line::{make_folder, say};
 use casca_stage::gpu::COLOUR;
@@ -12,12 +14,24 @@ use casca_stage::window::Done;
 use clap::ValueEnum;
 use glam::Vec3;
 
+use crate::common::counted;
 use crate::lines::legend;
 use crate::lines::options::{Options, behind_lines};
 use crate::lines::source::Source;
 
 /// Behind lines.
 pub const BACKGROUND: Vec3 = Vec3::splat(1.0);
+
+/// The bundles of lines, and those that were needed.
+pub fn bundles(lines: &GpuLines, seen: &Seen, settings: &Settings) -> String {
+    let all = counted(lines.bundles().len(), ["bundle", "bundles"]);
+    let drawn = seen.drawn.len();
+    // Rays read their cells, which hold all lines.
+    match settings.by_rays() {
+        true => format!("{drawn} of {all} drawn"),
+        false => format!("{drawn} of {all} drawn and {} in columns", seen.read.len()),
+    }
+}
 
 /// Draws the pictures that the command line asks for.
 pub fn pictures(options: &Options, source: &Source) -> Done {
@@ -41,15 +55,9 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     renderer.update(&gpu, &view, (&lines, &seen), &context, &mut Clock::off())?;
     let folder = options.common.folder("lines");
     make_folder(&folder)?;
-    say(format_args!(
-        "{} lines with {} vertices in {} bundles, {} drawn and {} in columns, on {}",
-        set.len(),
-        lines.vertices(),
-        lines.bundles().len(),
-        seen.drawn.len(),
-        seen.read.len(),
-        gpu.name
-    ));
+    let all = counted(set.len(), ["line", "lines"]);
+    let vertices = counted(lines.vertices(), ["vertex", "vertices"]);
+    say(format_args!("{all} with {vertices}, {}, on {}", bundles(&lines, &seen, &settings), gpu.name));
     for look in &options.look {
         let (target, strength) = (canvas.picture(), options.factor);
         renderer.paint(&gpu, &target, look.look(), strength, BACKGROUND, &mut Clock::off())?;

@@ -23,26 +23,28 @@ const RADIUS: f32 = 0.13;
 /// Draws dense sets of lines and darkens lines among other lines, so that one sees which lie in
 /// front
 ///
-/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space stops
-/// and starts the motion, 1 to 4 choose the picture, C switches culling, Escape quits. Sliders set
-/// radius, samples and factor.
+/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space
+/// starts and stops the motion, 1 to 4 choose the picture, C switches culling, Escape quits.
+/// Sliders set the radius, samples and factor of the occlusion, the tubes that it takes lines for,
+/// and the thickness of smooth lines.
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("set", |set| set.help(format!("A generated set: {}", family_names()))),
     mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk, .trx, .vtk, .vtp or .hair"))
 )]
 pub struct Options {
     /// What all systems take.
     #[command(flatten)]
     pub common: Common,
-    /// A generated set
+    /// A generated set, by its name
     #[arg(long, default_value = "spiral", value_parser = parse_family, conflicts_with = "file")]
     pub set: Family,
     /// The number of lines of a generated set; with --rooms of each room [default: what suits the
     /// set]
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub lines: Option<u32>,
-    /// The vertices of a generated line
+    /// The vertices of a generated line [default: what suits the set]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000), conflicts_with = "rooms")]
     pub vertices: Option<u32>,
     /// Seed of generated sets and motions
@@ -60,11 +62,11 @@ pub struct Options {
     /// the greatest]
     #[arg(long, value_name = "LOW,HIGH", value_parser = parse_range, allow_hyphen_values = true)]
     pub range: Option<[f32; 2]>,
-    /// Only lines that cross this region and all others that are named so: box:X0,Y0,Z0,X1,Y1,Z1 or
-    /// sphere:X,Y,Z,RADIUS
+    /// Only lines that cross this region: box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,RADIUS. May be
+    /// given several times, for lines that cross all of them
     #[arg(long, value_name = "REGION")]
     pub include: Vec<Region>,
-    /// No lines that cross this region
+    /// No lines that cross this region. May be given several times
     #[arg(long, value_name = "REGION")]
     pub exclude: Vec<Region>,
     /// A mesh that hides lines, and is drawn: a file (.obj, .ply, .glb or .gltf), or "own": the
@@ -113,13 +115,13 @@ pub struct Options {
     /// Pixels along the side of a column, for all estimators but "places" and "rays"
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub coarse: u32,
-    /// Slices of a column
+    /// Slices of a column, 128 or 256, for all estimators but "places" and "rays"
     #[arg(long, default_value = "256", value_parser = parse_slices)]
     pub slices: Slices,
-    /// Draws and voxelises only the bundles of lines that may matter
+    /// Leaves out lines that walls, meshes and nearer lines hide; the picture stays the same
     #[arg(long)]
     pub cull: bool,
-    /// The pictures, comma-separated
+    /// The pictures that --headless draws, comma-separated
     #[arg(
         long,
         value_enum,
@@ -240,9 +242,12 @@ impl LookName {
 }
 
 fn parse_family(text: &str) -> Result<Family, String> {
-    let names = || Family::ALL.map(Family::name).join(", ");
     let found = Family::ALL.into_iter().find(|f| f.name() == text);
-    found.ok_or_else(|| format!("no generated set has this name; there are {}", names()))
+    found.ok_or_else(|| format!("no generated set has this name; there are {}", family_names()))
+}
+
+fn family_names() -> String {
+    Family::ALL.map(Family::name).join(", ")
 }
 
 fn parse_colour(text: &str) -> Result<Colouring, String> {
@@ -334,6 +339,13 @@ mod tests {
         let usual = options(&["--simplify", "lines.obj"]);
         assert_eq!((usual.simplify, usual.common.file.unwrap().to_str()), (Some(0.25), Some("lines.obj")));
         assert_eq!(options(&["--simplify=2"]).simplify, Some(2.0));
+    }
+
+    #[test]
+    fn the_help_names_all_generated_sets() {
+        let help = Options::augment_args(Command::new("lines")).render_long_help().to_string();
+        let line = help.lines().find(|line| line.contains("A generated set: ")).unwrap();
+        assert!(Family::ALL.iter().all(|f| line.contains(f.name())), "{line}");
     }
 
     #[test]

@@ -61,8 +61,8 @@ mod tests {
             (vec!["--headless", "no/such.obj"], "no/such.obj"),
             (vec!["--headless", "lines.stl"], ".trk"),
             (vec!["--headless", &*broken], &*broken),
-            (vec!["--headless", &*empty], "no line"),
-            (vec!["--headless", "--lines", "0"], "no line"),
+            (vec!["--headless", &*empty], "empty.obj: there is no line in this file"),
+            (vec!["--headless", "--lines", "0"], "spiral: there is no line"),
             (vec!["--headless", "--rooms", "32", "--lines", "1000000"], "vertices"),
             (vec!["--set", "hair"], "pompom"),
             (vec!["--radius", "0"], "from 0.001 to 1"),
@@ -92,7 +92,7 @@ mod tests {
             (vec!["--include", "sphere:0,0,0"], "sphere:X,Y,Z,RADIUS"),
             (
                 vec!["--headless", "--lines", "5", "--exclude", "sphere:0,0,0,99"],
-                "no line crosses the regions",
+                "spiral: --include and --exclude leave no line",
             ),
         ] {
             let said = said(&words);

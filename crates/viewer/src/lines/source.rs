@@ -92,10 +92,12 @@ impl Source {
         };
         let lines = source.at(0.0)?;
         if lines.points().is_empty() {
-            let all = source.regions.iter().all(Vec::is_empty);
-            let why =
-                if all { "there is no line with a vertex in it" } else { "no line crosses the regions so" };
-            return Err(format!("{}: {why}", source.name).into());
+            let why = match (source.regions.iter().all(Vec::is_empty), &source.kind) {
+                (false, _) => "--include and --exclude leave no line",
+                (true, Kind::File(_)) => "there is no line in this file (--context takes triangles)",
+                (true, _) => "there is no line in this set",
+            };
+            return Err(format!("{}: {why}", options.common.name().unwrap_or(source.name)).into());
         }
         lines.colours(&source.colouring)?;
         source.bounds = lines.bounds();

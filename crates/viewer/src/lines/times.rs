@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use casca_lines::buffers::Fragment;
 use casca_lines::gpu::context::GpuContext;
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::{Look, Renderer};
@@ -68,6 +69,21 @@ fn of(stages: &Stages, names: &[&str]) -> f64 {
     stages.iter().filter(|(name, _)| names.contains(name)).fold(0.0, |sum, (_, ms)| sum + ms)
 }
 
+/// The pixels that lines cover, and the parts of lines in them: several in a pixel of smooth lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Covered {
+    pixels: usize,
+    lines: usize,
+}
+
+impl Covered {
+    /// Of the fragments of a picture, layer after layer. A pixel with any has one in the first.
+    fn new(fragments: &[Option<Fragment>], [width, height]: [u32; 2]) -> Self {
+        let pixels = fragments.iter().take(width as usize * height as usize).flatten().count();
+        Self { pixels, lines: fragments.iter().flatten().count() }
+    }
+}
+
 impl Bench<'_> {
     fn view(&self, share: f64, room: u32) -> Result<View, Failed> {
         let side = |s: u32| ((f64::from(s) * share) as u32).max(1);
@@ -81,7 +97,7 @@ impl Bench<'_> {
         (view, settings): (&View, Settings),
         lines: &GpuLines,
         mut culling: Option<&mut Culling>,
-    ) -> Result<(Stages, usize, Seen), Failed> {
+    ) -> Result<(Stages, Covered, Seen), Failed> {
         // What stays from other frames is forgotten, so that each repeat does the same.
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
         renderer.cull_lines(behind_lines(culling.is_some() || self.options.cull));
@@ -108,7 +124,7 @@ impl Bench<'_> {
                 _ => least.iter_mut().zip(stages).for_each(|(least, new)| least.1 = least.1.min(new.1)),
             }
         }
-        let covered = renderer.read_fragments(self.gpu)?.iter().flatten().count();
+        let covered = Covered::new(&renderer.read_fragments(self.gpu)?, view.size());
         Ok((least, covered, seen))
     }
 
@@ -132,7 +148,8 @@ impl Bench<'_> {
             say(format_args!("{name:>16} {ms:9.2}"));
         }
         let frame = stages.iter().map(|s| s.1).sum::<f64>();
-        say(format_args!("{:>16} {frame:9.2}, {covered} pixels covered", "frame"));
+        let Covered { pixels, lines: shown } = covered;
+        say(format_args!("{:>16} {frame:9.2}, {pixels} pixels covered by {shown} parts of lines", "frame"));
         self.turning(settings, &lines)?;
         self.behind(settings, &lines)?;
         if self.options.brief {
@@ -152,7 +169,7 @@ impl Bench<'_> {
             // With the settings of the full picture: the radius and the tubes keep their size in
             // the scene.
             let (stages, covered, _) = self.frame((&view, settings), &lines, None)?;
-            by_covered.push((covered as f64, of(&stages, &OCCLUSION)));
+            by_covered.push((covered.pixels as f64, of(&stages, &OCCLUSION)));
         }
         print_series("occlusion by covered pixels", &by_covered);
         for share in SHARES {
@@ -264,7 +281,18 @@ fn straight_line(points: &[(f64, f64)]) -> (f64, f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::straight_line;
+    use glam::Vec3;
+
+    use super::{Covered, Fragment, straight_line};
+
+    #[test]
+    fn a_pixel_with_several_lines_is_covered_once() {
+        let here = Some(Fragment { position: Vec3::ZERO, line: 0, tangent: Vec3::X, along: 0.0 });
+        // Four layers of two pixels.
+        let layers = [None, here, None, here, None, here, None, None];
+        assert_eq!(Covered::new(&layers, [2, 1]), Covered { pixels: 1, lines: 3 });
+        assert_eq!(Covered::new(&layers[..2], [2, 1]), Covered { pixels: 1, lines: 1 });
+    }
 
     #[test]
     fn a_straight_line_is_found_with_its_share() {

@@ -3,6 +3,7 @@
 use casca_lines::gpu::antialiasing::Antialiasing;
 use casca_lines::gpu::context::GpuContext;
 use casca_lines::gpu::culling::{Culling, Seen};
+use casca_lines::gpu::numeric::MOST_THICK;
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::occlusion::{AoOptions, Estimator};
@@ -20,7 +21,7 @@ use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
 use crate::common::Failed;
-use crate::lines::headless::BACKGROUND;
+use crate::lines::headless::{BACKGROUND, bundles};
 use crate::lines::legend;
 use crate::lines::options::{Options, Way, behind_lines};
 use crate::lines::source::{Source, sets};
@@ -49,6 +50,8 @@ struct Dials {
     moving: bool,
     cull: bool,
     smooth: bool,
+    /// Of smooth lines, in pixels.
+    thickness: f32,
     look: Look,
 }
 
@@ -61,6 +64,7 @@ const TUBE: &str = "tube radius in pixels";
 const MOVING: &str = "moving (Space)";
 const CULL: &str = "culling (C)";
 const SMOOTH: &str = "smooth lines";
+const THICKNESS: &str = "pixels of smooth lines";
 
 impl Dials {
     fn listed(&self) -> Vec<Dial> {
@@ -74,7 +78,13 @@ impl Dials {
             Dial::switch(MOVING, self.moving),
             Dial::switch(CULL, self.cull),
             Dial::switch(SMOOTH, self.smooth),
+            Dial::number(THICKNESS, self.thickness, 1.0..=f64::from(MOST_THICK), 0.0),
         ]
+    }
+
+    fn antialiasing(&self) -> Antialiasing {
+        let thickness = self.thickness;
+        if self.smooth { Antialiasing::Four { thickness } } else { Antialiasing::None }
     }
 
     fn set(&mut self, dial: &str, value: f64) {
@@ -87,6 +97,7 @@ impl Dials {
             MOVING => self.moving = value != 0.0,
             CULL => self.cull = value != 0.0,
             SMOOTH => self.smooth = value != 0.0,
+            THICKNESS => self.thickness = value as f32,
             _ => {}
         }
     }
@@ -136,6 +147,7 @@ impl Viewer {
                 moving: false,
                 cull: options.cull,
                 smooth: options.antialias.is_some(),
+                thickness: options.antialias.unwrap_or(1.0),
                 look: Look::Occluded,
             },
             renderer: Renderer::new(&screen.gpu, screen.format(), settings)?,
@@ -163,7 +175,7 @@ impl Viewer {
         self.options.follow(&mut self.dials.samples, self.way.in_window(self.dials.moving));
         let eye = [self.fly.eye, self.fly.eye + self.fly.forward()];
         let view = self.source.view(&self.options, eye, screen.size().into())?;
-        let Dials { radius, samples, tube, cull, smooth, .. } = self.dials;
+        let Dials { radius, samples, tube, cull, .. } = self.dials;
         let mut settings = self.source.settings(&self.options, &view);
         let scaled = settings.ao.radius * radius / self.options.radius;
         let thick = |line_radius: f32| line_radius * tube / self.options.tube;
@@ -180,11 +192,7 @@ impl Viewer {
         };
         settings.ao = AoOptions { estimator, radius: scaled, ..settings.ao };
         (settings.samples, settings.sets) = (samples, sets(samples));
-        settings.antialiasing = match self.options.antialiasing() {
-            _ if !smooth => Antialiasing::None,
-            Antialiasing::None => Antialiasing::SMOOTH,
-            four => four,
-        };
+        settings.antialiasing = self.dials.antialiasing();
         if self.shown != self.seconds || !self.lines.suits(&settings) {
             (self.lines, self.legend) =
                 self.source.on_device(gpu, &self.source.at(self.seconds)?, &settings)?;
@@ -204,12 +212,7 @@ impl Viewer {
     fn show(&mut self, screen: &Screen, target: &Target, seen: &Seen) {
         self.said = vec![
             format!("{} on {}: {:.0} ms a frame", self.source.name, screen.gpu.name, self.milliseconds),
-            format!(
-                "{} bundles: {} drawn, {} in columns",
-                self.lines.bundles().len(),
-                seen.drawn.len(),
-                seen.read.len()
-            ),
+            bundles(&self.lines, seen, self.renderer.settings()),
         ];
         self.said.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
         if IS_PAGE {

@@ -82,7 +82,7 @@ fn paint(@builtin(position) at: vec4f) -> @location(0) vec4f {
     return vec4f(tone(pixel, ~owners[pixel]), 1.0);
 }
 
-// The mean of the samples of a pixel, in the bytes of the picture, as a picture is scaled down.
+// The mean of the samples of a pixel, in the bytes of the picture, as a picture is scaled down; the nearest line by the area that it covers.
 @fragment
 fn paint_samples(@builtin(position) at: vec4f) -> @location(0) vec4f {
     let size = lens.size / 2u;
@@ -92,21 +92,32 @@ fn paint_samples(@builtin(position) at: vec4f) -> @location(0) vec4f {
     var tones: array<vec3f, 4>;
     // Layers are numbered as their first samples follow each other.
     var count = 0u;
+    // The nearest line has the share of the pixel that it covers, the other samples have the rest.
+    let front = word >> 28u;
+    var nearest = vec3f(0.0);
+    var others = 0.0;
     var sum = vec3f(0.0);
     for (var i = 0u; i < 4u; i++) {
         let sample = 2u * place + vec2u(i & 1u, i >> 1u);
         let layer = word >> (4u * i) & 15u;
         if layer >= 4u {
             sum += behind_lines(sample);
+            others += 1.0;
             continue;
         }
         if layer == count {
             tones[layer] = tone(layer * size.x * size.y + pixel, ~owners[pixel_number(sample)]);
             count++;
         }
+        if layer == front {
+            nearest = tones[layer];
+            continue;
+        }
         sum += tones[layer];
+        others += 1.0;
     }
-    return vec4f(sum * 0.25, 1.0);
+    let share = select(f32(word >> 16u & 4095u) / 4095.0, 0.0, front >= 4u);
+    return vec4f(mix(sum / others, nearest, share), 1.0);
 }
 
 const FAR_AWAY: f32 = 1e38;

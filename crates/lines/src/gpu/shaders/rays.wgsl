@@ -55,9 +55,9 @@ fn covered(ray: Ray, t: f32, distance: f32) -> f32 {
     return (min(half, distance + ray.tube) - max(-half, distance - ray.tube)) / (2.0 * half);
 }
 
-// The share that the ball at an end of a tube covers, of a ray that comes nearest to the line of the tube beyond that end; 0 where the tube after it on its line, or the ball of that one, covers it.
-fn rounded(ray: Ray, part: vec2f, to_a: vec3f, axis: vec3f, neighbours: vec2u) -> f32 {
-    let is_first = dot(ray.way * dot(to_a, ray.way) - to_a, axis) < 0.0;
+// The share that the ball at an end of a tube covers, of a ray that comes nearest to the line of the tube beyond that end, or runs along the tube and comes to that end first; 0 where the tube after it on its line, or the ball of that one, covers it.
+fn rounded(ray: Ray, part: vec2f, to_a: vec3f, axis: vec3f, neighbours: vec2u, is_across: bool) -> f32 {
+    let is_first = select(dot(ray.way, axis) > 0.0, dot(ray.way * dot(to_a, ray.way) - to_a, axis) < 0.0, is_across);
     let end = select(to_a + axis, to_a, is_first);
     let neighbour = select(neighbours.y, neighbours.x, is_first);
     let t = dot(end, ray.way);
@@ -67,7 +67,7 @@ fn rounded(ray: Ray, part: vec2f, to_a: vec3f, axis: vec3f, neighbours: vec2u) -
         let on = direction_of(neighbour);
         // A tube that holds the start stops nothing, and its ball neither.
         let is_alone = length(end + on * max(-dot(end, on), 0.0)) <= ray.tube;
-        if !is_alone && !(is_first && dot(off, on) < 0.0) { return 0.0; }
+        if !is_alone && !(is_across && is_first && dot(off, on) < 0.0) { return 0.0; }
     }
     // A ball is no longer than it is wide.
     return covered(ray, t, length(off)) * min(ray.tube / half_width(ray, t), 1.0);
@@ -88,16 +88,16 @@ fn beside(ray: Ray, part: vec2f, cell: u32) -> f32 {
         let axis = (bitcast<vec3f>(last.xyz) - a) / ao.radius;
         let normal = cross(ray.way, axis);
         let square = dot(normal, normal);
-        if !(square > RAY_PARALLEL * dot(axis, axis)) { continue; }
+        let is_across = square > RAY_PARALLEL * dot(axis, axis);
         let beside = dot(to_a, normal);
-        if beside * beside > reach * square { continue; }
+        if is_across && beside * beside > reach * square { continue; }
         let share = dot(cross(to_a, ray.way), normal) / square;
         var part_covered = 0.0;
-        if share >= 0.0 && share < 1.0 {
+        if is_across && share >= 0.0 && share < 1.0 {
             let t = dot(cross(to_a, axis), normal) / square;
             if t > part.x && t <= part.y { part_covered = covered(ray, t, abs(beside) / sqrt(square)); }
         } else {
-            part_covered = rounded(ray, part, to_a, axis, vec2u(first.w, last.w));
+            part_covered = rounded(ray, part, to_a, axis, vec2u(first.w, last.w), is_across);
         }
         if part_covered > 0.0 && !holds(ray, to_a, axis) { open *= 1.0 - min(part_covered, 1.0); }
     }

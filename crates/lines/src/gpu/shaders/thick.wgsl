@@ -1,6 +1,7 @@
 // Lines of a thickness in four samples of each pixel. The lens is that of the samples, so that a pixel of it is a sample.
 
-// Where the fragment of each sample of a pixel is: its layer, four bits a sample from the lowest on.
+// Where the fragment of each sample of a pixel is: its layer, four bits a sample from the lowest on. Then the share of the pixel that its nearest
+// line covers, 12 bits, and the layer of that one, or NO_LAYER where the share is that of the samples.
 @group(0) @binding(28) var<storage, read_write> layers: array<u32>;
 
 const LAYERS: u32 = 4u;
@@ -86,6 +87,31 @@ fn draw_thick(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) grou
     if found { show_chunk(group, groups); }
 }
 
+// The part of a square of side 1 that lies on one side of a straight line, at a distance from its middle: negative if less than half does.
+fn beside_straight(normal: vec2f, distance: f32) -> f32 {
+    let long = max(abs(normal.x), abs(normal.y));
+    let short = min(abs(normal.x), abs(normal.y));
+    let corner = max(0.5 * (long + short) - abs(distance), 0.0);
+    // A straight line cuts off a triangle of the square, or crosses two sides that are opposite to each other.
+    let cut = select(max(0.5 - abs(distance) / long, 0.0), corner * corner / (2.0 * long * short), corner < short);
+    return select(cut, 1.0 - cut, distance > 0.0);
+}
+
+// The share of a pixel that a segment would cover if it were endless; negative where its direction is not known.
+fn covered_by(s: Strip, pixel: vec2u) -> f32 {
+    let way = s.last - s.first;
+    let long = length(way);
+    if !(long > IN_DOUBT) { return -1.0; }
+    let off = 2.0 * vec2f(pixel) + 1.0 - s.first;
+    let along = dot(off, way) / long;
+    if along < -1.0 || along > long + 1.0 { return -1.0; }
+    let normal = vec2f(-way.y, way.x) / long;
+    // Two samples are a pixel.
+    let distance = 0.5 * dot(off, normal);
+    let half = 0.5 * lens.thick;
+    return beside_straight(normal, half - distance) + beside_straight(normal, half + distance) - 1.0;
+}
+
 // Samples of a pixel that show the same line at about the same place have one fragment, in the middle of them.
 @compute @workgroup_size(8, 8)
 fn resolve_samples(@builtin(global_invocation_id) id: vec3u) {
@@ -97,11 +123,15 @@ fn resolve_samples(@builtin(global_invocation_id) id: vec3u) {
     var places: array<vec3f, LAYERS>;
     var count = 0u;
     var word = 0u;
+    // The nearest context of samples without a line.
+    var context = FAR_AWAY;
     for (var i = 0u; i < 4u; i++) {
         let at = 2u * id.xy + vec2u(i & 1u, i >> 1u);
         let segment = ~atomicLoad(&owners[pixel_number(at)]);
         var layer = NO_LAYER;
-        if segment != NONE {
+        if segment == NONE {
+            context = min(context, textureLoad(surfaces, at, 0).x);
+        } else {
             let place = place_of(vec2i(at));
             let s = strip_of(segment);
             let here = fragment_of(segment, s.a, s.b, nearest_on(s, place).x);
@@ -120,6 +150,17 @@ fn resolve_samples(@builtin(global_invocation_id) id: vec3u) {
         word |= layer << (4u * i);
     }
     let pixel = id.y * size.x + id.x;
+    var front = 0u;
+    for (var layer = 1u; layer < count; layer++) {
+        if found[layer].position.z > found[front].position.z { front = layer; }
+    }
+    // Four samples meet a slanted line in steps: its area is known better. Ends and bends of lines, and what context hides, are left to the samples.
+    var share = -1.0;
+    if count > 0u && places[front].z < 4.0 && context > -found[front].position.z {
+        share = covered_by(strip_of(owner[front]), id.xy);
+        if !(abs(share - 0.25 * places[front].z) <= SAMPLES_OFF) { share = -1.0; }
+    }
+    word |= select(u32(share * 4095.0 + 0.5) << 16u | front << 28u, NO_LAYER << 28u, share < 0.0);
     layers[pixel] = word;
     for (var layer = 0u; layer < LAYERS; layer++) {
         var fragment: Fragment;

@@ -32,7 +32,7 @@ impl<'a> Bytes<'a> {
     pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], FileError> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         let Some(taken) = rest.get(..count) else {
-            return Err(broken("byte", self.at, format!("the file ends within the next {count} bytes")));
+            return Err(self.ended(count, "bytes"));
         };
         self.at += count;
         Ok(taken)
@@ -92,7 +92,15 @@ impl<'a> Bytes<'a> {
     fn has(&self, kind: Kind, count: usize) -> Result<(), FileError> {
         match count.checked_mul(kind.size()).is_some_and(|bytes| bytes <= self.left()) {
             true => Ok(()),
-            false => Err(broken("byte", self.at, format!("the file ends within the next {count} numbers"))),
+            false => Err(self.ended(count, "numbers")),
+        }
+    }
+
+    /// The file lacks some of what should come next, or even what comes before it.
+    fn ended(&self, count: usize, what: &str) -> FileError {
+        match self.bytes.len() {
+            long if long < self.at => broken("byte", long, format!("the file ends before byte {}", self.at)),
+            _ => broken("byte", self.at, format!("the file ends within the next {count} {what}")),
         }
     }
 

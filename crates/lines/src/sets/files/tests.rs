@@ -34,6 +34,17 @@ fn all_written(lines: &[Vec<Vec3>]) -> Vec<(Format, Vec<u8>, bool)> {
     all
 }
 
+#[test]
+fn files_that_end_in_their_header_are_told_where_they_end() {
+    let lines = [vec![[0.0; 3], [1.0; 3]]];
+    for (format, bytes, header) in
+        [(Format::Hair, formats::hair(&lines), 128), (Format::Trk, formats::trk(&lines, false, None), 996)]
+    {
+        let why = read(&bytes[..40], format).unwrap_err().to_string();
+        assert_eq!(why, format!("byte 40: the file ends before byte {header}"));
+    }
+}
+
 /// A file of lines in a format.
 fn written(lines: &[Vec<Vec3>], format: Format) -> Vec<u8> {
     let coordinates = |p: &Vec3| format!("{} {} {}", p.x, p.y, p.z);
@@ -166,7 +177,7 @@ fn errors_name_place_and_cause() {
             "ply\nformat binary_little_endian 1.0\nelement edge 1\nproperty list uint int v\nend_header\n\u{7f}\u{7f}\u{7f}\u{7f}",
             "the file ends",
         ),
-        (Format::Trk, "TRACK", "byte 996: the file ends"),
+        (Format::Trk, "TRACK", "byte 5: the file ends before byte 996"),
     ] {
         let why = fail(text.as_bytes(), format);
         assert!(why.contains(said), "{text}: {why}");
