@@ -18,8 +18,10 @@ const SHOWN: [&str; 2] = ["24 rays (default)", "places"];
 
 /// Prints a row for each kind and tolerance.
 pub fn print(cases: &[(&Kind, Case)]) {
-    println!("| kind | pixels | vertices | MiB | another line, none | Pearson, RMSE | µs a pixel |");
-    println!("|---|{}", "---:|".repeat(6));
+    println!(
+        "| kind | pixels | vertices | MiB | another line, none | truth of the lines left | 24 rays; places | µs a pixel |"
+    );
+    println!("|---|{}", "---:|".repeat(7));
     for (kind, case) in cases {
         let truth = case.truth(&case.view, &case.receivers, RAYS);
         PIXELS.iter().for_each(|pixels| row(kind, (case, &truth), *pixels));
@@ -52,12 +54,15 @@ fn row(kind: &Kind, (case, truth): (&Case, &[f64]), pixels: f32) {
         let found = m.prepared(&simple, &simple.view).values(&simple.receivers);
         format!("{:.4}, {:.4}", pearson(&found, &wanted), rmse(&found, &wanted))
     };
+    let own = simple.truth(&simple.view, &simple.receivers, RAYS);
     println!(
-        "| {} | {pixels} | {count} ({:.1}%), {took:.0} ms | {mib:.1} | {:.1}%, {:.1}% | {} | {} |",
+        "| {} | {pixels} | {count} ({:.1}%), {took:.0} ms | {mib:.1} | {:.1}%, {:.1}% | {:.4}, {:.4} | {} | {} |",
         kind.name,
         100.0 * count as f64 / case.lines.points().len() as f64,
         share(others),
         share(none),
+        pearson(&own, &wanted),
+        rmse(&own, &wanted),
         methods.iter().map(near).collect::<Vec<_>>().join("; "),
         methods.iter().map(|m| format!("{:.1}", m.times(&simple).1)).collect::<Vec<_>>().join("; "),
     );

@@ -100,6 +100,9 @@ impl GpuLines {
     /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex, 12.5 a
     /// segment, and as much as the cells take; 16 bytes a line and 22 a place.
     ///
+    /// Lists of cells and segments may be larger than a buffer that the adapter binds: six and two
+    /// times as large, then they lie in parts. Vertices must fit into one buffer of 16 bytes each.
+    ///
     /// [`Estimator::Places`]: crate::occlusion::Estimator::Places
     ///
     /// # Errors

@@ -164,6 +164,23 @@ fn numbers_and_colours_stay_within_theirs_and_those_not_known_apart() {
     assert_eq!(kept(of_lines, 10.0 / 255.0).0, 2);
 }
 
+#[test]
+fn values_off_by_a_little_more_than_the_tolerance_stay() {
+    let set = LineSet::new([(0..4).map(|i| Vec3::X * i as f32)]).unwrap();
+    let numbers = Scalars { name: "s".into(), of: Of::Vertices, values: vec![0.0, 10.0, 0.0, 100.0] };
+    let of_numbers = Attributes { scalars: vec![numbers], ..Default::default() };
+    let colours = Some([0, 10, 0, 255].map(|green| [0, green, 0]).to_vec());
+    let of_colours = Attributes { colours, ..Default::default() };
+    for (attributes, range) in [(of_numbers, 100.0), (of_colours, 255.0)] {
+        let set = set.clone().with_attributes(attributes).unwrap();
+        let counts = [9.9, 10.1].map(|off| {
+            let tolerance = Tolerance { distance: 1.0, values: off / range };
+            set.simplified(&tolerance).points().len()
+        });
+        assert_eq!(counts, [4, 3]);
+    }
+}
+
 /// Interpolated between the vertices that stay, numbers are those of the old vertices.
 #[test]
 fn numbers_between_vertices_are_interpolated_within_the_tolerance() {
