@@ -162,7 +162,7 @@ fn errors(want: &[u8], got: &[u8]) -> [f64; 2] {
 
 /// Compares all cases, writes them, and prints what follows.
 pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
-    let [shooter, finer] = [SMOOTH, FINE].map(|smooth| Shooter::new(gpu, SIZE, smooth));
+    let [shooter, finest] = [SMOOTH, FINE].map(|smooth| Shooter::new(gpu, SIZE, smooth));
     let mut rows: Vec<Row> = Vec::new();
     for (density, height) in DENSITIES.into_iter().flat_map(|d| HEIGHTS.map(|h| (d, h))) {
         let mut case = Case::new(gpu, choices, subject, (height, density))?;
@@ -181,15 +181,17 @@ pub fn study(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
             let pixels = case.shells(&shooter, layers, marched)?;
             let [rmse, inside] = errors(&truth, &pixels);
             let fine = match marched && layers <= FINE_LAYERS && density == DENSITIES[0] {
-                true => errors(&fine, &case.shells(&finer, layers, marched)?),
+                true => errors(&fine, &case.shells(&finest, layers, marched)?),
                 false => [f64::NAN; 2],
             };
             let gaps = if layers == GAP_LAYERS { case.gaps(&shooter, marched)? } else { f64::NAN };
+            let way = if marched { "followed" } else { "plain" };
+            let finer = match fine[0].is_nan() {
+                true => String::new(),
+                false => format!("; with 8x8 samples {:.4}, {:.4}", fine[0], fine[1]),
+            };
             say(format_args!(
-                "  {:<9}{layers:>3} layers: RMSE {rmse:.4}, away from outlines {inside:.4}; with 8x8 samples {:.4}, {:.4}",
-                if marched { "followed" } else { "plain" },
-                fine[0],
-                fine[1]
+                "  {way:<9}{layers:>3} layers: RMSE {rmse:.4}, away from outlines {inside:.4}{finer}"
             ));
             if SHOWN.contains(&(layers, marched)) {
                 shown.push(Picture { size: SIZE, pixels });
