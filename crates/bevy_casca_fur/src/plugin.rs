@@ -39,8 +39,8 @@ impl Plugin for FurPlugin {
             app.init_asset::<Mesh>();
         }
         app.init_resource::<FurSettings>().init_resource::<Store>();
-        // New meshes must be seen by this frame's events: those reach the renderer. What was visible
-        // in the last frame is known until visibility is propagated.
+        // New meshes must be seen by this frame's events, which reach the renderer. What was
+        // visible in the last frame is known until visibility is propagated.
         let before = (AssetEventSystems, VisibilitySystems::VisibilityPropagate);
         let place = FurSystems::Grow.after(TransformSystems::Propagate).before(before.0).before(before.1);
         app.configure_sets(PostUpdate, place);
