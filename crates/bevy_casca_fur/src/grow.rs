@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use bevy_asset::{AssetEvent, AssetId, Assets};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{
-    DynamicSkinnedMeshBounds, InheritedVisibility, NoFrustumCulling, RenderLayers, ViewVisibility, Visibility,
+    DynamicSkinnedMeshBounds, NoFrustumCulling, RenderLayers, ViewVisibility, Visibility,
 };
 use bevy_camera::{Camera, Camera3d, Projection};
 use bevy_ecs::entity::EntityHashMap;
@@ -36,7 +36,7 @@ pub(crate) struct Animal {
     mesh: &'static Mesh3d,
     furry: &'static crate::Furry,
     place: &'static GlobalTransform,
-    shown: Option<&'static InheritedVisibility>,
+    seen: Option<&'static ViewVisibility>,
     layers: Option<&'static RenderLayers>,
     casts_none: Has<NotShadowCaster>,
     receives_none: Has<NotShadowReceiver>,
@@ -168,11 +168,13 @@ fn wish(
     let reach = fur.reach(skin.magnitude());
     let aabb = skin.grown(reach);
     let ball = Ball::around(&aabb, animal.place.affine());
-    let shown = animal.shown.is_none_or(|shown| shown.get());
-    let coat = fleece.map(|fleece| &*fleece.coat);
+    // Hidden coats are in no list: those wake with their skin.
+    let skin_seen = animal.seen.is_none_or(|seen| seen.get());
+    let coat = fleece.map(|fleece| fleece.coat);
     let planned = match fleece {
-        Some(fleece) => fleece.seen.get() || fleece.coat.layers == 0 && shown,
-        None => shown,
+        Some(fleece) => fleece.seen.get() || fleece.coat.layers == 0 && skin_seen,
+        // Of a new animal nothing is known yet.
+        None => true,
     };
     let made = Made {
         mesh: animal.mesh.id(),

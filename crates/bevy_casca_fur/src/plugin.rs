@@ -2,6 +2,7 @@
 
 use bevy_app::{App, Plugin, PostUpdate};
 use bevy_asset::{AssetApp, AssetEventSystems, Assets};
+use bevy_camera::visibility::VisibilitySystems;
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
 use bevy_pbr::MaterialPlugin;
@@ -38,9 +39,11 @@ impl Plugin for FurPlugin {
             app.init_asset::<Mesh>();
         }
         app.init_resource::<FurSettings>().init_resource::<Store>();
-        // New meshes must be seen by this frame's events: those reach the renderer.
-        let place = FurSystems::Grow;
-        app.configure_sets(PostUpdate, place.after(TransformSystems::Propagate).before(AssetEventSystems));
+        // New meshes must be seen by this frame's events, which reach the renderer. What was
+        // visible in the last frame is known until visibility is propagated.
+        let before = (AssetEventSystems, VisibilitySystems::VisibilityPropagate);
+        let place = FurSystems::Grow.after(TransformSystems::Propagate).before(before.0).before(before.1);
+        app.configure_sets(PostUpdate, place);
         app.add_systems(PostUpdate, grow::grow.in_set(FurSystems::Grow));
     }
 

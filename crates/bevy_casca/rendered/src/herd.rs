@@ -1,6 +1,9 @@
 //! Furry animals on the ground, behind walls, under a sun with shadows and a lamp.
 
+use std::any::TypeId;
+
 use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::VisibleEntities;
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
@@ -22,7 +25,7 @@ const KINDS: [u64; 3] = [3, 4, 5];
 const MOST_FRAMES: u32 = 60;
 
 /// Frames before the first picture, until all pipelines and lists of lights are there.
-const WARM_UP: u32 = 6;
+const WARM_UP: u32 = 2;
 
 /// One kind of animals: its mesh, its skin and its fur.
 #[derive(Clone)]
@@ -75,14 +78,13 @@ impl Herd {
         let eyes = vec![
             eye(0.0, 0.5, 2.4, Vec3::new(0.0, 0.3, -3.0)),
             eye(-3.2, 0.4, 1.2, Vec3::new(1.0, 0.2, -4.0)),
-            eye(3.4, 0.9, 1.0, Vec3::new(-1.0, 0.0, -3.0)),
         ];
         Self {
             animals: (0..24).map(|i| (i % KINDS.len(), place(i))).collect(),
             walls,
             eyes,
-            detail: 32,
-            layers: 6,
+            detail: 24,
+            layers: 4,
         }
     }
 
@@ -177,10 +179,16 @@ fn mesh_of(own: &OwnMesh) -> Mesh {
         .with_inserted_indices(Indices::U32(own.triangles().concat()))
 }
 
-/// The coats that are drawn, and the layers in them.
-pub fn drawn(rendered: &mut Rendered) -> (usize, u32) {
-    let world = rendered.app().world_mut();
-    let mut coats = world.query::<(&Coat, &ViewVisibility)>();
-    let seen = coats.iter(world).filter(|(_, seen)| seen.get());
-    seen.fold((0, 0), |(count, layers), (coat, _)| (count + 1, layers + coat.layers()))
+/// The layers of all coats, in the order of their animals, and whether the camera draws them.
+pub fn coats(rendered: &mut Rendered) -> Vec<(u32, bool)> {
+    let (world, camera) = rendered.world_and_camera();
+    let listed = world.get::<VisibleEntities>(camera).map(|seen| seen.get(TypeId::of::<Mesh3d>()).to_vec());
+    let listed = listed.unwrap_or_default();
+    let mut coats = world.query::<(Entity, &ChildOf, &Coat)>();
+    let coat = |(entity, parent, coat): (Entity, &ChildOf, &Coat)| {
+        (parent.parent(), coat.layers(), listed.contains(&entity))
+    };
+    let mut all: Vec<(Entity, u32, bool)> = coats.iter(world).map(coat).collect();
+    all.sort();
+    all.into_iter().map(|(_, layers, drawn)| (layers, drawn)).collect()
 }

@@ -132,7 +132,7 @@ impl<'a> Set<'a> {
 
     /// Spawns a small thing: one in three is a ring.
     fn thing(&mut self, number: usize, at: Vec3) -> Entity {
-        let mesh = if number % 3 == 0 { self.ring.clone() } else { self.ball.clone() };
+        let mesh = if number.is_multiple_of(3) { self.ring.clone() } else { self.ball.clone() };
         let (color, size) = (self.colors[15].clone(), self.dice.within(0.3, 1.0));
         self.put(&mesh, &color, at, Vec3::splat(size))
     }
