@@ -98,7 +98,7 @@ fn shells_come_nearer_to_ray_traced_strands_with_their_number() {
     let errors = [0, 4, 16, 48].map(&mut error);
     println!("RMSE with 0, 4, 16 and 48 layers: {errors:.4?}");
     assert!(errors.is_sorted_by(|a, b| a > b) && errors[3] < 0.5 * errors[0], "{errors:?}");
-    // With steps along rays, and not where they enter cones, these were 0.0181 and more.
+    // Steps along rays over skin that is taken for flat left 0.0190 with 16 layers.
     assert!(errors[1] < 0.025 && errors[2] < 0.0125, "{errors:?}");
 }
 
