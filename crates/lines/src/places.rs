@@ -53,9 +53,7 @@ impl Places {
             spans.push(Span { vertex: first, last_vertex: vertex.max(first + 1) - 1, place: 0, steps: 0 });
         }
         let whole: f64 = spans.iter().filter(|s| is_line(s)).map(long).sum();
-        // Two places of each line in any case.
-        let room = f64::from(MOST_PLACES) - 2.0 * spans.len() as f64;
-        let step = f64::from(step).max(whole / room.max(1.0)).max(f64::MIN_POSITIVE);
+        let step = fitting(step, whole, lines.len());
         let mut count = 0;
         for span in &mut spans {
             span.place = count;
@@ -66,6 +64,18 @@ impl Places {
         let of = |span: &Span| tangents(span, &lengths, &vertices);
         let tangents = spans.par_iter().flat_map_iter(of).collect();
         Self { spans, tangents, step }
+    }
+
+    /// The way from place to place, in units of the scene, that [`Self::new`] takes: `step`, or a
+    /// longer one where the set has too many lines for it.
+    ///
+    /// Time and memory: proportional to the vertices.
+    pub fn step_for(lines: &LineSet, step: f32) -> f64 {
+        let lengths = lines.arc_lengths();
+        let last =
+            |line: usize| lines.range(line).filter(|range| !range.is_empty()).map(|range| range.end - 1);
+        let whole = (0..lines.len()).filter_map(last).map(|vertex| f64::from(lengths[vertex])).sum();
+        fitting(step, whole, lines.len())
     }
 
     /// Puts the places of some lines to where these are in `lines`. Their numbers stay, so that
@@ -141,4 +151,11 @@ pub(crate) fn segment(lengths: &[f32], span: &Span, number: u32) -> (u32, f32) {
     let way = line[next] - line[next - 1];
     let share = if way > 0.0 { ((along - line[next - 1]) / way).clamp(0.0, 1.0) } else { 0.0 };
     (span.vertex + next as u32 - 1, share)
+}
+
+/// The least way from place to place on lines of a length in all that there is room for.
+fn fitting(step: f32, whole: f64, lines: usize) -> f64 {
+    // Two places of each line in any case.
+    let room = f64::from(MOST_PLACES) - 2.0 * lines as f64;
+    f64::from(step).max(whole / room.max(1.0)).max(f64::MIN_POSITIVE)
 }

@@ -33,8 +33,13 @@ fn there_are_never_too_many_places_whatever_the_step() {
             assert!(places.count() <= MOST_PLACES, "{step}: {}", places.count());
             let last = places.spans().last().unwrap();
             assert_eq!(last.place + last.steps + 1, places.count());
+            assert_eq!(Places::step_for(some, step), places.step);
         }
     }
+    let long = LineSet::new([vec![], vec![Vec3::ONE], vec![Vec3::ZERO, Vec3::X * 2e7]]).unwrap();
+    assert_eq!(Places::step_for(&long, 3.0), 3.0);
+    let step = Places::step_for(&long, 0.1);
+    assert!(step > 2.38 && step < 2.39 && step == Places::new(&long, 0.1).step, "{step}");
     assert_eq!(Places::new(&LineSet::default(), 1.0).count(), 0);
     assert_eq!(Places::new(&LineSet::new([[], []] as [[Vec3; 0]; 2]).unwrap(), 1.0).count(), 2);
 }

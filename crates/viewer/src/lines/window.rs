@@ -130,14 +130,18 @@ struct Viewer {
 
 impl Viewer {
     fn new(screen: &Screen, mut options: Options, source: Source) -> Result<Self, Failed> {
-        let way = options.estimator;
+        let mut way = options.estimator;
         options.estimator = way.in_window(false);
         let size = <[u32; 2]>::from(screen.size());
         let start = source.start(&options, size, 0)?;
         let view = source.view(&options, start, size)?;
         let seconds = f64::from(options.at);
-        let settings = source.settings(&options, &view);
-        let (lines, legend) = source.on_device(&screen.gpu, &source.at(seconds)?, &settings)?;
+        let set = source.at(seconds)?;
+        let mut settings = source.settings(&options, &view);
+        way = way.for_lines(&set, &settings.ao.estimator);
+        options.estimator = way.in_window(false);
+        settings = source.settings(&options, &view);
+        let (lines, legend) = source.on_device(&screen.gpu, &set, &settings)?;
         Ok(Self {
             dials: Dials {
                 radius: options.radius,
