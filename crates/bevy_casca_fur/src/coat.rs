@@ -24,7 +24,7 @@ pub struct Coat {
     pub(crate) made: Made,
 }
 
-/// What the mesh of a coat was made of.
+/// The makings of a coat's mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Made {
     pub mesh: AssetId<Mesh>,

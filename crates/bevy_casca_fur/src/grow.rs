@@ -79,7 +79,7 @@ pub(crate) struct Growing<'w, 's> {
     refused: Local<'s, BTreeSet<AssetId<FurMaterial>>>,
 }
 
-/// What an animal asks for in this frame.
+/// The wish of an animal in this frame.
 struct Wish {
     animal: Entity,
     fleece: Option<Entity>,
@@ -173,7 +173,7 @@ fn wish(
     let coat = fleece.map(|fleece| fleece.coat);
     let planned = match fleece {
         Some(fleece) => fleece.seen.get() || fleece.coat.layers == 0 && skin_seen,
-        // Of a new animal nothing is known yet.
+        // Nothing is known of a new animal yet.
         None => true,
     };
     let made = Made {
@@ -283,7 +283,7 @@ fn put<C: Component>(coat: &mut EntityCommands, change: Option<Option<C>>) {
     }
 }
 
-/// What becomes of a marker that the animal has or lacks.
+/// The change of a marker that the animal has or lacks.
 fn marker<C>(animal: bool, coat: bool, marker: C) -> Option<Option<C>> {
     (animal != coat).then(|| animal.then_some(marker))
 }

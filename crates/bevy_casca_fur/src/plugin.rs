@@ -20,7 +20,7 @@ use crate::store::Store;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FurPlugin;
 
-/// What the plugin does in `PostUpdate`.
+/// The plugin's systems in `PostUpdate`.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum FurSystems {
     /// Coats are made, changed and removed, after transforms are propagated and before bounds are

@@ -52,7 +52,7 @@ pub enum Unfit {
     TooLarge,
 }
 
-/// What coats need of a mesh, checked.
+/// A mesh for coats, checked.
 #[derive(Debug, Clone)]
 pub(crate) struct Skin {
     /// The box of the positions.

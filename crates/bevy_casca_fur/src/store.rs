@@ -11,7 +11,7 @@ use crate::coat::Made;
 use crate::numeric::KEPT_FRAMES;
 use crate::shells::{Skin, Unfit, shells_of};
 
-/// What is known of a mesh with fur.
+/// A mesh with fur, and its layers.
 struct Known {
     skin: Result<Skin, Unfit>,
     version: u32,
@@ -45,7 +45,7 @@ impl Store {
         self.known.retain(|_, known| fresh(known.used));
     }
 
-    /// What is known of a mesh, and the number of that knowledge; none if the mesh is not there.
+    /// The checked mesh, and the number of its version; none if the mesh is not there.
     pub fn skin(&mut self, id: AssetId<Mesh>, meshes: &Assets<Mesh>) -> Option<(&Skin, u32)> {
         let mesh = meshes.get(id);
         if mesh.is_none() {

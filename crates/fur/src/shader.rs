@@ -7,7 +7,7 @@ pub use crate::numeric::{COARSE, FINE, STEPS};
 /// set them by their names, since more may come. It needs no binding.
 pub const STRANDS: &str = include_str!("gpu/strands.wgsl");
 
-/// What a fragment of a layer shows: `change(shell)`, which all fragments must call, and
+/// The strand that a fragment of a layer shows: `change(shell)`, which all fragments must call, and
 /// `seen(shell, change, normal, width, ray)`, which follows the ray through the slab below the
 /// layer by up to [`STEPS`] blocks of cells. It comes after [`STRANDS`] and asks for five names: a
 /// variable `look: Look`; a struct `Shell` with the fields `base: vec3f` and `normal: vec3f` (of

@@ -27,7 +27,7 @@ struct Path {
     long: f32,
 }
 
-/// What a ray meets.
+/// The strand that a ray meets, if any.
 struct Met {
     found: bool,
     id: u32,

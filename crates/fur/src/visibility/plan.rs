@@ -142,7 +142,7 @@ pub fn plan<'a>(
 /// An object as a picture sees it, for [`plan_sights`]: fields are as in [`DrawItem`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight<'a> {
-    /// What it costs.
+    /// Its meshes and its fur, which say how much it costs.
     pub furry: Furry<'a>,
     /// From the eye to its nearest point, in world units.
     pub distance: f32,

@@ -120,7 +120,7 @@ fn in_parts(gpu: &Gpu, words: &[u32], part: u32, most: usize) -> Result<Vec<Buff
     if words.len().div_ceil(long) > most {
         return Err(no_room(size_of_val(words), part, most));
     }
-    // Of no words there is one part, too.
+    // There is one part of no words, too.
     let parts = (0..words.len().max(1)).step_by(long);
     parts.map(|at| filled(gpu, &words[at..words.len().min(at + long)], BufferUsages::STORAGE)).collect()
 }

@@ -176,7 +176,7 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    /// Of rays through cells with these bindings.
+    /// The passes of rays through cells with these bindings.
     pub(super) fn new(gpu: &Gpu, module: &ShaderModule, cells: &[u32]) -> Self {
         let through = |own: &[u32]| [own, cells].concat();
         Self {

@@ -67,7 +67,7 @@ impl LineSet {
     }
 }
 
-/// Of `count` vertices in a row those that stay: the first, the last, and others so that `fits`
+/// The vertices that stay of `count` in a row: the first, the last, and others so that `fits`
 /// holds from each to the next. It is not asked about neighbours, for which it must hold.
 ///
 /// If asking about n vertices in between costs n, the whole costs n log n.

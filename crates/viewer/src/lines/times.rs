@@ -77,7 +77,7 @@ struct Covered {
 }
 
 impl Covered {
-    /// Of the fragments of a picture, layer after layer. A pixel with any has one in the first.
+    /// Counts the fragments of a picture, layer after layer. A pixel with any has one in the first.
     fn new(fragments: &[Option<Fragment>], [width, height]: [u32; 2]) -> Self {
         let pixels = fragments.iter().take(width as usize * height as usize).flatten().count();
         Self { pixels, lines: fragments.iter().flatten().count() }

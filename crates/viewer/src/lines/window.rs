@@ -50,7 +50,7 @@ struct Dials {
     moving: bool,
     cull: bool,
     smooth: bool,
-    /// Of smooth lines, in pixels.
+    /// The thickness of smooth lines, in pixels.
     thickness: f32,
     look: Look,
 }

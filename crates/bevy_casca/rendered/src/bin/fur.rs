@@ -99,7 +99,7 @@ fn herd(arguments: &Arguments) -> Result<(), String> {
             counts.push(coats(app));
         }
         let other = pictures[0].chunks(4).zip(pictures[1].chunks(4)).filter(|(a, b)| a != b).count();
-        // What is drawn without culling has the same layers with it; what is hidden may lag behind.
+        // Coats drawn without culling have the same layers with it; hidden ones may lag behind.
         let drawn = |coats: &[(u32, bool)]| coats.iter().filter(|(_, drawn)| *drawn).count();
         let lag = counts[0].iter().zip(&counts[1]).filter(|(a, b)| a.1 && a.0 != b.0).count();
         println!(
