@@ -42,7 +42,7 @@ fn layers_fall_with_distance() {
     let focal = 360.0 / (std::f32::consts::FRAC_PI_8).tan();
     for (i, (layers, _)) in found.iter().enumerate() {
         let nearest = 3.0 * 1.3f32.powi(i as i32) - 1.1 * 3f32.sqrt();
-        let pixels = 0.1 * focal / nearest.max(1e-3);
+        let pixels = 0.1 * focal / nearest;
         assert!(*layers >= ((pixels / 1.5) as u32).min(24), "{i}: {layers} for {pixels} pixels");
         assert!(*layers as f32 <= 2.0 * (pixels / 1.5).ceil(), "{i}: {layers} for {pixels} pixels");
     }

@@ -353,6 +353,9 @@ fn weights([a, b, c]: &[DVec3; 3], at: DVec3) -> [f32; 3] {
 mod tests {
     use super::*;
 
+    /// Rounding of doubles at ways of some units.
+    const ROUNDING: f64 = 1e-12;
+
     #[test]
     fn tubes_and_triangles_are_entered_where_they_begin() {
         let ends = [DVec3::ZERO, DVec3::new(0.0, 2.0, 0.0)];
@@ -371,11 +374,11 @@ mod tests {
         let cone = |from: DVec3, way: DVec3| enter_tube(ends, [0.5, 0.25], false, from, way);
         for (y, radius) in [(0.5, 0.4375), (1.5, 0.3125)] {
             let found = cone(DVec3::new(3.0, y, 0.0), DVec3::NEG_X).unwrap();
-            assert!((3.0 - found - radius).abs() < 1e-12, "{y}: {found}");
+            assert!((3.0 - found - radius).abs() < ROUNDING, "{y}: {found}");
         }
         assert_eq!(cone(DVec3::new(3.0, 1.5, 0.32), DVec3::NEG_X), None, "beside where it is narrower");
         let found = cone(DVec3::new(0.3, 9.0, 0.0), DVec3::NEG_Y).unwrap();
-        assert!((9.0 - found - 1.6).abs() < 1e-12, "along the axis, to its side: {found}");
+        assert!((9.0 - found - 1.6).abs() < ROUNDING, "along the axis, to its side: {found}");
         let down = |x: f64| enter_tube(ends, [0.5; 2], true, DVec3::new(x, 9.0, 0.0), DVec3::NEG_Y);
         assert_eq!((down(0.3), down(0.6)), (Some(7.0), None), "a tip ends flat");
         assert_eq!(

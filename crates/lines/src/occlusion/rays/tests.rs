@@ -427,11 +427,12 @@ fn rays_pass_lines_beside_them_that_are_parallel_and_meet_those_that_almost_are(
         let rays = Rays { soft: 0.03, spread: 1.0, ..thin(&cells, start.as_vec3(), 0.02) };
         assert_eq!(rays.passed(way.as_vec3()), 1.0, "{start} {way}");
     }
-    // Rays into the end of a tube, along it or nearly so.
+    // Rays into the end of a tube, along it or within `RAY_PARALLEL` of it.
+    let slants = [0.0, 1e-8, 1e-6, 1e-5];
     for i in 0..4000 {
         let (start, way) = (point(), point().normalize());
         let [off, slant] = [(); 2].map(|()| way.cross(point()).normalize());
-        let (off, slant) = (off * 0.01, slant * [0.0, 1e-8, 1e-6, 1e-5][i % 4]);
+        let (off, slant) = (off * 0.01, slant * slants[i % 4]);
         let ends = [0.2, 0.7].map(|t| (start + (way + slant) * t + off).as_vec3());
         let ends = if i % 8 < 4 { ends } else { [ends[1], ends[0]] };
         let cells = Cells::new(&LineSet::new([ends]).unwrap(), 0.02);

@@ -12,6 +12,10 @@ use crate::sets::generate::{Family, Recipe};
 use crate::sets::random::Random;
 use crate::testing::cases;
 
+/// Rounding of distances in doubles, as a share of the extent: samples and the method differ by
+/// some roundings of 2^-53.
+const ROUNDING: f64 = 1e-12;
+
 /// Points of a line, at most `step` apart.
 fn samples(line: &[Vec3], step: f64) -> Vec<DVec3> {
     let mut all: Vec<DVec3> = line.iter().take(1).map(|p| p.as_dvec3()).collect();
@@ -70,7 +74,7 @@ fn check(set: &LineSet, distance: f32) -> f64 {
         let long: f64 = old.windows(2).map(|w| f64::from(w[0].distance(w[1]))).sum();
         let (step, [min, max]) = ((most / 8.0).max(long / 800.0), set.bounds());
         let [dense_old, dense_new] = [old, new].map(|line| samples(line, step));
-        let rounding = 1e-12 * f64::from((max - min).max_element());
+        let rounding = ROUNDING * f64::from((max - min).max_element());
         assert!(farthest(&dense_old, new) <= most + rounding, "{} > {most}", farthest(&dense_old, new));
         assert!(farthest(&dense_new, old) <= most + rounding, "{} > {most}", farthest(&dense_new, old));
         let off = frechet(&dense_old, &dense_new);
