@@ -16,28 +16,28 @@ use syn::{Attribute, Block, ImplItemFn, ItemFn, ItemMod, ItemUse, TraitItemFn, U
 /// The sources whose imports and files are checked; the first one is drawn.
 const ROOTS: [&str; 19] = [
     "src",
-    "crates/plane/src",
+    "sisters/plane/src",
     "crates/scenes/src",
     "crates/truth/src",
-    "crates/stage/src",
-    "crates/points/src",
-    "crates/lines/src",
-    "crates/fur/src",
-    "crates/viewer/src",
+    "fronts/stage/src",
+    "sisters/points/src",
+    "sisters/lines/src",
+    "sisters/fur/src",
+    "fronts/viewer/src",
     "crates/lab/src",
     "crates/lab/src/bin/casca-lab",
-    "crates/bevy_casca/src",
-    "crates/bevy_casca_fur/src",
-    "crates/bake/src",
-    "crates/server/src",
-    "crates/walls/src",
-    "crates/capi/src",
-    "crates/web/src",
-    "crates/radiosity/src",
+    "fronts/bevy_casca/src",
+    "fronts/bevy_casca_fur/src",
+    "fronts/bake/src",
+    "fronts/server/src",
+    "fronts/walls/src",
+    "fronts/capi/src",
+    "fronts/web/src",
+    "sisters/light/src",
 ];
 
 /// More sources whose files are checked for their length.
-const MORE: [&str; 4] = ["crates/baked/src", "crates/cache/src", "crates/page/src", "crates/slots/src"];
+const MORE: [&str; 4] = ["fronts/baked/src", "crates/cache/src", "fronts/page/src", "crates/slots/src"];
 
 /// A longer file says at its head why: a line that starts with `//! Long because`.
 const LONGEST: usize = 450;
@@ -45,27 +45,27 @@ const LONGEST: usize = 450;
 /// The sources whose comments and functions are checked for their size: all files below them.
 const TIDY: [&str; 22] = [
     "src",
-    "crates/plane/src",
-    "crates/baked/src",
+    "sisters/plane/src",
+    "fronts/baked/src",
     "crates/cache/src",
     "crates/slots/src",
     "crates/scenes/src",
     "crates/truth/src",
-    "crates/stage/src",
-    "crates/points/src",
-    "crates/lines/src",
-    "crates/fur/src",
+    "fronts/stage/src",
+    "sisters/points/src",
+    "sisters/lines/src",
+    "sisters/fur/src",
     "crates/lab/src",
-    "crates/viewer/src",
-    "crates/bevy_casca/src",
-    "crates/bevy_casca_fur/src",
-    "crates/bake/src",
-    "crates/server/src",
-    "crates/walls/src",
-    "crates/capi/src",
-    "crates/web/src",
-    "crates/page/src",
-    "crates/radiosity/src",
+    "fronts/viewer/src",
+    "fronts/bevy_casca/src",
+    "fronts/bevy_casca_fur/src",
+    "fronts/bake/src",
+    "fronts/server/src",
+    "fronts/walls/src",
+    "fronts/capi/src",
+    "fronts/web/src",
+    "fronts/page/src",
+    "sisters/light/src",
 ];
 
 /// The most columns of a line that is a comment. Tables and code in comments may be wider.

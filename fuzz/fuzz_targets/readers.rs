@@ -21,13 +21,13 @@ use casca_points::files::{FileError, read_source};
 use libfuzzer_sys::fuzz_target;
 use peak_alloc::PeakAlloc;
 
-#[path = "../../crates/points/tests/files/mod.rs"]
+#[path = "../../sisters/points/tests/files/mod.rs"]
 mod clouds;
 #[path = "../../tests/damage/mod.rs"]
 mod damage;
-#[path = "../../crates/lines/tests/files/mod.rs"]
+#[path = "../../sisters/lines/tests/files/mod.rs"]
 mod lines;
-#[path = "../../crates/plane/tests/maps/mod.rs"]
+#[path = "../../sisters/plane/tests/maps/mod.rs"]
 mod maps;
 #[path = "../../tests/damage/meshes.rs"]
 mod meshes;

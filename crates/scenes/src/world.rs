@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-pub use casca_stage::camera::Camera;
+pub use casca_tools::camera::Camera;
 use glam::{Affine3A, Vec3};
 
 /// Seconds between two frames of every path.

@@ -1,4 +1,4 @@
-//! Hidden point removal of `casca-points` for `crates/points/compare/compare.py`, which runs it
+//! Hidden point removal of `casca-points` for `sisters/points/compare/compare.py`, which runs it
 //! beside Open3D and qhull.
 //!
 //! - `cloud NAME COUNT FILE` writes the points of a cloud, relative to the eye: little-endian

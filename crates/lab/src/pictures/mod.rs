@@ -1,6 +1,6 @@
 //! Pictures of the experiments: the chart of a walk, the grid from above, the objects that a frame
 //! shows and hides, speed against accuracy. Lines, bars, sheets, colours and marks are those of
-//! [`casca_stage::pictures`].
+//! [`casca_tools::pictures`].
 //!
 //! Titles say the finding, computed from the data.
 
@@ -10,8 +10,8 @@ mod frame;
 mod top_view;
 mod tradeoff;
 
-pub use casca_stage::pictures::{Axis, Bar, Line, PictureError, Tile, bars, lines, palette, sheet};
-use casca_stage::pictures::{raster, svg};
+pub use casca_tools::pictures::{Axis, Bar, Line, PictureError, Tile, bars, lines, palette, sheet};
+use casca_tools::pictures::{raster, svg};
 
 pub use chart::{FrameCounts, chart};
 pub use cloud::{CloudPanel, CloudView, Fate, cloud};

@@ -25,7 +25,7 @@ use serde_json::json;
 use serde_json::value::to_raw_value;
 
 use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, World};
-use casca_stage::path_error::PathError;
+use casca_tools::path_error::PathError;
 
 /// How often the triangles of a ball are cut.
 const CUTS: u32 = 2;

@@ -4,7 +4,7 @@
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::buffer::{BufferCost, PRESETS, Sampling, Score, measure};
 use casca_scenes::generated::SceneKind;
-use casca_stage::command_line::{EXIT_CODES, Outcome, say};
+use casca_tools::command_line::{EXIT_CODES, Outcome, say};
 use clap::{Parser, value_parser};
 
 use crate::arguments::{Repeats, WalkArguments, Width, default_to};

@@ -2,7 +2,7 @@
 
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::coherence::{MOVERS, SCENES, Sampling, WalkScore, measure, table};
-use casca_stage::command_line::{EXIT_CODES, Outcome, say};
+use casca_tools::command_line::{EXIT_CODES, Outcome, say};
 use clap::{Parser, value_parser};
 
 use crate::arguments::{WalkArguments, Width, about, default_to};

@@ -2,7 +2,7 @@
 
 use casca_scenes::export;
 use casca_scenes::generated::{self, SceneKind, SceneOptions};
-use casca_stage::command_line::{EXIT_CODES, Outcome, say, try_writing};
+use casca_tools::command_line::{EXIT_CODES, Outcome, say, try_writing};
 use clap::{Parser, value_parser};
 
 use crate::arguments::{Out, about};

@@ -2,7 +2,7 @@
 
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::lines::{self, HEAD};
-use casca_stage::command_line::{EXIT_CODES, Outcome};
+use casca_tools::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
 use crate::arguments::{PageArguments, about};

@@ -40,7 +40,7 @@ mod world;
 
 use std::process::ExitCode;
 
-use casca_stage::command_line::{EXIT_CODES, Outcome, finish};
+use casca_tools::command_line::{EXIT_CODES, Outcome, finish};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 

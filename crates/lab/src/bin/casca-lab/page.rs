@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use casca_lab::experiments::{Block, Lab, LabError, Section, write};
-use casca_stage::command_line::{make_folder, say, try_writing_into};
+use casca_tools::command_line::{make_folder, say, try_writing_into};
 
 use crate::progress;
 

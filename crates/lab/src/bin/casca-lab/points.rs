@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::points::{HEAD, points};
-use casca_stage::command_line::{EXIT_CODES, Outcome, say};
+use casca_tools::command_line::{EXIT_CODES, Outcome, say};
 use clap::Parser;
 
 use crate::arguments::{SizedPage, about};

@@ -14,7 +14,7 @@ use casca_cache::MeshCache;
 use casca_scenes::import;
 use casca_scenes::measure::timed_by_wall;
 use casca_scenes::world::{Mesh, Shape};
-use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
+use casca_tools::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 

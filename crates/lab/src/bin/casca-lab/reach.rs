@@ -4,7 +4,7 @@ use casca_lab::experiments::reach::{ReachScore, Sampling, measure, section};
 use casca_lab::experiments::{HEAD, LabError};
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use casca_scenes::name::SceneName;
-use casca_stage::command_line::{EXIT_CODES, Outcome};
+use casca_tools::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
 use crate::arguments::{SizedPage, about, scenes_or};

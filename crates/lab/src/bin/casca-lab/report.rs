@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, LabError, write};
 use casca_scenes::import;
-use casca_stage::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
+use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use clap::Parser;
 
 use crate::arguments::Common;

@@ -2,7 +2,7 @@
 //! (CSV) and a page.
 
 use casca_lab::experiments::{HEAD, LabError, scaling_to};
-use casca_stage::command_line::{EXIT_CODES, Outcome};
+use casca_tools::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
 use crate::arguments::{SizedPage, about};

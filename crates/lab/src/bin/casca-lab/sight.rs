@@ -4,7 +4,7 @@
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::sight::{Sampling, measure, table};
 use casca_scenes::generated::SceneKind;
-use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
+use casca_tools::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing};
 use clap::{Parser, value_parser};
 
 use crate::arguments::{Out, Repeats, WalkArguments, about};

@@ -7,7 +7,7 @@
 use casca_lab::experiments::LabError;
 use casca_lab::experiments::tradeoff::{Sampling, SceneTradeoff, chart, measure, table};
 use casca_scenes::generated::SceneKind;
-use casca_stage::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing_into};
+use casca_tools::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing_into};
 use clap::Parser;
 
 use crate::arguments::{Out, Repeats, WalkArguments, Width, about, default_to};

@@ -2,7 +2,7 @@
 
 use casca_lab::experiments::world::world_to;
 use casca_lab::experiments::{HEAD, LabError};
-use casca_stage::command_line::{EXIT_CODES, Outcome};
+use casca_tools::command_line::{EXIT_CODES, Outcome};
 use clap::Parser;
 
 use crate::arguments::{PageArguments, about};

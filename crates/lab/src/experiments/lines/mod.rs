@@ -22,7 +22,7 @@ pub const HEAD: &str = "# Ambient occlusion of lines by columns\n\n\
     capsules around the lines, and in which time, on one thread of the processor. The source is Benevides, PUC-Rio 2015. Occlusion is from 0 to 1; \
     errors are those of visible pixels.\n\n\
     Columns are not the default: rays through a grid of the lines, and places that keep their values, come nearer and change less. Their accuracy \
-    and cost, and lines that hide lines, are in [the README of the crate](../../crates/lines/README.md).\n";
+    and cost, and lines that hide lines, are in [the README of the crate](../../sisters/lines/README.md).\n";
 
 /// The later experiments take every third of the receivers: they compare estimates with each other,
 /// many times.

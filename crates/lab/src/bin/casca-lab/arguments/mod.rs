@@ -7,7 +7,7 @@ mod measured;
 use std::path::PathBuf;
 
 use casca_cache::MeshCache;
-use casca_stage::command_line::PathError;
+use casca_tools::command_line::PathError;
 use clap::{Arg, Args};
 
 #[cfg(feature = "experiments")]

@@ -9,7 +9,7 @@ mod summary;
 use casca_lab::pictures::chart;
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::world::World;
-use casca_stage::command_line::{Outcome, PathError, try_writing, try_writing_into};
+use casca_tools::command_line::{Outcome, PathError, try_writing, try_writing_into};
 use indicatif::ProgressBar;
 
 use crate::failure::Failure;

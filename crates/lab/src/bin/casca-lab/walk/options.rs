@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use casca::{CellOptions, MAX_CELLS_PER_AXIS, Method, PointOptions, Query};
 use casca_scenes::name::SceneName;
-use casca_stage::command_line::EXIT_CODES;
+use casca_tools::command_line::EXIT_CODES;
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 

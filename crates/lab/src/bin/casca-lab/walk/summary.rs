@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use casca_lab::pictures::FrameCounts;
-use casca_stage::command_line::{Outcome, say};
+use casca_tools::command_line::{Outcome, say};
 use glam::IVec3;
 use serde_json::{Value, json};
 

@@ -1,0 +1,20 @@
+//! What the programs around casca share. Nothing here knows the library, a device or a window.
+//!
+//! - [`animation`]: pictures in a row, as one animated PNG.
+//! - [`camera`]: an eye and its matrices.
+//! - [`command_line`]: exit codes, folders and files that are tried before the work.
+//! - [`compare`]: two pictures, pixel by pixel.
+//! - [`image`]: sizes, halves and PNG files of pictures.
+//! - [`path_error`]: files and folders that cannot be had.
+//! - `pictures`: charts as SVG, and sheets of pictures; with the feature `charts`.
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+pub mod animation;
+pub mod camera;
+pub mod command_line;
+pub mod compare;
+pub mod image;
+pub mod path_error;
+#[cfg(feature = "charts")]
+pub mod pictures;

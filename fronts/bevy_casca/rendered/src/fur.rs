@@ -1,0 +1,197 @@
+//! Fur in Bevy beside fur by casca-fur, and a herd behind walls.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::ClearColorConfig;
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_casca::CascaSettings;
+use bevy_casca_fur::{Coat, FurExtension, FurMaterial, FurPlugin, FurSettings, Furry, fur_material};
+use casca_fur::glam;
+use casca_fur::gpu::look::{Look, sky_pixel};
+use casca_fur::gpu::records::{DrawList, Stand, Sun};
+use casca_fur::gpu::reference::Reference;
+use casca_fur::gpu::renderer::Renderer;
+use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex};
+use casca_fur::shading::Material;
+use casca_fur::strands::Fur;
+use casca_scenes::world;
+use casca_tools::camera::Camera as OwnCamera;
+use casca_stage::canvas::Canvas;
+use casca_stage::gpu::{COLOUR, Gpu};
+
+use crate::rendered::{HEIGHT, Rendered, WIDTH};
+
+/// The vertical angle of view, in degrees.
+const ANGLE: f32 = 40.0;
+
+/// The linear colour of the coat.
+const COLOR: Vec3 = Vec3::new(0.55, 0.36, 0.2);
+
+/// The share of light at roots, and of the skin below the fur.
+const DARK: f32 = 0.3;
+
+/// Frames until all coats are there with their layers.
+pub const SETTLED: u32 = 8;
+
+/// A ball of radius 1 with fur, alone before a sky, all light from everywhere.
+pub struct Ball {
+    mesh: world::Mesh,
+    fur: Fur,
+    eye: Vec3,
+    target: Vec3,
+}
+
+impl Ball {
+    /// Fur of 15% of the radius, a little bent, seen from nearby.
+    ///
+    /// # Errors
+    /// There are none with these numbers.
+    pub fn new() -> Result<Self, String> {
+        let fur = Fur::for_radius(1.0, 0.15, 0.3).map_err(|why| why.to_string())?;
+        let bend = glam::Vec3::new(0.0, -0.5, 0.0);
+        let eye = Vec3::new(1.6, 1.1, 2.3);
+        let fur = Fur { spacing: 0.05, bend, ..fur };
+        Ok(Self { mesh: world::Mesh::ball(4), fur, eye, target: Vec3::ZERO })
+    }
+
+    /// The look of casca-fur with light from everywhere alone.
+    fn look(&self) -> Look {
+        let material =
+            Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, root: DARK, ..Material::default() };
+        Look { material, ..Look::new(self.fur) }
+    }
+
+    fn own_mesh(&self) -> Result<OwnMesh, String> {
+        let vertex = |&p: &glam::Vec3| Vertex { position: p, normal: p };
+        let vertices: Vec<Vertex> = self.mesh.positions.iter().map(vertex).collect();
+        let coat = OwnCoat { color: glam::Vec3::from_array(COLOR.to_array()), length: 1.0 };
+        let coats = vec![coat; vertices.len()];
+        OwnMesh::new(vertices, coats, self.mesh.triangles.clone()).map_err(|why| why.to_string())
+    }
+
+    fn own_camera(&self) -> OwnCamera {
+        let [eye, target] = [self.eye, self.target].map(|v| glam::Vec3::from_array(v.to_array()));
+        OwnCamera::look_at(eye, target, ANGLE, WIDTH as f32 / HEIGHT as f32, 0.1, 50.0)
+    }
+
+    /// The picture of casca-fur's own renderer.
+    ///
+    /// # Errors
+    /// Without an adapter.
+    pub fn by_casca_fur(&self, layers: u32) -> Result<Vec<u8>, String> {
+        let text = |why: &dyn std::fmt::Display| why.to_string();
+        let gpu = Gpu::headless(false).map_err(|why| text(&why))?;
+        let canvas = Canvas::new(&gpu, (WIDTH, HEIGHT));
+        let mut renderer =
+            Renderer::new(&gpu, COLOUR, &[self.own_mesh()?], &self.look()).map_err(|why| text(&why))?;
+        let stand = Stand { mesh: 0, place: glam::Affine3A::IDENTITY, root: [1.0; 3], tip: [1.0; 3] };
+        let list = DrawList::new(&[(stand, layers)], Vec::new());
+        let sun = Sun { towards: glam::Vec3::Y, center: glam::Vec3::ZERO, radius: 2.0, shadows: false };
+        renderer.draw(&gpu, &canvas.picture(), &self.own_camera(), &list, &sun).map_err(|why| text(&why))?;
+        canvas.read_picture(&gpu).map_err(|why| text(&why))
+    }
+
+    /// The traced strands, in half of the size with two by two rays a pixel.
+    ///
+    /// # Errors
+    /// There are none with these numbers.
+    pub fn traced(&self) -> Result<Vec<u8>, String> {
+        let (mesh, look) = (self.own_mesh()?, self.look());
+        let reference = Reference::new(&mesh, &look).map_err(|why| why.to_string())?;
+        let size = (WIDTH / 2, HEIGHT / 2);
+        Ok(reference.picture(&self.own_camera(), size, 2, &[glam::Vec3::ONE; 2], glam::Vec3::Y))
+    }
+
+    /// The picture of Bevy, with its colours stored as casca-fur stores them.
+    ///
+    /// # Errors
+    /// If no picture comes, or the coat has another number of layers.
+    pub fn by_bevy(&self, layers: u32) -> Result<Vec<u8>, String> {
+        let fill = |world: &mut World| {
+            let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh_of(&self.mesh));
+            let unlit = |color: Vec3| StandardMaterial {
+                base_color: Color::LinearRgba(LinearRgba::rgb(color.x, color.y, color.z)),
+                unlit: true,
+                fog_enabled: false,
+                ..default()
+            };
+            let skin = world.resource_mut::<Assets<StandardMaterial>>().add(unlit(COLOR * DARK));
+            let extension = FurExtension { dark: DARK, ..FurExtension::new(self.fur) };
+            let fur = world.resource_mut::<Assets<FurMaterial>>().add(fur_material(unlit(COLOR), extension));
+            world.insert_resource(FurSettings { most_layers: layers, ..default() });
+            world.spawn((Mesh3d(mesh), MeshMaterial3d(skin), Furry(fur)));
+        };
+        let eye = Transform::from_translation(self.eye).looking_at(self.target, Vec3::Y);
+        let mut rendered = furry(None, fill, eye)?;
+        let (world, camera) = rendered.world_and_camera();
+        let sky = sky_pixel().map(|byte| (f32::from(byte) / 255.0).powf(2.2));
+        let mut of_camera = world.entity_mut(camera);
+        of_camera.insert((Tonemapping::None, DebandDither::Disabled));
+        if let Some(mut camera) = of_camera.get_mut::<Camera>() {
+            let color = Color::LinearRgba(LinearRgba::rgb(sky[0], sky[1], sky[2]));
+            camera.clear_color = ClearColorConfig::Custom(color);
+        }
+        let picture = rendered.capture()?;
+        let coats: Vec<u32> = layers_of(&mut rendered);
+        if coats != [layers] {
+            return Err(format!("coats with {coats:?} layers instead of one with {layers}"));
+        }
+        Ok(picture.iter().map(|&byte| stored_again(byte)).collect())
+    }
+}
+
+/// An app with fur, after some frames.
+///
+/// # Errors
+/// If no app comes up.
+pub fn furry(
+    settings: Option<CascaSettings>,
+    fill: impl FnOnce(&mut World),
+    eye: Transform,
+) -> Result<Rendered, String> {
+    let mut rendered = Rendered::with_plugins(
+        settings,
+        |app| {
+            app.add_plugins(FurPlugin);
+        },
+        fill,
+        eye,
+    )?;
+    let (world, camera) = rendered.world_and_camera();
+    let lens = PerspectiveProjection { fov: ANGLE.to_radians(), ..default() };
+    world.entity_mut(camera).insert(Projection::Perspective(lens));
+    (0..SETTLED).for_each(|_| rendered.app().update());
+    Ok(rendered)
+}
+
+/// The layers of all coats.
+pub fn layers_of(rendered: &mut Rendered) -> Vec<u32> {
+    let world = rendered.app().world_mut();
+    let mut coats = world.query::<&Coat>();
+    coats.iter(world).map(Coat::layers).collect()
+}
+
+/// A byte of the sRGB curve as one of the power that casca-fur uses.
+fn stored_again(byte: u8) -> u8 {
+    let s = f32::from(byte) / 255.0;
+    let linear = if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
+    (linear.powf(1.0 / 2.2) * 255.0).round() as u8
+}
+
+/// A mesh of casca's scenes, with normals.
+pub fn mesh_of(of: &world::Mesh) -> Mesh {
+    let positions: Vec<[f32; 3]> = of.positions.iter().map(|p| p.to_array()).collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, positions.clone())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(Indices::U32(of.triangles.concat()))
+}
+
+/// The root of the mean squared difference of two pictures, of 1; alpha does not count.
+pub fn rmse(a: &[u8], b: &[u8]) -> f64 {
+    let colour = |p: &[u8]| p.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<u8>>();
+    let (a, b) = (colour(a), colour(b));
+    let sum: f64 = a.iter().zip(&b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
+    (sum / a.len().max(1) as f64).sqrt() / 255.0
+}

@@ -1,0 +1,370 @@
+//! Plays matches of bots. Prints how long a tick takes, and which shares of the entities are withheld and
+//! told late, beside other ways to choose.
+//!
+//! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`, with options:
+//! `--times TICKS`, `--late TICKS` (casca alone), `--beside TICKS` (all ways), `--queries N`,
+//! `--room SHARE`, `--bots N`, `--seed N`, `--no-walls`, `--csv FILE`, `--chart FILE.svg`, and
+//! `--bake METERS`: sets from cell to cell of that edge come first.
+
+mod rays;
+
+use std::collections::VecDeque;
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use casca_server::bots::{Level, Match, MatchOptions, Moment};
+use casca_server::casca::glam::Vec3;
+use casca_server::wire::{AnswerFrame, ToClient};
+use casca_server::{ServerOptions, VisibilityServer};
+use casca_tools::pictures::palette::other;
+use casca_tools::pictures::{Axis, Line, lines};
+use casca_truth::baselines::NineRays;
+use casca_truth::oracle::RayOracle;
+
+use rays::{Truth, by_rays};
+
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+struct Arguments {
+    levels: Vec<String>,
+    times: u64,
+    late: u64,
+    beside: u64,
+    bots: usize,
+    queries: usize,
+    room: f32,
+    walls: bool,
+    bake: Option<f32>,
+    seed: u64,
+    chart: Option<String>,
+    csv: Option<String>,
+}
+
+fn arguments() -> Result<Arguments, Failure> {
+    let server = ServerOptions::new();
+    let mut found = Arguments {
+        levels: Vec::new(),
+        times: 600,
+        late: 0,
+        beside: 0,
+        bots: 100,
+        queries: server.most_queries,
+        room: server.room,
+        walls: true,
+        bake: None,
+        seed: 1,
+        chart: None,
+        csv: None,
+    };
+    let mut all = std::env::args().skip(1);
+    while let Some(word) = all.next() {
+        let mut value = || all.next().ok_or(format!("{word} needs a value"));
+        match word.as_str() {
+            "--times" => found.times = value()?.parse()?,
+            "--late" => found.late = value()?.parse()?,
+            "--beside" => found.beside = value()?.parse()?,
+            "--bots" => found.bots = value()?.parse()?,
+            "--queries" => found.queries = value()?.parse()?,
+            "--room" => found.room = value()?.parse()?,
+            "--bake" => found.bake = Some(value()?.parse()?),
+            "--seed" => found.seed = value()?.parse()?,
+            "--no-walls" => found.walls = false,
+            "--chart" => found.chart = Some(value()?),
+            "--csv" => found.csv = Some(value()?),
+            _ if word.starts_with("--") => return Err(format!("{word} is not known").into()),
+            _ => found.levels.push(word),
+        }
+    }
+    Ok(found)
+}
+
+fn main() -> Result<(), Failure> {
+    let arguments = arguments()?;
+    let server =
+        ServerOptions::new().most_queries(arguments.queries).room(arguments.room).walls(arguments.walls);
+    let options =
+        MatchOptions { bots: arguments.bots, seed: arguments.seed, server, ..MatchOptions::default() };
+    let mut csv = String::from("level,way,withheld,late,lead\n");
+    for name in &arguments.levels {
+        if name.ends_with(".glb") && !std::path::Path::new(name).exists() {
+            println!("skipped: {name} is not here");
+            continue;
+        }
+        let mut level = Level::open(name)?;
+        check(&level)?;
+        if let Some(edge) = arguments.bake {
+            bake(&mut level, edge)?;
+        }
+        if arguments.times > 0 {
+            for threads in [1, 2] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+                pool.install(|| times(&level, options, arguments.times, threads))?;
+            }
+        }
+        if arguments.beside > 0 {
+            beside(&level, options, arguments.beside, &mut csv)?;
+        }
+        if arguments.late > 0 {
+            late(&level, options, arguments.late)?;
+        }
+    }
+    if let Some(file) = &arguments.chart {
+        chart(file.as_ref(), &csv)?;
+    }
+    if let Some(file) = &arguments.csv {
+        std::fs::write(file, csv)?;
+    }
+    Ok(())
+}
+
+/// Draws the share withheld over the share told late: a mark for each level and way.
+fn chart(file: &std::path::Path, csv: &str) -> Result<(), Failure> {
+    let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let mut series = Vec::new();
+    for (number, way) in WAYS.iter().enumerate() {
+        let of_way = rows.iter().filter(|row| row[1] == *way);
+        let point = |row: &Vec<&str>| {
+            Some((row[3].parse::<f64>().ok()? * 100.0, row[2].parse::<f64>().ok()? * 100.0))
+        };
+        series.push(Line::dots(*way, other(number), of_way.filter_map(point).collect()));
+    }
+    let (x, y) = (Axis::linear("told late, % of the visible"), Axis::linear("withheld, % of the hidden"));
+    let title = "Rays withhold more and tell late; casca-server tells nothing late";
+    lines(file, title, "a mark for each level: rooms, town, sponza-parts", (&x, &y), &series)?;
+    Ok(())
+}
+
+/// Finds which cells of a level see each other, as the first filter of its server.
+fn bake(level: &mut Level, edge: f32) -> Result<(), Failure> {
+    let begin = Instant::now();
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let mut cells = 0;
+    let file = level.bake(edge, 16, threads, &mut |_, all| {
+        cells = all;
+        ControlFlow::Continue(())
+    })?;
+    let seconds = begin.elapsed().as_secs_f64();
+    println!("{}: {cells} cells of {edge} m in {seconds:.1} s, {} bytes", level.name, file.len());
+    level.baked = Some(file);
+    Ok(())
+}
+
+/// Bots must keep out of occluders.
+fn check(level: &Level) -> Result<(), Failure> {
+    let oracle = RayOracle::new(&level.objects);
+    let through = |pair: &[Vec3]| oracle.occluded(pair[0].as_dvec3(), pair[1].as_dvec3(), usize::MAX);
+    match level.track.path.windows(2).filter(|pair| through(pair)).count() {
+        0 => Ok(()),
+        some => Err(format!("the path of {} goes through something {some} times", level.name).into()),
+    }
+}
+
+/// The value below which a share of sorted ones is; no number if there are none.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let at = (sorted.len().saturating_sub(1) as f64 * share).round() as usize;
+    sorted.get(at).copied().unwrap_or(f64::NAN)
+}
+
+/// The bytes of all answers of a tick.
+fn bytes(server: &VisibilityServer) -> usize {
+    let frame = |id| {
+        let answer = server.answer(id).ok()?;
+        let bounds = |id: &casca_server::EntityId| {
+            server.entity(*id).ok().map(|entity| (id.key(), entity.desc().bounds))
+        };
+        let new = if answer.is_fresh { &answer.told } else { &answer.new };
+        let old = answer.told.iter().filter(|id| new.binary_search(id).is_err());
+        let frame = AnswerFrame {
+            tick: 0,
+            fresh: answer.is_fresh,
+            forgotten: answer.forgotten.iter().map(|id| id.key()).collect(),
+            new: new.iter().filter_map(bounds).collect(),
+            moved: old.filter_map(bounds).map(|(key, b)| (key, b.min)).collect(),
+        };
+        Some(ToClient::Answer(frame).encode().len())
+    };
+    server.clients().filter_map(|(id, _)| frame(id)).sum()
+}
+
+/// The memory of this process, in bytes; 0 where it is not known.
+fn memory() -> usize {
+    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    text.split_whitespace().nth(1).and_then(|pages| pages.parse::<usize>().ok()).unwrap_or(0) * 4096
+}
+
+fn times(level: &Level, options: MatchOptions, ticks: u64, threads: usize) -> Result<(), Failure> {
+    let before = memory();
+    let mut game = Match::new(level, options)?;
+    let (mut all, mut sent, mut queries, mut told) = (Vec::new(), 0, 0, 0);
+    for tick in 0..ticks {
+        let taken = game.answer(|server, now| {
+            let begin = Instant::now();
+            let answers = server.tick(now, &()).map(|answers| {
+                let looked = answers.iter().filter(|answer| answer.looked).count();
+                (looked, answers.iter().map(|answer| answer.told.len()).sum::<usize>())
+            });
+            (begin.elapsed().as_secs_f64() * 1e3, answers)
+        })?;
+        let (looked, heard) = taken.1?;
+        // The first tick finds the walls.
+        if tick > 0 {
+            all.push(taken.0);
+            (queries, told, sent) = (queries + looked, told + heard, sent + bytes(&game.server));
+        }
+        game.advance();
+    }
+    let grown = (memory().saturating_sub(before)) as f64 / options.bots as f64 / 1024.0;
+    all.sort_by(f64::total_cmp);
+    let count = all.len() as f64;
+    let clients = count * options.bots as f64;
+    println!(
+        "{}: {threads} threads, {} ticks: p50 {:.2} ms, p99 {:.2} ms, worst {:.2} ms; {:.1} queries a tick; {:.1} told a client; \
+         {:.0} bytes a client and tick; {grown:.0} kB of memory a client",
+        level.name,
+        all.len(),
+        quantile(&all, 0.5),
+        quantile(&all, 0.99),
+        quantile(&all, 1.0),
+        queries as f64 / count,
+        told as f64 / clients,
+        sent as f64 / clients,
+    );
+    Ok(())
+}
+
+/// When an answer arrives, halfway to the next one, and just before it.
+fn moments([begin, end]: [&Moment; 2]) -> [Moment; 3] {
+    [begin.clone(), begin.toward(end, 0.5), begin.toward(end, 0.999)]
+}
+
+/// Looks from each eye at all that casca withholds.
+fn late(level: &Level, options: MatchOptions, ticks: u64) -> Result<(), Failure> {
+    let mut game = Match::new(level, options)?;
+    let mut truth = Truth::new(level, game.now()[0]);
+    let (mut late, mut pairs, mut withheld, mut clients) = (0u64, 0u64, 0u64, 0u64);
+    for tick in 0..ticks {
+        game.answer(|server, now| server.tick(now, &()).map(|_| ()))??;
+        let mut seen = vec![vec![false; options.bots]; options.bots];
+        let hidden = |i: usize, told: &[bool]| -> Vec<usize> {
+            (0..options.bots).filter(|&j| !told[j] && j != i).collect()
+        };
+        for moment in moments(game.now()) {
+            truth.set(&moment);
+            for (i, told) in game.told().iter().enumerate() {
+                truth.look(moment.eyes[i], &hidden(i, told), tick, &mut seen[i]);
+            }
+        }
+        for (i, told) in game.told().iter().enumerate() {
+            let here = seen[i].iter().filter(|seen| **seen).count() as u64;
+            if here > 0 && late < 5 {
+                println!("late: tick {tick}, client {i}: {here} at {}", game.now()[0].eyes[i]);
+            }
+            late += here;
+            clients += 1;
+            pairs += options.bots as u64 - 1;
+            withheld += hidden(i, told).len() as u64;
+        }
+        game.advance();
+    }
+    println!(
+        "{}: {clients} client-ticks: {late} late appearances; {:.3} of all pairs withheld",
+        level.name,
+        withheld as f64 / pairs as f64
+    );
+    Ok(())
+}
+
+/// Ways to choose of whom a client is told.
+const WAYS: [&str; 4] = ["casca-server", "all", "nine rays", "nine rays from five places"];
+
+#[derive(Default, Clone)]
+struct Tally {
+    hidden: u64,
+    withheld: u64,
+    visible: u64,
+    late: u64,
+    late_clients: u64,
+    leads: u64,
+    lead: f64,
+}
+
+/// Plays a match with all ways at the same time.
+fn beside(level: &Level, options: MatchOptions, ticks: u64, csv: &mut String) -> Result<(), Failure> {
+    let n = options.bots;
+    let mut game = Match::new(level, options)?;
+    let mut truth = Truth::new(level, game.now()[0]);
+    let rays = NineRays::new(&level.objects);
+    let mut tallies = vec![Tally::default(); WAYS.len()];
+    let mut queue: VecDeque<Vec<[bool; 2]>> = VecDeque::new();
+    // By pair: since when each way told, and whether it was seen a tick ago.
+    let mut since = vec![[None::<u64>; 4]; n * n];
+    let mut seen_before = vec![true; n * n];
+    let (mut clients, mut seconds) = (0u64, [0.0f64; 3]);
+    for tick in 0..ticks {
+        let begin = Instant::now();
+        game.answer(|server, now| server.tick(now, &()).map(|_| ()))??;
+        seconds[0] += begin.elapsed().as_secs_f64();
+        queue.push_back(by_rays(&game, &rays, n, &mut seconds));
+        let told = game.told();
+        let mut seen = vec![vec![false; n]; told.len()];
+        for moment in moments(game.now()) {
+            truth.set(&moment);
+            for (i, seen) in seen.iter_mut().enumerate() {
+                let unseen: Vec<usize> = (0..n).filter(|&j| j != i && !seen[j]).collect();
+                truth.look(moment.eyes[i], &unseen, tick, seen);
+            }
+        }
+        if told.is_empty() {
+            game.advance();
+            continue;
+        }
+        while queue.len() > options.down + 1 {
+            queue.pop_front();
+        }
+        let by_rays = &queue[0];
+        for i in 0..n {
+            let mut any = [false; 4];
+            clients += 1;
+            for j in (0..n).filter(|&j| j != i) {
+                let pair = i * n + j;
+                let is_told = [told[i][j], true, by_rays[pair][0], by_rays[pair][1]];
+                for (way, tally) in tallies.iter_mut().enumerate() {
+                    since[pair][way] = is_told[way].then(|| since[pair][way].unwrap_or(tick));
+                    tally.hidden += u64::from(!seen[i][j]);
+                    tally.visible += u64::from(seen[i][j]);
+                    tally.withheld += u64::from(!seen[i][j] && !is_told[way]);
+                    tally.late += u64::from(seen[i][j] && !is_told[way]);
+                    any[way] |= seen[i][j] && !is_told[way];
+                    if let (true, false, Some(since)) = (seen[i][j], seen_before[pair], since[pair][way]) {
+                        tally.leads += 1;
+                        tally.lead += (tick - since) as f64 * f64::from(options.server.tick);
+                    }
+                }
+                seen_before[pair] = seen[i][j];
+            }
+            tallies.iter_mut().zip(any).for_each(|(tally, any)| tally.late_clients += u64::from(any));
+        }
+        game.advance();
+    }
+    println!("{}: {clients} client-ticks; visible {:.3} of all pairs", level.name, {
+        let t = &tallies[0];
+        t.visible as f64 / (t.visible + t.hidden) as f64
+    });
+    for (way, tally) in WAYS.iter().zip(&tallies) {
+        let withheld = tally.withheld as f64 / tally.hidden as f64;
+        let late = tally.late as f64 / tally.visible as f64;
+        let lead = tally.lead / tally.leads.max(1) as f64;
+        println!(
+            "  {way}: {withheld:.3} of hidden withheld; {} of {} visible told late ({:.3}%), in {:.2}% of client-ticks; lead {lead:.2} s",
+            tally.late,
+            tally.visible,
+            late * 100.0,
+            tally.late_clients as f64 / clients as f64 * 100.0
+        );
+        writeln!(csv, "{},{way},{withheld:.4},{late:.5},{lead:.3}", level.name)?;
+    }
+    let [casca, nine, five] = seconds.map(|s| s * 1e3 / ticks as f64);
+    println!("  ms a tick: casca-server {casca:.1}, nine rays {nine:.1}, from five places {five:.1}");
+    Ok(())
+}

@@ -1,0 +1,251 @@
+//! The options of the command line, and the fur, camera and files that they stand for.
+
+use std::path::PathBuf;
+
+use casca_fur::gpu::look::{Look, Mapping};
+use casca_fur::mesh::{Image, Mesh};
+use casca_fur::strands::Fur;
+use casca_scenes::fur::animals::{Animal, LEVELS};
+use casca_scenes::fur::{Character, Masks, Species};
+use casca_scenes::import::load_map;
+use casca_tools::command_line::EXIT_CODES;
+use clap::{Args, ValueEnum, value_parser};
+use glam::Vec3;
+
+use crate::common::{Common, Failed};
+use crate::fur::walker::Walker;
+
+/// The detail of the generated animal: some 10,000 vertices.
+const DETAIL: u32 = 96;
+
+/// Fur as shells, and what visibility saves on it
+#[derive(Debug, Clone, Args)]
+#[command(
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf) that grows fur [default: a generated animal]")),
+    mut_arg("frames", |frames| frames.help("Pictures of a field along its path; a window closes after so many frames"))
+)]
+pub struct Choices {
+    /// What all systems take.
+    #[command(flatten)]
+    pub common: Common,
+    /// A field of so many animals among walls: of the file, or generated
+    #[arg(long, value_parser = value_parser!(u32).range(1..=100_000))]
+    pub field: Option<u32>,
+    /// Animals walk on their legs, and their fur follows; with --time, in addition to standing ones
+    #[arg(long)]
+    pub walk: bool,
+    /// Prints times: by layers for one animal, then by the way of culling for fields of --animals
+    #[arg(long)]
+    pub time: bool,
+    /// Sizes of the fields that are timed
+    #[arg(long, value_delimiter = ',', default_value = "50,500,5000", requires = "time",
+        value_parser = value_parser!(u32).range(1..=100_000))]
+    pub animals: Vec<u32>,
+    /// Places along the path at which fields are timed
+    #[arg(long, default_value_t = 2, requires = "time", value_parser = value_parser!(u32).range(1..=1000))]
+    pub places: u32,
+    /// Compares shells with ray-traced strands, by layers, height and density: study.csv and
+    /// study.svg
+    #[arg(long)]
+    pub study: bool,
+    /// Draws short and long fur, sparse and dense, side by side
+    #[arg(long, requires = "headless", conflicts_with_all = ["field", "time", "study"])]
+    pub coats: bool,
+    /// Materials of the file without fur, by their names: eyes, claws, a nose
+    #[arg(long, value_name = "MATERIAL", value_delimiter = ',', requires = "file")]
+    pub bald: Vec<String>,
+    /// A picture (PNG or JPEG) on the first texture coordinates of the file: its red channel makes
+    /// fur shorter, black is bald. The file may give lengths itself, by the attribute _FURLENGTH or
+    /// the alpha of COLOR_0
+    #[arg(long, value_name = "FILE", requires = "file")]
+    pub length_map: Option<PathBuf>,
+    /// The level of detail that is drawn: 0 is the mesh itself, each next one has a quarter of the
+    /// triangles [default: in a window the one for the distance, in files 0]
+    #[arg(long, value_parser = value_parser!(u32).range(0..LEVELS as i64))]
+    pub level: Option<u32>,
+    /// Draws all levels of detail side by side, and prints how far each is from the mesh where it
+    /// is used
+    #[arg(long, requires = "headless", conflicts_with_all = ["field", "time", "study", "coats", "walk"])]
+    pub levels: bool,
+    /// Layers above the skin, up to 256
+    #[arg(long, default_value_t = 24, value_parser = value_parser!(u32).range(0..=256))]
+    pub layers: u32,
+    /// Length of the fur as a share of the object's radius, 0 to 1
+    #[arg(long, default_value_t = 0.08, value_parser = within::<1>)]
+    pub height: f32,
+    /// The share of the skin that roots cover, 0.001 to 1
+    #[arg(long, default_value_t = 0.45, value_parser = within::<1>)]
+    pub density: f32,
+    /// The distance between strands as a share of the radius, up to 1: strands grow thicker with it
+    #[arg(long, default_value_t = 0.011, value_parser = within::<1>)]
+    pub thickness: f32,
+    /// How far tips hang down and lie back, in multiples of the fur's height, 0 to 4
+    #[arg(long, default_value_t = 0.7, value_parser = within::<4>)]
+    pub bend: f32,
+    /// How fragments find their strands
+    #[arg(long, value_enum, default_value_t = Map::Cells)]
+    pub mapping: Map,
+    /// Look up each fragment at the height of its own shell only, as the thesis does; by default it
+    /// follows the ray to the next shell
+    #[arg(long)]
+    pub plain: bool,
+    /// For layers by visibility: the share of the weight that may be drawn, 0 to 1
+    #[arg(long, default_value_t = 0.5, value_parser = within::<1>)]
+    pub budget: f32,
+    /// Seed of the animal or the field
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Draws pictures larger by this power of two and halves them as often, for smooth edges
+    #[arg(long, default_value_t = 1, value_parser = value_parser!(u32).range(0..=3))]
+    pub smooth: u32,
+}
+
+/// How fragments find their strands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Map {
+    /// Points in hashed cells
+    Cells,
+    /// The thesis' map on a cube, by normal plus position
+    Cube,
+}
+
+fn within<const MOST: u32>(text: &str) -> Result<f32, String> {
+    let found = text.parse().ok().filter(|x: &f32| (0.0..=MOST as f32).contains(x));
+    found.ok_or_else(|| format!("expected a number from 0 to {MOST}"))
+}
+
+/// A mesh that grows fur: its levels of detail, finest first, centred, with the radius of its box.
+pub struct Subject {
+    pub name: String,
+    pub levels: Vec<Mesh>,
+    /// The images on which its vertices lie.
+    pub images: Vec<Image>,
+    pub radius: f32,
+    /// The height of the ground on which it stands.
+    pub low: f32,
+    /// Its skeleton and walk, if it walks.
+    pub walker: Option<Box<Walker>>,
+    /// The kind of animal for fields, if it is of a file and there will be fields.
+    pub species: Option<Box<Species>>,
+}
+
+impl Choices {
+    /// Whether files are written or times printed, instead of a window opened.
+    pub fn draws_files(&self) -> bool {
+        self.common.headless || self.time || self.study
+    }
+
+    /// The folder for files.
+    pub fn out(&self) -> PathBuf {
+        self.common.folder("fur")
+    }
+
+    /// The fur of a mesh of a radius.
+    ///
+    /// # Errors
+    /// Names the option that is out of its range.
+    pub fn fur(&self, radius: f32) -> Result<Fur, casca_fur::Error> {
+        let mut fur = Fur::for_radius(radius, self.height, self.density)?;
+        fur.spacing = self.thickness * radius;
+        // Backwards and down.
+        fur.bend = Vec3::new(-0.7, -0.7, 0.0) * self.bend;
+        fur.check(radius)?;
+        Ok(fur)
+    }
+
+    /// The look of a mesh of a radius.
+    ///
+    /// # Errors
+    /// As [`Choices::fur`].
+    pub fn look(&self, radius: f32) -> Result<Look, casca_fur::Error> {
+        let mapping = if self.mapping == Map::Cube { Mapping::CubeMap } else { Mapping::Cells };
+        Ok(Look { mapping, marched: !self.plain, ..Look::new(self.fur(radius)?) })
+    }
+
+    /// The mesh that grows fur: of the file, or generated.
+    ///
+    /// # Errors
+    /// The file cannot be taken.
+    pub fn subject(&self) -> Result<Subject, Failed> {
+        let Some(path) = &self.common.file else {
+            let animal = Animal::new(self.seed, DETAIL)?;
+            let levels = animal.levels().to_vec();
+            let walker = self.walk.then(|| Box::new(Walker::generated(animal.rig(), &levels[0])));
+            let (name, images) = ("animal".into(), Vec::new());
+            let (radius, low) = (animal.radius(), animal.aabb().min.y);
+            return Ok(Subject { name, levels, images, radius, low, walker, species: None });
+        };
+        let lengths = match &self.length_map {
+            None => None,
+            Some(map) => Some(load_map(map).map_err(|e| format!("{}: {e}", map.display()))?),
+        };
+        let masks = Masks { bald: self.bald.clone(), lengths };
+        let character = Character::load(path, &masks, LEVELS)?;
+        let many = self.field.is_some() || self.time;
+        let species = many.then(|| Species::of_character(&character)).transpose()?.map(Box::new);
+        let levels: Vec<Mesh> = character.levels.into_iter().map(|level| level.mesh).collect();
+        let walker = match (self.walk, &character.rig) {
+            (false, _) => None,
+            (true, None) => return Err(format!("{}: has no mesh with a skin", path.display()).into()),
+            (true, Some(rig)) => Some(Box::new(Walker::of_file(path, rig, &levels[0])?)),
+        };
+        let name = path.file_stem().map_or("file".into(), |s| s.to_string_lossy().into_owned());
+        let (lo, hi) = (levels[0].aabb().min, levels[0].aabb().max);
+        let (radius, images) = ((hi - lo).length() * 0.5, character.images);
+        let low = walker.as_ref().map_or(lo.y, |walker| walker.low);
+        Ok(Subject { name, levels, images, radius, low, walker, species })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn choices(words: &str) -> Result<Choices, String> {
+        crate::common::parsed(&words.split_whitespace().collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn absurd_values_are_refused_with_what_is_expected() {
+        for (words, expected) in [
+            ("--layers 257", "0..=256"),
+            ("--layers -1", "--layers"),
+            ("--height NaN", "from 0 to 1"),
+            ("--height 2", "from 0 to 1"),
+            ("--bend inf", "from 0 to 4"),
+            ("--budget -1", "from 0 to 1"),
+            ("--field 0", "1..=100000"),
+            ("--field 4294967296", "1..=100000"),
+            ("--size 0x5", "from 1 to 8192"),
+            ("--smooth 4", "0..=3"),
+            ("--animals 5", "--time"),
+            ("--time --animals 0", "1..=100000"),
+            ("--mapping sphere", "cells"),
+            ("--bald eyes", "required"),
+            ("--length-map x.png", "required"),
+            ("--level 4", "--level"),
+            ("--levels", "--headless"),
+        ] {
+            let said = choices(words).expect_err(words);
+            assert!(said.contains(expected), "{words}: {said}");
+        }
+        for words in ["--density 0", "--thickness 0"] {
+            let said = choices(words).unwrap().look(1.0).expect_err(words).to_string();
+            assert!(said.contains("must be from"), "{words}: {said}");
+        }
+        let fur = choices("--height 0.05 --bend 0").unwrap().fur(2.0).unwrap();
+        assert_eq!((fur.height, fur.bend), (0.1, Vec3::ZERO));
+    }
+
+    #[test]
+    fn files_that_cannot_be_taken_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("broken.glb");
+        std::fs::write(&path, "glTF").unwrap();
+        for name in [path.to_str().unwrap(), "nowhere.glb"] {
+            let said = choices(name).unwrap().subject().err().unwrap().to_string();
+            assert!(said.contains(name), "{said}");
+        }
+    }
+}

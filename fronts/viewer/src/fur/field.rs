@@ -1,0 +1,235 @@
+//! A field of animals among walls: pictures, their comparison, and times by the way of culling.
+
+use std::error::Error;
+
+use crate::fur::herd::{Demand, Herd, Way, camera_at};
+use casca_fur::gpu::records::Sun;
+use casca_fur::gpu::renderer::Renderer;
+use casca_fur::strands::Forces;
+use casca_scenes::fur::Species;
+use casca_scenes::fur::animals::Animal;
+use casca_scenes::fur::field::{Field, Hiding};
+use casca_scenes::world::Camera;
+use casca_tools::command_line::{Outcome, say};
+use casca_stage::gpu::{COLOUR, Gpu};
+use casca_tools::image::write_png;
+
+use crate::fur::choices::{Choices, Subject};
+use crate::fur::one::{self, TO_SUN};
+use crate::fur::shots::{Picture, Shooter};
+
+/// Kinds of generated animals in a field.
+const SPECIES: usize = 4;
+/// Layers that cast shadows.
+const SHADOW_LAYERS: u32 = 3;
+/// The part of the path that pictures and times are taken from: at its very start one stands
+/// outside of the field.
+const PATH: (f32, f32) = (0.2, 0.8);
+/// Seconds between frames of a herd that is timed.
+const FRAME: f64 = 1.0 / 60.0;
+/// Seconds between pictures of a herd that walks.
+const STEP: f64 = 0.35;
+/// Frames at each place, of which the quickest counts.
+const RUNS: usize = 3;
+
+/// A field and its renderer.
+pub struct Stage {
+    pub herd: Herd,
+    pub renderer: Renderer,
+}
+
+impl Stage {
+    /// A field of animals with the fur that is chosen: of the subject's species, or generated.
+    pub fn new(
+        gpu: &Gpu,
+        format: casca_stage::wgpu::TextureFormat,
+        choices: &Choices,
+        subject: &Subject,
+        count: u32,
+        walks: bool,
+    ) -> Result<Self, Box<dyn Error>> {
+        // One fur for all species: generated animals are about a unit long.
+        let radius = match &subject.species {
+            Some(species) => species.radius(),
+            None => Animal::new(choices.seed, 24)?.radius(),
+        };
+        let look = choices.look(radius)?;
+        let (count, seed, forces) = (count as usize, choices.seed, Forces::default());
+        let own = subject.species.as_ref().map(|species| vec![(Species::clone(species), look.fur)]);
+        let field = match (own, walks) {
+            (Some(own), true) => Field::herd_of_species(count, own, seed, Hiding::Walls, forces)?,
+            (Some(own), false) => Field::of_species(count, own, seed, Hiding::Balls)?,
+            (None, true) => Field::herd(count, SPECIES, seed, Hiding::Walls, forces, |_| Ok(look.fur))?,
+            (None, false) => Field::new(count, SPECIES, seed, Hiding::Balls, |_| Ok(look.fur))?,
+        };
+        let herd = Herd::new(field)?;
+        let mut renderer = Renderer::new(gpu, format, &herd.meshes(), &look)?;
+        renderer.haze = 0.012;
+        if walks {
+            herd.weights().enumerate().try_for_each(|(i, weights)| renderer.set_weights(gpu, i, weights))?;
+        }
+        for (meshes, images) in herd.images() {
+            renderer.set_images(gpu, &meshes, images)?;
+        }
+        Ok(Self { herd, renderer })
+    }
+
+    /// Draws the shadow map for the part of the field before a camera. All animals there cast
+    /// shadows, also those that are not drawn.
+    pub fn cast_shadows(&mut self, gpu: &Gpu, camera: &Camera) -> Result<Sun, Box<dyn Error>> {
+        let forward = -camera.view.row(2).truncate();
+        let sun = Sun { towards: TO_SUN, center: camera.eye + forward * 9.0, radius: 14.0, shadows: true };
+        // The map covers a cylinder around the ball.
+        let casters = self.herd.around(sun.center, 2.0 * sun.radius, SHADOW_LAYERS)?;
+        self.renderer.cast_shadows(gpu, &casters, &sun)?;
+        Ok(sun)
+    }
+}
+
+fn demand(choices: &Choices, way: Way, height: u32) -> Demand {
+    Demand { way, layers: choices.layers, budget: f64::from(choices.budget), height }
+}
+
+/// Place `i` of `n` on the path.
+fn place(i: usize, n: usize) -> f32 {
+    PATH.0 + (PATH.1 - PATH.0) * (i as f32 + 0.5) / n as f32
+}
+
+/// Draws pictures along the path, and compares those of everything with those of what the frustum
+/// and casca leave: they must be the same.
+pub fn pictures(
+    gpu: &Gpu,
+    choices: &Choices,
+    subject: &Subject,
+    count: u32,
+) -> Result<Outcome, Box<dyn Error>> {
+    let shooter = Shooter::new(gpu, choices.common.drawing.size, choices.smooth);
+    let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, choices.walk)?;
+    let frames = choices.common.drawing.frames.unwrap_or(2) as usize;
+    let mut outcome = Outcome::Well;
+    for i in 0..frames {
+        if choices.walk {
+            stage.herd.walk(i as f64 * STEP)?;
+        }
+        let camera = camera_at(&stage.herd.field, place(i, frames), shooter.aspect());
+        let sun = stage.cast_shadows(gpu, &camera)?;
+        let mut everything: Option<Picture> = None;
+        for way in Way::EVERY {
+            let drawn = stage.herd.look(&camera, &demand(choices, way, shooter.drawn_height()))?;
+            let picture = shooter.shoot(&mut stage.renderer, &camera, &drawn.list, &sun)?;
+            let head = format!(
+                "frame {i}, {:<8} {:>6} animals, {:>7} shells",
+                way.name(),
+                drawn.animals,
+                drawn.list.shells()
+            );
+            let Some(want) = &everything else {
+                say(head);
+                everything = Some(picture);
+                continue;
+            };
+            let same = |(a, b): &(&[u8], &[u8])| a == b;
+            let pixels = || want.pixels.chunks(4).zip(picture.pixels.chunks(4));
+            let differing = pixels().count() - pixels().filter(same).count();
+            if way.is_coarser() {
+                let sum: f64 = want
+                    .pixels
+                    .iter()
+                    .zip(&picture.pixels)
+                    .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2))
+                    .sum();
+                // A quarter of the bytes is opacity, which never differs.
+                let rmse = (sum / (0.75 * want.pixels.len() as f64)).sqrt() / 255.0;
+                let over = if drawn.excess > 0.0 {
+                    format!(", {:.0} above the budget", drawn.excess)
+                } else {
+                    String::new()
+                };
+                say(format_args!("{head}{over}, RMSE {rmse:.4} from the picture of everything"));
+                write_png(
+                    &choices.out().join(format!("field-{i}-{}.png", way.name())),
+                    picture.size,
+                    &picture.pixels,
+                )?;
+            } else {
+                say(format_args!("{head}, {differing} pixels differ from the picture of everything"));
+                if differing > 0 {
+                    write_png(
+                        &choices.out().join(format!("field-{i}-{}-differs.png", way.name())),
+                        picture.size,
+                        &picture.pixels,
+                    )?;
+                    outcome = Outcome::Lost;
+                }
+            }
+        }
+        if let Some(picture) = everything {
+            let path = choices.out().join(format!("field-{i}.png"));
+            write_png(&path, picture.size, &picture.pixels)?;
+            say(path.display());
+        }
+    }
+    Ok(outcome)
+}
+
+/// Prints the time of frames by layers, and by the way of culling.
+pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+    one::time(gpu, choices, subject)?;
+    let shooter = Shooter::new(gpu, choices.common.drawing.size, 0);
+    say(format_args!(
+        "\nfields, {}x{}, {} layers; the quickest of {RUNS} frames, means over {} places; the shadow map is drawn before\n\
+         {:>7} {:<9}{:<9}{:>9}{:>12}{:>10}{:>8}",
+        choices.common.drawing.size.0,
+        choices.common.drawing.size.1,
+        choices.layers,
+        choices.places,
+        "animals",
+        "",
+        "way",
+        "drawn",
+        "vertices",
+        "ms",
+        "ratio"
+    ));
+    let places = choices.places as usize;
+    // Standing, and walking.
+    let fields = choices.animals.iter().flat_map(|&count| [false, true].map(|walks| (count, walks)));
+    for (count, walks) in fields.filter(|(_, walks)| choices.walk || !walks) {
+        let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, walks)?;
+        let mut seconds = 0.0;
+        let mut totals = [[0.0f64; 3]; Way::EVERY.len()];
+        for i in 0..places {
+            let camera = camera_at(&stage.herd.field, place(i, places), shooter.aspect());
+            let sun = stage.cast_shadows(gpu, &camera)?;
+            // In turns, so that what else the machine does slows all ways alike.
+            let mut found = [[f64::INFINITY, 0.0, 0.0]; Way::EVERY.len()];
+            for _ in 0..RUNS {
+                for (way, [quickest, animals, vertices]) in Way::EVERY.into_iter().zip(&mut found) {
+                    let demand = demand(choices, way, shooter.drawn_height());
+                    seconds += FRAME;
+                    let ms = shooter.time(&mut |canvas| {
+                        if walks {
+                            stage.herd.walk(seconds)?;
+                        }
+                        let drawn = stage.herd.look(&camera, &demand)?;
+                        (*animals, *vertices) = (drawn.animals as f64, drawn.vertices as f64);
+                        stage.renderer.draw(gpu, &canvas.picture(), &camera, &drawn.list, &sun)?;
+                        Ok(())
+                    })?;
+                    *quickest = quickest.min(ms);
+                }
+            }
+            let sums = totals.as_flattened_mut().iter_mut().zip(found.as_flattened());
+            sums.for_each(|(sum, value)| *sum += value / places as f64);
+        }
+        for (way, [ms, animals, vertices]) in Way::EVERY.into_iter().zip(totals) {
+            let ratio = ms / totals[0][0].max(f64::MIN_POSITIVE);
+            say(format_args!(
+                "{count:>7} {:<9}{:<9}{animals:>9.1}{vertices:>12.0}{ms:>10.1}{ratio:>8.3}",
+                if walks { "walking" } else { "standing" },
+                way.name()
+            ));
+        }
+    }
+    Ok(())
+}

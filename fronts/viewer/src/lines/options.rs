@@ -1,0 +1,386 @@
+//! The command line.
+
+use casca_lines::gpu::antialiasing::Antialiasing;
+use casca_lines::gpu::hidden::LineCulling;
+use casca_lines::gpu::numeric::MOST_THICK;
+use casca_lines::gpu::renderer::Look;
+use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
+use casca_lines::occlusion::Estimator;
+use casca_lines::places::Places;
+use casca_lines::sets::LineSet;
+use casca_lines::sets::colour::Colouring;
+use casca_lines::sets::generate::Family;
+use casca_lines::sets::region::Region;
+use casca_lines::slabs::Slices;
+use casca_tools::command_line::EXIT_CODES;
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+
+use crate::common::Common;
+use crate::lines::context::{ContextName, parse_context};
+
+/// The radius of the thesis' hemispheres, as a share of the extent of the scene.
+const RADIUS: f32 = 0.13;
+/// Places at most so many times as far apart as they should be take the place of rays. At 16 times,
+/// a million streamlines, pictures by places are wrong (Pearson 0.81, rays 0.996).
+const MOST_APART: f64 = 2.0;
+
+/// Draws dense sets of lines and darkens lines among other lines, so that one sees which lie in
+/// front
+///
+/// In the window: W A S D Q E fly (Shift: faster), the right mouse button looks around, Space
+/// starts and stops the motion, 1 to 4 choose the picture, C switches culling, Escape quits.
+/// Sliders set the radius, samples and factor of the occlusion, the tubes that it takes lines for,
+/// and the thickness of smooth lines.
+#[derive(Debug, Clone, Args)]
+#[command(
+    after_help = EXIT_CODES, allow_negative_numbers = true,
+    mut_arg("set", |set| set.help(format!("A generated set: {}", family_names()))),
+    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk, .trx, .vtk, .vtp or .hair"))
+)]
+pub struct Options {
+    /// What all systems take.
+    #[command(flatten)]
+    pub common: Common,
+    /// A generated set, by its name
+    #[arg(long, default_value = "spiral", value_parser = parse_family, conflicts_with = "file")]
+    pub set: Family,
+    /// The number of lines of a generated set; with --rooms of each room [default: what suits the
+    /// set]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub lines: Option<u32>,
+    /// The vertices of a generated line [default: what suits the set]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000), conflicts_with = "rooms")]
+    pub vertices: Option<u32>,
+    /// Seed of generated sets and motions
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// A house of N x N rooms with a set in each, whose walls hide lines
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32), conflicts_with_all = ["file", "set"])]
+    pub rooms: Option<u32>,
+    /// How lines are coloured: "own" (by the file, or a pale colour for each line), "direction" (x
+    /// is red, y green, z blue), "scalar" or "scalar=NAME" (a number of the file, or "length"),
+    /// "group"
+    #[arg(long, value_name = "WHAT", default_value = "own", value_parser = parse_colour)]
+    pub colour: Colouring,
+    /// The numbers of the first and the last colour, for --colour scalar [default: the least and
+    /// the greatest]
+    #[arg(long, value_name = "LOW,HIGH", value_parser = parse_range, allow_hyphen_values = true)]
+    pub range: Option<[f32; 2]>,
+    /// Only lines that cross this region: box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,RADIUS. May be
+    /// given several times, for lines that cross all of them
+    #[arg(long, value_name = "REGION")]
+    pub include: Vec<Region>,
+    /// No lines that cross this region. May be given several times
+    #[arg(long, value_name = "REGION")]
+    pub exclude: Vec<Region>,
+    /// A mesh that hides lines, and is drawn: a file (.obj, .ply, .glb or .gltf), or "own": the
+    /// ground of the set "reservoir", the ball of "pompom". May be given several times
+    #[arg(long, value_name = "MESH", value_parser = parse_context)]
+    pub context: Vec<ContextName>,
+    /// Drops vertices of lines where the lines then stay within so many pixels, at the middle of
+    /// the depths of the first view, and the numbers and colours of vertices within 1/64 of their
+    /// range [default without a number: 0.25]
+    #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
+        default_missing_value = "0.25", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
+    pub simplify: Option<f32>,
+    /// The direction that the set is seen from
+    #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
+    pub from: Vec3,
+    /// The vertical angle of the picture in degrees, 1 to 150; 0 for parallel rays
+    #[arg(long, default_value = "40", value_parser = parse_angle)]
+    pub fov: f32,
+    /// Magnifies the middle of the picture
+    #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.1, 100.0))]
+    pub zoom: f32,
+    /// The time in seconds: generated sets turn and sway, those of files sway
+    #[arg(long, default_value = "0", value_parser = |t: &str| parse_within(t, -1e6, 1e6))]
+    pub at: f32,
+    /// The radius of the occlusion, as a share of the extent
+    #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| parse_within(t, 0.001, 1.0))]
+    pub radius: f32,
+    /// The rays of a side of a place, or the rays or samples of a pixel [default: 12 of a side, 24
+    /// rays, or 150 samples of the other estimators]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub samples: Option<u32>,
+    /// The occlusion is multiplied by this
+    #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
+    pub factor: f32,
+    /// How the lines around a pixel become an occlusion
+    #[arg(long, value_enum, default_value = "auto")]
+    pub estimator: Way,
+    /// The radius of the tubes that lines are taken for, in pixels, by the estimators "places",
+    /// "rays" and "depth"
+    #[arg(long, default_value = "0.5", value_parser = |t: &str| parse_within(t, 0.01, 100.0))]
+    pub tube: f32,
+    /// Smooth lines of so many pixels, 1 to 16, by four samples a pixel
+    #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
+        default_missing_value = "1", value_parser = |t: &str| parse_within(t, 1.0, MOST_THICK))]
+    pub antialias: Option<f32>,
+    /// Pixels along the side of a column, for all estimators but "places" and "rays"
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub coarse: u32,
+    /// Slices of a column, 128 or 256, for all estimators but "places" and "rays"
+    #[arg(long, default_value = "256", value_parser = parse_slices)]
+    pub slices: Slices,
+    /// Leaves out lines that walls, meshes and nearer lines hide; the picture stays the same
+    #[arg(long)]
+    pub cull: bool,
+    /// The pictures that --headless draws, comma-separated
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        default_value = "plain,diffuse,occluded",
+        requires = "headless"
+    )]
+    pub look: Vec<LookName>,
+    /// Prints the time of each stage, and how it grows with samples, covered pixels and vertices;
+    /// with --rooms, with and without culling
+    #[arg(long, conflicts_with = "headless")]
+    pub time: bool,
+    /// With --time, prints the stages alone, without how they grow: for large sets
+    #[arg(long, requires = "time", conflicts_with = "rooms")]
+    pub brief: bool,
+}
+
+/// Estimators by their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Way {
+    /// In a window "places" while the lines stand still, "rays" while they move; "rays" otherwise
+    Auto,
+    /// The share of rays that tubes stop, from places along the lines; they serve all frames
+    Places,
+    /// The share of rays that tubes stop, from each pixel, through a grid of the lines
+    Rays,
+    /// The light that tubes stop, by columns of slices; its mean hardly changes with the size of
+    /// the columns
+    Depth,
+    /// The thesis' mean of ratios, with its factor of 4
+    Thesis,
+    /// The thesis' ratio of sums, with a factor of 4
+    Ratio,
+    /// 1 - exp(-10 x) of the mean of ratios x
+    Extinction,
+}
+
+/// Pictures by their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LookName {
+    /// Flat colours
+    Plain,
+    /// Lit as tubes
+    Diffuse,
+    /// Lit as tubes and darkened by the occlusion
+    Occluded,
+    /// The occlusion alone
+    Occlusion,
+}
+
+impl Options {
+    /// How lines are coloured, with the range of numbers.
+    pub fn colouring(&self) -> Colouring {
+        match &self.colour {
+            Colouring::Scalar { name, .. } => Colouring::Scalar { name: name.clone(), range: self.range },
+            other => other.clone(),
+        }
+    }
+
+    /// Takes another estimator; `samples` that were usual for the old one become those of the new
+    /// one.
+    pub fn follow(&mut self, samples: &mut u32, way: Way) {
+        let is_usual = *samples == self.samples();
+        self.estimator = way;
+        if is_usual {
+            *samples = self.samples();
+        }
+    }
+
+    /// Whether borders of lines are smooth.
+    pub fn antialiasing(&self) -> Antialiasing {
+        self.antialias.map_or(Antialiasing::None, |thickness| Antialiasing::Four { thickness })
+    }
+
+    /// The rays or samples of a pixel.
+    pub fn samples(&self) -> u32 {
+        self.samples.unwrap_or(match self.estimator {
+            Way::Places => USUAL_SIDE_RAYS,
+            Way::Auto | Way::Rays => USUAL_RAYS,
+            _ => 150,
+        })
+    }
+}
+
+impl Way {
+    /// The one for a window whose lines move or stand still: those that move lose the values of all
+    /// places in each frame.
+    pub fn in_window(self, moving: bool) -> Self {
+        match self {
+            Self::Auto if moving => Self::Rays,
+            Self::Auto => Self::Places,
+            other => other,
+        }
+    }
+
+    /// As asked for, but rays for sets with so many lines that places would lie too far apart.
+    pub fn for_lines(self, lines: &LineSet, estimator: &Estimator) -> Self {
+        match *estimator {
+            Estimator::Places { step, .. }
+                if self == Self::Auto && Places::step_for(lines, step) > MOST_APART * f64::from(step) =>
+            {
+                Self::Rays
+            }
+            _ => self,
+        }
+    }
+
+    /// The estimator, for hemispheres and tubes of these radii.
+    pub fn estimator(self, [radius, line_radius]: [f32; 2]) -> Estimator {
+        match self {
+            Self::Places => Estimator::places(radius, line_radius),
+            Self::Auto | Self::Rays => Estimator::Rays { line_radius },
+            Self::Depth => Estimator::OpticalDepth { line_radius },
+            Self::Thesis => Estimator::MeanOfRatios { factor: 4.0 },
+            Self::Ratio => Estimator::RatioOfSums { factor: 4.0 },
+            Self::Extinction => Estimator::Extinction { k: 10.0 },
+        }
+    }
+}
+
+impl LookName {
+    pub fn look(self) -> Look {
+        match self {
+            Self::Plain => Look::Plain,
+            Self::Diffuse => Look::Diffuse,
+            Self::Occluded => Look::Occluded,
+            Self::Occlusion => Look::Occlusion,
+        }
+    }
+}
+
+fn parse_family(text: &str) -> Result<Family, String> {
+    let found = Family::ALL.into_iter().find(|f| f.name() == text);
+    found.ok_or_else(|| format!("no generated set has this name; there are {}", family_names()))
+}
+
+fn family_names() -> String {
+    Family::ALL.map(Family::name).join(", ")
+}
+
+fn parse_colour(text: &str) -> Result<Colouring, String> {
+    match text.split_once('=') {
+        Some(("scalar", name)) => Ok(Colouring::Scalar { name: Some(name.to_owned()), range: None }),
+        None if text == "scalar" => Ok(Colouring::Scalar { name: None, range: None }),
+        None if text == "own" => Ok(Colouring::Own),
+        None if text == "direction" => Ok(Colouring::Direction),
+        None if text == "group" => Ok(Colouring::Group),
+        _ => Err("expected own, direction, scalar, scalar=NAME or group".to_owned()),
+    }
+}
+
+fn parse_range(text: &str) -> Result<[f32; 2], String> {
+    let numbers = text.split_once(',').map(|(low, high)| [low, high].map(|n| n.trim().parse::<f32>()));
+    match numbers {
+        Some([Ok(low), Ok(high)]) if low.is_finite() && high.is_finite() => Ok([low, high]),
+        _ => Err("expected two numbers such as 0,1".to_owned()),
+    }
+}
+
+fn parse_slices(text: &str) -> Result<Slices, String> {
+    match text {
+        "128" => Ok(Slices::S128),
+        "256" => Ok(Slices::S256),
+        _ => Err("columns have 128 or 256 slices".to_owned()),
+    }
+}
+
+fn parse_within(text: &str, low: f32, high: f32) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|n| (low..=high).contains(n));
+    number.ok_or_else(|| format!("expected a number from {low} to {high}"))
+}
+
+fn parse_angle(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(0.0) => Ok(0.0),
+        _ => parse_within(text, 1.0, 150.0).map_err(|why| format!("{why}, or 0 for parallel rays")),
+    }
+}
+
+fn parse_direction(text: &str) -> Result<Vec3, String> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').take(4).map(|n| n.trim().parse().ok().filter(|n: &f32| n.is_finite())).collect();
+    let direction = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok()).map(Vec3::from_array);
+    let direction = direction.and_then(Vec3::try_normalize);
+    direction.ok_or_else(|| "expected a direction such as 0.5,0.6,1".to_owned())
+}
+
+/// Which lines behind others are left out, with culling and without.
+pub fn behind_lines(cull: bool) -> LineCulling {
+    if cull { LineCulling::Large } else { LineCulling::Never }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args, Command, FromArgMatches};
+
+    use super::*;
+
+    fn options(words: &[&str]) -> Options {
+        let command = Options::augment_args(Command::new("lines"));
+        let all = std::iter::once(&"lines").chain(words);
+        Options::from_arg_matches(&command.try_get_matches_from(all).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn the_estimator_follows_the_motion_unless_one_is_asked_for() {
+        let usual = options(&[]);
+        assert_eq!([false, true].map(|m| usual.estimator.in_window(m)), [Way::Places, Way::Rays]);
+        assert!(matches!(usual.estimator.estimator([1.0, 0.1]), Estimator::Rays { .. }));
+        // A line of 2^22 times a step has room for its places, one four times as long has not.
+        let line = |long: f32| LineSet::new([[Vec3::ZERO, Vec3::X * long]]).unwrap();
+        let places = Estimator::Places { line_radius: 0.1, step: 1.0 };
+        let [few, many] = [4.2e6, 1.7e7].map(|long| usual.estimator.for_lines(&line(long), &places));
+        assert_eq!([few, many], [Way::Auto, Way::Rays]);
+        assert_eq!(Way::Places.for_lines(&line(1.7e7), &places), Way::Places);
+        let depth = options(&["--estimator", "depth"]).estimator;
+        assert_eq!([false, true].map(|m| depth.in_window(m)), [Way::Depth; 2]);
+    }
+
+    #[test]
+    fn smooth_lines_are_one_pixel_thick_unless_a_thickness_is_asked_for() {
+        assert_eq!(options(&[]).antialiasing(), Antialiasing::None);
+        // The word after it is a file.
+        let usual = options(&["--antialias", "lines.obj"]);
+        assert_eq!(usual.antialiasing(), Antialiasing::SMOOTH);
+        assert_eq!(usual.common.file.unwrap().to_str(), Some("lines.obj"));
+        assert_eq!(options(&["--antialias=2.5"]).antialias, Some(2.5));
+    }
+
+    #[test]
+    fn lines_are_whole_unless_a_tolerance_is_asked_for() {
+        assert_eq!(options(&[]).simplify, None);
+        let usual = options(&["--simplify", "lines.obj"]);
+        assert_eq!((usual.simplify, usual.common.file.unwrap().to_str()), (Some(0.25), Some("lines.obj")));
+        assert_eq!(options(&["--simplify=2"]).simplify, Some(2.0));
+    }
+
+    #[test]
+    fn the_help_names_all_generated_sets() {
+        let help = Options::augment_args(Command::new("lines")).render_long_help().to_string();
+        let line = help.lines().find(|line| line.contains("A generated set: ")).unwrap();
+        assert!(Family::ALL.iter().all(|f| line.contains(f.name())), "{line}");
+    }
+
+    #[test]
+    fn usual_samples_follow_the_estimator_and_chosen_ones_stay() {
+        for (words, first, start, end) in
+            [(&[][..], 24, 24, USUAL_SIDE_RAYS), (&[], 24, 31, 31), (&["--samples", "40"], 40, 40, 40)]
+        {
+            let mut options = options(words);
+            assert_eq!(options.samples(), first);
+            let mut samples = start;
+            options.follow(&mut samples, Way::Places);
+            assert_eq!((samples, options.estimator), (end, Way::Places));
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! The lines of the program, at any time, and views of them.
+
+use std::path::Path;
+
+use casca_lines::gpu::context::{Context, GREY, GpuContext};
+use casca_lines::gpu::numeric::FARTHEST;
+use casca_lines::gpu::set::GpuLines;
+use casca_lines::gpu::settings::Settings;
+use casca_lines::mesh::Mesh;
+use casca_lines::occlusion::AoOptions;
+use casca_lines::sets::colour::{Colouring, Legend};
+use casca_lines::sets::generate::Recipe;
+use casca_lines::sets::random::Random;
+use casca_lines::sets::region::Region;
+use casca_lines::sets::rooms::House;
+use casca_lines::sets::simplify::Tolerance;
+use casca_lines::sets::{LineSet, files};
+use casca_lines::view::{Lens, View, ViewError};
+use casca_tools::command_line::say;
+use casca_stage::gpu::Gpu;
+use casca_stage::timing::Instant;
+use casca_stage::window::Done;
+use glam::{Vec3, vec3};
+
+use crate::common::Failed;
+use crate::lines::context::{self, ContextName};
+use crate::lines::options::Options;
+
+/// Lines of a room, unless the command line says otherwise.
+const ROOM_LINES: u32 = 400;
+/// The greatest shift of a vertex of a file, as a share of the extent.
+const SWAY: f32 = 0.02;
+/// The least depth in perspective, as a share of the extent.
+const NEAREST: f32 = 2e-3;
+/// The extents of lines, and their greatest distance from the origin: squares of longer and of
+/// shorter ways do not fit into single precision, so that pictures would be empty.
+const SIZES: std::ops::RangeInclusive<f32> = 1e-15..=1e18;
+
+enum Kind {
+    File(LineSet),
+    Generated(Recipe),
+    /// The side of the house and the lines of a room.
+    Rooms(u32, u32),
+}
+
+/// Where lines come from.
+pub struct Source {
+    /// For titles and files.
+    pub name: String,
+    kind: Kind,
+    seed: u64,
+    /// The regions that generated lines must cross, and those that they must not.
+    regions: [Vec<Region>; 2],
+    colouring: Colouring,
+    /// How far lines may be from where they were, if vertices are dropped.
+    simplify: Option<Tolerance>,
+    /// The bounds at time 0, and some room for the motion.
+    pub bounds: [Vec3; 2],
+    /// The meshes and walls that hide lines, at the time of the command line.
+    pub context: Vec<Context>,
+}
+
+impl Source {
+    /// Reads or makes the lines that the command line asks for.
+    pub fn open(options: &Options) -> Result<Self, Failed> {
+        let (name, kind) = match (&options.common.file, options.rooms) {
+            (Some(path), _) => {
+                let name = path.file_stem().map_or("file".into(), |n| n.to_string_lossy());
+                let all = files::open(Path::new(path))?;
+                // Before they sway: the same lines at all times.
+                (name.into_owned(), Kind::File(all.within(&options.include, &options.exclude)))
+            }
+            (None, Some(side)) => {
+                ("rooms".to_owned(), Kind::Rooms(side, options.lines.unwrap_or(ROOM_LINES)))
+            }
+            (None, None) => {
+                let usual = Recipe::new(options.set, options.seed);
+                let lines = options.lines.unwrap_or(usual.lines);
+                let vertices = options.vertices.unwrap_or(usual.vertices);
+                (options.set.name().to_owned(), Kind::Generated(Recipe { lines, vertices, ..usual }))
+            }
+        };
+        let mut source = Self {
+            name,
+            kind,
+            seed: options.seed,
+            regions: [options.include.clone(), options.exclude.clone()],
+            colouring: options.colouring(),
+            simplify: None,
+            bounds: [Vec3::ZERO; 2],
+            context: Vec::new(),
+        };
+        let lines = source.at(0.0)?;
+        if lines.points().is_empty() {
+            let why = match (source.regions.iter().all(Vec::is_empty), &source.kind) {
+                (false, _) => "--include and --exclude leave no line",
+                (true, Kind::File(_)) => "there is no line in this file (--context takes triangles)",
+                (true, _) => "there is no line in this set",
+            };
+            return Err(format!("{}: {why}", options.common.name().unwrap_or(source.name)).into());
+        }
+        lines.colours(&source.colouring)?;
+        source.bounds = lines.bounds();
+        if let Kind::Rooms(side, _) = source.kind {
+            source.context.push(Context::of_boxes(&House::new(side, 0, source.seed, 0.0)?.walls));
+        }
+        for what in &options.context {
+            source.context.push(Context::new(source.mesh(what, options.at)?, GREY)?);
+        }
+        let corners = || source.context.iter().flat_map(|c| &c.mesh().positions);
+        source.bounds = corners().fold(source.bounds, |[min, max], c| [min.min(*c), max.max(*c)]);
+        source.check_size()?;
+        source.simplify(options)?;
+        Ok(source)
+    }
+
+    /// From now on lines are simplified, if the command line asks for it: those of a file before
+    /// they sway, generated ones at each time.
+    fn simplify(&mut self, options: &Options) -> Done {
+        let Some(pixels) = options.simplify else { return Ok(()) };
+        let (width, height) = options.common.drawing.size;
+        let size = [width, height];
+        let view = self.view(options, self.start(options, size, 0)?, size)?;
+        let [near, far] = view.depths();
+        let tolerance = Tolerance::within(view.pixel_size((near + far) / 2.0) as f32 * pixels);
+        let start = Instant::now();
+        let (old, new) = match &mut self.kind {
+            Kind::File(lines) => {
+                let old = lines.points().len();
+                *lines = lines.simplified(&tolerance);
+                (old, lines.points().len())
+            }
+            _ => {
+                let old = self.at(0.0)?;
+                self.simplify = Some(tolerance);
+                (old.points().len(), old.simplified(&tolerance).points().len())
+            }
+        };
+        say(format_args!(
+            "{}: {new} of {old} vertices stay, within {:.2e} units; simplified in {:.2} s",
+            self.name,
+            tolerance.distance,
+            start.elapsed().as_secs_f64()
+        ));
+        Ok(())
+    }
+
+    /// Refuses lines that would not be seen.
+    fn check_size(&self) -> Result<(), Failed> {
+        let (extent, [low, high]) = (self.extent(), [SIZES.start(), SIZES.end()]);
+        let far = self.bounds.map(|c| c.abs().max_element()).into_iter().fold(0.0, f32::max);
+        if SIZES.contains(&extent) && far <= *high {
+            return Ok(());
+        }
+        let why = format!("pictures take {low:e} to {high:e} units: scale the lines");
+        Err(format!("{}: {extent:e} units wide, up to {far:e} from the origin: {why}", self.name).into())
+    }
+
+    /// The lines at a time in seconds.
+    pub fn at(&self, time: f64) -> Result<LineSet, Failed> {
+        let chosen = |lines: LineSet| match self.regions.iter().all(Vec::is_empty) {
+            true => lines,
+            false => lines.within(&self.regions[0], &self.regions[1]),
+        };
+        let lines = match &self.kind {
+            Kind::Generated(recipe) => chosen(Recipe { time, ..*recipe }.make()?),
+            Kind::Rooms(side, lines) => chosen(House::new(*side, *lines, self.seed, time)?.lines),
+            Kind::File(lines) if time == 0.0 => lines.clone(),
+            Kind::File(lines) => swayed(lines, self.seed, time)?,
+        };
+        Ok(match &self.simplify {
+            Some(tolerance) => lines.simplified(tolerance),
+            None => lines,
+        })
+    }
+
+    /// The mesh that an option asks for.
+    fn mesh(&self, what: &ContextName, time: f32) -> Result<Mesh, Failed> {
+        match (what, &self.kind) {
+            (ContextName::File(path), _) => context::open(path),
+            (ContextName::Own, Kind::Generated(recipe)) => {
+                let surface = Recipe { time: f64::from(time), ..*recipe }.surface();
+                surface
+                    .ok_or_else(|| format!("--context own: {} has no surface of its own", self.name).into())
+            }
+            _ => Err("--context own: only generated sets have a surface of their own".into()),
+        }
+    }
+
+    /// Copies the context to a device.
+    pub fn context_on_device(&self, gpu: &Gpu) -> Result<Vec<GpuContext>, Failed> {
+        Ok(self.context.iter().map(|context| GpuContext::new(gpu, context)).collect::<Result<_, _>>()?)
+    }
+
+    /// Copies lines to a device and paints them, and says what their colours mean.
+    pub fn on_device(
+        &self,
+        gpu: &Gpu,
+        lines: &LineSet,
+        settings: &Settings,
+    ) -> Result<(GpuLines, Legend), Failed> {
+        let mut on_device = GpuLines::new(gpu, lines, settings)?;
+        let Some(colours) = lines.colours(&self.colouring)? else { return Ok((on_device, Legend::Own)) };
+        on_device.paint(gpu, lines, Some(&colours.of_vertices))?;
+        Ok((on_device, colours.legend))
+    }
+
+    /// The longest side of the bounds of a set, or of a room.
+    pub fn extent(&self) -> f32 {
+        match self.kind {
+            Kind::Rooms(..) => 2.0,
+            _ => {
+                let size = (self.bounds[1] - self.bounds[0]).max_element();
+                let distance = self.bounds.map(|c| c.abs().max_element()).into_iter().fold(0.0, f32::max);
+                // A set of one point has the size of what is around it.
+                [size, distance * 1e-3, 1.0].into_iter().find(|s| *s > 0.0).unwrap_or(1.0)
+            }
+        }
+    }
+
+    /// What is computed in a view.
+    pub fn settings(&self, options: &Options, view: &View) -> Settings {
+        let [near, far] = view.depths();
+        let tube = view.pixel_size((near + far) / 2.0) as f32 * options.tube;
+        let radius = options.radius * self.extent();
+        let ao = AoOptions {
+            estimator: options.estimator.estimator([radius, tube]),
+            ..AoOptions::rays(radius, tube)
+        };
+        let Options { slices, coarse, .. } = *options;
+        let samples = options.samples();
+        let antialiasing = options.antialiasing();
+        let sets = sets(samples);
+        Settings { ao, samples, sets, slices, coarse, antialiasing, ..Settings::new(radius, tube) }
+    }
+
+    /// Where the eye starts, and the place that it looks at. In a house it is in the room `room`.
+    pub fn start(&self, options: &Options, size: [u32; 2], room: u32) -> Result<[Vec3; 2], Failed> {
+        if let Kind::Rooms(side, _) = self.kind {
+            return Ok(House::new(side, 0, self.seed, 0.0)?.eye(room % (side * side)));
+        }
+        // For parallel rays the distance does not matter.
+        let fov = f64::from(if options.fov > 0.0 { options.fov } else { 40.0 }).to_radians();
+        let around = View::around(self.bounds, options.from, Some(fov), size)?;
+        let eye = around.to_world(Vec3::ZERO).as_vec3();
+        Ok([eye, self.bounds[0] * 0.5 + self.bounds[1] * 0.5])
+    }
+
+    /// A view from an eye, with depths that hold all lines.
+    pub fn view(
+        &self,
+        options: &Options,
+        [eye, target]: [Vec3; 2],
+        size: [u32; 2],
+    ) -> Result<View, ViewError> {
+        let forward = (target - eye).normalize_or(Vec3::NEG_Z);
+        let up = if forward.y.abs() < 0.999 { Vec3::Y } else { Vec3::Z };
+        let room = self.extent() * (SWAY + 0.05);
+        let [min, max] = [self.bounds[0] - room, self.bounds[1] + room];
+        let corner = |i: u32| {
+            let pick = |bit: u32, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+            vec3(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
+        };
+        let depths = (0..8).map(|i| f64::from((corner(i) - eye).dot(forward)));
+        let (near, far) = depths.fold((f64::MAX, f64::MIN), |(n, f), d| (n.min(d), f.max(d)));
+        // The renderer refuses depths that are nearer to each other, seen from here.
+        let near = near.min(far - far.abs() * 1.05 / FARTHEST);
+        let least = f64::from(self.extent() * NEAREST);
+        let zoom = f64::from(options.zoom);
+        let (lens, near) = match f64::from(options.fov).to_radians() {
+            0.0 => (Lens::Orthographic { half_height: f64::from((max - min).length()) * 0.5 / zoom }, near),
+            fov => (Lens::Perspective { fov_y: 2.0 * ((fov / 2.0).tan() / zoom).atan() }, near.max(least)),
+        };
+        View::look_at([eye, eye + forward * self.extent(), up], lens, [near, far.max(near + least)], size)
+    }
+}
+
+/// So many sets that making them takes less than a second.
+pub fn sets(samples: u32) -> u32 {
+    (8192 / samples.max(1)).clamp(1, 16)
+}
+
+/// Each vertex shifted along a wave that travels in a seeded direction.
+fn swayed(lines: &LineSet, seed: u64, time: f64) -> Result<LineSet, Failed> {
+    let [min, max] = lines.bounds();
+    let extent = (max - min).max_element().max(f32::MIN_POSITIVE);
+    let mut random = Random::new(seed);
+    let mut direction =
+        || Vec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0) as f32)).normalize_or(Vec3::X);
+    let (along, shift) = (direction(), direction() * extent * SWAY);
+    let moved = |p: Vec3| {
+        let phase = f64::from((p - min).dot(along) / extent) * 6.0 - time * 1.5;
+        p + shift * phase.sin() as f32
+    };
+    Ok(lines.moved(moved)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::common::parsed;
+
+    #[test]
+    fn views_from_afar_have_depths_that_the_renderer_takes() {
+        for angle in ["0", "1", "40"] {
+            let options = parsed::<Options>(&["--lines", "20", "--fov", angle]).unwrap();
+            let source = Source::open(&options).unwrap();
+            for eye in [vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, 1e4), vec3(0.0, 0.0, -1e4)] {
+                let view = source.view(&options, [eye, eye - Vec3::Z], [32, 24]).unwrap();
+                let [near, far] = view.depths();
+                assert!(near.abs().max(far.abs()) < FARTHEST * (far - near), "{angle} {eye}: {near} {far}");
+            }
+        }
+        assert!(parsed::<Options>(&["--fov", "0.5"]).is_err());
+    }
+
+    #[test]
+    fn lines_are_simplified_by_pixels_of_the_first_view() {
+        let set = |words: &[&str]| {
+            let options = parsed::<Options>(words).unwrap();
+            Source::open(&options).unwrap().at(0.0).unwrap()
+        };
+        let words = ["--set", "abc", "--lines", "20", "--simplify=0.25"];
+        let [all, some] = [set(&words[..4]), set(&words)];
+        let fine = set(&[&words[..], &["--size", "5120x2880"]].concat());
+        let counts = [&some, &fine, &all].map(|set| set.points().len());
+        assert!(counts[0] * 3 < counts[1] * 2 && counts[1] < counts[2], "{counts:?}");
+        assert_eq!([all.len(), some.len()], [20; 2]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("straight.obj");
+        let vertices: String = (0..9).map(|i| format!("v {i} {i} 0\n")).collect();
+        std::fs::write(&path, format!("{vertices}l 1 2 3 4 5 6 7 8 9\n")).unwrap();
+        assert_eq!(set(&[path.to_str().unwrap(), "--simplify=0"]).points().len(), 2);
+    }
+}

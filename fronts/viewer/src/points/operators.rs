@@ -1,0 +1,230 @@
+//! Clouds, cameras and operators as the command line gives them.
+
+use std::error::Error;
+use std::path::Path;
+use std::time::Duration;
+
+use bitvec::vec::BitVec;
+use casca_points::PointCloud;
+use casca_points::cluster::{Clustering, Passes, visible_clusters};
+use casca_points::gpu::{GpuPoints, SplatOperator};
+use casca_points::hpr::{self, Kernel};
+use casca_points::surface::Surface;
+use casca_points::{AutoSettings, Camera, MAX_SIDE, cluster, splat};
+use casca_stage::gpu::Gpu;
+use casca_stage::timing::Instant;
+use clap::{Args, ValueEnum};
+use glam::{DVec3, Quat, Vec3};
+
+use crate::points::house;
+use crate::points::part::Part;
+
+/// The distance between the house's points, in metres: so large that rooms show through the walls.
+const HOUSE_SPACING: f32 = 0.055;
+/// Where the house is seen from, and the place that is looked at.
+const HOUSE_VIEW: [Vec3; 2] = [Vec3::new(4.6, 3.4, 13.6), Vec3::new(0.0, 3.1, 0.0)];
+/// Points of a leaf of clusters.
+const LEAF: u32 = 8;
+
+/// A way to find the visible points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Operator {
+    /// Rays between discs around the points, by their normals or estimated ones
+    Discs,
+    /// Hidden point removal by a convex hull
+    Hpr,
+    /// The same for the cells of an octree
+    Clusters,
+    /// Squares in a depth image
+    Splat,
+}
+
+/// A cloud and a camera.
+#[derive(Debug, Args)]
+pub struct Look {
+    /// Position of the eye, such as 1.5,2,-3 [default: before the cloud]
+    #[arg(long, value_parser = parse_place)]
+    pub eye: Option<DVec3>,
+    /// The place that the eye looks at [default: the middle of the cloud]
+    #[arg(long, value_parser = parse_place)]
+    pub target: Option<DVec3>,
+    /// The direction upwards; 0,0,1 for most surveys
+    #[arg(long, default_value = "0,1,0", value_parser = parse_place)]
+    pub up: DVec3,
+    /// Vertical angle of the picture in degrees
+    #[arg(long, default_value = "45", value_parser = parse_angle)]
+    pub fov: f32,
+    /// The radius of a point's square, in the unit of the file [default: from the distances between
+    /// points]
+    #[arg(long, value_parser = parse_length)]
+    pub radius: Option<f32>,
+    /// Hidden point removal: the logarithm of the sphere's radius over the largest distance
+    /// [default: from the radius]
+    #[arg(long, value_parser = parse_finite)]
+    pub log10_radius: Option<f64>,
+    /// The distance between the points of the house in metres, 0.02 to 1
+    #[arg(long, default_value_t = HOUSE_SPACING, value_parser = parse_spacing)]
+    pub spacing: f32,
+    #[command(flatten)]
+    pub part: Part,
+}
+
+/// A cloud with y upwards, and the way that it is looked at.
+pub struct Looked {
+    pub name: String,
+    /// As it was read.
+    pub cloud: PointCloud,
+    /// Turned so that y is up.
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
+    /// Half the side of a point's square.
+    pub radius: f32,
+    pub eye: Vec3,
+    pub target: Vec3,
+    /// The length of the cloud.
+    pub length: f32,
+    fov: f32,
+    log10_radius: Option<f64>,
+}
+
+impl Look {
+    /// Reads the cloud of a file; without one it is a house.
+    pub fn open(&self, file: Option<&Path>) -> Result<Looked, Box<dyn Error>> {
+        let cloud = match file {
+            Some(path) => self.part.read(path)?,
+            None => house::scan(self.spacing),
+        };
+        if cloud.is_empty() {
+            return Err("the file has no points".into());
+        }
+        let up = self.up.as_vec3().try_normalize().ok_or("the direction upwards has no length")?;
+        let turn = Quat::from_rotation_arc(up, Vec3::Y);
+        let turned = |all: &[Vec3]| all.iter().map(|&v| turn * v).collect::<Vec<_>>();
+        let positions = turned(&cloud.positions);
+        let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        if low == high && self.eye.is_none() {
+            return Err(
+                "all points are at one place, so the cloud has no size to place the eye by: give --eye"
+                    .into(),
+            );
+        }
+        let length = (high - low).length().max(f32::MIN_POSITIVE);
+        let placed = |place: DVec3| turn * (place - cloud.origin).as_vec3();
+        let house = file.is_none().then_some(HOUSE_VIEW);
+        let target =
+            self.target.map(placed).or(house.map(|view| view[1])).unwrap_or(low + (high - low) / 2.0);
+        let before = || target + Vec3::new(0.5, 0.4, 1.0).normalize() * length * 1.2;
+        let eye = self.eye.map(placed).or(house.map(|view| view[0])).unwrap_or_else(before);
+        let radius = match self.radius {
+            Some(radius) => radius,
+            None => AutoSettings::new(&positions)?.radius,
+        };
+        let name = file.and_then(Path::file_stem).map_or("house".into(), |n| n.to_string_lossy());
+        Ok(Looked {
+            name: name.into_owned(),
+            normals: turned(&cloud.normals),
+            positions,
+            radius,
+            eye,
+            target,
+            length,
+            fov: self.fov.to_radians(),
+            log10_radius: self.log10_radius,
+            cloud,
+        })
+    }
+}
+
+impl Looked {
+    /// A camera for pictures of `size`.
+    pub fn camera(&self, eye: Vec3, target: Vec3, size: (u32, u32)) -> Result<Camera, Box<dyn Error>> {
+        let far = 2.0 * (self.length + eye.distance(self.target));
+        Ok(Camera::look_at(eye, target, Vec3::Y, self.fov, size, 1e-4 * far, far)?)
+    }
+
+    /// The points that a camera sees, and the time that it took to find them. With a device,
+    /// squares are drawn on it.
+    pub fn visible(
+        &self,
+        operator: Operator,
+        camera: &Camera,
+        gpu: Option<&Gpu>,
+    ) -> Result<(BitVec, Duration), Box<dyn Error>> {
+        let auto = AutoSettings::of_radius(self.radius);
+        let options = auto.splats();
+        let start = Instant::now();
+        let visible = match (operator, gpu) {
+            (Operator::Discs, _) => Surface::new(&self.turned())?.visible(camera.eye().as_dvec3())?,
+            (Operator::Splat, None) => splat::visible_points(&self.positions, camera, &options)?.visible,
+            (Operator::Splat, Some(gpu)) => {
+                let (on_device, points) = (SplatOperator::new(gpu), GpuPoints::new(gpu, &self.positions)?);
+                let start = Instant::now();
+                let visible = on_device.visible_points(gpu, &points, camera, &options)?;
+                return Ok((visible, start.elapsed()));
+            }
+            (Operator::Hpr | Operator::Clusters, _) => {
+                let points: Vec<DVec3> = self.positions.iter().map(|p| p.as_dvec3()).collect();
+                let eye = camera.eye().as_dvec3();
+                let kernel = match self.log10_radius {
+                    Some(log10_radius) => Kernel::Relative { log10_radius },
+                    None => auto.kernel(&points, eye),
+                };
+                if operator == Operator::Hpr {
+                    hpr::visible_points(&points, eye, kernel)?
+                } else {
+                    let leaves = Clustering::Octree { max_points: LEAF };
+                    visible_clusters(&points, eye, kernel, leaves, cluster::Radius::Rescaled, Passes::One)?
+                }
+            }
+        };
+        Ok((visible, start.elapsed()))
+    }
+
+    /// The cloud with y upwards, around the origin that positions here are relative to.
+    fn turned(&self) -> PointCloud {
+        let (positions, normals) = (self.positions.clone(), self.normals.clone());
+        PointCloud { positions, normals, ..Default::default() }
+    }
+}
+
+fn parse_place(text: &str) -> Result<DVec3, String> {
+    let place = finite_numbers(text.split(',')).map(DVec3::from_array);
+    place.ok_or_else(|| "expected three numbers such as 1.5,2,-3".to_owned())
+}
+
+/// Exactly `N` finite numbers; `None` if there are more or fewer, or one of the words is none.
+pub fn finite_numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Option<[f64; N]> {
+    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.is_finite());
+    // One more than needed tells that there are too many.
+    let numbers: Option<Vec<f64>> = words.take(N + 1).map(number).collect();
+    numbers?.try_into().ok()
+}
+
+/// A finite number.
+pub fn parse_finite(text: &str) -> Result<f64, String> {
+    finite_numbers(std::iter::once(text))
+        .map(|[number]| number)
+        .ok_or_else(|| "expected a finite number".to_owned())
+}
+
+/// A length or speed.
+pub fn parse_length(text: &str) -> Result<f32, String> {
+    let length = text.parse().ok().filter(|length: &f32| length.is_finite() && *length >= 0.0);
+    length.ok_or_else(|| "expected a number from 0 up".to_owned())
+}
+
+fn parse_spacing(text: &str) -> Result<f32, String> {
+    let spacing = text.parse().ok().filter(|spacing| (0.02..=1.0).contains(spacing));
+    spacing.ok_or_else(|| "expected metres from 0.02 to 1".to_owned())
+}
+
+fn parse_angle(text: &str) -> Result<f32, String> {
+    let angle = text.parse().ok().filter(|angle| (1.0..=170.0).contains(angle));
+    angle.ok_or_else(|| "expected degrees from 1 to 170".to_owned())
+}
+
+/// A size such as 1280x720.
+pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    casca_tools::image::parse_size(text, 1..=MAX_SIDE)
+}

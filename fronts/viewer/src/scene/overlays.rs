@@ -1,0 +1,346 @@
+//! What the library knows, drawn over the picture.
+
+use std::thread::{self, JoinHandle};
+
+use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion_by_caps};
+use casca::{Method, Query, Scene};
+use casca_scenes::drive::view_of;
+use casca_scenes::world::{Camera, Object, Shape};
+use casca_stage::gpu::IS_PAGE;
+use casca_tools::pictures::palette::{self, rgba};
+use glam::{Affine3A, DVec3, DVec4, IVec2, IVec3, Vec3};
+
+use crate::scene::camera_fit::{Solid, in_view};
+use crate::scene::playback::Frame;
+use crate::scene::renderer::{Corner, Line, Marks};
+
+/// A layer of marks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// Objects in the frustum that are not drawn, in wireframe.
+    Hidden,
+    /// Temporal bounding volumes.
+    Volumes,
+    /// Cells near a horizontal slice through the eye.
+    Cells,
+    /// Outlines of what blocks the view from the eye's cell.
+    Caps,
+    /// The occlusion buffers.
+    Buffers,
+    /// The frustum that is culled for.
+    Frustum,
+}
+
+impl Layer {
+    /// All of them, in the order of their keys.
+    pub const EVERY: [Self; 6] =
+        [Self::Hidden, Self::Volumes, Self::Cells, Self::Caps, Self::Buffers, Self::Frustum];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hidden => "hidden objects",
+            Self::Volumes => "temporal bounding volumes",
+            Self::Cells => "grid cells",
+            Self::Caps => "cap polygons",
+            Self::Buffers => "occlusion buffers",
+            Self::Frustum => "frustum",
+        }
+    }
+}
+
+/// The wireframe of a hidden object.
+pub const HIDDEN: [u8; 4] = rgba(palette::HIDDEN, 200);
+/// A temporal bounding volume.
+pub const VOLUME: [u8; 4] = rgba(palette::VOLUME, 220);
+/// A cell that hides.
+pub const OPAQUE_CELL: [u8; 4] = rgba(palette::OPAQUE_CELL, 215);
+/// A cell that is hidden.
+pub const HIDDEN_CELL: [u8; 4] = rgba(palette::HIDDEN_CELL, 120);
+/// A cell that may be seen.
+pub const VISIBLE_CELL: [u8; 4] = rgba(palette::VISIBLE_CELL, 120);
+/// The outline of a cap.
+pub const CAP: [u8; 4] = rgba(palette::WALK, 255);
+/// The border of the frustum that is culled for.
+pub const FRUSTUM: [u8; 4] = rgba(palette::CAMERA, 255);
+/// Its section at the height of the eye.
+pub const LIT: [u8; 4] = rgba(palette::LIT, 70);
+/// The wireframe of a visible object that was lost.
+pub const LOST: [u8; 4] = [220, 0, 30, 255];
+/// Of how many shells caps are drawn: of all, they would fill the picture.
+const CAP_SHELLS: i32 = 8;
+
+/// Which layers are on, and what they keep.
+#[derive(Default)]
+pub struct Overlays {
+    on: [bool; 6],
+    /// Whether of the frustum only its section at the height of the eye is drawn.
+    pub is_frustum_flat: bool,
+    recorder: Option<Query>,
+    frustum: Option<Query>,
+    caps: Caps,
+}
+
+/// The caps around an eye's cell, as the scene was when it came there. Tracing them takes seconds,
+/// and has a thread of its own.
+#[derive(Default)]
+struct Caps {
+    done: Option<(IVec3, Vec<Cap>)>,
+    running: Option<JoinHandle<(IVec3, Vec<Cap>)>>,
+}
+
+impl Caps {
+    /// Takes up what is done, and starts anew where the eye has come to another cell.
+    fn update(&mut self, scene: &Scene, viewer: IVec3) {
+        if let Some(thread) = self.running.take_if(|thread| thread.is_finished()) {
+            self.done = thread.join().ok();
+        }
+        if self.running.is_none() && self.done.as_ref().is_none_or(|(at, _)| *at != viewer) {
+            let mut opaque = scene.static_opacity().into_owned();
+            scene.dynamic_opacity().iter().for_each(|cell| opaque.set(cell));
+            let trace = move || (viewer, occlusion_by_caps(&opaque, viewer).1);
+            // A page has no threads.
+            match IS_PAGE {
+                true => self.done = Some(trace()),
+                false => self.running = Some(thread::spawn(trace)),
+            }
+        }
+    }
+}
+
+impl Overlays {
+    /// Whether a layer is on.
+    pub fn is_on(&self, layer: Layer) -> bool {
+        self.on[layer as usize]
+    }
+
+    /// Whether cap polygons are traced and drawn.
+    pub fn are_caps_ready(&self) -> bool {
+        self.caps.running.is_none()
+    }
+
+    /// Drops what was kept about a scene.
+    pub fn forget_scene(&mut self) {
+        self.caps = Caps::default();
+    }
+
+    /// Turns a layer on or off.
+    pub fn toggle(&mut self, layer: Layer) {
+        self.on[layer as usize] ^= true;
+    }
+
+    /// The marks of all layers that are on, and of objects that were lost.
+    ///
+    /// # Errors
+    /// As [`view_of`] and [`Query::with_method`].
+    pub fn marks(&mut self, frame: &Frame<'_>, lost: &[usize]) -> Result<Marks, casca::Error> {
+        let mut marks = Marks::default();
+        if self.is_on(Layer::Hidden) {
+            self.hidden(frame, &mut marks)?;
+        }
+        if self.is_on(Layer::Volumes) {
+            for (lo, hi) in frame.scene.ids().filter_map(|id| frame.scene.tbv(id).ok().flatten()) {
+                marks.cuboid(lo.as_vec3(), hi.as_vec3(), Affine3A::IDENTITY, 1.0, VOLUME);
+            }
+        }
+        if self.is_on(Layer::Cells) {
+            self.cells(frame, &mut marks)?;
+        }
+        if self.is_on(Layer::Caps) {
+            self.caps(frame, &mut marks);
+        }
+        if self.is_on(Layer::Frustum) {
+            let mut seen = Solid::seen(&frame.camera, frame.scene.grid().min(), frame.scene.grid().max());
+            if !self.is_frustum_flat {
+                marks.edges(&seen, 1.0, FRUSTUM);
+            }
+            marks.section(&mut seen, f64::from(frame.camera.eye.y));
+        }
+        for &i in lost {
+            marks.wireframe(&frame.objects[i], 3.0, LOST);
+        }
+        Ok(marks)
+    }
+
+    fn hidden(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
+        for i in self.culled(frame)? {
+            marks.wireframe(&frame.objects[i], 1.0, HIDDEN);
+        }
+        Ok(())
+    }
+
+    /// The objects in the frustum that are not drawn, ascending.
+    ///
+    /// # Errors
+    /// As [`view_of`] and [`Query::with_method`].
+    pub fn culled(&mut self, frame: &Frame<'_>) -> Result<Vec<usize>, casca::Error> {
+        let mut culled = self.in_frustum(frame.scene, &frame.camera)?;
+        culled.retain(|i| frame.visible.binary_search(i).is_err());
+        Ok(culled)
+    }
+
+    /// The objects in the frustum of a camera, ascending.
+    ///
+    /// # Errors
+    /// As [`view_of`] and [`Query::with_method`].
+    pub fn in_frustum(&mut self, scene: &Scene, camera: &Camera) -> Result<Vec<usize>, casca::Error> {
+        let query = match self.frustum.take() {
+            Some(query) => query,
+            None => Query::with_method(Method::Frustum)?,
+        };
+        let query = self.frustum.insert(query);
+        let found = query.run(scene, &view_of(camera)?).visible();
+        let mut found: Vec<usize> = found.iter().map(|id| id.index()).collect();
+        found.sort_unstable();
+        Ok(found)
+    }
+
+    fn cells(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
+        let query = match self.recorder.take() {
+            Some(query) => query,
+            None => Query::with_method(Method::cell())?,
+        };
+        let query = self.recorder.insert(query);
+        query.record_cells(true);
+        query.run(frame.scene, &view_of(&frame.camera)?);
+        let grid = frame.scene.grid();
+        let level = grid.cell_of(frame.camera.eye.as_dvec3()).y.clamp(0, grid.dims().y - 1);
+        for z in 0..grid.dims().z {
+            for x in 0..grid.dims().x {
+                let cell = IVec3::new(x, level, z);
+                let is_in = |cells: Option<&BitMatrix>| cells.is_some_and(|c| c.get(cell));
+                let colour = if frame.scene.is_opaque(cell) {
+                    OPAQUE_CELL
+                } else if is_in(query.hidden_cells()) {
+                    HIDDEN_CELL
+                } else if is_in(query.visited_cells()) {
+                    VISIBLE_CELL
+                } else {
+                    continue;
+                };
+                let (lo, hi) = grid.cell_bounds(cell);
+                marks.tile(lo.as_vec3(), hi.as_vec3(), colour);
+            }
+        }
+        Ok(())
+    }
+
+    fn caps(&mut self, frame: &Frame<'_>, marks: &mut Marks) {
+        let grid = frame.scene.grid();
+        let viewer = grid.cell_of(frame.camera.eye.as_dvec3());
+        if !grid.contains(viewer) {
+            return;
+        }
+        self.caps.update(frame.scene, viewer);
+        let every = (grid.dims().max_element() / (2 * CAP_SHELLS)).max(1);
+        let caps = self.caps.done.iter().flat_map(|(_, caps)| caps);
+        for cap in caps.filter(|cap| cap.shell % every == every / 2) {
+            let (axis, sign) = cap.side;
+            let [column, row] = [(1, 2), (0, 2), (0, 1)].map(|(c, r)| [c, r])[axis];
+            let cell = |at: IVec2| {
+                let mut cell = viewer;
+                cell[axis] += cap.shell * sign;
+                cell[column] += at.x;
+                cell[row] += at.y;
+                cell
+            };
+            let point = |at: IVec2| {
+                let (lo, hi) = grid.cell_bounds(cell(at));
+                ((lo + hi) * 0.5).as_vec3()
+            };
+            for polygon in &cap.polygons {
+                if !polygon.outer.iter().any(|&at| in_view(&frame.camera, &[point(at)])) {
+                    continue;
+                }
+                for ring in std::iter::once(&polygon.outer).chain(&polygon.holes) {
+                    for (i, &at) in ring.iter().enumerate() {
+                        marks.line(point(at), point(ring[(i + 1) % ring.len()]), 2.0, CAP);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Marks {
+    /// A line of `width` pixels.
+    pub fn line(&mut self, start: Vec3, end: Vec3, width: f32, colour: [u8; 4]) {
+        self.lines.push(Line { start: start.to_array(), width, end: end.to_array(), colour });
+    }
+
+    /// The edges of a box under a transform.
+    pub fn cuboid(&mut self, lo: Vec3, hi: Vec3, transform: Affine3A, width: f32, colour: [u8; 4]) {
+        let corner = |i: usize| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { lo[axis] } else { hi[axis] };
+            transform.transform_point3(Vec3::new(pick(0), pick(1), pick(2)))
+        };
+        for i in 0..8 {
+            for axis in 0..3 {
+                if i >> axis & 1 == 0 {
+                    self.line(corner(i), corner(i | 1 << axis), width, colour);
+                }
+            }
+        }
+    }
+
+    /// An object in wireframe: three rings, or the edges of its box.
+    pub fn wireframe(&mut self, object: &Object, width: f32, colour: [u8; 4]) {
+        const SIDES: usize = 16;
+        match &object.shape {
+            Shape::Sphere { center, radius } => {
+                for (a, b) in [(Vec3::X, Vec3::Y), (Vec3::X, Vec3::Z), (Vec3::Y, Vec3::Z)] {
+                    let at = |i: usize| {
+                        let (sin, cos) = (i as f32 * std::f32::consts::TAU / SIDES as f32).sin_cos();
+                        *center + (a * cos + b * sin) * *radius
+                    };
+                    (0..SIDES).for_each(|i| self.line(at(i), at(i + 1), width, colour));
+                }
+            }
+            Shape::Box { min, max } => self.cuboid(*min, *max, Affine3A::IDENTITY, width, colour),
+            Shape::Mesh { mesh, transform } => {
+                let lo = mesh.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+                let hi = mesh.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+                if lo.is_finite() && hi.is_finite() {
+                    self.cuboid(lo, hi, *transform, width, colour);
+                }
+            }
+        }
+    }
+
+    /// A horizontal tile in the middle of a box, with gaps between neighbours.
+    fn tile(&mut self, lo: Vec3, hi: Vec3, colour: [u8; 4]) {
+        let gap = (hi - lo) * 0.06;
+        let (lo, hi, y) = (lo + gap, hi - gap, (lo.y + hi.y) * 0.5);
+        for (x, z) in [(lo.x, lo.z), (hi.x, lo.z), (hi.x, hi.z), (lo.x, lo.z), (hi.x, hi.z), (lo.x, hi.z)] {
+            self.fills.push(Corner { position: [x, y, z], colour });
+        }
+    }
+
+    /// The edges of a solid.
+    fn edges(&mut self, solid: &Solid, width: f32, colour: [u8; 4]) {
+        solid.faces.iter().for_each(|face| self.outline(face, width, colour));
+    }
+
+    /// The border of a polygon.
+    fn outline(&mut self, corners: &[DVec3], width: f32, colour: [u8; 4]) {
+        for (i, corner) in corners.iter().enumerate() {
+            self.line(corner.as_vec3(), corners[(i + 1) % corners.len()].as_vec3(), width, colour);
+        }
+    }
+
+    /// The section of the seen part of a scene at some height: its border, and the area inside.
+    fn section(&mut self, seen: &mut Solid, height: f64) {
+        let section = seen.cut(DVec4::new(0.0, -1.0, 0.0, height)).unwrap_or_default();
+        self.outline(&section, 3.0, FRUSTUM);
+        for i in 2..section.len() {
+            for p in [section[0], section[i - 1], section[i]] {
+                self.fills.push(Corner { position: p.as_vec3().to_array(), colour: LIT });
+            }
+        }
+    }
+
+    /// Makes all lines wider.
+    pub fn widen(&mut self, factor: f32) {
+        self.lines.iter_mut().for_each(|line| line.width *= factor);
+    }
+}

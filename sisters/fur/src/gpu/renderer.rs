@@ -1,0 +1,296 @@
+//! Draws furry meshes as shells, their skins, blocks, and the sun's shadow map.
+
+use std::ops::Range;
+
+use crate::Error;
+use crate::mesh::{Image, Mesh};
+use crate::skin::Weights;
+use casca_tools::camera::Camera;
+use casca_stage::canvas::Target;
+use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::wgpu::{self, BufferUsages, TextureFormat};
+
+use crate::gpu::bindings::{cube_map, depth_map, frame_group, layouts, look_group};
+use crate::gpu::buffers::{Buffers, Growing};
+use crate::gpu::error::FurGpuError;
+use crate::gpu::images;
+use crate::gpu::look::{Look, LookRecord, SKY};
+use crate::gpu::pipelines::{Kind, Pipelines, shaders};
+use crate::gpu::records::{DrawList, Frame, SHADOW_SIZE, Sun};
+
+/// Pipelines and buffers for some meshes and one format of pictures.
+pub struct Renderer {
+    format: TextureFormat,
+    /// By [`Kind::number`].
+    shells: [wgpu::RenderPipeline; 4],
+    blocks: wgpu::RenderPipeline,
+    /// Without weights, and with; shadows have no colours.
+    shell_shadows: [wgpu::RenderPipeline; 2],
+    block_shadows: wgpu::RenderPipeline,
+    layouts: [wgpu::BindGroupLayout; 2],
+    frame: wgpu::Buffer,
+    look: wgpu::Buffer,
+    map: wgpu::Texture,
+    /// What the map holds: the side of its faces and their texels.
+    faces: (u32, Vec<u8>),
+    shadow: wgpu::TextureView,
+    /// One of these reads the shadow map, the other draws it.
+    frame_groups: [wgpu::BindGroup; 2],
+    look_group: wgpu::BindGroup,
+    images_layout: wgpu::BindGroupLayout,
+    /// For meshes without images.
+    no_images: wgpu::BindGroup,
+    meshes: Vec<Buffers>,
+    records: Growing,
+    joints: Growing,
+    instances: Growing,
+    block_records: Growing,
+    /// The share of the sky's colour that the air adds, for each unit of the way.
+    pub haze: f32,
+}
+
+impl Renderer {
+    /// A renderer for these meshes, with one look for all of them, and pictures of this format.
+    ///
+    /// # Errors
+    /// A mesh does not fit into the memory of the device.
+    pub fn new(gpu: &Gpu, format: TextureFormat, meshes: &[Mesh], look: &Look) -> Result<Self, FurGpuError> {
+        Self::with_samples(gpu, format, 1, meshes, look)
+    }
+
+    /// The same, for pictures with so many samples a pixel, which the adapter must have.
+    pub(super) fn with_samples(
+        gpu: &Gpu,
+        format: TextureFormat,
+        samples: u32,
+        meshes: &[Mesh],
+        look: &Look,
+    ) -> Result<Self, FurGpuError> {
+        let device = &gpu.device;
+        let layouts = layouts(device);
+        let images_layout = images::layout(device);
+        let modules = [false, true].map(|images| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("fur"),
+                source: wgpu::ShaderSource::Wgsl(shaders(images).into()),
+            })
+        });
+        let pipelines = Pipelines {
+            device,
+            shaders: &modules,
+            samples,
+            layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1]), Some(&images_layout)],
+                immediate_size: 0,
+            }),
+        };
+        let frame = gpu.buffer(size_of::<Frame>() as u64, BufferUsages::UNIFORM)?;
+        let records = Growing::new(gpu, BufferUsages::STORAGE)?;
+        let joints = Growing::new(gpu, BufferUsages::STORAGE)?;
+        let shadow = depth_map(device, SHADOW_SIZE);
+        let frame_groups =
+            [&shadow, &depth_map(device, 1)].map(|map| frame_group(device, &layouts[0], &frame, map));
+        let look_buffer = gpu.buffer(size_of::<LookRecord>() as u64, BufferUsages::UNIFORM)?;
+        let faces = look.map_faces()?;
+        let map = cube_map(gpu, &faces);
+        let look_group =
+            look_group(device, &layouts[1], &look_buffer, [&records.buffer, &joints.buffer], &map);
+        let mut renderer = Self {
+            format,
+            shells: Kind::EVERY.map(|kind| pipelines.shells(kind, Some(("shell_colour", format)))),
+            blocks: pipelines.blocks(Some(("block_colour", format))),
+            shell_shadows: [false, true].map(|posed| pipelines.shells(Kind { posed, images: false }, None)),
+            block_shadows: pipelines.blocks(None),
+            layouts,
+            no_images: images::group(gpu, &images_layout, &[])?,
+            images_layout,
+            frame,
+            look: look_buffer,
+            map,
+            faces,
+            shadow,
+            frame_groups,
+            look_group,
+            meshes: meshes.iter().map(|mesh| Buffers::new(gpu, mesh)).collect::<Result<_, _>>()?,
+            records,
+            joints,
+            instances: Growing::new(gpu, BufferUsages::VERTEX)?,
+            block_records: Growing::new(gpu, BufferUsages::VERTEX)?,
+            haze: 0.0,
+        };
+        renderer.set_look(gpu, look)?;
+        Ok(renderer)
+    }
+
+    /// The format of its pictures.
+    pub fn format(&self) -> TextureFormat {
+        self.format
+    }
+
+    /// Changes the look of all meshes.
+    ///
+    /// # Errors
+    /// The fur map cannot hold as many hairs.
+    pub fn set_look(&mut self, gpu: &Gpu, look: &Look) -> Result<(), FurGpuError> {
+        gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look.record()));
+        let map = look.map_faces()?;
+        if self.faces != map {
+            self.map = cube_map(gpu, &map);
+            self.faces = map;
+            self.group_look(gpu);
+        }
+        Ok(())
+    }
+
+    /// Lets a mesh, by its number, be posed ([`DrawList::pose`]).
+    ///
+    /// # Errors
+    /// There is no such mesh, it has another number of vertices, or the weights do not fit into the
+    /// memory of the device.
+    pub fn set_weights(&mut self, gpu: &Gpu, mesh: usize, weights: &Weights) -> Result<(), FurGpuError> {
+        self.mesh(mesh)?.set_weights(gpu, weights)
+    }
+
+    /// Gives meshes, by their numbers, the images on which their vertices lie
+    /// ([`Mesh::with_tex_coords`]). Without them, and where one is missing, coats alone colour.
+    /// All are drawn at the size of the largest, of at most 2048 texels a side and 256 MiB.
+    ///
+    /// # Errors
+    /// There is no such mesh, or there are more than 64 images.
+    pub fn set_images(&mut self, gpu: &Gpu, meshes: &[usize], given: &[Image]) -> Result<(), FurGpuError> {
+        images::check(given)?;
+        let group = match given {
+            [] => None,
+            _ => Some(images::group(gpu, &self.images_layout, given)?),
+        };
+        for &mesh in meshes {
+            self.mesh(mesh)?.images = group.clone();
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, mesh: usize) -> Result<&mut Buffers, Error> {
+        let most = self.meshes.len() as f64 - 1.0;
+        let refused = Error::Range { what: "the number of a mesh", value: mesh as f64, least: 0.0, most };
+        self.meshes.get_mut(mesh).ok_or(refused)
+    }
+
+    fn group_look(&mut self, gpu: &Gpu) {
+        let storage = [&self.records.buffer, &self.joints.buffer];
+        self.look_group = look_group(&gpu.device, &self.layouts[1], &self.look, storage, &self.map);
+    }
+
+    /// Draws the shadow map of a list. It holds until the next call: while neither the sun nor
+    /// anything in its light moves, one is enough for all frames.
+    ///
+    /// # Errors
+    /// The list does not fit into the memory of the device.
+    pub fn cast_shadows(&mut self, gpu: &Gpu, list: &DrawList, sun: &Sun) -> Result<(), GpuError> {
+        // The eye does not matter here.
+        let eye = Camera::look_at(sun.center, sun.center + sun.direction(), 60.0, 1.0, 0.1, 1.0);
+        self.draw_pass(gpu, list, &Frame::new(&eye, SHADOW_SIZE, sun, (SKY, 0.0)), None)
+    }
+
+    /// Draws a picture, with the shadows of the last [`Renderer::cast_shadows`].
+    ///
+    /// # Errors
+    /// The list does not fit into the memory of the device.
+    pub fn draw(
+        &mut self,
+        gpu: &Gpu,
+        target: &Target,
+        camera: &Camera,
+        list: &DrawList,
+        sun: &Sun,
+    ) -> Result<(), GpuError> {
+        let frame = Frame::new(camera, target.size().1, sun, (SKY, self.haze));
+        self.draw_pass(gpu, list, &frame, Some(target))
+    }
+
+    /// Draws a picture, or the shadow map if there is no target.
+    fn draw_pass(
+        &mut self,
+        gpu: &Gpu,
+        list: &DrawList,
+        frame: &Frame,
+        target: Option<&Target>,
+    ) -> Result<(), GpuError> {
+        self.upload(gpu, list, frame)?;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let sky = SKY.map(|c| f64::from(c.powf(1.0 / 2.2)));
+        let colour = target.map(|target| wgpu::RenderPassColorAttachment {
+            view: &target.colour,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color { r: sky[0], g: sky[1], b: sky[2], a: 1.0 }),
+                store: wgpu::StoreOp::Store,
+            },
+        });
+        let (depth, clear) = target.map_or((&self.shadow, 1.0), |target| (&target.depth, 0.0));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: if target.is_some() { std::slice::from_ref(&colour) } else { &[] },
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(clear),
+                    store: if target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        self.record(&mut pass, (&list.runs, list.blocks.len() as u32), target.is_none());
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+
+    /// Writes the buffers that the next [`Renderer::record`] reads.
+    pub(super) fn upload(&mut self, gpu: &Gpu, list: &DrawList, frame: &Frame) -> Result<(), GpuError> {
+        gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
+        let moved = self.records.write(gpu, bytemuck::cast_slice(&list.records))?;
+        if self.joints.write(gpu, bytemuck::cast_slice(&list.joints))? || moved {
+            self.group_look(gpu);
+        }
+        self.instances.write(gpu, bytemuck::cast_slice(&list.shells))?;
+        self.block_records.write(gpu, bytemuck::cast_slice(&list.blocks))?;
+        Ok(())
+    }
+
+    /// Draws the uploaded list into a pass for pictures or for the shadow map: the runs of shells
+    /// of each mesh, and a number of blocks.
+    pub(super) fn record(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        (runs, walls): (&[(usize, Range<u32>)], u32),
+        shadows: bool,
+    ) {
+        pass.set_bind_group(0, &self.frame_groups[usize::from(shadows)], &[]);
+        pass.set_bind_group(1, &self.look_group, &[]);
+        pass.set_bind_group(2, &self.no_images, &[]);
+        let (blocks, shells) = match shadows {
+            false => (&self.blocks, &self.shells[..]),
+            true => (&self.block_shadows, &self.shell_shadows[..]),
+        };
+        if walls > 0 {
+            pass.set_pipeline(blocks);
+            pass.set_vertex_buffer(0, self.block_records.buffer.slice(..));
+            pass.draw(0..36, 0..walls);
+        }
+        pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
+        for (mesh, run) in runs {
+            let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
+            let kind = Kind { posed: mesh.followers.is_some(), images: mesh.images.is_some() && !shadows };
+            pass.set_pipeline(&shells[kind.number()]);
+            pass.set_bind_group(2, mesh.images.as_ref().unwrap_or(&self.no_images), &[]);
+            if let Some(followers) = &mesh.followers {
+                pass.set_vertex_buffer(2, followers.slice(..));
+            }
+            pass.set_vertex_buffer(1, mesh.corners.slice(..));
+            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..mesh.count, 0, run.clone());
+        }
+    }
+}
