@@ -144,8 +144,8 @@ mod view;
 mod walk;
 mod world;
 
-pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, KeySet, Light};
-pub use error::{Error, FileError, KeySetError};
+pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, Light};
+pub use error::{Error, FileError};
 /// The version of glam whose types these functions take and give.
 pub use glam;
 

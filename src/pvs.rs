@@ -77,8 +77,7 @@ pub struct Stats {
 ///
 /// Draw the objects of [`Pvs::visible`], which come roughly from near to far, or ask
 /// [`Pvs::contains`] about one. [`Pvs::changes_since`] tells which objects come and go between two
-/// sets, and [`KeySet`](crate::KeySet) sends a set to another process. At the end of a frame, give
-/// the sets of all cameras to [`Scene::end_frame`](crate::Scene::end_frame).
+/// sets. At the end of a frame, give the sets of all cameras to [`Scene::end_frame`](crate::Scene::end_frame).
 ///
 /// ```
 /// use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};

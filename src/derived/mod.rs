@@ -2,10 +2,8 @@
 
 pub(crate) mod aggressive;
 pub(crate) mod draw;
-pub(crate) mod key_set;
 pub(crate) mod shadows;
 
 pub use aggressive::AggressiveOpacity;
 pub use draw::{DrawItem, DrawOptions};
-pub use key_set::KeySet;
 pub use shadows::Light;

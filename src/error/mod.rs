@@ -320,10 +320,6 @@ macro_rules! codes {
     };
 }
 
-pub(crate) mod key_set;
-
-pub use key_set::KeySetError;
-
 codes!(
     Error,
     CODES,
@@ -428,7 +424,7 @@ mod tests {
 
     #[test]
     fn codes_are_distinct_and_in_kebab_case() {
-        let all: Vec<&str> = CODES.iter().chain(FILE_CODES).chain(key_set::KEY_SET_CODES).copied().collect();
+        let all: Vec<&str> = CODES.iter().chain(FILE_CODES).copied().collect();
         assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());
         for code in all {
             let words = || code.split('-');

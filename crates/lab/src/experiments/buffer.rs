@@ -3,11 +3,9 @@
 
 use casca::{Aabb, GridSpec, Method, PointOptions};
 
-use super::walker::{Snapshot, Walker, item_buffer};
+use super::walker::{Walker, item_buffer};
 use super::{Contender, LabError, median, p99};
-use casca_scenes::measure::timed;
 use casca_scenes::world::World;
-use casca_truth::baselines::Hzb;
 
 /// The sets of options that have names, from the fastest to the tightest.
 pub const PRESETS: [(&str, PointOptions); 3] = [
@@ -76,14 +74,6 @@ pub struct BufferCost {
     pub presets: [Score; PRESETS.len()],
     /// The buffer.
     pub buffer: Score,
-    /// Triangles drawn in a frame, and those of them that may cover the centre of a pixel.
-    pub triangles: [f64; 2],
-    /// Tests of a box in a frame.
-    pub tests: f64,
-    /// Nanoseconds of drawing for each triangle drawn, with its share of the objects' boxes.
-    pub ns_triangle: f64,
-    /// Nanoseconds of testing a box against the finished buffer.
-    pub ns_box: f64,
 }
 
 impl BufferCost {
@@ -130,39 +120,6 @@ impl Sums {
     }
 }
 
-/// The least seconds of so many calls.
-pub(super) fn least(repeats: usize, mut call: impl FnMut()) -> f64 {
-    (0..repeats.max(1)).map(|_| timed(&mut call).1.as_secs_f64()).fold(f64::INFINITY, f64::min)
-}
-
-/// The parts of the buffer's work, each alone.
-#[derive(Default)]
-struct Parts {
-    drawing: f64,
-    testing: f64,
-    triangles: u64,
-    on_pixels: u64,
-    /// Tests alone, and those of whole frames.
-    tests: [u64; 2],
-}
-
-impl Parts {
-    /// Draws the objects found, and tests all in the frustum against them.
-    fn add(&mut self, hzb: &mut Hzb, walker: &Walker, frame: &Snapshot, repeats: usize) {
-        let (objects, camera) = (&walker.world.objects, &frame.camera);
-        let found = hzb.frame(objects, &frame.in_frustum, camera);
-        self.tests[1] += hzb.work().tests;
-        let occluders: Vec<usize> = found.into_iter().filter(|&i| objects[i].occludes).collect();
-        self.drawing += least(repeats, || hzb.draw_all(objects, occluders.iter().copied(), camera));
-        self.triangles += hzb.work().triangles;
-        self.on_pixels += hzb.work().on_pixels;
-        self.testing += least(repeats, || {
-            hzb.test(objects, &frame.in_frustum, camera);
-        });
-        self.tests[0] += hzb.work().tests;
-    }
-}
-
 /// Measures a world with a buffer of `size` pixels. `progress` is told the frames done.
 ///
 /// # Errors
@@ -181,7 +138,6 @@ pub fn measure(
         contenders.push(Contender::casca(name, Method::Point(options))?);
     }
     let mut sums: Vec<Sums> = contenders.iter().map(|_| Sums::default()).collect();
-    let (mut hzb, mut parts) = (Hzb::new(size.0, size.1), Parts::default());
     let mut exact = item_buffer(sampling.width);
     let every = sampling.frames.min(walker.world.frames).div_ceil(sampling.judged.max(1)).max(1);
     let (mut visible_sum, mut frustum_sum, mut done, mut judged) = (0, 0, 0, 0);
@@ -196,7 +152,6 @@ pub fn measure(
             sums.add(contender, best, visible.as_deref());
         }
         if let Some(visible) = visible {
-            parts.add(&mut hzb, walker, frame, sampling.repeats);
             visible_sum += visible.len();
             judged += 1;
         }
@@ -213,10 +168,6 @@ pub fn measure(
         visible: mean(visible_sum as f64, judged),
         buffer: scores.next().unwrap_or_default(),
         presets: std::array::from_fn(|_| scores.next().unwrap_or_default()),
-        triangles: [parts.triangles, parts.on_pixels].map(|n| mean(n as f64, judged)),
-        tests: mean(parts.tests[1] as f64, judged),
-        ns_triangle: parts.drawing * 1e9 / parts.triangles.max(1) as f64,
-        ns_box: parts.testing * 1e9 / parts.tests[0].max(1) as f64,
     })
 }
 

@@ -6,30 +6,24 @@
 
 mod against;
 mod aggressive;
-pub mod buffer;
-pub mod coherence;
+mod buffer;
+mod coherence;
 mod contender;
 mod context;
 mod figures;
 mod front;
-#[cfg(feature = "light")]
-pub mod light;
-pub mod lines;
 mod machine;
-pub mod points;
-pub mod reach;
+mod reach;
 mod report;
 mod scaling;
 mod section;
 mod shadows;
-pub mod sight;
 mod stability;
 mod stage;
 mod thesis;
-pub mod tradeoff;
+mod tradeoff;
 mod upkeep;
 mod walker;
-pub mod world;
 mod worlds;
 
 pub use against::against;
@@ -41,7 +35,7 @@ pub(crate) use figures::grouped;
 pub use figures::{median, p99};
 pub use front::{Cost, distance, front};
 pub use report::{HEAD, ReportError, write};
-pub use scaling::{scaling, scaling_to};
+pub use scaling::scaling;
 pub use section::{Block, Section, Table};
 pub use shadows::shadows;
 pub use stability::stability;
@@ -62,8 +56,6 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("scaling", scaling),
     ("reach", reach::reach),
     ("coherence", coherence::coherence),
-    ("sight", sight::sight),
     ("shadows", shadows),
-    ("world", world::world),
     ("aggressive", aggressive),
 ];

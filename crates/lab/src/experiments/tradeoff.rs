@@ -25,8 +25,6 @@ pub struct Sampling {
 pub struct SceneTradeoff {
     /// The scene's name.
     pub scene: String,
-    /// Frames measured.
-    pub frames: usize,
     /// Mean numbers of objects in the frustum, and of visible ones.
     pub in_frustum: f64,
     /// Objects of which the item buffer shows a pixel.
@@ -144,7 +142,6 @@ pub fn measure(
     });
     Ok(SceneTradeoff {
         scene: walker.world.name.clone(),
-        frames,
         in_frustum: per_frame(frustum_sum),
         visible: per_frame(visible_sum),
         points: points.collect(),

@@ -5,7 +5,6 @@
 //! Titles say the finding, computed from the data.
 
 mod chart;
-mod cloud;
 mod frame;
 mod top_view;
 mod tradeoff;
@@ -14,7 +13,6 @@ pub use casca_tools::pictures::{Axis, Bar, Line, PictureError, Tile, bars, lines
 use casca_tools::pictures::{raster, svg};
 
 pub use chart::{FrameCounts, chart};
-pub use cloud::{CloudPanel, CloudView, Fate, cloud};
 pub use frame::{FramePicture, buffers, frame};
 pub use top_view::{TopView, top_view};
 pub use tradeoff::{TradeoffPoint, tradeoff};

@@ -5,9 +5,9 @@ use casca_scenes::generated::{self, SceneKind, SceneOptions};
 use casca_tools::command_line::{EXIT_CODES, Outcome, say, try_writing};
 use clap::{Parser, value_parser};
 
+use crate::Failure;
+use crate::arguments::FRAMES;
 use crate::arguments::{Out, about};
-use crate::failure::Failure;
-use crate::limits::FRAMES;
 
 /// The options.
 #[derive(Debug, Parser)]

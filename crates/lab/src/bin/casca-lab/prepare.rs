@@ -18,8 +18,8 @@ use casca_tools::command_line::{EXIT_CODES, Outcome, PathError, say, try_writing
 use clap::Parser;
 use glam::{EulerRot, Quat, Vec3};
 
+use crate::Failure;
 use crate::arguments::{Cached, Out, about};
-use crate::failure::Failure;
 use crate::progress;
 
 /// The options.

@@ -82,8 +82,6 @@ pub struct WalkScore {
     pub scene: String,
     /// Objects that move.
     pub movers: usize,
-    /// Frames that are timed.
-    pub frames: usize,
     /// Frames that are judged.
     pub judged: usize,
     /// Visible objects, the mean of the frames that are judged.
@@ -245,7 +243,6 @@ pub fn measure(
     Ok(WalkScore {
         scene: world.name.clone(),
         movers,
-        frames: timed_frames,
         judged: judge.frames,
         visible: judge.visible as f64 / judge.frames.max(1) as f64,
         ways: entries.into_iter().map(|e| e.score(timed_frames, judge.frames)).collect(),

@@ -12,7 +12,7 @@ use casca_scenes::world::World;
 use casca_tools::command_line::{Outcome, PathError, try_writing, try_writing_into};
 use indicatif::ProgressBar;
 
-use crate::failure::Failure;
+use crate::Failure;
 use crate::progress;
 pub use options::Options;
 use pictures::PICTURES;

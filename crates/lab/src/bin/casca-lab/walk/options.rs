@@ -9,7 +9,7 @@ use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
 use crate::arguments::{Cached, Common, Out, about};
-use crate::limits::{FRAMES, MOST_SAMPLES, WIDTHS};
+use crate::arguments::{FRAMES, MOST_SAMPLES, WIDTHS};
 
 /// Width over height of all pictures.
 pub(super) const ASPECT: f32 = 16.0 / 9.0;

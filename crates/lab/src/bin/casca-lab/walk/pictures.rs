@@ -8,7 +8,7 @@ use casca_truth::oracle::ItemBuffer;
 use glam::Vec3;
 
 use super::options::{ASPECT, MethodName, Options};
-use crate::failure::Failure;
+use crate::Failure;
 
 /// The files that a walk writes.
 pub const PICTURES: [&str; 4] = ["walk.svg", "frame.png", "buffers.png", "top_view.svg"];

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 use super::options::{ASPECT, GridChoice, MethodName, Options};
 use super::pictures::{Shot, height_of};
-use crate::failure::Failure;
+use crate::Failure;
 use crate::progress;
 
 /// The results of one frame.

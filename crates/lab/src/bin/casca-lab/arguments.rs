@@ -1,17 +1,19 @@
 //! Arguments that commands share. What they default to, and what a command says of them, it sets
 //! with [`default_to`] and [`about`].
 
-#[cfg(feature = "experiments")]
-mod measured;
-
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use casca_cache::MeshCache;
 use casca_tools::command_line::PathError;
 use clap::{Arg, Args};
 
-#[cfg(feature = "experiments")]
-pub use measured::{PageArguments, Repeats, SizedPage, WalkArguments, Width, scenes_or};
+/// Frames that can be walked: as many as a file may give.
+pub const FRAMES: RangeInclusive<i64> = 1..=100_000;
+/// Widths of item buffers in pixels. The largest takes 2 GB.
+pub const WIDTHS: RangeInclusive<i64> = 16..=16_384;
+/// Rays to one object, at most.
+pub const MOST_SAMPLES: i64 = 10_000;
 
 /// The default of an argument.
 pub fn default_to(value: &'static str) -> impl FnOnce(Arg) -> Arg {
