@@ -53,8 +53,6 @@
 //!   [serde](https://serde.rs), see below.
 //! - `rayon`: `Query::run_all`, which runs the queries of several views in parallel, and the
 //!   preparation of meshes by several threads.
-//! - `soft`: the module `soft`, which estimates how much of something can be seen, for levels of
-//!   detail, priorities and light.
 //!
 //! # Versions of glam
 //!
@@ -138,8 +136,6 @@ mod reference;
 mod scene;
 mod shape;
 mod simd;
-#[cfg(feature = "soft")]
-pub mod soft;
 mod view;
 mod walk;
 mod world;

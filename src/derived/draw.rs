@@ -32,8 +32,8 @@ pub struct DrawItem {
     /// an object that goes unreported it is the ball around its volume; without a volume the size
     /// is 2 pi (for parallel rays, infinity).
     pub size: f32,
-    /// The share of the object that can be seen, 0 to 1: an estimate, which may err both ways. 1
-    /// unless `SoftGrid::estimate` of the feature `soft` set it.
+    /// The share of the object that can be seen, 0 to 1: 1, unless the application sets an estimate
+    /// of its own, such as the share of some boxes of which [`crate::Query::sight`] sees a point.
     pub fraction: f32,
 }
 

@@ -76,18 +76,6 @@ pub enum Error {
         /// The cell size asked for.
         cell: f32,
     },
-    /// A grid for soft visibility with more cells than it may have.
-    #[error("a grid for soft visibility may have {max} cells, but {cells} were asked for: use larger cells")]
-    SoftGridCells {
-        /// The number of cells asked for.
-        cells: u64,
-        /// The limit.
-        max: u64,
-    },
-    /// The id belongs to no shape of this grid for soft visibility: it was removed, or comes from
-    /// another grid.
-    #[error("shape {0} is not in this grid for soft visibility: it was removed, or belongs to another grid")]
-    UnknownShape(u64),
     /// The id belongs to no object of this scene: it was removed, or comes
     /// from another scene.
     #[error("{0} is not an object of this scene: it was removed, or belongs to another scene")]
@@ -332,8 +320,6 @@ codes!(
     CellSize => "cell-size",
     GridDims => "grid-dims",
     GridTooFar => "grid-too-far",
-    SoftGridCells => "soft-grid-cells",
-    UnknownShape => "unknown-shape",
     UnknownObject => "unknown-object",
     UnknownKey => "unknown-key",
     SceneFull => "scene-full",

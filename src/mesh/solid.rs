@@ -12,8 +12,6 @@
 
 use std::sync::Arc;
 
-#[cfg(feature = "soft")]
-use glam::DAffine3;
 use glam::{DVec3, Vec3};
 
 use crate::error::Error;
@@ -40,22 +38,6 @@ impl TriMesh {
     fn greatest_margin(&self) -> f64 {
         let (min, max) = self.bounds();
         margin(&[min, max, max])
-    }
-
-    /// Calls `out` with the cells that the mesh under a transform touches, and, as inside, with
-    /// those in it if it is closed: where lines along x through their rows crossed an odd number of
-    /// triangles.
-    #[cfg(feature = "soft")]
-    pub(crate) fn filled(&self, transform: &DAffine3, grid: &Grid, out: &mut dyn FnMut(CellRun, bool)) {
-        let corners = || self.all_corners().map(|t| t.map(|p| transform.transform_point3(p)));
-        let least = corners().flatten().fold(DVec3::INFINITY, DVec3::min);
-        let greatest = corners().flatten().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let Some(cells) = SurfaceCells::new(corners(), grid, (least, greatest)) else { return };
-        cells.runs.iter().for_each(|&run| out(run, false));
-        if self.closed {
-            let crossed = cells.crossings(corners(), grid, |t, point| crossing(t, 0, point));
-            cells.inside(grid, &crossed, |count, _| count % 2 == 1, &mut |run| out(run, true));
-        }
     }
 
     /// Whether triangles may meet a box.

@@ -10,8 +10,6 @@ pub(crate) mod occlusion;
 pub(crate) mod query;
 pub(crate) mod scene;
 pub(crate) mod shape;
-#[cfg(feature = "soft")]
-pub(crate) mod soft;
 pub(crate) mod view;
 pub(crate) mod world;
 

@@ -2,8 +2,7 @@
 //! the frustum, those that can be seen, or those that can be seen with fewer layers where less is
 //! seen.
 
-use casca::soft::SoftGrid;
-use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
+use casca::{Aabb, DrawItem, DrawOptions, Method, Query, Sight, View};
 use casca_fur::mesh::{Image, Mesh};
 use casca_fur::skin::Weights;
 use casca_fur::visibility::{Furry, PlanOptions, plan};
@@ -17,8 +16,8 @@ mod tests;
 use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::records::{Block, DrawList, Stand};
 
-/// Rays that estimate which share of an animal is seen: errors of some 0.1, about a layer in ten.
-const FRACTION_RAYS: u32 = 16;
+/// Columns of an animal's box, each way, of which it is asked whether they are seen.
+const COLUMNS: u32 = 4;
 
 /// How the animals to draw are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +57,6 @@ pub struct Herd {
     pub field: Field,
     /// By species, the number of its finest mesh.
     firsts: Vec<usize>,
-    soft: SoftGrid,
     query: Query,
     items: Vec<DrawItem>,
     tints: Vec<[[f32; 3]; 2]>,
@@ -104,14 +102,6 @@ impl Herd {
         if field.species().windows(2).any(|pair| pair[0].1 != pair[1].1) {
             return Err(FurGpuError::Furs);
         }
-        let grid = field.scene.grid();
-        let spec = casca::GridSpec {
-            min: grid.min().as_vec3(),
-            cell: grid.cell_size() as f32,
-            dims: grid.dims().as_uvec3(),
-        };
-        let mut soft = SoftGrid::new(&spec)?;
-        soft.follow(&field.scene)?;
         // Each animal a little lighter or darker, and warmer or colder.
         let tint = |i: usize| {
             let word = casca_fur::strands::hash([i as u32, 17, 4, 1]);
@@ -123,7 +113,7 @@ impl Herd {
         let sizes = field.species().iter().map(|(kind, _)| kind.levels().len());
         let firsts = sizes.scan(0, |next, size| Some(std::mem::replace(next, *next + size))).collect();
         let tints = (0..field.animals().len()).map(tint).collect();
-        Ok(Self { field, firsts, soft, query: Query::new(), items: Vec::new(), tints })
+        Ok(Self { field, firsts, query: Query::new(), items: Vec::new(), tints })
     }
 
     /// The meshes of all species and levels of detail, as [`Stand::mesh`] numbers them.
@@ -136,9 +126,7 @@ impl Herd {
     /// # Errors
     /// As [`Field::walk`].
     pub fn walk(&mut self, time: f64) -> Result<(), FurGpuError> {
-        self.field.walk(time)?;
-        self.soft.follow(&self.field.scene)?;
-        Ok(())
+        Ok(self.field.walk(time)?)
     }
 
     /// All animals and walls within a distance of a point, with so many layers: for shadow maps,
@@ -227,8 +215,10 @@ impl Herd {
         let chosen: Vec<Chosen> = match demand.way {
             way if way.is_coarser() => {
                 let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
-                if culled {
-                    self.soft.estimate(self.query.pvs(), &self.field.scene, FRACTION_RAYS, &mut items)?;
+                if let Some(sight) = self.query.sight(&self.field.scene).filter(|_| culled) {
+                    for item in &mut items {
+                        item.fraction = share_seen(&sight, &self.field.scene.bounds(item.id)?.aabb(), camera.eye);
+                    }
                 }
                 let planned;
                 (planned, excess) = self.planned(&items, camera, demand)?;
@@ -291,6 +281,23 @@ impl Herd {
         let chosen = entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers)));
         Ok((chosen.collect(), made.excess))
     }
+}
+
+/// The share of a box that is seen, from above: that of its columns along the axis on which it is
+/// farthest from the eye.
+fn share_seen(sight: &Sight, b: &Aabb, eye: Vec3) -> f32 {
+    let depth = (b.center() - eye).abs().max_position();
+    let [across, up] = [(depth + 1) % 3, (depth + 2) % 3];
+    let step = (b.max - b.min) / COLUMNS as f32;
+    let seen = (0..COLUMNS * COLUMNS).filter(|i| {
+        let mut column = *b;
+        for (axis, place) in [(across, i % COLUMNS), (up, i / COLUMNS)] {
+            column.min[axis] = b.min[axis] + step[axis] * place as f32;
+            column.max[axis] = column.min[axis] + step[axis];
+        }
+        sight.may_see_box(&column)
+    });
+    seen.count() as f32 / (COLUMNS * COLUMNS) as f32
 }
 
 /// A box to draw.
