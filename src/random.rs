@@ -1,23 +1,37 @@
 //! Seeded random numbers for tests of single modules.
 
 use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
-/// A linear congruential generator (Knuth's MMIX), of which the upper 31 bits are used.
 #[derive(Debug, Clone)]
-pub(crate) struct Random(pub(crate) u64);
+pub(crate) struct Random(Pcg64Mcg);
 
 impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(Pcg64Mcg::seed_from_u64(seed))
+    }
+
+    /// 64 random bits.
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0.random()
+    }
+
+    /// A whole number below `n`.
+    pub(crate) fn below(&mut self, n: u32) -> u32 {
+        self.0.random_range(0..n)
+    }
+
     /// A number from 0 to 1.
     pub(crate) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        self.0.random()
     }
 
     pub(crate) fn within(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.next()
     }
 
-    /// A point with coordinates up to `reach`.
+    /// A point with coordinates up to `half`.
     pub(crate) fn point(&mut self, half: f64) -> DVec3 {
         DVec3::new(self.within(-half, half), self.within(-half, half), self.within(-half, half))
     }

@@ -331,6 +331,7 @@ fn cell_of(side: &Side, shell: i32, col: i32, row: i32) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     fn cap_of(shell: i32, rows: &[&str]) -> Cap {
         let blocked = |x: i32, y: i32| rows[(y + shell) as usize].as_bytes()[(x + shell) as usize] == b'#';
@@ -362,17 +363,12 @@ mod tests {
 
     #[test]
     fn slabs_agree_with_the_lattice_rule_on_random_sides() {
-        let mut state = 5u32;
+        let mut random = Random::new(5);
         for round in 0..200 {
             let shell = 1 + round % 5;
             let density = 40 + (round as u32 * 7) % 60;
             let n = 2 * shell + 1;
-            let cells: Vec<bool> = (0..n * n)
-                .map(|_| {
-                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                    (state >> 8) % 100 < density
-                })
-                .collect();
+            let cells: Vec<bool> = (0..n * n).map(|_| random.below(100) < density).collect();
             let blocked = |x: i32, y: i32| cells[((y + shell) * n + x + shell) as usize];
             let cap = Cap::vectorise(&Side::ALL[2], shell, &blocked);
             for m in shell + 1..shell + 9 {

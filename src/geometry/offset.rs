@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn sums_are_bounded_from_both_sides_and_exact_ones_do_not_round() {
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         for _ in 0..2000 {
             let (place, origin) = (random.point(1e7), random.point(1e7).round());
             let offset = Offset::between(place, origin);

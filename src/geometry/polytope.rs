@@ -318,14 +318,12 @@ fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: &Room) -> Option<DVec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn boxes_have_the_outlines_of_their_polytopes() {
-        let mut state = 5u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
-        };
+        let mut random = Random::new(5);
+        let mut next = || random.next() - 0.5;
         let mut cones = 0;
         for i in 0..2000 {
             let (a, b) = (DVec3::new(next(), next(), next()), DVec3::new(next(), next(), next()));

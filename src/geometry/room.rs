@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn no_point_is_farther_along_a_direction_and_some_are_nearly_as_far() {
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         for round in 0..200 {
             let half = random.point(2.0).abs();
             let room = if round % 2 == 0 { Room::cuboid(half, half.length()) } else { Room::ball(half.x) };
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_room_holds_another_if_it_holds_its_points() {
-        let mut random = Random(4);
+        let mut random = Random::new(4);
         let (mut held, mut not) = (0, 0);
         for round in 0..2000 {
             let mut any = |scale: f64, ball: bool| {

@@ -329,6 +329,7 @@ impl<T: Default + Clone> Bricks<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn bricks_come_and_go() {
@@ -380,11 +381,10 @@ mod tests {
     fn planes_and_rows_know_whether_they_are_empty() {
         let per = IVec3::new(5, 3, 4);
         let mut b = Bricks::<u64>::new(per * 64);
-        let mut state = 3u32;
+        let mut random = Random::new(3);
         let mut there = std::collections::BTreeSet::new();
         for step in 0..400 {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let i = (state >> 10) as i32 % 60;
+            let i = random.below(60) as i32;
             let page = IVec3::new(i % 5, i / 5 % 3, i / 15);
             if step % 3 == 0 || step > 300 {
                 if step % 2 == 0 {

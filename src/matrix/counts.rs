@@ -134,14 +134,12 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn cells_stay_set_until_the_last_solid_goes() {
-        let mut state = 11u32;
-        let mut next = |n: u32| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) % n
-        };
+        let mut random = Random::new(11);
+        let mut next = |n: u32| random.below(n);
         let brick = IVec3::new(1, 2, 1);
         let (mut bits, mut counts) = (BitMatrix::new(IVec3::splat(64)), Counts::new(IVec3::splat(64)));
         let mut held: Vec<Mask> = Vec::new();

@@ -199,6 +199,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
+    use crate::random::Random;
 
     /// A matrix that lists objects by cell from the start.
     fn matrix(dims: IVec3) -> IdMatrix {
@@ -247,11 +248,8 @@ mod tests {
         let bricks = [IVec3::new(1, 1, 1), IVec3::new(2, 0, 1), IVec3::new(9, 1, 2)];
         let mut m = matrix(IVec3::new(100, 24, 24));
         let mut map = BTreeMap::<([i32; 3], Slot), Mask>::new();
-        let mut state = 1u32;
-        let mut next = |n: u32| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) % n
-        };
+        let mut random = Random::new(1);
+        let mut next = |n: u32| random.below(n);
         for step in 0..1500 {
             let (b, slot) = (bricks[next(3) as usize], Slot::new(next(90)));
             let new: Mask = match next(6) {

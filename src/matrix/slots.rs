@@ -90,19 +90,19 @@ impl SlotList {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn long_lists_find_what_they_hold() {
         let mut list = SlotList::default();
         let mut held: Vec<Slot> = Vec::new();
-        let mut state = 5u32;
+        let mut random = Random::new(5);
         for step in 0..6000 {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let slot = Slot::new((state >> 9) % 120);
+            let slot = Slot::new(random.below(120));
             let grows = step / 1000 % 2 == 0;
-            match (list.find(slot), grows || state >> 31 == 0) {
+            match (list.find(slot), grows || random.below(2) == 0) {
                 (Some(i), false) => {
-                    if state >> 30 & 1 == 0 {
+                    if random.below(2) == 0 {
                         list.remove(i)
                     } else {
                         list.swap_remove(i)

@@ -270,19 +270,17 @@ const DIAGONALS: [(f64, f64, f64); 10] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn solids_around_points_hold_them_and_close() {
-        let mut state = 1u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 24)
-        };
+        let mut random = Random::new(1);
         for n in [1, 2, 3, 4, 8, 20, 100] {
             for round in 0..30 {
                 let stretch = DVec3::new(1.0, if round % 3 == 0 { 0.0 } else { 1.0 }, 1e3);
-                let points: Vec<DVec3> =
-                    (0..n).map(|_| DVec3::new(random(), random(), random()) * stretch).collect();
+                let points: Vec<DVec3> = (0..n)
+                    .map(|_| DVec3::new(random.next(), random.next(), random.next()) * stretch)
+                    .collect();
                 let solid = around(&points);
                 let (v, f, e) = (solid.vertices.len(), solid.faces.len(), solid.edges.len());
                 assert_eq!(v + f, e + 2, "{n} points, round {round}: {v} corners, {f} faces, {e} edges");

@@ -414,7 +414,7 @@ mod tests {
     #[test]
     fn solids_placed_once_are_those_placed_for_each_eye() {
         let mesh = octahedron();
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         for _ in 0..50 {
             let turn = Quat::from_axis_angle(Vec3::ONE.normalize(), random.next() as f32 * 6.0);
             let scale = 0.1 + 3.0 * random.next() as f32;

@@ -160,11 +160,7 @@ mod tests {
     use super::*;
     use crate::grid::GridSpec;
     use crate::mesh::triangle::triangle_meets_box;
-
-    fn random(state: &mut u64) -> f64 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 11) as f64 / (1u64 << 53) as f64
-    }
+    use crate::random::Random;
 
     /// Rows of a triangle as cells: each row comes once.
     fn rows(t: &[DVec3; 3], grid: &Grid, lo: IVec3, hi: IVec3) -> BTreeSet<[i32; 3]> {
@@ -193,9 +189,9 @@ mod tests {
     }
 
     /// A triangle of some kind around a grid from 0 to 12, corners in single precision.
-    fn triangle(kind: usize, state: &mut u64) -> [DVec3; 3] {
+    fn triangle(kind: usize, random: &mut Random) -> [DVec3; 3] {
         let mut any = |lo: f64, hi: f64| {
-            DVec3::from_array([(); 3].map(|()| lo + (hi - lo) * random(state))).as_vec3().as_dvec3()
+            DVec3::from_array([(); 3].map(|()| lo + (hi - lo) * random.next())).as_vec3().as_dvec3()
         };
         let (a, b, c) = (any(-3.0, 15.0), any(-3.0, 15.0), any(-3.0, 15.0));
         let flat = |p: DVec3, axis: usize, at: f64| {
@@ -225,10 +221,10 @@ mod tests {
     #[test]
     fn rows_hold_the_cells_that_are_met_one_by_one() {
         let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(12) }).unwrap();
-        let mut state = 3;
+        let mut random = Random::new(3);
         let (mut met, mut more) = (0, 0);
         for round in 0..3200 {
-            let t = triangle(round % 16, &mut state);
+            let t = triangle(round % 16, &mut random);
             let hi = grid.dims() - 1;
             let lo = if round % 5 == 0 { IVec3::new(3, 2, 4) } else { IVec3::ZERO };
             let own = rows(&t, &grid, lo, hi);
@@ -244,16 +240,16 @@ mod tests {
 
     #[test]
     fn rows_hold_all_points_of_triangles_anywhere() {
-        let mut state = 11;
+        let mut random = Random::new(11);
         for (min, cell) in [(0.0, 1.0), (-0.3, 0.1), (1e6, 0.25), (123.456, 0.0625), (-1e-3, 1e-4)] {
             let spec = GridSpec { min: Vec3::splat(min), cell, dims: UVec3::splat(12) };
             let grid = Grid::new(&spec).unwrap();
             for round in 0..320 {
                 let place = |p: DVec3| (grid.min() + p * grid.cell_size()).as_vec3().as_dvec3();
-                let t = triangle(round % 13, &mut state).map(place);
+                let t = triangle(round % 13, &mut random).map(place);
                 let own = rows(&t, &grid, IVec3::ZERO, grid.dims() - 1);
                 for _ in 0..200 {
-                    let (u, v) = (random(&mut state), random(&mut state));
+                    let (u, v) = (random.next(), random.next());
                     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
                     let (u, v) = if round % 2 == 0 { (u, v) } else { (u, 0.0) };
                     let cell = grid.cell_of(t[0] + (t[1] - t[0]) * u + (t[2] - t[0]) * v);

@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn every_line_through_the_solid_meets_the_shell() {
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         for sides in [3, 5, 9, 20] {
             let (positions, triangles) = cone(sides, 2.0, 0.5, 3.0);
             let shells = open_shells(&positions, &triangles);

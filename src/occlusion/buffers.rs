@@ -340,7 +340,7 @@ mod tests {
 
     #[test]
     fn a_box_hides_only_what_rays_find_behind_it() {
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
         let mut buffers = OcclusionBuffers::default();
         let mut hidden = 0;

@@ -117,7 +117,7 @@ mod tests {
         let wall = Block { min: DVec3::new(3.0, -4.0, -1.5), max: DVec3::new(4.0, 1.0, 2.0) };
         buffers.draw(Solid::block(wall, None, &crate::geometry::Room::NONE).unwrap(), Slot::new(0));
         buffers.read_clear();
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         let (mut clear, mut shown) = (0, 0);
         for _ in 0..20_000 {
             let p = random.point(20.0);

@@ -234,7 +234,7 @@ mod tests {
         let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
         let patches = Patches { drawable: |_: u32| None::<Drawable<'_>> };
         let effort = Effort { squares: 256, depth: 6 };
-        let mut random = Random(11);
+        let mut random = Random::new(11);
         let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());
         let mut hand = Hand::default();
         let (mut hidden, mut gained) = (0, 0);

@@ -358,6 +358,7 @@ mod tests {
     use crate::geometry::Block;
     use crate::geometry::polytope::{Outline, outline_of_block};
     use crate::occlusion::face::{Face, Rect};
+    use crate::random::Random;
 
     const PIXELS: i64 = 64;
 
@@ -408,11 +409,8 @@ mod tests {
 
     #[test]
     fn rows_are_those_that_the_silhouette_covers() {
-        let mut state = 3u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
-        };
+        let mut random = Random::new(3);
+        let mut next = || random.next() - 0.5;
         let (mut spheres, mut boxes, mut beside) = (0, 0, 0);
         for _ in 0..100 {
             // Some centres are so far aside that the conic is a hyperbola.

@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn a_shell_hides_only_what_segments_find_behind_its_triangles() {
         let mesh = Arc::new(cone());
-        let mut random = Random(19);
+        let mut random = Random::new(19);
         let view = View::omnidirectional(Vec3::ZERO).unwrap();
         let pitch = Pitch { pixels: 256.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
         let mut buffers = OcclusionBuffers::default();

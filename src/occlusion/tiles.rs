@@ -172,14 +172,12 @@ pub(crate) fn bits(mut word: u64) -> impl Iterator<Item = i64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn layers_never_say_more_than_was_drawn() {
-        let mut state = 7u64;
-        let mut next = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            state >> 16
-        };
+        let mut random = Random::new(7);
+        let mut next = || random.bits();
         for round in 0..300 {
             let mut tile = Tile::EMPTY;
             let mut pixels = [f32::NEG_INFINITY; 64];

@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn movers_are_listed_once_and_their_rooms_contain_them() {
-        let (grid, mut random, mut slots) = (grid(), Random(3), Slots::new());
+        let (grid, mut random, mut slots) = (grid(), Random::new(3), Slots::new());
         let mut movers = Movers::default();
         let mut listed = BTreeMap::new();
         for step in 0..4000 {

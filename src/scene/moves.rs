@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn the_quick_box_contains_the_sphere() {
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         let check = |center: Vec3, radius: f32| {
             let bounds = Bounds::from(Sphere::new(center, radius));
             let (block, (min, max)) = (bounds.block(), quick_box(&bounds).unwrap());

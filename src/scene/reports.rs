@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_log_knows_who_is_overdue() {
-        let (mut log, mut random) = (ReportLog::default(), Random(4));
+        let (mut log, mut random) = (ReportLog::default(), Random::new(4));
         let (mut last, mut zoned, mut now) = (BTreeMap::new(), BTreeSet::new(), 0);
         for _ in 0..6000 {
             let slot = Slot::new((random.next().abs() * 40.0) as u32);

@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn the_set_is_what_was_put_in_and_not_taken_out() {
-        let (mut bits, mut set, mut random) = (SlotBits::default(), BTreeSet::new(), Random(2));
+        let (mut bits, mut set, mut random) = (SlotBits::default(), BTreeSet::new(), Random::new(2));
         for step in 0..4000 {
             let slot = Slot::new((random.next().abs() * 400.0) as u32);
             assert_eq!(bits.contains(slot), set.contains(&slot));

@@ -115,6 +115,7 @@ mod tests {
 
     use super::*;
     use crate::grid::GridSpec;
+    use crate::random::Random;
 
     fn grid() -> Grid {
         Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(100, 60, 100) }).unwrap()
@@ -124,11 +125,8 @@ mod tests {
     fn finds_every_volume_around_a_cell() {
         let mut volumes = Volumes::new(&grid());
         let mut boxes = Vec::new();
-        let mut state = 9u32;
-        let mut next = |n: i32| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as i32 % n
-        };
+        let mut random = Random::new(9);
+        let mut next = |n: i32| random.below(n as u32) as i32;
         for slot in Slot::below(400) {
             let lo = IVec3::new(next(90), next(50), next(90));
             let hi = (lo + IVec3::new(next(30), next(9), next(20))).min(IVec3::new(99, 59, 99));

@@ -136,16 +136,8 @@ mod tests {
 
     use super::*;
     use crate::geometry::{Aabb, Obb, Sphere};
+    use crate::random::Random;
     use crate::shape::Convex;
-
-    fn random(state: &mut u32) -> f64 {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(*state >> 8) / f64::from(1 << 24) * 2.0 - 1.0
-    }
-
-    fn any(state: &mut u32) -> DVec3 {
-        DVec3::new(random(state), random(state), random(state))
-    }
 
     /// Whether a body contains a point, which is relative to its origin; by a margin for rounding.
     fn contains(body: &Body, p: DVec3) -> bool {
@@ -160,27 +152,29 @@ mod tests {
     }
 
     /// Points of the shape, to which all of its answers must do justice.
-    fn check_answers(kind: &dyn Kind, state: &mut u32) -> usize {
+    fn check_answers(kind: &dyn Kind, random: &mut Random) -> usize {
         let block = kind.block();
-        let point =
-            |state: &mut u32| block.min + (block.max - block.min) * (any(state) * 0.5 + DVec3::splat(0.5));
-        let points: Vec<DVec3> = (0..200).map(|_| point(state)).filter(|p| kind.contains_point(*p)).collect();
-        let along = any(state).normalize();
+        let point = |random: &mut Random| {
+            block.min + (block.max - block.min) * (random.point(1.0) * 0.5 + DVec3::splat(0.5))
+        };
+        let points: Vec<DVec3> =
+            (0..200).map(|_| point(random)).filter(|p| kind.contains_point(*p)).collect();
+        let along = random.point(1.0).normalize();
         let (center, radius) = kind.ball();
-        let (eye, origin) = (any(state) * 9.0, any(state) * 9.0);
+        let (eye, origin) = (random.point(1.0) * 9.0, random.point(1.0) * 9.0);
         let outer = kind.outer(origin, 0.0);
         for &p in &points {
             assert!(p.distance(center) <= radius + 1e-9);
             assert!(kind.distance_from(eye) <= p.distance(eye) + 1e-9);
             assert!(kind.distance_along(along) <= p.dot(along) + 1e-9);
             assert!(contains(&outer, p - origin));
-            let plane = HalfSpace::new(any(state).extend(0.0) + DVec4::W * 1e-3);
+            let plane = HalfSpace::new(random.point(1.0).extend(0.0) + DVec4::W * 1e-3);
             let plane = plane.map(|n| HalfSpace { offset: 1e-9 - n.normal.dot(p), ..n });
             assert!(kind.may_reach(plane.as_slice()));
             assert!(kind.may_meet(plane.as_slice(), &Block { min: p - 1e-3, max: p + 1e-3 }));
         }
         if let Some(inner) = kind.inner(origin, 0.0) {
-            let mut inside = (0..200).map(|_| point(state)).filter(|p| contains(&inner, *p - origin));
+            let mut inside = (0..200).map(|_| point(random)).filter(|p| contains(&inner, *p - origin));
             assert!(inside.all(|p| kind.contains_point(p + (center - p) * 1e-6)));
         }
         let beyond = HalfSpace { normal: along, offset: -(center.dot(along) + 2.0 * radius + 1.0) };
@@ -190,12 +184,12 @@ mod tests {
 
     #[test]
     fn answers_do_justice_to_all_points_of_a_shape() {
-        let mut state = 7;
+        let mut random = Random::new(7);
         let mut points = 0;
         for _ in 0..40 {
-            let (center, half) = (any(&mut state) * 5.0, any(&mut state).abs() + 0.1);
-            let axis = any(&mut state).normalize().as_vec3();
-            let turn = Quat::from_axis_angle(axis, random(&mut state) as f32 * 3.0);
+            let (center, half) = (random.point(1.0) * 5.0, random.point(1.0).abs() + 0.1);
+            let axis = random.point(1.0).normalize().as_vec3();
+            let turn = Quat::from_axis_angle(axis, random.within(-1.0, 1.0) as f32 * 3.0);
             let (center, half) = (center.as_vec3(), half.as_vec3());
             let turned = Obb::new(center, half, turn);
             let axes = DMat3::from_quat(turn.as_dquat().normalize());
@@ -204,7 +198,7 @@ mod tests {
             let hull = Convex::from_points(&corners).unwrap();
             let kinds: [&dyn Kind; 4] =
                 [&Sphere::new(center, half.x), &Aabb::new(center - half, center + half), &turned, &hull];
-            points += kinds.into_iter().map(|kind| check_answers(kind, &mut state)).sum::<usize>();
+            points += kinds.into_iter().map(|kind| check_answers(kind, &mut random)).sum::<usize>();
         }
         assert!(points > 10_000, "{points}");
     }

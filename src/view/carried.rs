@@ -35,7 +35,7 @@ mod tests {
 
     #[test]
     fn a_carried_view_contains_all_that_it_did_and_its_eye() {
-        let mut random = Random(8);
+        let mut random = Random::new(8);
         let projection = Mat4::from_cols(Vec4::X * 0.974, Vec4::Y * 1.732, -Vec4::W, Vec4::Z * 0.1);
         for _ in 0..500 {
             let turn = Quat::from_rotation_y(random.within(-3.0, 3.0) as f32)

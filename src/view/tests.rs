@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3, Mat4, Vec3};
 use crate::error::Error;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Plane};
+use crate::random::Random;
 use crate::view::{Origin, View};
 
 fn camera(eye: Vec3, p: Mat4) -> Mat4 {
@@ -43,11 +44,8 @@ fn planes_bound_the_clip_volume() {
         let m = camera(eye, p);
         let view = View::from_view_projection(m).unwrap();
         assert_eq!(view.planes.len(), planes);
-        let mut state = 3u32;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 24) * 120.0 - 60.0
-        };
+        let mut random = Random::new(3);
+        let mut next = || random.within(-60.0, 60.0);
         for _ in 0..2000 {
             let q = eye.as_dvec3() + DVec3::new(next(), next(), next());
             let c = m.as_dmat4() * q.extend(1.0);
@@ -126,11 +124,8 @@ fn corners_of_nearly_parallel_planes_count() {
 /// contain it.
 #[test]
 fn regions_hold_what_is_in_all_of_their_planes() {
-    let mut state = 7u32;
-    let mut next = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 24) * 2.0 - 1.0
-    };
+    let mut random = Random::new(7);
+    let mut next = || random.within(-1.0, 1.0);
     let mut held = 0;
     for round in 0..200 {
         let fov = [0.01f32, 0.1, 5.0, 170.0][round % 4].to_radians();
@@ -167,11 +162,8 @@ fn regions_hold_what_is_in_all_of_their_planes() {
 fn what_rounding_leaves_of_an_infinite_far_plane_cuts_off_nothing() {
     let flip = Mat4::from_cols_array(&[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., -1., 0., 0., 0., 1., 1.]);
     let squeeze = Mat4::from_cols_array(&[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 0.7, 0., 0., 0., 0.3, 1.]);
-    let mut state = 9u32;
-    let mut next = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 24) * 2.0 - 1.0
-    };
+    let mut random = Random::new(9);
+    let mut next = || random.within(-1.0, 1.0);
     for round in 0..600 {
         let eye = Vec3::new(next() as f32, next() as f32, next() as f32) * 10f32.powi(round % 6);
         let dir = Vec3::new(next() as f32, next() as f32, next() as f32 - 1.5).normalize();

@@ -1,4 +1,5 @@
 use super::*;
+use crate::random::Random;
 
 #[test]
 fn neighbours_are_found_across_bricks() {
@@ -26,12 +27,11 @@ fn tiles_read_and_write_what_cells_say() {
     let dims = IVec3::new(20, 17, 30);
     let mut m = BitMatrix::new(dims);
     let mut n = BitMatrix::new(dims);
-    let mut state = 7u32;
+    let mut random = Random::new(7);
     for z in 0..dims.z {
         for y in 0..dims.y {
             for x in 0..dims.x {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                if state >> 30 == 0 {
+                if random.below(4) == 0 {
                     m.set(IVec3::new(x, y, z));
                 }
             }

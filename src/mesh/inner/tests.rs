@@ -125,7 +125,7 @@ fn check(made: Made, facing: Facing, random: &mut Random) -> Option<f64> {
 
 #[test]
 fn balls_are_nearly_filled() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for (bumps, least) in [(0.0, 0.7), (0.1, 0.6), (0.25, 0.4)] {
         for far in [0.0, 300.0] {
             let rough = ball(bumps, DVec3::new(1.0, 2.0, 0.5), &mut random);
@@ -137,7 +137,7 @@ fn balls_are_nearly_filled() {
 
 #[test]
 fn meshes_wind_around_their_solids() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut found = [0; 6];
     for round in 0..40 {
         let bumps = f64::from(round) / 40.0;
@@ -167,7 +167,7 @@ fn meshes_wind_around_their_solids() {
 
 #[test]
 fn inverted_meshes_that_hide_from_their_front_have_no_solid() {
-    let made = || ball(0.1, DVec3::ONE, &mut Random(3));
+    let made = || ball(0.1, DVec3::ONE, &mut Random::new(3));
     assert!(
         prepare(made(), Facing::Front).inner().is_some()
             != prepare(turned(made()), Facing::Front).inner().is_some()
@@ -182,7 +182,7 @@ fn inverted_meshes_that_hide_from_their_front_have_no_solid() {
 fn an_eye_between_solid_and_mesh_sees_past_the_solid() {
     let grid = GridSpec { min: Vec3::splat(-64.0), cell: 1.0, dims: UVec3::splat(128) };
     for facing in [Facing::Both, Facing::Front] {
-        let rough = placed(ball(0.1, DVec3::ONE, &mut Random(5)), |p| p * 10.0);
+        let rough = placed(ball(0.1, DVec3::ONE, &mut Random::new(5)), |p| p * 10.0);
         // Normals outwards, so that it has a solid whichever way it faces.
         let mesh = [rough.clone(), turned(rough)].map(|made| prepare(made, facing));
         let mesh = mesh.into_iter().find(|m| m.inner().is_some() && m.surface().outward > 0.0).unwrap();

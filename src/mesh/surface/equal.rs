@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn the_first_of_equals_is_found_however_many_there_are() {
-        let mut random = Random(9);
+        let mut random = Random::new(9);
         for count in [0, 1, 2, 3, 100, BUCKET, 5 * BUCKET] {
             let mut coordinate = || (random.within(-0.5, 0.5) * 20.0).round() as f32;
             let positions: Vec<Vec3> =

@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn no_point_moves_farther_than_the_gap() {
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         let (mut farthest, mut split, mut moved) = (0.0f64, 0, 0);
         for round in 0..160 {
             let turn =
@@ -392,7 +392,7 @@ mod tests {
     #[test]
     fn rows_of_bricks_grow_together() {
         let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.5, 0.7, 0.2);
-        let (positions, triangles) = bricks(&mut Random(3), 1e-3, turn);
+        let (positions, triangles) = bricks(&mut Random::new(3), 1e-3, turn);
         assert_eq!(borders(&close(&positions, &triangles, 1e-6, false)), 64);
         // 8 at both sides, 8 below and above, and 6 where rows end before others.
         assert_eq!(borders(&close(&positions, &triangles, 0.02, false)), 22);

@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_part_that_is_left_holds_the_entry_of_the_rank() {
-        let mut random = Random(4);
+        let mut random = Random::new(4);
         for round in 0..200 {
             let count = 1 + (random.next() * 3000.0) as usize;
             // Many equal places, few, or none.

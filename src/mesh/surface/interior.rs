@@ -319,7 +319,7 @@ mod tests {
 
     #[test]
     fn rays_from_outside_meet_the_same_faces() {
-        let mut random = Random(31);
+        let mut random = Random::new(31);
         let (mut gone, mut hits) = (0, 0);
         for _ in 0..150 {
             let (mut positions, mut triangles) = (Vec::new(), Vec::new());

@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn packed_surfaces_tell_the_same_numbers() {
-        let (mut random, mut groups) = (Random(8), 0);
+        let (mut random, mut groups) = (Random::new(8), 0);
         for round in 0..40 {
             let (positions, triangles) = soup(&mut random, 20 + 10 * round);
             let rules = Rules { tolerance: 0.01, cosine: 0.2, least: 0.0, front: round % 3 == 2 };

@@ -220,6 +220,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::surface::patch::Rules;
+    use crate::random::Random;
 
     /// A strip along x with a jagged upper side of `n` edges, `upper` or lower of it.
     fn strip(n: u32, upper: bool) -> Surface {
@@ -258,18 +259,17 @@ mod tests {
         let surfaces = [strip(7, false), strip(7, true), strip(3, true), strip(1, false)];
         let mut seams = Seams::default();
         let mut there: Vec<(Slot, &Surface)> = Vec::new();
-        let mut state = 9u32;
+        let mut random = Random::new(9);
         let mut most = 0;
         for _ in 0..400 {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let slot = Slot::new(state >> 16 & 7);
+            let slot = Slot::new(random.below(8));
             match there.iter().position(|t| t.0 == slot) {
                 Some(at) => {
                     let (_, surface) = there.swap_remove(at);
                     seams.remove(slot, surface, true);
                 }
                 None => {
-                    let surface = &surfaces[(state >> 24 & 3) as usize];
+                    let surface = &surfaces[random.below(4) as usize];
                     seams.insert(slot, surface, true);
                     there.push((slot, surface));
                 }

@@ -239,7 +239,7 @@ mod tests {
     fn pieces_leave_the_winding_numbers_of_whole_sides() {
         let sides = DeepSides { per_unit: 32.0, middle: (32.0, 32.0), limit: 0.1, finer: 1.0 };
         let area = Area::around(&PixelRect { x: (0, 64), y: (0, 64) });
-        let (mut random, mut raster) = (Random(41), Raster::default());
+        let (mut random, mut raster) = (Random::new(41), Raster::default());
         let (mut covered, mut marked) = (0, 0);
         for round in 0..400 {
             // Some corners are far beside the face.

@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn chosen_edges_leave_the_marks_of_all() {
-        let mut random = Random(17);
+        let mut random = Random::new(17);
         let first = (40 * FINER, 12 * FINER);
         let bounds = Bounds { left: 40.0, low: 12.0, right: 44.0, high: 16.0 };
         let area = Area { x: first.0, y: first.1, nx: 1, ny: GROUP };

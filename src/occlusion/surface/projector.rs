@@ -366,7 +366,7 @@ mod tests {
 
     #[test]
     fn edges_are_where_double_precision_puts_them() {
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         let eyed = Face { right: DVec3::X, up: DVec3::Z, forward: DVec3::Y, parallel: false };
         let along = DVec3::new(0.3, 0.8, -0.5).normalize();
         let (mut edges, mut deep) = (0, 0);

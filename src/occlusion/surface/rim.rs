@@ -135,7 +135,7 @@ mod tests {
         const SIZE: i64 = 256;
         let half = SIZE as f64 / 2.0;
         let area = Area { x: 0, y: 0, nx: SIZE / COLUMNS, ny: SIZE / 8 };
-        let mut random = Random(9);
+        let mut random = Random::new(9);
         let (mut checked, mut marked, mut near) = (0, 0, 0);
         for round in 0..120 {
             let reach = [0.02, 0.1, 0.4][round % 3];

@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn the_pixels_of_a_box_hold_those_of_its_cells() {
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         let mut found = [0; 2];
         for _ in 0..400 {
             let lo = (random.point(30.0)).as_ivec3();

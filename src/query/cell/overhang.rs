@@ -101,18 +101,16 @@ mod tests {
 
     use super::*;
     use crate::grid::GridSpec;
+    use crate::random::Random;
 
     #[test]
     fn segments_leave_the_grid_in_the_cells_found() {
         let spec = GridSpec { min: Vec3::new(-4.0, 1.0, 0.0), cell: 0.5, dims: UVec3::new(24, 12, 16) };
         let grid = Grid::new(&spec).unwrap();
         let (min, max) = (grid.min(), grid.max());
-        let mut state = 11u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 24)
-        };
-        let mut point = |lo: DVec3, hi: DVec3| lo + DVec3::new(random(), random(), random()) * (hi - lo);
+        let mut random = Random::new(11);
+        let mut point =
+            |lo: DVec3, hi: DVec3| lo + DVec3::new(random.next(), random.next(), random.next()) * (hi - lo);
         let (mut left, mut unknown, mut cells) = (0, 0, 0);
         for _ in 0..3000 {
             let v = grid.cell_of(point(min, max));

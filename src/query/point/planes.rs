@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn sides_agree_with_double_precision_or_are_doubtful() {
-        let mut random = Random(8);
+        let mut random = Random::new(8);
         let mut doubtful = 0;
         for size in [1.0, 4096.0f32] {
             let spec = GridSpec { min: Vec3::splat(-size), cell: size / 16.0, dims: UVec3::splat(32) };

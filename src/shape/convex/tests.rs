@@ -6,21 +6,19 @@ use glam::{DVec3, Quat, UVec3, Vec3};
 
 use crate::geometry::{Block, Obb, Plane};
 use crate::grid::{Grid, GridSpec};
+use crate::random::Random;
 use crate::shape::{Convex, Shape};
 
-fn random(state: &mut u32) -> f32 {
-    *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-    (*state >> 8) as f32 / (1 << 24) as f32
+fn any(random: &mut Random) -> Vec3 {
+    (random.point(0.5) + 0.5).as_vec3()
 }
 
 #[test]
 fn hulls_hold_their_points_and_close() {
-    let mut state = 1;
+    let mut random = Random::new(1);
     for n in [4, 5, 8, 12, 20, 30] {
         for _ in 0..10 {
-            let points: Vec<Vec3> = (0..n)
-                .map(|_| Vec3::new(random(&mut state), random(&mut state), random(&mut state)) * 7.0)
-                .collect();
+            let points: Vec<Vec3> = (0..n).map(|_| any(&mut random) * 7.0).collect();
             let hull = Convex::from_points(&points).unwrap();
             assert!(points.iter().all(|p| hull.contains_point(p.as_dvec3())));
             assert_eq!(hull.vertices.len() + hull.faces.len(), hull.edges.len() + 2);
@@ -58,12 +56,12 @@ fn refuses_what_is_no_solid() {
 #[test]
 fn cells_of_turned_boxes_agree_with_points() {
     let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(20) }).unwrap();
-    let mut state = 5;
+    let mut random = Random::new(5);
     for _ in 0..20 {
-        let center = Vec3::new(random(&mut state), random(&mut state), random(&mut state)) * 10.0;
-        let half = Vec3::new(random(&mut state), random(&mut state), random(&mut state)) * 3.0 + 0.1;
+        let center = any(&mut random) * 10.0;
+        let half = any(&mut random) * 3.0 + 0.1;
         let rotation =
-            Quat::from_euler(glam::EulerRot::XYZ, random(&mut state) * 6.0, random(&mut state), 1.0);
+            Quat::from_euler(glam::EulerRot::XYZ, random.next() as f32 * 6.0, random.next() as f32, 1.0);
         let boxed = Obb { center, half, rotation };
         let points: Vec<Vec3> = Block { min: -half.as_dvec3(), max: half.as_dvec3() }
             .corners()

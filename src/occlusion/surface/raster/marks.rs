@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn numbers_are_sums_of_steps() {
-        let mut random = Random(3);
+        let mut random = Random::new(3);
         for _ in 0..200 {
             let (mut marks, mut other, mut expected) = (Marks::default(), Marks::default(), [[0i32; 32]; 8]);
             for _ in 0..30 {

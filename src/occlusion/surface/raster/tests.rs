@@ -85,7 +85,7 @@ fn place(area: &Area, x: i64, y: i64) -> (usize, usize, usize) {
 
 #[test]
 fn pixels_are_marked_as_the_outline_says() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut raster = Raster::default();
     let (mut covered, mut open) = (0, 0);
     for round in 0..700 {
@@ -151,7 +151,7 @@ fn narrow_edges_touch_few_pixels() {
 
 #[test]
 fn seams_of_two_patches_cancel() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let area = Area::around(&PixelRect { x: (0, 64), y: (0, 64) });
     let (mut first, mut second) = (Raster::default(), Raster::default());
     let mut seams = 0;
@@ -189,7 +189,7 @@ fn seams_of_two_patches_cancel() {
 
 #[test]
 fn all_vectors_draw_the_same() {
-    let mut random = Random(23);
+    let mut random = Random::new(23);
     let area = Area::around(&PixelRect { x: (0, 96), y: (0, 48) });
     let (mut least, mut best) = (Raster::default(), Raster::default());
     let mut marked = 0;
