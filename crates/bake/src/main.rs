@@ -116,6 +116,7 @@ fn place(text: &str) -> Result<[f64; 3], String> {
 impl Bake {
     fn run(&self) -> Result<(), BakeError> {
         let world = self.level.open(&SceneOptions::default())?;
+        world.source.tell();
         let mut level = Level::new(&world, self.grid, self.solid)?;
         let places = Places { edge: self.cell, height: self.height, within: self.within };
         if self.cell_to_cell {

@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{Array, Floats1, vec3};
-use crate::error::refused;
+use crate::error::{refused, warn};
 use crate::mesh::Told;
 
 /// The exception for a bake that ended early.
@@ -82,11 +82,12 @@ impl Bake {
         };
         let places = Places { edge: cell, height, within };
         let name: SceneName = level.parse().map_err(|why| refused(format!("{level}: {why}")))?;
+        let world = py.detach(|| match content {
+            Some(bytes) => import::read(level, bytes, Path::new(level).parent()).map_err(refused),
+            None => name.open(&SceneOptions::default()).map_err(|why| ended(why.into())),
+        })?;
+        warn(py, &world)?;
         py.detach(|| {
-            let world = match content {
-                Some(bytes) => import::read(level, bytes, Path::new(level).parent()).map_err(refused)?,
-                None => name.open(&SceneOptions::default()).map_err(|why| ended(why.into()))?,
-            };
             let mut level = Level::new(&world, grid, solid).map_err(|why| ended(why.into()))?;
             if cell_to_cell {
                 let cells = places.cells(&level).map_err(ended)?;

@@ -13,7 +13,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, Floats1, Floats2, Floats3, Ids, check, same_length, vec3};
-use crate::error::{refused, refused_at};
+use crate::error::{refused, refused_at, warn};
 use crate::mesh::{Mesh, Told};
 use crate::query::Query;
 use crate::view::View;
@@ -138,6 +138,7 @@ impl Scene {
             casca_scenes::import::Trouble::Read(_) => PyOSError::new_err(why.to_string()),
             _ => refused(&why),
         })?;
+        warn(py, &world)?;
         Self::of(py, world, cell, progress)
     }
 

@@ -211,8 +211,25 @@ pub trait Animation: Send + Sync {
     fn camera(&self, frame: usize, aspect: f32) -> Camera;
 }
 
+/// What a file says about the world that was read from it; empty for other worlds.
+#[derive(Debug, Clone, Default)]
+pub struct Source {
+    /// What of the file is not as its author may expect: a line each, which names the place in the
+    /// file. Tools show them.
+    pub warnings: Vec<String>,
+}
+
+impl Source {
+    /// Prints the warnings to the standard error of a tool.
+    pub fn tell(&self) {
+        self.warnings.iter().for_each(|line| eprintln!("warning: {line}"));
+    }
+}
+
 /// A test scene.
 pub struct World {
+    /// What the file says that it comes from.
+    pub source: Source,
     /// Name as given on the command line, or the file's name.
     pub name: String,
     /// All objects, with their shapes at the frame last set (0 at first).

@@ -150,6 +150,7 @@ pub(super) fn small_things(dice: &mut Dice, places: &Places, count: usize, objec
 /// A scene on the ground in which nothing moves but the walker.
 pub(super) fn world(name: &str, objects: Vec<Object>, path: Path, options: &SceneOptions) -> World {
     World {
+        source: Default::default(),
         name: name.to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, 56.0, SIZE), cell: 2.0 },

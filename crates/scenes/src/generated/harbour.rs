@@ -317,6 +317,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
     small_things(&mut dice, &path, (SMALL * options.scale) as usize, &mut objects);
     let sliding = vehicles(&mut dice, &mut objects);
     World {
+        source: Default::default(),
         name: "harbour".to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: SIZE, cell: 1.25 },

@@ -13,8 +13,9 @@ use super::instances::instances_of;
 use super::meshes::Meshes;
 use super::nodes::{Nodes, check_rigid, nodes_of, role_of, wrong};
 use super::path::{FilePath, Moving, camera_of};
+use super::warnings::Warnings;
 use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
-use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
+use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, Source, World};
 
 /// Frames of a path that the file does not give.
 const OWN_FRAMES: usize = 150;
@@ -117,6 +118,7 @@ pub(super) fn contents(
     name: &str,
     document: &gltf::Document,
     buffers: &Buffers,
+    warnings: &Warnings,
 ) -> Result<(World, Vec<Looks>), Trouble> {
     let mut nodes = nodes_of(document)?;
     let clip = animate(document, buffers, &mut nodes)?;
@@ -137,6 +139,8 @@ pub(super) fn contents(
     let mut animation = FilePath::new(nodes, moving, camera, frames);
     let (min, max) = animation.settle(&mut objects)?;
     let grid = grid_of(min, max)?;
-    let world = World { name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) };
+    let source = Source { warnings: warnings.lines() };
+    let world =
+        World { source, name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) };
     Ok((world, materials))
 }

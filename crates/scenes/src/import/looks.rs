@@ -9,6 +9,7 @@ use super::contents::contents;
 use super::document::parse;
 use super::error::Trouble;
 use super::nodes::nodes_of;
+use super::warnings::Warnings;
 use crate::lit::{Falloff, Light, LightKind, LitScene, Material};
 
 /// Share of light that surfaces other than metals reflect head-on.
@@ -27,7 +28,7 @@ const DIELECTRIC: f32 = 0.04;
 /// As [`load`](super::load).
 pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitScene, Trouble> {
     let (document, buffers) = parse(bytes, folder)?;
-    let (world, materials) = contents(name, &document, &buffers)?;
+    let (world, materials) = contents(name, &document, &buffers, &Warnings::default())?;
     let mut scene = LitScene::of_world(&world, 0, 0);
     scene.materials = vec![Material::matt(Vec3::ONE)];
     scene.materials.extend(document.materials().map(|m| material_of(&m)));

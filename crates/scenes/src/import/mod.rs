@@ -50,6 +50,7 @@ mod skins;
 #[cfg(test)]
 mod tests;
 mod track;
+mod warnings;
 
 use std::path::Path;
 
@@ -57,6 +58,7 @@ use crate::lit::LitScene;
 use crate::world::World;
 use contents::contents;
 use document::parse;
+use warnings::Warnings;
 
 #[cfg(feature = "fur")]
 pub use coated::{Coated, Rig, read_coated};
@@ -68,12 +70,16 @@ pub use looks::read_lit;
 pub use skins::{Skinned, read_skinned};
 
 /// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its
-/// folder.
+/// folder. Warnings name the file.
 ///
 /// # Errors
 /// The first fault of a file that cannot be taken whole.
 pub fn load(path: &Path) -> Result<World, ImportError> {
-    open(path, read)
+    let mut world = open(path, read)?;
+    for line in &mut world.source.warnings {
+        *line = format!("{}: {line}", path.display());
+    }
+    Ok(world)
 }
 
 /// Loads a scene with its materials and lights from such a file; see [`read_lit`].
@@ -110,5 +116,5 @@ fn open<T>(
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
     let (document, buffers) = parse(bytes, folder)?;
-    contents(name, &document, &buffers).map(|(world, _)| world)
+    contents(name, &document, &buffers, &Warnings::default()).map(|(world, _)| world)
 }

@@ -9,7 +9,7 @@ use casca_bake::{BakeError, Baker, Cells, Progress};
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::import::{self, ImportError};
-use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
+use casca_scenes::world::{GridHint, Motion, Object, Shape, Source, World};
 use casca_walls::{Span, Walls};
 
 use crate::entity::span_of;
@@ -83,6 +83,8 @@ pub struct Level {
     /// Which cells along the path see each other, if that was found ahead of time: a file for
     /// [`VisibilityServer::set_baked`](crate::VisibilityServer::set_baked).
     pub baked: Option<Vec<u8>>,
+    /// What its file says: tools show the warnings.
+    pub source: Source,
     grid: GridHint,
 }
 
@@ -142,7 +144,7 @@ impl Level {
         grid = coarse.unwrap_or(grid);
         let scene = Driver::new(&world, &grid, |_| ())?.scene;
         let track = Track { path, down };
-        Ok(Self { name: world.name, scene, objects, track, baked: None, grid: world.grid })
+        Ok(Self { name: world.name, scene, objects, track, baked: None, source: world.source, grid: world.grid })
     }
 
     /// Finds which cells along the path see each other, for [`Level::baked`]. `edge` is that of a

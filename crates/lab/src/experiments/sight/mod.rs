@@ -124,6 +124,7 @@ mod tests {
         let camera =
             Camera::look_at(Vec3::new(16.0, 16.0, 31.0), Vec3::new(16.0, 16.0, 0.0), 60.0, 1.0, 0.1, 99.0);
         World {
+            source: Default::default(),
             name: "walls".to_owned(),
             objects: vec![wall(0.0, 12.0), wall(12.5, 20.0)],
             grid: GridHint { min: Vec3::ZERO, max: Vec3::splat(32.0), cell: 1.0 },

@@ -98,7 +98,9 @@ impl WalkArguments {
     /// # Errors
     /// A file cannot be read.
     pub fn open(&self, scene: &SceneName) -> Result<World, LabError> {
-        Ok(scene.open(&SceneOptions { seed: self.common.seed, ..SceneOptions::default() })?)
+        let world = scene.open(&SceneOptions { seed: self.common.seed, ..SceneOptions::default() })?;
+        world.source.tell();
+        Ok(world)
     }
 }
 

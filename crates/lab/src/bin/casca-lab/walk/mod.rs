@@ -47,6 +47,7 @@ fn open(options: &Options) -> Result<World, Failure> {
     let mut scene_options = SceneOptions { seed: options.common.seed, ..SceneOptions::default() };
     scene_options.frames = frames.unwrap_or(scene_options.frames);
     let mut world = options.scene.open(&scene_options)?;
+    world.source.tell();
     world.frames = world.frames.min(frames.unwrap_or(usize::MAX));
     Ok(world)
 }
