@@ -34,8 +34,10 @@ mod buffers;
 #[cfg(feature = "fur")]
 mod coated;
 mod contents;
+mod deformed;
 mod document;
 mod error;
+mod hides;
 #[cfg(feature = "fur")]
 mod images;
 mod instances;
@@ -58,6 +60,7 @@ use crate::lit::LitScene;
 use crate::world::World;
 use contents::contents;
 use document::parse;
+use hides::json_of;
 use warnings::Warnings;
 
 #[cfg(feature = "fur")]
@@ -116,5 +119,5 @@ fn open<T>(
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
     let (document, buffers) = parse(bytes, folder)?;
-    contents(name, &document, &buffers, &Warnings::default()).map(|(world, _)| world)
+    contents(name, &document, &buffers, json_of(bytes), &Warnings::default())
 }

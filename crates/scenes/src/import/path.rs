@@ -97,7 +97,7 @@ pub(super) struct FilePath {
     frames: usize,
 }
 
-fn time_of(frame: usize) -> f32 {
+pub(super) fn time_of(frame: usize) -> f32 {
     (frame as f64 * FRAME_SECONDS) as f32
 }
 
@@ -191,8 +191,11 @@ impl FilePath {
             None => lost = lost.or(Some((object, frame))),
         };
         for (i, object) in objects.iter().enumerate() {
-            let Shape::Mesh { mesh, transform } = &object.shape else { continue };
-            grow(i, 0, bounds_of(mesh, transform));
+            match &object.shape {
+                Shape::Mesh { mesh, transform } => grow(i, 0, bounds_of(mesh, transform)),
+                Shape::Box { min, max } => grow(i, 0, Some((*min, *max))),
+                Shape::Sphere { .. } => {}
+            }
         }
         let mut ways: Vec<Way> = self.moving.iter().map(|m| Way::new(&m.mesh)).collect();
         for frame in 0..self.frames {
