@@ -11,7 +11,7 @@ use super::error::Trouble;
 use super::meshes::Meshes;
 use super::nodes::Nodes;
 use super::path::time_of;
-use crate::numeric::{AFFINE, WEIGHTS};
+use crate::numeric::{AFFINE, POSED};
 use crate::world::box_corners;
 
 /// The least and the greatest corner of a box.
@@ -22,6 +22,14 @@ const EMPTY: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
 fn around(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
 }
+
+fn scaled((low, high): Bounds, by: f32) -> Bounds {
+    (low * by, high * by)
+}
+
+/// By joint of a skin, the box of the points that follow it; and the least and the greatest sum of
+/// their weights.
+type Followed = (HashMap<usize, Bounds>, [f32; 2]);
 
 /// The meshes of a file, and how they are deformed in so many frames.
 pub(super) struct Deformed<'a> {
@@ -103,20 +111,21 @@ impl Deformed<'_> {
         Ok(sum)
     }
 
-    /// By joint, the box of the points that follow it, in the space of the mesh; `None` if weights
-    /// are none.
+    /// By joint, the box of the points that follow it, in the space of the mesh; and the least and the
+    /// greatest sum of the weights of a point. `None` if weights are none.
     fn boxes_of_joints(
         &self,
         reader: &mut Meshes,
         mesh: &gltf::Mesh,
         weights: &[[f32; 2]],
-    ) -> Result<Option<HashMap<usize, Bounds>>, Trouble> {
+    ) -> Result<Option<Followed>, Trouble> {
         let mut boxes: HashMap<usize, Bounds> = HashMap::new();
+        let mut range = [f32::INFINITY, 0.0f32];
         for primitive in mesh.primitives() {
             let Some(accessor) = primitive.get(&Semantic::Positions) else { continue };
             let points = reader.points(&accessor, mesh.index())?;
             let (low, high) = self.offsets(reader, &primitive, weights)?;
-            let mut sums = vec![0.0; points.len()];
+            let mut sums = vec![0.0f32; points.len()];
             for set in 0.. {
                 let Some(joints) = primitive.get(&Semantic::Joints(set)) else { break };
                 let Some(shares) = primitive.get(&Semantic::Weights(set)) else { break };
@@ -134,11 +143,9 @@ impl Deformed<'_> {
                     }
                 }
             }
-            if sums.iter().any(|sum: &f32| !((sum - 1.0).abs() <= WEIGHTS)) {
-                return Ok(None);
-            }
+            range = sums.into_iter().fold(range, |[low, high], sum| [low.min(sum), high.max(sum)]);
         }
-        Ok(Some(boxes))
+        Ok((range[0] > 0.0 && range[1].is_finite()).then_some((boxes, range)))
     }
 
     /// The box around what follows joints, in all frames. A point is a mean of where the joints that
@@ -146,7 +153,7 @@ impl Deformed<'_> {
     fn posed(
         &self,
         skin: &gltf::Skin,
-        boxes: &HashMap<usize, Bounds>,
+        (boxes, sums): &Followed,
         moved: &dyn Fn(usize) -> bool,
     ) -> Result<Option<Bounds>, Trouble> {
         let place_of: HashMap<usize, usize> =
@@ -183,7 +190,9 @@ impl Deformed<'_> {
                 all = points.into_iter().fold(all, |b, p| around(b, (p, p)));
             }
         }
-        let room = WEIGHTS * all.0.abs().max(all.1.abs());
+        // Weights that are not 1 in sum are made so by some programs, and are factors in others.
+        let all = sums.iter().fold(all, |b, &sum| around(b, scaled(all, sum)));
+        let room = POSED * all.0.abs().max(all.1.abs());
         Ok(Some((all.0 - room, all.1 + room)).filter(is_sound))
     }
 }
