@@ -6,7 +6,6 @@ use casca_stage::command_line::{EXIT_CODES, Outcome, make_folder, say};
 use casca_stage::gpu::COLOUR;
 use casca_stage::image::write_png;
 use casca_stage::panel::Panel;
-use casca_stage::path_error::PathError;
 use casca_stage::window::Start;
 use clap::{Args, value_parser};
 
@@ -28,7 +27,7 @@ const FRAMES: u32 = 90;
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("file", |file| file.help("A map drawn with letters: # wall, + door, g guard, @ start [default: a harbour]"))
+    mut_arg("file", |file| file.help("A map of Tiled (.tmx) or LDtk (.ldtk), or one drawn with letters: # wall, + door, g guard, @ start [default: a harbour]"))
 )]
 pub struct Options {
     /// What all systems take.
@@ -84,8 +83,8 @@ impl Options {
         let Some(path) = &self.common.file else {
             return Level::new("harbour", Drawing::read(HARBOUR), (1, self.guards));
         };
-        let text = std::fs::read_to_string(path).map_err(PathError::to("read", path))?;
-        let map = Drawing::read(&text);
+        let map = Drawing::open(path)?;
+        map.warnings.iter().for_each(|warning| eprintln!("warning: {}: {warning}", path.display()));
         let (width, height) = (map.walls.width(), map.walls.height());
         if width.max(height) > LONGEST {
             let why = format!("{}: {width} by {height} tiles, more than {LONGEST} a side", path.display());
