@@ -1,0 +1,58 @@
+//! Coordinates for random tests: half of them lie on a small lattice, half anywhere. In a
+//! continuum nothing is ever equal; on a lattice faces touch, eyes lie on planes and corners, and
+//! boxes have no height.
+
+use std::ops::Range;
+
+/// A coordinate of a range, by a random share from 0 to less than 1: a multiple of `step` above the
+/// start of the range (up to its end) where the share is less than a half, any number elsewhere.
+/// The lattice is small if the range has few steps.
+pub fn coordinate(share: f64, range: Range<f32>, step: f32) -> f32 {
+    let twice = 2.0 * share.clamp(0.0, 1.0);
+    if twice < 1.0 {
+        let steps = ((range.end - range.start) / step).floor().max(0.0);
+        // Both ends belong to the lattice.
+        let at = (twice * f64::from(steps + 1.0)).floor() as f32;
+        range.start + at.min(steps) * step
+    } else {
+        range.start + (range.end - range.start) * (twice - 1.0) as f32
+    }
+}
+
+#[cfg(feature = "proptest")]
+mod strategies {
+    use super::{Range, coordinate};
+    use glam::Vec3;
+    use proptest::prelude::Strategy;
+
+    /// Coordinates of property tests, as [`coordinate`] has them. They shrink to the lattice.
+    pub fn coordinates(range: Range<f32>, step: f32) -> impl Strategy<Value = f32> + Clone {
+        (0.0..1.0f64).prop_map(move |share| coordinate(share, range.clone(), step))
+    }
+
+    /// Places of property tests, and sizes along the axes: each coordinate is on the lattice or not
+    /// by itself.
+    pub fn points(range: Range<f32>, step: f32) -> impl Strategy<Value = Vec3> + Clone {
+        proptest::array::uniform3(coordinates(range, step)).prop_map(Vec3::from_array)
+    }
+}
+
+#[cfg(feature = "proptest")]
+pub use strategies::{coordinates, points};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_all_coordinates_are_on_the_lattice() {
+        let all: Vec<f32> = (0..1000).map(|i| coordinate(f64::from(i) / 1000.0, -2.0..2.0, 0.5)).collect();
+        let on_lattice = |v: &&f32| (**v * 2.0).fract() == 0.0;
+        assert!(all.iter().filter(on_lattice).count().abs_diff(500) < 10);
+        for step in 0..=8 {
+            assert!(all.contains(&(step as f32 * 0.5 - 2.0)), "{step}");
+        }
+        assert!(all.iter().all(|v| (-2.0..=2.0).contains(v)));
+        assert_eq!((coordinate(0.3, 0.0..1.0, 5.0), coordinate(1.0, 0.0..1.0, 0.5)), (0.0, 1.0));
+    }
+}
