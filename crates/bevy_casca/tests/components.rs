@@ -95,7 +95,11 @@ impl Dice {
 
     fn place(&mut self, nr: u32) -> Transform {
         let size = match nr < WALLS {
-            true => [Vec3::new(14.0, 10.0, 1.0), Vec3::new(1.0, 10.0, 14.0)][nr as usize % 2],
+            true => {
+                let (wide, thin) = (14.0, 1.0);
+                let sizes = [[wide, 10.0, thin], [thin, 10.0, wide], [wide, thin, wide]];
+                sizes[nr as usize % 3].into()
+            }
             false => Vec3::splat([0.5, 1.0, 2.0][self.below(3) as usize]),
         };
         Transform::from_translation(self.point(16.0)).with_scale(size)
@@ -308,8 +312,7 @@ type Parts = (
     Option<&'static VisibilityClass>,
     Option<&'static RenderLayers>,
     &'static Painted,
-    Has<NotShadowCaster>,
-    Has<NoCpuCulling>,
+    (Has<NotShadowCaster>, Has<NoCpuCulling>, Has<Opaque>, Has<Occluder>),
 );
 
 /// All boxes that a renderer draws, by the components of Bevy's own queries.
@@ -319,7 +322,8 @@ fn drawn(world: &mut World, frame: u32) -> Vec<Drawn> {
     let paints: Vec<_> = stock.paints.iter().map(|paint| paints.get(paint).unwrap().clone()).collect();
     let mut all = world.query_filtered::<Parts, With<ViewVisibility>>();
     let drawn = all.iter(world).filter_map(|parts| {
-        let (entity, mesh, at, inherited, classes, layers, painted, no_shadow, no_list) = parts;
+        let (entity, mesh, at, inherited, classes, layers, painted, has) = parts;
+        let (no_shadow, no_list, is_opaque, is_occluder) = has;
         let paint = stock.paints.iter().position(|paint| *paint == painted.0).unwrap();
         let ready = match paint {
             3 => stock.picture.1.is_some_and(|since| since < frame),
@@ -338,7 +342,9 @@ fn drawn(world: &mut World, frame: u32) -> Vec<Drawn> {
         let turned = bevy_math::DMat3::from_cols(turned[0], turned[1], turned[2]);
         let middle = Vec3::from(place.translation).as_dvec3();
         let is_mesh = classes.is_some_and(|classes| classes.contains(&TypeId::of::<Mesh3d>()));
-        let paint = paints[paint].clone();
+        let mut paint = paints[paint].clone();
+        // Who says so is believed.
+        paint.glass &= !(is_opaque || is_occluder);
         Some(Drawn {
             entity,
             to_box: DAffine3::from_mat3_translation(turned, middle).inverse(),

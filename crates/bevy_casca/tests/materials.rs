@@ -130,11 +130,13 @@ mod pbr {
     }
 
     #[derive(Resource, Debug, Default)]
-    pub struct DefaultOpaqueRendererMethod(OpaqueRendererMethod);
+    pub struct DefaultOpaqueRendererMethod {
+        pub method: OpaqueRendererMethod,
+    }
 
     impl DefaultOpaqueRendererMethod {
         pub fn deferred() -> Self {
-            Self(OpaqueRendererMethod::Deferred)
+            Self { method: OpaqueRendererMethod::Deferred }
         }
     }
 
@@ -145,9 +147,7 @@ mod pbr {
         pub struct ForwardDecal;
 
         #[derive(Asset, TypePath)]
-        pub struct ForwardDecalMaterial<B: Asset> {
-            pub base: B,
-        }
+        pub struct ForwardDecalMaterial<B: Asset>(pub std::marker::PhantomData<B>);
     }
 
     pub mod wireframe {
@@ -331,6 +331,7 @@ fn deferred_materials_hide_where_all_cameras_draw_them() {
     assert!(!hides(&mut app) && !hides(&mut app));
     let id = camera(&mut app);
     app.world_mut().entity_mut(id).insert(DeferredPrepass);
+    settle(&mut app);
     assert!(hides(&mut app));
     spawn_camera(app.world_mut(), CAMERA + 1, Transform::default());
     assert!(!hides(&mut app), "a camera does not draw it");
