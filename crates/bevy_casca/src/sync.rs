@@ -99,9 +99,9 @@ pub(crate) struct Candidates<'w, 's> {
 pub(crate) fn sync(
     mut commands: Commands,
     mut casca: ResMut<CascaScene>,
-    settings: Res<CascaSettings>,
-    deferred: Option<Res<Deferred>>,
-    (meshes, mut events): (Option<Res<Assets<Mesh>>>, Option<MessageReader<AssetEvent<Mesh>>>),
+    (settings, deferred): (Res<CascaSettings>, Option<Res<Deferred>>),
+    meshes: Option<Res<Assets<Mesh>>>,
+    mut events: Option<MessageReader<AssetEvent<Mesh>>>,
     mut candidates: Candidates,
     mut managed: Query<Managed, (Complete, Manageable, Without<Disabled>)>,
 ) {

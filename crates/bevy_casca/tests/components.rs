@@ -244,7 +244,7 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
 fn mend(world: &mut World, id: Entity, nr: u32, dice: &mut Dice) {
     let paint = Painted(world.resource::<Stock>().paints[0].clone());
     let place = dice.place(nr);
-    if nr % 3 == 0 {
+    if nr.is_multiple_of(3) {
         world.despawn(id);
     } else {
         world.entity_mut(id).remove::<Nr>().insert(Visibility::Hidden);
@@ -286,6 +286,8 @@ struct Drawn {
     to_box: DAffine3,
     half: DVec3,
     paint: Paint,
+    /// An [`Occluder`] hides from both sides, also from an eye in it.
+    both: bool,
     for_camera: bool,
     for_light: bool,
 }
@@ -349,6 +351,7 @@ fn drawn(world: &mut World, frame: u32) -> Vec<Drawn> {
             entity,
             to_box: DAffine3::from_mat3_translation(turned, middle).inverse(),
             half: size / 2.0,
+            both: is_occluder,
             for_camera: is_mesh && !no_list,
             for_light: !paint.glass && !paint.in_front && !no_shadow && !no_list,
             paint,
@@ -368,8 +371,8 @@ fn follow(
     what: &str,
 ) -> usize {
     // Back faces are culled: one sees through what the eye is in.
-    let is_cut =
-        |one: &Drawn| one.span(from, along, -DOUBT).is_some_and(|(enter, _)| enter < ends[0] - DOUBT);
+    let enters = |one: &Drawn| one.span(from, along, -DOUBT).map(|(enter, _)| enter);
+    let is_cut = |one: &Drawn| !one.both && enters(one).is_some_and(|enter| enter < ends[0] - DOUBT);
     let mut stops: Vec<(Entity, f64)> = Vec::new();
     for one in boxes.iter().filter(|one| !one.paint.glass && !one.paint.in_front && !is_cut(one)) {
         let span = one.span(from, along, DOUBT).filter(|(_, leave)| *leave > 0.0);
@@ -413,7 +416,7 @@ fn look(app: &mut App, dice: &mut Dice, frame: u32, what: &str) -> [usize; 3] {
         // Within the view, which is 45 degrees high.
         let mut side = |most: f32| (dice.below(2001) as f32 / 1000.0 - 1.0) * most;
         let ray = Vec3::new(side(0.7), side(0.4), -1.0);
-        let along = Vec3::from(eye.transform_vector3(ray)).as_dvec3().normalize();
+        let along = eye.transform_vector3(ray).as_dvec3().normalize();
         // As deep as the near plane, along this ray.
         let near = NEAR * f64::from(ray.length());
         hidden[0] += follow(&for_camera, (from, along), [near, near, FAR], &seen, &format!("{what}, camera"));

@@ -130,13 +130,12 @@ mod pbr {
     }
 
     #[derive(Resource, Debug, Default)]
-    pub struct DefaultOpaqueRendererMethod {
-        pub method: OpaqueRendererMethod,
-    }
+    #[expect(dead_code, reason = "its text is read")]
+    pub struct DefaultOpaqueRendererMethod(OpaqueRendererMethod);
 
     impl DefaultOpaqueRendererMethod {
         pub fn deferred() -> Self {
-            Self { method: OpaqueRendererMethod::Deferred }
+            Self(OpaqueRendererMethod::Deferred)
         }
     }
 
