@@ -44,11 +44,10 @@ type Lists = TypeIdHashMap<Vec<Entity>>;
 pub(crate) fn check_cameras(
     mut queues: Local<Parallel<Lists>>,
     mut casca: ResMut<CascaScene>,
-    settings: Res<CascaSettings>,
+    (settings, ranges): (Res<CascaSettings>, Option<Res<VisibleEntityRanges>>),
     mut cameras: Query<Cameras>,
     mut managed: Query<Candidate, Managed>,
     mut unmanaged: Query<Candidate, Unmanaged>,
-    ranges: Option<Res<VisibleEntityRanges>>,
     (drawn, mut commands): (Query<(Entity, &InScene), Drawn>, Commands),
 ) {
     let start = Instant::now();

@@ -33,8 +33,8 @@
 //! A mesh hides others if Bevy draws it in this frame, it is known to be opaque, does not move, and
 //! its triangles can be read. It is prepared in the background, once for all entities that share
 //! it. Known to be opaque are entities with the component [`Opaque`], and those with materials that
-//! a rule calls so: for Bevy's own [`standard_materials!`], for others a [`MaterialsPlugin`]. What a
-//! material depends on has to be loaded. An [`Occluder`] hides wherever it moves; [`NotOccluder`]
+//! a rule calls so: for Bevy's own [`standard_materials!`], for others a [`MaterialsPlugin`]. What
+//! a material depends on has to be loaded. An [`Occluder`] hides wherever it moves; [`NotOccluder`]
 //! and [`NoOcclusionCulling`] take exceptions. The README has a table.
 //!
 //! # More

@@ -108,12 +108,15 @@ impl<D: Component, R: Resource> DeferredPlugin<D, R> {
     }
 }
 
+/// A camera, and what it looks at.
+type Looks = (&'static Camera, Option<&'static RenderLayers>);
+
 impl<D: Component, R: Resource> Plugin for DeferredPlugin<D, R> {
     fn build(&self, app: &mut App) {
         let is_deferred = self.is_deferred;
         let follow = move |mut deferred: ResMut<Deferred>,
                            default: Option<Res<R>>,
-                           forward: Query<(&Camera, Option<&RenderLayers>), (With<Camera3d>, Without<D>)>| {
+                           forward: Query<Looks, (With<Camera3d>, Without<D>)>| {
             let active = forward.iter().filter(|(camera, _)| camera.is_active);
             let forward = active.fold(0, |all, (_, layers)| all | layers::of_camera(layers));
             // Materials that were prepared under an earlier default keep it.
@@ -153,7 +156,7 @@ macro_rules! standard_materials {
         use $($pbr)::+ as pbr;
         (
             $crate::MaterialsPlugin::<pbr::MeshMaterial3d<pbr::StandardMaterial>>::new(|material| {
-                // By default it is opaque, its back faces are culled, and the app says how it is drawn.
+                // By default it is opaque, without back faces, and the app says how it is drawn.
                 let plain = <pbr::StandardMaterial as ::core::default::Default>::default();
                 let sides = if material.cull_mode.is_none() {
                     $crate::Opaque::Both
@@ -315,7 +318,7 @@ fn judge<C: Component + AsAssetId>(
     mut gone: RemovedComponents<C>,
     events: Option<MessageReader<AssetEvent<C::Asset>>>,
     (images, server): (Res<Images>, Option<Res<AssetServer>>),
-    (mut told, mut waiting): (Local<Told<C::Asset>>, Local<HashSet<AssetId<C::Asset>>>),
+    mut told: Local<Told<C::Asset>>,
 ) {
     let Some(assets) = assets else { return };
     let (by, server) = (TypeId::of::<C>(), server.as_deref());
@@ -324,6 +327,7 @@ fn judge<C: Component + AsAssetId>(
     }
     let mut other: HashSet<AssetId<C::Asset>> = HashSet::default();
     told.hear(events, images.frame, |_| true, |id| _ = other.insert(id));
+    let mut waiting = std::mem::take(&mut told.waiting);
     let is_ready = |id: AssetId<C::Asset>| {
         let mut ready = told.since(id).is_some();
         assets.get(id).inspect(|material| {
@@ -351,12 +355,16 @@ fn judge<C: Component + AsAssetId>(
         }
         note(&mut commands, entity, by, Some(Verdict { by, said, ready }));
     }
+    told.waiting = waiting;
 }
+
+/// Of entities that have got such a component.
+type Newly<C> = (With<C>, Or<(Added<C>, Without<Judged>)>, Allow<Disabled>);
 
 /// Notes who has a component that puts it before others.
 fn mark<C: Component>(
     mut commands: Commands,
-    new: Query<Entity, (With<C>, Or<(Added<C>, Without<Judged>)>, Allow<Disabled>)>,
+    new: Query<Entity, Newly<C>>,
     all: Query<Entity, (With<C>, Allow<Disabled>)>,
     mut gone: RemovedComponents<C>,
 ) {

@@ -99,11 +99,11 @@ pub(crate) struct Candidates<'w, 's> {
 pub(crate) fn sync(
     mut commands: Commands,
     mut casca: ResMut<CascaScene>,
-    settings: Res<CascaSettings>,
-    deferred: Option<Res<Deferred>>,
-    (meshes, mut events): (Option<Res<Assets<Mesh>>>, Option<MessageReader<AssetEvent<Mesh>>>),
+    (settings, deferred): (Res<CascaSettings>, Option<Res<Deferred>>),
+    meshes: Option<Res<Assets<Mesh>>>,
+    mut events: Option<MessageReader<AssetEvent<Mesh>>>,
     mut candidates: Candidates,
-    mut managed: Query<Managed, (Complete, Manageable, Without<Refused>, Without<Disabled>)>,
+    mut managed: Query<Managed, (Complete, Manageable, Without<Disabled>)>,
 ) {
     let Some(meshes) = meshes else { return };
     let start = Instant::now();
@@ -114,9 +114,6 @@ pub(crate) fn sync(
         // At once: it may not hide any more in this frame.
         let _ = casca.scene.as_mut().map(|scene| scene.remove(known.id));
         commands.entity(entity).try_remove::<InScene>();
-    }
-    for entity in &candidates.refused {
-        commands.entity(entity).try_remove::<Refused>();
     }
     if choose_grid(casca, &settings, &candidates) {
         // All are taken over anew, from the next frame on.
@@ -147,9 +144,8 @@ pub(crate) fn sync(
     occluders.poll(&mut look);
     occluders.store(&settings);
     look.extend(&candidates.changed);
-    let known = look.len();
+    look.extend(&candidates.refused);
     candidates.extend_removed(&mut look);
-    look[known..].iter().for_each(|entity| _ = commands.entity(*entity).try_remove::<Refused>());
     let rested = movers.iter().filter(|(_, at)| **at <= *frame).map(|(entity, _)| *entity);
     look.extend(rested.take(settings.most_new));
     look.extend(candidates.new.iter().map(|(entity, ..)| entity).take(settings.most_new));
@@ -162,7 +158,7 @@ pub(crate) fn sync(
         let Ok(mut item) = managed.get_mut(entity) else { continue };
         match sync.bring_up_to_date(&mut item) {
             Ok(None) => {}
-            Ok(Some(known)) => _ = commands.entity(entity).try_insert(known),
+            Ok(Some(known)) => _ = commands.entity(entity).try_insert(known).try_remove::<Refused>(),
             Err(refusal) => {
                 if let Refusal::Of(error) = refusal {
                     warn_once!("{entity} is culled by frustum only: {error}");

@@ -3,14 +3,19 @@
 use bevy_asset::{Asset, AssetEvent, AssetId, AssetServer, Assets, RenderAssetUsages, UntypedAssetId};
 use bevy_ecs::prelude::*;
 use bevy_image::Image;
-use bevy_platform::collections::HashMap;
+use bevy_platform::collections::{HashMap, HashSet};
 
-/// The assets of a kind that the renderer was told of, and the frame in which.
-pub(crate) struct Told<A: Asset>(HashMap<AssetId<A>, u32>);
+/// The assets of a kind that the renderer was told of.
+pub(crate) struct Told<A: Asset> {
+    /// The frame in which, for each.
+    since: HashMap<AssetId<A>, u32>,
+    /// Those that wait for others.
+    pub(crate) waiting: HashSet<AssetId<A>>,
+}
 
 impl<A: Asset> Default for Told<A> {
     fn default() -> Self {
-        Self(HashMap::default())
+        Self { since: HashMap::default(), waiting: HashSet::default() }
     }
 }
 
@@ -27,14 +32,14 @@ impl<A: Asset> Told<A> {
         for event in events.read() {
             match *event {
                 AssetEvent::Added { id } | AssetEvent::Modified { id } if can_be_used(id) => {
-                    self.0.entry(id).or_insert(frame);
+                    self.since.entry(id).or_insert(frame);
                 }
                 AssetEvent::LoadedWithDependencies { .. } => {}
                 AssetEvent::Added { id }
                 | AssetEvent::Modified { id }
                 | AssetEvent::Removed { id }
                 | AssetEvent::Unused { id } => {
-                    if self.0.remove(&id).is_some() {
+                    if self.since.remove(&id).is_some() {
                         removed(id);
                     }
                 }
@@ -44,7 +49,7 @@ impl<A: Asset> Told<A> {
 
     /// The frame in which the renderer was told of an asset.
     pub(crate) fn since(&self, id: AssetId<A>) -> Option<u32> {
-        self.0.get(&id).copied()
+        self.since.get(&id).copied()
     }
 }
 

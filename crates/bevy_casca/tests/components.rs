@@ -95,7 +95,11 @@ impl Dice {
 
     fn place(&mut self, nr: u32) -> Transform {
         let size = match nr < WALLS {
-            true => [Vec3::new(14.0, 10.0, 1.0), Vec3::new(1.0, 10.0, 14.0)][nr as usize % 2],
+            true => {
+                let (wide, thin) = (14.0, 1.0);
+                let sizes = [[wide, 10.0, thin], [thin, 10.0, wide], [wide, thin, wide]];
+                sizes[nr as usize % 3].into()
+            }
             false => Vec3::splat([0.5, 1.0, 2.0][self.below(3) as usize]),
         };
         Transform::from_translation(self.point(16.0)).with_scale(size)
@@ -240,7 +244,7 @@ fn change(world: &mut World, dice: &mut Dice, frame: u32) {
 fn mend(world: &mut World, id: Entity, nr: u32, dice: &mut Dice) {
     let paint = Painted(world.resource::<Stock>().paints[0].clone());
     let place = dice.place(nr);
-    if nr % 3 == 0 {
+    if nr.is_multiple_of(3) {
         world.despawn(id);
     } else {
         world.entity_mut(id).remove::<Nr>().insert(Visibility::Hidden);
@@ -282,6 +286,8 @@ struct Drawn {
     to_box: DAffine3,
     half: DVec3,
     paint: Paint,
+    /// An [`Occluder`] hides from both sides, also from an eye in it.
+    both: bool,
     for_camera: bool,
     for_light: bool,
 }
@@ -308,8 +314,7 @@ type Parts = (
     Option<&'static VisibilityClass>,
     Option<&'static RenderLayers>,
     &'static Painted,
-    Has<NotShadowCaster>,
-    Has<NoCpuCulling>,
+    (Has<NotShadowCaster>, Has<NoCpuCulling>, Has<Opaque>, Has<Occluder>),
 );
 
 /// All boxes that a renderer draws, by the components of Bevy's own queries.
@@ -319,7 +324,8 @@ fn drawn(world: &mut World, frame: u32) -> Vec<Drawn> {
     let paints: Vec<_> = stock.paints.iter().map(|paint| paints.get(paint).unwrap().clone()).collect();
     let mut all = world.query_filtered::<Parts, With<ViewVisibility>>();
     let drawn = all.iter(world).filter_map(|parts| {
-        let (entity, mesh, at, inherited, classes, layers, painted, no_shadow, no_list) = parts;
+        let (entity, mesh, at, inherited, classes, layers, painted, has) = parts;
+        let (no_shadow, no_list, is_opaque, is_occluder) = has;
         let paint = stock.paints.iter().position(|paint| *paint == painted.0).unwrap();
         let ready = match paint {
             3 => stock.picture.1.is_some_and(|since| since < frame),
@@ -338,11 +344,14 @@ fn drawn(world: &mut World, frame: u32) -> Vec<Drawn> {
         let turned = bevy_math::DMat3::from_cols(turned[0], turned[1], turned[2]);
         let middle = Vec3::from(place.translation).as_dvec3();
         let is_mesh = classes.is_some_and(|classes| classes.contains(&TypeId::of::<Mesh3d>()));
-        let paint = paints[paint].clone();
+        let mut paint = paints[paint].clone();
+        // Who says so is believed.
+        paint.glass &= !(is_opaque || is_occluder);
         Some(Drawn {
             entity,
             to_box: DAffine3::from_mat3_translation(turned, middle).inverse(),
             half: size / 2.0,
+            both: is_occluder,
             for_camera: is_mesh && !no_list,
             for_light: !paint.glass && !paint.in_front && !no_shadow && !no_list,
             paint,
@@ -362,8 +371,8 @@ fn follow(
     what: &str,
 ) -> usize {
     // Back faces are culled: one sees through what the eye is in.
-    let is_cut =
-        |one: &Drawn| one.span(from, along, -DOUBT).is_some_and(|(enter, _)| enter < ends[0] - DOUBT);
+    let enters = |one: &Drawn| one.span(from, along, -DOUBT).map(|(enter, _)| enter);
+    let is_cut = |one: &Drawn| !one.both && enters(one).is_some_and(|enter| enter < ends[0] - DOUBT);
     let mut stops: Vec<(Entity, f64)> = Vec::new();
     for one in boxes.iter().filter(|one| !one.paint.glass && !one.paint.in_front && !is_cut(one)) {
         let span = one.span(from, along, DOUBT).filter(|(_, leave)| *leave > 0.0);
@@ -407,7 +416,7 @@ fn look(app: &mut App, dice: &mut Dice, frame: u32, what: &str) -> [usize; 3] {
         // Within the view, which is 45 degrees high.
         let mut side = |most: f32| (dice.below(2001) as f32 / 1000.0 - 1.0) * most;
         let ray = Vec3::new(side(0.7), side(0.4), -1.0);
-        let along = Vec3::from(eye.transform_vector3(ray)).as_dvec3().normalize();
+        let along = eye.transform_vector3(ray).as_dvec3().normalize();
         // As deep as the near plane, along this ray.
         let near = NEAR * f64::from(ray.length());
         hidden[0] += follow(&for_camera, (from, along), [near, near, FAR], &seen, &format!("{what}, camera"));

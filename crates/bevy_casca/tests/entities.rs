@@ -184,7 +184,6 @@ fn a_wall_that_bevy_does_not_draw_hides_nothing_at_once() {
             let Ok(mut wall) = app.world_mut().get_entity_mut(wall) else { continue };
             wall.remove::<(Disabled, Asleep, Mesh3d, VisibilityClass)>();
             wall.insert((Mesh3d(cube), VisibilityClass::default(), GlobalTransform::IDENTITY));
-            wall.get_mut::<VisibilityClass>().unwrap().push(TypeId::of::<Mesh3d>());
             wall.get_mut::<Transform>().unwrap().set_changed();
             wall.get_mut::<Visibility>().unwrap().set_changed();
             for _ in 0..20 {

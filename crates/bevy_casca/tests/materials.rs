@@ -130,6 +130,7 @@ mod pbr {
     }
 
     #[derive(Resource, Debug, Default)]
+    #[expect(dead_code, reason = "its text is read")]
     pub struct DefaultOpaqueRendererMethod(OpaqueRendererMethod);
 
     impl DefaultOpaqueRendererMethod {
@@ -145,9 +146,7 @@ mod pbr {
         pub struct ForwardDecal;
 
         #[derive(Asset, TypePath)]
-        pub struct ForwardDecalMaterial<B: Asset> {
-            pub base: B,
-        }
+        pub struct ForwardDecalMaterial<B: Asset>(pub std::marker::PhantomData<B>);
     }
 
     pub mod wireframe {
@@ -331,6 +330,7 @@ fn deferred_materials_hide_where_all_cameras_draw_them() {
     assert!(!hides(&mut app) && !hides(&mut app));
     let id = camera(&mut app);
     app.world_mut().entity_mut(id).insert(DeferredPrepass);
+    settle(&mut app);
     assert!(hides(&mut app));
     spawn_camera(app.world_mut(), CAMERA + 1, Transform::default());
     assert!(!hides(&mut app), "a camera does not draw it");
