@@ -110,6 +110,25 @@ mod tests {
             let said = options.start().err().unwrap().to_string();
             assert!(said.contains(word) && said.contains("casca-plane"), "{said}");
         }
+        for (text, word) in [
+            ("<?xml version=\"1.0\"?><svg/>", "its element is svg"),
+            ("{\"type\": \"map\", \"tilewidth\": 9}", "save it as .tmx"),
+            ("\u{1}\u{2}", "no text"),
+        ] {
+            std::fs::write(&place, text).unwrap();
+            let options = parsed::<Options>(&[place.to_str().unwrap()]).unwrap();
+            let said = options.start().err().unwrap().to_string();
+            assert!(said.contains(word) && said.contains("casca-plane"), "{said}");
+        }
+        // A map of Tiled, whatever its name.
+        let tiles = "1,0,0,0,0,1";
+        let map = format!(
+            "<map orientation=\"orthogonal\" width=\"3\" height=\"2\" tilewidth=\"16\" tileheight=\"16\"><tileset firstgid=\"1\"/>\
+             <layer name=\"Walls\" width=\"3\" height=\"2\"><data encoding=\"csv\">{tiles}</data></layer></map>"
+        );
+        std::fs::write(&place, map).unwrap();
+        let level = parsed::<Options>(&[place.to_str().unwrap()]).unwrap().level().unwrap();
+        assert_eq!((level.size(), level.layer.opaque().bits().count()), ((3, 2), 2));
         std::fs::remove_file(&place).unwrap();
         let gone = parsed::<Options>(&[place.to_str().unwrap()]).unwrap().start().err().unwrap().to_string();
         assert!(gone.contains("casca-plane"), "{gone}");
