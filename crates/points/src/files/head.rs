@@ -113,7 +113,9 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
         .ok_or_else(|| format!("its points have the format {format}; 0 to 10 are read"))?;
     let (flags, version) = (bytes.u16(6), bytes.version());
     if flags & !FLAGS[version.min(4)] != 0 {
-        sink.warn(format_args!("its flags {flags:#x} are not those of version 1.{version}: they are passed over"));
+        sink.warn(format_args!(
+            "its flags {flags:#x} are not those of version 1.{version}: they are passed over"
+        ));
     }
     let count = count(&bytes, format, sink);
     let stated = u64::from(bytes.u32(96));

@@ -40,11 +40,7 @@ pub(super) fn read_all<E: From<FileError>>(
     Ok(())
 }
 
-fn points<E: From<FileError>>(
-    mut source: impl Source,
-    head: &Head,
-    sink: &mut Sink<'_, E>,
-) -> Result<(), E> {
+fn points<E: From<FileError>>(mut source: impl Source, head: &Head, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let (count, record) = (head.count, head.layout.record);
     let Some(packed) = &head.packed else {
         let there = count.min((head.end - head.start) / record as u64);
