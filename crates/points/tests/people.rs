@@ -130,7 +130,9 @@ fn versions_and_flags_that_contradict_the_points_are_no_reason_to_refuse() {
         let sound = Sound::new(files::las(40, format, 0, packed));
         for minor in 0..4 {
             // Standard times, made returns, a reference system of WKT.
-            sound.all(&[(6, &[0x1f, 0]), (25, &[minor])], &[]);
+            let said = format!("its flags 0x1f are not those of version 1.{minor}");
+            sound.all(&[(6, &[0x1f, 0]), (25, &[minor])], &[&said]);
+            sound.all(&[(6, &[u8::from(minor > 1), 0]), (25, &[minor])], &[]);
         }
     }
 }
@@ -150,7 +152,8 @@ fn scales_that_are_none_keep_the_shape() {
                     });
                 (high - low).as_dvec3()
             };
-            assert_eq!(warnings.len(), 3);
+            // Also that the bounds are others.
+            assert_eq!(warnings.len(), 4);
             assert!((size(&cloud) * 1e-3).distance(size(&sound.cloud)) < 0.01, "{}", size(&cloud));
         }
         let file = sound.with(&[(163, &f64::NAN.to_le_bytes())]);

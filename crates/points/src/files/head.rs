@@ -13,6 +13,8 @@ use super::sink::{FileError, Sink, Source};
 /// Bytes of the longest header, that of version 1.4, and of the shortest.
 const LONGEST: usize = 375;
 const LEAST: usize = 227;
+/// The flags that versions 1.0 to 1.4 know.
+const FLAGS: [u16; 5] = [0, 0, 1, 0xf, 0x1f];
 /// Bytes before the data of a record.
 const RECORD: u64 = 54;
 /// Bytes of a point and where its colour is, by the format.
@@ -34,6 +36,8 @@ const FORMATS: [(u16, Option<usize>); 11] = [
 pub(super) struct Head {
     /// Points, as the header says.
     pub count: u64,
+    /// The corners of the box that they lie in, as the header says.
+    pub bounds: [DVec3; 2],
     /// Where they begin, where they end at the latest, and where the file ends.
     pub start: u64,
     pub end: u64,
@@ -73,9 +77,14 @@ impl Bytes {
         u64::from_le_bytes(self.at(at))
     }
 
-    /// Three numbers, one for each axis.
-    fn axes(&self, at: usize) -> DVec3 {
-        DVec3::from_array([0, 8, 16].map(|axis| f64::from_le_bytes(self.at(at + axis))))
+    /// Three numbers, one for each axis, so many bytes apart.
+    fn axes(&self, at: usize, apart: usize) -> DVec3 {
+        DVec3::from_array([0, 1, 2].map(|axis| f64::from_le_bytes(self.at(at + axis * apart))))
+    }
+
+    /// The second number of the version.
+    fn version(&self) -> usize {
+        self.0[25].into()
     }
 }
 
@@ -102,6 +111,12 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
     let &(least, colour) = FORMATS
         .get(usize::from(format))
         .ok_or_else(|| format!("its points have the format {format}; 0 to 10 are read"))?;
+    let (flags, version) = (bytes.u16(6), bytes.version());
+    if flags & !FLAGS[version.min(4)] != 0 {
+        sink.warn(format_args!(
+            "its flags {flags:#x} are not those of version 1.{version}: they are passed over"
+        ));
+    }
     let count = count(&bytes, format, sink);
     let stated = u64::from(bytes.u32(96));
     let is_sound = (size..=length).contains(&stated);
@@ -159,13 +174,15 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
     };
     let (count, end) = room(&bytes, (start, length), (record, count), packed.is_none(), sink);
     source.seek(SeekFrom::Start(start)).map_err(plain)?;
-    Ok(Head { count, start, end, length, layout, packed, copc: records.copc })
+    // The header has the high and the low end of each axis side by side.
+    let bounds = [bytes.axes(187, 16), bytes.axes(179, 16)];
+    Ok(Head { count, bounds, start, end, length, layout, packed, copc: records.copc })
 }
 
 /// The bytes of the header itself. Fields that it has no room for become zero.
 fn size<E: From<FileError>>(bytes: &mut Bytes, length: u64, sink: &mut Sink<'_, E>) -> u64 {
-    let version = bytes.0[25];
-    let known = [LEAST, LEAST, LEAST, 235, LONGEST][usize::from(version).min(4)];
+    let version = bytes.version();
+    let known = [LEAST, LEAST, LEAST, 235, LONGEST][version.min(4)];
     let said = usize::from(bytes.u16(94));
     let is_good = said >= LEAST && said as u64 <= length;
     let size = if is_good { said } else { known };
@@ -217,7 +234,7 @@ fn room<E: From<FileError>>(
 /// The steps of coordinates. In the place of one that is none comes that of another axis, or 1: the
 /// cloud then has the shape that it should have.
 fn scale<E: From<FileError>>(bytes: &Bytes, sink: &mut Sink<'_, E>) -> DVec3 {
-    let mut scale = bytes.axes(131);
+    let mut scale = bytes.axes(131, 8);
     let is_good = |step: &f64| step.is_finite() && *step != 0.0;
     let other = scale.to_array().into_iter().find(is_good).unwrap_or(1.0);
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -230,7 +247,7 @@ fn scale<E: From<FileError>>(bytes: &Bytes, sink: &mut Sink<'_, E>) -> DVec3 {
 }
 
 fn offset<E: From<FileError>>(bytes: &Bytes, sink: &mut Sink<'_, E>) -> DVec3 {
-    let mut offset = bytes.axes(155);
+    let mut offset = bytes.axes(155, 8);
     if !offset.is_finite() {
         sink.warn(format_args!(
             "the offset of its points cannot be {offset}: 0 is taken where it is not finite"

@@ -6,7 +6,7 @@ use super::copc;
 use super::head::{self, Head};
 use super::levels::{Levels, Selection};
 use super::records::{hand_out, room};
-use super::sink::{FileError, Sink, Source};
+use super::sink::{FileError, NONE, Sink, Source};
 
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let head = head::open(&mut source, sink)?;
@@ -22,10 +22,25 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
 
 /// Reads all points, in their order, from a source that is at the first.
 pub(super) fn read_all<E: From<FileError>>(
-    mut source: impl Source,
+    source: impl Source,
     head: &Head,
     sink: &mut Sink<'_, E>,
 ) -> Result<(), E> {
+    sink.extent = NONE;
+    points(source, head, sink)?;
+    // Some programs round bounds, others do not write them at all, or something else.
+    let ([low, high], [from, to]) = (sink.extent, head.bounds);
+    let slack = (high - low).abs().max_element() + head.layout.scale.abs().max_element();
+    let is_near = from.cmple(low + slack).all() && to.cmpge(high - slack).all();
+    if !is_near && sink.extent != NONE {
+        sink.warn(format_args!(
+            "its header says that points lie from {from} to {to}, and they lie from {low} to {high}: bounds are not used"
+        ));
+    }
+    Ok(())
+}
+
+fn points<E: From<FileError>>(mut source: impl Source, head: &Head, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let (count, record) = (head.count, head.layout.record);
     let Some(packed) = &head.packed else {
         let there = count.min((head.end - head.start) / record as u64);

@@ -22,11 +22,12 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
     let length = guarded(|| check_xml(&mut source)).map_err(|e| sink.header("E57", e))?;
     let mut reader = guarded(|| E57Reader::new(source)).map_err(|e| sink.header("E57", e))?;
     let scans = reader.pointclouds();
-    check_scans(&scans, length).map_err(|e| sink.header("E57", e))?;
     let has = Attributes { colours: scans.iter().any(PointCloud::has_color), ..Attributes::default() };
+    let mut room = u128::from(length);
     for (number, scan) in scans.iter().enumerate() {
         let scanner = scanner(scan);
-        let mut points = match guarded(|| reader.pointcloud_simple(scan)) {
+        let opened = check_scan(scan, &mut room).and_then(|()| guarded(|| reader.pointcloud_simple(scan)));
+        let mut points = match opened {
             Ok(points) => points,
             Err(cause) => {
                 sink.lose(sink.point(format!("scan {number}"), cause), scan.records);
@@ -92,23 +93,20 @@ fn check_xml(source: &mut impl Source) -> Result<u64, String> {
     Ok(length)
 }
 
-/// Checks that the points of all scans have room in a file.
-fn check_scans(scans: &[PointCloud], length: u64) -> Result<(), String> {
-    let mut needed = 0_u128;
-    for (number, scan) in scans.iter().enumerate().filter(|(_, scan)| scan.records > 0) {
-        let attributes = scan.prototype.len();
-        if attributes > MOST_ATTRIBUTES {
-            return Err(format!("points of scan {number} have {attributes} attributes"));
-        }
-        let bits: u64 = scan.prototype.iter().map(|record| bits(&record.data_type)).sum();
-        if bits < LEAST_BITS {
-            return Err(format!("a point of scan {number} has {bits} bits; at least {LEAST_BITS} are read"));
-        }
-        needed += u128::from(scan.records) * u128::from(bits) / 8;
+/// Checks the points of a scan, and that they fit into what other scans leave of the file.
+fn check_scan(scan: &PointCloud, room: &mut u128) -> Result<(), String> {
+    let attributes = scan.prototype.len();
+    if attributes > MOST_ATTRIBUTES {
+        return Err(format!("its points have {attributes} attributes; at most {MOST_ATTRIBUTES} are read"));
     }
-    if needed > length.into() {
-        return Err(format!("its points take {needed} bytes, and it has {length}"));
+    let bits: u64 = scan.prototype.iter().map(|record| bits(&record.data_type)).sum();
+    if bits < LEAST_BITS && scan.records > 0 {
+        return Err(format!("a point has {bits} bits; at least {LEAST_BITS} are read"));
     }
+    let needed = u128::from(scan.records) * u128::from(bits) / 8;
+    let left = room.checked_sub(needed);
+    *room =
+        left.ok_or_else(|| format!("its points take {needed} bytes, and the file has room for {room}"))?;
     Ok(())
 }
 

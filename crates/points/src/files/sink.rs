@@ -85,6 +85,9 @@ impl Sample {
 /// Points whose middle decides where the origin is: a few that are wrong do no harm.
 const FIRST: usize = 1024;
 
+/// The box of no points.
+pub(super) const NONE: [DVec3; 2] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+
 /// Warnings of a file, at most.
 const WARNINGS: usize = 20;
 
@@ -114,6 +117,8 @@ pub(super) struct Sink<'a, E> {
     lost: u64,
     loss: Option<FileError>,
     report: Report,
+    /// The box of the points that were read since it was [`NONE`].
+    pub extent: [DVec3; 2],
     /// The bits below the byte of a LAS colour, known from the first points that are not black.
     pub colour_shift: Option<u32>,
     each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
@@ -137,6 +142,7 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
             lost: 0,
             loss: None,
             report: Report::default(),
+            extent: NONE,
             colour_shift: None,
             each,
         }
@@ -153,6 +159,8 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
             self.report.skipped += 1;
             return Ok(());
         }
+        let [low, high] = self.extent;
+        self.extent = [low.min(sample.position), high.max(sample.position)];
         if !self.wanted.has(sample.position) {
             return Ok(());
         }

@@ -193,6 +193,8 @@ pub fn all() -> Vec<Vec<u8>> {
         las(40, 7, 3, false),
         las(40, 7, 3, true),
         las(40, 10, 0, true),
+        packed(&las(40, 3, 0, false), 3, 16),
+        packed(&las(40, 7, 0, false), 7, 16),
         e57(40, true),
         e57(40, false),
     ]
