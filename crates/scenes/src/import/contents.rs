@@ -3,15 +3,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, Vec3};
 
 use super::accessors::{Buffers, Components};
 use super::animations::animate;
-use super::document::QUANTIZATION;
+use super::document::{File, QUANTIZATION};
 use super::error::Trouble;
 use super::instances::instances_of;
 use super::meshes::Meshes;
 use super::nodes::{Nodes, check_rigid, nodes_of, role_of, wrong};
+use super::origin::moved;
 use super::path::{FilePath, Moving, camera_of};
 use super::warnings::Warnings;
 use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
@@ -31,11 +32,13 @@ const CELLS: f32 = 128.0;
 
 /// The objects of a file.
 #[derive(Default)]
-struct Found {
-    objects: Vec<Object>,
+pub(super) struct Found {
+    pub(super) objects: Vec<Object>,
+    /// By object: where it is at rest, in the coordinates of the file.
+    pub(super) places: Vec<DAffine3>,
     /// By object.
     materials: Vec<Looks>,
-    moving: Vec<Moving>,
+    pub(super) moving: Vec<Moving>,
 }
 
 /// The objects of all nodes with a mesh; `moves` tells which nodes move.
@@ -45,6 +48,7 @@ fn objects_of(
     reader: &mut Meshes,
     nodes: &Nodes,
     moves: &[bool],
+    warnings: &Warnings,
 ) -> Result<Found, Trouble> {
     type Known = Option<(Arc<Mesh>, Looks)>;
     let mut meshes: HashMap<usize, Known> = HashMap::new();
@@ -54,7 +58,7 @@ fn objects_of(
         let Some(node) = document.nodes().nth(item.index) else { continue };
         let Some(mesh) = node.mesh() else { continue };
         check_rigid(&node, &mesh, item.morphs)?;
-        let (occludes, tested) = role_of(&node)?;
+        let (occludes, tested) = role_of(&node, warnings);
         let mesh = match meshes.get(&mesh.index()) {
             Some(known) => known.clone(),
             None => {
@@ -67,6 +71,8 @@ fn objects_of(
         let name = node.name().unwrap_or("");
         let (transform, dynamic) = (globals[place], moves[place]);
         let mut add = |name: String, instance: Affine3A| {
+            let instance = instance.as_daffine3();
+            let at = transform * instance;
             if dynamic {
                 found.moving.push(Moving {
                     object: found.objects.len(),
@@ -75,10 +81,11 @@ fn objects_of(
                     mesh: mesh.clone(),
                 });
             }
+            found.places.push(at);
             found.materials.push(looks.clone());
             found.objects.push(Object {
                 name,
-                shape: Shape::Mesh { mesh: mesh.clone(), transform: transform * instance },
+                shape: Shape::Mesh { mesh: mesh.clone(), transform: at.as_affine3a() },
                 motion: if dynamic { Motion::Dynamic { max_speed: 0.0 } } else { Motion::Static },
                 occludes,
                 tested,
@@ -116,30 +123,32 @@ fn grid_of(min: Vec3, max: Vec3) -> Result<GridHint, Trouble> {
 /// The scene, and the materials of each object.
 pub(super) fn contents(
     name: &str,
-    document: &gltf::Document,
-    buffers: &Buffers,
+    file: &File,
     warnings: &Warnings,
 ) -> Result<(World, Vec<Looks>), Trouble> {
-    let mut nodes = nodes_of(document)?;
+    let File { document, buffers, .. } = file;
+    let mut nodes = nodes_of(file)?;
     let clip = animate(document, buffers, &mut nodes)?;
     let quantized =
         document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
     let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
     let moves = nodes.moving();
-    let Found { mut objects, materials, moving } =
-        objects_of(document, buffers, &mut reader, &nodes, &moves)?;
+    let mut found =
+        objects_of(document, buffers, &mut reader, &nodes, &moves, warnings)?;
 
     // Both ends of the clip are frames.
     let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, MOST_FRAMES) as usize + 1;
-    let camera = camera_of(document, &nodes, &moves);
+    let camera = camera_of(document, &nodes, &moves, warnings);
     let frames = match &camera {
         Some(c) if moves[c.node] => clip_frames,
         _ => OWN_FRAMES,
     };
-    let mut animation = FilePath::new(nodes, moving, camera, frames);
-    let (min, max) = animation.settle(&mut objects)?;
-    let grid = grid_of(min, max)?;
-    let source = Source { warnings: warnings.lines() };
+    let origin = moved(&mut found);
+    let Found { mut objects, materials, moving, .. } = found;
+    let mut animation = FilePath::new(nodes, moving, camera, frames, origin);
+    let (min, max) = animation.settle(&mut objects, buffers.bytes(), warnings)?;
+    let (grid, frames) = (grid_of(min, max)?, animation.frames());
+    let source = Source { warnings: warnings.lines(), origin };
     let world =
         World { source, name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) };
     Ok((world, materials))

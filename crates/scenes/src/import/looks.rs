@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use gltf::khr_lights_punctual::Kind;
 
 use super::contents::contents;
-use super::document::parse;
+use super::document::{File, parse};
 use super::error::Trouble;
 use super::nodes::nodes_of;
 use super::warnings::Warnings;
@@ -27,15 +27,16 @@ const DIELECTRIC: f32 = 0.04;
 /// # Errors
 /// As [`load`](super::load).
 pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitScene, Trouble> {
-    let (document, buffers) = parse(bytes, folder)?;
-    let (world, materials) = contents(name, &document, &buffers, &Warnings::default())?;
+    let warnings = Warnings::default();
+    let file = parse(bytes, folder, &warnings)?;
+    let (world, materials) = contents(name, &file, &warnings)?;
     let mut scene = LitScene::of_world(&world, 0, 0);
     scene.materials = vec![Material::matt(Vec3::ONE)];
-    scene.materials.extend(document.materials().map(|m| material_of(&m)));
+    scene.materials.extend(file.document.materials().map(|m| material_of(&m)));
     for (object, materials) in scene.objects.iter_mut().zip(materials) {
         object.materials = materials;
     }
-    let lights = lights_of(&document)?;
+    let lights = lights_of(&file, world.source.origin)?;
     let emits = scene.objects.iter().flat_map(|o| o.materials.iter());
     if !lights.is_empty() || emits.into_iter().any(|&m| scene.materials[m as usize].emits()) {
         scene.lights = lights;
@@ -61,12 +62,13 @@ fn material_of(material: &gltf::Material) -> Material {
 }
 
 /// The lights of the nodes that are shown, at rest.
-fn lights_of(document: &gltf::Document) -> Result<Vec<Light>, Trouble> {
-    let nodes = nodes_of(document)?;
+fn lights_of(file: &File, origin: DVec3) -> Result<Vec<Light>, Trouble> {
+    let nodes = nodes_of(file)?;
     let mut lights = Vec::new();
     for (node, place) in nodes.0.iter().zip(nodes.globals()) {
-        let Some(light) = document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
-        let (position, direction) = (place.translation.into(), place.transform_vector3(Vec3::NEG_Z));
+        let Some(light) = file.document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
+        let position = (place.translation - origin).as_vec3();
+        let direction = place.transform_vector3(DVec3::NEG_Z).as_vec3();
         let kind = match light.kind() {
             Kind::Directional => LightKind::Directional { direction, half_angle: 0.0 },
             Kind::Point => LightKind::Point { position, radius: 0.0 },

@@ -33,6 +33,7 @@ mod animations;
 mod buffers;
 #[cfg(feature = "fur")]
 mod coated;
+mod container;
 mod contents;
 mod document;
 mod error;
@@ -42,8 +43,10 @@ mod instances;
 #[cfg(feature = "fur")]
 mod join;
 mod looks;
+mod mend;
 mod meshes;
 mod nodes;
+mod origin;
 mod path;
 #[cfg(feature = "fur")]
 mod skins;
@@ -115,6 +118,7 @@ fn open<T>(
 /// # Errors
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
-    let (document, buffers) = parse(bytes, folder)?;
-    contents(name, &document, &buffers, &Warnings::default()).map(|(world, _)| world)
+    let warnings = Warnings::default();
+    let file = parse(bytes, folder, &warnings)?;
+    contents(name, &file, &warnings).map(|(world, _)| world)
 }
