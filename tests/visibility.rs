@@ -296,7 +296,7 @@ fn as_mesh(b: &Obb) -> Shape {
             .iter()
             .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
             .collect();
-    let mesh = Mesh { positions: corners_of(b), triangles };
+    let mesh = Mesh { positions: corners_of(b), triangles, ..Mesh::default() };
     Shape::Mesh { mesh: Arc::new(mesh), transform: glam::Affine3A::IDENTITY }
 }
 

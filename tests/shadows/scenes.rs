@@ -47,7 +47,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         let triangles = if open { triangles[..2].to_vec() } else { triangles };
         let turn = Quat::from_euler(EulerRot::XYZ, turn.x, turn.y, turn.z);
         let transform = Affine3A::from_scale_rotation_translation(Vec3::splat(size), turn, at);
-        Shape::Mesh { mesh: Arc::new(Mesh { positions, triangles }), transform }
+        Shape::Mesh { mesh: Arc::new(Mesh { positions, triangles, ..Mesh::default() }), transform }
     });
     prop_oneof![3 => sphere, 3 => free, 3 => on_cells, 1 => slab, 2 => mesh]
 }

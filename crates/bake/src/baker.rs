@@ -188,6 +188,7 @@ impl<'l> Baker<'l> {
                     transform.to_cols_array().into_iter().for_each(&mut float);
                     mesh.positions.iter().flat_map(|p| p.to_array()).for_each(&mut float);
                     mesh.triangles.iter().flatten().for_each(|v| float(f32::from_bits(*v)));
+                    mesh.sides.iter().for_each(|&sides| float(f32::from(sides as u8)));
                 }
             }
         }

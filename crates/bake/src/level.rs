@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use casca::glam::DVec3;
-use casca::{Aabb, Error, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
+use casca::{Aabb, Error, Facing, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
 use casca_baked::Cells;
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
@@ -79,15 +79,19 @@ impl Level {
         let closed = [&boxes.solid[..], &boxes.of_meshes].concat();
         let walls = Walls::of(&scene, LEAST_WALL, |_| false);
         // Their faces are walls already.
-        for group in groups(&closed) {
+        let outsides = [&closed[..], &boxes.from_outside].concat();
+        // What hides from outside only joins walls that do so.
+        let outsides = if boxes.from_outside.is_empty() { Vec::new() } else { groups(&outsides) };
+        let walls_of = groups(&closed).into_iter().map(|group| (group, Facing::Both));
+        for (group, facing) in walls_of.chain(outsides.into_iter().map(|group| (group, Facing::Front))) {
             let (positions, triangles) = union::surface(&group);
-            let how = MeshOptions::default();
+            let how = MeshOptions::default().facing(facing);
             let mesh =
                 TriMesh::prepare(positions, triangles, &how, &mut |_| std::ops::ControlFlow::Continue(()));
             let mesh = Arc::new(mesh?);
             scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh).user_data(NOBODY))?;
         }
-        let mut solids = if solid { closed } else { boxes.solid };
+        let mut solids = if solid { [closed, boxes.from_outside].concat() } else { boxes.solid };
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
         let room = Aabb::new(hint.min, hint.max);

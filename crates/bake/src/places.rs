@@ -74,7 +74,7 @@ impl Places {
         };
         let Some((least, most)) = self.height else { return Ok((0..count).filter(is_within).collect()) };
         let mut stands = vec![false; count as usize];
-        for object in level.objects().iter().filter(|object| object.occludes) {
+        for object in level.objects() {
             for triangle in floors(object) {
                 mark(&cells, &triangle, (least, most), &mut stands);
             }

@@ -239,7 +239,11 @@ fn walls_hide_what_is_behind_them_only() {
         let at = |y, z| Vec3::new(x, y, z);
         let [a, b, c, d] =
             [at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])];
-        occluder_of(Mesh { positions: vec![a, b, c, d], triangles: vec![[0, 1, 2], [0, 2, 3]] })
+        occluder_of(Mesh {
+            positions: vec![a, b, c, d],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        })
     };
     let ball = |x| occluder_at(Vec3::new(x, 5.0, 5.0), 0.25);
     world.objects =

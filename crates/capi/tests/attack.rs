@@ -89,7 +89,7 @@ fn cube() -> Mesh {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
     let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions: (0..8).map(corner).collect(), triangles }
+    Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
 }
 
 fn prepared(mesh: &Mesh) -> casca_mesh {

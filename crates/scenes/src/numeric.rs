@@ -5,6 +5,11 @@ pub(crate) const AFFINE: f32 = 1e-5;
 /// Rotations of other lengths are mistakes and not roundings.
 pub(crate) const ROTATION_LENGTHS: std::ops::Range<f64> = 1e-3..1e3;
 
+/// The weights of a vertex that follows joints may differ from 1 by this in sum: integers of 8 bits
+/// are rounded. Points that follow them lie beyond the box of the joints by as great a share of their
+/// coordinates.
+pub(crate) const WEIGHTS: f32 = 1e-2;
+
 /// Scenes from files count as no smaller than this, in metres: a point has a grid, too.
 pub(crate) const LEAST_SIZE: f32 = 1e-3;
 /// The grid reaches past a scene by this share of its size, so that nothing lies on its border.

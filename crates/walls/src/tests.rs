@@ -7,10 +7,11 @@ use proptest::prelude::*;
 use rand::RngExt;
 
 use super::*;
+use crate::wall::Side;
 
 fn wall() -> Wall {
     // In y from 0 to 3 and in z from -2 to 2, at x = 5.
-    Wall { axis: 0, at: 5.0, min: [0.0, -2.0], max: [3.0, 2.0] }
+    Wall { axis: 0, at: 5.0, from: Side::Both, min: [0.0, -2.0], max: [3.0, 2.0] }
 }
 
 fn eyes(center: DVec3, reach: f64) -> Eyes {
@@ -50,7 +51,7 @@ proptest! {
         (e, r) in (prop::array::uniform3(-3.0f64..3.0), 0.0f64..1.0),
         (t, half) in (prop::array::uniform3(-3.0f64..3.0), prop::array::uniform3(0.0f64..1.5)),
     ) {
-        let wall = Wall { axis, at: 0.0, min: [-3.0, -2.0], max: [2.5, 3.5] };
+        let wall = Wall { axis, at: 0.0, from: Side::Both, min: [-3.0, -2.0], max: [2.5, 3.5] };
         let (mut e, mut t) = (DVec3::from(e), DVec3::from(t));
         let sign = if side { 1.0 } else { -1.0 };
         (e[axis], t[axis]) = (sign * (1.0 + e[axis].abs()), -sign * (0.5 + t[axis].abs()));
@@ -80,7 +81,7 @@ proptest! {
         // Most are walls between the eyes and the target, and large.
         let wall = |&(a, at, [p, q, r, s]): &(usize, f64, [f64; 4])| {
             let axis = if at > -0.5 { axis } else { a };
-            Wall { axis, at, min: [p.min(q) - 1.0, r.min(s) - 1.0], max: [p.max(q) + 1.0, r.max(s) + 1.0] }
+            Wall { axis, at, from: Side::Both, min: [p.min(q) - 1.0, r.min(s) - 1.0], max: [p.max(q) + 1.0, r.max(s) + 1.0] }
         };
         let all: Vec<Wall> = walls.iter().map(wall).collect();
         let (mut e, mut t) = (DVec3::from(e), DVec3::from(t));
@@ -108,7 +109,13 @@ proptest! {
 #[test]
 fn two_walls_hide_what_neither_does_alone() {
     // Two panels with a slit between them, and a third behind the slit.
-    let panel = |at: f64, from: f64, to: f64| Wall { axis: 0, at, min: [-9.0, from], max: [9.0, to] };
+    let panel = |at: f64, from: f64, to: f64| Wall {
+        axis: 0,
+        at,
+        from: Side::Both,
+        min: [-9.0, from],
+        max: [9.0, to],
+    };
     let hides = |walls: Vec<Wall>, parts: u32| {
         let eyes = Span { min: DVec3::new(-1.0, 0.0, -1.0), max: DVec3::new(0.0, 1.0, 1.0) };
         let target = Span { min: DVec3::new(9.0, 0.0, -2.0), max: DVec3::new(10.0, 1.0, 2.0) };
@@ -124,7 +131,10 @@ fn two_walls_hide_what_neither_does_alone() {
 
 #[test]
 fn walls_stop_what_they_cover() {
-    let walls = Walls::new(vec![wall(), Wall { axis: 1, at: 0.0, min: [-9.0, -9.0], max: [9.0, 9.0] }]);
+    let walls = Walls::new(vec![
+        wall(),
+        Wall { axis: 1, at: 0.0, from: Side::Both, min: [-9.0, -9.0], max: [9.0, 9.0] },
+    ]);
     let from = cuboid(DVec3::new(4.6, 0.4, 0.0), 0.3);
     // The floor first: the wall does not go below it.
     let reached = walls.reached(&from, cuboid(DVec3::new(4.6, 0.4, 0.0), 1.0));

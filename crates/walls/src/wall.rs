@@ -6,6 +6,17 @@ use casca::glam::DVec3;
 /// values that these can have: 16 roundings. With it, nothing is hidden in doubt.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
+/// From which side of its plane a wall hides, and stops what comes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Side {
+    #[default]
+    Both,
+    /// From where coordinates along its axis are less.
+    Below,
+    /// From where they are greater.
+    Above,
+}
+
 /// A rectangle across one axis. The other two axes follow in turn: those of `min` and `max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Wall {
@@ -13,6 +24,7 @@ pub(crate) struct Wall {
     pub(crate) axis: usize,
     /// Where it stands on that axis.
     pub(crate) at: f64,
+    pub(crate) from: Side,
     pub(crate) min: [f64; 2],
     pub(crate) max: [f64; 2],
 }
@@ -130,11 +142,11 @@ impl Wall {
         if !self.covers(span) {
             return false;
         }
-        if from.max[a] <= self.at && self.at < span.max[a] {
+        if self.from != Side::Above && from.max[a] <= self.at && self.at < span.max[a] {
             span.max[a] = self.at;
             return true;
         }
-        if from.min[a] >= self.at && self.at > span.min[a] {
+        if self.from != Side::Below && from.min[a] >= self.at && self.at > span.min[a] {
             span.min[a] = self.at;
             return true;
         }
@@ -150,6 +162,9 @@ impl Wall {
             Span { max, .. } if max[a] <= self.at && target.min[a] >= self.at + apart => -1.0,
             _ => return false,
         };
+        if self.from == if side > 0.0 { Side::Below } else { Side::Above } {
+            return false;
+        }
         // What lies in the plane of the wall may be painted on it.
         if target.min[a] == self.at && target.max[a] == self.at {
             return false;

@@ -59,7 +59,7 @@ impl Picture {
         let object = LitObject {
             name: String::new(),
             materials: materials.into(),
-            mesh: Arc::new(Mesh { positions, triangles }),
+            mesh: Arc::new(Mesh { positions, triangles, ..Mesh::default() }),
             transform: Affine3A::IDENTITY,
             moves: false,
         };
@@ -324,7 +324,7 @@ fn cave() -> Case {
     let scene = LitScene {
         name: "cave".to_owned(),
         objects: vec![
-            object(Mesh { positions, triangles }, 0, Affine3A::IDENTITY),
+            object(Mesh { positions, triangles, ..Mesh::default() }, 0, Affine3A::IDENTITY),
             object(Mesh::ball(2), 1, lamp),
         ],
         materials: vec![

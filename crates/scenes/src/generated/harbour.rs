@@ -81,7 +81,7 @@ fn loft(sections: &[Vec<Vec3>], lid: bool) -> Mesh {
     for i in 1..corners - 1 {
         triangles.extend([[0, i + 1, i], [end, end + i, end + i + 1]]);
     }
-    Mesh { positions: sections.concat(), triangles }
+    Mesh { positions: sections.concat(), triangles, ..Mesh::default() }
 }
 
 /// A container with dents along its sides, so many times as long as the shorter ones.

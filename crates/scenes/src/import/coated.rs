@@ -81,7 +81,7 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
     };
     let positions = if quantized { Components::Integers } else { Components::Floats };
     let mut join = Join::new(document, buffers, positions, folder);
-    let globals: Vec<Affine3A> = nodes.globals().iter().map(|at| at.as_affine3a()).collect();
+    let globals: Vec<Affine3A> = nodes.globals(0.0).iter().map(|at| at.as_affine3a()).collect();
     let above = rig.as_ref().map(|((_, number_of), skin)| joints_above(&nodes, skin, number_of));
     let above = above.unwrap_or_default();
     for (place, item) in nodes.0.iter().enumerate() {

@@ -10,14 +10,14 @@ use super::buffers::buffers_of;
 use super::container::chunks;
 use super::error::Trouble;
 use super::instances::INSTANCING;
-use super::mend::{POINTER, mend};
+use super::mend::mend;
 use super::nodes::Place;
 use super::warnings::Warnings;
 
 /// Coordinates may be integers.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Extensions that a file may require.
-const UNDERSTOOD: [&str; 3] = [QUANTIZATION, INSTANCING, POINTER];
+const UNDERSTOOD: [&str; 3] = [QUANTIZATION, INSTANCING, "KHR_animation_pointer"];
 /// What the names of extensions start with that change no geometry, only what it looks like.
 const COLOURS: [&str; 7] = [
     "KHR_materials_",
@@ -34,7 +34,9 @@ const DRACO: &str = "KHR_draco_mesh_compression";
 const TOLD: usize = 3;
 
 /// A file that was parsed.
-pub(super) struct File {
+pub(super) struct File<'a> {
+    /// The text of the document, as it was.
+    pub(super) json: &'a [u8],
     pub(super) document: gltf::Document,
     pub(super) buffers: Buffers,
     /// By node: where it says that it is, as exactly as the text does.
@@ -42,10 +44,10 @@ pub(super) struct File {
 }
 
 /// Parses a file.
-pub(super) fn parse(bytes: &[u8], folder: Option<&Path>, warnings: &Warnings) -> Result<File, Trouble> {
-    let (text, binary) = chunks(bytes)?;
+pub(super) fn parse<'a>(bytes: &'a [u8], folder: Option<&Path>, warnings: &Warnings) -> Result<File<'a>, Trouble> {
+    let (json, binary) = chunks(bytes)?;
     let mut root: Map<String, Value> =
-        from_slice(text).map_err(|why| Trouble::Format(format!("its JSON: {why}")))?;
+        from_slice(json).map_err(|why| Trouble::Format(format!("its JSON: {why}")))?;
     mend(&mut root, warnings)?;
     let nodes = root.get("nodes").and_then(Value::as_array);
     let places = nodes.into_iter().flatten().map(Place::of).collect();
@@ -54,7 +56,7 @@ pub(super) fn parse(bytes: &[u8], folder: Option<&Path>, warnings: &Warnings) ->
     check_rules(document.as_json())?;
     check_packed(&document)?;
     let buffers = Buffers::new(buffers_of(&document, binary.map(<[u8]>::to_vec), folder)?);
-    Ok(File { document, buffers, places })
+    Ok(File { json, document, buffers, places })
 }
 
 /// The typed parts of a document; what cannot be had is named by its place.

@@ -15,10 +15,6 @@ use super::warnings::Warnings;
 type Object = Map<String, Value>;
 
 const LIGHTS: &str = "KHR_lights_punctual";
-/// Animations of what is no place of a node.
-pub(super) const POINTER: &str = "KHR_animation_pointer";
-/// Nodes that are not drawn.
-const VISIBILITY: &str = "KHR_node_visibility";
 
 /// How textures repeat; the crate refuses other numbers.
 const WRAPS: [u64; 3] = [33_071, 33_648, 10_497];
@@ -48,7 +44,7 @@ pub(super) fn mend(root: &mut Object, warnings: &Warnings) -> Result<(), Trouble
         object(scene).is_some_and(|scene| scene.entry("nodes").or_insert(json!([])).is_array())
     });
     mend_nodes(root, warnings);
-    mend_animations(root, warnings);
+    mend_animations(root);
     Ok(())
 }
 
@@ -140,7 +136,10 @@ fn needed(root: &Object) -> HashSet<usize> {
         value.and_then(Value::as_array).into_iter().flatten()
     }
     let primitives = items(root.get("meshes")).flat_map(|mesh| items(mesh.get("primitives")));
-    let shapes = primitives.flat_map(|p| [p.pointer("/attributes/POSITION"), p.get("indices")]);
+    let shapes = primitives.flat_map(|p| {
+        let targets = items(p.get("targets")).map(|target| target.get(POSITION));
+        targets.chain([p.pointer("/attributes/POSITION"), p.get("indices")])
+    });
     let samplers = items(root.get("animations")).flat_map(|clip| items(clip.get("samplers")));
     let keys = samplers.flat_map(|sampler| [sampler.get("input"), sampler.get("output")]);
     let skins = items(root.get("skins")).map(|skin| skin.get("inverseBindMatrices"));
@@ -253,9 +252,10 @@ fn mend_mesh(mesh: &mut Value, accessors: &[bool]) -> bool {
                 name == POSITION || is_read && is_one(index, accessors)
             });
         }
-        // Only whether there are targets is asked for.
         let targets = primitive.get_mut("targets").and_then(Value::as_array_mut);
-        targets.into_iter().flatten().for_each(|target| *target = json!({}));
+        for target in targets.into_iter().flatten().filter_map(object) {
+            target.retain(|name, _| name == POSITION);
+        }
     }
     true
 }
@@ -312,49 +312,17 @@ fn mend_lights(root: &mut Object, warnings: &Warnings) -> Vec<bool> {
     })
 }
 
-/// Leaves out channels that move no node. Those that point at the place of one become such.
-fn mend_animations(root: &mut Object, warnings: &Warnings) {
-    let mut blinking = Vec::new();
-    each(root, "animations", |i, animation| {
+/// Leaves out channels without a node: [`Changes`](super::hides::Changes) asks what they change.
+fn mend_animations(root: &mut Object) {
+    each(root, "animations", |_, animation| {
         let Some(animation) = object(animation) else { return false };
         animation.entry("samplers").or_insert(json!([]));
         let channels = animation.entry("channels").or_insert(json!([]));
         let Some(channels) = channels.as_array_mut() else { return false };
-        channels.retain_mut(|channel| {
-            let Some(target) = channel.get_mut("target").and_then(object) else { return true };
-            let pointer = target.get("extensions").and_then(|all| all.get(POINTER));
-            let Some(pointer) = pointer.and_then(|p| p.get("pointer")).and_then(Value::as_str) else {
-                return target.contains_key("node");
-            };
-            let way: Vec<&str> = pointer.split('/').skip(1).collect();
-            let node = way.get(1).filter(|_| way[0] == "nodes").and_then(|n| n.parse::<usize>().ok());
-            match (node, &way[2.min(way.len())..]) {
-                (Some(node), [path @ ("translation" | "rotation" | "scale" | "weights")]) => {
-                    *target = Map::from_iter([("node".into(), json!(node)), ("path".into(), json!(path))]);
-                    return true;
-                }
-                (Some(node), ["extensions", VISIBILITY, ..]) => blinking.push(node),
-                _ => {}
-            }
-            warnings.add(format!("animation {i}"), "animates more than the places of nodes, which is not played");
-            false
+        channels.retain(|channel| {
+            let target = channel.get("target").and_then(Value::as_object);
+            target.is_none_or(|t| t.contains_key("node") && t.get("path") != Some(&json!("pointer")))
         });
         true
     });
-    blink(list(root, "nodes"), blinking);
-}
-
-/// What comes and goes can be seen, and hides nothing: these nodes, and what hangs from them.
-fn blink(nodes: &mut [Value], mut blinking: Vec<usize>) {
-    let mut seen = vec![false; nodes.len()];
-    while let Some(number) = blinking.pop() {
-        let Some(node) = nodes.get_mut(number).and_then(object) else { continue };
-        if std::mem::replace(&mut seen[number], true) {
-            continue;
-        }
-        node.insert("extras".to_owned(), json!({ "role": "occludee" }));
-        node.get_mut("extensions").and_then(object).map(|all| all.remove(VISIBILITY));
-        let children = node.get("children").and_then(Value::as_array).into_iter().flatten();
-        blinking.extend(children.filter_map(|child| usize::try_from(child.as_u64()?).ok()));
-    }
 }

@@ -35,9 +35,7 @@
 //!   without nodes, channels without a node, textures with a source in an extension, members that
 //!   are null and what is broken but not read, such as normals, are no fault. Cameras, lights,
 //!   materials and unused accessors that are broken are left out with a warning; such a material
-//!   counts as transparent. `KHR_animation_pointer` moves nodes if it points at their places; one
-//!   that shows and hides nodes makes them hide nothing; others are not played. glTF 1.0 is not
-//!   read.
+//!   counts as transparent. glTF 1.0 is not read.
 //!
 //! What a scene cannot do without is taken whole or refused: nothing is half loaded. Accessors may share bytes, and may
 //! have none, but a file that unfolds to more than four elements a byte of its buffers and a
@@ -50,8 +48,10 @@ mod buffers;
 mod coated;
 mod container;
 mod contents;
+mod deformed;
 mod document;
 mod error;
+mod hides;
 #[cfg(feature = "fur")]
 mod images;
 mod instances;
@@ -135,5 +135,5 @@ fn open<T>(
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
     let warnings = Warnings::default();
     let file = parse(bytes, folder, &warnings)?;
-    contents(name, &file, &warnings).map(|(world, _)| world)
+    contents(name, &file, &warnings)
 }

@@ -87,21 +87,25 @@ impl Nodes {
         std::iter::successors(Some(node), |&n| self.0[n].parent).count()
     }
 
-    /// Where all nodes are at rest.
-    pub(super) fn globals(&self) -> Vec<DAffine3> {
-        let mut all: Vec<DAffine3> = Vec::with_capacity(self.0.len());
-        for node in &self.0 {
-            let local = node.local(0.0);
-            all.push(node.parent.map_or(local, |parent| all[parent] * local));
-        }
-        all
+    /// Where all nodes are at a time.
+    pub(super) fn globals(&self, time: f32) -> Vec<DAffine3> {
+        self.inherited(|node, parent: Option<DAffine3>| {
+            let local = node.local(time);
+            parent.map_or(local, |parent| parent * local)
+        })
     }
 
     /// Which nodes move, themselves or with what they hang from.
     pub(super) fn moving(&self) -> Vec<bool> {
-        let mut all: Vec<bool> = Vec::with_capacity(self.0.len());
+        self.inherited(|node, parent| node.moves || parent.unwrap_or(false))
+    }
+
+    /// What each node makes of itself and of what its parent made, if it has one.
+    pub(super) fn inherited<T: Copy>(&self, mut each: impl FnMut(&Node, Option<T>) -> T) -> Vec<T> {
+        let mut all: Vec<T> = Vec::with_capacity(self.0.len());
         for node in &self.0 {
-            all.push(node.moves || node.parent.is_some_and(|parent| all[parent]));
+            let parent = node.parent.map(|parent| all[parent]);
+            all.push(each(node, parent));
         }
         all
     }
@@ -198,15 +202,20 @@ pub(super) fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
     }
 }
 
-/// Refuses meshes that are drawn in another form than their positions give.
-pub(super) fn check_rigid(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> Result<(), Trouble> {
-    if node.skin().is_some() {
-        return Err(wrong(node, "has a skin; deformed meshes are not read"));
-    }
+/// Whether a node shows its mesh in another form than its positions give; `morphs` says whether an
+/// animation changes the weights of morph targets.
+pub(super) fn is_deformed(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> bool {
     let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
     let has_targets = mesh.primitives().any(|p| p.morph_targets().len() > 0);
-    if has_targets && (morphs || weights.iter().any(|&w| w != 0.0)) {
-        return Err(wrong(node, "has a mesh with morph targets in use; deformed meshes are not read"));
+    node.skin().is_some() || has_targets && (morphs || weights.iter().any(|&w| w != 0.0))
+}
+
+/// Refuses meshes that are drawn in another form than their positions give.
+#[cfg(feature = "fur")]
+pub(super) fn check_rigid(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> Result<(), Trouble> {
+    match is_deformed(node, mesh, morphs) {
+        true if node.skin().is_some() => Err(wrong(node, "has a skin; deformed meshes are not read")),
+        true => Err(wrong(node, "has a mesh with morph targets in use; deformed meshes are not read")),
+        false => Ok(()),
     }
-    Ok(())
 }

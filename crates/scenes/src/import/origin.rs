@@ -46,7 +46,8 @@ pub(super) fn moved(found: &mut Found) -> DVec3 {
         if is_far(place.transform_vector3(middle.as_dvec3())) && known.middle == DVec3::ZERO {
             known.middle = middle.as_dvec3();
             let positions = mesh.positions.iter().map(|&p| p - middle).collect();
-            known.mesh = Arc::new(Mesh { positions, triangles: mesh.triangles.clone() });
+            let (triangles, sides) = (mesh.triangles.clone(), mesh.sides.clone());
+            known.mesh = Arc::new(Mesh { positions, triangles, sides });
         }
     }
     let about = |place: DAffine3, by: DVec3| place * DAffine3::from_translation(by);

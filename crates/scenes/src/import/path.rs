@@ -120,7 +120,7 @@ pub(super) struct FilePath {
     frames: usize,
 }
 
-fn time_of(frame: usize) -> f32 {
+pub(super) fn time_of(frame: usize) -> f32 {
     (frame as f64 * FRAME_SECONDS) as f32
 }
 

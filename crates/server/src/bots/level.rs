@@ -145,7 +145,15 @@ impl Level {
         grid = coarse.unwrap_or(grid);
         let scene = Driver::new(&world, &grid, |_| ())?.scene;
         let track = Track { path, down };
-        Ok(Self { name: world.name, scene, objects, track, baked: None, source: world.source, grid: world.grid })
+        Ok(Self {
+            name: world.name,
+            scene,
+            objects,
+            track,
+            baked: None,
+            source: world.source,
+            grid: world.grid,
+        })
     }
 
     /// Finds which cells along the path see each other, for [`Level::baked`]. `edge` is that of a

@@ -20,8 +20,11 @@ fn cuboid(min: [f32; 3], max: [f32; 3]) -> Object {
 }
 
 fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]], transform: Affine3A) -> Object {
-    let mesh =
-        Mesh { positions: positions.iter().map(|&p| p.into()).collect(), triangles: triangles.to_vec() };
+    let mesh = Mesh {
+        positions: positions.iter().map(|&p| p.into()).collect(),
+        triangles: triangles.to_vec(),
+        ..Mesh::default()
+    };
     object(Shape::Mesh { mesh: Arc::new(mesh), transform })
 }
 

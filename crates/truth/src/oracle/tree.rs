@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use casca_scenes::world::{Motion, Object};
+use casca_scenes::world::{Motion, Object, Sides};
 use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -11,7 +11,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
-use super::geometry::{Primitive, primitive_count};
+use super::geometry::{Primitive, sides_of, stopping};
 use crate::numeric::oracle::{BOX_F32, LEAST_SCALE, RAY_F32};
 
 /// Refits of the moving part before it is built anew.
@@ -23,6 +23,22 @@ pub(super) struct Part {
     pub(super) shape: Primitive,
     pub(super) object: u32,
     pub(super) triangle: u32,
+    /// From where it stops rays, if it is a triangle.
+    pub(super) sides: Sides,
+}
+
+impl Part {
+    /// Where it stops a ray: see [`Primitive::enter`].
+    #[inline]
+    pub(super) fn enter(&self, origin: DVec3, step: DVec3, grown: bool) -> Option<f64> {
+        let t = self.shape.enter(origin, step, grown)?;
+        match (self.sides, &self.shape) {
+            (Sides::Front, Primitive::Triangle([a, b, c])) => {
+                ((*b - *a).cross(*c - *a).dot(step) < 0.0).then_some(t)
+            }
+            _ => Some(t),
+        }
+    }
 }
 
 /// A bounding volume hierarchy over the primitives of some objects.
@@ -59,10 +75,10 @@ impl Tree {
             if place[i] != wanted {
                 continue;
             }
-            for triangle in 0..primitive_count(&object.shape) as u32 {
+            for (triangle, sides) in stopping(&object.shape) {
                 let shape = Primitive::of(&object.shape, triangle);
                 if shape.is_sound() {
-                    parts.push(Part { shape, object: i as u32, triangle });
+                    parts.push(Part { shape, object: i as u32, triangle, sides });
                 }
             }
         }
@@ -87,7 +103,8 @@ impl Tree {
     pub(super) fn refit(&mut self, objects: &[Object], moved: &[bool]) -> bool {
         self.refits += 1;
         let unsound = self.parts.par_iter_mut().filter(|part| moved[part.object as usize]).map(|part| {
-            part.shape = Primitive::of(&objects[part.object as usize].shape, part.triangle);
+            let shape = &objects[part.object as usize].shape;
+            (part.shape, part.sides) = (Primitive::of(shape, part.triangle), sides_of(shape, part.triangle));
             !part.shape.is_sound()
         });
         if unsound.reduce(|| false, |a, b| a | b) {
@@ -166,7 +183,7 @@ impl Tree {
         let slack = RAY_F32 * (self.scale + LEAST_SCALE);
         self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
             let part = &self.parts[i];
-            if let Some(t) = part.shape.enter(origin, step, false) {
+            if let Some(t) = part.enter(origin, step, false) {
                 let nearer = best.is_none_or(|(object, old)| t < old || (t == old && part.object < object));
                 if nearer {
                     *best = Some((part.object, t));

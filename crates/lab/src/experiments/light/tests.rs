@@ -321,7 +321,7 @@ fn broken_triangles_and_materials_are_left_out() {
     let mut object = scene.objects[0].clone();
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::NAN, Vec3::Y];
     let triangles = vec![[0, 1, 2], [0, 1, 9], [u32::MAX, 0, 1], [0, 1, 3], [0, 0, 0], [0, 1, 1]];
-    let mesh = Mesh { positions, triangles };
+    let mesh = Mesh { positions, triangles, ..Mesh::default() };
     assert!(!mesh.is_closed());
     object.mesh = Arc::new(mesh);
     object.materials = vec![0, 0, 0, 77, 0, 0].into();

@@ -88,6 +88,7 @@ impl Voxels {
             let mesh = Mesh {
                 positions: object.iter().flat_map(|t| t.corners).collect(),
                 triangles: (0..object.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+                ..Mesh::default()
             };
             for part in parts(&mesh)? {
                 soft.insert(Arc::new(part), Layer::Fixed)?;

@@ -162,6 +162,7 @@ impl Cloud {
                 .map(|(x, z)| Vec3::new(x, y, z))
                 .to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
         };
         let mut mesh = square(0.0);
         mesh.append(square(-0.4));
@@ -237,7 +238,7 @@ fn points_of(samples: &[Sample]) -> Vec<Vec3> {
 
 fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
     let positions = mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
-    Mesh { positions, triangles: mesh.triangles.clone() }
+    Mesh { positions, triangles: mesh.triangles.clone(), ..Mesh::default() }
 }
 
 /// Whether the eye sees each point of a mesh: no triangle is between them but those that are the

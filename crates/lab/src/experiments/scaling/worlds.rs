@@ -128,6 +128,7 @@ fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
     Mesh {
         positions: (0..side * side).map(vertex).collect(),
         triangles: (0..squares * squares).flat_map(square).collect(),
+        ..Mesh::default()
     }
 }
 
@@ -176,5 +177,5 @@ pub(super) fn soup(triangles: usize, seed: u64) -> Mesh {
     });
     let positions = positions.collect();
     let corners = |i: u32| [3 * i, 3 * i + 1, 3 * i + 2];
-    Mesh { positions, triangles: (0..triangles as u32).map(corners).collect() }
+    Mesh { positions, triangles: (0..triangles as u32).map(corners).collect(), ..Mesh::default() }
 }

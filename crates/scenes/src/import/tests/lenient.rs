@@ -18,6 +18,8 @@ fn valid_files_of_other_programs_are_read() {
         r#","scenes":[{"nodes":[0]},{"name":"lights only"}]"#,
         r#","animations":[{"channels":[{"sampler":0,"target":{"path":"translation"}}],"samplers":[{"input":0,"output":0}]}]"#,
         r#","animations":[{"channels":[]},{"samplers":[]}],"skins":[{"joints":[0],"skeleton":7}]"#,
+        r#","animations":[{"channels":[{"sampler":0,"target":{"path":"pointer","extensions":
+            {"KHR_animation_pointer":{"pointer":"/materials/0/alphaCutoff"}}}}]}]"#,
         r#","extras":7,"cameras":null,"materials":[],"extensionsUsed":[]"#,
         r#","samplers":[{"magFilter":1,"wrapS":2}],"images":[{"bufferView":0},{}],"textures":[{"source":0,"sampler":0}]"#,
         textured,
@@ -59,29 +61,9 @@ fn broken_details_are_left_out_with_a_warning() {
             r#","extensions":{"KHR_lights_punctual":{"lights":[{"type":"sun"}]}}"#,
             "light 0: is broken and left out",
         ),
-        (
-            r#","animations":[{"channels":[{"sampler":0,"target":{"path":"pointer","extensions":
-                {"KHR_animation_pointer":{"pointer":"/materials/0/alphaCutoff"}}}}]}]"#,
-            "animation 0: animates more than the places of nodes, which is not played",
-        ),
     ] {
         assert_eq!(with(&format!("{ONE}{more}")), [told], "{more}");
     }
-    // What comes and goes is seen, but does not hide.
-    let blinks = r#","animations":[{"channels":[{"sampler":0,"target":{"path":"pointer","extensions":
-        {"KHR_animation_pointer":{"pointer":"/nodes/0/extensions/KHR_node_visibility/visible"}}}}]}]"#;
-    let world = triangle().read(&format!("{ONE}{blinks}")).unwrap();
-    assert!(world.objects[0].tested && !world.objects[0].occludes);
-    // Pointers at places move nodes as others do.
-    let mut parts = timed();
-    let way = parts.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.0, 0.0]);
-    let clip = animated(1, "translation", way, "LINEAR").replace(
-        r#""node":1,"path":"translation""#,
-        r#""path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/nodes/1/translation"}}"#,
-    );
-    let mut world = parts.read(&moved(&format!("[{clip}]"))).unwrap();
-    world.set_frame(30);
-    assert_eq!(triangles(&world, 0)[0][0], Vec3::X * 2.0);
 }
 
 #[test]

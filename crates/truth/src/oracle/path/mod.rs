@@ -4,7 +4,7 @@
 //! Kajiya, *The Rendering Equation* (1986), with next event estimation for lights and emissive
 //! triangles, and multiple importance sampling by the balance heuristic for the latter (Veach &
 //! Guibas 1995). Light is sorted by how often it was scattered on its way, so that direct light and
-//! each bounce can be looked at on their own. All rays go through the centres of pixels. Results do
+//! each bounce can be looked at on their own. Light passes what stops none from where it comes. All rays go through the centres of pixels. Results do
 //! not depend on the number of threads.
 
 mod direct;
@@ -91,6 +91,7 @@ impl PathTracer {
             shape: Primitive::Triangle(t.corners.map(|p| p.as_dvec3())),
             object: i as u32,
             triangle: 0,
+            sides: materials[t.material as usize].sides,
         };
         let parts = triangles.iter().enumerate().map(part).collect();
         let sky = if scene.sky.is_finite() { scene.sky.as_dvec3().max(DVec3::ZERO) } else { DVec3::ZERO };
@@ -198,7 +199,7 @@ impl PathTracer {
     /// Whether anything lies on the way from a surface.
     fn hides(&self, at: &Surface, way: DVec3, end: f64) -> bool {
         let start = self.off(at);
-        let blocks = |part: &Part| part.shape.enter(start, way, true).is_some_and(|t| t < end);
+        let blocks = |part: &Part| part.enter(start, way, true).is_some_and(|t| t < end);
         self.tree.any(start, way, end, blocks).is_some()
     }
 

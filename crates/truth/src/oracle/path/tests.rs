@@ -27,7 +27,7 @@ fn scene(parts: Vec<(Mesh, Material)>) -> LitScene {
 }
 
 fn quad(corners: [Vec3; 4]) -> Mesh {
-    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
+    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
 }
 
 /// The square of 2 `half` metres at a height.
