@@ -25,6 +25,7 @@ const ATTRIBUTES: [&str; 5] = ["COLOR_", "TEXCOORD_", "JOINTS_", "WEIGHTS_", "_"
 /// Mends a document, as far as that changes nothing of what it shows.
 pub(super) fn mend(root: &mut Object, warnings: &Warnings) -> Result<(), Trouble> {
     check_version(root)?;
+    root.retain(|_, value| !value.is_null());
     root.values_mut().for_each(tidy);
     let views = each(root, "bufferViews", |_, view| mend_view(view));
     let needed = needed(root);

@@ -47,7 +47,8 @@ fn scenes_far_from_the_origin_are_moved_to_one_of_their_own() {
                     assert!((*a + offset).abs_diff_eq(*b, within), "{by} {object}: {a} {b}");
                 }
             }
-            let gap = |world: &World| triangles(world, 1)[0][0].x - triangles(world, 0)[0][1].x;
+            // Children come last first.
+            let gap = |world: &World| triangles(world, 0)[0][0].x - triangles(world, 1)[0][1].x;
             if by != "positions" {
                 assert!((gap(&far) - gap(&near)).abs() < 2e-6 && gap(&far) > 5e-6, "{by}: {}", gap(&far));
             }
