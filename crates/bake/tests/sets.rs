@@ -7,7 +7,7 @@ use casca::Aabb;
 use casca_bake::{BakeError, Baker, Cells, Finder, Level, Places, eyes_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::random::generator;
-use casca_scenes::world::{GridHint, Mesh, Motion, Object, Shape, World};
+use casca_scenes::world::{GridHint, Mesh, Motion, Object, Shape, Sides, World};
 use casca_truth::oracle::RayOracle;
 use glam::{Affine3A, DVec3, Vec3};
 use rand::RngExt;
@@ -254,6 +254,40 @@ fn walls_hide_what_is_behind_them_only() {
     assert!(set[..2] == [0, 1] && !set.contains(&2), "{set:?}");
     let behind = Aabb::new(Vec3::new(10.0, 4.0, 4.0), Vec3::new(11.0, 6.0, 6.0));
     assert_eq!(Finder::new(&level, 60).set(behind), [0, 1, 2, 3]);
+}
+
+#[test]
+fn sheets_and_boxes_that_hide_from_their_front_let_eyes_behind_it_see() {
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let ball = |x| occluder_at(Vec3::new(x, 5.0, 5.0), 0.25);
+    let at = |y, z| Vec3::new(8.0, y, z);
+    let sheet = |sides| Mesh {
+        positions: vec![at(0.0, 0.0), at(10.0, 0.0), at(10.0, 10.0), at(0.0, 10.0)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        sides: vec![sides; 2],
+    };
+    // Two boxes that touch, as one wall.
+    let half = |low: f32| Mesh {
+        sides: vec![Sides::Front; 12],
+        ..Mesh::cuboid(Vec3::new(7.9, low, 0.0), Vec3::new(8.1, low + 5.0, 10.0))
+    };
+    let eyes = |x: f32| Aabb::new(Vec3::new(x, 4.0, 4.0), Vec3::new(x + 1.0, 6.0, 6.0));
+    let mut sees = |walls: Vec<Mesh>, x: f32| {
+        world.objects = walls.into_iter().map(occluder_of).chain([ball(7.0), ball(9.0)]).collect();
+        let level = Level::new(&world, None, false).unwrap();
+        let set = Finder::new(&level, 60).set(eyes(x));
+        let first = world.objects.len() as u32 - 2;
+        [first, first + 1].map(|number| set.contains(&number))
+    };
+    // The front looks to greater x.
+    assert_eq!(sees(vec![sheet(Sides::Front)], 10.0), [false, true]);
+    assert_eq!(sees(vec![sheet(Sides::Front)], 5.0), [true, true]);
+    assert_eq!(sees(vec![sheet(Sides::Both)], 5.0), [true, false]);
+    assert_eq!(sees(vec![sheet(Sides::Neither)], 10.0), [true, true]);
+    // From within the boxes one sees out; from outside nothing passes them.
+    assert_eq!(sees(vec![half(0.0), half(5.0)], 7.9 - 0.4), [true, true]);
+    assert_eq!(sees(vec![half(0.0), half(5.0)], 5.0), [true, false]);
+    assert_eq!(sees(vec![half(0.0), half(5.0)], 10.0), [false, true]);
 }
 
 /// Looks from random eyes in some cells at random places in all. Returns the sizes of the sets, and

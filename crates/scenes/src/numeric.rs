@@ -5,10 +5,9 @@ pub(crate) const AFFINE: f32 = 1e-5;
 /// Rotations of other lengths are mistakes and not roundings.
 pub(crate) const ROTATION_LENGTHS: std::ops::Range<f64> = 1e-3..1e3;
 
-/// The weights of a vertex that follows joints may differ from 1 by this in sum: integers of 8 bits
-/// are rounded. Points that follow them lie beyond the box of the joints by as great a share of their
-/// coordinates.
-pub(crate) const WEIGHTS: f32 = 1e-2;
+/// Boxes around what follows joints are larger by this share of their coordinates: renderers multiply
+/// matrices in single precision.
+pub(crate) const POSED: f32 = 1e-4;
 
 /// Scenes from files count as no smaller than this, in metres: a point has a grid, too.
 pub(crate) const LEAST_SIZE: f32 = 1e-3;

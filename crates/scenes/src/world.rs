@@ -308,7 +308,8 @@ impl Source {
     /// is the one of the file.
     pub fn about_origin(&self) -> Option<String> {
         let DVec3 { x, y, z } = self.origin;
-        let said = format!("the scene lies far from the origin of its file: add {x}, {y}, {z} to coordinates");
+        let said =
+            format!("the scene lies far from the origin of its file: add {x}, {y}, {z} to coordinates");
         (self.origin != DVec3::ZERO).then_some(said)
     }
 }

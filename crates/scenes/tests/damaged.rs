@@ -1,8 +1,8 @@
 //! Damaged glTF files give errors, and cost memory and time in proportion to their bytes.
 
+use casca_scenes::import::{read, read_lit};
 #[cfg(feature = "fur")]
 use casca_scenes::import::{read_coated, read_skinned};
-use casca_scenes::import::{read, read_lit};
 use peak_alloc::PeakAlloc;
 use serde_json::{Value, json};
 

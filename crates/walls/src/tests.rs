@@ -176,3 +176,23 @@ fn boxes_and_quads_are_walls_and_other_triangles_are_not() {
     assert_eq!(count(vec![[0, 1, 2], [0, 1, 3]], 0.0), 0, "two halves that overlap");
     assert_eq!(count(vec![[0, 1, 2], [0, 2, 3]], 0.3), 0, "across no axis");
 }
+
+#[test]
+fn walls_of_meshes_that_hide_from_their_front_hide_and_stop_from_there_only() {
+    // Its front looks to greater x.
+    let corners =
+        [(0.0, 0.0), (6.0, 0.0), (6.0, 6.0), (0.0, 6.0)].map(|(y, z)| Vec3::new(3.0, y, z)).to_vec();
+    let how = casca::MeshOptions::default().facing(casca::Facing::Front);
+    let go_on = &mut |_| std::ops::ControlFlow::Continue(());
+    let mesh = TriMesh::prepare(corners, vec![[0, 1, 2], [0, 2, 3]], &how, go_on).unwrap();
+    let mut level =
+        Scene::new(&GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::splat(9.0)), 1.0).unwrap()).unwrap();
+    let mesh = std::sync::Arc::new(mesh);
+    level.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
+    let walls = Walls::of(&level, 0.6, |_| false);
+    let at = |x: f64| cuboid(DVec3::new(x, 3.0, 3.0), 0.2);
+    let hides = |eyes: f64, target: f64| walls.hide(&Eyes::cuboid(at(eyes)), &at(target), 0.0, &mut 0);
+    assert!(hides(4.0, 2.0) && !hides(2.0, 4.0));
+    let reached = |from: f64| walls.reached(&at(from), cuboid(DVec3::new(from, 3.0, 3.0), 2.0));
+    assert_eq!((reached(4.0).min.x, reached(2.0).max.x), (3.0, 4.0));
+}

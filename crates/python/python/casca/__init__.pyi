@@ -137,6 +137,10 @@ class Scene:
     ) -> Scene:
         """A scene from a glTF 2.0 file (.glb or .gltf): each node with a mesh is an object.
 
+        Only what is drawn opaque hides, from the side from which it is drawn: panes (BLEND, MASK,
+        transmission), skins and morph targets hide nothing, single-sided sheets hide from their
+        front only. What is left out or taken otherwise is a UserWarning.
+
         cell: the edge of a cube of the grid; chosen by size if None. progress: as for ``Mesh``.
         Raises OSError if the file cannot be read, and Error if it cannot be taken whole.
         """

@@ -11,7 +11,8 @@ __all__ = ["Bake", "Baked", "Merge", "on_dask", "on_ray"]
 class Bake:
     """A level made ready for baking, and its cells.
 
-    level: a .glb or .gltf file, or the name of a generated scene (see casca.SCENES).
+    level: a .glb or .gltf file, or the name of a generated scene (see casca.SCENES). What of a file
+        hides is as for Scene.from_gltf.
     cell: the edge of a cell along x and z, in metres.
     height: the least and the greatest height of an eye over the floor, in metres. Cells are as high
         as that, and only those are baked in which an eye may be so. None bakes all cells of the

@@ -131,8 +131,8 @@ fn rotations_of(
         if cubic && i % 3 != 1 {
             continue;
         }
-        let one =
-            unit(value.as_dquat()).ok_or_else(|| unfit(accessor, VALUES, "with a rotation of no or great length"))?;
+        let one = unit(value.as_dquat())
+            .ok_or_else(|| unfit(accessor, VALUES, "with a rotation of no or great length"))?;
         // A spline is normalised where it has been evaluated.
         if !cubic {
             *value = one.as_quat();

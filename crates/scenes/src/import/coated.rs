@@ -12,8 +12,8 @@ use super::document::{File, QUANTIZATION, parse};
 use super::error::Trouble;
 use super::join::Join;
 use super::nodes::{Nodes, check_rigid, nodes_of};
-use super::warnings::Warnings;
 use super::skins::{clips_of, follower, followers_of, skeleton_of};
+use super::warnings::Warnings;
 use crate::world::Mesh;
 
 /// A mesh of a file that can grow fur; all lists are by vertex but `materials`.

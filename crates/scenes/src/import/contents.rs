@@ -100,17 +100,22 @@ impl Reader<'_> {
         None
     }
 
-    /// The objects of all nodes with a mesh; `moves` tells which nodes move.
-    fn objects(&mut self, nodes: &Nodes, moves: &[bool]) -> Result<Found, Trouble> {
-        let globals = nodes.globals(0.0);
-        let all: Vec<gltf::Node> = self.document.nodes().collect();
-        // Each node with what it hangs from: whether it is surely drawn, and whether it is moved by
-        // what is not read.
+    /// Of each node, with what it hangs from: whether it is surely drawn, `None` if it is hidden; and
+    /// whether it is moved by what is not read.
+    fn states(&self, nodes: &Nodes, all: &[gltf::Node]) -> (Vec<Option<bool>>, Vec<bool>) {
         let drawn = nodes.inherited(|node, parent: Option<Option<bool>>| {
             let own = self.changes.draws(&all[node.index])?;
             Some(own & parent.unwrap_or(Some(true))?)
         });
         let moved = nodes.inherited(|node, parent| self.changes.moves(node.index) || parent.unwrap_or(false));
+        (drawn, moved)
+    }
+
+    /// The objects of all nodes with a mesh; `moves` tells which nodes move.
+    fn objects(&mut self, nodes: &Nodes, moves: &[bool]) -> Result<Found, Trouble> {
+        let globals = nodes.globals(0.0);
+        let all: Vec<gltf::Node> = self.document.nodes().collect();
+        let (drawn, moved) = self.states(nodes, &all);
         let mut found = Found::default();
         for (place, item) in nodes.0.iter().enumerate() {
             let node = &all[item.index];
@@ -154,7 +159,12 @@ impl Reader<'_> {
                 found.parts.push(FilePart { node: item.index, primitives: primitives.clone() });
                 found.objects.push(Object {
                     name,
-                    shape: Shape::Mesh { mesh: mesh.clone(), transform: (transform * own).as_affine3a() },
+                    shape: match has_skin {
+                        true => Shape::Box { min: mesh.positions[0], max: mesh.positions[7] },
+                        false => {
+                            Shape::Mesh { mesh: mesh.clone(), transform: (transform * own).as_affine3a() }
+                        }
+                    },
                     motion: match dynamic || is_deformed {
                         true => Motion::Dynamic { max_speed: 0.0 },
                         false => Motion::Static,
@@ -199,11 +209,7 @@ fn grid_of(min: Vec3, max: Vec3) -> Result<GridHint, Trouble> {
 }
 
 /// The scene; warnings may be there already.
-pub(super) fn contents(
-    name: &str,
-    file: &File,
-    warnings: &Warnings,
-) -> Result<World, Trouble> {
+pub(super) fn contents(name: &str, file: &File, warnings: &Warnings) -> Result<World, Trouble> {
     let File { document, buffers, json, .. } = file;
     let mut nodes = nodes_of(file)?;
     let clip = animate(document, buffers, &mut nodes)?;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{Affine3A, DVec3, Mat4, Vec3, Vec4};
+use glam::{Affine3A, Mat4, Vec3, Vec4};
 use gltf::Semantic;
 use gltf::animation::{Interpolation, Property};
 
@@ -11,7 +11,7 @@ use super::error::Trouble;
 use super::meshes::Meshes;
 use super::nodes::Nodes;
 use super::path::time_of;
-use crate::numeric::{AFFINE, WEIGHTS};
+use crate::numeric::{AFFINE, POSED};
 use crate::world::box_corners;
 
 /// The least and the greatest corner of a box.
@@ -22,6 +22,14 @@ const EMPTY: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
 fn around(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
 }
+
+fn scaled((low, high): Bounds, by: f32) -> Bounds {
+    (low * by, high * by)
+}
+
+/// By joint of a skin, the box of the points that follow it; and the least and the greatest sum of
+/// their weights.
+type Followed = (HashMap<usize, Bounds>, [f32; 2]);
 
 /// The meshes of a file, and how they are deformed in so many frames.
 pub(super) struct Deformed<'a> {
@@ -53,8 +61,8 @@ impl Deformed<'_> {
             }
             return Ok(Some(all).filter(is_sound));
         };
-        let Some((joints, share)) = self.boxes_of_joints(reader, mesh, &weights)? else { return Ok(None) };
-        self.posed(&skin, &joints, share, moved)
+        let Some(joints) = self.boxes_of_joints(reader, mesh, &weights)? else { return Ok(None) };
+        self.posed(&skin, &joints, moved)
     }
 
     /// By morph target of a node, the least and the greatest weight; `None` if splines may go beyond
@@ -103,21 +111,21 @@ impl Deformed<'_> {
         Ok(sum)
     }
 
-    /// By joint, the box of the points that follow it, in the space of the mesh, and by which share of
-    /// its coordinates a point may lie beyond; `None` if weights are none.
+    /// By joint, the box of the points that follow it, in the space of the mesh; and the least and the
+    /// greatest sum of the weights of a point. `None` if weights are none.
     fn boxes_of_joints(
         &self,
         reader: &mut Meshes,
         mesh: &gltf::Mesh,
         weights: &[[f32; 2]],
-    ) -> Result<Option<(HashMap<usize, Bounds>, f32)>, Trouble> {
+    ) -> Result<Option<Followed>, Trouble> {
         let mut boxes: HashMap<usize, Bounds> = HashMap::new();
-        let mut beyond = 8.0 * f32::EPSILON;
+        let mut range = [f32::INFINITY, 0.0f32];
         for primitive in mesh.primitives() {
             let Some(accessor) = primitive.get(&Semantic::Positions) else { continue };
             let points = reader.points(&accessor, mesh.index())?;
             let (low, high) = self.offsets(reader, &primitive, weights)?;
-            let mut sums = vec![0.0; points.len()];
+            let mut sums = vec![0.0f32; points.len()];
             for set in 0.. {
                 let Some(joints) = primitive.get(&Semantic::Joints(set)) else { break };
                 let Some(shares) = primitive.get(&Semantic::Weights(set)) else { break };
@@ -135,12 +143,9 @@ impl Deformed<'_> {
                     }
                 }
             }
-            if sums.iter().any(|sum: &f32| !((sum - 1.0).abs() <= WEIGHTS)) {
-                return Ok(None);
-            }
-            beyond = sums.iter().fold(beyond, |most, sum| most.max((sum - 1.0).abs() + 8.0 * f32::EPSILON));
+            range = sums.into_iter().fold(range, |[low, high], sum| [low.min(sum), high.max(sum)]);
         }
-        Ok(Some((boxes, beyond)))
+        Ok((range[0] > 0.0 && range[1].is_finite()).then_some((boxes, range)))
     }
 
     /// The box around what follows joints, in all frames. A point is a mean of where the joints that
@@ -148,8 +153,7 @@ impl Deformed<'_> {
     fn posed(
         &self,
         skin: &gltf::Skin,
-        boxes: &HashMap<usize, Bounds>,
-        share: f32,
+        (boxes, sums): &Followed,
         moved: &dyn Fn(usize) -> bool,
     ) -> Result<Option<Bounds>, Trouble> {
         let place_of: HashMap<usize, usize> =
@@ -178,16 +182,18 @@ impl Deformed<'_> {
         if !self.buffers.spend(self.frames.saturating_mul(self.nodes.0.len() + corners.len())) {
             return Ok(None);
         }
-        let mut all = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut all = EMPTY;
         for frame in 0..self.frames {
             let globals = self.nodes.globals(time_of(frame));
             for (place, corners) in &corners {
-                let points = corners.map(|p| globals[*place].transform_point3(p.as_dvec3()));
-                all = points.into_iter().fold(all, |(low, high), p| (low.min(p), high.max(p)));
+                let points = corners.map(|p| globals[*place].transform_point3(p.as_dvec3()).as_vec3());
+                all = points.into_iter().fold(all, |b, p| around(b, (p, p)));
             }
         }
-        let room = f64::from(share) * all.0.abs().max(all.1.abs());
-        Ok(Some(((all.0 - room).as_vec3(), (all.1 + room).as_vec3())).filter(is_sound))
+        // Weights that are not 1 in sum are made so by some programs, and are factors in others.
+        let all = sums.iter().fold(all, |b, &sum| around(b, scaled(all, sum)));
+        let room = POSED * all.0.abs().max(all.1.abs());
+        Ok(Some((all.0 - room, all.1 + room)).filter(is_sound))
     }
 }
 

@@ -44,7 +44,11 @@ pub(super) struct File<'a> {
 }
 
 /// Parses a file.
-pub(super) fn parse<'a>(bytes: &'a [u8], folder: Option<&Path>, warnings: &Warnings) -> Result<File<'a>, Trouble> {
+pub(super) fn parse<'a>(
+    bytes: &'a [u8],
+    folder: Option<&Path>,
+    warnings: &Warnings,
+) -> Result<File<'a>, Trouble> {
     let (json, binary) = chunks(bytes)?;
     let mut root: Map<String, Value> =
         from_slice(json).map_err(|why| Trouble::Format(format!("its JSON: {why}")))?;
@@ -156,14 +160,17 @@ fn check_rules(root: &Root) -> Result<(), Trouble> {
         // Extensions are checked on their own: the crate knows none of those that are read here.
         Error::Unsupported => false,
         // Boxes, positions and bytes that are not there are no fault.
-        Error::Missing => ![".min", ".max", ".bufferView", "[\"POSITION\"]"].iter().any(|end| path.0.ends_with(end)),
+        Error::Missing => {
+            ![".min", ".max", ".bufferView", "[\"POSITION\"]"].iter().any(|end| path.0.ends_with(end))
+        }
         Error::Invalid => !path.0.ends_with(".byteStride"),
         _ => true,
     });
     if errors.is_empty() {
         return Ok(());
     }
-    let told: Vec<String> = errors.iter().take(TOLD).map(|(path, error)| format!("{path}: {error}")).collect();
+    let told: Vec<String> =
+        errors.iter().take(TOLD).map(|(path, error)| format!("{path}: {error}")).collect();
     let more = match errors.len().saturating_sub(TOLD) {
         0 => String::new(),
         more => format!("; and {more} more"),

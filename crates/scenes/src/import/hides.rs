@@ -10,7 +10,7 @@ use super::warnings::Warnings;
 use crate::world::Sides;
 
 /// Extensions of materials that let no light through. One that is not known may do so.
-const OPAQUE: [&str; 9] = [
+const OPAQUE: [&str; 10] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -20,6 +20,7 @@ const OPAQUE: [&str; 9] = [
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_unlit",
+    "KHR_xmp_json_ld",
 ];
 const TRANSMISSION: &str = "KHR_materials_transmission";
 const VARIANTS: &str = "KHR_materials_variants";

@@ -1,5 +1,6 @@
 //! Materials and lights of glTF files.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -34,20 +35,21 @@ pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitSc
     let warnings = Warnings::default();
     let file = parse(bytes, folder, &warnings)?;
     let world = contents(name, &file, &warnings)?;
-    let mut scene = LitScene::of_world(&world, 0, 0);
+    let mut scene = LitScene::bare(&world, 0);
     scene.materials = vec![Material { sides: Sides::Front, ..Material::matt(Vec3::ONE) }];
     scene.materials.extend(file.document.materials().map(|m| material_of(&m)));
     let nodes: Vec<gltf::Node> = file.document.nodes().collect();
+    // Objects share them as they share meshes.
+    let mut known: HashMap<(usize, *const u32), Arc<[u32]>> = HashMap::new();
     for (object, part) in scene.objects.iter_mut().zip(&world.source.parts) {
         // A box around what is deformed is no surface.
-        object.materials = match nodes[part.node].mesh() {
-            Some(mesh) => materials_of(&mesh, &part.primitives).into(),
-            None => Arc::default(),
-        };
+        let Some(mesh) = nodes[part.node].mesh() else { continue };
+        let shared = known.entry((mesh.index(), part.primitives.as_ptr()));
+        object.materials = shared.or_insert_with(|| materials_of(&mesh, &part.primitives).into()).clone();
     }
     let lights = lights_of(&file, world.source.origin)?;
-    let emits = scene.objects.iter().flat_map(|o| o.materials.iter());
-    if !lights.is_empty() || emits.into_iter().any(|&m| scene.materials[m as usize].emits()) {
+    let mut used = known.values().flat_map(|materials| materials.iter());
+    if !lights.is_empty() || used.any(|&m| scene.materials[m as usize].emits()) {
         scene.lights = lights;
         scene.sky = Vec3::ZERO;
     }

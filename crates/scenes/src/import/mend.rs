@@ -57,7 +57,8 @@ fn check_version(root: &Object) -> Result<(), Trouble> {
         _ => None,
     };
     // Its lists had names instead of numbers; its asset could be left away.
-    let is_first = ["nodes", "meshes", "accessors"].iter().any(|l| root.get(*l).is_some_and(Value::is_object));
+    let is_first =
+        ["nodes", "meshes", "accessors"].iter().any(|l| root.get(*l).is_some_and(Value::is_object));
     let version = if is_first { Some("1.0".to_owned()) } else { text("version") };
     let least = text("minVersion").filter(|least| least != "2.0");
     match version {
@@ -133,7 +134,7 @@ fn mend_view(view: &mut Value) -> bool {
 
 /// The accessors that a scene cannot do without: where things are, and how they move.
 fn needed(root: &Object) -> HashSet<usize> {
-    fn items<'a>(value: Option<&'a Value>) -> impl Iterator<Item = &'a Value> {
+    fn items(value: Option<&Value>) -> impl Iterator<Item = &Value> {
         value.and_then(Value::as_array).into_iter().flatten()
     }
     let primitives = items(root.get("meshes")).flat_map(|mesh| items(mesh.get("primitives")));

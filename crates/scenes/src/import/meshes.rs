@@ -11,16 +11,6 @@ use super::accessors::{Buffers, Components, TOO_MUCH, unfit};
 use super::error::Trouble;
 use crate::world::Mesh;
 
-/// What is wanted of a mesh.
-#[derive(Clone, Copy, PartialEq)]
-enum Wanted {
-    /// All that is drawn.
-    All,
-    Triangles,
-    /// Triangles, with vertices that primitives do not share.
-    Parted,
-}
-
 /// Whether primitives of a mode are lines or points.
 pub(super) fn is_loose(mode: Mode) -> bool {
     matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
@@ -30,6 +20,30 @@ pub(super) fn is_loose(mode: Mode) -> bool {
 pub(super) fn materials_of(mesh: &gltf::Mesh, primitives: &[u32]) -> Vec<u32> {
     let all: Vec<u32> = mesh.primitives().map(|p| p.material().index().map_or(0, |i| i as u32 + 1)).collect();
     primitives.iter().map(|&p| all.get(p as usize).copied().unwrap_or(0)).collect()
+}
+
+/// Calls `add` with each triangle of a primitive, line or point.
+fn each_triangle(
+    mode: Mode,
+    corners: &[u32],
+    mut add: impl FnMut([u32; 3]) -> Result<(), Trouble>,
+) -> Result<(), Trouble> {
+    match mode {
+        Mode::TriangleStrip => corners.windows(3).enumerate().try_for_each(|(i, w)| {
+            // Every other triangle of a strip runs the other way round.
+            add(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
+        }),
+        Mode::TriangleFan => corners[1..].windows(2).try_for_each(|w| add([corners[0], w[0], w[1]])),
+        Mode::Triangles => corners.chunks_exact(3).try_for_each(|t| add([t[0], t[1], t[2]])),
+        Mode::Points => corners.iter().try_for_each(|&p| add([p, p, p])),
+        Mode::Lines => corners.chunks_exact(2).try_for_each(|l| add([l[0], l[1], l[1]])),
+        Mode::LineStrip | Mode::LineLoop => {
+            let back = [*corners.last().unwrap_or(&0), *corners.first().unwrap_or(&0)];
+            let back = (mode == Mode::LineLoop && !corners.is_empty()).then_some(back);
+            let mut lines = corners.windows(2).map(|l| [l[0], l[1]]).chain(back);
+            lines.try_for_each(|[a, b]| add([a, b, b]))
+        }
+    }
 }
 
 /// Reads meshes; vertex data that several share is read once.
@@ -49,7 +63,7 @@ impl<'a> Meshes<'a> {
     /// each triangle is; `None` if there is nothing. A line is a triangle without area, and so is a
     /// point.
     pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, Wanted::All, |_, _| {})
+        self.joined(mesh, (true, false), |_, _| {})
     }
 
     /// As [`Meshes::mesh_from`], but primitives share no vertices: they may differ in colour.
@@ -59,7 +73,7 @@ impl<'a> Meshes<'a> {
         mesh: &gltf::Mesh,
         each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, Wanted::Parted, each)
+        self.joined(mesh, (false, true), each)
     }
 
     /// The same for triangles only; `each` is called for each vertex in turn, with its primitive and
@@ -70,13 +84,13 @@ impl<'a> Meshes<'a> {
         mesh: &gltf::Mesh,
         each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, Wanted::Triangles, each)
+        self.joined(mesh, (false, false), each)
     }
 
     fn joined(
         &mut self,
         mesh: &gltf::Mesh,
-        wanted: Wanted,
+        (with_loose, parted): (bool, bool),
         mut each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         let mut joined = Mesh::default();
@@ -86,7 +100,7 @@ impl<'a> Meshes<'a> {
         for primitive in mesh.primitives() {
             let mode = primitive.mode();
             let is_loose = is_loose(mode);
-            if is_loose && wanted != Wanted::All {
+            if is_loose && !with_loose {
                 continue;
             }
             let Some(accessor) = primitive.get(&gltf::Semantic::Positions) else { continue };
@@ -106,7 +120,7 @@ impl<'a> Meshes<'a> {
                 let corners = corners.len();
                 return Err(Trouble::Corners { mesh: mesh.index(), primitive: primitive.index(), corners });
             }
-            let mut add = |corners: [u32; 3]| {
+            let add = |corners: [u32; 3]| {
                 let [a, b, c] = corners;
                 if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
                     return Err(Trouble::Vertex { mesh: mesh.index(), vertex, vertices });
@@ -121,7 +135,7 @@ impl<'a> Meshes<'a> {
                     *place = match known.entry((
                         accessor.index(),
                         vertex,
-                        if wanted == Wanted::Parted { primitive.index() } else { 0 },
+                        if parted { primitive.index() } else { 0 },
                     )) {
                         Entry::Occupied(entry) => *entry.get(),
                         Entry::Vacant(entry) => {
@@ -136,22 +150,7 @@ impl<'a> Meshes<'a> {
                 joined.triangles.push(triangle);
                 Ok(())
             };
-            match mode {
-                Mode::TriangleStrip => corners.windows(3).enumerate().try_for_each(|(i, w)| {
-                    // Every other triangle of a strip runs the other way round.
-                    add(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
-                }),
-                Mode::TriangleFan => corners[1..].windows(2).try_for_each(|w| add([corners[0], w[0], w[1]])),
-                Mode::Triangles => corners.chunks_exact(3).try_for_each(|t| add([t[0], t[1], t[2]])),
-                Mode::Points => corners.iter().try_for_each(|&p| add([p, p, p])),
-                Mode::Lines => corners.chunks_exact(2).try_for_each(|l| add([l[0], l[1], l[1]])),
-                Mode::LineStrip | Mode::LineLoop => {
-                    let back = [*corners.last().unwrap_or(&0), *corners.first().unwrap_or(&0)];
-                    let back = (mode == Mode::LineLoop && !corners.is_empty()).then_some(back);
-                    let mut lines = corners.windows(2).map(|l| [l[0], l[1]]).chain(back);
-                    lines.try_for_each(|[a, b]| add([a, b, b]))
-                }
-            }?;
+            each_triangle(mode, &corners, add)?;
             primitives.resize(joined.triangles.len(), primitive.index() as u32);
         }
         Ok((!joined.triangles.is_empty()).then_some((joined, primitives)))

@@ -59,8 +59,9 @@ impl Node {
         if let Some(matrix) = self.matrix {
             return matrix;
         }
-        let at =
-            |track: &Option<Track<DVec3>>, rest: DVec3| track.as_ref().and_then(|t| t.at(time)).unwrap_or(rest);
+        let at = |track: &Option<Track<DVec3>>, rest: DVec3| {
+            track.as_ref().and_then(|t| t.at(time)).unwrap_or(rest)
+        };
         let rotation = self.tracks.rotation.as_ref().and_then(|t| t.at(time)).unwrap_or(self.rest.1);
         DAffine3::from_scale_rotation_translation(
             at(&self.tracks.scale, self.rest.2),

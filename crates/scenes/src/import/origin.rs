@@ -22,7 +22,12 @@ pub(super) fn moved(found: &mut Found) -> DVec3 {
     let mut meshes: HashMap<*const Mesh, Centred> = HashMap::new();
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (object, place) in found.objects.iter().zip(&found.places) {
-        let Shape::Mesh { mesh, .. } = &object.shape else { continue };
+        let Shape::Mesh { mesh, .. } = &object.shape else {
+            if let Shape::Box { min: low, max: high } = &object.shape {
+                (min, max) = (min.min(low.as_dvec3()), max.max(high.as_dvec3()));
+            }
+            continue;
+        };
         let known = meshes.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
             let (low, high) = mesh.bounds(&Affine3A::IDENTITY);
             let corners = box_corners(low, high).map(|corner| corner.as_dvec3());
@@ -38,7 +43,8 @@ pub(super) fn moved(found: &mut Found) -> DVec3 {
     let middle = (min + max) * 0.5;
     // Single precision holds its numbers: whole ones, unless the scene is small.
     let step = size.log2().floor().exp2();
-    let origin = if is_far(middle) { ((middle / step).round() * step).as_vec3().as_dvec3() } else { DVec3::ZERO };
+    let origin =
+        if is_far(middle) { ((middle / step).round() * step).as_vec3().as_dvec3() } else { DVec3::ZERO };
     for (object, place) in found.objects.iter().zip(&found.places) {
         let Shape::Mesh { mesh, .. } = &object.shape else { continue };
         let Some(known) = meshes.get_mut(&Arc::as_ptr(mesh)) else { continue };
@@ -52,7 +58,12 @@ pub(super) fn moved(found: &mut Found) -> DVec3 {
     }
     let about = |place: DAffine3, by: DVec3| place * DAffine3::from_translation(by);
     for (object, place) in found.objects.iter_mut().zip(&found.places) {
-        let Shape::Mesh { mesh, transform } = &mut object.shape else { continue };
+        let Shape::Mesh { mesh, transform } = &mut object.shape else {
+            if let Shape::Box { min, max } = &mut object.shape {
+                (*min, *max) = (*min - origin.as_vec3(), *max - origin.as_vec3());
+            }
+            continue;
+        };
         let Some(known) = meshes.get(&Arc::as_ptr(mesh)) else { continue };
         let mut place = about(*place, known.middle);
         place.translation -= origin;

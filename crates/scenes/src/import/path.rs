@@ -42,7 +42,8 @@ pub(super) fn camera_of(
         let Some(of) = document.nodes().nth(item.index) else { continue };
         let Some(camera) = of.camera() else { continue };
         let gltf::camera::Projection::Perspective(p) = camera.projection() else {
-            others.push((of, "has an orthographic camera, which is not used: the path is a walk in a circle"));
+            others
+                .push((of, "has an orthographic camera, which is not used: the path is a walk in a circle"));
             continue;
         };
         let sound = p.yfov() > 0.0 && p.yfov() < 3.1 && p.znear() > 0.0 && p.znear().is_finite();
@@ -107,8 +108,8 @@ pub(super) struct Moving {
 pub(super) struct FilePath {
     nodes: Nodes,
     /// The nodes that something moves with, and those that they hang from: before a node its
-    /// parent, whose place in this list it has.
-    links: Vec<(usize, Option<usize>)>,
+    /// parent, whose place in this list it has. Those that do not move by themselves have a place.
+    links: Vec<(usize, Option<usize>, Option<DAffine3>)>,
     /// By moving object: the place of its node in that list.
     link_of: Vec<usize>,
     moving: Vec<Moving>,
@@ -213,7 +214,8 @@ impl FilePath {
         let mut links = Vec::new();
         for (node, item) in nodes.0.iter().enumerate().filter(|(node, _)| needed[*node]) {
             place[node] = links.len();
-            links.push((node, item.parent.map(|parent| place[parent])));
+            let fixed = (!item.moves).then(|| item.local(0.0));
+            links.push((node, item.parent.map(|parent| place[parent]), fixed));
         }
         let link_of = moving.iter().map(|moving| place[moving.node]).collect();
         Self { nodes, links, link_of, moving, camera, walk: Walk::default(), frames, origin }
@@ -228,8 +230,8 @@ impl FilePath {
     fn globals(&self, frame: usize) -> Vec<DAffine3> {
         let time = time_of(frame);
         let mut globals: Vec<DAffine3> = Vec::with_capacity(self.links.len());
-        for &(node, parent) in &self.links {
-            let local = self.nodes.0[node].local(time);
+        for &(node, parent, fixed) in &self.links {
+            let local = fixed.unwrap_or_else(|| self.nodes.0[node].local(time));
             globals.push(parent.map_or(local, |parent| globals[parent] * local));
         }
         globals
@@ -250,10 +252,12 @@ impl FilePath {
             // Objects of a node follow each other.
             if let Some(way) = ways.last_mut().filter(|way| together && way.link == link) {
                 let corners = own.map(|corner| place.transform_point3(corner.as_dvec3()).as_vec3());
-                let (min, max) = corners.iter().chain(&way.corners).fold(
-                    (Vec3::INFINITY, Vec3::NEG_INFINITY),
-                    |(min, max), &corner| (min.min(corner), max.max(corner)),
-                );
+                let (min, max) = corners
+                    .iter()
+                    .chain(&way.corners)
+                    .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &corner| {
+                        (min.min(corner), max.max(corner))
+                    });
                 way.corners = box_corners(min, max);
                 way.objects.push(i);
                 continue;
@@ -289,9 +293,14 @@ impl FilePath {
         let shapes = |o: &Object| if let Shape::Mesh { mesh, .. } = &o.shape { points(mesh) } else { 0 };
         let closely = sum(&mut objects.iter().map(shapes)) <= most;
         for (i, object) in objects.iter().enumerate() {
-            let Shape::Mesh { mesh, transform } = &object.shape else { continue };
-            let corners = boxes.of(mesh);
-            grow(i, 0, bounds_of(if closely { &mesh.positions } else { &corners }, transform));
+            match &object.shape {
+                Shape::Mesh { mesh, transform } => {
+                    let corners = boxes.of(mesh);
+                    grow(i, 0, bounds_of(if closely { &mesh.positions } else { &corners }, transform));
+                }
+                Shape::Box { min, max } => grow(i, 0, Some((*min, *max))),
+                Shape::Sphere { .. } => {}
+            }
         }
         let depth = self.camera.as_ref().map_or(0, |camera| self.nodes.depth(camera.node));
         let nodes = (self.links.len() + depth).saturating_mul(STEPS_OF_A_NODE);

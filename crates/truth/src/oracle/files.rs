@@ -18,7 +18,7 @@ use casca_scenes::world::{FilePart, Mesh, Object, Shape, Sides, World};
 pub struct Seen {
     /// Empty if the world comes from no file.
     objects: Vec<Object>,
-    /// By object.
+    /// By object; shorter if the world has more than its file.
     meshes: Vec<Option<Arc<Mesh>>>,
 }
 
@@ -53,8 +53,8 @@ impl Seen {
             return objects;
         }
         for &i in moved {
-            self.objects[i].shape = match (&objects[i].shape, &self.meshes[i]) {
-                (Shape::Mesh { transform, .. }, Some(mesh)) => {
+            self.objects[i].shape = match (&objects[i].shape, self.meshes.get(i)) {
+                (Shape::Mesh { transform, .. }, Some(Some(mesh))) => {
                     Shape::Mesh { mesh: mesh.clone(), transform: *transform }
                 }
                 (shape, _) => shape.clone(),

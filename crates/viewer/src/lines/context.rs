@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use casca_lines::mesh::Mesh;
 use casca_lines::sets::files::open_mesh;
 use casca_scenes::import;
-use glam::Vec3A;
 use casca_scenes::world::Shape;
+use glam::Vec3A;
 
 use crate::common::Failed;
 

@@ -43,7 +43,9 @@ fn scenes_far_from_the_origin_are_moved_to_one_of_their_own() {
             // Positions in floats have the precision of floats; all else is as near the origin.
             let within = if by == "positions" { 1.0 } else { 1e-5 };
             for object in 0..2 {
-                for (a, b) in triangles(&near, object).iter().flatten().zip(triangles(&far, object).iter().flatten()) {
+                for (a, b) in
+                    triangles(&near, object).iter().flatten().zip(triangles(&far, object).iter().flatten())
+                {
                     assert!((*a + offset).abs_diff_eq(*b, within), "{by} {object}: {a} {b}");
                 }
             }
@@ -81,7 +83,8 @@ fn what_moves_is_moved_with_its_scene_and_lights_too() {
     let Motion::Dynamic { max_speed } = world.objects[0].motion else { panic!("it moves") };
     assert!((2.0..2.1).contains(&max_speed), "{max_speed}");
     // Its lamp hangs two metres above it, as in the test of lights.
-    let lit = LIT.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"translation":[500000,0,0]}"#)
+    let lit = LIT
+        .replace(r#"{"mesh":0}"#, r#"{"mesh":0,"translation":[500000,0,0]}"#)
         .replace(r#""translation":[0,2,0]"#, r#""translation":[500000,2,0]"#);
     let near = read_lit("near", &triangle().glb(LIT), None).unwrap();
     let far = read_lit("far", &triangle().glb(&lit), None).unwrap();
@@ -92,7 +95,9 @@ fn what_moves_is_moved_with_its_scene_and_lights_too() {
 
 #[test]
 fn what_is_exported_lies_where_its_file_did() {
-    let mut world = read("far", &small_file_with(r#"{"mesh":0,"#, r#"{"mesh":0,"translation":[500000,0,0],"#), None).unwrap();
+    let mut world =
+        read("far", &small_file_with(r#"{"mesh":0,"#, r#"{"mesh":0,"translation":[500000,0,0],"#), None)
+            .unwrap();
     assert_ne!(world.source.origin, DVec3::ZERO);
     let again = read("again", &crate::export::glb(&mut world).unwrap(), None).unwrap();
     let places = |world: &World| {

@@ -56,7 +56,10 @@ fn broken_details_are_left_out_with_a_warning() {
     for (more, told) in [
         (r#","cameras":[{"type":"fisheye"}]"#, "camera 0: is broken and left out"),
         (r#","cameras":[{"type":"perspective","orthographic":{}}]"#, "camera 0: is broken and left out"),
-        (r#","materials":[{"alphaMode":"GLASS"}]"#, "material 0 (\"\"): is broken, and is taken as transparent"),
+        (
+            r#","materials":[{"alphaMode":"GLASS"}]"#,
+            "material 0 (\"\"): is broken, and is taken as transparent",
+        ),
         (
             r#","extensions":{"KHR_lights_punctual":{"lights":[{"type":"sun"}]}}"#,
             "light 0: is broken and left out",
@@ -87,9 +90,15 @@ fn containers_are_read_as_others_write_them() {
             let fill = vec![0; 4 - odd.len() % 4];
             made(&[chunk(b"JSON", odd.as_bytes()), fill, chunk(b"BIN\0", bin)])
         }),
-        ("filled by zeros", made(&[chunk(b"JSON", format!("{json}\0\0\0").as_bytes()), chunk(b"BIN\0", bin)])),
+        (
+            "filled by zeros",
+            made(&[chunk(b"JSON", format!("{json}\0\0\0").as_bytes()), chunk(b"BIN\0", bin)]),
+        ),
         ("byte-order mark", made(&[chunk(b"JSON", marked.as_bytes()), chunk(b"BIN\0", bin)])),
-        ("other chunks", made(&[chunk(b"JSON", even.as_bytes()), chunk(b"XMP\0", b"1234"), chunk(b"BIN\0", bin)])),
+        (
+            "other chunks",
+            made(&[chunk(b"JSON", even.as_bytes()), chunk(b"XMP\0", b"1234"), chunk(b"BIN\0", bin)]),
+        ),
         ("more behind", [small_file(), b"more".to_vec()].concat()),
         ("some bytes behind", made(&[chunk(b"JSON", odd.as_bytes()), chunk(b"BIN\0", bin), vec![0; 5]])),
     ] {

@@ -2,26 +2,71 @@
 
 use super::*;
 
+/// Whether the only object is a box that hides nothing, from a corner to another in its space, and
+/// whether the only warning has all of `parts`.
+fn is_boxed(world: &World, low: Vec3, high: Vec3, parts: &[&str]) {
+    let [object] = &world.objects[..] else { panic!("one object") };
+    let (min, max) = match &object.shape {
+        Shape::Mesh { mesh, .. } => mesh.bounds(&glam::Affine3A::IDENTITY),
+        Shape::Box { min, max } => (*min, *max),
+        Shape::Sphere { .. } => panic!("a sphere"),
+    };
+    assert!(min.cmple(low).all() && high.cmple(max).all(), "{min} to {max}");
+    assert!(min.abs_diff_eq(low, 0.1) && max.abs_diff_eq(high, 0.1), "{min} to {max}");
+    assert!(!object.occludes && object.tested && object.motion != Motion::Static);
+    let [told] = &world.source.warnings[..] else { panic!("{:?}", world.source.warnings) };
+    assert!(parts.iter().all(|part| told.contains(part)), "{told}");
+}
+
 #[test]
-fn deformed_meshes_are_refused() {
+fn deformed_meshes_count_as_their_boxes_and_hide_nothing() {
     let mut parts = timed();
-    parts.floats("SCALAR", &[0.0, 1.0, 0.0, 1.0]);
+    parts.floats("SCALAR", &[0.0, 1.0, -2.0, 1.0]);
     let targets = r#""POSITION":0},"targets":[{"POSITION":0}]}"#;
     let morphed = |rest: &str| rest.replace(r#""POSITION":0}}"#, targets);
+    let one = |node: &str| ONE.replace(r#"{"mesh":0}"#, node);
     // Targets that are not used change nothing.
-    assert!(parts.read(&morphed(ONE)).is_ok());
-    assert!(parts.read(&morphed(&ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#))).is_ok());
-    let at_node = morphed(&ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"name":"face","weights":[0.5]}"#));
-    says(parts.read(&at_node), &["node 0 (\"face\")", "morph targets"]);
+    for rest in [morphed(ONE), morphed(&one(r#"{"mesh":0,"weights":[0]}"#))] {
+        let world = parts.read(&rest).unwrap();
+        assert!(world.objects[0].occludes && world.source.warnings.is_empty());
+    }
+    let at_node = morphed(&one(r#"{"mesh":0,"name":"face","weights":[0.5]}"#));
+    let (unit, half) = (Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.5, 1.5, 0.0));
+    is_boxed(&parts.read(&at_node).unwrap(), Vec3::ZERO, half, &["node 0 (\"face\")", "morph targets"]);
     let at_mesh = morphed(ONE).replace(r#""primitives""#, r#""weights":[0.5],"primitives""#);
-    says(parts.read(&at_mesh), &["node 0", "morph targets"]);
+    is_boxed(&parts.read(&at_mesh).unwrap(), Vec3::ZERO, half, &["node 0", "morph targets"]);
     // The weights of a node count before those of its mesh.
-    assert!(parts.read(&at_mesh.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#)).is_ok());
-    let animated = moved(&format!("[{}]", animated(1, "weights", 2, "LINEAR")));
-    assert!(parts.read(&animated).is_ok());
-    says(parts.read(&morphed(&animated)), &["node 1 (\"leaf\")", "morph targets"]);
-    let skinned = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"name":"body","skin":0}"#);
-    says(parts.read(&format!(r#"{skinned},"skins":[{{"joints":[0]}}]"#)), &["node 0 (\"body\")", "skin"]);
+    let at_rest = at_mesh.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#);
+    assert!(parts.read(&at_rest).unwrap().objects[0].occludes);
+    // Keys from -2 to 1.
+    let animated = |how: &str| moved(&format!("[{}]", animated(1, "weights", 2, how)));
+    assert!(parts.read(&animated("LINEAR")).unwrap().objects[0].occludes);
+    let world = parts.read(&morphed(&animated("LINEAR"))).unwrap();
+    is_boxed(&world, -2.0 * unit, 2.0 * unit, &["node 1 (\"leaf\")", "morph targets"]);
+    drive(world);
+}
+
+#[test]
+fn what_has_no_bounds_is_left_out_with_a_word_and_the_rest_is_read() {
+    let mut parts = timed();
+    parts.floats("SCALAR", &[0.0; 12]);
+    let targets = r#""POSITION":0},"targets":[{"POSITION":0}]}"#;
+    let splines = moved(&format!("[{}]", animated(1, "weights", 2, "CUBICSPLINE")))
+        .replace(r#""POSITION":0}}"#, targets)
+        .replace(r#""nodes":["#, r#""nodes":[{"mesh":1},"#)
+        .replace(r#""children":[1]"#, r#""children":[2]"#)
+        .replace(r#""node":1"#, r#""node":2"#)
+        .replace(r#""meshes":["#, r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},"#)
+        .replace(r#""mesh":0,"name":"leaf""#, r#""mesh":1,"name":"leaf""#)
+        .replacen(r#"{"mesh":1},"#, r#"{"mesh":0},"#, 1);
+    let skinned = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0},{"mesh":0,"name":"body","skin":0}"#);
+    let skinned = format!(r#"{skinned},"skins":[{{"joints":[0]}}]"#);
+    for (rest, name) in [(splines, "node 2 (\"leaf\")"), (skinned, "node 1 (\"body\")")] {
+        let world = parts.read(&rest).unwrap();
+        assert!(world.objects.len() == 1 && world.objects[0].occludes);
+        let [told] = &world.source.warnings[..] else { panic!("{:?}", world.source.warnings) };
+        assert!(told.starts_with(name) && told.contains("always draw it"), "{told}");
+    }
 }
 
 #[test]
@@ -95,7 +140,7 @@ fn matrices_place_nodes_and_are_not_animated() {
 }
 
 /// Takes a world through the library, with a view of every tenth frame.
-fn drive(mut world: World) -> World {
+pub(super) fn drive(mut world: World) -> World {
     let grid = grid_for(&world.grid, None).unwrap();
     let mut driver = Driver::new(&world, &grid, |_| {}).unwrap();
     for frame in (0..world.frames).step_by(10) {

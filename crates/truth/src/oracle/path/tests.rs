@@ -404,3 +404,39 @@ fn broken_input_gives_errors_or_darkness() {
     broken.objects.clear();
     black(&broken);
 }
+
+#[test]
+fn light_passes_panes_and_the_backs_of_single_sided_sheets() {
+    let sides = |sides| Material { sides, ..Material::matt(Vec3::ZERO) };
+    let lamp = |sides| Material { sides, ..Material::emitter(Vec3::ONE) };
+    // A floor, a sheet over it whose front looks up, and a light over both.
+    let lit = |sheet: Material, over: Option<Material>| {
+        let mut all = scene(vec![(square(0.0, 5.0), WHITE), (square(1.0, 2.0), sheet)]);
+        if let Some(over) = over {
+            let lamp = scene(vec![(square(2.0, 1.0), over)]);
+            all.objects
+                .extend(lamp.objects.into_iter().map(|o| LitObject { materials: vec![2; 2].into(), ..o }));
+            all.materials.push(over);
+        } else {
+            all.lights = vec![Light::point(Vec3::new(0.0, 2.0, 0.0), Vec3::ONE)];
+        }
+        let tracer = PathTracer::new(&all);
+        look(&tracer, DVec3::new(0.0, 0.5, 0.2), DVec3::new(0.0, 0.0, 0.2), 1..=1, 200).0
+    };
+    use casca_scenes::world::Sides::{Both, Front, Neither};
+    // The light comes down onto the front; seen from the floor it is the lamp that shows its back.
+    assert_eq!([Both, Front].map(|s| lit(sides(s), None)), [0.0; 2]);
+    assert!(lit(sides(Neither), None) > 0.0);
+    assert!(lit(sides(Neither), Some(lamp(Both))) > 0.0);
+    assert_eq!(lit(sides(Neither), Some(lamp(Front))), 0.0);
+    // From below, the sheet shows its back: the light above is seen through it.
+    let mut all = scene(vec![(square(1.0, 2.0), sides(Front)), (square(2.0, 1.0), lamp(Both))]);
+    all.sky = Vec3::ZERO;
+    let through = |all: &LitScene, y: f64, to: f64| {
+        PathTracer::new(all).hit(DVec3::new(0.3, y, 0.2), DVec3::new(0.0, to, 0.0)).map(|s| s.material)
+    };
+    assert_eq!((through(&all, 0.0, 1.0), through(&all, 1.5, -1.0)), (Some(1), Some(0)));
+    // A mirror does not turn the front of an object: the same sheet, upside down.
+    all.objects[0].transform = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+    assert_eq!((through(&all, -2.0, 1.0), through(&all, 0.0, -1.0)), (Some(0), None));
+}

@@ -79,7 +79,10 @@ fn show_losses(bar: &ProgressBar, world: &World, number: usize, frame: &Frame, s
             let in_file = |place: Vec3| place.as_dvec3() + world.source.origin;
             eprintln!(
                 "  frame {number}: object {} {name:?} is seen ({:?}) along the ray from {} to {}",
-                lost.object, lost.found_by, in_file(lost.origin), in_file(lost.target)
+                lost.object,
+                lost.found_by,
+                in_file(lost.origin),
+                in_file(lost.target)
             );
         });
         *shown += 1;
