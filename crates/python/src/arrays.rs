@@ -45,6 +45,8 @@ impl<'py, T: Element, D: Dimension> std::ops::Deref for Array<'py, T, D> {
 
 /// Arrays of floats.
 pub type Floats1<'py> = Array<'py, f32, Ix1>;
+/// A vector of doubles, for places in large worlds.
+pub type Doubles<'py> = Array<'py, f64, Ix1>;
 pub type Floats2<'py> = Array<'py, f32, Ix2>;
 pub type Floats3<'py> = Array<'py, f32, Ix3>;
 
@@ -60,6 +62,13 @@ pub fn vec3(name: &str, array: &Floats1) -> PyResult<Vec3> {
     let array = array.as_array();
     check(array.len() == 3, || format!("{name} must have 3 numbers, not {}", array.len()))?;
     Ok(vec3_of(array))
+}
+
+/// The same in double precision.
+pub fn dvec3(name: &str, array: &Doubles) -> PyResult<[f64; 3]> {
+    let numbers: Vec<f64> = array.as_array().iter().copied().collect();
+    let count = numbers.len();
+    numbers.try_into().or_else(|_| check(false, || format!("{name} must have 3 numbers, not {count}")).map(|()| [0.0; 3]))
 }
 
 /// A matrix that takes columns: entry `[i, j]` stands in row i and column j.

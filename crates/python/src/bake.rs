@@ -14,7 +14,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::{Array, Floats1, vec3};
+use crate::arrays::{Array, Doubles, Floats1, dvec3, vec3};
 use crate::error::{refused, warn};
 use crate::mesh::Told;
 
@@ -211,8 +211,8 @@ impl Baked {
     }
 
     /// The objects that can be seen from a place; `None` if nothing is known about it.
-    fn at<'py>(&self, py: Python<'py>, place: Floats1) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
-        let place = vec3("place", &place)?.as_dvec3().to_array();
+    fn at<'py>(&self, py: Python<'py>, place: Doubles) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        let place = dvec3("place", &place)?;
         Ok(self.baked()?.set_at(place).map(|set| set.iter().collect::<Vec<_>>().into_pyarray(py)))
     }
 
@@ -252,9 +252,9 @@ impl Baked {
     }
 
     /// Whether an eye in one box may see a point in another; true in doubt.
-    fn may_see(&self, eyes: (Floats1, Floats1), target: (Floats1, Floats1)) -> PyResult<bool> {
-        let corner = |at: &Floats1| Ok::<_, PyErr>(vec3("a corner", at)?.as_dvec3().to_array());
-        let span = |(low, high): (Floats1, Floats1)| Ok::<_, PyErr>([corner(&low)?, corner(&high)?]);
+    fn may_see(&self, eyes: (Doubles, Doubles), target: (Doubles, Doubles)) -> PyResult<bool> {
+        let corner = |at: &Doubles| dvec3("a corner", at);
+        let span = |(low, high): (Doubles, Doubles)| Ok::<_, PyErr>([corner(&low)?, corner(&high)?]);
         Ok(self.baked()?.may_see(span(eyes)?, span(target)?))
     }
 

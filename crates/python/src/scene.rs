@@ -134,10 +134,12 @@ impl Scene {
         cell: Option<f32>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let world = py.detach(|| casca_scenes::import::load(&path)).map_err(|why| match &why.why {
+        let mut world = py.detach(|| casca_scenes::import::load(&path)).map_err(|why| match &why.why {
             casca_scenes::import::Trouble::Read(_) => PyOSError::new_err(why.to_string()),
             _ => refused(&why),
         })?;
+        let moved = world.source.about_origin();
+        world.source.warnings.extend(moved.map(|line| format!("{}: {line} (Scene.origin)", path.display())));
         warn(py, &world)?;
         Self::of(py, world, cell, progress)
     }
@@ -303,6 +305,12 @@ impl Scene {
             .ok_or_else(|| refused(format!("the path has {} frames, not {frame}", self.path_length())))?;
         check(aspect > 0.0 && aspect.is_finite(), || format!("aspect must be positive, not {aspect}"))?;
         View::from_camera(world.camera(frame, aspect))
+    }
+
+    /// What is added to all coordinates of this scene for those of the file that it comes from.
+    #[getter]
+    fn origin(&self) -> [f64; 3] {
+        self.world.as_ref().map_or([0.0; 3], |world| world.source.origin.to_array())
     }
 
     /// The corners of the grid.

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 pub use casca_stage::camera::Camera;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 
 /// Seconds between two frames of every path.
 pub const FRAME_SECONDS: f64 = 1.0 / 30.0;
@@ -277,6 +277,11 @@ pub struct Source {
     /// What of the file is not as its author may expect: a line each, which names the place in the
     /// file. Tools show them.
     pub warnings: Vec<String>,
+    /// What is added to each position of the world, its camera and its grid to get that of the file,
+    /// in metres: a scene far from the origin of its file is moved to one of its own, since single
+    /// precision is too coarse there. Zero where nothing was moved;
+    /// single precision holds its numbers.
+    pub origin: DVec3,
     /// The JSON of the file, as it was; empty for other worlds.
     pub document: Arc<[u8]>,
     /// By object: what of the file it is. Shorter where that is not known.
@@ -297,6 +302,15 @@ impl Source {
     /// Prints the warnings to the standard error of a tool.
     pub fn tell(&self) {
         self.warnings.iter().for_each(|line| eprintln!("warning: {line}"));
+    }
+
+    /// Says what the origin is, for tools whose coordinates are those of the world; `None` if that
+    /// is the one of the file.
+    pub fn about_origin(&self) -> Option<String> {
+        let DVec3 { x, y, z } = self.origin;
+        let said =
+            format!("the scene lies far from the origin of its file: add {x}, {y}, {z} to coordinates");
+        (self.origin != DVec3::ZERO).then_some(said)
     }
 }
 

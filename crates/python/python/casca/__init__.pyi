@@ -221,6 +221,12 @@ class Scene:
     def path_view(self, frame: int, *, aspect: float = 16 / 9) -> View:
         """The camera of a frame of that path."""
     @property
+    def origin(self) -> list[float]:
+        """What is added to all coordinates of this scene, its boxes, views and grid, for those of the
+        file that it comes from: a file whose contents lie far from its origin, such as in UTM, gets
+        an origin near them, since single precision is too coarse there. Else zeros. Subtract it, in
+        double precision, from coordinates that you pass in."""
+    @property
     def bounds(self) -> list[list[float]]:
         """The corners of the grid, in world units."""
     @property

@@ -88,8 +88,8 @@ class Baked:
 
     def __new__(cls, file: str | os.PathLike[str]) -> Baked: ...
     def at(self, place: ArrayLike) -> NDArray[np.uint32] | None:
-        """The objects that can be seen from a place, ascending; None if nothing is known about it:
-        then all may be seen."""
+        """The objects that can be seen from a place in the coordinates of the level's file,
+        ascending; None if nothing is known about it: then all may be seen."""
     def cell(self, number: int) -> NDArray[np.uint32] | None:
         """The set of a cell; x runs fastest, then y. None if it has none."""
     @property

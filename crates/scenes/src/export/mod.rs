@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{Mat4, Quat, Vec3};
+use glam::{DVec3, Mat4, Quat, Vec3};
 use gltf::Glb;
 use gltf::binary::Header;
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
@@ -76,7 +76,7 @@ pub fn glb(world: &mut World) -> Result<Vec<u8>, ExportError> {
     let node = writer.camera(&world.camera(0, 1.0));
     writer.animate(node, Property::Translation, Type::Vec3, &paths.eyes);
     writer.animate(node, Property::Rotation, Type::Vec4, &paths.turns);
-    writer.finish(&world.name)
+    writer.finish(&world.name, world.source.origin)
 }
 
 /// The positions of everything that moves, frame by frame.
@@ -325,8 +325,8 @@ impl Writer {
         })
     }
 
-    /// The file.
-    fn finish(mut self, name: &str) -> Result<Vec<u8>, ExportError> {
+    /// The file; `origin` is added to all positions.
+    fn finish(mut self, name: &str, origin: DVec3) -> Result<Vec<u8>, ExportError> {
         self.root.push(Buffer {
             byte_length: self.bytes.len().into(),
             name: None,
@@ -341,7 +341,11 @@ impl Writer {
             name: None,
             samplers: self.samplers,
         });
-        let nodes = (0..self.root.nodes.len() as u32).map(Index::new).collect();
+        let mut nodes: Vec<_> = (0..self.root.nodes.len() as u32).map(Index::new).collect();
+        if origin != DVec3::ZERO {
+            let translation = Some(origin.as_vec3().to_array());
+            nodes = vec![self.root.push(Node { translation, children: Some(nodes), ..Node::default() })];
+        }
         let scene = Scene { extensions: None, extras: None, name: Some(name.to_owned()), nodes };
         self.root.scene = Some(self.root.push(scene));
         let json = self.root.to_vec().map_err(gltf::Error::Deserialize)?;

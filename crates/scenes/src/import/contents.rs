@@ -3,17 +3,18 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, Vec3};
 
-use super::accessors::{Buffers, Components};
+use super::accessors::Components;
 use super::animations::animate;
 use super::deformed::Deformed;
-use super::document::QUANTIZATION;
+use super::document::{File, QUANTIZATION};
 use super::error::Trouble;
 use super::hides::Changes;
 use super::instances::instances_of;
 use super::meshes::{Meshes, is_loose};
 use super::nodes::{Nodes, is_deformed, nodes_of, role_of, wrong};
+use super::origin::moved;
 use super::path::{FilePath, Moving, camera_of};
 use super::warnings::{Warnings, node_name};
 use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
@@ -32,11 +33,13 @@ const CELLS: f32 = 128.0;
 
 /// The objects of a file.
 #[derive(Default)]
-struct Found {
-    objects: Vec<Object>,
+pub(super) struct Found {
+    pub(super) objects: Vec<Object>,
+    /// By object: where it is at rest, in the coordinates of the file.
+    pub(super) places: Vec<DAffine3>,
     /// By object.
     parts: Vec<FilePart>,
-    moving: Vec<Moving>,
+    pub(super) moving: Vec<Moving>,
 }
 
 /// A mesh, and by triangle its primitive.
@@ -117,7 +120,7 @@ impl Reader<'_> {
         for (place, item) in nodes.0.iter().enumerate() {
             let node = &all[item.index];
             let (Some(mesh), Some(is_sure)) = (node.mesh(), drawn[place]) else { continue };
-            let (occludes, tested) = role_of(node)?;
+            let (occludes, tested) = role_of(node, self.warnings);
             if moved[place] {
                 let what =
                     "is moved by KHR_animation_pointer, which is not read: it is left out; always draw it";
@@ -138,30 +141,35 @@ impl Reader<'_> {
             };
             let dynamic = moves[place] && !has_skin;
             let name = node.name().unwrap_or("");
-            let transform = if has_skin { Affine3A::IDENTITY } else { globals[place] };
+            let transform = if has_skin { DAffine3::IDENTITY } else { globals[place] };
+            let hides = occludes && is_sure && mesh.hiding().is_some();
             let mut add = |name: String, instance: Affine3A| {
+                let own = instance.as_daffine3();
                 if dynamic {
                     found.moving.push(Moving {
                         object: found.objects.len(),
                         node: place,
-                        place: instance,
+                        place: own,
                         mesh: mesh.clone(),
                     });
                 }
                 // Programs differ in which side of a mirrored instance they draw.
                 let has_side = mesh.sides.is_empty() || turn_of(&instance) > 0.0;
+                found.places.push(transform * own);
                 found.parts.push(FilePart { node: item.index, primitives: primitives.clone() });
                 found.objects.push(Object {
                     name,
                     shape: match has_skin {
                         true => Shape::Box { min: mesh.positions[0], max: mesh.positions[7] },
-                        false => Shape::Mesh { mesh: mesh.clone(), transform: transform * instance },
+                        false => {
+                            Shape::Mesh { mesh: mesh.clone(), transform: (transform * own).as_affine3a() }
+                        }
                     },
                     motion: match dynamic || is_deformed {
                         true => Motion::Dynamic { max_speed: 0.0 },
                         false => Motion::Static,
                     },
-                    occludes: occludes && is_sure && has_side && mesh.hiding().is_some(),
+                    occludes: hides && has_side,
                     tested,
                 });
             };
@@ -200,15 +208,10 @@ fn grid_of(min: Vec3, max: Vec3) -> Result<GridHint, Trouble> {
     Ok(GridHint { min, max, cell })
 }
 
-/// The scene; `json` is that of its file, and warnings may be there already.
-pub(super) fn contents(
-    name: &str,
-    document: &gltf::Document,
-    buffers: &Buffers,
-    json: &[u8],
-    warnings: &Warnings,
-) -> Result<World, Trouble> {
-    let mut nodes = nodes_of(document)?;
+/// The scene; warnings may be there already.
+pub(super) fn contents(name: &str, file: &File, warnings: &Warnings) -> Result<World, Trouble> {
+    let File { document, buffers, json, .. } = file;
+    let mut nodes = nodes_of(file)?;
     let clip = animate(document, buffers, &mut nodes)?;
     let quantized =
         document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
@@ -216,7 +219,7 @@ pub(super) fn contents(
     let moves = nodes.moving();
     // Both ends of the clip are frames.
     let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, MOST_FRAMES) as usize + 1;
-    let camera = camera_of(document, &nodes, &moves);
+    let camera = camera_of(document, &nodes, &moves, warnings);
     let frames = match &camera {
         Some(c) if moves[c.node] => clip_frames,
         _ => OWN_FRAMES,
@@ -225,11 +228,13 @@ pub(super) fn contents(
     let deformed = Deformed { document, buffers, nodes: &nodes, frames };
     let known = HashMap::new();
     let mut reader = Reader { document, changes: &changes, warnings, meshes, known, deformed };
-    let Found { mut objects, parts, moving } = reader.objects(&nodes, &moves)?;
+    let mut found = reader.objects(&nodes, &moves)?;
 
-    let mut animation = FilePath::new(nodes, moving, camera, frames);
-    let (min, max) = animation.settle(&mut objects)?;
-    let grid = grid_of(min, max)?;
-    let source = Source { warnings: warnings.lines(), document: json.into(), parts };
+    let origin = moved(&mut found);
+    let Found { mut objects, parts, moving, .. } = found;
+    let mut animation = FilePath::new(nodes, moving, camera, frames, origin);
+    let (min, max) = animation.settle(&mut objects, buffers.bytes(), warnings)?;
+    let (grid, frames) = (grid_of(min, max)?, animation.frames());
+    let source = Source { warnings: warnings.lines(), origin, document: (*json).into(), parts };
     Ok(World { source, name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) })
 }

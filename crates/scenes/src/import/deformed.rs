@@ -186,7 +186,7 @@ impl Deformed<'_> {
         for frame in 0..self.frames {
             let globals = self.nodes.globals(time_of(frame));
             for (place, corners) in &corners {
-                let points = corners.map(|p| globals[*place].transform_point3(p));
+                let points = corners.map(|p| globals[*place].transform_point3(p.as_dvec3()).as_vec3());
                 all = points.into_iter().fold(all, |b, p| around(b, (p, p)));
             }
         }

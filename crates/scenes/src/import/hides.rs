@@ -38,16 +38,6 @@ pub(super) struct Changes {
     moved: HashSet<usize>,
 }
 
-/// The JSON of a file, which may be a .glb.
-pub(super) fn json_of(bytes: &[u8]) -> &[u8] {
-    let chunk = || {
-        let rest = bytes.strip_prefix(b"glTF")?;
-        let length = u32::from_le_bytes(rest.get(8..12)?.try_into().ok()?);
-        rest.get(16..16usize.checked_add(length as usize)?)
-    };
-    chunk().unwrap_or(bytes)
-}
-
 impl Changes {
     /// What the pointers of `KHR_animation_pointer` lead to. They are looked for in the JSON itself:
     /// their channels have no node.

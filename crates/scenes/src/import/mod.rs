@@ -3,7 +3,8 @@
 //! - **Nodes**: the default scene, else the first, else all nodes. Every node with a
 //!   mesh is one object; nodes share meshes. `EXT_mesh_gpu_instancing` makes each
 //!   instance an object, named "node#0", "node#1" and so on. `extras.role` on the node says
-//!   "occluder" (hides only), "occludee" (is only tested) or "both", which is the default.
+//!   "occluder" (hides only), "occludee" (is only tested) or "both", which is the default; any
+//!   other role counts as that, with a warning.
 //! - **Meshes**: the triangles, strips and fans of a mesh are joined to one object, and so are its
 //!   points and lines, as triangles without area. Positions are floats, or integers as by
 //!   `KHR_mesh_quantization`.
@@ -13,14 +14,26 @@
 //!   points from any frame to any other. With the feature `fur`, `read_skinned` reads a mesh with
 //!   its skin.
 //! - **Path**: the first perspective camera that an animation moves, at 30 frames a
-//!   second, for as long as the longest animation (at most 100,000 frames); else the first
-//!   perspective camera, standing still for 150 frames. Orthographic cameras are passed over.
+//!   second, for as long as the longest animation (at most 100,000 frames, and fewer, with a
+//!   warning, where so much moves that a short file would take long); else the first perspective
+//!   camera, standing still for 150 frames. Orthographic cameras are passed over; where there are
+//!   no others, a warning names them.
 //! - **Walk**, where that leaves no camera: 150 frames on a circle inside the bounds, at the
 //!   height of their centre, with a radius of 0.35 times the smaller of width and depth,
 //!   looking ahead. A side shorter than a hundredth of the longest counts as a tenth of it:
 //!   one walks above a bare floor and around a bare wall.
-//! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs.
-//!   Accessors may be sparse.
+//! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs, escaped or as
+//!   the file is called. Accessors may be sparse, need no box, and are zeros without a view.
+//! - **Far from the origin**: a scene that lies farther than 100 times its size from the origin of
+//!   its file, such as in UTM, is moved to an origin of its own before numbers are rounded to single
+//!   precision: [`Source::origin`](crate::world::Source::origin) is what to add to coordinates. The
+//!   text says where nodes are in double precision; positions and keys in buffers are floats, and
+//!   stay as coarse as these are.
+//! - **Other writers**: a byte-order mark, chunks of other kinds and filled up otherwise, scenes
+//!   without nodes, channels without a node, textures with a source in an extension, members that
+//!   are null and what is broken but not read, such as normals, are no fault. Cameras, lights,
+//!   materials and unused accessors that are broken are left out with a warning; such a material
+//!   counts as transparent. glTF 1.0 is not read.
 //!
 //! # What hides
 //!
@@ -56,7 +69,7 @@
 //! [`World::source`](crate::world::World::source) holds the warnings, which tools print. [`load_lit`]
 //! reads the same of materials for the path tracer, by code of its own.
 //!
-//! A file is taken whole or refused: nothing is half loaded. Accessors may share bytes, and may
+//! What a scene cannot do without is taken whole or refused. Accessors may share bytes, and may
 //! have none, but a file that unfolds to more than four elements a byte of its buffers and a
 //! million more is refused. Nodes may be nested in any depth.
 
@@ -65,6 +78,7 @@ mod animations;
 mod buffers;
 #[cfg(feature = "fur")]
 mod coated;
+mod container;
 mod contents;
 mod deformed;
 mod document;
@@ -76,8 +90,10 @@ mod instances;
 #[cfg(feature = "fur")]
 mod join;
 mod looks;
+mod mend;
 mod meshes;
 mod nodes;
+mod origin;
 mod path;
 #[cfg(feature = "fur")]
 mod skins;
@@ -92,7 +108,6 @@ use crate::lit::LitScene;
 use crate::world::World;
 use contents::contents;
 use document::parse;
-use hides::json_of;
 use warnings::Warnings;
 
 #[cfg(feature = "fur")]
@@ -150,6 +165,7 @@ fn open<T>(
 /// # Errors
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
-    let (document, buffers) = parse(bytes, folder)?;
-    contents(name, &document, &buffers, json_of(bytes), &Warnings::default())
+    let warnings = Warnings::default();
+    let file = parse(bytes, folder, &warnings)?;
+    contents(name, &file, &warnings)
 }

@@ -83,7 +83,8 @@ pub struct Level {
     /// Which cells along the path see each other, if that was found ahead of time: a file for
     /// [`VisibilityServer::set_baked`](crate::VisibilityServer::set_baked).
     pub baked: Option<Vec<u8>>,
-    /// What its file says: tools show the warnings.
+    /// What its file says: tools show the warnings. Its origin is added to the coordinates of all
+    /// that is here, and of all that the server is told and tells, for those of the file.
     pub source: Source,
     grid: GridHint,
 }

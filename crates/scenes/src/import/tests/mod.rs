@@ -14,8 +14,10 @@ mod accessors;
 mod animation;
 #[cfg(feature = "fur")]
 mod coated;
+mod far;
 mod files;
 mod instances;
+mod lenient;
 mod lit;
 mod nodes;
 #[cfg(feature = "fur")]

@@ -70,7 +70,7 @@ fn what_has_no_bounds_is_left_out_with_a_word_and_the_rest_is_read() {
 }
 
 #[test]
-fn roles_are_known_or_refused() {
+fn roles_are_known_or_warned_of() {
     let with = |extras: &str| {
         triangle()
             .read(&ONE.replace(r#"{"mesh":0}"#, &format!(r#"{{"mesh":0,"name":"leaf","extras":{extras}}}"#)))
@@ -95,7 +95,10 @@ fn roles_are_known_or_refused() {
         }
     }
     for role in [r#""Occluder""#, r#""""#, "null", "1", r#"["both"]"#] {
-        says(with(&format!(r#"{{"role":{role}}}"#)), &["node 0 (\"leaf\")", role]);
+        let world = with(&format!(r#"{{"role":{role}}}"#)).unwrap();
+        assert!(world.objects[0].occludes && world.objects[0].tested, "{role}");
+        let told = &world.source.warnings[0];
+        assert!(told.starts_with("node 0 (\"leaf\"): has an extras.role"), "{told}");
     }
 }
 
@@ -173,6 +176,7 @@ fn walks_stay_inside_scenes_of_all_sizes() {
         let longest = size.max_element();
         let margin = (longest * 0.11).max(world.grid.cell * 2.0);
         let mut eyes = Vec::new();
+        let around = around - world.source.origin.as_vec3();
         for frame in 0..world.frames {
             let eye = world.camera(frame, 1.0).eye;
             assert!(eye.cmpge(world.grid.min).all() && eye.cmple(world.grid.max).all(), "{size}: {eye}");
@@ -183,6 +187,7 @@ fn walks_stay_inside_scenes_of_all_sizes() {
             eyes.push(eye);
         }
         let full = size.cmpge(Vec3::splat(longest * 0.01)).all();
+        let around = around + world.source.origin.as_vec3();
         if full && longest > 1e-3 && around == Vec3::ZERO {
             assert!(eyes.iter().all(|e| e.cmpge(around).all() && e.cmple(around + size).all()), "{size}");
         }
@@ -215,11 +220,15 @@ fn orthographic_cameras_are_passed_over() {
     let node = r#"{"camera":0,"translation":[7,0,0]}"#;
     let world = with(orthographic, node);
     assert_eq!((world.frames, world.camera(9, 1.0).eye), (walk.frames, walk.camera(9, 1.0).eye));
+    // Alone, it is named.
+    let told = &world.source.warnings[0];
+    assert!(told.starts_with("node 1 (\"\"): has an orthographic camera"), "{told}");
     let world = with(
         &format!("{orthographic},{perspective}"),
         &format!(r#"{node},{{"camera":1,"translation":[8,0,0]}}"#),
     );
     assert_eq!(world.camera(9, 1.0).eye, Vec3::X * 8.0);
+    assert!(world.source.warnings.is_empty());
 }
 
 #[test]
