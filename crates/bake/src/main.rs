@@ -159,7 +159,9 @@ fn show(file: &Path, at: Option<[f64; 3]>) -> Result<(), BakeError> {
     let baked = Baked::read(&bytes).map_err(|why| BakeError::Read { path: file.to_owned(), why })?;
     if let Some(at) = at {
         match baked.set_at(at) {
-            None => println!("nothing is known about this place: all may be seen"),
+            None => println!(
+                "nothing is known about this place, or it is on the border of cells that see different things: all may be seen"
+            ),
             Some(set) => set.iter().for_each(|seen| println!("{seen}")),
         }
         return Ok(());

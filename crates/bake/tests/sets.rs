@@ -6,9 +6,10 @@ use std::ops::ControlFlow;
 use casca::Aabb;
 use casca_bake::{BakeError, Baker, Cells, Finder, Level, Places, eyes_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::random::generator;
+use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{GridHint, Mesh, Motion, Object, Shape, Sides, World};
 use casca_truth::oracle::RayOracle;
+use casca_truth::places::{coordinate, place_in};
 use glam::{Affine3A, DVec3, Vec3};
 use rand::RngExt;
 
@@ -340,6 +341,74 @@ fn spheres_and_all_cells_lose_nothing() {
     let world = world(SceneKind::Spheres, 0.2);
     let (sizes, seen) = look(&world, &Places { edge: 16.0, height: None, within: None }, 4, 16);
     assert!(seen > 4 * 20 && sizes >= seen, "{seen} {sizes}");
+}
+
+/// Solids whose faces touch, and things without height or extent among them.
+fn lattice(random: &mut Generator) -> World {
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let mut place = |low: f32, high: f32, step: f32| {
+        let mut at = || coordinate(random.random_range(0.0..1.0), low..high, step);
+        Vec3::new(at(), at(), at())
+    };
+    let mut object = |i: u32| {
+        let occludes = i < 6;
+        let size = if occludes { place(0.5, 4.5, 1.0) } else { place(0.0, 1.0, 1.0) };
+        let min = place(0.0, 8.0, 1.0);
+        let shape = Shape::Box { min, max: min + size };
+        Object { name: String::new(), shape, motion: Motion::Static, occludes, tested: true }
+    };
+    world.objects = (0..16).map(&mut object).collect();
+    world.grid = GridHint { min: Vec3::ZERO, max: Vec3::splat(12.0), cell: 0.5 };
+    world
+}
+
+#[test]
+fn eyes_on_faces_and_borders_lose_nothing() {
+    let grid = Cells { low: [2.0; 3], size: [2.0; 3], dims: [2; 3] };
+    let (mut found, mut hidden) = (0, 0);
+    for seed in 0..40 {
+        let mut random = generator(seed, 0x1a77);
+        let world = lattice(&mut random);
+        let level = Level::new(&world, None, false).unwrap();
+        let rays = RayOracle::new(&world.objects);
+        let mut finder = Finder::new(&level, 16);
+        let sets: Vec<Vec<u32>> = (0..8).map(|cell| finder.set(eyes_of(&grid, cell).unwrap())).collect();
+        let one = Aabb::new(Vec3::splat(2.0), Vec3::splat(4.0));
+        let of_one = finder.set(one);
+        for _ in 0..300 {
+            let mut share = || random.random_range(0.0..1.0);
+            let eye = DVec3::from_array([0; 3].map(|_| coordinate(share(), 2.0..6.0, 1.0).into()));
+            // On either side of the faces that it lies on, very near and a little farther off.
+            let beside = place_in(DVec3::ZERO, DVec3::ZERO, &mut share);
+            let eyes = [eye + beside, eye + beside.signum() * DOUBT];
+            let is_in = |eye: DVec3, object: &Object| match &object.shape {
+                Shape::Box { min, max } => {
+                    object.occludes && eye.cmpge(min.as_dvec3()).all() && eye.cmple(max.as_dvec3()).all()
+                }
+                _ => false,
+            };
+            let Some(cells) = grid.of_eyes(eye.to_array(), eye.to_array()) else { continue };
+            if eyes.iter().any(|&eye| world.objects.iter().any(|object| is_in(eye, object))) {
+                continue;
+            }
+            for (object, number) in world.objects.iter().zip(0u32..) {
+                let Shape::Box { min, max } = object.shape else { continue };
+                let point = place_in(min.as_dvec3(), max.as_dvec3(), &mut share);
+                let has = |set: &[u32]| set.binary_search(&number).is_ok();
+                let is_found = grid.numbers(cells).any(|cell| has(&sets[cell as usize]));
+                hidden += usize::from(!is_found);
+                if eyes.iter().any(|&eye| rays.occluded(eye, point, number as usize)) {
+                    continue;
+                }
+                found += 1;
+                let from = format!("{seed}: {number} is seen from {eye} at {point}");
+                assert!(is_found, "{from}, cells {:?}", grid.numbers(cells).collect::<Vec<_>>());
+                let in_one = eye.cmple(one.max.as_dvec3()).all();
+                assert!(!in_one || has(&of_one), "{from}, by a cell alone");
+            }
+        }
+    }
+    assert!(found > 1000 && hidden > 1000, "{found} {hidden}");
 }
 
 #[test]

@@ -42,7 +42,7 @@ mod set;
 #[cfg(feature = "write")]
 mod write;
 
-pub use cells::{CellBox, Cells};
+pub use cells::{CellBox, Cells, NEAR};
 pub use error::{ReadError, WriteError};
 pub use read::Baked;
 pub use set::{Objects, Set};

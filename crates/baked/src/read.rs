@@ -138,8 +138,8 @@ impl<'a> Baked<'a> {
     /// corner each. True if the sets are not from cell to cell, or know nothing about a cell of
     /// one of the two. Costs a look at the set of each cell of the eyes.
     pub fn may_see(&self, eyes: [[f64; 3]; 2], target: [[f64; 3]; 2]) -> bool {
-        let of = |[low, high]: [[f64; 3]; 2]| self.cells.of_box(low, high);
-        let (Some(eyes), Some(target)) = (of(eyes), of(target)) else { return true };
+        let (eyes, target) = (self.cells.of_eyes(eyes[0], eyes[1]), self.cells.of_box(target[0], target[1]));
+        let (Some(eyes), Some(target)) = (eyes, target) else { return true };
         let known = |all| self.cells.numbers(all).all(|cell| self.set_number(cell).is_some());
         let mut seen = self.cells.numbers(eyes).filter_map(|cell| self.set(cell)).flatten();
         let is_in = |cell: u32| self.cells.numbers(target).any(|one| one == cell);
@@ -151,11 +151,15 @@ impl<'a> Baked<'a> {
         self.sets
     }
 
-    /// The objects that an eye can see. `None` if nothing is known about its place: then it may see
-    /// all.
+    /// The objects that an eye can see. `None` if nothing is known about its place, or it is on the
+    /// border of cells with different sets, which must be joined ([`Cells::of_eyes`]): then it may
+    /// see all.
     #[inline]
     pub fn set_at(&self, eye: [f64; 3]) -> Option<Set<'a>> {
-        self.set(self.cells.at(eye)?)
+        let mut cells = self.cells.numbers(self.cells.of_eyes(eye, eye)?);
+        let number = self.set_number(cells.next()?)?;
+        cells.all(|cell| self.set_number(cell) == Some(number)).then_some(())?;
+        Some(Set::new(self.lists(number)?))
     }
 
     /// The objects that can be seen from a cell; `None` if it has no set, or is none.

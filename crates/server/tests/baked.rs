@@ -70,6 +70,18 @@ fn cells_that_see_each_other_are_told() {
 }
 
 #[test]
+fn an_eye_on_the_border_of_cells_sees_what_eyes_on_both_sides_see() {
+    // It may be on the face of a wall that fills one of them.
+    for x in [8.0f32, 8.000_001, 7.999_999] {
+        let (mut server, client, _) = field(ServerOptions::new());
+        server.set_baked(file(&[(0, &[]), (1, &[0]), (2, &[3]), (3, &[]), (4, &[])])).unwrap();
+        server.move_eye(client, Vec3::new(x, 2.0, 2.0), 0.1).unwrap();
+        let told = told(&mut server, client, 0.1);
+        assert_eq!(told[..4], [1.0, 3.0, 13.0, 15.0], "{x}: {told:?}");
+    }
+}
+
+#[test]
 fn a_changed_level_and_eyes_in_walls_end_them() {
     let sets = file(&[(0, &[]), (1, &[]), (2, &[])]);
     let (mut server, client, _) = field(ServerOptions::new());

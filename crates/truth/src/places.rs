@@ -4,6 +4,14 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
+/// What lies in a plane is looked at from so far on either side of it, where coordinates are small.
+const ASIDE: f64 = 1e-11;
+
+/// Places on the border of a box are moved into it, by this share of the way to its middle.
+const INSIDE: f64 = 1e-6;
+
 /// A coordinate of a range, by a random share from 0 to less than 1: a multiple of `step` above the
 /// start of the range (up to its end) where the share is less than a half, any number elsewhere.
 /// The lattice is small if the range has few steps.
@@ -17,6 +25,19 @@ pub fn coordinate(share: f64, range: Range<f32>, step: f32) -> f32 {
     } else {
         range.start + (range.end - range.start) * (twice - 1.0) as f32
     }
+}
+
+/// A place in a box, by random shares from 0 to less than 1: often next to a corner, an edge or a
+/// side, just inside of it. Along an axis in which the box is flat, the place is on either side: an
+/// eye on the face of a wall looks from both.
+pub fn place_in(min: DVec3, max: DVec3, mut share: impl FnMut() -> f64) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|i| {
+        if min[i] == max[i] {
+            return min[i] + if share() < 0.5 { ASIDE } else { -ASIDE };
+        }
+        let at = f64::from(coordinate(share(), 0.0..1.0, 0.5));
+        min[i] + (at + (0.5 - at) * INSIDE) * (max[i] - min[i])
+    }))
 }
 
 #[cfg(feature = "proptest")]

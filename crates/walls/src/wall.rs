@@ -62,6 +62,11 @@ impl Span {
         })
     }
 
+    /// Whether it is flat, and lies at a place on an axis.
+    fn lies_at(&self, axis: usize, at: f64) -> bool {
+        self.min[axis] == at && self.max[axis] == at
+    }
+
     /// Its two parts on both sides of a place on an axis.
     pub(crate) fn divided(&self, axis: usize, at: f64) -> [Self; 2] {
         let (mut below, mut above) = (*self, *self);
@@ -136,10 +141,22 @@ impl Wall {
         along(self.axis).into_iter().enumerate().all(within)
     }
 
+    /// Whether a box lies in its plane. What does may be on either side of it: the wall stops it on
+    /// none, and hides nothing from it, nor it from others.
+    pub(crate) fn holds(&self, span: &Span) -> bool {
+        span.lies_at(self.axis, self.at)
+    }
+
+    /// Whether eyes and a target lie in the plane of an edge of it: rays between them only touch it.
+    fn grazes(&self, eyes: &Span, target: &Span) -> bool {
+        let both = |axis: usize, at: f64| eyes.lies_at(axis, at) && target.lies_at(axis, at);
+        (0..2).zip(along(self.axis)).any(|(i, b)| both(b, self.min[i]) || both(b, self.max[i]))
+    }
+
     /// Ends a box at the wall, if what starts in `from` cannot pass it. Returns whether it did.
     pub(crate) fn stops(&self, from: &Span, span: &mut Span) -> bool {
         let a = self.axis;
-        if !self.covers(span) {
+        if self.holds(from) || !self.covers(span) {
             return false;
         }
         if self.from != Side::Above && from.max[a] <= self.at && self.at < span.max[a] {
@@ -156,6 +173,9 @@ impl Wall {
     /// Whether it hides all of a box, which is so far behind it, from all eyes.
     pub(crate) fn hides(&self, eyes: &Eyes, target: &Span, apart: f64) -> bool {
         let a = self.axis;
+        if self.holds(&eyes.span) || self.holds(target) || self.grazes(&eyes.span, target) {
+            return false;
+        }
         // The eyes are on this side.
         let side = match eyes.span {
             Span { min, .. } if min[a] >= self.at && target.max[a] <= self.at - apart => 1.0,
@@ -163,10 +183,6 @@ impl Wall {
             _ => return false,
         };
         if self.from == if side > 0.0 { Side::Below } else { Side::Above } {
-            return false;
-        }
-        // What lies in the plane of the wall may be painted on it.
-        if target.min[a] == self.at && target.max[a] == self.at {
             return false;
         }
         let far = eyes.span.farthest().max(target.farthest());
@@ -241,7 +257,7 @@ impl Wall {
         Cut { of_eyes, axis, at: if of_eyes { from[axis] } else { to[axis] } }
     }
 
-    /// Whether a segment passes it.
+    /// Whether a segment passes or touches it.
     pub(crate) fn meets(&self, from: DVec3, to: DVec3) -> bool {
         let (p, q) = (from[self.axis] - self.at, to[self.axis] - self.at);
         if p * q > 0.0 || p == q {

@@ -204,9 +204,9 @@ impl Track {
         (cells, numbers.into_iter().collect())
     }
 
-    /// The sides of the body around an eye, at the height of the eye.
-    pub fn sides(&self, eye: Vec3) -> [Vec3; 4] {
-        [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| eye + side * BODY[0])
+    /// From side to side of the body around an eye, at the height of the eye.
+    pub fn across(&self, eye: Vec3) -> [[Vec3; 2]; 2] {
+        [Vec3::X, Vec3::Z].map(|side| [eye - side * BODY[0], eye + side * BODY[0]])
     }
 
     /// The box around a bot whose eye is at a place.
