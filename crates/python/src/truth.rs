@@ -9,8 +9,8 @@ use casca_truth::oracle::{Oracle, OracleOptions};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, check};
-use crate::error::refused;
+use crate::arrays;
+use crate::error::{check, refused};
 use crate::scene::Scene;
 use crate::view::View;
 

@@ -29,7 +29,7 @@ impl KeptQuery {
 
     /// Finds the objects that a view can see. No visible object is missing.
     pub fn run(&mut self, scene: &Scene, view: &View) -> Result<Vec<u64>, JsError> {
-        keys(&scene.scene, self.query.run(&scene.scene, &view.view).iter())
+        keys(scene, self.query.run(&scene.scene, &view.view).iter())
     }
 
     /// How often a result was found anew so far.

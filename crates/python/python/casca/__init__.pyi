@@ -126,6 +126,9 @@ class Scene:
     low, high: (3,), the corners of the room for objects, in world units. cell: the edge of a cube;
     about the size of a room's parts. Objects may lie outside of the room, but cost more there.
 
+    Ids are (n,) integers of any width, as this scene gave them; those of removed objects are refused.
+    In another scene the same id may name another object.
+
     A scene that a query reads in another thread cannot be changed meanwhile: that raises
     RuntimeError.
     """
@@ -193,7 +196,8 @@ class Scene:
         transforms: (n, 4, 4), mesh to world space, as ``matrix @ [x, y, z, 1]``.
         """
     def update_boxes(self, ids: ArrayLike, boxes: ArrayLike) -> None:
-        """Moves objects to other boxes, (n, 2, 3); who hides others hides by the new box.
+        """Moves objects to other boxes, (n, 2, 3). What hid by a box or sphere hides by the new box; a
+        mesh hides no more, since a box covers what it does not.
 
         If an entry is refused, the entries before it have been moved.
         """
@@ -202,7 +206,7 @@ class Scene:
     def set_transforms(self, ids: ArrayLike, transforms: ArrayLike) -> None:
         """Gives meshes other transforms, (n, 4, 4). Entries that are not refused are moved."""
     def remove(self, ids: ArrayLike) -> None:
-        """Removes objects. Their ids are never used again."""
+        """Removes objects, all or none; no id may come twice. Ids are never used again."""
     def begin_frame(self, now: float) -> _Ids:
         """Begins a frame at a time in seconds, which must not go back."""
     def end_frame(self, queries: Sequence[Query]) -> None:
@@ -261,7 +265,7 @@ class Query:
         """What the last run found."""
     def may_see_boxes(self, scene: Scene, boxes: ArrayLike) -> NDArray[np.bool_]:
         """Whether the view of the last run may see each of some boxes, (n, 2, 3), which need not be
-        objects. "No" is certain."""
+        objects. "No" is certain; of numbers that are not finite the answer is true."""
     def may_see_points(self, scene: Scene, points: ArrayLike) -> NDArray[np.bool_]:
         """The same for points, (n, 3)."""
     def shadow_casters(
