@@ -302,7 +302,7 @@ fn a_ceiling_takes_its_form_factor_of_the_sky_and_of_the_open_share() {
 #[test]
 fn glossy_surfaces_lose_light_but_make_none() {
     for gloss in [0.0, 0.4, 0.9] {
-        let shiny = Material { albedo: Vec3::ZERO, specular: Vec3::ONE, gloss, emission: Vec3::ZERO };
+        let shiny = Material { specular: Vec3::ONE, gloss, ..Material::matt(Vec3::ZERO) };
         let mut open = scene(vec![(square(0.0, 4.0), shiny)]);
         open.sky = Vec3::ONE;
         let tracer = PathTracer::new(&open);
