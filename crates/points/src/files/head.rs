@@ -148,24 +148,10 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
         }
         _ => None,
     };
-    let mut record = u64::from(bytes.u16(105));
-    if let Some(Packed { vlr, .. }) = &packed {
-        let own = check_items(vlr)?;
-        if own != record {
-            sink.warn(format_args!(
-                "points have {record} bytes in its header, and {own} as they are compressed"
-            ));
-        }
-        record = own;
-    } else if record < u64::from(least) {
-        let whole = u64::from(least);
-        let has_room = record < 12 || count.checked_mul(whole).is_some_and(|all| all <= length - start);
-        let taken = if has_room { whole } else { record };
-        sink.warn(format_args!(
-            "points of the format {format} have {whole} bytes, in its header {record}: {taken} are taken"
-        ));
-        record = taken;
-    }
+    let record = match &packed {
+        Some(packed) => packed_record(&bytes, packed, sink)?,
+        None => plain_record(&bytes, least.into(), count, length - start, sink),
+    };
     let layout = Layout {
         record: record as usize,
         colour: colour.filter(|at| at + 6 <= record as usize),
@@ -194,6 +180,40 @@ fn size<E: From<FileError>>(bytes: &mut Bytes, length: u64, sink: &mut Sink<'_, 
     let used = size.min(known);
     bytes.0[used.min(LONGEST)..].fill(0);
     size as u64
+}
+
+/// The bytes of a compressed point: those of its parts.
+fn packed_record<E: From<FileError>>(
+    bytes: &Bytes,
+    packed: &Packed,
+    sink: &mut Sink<'_, E>,
+) -> Result<u64, String> {
+    let (said, own) = (u64::from(bytes.u16(105)), check_items(&packed.vlr)?);
+    if own != said {
+        sink.warn(format_args!("points have {said} bytes in its header, and {own} as they are compressed"));
+    }
+    Ok(own)
+}
+
+/// The bytes of a point that is not compressed; at least those of its format, if the file has room
+/// for so many.
+fn plain_record<E: From<FileError>>(
+    bytes: &Bytes,
+    least: u64,
+    count: u64,
+    room: u64,
+    sink: &mut Sink<'_, E>,
+) -> u64 {
+    let said = u64::from(bytes.u16(105));
+    if said >= least {
+        return said;
+    }
+    let has_room = said < 12 || count.checked_mul(least).is_some_and(|all| all <= room);
+    let taken = if has_room { least } else { said };
+    sink.warn(format_args!(
+        "points of its format have {least} bytes, in its header {said}: {taken} are taken"
+    ));
+    taken
 }
 
 /// The points that the header promises. Version 1.4 has two counts; formats of points from 6 on use

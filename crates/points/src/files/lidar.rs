@@ -34,7 +34,8 @@ pub(super) fn read_all<E: From<FileError>>(
     let is_near = from.cmple(low + slack).all() && to.cmpge(high - slack).all();
     if !is_near && sink.extent != NONE {
         sink.warn(format_args!(
-            "its header says that points lie from {from} to {to}, and they lie from {low} to {high}: bounds are not used"
+            "its header says that points lie from {from} to {to}, and they lie from {low} to {high}: \
+             bounds are not used"
         ));
     }
     Ok(())

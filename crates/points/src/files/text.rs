@@ -1,4 +1,5 @@
-//! Text as programs write it: lines that end in any way, in any encoding, and numbers that are none.
+//! Text as programs write it: lines that end in any way, in any encoding, and words in the place
+//! of numbers.
 
 use std::io::{self, BufRead, Read};
 
