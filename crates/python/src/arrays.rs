@@ -68,7 +68,9 @@ pub fn vec3(name: &str, array: &Floats1) -> PyResult<Vec3> {
 pub fn dvec3(name: &str, array: &Doubles) -> PyResult<[f64; 3]> {
     let numbers: Vec<f64> = array.as_array().iter().copied().collect();
     let count = numbers.len();
-    numbers.try_into().or_else(|_| check(false, || format!("{name} must have 3 numbers, not {count}")).map(|()| [0.0; 3]))
+    numbers
+        .try_into()
+        .or_else(|_| check(false, || format!("{name} must have 3 numbers, not {count}")).map(|()| [0.0; 3]))
 }
 
 /// A matrix that takes columns: entry `[i, j]` stands in row i and column j.
