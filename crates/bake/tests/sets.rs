@@ -427,3 +427,32 @@ fn other_cells_than_those_that_sets_tell_of_are_refused() {
     let other = Cells { size: grid.size.map(|size| size * 2.0), ..grid };
     assert!(matches!(bake(other, &[]), Err(BakeError::OtherCells)));
 }
+
+#[test]
+fn files_of_levels_far_from_the_origin_have_the_coordinates_of_the_level() {
+    let origin = DVec3::new(500_000.0, 0.0, -5_414_016.0);
+    let mut level = world(SceneKind::Rooms, 0.2);
+    let middle = (level.grid.min + level.grid.max).as_dvec3() * 0.5;
+    let sets = |world: &World, at: DVec3| {
+        let [min, max] = [-3.0, 3.0].map(|side| (at + side).as_vec3());
+        let places = Places { edge: 2.0, height: None, within: Some(Aabb::new(min, max)) };
+        let made = Level::new(world, None, false).unwrap();
+        let baker = Baker::new(&made, &places, 8).unwrap();
+        baker.run(1, None, &mut |_, _| ControlFlow::Continue(())).unwrap().finish().unwrap()
+    };
+    let near = sets(&level, middle);
+    level.source.origin = origin;
+    let far = sets(&level, middle + origin);
+    let (near, far) = (casca_bake::Baked::read(&near).unwrap(), casca_bake::Baked::read(&far).unwrap());
+    let mut random = generator(7, 0xfa7);
+    let mut known = 0;
+    for _ in 0..2000 {
+        let place = middle + DVec3::from_array(std::array::from_fn(|_| random.random_range(-4.0..4.0)));
+        let set = |baked: &casca_bake::Baked, at: DVec3| {
+            baked.set_at(at.to_array()).map(|set| set.iter().collect::<Vec<_>>())
+        };
+        known += usize::from(set(&near, place).is_some());
+        assert_eq!(set(&near, place), set(&far, place + origin), "{place}");
+    }
+    assert!(known > 500, "{known}");
+}

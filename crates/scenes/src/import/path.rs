@@ -14,8 +14,8 @@ use crate::numeric::{NEAR_PLANES, NEAR_SHARE};
 use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 /// What the motion of a file may cost, in points that are transformed; the evaluation of a node
-/// counts as [`STEPS_OF_A_NODE`]. So much is half a second.
-const FREE_STEPS: usize = 1 << 26;
+/// counts as [`STEPS_OF_A_NODE`]. So much is half a second at most.
+const FREE_STEPS: usize = 1 << 25;
 /// The same, in addition, for each byte of the buffers.
 const STEPS_OF_A_BYTE: usize = 64;
 const STEPS_OF_A_NODE: usize = 16;

@@ -10,7 +10,7 @@ use casca_lab::pictures::chart;
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::world::World;
 use casca_stage::command_line::{Outcome, PathError, try_writing, try_writing_into};
-use glam::Vec3;
+use glam::DVec3;
 use indicatif::ProgressBar;
 
 use crate::failure::Failure;
@@ -76,7 +76,7 @@ fn show_losses(bar: &ProgressBar, world: &World, number: usize, frame: &Frame, s
                 eprintln!("visible objects are missing from the PVS; the first ones:");
             }
             let name = &world.objects[lost.object].name;
-            let in_file = |place: Vec3| place.as_dvec3() + world.source.origin;
+            let in_file = |place: DVec3| place + world.source.origin;
             eprintln!(
                 "  frame {number}: object {} {name:?} is seen ({:?}) along the ray from {} to {}",
                 lost.object,

@@ -178,8 +178,8 @@ impl Summary {
                 frame.verdict.false_negatives.iter().map(move |lost| json!({
                     "frame": number,
                     "object": lost.object,
-                    "origin": (lost.origin.as_dvec3() + self.origin).to_array(),
-                    "target": (lost.target.as_dvec3() + self.origin).to_array(),
+                    "origin": (lost.origin + self.origin).to_array(),
+                    "target": (lost.target + self.origin).to_array(),
                 }))
             }).collect::<Vec<_>>(),
             "per_frame": self.frames.iter().map(|f| json!({
