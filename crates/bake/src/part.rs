@@ -36,7 +36,7 @@ impl Side {
         Aabb::new(min.min(max), max.max(min))
     }
 
-    /// Whether a box ends at the side, on the cell's side of it: eyes on its face look away from it.
+    /// Whether a box ends at the side, on the cell's side of it: an eye on its face looks away.
     fn backs(&self, b: &Aabb) -> bool {
         self.at == if self.at_high { b.max[self.axis] } else { b.min[self.axis] }
     }

@@ -41,6 +41,12 @@ const MOST: u32 = 1 << 21;
 /// The grid lies so many cells from the origin at most, or the origin in it.
 const FARTHEST: f64 = (1u64 << 30) as f64;
 
+/// The greatest distance of coordinates from 0.
+#[inline]
+fn farthest(place: &[f64; 3]) -> f64 {
+    place[0].abs().max(place[1].abs()).max(place[2].abs())
+}
+
 impl Cells {
     /// Whether the numbers make a grid.
     pub(crate) fn is_valid(&self) -> bool {
@@ -77,18 +83,37 @@ impl Cells {
     }
 
     /// The cells whose sets hold what eyes in a box see: those of [`Cells::of_box`], and their
-    /// neighbours across borders that the box touches, or nearly does ([`NEAR`]). An eye on a border
-    /// may lie on the face of a solid that begins there: the set of the cell with the solid holds
-    /// what eyes behind it see.
+    /// neighbours across borders that the box touches, or nearly does ([`NEAR`]). An eye on a
+    /// border may lie on the face of a solid that begins there: the set of the cell with the solid
+    /// holds what eyes behind it see.
     pub fn of_eyes(&self, low: [f64; 3], high: [f64; 3]) -> Option<CellBox> {
         let mut all = self.of_box(low, high)?;
-        let farthest = low.iter().chain(&high).fold(0.0, |most: f64, at| most.max(at.abs()));
+        let farthest = farthest(&low).max(farthest(&high));
         for i in 0..3 {
-            let near = NEAR * farthest + ROUNDING * self.size[i];
+            let near = self.near(i, farthest);
             all.low[i] = self.index(i, low[i] - near).unwrap_or(all.low[i]);
             all.high[i] = self.index(i, high[i] + near).unwrap_or(all.high[i]);
         }
         Some(all)
+    }
+
+    /// Whether a place in the grid is so near to a border of its cell that eyes there may need
+    /// other sets, too.
+    #[inline]
+    pub(crate) fn is_at_border(&self, place: [f64; 3]) -> bool {
+        let farthest = farthest(&place);
+        (0..3).any(|i| {
+            let at = (place[i] - self.low[i]) / self.size[i];
+            let border = f64::from((at + 0.5) as u32);
+            // Twice, against roundings: who is told so looks closer.
+            (at - border).abs() * self.size[i] <= 2.0 * self.near(i, farthest)
+        })
+    }
+
+    /// How near to a border along an axis that is, for places with coordinates up to `farthest`.
+    #[inline]
+    fn near(&self, i: usize, farthest: f64) -> f64 {
+        NEAR * farthest + ROUNDING * self.size[i]
     }
 
     /// The numbers of the cells of a box, ascending.

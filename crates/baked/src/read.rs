@@ -156,9 +156,11 @@ impl<'a> Baked<'a> {
     /// see all.
     #[inline]
     pub fn set_at(&self, eye: [f64; 3]) -> Option<Set<'a>> {
-        let mut cells = self.cells.numbers(self.cells.of_eyes(eye, eye)?);
-        let number = self.set_number(cells.next()?)?;
-        cells.all(|cell| self.set_number(cell) == Some(number)).then_some(())?;
+        let number = self.set_number(self.cells.at(eye)?)?;
+        if self.cells.is_at_border(eye) {
+            let mut cells = self.cells.numbers(self.cells.of_eyes(eye, eye)?);
+            cells.all(|cell| self.set_number(cell) == Some(number)).then_some(())?;
+        }
         Some(Set::new(self.lists(number)?))
     }
 

@@ -54,7 +54,7 @@ fn is_clear(map: &BitGrid, from: Place, to: Place) -> bool {
             let (low, high) = (i64::from(at) * PARTS, (i64::from(at) + 1) * PARTS);
             let other = scale[1 - axis];
             // A way between two opaque tiles that touch is none.
-            let before = [x, y].map(|at| i64::from(at));
+            let before = [x, y].map(i64::from);
             let before = [before[0] - i64::from(axis == 0), before[1] - i64::from(axis == 1)];
             let is_seam = low == from[axis] && is_opaque(map, before);
             match step[axis] {

@@ -49,6 +49,11 @@ fn coordinate(low: f32, high: f32) -> impl Strategy<Value = f64> {
     coordinates(low..high, 0.5).prop_map(f64::from)
 }
 
+/// The same along all axes.
+fn triple(low: f32, high: f32) -> impl Strategy<Value = [f64; 3]> {
+    prop::array::uniform3(coordinate(low, high))
+}
+
 fn place_in(random: &mut Generator, span: &Span) -> DVec3 {
     places::place_in(span.min, span.max, || random.random_range(0.0..1.0))
 }
@@ -58,8 +63,8 @@ proptest! {
     #[test]
     fn no_segment_gets_past_a_wall_that_hides(
         (axis, side, seed) in (0usize..3, any::<bool>(), any::<u64>()),
-        (e, r) in (prop::array::uniform3(coordinate(-3.0, 3.0)), coordinate(0.0, 1.0)),
-        (t, half) in (prop::array::uniform3(coordinate(-3.0, 3.0)), prop::array::uniform3(coordinate(0.0, 1.5))),
+        (e, r) in (triple(-3.0, 3.0), coordinate(0.0, 1.0)),
+        (t, half) in (triple(-3.0, 3.0), triple(0.0, 1.5)),
     ) {
         let wall = Wall { axis, at: 0.0, from: Side::Both, min: [-3.0, -2.0], max: [2.5, 3.5] };
         let (mut e, mut t) = (DVec3::from(e), DVec3::from(t));
@@ -80,9 +85,12 @@ proptest! {
 
     #[test]
     fn no_segment_gets_past_walls_that_hide_in_parts(
-        walls in prop::collection::vec((0usize..3, coordinate(-1.0, 1.0), prop::array::uniform4(coordinate(-2.0, 2.0))), 1..6),
+        walls in prop::collection::vec(
+            (0usize..3, coordinate(-1.0, 1.0), prop::array::uniform4(coordinate(-2.0, 2.0))),
+            1..6,
+        ),
         (axis, apart, seed) in (0usize..3, coordinate(0.0, 0.5), any::<u64>()),
-        (e, t) in (prop::array::uniform3(coordinate(-1.5, 1.5)), prop::array::uniform3(coordinate(-1.5, 1.5))),
+        (e, t) in (triple(-1.5, 1.5), triple(-1.5, 1.5)),
         half in prop::array::uniform6(coordinate(0.0, 0.5)),
     ) {
         // Most are walls between the eyes and the target, and large.
@@ -111,7 +119,7 @@ proptest! {
     #[test]
     fn what_no_wall_parts_is_reached(
         walls in prop::collection::vec((0usize..3, coordinate(-1.0, 1.0)), 1..6),
-        (from, half) in (prop::array::uniform3(coordinate(-1.5, 1.5)), prop::array::uniform3(coordinate(0.0, 1.0))),
+        (from, half) in (triple(-1.5, 1.5), triple(0.0, 1.0)),
         (reach, seed) in (coordinate(0.0, 1.5), any::<u64>()),
     ) {
         let wall = |&(axis, at): &(usize, f64)| Wall { axis, at, from: Side::Both, min: [-3.0; 2], max: [2.0, 3.0] };

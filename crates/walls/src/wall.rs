@@ -147,7 +147,7 @@ impl Wall {
         span.lies_at(self.axis, self.at)
     }
 
-    /// Whether eyes and a target lie in the plane of an edge of it: rays between them only touch it.
+    /// Whether eyes and a target lie in the plane of an edge of it: rays between them only touch.
     fn grazes(&self, eyes: &Span, target: &Span) -> bool {
         let both = |axis: usize, at: f64| eyes.lies_at(axis, at) && target.lies_at(axis, at);
         (0..2).zip(along(self.axis)).any(|(i, b)| both(b, self.min[i]) || both(b, self.max[i]))
