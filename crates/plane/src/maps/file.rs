@@ -201,7 +201,8 @@ fn ldtk(bytes: &[u8], folder: &Path) -> Result<Drawing, String> {
     Ok(drawing)
 }
 
-/// The side of a tile in pixels, and the most tiles along a side, of levels in which nothing blocks.
+/// The side of a tile in pixels, and the most tiles along a side, of levels in which nothing
+/// blocks.
 #[cfg(feature = "ldtk")]
 const LDTK_TILE: u32 = 16;
 #[cfg(feature = "ldtk")]

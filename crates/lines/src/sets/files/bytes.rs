@@ -83,15 +83,8 @@ impl<'a> Bytes<'a> {
         let next = |_| {
             let place = self.at;
             let number = self.number(kind)?;
-            let fail = || {
-                broken(
-                    "byte",
-                    place,
-                    format!(
-                        "{number} cannot be the number of something: perhaps the bytes of numbers stand in the other order"
-                    ),
-                )
-            };
+            let why = "cannot be the number of something (are its bytes in the other order?)";
+            let fail = || broken("byte", place, format!("{number} {why}"));
             whole(number).ok_or_else(fail)
         };
         (0..count).map(next).collect()
@@ -124,8 +117,8 @@ impl<'a> Bytes<'a> {
 /// Bytes of the numbers of a point in single precision.
 const POINT: usize = 12;
 
-/// Whether bytes that should begin with the numbers of a point begin with digits and blanks. Numbers
-/// do by chance once in 10^13 times.
+/// Whether bytes that should begin with the numbers of a point begin with digits and blanks. By
+/// chance, numbers do once in 10^13 times.
 pub(super) fn are_words(bytes: &[u8]) -> bool {
     let of_number = |b: &u8| b.is_ascii_digit() || b.is_ascii_whitespace() || b"+-.eE".contains(b);
     bytes.get(..POINT).is_some_and(|first| first.iter().all(of_number))
