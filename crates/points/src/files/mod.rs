@@ -57,11 +57,13 @@ pub use sink::{Attributes, FileError, Report, Source};
 /// can be read.
 ///
 /// # Panics
-/// None, but the crate `laz` panics on some damaged bytes of LAZ, COPC and EPT files, by a division
-/// by zero or an index behind a table of its decoder. Such a panic is caught, and becomes an error;
-/// the panic hook is called first, which by default prints a line. A program that is built with
-/// `panic = "abort"` ends there: such a program should read LAZ files that it does not trust in
-/// another process.
+/// None. But in builds with overflow checks or debug assertions, the crate `laz` panics at four
+/// places on some damaged bytes of LAZ, COPC and EPT files (`decoders.rs` 284, `las/gps.rs` 892 and
+/// 1092, `las/wavepacket.rs` 170 of version 0.13), which cannot be told before. Such a panic is
+/// caught, and becomes a warning or an error; the panic hook is called first, which by default
+/// prints a line. A program that is built with these checks and with `panic = "abort"` ends there:
+/// turn them off for `laz` alone (`[profile.dev.package.laz]`, `overflow-checks = false`,
+/// `debug-assertions = false`), or read files that you do not trust in another process.
 pub fn read(path: &Path) -> Result<(PointCloud, Report), FileError> {
     let mut all = PointCloud::default();
     let report = read_chunks(path, usize::MAX, |chunk| {
