@@ -14,10 +14,11 @@ class Bake:
     level: a .glb or .gltf file, or the name of a generated scene (see casca.SCENES). What of a file
         hides is as for Scene.from_gltf.
     cell: the edge of a cell along x and z, in metres.
-    height: (2,), the least and the greatest height of an eye over the floor, in metres. Cells are as high
-        as that, and only those are baked in which an eye may be so. None bakes all cells of the
-        level's box, as high as they are wide.
-    within: (2, 3), the lower and the upper corner of a box; of these cells, only those whose middle lies in it are baked.
+    height: (2,), the least and the greatest height of an eye over the floor, in metres. Cells are as
+        high as that, and only those are baked in which an eye may be so. None bakes all cells of
+        the level's box, as high as they are wide.
+    within: (2, 3), the lower and the upper corner of a box; of these cells, only those whose middle
+        lies in it are baked.
     queries: up to about so many queries for each cell; more take longer and make smaller sets.
     grid: the edge of a cell of casca's grid, in metres.
     solid: promises that closed boxes among the parts of meshes hold no eye: then cells that reach
