@@ -284,7 +284,7 @@ pub struct Source {
     pub origin: DVec3,
     /// The JSON of the file, as it was; empty for other worlds.
     pub document: Arc<[u8]>,
-    /// By object: what of the file it is. Shorter where that is not known.
+    /// By object as it was read: what of the file it is. Shorter where that is not known.
     pub parts: Vec<FilePart>,
 }
 

@@ -44,7 +44,7 @@ pub struct Material {
     pub gloss: f32,
     /// Radiance that the surface emits to both sides, 0 or more.
     pub emission: Vec3,
-    /// From which sides it stops light; through others it passes as if there were nothing.
+    /// From which sides it is seen, and stops what looks at it; from others there is nothing.
     pub sides: Sides,
 }
 

@@ -4,8 +4,11 @@
 //! Kajiya, *The Rendering Equation* (1986), with next event estimation for lights and emissive
 //! triangles, and multiple importance sampling by the balance heuristic for the latter (Veach &
 //! Guibas 1995). Light is sorted by how often it was scattered on its way, so that direct light and
-//! each bounce can be looked at on their own. Light passes what stops none from where it comes. All rays go through the centres of pixels. Results do
+//! each bounce can be looked at on their own. All rays go through the centres of pixels. Results do
 //! not depend on the number of threads.
+//!
+//! Rays go on through panes and through the backs of single-sided sheets, as a camera sees them: what
+//! looks at such a back gets the light behind it.
 
 mod direct;
 mod emitters;
