@@ -40,6 +40,12 @@ pub fn place_in(min: DVec3, max: DVec3, mut share: impl FnMut() -> f64) -> DVec3
     }))
 }
 
+/// A coordinate that came about otherwise: rounded to a multiple of `step` where a random share from
+/// 0 to less than 1 is less than a half.
+pub fn settled(share: f64, at: f32, step: f32) -> f32 {
+    if share < 0.5 { (at / step).round() * step } else { at }
+}
+
 #[cfg(feature = "proptest")]
 mod strategies {
     use super::{Range, coordinate};
@@ -74,6 +80,7 @@ mod tests {
             assert!(all.contains(&(step as f32 * 0.5 - 2.0)), "{step}");
         }
         assert!(all.iter().all(|v| (-2.0..=2.0).contains(v)));
+        assert_eq!((settled(0.4, 1.7, 0.5), settled(0.5, 1.7, 0.5)), (1.5, 1.7));
         assert_eq!((coordinate(0.3, 0.0..1.0, 5.0), coordinate(1.0, 0.0..1.0, 0.5)), (0.0, 1.0));
     }
 }
