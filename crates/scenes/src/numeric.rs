@@ -5,8 +5,8 @@ pub(crate) const AFFINE: f32 = 1e-5;
 /// Rotations of other lengths are mistakes and not roundings.
 pub(crate) const ROTATION_LENGTHS: std::ops::Range<f64> = 1e-3..1e3;
 
-/// Boxes around what follows joints are larger by this share of their coordinates: renderers multiply
-/// matrices in single precision.
+/// Boxes around what follows joints are larger by this share of their coordinates: renderers
+/// multiply matrices in single precision.
 pub(crate) const POSED: f32 = 1e-4;
 
 /// Scenes from files count as no smaller than this, in metres: a point has a grid, too.

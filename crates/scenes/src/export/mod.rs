@@ -1,8 +1,9 @@
 //! Test scenes written as glTF 2.0 files, which [`crate::import`] reads back.
 //!
-//! What hides is said by materials: see-through ones blend, and what hides from both sides is double
-//! sided. Each object is a node: a box is scaled from one unit cube, a sphere is a ball of 320 triangles.
-//! The positions of moving objects and of the camera are stored for every frame of the path.
+//! What hides is said by materials: see-through ones blend, and what hides from both sides is
+//! double sided. Each object is a node: a box is scaled from one unit cube, a sphere is a ball of
+//! 320 triangles. The positions of moving objects and of the camera are stored for every frame of
+//! the path.
 
 #[cfg(test)]
 mod tests;

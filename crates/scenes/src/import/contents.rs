@@ -100,8 +100,8 @@ impl Reader<'_> {
         None
     }
 
-    /// Of each node, with what it hangs from: whether it is surely drawn, `None` if it is hidden; and
-    /// whether it is moved by what is not read.
+    /// Of each node, with what it hangs from: whether it is surely drawn, `None` if it is hidden;
+    /// and whether it is moved by what is not read.
     fn states(&self, nodes: &Nodes, all: &[gltf::Node]) -> (Vec<Option<bool>>, Vec<bool>) {
         let drawn = nodes.inherited(|node, parent: Option<Option<bool>>| {
             let own = self.changes.draws(&all[node.index])?;

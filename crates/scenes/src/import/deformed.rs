@@ -65,8 +65,8 @@ impl Deformed<'_> {
         self.posed(&skin, &joints, moved)
     }
 
-    /// By morph target of a node, the least and the greatest weight; `None` if splines may go beyond
-    /// their keys.
+    /// By morph target of a node, the least and the greatest weight; `None` if splines may go
+    /// beyond their keys.
     fn weights(&self, node: &gltf::Node, mesh: &gltf::Mesh) -> Result<Option<Vec<[f32; 2]>>, Trouble> {
         let rest = node.weights().or(mesh.weights()).unwrap_or(&[]);
         let count = mesh.primitives().map(|p| p.morph_targets().len()).max().unwrap_or(0);
@@ -111,8 +111,8 @@ impl Deformed<'_> {
         Ok(sum)
     }
 
-    /// By joint, the box of the points that follow it, in the space of the mesh; and the least and the
-    /// greatest sum of the weights of a point. `None` if weights are none.
+    /// By joint, the box of the points that follow it, in the space of the mesh; and the least and
+    /// the greatest sum of the weights of a point. `None` if weights are none.
     fn boxes_of_joints(
         &self,
         reader: &mut Meshes,
@@ -148,8 +148,8 @@ impl Deformed<'_> {
         Ok((range[0] > 0.0 && range[1].is_finite()).then_some((boxes, range)))
     }
 
-    /// The box around what follows joints, in all frames. A point is a mean of where the joints that
-    /// it follows take it, so that it lies in the box of these.
+    /// The box around what follows joints, in all frames. A point is a mean of where the joints
+    /// that it follows take it, so that it lies in the box of these.
     fn posed(
         &self,
         skin: &gltf::Skin,

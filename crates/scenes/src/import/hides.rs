@@ -39,8 +39,8 @@ pub(super) struct Changes {
 }
 
 impl Changes {
-    /// What the pointers of `KHR_animation_pointer` lead to. They are looked for in the JSON itself:
-    /// their channels have no node.
+    /// What the pointers of `KHR_animation_pointer` lead to. They are looked for in the JSON
+    /// itself: their channels have no node.
     pub(super) fn of(json: &[u8]) -> Self {
         let mut changes = Self::default();
         let named = json.windows(POINTER.len()).any(|part| part == POINTER.as_bytes());
@@ -126,5 +126,39 @@ impl Changes {
         let visible = node.extension_value(VISIBILITY).and_then(|v| v["visible"].as_bool()).unwrap_or(true);
         let changes = self.shown.contains(&node.index());
         (visible || changes).then(|| !changes && node.extension_value(LEVELS).is_none())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pointers_of_animations_are_found_in_the_json() {
+        let channel = |pointer: &str| {
+            let extension = serde_json::json!({ POINTER: { "pointer": pointer } });
+            serde_json::json!({ "sampler": 0, "target": { "path": "pointer", "extensions": extension } })
+        };
+        let pointers = [
+            "/nodes/3/extensions/KHR_node_visibility/visible",
+            "/nodes/4/rotation",
+            "/nodes/5/weights",
+            "/materials/6/pbrMetallicRoughness/baseColorFactor",
+            "/cameras/7/perspective/yfov",
+            "/nodes/x/scale",
+            "",
+        ];
+        let channels: Vec<Value> = pointers.iter().map(|p| channel(p)).collect();
+        let json = serde_json::json!({ "animations": [{ "channels": channels }] }).to_string();
+        let changes = Changes::of(format!("\u{feff}{json}").as_bytes());
+        let sorted = |all: &HashSet<usize>| {
+            let mut all: Vec<usize> = all.iter().copied().collect();
+            all.sort_unstable();
+            all
+        };
+        let found = [&changes.shown, &changes.moved, &changes.materials].map(sorted);
+        assert_eq!(found, [vec![3], vec![4, 5], vec![6]]);
+        assert!(changes.moves(4) && !changes.moves(3));
+        assert!(Changes::of(b"no JSON, KHR_animation_pointer").moved.is_empty());
     }
 }

@@ -59,9 +59,9 @@ impl<'a> Meshes<'a> {
         Self { buffers, components, positions: HashMap::new() }
     }
 
-    /// Joins all that is drawn of a mesh, with the vertices that it uses, and says of which primitive
-    /// each triangle is; `None` if there is nothing. A line is a triangle without area, and so is a
-    /// point.
+    /// Joins all that is drawn of a mesh, with the vertices that it uses, and says of which
+    /// primitive each triangle is; `None` if there is nothing. A line is a triangle without area,
+    /// and so is a point.
     pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         self.joined(mesh, (true, false), |_, _| {})
     }
@@ -76,8 +76,8 @@ impl<'a> Meshes<'a> {
         self.joined(mesh, (false, true), each)
     }
 
-    /// The same for triangles only; `each` is called for each vertex in turn, with its primitive and
-    /// its number there.
+    /// The same for triangles only; `each` is called for each vertex in turn, with its primitive
+    /// and its number there.
     #[cfg(feature = "fur")]
     pub(super) fn mesh_from(
         &mut self,

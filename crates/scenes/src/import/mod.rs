@@ -66,8 +66,8 @@
 //! | a texture that is missing | counts as there: only its name is read |
 //!
 //! Skins and animated morph targets are dynamic, so that bakes leave them to run time.
-//! [`World::source`](crate::world::World::source) holds the warnings, which tools print. [`load_lit`]
-//! reads the same of materials for the path tracer, by code of its own.
+//! [`World::source`](crate::world::World::source) holds the warnings, which tools print.
+//! [`load_lit`] reads the same of materials for the path tracer, by code of its own.
 //!
 //! What a scene cannot do without is taken whole or refused. Accessors may share bytes, and may
 //! have none, but a file that unfolds to more than four elements a byte of its buffers and a

@@ -3,8 +3,8 @@
 //!
 //! By the specification of glTF: a ray goes on through a material whose alpha mode is not OPAQUE,
 //! through one with transmission, through the back of a single-sided one, and through lines and
-//! points. Where materials, nodes or their places may change in ways that the objects do not follow,
-//! rays go on.
+//! points. Where materials, nodes or their places may change in ways that the objects do not
+//! follow, rays go on.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -83,10 +83,10 @@ impl ItemBuffer {
         &self.depth
     }
 
-    /// For each object the number of pixels that show it. For what hides,
-    /// those where it is nearest; for the rest, those where nothing that hides is
-    /// nearer. A pixel that shows both of a mesh counts twice. One that holds the eye has at least 1. Objects that neither
-    /// hide nor are tested have 0.
+    /// For each object the number of pixels that show it. For what hides, those where it is
+    /// nearest; for the rest, those where nothing that hides is nearer. A pixel that shows both of
+    /// a mesh counts twice. One that holds the eye has at least 1. Objects that neither hide nor
+    /// are tested have 0.
     pub fn visible(&self) -> &[u32] {
         &self.visible
     }

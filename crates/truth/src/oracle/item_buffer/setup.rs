@@ -101,8 +101,8 @@ impl Setup<'_> {
         (projected.into_iter().map(|(relative, ..)| relative).collect(), entries)
     }
 
-    /// Whether a triangle, given relative to the eye, stops the rays of pixels: all of them meet the
-    /// same side of it.
+    /// Whether a triangle, given relative to the eye, stops the rays of pixels: all of them meet
+    /// the same side of it.
     fn stops(&self, shape: &Shape, triangle: u32, [a, b, c]: [DVec3; 3]) -> bool {
         match (sides_of(shape, triangle), shape) {
             (Sides::Front, Shape::Mesh { transform, .. }) => {

@@ -7,8 +7,8 @@
 //! each bounce can be looked at on their own. All rays go through the centres of pixels. Results do
 //! not depend on the number of threads.
 //!
-//! Rays go on through panes and through the backs of single-sided sheets, as a camera sees them: what
-//! looks at such a back gets the light behind it.
+//! Rays go on through panes and through the backs of single-sided sheets, as a camera sees them:
+//! what looks at such a back gets the light behind it.
 
 mod direct;
 mod emitters;
