@@ -17,7 +17,7 @@ fn scene() -> Scene {
 }
 
 fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
-    casca_truth::places::points(range, 1.0)
+    prop::array::uniform3(range).prop_map(Vec3::from_array)
 }
 
 fn rotation() -> impl Strategy<Value = Quat> {

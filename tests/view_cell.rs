@@ -7,7 +7,6 @@ use std::sync::Arc;
 use casca::{
     Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, Plane, Pvs, Query, Scene, Sphere, TriMesh, View,
 };
-use casca_truth::places::coordinate;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DMat4, DQuat, DVec3, DVec4, Mat4, Quat, UVec3, Vec3};
 
@@ -36,7 +35,7 @@ impl Random {
     }
 
     fn point(&mut self, from: f32, to: f32) -> Vec3 {
-        Vec3::from_array([(); 3].map(|()| coordinate(self.unit().into(), from..to, 1.0)))
+        Vec3::new(self.within(from, to), self.within(from, to), self.within(from, to))
     }
 
     fn direction(&mut self) -> Vec3 {

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use casca_truth::places::points;
 use glam::{DQuat, DVec3, Vec3};
 use proptest::prelude::*;
 
@@ -83,16 +82,11 @@ fn damage() -> impl Strategy<Value = Damage> {
     ]
 }
 
-/// Three coordinates, half of them on a lattice.
-pub fn places(range: std::ops::Range<f32>) -> impl Strategy<Value = [f64; 3]> {
-    points(range, 1.0).prop_map(|p| p.as_dvec3().to_array())
-}
-
 pub fn recipe() -> impl Strategy<Value = Recipe> {
-    let center = places(0.0..16.0);
+    let center = prop::array::uniform3(0.0..16.0f64);
     let size = prop_oneof![
         2 => prop::array::uniform3(0.3..3.0f64),
-        2 => places(1.0..7.0),
+        2 => prop::array::uniform3(1.0..7.0f64),
         1 => (1.0..8.0f64).prop_map(|s| [s; 3]),
     ];
     let angle = prop_oneof![1 => Just(0.0), 2 => 0.0..6.3f64];

@@ -12,7 +12,6 @@ mod volumes;
 
 use casca::GridSpec;
 use casca::soft::SoftGrid;
-use casca_truth::places::coordinate;
 use glam::{UVec3, Vec3};
 
 /// Cells of length 1 from the origin on.
@@ -30,6 +29,6 @@ impl Dice {
     }
 
     fn point(&mut self, from: f32, to: f32) -> Vec3 {
-        Vec3::from_array([(); 3].map(|()| coordinate(self.next().into(), from..to, 1.0)))
+        Vec3::from_array([(); 3].map(|()| from + (to - from) * self.next()))
     }
 }

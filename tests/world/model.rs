@@ -1,7 +1,6 @@
 //! A model of a world: boxes at places in double precision, and what an eye sees of them. It shares
 //! no code with the library.
 
-use casca_truth::places::coordinate;
 use glam::DVec3;
 
 /// Random numbers from a seed.
@@ -22,8 +21,7 @@ impl Random {
     }
 
     pub fn point(&mut self, lo: f64, hi: f64) -> DVec3 {
-        let (range, step) = (lo as f32..hi as f32, (hi - lo) as f32 / 8.0);
-        DVec3::from_array([(); 3].map(|()| coordinate(self.next(), range.clone(), step).into()))
+        DVec3::new(self.within(lo, hi), self.within(lo, hi), self.within(lo, hi))
     }
 
     pub fn chance(&mut self, share: f64) -> bool {
