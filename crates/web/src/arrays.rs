@@ -3,10 +3,9 @@
 use std::fmt::Display;
 
 use casca::glam::{Affine3A, Mat4, Vec3};
-use casca::{Aabb, ObjectId, Sphere};
+use casca::{Aabb, Sphere};
 use wasm_bindgen::prelude::*;
 
-use crate::scene::Scene;
 
 /// The error for something that cannot be used.
 pub fn refused(why: impl Display) -> JsError {
@@ -67,19 +66,6 @@ pub fn affines(numbers: &[f32]) -> Result<Vec<Affine3A>, JsError> {
         }
     };
     all.iter().enumerate().map(one).collect()
-}
-
-/// Ids of objects of a scene.
-pub fn ids(scene: &Scene, keys: &[u64]) -> Result<Vec<ObjectId>, JsError> {
-    let none = "no object of this scene has this id: it was removed, or is of another scene";
-    let of = |key: u64| scene.scene.id_from_key(key ^ scene.salt);
-    let id = |(index, &key)| of(key).map_err(|_| refused_at(index, none));
-    keys.iter().enumerate().map(id).collect()
-}
-
-/// Ids as bigints.
-pub fn keys(scene: &Scene, ids: impl IntoIterator<Item = ObjectId>) -> Result<Vec<u64>, JsError> {
-    ids.into_iter().map(|id| Ok(scene.scene.key(id).map_err(refused)? ^ scene.salt)).collect()
 }
 
 /// Two lists belong together.

@@ -3,9 +3,9 @@
 use casca::KeptOptions;
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{keys, refused};
+use crate::arrays::refused;
 use crate::query::options;
-use crate::scene::Scene;
+use crate::scene::{Scene, keys};
 use crate::view::View;
 
 /// Finds what views can see, and keeps it for views nearby: most runs cost a small part of one of

@@ -3,8 +3,8 @@
 use casca::{Light, Method, ObjectId, PointOptions};
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{boxes, keys, points, refused, vec3};
-use crate::scene::Scene;
+use crate::arrays::{boxes, points, refused, vec3};
+use crate::scene::{Scene, keys};
 use crate::view::View;
 
 /// Finds what views can see of a scene.

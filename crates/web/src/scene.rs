@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use casca::{Aabb, Bounds, GridSpec, Instance, ObjectDesc, ObjectId, Occluder};
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{affines, boxes, ids, keys, refused, refused_at, same_length, spheres, vec3};
+use crate::arrays::{affines, boxes, refused, refused_at, same_length, spheres, vec3};
 use crate::mesh::Mesh;
 
 /// Objects on a grid.
@@ -203,4 +203,17 @@ impl Scene {
     pub fn memory_bytes(&self) -> usize {
         self.scene.memory().total()
     }
+}
+
+/// Ids of objects of a scene.
+pub fn ids(scene: &Scene, keys: &[u64]) -> Result<Vec<ObjectId>, JsError> {
+    let none = "no object of this scene has this id: it was removed, or is of another scene";
+    let of = |key: u64| scene.scene.id_from_key(key ^ scene.salt);
+    let id = |(index, &key)| of(key).map_err(|_| refused_at(index, none));
+    keys.iter().enumerate().map(id).collect()
+}
+
+/// Ids as bigints.
+pub fn keys(scene: &Scene, ids: impl IntoIterator<Item = ObjectId>) -> Result<Vec<u64>, JsError> {
+    ids.into_iter().map(|id| Ok(scene.scene.key(id).map_err(refused)? ^ scene.salt)).collect()
 }

@@ -66,7 +66,7 @@ pub struct Rig {
 /// too large (in all 64 Mi texels) or too many (64), and colours that are not finite.
 pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Trouble> {
     let file = parse(bytes, folder, &Warnings::default())?;
-    let nodes = nodes_of(&file)?;
+    let nodes = nodes_of(&file.document, &file.places)?;
     let File { document, buffers, .. } = &file;
     let all: Vec<gltf::Node> = document.nodes().collect();
     let quantized =

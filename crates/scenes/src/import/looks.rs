@@ -90,7 +90,7 @@ fn material_of(material: &gltf::Material) -> Material {
 
 /// The lights of the nodes that are shown, at rest.
 fn lights_of(file: &File, origin: DVec3) -> Result<Vec<Light>, Trouble> {
-    let nodes = nodes_of(file)?;
+    let nodes = nodes_of(&file.document, &file.places)?;
     let mut lights = Vec::new();
     for (node, place) in nodes.0.iter().zip(nodes.globals(0.0)) {
         let Some(light) = file.document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };

@@ -3,7 +3,6 @@
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::Value;
 
-use super::document::File;
 use super::error::Trouble;
 use super::track::{Track, Tracks};
 use super::warnings::{Warnings, node_name};
@@ -114,8 +113,7 @@ impl Nodes {
 
 /// The nodes of the scene that is shown: the default one, else the first; all nodes where there are
 /// no scenes.
-pub(super) fn nodes_of(file: &File) -> Result<Nodes, Trouble> {
-    let document = &file.document;
+pub(super) fn nodes_of(document: &gltf::Document, places: &[Place]) -> Result<Nodes, Trouble> {
     let all: Vec<gltf::Node> = document.nodes().collect();
     let mut is_child = vec![false; all.len()];
     for node in &all {
@@ -141,7 +139,7 @@ pub(super) fn nodes_of(file: &File) -> Result<Nodes, Trouble> {
             return Err(Trouble::NotATree(index));
         }
         let node = &all[index];
-        let (rest, matrix) = pose_of(node, file.places[index])?;
+        let (rest, matrix) = pose_of(node, places[index])?;
         let place = nodes.len();
         let tracks = Tracks::default();
         nodes.push(Node { index, parent, rest, matrix, tracks, moves: false, morphs: false });

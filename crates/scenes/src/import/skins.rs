@@ -43,7 +43,7 @@ pub struct Skinned {
 /// weights that are negative or all zero, matrices of nodes that shear.
 pub fn read_skinned(bytes: &[u8], folder: Option<&Path>) -> Result<Option<Skinned>, Trouble> {
     let file = parse(bytes, folder, &Warnings::default())?;
-    let nodes = nodes_of(&file)?;
+    let nodes = nodes_of(&file.document, &file.places)?;
     let File { document, buffers, .. } = &file;
     let all: Vec<gltf::Node> = document.nodes().collect();
     let skinned = nodes.0.iter().find_map(|item| {

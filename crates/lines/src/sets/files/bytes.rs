@@ -129,3 +129,9 @@ pub(super) fn whole(number: f64) -> Option<u32> {
     let whole = number as u32;
     (f64::from(whole) == number).then_some(whole)
 }
+
+/// The file behind a byte-order mark, which some editors put before text: a first `v` of OBJ would
+/// be another word with it. No binary format begins so.
+pub(super) fn unmarked(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}

@@ -7,9 +7,8 @@ use glam::Vec3;
 use half::f16;
 use zip::ZipArchive;
 
-use super::bytes::{Bytes, Kind};
+use super::bytes::{Bytes, Kind, unmarked};
 use super::error::{FileError, refused};
-use super::unmarked;
 use super::unpack::Room;
 use crate::sets::LineSet;
 use crate::sets::attributes::{Attributes, Groups, NO_GROUP, Of, Scalars};
