@@ -6,7 +6,6 @@ use casca::glam::{Affine3A, Mat4, Vec3};
 use casca::{Aabb, Sphere};
 use wasm_bindgen::prelude::*;
 
-
 /// The error for something that cannot be used.
 pub fn refused(why: impl Display) -> JsError {
     JsError::new(&why.to_string())

@@ -103,4 +103,3 @@ pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
         Format::Hair => hair::read(bytes)?,
     })
 }
-
