@@ -103,7 +103,7 @@ impl Mesh {
         if !(both || front) {
             return None;
         }
-        if !has(Sides::Neither) && !(both && front) {
+        if !(has(Sides::Neither) || both && front) {
             return Some((Cow::Borrowed(&self.triangles), front));
         }
         let mut hiding = Vec::with_capacity(self.triangles.len());
