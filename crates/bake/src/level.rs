@@ -145,8 +145,8 @@ impl Level {
         cells
     }
 
-    /// The box that the level lies in, in metres; y is up. Seen from an origin of its own if it lies
-    /// far from that of its file; see [`Level::in_file`].
+    /// The box that the level lies in, in metres; y is up. Seen from an origin of its own if it
+    /// lies far from that of its file; see [`Level::in_file`].
     pub fn room(&self) -> Aabb {
         self.room
     }

@@ -277,9 +277,9 @@ pub struct Source {
     /// What of the file is not as its author may expect: a line each, which names the place in the
     /// file. Tools show them.
     pub warnings: Vec<String>,
-    /// What is added to each position of the world, its camera and its grid to get that of the file,
-    /// in metres: a scene far from the origin of its file is moved to one of its own, since single
-    /// precision is too coarse there. Zero where nothing was moved;
+    /// What is added to each position of the world, its camera and its grid to get that of the
+    /// file, in metres: a scene far from the origin of its file is moved to one of its own, since
+    /// single precision is too coarse there. Zero where nothing was moved;
     /// single precision holds its numbers.
     pub origin: DVec3,
     /// The JSON of the file, as it was; empty for other worlds.

@@ -40,8 +40,8 @@ pub fn place_in(min: DVec3, max: DVec3, mut share: impl FnMut() -> f64) -> DVec3
     }))
 }
 
-/// A coordinate that came about otherwise: rounded to a multiple of `step` where a random share from
-/// 0 to less than 1 is less than a half.
+/// A coordinate that came about otherwise: rounded to a multiple of `step` where a random share
+/// from 0 to less than 1 is less than a half.
 pub fn settled(share: f64, at: f32, step: f32) -> f32 {
     if share < 0.5 { (at / step).round() * step } else { at }
 }

@@ -60,8 +60,9 @@ impl Scene {
         keys(self, ids)
     }
 
-    /// Moves objects to other shapes, up to the first that is refused. What hides by a box or sphere
-    /// hides by the new one; what hides by a mesh hides no more, since a box covers more than it.
+    /// Moves objects to other shapes, up to the first that is refused. What hides by a box or
+    /// sphere hides by the new one; what hides by a mesh hides no more, since a box covers more
+    /// than it.
     fn update<S: Into<Bounds> + Into<Occluder> + Copy>(
         &mut self,
         ids: &[ObjectId],

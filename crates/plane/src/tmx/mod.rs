@@ -74,8 +74,8 @@ const LONGEST_SIDE: u32 = 1 << 20;
 /// Properties of an object count before its class, this before its tile, this before its layer; the
 /// class of a tile counts for objects without one. A property that is false takes the role away
 /// that the next ones would give. In a layer of walls all tiles hide. What is both is a door. Names
-/// of doors make doors of objects, and of shapes that tilesets draw on tiles; tiles of layers are no
-/// doors.
+/// of doors make doors of objects, and of shapes that tilesets draw on tiles; tiles of layers are
+/// no doors.
 ///
 /// ```no_run
 /// use casca_plane::tmx::TmxImport;

@@ -14,7 +14,7 @@ use super::hides::Changes;
 use super::instances::instances_of;
 use super::meshes::{Meshes, is_loose};
 use super::nodes::{Nodes, is_deformed, nodes_of, role_of, wrong};
-use super::origin::moved;
+use super::origin::{Found, moved};
 use super::path::{FilePath, Moving, camera_of};
 use super::warnings::{Warnings, node_name};
 use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
@@ -30,17 +30,6 @@ const MOST_FRAMES: f64 = 99_999.0;
 const NAME_OF_AN_ELEMENT: usize = 16;
 /// Cells along the longest axis of the grid that is asked for.
 const CELLS: f32 = 128.0;
-
-/// The objects of a file.
-#[derive(Default)]
-pub(super) struct Found {
-    pub(super) objects: Vec<Object>,
-    /// By object: where it is at rest, in the coordinates of the file.
-    pub(super) places: Vec<DAffine3>,
-    /// By object.
-    parts: Vec<FilePart>,
-    pub(super) moving: Vec<Moving>,
-}
 
 /// A mesh, and by triangle its primitive.
 type Known = Option<(Arc<Mesh>, Arc<[u32]>)>;

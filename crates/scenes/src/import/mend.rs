@@ -1,5 +1,6 @@
-//! What other programs write and the crate `gltf` refuses, or takes for granted and panics at: it is
-//! mended in the JSON, or left out, before that crate sees it. What is not read here may be broken.
+//! What other programs write and the crate `gltf` refuses, or takes for granted and panics at: it
+//! is mended in the JSON, or left out, before that crate sees it. What is not read here may be
+//! broken.
 
 use std::collections::HashSet;
 

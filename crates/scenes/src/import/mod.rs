@@ -25,10 +25,10 @@
 //! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs, escaped or as
 //!   the file is called. Accessors may be sparse, need no box, and are zeros without a view.
 //! - **Far from the origin**: a scene that lies farther than 100 times its size from the origin of
-//!   its file, such as in UTM, is moved to an origin of its own before numbers are rounded to single
-//!   precision: [`Source::origin`](crate::world::Source::origin) is what to add to coordinates. The
-//!   text says where nodes are in double precision; positions and keys in buffers are floats, and
-//!   stay as coarse as these are.
+//!   its file, such as in UTM, is moved to an origin of its own before numbers are rounded to
+//!   single precision: [`Source::origin`](crate::world::Source::origin) is what to add to
+//!   coordinates. The text says where nodes are in double precision; positions and keys in buffers
+//!   are floats, and stay as coarse as these are.
 //! - **Other writers**: a byte-order mark, chunks of other kinds and filled up otherwise, scenes
 //!   without nodes, channels without a node, textures with a source in an extension, members that
 //!   are null and what is broken but not read, such as normals, are no fault. Cameras, lights,

@@ -11,8 +11,8 @@ use crate::numeric::{AFFINE, ROTATION_LENGTHS};
 /// Translation, rotation and scale.
 type Pose = (DVec3, DQuat, DVec3);
 
-/// Where a node is, as exactly as the text of its file says it: the crate `gltf` rounds it to single
-/// precision, which is three centimetres at 500 km.
+/// Where a node is, as exactly as the text of its file says it: the crate `gltf` rounds it to
+/// single precision, which is three centimetres at 500 km.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Place {
     Matrix(DMat4),

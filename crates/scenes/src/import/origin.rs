@@ -5,9 +5,20 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DAffine3, DVec3};
 
-use super::contents::Found;
+use super::path::Moving;
 use crate::numeric::{FAR, LEAST_SIZE};
-use crate::world::{Mesh, Shape, box_corners};
+use crate::world::{FilePart, Mesh, Object, Shape, box_corners};
+
+/// The objects of a file.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) objects: Vec<Object>,
+    /// By object: where it is at rest, in the coordinates of the file.
+    pub(super) places: Vec<DAffine3>,
+    /// By object.
+    pub(super) parts: Vec<FilePart>,
+    pub(super) moving: Vec<Moving>,
+}
 
 /// A mesh that is kept, its box, and the middle of that if the mesh is moved there.
 struct Centred {

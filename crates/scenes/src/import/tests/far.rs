@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::*;
 
-/// A room of walls that only just overlap, with a camera that moves; `at` is where it lies, by a node
-/// above it, by the nodes themselves or by the positions of meshes.
+/// A room of walls that only just overlap, with a camera that moves; `at` is where it lies, by a
+/// node above it, by the nodes themselves or by the positions of meshes.
 fn room(at: DVec3, by: &str) -> World {
     let mut parts = Parts::default();
     let shift = if by == "positions" { at.as_vec3() } else { Vec3::ZERO };
