@@ -19,14 +19,9 @@ impl Dice {
         self.0.random()
     }
 
-    /// A point with coordinates from -1 to 1, half of them one of five on a lattice: points that
-    /// coincide, lie in one plane or along an axis.
+    /// A point with coordinates from -1 to 1.
     pub(crate) fn point(&mut self) -> Vec3 {
-        let mut coordinate = || match self.next() < 0.5 {
-            true => (self.next() * 5.0).floor() / 2.0 - 1.0,
-            false => 2.0 * self.next() - 1.0,
-        };
-        Vec3::from_array(std::array::from_fn(|_| coordinate() as f32))
+        Vec3::from_array(std::array::from_fn(|_| (2.0 * self.next() - 1.0) as f32))
     }
 
     /// A direction.

@@ -78,17 +78,11 @@ mod tests {
         for _ in 0..100_000 {
             let direction = random.direction();
             let place = cube_uv(direction * (1.0 + random.next() as f32)).unwrap();
-            // Edges between faces belong to one of them.
-            let [x, y, z] = direction.abs().to_array();
-            faces[usize::from(place.face)] += i32::from(x != y && y != z && z != x);
+            faces[usize::from(place.face)] += 1;
             assert!((0.0..=1.0).contains(&place.u) && (0.0..=1.0).contains(&place.v));
             assert!(cube_direction(place).distance(direction) < 1e-6, "{direction}");
         }
-        let all: i32 = faces.iter().sum();
-        assert!(
-            all > 50_000 && faces.iter().all(|&n| (16 * all..18 * all).contains(&(100 * n))),
-            "{faces:?}"
-        );
+        assert!(faces.iter().all(|&n| (16_000..17_400).contains(&n)), "{faces:?}");
         // The table of the thesis; of equal components x counts, then y.
         assert_eq!(cube_uv(Vec3::ONE), Some(CubePlace { face: 0, u: 0.0, v: 0.0 }));
         assert_eq!(cube_uv(Vec3::new(0.5, -1.0, 1.0)), Some(CubePlace { face: 3, u: 0.75, v: 0.0 }));
