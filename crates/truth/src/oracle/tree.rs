@@ -1,5 +1,6 @@
 //! Bounding volume hierarchies over exact primitives.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
 use casca_scenes::world::{Motion, Object, Sides};
@@ -68,6 +69,34 @@ impl Place {
     }
 }
 
+/// A hierarchy whose leaves hold all boxes that are equal: thousands of them would become a chain,
+/// too deep to walk along.
+fn hierarchy(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
+    let (mut places, mut different) = (HashMap::new(), Vec::new());
+    let mut equal: Vec<Vec<u32>> = Vec::new();
+    for (i, one) in (0..).zip(boxes) {
+        let bits = [one.min, one.max].map(|corner| corner.to_array().map(f32::to_bits));
+        let place = *places.entry(bits).or_insert(different.len());
+        if place == different.len() {
+            different.push(*one);
+            equal.push(Vec::new());
+        }
+        equal[place].push(i);
+    }
+    let mut bvh = build_bvh2(&different, params, &mut Duration::default());
+    let mut all = Vec::with_capacity(boxes.len());
+    for node in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
+        let from = node.first_index as usize;
+        node.first_index = all.len() as u32;
+        for &place in &bvh.primitive_indices[from..from + node.prim_count as usize] {
+            all.extend(&equal[place as usize]);
+        }
+        node.prim_count = all.len() as u32 - node.first_index;
+    }
+    bvh.primitive_indices = all;
+    bvh
+}
+
 impl Tree {
     pub(super) fn build(objects: &[Object], place: &[Place], wanted: Place, params: BvhBuildParams) -> Self {
         let mut parts = Vec::new();
@@ -89,11 +118,7 @@ impl Tree {
     pub(super) fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
         let scale = scale_of(&parts);
         let boxes: Vec<Aabb> = parts.iter().map(|part| wide_box(&part.shape, scale)).collect();
-        let bvh = if boxes.is_empty() {
-            Bvh2::default()
-        } else {
-            build_bvh2(&boxes, params, &mut Duration::default())
-        };
+        let bvh = if boxes.is_empty() { Bvh2::default() } else { hierarchy(&boxes, params) };
         let parts = bvh.primitive_indices.iter().map(|&i| parts[i as usize]).collect();
         Self { parts, bvh, scale, refits: 0 }
     }
