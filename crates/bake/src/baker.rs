@@ -193,7 +193,7 @@ impl<'l> Baker<'l> {
             }
         }
         let cells = self.level.in_file(self.cells);
-        let cells = cells.low.iter().chain(&cells.size).map(|v| v.to_bits());
+        let cells = cells.low.iter().chain(&cells.size).chain(&cells.origin).map(|v| v.to_bits());
         cells.chain(self.cells.dims.map(u64::from)).for_each(&mut number);
         number(self.queries.into());
         self.numbers.iter().for_each(|&cell| number(cell.into()));

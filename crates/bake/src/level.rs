@@ -142,6 +142,7 @@ impl Level {
     /// sets: they differ where the level lies far from the origin of its file.
     pub fn in_file(&self, mut cells: Cells) -> Cells {
         cells.low = (DVec3::from_array(cells.low) + self.origin).to_array();
+        cells.origin = self.origin.to_array();
         cells
     }
 

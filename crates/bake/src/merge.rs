@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_part_that_is_refused_leaves_nothing() {
-        let cells = Cells { low: [0.0; 3], size: [1.0; 3], dims: [4, 1, 1] };
+        let cells = Cells { low: [0.0; 3], size: [1.0; 3], dims: [4, 1, 1], origin: [0.0; 3] };
         let part = |sets: &[(u32, &[u32])]| {
             let mut writer = Writer::new(cells, 9).unwrap();
             sets.iter().for_each(|(cell, set)| writer.put(*cell, set).unwrap());

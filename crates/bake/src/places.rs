@@ -51,7 +51,7 @@ impl Places {
         if !(sane && dims.iter().product::<f64>() <= MOST_CELLS) {
             return Err(BakeError::Places);
         }
-        Ok(Cells { low, size, dims: dims.map(|n| n as u32) })
+        Ok(Cells { low, size, dims: dims.map(|n| n as u32), origin: [0.0; 3] })
     }
 
     /// The numbers of the cells to bake, ascending.

@@ -364,7 +364,7 @@ fn lattice(random: &mut Generator) -> World {
 
 #[test]
 fn eyes_on_faces_and_borders_lose_nothing() {
-    let grid = Cells { low: [2.0; 3], size: [2.0; 3], dims: [2; 3] };
+    let grid = Cells { low: [2.0; 3], size: [2.0; 3], dims: [2; 3], origin: [0.0; 3] };
     let (mut found, mut hidden) = (0, 0);
     for seed in 0..40 {
         let mut random = generator(seed, 0x1a77);
@@ -451,10 +451,9 @@ fn files_of_levels_far_from_the_origin_have_the_coordinates_of_the_level() {
         let set = |baked: &casca_bake::Baked, at: DVec3| {
             baked.set_at(at.to_array()).map(|set| set.iter().collect::<Vec<_>>())
         };
-        // What counts as near a border of cells grows with the coordinates: there, far sets say nothing.
-        let Some(found) = set(&far, place + origin) else { continue };
-        known += 1;
-        assert_eq!(set(&near, place), Some(found), "{place}");
+        let found = set(&far, place + origin);
+        known += usize::from(found.is_some());
+        assert_eq!(set(&near, place), found, "{place}");
     }
-    assert!(known > 20, "{known}");
+    assert!(known > 500, "{known}");
 }

@@ -9,6 +9,9 @@ pub struct Cells {
     pub size: [f64; 3],
     /// Cells along each axis.
     pub dims: [u32; 3],
+    /// From here solids were given in single precision, in world units: not the origin of the world
+    /// where a level lies far from that.
+    pub origin: [f64; 3],
 }
 
 /// Cells of a grid that make a box, found by [`Cells::of_box`].
@@ -32,7 +35,8 @@ impl CellBox {
 const ROUNDING: f64 = 1e-6;
 
 /// Whoever finds sets may take eyes to be in a solid that are this near to it, as a share of the
-/// greatest of their coordinates: four roundings to single precision, in which solids are given.
+/// greatest of their coordinates, counted from [`Cells::origin`]: four roundings to single
+/// precision, in which solids are given.
 pub const NEAR: f64 = 4.0 / (1 << 24) as f64;
 
 /// The most cells along an axis.
@@ -40,12 +44,6 @@ const MOST: u32 = 1 << 21;
 
 /// The grid lies so many cells from the origin at most, or the origin in it.
 const FARTHEST: f64 = (1u64 << 30) as f64;
-
-/// The greatest distance of coordinates from 0.
-#[inline]
-fn farthest(place: &[f64; 3]) -> f64 {
-    place[0].abs().max(place[1].abs()).max(place[2].abs())
-}
 
 impl Cells {
     /// Whether the numbers make a grid.
@@ -55,6 +53,7 @@ impl Cells {
             size.is_normal()
                 && size > 0.0
                 && low.is_finite()
+                && self.origin[i].is_finite()
                 && (low / size).abs() <= FARTHEST
                 && (1..=MOST).contains(&dims)
         };
@@ -88,7 +87,7 @@ impl Cells {
     /// holds what eyes behind it see.
     pub fn of_eyes(&self, low: [f64; 3], high: [f64; 3]) -> Option<CellBox> {
         let mut all = self.of_box(low, high)?;
-        let farthest = farthest(&low).max(farthest(&high));
+        let farthest = self.farthest(low).max(self.farthest(high));
         for i in 0..3 {
             let near = self.near(i, farthest);
             all.low[i] = self.index(i, low[i] - near).unwrap_or(all.low[i]);
@@ -101,13 +100,20 @@ impl Cells {
     /// other sets, too.
     #[inline]
     pub(crate) fn is_at_border(&self, place: [f64; 3]) -> bool {
-        let farthest = farthest(&place);
+        let farthest = self.farthest(place);
         (0..3).any(|i| {
             let at = (place[i] - self.low[i]) / self.size[i];
             let border = f64::from((at + 0.5) as u32);
             // Twice, against roundings: who is told so looks closer.
             (at - border).abs() * self.size[i] <= 2.0 * self.near(i, farthest)
         })
+    }
+
+    /// The greatest coordinate of a place, from the origin.
+    #[inline]
+    fn farthest(&self, place: [f64; 3]) -> f64 {
+        let at = |i: usize| (place[i] - self.origin[i]).abs();
+        at(0).max(at(1)).max(at(2))
     }
 
     /// How near to a border along an axis that is, for places with coordinates up to `farthest`.

@@ -53,13 +53,14 @@ impl<'a> Baked<'a> {
             return Err(ReadError::Version(version));
         }
         let number = |at| u32_at(bytes, at).ok_or(short(HEADER as u64));
-        let mut cells = Cells { low: [0.0; 3], size: [0.0; 3], dims: [0; 3] };
+        let mut cells = Cells { low: [0.0; 3], size: [0.0; 3], dims: [0; 3], origin: [0.0; 3] };
         for i in 0..3 {
             cells.low[i] = f64_at(bytes, 24 + 8 * i).ok_or(short(HEADER as u64))?;
             cells.size[i] = f64_at(bytes, 48 + 8 * i).ok_or(short(HEADER as u64))?;
             cells.dims[i] = number(72 + 4 * i)?;
+            cells.origin[i] = f64_at(bytes, 84 + 8 * i).ok_or(short(HEADER as u64))?;
         }
-        let (kind, objects, targets, sets) = (number(12)?, number(16)?, number(20)?, number(84)?);
+        let (kind, objects, targets, sets) = (number(12)?, number(16)?, number(20)?, number(108)?);
         let count = cells.count().filter(|_| cells.is_valid()).ok_or(ReadError::Cells)?;
         if !(kind == OBJECTS && targets == 0 || kind == CELLS && objects == count) {
             return Err(ReadError::Kind(kind));

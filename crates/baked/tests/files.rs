@@ -8,7 +8,7 @@ use proptest::prelude::*;
 const OBJECTS: u32 = 300;
 
 fn cells(dims: [u32; 3]) -> Cells {
-    Cells { low: [-3.5, 0.25, 1e3], size: [1.0, 2.5, 0.1], dims }
+    Cells { low: [-3.5, 0.25, 1e3], size: [1.0, 2.5, 0.1], dims, origin: [0.0; 3] }
 }
 
 /// A grid with sets that are alike in neighbouring cells.
@@ -94,7 +94,7 @@ proptest! {
     #[test]
     fn a_place_is_in_its_cell(at in prop::array::uniform3(-0.1..1.1f64), edge in prop::array::uniform3(0..6), low in prop::array::uniform3(prop_oneof![-1e6..1e6f64, -0.5..0.5f64]), size in prop::array::uniform3(0.01..50.0f64)) {
         let dims = [7, 1000, 3];
-        let cells = Cells { low, size, dims };
+        let cells = Cells { low, size, dims, origin: [0.0; 3] };
         // Some places lie on borders.
         let place: [f64; 3] = std::array::from_fn(|i| {
             let at = at[i] * f64::from(dims[i]);
@@ -229,7 +229,7 @@ fn refusals_name_the_reason() {
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Set(0)));
     let mut other = bytes.clone();
-    other[88] = 1;
+    other[112] = 1;
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Cell(0)));
     let mut other = bytes.clone();
@@ -242,7 +242,7 @@ fn refusals_name_the_reason() {
     let four = cells([2, 2, 1]);
     assert_eq!(four.at([-3.0, 0.3, 1e3]), Some(0));
     assert_eq!(four.at([-1.5, 0.3, 1e3]), None, "no cell of the next row");
-    for at in [24, 48, 72] {
+    for at in [24, 48, 72, 84] {
         let mut other = bytes.clone();
         other[at..at + 8].fill(0xff);
         with_checksum(&mut other);

@@ -15,7 +15,7 @@ fn file(sets: &[(u32, &[u32])]) -> Vec<u8> {
 }
 
 fn row() -> Cells {
-    Cells { low: [0.0; 3], size: [4.0; 3], dims: [10, 1, 1] }
+    Cells { low: [0.0; 3], size: [4.0; 3], dims: [10, 1, 1], origin: [0.0; 3] }
 }
 
 /// An empty level, with a client whose eye is at 6 m and entities at 1 to 39 m; none moves.

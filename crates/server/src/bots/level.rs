@@ -198,7 +198,8 @@ impl Track {
         // The grid ends where they do.
         let counts = ((high - low) / f64::from(edge)).ceil().max(DVec3::ONE);
         let size = ((high - low) / counts).to_array();
-        let cells = Cells { low: low.to_array(), size, dims: counts.to_array().map(|n| n as u32) };
+        let dims = counts.to_array().map(|n| n as u32);
+        let cells = Cells { low: low.to_array(), size, dims, origin: [0.0; 3] };
         let boxes = all.iter().filter_map(|span| cells.of_box(span.min.to_array(), span.max.to_array()));
         let numbers: BTreeSet<u32> = boxes.flat_map(|all| cells.numbers(all)).collect();
         (cells, numbers.into_iter().collect())
