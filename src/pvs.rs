@@ -50,6 +50,8 @@ pub struct Stats {
     /// [`Method::Point`]: patches of triangles drawn, counted each time: seams with later
     /// neighbours are drawn again.
     pub patches_drawn: u32,
+    /// [`Method::Point`]: blocks of 32x8 pixels that these patches were drawn in.
+    pub patch_blocks: u64,
     /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
     pub cells_drawn: u32,
     /// [`Method::Point`]: occluders too small to draw, or beyond the number allowed.

@@ -7,6 +7,7 @@ use casca::{
     Aabb, Bounds, Error, GridSpec, Instance, Obb, ObjectDesc, Pvs, Query, Scene, Sphere, TriMesh, View,
 };
 use casca_truth::cases;
+use casca_truth::places::points;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 
@@ -15,7 +16,7 @@ fn scene() -> Scene {
 }
 
 fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(range).prop_map(Vec3::from_array)
+    points(range, 1.0)
 }
 
 fn rotation() -> impl Strategy<Value = Quat> {

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use casca::internals::QueryInternals;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, Stats, View};
+use casca_truth::places::coordinate;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{UVec3, Vec3};
 
@@ -189,7 +190,7 @@ impl Random {
     }
 
     fn vec(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
+        Vec3::from_array([(); 3].map(|()| coordinate(self.next().into(), 0.0..1.0, 0.125)))
     }
 }
 

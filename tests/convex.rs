@@ -4,6 +4,7 @@
 
 use casca::internals::Shape;
 use casca::{Convex, Error, Plane};
+use casca_truth::places::coordinate;
 use glam::{DVec3, Vec3};
 
 /// Solids made from points or planes may lack this share of their size (documented), with room for
@@ -28,8 +29,8 @@ impl Random {
 
     fn direction(&mut self) -> DVec3 {
         loop {
-            let d = DVec3::new(self.within(-1.0, 1.0), self.within(-1.0, 1.0), self.within(-1.0, 1.0));
-            if (0.01..1.0).contains(&d.length_squared()) {
+            let d = DVec3::from_array([(); 3].map(|()| coordinate(self.next(), -1.0..1.0, 0.5).into()));
+            if (0.01..=1.0).contains(&d.length_squared()) {
                 return d.normalize();
             }
         }

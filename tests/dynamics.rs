@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use casca::internals::SceneInternals;
 use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 use casca_truth::cases;
+use casca_truth::places::points;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DVec3, Mat4, UVec3, Vec3};
 use proptest::prelude::*;
@@ -32,25 +33,25 @@ enum Step {
 
 fn place() -> impl Strategy<Value = Vec3> {
     // Mostly in the grid, sometimes outside, sometimes on cell faces.
-    let near = prop::array::uniform3(0.0..SIZE).prop_map(Vec3::from_array);
+    let near = points(0.0..SIZE, 1.0);
     let faces = prop::array::uniform3(0..24u8).prop_map(|p| Vec3::from_array(p.map(f32::from)));
-    let far = prop::array::uniform3(-2.0 * SIZE..3.0 * SIZE).prop_map(Vec3::from_array);
+    let far = points(-2.0 * SIZE..3.0 * SIZE, 1.0);
     prop_oneof![8 => near, 1 => faces, 1 => far]
 }
 
 fn direction() -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(-1.0..1.0f32).prop_map(|d| Vec3::from_array(d).normalize_or(Vec3::X))
+    points(-1.0..1.0, 1.0).prop_map(|d| d.normalize_or(Vec3::X))
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    let offset = prop::array::uniform3(-0.6..0.6f32).prop_map(Vec3::from_array);
+    let offset = points(-0.6..0.6, 0.3);
     prop_oneof![
         12 => (any::<usize>(), offset).prop_map(|(w, o)| Step::Walk(w, o)),
         2 => (any::<usize>(), place()).prop_map(|(w, p)| Step::Jump(w, p)),
         1 => (any::<usize>(), 0.05..2.0f32).prop_map(|(w, r)| Step::Resize(w, r)),
         1 => any::<usize>().prop_map(Step::Remove),
         2 => (place(), 0.05..2.0f32, any::<bool>()).prop_map(|(p, r, b)| Step::Insert(p, r, b)),
-        1 => (place(), prop::array::uniform3(1.0..9.0f32)).prop_map(|(p, s)| Step::AddWall(p, Vec3::from_array(s))),
+        1 => (place(), points(0.0..9.0, 1.0)).prop_map(|(p, s)| Step::AddWall(p, s)),
         1 => any::<usize>().prop_map(Step::RemoveWall),
         8 => (0.0..0.5f64, prop::collection::vec((place(), direction()), 1..3)).prop_map(|(t, v)| Step::Frame(t, v)),
     ]

@@ -2,6 +2,7 @@
 //! and what lies between them loses nothing that is visible.
 
 use casca::{Aabb, Error, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+use casca_truth::places::coordinate;
 use glam::camera::{lh, rh};
 use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Quat, UVec3, Vec3};
 
@@ -23,8 +24,8 @@ impl Random {
 
     fn direction(&mut self) -> DVec3 {
         loop {
-            let d = DVec3::new(self.within(-1.0, 1.0), self.within(-1.0, 1.0), self.within(-1.0, 1.0));
-            if (0.01..1.0).contains(&d.length_squared()) {
+            let d = DVec3::from_array([(); 3].map(|()| coordinate(self.next(), -1.0..1.0, 0.5).into()));
+            if (0.01..=1.0).contains(&d.length_squared()) {
                 return d.normalize();
             }
         }

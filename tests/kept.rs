@@ -7,6 +7,7 @@ use casca::{
     Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, View,
 };
 use casca_truth::cases;
+use casca_truth::places::points;
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 
@@ -147,7 +148,7 @@ enum Step {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    let offset = prop::array::uniform3(-0.8..0.8f32).prop_map(Vec3::from_array);
+    let offset = points(-0.8..0.8, 0.4);
     prop_oneof![
         8 => (any::<usize>(), offset).prop_map(|(w, o)| Step::Move(w, o)),
         4 => (0..3usize, any::<bool>()).prop_map(|(e, g)| Step::Look(e, g)),

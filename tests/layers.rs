@@ -9,6 +9,7 @@ use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Motion, Object, Shape};
 use casca_truth::cases;
 use casca_truth::oracle::{Oracle, OracleOptions};
+use casca_truth::places::points;
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 
@@ -19,7 +20,7 @@ fn scene() -> Scene {
 }
 
 fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(range).prop_map(Vec3::from_array)
+    points(range, 1.0)
 }
 
 /// Masks that often agree, that overlap, and that use the last bit.
@@ -30,7 +31,7 @@ fn mask() -> impl Strategy<Value = u64> {
 fn object() -> impl Strategy<Value = (Object, u64)> {
     let ball =
         (vector(-1.0..17.0), 0.3..3.0f32).prop_map(|(center, radius)| Shape::Sphere { center, radius });
-    let free = (vector(-1.0..15.0), vector(0.1..6.0)).prop_map(|(min, s)| Shape::Box { min, max: min + s });
+    let free = (vector(-1.0..15.0), vector(0.0..6.0)).prop_map(|(min, s)| Shape::Box { min, max: min + s });
     // They fill cells.
     let on_cells = (vector(0.0..14.0), vector(2.0..6.0))
         .prop_map(|(min, s)| Shape::Box { min: min.floor(), max: min.floor() + s.floor() });

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use casca::{Aabb, GridSpec, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, TriMesh, View};
 use casca_truth::cases;
+use casca_truth::places::coordinates;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -24,7 +25,8 @@ fn noise(seed: u32, i: u32) -> f32 {
 }
 
 fn sheet() -> impl Strategy<Value = Sheet> {
-    let middle = (-4.0..4.0f32, -3.0..3.0f32, 5.0..8.0f32).prop_map(Vec3::from);
+    let on = |range| coordinates(range, 1.0);
+    let middle = (on(-4.0..4.0), on(-3.0..3.0), on(5.0..8.0)).prop_map(Vec3::from);
     (middle, 0.3..1.0f32, (-0.4..0.4f32, -0.4..0.4f32), any::<u32>())
 }
 

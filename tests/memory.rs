@@ -58,7 +58,7 @@ fn a_scene_states_the_bytes_that_an_allocator_counts() {
     let cube = |i| Aabb::new(place(i), place(i) + 1.0);
     let turned = |i: usize| Affine3A::from_rotation_translation(Quat::from_rotation_y(i as f32), place(i));
     let rock = || {
-        let Mesh { positions, triangles } = Mesh::ball(2);
+        let Mesh { positions, triangles, .. } = Mesh::ball(2);
         Arc::new(TriMesh::new(positions, triangles).unwrap())
     };
     check("balls", |scene| insert(scene, |i| ObjectDesc::fixed(ball(i)).occluder(ball(i))));

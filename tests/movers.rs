@@ -8,6 +8,7 @@ use casca::{
     Aabb, Bounds, Error, GridSpec, Instance, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, TriMesh,
     View,
 };
+use casca_truth::places::coordinate;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, UVec3, Vec3};
 
@@ -35,7 +36,7 @@ impl Dice {
     }
 
     fn point(&mut self, size: Vec3) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * size
+        Vec3::from_array([(); 3].map(|()| coordinate(self.unit().into(), 0.0..1.0, 0.125))) * size
     }
 }
 

@@ -10,6 +10,7 @@ use casca::{
     PointOptions, Query, Scene, Sphere, TriMesh, View,
 };
 use casca_truth::cases;
+use casca_truth::places::points;
 use glam::{Affine3A, DVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 
@@ -22,7 +23,7 @@ fn scene(cell: f32) -> Scene {
 }
 
 fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(range).prop_map(Vec3::from)
+    points(range, 1.0)
 }
 
 /// Boxes whose corners are multiples of a sixteenth.
@@ -108,7 +109,7 @@ proptest! {
 
     #[test]
     fn nothing_that_is_seen_is_lost_by_shifts(
-        walls in prop::collection::vec((vector(0.0..SIZE), vector(0.2..6.0)), 1..8),
+        walls in prop::collection::vec((vector(0.0..SIZE), vector(0.0..6.0)), 1..8),
         targets in prop::collection::vec((vector(0.0..SIZE), vector(0.01..1.0)), 1..40),
         shifts in prop::collection::vec((vector(-3e4..3e4), vector(0.0..SIZE), vector(-0.4..0.4)), 1..4),
         method in 0usize..4,

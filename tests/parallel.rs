@@ -9,6 +9,7 @@ use casca::{
     View,
 };
 use casca_truth::cases;
+use casca_truth::places::coordinate;
 use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{Affine3A, EulerRot, Quat, UVec3, Vec3};
 use proptest::prelude::*;
@@ -30,7 +31,7 @@ impl Dice {
     }
 
     fn point(&mut self) -> Vec3 {
-        Vec3::new(self.within(2.0, GRID - 2.0), self.within(2.0, GRID - 2.0), self.within(2.0, GRID - 2.0))
+        Vec3::from_array([(); 3].map(|()| coordinate(self.share().into(), 2.0..GRID - 2.0, 1.0)))
     }
 
     fn turn(&mut self) -> Quat {

@@ -307,3 +307,24 @@ fn fronts_of_solids_hide_under_unequal_scales_but_not_mirrored() {
         assert!(sees(mirror, inside) && sees(mirror, outside), "{mirror} hides nothing");
     }
 }
+
+/// A wide sheet whose front looks to greater x, 2 m from the eye, and a ball behind it.
+#[test]
+fn a_wide_sheet_hides_from_its_front_also_from_near() {
+    let at = |y: f32, z: f32| Vec3::new(16.0, y, z);
+    let corners = vec![at(2.0, 2.0), at(30.0, 2.0), at(30.0, 30.0), at(2.0, 30.0)];
+    let how = MeshOptions::default().facing(Facing::Front);
+    let go_on = &mut |_: f32| std::ops::ControlFlow::Continue(());
+    let sheet = Arc::new(TriMesh::prepare(corners, vec![[0, 1, 2], [0, 2, 3]], &how, go_on).unwrap());
+    let sees = |eye: f32, ball: f32| {
+        let mut scene = scene();
+        scene.insert(ObjectDesc::fixed(sheet.clone()).occluder(sheet.clone())).unwrap();
+        let ball = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(ball, 16.0, 16.0), 0.5))).unwrap();
+        let eye = Vec3::new(eye, 16.0, 16.0);
+        Query::new().run(&scene, &View::omnidirectional(eye).unwrap()).contains(ball)
+    };
+    for near in [0.5, 2.0, 9.0] {
+        assert!(!sees(16.0 + near, 10.0), "from {near} m before it");
+        assert!(sees(16.0 - near, 22.0), "from {near} m behind it");
+    }
+}

@@ -4,6 +4,7 @@ mod segments;
 
 use casca::{Aabb, Bounds, GridSpec, Method, ObjectDesc, Query, Scene, Sphere, View};
 use casca_truth::cases;
+use casca_truth::places::points;
 use glam::camera::rh::{proj::directx::orthographic, view::look_to_mat4};
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -27,12 +28,11 @@ fn cuts(b: &Aabb, from: Vec3, to: Vec3) -> bool {
 }
 
 fn point() -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(0.0f32..SIZE).prop_map(Vec3::from)
+    points(0.0..SIZE, 2.0)
 }
 
 fn slab() -> impl Strategy<Value = Aabb> {
-    (point(), prop::array::uniform3(0.2f32..12.0))
-        .prop_map(|(p, half)| Aabb::new(p - Vec3::from(half) * 0.5, p + Vec3::from(half) * 0.5))
+    (point(), points(0.0..12.0, 2.0)).prop_map(|(p, size)| Aabb::new(p - size * 0.5, p + size * 0.5))
 }
 
 proptest! {

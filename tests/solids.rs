@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use casca::internals::{BitMatrix, SceneInternals, Shape};
 use casca::{Aabb, Convex, GridSpec, Obb, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
+use casca_truth::places::coordinate;
 use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
 
 struct Random(u64);
@@ -20,7 +21,7 @@ impl Random {
     }
 
     fn vec(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
+        Vec3::from_array([(); 3].map(|()| coordinate(self.next().into(), 0.0..1.0, 0.125)))
     }
 
     /// A solid in a cube of this size; many boxes have faces in common, inside cells.

@@ -15,6 +15,7 @@ use casca_scenes::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 use casca_truth::baselines::{Hzb, RayBuffer};
 use casca_truth::cases;
 use casca_truth::oracle::{Oracle, OracleOptions};
+use casca_truth::places::points;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Quat, UVec3, Vec3};
 use proptest::prelude::*;
@@ -22,18 +23,16 @@ use proptest::prelude::*;
 const SIZE: f32 = 16.0;
 
 fn place() -> impl Strategy<Value = Vec3> {
-    let inside = prop::array::uniform3(0.0..SIZE).prop_map(Vec3::from_array);
-    let on_faces = prop::array::uniform3(0..=16u8).prop_map(|p| Vec3::from_array(p.map(f32::from)));
+    let inside = points(0.0..SIZE, 1.0);
     let near_faces = (prop::array::uniform3(0..=16u8), prop::array::uniform3(-1e-5..1e-5f32))
         .prop_map(|(p, d)| Vec3::from_array(p.map(f32::from)) + Vec3::from_array(d));
-    let around = prop::array::uniform3(-SIZE..2.0 * SIZE).prop_map(Vec3::from_array);
-    prop_oneof![6 => inside, 2 => on_faces, 1 => near_faces, 1 => around]
+    let around = points(-SIZE..2.0 * SIZE, 4.0);
+    prop_oneof![8 => inside, 1 => near_faces, 1 => around]
 }
 
 fn shape() -> impl Strategy<Value = Shape> {
     let sphere = (place(), 0.05..5.0f32).prop_map(|(center, radius)| Shape::Sphere { center, radius });
-    let free = (place(), prop::array::uniform3(0.01..7.0f32))
-        .prop_map(|(min, size)| Shape::Box { min, max: min + Vec3::from_array(size) });
+    let free = (place(), points(0.0..7.0, 1.0)).prop_map(|(min, size)| Shape::Box { min, max: min + size });
     let on_cells = (prop::array::uniform3(-1..15i8), prop::array::uniform3(1..8i8)).prop_map(|(p, s)| {
         let min = Vec3::from_array(p.map(f32::from));
         Shape::Box { min, max: min + Vec3::from_array(s.map(f32::from)) }
@@ -127,7 +126,7 @@ enum Change {
 }
 
 fn change() -> impl Strategy<Value = Change> {
-    let step = prop::array::uniform3(-0.7..0.7f32).prop_map(Vec3::from_array);
+    let step = points(-0.7..0.7, 0.7);
     prop_oneof![
         6 => (any::<usize>(), step).prop_map(|(i, s)| Change::Nudge(i, s)),
         2 => (any::<usize>(), shape()).prop_map(|(i, s)| Change::Replace(i, s)),
@@ -296,7 +295,7 @@ fn as_mesh(b: &Obb) -> Shape {
             .iter()
             .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
             .collect();
-    let mesh = Mesh { positions: corners_of(b), triangles };
+    let mesh = Mesh { positions: corners_of(b), triangles, ..Mesh::default() };
     Shape::Mesh { mesh: Arc::new(mesh), transform: glam::Affine3A::IDENTITY }
 }
 

@@ -69,6 +69,29 @@ fn an_unreported_object_is_in_every_frustum_that_its_volume_meets() {
 }
 
 #[test]
+fn frames_end_whatever_is_on_opposite_sides_of_the_world() {
+    let places = [-3e9, 8.0, 3e9, 1e30];
+    for (at, eye) in places.into_iter().flat_map(|at| places.map(|eye| (at, eye))) {
+        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
+        let bounds = Sphere::new(Vec3::new(at, 8.0, 8.0), 1.0);
+        let desc = ObjectDesc::dynamic(bounds).max_speed(1.0);
+        scene.insert(desc.clone()).unwrap();
+        scene.insert(desc.reported_on_expiry()).unwrap();
+        // Nothing is in this view.
+        let away = [Vec3::X, Vec3::NEG_X].map(|normal| casca::Plane { normal, offset: -2e30 });
+        for method in [Method::Frustum, Method::cell(), Method::point()] {
+            let mut query = query(method);
+            for frame in 0..3 {
+                scene.begin_frame(f64::from(frame) * 0.1).unwrap();
+                let view = View::from_planes(Vec3::new(eye, 8.0, 8.0), &away).unwrap();
+                query.run(&scene, &view);
+                scene.end_frame([query.pvs()]).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
 fn a_flat_object_may_lie_on_the_wall_of_its_volume() {
     for flat in [0.0, 0.25] {
         let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).unwrap();

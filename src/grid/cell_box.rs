@@ -38,14 +38,23 @@ impl CellBox {
     }
 }
 
-/// Number of cells in a block of them, both corners included.
+/// Number of cells in a block of them, both corners included, or the greatest number if there are
+/// more.
 pub(crate) fn volume(lo: IVec3, hi: IVec3) -> u64 {
-    (hi - lo + 1).to_array().iter().map(|&n| n.max(0) as u64).product()
+    (hi - lo + 1).to_array().iter().map(|&n| n.max(0) as u64).fold(1, u64::saturating_mul)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_are_counted_or_too_many() {
+        assert_eq!(volume(IVec3::new(-1, 2, 3), IVec3::new(1, 2, 4)), 6);
+        assert_eq!(volume(IVec3::ONE, IVec3::ZERO), 0);
+        let far = IVec3::splat(1 << 29);
+        assert_eq!(volume(-far, far), u64::MAX);
+    }
 
     #[test]
     fn the_surface_passes_through_bricks_with_cells_on_it() {

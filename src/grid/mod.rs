@@ -22,9 +22,9 @@ pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 /// the number of objects.
 const CELLS_OF_CUBE_ROOT: f64 = 9.0;
 
-/// Coordinates beyond this many cells from the grid's corner are clamped: far
-/// enough to be outside, small enough for exact integer arithmetic.
-const FAR_CELLS: f64 = (1u64 << 30) as f64;
+/// Coordinates beyond this many cells from the grid's corner are clamped: far enough to be outside,
+/// and small enough that sums and differences of any two cells fit 32 bits.
+const FAR_CELLS: f64 = (1u64 << 29) as f64;
 
 /// Corners are no more than so many units from the origin.
 const MOST_UNITS: f64 = (1u64 << 51) as f64;
@@ -225,7 +225,7 @@ impl Grid {
     }
 
     /// The cell that contains `point`, inside the grid or not; a point on a face
-    /// belongs to the upper cell. Coordinates saturate 2^30 cells away.
+    /// belongs to the upper cell. Coordinates saturate 2^29 cells away.
     pub fn cell_of(&self, point: DVec3) -> IVec3 {
         IVec3::from_array([0, 1, 2].map(|axis| self.cell_along(axis, point[axis])))
     }
@@ -334,8 +334,8 @@ mod tests {
         assert_eq!(inside, Some((IVec3::ONE, IVec3::splat(2))));
         assert_eq!(g.inside(DVec3::splat(0.5), DVec3::splat(1.5)), None);
         assert_eq!(g.inside(DVec3::splat(-5.0), DVec3::splat(50.0)), Some((IVec3::ZERO, IVec3::splat(9))));
-        assert_eq!(g.cell_of(DVec3::splat(1e300)), IVec3::splat(1 << 30));
-        assert_eq!(g.cell_of(DVec3::splat(-1e300)), IVec3::splat(-(1 << 30)));
+        assert_eq!(g.cell_of(DVec3::splat(1e300)), IVec3::splat(1 << 29));
+        assert_eq!(g.cell_of(DVec3::splat(-1e300)), IVec3::splat(-(1 << 29)));
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::mesh::index::Index;
 use crate::mesh::inner::{Inner, inner_solid};
 use crate::mesh::parallel;
 use crate::mesh::parts;
-use crate::mesh::preparation::{MeshOptions, Progress};
+use crate::mesh::preparation::{Facing, MeshOptions, Progress};
 use crate::mesh::shell::{Shells, may_have_shells, open_shells};
 use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
@@ -290,6 +290,11 @@ impl TriMesh {
     /// Whether it was prepared to hide others (see [`MeshOptions::occludes`]).
     pub fn occludes(&self) -> bool {
         self.occludes
+    }
+
+    /// From which sides its triangles hide (see [`MeshOptions::facing`]).
+    pub fn facing(&self) -> Facing {
+        if self.surface.front { Facing::Front } else { Facing::Both }
     }
 
     /// Bytes on the heap. Some of them are taken only once they are

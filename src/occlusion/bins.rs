@@ -6,10 +6,18 @@ use crate::occlusion::tiles::TILE;
 /// Tiles along each side of a bin.
 pub(crate) const BIN: i64 = 2;
 
-/// One list for each square of 2x2 tiles of a window.
+/// Tiles along each side of a large bin.
+const LARGE_BIN: i64 = 16;
+
+/// What reaches into more bins than this is listed in large ones.
+const MANY: i64 = 32;
+
+/// One list for each square of tiles of a window.
 #[derive(Debug, Clone)]
 pub(crate) struct Bins<T> {
     lists: Vec<Vec<T>>,
+    /// Tiles along each side of a bin.
+    side: i64,
     /// First tile of the window.
     first: (i64, i64),
     /// Bins in a row.
@@ -19,15 +27,19 @@ pub(crate) struct Bins<T> {
 impl<T: Copy> Bins<T> {
     /// No lists, until the first [`Bins::clear`].
     pub(crate) fn new() -> Self {
-        Self { lists: Vec::new(), first: (0, 0), across: 0 }
+        Self::with_side(BIN)
+    }
+
+    fn with_side(side: i64) -> Self {
+        Self { lists: Vec::new(), side, first: (0, 0), across: 0 }
     }
 
     /// Empties all lists, for another window. Keeps their memory.
     pub(crate) fn clear(&mut self, window: &Window) {
         let (nx, ny) = window.tile_count();
         self.first = window.first_tile();
-        self.across = (nx - 1) / BIN + 1;
-        let count = (self.across * ((ny - 1) / BIN + 1)) as usize;
+        self.across = (nx - 1) / self.side + 1;
+        let count = (self.across * ((ny - 1) / self.side + 1)) as usize;
         self.lists.iter_mut().for_each(Vec::clear);
         if self.lists.len() < count {
             self.lists.resize_with(count, Vec::new);
@@ -37,7 +49,7 @@ impl<T: Copy> Bins<T> {
     /// The number of the list for a pixel of the window.
     #[inline]
     pub(crate) fn index(&self, x: i64, y: i64) -> usize {
-        let (bx, by) = ((x / TILE - self.first.0) / BIN, (y / TILE - self.first.1) / BIN);
+        let (bx, by) = ((x / TILE - self.first.0) / self.side, (y / TILE - self.first.1) / self.side);
         (by * self.across + bx) as usize
     }
 
@@ -51,7 +63,7 @@ impl<T: Copy> Bins<T> {
     #[inline]
     fn range(&self, pixels: &PixelRect) -> ((i64, i64), (i64, i64)) {
         let (x, y) = (pixels.tiles_x(), pixels.tiles_y());
-        let bin = |tile: i64, first: i64| (tile - first) / BIN;
+        let bin = |tile: i64, first: i64| (tile - first) / self.side;
         ((bin(x.0, self.first.0), bin(x.1, self.first.0)), (bin(y.0, self.first.1), bin(y.1, self.first.1)))
     }
 
@@ -76,6 +88,48 @@ impl<T: Copy> Bins<T> {
                 self.lists[(by * self.across + bx) as usize].iter().for_each(&mut found);
             }
         }
+    }
+}
+
+/// Lists of items that may reach far: those that do are listed in larger squares.
+#[derive(Debug, Clone)]
+pub(crate) struct WideBins<T> {
+    near: Bins<T>,
+    far: Bins<T>,
+}
+
+impl<T: Copy> WideBins<T> {
+    /// No lists, until the first [`WideBins::clear`].
+    pub(crate) fn new() -> Self {
+        Self { near: Bins::new(), far: Bins::with_side(LARGE_BIN) }
+    }
+
+    /// As [`Bins::clear`].
+    pub(crate) fn clear(&mut self, window: &Window) {
+        self.near.clear(window);
+        self.far.clear(window);
+    }
+
+    /// As [`Bins::push`].
+    #[inline]
+    pub(crate) fn push(&mut self, pixels: &PixelRect, item: T) {
+        let ((x0, x1), (y0, y1)) = self.near.range(pixels);
+        let bins = if (x1 - x0 + 1) * (y1 - y0 + 1) > MANY { &mut self.far } else { &mut self.near };
+        bins.push(pixels, item);
+    }
+
+    /// The items that may reach to a pixel of the window, and some beside it.
+    #[inline]
+    pub(crate) fn around(&self, x: i64, y: i64) -> impl Iterator<Item = &T> {
+        let Self { near, far } = self;
+        near.list(near.index(x, y)).iter().chain(far.list(far.index(x, y)))
+    }
+
+    /// As [`Bins::for_around`].
+    #[inline]
+    pub(crate) fn for_around(&self, pixels: &PixelRect, mut found: impl FnMut(&T)) {
+        self.near.for_around(pixels, &mut found);
+        self.far.for_around(pixels, found);
     }
 }
 
@@ -104,5 +158,19 @@ mod tests {
         assert_eq!(all(&bins), [7, 7, 8]);
         bins.clear(&window);
         assert!(all(&bins).is_empty());
+    }
+
+    #[test]
+    fn items_that_reach_far_are_listed_a_few_times() {
+        let window = Window::around(&Rect::FACE, 400);
+        let mut bins: WideBins<u32> = WideBins::new();
+        bins.clear(&window);
+        bins.push(&PixelRect { x: (31, 33), y: (0, 1) }, 7);
+        bins.push(&PixelRect { x: (20, 320), y: (40, 300) }, 8);
+        let at = |x: i64, y: i64| bins.around(x, y).copied().collect::<Vec<u32>>();
+        assert_eq!((at(31, 0), at(200, 200), at(399, 0)), (vec![7, 8], vec![8], vec![]));
+        let mut all = Vec::new();
+        bins.for_around(window.pixels(), |&item| all.push(item));
+        assert!(all.iter().filter(|&&item| item == 8).count() == 9 && all.contains(&7), "{all:?}");
     }
 }

@@ -160,8 +160,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
                 seen = search.direction_is_seen(u, v, (x, y));
             }
             open.push((x, y, *rect));
-            let patched =
-                open.len() > most_patched && !buffer.patches().list(buffer.patches().index(x, y)).is_empty();
+            let patched = open.len() > most_patched && buffer.has_patches((x, y));
             seen |= patched || open.len() > most;
             seen
         });

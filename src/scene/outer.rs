@@ -61,8 +61,7 @@ pub(crate) struct Outer {
     placed: Vec<(u32, Block)>,
 }
 
-/// The brick of a box of cells. No cell lies farther than 2^30 from the grid, and one of them in it
-/// or near it.
+/// The brick in the middle of a box of cells.
 fn brick_of(cells: &CellBox) -> IVec3 {
     (cells.lo + cells.hi) >> 4i32
 }

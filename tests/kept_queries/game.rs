@@ -1,6 +1,7 @@
 //! A game that is played by events, and that knows what its camera sees.
 
 use casca::{KeptQuery, KeptResult, ObjectDesc, ObjectId, Occluder, Scene, Sphere, View};
+use casca_truth::places::points;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Mat4, Quat, Vec3};
 use proptest::prelude::*;
@@ -69,7 +70,7 @@ fn rotation() -> impl Strategy<Value = Quat> {
 }
 
 pub fn event() -> impl Strategy<Value = Event> {
-    let small = |by: f32| prop::array::uniform3(-by..by).prop_map(Vec3::from);
+    let small = |by: f32| points(-by..by, by);
     prop_oneof![
         3 => (point(), 0.1f32..0.9, small(2.0), any::<bool>(), any::<bool>())
             .prop_map(|(p, r, v, hides, on_expiry)| Event::Insert(p, r, v, hides, on_expiry)),

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use casca_truth::places::points;
 use glam::{DQuat, DVec3, Vec3};
 use proptest::prelude::*;
 
@@ -80,6 +81,11 @@ fn damage() -> impl Strategy<Value = Damage> {
         2 => share.prop_map(Damage::Flips),
         1 => Just(Damage::Split),
     ]
+}
+
+/// Three coordinates, half of them on a lattice.
+pub fn places(range: std::ops::Range<f32>) -> impl Strategy<Value = [f64; 3]> {
+    points(range, 1.0).prop_map(|p| p.as_dvec3().to_array())
 }
 
 pub fn recipe() -> impl Strategy<Value = Recipe> {

@@ -21,7 +21,7 @@ use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, DAffine3, DVec3, Mat3A, Quat, UVec3, Vec3, Vec3A};
 use proptest::prelude::*;
 
-use forms::{Made, Recipe, recipe};
+use forms::{Made, Recipe, places, recipe};
 use rays::{Blocker, Eye, Random, Triangle};
 
 const SIZE: f64 = 16.0;
@@ -127,7 +127,7 @@ struct Look {
 fn look() -> impl Strategy<Value = Look> {
     let raised = prop_oneof![Just(0.0), 1e-5..1e-2f64, -1e-2..-1e-5f64];
     let stand = prop_oneof![
-        4 => prop::array::uniform3(-4.0..20.0f64).prop_map(Stand::Anywhere),
+        4 => places(-4.0..20.0).prop_map(Stand::Anywhere),
         1 => any::<usize>().prop_map(Stand::Within),
         2 => (any::<usize>(), any::<usize>(), 0..3u8, raised).prop_map(|(i, t, w, r)| Stand::On(i, t, w, r)),
     ];
@@ -490,7 +490,7 @@ proptest! {
     fn surfaces_drawn_in_many_batches_lose_nothing(
         n in 6..24u32, rough in any::<u64>(), share in 0.02..0.3f64, angle in 0.0..80.0f32,
         size in 3.0..8.0f64, axis in prop::array::uniform3(-1.0..1.0f64), turn in 0.0..6.0f64,
-        degrees in 0.5..11.0f32, eye in prop::array::uniform3(0.0..16.0f64), seed in any::<u64>(),
+        degrees in 0.5..11.0f32, eye in places(0.0..16.0), seed in any::<u64>(),
         cells in prop_oneof![Just(64u32), Just(128)], least in prop_oneof![Just(0.0), Just(0.05)],
     ) {
         let recipe = Recipe { form: forms::Form::Terrain(n), center: [8.0; 3], size: [size; 3], axis, angle: turn,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use casca::{Aabb, GridSpec, Light, ObjectDesc, ObjectId, Query, Scene, View};
 use casca_scenes::world::{Mesh, Motion, Object, Shape};
+use casca_truth::places::points;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{Affine3A, EulerRot, Quat, UVec3, Vec3};
 use proptest::prelude::*;
@@ -18,7 +19,7 @@ pub const SPEED: f32 = 3.0;
 pub const SILENT: &str = "silent";
 
 pub fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(range).prop_map(Vec3::from_array)
+    points(range, 1.0)
 }
 
 pub fn direction() -> impl Strategy<Value = Vec3> {
@@ -30,7 +31,7 @@ pub fn direction() -> impl Strategy<Value = Vec3> {
 fn shape() -> impl Strategy<Value = Shape> {
     let place = || prop_oneof![6 => vector(0.0..SIZE), 1 => vector(-SIZE..2.0 * SIZE)];
     let sphere = (place(), 0.1..3.0f32).prop_map(|(center, radius)| Shape::Sphere { center, radius });
-    let free = (place(), vector(0.05..5.0)).prop_map(|(min, size)| Shape::Box { min, max: min + size });
+    let free = (place(), vector(0.0..5.0)).prop_map(|(min, size)| Shape::Box { min, max: min + size });
     // Such boxes share faces.
     let on_cells = (prop::array::uniform3(-1..15i8), prop::array::uniform3(1..6i8)).prop_map(|(p, s)| {
         let min = Vec3::from_array(p.map(f32::from));
@@ -47,7 +48,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         let triangles = if open { triangles[..2].to_vec() } else { triangles };
         let turn = Quat::from_euler(EulerRot::XYZ, turn.x, turn.y, turn.z);
         let transform = Affine3A::from_scale_rotation_translation(Vec3::splat(size), turn, at);
-        Shape::Mesh { mesh: Arc::new(Mesh { positions, triangles }), transform }
+        Shape::Mesh { mesh: Arc::new(Mesh { positions, triangles, ..Mesh::default() }), transform }
     });
     prop_oneof![3 => sphere, 3 => free, 3 => on_cells, 1 => slab, 2 => mesh]
 }

@@ -8,6 +8,7 @@
 mod segments;
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Plane, Scene, Sphere};
+use casca_truth::places::points;
 use glam::{DVec3, DVec4, Mat4, UVec3, Vec3};
 use proptest::prelude::*;
 
@@ -108,15 +109,13 @@ pub fn seen(
 }
 
 pub fn point() -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(0.0f32..SIZE).prop_map(Vec3::from)
+    points(0.0..SIZE, 2.0)
 }
 
 pub fn solid() -> impl Strategy<Value = Solid> {
     prop_oneof![
-        (point(), prop::array::uniform3(0.5f32..12.0)).prop_map(|(p, size)| {
-            let half = Vec3::from(size) * 0.5;
-            Solid::Box(Aabb::new(p - half, p + half))
-        }),
+        (point(), points(0.0..12.0, 2.0))
+            .prop_map(|(p, size)| Solid::Box(Aabb::new(p - size * 0.5, p + size * 0.5))),
         (point(), 0.5f32..6.0).prop_map(|(p, radius)| Solid::Ball(Sphere::new(p, radius))),
         // Boxes on whole numbers stand on each other, abut and lie inside each other.
         (prop::array::uniform3(0u8..32), prop::array::uniform3(1u8..16)).prop_map(|(p, size)| {
@@ -132,7 +131,7 @@ pub fn target() -> impl Strategy<Value = Sphere> {
 
 /// Directions in and on the ball of length 1.
 pub fn steps() -> impl Strategy<Value = Vec<Vec3>> {
-    let any = prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from);
+    let any = points(-1.0..1.0, 0.5);
     let step = prop_oneof![
         any.clone().prop_map(|v| v.clamp_length_max(1.0)),
         any.prop_map(|v| v.normalize_or(Vec3::Y)),

@@ -36,6 +36,7 @@ fn meshes() -> Vec<Mesh> {
             })
             .collect(),
         triangles: (0..8).map(|i| [i, 8, (i + 1) % 8]).collect(),
+        ..Mesh::default()
     };
     let mut cones = cone(0.0);
     cones.append(cone(5.0));
@@ -44,6 +45,7 @@ fn meshes() -> Vec<Mesh> {
     let board = Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::NEG_Y * 0.0 + Vec3::Z],
         triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
     };
     vec![Mesh::ball(2), rock, Mesh::cuboid(Vec3::ZERO, Vec3::ONE), cones, board]
 }

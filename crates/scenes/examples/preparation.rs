@@ -53,6 +53,7 @@ fn ground(triangles: usize) -> Mesh {
     Mesh {
         positions: (0..(n + 1) * (n + 1)).map(vertex).collect(),
         triangles: (0..n * n).flat_map(square).collect(),
+        ..Mesh::default()
     }
 }
 
@@ -89,6 +90,7 @@ fn cone(sides: u32, low: f32, high: f32) -> Mesh {
     Mesh {
         positions: (0..sides).map(rim).chain([Vec3::Y * high]).collect(),
         triangles: (0..sides).map(|i| [i, sides, (i + 1) % sides]).collect(),
+        ..Mesh::default()
     }
 }
 
@@ -113,7 +115,11 @@ fn house() -> Mesh {
         parts.push(Mesh::cuboid(Vec3::new(x, 1.0, -0.125), Vec3::new(x + 0.75, 2.0, 0.0)));
     }
     let ridge = |x: f32| [Vec3::new(x, 3.25, -0.5), Vec3::new(x, 3.25, 10.5), Vec3::new(4.0, 6.0, 5.0)];
-    parts.extend([-0.5, 8.5].map(|x| Mesh { positions: ridge(x).to_vec(), triangles: vec![[0, 1, 2]] }));
+    parts.extend([-0.5, 8.5].map(|x| Mesh {
+        positions: ridge(x).to_vec(),
+        triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
+    }));
     joined(parts)
 }
 
@@ -161,6 +167,7 @@ fn meshes(kind: &str, n: usize) -> Vec<Mesh> {
         "boards" => copies(n, dice, |_| Mesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::ONE - Vec3::X],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
         }),
         "cones" => copies(n, dice, |_| cone(12, 0.0, 3.0)),
         "houses" => copies(n, dice, |_| house()),

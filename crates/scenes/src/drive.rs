@@ -1,17 +1,18 @@
 //! Puts a test scene into the library and keeps it up to date.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Bounds, Error, GridSpec, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere,
-    TriMesh, View,
+    Aabb, Bounds, Error, Facing, GridSpec, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene,
+    Sphere, TriMesh, View,
 };
 use casca_cache::MeshCache;
 use glam::{Affine3A, UVec3, Vec3};
 
-use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World};
+use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World, turn_of};
 
 /// An object as the scene is told of it: its id, its bounds, and its occluder if it has one.
 pub type Report = (ObjectId, Bounds, Option<Occluder>);
@@ -40,8 +41,15 @@ pub enum Sharing {
     Own,
 }
 
-/// A mesh, and the same as prepared.
-type Prepared = (Arc<Mesh>, Arc<TriMesh>);
+/// A mesh as prepared: what it is tested by, and what of it hides.
+#[derive(Clone)]
+struct Prepared {
+    bounds: Arc<TriMesh>,
+    hiding: Option<Arc<TriMesh>>,
+}
+
+/// Of a mesh: its address, whether it occludes, and whether a transform mirrors its fronts.
+type Key = (*const Mesh, bool, bool);
 
 /// The objects that share a mesh.
 #[derive(Default, Clone)]
@@ -54,9 +62,9 @@ struct Users {
 /// Makes shapes of the library.
 #[derive(Clone)]
 struct Shaper {
-    /// Meshes of instances, prepared once as occluders and once as bounds only. They are found by
-    /// address, and kept so that no other mesh gets the same address.
-    prepared: HashMap<(*const Mesh, bool), Prepared>,
+    /// Meshes of instances, each prepared once for a use. They are found by address, and kept so
+    /// that no other mesh gets the same address.
+    prepared: HashMap<Key, (Arc<Mesh>, Prepared)>,
     users: HashMap<*const Mesh, Users>,
     sharing: Sharing,
     how: MeshOptions,
@@ -66,6 +74,13 @@ struct Shaper {
 /// Instances are at most so many times as long as wide, seen from their mesh: trees and rocks of a
 /// game are, but not walls made of a unit cube.
 const STRETCH: f32 = 4.0;
+
+/// The same for meshes that hide from their front: casca takes those in an instance only where all
+/// axes are scaled alike.
+const STRETCH_OF_FRONTS: f32 = 1.0 + 1e-6;
+
+/// What takes the mirror out of a transform, where the mesh is mirrored as well.
+const MIRROR: Vec3 = Vec3::new(-1.0, 1.0, 1.0);
 
 /// The lengths of the axes of a transform, from the least to the greatest.
 fn scales(transform: &Affine3A) -> (f32, f32) {
@@ -92,13 +107,13 @@ impl Shaper {
     fn is_instance(&self, object: &Object, mesh: &Arc<Mesh>, transform: &Affine3A) -> bool {
         let shared = self.users.get(&Arc::as_ptr(mesh)).is_some_and(|users| users.count > 1);
         let (least, most) = scales(transform);
-        let alike = most <= least * STRETCH;
+        let alike = most <= least * if mesh.sides.is_empty() { STRETCH } else { STRETCH_OF_FRONTS };
         object.motion != Motion::Static || self.sharing == Sharing::Instances && shared && alike
     }
 
     /// The mesh of instances, prepared when it is first asked for.
-    fn prepared(&mut self, mesh: &Arc<Mesh>, occludes: bool) -> Result<Arc<TriMesh>, Error> {
-        let key = (Arc::as_ptr(mesh), occludes);
+    fn prepared(&mut self, mesh: &Arc<Mesh>, occludes: bool, mirrors: bool) -> Result<Prepared, Error> {
+        let key = (Arc::as_ptr(mesh), occludes, mirrors);
         if let Some((_, prepared)) = self.prepared.get(&key) {
             return Ok(prepared.clone());
         }
@@ -106,38 +121,79 @@ impl Shaper {
         // The tolerance is meant in world space.
         let scale = self.users.get(&key.0).map_or(0.0, |users| users.scale);
         how.tolerance = how.tolerance.map(|t| t / scale).filter(|t| t.is_finite());
-        let new = self.prepare(mesh.positions.clone(), mesh, how.occludes(occludes))?;
+        let mut positions = mesh.positions.clone();
+        if mirrors {
+            positions.iter_mut().for_each(|p| *p *= MIRROR);
+        }
+        let new = self.make(positions, mesh, how.occludes(occludes), mirrors)?;
         self.prepared.insert(key, (mesh.clone(), new.clone()));
         Ok(new)
     }
 
     /// The shapes of an object as the library takes them.
     fn shapes(&mut self, object: &Object) -> Result<(Bounds, Option<Occluder>), Error> {
-        let (bounds, occluder): (Bounds, Occluder) = match &object.shape {
+        let (bounds, occluder): (Bounds, Option<Occluder>) = match &object.shape {
             Shape::Sphere { center, radius } => {
                 let s = Sphere::new(*center, *radius);
-                (s.into(), s.into())
+                (s.into(), Some(s.into()))
             }
             Shape::Box { min, max } => {
                 let b = Aabb::new(*min, *max);
-                (b.into(), b.into())
-            }
-            Shape::Mesh { mesh, transform } if self.is_instance(object, mesh, transform) => {
-                let instance = Instance::new(self.prepared(mesh, object.occludes)?, *transform)?;
-                (instance.clone().into(), instance.into())
+                (b.into(), Some(b.into()))
             }
             Shape::Mesh { mesh, transform } => {
-                let positions: Vec<Vec3> =
-                    mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
-                let mesh = self.prepare(positions, mesh, self.how.occludes(object.occludes))?;
-                (mesh.clone().into(), mesh.into())
+                let has_fronts = !mesh.sides.is_empty();
+                let turned = if has_fronts { turn_of(transform) } else { 1.0 };
+                let (mirrors, occludes) = (turned < 0.0, object.occludes && turned != 0.0);
+                if self.is_instance(object, mesh, transform) {
+                    let made = self.prepared(mesh, occludes, mirrors)?;
+                    let mirror = if mirrors { MIRROR } else { Vec3::ONE };
+                    let place = |mesh| Instance::new(mesh, *transform * Affine3A::from_scale(mirror));
+                    (place(made.bounds)?.into(), made.hiding.map(place).transpose()?.map(Occluder::from))
+                } else {
+                    let positions: Vec<Vec3> =
+                        mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
+                    let made = self.make(positions, mesh, self.how.occludes(occludes), mirrors)?;
+                    (made.bounds.into(), made.hiding.map(Occluder::from))
+                }
             }
         };
-        Ok((bounds, Some(occluder).filter(|_| object.occludes)))
+        Ok((bounds, occluder.filter(|_| object.occludes)))
     }
 
-    fn prepare(&self, positions: Vec<Vec3>, mesh: &Mesh, how: MeshOptions) -> Result<Arc<TriMesh>, Error> {
-        let (triangles, go_on) = (mesh.triangles.clone(), &mut |_| ControlFlow::Continue(()));
+    /// A mesh with its positions where they are wanted; `mirrors` says whether they mirror it.
+    fn make(
+        &self,
+        positions: Vec<Vec3>,
+        mesh: &Mesh,
+        how: MeshOptions,
+        mirrors: bool,
+    ) -> Result<Prepared, Error> {
+        let whole = |positions| self.prepare(positions, mesh.triangles.clone(), how.occludes(false));
+        let Some((hiding, front)) = mesh.hiding().filter(|_| how.occludes) else {
+            return Ok(Prepared { bounds: whole(positions)?, hiding: None });
+        };
+        let bounds = match hiding {
+            Cow::Borrowed(_) => None,
+            Cow::Owned(_) => Some(whole(positions.clone())?),
+        };
+        let mut triangles = hiding.into_owned();
+        if front && mirrors {
+            // Corners that ran counter-clockwise run clockwise now.
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let facing = if front { Facing::Front } else { Facing::Both };
+        let hiding = self.prepare(positions, triangles, how.facing(facing))?;
+        Ok(Prepared { bounds: bounds.unwrap_or_else(|| hiding.clone()), hiding: Some(hiding) })
+    }
+
+    fn prepare(
+        &self,
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        how: MeshOptions,
+    ) -> Result<Arc<TriMesh>, Error> {
+        let go_on = &mut |_| ControlFlow::Continue(());
         let prepared = match &self.cache {
             Some(cache) => cache.prepare(positions, triangles, &how, go_on),
             None => TriMesh::prepare(positions, triangles, &how, go_on),

@@ -3,14 +3,35 @@
 //! Independent of the library, so that the oracle can work on it without
 //! sharing code with what it checks.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 pub use casca_tools::camera::Camera;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 
 /// Seconds between two frames of every path.
 pub const FRAME_SECONDS: f64 = 1.0 / 30.0;
+
+/// From which sides a triangle hides what is behind it. Its front is where its corners run
+/// counter-clockwise in object space; under a transform that mirrors, it stays on the same side of
+/// the object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sides {
+    /// From none: one sees through it, or it is not surely there.
+    Neither,
+    /// From its front.
+    Front,
+    /// From both.
+    #[default]
+    Both,
+}
+
+/// The sign of the determinant of a transform: less than 0 if it mirrors, 0 if it flattens.
+pub fn turn_of(transform: &Affine3A) -> f64 {
+    let determinant = transform.as_daffine3().matrix3.determinant();
+    if determinant == 0.0 { 0.0 } else { determinant.signum() }
+}
 
 /// An indexed triangle mesh in object space.
 #[derive(Debug, Clone, Default)]
@@ -19,6 +40,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Vertex indices, three per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// By triangle: from where it hides. Those beyond the end hide from both sides.
+    pub sides: Vec<Sides>,
 }
 
 /// The triangles of a box by the numbers of its [`box_corners`], counter-clockwise seen from
@@ -50,14 +73,50 @@ pub fn box_corners(min: Vec3, max: Vec3) -> [Vec3; 8] {
 impl Mesh {
     /// A box.
     pub fn cuboid(min: Vec3, max: Vec3) -> Self {
-        Self { positions: box_corners(min, max).to_vec(), triangles: BOX_TRIANGLES.to_vec() }
+        let (positions, triangles) = (box_corners(min, max).to_vec(), BOX_TRIANGLES.to_vec());
+        Self { positions, triangles, sides: Vec::new() }
     }
 
     /// Adds the triangles of another mesh.
     pub fn append(&mut self, other: Self) {
         let first = self.positions.len() as u32;
+        if !(self.sides.is_empty() && other.sides.is_empty()) {
+            self.sides.resize(self.triangles.len(), Sides::Both);
+            self.sides.extend(other.sides);
+        }
         self.positions.extend(other.positions);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+
+    /// From where a triangle hides.
+    pub fn sides_of(&self, triangle: usize) -> Sides {
+        self.sides.get(triangle).copied().unwrap_or_default()
+    }
+
+    /// The triangles that hide, and whether they do so from their front only; `None` if none does.
+    /// Where some hide from their front and others from both sides, each of the latter comes twice,
+    /// once for each side.
+    pub fn hiding(&self) -> Option<(Cow<'_, [[u32; 3]]>, bool)> {
+        let has = |wanted| self.sides.contains(&wanted);
+        let both = has(Sides::Both) || self.sides.len() < self.triangles.len();
+        let front = has(Sides::Front);
+        if !(both || front) {
+            return None;
+        }
+        if !(has(Sides::Neither) || both && front) {
+            return Some((Cow::Borrowed(&self.triangles), front));
+        }
+        let mut hiding = Vec::with_capacity(self.triangles.len());
+        for (i, &[a, b, c]) in self.triangles.iter().enumerate() {
+            let sides = self.sides_of(i);
+            if sides != Sides::Neither {
+                hiding.push([a, b, c]);
+            }
+            if sides == Sides::Both && front {
+                hiding.push([a, c, b]);
+            }
+        }
+        Some((Cow::Owned(hiding), front))
     }
 
     /// The least and the greatest corner of its vertices under a transform.
@@ -114,7 +173,8 @@ impl Mesh {
         for _ in 0..cuts {
             triangles = cut(&mut positions, triangles);
         }
-        Self { positions: positions.into_iter().map(Vec3::normalize).collect(), triangles }
+        let positions = positions.into_iter().map(Vec3::normalize).collect();
+        Self { positions, triangles, sides: Vec::new() }
     }
 }
 
@@ -153,7 +213,7 @@ pub enum Shape {
         /// Greatest corner.
         max: Vec3,
     },
-    /// A triangle mesh (a surface; seen from both sides).
+    /// A triangle mesh: a surface that is seen from both sides, and hides as its triangles say.
     Mesh {
         /// The mesh in object space.
         mesh: Arc<Mesh>,
@@ -183,8 +243,8 @@ pub struct Object {
     pub shape: Shape,
     /// Whether it can move.
     pub motion: Motion,
-    /// Whether it hides others. An object that does not occlude is still
-    /// tested, but the oracle lets one see through it.
+    /// Whether it hides others, a mesh as its [`Sides`] say. An object that does not occlude is
+    /// still tested, but the oracle lets one see through it.
     pub occludes: bool,
     /// Whether its visibility is asked for.
     pub tested: bool,
@@ -211,8 +271,53 @@ pub trait Animation: Send + Sync {
     fn camera(&self, frame: usize, aspect: f32) -> Camera;
 }
 
+/// What a file says about the world that was read from it; empty for other worlds.
+#[derive(Debug, Clone, Default)]
+pub struct Source {
+    /// What of the file is not as its author may expect: a line each, which names the place in the
+    /// file. Tools show them.
+    pub warnings: Vec<String>,
+    /// What is added to each position of the world, its camera and its grid to get that of the
+    /// file, in metres: a scene far from the origin of its file is moved to one of its own, since
+    /// single precision is too coarse there. Zero where nothing was moved;
+    /// single precision holds its numbers.
+    pub origin: DVec3,
+    /// The JSON of the file, as it was; empty for other worlds.
+    pub document: Arc<[u8]>,
+    /// By object as it was read: what of the file it is. Shorter where that is not known.
+    pub parts: Vec<FilePart>,
+}
+
+/// What of a glTF file an object is.
+#[derive(Debug, Clone)]
+pub struct FilePart {
+    /// The index of its node.
+    pub node: usize,
+    /// By triangle of its mesh: the number of the primitive. None where the object is a box around
+    /// what the file draws.
+    pub primitives: Arc<[u32]>,
+}
+
+impl Source {
+    /// Prints the warnings to the standard error of a tool.
+    pub fn tell(&self) {
+        self.warnings.iter().for_each(|line| eprintln!("warning: {line}"));
+    }
+
+    /// Says what the origin is, for tools whose coordinates are those of the world; `None` if that
+    /// is the one of the file.
+    pub fn about_origin(&self) -> Option<String> {
+        let DVec3 { x, y, z } = self.origin;
+        let said =
+            format!("the scene lies far from the origin of its file: add {x}, {y}, {z} to coordinates");
+        (self.origin != DVec3::ZERO).then_some(said)
+    }
+}
+
 /// A test scene.
 pub struct World {
+    /// What the file says that it comes from.
+    pub source: Source,
     /// Name as given on the command line, or the file's name.
     pub name: String,
     /// All objects, with their shapes at the frame last set (0 at first).

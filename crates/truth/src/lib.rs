@@ -3,6 +3,7 @@
 //! - [`oracle`]: exact visibility, and light by a path tracer, which share no code with the
 //!   library.
 //! - [`baselines`]: what engines do today, for comparison.
+//! - [`places`]: coordinates of random tests, half of them from a small lattice.
 //! - `attack` (a feature): random operations on small scenes, against a model of the truth.
 
 #[cfg(feature = "attack")]
@@ -10,6 +11,7 @@ pub mod attack;
 pub mod baselines;
 mod numeric;
 pub mod oracle;
+pub mod places;
 
 /// The configuration of a property test of `n` cases: the same cases in every
 /// run, unless `CASCA_SEED` is set; `CASCA_CASES` multiplies their number.

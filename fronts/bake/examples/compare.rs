@@ -18,7 +18,7 @@ use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{Camera, Motion, Object, Shape};
 use casca_tools::pictures::palette::{POINT, RAYS};
 use casca_tools::pictures::{Axis, Line, lines};
-use casca_truth::oracle::{Oracle, OracleOptions};
+use casca_truth::oracle::{Oracle, OracleOptions, Seen};
 use glam::Vec3;
 use rand::RngExt;
 
@@ -74,7 +74,11 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let (count, eyes): (usize, usize) = (cells.parse()?, eyes.parse()?);
     let mut world = scene.parse::<SceneName>()?.open(&SceneOptions::default())?;
     let path: Vec<Vec3> = (0..world.frames).map(|frame| world.camera(frame, 1.0).eye).collect();
-    world.objects.retain(|object| object.motion == Motion::Static);
+    let is_static = |object: &Object| object.motion == Motion::Static;
+    // As the file itself says, for the truth; with the numbers of the level.
+    let mut judged = Seen::of(&world).objects(&world.objects).to_vec();
+    judged.retain(is_static);
+    world.objects.retain(is_static);
     let began = Instant::now();
     let level = Level::new(&world, None, false)?;
     println!("{} objects, made ready in {:.1} s", level.len(), began.elapsed().as_secs_f64());
@@ -112,7 +116,7 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         max_candidates: LOOKED_AT,
         seed: SEED,
     };
-    let mut oracle = Oracle::new(&world.objects, options);
+    let mut oracle = Oracle::new(&judged, options);
     let mut random: Generator = generator(SEED, 0);
     let (mut exact, mut in_pictures, mut sampled, mut looking) = (0, 0, [0; SAMPLES.len()], 0.0);
     let mut looked = 0;
@@ -137,7 +141,7 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
             let began = ThreadTime::now();
             for forward in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
                 let camera = Camera::look_at(eye, eye + forward, 90.0, 1.0, NEAR, 1000.0);
-                let verdict = oracle.frame(&world.objects, &[], &camera, &|o| smallest.contains(&o));
+                let verdict = oracle.frame(&judged, &[], &camera, &|o| smallest.contains(&o));
                 shown.extend(verdict.exact);
                 for found in verdict.false_negatives {
                     if lost.insert(found.object) {
@@ -148,7 +152,7 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
             looking += began.elapsed().as_secs_f64();
             let unseen: Vec<usize> = (0..world.objects.len()).filter(|o| !seen.contains(o)).collect();
             let seed = (cell as usize * eyes + at) as u64;
-            let found = oracle.rays().probe(&world.objects, eye.as_dvec3(), &unseen, PROBES, seed, |_| true);
+            let found = oracle.rays().probe(&judged, eye.as_dvec3(), &unseen, PROBES, seed, |_| true);
             for sighting in found.seen {
                 seen.insert(sighting.object);
                 if !smallest.contains(&sighting.object) && lost.insert(sighting.object) {

@@ -81,9 +81,9 @@ impl<'l> Baker<'l> {
                 if cells != self.cells || self.numbers.iter().any(|cell| !targets.contains(cell)) {
                     return Err(BakeError::OtherCells);
                 }
-                Writer::cell_to_cell(cells, &targets)?
+                Writer::cell_to_cell(self.level.in_file(cells), &targets)?
             }
-            None => Writer::new(self.cells, self.level.len())?,
+            None => Writer::new(self.level.in_file(self.cells), self.level.len())?,
         })
     }
 
@@ -188,10 +188,12 @@ impl<'l> Baker<'l> {
                     transform.to_cols_array().into_iter().for_each(&mut float);
                     mesh.positions.iter().flat_map(|p| p.to_array()).for_each(&mut float);
                     mesh.triangles.iter().flatten().for_each(|v| float(f32::from_bits(*v)));
+                    mesh.sides.iter().for_each(|&sides| float(f32::from(sides as u8)));
                 }
             }
         }
-        let cells = self.cells.low.iter().chain(&self.cells.size).map(|v| v.to_bits());
+        let cells = self.level.in_file(self.cells);
+        let cells = cells.low.iter().chain(&cells.size).chain(&cells.origin).map(|v| v.to_bits());
         cells.chain(self.cells.dims.map(u64::from)).for_each(&mut number);
         number(self.queries.into());
         self.numbers.iter().for_each(|&cell| number(cell.into()));

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use casca::{Aabb, Error, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
+use casca::glam::DVec3;
+use casca::{Aabb, Error, Facing, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
 use casca_baked::Cells;
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
@@ -30,6 +31,8 @@ pub struct Level {
     /// Rectangles that hide without a query.
     pub(crate) walls: Walls,
     room: Aabb,
+    /// What is added to the coordinates of all of these for those of the file.
+    pub(crate) origin: DVec3,
     objects: Vec<Object>,
 }
 
@@ -48,7 +51,8 @@ impl Level {
     /// # Errors
     /// Refuses what casca refuses: a grid that is too large, or shapes that are not finite.
     pub fn new(world: &World, cell: Option<f32>, solid: bool) -> Result<Self, Error> {
-        Self::of(&world.objects, world.grid, cell, solid)
+        let origin = world.source.origin;
+        Ok(Self { origin, ..Self::of(&world.objects, world.grid, cell, solid)? })
     }
 
     /// The same for objects, and the grid that they lie in.
@@ -75,19 +79,24 @@ impl Level {
         let closed = [&boxes.solid[..], &boxes.of_meshes].concat();
         let walls = Walls::of(&scene, LEAST_WALL, |_| false);
         // Their faces are walls already.
-        for group in groups(&closed) {
+        let outsides = [&closed[..], &boxes.from_outside].concat();
+        // What hides from outside only joins walls that do so.
+        let outsides = if boxes.from_outside.is_empty() { Vec::new() } else { groups(&outsides) };
+        let walls_of = groups(&closed).into_iter().map(|group| (group, Facing::Both));
+        for (group, facing) in walls_of.chain(outsides.into_iter().map(|group| (group, Facing::Front))) {
             let (positions, triangles) = union::surface(&group);
-            let how = MeshOptions::default();
+            let how = MeshOptions::default().facing(facing);
             let mesh =
                 TriMesh::prepare(positions, triangles, &how, &mut |_| std::ops::ControlFlow::Continue(()));
             let mesh = Arc::new(mesh?);
             scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh).user_data(NOBODY))?;
         }
-        let mut solids = if solid { closed } else { boxes.solid };
+        let mut solids = if solid { [closed, boxes.from_outside].concat() } else { boxes.solid };
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
         let room = Aabb::new(hint.min, hint.max);
-        Ok(Self { scene, bounds, cells: None, solids, longest, walls, room, objects })
+        let origin = DVec3::ZERO;
+        Ok(Self { scene, bounds, cells: None, solids, longest, walls, room, origin, objects })
     }
 
     /// The same level, of which sets tell what may be seen of some cells of a grid, and not of its
@@ -129,7 +138,16 @@ impl Level {
         self.bounds.is_empty()
     }
 
-    /// The box that the level lies in, in metres; y is up.
+    /// A grid of cells of this level in the coordinates of its file, which are those of files of
+    /// sets: they differ where the level lies far from the origin of its file.
+    pub fn in_file(&self, mut cells: Cells) -> Cells {
+        cells.low = (DVec3::from_array(cells.low) + self.origin).to_array();
+        cells.origin = self.origin.to_array();
+        cells
+    }
+
+    /// The box that the level lies in, in metres; y is up. Seen from an origin of its own if it
+    /// lies far from that of its file; see [`Level::in_file`].
     pub fn room(&self) -> Aabb {
         self.room
     }

@@ -116,6 +116,7 @@ fn place(text: &str) -> Result<[f64; 3], String> {
 impl Bake {
     fn run(&self) -> Result<(), BakeError> {
         let world = self.level.open(&SceneOptions::default())?;
+        world.source.tell();
         let mut level = Level::new(&world, self.grid, self.solid)?;
         let places = Places { edge: self.cell, height: self.height, within: self.within };
         if self.cell_to_cell {
@@ -158,7 +159,9 @@ fn show(file: &Path, at: Option<[f64; 3]>) -> Result<(), BakeError> {
     let baked = Baked::read(&bytes).map_err(|why| BakeError::Read { path: file.to_owned(), why })?;
     if let Some(at) = at {
         match baked.set_at(at) {
-            None => println!("nothing is known about this place: all may be seen"),
+            None => println!(
+                "nothing is known about this place, or it is on the border of cells that see different things: all may be seen"
+            ),
             Some(set) => set.iter().for_each(|seen| println!("{seen}")),
         }
         return Ok(());

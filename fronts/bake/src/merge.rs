@@ -33,23 +33,29 @@ impl Merger {
     /// Takes the sets of a part.
     ///
     /// # Errors
-    /// The part is of another bake, or has another set for a cell; parts before it stay.
+    /// The part is of another bake, or has another set for a cell; nothing of it is taken then.
     pub fn put(&mut self, part: &Baked) -> Result<(), PartError> {
         let cells = *part.cells();
         let bake = (cells, part.objects(), part.is_cell_to_cell(), part.targets());
-        let writer = match &mut self.writer {
-            Some((writer, of)) if *of == bake => writer,
-            Some(_) => return Err(PartError::OtherBake),
-            None => &mut self.writer.insert((Writer::like(part)?, bake)).0,
-        };
-        for cell in 0..cells.dims.iter().product() {
-            let Some(set) = part.set(cell) else { continue };
-            let set: Vec<u32> = set.iter().collect();
-            match writer.get(cell) {
-                Some(there) if there != set => return Err(PartError::Differs(cell)),
-                Some(_) => {}
-                None => writer.put(cell, &set)?,
+        if self.writer.as_ref().is_some_and(|(_, of)| *of != bake) {
+            return Err(PartError::OtherBake);
+        }
+        let numbers = 0..cells.dims.iter().product();
+        let mut new = Writer::like(part)?;
+        for (cell, set) in numbers.clone().filter_map(|cell| Some((cell, part.set(cell)?))) {
+            let there = self.writer.as_ref().and_then(|(writer, _)| writer.get(cell));
+            if there.is_some_and(|there| !set.iter().eq(there.iter().copied())) {
+                return Err(PartError::Differs(cell));
             }
+            new.put(cell, &set.iter().collect::<Vec<_>>())?;
+        }
+        match &mut self.writer {
+            Some((writer, _)) => {
+                numbers
+                    .filter_map(|cell| Some((cell, new.get(cell)?)))
+                    .try_for_each(|(cell, set)| writer.put(cell, set))?;
+            }
+            None => self.writer = Some((new, bake)),
         }
         Ok(())
     }
@@ -91,4 +97,27 @@ pub fn merge(files: &[impl AsRef<Path>]) -> Result<Vec<u8>, BakeError> {
         })?;
     }
     all.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use casca_baked::Cells;
+
+    use super::*;
+
+    #[test]
+    fn a_part_that_is_refused_leaves_nothing() {
+        let cells = Cells { low: [0.0; 3], size: [1.0; 3], dims: [4, 1, 1], origin: [0.0; 3] };
+        let part = |sets: &[(u32, &[u32])]| {
+            let mut writer = Writer::new(cells, 9).unwrap();
+            sets.iter().for_each(|(cell, set)| writer.put(*cell, set).unwrap());
+            writer.finish().unwrap()
+        };
+        let (first, other) = (part(&[(1, &[2, 3]), (3, &[8])]), part(&[(0, &[1]), (1, &[2, 3]), (3, &[7])]));
+        let mut all = Merger::default();
+        all.put(&Baked::read(&first).unwrap()).unwrap();
+        let refused = all.put(&Baked::read(&other).unwrap());
+        assert!(matches!(refused, Err(PartError::Differs(3))), "{refused:?}");
+        assert_eq!((all.len(), all.finish().unwrap()), (2, first));
+    }
 }

@@ -9,10 +9,9 @@ use casca::glam::Vec3;
 
 use crate::level::Level;
 
-/// Solids count as larger by this share of the coordinates of the part that meets them: four
-/// roundings to single precision, in which their own corners are given. 10 micrometres at 40 m.
-/// Objects that are nearer behind a wall, by the same share, lie in it.
-const TOUCH: f32 = 4.0 / (1 << 24) as f32;
+/// Solids count as larger by this share of the coordinates of the part that meets them, 10
+/// micrometres at 40 m. Objects that are nearer behind a wall, by the same share, lie in it.
+const TOUCH: f32 = casca_baked::NEAR as f32;
 
 /// Solids that reach less than this share of its longest edge into a part do not divide it: thin
 /// splinters are no better than halves.
@@ -37,11 +36,17 @@ impl Side {
         Aabb::new(min.min(max), max.max(min))
     }
 
-    /// Whether a part of a box lies beyond the side, or in it.
+    /// Whether a box ends at the side, on the cell's side of it: an eye on its face looks away.
+    fn backs(&self, b: &Aabb) -> bool {
+        self.at == if self.at_high { b.max[self.axis] } else { b.min[self.axis] }
+    }
+
+    /// Whether a part of a box lies beyond the side. What lies in it is seen through the cell or
+    /// through another side.
     fn faces(&self, b: &Aabb) -> bool {
         match self.at_high {
-            true => b.max[self.axis] >= self.at,
-            false => b.min[self.axis] <= self.at,
+            true => b.max[self.axis] > self.at,
+            false => b.min[self.axis] < self.at,
         }
     }
 }
@@ -82,7 +87,7 @@ impl Part {
         loop {
             let before = (self.low, self.high);
             let b = Aabb::new(self.low, self.high);
-            for solid in level.solids_in(&b) {
+            for solid in level.solids_in(&b).filter(|solid| !self.side.backs(solid)) {
                 let touch = touch(&b);
                 let (min, max) = (solid.min - touch, solid.max + touch);
                 let spans = |i: usize| min[i] <= self.low[i] && max[i] >= self.high[i];

@@ -1,7 +1,7 @@
 //! The cells of a level, and those in which someone may stand.
 
 use casca::Aabb;
-use casca::glam::Vec3;
+use casca::glam::{DVec3, Vec3};
 use casca_baked::Cells;
 use casca_scenes::world::{BOX_TRIANGLES, Object, Shape, box_corners};
 
@@ -23,12 +23,13 @@ pub struct Places {
     /// that, and only those are baked in which an eye may be so. `None` bakes all cells of the
     /// level's box, which are as high as they are wide.
     pub height: Option<(f32, f32)>,
-    /// Of these, only the cells are baked whose middle lies in this box. `None` bakes all.
+    /// Of these, only the cells are baked whose middle lies in this box, in the coordinates of the
+    /// file. `None` bakes all.
     pub within: Option<Aabb>,
 }
 
 impl Places {
-    /// The grid of cells of a level.
+    /// The grid of cells of a level, in the coordinates of the level: see [`Level::in_file`].
     ///
     /// # Errors
     /// [`BakeError::Places`].
@@ -39,7 +40,9 @@ impl Places {
             None => (room.min.y, self.edge),
         };
         let size = [self.edge, tall, self.edge].map(f64::from);
-        let low = [room.min.x, from, room.min.z].map(f64::from);
+        let low = DVec3::new(room.min.x.into(), from.into(), room.min.z.into());
+        // As a double can tell it in the coordinates of the file.
+        let low = ((low + level.origin) - level.origin).to_array();
         let high =
             [room.max.x, room.max.y + self.height.map_or(0.0, |(_, most)| most), room.max.z].map(f64::from);
         let dims: [f64; 3] = std::array::from_fn(|i| ((high[i] - low[i]) / size[i]).ceil().max(1.0));
@@ -48,7 +51,7 @@ impl Places {
         if !(sane && dims.iter().product::<f64>() <= MOST_CELLS) {
             return Err(BakeError::Places);
         }
-        Ok(Cells { low, size, dims: dims.map(|n| n as u32) })
+        Ok(Cells { low, size, dims: dims.map(|n| n as u32), origin: [0.0; 3] })
     }
 
     /// The numbers of the cells to bake, ascending.
@@ -61,14 +64,17 @@ impl Places {
         let middle = |cell: u32| {
             let [x, y, _] = cells.dims;
             let at = [cell % x, cell / x % y, cell / x / y].map(|i| f64::from(i) + 0.5);
-            Vec3::from_array(std::array::from_fn(|i| (cells.low[i] + at[i] * cells.size[i]) as f32))
+            DVec3::from_array(std::array::from_fn(|i| cells.low[i] + at[i] * cells.size[i])) + level.origin
         };
         let is_within = |cell: &u32| {
-            self.within.is_none_or(|b| b.min.cmple(middle(*cell)).all() && middle(*cell).cmple(b.max).all())
+            self.within.is_none_or(|b| {
+                let middle = middle(*cell);
+                b.min.as_dvec3().cmple(middle).all() && middle.cmple(b.max.as_dvec3()).all()
+            })
         };
         let Some((least, most)) = self.height else { return Ok((0..count).filter(is_within).collect()) };
         let mut stands = vec![false; count as usize];
-        for object in level.objects().iter().filter(|object| object.occludes) {
+        for object in level.objects() {
             for triangle in floors(object) {
                 mark(&cells, &triangle, (least, most), &mut stands);
             }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use casca::Aabb;
 use casca::glam::{Affine3A, Vec3};
-use casca_scenes::world::{Mesh, Object, Shape};
+use casca_scenes::world::{Mesh, Object, Shape, Sides, turn_of};
 
 /// A box that touches more others than this is left out of unions: the ground would join all houses
 /// of a town to one wall, in which each window opens a bit of all others.
@@ -18,15 +18,22 @@ const OF_A_BOX: usize = 12;
 pub(crate) struct Boxes {
     pub(crate) solid: Vec<Aabb>,
     pub(crate) of_meshes: Vec<Aabb>,
+    /// Those of meshes that hide from outside only.
+    pub(crate) from_outside: Vec<Aabb>,
 }
 
 impl Boxes {
     pub(crate) fn of(objects: &[Object]) -> Self {
-        let mut boxes = Self { solid: Vec::new(), of_meshes: Vec::new() };
+        let mut boxes = Self { solid: Vec::new(), of_meshes: Vec::new(), from_outside: Vec::new() };
         for object in objects.iter().filter(|object| object.occludes) {
             match &object.shape {
                 Shape::Box { min, max } => boxes.solid.push(Aabb::new(*min, *max)),
-                Shape::Mesh { mesh, transform } => boxes.of_meshes.extend(boxes_of(mesh, transform)),
+                Shape::Mesh { mesh, transform } => {
+                    for (found, from_both) in boxes_of(mesh, transform) {
+                        let all = if from_both { &mut boxes.of_meshes } else { &mut boxes.from_outside };
+                        all.push(found);
+                    }
+                }
                 Shape::Sphere { .. } => {}
             }
         }
@@ -48,8 +55,9 @@ fn join(joined: &mut [u32], a: u32, b: u32) {
     joined[a.max(b) as usize] = a.min(b);
 }
 
-/// The parts of a mesh that are boxes along the axes of the world.
-fn boxes_of(mesh: &Mesh, transform: &Affine3A) -> Vec<Aabb> {
+/// The parts of a mesh that are boxes along the axes of the world and hide from outside at least,
+/// and whether they hide from both sides.
+fn boxes_of(mesh: &Mesh, transform: &Affine3A) -> Vec<(Aabb, bool)> {
     let corners: Vec<Vec3> = mesh.positions.iter().map(|&p| transform.transform_point3(p)).collect();
     let mut joined: Vec<u32> = (0..corners.len() as u32).collect();
     // Vertices are often given once for each face.
@@ -59,18 +67,31 @@ fn boxes_of(mesh: &Mesh, transform: &Affine3A) -> Vec<Aabb> {
         let earlier = *first.entry(key).or_insert(v);
         join(&mut joined, earlier, v);
     }
-    let within = |t: &&[u32; 3]| t.iter().all(|&v| (v as usize) < corners.len());
-    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter(within).copied().collect();
-    for t in &triangles {
+    let hides = |(i, t): &(usize, &[u32; 3])| {
+        mesh.sides_of(*i) != Sides::Neither && t.iter().all(|&v| (v as usize) < corners.len())
+    };
+    let triangles: Vec<(usize, &[u32; 3])> = mesh.triangles.iter().enumerate().filter(hides).collect();
+    for (_, t) in &triangles {
         join(&mut joined, t[0], t[1]);
         join(&mut joined, t[0], t[2]);
     }
-    let mut parts: BTreeMap<u32, Vec<[Vec3; 3]>> = BTreeMap::new();
-    for t in &triangles {
-        let part = parts.entry(root(&mut joined, t[0])).or_default();
-        part.push(t.map(|v| corners[v as usize]));
+    let turn = turn_of(transform) as f32;
+    let mut parts: BTreeMap<u32, (Vec<[Vec3; 3]>, Vec<Vec3>)> = BTreeMap::new();
+    for (i, t) in triangles {
+        let (part, fronts) = parts.entry(root(&mut joined, t[0])).or_default();
+        let [a, b, c] = t.map(|v| corners[v as usize]);
+        part.push([a, b, c]);
+        if mesh.sides_of(i) == Sides::Front {
+            // The normal of its front, at the triangle.
+            fronts.extend([a, (b - a).cross(c - a) * turn]);
+        }
     }
-    parts.values().filter_map(|part| box_of(part)).collect()
+    let found = parts.values().filter_map(|(part, fronts)| {
+        let found = box_of(part)?;
+        let outwards = |front: &[Vec3]| (front[0] - (found.min + found.max) * 0.5).dot(front[1]) > 0.0;
+        fronts.chunks_exact(2).all(outwards).then_some((found, fronts.is_empty()))
+    });
+    found.collect()
 }
 
 /// The box that triangles bound, if they do.
@@ -173,7 +194,10 @@ mod tests {
             mesh(Mesh::cuboid(Vec3::ZERO, Vec3::ONE), turned),
             mesh(open, Affine3A::IDENTITY),
             mesh(twice, Affine3A::IDENTITY),
-            mesh(Mesh { positions: vec![Vec3::ZERO], triangles: vec![[0, 1, 2]] }, Affine3A::IDENTITY),
+            mesh(
+                Mesh { positions: vec![Vec3::ZERO], triangles: vec![[0, 1, 2]], ..Mesh::default() },
+                Affine3A::IDENTITY,
+            ),
         ];
         assert_eq!(Boxes::of(&bad).of_meshes.len(), 0);
     }

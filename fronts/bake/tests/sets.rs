@@ -6,9 +6,10 @@ use std::ops::ControlFlow;
 use casca::Aabb;
 use casca_bake::{BakeError, Baker, Cells, Finder, Level, Places, eyes_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::random::generator;
-use casca_scenes::world::{GridHint, Mesh, Motion, Object, Shape, World};
+use casca_scenes::random::{Generator, generator};
+use casca_scenes::world::{GridHint, Mesh, Motion, Object, Shape, Sides, World};
 use casca_truth::oracle::RayOracle;
+use casca_truth::places::{coordinate, place_in};
 use glam::{Affine3A, DVec3, Vec3};
 use rand::RngExt;
 
@@ -239,7 +240,11 @@ fn walls_hide_what_is_behind_them_only() {
         let at = |y, z| Vec3::new(x, y, z);
         let [a, b, c, d] =
             [at(low[0], low[1]), at(high[0], low[1]), at(high[0], high[1]), at(low[0], high[1])];
-        occluder_of(Mesh { positions: vec![a, b, c, d], triangles: vec![[0, 1, 2], [0, 2, 3]] })
+        occluder_of(Mesh {
+            positions: vec![a, b, c, d],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        })
     };
     let ball = |x| occluder_at(Vec3::new(x, 5.0, 5.0), 0.25);
     world.objects =
@@ -250,6 +255,40 @@ fn walls_hide_what_is_behind_them_only() {
     assert!(set[..2] == [0, 1] && !set.contains(&2), "{set:?}");
     let behind = Aabb::new(Vec3::new(10.0, 4.0, 4.0), Vec3::new(11.0, 6.0, 6.0));
     assert_eq!(Finder::new(&level, 60).set(behind), [0, 1, 2, 3]);
+}
+
+#[test]
+fn sheets_and_boxes_that_hide_from_their_front_let_eyes_behind_it_see() {
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let ball = |x| occluder_at(Vec3::new(x, 5.0, 5.0), 0.25);
+    let at = |y, z| Vec3::new(8.0, y, z);
+    let sheet = |sides| Mesh {
+        positions: vec![at(0.0, 0.0), at(10.0, 0.0), at(10.0, 10.0), at(0.0, 10.0)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        sides: vec![sides; 2],
+    };
+    // Two boxes that touch, as one wall.
+    let half = |low: f32| Mesh {
+        sides: vec![Sides::Front; 12],
+        ..Mesh::cuboid(Vec3::new(7.9, low, 0.0), Vec3::new(8.1, low + 5.0, 10.0))
+    };
+    let eyes = |x: f32| Aabb::new(Vec3::new(x, 4.0, 4.0), Vec3::new(x + 1.0, 6.0, 6.0));
+    let mut sees = |walls: Vec<Mesh>, x: f32| {
+        world.objects = walls.into_iter().map(occluder_of).chain([ball(7.0), ball(9.0)]).collect();
+        let level = Level::new(&world, None, false).unwrap();
+        let set = Finder::new(&level, 60).set(eyes(x));
+        let first = world.objects.len() as u32 - 2;
+        [first, first + 1].map(|number| set.contains(&number))
+    };
+    // The front looks to greater x.
+    assert_eq!(sees(vec![sheet(Sides::Front)], 10.0), [false, true]);
+    assert_eq!(sees(vec![sheet(Sides::Front)], 5.0), [true, true]);
+    assert_eq!(sees(vec![sheet(Sides::Both)], 5.0), [true, false]);
+    assert_eq!(sees(vec![sheet(Sides::Neither)], 10.0), [true, true]);
+    // From within the boxes one sees out; from outside nothing passes them.
+    assert_eq!(sees(vec![half(0.0), half(5.0)], 7.9 - 0.4), [true, true]);
+    assert_eq!(sees(vec![half(0.0), half(5.0)], 5.0), [true, false]);
+    assert_eq!(sees(vec![half(0.0), half(5.0)], 10.0), [false, true]);
 }
 
 /// Looks from random eyes in some cells at random places in all. Returns the sizes of the sets, and
@@ -304,6 +343,74 @@ fn spheres_and_all_cells_lose_nothing() {
     assert!(seen > 4 * 20 && sizes >= seen, "{seen} {sizes}");
 }
 
+/// Solids whose faces touch, and things without height or extent among them.
+fn lattice(random: &mut Generator) -> World {
+    let mut world = world(SceneKind::Rooms, 0.1);
+    let mut place = |low: f32, high: f32, step: f32| {
+        let mut at = || coordinate(random.random_range(0.0..1.0), low..high, step);
+        Vec3::new(at(), at(), at())
+    };
+    let mut object = |i: u32| {
+        let occludes = i < 6;
+        let size = if occludes { place(0.5, 4.5, 1.0) } else { place(0.0, 1.0, 1.0) };
+        let min = place(0.0, 8.0, 1.0);
+        let shape = Shape::Box { min, max: min + size };
+        Object { name: String::new(), shape, motion: Motion::Static, occludes, tested: true }
+    };
+    world.objects = (0..16).map(&mut object).collect();
+    world.grid = GridHint { min: Vec3::ZERO, max: Vec3::splat(12.0), cell: 0.5 };
+    world
+}
+
+#[test]
+fn eyes_on_faces_and_borders_lose_nothing() {
+    let grid = Cells { low: [2.0; 3], size: [2.0; 3], dims: [2; 3], origin: [0.0; 3] };
+    let (mut found, mut hidden) = (0, 0);
+    for seed in 0..40 {
+        let mut random = generator(seed, 0x1a77);
+        let world = lattice(&mut random);
+        let level = Level::new(&world, None, false).unwrap();
+        let rays = RayOracle::new(&world.objects);
+        let mut finder = Finder::new(&level, 16);
+        let sets: Vec<Vec<u32>> = (0..8).map(|cell| finder.set(eyes_of(&grid, cell).unwrap())).collect();
+        let one = Aabb::new(Vec3::splat(2.0), Vec3::splat(4.0));
+        let of_one = finder.set(one);
+        for _ in 0..300 {
+            let mut share = || random.random_range(0.0..1.0);
+            let eye = DVec3::from_array([0; 3].map(|_| coordinate(share(), 2.0..6.0, 1.0).into()));
+            // On either side of the faces that it lies on, very near and a little farther off.
+            let beside = place_in(DVec3::ZERO, DVec3::ZERO, &mut share);
+            let eyes = [eye + beside, eye + beside.signum() * DOUBT];
+            let is_in = |eye: DVec3, object: &Object| match &object.shape {
+                Shape::Box { min, max } => {
+                    object.occludes && eye.cmpge(min.as_dvec3()).all() && eye.cmple(max.as_dvec3()).all()
+                }
+                _ => false,
+            };
+            let Some(cells) = grid.of_eyes(eye.to_array(), eye.to_array()) else { continue };
+            if eyes.iter().any(|&eye| world.objects.iter().any(|object| is_in(eye, object))) {
+                continue;
+            }
+            for (object, number) in world.objects.iter().zip(0u32..) {
+                let Shape::Box { min, max } = object.shape else { continue };
+                let point = place_in(min.as_dvec3(), max.as_dvec3(), &mut share);
+                let has = |set: &[u32]| set.binary_search(&number).is_ok();
+                let is_found = grid.numbers(cells).any(|cell| has(&sets[cell as usize]));
+                hidden += usize::from(!is_found);
+                if eyes.iter().any(|&eye| rays.occluded(eye, point, number as usize)) {
+                    continue;
+                }
+                found += 1;
+                let from = format!("{seed}: {number} is seen from {eye} at {point}");
+                assert!(is_found, "{from}, cells {:?}", grid.numbers(cells).collect::<Vec<_>>());
+                let in_one = eye.cmple(one.max.as_dvec3()).all();
+                assert!(!in_one || has(&of_one), "{from}, by a cell alone");
+            }
+        }
+    }
+    assert!(found > 1000 && hidden > 1000, "{found} {hidden}");
+}
+
 #[test]
 fn other_cells_than_those_that_sets_tell_of_are_refused() {
     let world = world(SceneKind::Rooms, 0.1);
@@ -319,4 +426,34 @@ fn other_cells_than_those_that_sets_tell_of_are_refused() {
     assert!(matches!(bake(grid, &numbers[..2]), Err(BakeError::OtherCells)));
     let other = Cells { size: grid.size.map(|size| size * 2.0), ..grid };
     assert!(matches!(bake(other, &[]), Err(BakeError::OtherCells)));
+}
+
+#[test]
+fn files_of_levels_far_from_the_origin_have_the_coordinates_of_the_level() {
+    let origin = DVec3::new(500_000.0, 0.0, -5_414_016.0);
+    let mut level = world(SceneKind::Rooms, 0.2);
+    let middle = (level.grid.min + level.grid.max).as_dvec3() * 0.5;
+    let sets = |world: &World, at: DVec3| {
+        let [min, max] = [-3.0, 3.0].map(|side| (at + side).as_vec3());
+        let places = Places { edge: 2.0, height: None, within: Some(Aabb::new(min, max)) };
+        let made = Level::new(world, None, false).unwrap();
+        let baker = Baker::new(&made, &places, 8).unwrap();
+        baker.run(1, None, &mut |_, _| ControlFlow::Continue(())).unwrap().finish().unwrap()
+    };
+    let near = sets(&level, middle);
+    level.source.origin = origin;
+    let far = sets(&level, middle + origin);
+    let (near, far) = (casca_bake::Baked::read(&near).unwrap(), casca_bake::Baked::read(&far).unwrap());
+    let mut random = generator(7, 0xfa7);
+    let mut known = 0;
+    for _ in 0..2000 {
+        let place = middle + DVec3::from_array(std::array::from_fn(|_| random.random_range(-4.0..4.0)));
+        let set = |baked: &casca_bake::Baked, at: DVec3| {
+            baked.set_at(at.to_array()).map(|set| set.iter().collect::<Vec<_>>())
+        };
+        let found = set(&far, place + origin);
+        known += usize::from(found.is_some());
+        assert_eq!(set(&near, place), found, "{place}");
+    }
+    assert!(known > 500, "{known}");
 }

@@ -9,6 +9,9 @@ pub struct Cells {
     pub size: [f64; 3],
     /// Cells along each axis.
     pub dims: [u32; 3],
+    /// From here solids were given in single precision, in world units: not the origin of the world
+    /// where a level lies far from that.
+    pub origin: [f64; 3],
 }
 
 /// Cells of a grid that make a box, found by [`Cells::of_box`].
@@ -31,6 +34,11 @@ impl CellBox {
 /// corner that lies up to 2^30 cells from the origin: 3e-7.
 const ROUNDING: f64 = 1e-6;
 
+/// Whoever finds sets may take eyes to be in a solid that are this near to it, as a share of the
+/// greatest of their coordinates, counted from [`Cells::origin`]: four roundings to single
+/// precision, in which solids are given.
+pub const NEAR: f64 = 4.0 / (1 << 24) as f64;
+
 /// The most cells along an axis.
 const MOST: u32 = 1 << 21;
 
@@ -45,6 +53,7 @@ impl Cells {
             size.is_normal()
                 && size > 0.0
                 && low.is_finite()
+                && self.origin[i].is_finite()
                 && (low / size).abs() <= FARTHEST
                 && (1..=MOST).contains(&dims)
         };
@@ -72,6 +81,47 @@ impl Cells {
         (0..3).all(|i| low[i] <= high[i]).then_some(all)
     }
 
+    /// The cells whose sets hold what eyes in a box see: those of [`Cells::of_box`], and their
+    /// neighbours across borders that the box touches, or nearly does ([`NEAR`]). An eye on a
+    /// border may lie on the face of a solid that begins there: the set of the cell with the solid
+    /// holds what eyes behind it see.
+    pub fn of_eyes(&self, low: [f64; 3], high: [f64; 3]) -> Option<CellBox> {
+        let mut all = self.of_box(low, high)?;
+        let farthest = self.farthest(low).max(self.farthest(high));
+        for i in 0..3 {
+            let near = self.near(i, farthest);
+            all.low[i] = self.index(i, low[i] - near).unwrap_or(all.low[i]);
+            all.high[i] = self.index(i, high[i] + near).unwrap_or(all.high[i]);
+        }
+        Some(all)
+    }
+
+    /// Whether a place in the grid is so near to a border of its cell that eyes there may need
+    /// other sets, too.
+    #[inline]
+    pub(crate) fn is_at_border(&self, place: [f64; 3]) -> bool {
+        let farthest = self.farthest(place);
+        (0..3).any(|i| {
+            let at = (place[i] - self.low[i]) / self.size[i];
+            let border = f64::from((at + 0.5) as u32);
+            // Twice, against roundings: who is told so looks closer.
+            (at - border).abs() * self.size[i] <= 2.0 * self.near(i, farthest)
+        })
+    }
+
+    /// The greatest coordinate of a place, from the origin.
+    #[inline]
+    fn farthest(&self, place: [f64; 3]) -> f64 {
+        let at = |i: usize| (place[i] - self.origin[i]).abs();
+        at(0).max(at(1)).max(at(2))
+    }
+
+    /// How near to a border along an axis that is, for places with coordinates up to `farthest`.
+    #[inline]
+    fn near(&self, i: usize, farthest: f64) -> f64 {
+        NEAR * farthest + ROUNDING * self.size[i]
+    }
+
     /// The numbers of the cells of a box, ascending.
     pub fn numbers(&self, all: CellBox) -> impl Iterator<Item = u32> + Clone + use<> {
         let grid = *self;
@@ -85,16 +135,15 @@ impl Cells {
     fn step(&self, place: [f64; 3]) -> Option<[u32; 3]> {
         // There are not more cells than numbers.
         self.count()?;
-        let mut cell = [0; 3];
-        for i in 0..3 {
-            let at = (place[i] - self.low[i]) / self.size[i];
-            // Not a number is neither.
-            if !(at >= 0.0 && at < f64::from(self.dims[i]) && place[i] <= self.high(i)) {
-                return None;
-            }
-            cell[i] = at as u32;
-        }
-        Some(cell)
+        Some([self.index(0, place[0])?, self.index(1, place[1])?, self.index(2, place[2])?])
+    }
+
+    /// The place of a cell along one axis.
+    #[inline]
+    fn index(&self, i: usize, place: f64) -> Option<u32> {
+        let at = (place - self.low[i]) / self.size[i];
+        // Not a number is neither.
+        (at >= 0.0 && at < f64::from(self.dims[i]) && place <= self.high(i)).then_some(at as u32)
     }
 
     /// Where the grid ends along an axis.

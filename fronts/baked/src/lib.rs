@@ -10,13 +10,14 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `CASCAPVS` |
-//! | 4 | version: 2 |
+//! | 4 | version: 3 |
 //! | 4 | what sets hold: 0 for objects, 1 for cells of the grid itself |
 //! | 4 | number of objects, or of cells |
 //! | 4 | CRC-32 of the numbers, ascending, of the cells that sets tell of; 0 for objects |
 //! | 24 | least corner of the grid, 3 doubles |
 //! | 24 | edges of a cell, 3 doubles |
 //! | 12 | cells along x, y and z |
+//! | 24 | from where solids were given in single precision, 3 doubles |
 //! | 4 | number of sets `n` |
 //! | 4 for each cell | its set, or 2^32 - 1 if it has none; x runs fastest |
 //! | 4 (n + 1) | where each set begins, and the last one ends, in the bytes that follow |
@@ -42,7 +43,7 @@ mod set;
 #[cfg(feature = "write")]
 mod write;
 
-pub use cells::{CellBox, Cells};
+pub use cells::{CellBox, Cells, NEAR};
 pub use error::{ReadError, WriteError};
 pub use read::Baked;
 pub use set::{Objects, Set};
@@ -53,10 +54,10 @@ pub use write::Writer;
 const MAGIC: [u8; 8] = *b"CASCAPVS";
 
 /// The version that is written and read.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The bytes before the sets of cells.
-const HEADER: usize = 8 + 4 + 4 + 4 + 4 + 24 + 24 + 12 + 4;
+const HEADER: usize = 8 + 4 + 4 + 4 + 4 + 24 + 24 + 12 + 24 + 4;
 
 /// What sets hold: objects, or cells of the grid itself.
 const OBJECTS: u32 = 0;

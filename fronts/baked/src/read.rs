@@ -53,13 +53,14 @@ impl<'a> Baked<'a> {
             return Err(ReadError::Version(version));
         }
         let number = |at| u32_at(bytes, at).ok_or(short(HEADER as u64));
-        let mut cells = Cells { low: [0.0; 3], size: [0.0; 3], dims: [0; 3] };
+        let mut cells = Cells { low: [0.0; 3], size: [0.0; 3], dims: [0; 3], origin: [0.0; 3] };
         for i in 0..3 {
             cells.low[i] = f64_at(bytes, 24 + 8 * i).ok_or(short(HEADER as u64))?;
             cells.size[i] = f64_at(bytes, 48 + 8 * i).ok_or(short(HEADER as u64))?;
             cells.dims[i] = number(72 + 4 * i)?;
+            cells.origin[i] = f64_at(bytes, 84 + 8 * i).ok_or(short(HEADER as u64))?;
         }
-        let (kind, objects, targets, sets) = (number(12)?, number(16)?, number(20)?, number(84)?);
+        let (kind, objects, targets, sets) = (number(12)?, number(16)?, number(20)?, number(108)?);
         let count = cells.count().filter(|_| cells.is_valid()).ok_or(ReadError::Cells)?;
         if !(kind == OBJECTS && targets == 0 || kind == CELLS && objects == count) {
             return Err(ReadError::Kind(kind));
@@ -138,8 +139,8 @@ impl<'a> Baked<'a> {
     /// corner each. True if the sets are not from cell to cell, or know nothing about a cell of
     /// one of the two. Costs a look at the set of each cell of the eyes.
     pub fn may_see(&self, eyes: [[f64; 3]; 2], target: [[f64; 3]; 2]) -> bool {
-        let of = |[low, high]: [[f64; 3]; 2]| self.cells.of_box(low, high);
-        let (Some(eyes), Some(target)) = (of(eyes), of(target)) else { return true };
+        let (eyes, target) = (self.cells.of_eyes(eyes[0], eyes[1]), self.cells.of_box(target[0], target[1]));
+        let (Some(eyes), Some(target)) = (eyes, target) else { return true };
         let known = |all| self.cells.numbers(all).all(|cell| self.set_number(cell).is_some());
         let mut seen = self.cells.numbers(eyes).filter_map(|cell| self.set(cell)).flatten();
         let is_in = |cell: u32| self.cells.numbers(target).any(|one| one == cell);
@@ -151,11 +152,17 @@ impl<'a> Baked<'a> {
         self.sets
     }
 
-    /// The objects that an eye can see. `None` if nothing is known about its place: then it may see
-    /// all.
+    /// The objects that an eye can see. `None` if nothing is known about its place, or it is on the
+    /// border of cells with different sets, which must be joined ([`Cells::of_eyes`]): then it may
+    /// see all.
     #[inline]
     pub fn set_at(&self, eye: [f64; 3]) -> Option<Set<'a>> {
-        self.set(self.cells.at(eye)?)
+        let number = self.set_number(self.cells.at(eye)?)?;
+        if self.cells.is_at_border(eye) {
+            let mut cells = self.cells.numbers(self.cells.of_eyes(eye, eye)?);
+            cells.all(|cell| self.set_number(cell) == Some(number)).then_some(())?;
+        }
+        Some(Set::new(self.lists(number)?))
     }
 
     /// The objects that can be seen from a cell; `None` if it has no set, or is none.

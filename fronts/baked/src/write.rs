@@ -142,7 +142,9 @@ impl Writer {
             out.extend_from_slice(&number.to_le_bytes());
         }
         let sets = ends.len() as u32 - 1;
-        for number in self.cells.dims.iter().chain([&sets]).chain(of_cells).chain(ends) {
+        self.cells.dims.iter().for_each(|number| out.extend_from_slice(&number.to_le_bytes()));
+        self.cells.origin.iter().for_each(|number| out.extend_from_slice(&number.to_le_bytes()));
+        for number in [sets].iter().chain(of_cells).chain(ends) {
             out.extend_from_slice(&number.to_le_bytes());
         }
         out.extend_from_slice(bodies);

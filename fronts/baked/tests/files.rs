@@ -8,7 +8,7 @@ use proptest::prelude::*;
 const OBJECTS: u32 = 300;
 
 fn cells(dims: [u32; 3]) -> Cells {
-    Cells { low: [-3.5, 0.25, 1e3], size: [1.0, 2.5, 0.1], dims }
+    Cells { low: [-3.5, 0.25, 1e3], size: [1.0, 2.5, 0.1], dims, origin: [0.0; 3] }
 }
 
 /// A grid with sets that are alike in neighbouring cells.
@@ -94,7 +94,7 @@ proptest! {
     #[test]
     fn a_place_is_in_its_cell(at in prop::array::uniform3(-0.1..1.1f64), edge in prop::array::uniform3(0..6), low in prop::array::uniform3(prop_oneof![-1e6..1e6f64, -0.5..0.5f64]), size in prop::array::uniform3(0.01..50.0f64)) {
         let dims = [7, 1000, 3];
-        let cells = Cells { low, size, dims };
+        let cells = Cells { low, size, dims, origin: [0.0; 3] };
         // Some places lie on borders.
         let place: [f64; 3] = std::array::from_fn(|i| {
             let at = at[i] * f64::from(dims[i]);
@@ -121,7 +121,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
-    fn from_cell_to_cell_boxes_see_what_a_place_in_them_sees((cells, sets) in levels(), places in prop::collection::vec(prop::array::uniform3(-0.1..1.1f64), 6)) {
+    fn from_cell_to_cell_boxes_see_what_a_place_in_them_sees((cells, sets) in levels(), places in prop::collection::vec(prop::array::uniform3((-0.1..1.1f64, any::<bool>())), 6)) {
         let count: u32 = cells.dims.iter().product();
         let mut writer = Writer::cell_to_cell(cells, &sets.keys().copied().collect()).unwrap();
         for (cell, set) in &sets {
@@ -130,8 +130,12 @@ proptest! {
         let bytes = writer.finish().unwrap();
         let baked = Baked::read(&bytes).unwrap();
         prop_assert!(baked.is_cell_to_cell() && Writer::like(&baked).unwrap().is_empty());
-        let place = |share: [f64; 3]| -> [f64; 3] {
-            std::array::from_fn(|i| cells.low[i] + share[i] * cells.size[i] * f64::from(cells.dims[i]))
+        // Half of all coordinates lie on borders.
+        let place = |share: [(f64, bool); 3]| -> [f64; 3] {
+            std::array::from_fn(|i| {
+                let at = share[i].0 * f64::from(cells.dims[i]);
+                cells.low[i] + if share[i].1 { at.round() } else { at } * cells.size[i]
+            })
         };
         let span = |a: [f64; 3], b: [f64; 3]| -> [[f64; 3]; 2] {
             [std::array::from_fn(|i| a[i].min(b[i])), std::array::from_fn(|i| a[i].max(b[i]))]
@@ -143,19 +147,31 @@ proptest! {
             std::array::from_fn(|i| by[i].clamp(low[i], high[i]))
         };
         let (eye, point) = (inside(eyes, at[4]), inside(target, at[5]));
-        let sees = match (cells.at(eye), cells.at(point)) {
-            (Some(from), Some(to)) => match (sets.get(&from), sets.contains_key(&to)) {
-                (Some(set), true) => set.contains(&to),
+        // An eye on a border sees what those on either side of it see.
+        let sees = |by: f64| {
+            let beside = |k: u32| -> [f64; 3] {
+                std::array::from_fn(|i| eye[i] + if k >> i & 1 == 0 { -by } else { by })
+            };
+            let from: BTreeSet<u32> = (0..8).map(beside).chain([eye]).filter_map(|eye| cells.at(eye)).collect();
+            match (cells.at(eye), cells.at(point)) {
+                (Some(_), Some(to)) if sets.contains_key(&to) => {
+                    from.iter().any(|from| sets.get(from).is_none_or(|set| set.contains(&to)))
+                }
                 _ => true,
-            },
-            _ => true,
+            }
         };
-        prop_assert_eq!(baked.may_see([eye; 2], [point; 2]), sees);
-        prop_assert!(!sees || baked.may_see(eyes, target));
+        let may_see = baked.may_see([eye; 2], [point; 2]);
+        prop_assert!(may_see >= sees(1e-9) && may_see <= sees(1e-3), "{eye:?} {point:?}");
+        if let (Some(set), Some(to)) = (baked.set_at(eye), cells.at(point).filter(|to| sets.contains_key(to))) {
+            prop_assert!(set.contains(to) == may_see, "{eye:?} {point:?}");
+        }
+        prop_assert!(!sees(1e-9) || baked.may_see(eyes, target));
         prop_assert!(baked.may_see([eyes[1], eyes[0]], target) || eyes[0] == eyes[1]);
         if let Some(all) = cells.of_box(eyes[0], eyes[1]) {
             let numbers: Vec<u32> = cells.numbers(all).collect();
             prop_assert!(numbers.contains(&cells.at(eye).unwrap()));
+            let near = cells.of_eyes(eyes[0], eyes[1]).unwrap();
+            prop_assert!(numbers.iter().all(|cell| cells.numbers(near).any(|one| one == *cell)));
             prop_assert!(numbers.is_sorted() && numbers.len() as u64 == all.count());
         }
     }
@@ -213,7 +229,7 @@ fn refusals_name_the_reason() {
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Set(0)));
     let mut other = bytes.clone();
-    other[88] = 1;
+    other[112] = 1;
     with_checksum(&mut other);
     assert_eq!(read(&other), Err(ReadError::Cell(0)));
     let mut other = bytes.clone();
@@ -226,7 +242,7 @@ fn refusals_name_the_reason() {
     let four = cells([2, 2, 1]);
     assert_eq!(four.at([-3.0, 0.3, 1e3]), Some(0));
     assert_eq!(four.at([-1.5, 0.3, 1e3]), None, "no cell of the next row");
-    for at in [24, 48, 72] {
+    for at in [24, 48, 72, 84] {
         let mut other = bytes.clone();
         other[at..at + 8].fill(0xff);
         with_checksum(&mut other);

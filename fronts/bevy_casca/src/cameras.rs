@@ -14,6 +14,7 @@ use bevy_utils::{Parallel, TypeIdHashMap};
 use casca::{Method, View};
 
 use crate::candidate::{Candidate, CandidateItem, Viewer};
+use crate::drawn::{self, Drawn};
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
 use crate::{border, layers};
@@ -43,21 +44,17 @@ type Lists = TypeIdHashMap<Vec<Entity>>;
 pub(crate) fn check_cameras(
     mut queues: Local<Parallel<Lists>>,
     mut casca: ResMut<CascaScene>,
-    settings: Res<CascaSettings>,
+    (settings, ranges): (Res<CascaSettings>, Option<Res<VisibleEntityRanges>>),
     mut cameras: Query<Cameras>,
     mut managed: Query<Candidate, Managed>,
     mut unmanaged: Query<Candidate, Unmanaged>,
-    ranges: Option<Res<VisibleEntityRanges>>,
+    (drawn, mut commands): (Query<(Entity, &InScene), Drawn>, Commands),
 ) {
     let start = Instant::now();
     let casca = &mut *casca;
-    // Whoever was despawned meanwhile may not hide in this frame.
-    let lost = casca.fresh.extract_if(.., |(entity, _)| !managed.contains(*entity));
-    for (entity, id) in lost {
-        casca.left.push((entity, id, None));
-    }
-    casca.fresh.clear();
     casca.forget();
+    // Whatever happened meanwhile: what is not drawn may not hide.
+    let strays = drawn::strays(casca, &drawn, &mut commands);
     let views: Vec<(Entity, View)> = cameras
         .iter()
         .filter(|camera| camera.camera.is_active && settings.enabled)
@@ -92,9 +89,9 @@ pub(crate) fn check_cameras(
             (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
                 let mut seen = 0;
-                for &id in pvs.visible() {
-                    let entity = scene.user_data(id).ok().and_then(Entity::try_from_bits);
-                    if let Some(item) = entity.and_then(|entity| managed.get_mut(entity).ok()) {
+                let found = pvs.visible().iter().filter_map(|&id| scene.user_data(id).ok());
+                for entity in found.filter_map(Entity::try_from_bits).chain(strays.iter().copied()) {
+                    if let Ok(item) = managed.get_mut(entity) {
                         seen += usize::from(note(&mut queue, item));
                     }
                 }

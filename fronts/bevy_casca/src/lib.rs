@@ -30,11 +30,12 @@
 //!
 //! # What hides
 //!
-//! A mesh hides others if it is known to be opaque, does not move, and its triangles can be read.
-//! It is prepared in the background, once for all entities that share it. Known to be opaque are
-//! entities with the component [`Opaque`], and those with materials that a rule calls so: for
-//! Bevy's own [`standard_materials!`], for others a [`MaterialsPlugin`]. An [`Occluder`] hides
-//! wherever it moves; [`NotOccluder`] and [`NoOcclusionCulling`] take exceptions.
+//! A mesh hides others if Bevy draws it in this frame, it is known to be opaque, does not move, and
+//! its triangles can be read. It is prepared in the background, once for all entities that share
+//! it. Known to be opaque are entities with the component [`Opaque`], and those with materials that
+//! a rule calls so: for Bevy's own [`standard_materials!`], for others a [`MaterialsPlugin`]. What
+//! a material depends on has to be loaded. An [`Occluder`] hides wherever it moves; [`NotOccluder`]
+//! and [`NoOcclusionCulling`] take exceptions. The README has a table.
 //!
 //! # More
 //!
@@ -47,8 +48,8 @@
 //!
 //! - An entity hides others from the frame on in which its mesh is prepared, also while the
 //!   renderer still compiles the pipeline that draws it: behind it there may be nothing until then.
-//! - Entities that are drawn over nearer ones need [`NoOcclusionCulling`]: their materials ignore
-//!   depth, or a shader moves their vertices out of the `Aabb`.
+//! - Entities that are drawn over nearer ones need [`NoOcclusionCulling`] if no rule tells: a
+//!   renderer of your own ignores depth, or a shader moves their vertices out of the `Aabb`.
 #![deny(missing_docs)]
 
 mod border;
@@ -56,6 +57,7 @@ mod cameras;
 mod candidate;
 mod casters;
 mod diagnostics;
+mod drawn;
 mod eyes;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -73,12 +75,14 @@ mod stored;
 mod suns;
 mod sync;
 mod systems;
+mod told;
+mod unruled;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
 #[cfg(feature = "gizmos")]
 pub use gizmos::{CascaGizmos, CascaGizmosPlugin};
-pub use materials::{MaterialsPlugin, Surface};
+pub use materials::{DeferredPlugin, MaterialsPlugin, NeverHiddenPlugin, NoDeferredPrepass, Surface};
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};
 pub use settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};

@@ -1,24 +1,39 @@
 //! What materials say about the entities that have them.
 
+use std::any::TypeId;
 use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin, PostUpdate};
-use bevy_asset::{AsAssetId, AssetEvent, AssetEventSystems, Assets, prelude::AssetChanged};
+use bevy_asset::{
+    AsAssetId, AssetEvent, AssetId, AssetServer, Assets, VisitAssetDependencies, prelude::AssetChanged,
+};
+use bevy_camera::visibility::RenderLayers;
+use bevy_camera::{Camera, Camera3d};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::Allow;
 use bevy_platform::collections::HashSet;
 
+use crate::layers;
 use crate::settings::Opaque;
 use crate::systems::CascaSystems;
+use crate::told::{Images, Told, follow_images};
 
 /// What a material says about how entities with it are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Surface {
-    /// One may see through it, or it is not known whether: it hides nothing.
+    /// One may see through it, or it is not known whether: it hides nothing. What is nearer is
+    /// drawn over it.
     #[default]
     Unknown,
     /// One cannot see through it, and its depth is that of the mesh: it hides entities behind it.
-    /// It also casts the shadow of the mesh, or none.
+    /// It also casts the shadow of the mesh; entities with materials that cast none need
+    /// [`NotShadowCaster`](bevy_light::NotShadowCaster).
     Opaque(Opaque),
+    /// The same, but only cameras with a deferred prepass draw it.
+    Deferred(Opaque),
+    /// One of the two: the app's default says which.
+    ByDefault(Opaque),
     /// It is drawn before things that are nearer, as with a depth bias: nothing hides it.
     InFront,
 }
@@ -29,6 +44,10 @@ pub enum Surface {
 /// `MeshMaterial3d<StandardMaterial>`. The rule is called for each material of an entity, and
 /// again when the material changes. [`standard_materials!`](crate::standard_materials) has the
 /// rule for Bevy's standard material.
+///
+/// A material hides nothing until all assets that it depends on (its fields with `#[dependency]`)
+/// are loaded: Bevy does not draw it before. Nothing hides entities with a `MeshMaterial3d` for
+/// which there is no rule: they may be drawn before nearer things.
 ///
 /// ```ignore
 /// // Opaque, and drawn from its front only: see the pipeline of the material.
@@ -48,86 +67,319 @@ impl<C: Component + AsAssetId> MaterialsPlugin<C> {
 
 impl<C: Component + AsAssetId> Plugin for MaterialsPlugin<C> {
     fn build(&self, app: &mut App) {
+        if app.world().get_resource::<Images>().is_none() {
+            app.init_resource::<Images>()
+                .add_systems(PostUpdate, follow_images.in_set(CascaSystems::Materials));
+        }
+        app.world_mut().get_resource_or_init::<Rules>().0.insert(TypeId::of::<C>());
         app.insert_resource(Rule::<C>(self.rule))
-            .add_systems(PostUpdate, judge::<C>.after(AssetEventSystems).in_set(CascaSystems::Materials));
+            .add_systems(PostUpdate, judge::<C>.after(follow_images).in_set(CascaSystems::Materials));
     }
 }
 
-/// The [`MaterialsPlugin`] for Bevy's `StandardMaterial`, by the path of the module that has it. A
-/// macro, because this crate does not depend on `bevy_pbr`.
+/// Nothing hides entities with the component `C`, which are drawn before things that are nearer.
+pub struct NeverHiddenPlugin<C: Component>(PhantomData<fn(C)>);
+
+impl<C: Component> Default for NeverHiddenPlugin<C> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<C: Component> Plugin for NeverHiddenPlugin<C> {
+    fn build(&self, app: &mut App) {
+        app.add_systems(PostUpdate, mark::<C>.in_set(CascaSystems::Materials));
+    }
+}
+
+/// Knows which cameras draw materials of the deferred method: those with the component `D`.
 ///
-/// Entities with materials whose `alpha_mode` is `Opaque` and that let no light through
+/// `R` is the resource with the app's default method, and the function tells whether that is the
+/// deferred one.
+pub struct DeferredPlugin<D: Component, R: Resource> {
+    is_deferred: fn(&R) -> bool,
+    of: PhantomData<fn(D)>,
+}
+
+impl<D: Component, R: Resource> DeferredPlugin<D, R> {
+    /// Reads the app's default by a function.
+    pub fn new(is_deferred: fn(&R) -> bool) -> Self {
+        Self { is_deferred, of: PhantomData }
+    }
+}
+
+/// A camera, and what it looks at.
+type Looks = (&'static Camera, Option<&'static RenderLayers>);
+
+impl<D: Component, R: Resource> Plugin for DeferredPlugin<D, R> {
+    fn build(&self, app: &mut App) {
+        let is_deferred = self.is_deferred;
+        let follow = move |mut deferred: ResMut<Deferred>,
+                           default: Option<Res<R>>,
+                           forward: Query<Looks, (With<Camera3d>, Without<D>)>| {
+            let active = forward.iter().filter(|(camera, _)| camera.is_active);
+            let forward = active.fold(0, |all, (_, layers)| all | layers::of_camera(layers));
+            // Materials that were prepared under an earlier default keep it.
+            let by_default = deferred.by_default || default.is_some_and(|default| is_deferred(&default));
+            deferred.set_if_neq(Deferred { forward, by_default });
+        };
+        app.init_resource::<Deferred>().add_systems(PostUpdate, follow.in_set(CascaSystems::Materials));
+    }
+}
+
+/// A component that no entity has: no camera draws materials of the deferred method.
+#[derive(Component, Debug)]
+pub enum NoDeferredPrepass {}
+
+/// The plugins for Bevy's own materials, by the path of the module that has them. A macro, because
+/// this crate does not depend on `bevy_pbr`.
+///
+/// Entities with a `StandardMaterial` whose `alpha_mode` is `Opaque` and that lets no light through
 /// (`specular_transmission`) hide others: from their front if back faces are culled, as by default,
-/// from both sides if no face is. Nothing hides those with a `depth_bias`.
+/// from both sides if no face is. Those of the deferred method hide where all cameras have a
+/// `DeferredPrepass`. Nothing hides those with a `depth_bias`, forward decals and wireframes.
 ///
 /// ```ignore
 /// App::new().add_plugins((DefaultPlugins, CascaPlugin, standard_materials!(bevy::pbr)));
+/// // Without the crate `bevy`; the second path is needed for deferred rendering only.
+/// standard_materials!(bevy_pbr, bevy_core_pipeline::prepass::DeferredPrepass)
 /// ```
 #[macro_export]
 macro_rules! standard_materials {
-    ($($pbr:ident)::+) => {
-        $crate::MaterialsPlugin::<$($pbr)::+::MeshMaterial3d<$($pbr)::+::StandardMaterial>>::new(|material| {
-            // By default it is opaque, and its back faces are culled.
-            let plain = <$($pbr)::+::StandardMaterial as ::core::default::Default>::default();
-            if material.depth_bias != 0.0 {
-                $crate::Surface::InFront
-            } else if material.alpha_mode != plain.alpha_mode || material.specular_transmission != 0.0 {
-                $crate::Surface::Unknown
-            } else if material.cull_mode.is_none() {
-                $crate::Surface::Opaque($crate::Opaque::Both)
-            } else if material.cull_mode == plain.cull_mode {
-                $crate::Surface::Opaque($crate::Opaque::Front)
-            } else {
-                $crate::Surface::Unknown
-            }
-        })
+    (bevy::pbr) => {
+        $crate::standard_materials!(bevy::pbr, bevy::core_pipeline::prepass::DeferredPrepass)
     };
+    ($($pbr:ident)::+) => {
+        $crate::standard_materials!($($pbr)::+, $crate::NoDeferredPrepass)
+    };
+    ($($pbr:ident)::+, $deferred:path) => {{
+        use $($pbr)::+ as pbr;
+        (
+            $crate::MaterialsPlugin::<pbr::MeshMaterial3d<pbr::StandardMaterial>>::new(|material| {
+                // By default it is opaque, without back faces, and the app says how it is drawn.
+                let plain = <pbr::StandardMaterial as ::core::default::Default>::default();
+                let sides = if material.cull_mode.is_none() {
+                    $crate::Opaque::Both
+                } else {
+                    $crate::Opaque::Front
+                };
+                if material.depth_bias != 0.0 {
+                    $crate::Surface::InFront
+                } else if material.alpha_mode != plain.alpha_mode
+                    || material.specular_transmission != 0.0
+                    || material.cull_mode.is_some() && material.cull_mode != plain.cull_mode
+                {
+                    $crate::Surface::Unknown
+                } else if material.opaque_render_method == plain.opaque_render_method {
+                    $crate::Surface::ByDefault(sides)
+                } else if material.opaque_render_method == ::core::default::Default::default() {
+                    $crate::Surface::Opaque(sides)
+                } else {
+                    $crate::Surface::Deferred(sides)
+                }
+            }),
+            $crate::MaterialsPlugin::<
+                pbr::MeshMaterial3d<pbr::decal::ForwardDecalMaterial<pbr::StandardMaterial>>,
+            >::new(|_| $crate::Surface::InFront),
+            $crate::NeverHiddenPlugin::<pbr::decal::ForwardDecal>::default(),
+            $crate::NeverHiddenPlugin::<pbr::wireframe::Wireframe>::default(),
+            $crate::NeverHiddenPlugin::<pbr::wireframe::Mesh3dWireframe>::default(),
+            $crate::DeferredPlugin::<$deferred, pbr::DefaultOpaqueRendererMethod>::new(|method| {
+                // It tells nothing else of itself.
+                let deferred = pbr::DefaultOpaqueRendererMethod::deferred();
+                ::std::format!("{method:?}") == ::std::format!("{deferred:?}")
+            }),
+        )
+    }};
 }
+
+/// The components that hold materials for which there is a rule.
+#[derive(Resource, Default)]
+pub(crate) struct Rules(pub(crate) HashSet<TypeId>);
 
 #[derive(Resource)]
 struct Rule<C: AsAssetId>(fn(&C::Asset) -> Surface);
 
-/// On an entity with a material that was judged.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Hides(pub(crate) Opaque);
+/// Who draws materials of the deferred method.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Deferred {
+    /// The layers, as cameras see them, of the cameras that do not.
+    forward: u64,
+    /// Whether the app's default is or was that method.
+    by_default: bool,
+}
 
-/// On an entity with a material that nothing hides.
-#[derive(Component, Debug, Clone, Copy)]
-pub(crate) struct InFront;
+impl Default for Deferred {
+    /// No camera is known to draw them.
+    fn default() -> Self {
+        Self { forward: u64::MAX, by_default: false }
+    }
+}
+
+/// On an entity with materials that were judged, by the components that hold them. Empty if it has
+/// them no more.
+#[derive(Component, Debug, Clone, PartialEq, Eq, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Judged(Vec<Verdict>);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Verdict {
+    by: TypeId,
+    said: Said,
+    /// Whether the renderer can draw with it.
+    ready: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Said {
+    /// There is no such material.
+    Nothing,
+    /// There is no rule for such materials.
+    NoRule,
+    Surface(Surface),
+}
+
+impl Verdict {
+    pub(crate) fn without_rule(by: TypeId) -> Self {
+        Self { by, said: Said::NoRule, ready: true }
+    }
+}
+
+impl Judged {
+    /// Whether things that are nearer are drawn over the entity. Where there is no rule, its own
+    /// components have to say so.
+    pub(crate) fn may_be_hidden(&self, is_told: bool) -> bool {
+        self.0.iter().all(|verdict| match verdict.said {
+            Said::Nothing | Said::Surface(Surface::InFront) => false,
+            Said::NoRule => is_told,
+            Said::Surface(_) => true,
+        })
+    }
+
+    /// From which sides the entity hides others; `told` is what its own component says of that.
+    pub(crate) fn hides(&self, told: Option<Opaque>, deferred: &Deferred, layers: u64) -> Option<Opaque> {
+        let mut found = None;
+        for verdict in &self.0 {
+            let (by_material, is_deferred) = match verdict.said {
+                Said::Nothing => return None,
+                Said::NoRule | Said::Surface(Surface::Unknown | Surface::InFront) => (None, false),
+                Said::Surface(Surface::Opaque(sides)) => (Some(sides), false),
+                Said::Surface(Surface::Deferred(sides)) => (Some(sides), true),
+                Said::Surface(Surface::ByDefault(sides)) => (Some(sides), deferred.by_default),
+            };
+            let sides = told.or(by_material)?;
+            // Of several, Bevy draws one.
+            let differs = found.is_some_and(|found| found != sides);
+            if differs || !verdict.ready || is_deferred && deferred.forward & layers != 0 {
+                return None;
+            }
+            found = Some(sides);
+        }
+        found
+    }
+}
+
+/// Forgets what was found of an entity in time, so that it is judged anew.
+pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
+    let Ok(mut entity) = commands.get_entity(entity) else { return };
+    entity.queue_silenced(|mut entity: EntityWorldMut| {
+        let Some(mut judged) = entity.get_mut::<Judged>() else { return };
+        // The others are told of at once.
+        judged.0.retain(|verdict| verdict.said == Said::NoRule);
+        if judged.0.is_empty() {
+            entity.remove::<Judged>();
+        }
+    });
+}
+
+/// Puts a verdict on an entity in the place of the one by the same component, or takes it away.
+pub(crate) fn note(commands: &mut Commands, entity: Entity, by: TypeId, verdict: Option<Verdict>) {
+    let Ok(mut entity) = commands.get_entity(entity) else { return };
+    entity.queue_silenced(move |mut entity: EntityWorldMut| match entity.get_mut::<Judged>() {
+        Some(mut judged) => {
+            let others = judged.0.iter().filter(|verdict| verdict.by != by);
+            let all = others.copied().chain(verdict).collect();
+            _ = judged.set_if_neq(Judged(all));
+        }
+        None => _ = entity.insert(Judged(verdict.into_iter().collect())),
+    });
+}
 
 /// Of entities whose material is another one, or another than before.
-type OtherMaterial<C> = Or<(Changed<C>, AssetChanged<C>)>;
+type OtherMaterial<C> = (Or<(Changed<C>, AssetChanged<C>, Without<Judged>)>, Allow<Disabled>);
 
+#[expect(clippy::too_many_arguments, reason = "it reads three kinds of assets")]
 fn judge<C: Component + AsAssetId>(
     mut commands: Commands,
     rule: Res<Rule<C>>,
     assets: Option<Res<Assets<C::Asset>>>,
     changed: Query<(Entity, &C), OtherMaterial<C>>,
-    all: Query<(Entity, &C)>,
+    all: Query<(Entity, &C), Allow<Disabled>>,
     mut gone: RemovedComponents<C>,
-    mut events: Option<MessageReader<AssetEvent<C::Asset>>>,
+    events: Option<MessageReader<AssetEvent<C::Asset>>>,
+    (images, server): (Res<Images>, Option<Res<AssetServer>>),
+    mut told: Local<Told<C::Asset>>,
 ) {
     let Some(assets) = assets else { return };
+    let (by, server) = (TypeId::of::<C>(), server.as_deref());
     for entity in gone.read().filter(|entity| !all.contains(*entity)) {
-        if let Ok(mut entity) = commands.get_entity(entity) {
-            entity.try_remove::<(Hides, InFront)>();
-        }
+        note(&mut commands, entity, by, None);
     }
-    let removed = events.iter_mut().flat_map(|events| events.read()).filter_map(|event| match event {
-        AssetEvent::Removed { id } => Some(*id),
-        _ => None,
+    let mut other: HashSet<AssetId<C::Asset>> = HashSet::default();
+    told.hear(events, images.frame, |_| true, |id| _ = other.insert(id));
+    let mut waiting = std::mem::take(&mut told.waiting);
+    let is_ready = |id: AssetId<C::Asset>| {
+        let mut ready = told.since(id).is_some();
+        assets.get(id).inspect(|material| {
+            material.visit_dependencies(&mut |asset| ready = ready && images.has(asset, server));
+        });
+        ready
+    };
+    waiting.retain(|&id| {
+        let waits = assets.contains(id) && !is_ready(id);
+        if !waits {
+            other.insert(id);
+        }
+        waits
     });
-    let removed: HashSet<_> = removed.collect();
-    // Nobody is looked at if none is gone.
-    let users = (!removed.is_empty()).then(|| all.iter()).into_iter().flatten();
-    let without = users.filter(|(_, material)| removed.contains(&material.as_asset_id()));
-    for (entity, material) in changed.iter().chain(without) {
-        let surface = assets.get(material.as_asset_id()).map_or(Surface::Unknown, rule.0);
-        let mut entity = commands.entity(entity);
-        match surface {
-            Surface::Unknown => entity.try_remove::<(Hides, InFront)>(),
-            Surface::Opaque(sides) => entity.try_remove::<InFront>().try_insert(Hides(sides)),
-            Surface::InFront => entity.try_remove::<Hides>().try_insert(InFront),
-        };
+    // Nobody is looked at if nothing is gone and nothing has come.
+    let asked = !other.is_empty() || images.lost;
+    let users = asked.then(|| all.iter()).into_iter().flatten();
+    let users = users.filter(|(_, material)| images.lost || other.contains(&material.as_asset_id()));
+    for (entity, material) in changed.iter().chain(users) {
+        let id = material.as_asset_id();
+        let said = assets.get(id).map_or(Said::Nothing, |material| Said::Surface(rule.0(material)));
+        let ready = is_ready(id);
+        if !ready {
+            waiting.insert(id);
+        }
+        note(&mut commands, entity, by, Some(Verdict { by, said, ready }));
+    }
+    told.waiting = waiting;
+}
+
+/// Of entities that have got such a component.
+type Newly<C> = (With<C>, Or<(Added<C>, Without<Judged>)>, Allow<Disabled>);
+
+/// Notes who has a component that puts it before others.
+fn mark<C: Component>(
+    mut commands: Commands,
+    new: Query<Entity, Newly<C>>,
+    all: Query<Entity, (With<C>, Allow<Disabled>)>,
+    mut gone: RemovedComponents<C>,
+) {
+    let by = TypeId::of::<C>();
+    for entity in gone.read().filter(|entity| !all.contains(*entity)) {
+        note(&mut commands, entity, by, None);
+        // It says nothing about materials.
+        commands.entity(entity).queue_silenced(|mut entity: EntityWorldMut| {
+            if entity.get::<Judged>().is_some_and(|judged| judged.0.is_empty()) {
+                entity.remove::<Judged>();
+            }
+        });
+    }
+    for entity in &new {
+        let verdict = Verdict { by, said: Said::Surface(Surface::InFront), ready: true };
+        note(&mut commands, entity, by, Some(verdict));
     }
 }

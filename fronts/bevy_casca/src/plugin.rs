@@ -13,7 +13,7 @@ use bevy_transform::TransformSystems;
 use crate::scene::CascaScene;
 use crate::settings::CascaSettings;
 use crate::systems::CascaSystems;
-use crate::{cameras, diagnostics, lamps, suns, sync};
+use crate::{cameras, diagnostics, lamps, suns, sync, unruled};
 
 /// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
 /// the choices.
@@ -28,14 +28,11 @@ impl Plugin for CascaPlugin {
             .configure_sets(
                 PostUpdate,
                 (
-                    CascaSystems::Materials.before(CascaSystems::Sync),
-                    CascaSystems::Sync
-                        .after(TransformSystems::Propagate)
-                        .after(VisibilitySystems::CalculateBounds)
-                        .after(VisibilitySystems::VisibilityPropagate)
-                        .before(CascaSystems::Cameras),
+                    // As late as Bevy looks: systems before that set may change what they want.
+                    (CascaSystems::Materials, CascaSystems::Sync, CascaSystems::Cameras)
+                        .chain()
+                        .in_set(VisibilitySystems::CheckVisibility),
                     CascaSystems::Cameras
-                        .in_set(VisibilitySystems::CheckVisibility)
                         .after(check_visibility_ranges)
                         .before(SimulationLightSystems::UpdateLightFrusta)
                         .before(SimulationLightSystems::AssignLightsToClusters),
@@ -67,6 +64,7 @@ impl Plugin for CascaPlugin {
 
 /// Takes Bevy's systems out whose work is done here. At start, when all plugins have been added.
 fn take_over(world: &mut World) {
+    unruled::watch(world);
     let taken = world.try_schedule_scope(PostUpdate, |world, schedule| {
         let how = ScheduleCleanupPolicy::RemoveSystemsOnly;
         [

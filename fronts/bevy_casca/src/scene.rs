@@ -32,8 +32,6 @@ pub struct CascaScene {
     pub(crate) farthest: f32,
     /// Entities whose component went, with what it held.
     pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
-    /// Entities that were put into the scene in this frame, and do not have their component yet.
-    pub(crate) fresh: Vec<(Entity, ObjectId)>,
     /// Entities that move, and the frame from which on each counts as still if it stays.
     pub(crate) movers: EntityHashMap<u32>,
     pub(crate) counts: Counts,

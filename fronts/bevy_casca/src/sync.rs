@@ -3,20 +3,17 @@
 use std::any::TypeId;
 use std::sync::Arc;
 
-use bevy_asset::{AssetEvent, Assets};
+use bevy_asset::{AssetEvent, Assets, RenderAssetUsages};
 use bevy_camera::primitives::Aabb;
-use bevy_camera::visibility::{
-    DynamicSkinnedMeshBounds, InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers,
-    VisibilityClass, VisibilityRange,
-};
+use bevy_camera::visibility::{InheritedVisibility, RenderLayers, VisibilityClass};
 use bevy_ecs::entity::EntityHashMap;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use bevy_light::NotShadowCaster;
 use bevy_log::warn_once;
 use bevy_math::Vec3;
-use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_platform::time::Instant;
@@ -24,10 +21,11 @@ use bevy_transform::components::GlobalTransform;
 
 use casca::{ObjectDesc, Scene, TriMesh};
 
-use crate::materials::{Hides, InFront};
+use crate::drawn::{Complete, Gone, Manageable};
+use crate::materials::{Deferred, Judged};
 use crate::occluders::{Key, Occluders};
 use crate::scene::{CascaScene, InScene};
-use crate::settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
+use crate::settings::{CascaSettings, NotOccluder, Occluder, Opaque};
 use crate::{border, grid, layers};
 
 /// After a move, an entity has to rest twice as long as before to count as still, up to this.
@@ -50,7 +48,7 @@ pub(crate) struct Managed {
     visible: &'static InheritedVisibility,
     layers: Option<&'static RenderLayers>,
     opaque: Option<&'static Opaque>,
-    material: Option<&'static Hides>,
+    judged: Option<&'static Judged>,
     proxy: Option<&'static Occluder>,
     not_occluder: Has<NotOccluder>,
     not_caster: Has<NotShadowCaster>,
@@ -58,36 +56,6 @@ pub(crate) struct Managed {
     classes: Option<&'static VisibilityClass>,
     known: Option<&'static mut InScene>,
 }
-
-/// Components of which casca manages no entity, whatever else it has.
-type Excluded = Or<(
-    With<NoFrustumCulling>,
-    With<NoCpuCulling>,
-    With<NoOcclusionCulling>,
-    With<InFront>,
-    With<VisibilityRange>,
-    With<MorphWeights>,
-    With<MeshMorphWeights>,
-    (With<SkinnedMesh>, Without<DynamicSkinnedMeshBounds>),
-)>;
-
-/// The opposite.
-type Manageable = (
-    Without<NoFrustumCulling>,
-    Without<NoCpuCulling>,
-    Without<NoOcclusionCulling>,
-    Without<InFront>,
-    Without<VisibilityRange>,
-    Without<MorphWeights>,
-    Without<MeshMorphWeights>,
-    Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>,
-);
-
-/// Entities that have all that is needed.
-type Complete = (With<Mesh3d>, With<Aabb>, With<GlobalTransform>, With<InheritedVisibility>);
-
-/// Entities in the scene that have no place there any more.
-type Gone = (With<InScene>, Or<(Excluded, Without<Mesh3d>, Without<Aabb>, Without<GlobalTransform>)>);
 
 /// Entities that are not in the scene yet.
 type New = (Complete, Manageable, Without<InScene>, Without<Refused>);
@@ -99,7 +67,7 @@ type Changes = Or<(
     Changed<RenderLayers>,
     Changed<Mesh3d>,
     Changed<Opaque>,
-    Changed<Hides>,
+    Changed<Judged>,
     Changed<VisibilityClass>,
     Changed<Occluder>,
     Added<NotOccluder>,
@@ -121,7 +89,7 @@ pub(crate) struct Candidates<'w, 's> {
     all: Query<'w, 's, Entity, With<InScene>>,
     no_layers: RemovedComponents<'w, 's, RenderLayers>,
     no_opaque: RemovedComponents<'w, 's, Opaque>,
-    not_by_material: RemovedComponents<'w, 's, Hides>,
+    not_judged: RemovedComponents<'w, 's, Judged>,
     no_proxy: RemovedComponents<'w, 's, Occluder>,
     hides_again: RemovedComponents<'w, 's, NotOccluder>,
     casts_again: RemovedComponents<'w, 's, NotShadowCaster>,
@@ -131,11 +99,11 @@ pub(crate) struct Candidates<'w, 's> {
 pub(crate) fn sync(
     mut commands: Commands,
     mut casca: ResMut<CascaScene>,
-    settings: Res<CascaSettings>,
+    (settings, deferred): (Res<CascaSettings>, Option<Res<Deferred>>),
     meshes: Option<Res<Assets<Mesh>>>,
     mut events: Option<MessageReader<AssetEvent<Mesh>>>,
     mut candidates: Candidates,
-    mut managed: Query<Managed, (Manageable, Without<Refused>)>,
+    mut managed: Query<Managed, (Complete, Manageable, Without<Disabled>)>,
 ) {
     let Some(meshes) = meshes else { return };
     let start = Instant::now();
@@ -147,9 +115,6 @@ pub(crate) fn sync(
         let _ = casca.scene.as_mut().map(|scene| scene.remove(known.id));
         commands.entity(entity).try_remove::<InScene>();
     }
-    for entity in &candidates.refused {
-        commands.entity(entity).try_remove::<Refused>();
-    }
     if choose_grid(casca, &settings, &candidates) {
         // All are taken over anew, from the next frame on.
         candidates.all.iter().for_each(|entity| {
@@ -157,8 +122,7 @@ pub(crate) fn sync(
         });
         return;
     }
-    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, shifted, counts, fresh, .. } =
-        casca
+    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, shifted, counts, .. } = casca
     else {
         return;
     };
@@ -173,9 +137,14 @@ pub(crate) fn sync(
             occluders.changed(*id, &mut look);
         }
     }
+    if deferred.as_ref().is_some_and(DetectChanges::is_changed) {
+        look.extend(&candidates.all);
+    }
+    let deferred = deferred.as_deref().copied().unwrap_or_default();
     occluders.poll(&mut look);
     occluders.store(&settings);
     look.extend(&candidates.changed);
+    look.extend(&candidates.refused);
     candidates.extend_removed(&mut look);
     let rested = movers.iter().filter(|(_, at)| **at <= *frame).map(|(entity, _)| *entity);
     look.extend(rested.take(settings.most_new));
@@ -184,15 +153,12 @@ pub(crate) fn sync(
     look.sort_unstable();
     look.dedup();
     let (frame, settings, meshes) = (*frame, &*settings, &*meshes);
-    let mut sync = Sync { scene, occluders, movers, farthest, frame, shifted, settings, meshes };
+    let mut sync = Sync { scene, occluders, movers, farthest, frame, shifted, settings, meshes, deferred };
     for &entity in &look {
         let Ok(mut item) = managed.get_mut(entity) else { continue };
         match sync.bring_up_to_date(&mut item) {
             Ok(None) => {}
-            Ok(Some(known)) => {
-                fresh.push((entity, known.id));
-                commands.entity(entity).try_insert(known);
-            }
+            Ok(Some(known)) => _ = commands.entity(entity).try_insert(known).try_remove::<Refused>(),
             Err(refusal) => {
                 if let Refusal::Of(error) = refusal {
                     warn_once!("{entity} is culled by frustum only: {error}");
@@ -209,7 +175,7 @@ impl Candidates<'_, '_> {
     fn extend_removed(&mut self, out: &mut Vec<Entity>) {
         out.extend(self.no_layers.read());
         out.extend(self.no_opaque.read());
-        out.extend(self.not_by_material.read());
+        out.extend(self.not_judged.read());
         out.extend(self.no_proxy.read());
         out.extend(self.hides_again.read());
         out.extend(self.casts_again.read());
@@ -250,8 +216,8 @@ fn choose_grid(casca: &mut CascaScene, settings: &CascaSettings, candidates: &Ca
 
 /// Why an entity is not in the scene.
 enum Refusal {
-    /// It is more than a mesh.
-    NotMeshAlone,
+    /// It may be seen where its mesh is hidden.
+    MayBeSeen,
     Of(casca::Error),
 }
 
@@ -270,6 +236,7 @@ struct Sync<'a> {
     shifted: Option<Vec3>,
     settings: &'a CascaSettings,
     meshes: &'a Assets<Mesh>,
+    deferred: Deferred,
 }
 
 impl Sync<'_> {
@@ -279,8 +246,7 @@ impl Sync<'_> {
     /// If it may not be hidden. It is not in the scene then.
     fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, Refusal> {
         let done = match item.known.as_deref() {
-            // A lamp with a light in it goes on shining where nobody sees it.
-            _ if !is_mesh_alone(item) => Err(Refusal::NotMeshAlone),
+            _ if !may_be_hidden(item) => Err(Refusal::MayBeSeen),
             None => self.put(item, item.skinned, self.settings.still_after.max(1)).map(Some),
             Some(_) => self.change(item),
         };
@@ -391,20 +357,24 @@ impl Sync<'_> {
     /// The mesh that an entity hides with, if it does.
     fn key(&self, item: &ManagedItem, moves: bool) -> Option<Key> {
         let determinant = item.transform.affine().matrix3.determinant();
+        let layers = layers_of(item);
+        let for_renderer = |mesh: &Mesh| mesh.asset_usage.contains(RenderAssetUsages::RENDER_WORLD);
         let hides = !item.not_occluder
             && !item.skinned
-            && layers::may_hide(layers_of(item))
+            && layers::may_hide(layers)
             && determinant.is_finite()
-            && determinant != 0.0;
+            && determinant != 0.0
+            && self.meshes.get(item.mesh.id()).is_some_and(for_renderer);
         if !hides {
             return None;
         }
-        if let Some(Occluder(proxy)) = item.proxy {
-            return Some(Key { mesh: proxy.id(), sides: Opaque::Both });
+        // Whatever is told of an entity: it hides nothing if its material is not drawn.
+        let told = item.proxy.map(|_| Opaque::Both).or(item.opaque.copied());
+        let sides = item.judged.map_or(told, |judged| judged.hides(told, &self.deferred, layers))?;
+        match item.proxy {
+            Some(Occluder(proxy)) => Some(Key { mesh: proxy.id(), sides }),
+            None => Some(Key { mesh: item.mesh.id(), sides }).filter(|_| !moves),
         }
-        let by_material = item.material.map(|hides| hides.0);
-        let sides = item.opaque.copied().or(by_material).filter(|_| !moves)?;
-        Some(Key { mesh: item.mesh.id(), sides })
     }
 
     fn ask(&mut self, key: Key, item: &ManagedItem) -> Option<Arc<TriMesh>> {
@@ -412,8 +382,14 @@ impl Sync<'_> {
     }
 }
 
-fn is_mesh_alone(item: &ManagedItem) -> bool {
-    item.classes.is_some_and(|classes| classes.0.as_slice() == [TypeId::of::<Mesh3d>()])
+/// Whether an entity cannot be seen where its mesh is hidden.
+fn may_be_hidden(item: &ManagedItem) -> bool {
+    let is_told = item.opaque.is_some() || item.proxy.is_some();
+    // A lamp with a light in it goes on shining where nobody sees it. A class may be there twice.
+    let mesh_alone = |classes: &VisibilityClass| {
+        !classes.is_empty() && classes.iter().all(|class| *class == TypeId::of::<Mesh3d>())
+    };
+    item.classes.is_some_and(mesh_alone) && item.judged.is_none_or(|judged| judged.may_be_hidden(is_told))
 }
 
 fn layers_of(item: &ManagedItem) -> u64 {

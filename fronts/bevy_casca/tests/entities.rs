@@ -5,16 +5,18 @@ mod common;
 use std::any::TypeId;
 use std::collections::BTreeSet;
 
-use bevy_asset::Assets;
+use bevy_app::{PostUpdate, Update};
+use bevy_asset::{AssetEventSystems, Assets, RenderAssetUsages};
 use bevy_camera::primitives::{Aabb, Sphere};
 use bevy_camera::visibility::{
-    DynamicSkinnedMeshBounds, NoAutoAabb, NoCpuCulling, NoFrustumCulling, RenderLayers, ViewVisibility,
-    Visibility, VisibilityClass, VisibilityRange, VisibleEntities,
+    DynamicSkinnedMeshBounds, InheritedVisibility, NoAutoAabb, NoCpuCulling, NoFrustumCulling, RenderLayers,
+    ViewVisibility, Visibility, VisibilityClass, VisibilityRange, VisibilitySystems, VisibleEntities,
 };
 use bevy_camera::{
     Camera, OrthographicProjection, PerspectiveProjection, Projection, ScalingMode, SubCameraView,
 };
 use bevy_casca::{CascaScene, InScene, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_light::{NotShadowCaster, PointLight};
 use bevy_math::{UVec2, Vec2, Vec3};
@@ -22,8 +24,8 @@ use bevy_mesh::morph::MorphWeights;
 use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Indices, Mesh, Mesh3d};
 use bevy_shape::Cuboid;
-use bevy_transform::components::Transform;
-use common::{Changes, Cube, Lists, Nr, Pair, entity, settle, spawn_box, spawn_camera};
+use bevy_transform::components::{GlobalTransform, Transform};
+use common::{Changes, Cube, Lists, Nr, Pair, entity, headless, lists, settle, spawn_box, spawn_camera};
 
 const CAMERA: u32 = 1_000_000;
 
@@ -116,6 +118,125 @@ fn who_hides() {
         let found = pair.frame(|world| on(world, WALL, change));
         assert_eq!(hidden(&found), *at_once, "{what}, at once");
         assert_eq!(hidden(&rest(&mut pair)), *later, "{what}, later");
+    }
+}
+
+/// Disables entities, as a program registers it.
+#[derive(Component)]
+struct Asleep;
+
+#[test]
+fn a_wall_that_bevy_does_not_draw_hides_nothing_at_once() {
+    type Change = fn(&mut EntityWorldMut);
+    let cases: &[(&str, Change)] = &[
+        ("disabled", |wall| done(wall.insert(Disabled))),
+        ("disabled by a component of the program's", |wall| done(wall.insert(Asleep))),
+        ("without InheritedVisibility", |wall| done(wall.remove::<InheritedVisibility>())),
+        ("without ViewVisibility", |wall| done(wall.remove::<ViewVisibility>())),
+        ("without VisibilityClass", |wall| done(wall.remove::<VisibilityClass>())),
+        ("of no class", |wall| done(wall.insert(VisibilityClass::default()))),
+        ("without Visibility", |wall| done(wall.remove::<Visibility>())),
+        ("without GlobalTransform", |wall| done(wall.remove::<GlobalTransform>())),
+        ("without Mesh3d", |wall| done(wall.remove::<Mesh3d>())),
+        ("gone", |wall| {
+            let id = wall.id();
+            wall.world_scope(|world| done(world.despawn(id)));
+        }),
+        ("whose mesh stays in the main world", |wall| {
+            let mut mesh = Mesh::from(Cuboid::new(1.0, 1.0, 1.0));
+            mesh.asset_usage = RenderAssetUsages::MAIN_WORLD;
+            let mesh = wall.world_scope(|world| world.resource_mut::<Assets<Mesh>>().add(mesh));
+            wall.insert(Mesh3d(mesh));
+        }),
+    ];
+    for late in [false, true] {
+        for (what, change) in cases {
+            let mut app = headless(true);
+            app.world_mut().register_disabling_component::<Asleep>();
+            #[derive(Resource)]
+            struct Go(Option<Change>);
+            app.insert_resource(Go(None));
+            let go = |world: &mut World| {
+                let Some(change) = world.resource_mut::<Go>().0.take() else { return };
+                on(world, WALL, change);
+            };
+            match late {
+                false => app.add_systems(Update, go),
+                true => app.add_systems(
+                    PostUpdate,
+                    go.after(VisibilitySystems::VisibilityPropagate)
+                        .after(VisibilitySystems::CalculateBounds)
+                        .before(VisibilitySystems::CheckVisibility),
+                ),
+            };
+            stage(app.world_mut());
+            let wall = entity(app.world_mut(), WALL);
+            settle(&mut app);
+            assert_eq!(lists(&mut app)[&CAMERA], BTreeSet::from([WALL]));
+            app.world_mut().resource_mut::<Go>().0 = Some(*change);
+            for frame in 0..12 {
+                app.update();
+                let seen = &lists(&mut app)[&CAMERA];
+                assert_eq!(seen.range(1..=50).count(), 50, "{what}, frame {frame}");
+            }
+            // All that it needs, once more.
+            let cube = app.world().resource::<Cube>().0.clone();
+            let Ok(mut wall) = app.world_mut().get_entity_mut(wall) else { continue };
+            wall.remove::<(Disabled, Asleep, Mesh3d, VisibilityClass)>();
+            wall.insert((Mesh3d(cube), VisibilityClass::default(), GlobalTransform::IDENTITY));
+            wall.get_mut::<Transform>().unwrap().set_changed();
+            wall.get_mut::<Visibility>().unwrap().set_changed();
+            for _ in 0..20 {
+                app.update();
+            }
+            assert_eq!(lists(&mut app)[&CAMERA], BTreeSet::from([WALL]), "{what}, mended");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_that_is_taken_away_and_given_back_hides() {
+    let mut app = headless(true);
+    stage(app.world_mut());
+    settle(&mut app);
+    let cube = app.world().resource::<Cube>().0.clone();
+    on(app.world_mut(), WALL, |wall| done(wall.remove::<Mesh3d>()));
+    app.update();
+    // Bevy notes its class once more.
+    on(app.world_mut(), WALL, |wall| done(wall.insert(Mesh3d(cube.clone()))));
+    settle(&mut app);
+    let wall = entity(app.world_mut(), WALL);
+    let camera = entity(app.world_mut(), CAMERA);
+    let seen = app.world().get::<VisibleEntities>(camera).unwrap();
+    let seen: BTreeSet<_> = seen.get(TypeId::of::<Mesh3d>()).iter().copied().collect();
+    assert_eq!(seen, BTreeSet::from([wall]));
+}
+
+#[test]
+fn places_count_as_they_are_when_bevy_looks() {
+    #[derive(Resource)]
+    struct To(f32);
+    let mut app = headless(true);
+    app.insert_resource(To(0.0));
+    let jump = |to: Res<To>, mut things: Query<(&Nr, &mut GlobalTransform)>| {
+        for (nr, mut at) in &mut things {
+            if nr.0 == 1 && to.0 != 0.0 {
+                *at = GlobalTransform::from_xyz(0.0, 0.0, to.0);
+            }
+        }
+    };
+    // It runs last of all that runs before.
+    let late = (VisibilitySystems::CalculateBounds, VisibilitySystems::VisibilityPropagate);
+    let late = jump.after(late.0).after(late.1).after(AssetEventSystems);
+    app.add_systems(PostUpdate, late.before(VisibilitySystems::CheckVisibility));
+    stage(app.world_mut());
+    settle(&mut app);
+    assert_eq!(lists(&mut app)[&CAMERA], BTreeSet::from([WALL]));
+    for step in 0..20 {
+        let is_before = step % 2 == 0;
+        app.world_mut().resource_mut::<To>().0 = if is_before { 5.0 } else { -10.0 };
+        app.update();
+        assert_eq!(lists(&mut app)[&CAMERA].contains(&1), is_before, "step {step}");
     }
 }
 

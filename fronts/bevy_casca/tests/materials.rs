@@ -2,12 +2,14 @@
 
 mod common;
 
-use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, Assets, Handle};
+use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, Assets, Handle, RenderAssetUsages};
 use bevy_casca::{CascaDiagnostics, CascaScene, MaterialsPlugin, Opaque, Surface};
 use bevy_diagnostic::DiagnosticsStore;
+use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
+use bevy_image::Image;
 use bevy_math::Vec3;
-use bevy_reflect::TypePath;
+use bevy_reflect::{Reflect, TypePath};
 use bevy_transform::components::Transform;
 use common::{Nr, entity, headless, lists, settle, spawn_box, spawn_camera};
 
@@ -90,8 +92,11 @@ fn a_material_decides_who_hides_and_who_is_never_hidden() {
     assert_eq!(seen(&mut app), 6);
     app.world_mut().resource_mut::<Assets<Paint>>().remove(&wall);
     assert_eq!(seen(&mut app), 51, "without its material it is not drawn");
-    // No longer drawn in front.
     app.world_mut().entity_mut(entity_of_wall).insert(Opaque::Front);
+    assert_eq!(seen(&mut app), 51, "whatever is told of it");
+    app.world_mut().get_mut::<Painted>(entity_of_wall).unwrap().0 = glass.clone();
+    assert_eq!(seen(&mut app), 6, "it is told to be opaque");
+    // No longer drawn in front.
     let thing = entity(app.world_mut(), 3);
     app.world_mut().get_mut::<Painted>(thing).unwrap().0 = glass;
     assert_eq!(seen(&mut app), 5);
@@ -116,12 +121,53 @@ mod pbr {
         Back,
     }
 
-    #[derive(Asset, TypePath, Clone, Copy)]
+    #[derive(Debug, Clone, Copy, PartialEq, Default)]
+    pub enum OpaqueRendererMethod {
+        #[default]
+        Forward,
+        Deferred,
+        Auto,
+    }
+
+    #[derive(Resource, Debug, Default)]
+    #[expect(dead_code, reason = "its text is read")]
+    pub struct DefaultOpaqueRendererMethod(OpaqueRendererMethod);
+
+    impl DefaultOpaqueRendererMethod {
+        pub fn deferred() -> Self {
+            Self(OpaqueRendererMethod::Deferred)
+        }
+    }
+
+    pub mod decal {
+        use super::*;
+
+        #[derive(Component)]
+        pub struct ForwardDecal;
+
+        #[derive(Asset, TypePath)]
+        pub struct ForwardDecalMaterial<B: Asset>(pub std::marker::PhantomData<B>);
+    }
+
+    pub mod wireframe {
+        use super::*;
+
+        #[derive(Component)]
+        pub struct Wireframe;
+
+        #[derive(Component)]
+        pub struct Mesh3dWireframe;
+    }
+
+    #[derive(Asset, TypePath, Clone)]
     pub struct StandardMaterial {
         pub alpha_mode: AlphaMode,
         pub cull_mode: Option<Face>,
         pub depth_bias: f32,
         pub specular_transmission: f32,
+        pub opaque_render_method: OpaqueRendererMethod,
+        #[dependency]
+        pub base_color_texture: Option<Handle<Image>>,
     }
 
     impl Default for StandardMaterial {
@@ -131,11 +177,16 @@ mod pbr {
                 cull_mode: Some(Face::Back),
                 depth_bias: 0.0,
                 specular_transmission: 0.0,
+                opaque_render_method: OpaqueRendererMethod::Auto,
+                base_color_texture: None,
             }
         }
     }
 
-    #[derive(Component, Clone)]
+    /// Named as Bevy names its own.
+    #[derive(Component, Reflect, Clone)]
+    #[reflect(Component)]
+    #[type_path = "bevy_pbr::mesh_material"]
     pub struct MeshMaterial3d<M: Asset>(pub Handle<M>);
 
     impl<M: Asset> AsAssetId for MeshMaterial3d<M> {
@@ -150,23 +201,23 @@ mod pbr {
 #[test]
 fn standard_materials_hide_if_they_are_opaque_from_the_sides_that_are_drawn() {
     use pbr::{AlphaMode, Face, MeshMaterial3d, StandardMaterial};
-    let plain = StandardMaterial::default();
+    let plain = StandardMaterial::default;
     // What a camera sees of a wall and of what is behind it, from outside and from within the wall.
     let table = [
-        (plain, [1, 2]),
-        (StandardMaterial { cull_mode: None, ..plain }, [1, 1]),
-        (StandardMaterial { cull_mode: Some(Face::Front), ..plain }, [2, 2]),
-        (StandardMaterial { alpha_mode: AlphaMode::Blend, ..plain }, [2, 2]),
-        (StandardMaterial { alpha_mode: AlphaMode::Mask(0.5), ..plain }, [2, 2]),
-        (StandardMaterial { specular_transmission: 0.1, ..plain }, [2, 2]),
-        (StandardMaterial { depth_bias: -1.0, ..plain }, [2, 2]),
+        (plain(), [1, 2]),
+        (StandardMaterial { cull_mode: None, ..plain() }, [1, 1]),
+        (StandardMaterial { cull_mode: Some(Face::Front), ..plain() }, [2, 2]),
+        (StandardMaterial { alpha_mode: AlphaMode::Blend, ..plain() }, [2, 2]),
+        (StandardMaterial { alpha_mode: AlphaMode::Mask(0.5), ..plain() }, [2, 2]),
+        (StandardMaterial { specular_transmission: 0.1, ..plain() }, [2, 2]),
+        (StandardMaterial { depth_bias: -1.0, ..plain() }, [2, 2]),
     ];
     for (row, (material, expected)) in table.into_iter().enumerate() {
         for (z, expected) in [20.0, 0.0].into_iter().zip(expected) {
             let mut app = headless(true);
             app.init_asset::<StandardMaterial>().add_plugins(bevy_casca::standard_materials!(pbr));
             let world = app.world_mut();
-            let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
+            let material = world.resource_mut::<Assets<StandardMaterial>>().add(material.clone());
             let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 4.0));
             world.entity_mut(wall).insert(MeshMaterial3d(material));
             spawn_box(world, 1, Vec3::new(0.0, 0.0, -10.0), Vec3::splat(0.4));
@@ -177,4 +228,163 @@ fn standard_materials_hide_if_they_are_opaque_from_the_sides_that_are_drawn() {
             assert_eq!(lists(&mut app)[&CAMERA].len(), expected, "row {row}, from {z}");
         }
     }
+}
+
+/// An app with a wall of a material, and a thing behind it.
+fn walled(material: pbr::StandardMaterial) -> bevy_app::App {
+    let mut app = headless(true);
+    app.init_asset::<pbr::StandardMaterial>().register_type::<pbr::MeshMaterial3d<Paint>>();
+    app.init_asset::<Paint>().init_asset::<pbr::decal::ForwardDecalMaterial<pbr::StandardMaterial>>();
+    app.init_resource::<pbr::DefaultOpaqueRendererMethod>();
+    app.add_plugins(bevy_casca::standard_materials!(pbr, DeferredPrepass));
+    let world = app.world_mut();
+    let material = world.resource_mut::<Assets<pbr::StandardMaterial>>().add(material);
+    let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 4.0));
+    world.entity_mut(wall).insert(pbr::MeshMaterial3d(material));
+    spawn_box(world, 1, Vec3::new(0.0, 0.0, -10.0), Vec3::splat(0.4));
+    spawn_camera(world, CAMERA, Transform::from_xyz(0.1, 0.1, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+    settle(&mut app);
+    app
+}
+
+#[derive(Component)]
+struct DeferredPrepass;
+
+/// Whether the wall hides the thing behind it in the next frame.
+fn hides(app: &mut bevy_app::App) -> bool {
+    app.update();
+    !lists(app)[&CAMERA].contains(&1)
+}
+
+#[test]
+fn a_material_hides_when_the_renderer_has_what_it_needs() {
+    let picture = |usage| Image { asset_usage: usage, ..Image::default() };
+    let textured = |handle: &Handle<Image>| pbr::StandardMaterial {
+        base_color_texture: Some(handle.clone()),
+        ..Default::default()
+    };
+    // One that never comes, also with what says that it hides.
+    let mut app = walled(Default::default());
+    assert!(hides(&mut app));
+    let handle = app.world().resource::<Assets<Image>>().reserve_handle();
+    let set = |app: &mut bevy_app::App, material: pbr::StandardMaterial| {
+        let wall = entity(app.world_mut(), 0);
+        let id = app.world().get::<pbr::MeshMaterial3d<pbr::StandardMaterial>>(wall).unwrap().0.id();
+        let mut all = app.world_mut().resource_mut::<Assets<pbr::StandardMaterial>>();
+        *all.get_mut(id).unwrap() = material;
+    };
+    set(&mut app, textured(&handle));
+    let wall = entity(app.world_mut(), 0);
+    for frame in 0..10 {
+        assert!(!hides(&mut app), "frame {frame}");
+        if frame == 5 {
+            let cube = app.world().resource::<common::Cube>().0.clone();
+            app.world_mut().entity_mut(wall).insert((Opaque::Both, bevy_casca::Occluder(cube)));
+        }
+    }
+    app.world_mut().entity_mut(wall).remove::<(Opaque, bevy_casca::Occluder)>();
+    // It comes, but not for the renderer.
+    let insert = |app: &mut bevy_app::App, usage| {
+        let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+        images.insert(&handle, picture(usage)).unwrap();
+    };
+    insert(&mut app, RenderAssetUsages::MAIN_WORLD);
+    assert!(!hides(&mut app) && !hides(&mut app) && !hides(&mut app));
+    insert(&mut app, RenderAssetUsages::RENDER_WORLD);
+    assert!(!hides(&mut app), "the material may have been prepared before its picture");
+    assert!(hides(&mut app));
+    // A picture or a material that changes is drawn at once; another one has to come first.
+    insert(&mut app, RenderAssetUsages::RENDER_WORLD);
+    set(&mut app, textured(&handle));
+    assert!(hides(&mut app));
+    let other = app.world_mut().resource_mut::<Assets<Image>>().add(picture(RenderAssetUsages::default()));
+    set(&mut app, textured(&other));
+    assert!(!hides(&mut app));
+    assert!(hides(&mut app));
+    set(&mut app, textured(&handle));
+    assert!(hides(&mut app));
+    app.world_mut().resource_mut::<Assets<Image>>().remove(&handle);
+    assert!(!hides(&mut app), "without its picture it is drawn no more once it changes");
+}
+
+#[test]
+fn deferred_materials_hide_where_all_cameras_draw_them() {
+    use pbr::{DefaultOpaqueRendererMethod, OpaqueRendererMethod, StandardMaterial};
+    let by = |method| StandardMaterial { opaque_render_method: method, ..Default::default() };
+    let camera = |app: &mut bevy_app::App| entity(app.world_mut(), CAMERA);
+    let mut app = walled(by(OpaqueRendererMethod::Forward));
+    app.insert_resource(DefaultOpaqueRendererMethod::deferred());
+    assert!(hides(&mut app));
+    let mut app = walled(by(OpaqueRendererMethod::Auto));
+    assert!(hides(&mut app));
+    app.insert_resource(DefaultOpaqueRendererMethod::deferred());
+    assert!(!hides(&mut app));
+    // What was prepared keeps its method.
+    app.insert_resource(DefaultOpaqueRendererMethod::default());
+    assert!(!hides(&mut app));
+    let id = camera(&mut app);
+    app.world_mut().entity_mut(id).insert(DeferredPrepass);
+    assert!(hides(&mut app));
+
+    let mut app = walled(by(OpaqueRendererMethod::Deferred));
+    assert!(!hides(&mut app) && !hides(&mut app));
+    let id = camera(&mut app);
+    app.world_mut().entity_mut(id).insert(DeferredPrepass);
+    settle(&mut app);
+    assert!(hides(&mut app));
+    spawn_camera(app.world_mut(), CAMERA + 1, Transform::default());
+    assert!(!hides(&mut app), "a camera does not draw it");
+    let other = entity(app.world_mut(), CAMERA + 1);
+    app.world_mut().entity_mut(other).insert(bevy_camera::visibility::RenderLayers::layer(3));
+    assert!(hides(&mut app), "it looks at other things");
+    app.world_mut().entity_mut(id).remove::<DeferredPrepass>();
+    assert!(!hides(&mut app));
+}
+
+#[test]
+fn what_is_drawn_through_walls_is_never_hidden() {
+    use pbr::{MeshMaterial3d, StandardMaterial, decal, wireframe};
+    let mut app = walled(StandardMaterial::default());
+    assert!(hides(&mut app));
+    let thing = entity(app.world_mut(), 1);
+    let mut toggle = |put: fn(&mut EntityWorldMut), take: fn(&mut EntityWorldMut)| {
+        put(&mut app.world_mut().entity_mut(thing));
+        assert!(!hides(&mut app) && !hides(&mut app));
+        take(&mut app.world_mut().entity_mut(thing));
+        hides(&mut app) || hides(&mut app)
+    };
+    assert!(toggle(
+        |thing| _ = thing.insert(decal::ForwardDecal),
+        |thing| _ = thing.remove::<decal::ForwardDecal>()
+    ));
+    assert!(toggle(
+        |thing| _ = thing.insert(wireframe::Wireframe),
+        |thing| {
+            thing.remove::<wireframe::Wireframe>();
+        }
+    ));
+    assert!(toggle(
+        |thing| _ = thing.insert(wireframe::Mesh3dWireframe),
+        |thing| {
+            thing.remove::<wireframe::Mesh3dWireframe>();
+        }
+    ));
+    // While it is disabled nobody sees what it becomes.
+    assert!(toggle(
+        |thing| {
+            thing.insert((Disabled, decal::ForwardDecal));
+            thing.world_scope(|_| ());
+            thing.remove::<Disabled>();
+        },
+        |thing| _ = thing.remove::<decal::ForwardDecal>(),
+    ));
+    // A material for which there is no rule, unless the thing says by itself what it is.
+    assert!(toggle(
+        |thing| _ = thing.insert(MeshMaterial3d::<Paint>(Handle::default())),
+        |thing| {
+            thing.insert(Opaque::Front);
+        }
+    ));
+    type Decal = decal::ForwardDecalMaterial<StandardMaterial>;
+    toggle(|thing| _ = thing.insert(MeshMaterial3d::<Decal>(Handle::default())), |_| ());
 }

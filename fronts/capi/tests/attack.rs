@@ -14,6 +14,7 @@ use casca::glam::{Affine3A, Mat4, Quat, Vec3};
 use casca_c::*;
 use casca_scenes::world::{Camera, Mesh, Motion, Object, Shape};
 use casca_truth::oracle::{Oracle, OracleOptions};
+use casca_truth::places::coordinate;
 
 const SIZE: f32 = 16.0;
 
@@ -37,13 +38,14 @@ impl Dice {
         min + (max - min) * ((self.bits() >> 40) as f32 / (1u64 << 24) as f32)
     }
 
+    /// A coordinate, half of the time on a lattice.
+    fn coordinate(&mut self, range: std::ops::Range<f32>, step: f32) -> f32 {
+        coordinate(f64::from(self.within(0.0, 1.0)), range, step)
+    }
+
     fn place(&mut self) -> Vec3 {
-        let on_cells = self.below(4) == 0;
         let reach = if self.below(8) == 0 { SIZE } else { 0.0 };
-        Vec3::from_array(std::array::from_fn(|_| {
-            let at = self.within(-reach, SIZE + reach);
-            if on_cells { at.round() } else { at }
-        }))
+        Vec3::from_array(std::array::from_fn(|_| self.coordinate(-reach..SIZE + reach, 2.0)))
     }
 
     fn direction(&mut self) -> Vec3 {
@@ -56,7 +58,7 @@ impl Dice {
         match self.below(5) {
             0 | 1 => Shape::Sphere { center: at, radius: self.within(0.05, 4.0) },
             2 | 3 => {
-                let size = Vec3::from_array(std::array::from_fn(|_| self.within(0.01, 7.0)));
+                let size = Vec3::from_array(std::array::from_fn(|_| self.coordinate(0.0..8.0, 2.0)));
                 Shape::Box { min: at, max: at + size }
             }
             _ => Shape::Mesh { mesh: mesh.clone(), transform: self.transform(at) },
@@ -89,7 +91,7 @@ fn cube() -> Mesh {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
     let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions: (0..8).map(corner).collect(), triangles }
+    Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
 }
 
 fn prepared(mesh: &Mesh) -> casca_mesh {
@@ -187,7 +189,7 @@ impl Game {
             self.objects.swap_remove(i);
             return;
         }
-        let by = dice.direction() * dice.within(0.0, 1.0);
+        let by = Vec3::from_array(std::array::from_fn(|_| dice.coordinate(-1.0..1.0, 0.5)));
         let (id, object) = (self.ids[i], &mut self.objects[i]);
         match &mut object.shape {
             Shape::Sphere { center, .. } => *center += by,

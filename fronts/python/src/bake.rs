@@ -1,21 +1,22 @@
 //! Bakes, and the files that they make.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use casca::Aabb;
+use casca::glam::Vec3;
 use casca_bake::{BakeError, Baker, Cells, Level, Merger, Places, write_whole};
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::import;
 use casca_scenes::name::SceneName;
-use numpy::ndarray::Ix1;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::{Array, Floats1, vec3};
-use crate::error::refused;
+use crate::arrays::{cells, place, span};
+use crate::error::{refused, warn};
+use crate::forms::{Form, Given, one};
 use crate::mesh::Told;
 
 /// The exception for a bake that ended early.
@@ -66,27 +67,39 @@ impl Bake {
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python,
-        level: &str,
+        level: PathBuf,
         cell: f32,
-        height: Option<(f32, f32)>,
-        within: Option<(Floats1, Floats1)>,
+        height: Option<Bound<PyAny>>,
+        within: Option<Bound<PyAny>>,
         queries: u32,
         grid: Option<f32>,
         solid: bool,
         cell_to_cell: bool,
         content: Option<&[u8]>,
     ) -> PyResult<Self> {
-        let within = match within {
-            Some((low, high)) => Some(Aabb::new(vec3("within", &low)?, vec3("within", &high)?)),
-            None => None,
+        let heights = Form::new("height", &[2], "the least and the greatest height of an eye");
+        let height = height.map(|height| one(&heights, &height)).transpose()?;
+        let within = within.map(|within| span("within", &within)).transpose()?;
+        let places = Places {
+            edge: cell,
+            height: height.map(|[least, greatest]| (least, greatest)),
+            within: within.map(|[low, high]| Aabb::new(Vec3::from(low), Vec3::from(high))),
         };
-        let places = Places { edge: cell, height, within };
-        let name: SceneName = level.parse().map_err(|why| refused(format!("{level}: {why}")))?;
+        let name = level.to_string_lossy();
+        let scene = match name.parse().map_err(|why| refused(format!("{name}: {why}")))? {
+            // Paths need not be text.
+            SceneName::File(_) => SceneName::File(level.clone()),
+            scene => scene,
+        };
+        let world = py.detach(|| match content {
+            Some(bytes) => {
+                let read = import::read(&name, bytes, level.parent());
+                read.map_err(|why| ended(import::ImportError { path: level.clone(), why }.into()))
+            }
+            None => scene.open(&SceneOptions::default()).map_err(|why| ended(why.into())),
+        })?;
+        warn(py, &world)?;
         py.detach(|| {
-            let world = match content {
-                Some(bytes) => import::read(level, bytes, Path::new(level).parent()).map_err(refused)?,
-                None => name.open(&SceneOptions::default()).map_err(|why| ended(why.into()))?,
-            };
             let mut level = Level::new(&world, grid, solid).map_err(|why| ended(why.into()))?;
             if cell_to_cell {
                 let cells = places.cells(&level).map_err(ended)?;
@@ -116,11 +129,11 @@ impl Bake {
     fn find<'py>(
         &self,
         py: Python<'py>,
-        cells: Array<u32, Ix1>,
+        cells: Given,
         threads: usize,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let cells: Vec<u32> = cells.as_array().iter().copied().collect();
+        let cells = self::cells(cells)?;
         let bytes = self.progress(py, progress, |progress| {
             let baker = Baker::of(&self.level, self.cells, &cells, self.queries);
             Ok(baker.run(threads, None, progress)?.finish()?)
@@ -210,8 +223,8 @@ impl Baked {
     }
 
     /// The objects that can be seen from a place; `None` if nothing is known about it.
-    fn at<'py>(&self, py: Python<'py>, place: Floats1) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
-        let place = vec3("place", &place)?.as_dvec3().to_array();
+    fn at<'py>(&self, py: Python<'py>, place: Given) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        let place = self::place("place", place)?;
         Ok(self.baked()?.set_at(place).map(|set| set.iter().collect::<Vec<_>>().into_pyarray(py)))
     }
 
@@ -251,10 +264,8 @@ impl Baked {
     }
 
     /// Whether an eye in one box may see a point in another; true in doubt.
-    fn may_see(&self, eyes: (Floats1, Floats1), target: (Floats1, Floats1)) -> PyResult<bool> {
-        let corner = |at: &Floats1| Ok::<_, PyErr>(vec3("a corner", at)?.as_dvec3().to_array());
-        let span = |(low, high): (Floats1, Floats1)| Ok::<_, PyErr>([corner(&low)?, corner(&high)?]);
-        Ok(self.baked()?.may_see(span(eyes)?, span(target)?))
+    fn may_see(&self, eyes: Given, target: Given) -> PyResult<bool> {
+        Ok(self.baked()?.may_see(span("eyes", eyes)?, span("target", target)?))
     }
 
     /// The number of cells that have a set.

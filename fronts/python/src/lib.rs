@@ -4,6 +4,7 @@
 mod arrays;
 mod bake;
 mod error;
+mod forms;
 mod mesh;
 mod plane;
 mod points;
@@ -17,7 +18,7 @@ use pyo3::prelude::*;
 /// casca for Python.
 #[pymodule]
 fn _casca(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("Error", module.py().get_type::<error::CascaError>())?;
+    module.add("Error", module.py().get_type::<error::Error>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("SCENES", scene::names())?;
     module.add_class::<bake::Bake>()?;

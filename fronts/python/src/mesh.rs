@@ -3,12 +3,13 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use casca::glam::Vec3;
 use casca::{Facing, MeshOptions, TriMesh};
-use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, Floats2, points, triangles};
+use crate::arrays::{points, triangles};
 use crate::error::refused;
+use crate::forms::{Given, Rule};
 
 /// Triangles that were prepared once, for any number of objects.
 #[pyclass(frozen, module = "casca")]
@@ -22,14 +23,14 @@ impl Mesh {
     #[pyo3(signature = (positions, triangles, *, occludes=true, two_sided=true, progress=None))]
     fn new(
         py: Python<'_>,
-        positions: Floats2,
-        triangles: Array<u32, Ix2>,
+        positions: Given,
+        triangles: Given,
         occludes: bool,
         two_sided: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let positions = points("positions", positions.as_array())?;
-        let triangles = self::triangles(triangles.as_array())?;
+        let positions: Vec<Vec3> = points("positions", positions, Rule::Finite)?;
+        let triangles = self::triangles(triangles)?;
         let facing = if two_sided { Facing::Both } else { Facing::Front };
         let how = MeshOptions::default().facing(facing).occludes(occludes);
         let mesh = py.detach(|| {

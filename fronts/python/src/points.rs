@@ -5,25 +5,23 @@ use casca_points::hpr::{self, Kernel};
 use casca_points::splat::{self, Bias, Filter, Radius, SplatOptions};
 use casca_points::{Camera, spacing};
 use numpy::PyArray1;
-use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
-use crate::arrays::{Array, Floats1, Floats2, check, points, vec3};
+use crate::arrays::{place, points, vec3};
 use crate::error::refused;
+use crate::forms::{Given, Rule};
 
 /// Hidden point removal.
 #[pyfunction]
 #[pyo3(signature = (points, eye, *, log10_radius=3.0))]
 pub fn hidden_point_removal<'py>(
     py: Python<'py>,
-    points: Array<'py, f64, Ix2>,
-    eye: (f64, f64, f64),
+    points: Given<'_, 'py>,
+    eye: Given<'_, 'py>,
     log10_radius: f64,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let array = points.as_array();
-    check(array.ncols() == 3, || format!("points must be of shape (n, 3), not {:?}", array.dim()))?;
-    let points: Vec<DVec3> = array.rows().into_iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect();
-    let eye = DVec3::from(eye);
+    let points: Vec<DVec3> = self::points("points", points, Rule::Finite)?;
+    let eye = DVec3::from(place("eye", eye)?);
     let visible = py
         .detach(|| hpr::visible_points(&points, eye, Kernel::Relative { log10_radius }))
         .map_err(refused)?;
@@ -36,9 +34,9 @@ pub fn hidden_point_removal<'py>(
 #[expect(clippy::too_many_arguments, reason = "by keyword")]
 pub fn splat_visible<'py>(
     py: Python<'py>,
-    points: Floats2<'py>,
-    eye: Floats1<'py>,
-    target: Floats1<'py>,
+    points: Given<'_, 'py>,
+    eye: Given<'_, 'py>,
+    target: Given<'_, 'py>,
     radius: Option<f32>,
     bias: f32,
     fov_y: f32,
@@ -47,8 +45,8 @@ pub fn splat_visible<'py>(
     near: f32,
     far: f32,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let points: Vec<Vec3> = self::points("points", points.as_array())?;
-    let (eye, target) = (vec3("the eye", &eye)?, vec3("the target", &target)?);
+    let points: Vec<Vec3> = self::points("points", points, Rule::Finite)?;
+    let (eye, target) = (vec3("eye", eye)?, vec3("target", target)?);
     let camera = Camera::look_at(eye, target, Vec3::Y, fov_y.to_radians(), (width, height), near, far);
     let camera = camera.map_err(refused)?;
     let visible = py

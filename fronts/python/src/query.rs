@@ -1,11 +1,13 @@
 //! Queries.
 
+use casca::glam::Vec3;
 use casca::{Light, Method, ObjectId, PointOptions};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Floats1, Floats2, Floats3, check, vec3};
-use crate::error::refused;
+use crate::arrays::{self, vec3};
+use crate::error::{check, refused};
+use crate::forms::{Given, Rule};
 use crate::scene::Scene;
 use crate::view::View;
 
@@ -74,15 +76,15 @@ impl Query {
         &self,
         py: Python<'py>,
         scene: PyRef<'py, Scene>,
-        boxes: Floats3,
+        boxes: Given,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let boxes = arrays::boxes(boxes.as_array())?;
+        let boxes = arrays::boxes(boxes, Rule::Any)?;
         let (query, scene) = (&self.query, &scene.scene);
         let seen = py.detach(|| {
             let sight = query.sight(scene)?;
             Some(boxes.iter().map(|b| sight.may_see_box(b)).collect::<Vec<bool>>())
         });
-        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run"))?))
+        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run yet"))?))
     }
 
     /// Whether the view of the last run may see each of some points.
@@ -90,15 +92,15 @@ impl Query {
         &self,
         py: Python<'py>,
         scene: PyRef<'py, Scene>,
-        points: Floats2,
+        points: Given,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let points = arrays::points("points", points.as_array())?;
+        let points: Vec<Vec3> = arrays::points("points", points, Rule::Any)?;
         let (query, scene) = (&self.query, &scene.scene);
         let seen = py.detach(|| {
             let sight = query.sight(scene)?;
             Some(points.iter().map(|at| sight.may_see_point(*at)).collect::<Vec<bool>>())
         });
-        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run"))?))
+        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run yet"))?))
     }
 
     /// The objects whose shadows may fall on what the view of the last run sees.
@@ -107,13 +109,13 @@ impl Query {
         &mut self,
         py: Python<'py>,
         scene: PyRef<'py, Scene>,
-        direction: Option<Floats1>,
-        position: Option<Floats1>,
+        direction: Option<Bound<'py, PyAny>>,
+        position: Option<Bound<'py, PyAny>>,
         reach: f32,
     ) -> PyResult<Bound<'py, PyArray1<u64>>> {
         let light = match (direction, position) {
-            (Some(direction), None) => Light::directional(vec3("the direction", &direction)?),
-            (None, Some(position)) => Light::point(vec3("the position", &position)?, reach),
+            (Some(direction), None) => Light::directional(vec3("direction", &direction)?),
+            (None, Some(position)) => Light::point(vec3("position", &position)?, reach),
             _ => return Err(refused("a light has a direction, or a position")),
         };
         let (query, lamp, scene) = (&self.query, &mut self.light, &scene.scene);

@@ -9,11 +9,12 @@ use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::World;
 use numpy::{IntoPyArray, PyArray1, PyArray3};
-use pyo3::exceptions::PyOSError;
+use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
 
-use crate::arrays::{self, Floats1, Floats2, Floats3, Ids, check, same_length, vec3};
-use crate::error::{refused, refused_at};
+use crate::arrays::{self, same_length, vec3};
+use crate::error::{check, refused, refused_at, warn};
+use crate::forms::{Given, Rule, whole};
 use crate::mesh::{Mesh, Told};
 use crate::query::Query;
 use crate::view::View;
@@ -86,7 +87,8 @@ impl Scene {
         arrays::keys(py, &self.scene, ids.into_iter())
     }
 
-    /// Moves objects to other shapes. An object that hides others hides by its new shape.
+    /// Moves objects to other shapes. What hides by a box or sphere hides by the new one. What hides
+    /// by a mesh hides no more: a box around it covers what the mesh does not.
     fn update<S: Into<Bounds> + Into<Occluder> + Copy>(
         &mut self,
         ids: &[ObjectId],
@@ -94,9 +96,14 @@ impl Scene {
     ) -> PyResult<()> {
         same_length(ids.len(), shapes.len())?;
         for (index, (&id, &shape)) in ids.iter().zip(shapes).enumerate() {
-            let hides = self.scene.occluder(id).map_err(refused)?.is_some();
-            let occluder = hides.then(|| shape.into());
-            self.scene.update(id, shape, occluder).map_err(|why| refused_at(index, why))?;
+            let old = self.scene.occluder(id).map_err(refused)?;
+            let (hid, is_solid) =
+                (old.is_some(), matches!(old, Some(Occluder::Box(_) | Occluder::Sphere(_))));
+            let moved = self.scene.update(id, shape, hid.then(|| shape.into()));
+            moved.map_err(|why| refused_at(index, why))?;
+            if hid && !is_solid {
+                self.scene.set_occluder(id, None).map_err(|why| refused_at(index, why))?;
+            }
         }
         Ok(())
     }
@@ -119,8 +126,8 @@ impl How {
 #[pymethods]
 impl Scene {
     #[new]
-    fn new(low: Floats1, high: Floats1, cell: f32) -> PyResult<Self> {
-        let room = Aabb::new(vec3("low", &low)?, vec3("high", &high)?);
+    fn new(low: Given, high: Given, cell: f32) -> PyResult<Self> {
+        let room = Aabb::new(vec3("low", low)?, vec3("high", high)?);
         let grid = GridSpec::covering(room, cell).map_err(refused)?;
         Ok(Self { scene: casca::Scene::new(&grid).map_err(refused)?, world: None })
     }
@@ -134,10 +141,13 @@ impl Scene {
         cell: Option<f32>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let world = py.detach(|| casca_scenes::import::load(&path)).map_err(|why| match &why.why {
+        let mut world = py.detach(|| casca_scenes::import::load(&path)).map_err(|why| match &why.why {
             casca_scenes::import::Trouble::Read(_) => PyOSError::new_err(why.to_string()),
             _ => refused(&why),
         })?;
+        let moved = world.source.about_origin();
+        world.source.warnings.extend(moved.map(|line| format!("{}: {line} (Scene.origin)", path.display())));
+        warn(py, &world)?;
         Self::of(py, world, cell, progress)
     }
 
@@ -166,13 +176,13 @@ impl Scene {
     fn insert_boxes<'py>(
         &mut self,
         py: Python<'py>,
-        boxes: Floats3,
+        boxes: Given,
         occludes: bool,
         moves: bool,
         max_speed: Option<f32>,
         layers: u64,
     ) -> PyResult<Bound<'py, PyArray1<u64>>> {
-        let shapes = arrays::boxes(boxes.as_array())?;
+        let shapes = arrays::boxes(boxes, Rule::Finite)?;
         let shapes = shapes.into_iter().map(|b| (b.into(), occludes.then_some(b.into()), None));
         self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
     }
@@ -182,13 +192,13 @@ impl Scene {
     fn insert_spheres<'py>(
         &mut self,
         py: Python<'py>,
-        spheres: Floats2,
+        spheres: Given,
         occludes: bool,
         moves: bool,
         max_speed: Option<f32>,
         layers: u64,
     ) -> PyResult<Bound<'py, PyArray1<u64>>> {
-        let shapes = arrays::spheres(spheres.as_array())?;
+        let shapes = arrays::spheres(spheres)?;
         let shapes = shapes.into_iter().map(|s| (s.into(), occludes.then_some(s.into()), None));
         self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
     }
@@ -199,13 +209,13 @@ impl Scene {
         &mut self,
         py: Python<'py>,
         mesh: &Mesh,
-        transforms: Floats3,
+        transforms: Given,
         moves: bool,
         max_speed: Option<f32>,
         layers: u64,
     ) -> PyResult<Bound<'py, PyArray1<u64>>> {
         let mut shapes = Vec::new();
-        for (index, place) in arrays::affines(transforms.as_array())?.into_iter().enumerate() {
+        for (index, place) in arrays::affines(transforms)?.into_iter().enumerate() {
             let mesh = Instance::new(Arc::clone(&mesh.mesh), place).map_err(|why| refused_at(index, why))?;
             let occluder = mesh.mesh().occludes().then(|| mesh.clone().into());
             shapes.push((mesh.into(), occluder, None));
@@ -214,21 +224,21 @@ impl Scene {
     }
 
     /// Moves many objects to other boxes.
-    fn update_boxes(&mut self, ids: Ids, boxes: Floats3) -> PyResult<()> {
-        let ids = arrays::ids(&self.scene, &ids)?;
-        self.update(&ids, &arrays::boxes(boxes.as_array())?)
+    fn update_boxes(&mut self, ids: Given, boxes: Given) -> PyResult<()> {
+        let ids = arrays::ids(&self.scene, ids)?;
+        self.update(&ids, &arrays::boxes(boxes, Rule::Finite)?)
     }
 
     /// Moves many objects to other spheres.
-    fn update_spheres(&mut self, ids: Ids, spheres: Floats2) -> PyResult<()> {
-        let ids = arrays::ids(&self.scene, &ids)?;
-        self.update(&ids, &arrays::spheres(spheres.as_array())?)
+    fn update_spheres(&mut self, ids: Given, spheres: Given) -> PyResult<()> {
+        let ids = arrays::ids(&self.scene, ids)?;
+        self.update(&ids, &arrays::spheres(spheres)?)
     }
 
     /// Gives many meshes other transforms.
-    fn set_transforms(&mut self, ids: Ids, transforms: Floats3) -> PyResult<()> {
-        let ids = arrays::ids(&self.scene, &ids)?;
-        let transforms = arrays::affines(transforms.as_array())?;
+    fn set_transforms(&mut self, ids: Given, transforms: Given) -> PyResult<()> {
+        let ids = arrays::ids(&self.scene, ids)?;
+        let transforms = arrays::affines(transforms)?;
         same_length(ids.len(), transforms.len())?;
         self.scene
             .set_transforms(ids.into_iter().zip(transforms))
@@ -236,11 +246,12 @@ impl Scene {
     }
 
     /// Removes objects.
-    fn remove(&mut self, ids: Ids) -> PyResult<()> {
-        for id in arrays::ids(&self.scene, &ids)? {
-            self.scene.remove(id).map_err(refused)?;
-        }
-        Ok(())
+    fn remove(&mut self, ids: Given) -> PyResult<()> {
+        let ids = arrays::ids(&self.scene, ids)?;
+        let mut known = std::collections::HashSet::new();
+        let twice = ids.iter().position(|id| !known.insert(*id));
+        check(twice.is_none(), || format!("ids[{}] comes twice", twice.unwrap_or_default()))?;
+        ids.into_iter().try_for_each(|id| self.scene.remove(id)).map_err(refused)
     }
 
     /// Begins a frame at a time in seconds. Returns objects whose volumes expired.
@@ -263,7 +274,11 @@ impl Scene {
 
     /// The boxes around objects.
     #[pyo3(signature = (ids=None))]
-    fn boxes<'py>(&self, py: Python<'py>, ids: Option<Ids>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    fn boxes<'py>(
+        &self,
+        py: Python<'py>,
+        ids: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let ids = match ids {
             Some(ids) => arrays::ids(&self.scene, &ids)?,
             None => self.scene.ids().collect(),
@@ -279,7 +294,11 @@ impl Scene {
 
     /// Which objects hide others.
     #[pyo3(signature = (ids=None))]
-    fn occluders<'py>(&self, py: Python<'py>, ids: Option<Ids>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    fn occluders<'py>(
+        &self,
+        py: Python<'py>,
+        ids: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let ids = match ids {
             Some(ids) => arrays::ids(&self.scene, &ids)?,
             None => self.scene.ids().collect(),
@@ -304,6 +323,12 @@ impl Scene {
         View::from_camera(world.camera(frame, aspect))
     }
 
+    /// What is added to all coordinates of this scene for those of the file that it comes from.
+    #[getter]
+    fn origin(&self) -> [f64; 3] {
+        self.world.as_ref().map_or([0.0; 3], |world| world.source.origin.to_array())
+    }
+
     /// The corners of the grid.
     #[getter]
     fn bounds(&self) -> [[f64; 3]; 2] {
@@ -320,8 +345,9 @@ impl Scene {
         self.scene.len()
     }
 
-    fn __contains__(&self, id: u64) -> bool {
-        self.scene.id_from_key(id).is_ok_and(|id| self.scene.contains(id))
+    fn __contains__(&self, id: Given) -> PyResult<bool> {
+        let key = whole(id).ok_or_else(|| PyTypeError::new_err("an id is an integer"))?.extract();
+        Ok(key.is_ok_and(|key| self.scene.id_from_key(key).is_ok()))
     }
 
     fn __repr__(&self) -> String {

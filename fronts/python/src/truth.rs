@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use casca::glam::Affine3A;
-use casca::{Bounds, ObjectId, Occluder, TriMesh};
-use casca_scenes::world::{Mesh, Motion, Object, Shape};
+use casca::{Bounds, Facing, ObjectId, Occluder, TriMesh};
+use casca_scenes::world::{Mesh, Motion, Object, Shape, Sides};
 use casca_truth::oracle::{Oracle, OracleOptions};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::arrays::{self, check};
-use crate::error::refused;
+use crate::arrays;
+use crate::error::{check, refused};
 use crate::scene::Scene;
 use crate::view::View;
 
@@ -100,6 +100,10 @@ fn of_occluder(occluder: &Occluder) -> Option<Shape> {
 }
 
 fn of_mesh(mesh: &TriMesh, transform: Affine3A) -> Shape {
-    let mesh = Mesh { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec() };
+    let sides = match mesh.facing() {
+        Facing::Front => vec![Sides::Front; mesh.triangles().len()],
+        Facing::Both => Vec::new(),
+    };
+    let mesh = Mesh { positions: mesh.positions().to_vec(), triangles: mesh.triangles().to_vec(), sides };
     Shape::Mesh { mesh: mesh.into(), transform }
 }

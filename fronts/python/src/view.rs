@@ -4,8 +4,9 @@ use casca::glam::Vec3;
 use casca_scenes::world::Camera;
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats1, Floats2, check, mat4, vec3};
-use crate::error::refused;
+use crate::arrays::{mat4, vec3};
+use crate::error::{check, refused};
+use crate::forms::Given;
 
 /// What can be looked at, and from where.
 #[pyclass(frozen, module = "casca")]
@@ -41,15 +42,8 @@ impl View {
     /// A camera at a place that looks at another one, y up.
     #[staticmethod]
     #[pyo3(signature = (eye, target, *, fov_y=60.0, aspect=16.0 / 9.0, near=0.1, far=1000.0))]
-    fn look_at(
-        eye: Floats1,
-        target: Floats1,
-        fov_y: f32,
-        aspect: f32,
-        near: f32,
-        far: f32,
-    ) -> PyResult<Self> {
-        let (eye, target) = (vec3("the eye", &eye)?, vec3("the target", &target)?);
+    fn look_at(eye: Given, target: Given, fov_y: f32, aspect: f32, near: f32, far: f32) -> PyResult<Self> {
+        let (eye, target) = (vec3("eye", eye)?, vec3("target", target)?);
         check(eye.is_finite() && target.is_finite() && eye != target, || {
             format!("the eye {eye} and the target {target} must be finite, and two places")
         })?;
@@ -65,20 +59,20 @@ impl View {
 
     /// A perspective camera with a matrix from world to clip space, depth 0 to 1.
     #[staticmethod]
-    fn perspective(eye: Floats1, matrix: Floats2) -> PyResult<Self> {
-        Self::of(casca::View::perspective(vec3("the eye", &eye)?, mat4("the matrix", &matrix)?))
+    fn perspective(eye: Given, matrix: Given) -> PyResult<Self> {
+        Self::of(casca::View::perspective(vec3("eye", eye)?, mat4("matrix", matrix)?))
     }
 
     /// An orthographic camera with such a matrix.
     #[staticmethod]
-    fn orthographic(forward: Floats1, matrix: Floats2) -> PyResult<Self> {
-        Self::of(casca::View::orthographic(vec3("forward", &forward)?, mat4("the matrix", &matrix)?))
+    fn orthographic(forward: Given, matrix: Given) -> PyResult<Self> {
+        Self::of(casca::View::orthographic(vec3("forward", forward)?, mat4("matrix", matrix)?))
     }
 
     /// All directions from a place.
     #[staticmethod]
-    fn omnidirectional(eye: Floats1) -> PyResult<Self> {
-        Self::of(casca::View::omnidirectional(vec3("the eye", &eye)?))
+    fn omnidirectional(eye: Given) -> PyResult<Self> {
+        Self::of(casca::View::omnidirectional(vec3("eye", eye)?))
     }
 
     /// The same for all eyes that are no farther than this.

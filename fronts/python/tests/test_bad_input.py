@@ -1,5 +1,7 @@
 """One clear exception for each wrong call, and nothing half done."""
 
+import pickle
+
 import casca
 import numpy as np
 import pytest
@@ -13,10 +15,10 @@ def scene():
 @pytest.mark.parametrize(
     ("boxes", "why"),
     [
-        (np.zeros((4, 3, 2)), r"boxes must be of shape \(n, 2, 3\), not \(4, 3, 2\)"),
+        (np.zeros((4, 3, 2)), r"boxes must have shape \(n, 2, 3\): .*; got shape \(4, 3, 2\) of float64"),
         ([[(1, 1, 1), (0, 0, 0)]], "entry 0: .*inverted"),
-        ([[(0, 0, 0), (1, 1, 1)], [(0, 0, 0), (1, np.nan, 1)]], "entry 1: .*finite"),
-        ([[(0, 0, 0), (1, np.inf, 1)]], "finite"),
+        ([[(0, 0, 0), (1, 1, 1)], [(0, 0, 0), (1, np.nan, 1)]], r"boxes\[1, 1, 1\] is NaN, .*finite"),
+        ([[(0, 0, 0), (1, np.inf, 1)]], r"boxes\[0, 1, 1\] is inf, .*finite"),
     ],
 )
 def test_boxes(scene, boxes, why):
@@ -119,6 +121,11 @@ def test_queries_and_scenes(scene):
         with pytest.raises(casca.Error):
             wrong()
     assert casca.run_many(scene, []) == []
+
+
+def test_errors_travel_to_other_processes():
+    why = pickle.loads(pickle.dumps(casca.Error("no")))
+    assert type(why) is casca.Error and str(why) == "no" and repr(casca.Error) == "<class 'casca.Error'>"
 
 
 def test_files(tmp_path):

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import struct
 import subprocess
 import sys
 import threading
@@ -22,28 +21,6 @@ def whole(tmp_path_factory):
     casca.bake.Bake("rooms", **ROOMS).write(out, progress=shares.append)
     assert shares[0] == 0.0 and shares[-1] == 1.0 and shares == sorted(shares)
     return out
-
-
-@pytest.fixture(scope="module")
-def level(tmp_path_factory):
-    """A file: a triangle under a floor, each as a node."""
-    path = tmp_path_factory.mktemp("level") / "level.glb"
-    points = np.array([[0, 0, 0], [9, 0, 0], [9, 0, 9], [0, 0, 9]], "<f4")
-    faces = np.array([0, 2, 1, 0, 3, 2], "<u2")
-    data = points.tobytes() + faces.tobytes()
-    nodes = ",".join('{"mesh":0,"translation":[0,%d,0]}' % y for y in (0, 3, 6))
-    text = (
-        '{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2]}],"nodes":[%s],'
-        '"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],'
-        '"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[9,0,9]},'
-        '{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],'
-        '"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],'
-        '"buffers":[{"byteLength":60}]}' % nodes
-    ).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
-    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
-    return path
 
 
 def test_cells_see_cells(tmp_path):
@@ -123,7 +100,7 @@ def test_a_bake_that_was_ended_goes_on(whole, tmp_path):
         ({"cell": float("nan")}, "edges that are greater than 0"),
         ({"height": (2.0, 1.0)}, "greatest height must exceed"),
         ({"grid": -1.0}, "cannot be used"),
-        ({"within": ((0, 0), (1, 1, 1))}, "within must have 3 numbers"),
+        ({"within": ((0, 0), (1, 1, 1))}, r"within must have shape \(2, 3\): .*corner"),
         ({"level": "attic"}, "attic"),
         ({"level": "cut.glb", "content": b"glTF\2\0\0\0"}, "glTF|binary|read|bytes"),
     ],
@@ -220,6 +197,38 @@ def test_dask_with_a_worker_that_is_killed(slow_whole, level, tmp_path):
     alone.write(tmp_path / "alone")
     assert (tmp_path / "file").read_bytes() == (tmp_path / "alone").read_bytes()
     assert len(casca.bake.Baked(tmp_path / "file")) == len(alone) > 0
+
+
+def test_dask_after_workers_were_killed(level, tmp_path):
+    """On one client, twice in a row: what died with a worker is made anew, also between calls."""
+    distributed = pytest.importorskip("distributed")
+    options = {"cell": 1.5, "height": (0.5, 2.0), "queries": 16}
+    out, alone = tmp_path / "out", tmp_path / "alone"
+    casca.bake.Bake(level, **options).write(alone)
+    with (
+        distributed.LocalCluster(
+            n_workers=3, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        pids = list(client.run(os.getpid).values())
+        for pid in pids[:2]:
+            killed = []
+
+            def kill(share):
+                if not killed:
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+
+            for progress in (kill, None):
+                casca.bake.on_dask(client, level, out, cells_per_task=8, progress=progress, **options)
+                assert out.read_bytes() == alone.read_bytes()
+                out.unlink()
+            assert killed
+        # Lists in the place of tuples.
+        options["height"] = list(options["height"])
+        casca.bake.on_dask(client, level, out, cells_per_task=60, **options)
+        assert out.read_bytes() == alone.read_bytes()
 
 
 def test_dask_out_of_reach(tmp_path):

@@ -27,7 +27,10 @@ impl BakedFile {
 
 /// The cells that a box has points in, if all of them have sets and they are few.
 pub(crate) fn cells_of(sets: &Baked, place: &Span) -> Option<CellBox> {
-    let cells = sets.cells().of_box(place.min.to_array(), place.max.to_array())?;
+    known(sets, sets.cells().of_box(place.min.to_array(), place.max.to_array())?)
+}
+
+fn known(sets: &Baked, cells: CellBox) -> Option<CellBox> {
     let is_known = |cell| sets.set_number(cell).is_some();
     (cells.count() <= MOST_CELLS && sets.cells().numbers(cells).all(is_known)).then_some(cells)
 }
@@ -44,7 +47,9 @@ impl SeenCells {
     /// Takes over where the eye may be. Costs a pass over the sets of its cells if it got to
     /// others.
     pub(crate) fn follow(&mut self, sets: Option<&Baked>, eyes: &Span) {
-        let cells = sets.and_then(|sets| Some((sets, cells_of(sets, eyes)?)));
+        let cells_of =
+            |sets: &Baked| known(sets, sets.cells().of_eyes(eyes.min.to_array(), eyes.max.to_array())?);
+        let cells = sets.and_then(|sets| Some((sets, cells_of(sets)?)));
         let Some((sets, cells)) = cells else {
             self.eyes = None;
             return;

@@ -5,7 +5,7 @@ use casca_walls::{Span, Walls};
 
 use crate::error::{ServerError, place, within};
 use crate::id::ClientId;
-use crate::numeric::{FASTEST, ROUNDING, at_least, at_most};
+use crate::numeric::{EVERYWHERE, FASTEST, ROUNDING, at_least, at_most};
 
 /// The team of clients and entities: a number of the game.
 pub type Team = u32;
@@ -77,7 +77,7 @@ pub struct Entity {
     pub(crate) time: f64,
     /// The object of the level that hides in its place.
     pub(crate) object: Option<ObjectId>,
-    /// The object of the scene for shadows.
+    /// The object of the scene for shadows, if it hides nothing.
     pub(crate) caster: Option<ObjectId>,
     /// Its team or that of its owner.
     pub(crate) side: Option<Team>,
@@ -96,8 +96,13 @@ impl Entity {
 
     /// A box around all places where it may be within `seconds` of the time `now`.
     pub(crate) fn grown(&self, now: f64, seconds: f64) -> Aabb {
-        let time = seconds + (now - self.time).max(0.0);
+        let time = seconds + (now - self.time).clamp(0.0, f64::MAX);
         grown(&self.desc.bounds, f64::from(self.desc.speed) * time)
+    }
+
+    /// The object of the scene that casts its shadow.
+    pub(crate) fn caster(&self) -> Option<ObjectId> {
+        self.object.or(self.caster)
     }
 
     /// The part of a box around it that it can get to.
@@ -113,14 +118,16 @@ pub(crate) fn span_of(b: &Aabb) -> Span {
     Span { min: b.min.as_dvec3(), max: b.max.as_dvec3() }
 }
 
-/// A box grown by a length in all directions, rounded outwards.
+/// A box grown by a length in all directions, rounded outwards, up to [`EVERYWHERE`].
 pub(crate) fn grown(b: &Aabb, by: f64) -> Aabb {
     if by == 0.0 {
         return *b;
     }
     let by = by * (1.0 + ROUNDING);
     let (min, max) = (b.min.as_dvec3() - by, b.max.as_dvec3() + by);
-    Aabb::new(min.to_array().map(at_most).into(), max.to_array().map(at_least).into())
+    let min = min.to_array().map(|v| at_most(v).max(-EVERYWHERE));
+    let max = max.to_array().map(|v| at_least(v).min(EVERYWHERE));
+    Aabb::new(min.into(), max.into())
 }
 
 #[cfg(test)]

@@ -52,6 +52,10 @@ impl FieldOfView {
 
 #[cfg(test)]
 mod tests {
+    use casca_truth::places::{coordinates, place_in, points};
+    use proptest::prelude::*;
+    use rand::RngExt;
+
     use super::*;
 
     fn ahead(half_angle: f32, turn_speed: f32) -> FieldOfView {
@@ -70,6 +74,29 @@ mod tests {
         let behind = Aabb::from_center(Vec3::new(0.0, 0.0, 10.0), Vec3::splat(0.5));
         assert!(!ahead(3.0, 0.0).may_see(DVec3::ZERO, 0.0, 0.0, &behind));
         assert!(ahead(std::f32::consts::PI, 0.0).may_see(DVec3::ZERO, 0.0, 0.0, &behind));
+    }
+
+    proptest! {
+        #![proptest_config(casca_truth::cases(500))]
+        #[test]
+        fn what_a_camera_sees_may_be_seen(
+            (eye, min, direction) in (points(-2.0..2.0, 1.0), points(-2.0..2.0, 1.0), points(-2.0..2.0, 1.0)),
+            (size, way) in (points(0.0..2.0, 1.0), points(-1.0..1.0, 1.0)),
+            (half_angle, turned, seed) in (coordinates(0.0..3.0, 0.5), coordinates(0.0..1.0, 0.5), any::<u64>()),
+        ) {
+            prop_assume!(direction != Vec3::ZERO);
+            let view = FieldOfView { direction, half_angle, turn_speed: turned };
+            let b = Aabb::new(min, min + size);
+            let (eye, reach) = (eye.as_dvec3(), way.as_dvec3().length());
+            let mut random = casca_scenes::random::generator(seed, 0);
+            for _ in 0..50 {
+                let mut share = || random.random_range(0.0..1.0);
+                let point = place_in(b.min.as_dvec3(), b.max.as_dvec3(), &mut share);
+                let off = (point - eye - way.as_dvec3() * share()).angle_between(direction.as_dvec3());
+                let sees = off < f64::from(half_angle) + f64::from(turned) * 0.5;
+                prop_assert!(!sees || view.may_see(eye, reach, 0.5, &b), "{point}");
+            }
+        }
     }
 
     #[test]

@@ -10,6 +10,10 @@ pub const FASTEST: f32 = 1e5;
 /// The longest latency, tick or age of a report, in seconds: whoever is later is gone.
 pub const LONGEST: f32 = 60.0;
 
+/// A box that goes on to here on all sides holds all eyes, so that who may be anywhere in it is
+/// told of; it does not grow on, since casca refuses boxes without end.
+pub(crate) const EVERYWHERE: f32 = 1e9;
+
 /// Sums and products of a few numbers in double precision are off by less than this share.
 pub(crate) const ROUNDING: f64 = 1e-12;
 

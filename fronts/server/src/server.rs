@@ -10,6 +10,7 @@ use crate::client::ClientDesc;
 use crate::entity::{Entity, EntityDesc, check_box};
 use crate::error::{ServerError, place, time, within};
 use crate::field::FieldOfView;
+use crate::gaze::Gaze;
 use crate::id::{ClientId, EntityId};
 use crate::options::ServerOptions;
 use crate::state::ClientState;
@@ -45,7 +46,7 @@ impl VisibilityServer {
     pub fn new(level: Scene, options: ServerOptions) -> Result<Self, ServerError> {
         options.check()?;
         // Refuses options of queries before a client needs them.
-        crate::gaze::Gaze::new(options.point)?;
+        Gaze::new(options.point)?;
         let (entities, ids, clients) = (Slots::new(), Slots::new(), Vec::new());
         Ok(Self { level, options, entities, ids, clients, now: f64::MIN, ticks: 0, walls: None, baked: None })
     }
@@ -95,7 +96,8 @@ impl VisibilityServer {
     }
 
     /// Whether a wall stands between two places, as far as known since the last tick: to refuse
-    /// reports of eyes that went through one.
+    /// reports of eyes that went through one. Who is in the plane of a wall only touches it; from
+    /// one face of a wall to the other is through it.
     pub fn has_wall_between(&self, from: Vec3, to: Vec3) -> bool {
         self.walls.as_ref().is_some_and(|walls| walls.part(from.as_dvec3(), to.as_dvec3()))
     }
@@ -117,9 +119,10 @@ impl VisibilityServer {
         if self.ids.len() >= self.options.most_clients {
             return Err(full);
         }
+        let gaze = Gaze::new(self.options.point)?;
         let slot = self.ids.insert(()).ok_or(full)?;
         let id = ClientId(self.ids.id(slot));
-        let state = ClientState::new(id, desc, now, &self.options)?;
+        let state = ClientState::new(id, desc, now, gaze, self.options.sun.is_some());
         if self.clients.len() <= slot.index() {
             self.clients.resize_with(slot.index() + 1, || None);
         }
@@ -216,10 +219,11 @@ impl VisibilityServer {
             None => None,
         };
         let entity = Entity { desc, time: now, object, caster: None, side: None };
-        match self.entities.insert(entity) {
-            Some(slot) => Ok(EntityId(self.entities.id(slot))),
-            None => Err(full),
-        }
+        let Some(slot) = self.entities.insert(entity) else {
+            object.map_or(Ok(()), |object| self.level.remove(object))?;
+            return Err(full);
+        };
+        Ok(EntityId(self.entities.id(slot)))
     }
 
     /// Moves an entity that hides nothing: at the time `now` it is in `bounds`.
@@ -283,7 +287,10 @@ impl VisibilityServer {
     pub fn remove_entity(&mut self, id: EntityId) -> Result<(), ServerError> {
         let Entity { object, caster, .. } = *self.entity(id)?;
         self.entities.remove(id.slot());
-        object.into_iter().chain(caster).try_for_each(|object| self.level.remove(object))?;
+        for object in object.into_iter().chain(caster) {
+            // Whoever has the level may have taken it out.
+            let _ = self.level.remove(object);
+        }
         Ok(())
     }
 

@@ -69,28 +69,23 @@ pub(crate) struct ClientState {
 }
 
 impl ClientState {
-    pub(crate) fn new(
-        id: ClientId,
-        desc: ClientDesc,
-        time: f64,
-        options: &ServerOptions,
-    ) -> Result<Self, ServerError> {
-        Ok(Self {
+    pub(crate) fn new(id: ClientId, desc: ClientDesc, time: f64, gaze: Gaze, has_sun: bool) -> Self {
+        Self {
             id,
             desc,
             time,
             step: DVec3::ZERO,
             jumped: true,
             looked: 0,
-            gaze: Gaze::new(options.point)?,
-            sun: options.sun.map(|_| Box::new(Query::new())),
+            gaze,
+            sun: has_sun.then(|| Box::new(Query::new())),
             casters: Vec::new(),
             knows_casters: true,
             hints: Vec::new(),
             seen_cells: SeenCells::default(),
             before: Vec::new(),
             answer: Answer::new(id),
-        })
+        }
     }
 
     /// For how long the eye and all entities may move until the next answer counts, in seconds; and
@@ -208,7 +203,7 @@ impl Look<'_> {
         entity.desc.owner == Some(*own)
             || of_team
             || self.may_see(moment, place, hint)
-            || entity.caster.is_some_and(|caster| !knows_casters || casters.binary_search(&caster).is_ok())
+            || entity.caster().is_some_and(|caster| !knows_casters || casters.binary_search(&caster).is_ok())
             || moment.hook.tells((*own, desc), (id, entity))
     }
 

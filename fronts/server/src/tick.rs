@@ -148,12 +148,16 @@ impl VisibilityServer {
         let slots: Vec<_> = self.entities.iter().map(|(slot, _)| slot).collect();
         for slot in slots {
             let Some(entity) = self.entities.get_mut(slot) else { continue };
+            // What hides is in the scene already, and has no speed.
+            if entity.object.is_some() {
+                continue;
+            }
             let bounds = entity.grown(self.now, most);
-            match (entity.object, entity.caster) {
-                // What hides is in the scene already, and has no speed.
-                (Some(object), _) => entity.caster = Some(object),
-                (None, Some(caster)) => self.level.update(caster, bounds, None)?,
-                (None, None) => entity.caster = Some(self.level.insert(ObjectDesc::dynamic(bounds))?),
+            // Whoever has the level may have taken it out.
+            let is_there =
+                entity.caster.is_some_and(|caster| self.level.update(caster, bounds, None).is_ok());
+            if !is_there {
+                entity.caster = Some(self.level.insert(ObjectDesc::dynamic(bounds))?);
             }
         }
         Ok(())

@@ -15,7 +15,7 @@ fn file(sets: &[(u32, &[u32])]) -> Vec<u8> {
 }
 
 fn row() -> Cells {
-    Cells { low: [0.0; 3], size: [4.0; 3], dims: [10, 1, 1] }
+    Cells { low: [0.0; 3], size: [4.0; 3], dims: [10, 1, 1], origin: [0.0; 3] }
 }
 
 /// An empty level, with a client whose eye is at 6 m and entities at 1 to 39 m; none moves.
@@ -67,6 +67,18 @@ fn cells_that_see_each_other_are_told() {
     assert!(told(&mut server, client, 0.5).contains(&13.5));
     server.move_eye(client, Vec3::new(30.0, 2.0, 2.0), 0.5).unwrap();
     assert_eq!(told(&mut server, client, 0.5).len(), 20);
+}
+
+#[test]
+fn an_eye_on_the_border_of_cells_sees_what_eyes_on_both_sides_see() {
+    // It may be on the face of a wall that fills one of them.
+    for x in [8.0f32, 8.000_001, 7.999_999] {
+        let (mut server, client, _) = field(ServerOptions::new());
+        server.set_baked(file(&[(0, &[]), (1, &[0]), (2, &[3]), (3, &[]), (4, &[])])).unwrap();
+        server.move_eye(client, Vec3::new(x, 2.0, 2.0), 0.1).unwrap();
+        let told = told(&mut server, client, 0.1);
+        assert_eq!(told[..4], [1.0, 3.0, 13.0, 15.0], "{x}: {told:?}");
+    }
 }
 
 #[test]

@@ -4,10 +4,11 @@ use casca_server::casca::Aabb;
 use casca_server::casca::glam::Vec3;
 use casca_server::session::{Event, Limits, Refusal, Session, Token};
 use casca_server::wire::{AnswerFrame, MOST_FRAME, ToClient, ToServer, WireError};
+use casca_truth::places::points;
 use proptest::prelude::*;
 
 fn place() -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(-1e6f32..1e6).prop_map(Vec3::from)
+    points(-1e6..1e6, 2.5e5)
 }
 
 fn answers() -> impl Strategy<Value = AnswerFrame> {

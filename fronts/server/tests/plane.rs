@@ -23,6 +23,19 @@ fn vector(place: Place) -> Vec2 {
     Vec2::from(place.map(|c| c as f32 / PARTS as f32))
 }
 
+fn is_opaque(map: &BitGrid, tile: [i64; 2]) -> bool {
+    matches!(tile.map(u32::try_from), [Ok(x), Ok(y)] if map.get(x, y))
+}
+
+/// The tiles that hold a place, their borders included.
+fn tiles_at(map: &BitGrid, place: Place) -> Vec<[i64; 2]> {
+    let on_map = |[x, y]: &[i64; 2]| {
+        (0..i64::from(map.width())).contains(x) && (0..i64::from(map.height())).contains(y)
+    };
+    let part = |at: i64| (at - 1).div_euclid(PARTS)..=at.div_euclid(PARTS);
+    part(place[1]).flat_map(|y| part(place[0]).map(move |x| [x, y])).filter(on_map).collect()
+}
+
 /// Whether the part of a segment between its ends has no point inside an opaque tile, and does not
 /// pass between two that touch at a corner. Exact: ends of the part in a tile are compared as
 /// fractions.
@@ -40,8 +53,12 @@ fn is_clear(map: &BitGrid, from: Place, to: Place) -> bool {
         for (axis, at) in [x, y].into_iter().enumerate() {
             let (low, high) = (i64::from(at) * PARTS, (i64::from(at) + 1) * PARTS);
             let other = scale[1 - axis];
+            // A way between two opaque tiles that touch is none.
+            let before = [x, y].map(i64::from);
+            let before = [before[0] - i64::from(axis == 0), before[1] - i64::from(axis == 1)];
+            let is_seam = low == from[axis] && is_opaque(map, before);
             match step[axis] {
-                0 if !(low < from[axis] && from[axis] < high) => return false,
+                0 if !(low < from[axis] && from[axis] < high || is_seam) => return false,
                 0 => {}
                 1.. => (a, b) = (a.max((low - from[axis]) * other), b.min((high - from[axis]) * other)),
                 _ => (a, b) = (a.max((from[axis] - high) * other), b.min((from[axis] - low) * other)),
@@ -55,10 +72,9 @@ fn is_clear(map: &BitGrid, from: Place, to: Place) -> bool {
         let along = corner[0] * step[0] + corner[1] * step[1];
         let between = 0 < along && along < step[0] * step[0] + step[1] * step[1];
         let on_line = corner[0] * step[1] == corner[1] * step[0];
-        let beside = [(-1, -1), (0, -1), (-1, 0), (0, 0)].into_iter().filter(|(i, j)| {
-            let at = [i64::from(x) + i, i64::from(y) + j].map(u32::try_from);
-            matches!(at, [Ok(x), Ok(y)] if map.get(x, y))
-        });
+        let beside = [(-1, -1), (0, -1), (-1, 0), (0, 0)]
+            .into_iter()
+            .filter(|(i, j)| is_opaque(map, [i64::from(x) + i, i64::from(y) + j]));
         let sides: Vec<i64> = beside.map(|(i, j)| (2 * j + 1) * step[0] - (2 * i + 1) * step[1]).collect();
         between && on_line && sides.iter().any(|side| *side < 0) && sides.iter().any(|side| *side > 0)
     };
@@ -78,15 +94,16 @@ struct Bot {
 impl Bot {
     /// Whether a body of its size fits there: it may touch walls.
     fn fits(map: &BitGrid, place: Place) -> bool {
-        let [x, y] = place.map(|c| c.div_euclid(PARTS));
-        let on_map = x >= 0 && y >= 0 && x < map.width().into() && y < map.height().into();
-        on_map && !map.get(x as u32, y as u32)
+        tiles_at(map, place).into_iter().any(|tile| !is_opaque(map, tile))
     }
 
     fn jump(&mut self, map: &BitGrid) {
         loop {
             let size = [map.width(), map.height()];
-            self.place = size.map(|size| self.rng.random_range(0..i64::from(size) * PARTS));
+            self.place = size.map(|size| {
+                let at = self.rng.random_range(0..i64::from(size) * PARTS);
+                if self.rng.random_bool(0.5) { at - at % (PARTS / 2) } else { at }
+            });
             if Self::fits(map, self.place) {
                 return;
             }
@@ -94,14 +111,20 @@ impl Bot {
     }
 
     /// Goes on for a quarter of a tick: at most 5 parts along each axis, so at most 4.5 tiles a
-    /// second. Turns back now and then, as one who peeks around a corner, and where a wall is.
+    /// second, and often to the border of a tile. Turns back now and then, as one who peeks around
+    /// a corner, and where a wall is.
     fn step(&mut self, map: &BitGrid) {
         if self.rng.random_bool(0.1) {
             self.way = [0, 0].map(|_| self.rng.random_range(-5..=5));
         } else if self.rng.random_bool(0.05) {
             self.way = self.way.map(|c| -c);
         }
-        let to = [self.place[0] + self.way[0], self.place[1] + self.way[1]];
+        let to = [0, 1].map(|i| {
+            let (from, to) = (self.place[i], self.place[i] + self.way[i]);
+            let border = (to + PARTS / 2).div_euclid(PARTS) * PARTS;
+            let is_near = border != from && (border - from).abs() <= 5;
+            if is_near && self.rng.random_bool(0.3) { border } else { to }
+        });
         // Not through a corner between two walls either.
         if Self::fits(map, to) && is_clear(map, self.place, to) {
             self.place = to;
@@ -117,8 +140,10 @@ fn sees(map: &BitGrid, fov: &FieldOfView, eye: &Bot, body: &Bot) -> bool {
     let points = [-1, 0, 1].into_iter().flat_map(|y| [-1, 0, 1].map(|x| [x, y]));
     let [x, y] = body.place;
     let mut points = points.map(|[i, j]| [x + i * body.half, y + j * body.half]);
-    let tile = body.place.map(|c| (c / PARTS) as u32);
-    if fov.seen().get(tile[0], tile[1]) {
+    // The field of view of an eye in a tile, and not on its border.
+    if let ([_], [[x, y]]) = (&tiles_at(map, eye.place)[..], &tiles_at(map, body.place)[..])
+        && fov.seen().get(*x as u32, *y as u32)
+    {
         return true;
     }
     points.any(|point| {
@@ -289,7 +314,7 @@ fn what_is_told_wrong_makes_it_late() {
     let wrong = [
         Truth { eye_speed: 0.0, ..TRUE },
         Truth { speed: 0.0, ..TRUE },
-        Truth { latency: 0.0, eye_speed: 0.6, speed: 0.6, ..TRUE },
+        Truth { latency: 0.0, eye_speed: 0.5, speed: 0.5, ..TRUE },
         Truth { radius: 0.7, ..TRUE },
         // With the true half side none is late at this speed.
         Truth { half: 0.0, speed: 0.3, ..TRUE },

@@ -36,9 +36,9 @@
 //!
 //! Walls are rectangles of what the sides of boxes, or triangles of meshes, cover in a plane across
 //! an axis. Round, turned and slanted occluders are left to casca's queries. Static objects count
-//! that are on all layers. What lies in the plane of a wall may be painted on it, and is never
-//! hidden by it. Planes in which corners have more than 1,500 coordinates along an axis are left
-//! out, since their lattice is too large.
+//! that are on all layers. What lies in the plane of a wall may be on either side of it: the wall
+//! neither hides it nor stops it, and hides nothing from it. Planes in which corners have more than
+//! 1,500 coordinates along an axis are left out, since their lattice is too large.
 #![deny(missing_docs)]
 
 mod find;
@@ -101,9 +101,16 @@ impl Walls {
         self.walls.is_empty()
     }
 
-    /// Whether one of them lies between two places.
+    /// Whether one of them lies between two places. One that a place lies in the plane of is only
+    /// touched; between two of an axis that are touched is what they bound.
     pub fn part(&self, from: DVec3, to: DVec3) -> bool {
-        self.tree.along(from, to, |i| self.walls[i].meets(from, to))
+        let mut touched = [None; 3];
+        self.tree.along(from, to, |i| {
+            let wall = &self.walls[i];
+            let touches = [from, to].into_iter().any(|p| wall.holds(&Span { min: p, max: p }));
+            let mut before = || touched[wall.axis].replace(wall.at);
+            wall.meets(from, to) && (!touches || before().is_some_and(|at| at != wall.at))
+        })
     }
 
     /// The part of a box that can be reached from a part of it.
@@ -135,7 +142,7 @@ impl Walls {
         let mut found = Found::None;
         self.tree.along(from, to, |i| {
             let wall = &self.walls[i];
-            if !wall.meets(from, to) {
+            if !wall.meets(from, to) || wall.holds(eyes.span()) || wall.holds(target) {
                 return false;
             }
             if wall.hides(eyes, target, apart) {

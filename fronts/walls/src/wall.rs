@@ -6,6 +6,17 @@ use casca::glam::DVec3;
 /// values that these can have: 16 roundings. With it, nothing is hidden in doubt.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
+/// From which side of its plane a wall hides, and stops what comes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Side {
+    #[default]
+    Both,
+    /// From where coordinates along its axis are less.
+    Below,
+    /// From where they are greater.
+    Above,
+}
+
 /// A rectangle across one axis. The other two axes follow in turn: those of `min` and `max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Wall {
@@ -13,6 +24,7 @@ pub(crate) struct Wall {
     pub(crate) axis: usize,
     /// Where it stands on that axis.
     pub(crate) at: f64,
+    pub(crate) from: Side,
     pub(crate) min: [f64; 2],
     pub(crate) max: [f64; 2],
 }
@@ -48,6 +60,11 @@ impl Span {
                 |k| if i >> k & 1 == 0 { self.min[k] } else { self.max[k] },
             ))
         })
+    }
+
+    /// Whether it is flat, and lies at a place on an axis.
+    fn lies_at(&self, axis: usize, at: f64) -> bool {
+        self.min[axis] == at && self.max[axis] == at
     }
 
     /// Its two parts on both sides of a place on an axis.
@@ -124,17 +141,29 @@ impl Wall {
         along(self.axis).into_iter().enumerate().all(within)
     }
 
+    /// Whether a box lies in its plane. What does may be on either side of it: the wall stops it on
+    /// none, and hides nothing from it, nor it from others.
+    pub(crate) fn holds(&self, span: &Span) -> bool {
+        span.lies_at(self.axis, self.at)
+    }
+
+    /// Whether eyes and a target lie in the plane of an edge of it: rays between them only touch.
+    fn grazes(&self, eyes: &Span, target: &Span) -> bool {
+        let both = |axis: usize, at: f64| eyes.lies_at(axis, at) && target.lies_at(axis, at);
+        (0..2).zip(along(self.axis)).any(|(i, b)| both(b, self.min[i]) || both(b, self.max[i]))
+    }
+
     /// Ends a box at the wall, if what starts in `from` cannot pass it. Returns whether it did.
     pub(crate) fn stops(&self, from: &Span, span: &mut Span) -> bool {
         let a = self.axis;
-        if !self.covers(span) {
+        if self.holds(from) || !self.covers(span) {
             return false;
         }
-        if from.max[a] <= self.at && self.at < span.max[a] {
+        if self.from != Side::Above && from.max[a] <= self.at && self.at < span.max[a] {
             span.max[a] = self.at;
             return true;
         }
-        if from.min[a] >= self.at && self.at > span.min[a] {
+        if self.from != Side::Below && from.min[a] >= self.at && self.at > span.min[a] {
             span.min[a] = self.at;
             return true;
         }
@@ -144,14 +173,16 @@ impl Wall {
     /// Whether it hides all of a box, which is so far behind it, from all eyes.
     pub(crate) fn hides(&self, eyes: &Eyes, target: &Span, apart: f64) -> bool {
         let a = self.axis;
+        if self.holds(&eyes.span) || self.holds(target) || self.grazes(&eyes.span, target) {
+            return false;
+        }
         // The eyes are on this side.
         let side = match eyes.span {
             Span { min, .. } if min[a] >= self.at && target.max[a] <= self.at - apart => 1.0,
             Span { max, .. } if max[a] <= self.at && target.min[a] >= self.at + apart => -1.0,
             _ => return false,
         };
-        // What lies in the plane of the wall may be painted on it.
-        if target.min[a] == self.at && target.max[a] == self.at {
+        if self.from == if side > 0.0 { Side::Below } else { Side::Above } {
             return false;
         }
         let far = eyes.span.farthest().max(target.farthest());
@@ -226,7 +257,7 @@ impl Wall {
         Cut { of_eyes, axis, at: if of_eyes { from[axis] } else { to[axis] } }
     }
 
-    /// Whether a segment passes it.
+    /// Whether a segment passes or touches it.
     pub(crate) fn meets(&self, from: DVec3, to: DVec3) -> bool {
         let (p, q) = (from[self.axis] - self.at, to[self.axis] - self.at);
         if p * q > 0.0 || p == q {

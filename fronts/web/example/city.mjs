@@ -15,15 +15,34 @@ function generator(seed) {
   };
 }
 
-// Adds a mesh to three's scene and its box to casca's.
-function add(world, meshes, geometry, material, at, size, occludes) {
+// Whether three.js draws something in each pixel of a mesh's box, before all that lies behind: an
+// opaque block with the axes of the world that the camera shows. All else must not hide.
+function hides(mesh, camera) {
+  const opaque = (m) =>
+    m.visible && m.side !== THREE.BackSide && !m.wireframe && !m.isShaderMaterial &&
+    !m.transparent && m.opacity === 1 && m.blending === THREE.NormalBlending && !m.transmission &&
+    !m.alphaTest && !m.alphaHash && !m.alphaMap && !m.displacementMap &&
+    m.depthTest && m.depthWrite && m.colorWrite && !m.stencilWrite && !m.clippingPlanes?.length;
+  const whole = ({ type, drawRange }) => type === "BoxGeometry" && drawRange.start === 0 && drawRange.count === Infinity;
+  const columns = [0, 4, 8].map((at) => mesh.matrixWorld.elements.slice(at, at + 3));
+  let shown = mesh.layers.test(camera.layers) && !mesh.isInstancedMesh && !mesh.isSkinnedMesh;
+  for (let node = mesh; node; node = node.parent) shown &&= node.visible;
+  return shown && whole(mesh.geometry) && columns.every((c) => c.filter(Boolean).length === 1) && [mesh.material].flat().every(opaque);
+}
+
+// What three.js draws in spite of what is before it is never culled.
+const showsThrough = (mesh) => [mesh.material].flat().some((m) => !m.depthTest || m.depthFunc !== THREE.LessEqualDepth);
+
+// Adds a mesh to three's scene, with its box for casca's.
+function add(world, meshes, geometry, material, at, size) {
   const mesh = new THREE.Mesh(geometry, material);
   mesh.position.set(...at);
   mesh.scale.set(...size);
   world.add(mesh);
   mesh.updateMatrixWorld();
   const box = new THREE.Box3().setFromObject(mesh);
-  meshes.push({ mesh, box: [...box.min.toArray(), ...box.max.toArray()], occludes });
+  meshes.push({ mesh, box: [...box.min.toArray(), ...box.max.toArray()] });
+  return mesh;
 }
 
 function city() {
@@ -40,18 +59,25 @@ function city() {
   const paint = (h, s, l) => new THREE.MeshLambertMaterial({ color: new THREE.Color().setHSL(h, s, l) });
   const walls = [...Array(8)].map((_, i) => paint(0.06 + 0.01 * i, 0.35, 0.5 + 0.04 * i));
   const things = [paint(0.55, 0.7, 0.5), paint(0.95, 0.7, 0.55), paint(0.33, 0.5, 0.4)];
-  add(world, meshes, cube, paint(0.1, 0.05, 0.45), [SIZE / 2, -0.5, SIZE / 2], [SIZE, 1, SIZE], true);
+  const glass = new THREE.MeshLambertMaterial({ color: 0x88ccff, transparent: true, opacity: 0.3 });
+  const mark = new THREE.MeshBasicMaterial({ color: 0xff0000, transparent: true, depthTest: false });
+  add(world, meshes, cube, paint(0.1, 0.05, 0.45), [SIZE / 2, -0.5, SIZE / 2], [SIZE, 1, SIZE]);
   for (let x = 0; x < BLOCKS; x++) {
     for (let z = 0; z < BLOCKS; z++) {
       const height = 8 + Math.floor(random() * 24);
       const [cx, cz] = [(x + 0.5) * PITCH, (z + 0.5) * PITCH];
       const wall = walls[Math.floor(random() * walls.length)];
-      add(world, meshes, cube, wall, [cx, height / 2, cz], [8, height, 8], true);
+      add(world, meshes, cube, wall, [cx, height / 2, cz], [8, height, 8]);
+      // Panes of glass and blocks that are not drawn close the street; a mark shows through houses.
+      if (z === BLOCKS / 2) {
+        add(world, meshes, cube, x % 2 ? glass : wall, [cx + 6, 4, cz - 6], [0.2, 8, 4]).visible = x % 2 === 1;
+        add(world, meshes, ball, mark, [cx, height / 2, cz + 2 * PITCH], [1, 1, 1]);
+      }
       // Things that stand in the streets.
       for (let n = 0; n < 6; n++) {
         const along = (random() - 0.5) * 10;
         const at = n % 2 ? [cx + along, 0.5, cz + 6] : [cx + 6, 0.5, cz + along];
-        add(world, meshes, ball, things[n % 3], at, [1, 1, 1], false);
+        add(world, meshes, ball, things[n % 3], at, [1, 1, 1]);
       }
     }
   }
@@ -67,8 +93,8 @@ export async function run(canvas, frames) {
   const { world, meshes } = city();
 
   const scene = new Scene([0, -2, 0], [SIZE, 40, SIZE], 2);
-  const solid = meshes.filter((m) => m.occludes);
-  const rest = meshes.filter((m) => !m.occludes);
+  const drawn = meshes.filter((m) => m.mesh.visible && !showsThrough(m.mesh));
+  const [solid, rest] = [true, false].map((wanted) => drawn.filter((m) => hides(m.mesh, camera) === wanted));
   const byId = new Map();
   for (const [group, occludes] of [[solid, true], [rest, false]]) {
     const ids = scene.insertBoxes(group.flatMap((m) => m.box), occludes);
@@ -91,7 +117,7 @@ export async function run(canvas, frames) {
     camera.lookAt(along + Math.cos(frame), 2.5 + Math.sin(frame * 0.7), SIZE / 2 + Math.sin(frame));
     camera.updateMatrixWorld();
     // Three's own culling by the frustum is on in both.
-    meshes.forEach((m) => (m.mesh.visible = true));
+    drawn.forEach((m) => (m.mesh.visible = true));
     const all = picture();
     said.before += renderer.info.render.calls / frames;
 
@@ -100,7 +126,7 @@ export async function run(canvas, frames) {
     const view = View.perspective(camera.position.toArray(), matrix.elements);
     const seen = query.run(scene, view);
     view.free();
-    meshes.forEach((m) => (m.mesh.visible = false));
+    drawn.forEach((m) => (m.mesh.visible = false));
     seen.forEach((id) => (byId.get(id).visible = true));
     said.milliseconds += (performance.now() - begin) / frames;
 

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use casca::glam::{Affine3A, Mat4, Vec3};
-use casca::{Aabb, ObjectId, Scene, Sphere};
+use casca::{Aabb, Sphere};
 use wasm_bindgen::prelude::*;
 
 /// The error for something that cannot be used.
@@ -65,17 +65,6 @@ pub fn affines(numbers: &[f32]) -> Result<Vec<Affine3A>, JsError> {
         }
     };
     all.iter().enumerate().map(one).collect()
-}
-
-/// Ids of objects of a scene.
-pub fn ids(scene: &Scene, keys: &[u64]) -> Result<Vec<ObjectId>, JsError> {
-    let id = |(index, &key)| scene.id_from_key(key).map_err(|why| refused_at(index, why));
-    keys.iter().enumerate().map(id).collect()
-}
-
-/// Ids as bigints.
-pub fn keys(scene: &Scene, ids: impl IntoIterator<Item = ObjectId>) -> Result<Vec<u64>, JsError> {
-    ids.into_iter().map(|id| scene.key(id).map_err(refused)).collect()
 }
 
 /// Two lists belong together.

@@ -3,9 +3,9 @@
 use casca::KeptOptions;
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{keys, refused};
+use crate::arrays::refused;
 use crate::query::options;
-use crate::scene::Scene;
+use crate::scene::{Scene, keys};
 use crate::view::View;
 
 /// Finds what views can see, and keeps it for views nearby: most runs cost a small part of one of
@@ -29,7 +29,7 @@ impl KeptQuery {
 
     /// Finds the objects that a view can see. No visible object is missing.
     pub fn run(&mut self, scene: &Scene, view: &View) -> Result<Vec<u64>, JsError> {
-        keys(&scene.scene, self.query.run(&scene.scene, &view.view).iter())
+        keys(scene, self.query.run(&scene.scene, &view.view).iter())
     }
 
     /// How often a result was found anew so far.

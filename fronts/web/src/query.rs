@@ -3,8 +3,8 @@
 use casca::{Light, Method, ObjectId, PointOptions};
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{boxes, keys, points, refused, vec3};
-use crate::scene::Scene;
+use crate::arrays::{boxes, points, refused, vec3};
+use crate::scene::{Scene, keys};
 use crate::view::View;
 
 /// Finds what views can see of a scene.
@@ -40,7 +40,7 @@ impl Query {
 
     /// Finds the objects that a view can see. No visible object is missing.
     pub fn run(&mut self, scene: &Scene, view: &View) -> Result<Vec<u64>, JsError> {
-        keys(&scene.scene, self.query.run(&scene.scene, &view.view).iter())
+        keys(scene, self.query.run(&scene.scene, &view.view).iter())
     }
 
     /// Whether the view of the last run may see each of some boxes: 1 or 0.
@@ -83,7 +83,7 @@ impl Query {
         let mut casters: Vec<ObjectId> = Vec::new();
         let found = self.light.shadow_casters(&scene.scene, &self.query, light, &mut casters);
         found.map_err(refused)?;
-        keys(&scene.scene, casters)
+        keys(scene, casters)
     }
 }
 

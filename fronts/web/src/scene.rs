@@ -1,18 +1,26 @@
 //! Scenes.
 
+use std::collections::HashSet;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use casca::{Aabb, Bounds, GridSpec, Instance, ObjectDesc, ObjectId, Occluder};
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{affines, boxes, ids, keys, refused, refused_at, same_length, spheres, vec3};
+use crate::arrays::{affines, boxes, refused, refused_at, same_length, spheres, vec3};
 use crate::mesh::Mesh;
 
 /// Objects on a grid.
 #[wasm_bindgen]
 pub struct Scene {
     pub(crate) scene: casca::Scene,
+    /// The number of the scene in its highest bits, where keys of objects have zeros: ids are keys
+    /// xor these, so that those of other scenes are refused.
+    pub(crate) salt: u64,
 }
+
+/// Numbers of scenes.
+static NEXT: AtomicU32 = AtomicU32::new(0);
 
 /// What is the same for all objects of a call.
 struct How {
@@ -49,11 +57,12 @@ impl Scene {
                 }
             }
         }
-        keys(&self.scene, ids)
+        keys(self, ids)
     }
 
-    /// Moves objects to other shapes, up to the first that is refused. An object that hides others
-    /// hides by its new shape.
+    /// Moves objects to other shapes, up to the first that is refused. What hides by a box or
+    /// sphere hides by the new one; what hides by a mesh hides no more, since a box covers more
+    /// than it.
     fn update<S: Into<Bounds> + Into<Occluder> + Copy>(
         &mut self,
         ids: &[ObjectId],
@@ -61,9 +70,14 @@ impl Scene {
     ) -> Result<(), JsError> {
         same_length(ids.len(), shapes.len())?;
         for (index, (&id, &shape)) in ids.iter().zip(shapes).enumerate() {
-            let hides = self.scene.occluder(id).map_err(|why| refused_at(index, why))?.is_some();
-            let occluder = hides.then(|| shape.into());
-            self.scene.update(id, shape, occluder).map_err(|why| refused_at(index, why))?;
+            let old = self.scene.occluder(id).map_err(|why| refused_at(index, why))?;
+            let (hid, is_solid) =
+                (old.is_some(), matches!(old, Some(Occluder::Box(_) | Occluder::Sphere(_))));
+            let moved = self.scene.update(id, shape, hid.then(|| shape.into()));
+            moved.map_err(|why| refused_at(index, why))?;
+            if hid && !is_solid {
+                self.scene.set_occluder(id, None).map_err(|why| refused_at(index, why))?;
+            }
         }
         Ok(())
     }
@@ -77,7 +91,8 @@ impl Scene {
     pub fn new(low: &[f32], high: &[f32], cell: f32) -> Result<Scene, JsError> {
         let room = Aabb::new(vec3("low", low)?, vec3("high", high)?);
         let grid = GridSpec::covering(room, cell).map_err(refused)?;
-        Ok(Self { scene: casca::Scene::new(&grid).map_err(refused)? })
+        let salt = u64::from(NEXT.fetch_add(1, Ordering::Relaxed)).reverse_bits();
+        Ok(Self { scene: casca::Scene::new(&grid).map_err(refused)?, salt })
     }
 
     /// Inserts boxes, 6 numbers each: the least corner and the greatest. Whether they hide others,
@@ -126,24 +141,24 @@ impl Scene {
         self.insert(shapes, &How::new(moves, layers))
     }
 
-    /// Moves objects to other boxes.
+    /// Moves objects to other boxes. A mesh that is moved so hides no more.
     #[wasm_bindgen(js_name = updateBoxes)]
     pub fn update_boxes(&mut self, ids: &[u64], boxes: &[f32]) -> Result<(), JsError> {
-        let ids = self::ids(&self.scene, ids)?;
+        let ids = self::ids(self, ids)?;
         self.update(&ids, &self::boxes(boxes)?)
     }
 
     /// Moves objects to other spheres.
     #[wasm_bindgen(js_name = updateSpheres)]
     pub fn update_spheres(&mut self, ids: &[u64], spheres: &[f32]) -> Result<(), JsError> {
-        let ids = self::ids(&self.scene, ids)?;
+        let ids = self::ids(self, ids)?;
         self.update(&ids, &self::spheres(spheres)?)
     }
 
     /// Gives meshes other transforms.
     #[wasm_bindgen(js_name = setTransforms)]
     pub fn set_transforms(&mut self, ids: &[u64], transforms: &[f32]) -> Result<(), JsError> {
-        let (ids, transforms) = (self::ids(&self.scene, ids)?, affines(transforms)?);
+        let (ids, transforms) = (self::ids(self, ids)?, affines(transforms)?);
         same_length(ids.len(), transforms.len())?;
         let set = self.scene.set_transforms(ids.into_iter().zip(transforms));
         set.map_err(|(id, why)| refused(format!("{id}: {why}")))
@@ -151,7 +166,11 @@ impl Scene {
 
     /// Removes objects. Their ids are refused from then on.
     pub fn remove(&mut self, ids: &[u64]) -> Result<(), JsError> {
-        let ids = self::ids(&self.scene, ids)?;
+        let ids = self::ids(self, ids)?;
+        let mut known = HashSet::new();
+        if let Some(twice) = ids.iter().position(|id| !known.insert(*id)) {
+            return Err(refused_at(twice, "the id comes twice"));
+        }
         ids.into_iter().try_for_each(|id| self.scene.remove(id)).map_err(refused)
     }
 
@@ -160,13 +179,13 @@ impl Scene {
     #[wasm_bindgen(js_name = beginFrame)]
     pub fn begin_frame(&mut self, now: f64) -> Result<Vec<u64>, JsError> {
         let expired = self.scene.begin_frame(now).map_err(refused)?;
-        keys(&self.scene, expired)
+        keys(self, expired)
     }
 
     /// The ids of all objects.
     #[wasm_bindgen(getter)]
     pub fn ids(&self) -> Result<Vec<u64>, JsError> {
-        keys(&self.scene, self.scene.ids())
+        keys(self, self.scene.ids())
     }
 
     /// How many objects there are.
@@ -177,7 +196,7 @@ impl Scene {
 
     /// Whether an id is that of an object of this scene.
     pub fn has(&self, id: u64) -> bool {
-        self.scene.id_from_key(id).is_ok_and(|id| self.scene.contains(id))
+        self.scene.id_from_key(id ^ self.salt).is_ok_and(|id| self.scene.contains(id))
     }
 
     /// Bytes that the scene takes, without its meshes.
@@ -185,4 +204,17 @@ impl Scene {
     pub fn memory_bytes(&self) -> usize {
         self.scene.memory().total()
     }
+}
+
+/// Ids of objects of a scene.
+pub fn ids(scene: &Scene, keys: &[u64]) -> Result<Vec<ObjectId>, JsError> {
+    let none = "no object of this scene has this id: it was removed, or is of another scene";
+    let of = |key: u64| scene.scene.id_from_key(key ^ scene.salt);
+    let id = |(index, &key)| of(key).map_err(|_| refused_at(index, none));
+    keys.iter().enumerate().map(id).collect()
+}
+
+/// Ids as bigints.
+pub fn keys(scene: &Scene, ids: impl IntoIterator<Item = ObjectId>) -> Result<Vec<u64>, JsError> {
+    ids.into_iter().map(|id| Ok(scene.scene.key(id).map_err(refused)? ^ scene.salt)).collect()
 }

@@ -136,6 +136,9 @@ test("meshes hide, and instances move", () => {
   assert.deepEqual([...query.run(scene, view)], [wall]);
   scene.setTransforms([wall], at(30, 50));
   assert(query.run(scene, view).includes(box));
+  // A box around the mesh covers what the mesh does not.
+  scene.updateBoxes([wall], [10, 0, 19, 50, 12, 21]);
+  assert(query.run(scene, view).includes(box));
   const [one, many] = [View.fromMatrix(looking()), View.omnidirectional([30, 2, 5]).withReach(0.5).withTurn(0.1)];
   assert(new Query().run(scene, one).length <= new Query("fast").run(scene, many).length);
 });
@@ -183,6 +186,9 @@ test("what cannot be used is refused, and changes nothing", () => {
     () => scene.updateBoxes([-1n], [1, 1, 1, 2, 2, 2]),
     () => scene.updateBoxes([1], [1, 1, 1, 2, 2, 2]),
     () => other.remove([gone]),
+    () => scene.remove([foreign]),
+    () => scene.remove([id, id]),
+    () => other.updateBoxes([id], [1, 1, 1, 2, 2, 2]),
     () => scene.setTransforms([id], new Float32Array(16)),
     () => scene.beginFrame(NaN),
     () => scene.insertMeshes(query, []),
@@ -209,7 +215,7 @@ test("what cannot be used is refused, and changes nothing", () => {
   for (const call of refused) {
     assert.throws(call, (why) => why instanceof Error && why.message.length > 8 && !(why instanceof WebAssembly.RuntimeError), call.toString());
   }
-  assert(typeof foreign === "bigint" && scene.length === 1 && other.length === 1);
+  assert(typeof foreign === "bigint" && !scene.has(foreign) && scene.length === 1 && other.length === 1);
   assert.deepEqual([...query.run(scene, view)], [id]);
   // Freed ones are refused, too.
   const freed = room();

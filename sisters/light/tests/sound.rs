@@ -158,9 +158,9 @@ fn too_much_is_refused_before_memory_ends() {
 
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
-        6 => -5.0_f32..5.0,
-        1 => Just(0.0_f32),
-        1 => Just(1.0_f32),
+        4 => -5.0_f32..5.0,
+        // Triangles that touch, lie in one plane or in faces of cells, and have no area.
+        4 => (-4..=4_i32).prop_map(|i| i as f32),
         1 => prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(1e30_f32), Just(-1e-30_f32), Just(1e9)],
     ]
 }

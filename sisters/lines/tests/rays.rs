@@ -28,7 +28,7 @@ const RAYS: u32 = 12;
 /// convex outline is its length over pi.
 fn tubes(lines: &LineSet, radius: f32) -> RayOracle {
     let corner = std::f32::consts::TAU * radius / 27f32.sqrt();
-    let mut all = Mesh { positions: Vec::new(), triangles: Vec::new() };
+    let mut all = Mesh { positions: Vec::new(), triangles: Vec::new(), ..Mesh::default() };
     for ends in lines.iter().flat_map(|line| line.windows(2)) {
         let Some(axis) = (ends[1] - ends[0]).try_normalize() else { continue };
         let (side, up) = axis.any_orthonormal_pair();
@@ -40,7 +40,7 @@ fn tubes(lines: &LineSet, radius: f32) -> RayOracle {
         };
         let positions = ring(ends[0]).chain(ring(ends[1])).collect();
         let triangles = (0..3).flat_map(|i| [[i, (i + 1) % 3, i + 3], [(i + 1) % 3, (i + 1) % 3 + 3, i + 3]]);
-        all.append(Mesh { positions, triangles: triangles.collect() });
+        all.append(Mesh { positions, triangles: triangles.collect(), ..Mesh::default() });
     }
     RayOracle::new(&[Object {
         name: String::new(),

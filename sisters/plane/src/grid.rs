@@ -12,8 +12,8 @@ use crate::geometry::Rect;
 pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 
 /// Coordinates beyond this many cells from the grid's corner are clamped: far enough to be outside,
-/// small enough for exact integer arithmetic.
-const FAR_CELLS: f64 = (1u64 << 30) as f64;
+/// and small enough that sums and differences of any two cells fit 32 bits.
+const FAR_CELLS: f64 = (1u64 << 29) as f64;
 
 /// The measures of a grid: a corner, the edge length of its square cells and how many of them lie
 /// along each axis.
@@ -129,7 +129,7 @@ impl Grid {
     }
 
     /// The cell that contains `point`, inside the grid or not; a point on a side belongs to the
-    /// upper cell. Coordinates saturate 2^30 cells away.
+    /// upper cell. Coordinates saturate 2^29 cells away.
     pub fn cell_of(&self, point: DVec2) -> IVec2 {
         IVec2::new(self.cell_along(0, point.x), self.cell_along(1, point.y))
     }
@@ -182,7 +182,7 @@ mod tests {
             }
         }
         let g = Grid::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(9) }).unwrap();
-        assert_eq!(g.cell_of(DVec2::new(1e300, -1e300)), IVec2::new(1 << 30, -(1 << 30)));
+        assert_eq!(g.cell_of(DVec2::new(1e300, -1e300)), IVec2::new(1 << 29, -(1 << 29)));
     }
 
     #[test]

@@ -50,6 +50,8 @@ mod cover;
 #[cfg(any(feature = "ldtk", feature = "tiled"))]
 mod editor;
 mod error;
+#[cfg(any(feature = "ldtk", feature = "maps", feature = "tiled"))]
+mod files;
 mod geometry;
 mod grid;
 mod id;
@@ -76,7 +78,7 @@ mod volume;
 pub use bits::BitGrid;
 pub use cell::{CellOptions, Fusion};
 #[cfg(any(feature = "ldtk", feature = "tiled"))]
-pub use editor::{Placed, Role};
+pub use editor::{MapNames, Placed, Role};
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, MAX_SPLIT_CORNERS, Polyline, Rect, Segment, Shape};
 /// The version of glam whose types these functions take and give.

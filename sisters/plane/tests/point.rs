@@ -126,8 +126,10 @@ fn wild() -> impl Strategy<Value = Vec2> + Clone {
     (coordinate.clone(), coordinate).prop_map(|(x, y)| Vec2::new(x, y))
 }
 
+/// Half of the coordinates are whole: walls that touch, eyes on walls and on sides of cells.
 fn plain() -> impl Strategy<Value = Vec2> + Clone {
-    (-9.0f32..9.0, -9.0f32..9.0).prop_map(|(x, y)| Vec2::new(x, y))
+    let coordinate = prop_oneof![-9.0f32..9.0, (-9..=9i32).prop_map(|i| i as f32)];
+    (coordinate.clone(), coordinate).prop_map(Vec2::from)
 }
 
 proptest! {

@@ -41,9 +41,10 @@ fn lattice() -> impl Strategy<Value = Vec2> + Clone {
     (0..24i32, 0..24i32).prop_map(|(x, y)| Vec2::new(x as f32, y as f32) / 2.0)
 }
 
-/// Points anywhere.
+/// Points anywhere, half of their coordinates those of the lattice.
 fn anywhere() -> impl Strategy<Value = Vec2> + Clone {
-    (0.0..12.0f32, 0.0..12.0f32).prop_map(Vec2::from)
+    let coordinate = prop_oneof![0.0..12.0f32, (0..24i32).prop_map(|i| i as f32 / 2.0)];
+    (coordinate.clone(), coordinate).prop_map(Vec2::from)
 }
 
 fn objects(lattice_only: bool) -> BoxedStrategy<Vec<(Shape, bool)>> {

@@ -16,7 +16,7 @@ pub struct PointCloud {
     pub positions: Vec<Vec3>,
     /// Red, green and blue from 0 to 255.
     pub colours: Vec<[u8; 3]>,
-    /// Normals of the surface, of length 1.
+    /// Normals of the surface, of any length; one that is zero or not finite is not known.
     pub normals: Vec<Vec3>,
     /// The radius of the disc that stands for the point, in the units of the positions.
     pub radii: Vec<f32>,

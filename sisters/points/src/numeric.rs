@@ -5,7 +5,7 @@
 //! Robust Geometric Predicates"), from the crate `robust`. They are exact as long as nothing over-
 //! or underflows; [`normalized`] makes sure of that.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use robust::{Coord, Coord3D};
 
 /// Coordinates below this fraction of the largest one are rounded to multiples of [`FINEST`].
@@ -64,6 +64,12 @@ const ORIGIN_STEP: f64 = 1024.0;
 pub(crate) fn origin_near(point: DVec3) -> DVec3 {
     let near = (point / ORIGIN_STEP).round() * ORIGIN_STEP;
     if near.abs().max_element() <= 549_755_813_888.0 { near } else { DVec3::ZERO }
+}
+
+/// A normal of length 1, in the direction of one of any length; zero for one that is void: of no
+/// length, or not finite. In double precision, in which no square of a float over- or underflows.
+pub(crate) fn unit(normal: Vec3) -> Vec3 {
+    if normal.is_normalized() { normal } else { normal.as_dvec3().normalize_or_zero().as_vec3() }
 }
 
 /// How far outside of a node of a file's octree its points may lie beside the resolution of their
@@ -148,6 +154,16 @@ mod tests {
     fn tiny_coordinates_are_rounded_and_others_are_kept() {
         let point = DVec3::new(1.0, 1e-30 / 3.0, 1e-60);
         assert_eq!(normalized(point, 1.0), DVec3::new(1.0, 1e-30 / 3.0, 0.0));
+    }
+
+    #[test]
+    fn normals_of_any_length_have_a_direction() {
+        for length in [1e-45, 1e-30, 0.5, 7.0, f32::MAX] {
+            assert_eq!(unit(Vec3::NEG_Y * length), Vec3::NEG_Y, "{length}");
+        }
+        for void in [Vec3::ZERO, Vec3::splat(f32::NAN), Vec3::new(0.0, f32::INFINITY, 1.0)] {
+            assert_eq!(unit(void), Vec3::ZERO);
+        }
     }
 
     #[test]

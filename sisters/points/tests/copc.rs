@@ -19,14 +19,18 @@ fn parse(bytes: Vec<u8>) -> Result<PointCloud, FileError> {
     Ok(all)
 }
 
-fn selected(bytes: &[u8], wanted: Selection) -> Result<PointCloud, FileError> {
+fn reported(bytes: &[u8], wanted: Selection) -> Result<(PointCloud, Vec<String>), FileError> {
     let mut all = PointCloud::default();
     let name = "test.copc.laz".into();
-    read_selected_source(Cursor::new(bytes.to_vec()), name, &wanted, usize::MAX, |cloud| {
+    let report = read_selected_source(Cursor::new(bytes.to_vec()), name, &wanted, usize::MAX, |cloud| {
         all = cloud;
         Ok::<_, FileError>(())
     })?;
-    Ok(all)
+    Ok((all, report.warnings))
+}
+
+fn selected(bytes: &[u8], wanted: Selection) -> Result<PointCloud, FileError> {
+    reported(bytes, wanted).map(|(cloud, _)| cloud)
 }
 
 fn levels(levels: Levels) -> Selection {
@@ -99,7 +103,8 @@ fn only_the_nodes_of_the_wanted_part_are_read() {
     for (from, to) in [(second, table), (child, file.len())] {
         let file = damaged(from, to);
         assert!(selected(&file, levels(Levels::To(0))).unwrap() == coarse);
-        assert!(selected(&file, levels(Levels::To(2))).is_err());
+        let rest = reported(&file, levels(Levels::To(2)));
+        assert!(rest.is_err() || rest.is_ok_and(|(_, warnings)| warnings.len() == 1));
     }
     let far = Some([DVec3::new(4.0, -9.0, -9.0), DVec3::splat(9.0)]);
     let wanted = Selection { within: far, ..Selection::default() };
@@ -159,9 +164,26 @@ fn a_hostile_hierarchy_is_refused() {
     refused(first, &entry([0; 4], start, -1, 50), "50 points in");
     refused(first, &entry([0; 4], start, bytes, -2), "-2 points in");
     refused(first, &entry([0; 4], start, bytes, i32::MAX), "points, the header says 291");
-    refused(first, &entry([0; 4], start, bytes, 49), "its chunk has 50 points, the hierarchy says 49");
-    refused(first, &entry([0; 4], start, 40, 50), "layers of");
     refused(first, &entry([1, 1, 0, 0], start, bytes, 50), "the node 1-1-0-0 comes twice");
+}
+
+#[test]
+fn a_node_that_is_broken_is_left_out() {
+    let file = copc(&TREE, true);
+    let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| file[at + i]));
+    let first = number(INFO_AT + 40) as usize;
+    let (start, bytes) = (number(first + 16), number(first + 24) as i32);
+    for (root, reason) in [
+        (entry([0; 4], start, bytes, 49), "its chunk has 50 points, the hierarchy says 49; 49 of 290 points"),
+        (entry([0; 4], start, 40, 50), "layers of"),
+    ] {
+        let mut file = file.clone();
+        file[first..first + root.len()].copy_from_slice(&root);
+        let (cloud, warnings) = reported(&file, levels(Levels::To(5))).unwrap();
+        same(&cloud, points(&TREE[1..]));
+        let [said] = &warnings[..] else { panic!("{warnings:?}") };
+        assert!(said.starts_with("test.copc.laz, node 0-0-0-0: ") && said.contains(reason), "{said}");
+    }
 }
 
 #[test]

@@ -82,8 +82,8 @@ fn same(cloud: &PointCloud, expected: impl Iterator<Item = (DVec3, [u8; 3])>) {
 fn tiles_are_read_level_by_level() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path());
-    same(&read(folder.path()).unwrap(), points(&sorted(2)));
-    same(&read(&folder.path().join(DESCRIPTION)).unwrap(), points(&sorted(2)));
+    same(&read(folder.path()).unwrap().0, points(&sorted(2)));
+    same(&read(&folder.path().join(DESCRIPTION)).unwrap().0, points(&sorted(2)));
     for (level, spacing) in [(0, 0.5), (1, 0.3), (2, 0.2)] {
         same(&selected(folder.path(), to(level)).unwrap(), points(&sorted(level as i32)));
         let levels = Levels::Spacing(spacing);
@@ -133,11 +133,36 @@ fn what_is_not_read_is_refused_with_its_reason() {
     refused(ROOT, "1-1-0-0", "1-1-0-0-0", "no node is called");
     refused(ROOT, "\"1-1-0-0\": 1", "\"1-1-0-0\": -2", "the node 1-1-0-0 has -2 points");
     refused(ROOT, "\"1-1-0-0\": 1", "\"1-1-0-0\": 1.5", "the node 1-1-0-0 has 1.5 points");
-    refused(ROOT, "\"1-1-0-0\"", "\"1-1-0-1\"", "1-1-0-1.laz");
     let json = fs::read(folder.path().join(DESCRIPTION)).unwrap();
     let each = |_| Ok::<_, FileError>(());
     let said = read_source(std::io::Cursor::new(json), "ept.json".into(), 9, each).unwrap_err().to_string();
     assert!(said.contains("its points lie in files beside it"), "{said}");
+}
+
+#[test]
+fn a_tile_that_is_missing_or_broken_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let tile = folder.path().join("ept-data/1-0-0-0.laz");
+    let rest: Vec<Node> = sorted(2).into_iter().filter(|node| node.0 != [1, 0, 0, 0]).collect();
+    for damage in [None, Some(0), Some(100), Some(500)] {
+        write(folder.path());
+        for name in [DESCRIPTION, ROOT, CHILD] {
+            let text = fs::read_to_string(folder.path().join(name)).unwrap();
+            fs::write(folder.path().join(name), format!("\u{feff}{text}")).unwrap();
+        }
+        let bytes = fs::read(&tile).unwrap();
+        match damage {
+            Some(end) => fs::write(&tile, &bytes[..end]).unwrap(),
+            None => fs::remove_file(&tile).unwrap(),
+        }
+        let (cloud, report) = read(folder.path()).unwrap();
+        same(&cloud, points(&rest));
+        let [said] = &report.warnings[..] else { panic!("{:?}", report.warnings) };
+        assert!(
+            said.contains("1-0-0-0.laz") && said.ends_with("; 200 of 291 points could not be read"),
+            "{said}"
+        );
+    }
 }
 
 #[test]
@@ -147,7 +172,7 @@ fn files_that_refer_to_each_other_are_read_once() {
     let text = fs::read_to_string(folder.path().join(CHILD)).unwrap();
     let circle = text.replacen('{', "{\"0-0-0-0\": -1, ", 1);
     fs::write(folder.path().join(CHILD), circle).unwrap();
-    same(&read(folder.path()).unwrap(), points(&sorted(2)));
+    same(&read(folder.path()).unwrap().0, points(&sorted(2)));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::numeric::occlusion::above;
-use crate::occlusion::bins::Bins;
+use crate::occlusion::bins::{Bins, WideBins};
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::front::Front;
@@ -71,7 +71,7 @@ pub(crate) struct FaceBuffer {
     halves: SmallVec<[Linear; 8]>,
     coverage: Coverage,
     occluders: Bins<Listed>,
-    patches: Bins<ListedPatch>,
+    patches: WideBins<ListedPatch>,
     drawn: Vec<Drawn>,
     received: Vec<Received>,
 }
@@ -85,7 +85,7 @@ impl FaceBuffer {
             halves: SmallVec::new(),
             coverage: Coverage::default(),
             occluders: Bins::new(),
-            patches: Bins::new(),
+            patches: WideBins::new(),
             drawn: Vec::new(),
             received: Vec::new(),
         }
@@ -160,11 +160,11 @@ impl FaceBuffer {
     }
 
     /// The patches drawn, by place.
-    pub(crate) fn patches(&self) -> &Bins<ListedPatch> {
+    pub(crate) fn patches(&self) -> &WideBins<ListedPatch> {
         &self.patches
     }
 
-    pub(crate) fn patches_mut(&mut self) -> &mut Bins<ListedPatch> {
+    pub(crate) fn patches_mut(&mut self) -> &mut WideBins<ListedPatch> {
         &mut self.patches
     }
 

@@ -8,7 +8,7 @@ use crate::occlusion::bins::BIN;
 use crate::occlusion::coverage::Shades;
 use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::{FaceBuffer, Listed};
-use crate::occlusion::pixels::Window;
+use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, Tile, bits, block};
 
@@ -60,8 +60,17 @@ impl FaceBuffer {
     /// Whether a patch of triangles may hide a point at a nearness in a pixel.
     pub(crate) fn patch_may_hide(&self, (x, y): (i64, i64), near: f32) -> bool {
         let holds = |(lo, hi): (i64, i64), at: i64| lo <= at && at < hi;
-        let listed = self.patches.list(self.patches.index(x, y));
-        listed.iter().any(|p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
+        let mut listed = self.patches.around(x, y);
+        listed.any(|p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
+    }
+
+    /// Whether patches may reach into the bin of a pixel, that of the lists of occluders.
+    pub(crate) fn has_patches(&self, (x, y): (i64, i64)) -> bool {
+        let ((tx, ty), size) = (self.window.first_tile(), BIN * TILE);
+        let first = |at: i64, tile: i64| (at - tile * TILE) / size * size + tile * TILE;
+        let (x0, y0) = (first(x, tx), first(y, ty));
+        let bin = PixelRect { x: (x0, x0 + size), y: (y0, y0 + size) };
+        self.patches.around(x, y).any(|p| p.pixels.overlaps(&bin))
     }
 
     /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex
@@ -98,8 +107,9 @@ impl FaceBuffer {
                 let tiles = (y..(y + BIN).min(ty + ny))
                     .flat_map(|ty| (x..(x + BIN).min(tx + nx)).map(move |tx| (tx, ty)));
                 found(
-                    self.occluders.list(bin).is_empty() && self.patches.list(bin).is_empty() && { tiles }
-                        .all(|(x, y)| self.coverage.is_untouched(self.window.tile_index(x, y))),
+                    self.occluders.list(bin).is_empty()
+                        && { tiles }.all(|(x, y)| self.coverage.is_untouched(self.window.tile_index(x, y)))
+                        && !self.has_patches((x * TILE, y * TILE)),
                 );
             }
         }

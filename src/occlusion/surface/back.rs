@@ -72,6 +72,16 @@ impl Back {
         }
     }
 
+    /// [`Back::behind`] is no more than this for any square of a rectangle, given by its lower left
+    /// corner and its size.
+    #[inline(always)]
+    pub(super) fn behind_at_most<S: Simd>(&self, simd: S, (u, v): (f64, f64), size: (f64, f64)) -> f64 {
+        let load = |of: &[f64; PLANES]| f64x8::from_slice(simd, of);
+        let (a, b, c) = (load(&self.a), load(&self.b), load(&self.c));
+        let zero = f64x8::splat(simd, 0.0);
+        ((a * u + b * v) + (a.max(zero) * size.0 + b.max(zero) * size.1) + c).reduce_max()
+    }
+
     /// Points of a square, given by its lower left corner and its size, that are less near than
     /// this are behind the patch. With the plane that bounds it, if one does.
     #[inline(always)]

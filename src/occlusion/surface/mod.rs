@@ -95,8 +95,8 @@ impl OcclusionBuffers {
     /// Draws patches together: outlines that two of them share leave no seam. `patches` is greater
     /// than all their numbers; `listed` tells whether they are listed by place, `shared` whether
     /// several threads may draw. [`OcclusionBuffers::useful_patches`] then tells which hide more
-    /// than before.
-    pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool, shared: bool) {
+    /// than before. Returns the blocks of pixels that it went through.
+    pub(crate) fn draw_surfaces(&mut self, batch: &Batch, patches: usize, listed: bool, shared: bool) -> u64 {
         let viewpoint = self.viewpoint();
         let (buffers, SurfaceScratch { ids, faces, useful }) = self.surfaces_mut();
         for d in batch.drawables.iter().filter(|d| !d.again) {
@@ -121,6 +121,7 @@ impl OcclusionBuffers {
         }
         useful.clear();
         faces[..buffers.len()].iter().for_each(|face| useful.extend(&face.useful));
+        faces[..buffers.len()].iter().map(|face| face.blocks).sum()
     }
 
     /// Forgets the patches of the last query: the numbers of first drawing begin anew.

@@ -61,6 +61,10 @@ pub(super) struct FaceScratch {
     pub(super) joint: Joint,
     /// As in [`SurfaceScratch`], on this face.
     pub(super) useful: Vec<u32>,
+    /// The blocks of pixels that the last drawing went through.
+    pub(super) blocks: u64,
+    /// Those that patches around many of them went through in the query.
+    pub(super) wide_blocks: u64,
 }
 
 /// The numbers of the patches of a query in the order of first drawing, by their numbers in the
@@ -104,6 +108,7 @@ impl SurfaceScratch {
         for face in &mut self.faces {
             face.kept.clear();
             face.places.clear();
+            face.wide_blocks = 0;
         }
     }
 
@@ -125,6 +130,7 @@ impl FaceScratch {
         self.seen.clear();
         self.narrow.clear();
         self.useful.clear();
+        self.blocks = 0;
     }
 
     /// Appends a patch by its number in the order of first drawing.

@@ -1,11 +1,13 @@
 //! Tiles that patches cover, by the marks of their outlines.
 
+use std::ops::Range;
+
 use fearless_simd::Simd;
 
-use crate::numeric::occlusion::below;
+use crate::numeric::occlusion::{above, below};
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::surface::back::Back;
-use crate::occlusion::surface::raster::{Area, COLUMNS, Marks, Raster, TILES, tiles};
+use crate::occlusion::surface::raster::{Area, COLUMNS, FEW, Marks, Raster, Spans, TILES, tiles};
 use crate::occlusion::tiles::TILE;
 
 /// A rectangle of tiles of a face, and what covers them.
@@ -24,6 +26,8 @@ pub(crate) struct Sheet<'a> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Joint {
     area: Area,
+    /// The blocks in use. Others have no marks, whatever they hold.
+    spans: Spans,
     blocks: Vec<Marks>,
     /// The least nearness of the patches in each tile.
     nears: Vec<[f32; TILES]>,
@@ -33,10 +37,31 @@ impl Joint {
     #[inline(always)]
     pub(super) fn clear(&mut self, area: Area) {
         self.area = area;
-        self.blocks.clear();
-        self.blocks.resize(area.block_count(), Marks::default());
-        self.nears.clear();
-        self.nears.resize(area.block_count(), [f32::INFINITY; TILES]);
+        let count = area.block_count();
+        if self.blocks.len() < count {
+            self.blocks.resize(count, Marks::default());
+            self.nears.resize(count, [f32::INFINITY; TILES]);
+        }
+        let all = self.spans.begin(&area);
+        self.clear_blocks(all);
+    }
+
+    #[inline(always)]
+    fn clear_blocks(&mut self, blocks: Range<usize>) {
+        self.blocks[blocks.clone()].fill(Marks::default());
+        self.nears[blocks].fill([f32::INFINITY; TILES]);
+    }
+
+    /// Takes a block of an area inside into use. Returns its place.
+    #[inline(always)]
+    fn take(&mut self, inside: &Area, row: i64, column: i64) -> usize {
+        let (row, column) = self.area.place(inside, row, column);
+        for fresh in self.spans.take(row as usize, column as usize, column as usize + 1) {
+            if !fresh.is_empty() {
+                self.clear_blocks(fresh);
+            }
+        }
+        (row * self.area.nx + column) as usize
     }
 }
 
@@ -66,6 +91,11 @@ impl Sheet<'_> {
         Some(Place { tile, column: x, row: y, from: from as usize, to: to as usize })
     }
 
+    /// How many blocks of pixels its tiles fill.
+    pub(super) fn block_count(&self) -> u64 {
+        (self.count.0 * self.count.1) as u64 / TILES as u64
+    }
+
     /// The left or lower border of a tile on the face.
     #[inline(always)]
     fn border(&self, at: i64) -> f64 {
@@ -86,18 +116,32 @@ impl Sheet<'_> {
     ) -> bool {
         let area = raster.area();
         let mut changed = false;
-        for (row, column) in (0..area.ny).flat_map(|row| (0..area.nx).map(move |column| (row, column))) {
-            let marks = raster.marks((row * area.nx + column) as usize);
+        // To ask for whole blocks is worth it where patches lie over each other in many.
+        let is_wide = area.block_count() > FEW;
+        for (row, column) in raster.spans().blocks() {
+            let marks = raster.marks_in_use(row, column);
+            let (row, column) = (row as i64, column as i64);
+            let Some(place) = self.place(area, row, column) else { continue };
+            let mut near = near;
+            if is_wide {
+                let at = (self.border(place.column), self.border(place.row));
+                let size = (self.step * TILES as f64, self.step);
+                near = near.min(above(back.behind_at_most(simd, at, size)));
+                let (first, last) =
+                    (place.tile.wrapping_add(place.from), place.tile.wrapping_add(place.to - 1));
+                if joint.is_none() && self.coverage.all_closed(first, last, near) {
+                    continue;
+                }
+            }
             let covered = closed_to_rims(marks.covered(), rims, area, (row, column));
             let columns = covered.iter().fold(0, |all, row| all | row);
             let marked = if joint.is_some() { marks.marked_columns() } else { columns };
             if marked == 0 {
                 continue;
             }
-            let Some(place) = self.place(area, row, column) else { continue };
             let words = if columns == 0 { [0; TILES] } else { tiles(&covered) };
             let mut joint = joint.as_deref_mut().map(|joint| {
-                let at = joint.area.block(area, row, column);
+                let at = joint.take(area, row, column);
                 joint.blocks[at].add(marks);
                 &mut joint.nears[at]
             });
@@ -133,7 +177,8 @@ impl Sheet<'_> {
     pub(super) fn cover_seams(&mut self, rims: Option<&Raster>, joint: &Joint) -> bool {
         let area = &joint.area;
         let mut changed = false;
-        for (row, column) in (0..area.ny).flat_map(|row| (0..area.nx).map(move |column| (row, column))) {
+        for (row, column) in joint.spans.blocks() {
+            let (row, column) = (row as i64, column as i64);
             let at = (row * area.nx + column) as usize;
             let covered = closed_to_rims(joint.blocks[at].covered_seams(), rims, area, (row, column));
             if covered.iter().fold(0, |all, row| all | row) == 0 {

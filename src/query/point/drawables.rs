@@ -84,8 +84,15 @@ impl<'a> Walk<'a> {
         // Unequal scales change the angles in a patch.
         let sine = || f64::from(surface.patch(patch).sine);
         let keeps_angles = placement.is_none_or(|p| p.keeps_angles);
-        if surface.front && !(keeps_angles && self.is_front(normal, &block, sine())) {
-            return None;
+        if surface.front {
+            // The first is nearer for patches that are far, the second for wide ones.
+            let is_front = || {
+                self.is_front(normal, &block, sine())
+                    || buffers.direction().is_none() && is_below_eye(normal, slab, &block, sine())
+            };
+            if !(keeps_angles && is_front()) {
+                return None;
+            }
         }
         // The far side of a closed surface lies behind its near side.
         if surface.outward != 0.0 && keeps_angles && self.is_front(-surface.outward * normal, &block, sine())
@@ -186,10 +193,14 @@ impl<'a> Walk<'a> {
 /// the directions from its points to the eye differ from its normal, or from the opposite one, by
 /// less than a right angle less the greatest angle of its triangles, whose sine is given.
 fn is_turned_to_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bool {
+    is_below_eye(normal, slab, block, sine) || is_below_eye(-normal, (-slab.1, -slab.0), block, sine)
+}
+
+/// The same of the side that the normal points to.
+fn is_below_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bool {
     let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
-    // How far the eye lies above all of the patch, or below.
-    let (along, across) = (normal.dot(middle), normal.abs().dot(half));
-    let height = (along - across).max(slab.0).max(-(along + across)).max(-slab.1);
+    // How far the eye lies above all of the patch.
+    let height = -(normal.dot(middle) + normal.abs().dot(half)).min(slab.1);
     let farthest = block.min.abs().max(block.max.abs()).length();
     height > (sine + FRONT_SINE) * farthest
 }

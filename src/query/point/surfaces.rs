@@ -126,7 +126,7 @@ impl<'a> Walk<'a> {
         self.stats.patches_drawn += batch.drawables.len() as u32;
         let listed = self.options.refine_patches > 0;
         let (patches, shared) = (self.scene.seams().patches(), self.is_parallel());
-        self.scratch.buffers.draw_surfaces(&batch, patches, listed, shared);
+        self.stats.patch_blocks += self.scratch.buffers.draw_surfaces(&batch, patches, listed, shared);
         self.count_useful(&batch);
         self.drew_batch(&batch);
     }

@@ -1,7 +1,9 @@
 //! Test scenes written as glTF 2.0 files, which [`crate::import`] reads back.
 //!
-//! Each object is a node: a box is scaled from one unit cube, a sphere is a ball of 320 triangles.
-//! The positions of moving objects and of the camera are stored for every frame of the path.
+//! What hides is said by materials: see-through ones blend, and what hides from both sides is
+//! double sided. Each object is a node: a box is scaled from one unit cube, a sphere is a ball of
+//! 320 triangles. The positions of moving objects and of the camera are stored for every frame of
+//! the path.
 
 #[cfg(test)]
 mod tests;
@@ -10,7 +12,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{Mat4, Quat, Vec3};
+use glam::{DVec3, Mat4, Quat, Vec3};
 use gltf::Glb;
 use gltf::binary::Header;
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
@@ -18,13 +20,14 @@ use gltf::json::animation::{Channel, Interpolation, Property, Sampler, Target};
 use gltf::json::buffer::View;
 use gltf::json::camera::Perspective;
 use gltf::json::extras::RawValue;
+use gltf::json::material::AlphaMode;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::Valid;
 use gltf::json::{self, Accessor, Animation, Buffer, Index, Node, Root, Scene, Value};
 use serde_json::json;
 use serde_json::value::to_raw_value;
 
-use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, World};
+use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, Sides, World};
 use casca_tools::path_error::PathError;
 
 /// How often the triangles of a ball are cut.
@@ -74,7 +77,7 @@ pub fn glb(world: &mut World) -> Result<Vec<u8>, ExportError> {
     let node = writer.camera(&world.camera(0, 1.0));
     writer.animate(node, Property::Translation, Type::Vec3, &paths.eyes);
     writer.animate(node, Property::Rotation, Type::Vec4, &paths.turns);
-    writer.finish(&world.name)
+    writer.finish(&world.name, world.source.origin)
 }
 
 /// The positions of everything that moves, frame by frame.
@@ -187,26 +190,52 @@ impl Writer {
         }
         let positions: Vec<f32> = mesh.positions.iter().flat_map(|p| p.to_array()).collect();
         let positions = self.floats(Type::Vec3, &positions);
-        let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
-        let bytes: Vec<u8> = corners.iter().flat_map(|corner| corner.to_le_bytes()).collect();
-        let corners = self.accessor(ComponentType::U32, Type::Scalar, corners.len(), &bytes);
-        let new = self.root.push(json::Mesh {
-            extensions: None,
-            extras: None,
-            name: None,
-            primitives: vec![Primitive {
+        // What hides alike is one primitive.
+        let mut primitives = Vec::new();
+        for sides in [Sides::Both, Sides::Front, Sides::Neither] {
+            let triangles = (0..mesh.triangles.len()).filter(|&i| mesh.sides_of(i) == sides);
+            let corners: Vec<u32> = triangles.flat_map(|i| mesh.triangles[i]).collect();
+            if corners.is_empty() {
+                continue;
+            }
+            let bytes: Vec<u8> = corners.iter().flat_map(|corner| corner.to_le_bytes()).collect();
+            let corners = self.accessor(ComponentType::U32, Type::Scalar, corners.len(), &bytes);
+            primitives.push(Primitive {
                 attributes: BTreeMap::from([(Valid(Semantic::Positions), positions)]),
                 extensions: None,
                 extras: None,
                 indices: Some(corners),
-                material: None,
+                material: Some(self.material(sides)),
                 mode: Valid(Mode::Triangles),
                 targets: None,
-            }],
+            });
+        }
+        let new = self.root.push(json::Mesh {
+            extensions: None,
+            extras: None,
+            name: None,
+            primitives,
             weights: None,
         });
         self.meshes.insert(key, new);
         new
+    }
+
+    /// The material of what hides so.
+    fn material(&mut self, sides: Sides) -> Index<json::Material> {
+        let wanted = |m: &json::Material| {
+            m.double_sided == (sides == Sides::Both)
+                && (m.alpha_mode == Valid(AlphaMode::Opaque)) == (sides != Sides::Neither)
+        };
+        if let Some(known) = self.root.materials.iter().position(wanted) {
+            return Index::new(known as u32);
+        }
+        let alpha_mode = if sides == Sides::Neither { AlphaMode::Blend } else { AlphaMode::Opaque };
+        self.root.push(json::Material {
+            double_sided: sides == Sides::Both,
+            alpha_mode: Valid(alpha_mode),
+            ..json::Material::default()
+        })
     }
 
     /// The node of a perspective camera.
@@ -297,8 +326,8 @@ impl Writer {
         })
     }
 
-    /// The file.
-    fn finish(mut self, name: &str) -> Result<Vec<u8>, ExportError> {
+    /// The file; `origin` is added to all positions.
+    fn finish(mut self, name: &str, origin: DVec3) -> Result<Vec<u8>, ExportError> {
         self.root.push(Buffer {
             byte_length: self.bytes.len().into(),
             name: None,
@@ -313,7 +342,11 @@ impl Writer {
             name: None,
             samplers: self.samplers,
         });
-        let nodes = (0..self.root.nodes.len() as u32).map(Index::new).collect();
+        let mut nodes: Vec<_> = (0..self.root.nodes.len() as u32).map(Index::new).collect();
+        if origin != DVec3::ZERO {
+            let translation = Some(origin.as_vec3().to_array());
+            nodes = vec![self.root.push(Node { translation, children: Some(nodes), ..Node::default() })];
+        }
         let scene = Scene { extensions: None, extras: None, name: Some(name.to_owned()), nodes };
         self.root.scene = Some(self.root.push(scene));
         let json = self.root.to_vec().map_err(gltf::Error::Deserialize)?;

@@ -91,3 +91,40 @@ impl crate::world::Animation for Still {
         Camera::look_at(Vec3::ONE, Vec3::ZERO, 60.0, aspect, 0.1, 10.0)
     }
 }
+
+#[test]
+fn what_hides_and_from_where_is_read_back() {
+    let mut world =
+        generated::build(SceneKind::Rooms, &SceneOptions { scale: 0.1, ..SceneOptions::default() });
+    let sides = [Sides::Front, Sides::Neither, Sides::Both, Sides::Front];
+    for (i, object) in world.objects.iter_mut().take(3).enumerate() {
+        let mut mesh = Mesh::cuboid(Vec3::ZERO, Vec3::ONE);
+        mesh.sides = match i {
+            0 => (0..12).map(|t| sides[t % 4]).collect(),
+            1 => vec![Sides::Front; 12],
+            _ => vec![Sides::Neither; 12],
+        };
+        object.shape = Shape::Mesh { mesh: mesh.into(), transform: Affine3A::IDENTITY };
+        (object.occludes, object.motion) = (i < 2, Motion::Static);
+    }
+    let read = read_back(&mut world, "sides");
+    for (written, read) in world.objects.iter().zip(&read.objects).take(3) {
+        let (Shape::Mesh { mesh: a, .. }, Shape::Mesh { mesh: b, .. }) = (&written.shape, &read.shape) else {
+            panic!("a mesh")
+        };
+        // By the corners of a triangle, which are in another order now.
+        let of = |mesh: &Mesh| {
+            let place = |v: u32| mesh.positions[v as usize].to_array().map(f32::to_bits);
+            let all =
+                (0..mesh.triangles.len()).map(|t| (mesh.triangles[t].map(place), mesh.sides_of(t) as u8));
+            all.collect::<std::collections::BTreeSet<_>>()
+        };
+        assert_eq!(of(a), of(b));
+        assert_eq!((written.occludes, written.tested), (read.occludes, read.tested));
+    }
+    assert!(
+        read.objects[3..]
+            .iter()
+            .all(|o| matches!(&o.shape, Shape::Mesh { mesh, .. } if mesh.sides.is_empty()))
+    );
+}

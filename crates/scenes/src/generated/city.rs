@@ -111,6 +111,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
     small_things(&mut dice, (SMALL * options.scale) as usize, &mut objects);
     let sliding = cars(&mut dice, &mut objects);
     World {
+        source: Default::default(),
         name: "city".to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },

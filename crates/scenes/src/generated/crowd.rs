@@ -84,6 +84,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
         swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 1.5)));
     }
     World {
+        source: Default::default(),
         name: "crowd".to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },

@@ -61,7 +61,7 @@ impl Ground {
             let (b, c, d) = (a + 1, a + side as u32, a + side as u32 + 1);
             triangles.extend([[a, d, b], [a, c, d]]);
         }
-        Mesh { positions: self.0.iter().enumerate().map(corner).collect(), triangles }
+        Mesh { positions: self.0.iter().enumerate().map(corner).collect(), triangles, ..Mesh::default() }
     }
 
     /// A walk over hills past places given by x and z, at the height of the eyes.
@@ -93,6 +93,7 @@ fn roof() -> Mesh {
             [2, 0, 3],
             [2, 3, 5],
         ],
+        ..Mesh::default()
     }
 }
 
@@ -150,6 +151,7 @@ pub(super) fn small_things(dice: &mut Dice, places: &Places, count: usize, objec
 /// A scene on the ground in which nothing moves but the walker.
 pub(super) fn world(name: &str, objects: Vec<Object>, path: Path, options: &SceneOptions) -> World {
     World {
+        source: Default::default(),
         name: name.to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, 56.0, SIZE), cell: 2.0 },

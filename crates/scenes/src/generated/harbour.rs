@@ -81,7 +81,7 @@ fn loft(sections: &[Vec<Vec3>], lid: bool) -> Mesh {
     for i in 1..corners - 1 {
         triangles.extend([[0, i + 1, i], [end, end + i, end + i + 1]]);
     }
-    Mesh { positions: sections.concat(), triangles }
+    Mesh { positions: sections.concat(), triangles, ..Mesh::default() }
 }
 
 /// A container with dents along its sides, so many times as long as the shorter ones.
@@ -317,6 +317,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
     small_things(&mut dice, &path, (SMALL * options.scale) as usize, &mut objects);
     let sliding = vehicles(&mut dice, &mut objects);
     World {
+        source: Default::default(),
         name: "harbour".to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: SIZE, cell: 1.25 },

@@ -56,7 +56,7 @@ pub(super) fn prism(sides: u32) -> Mesh {
         let (a, b) = (2 * i, 2 * ((i + 1) % sides));
         [[a, a + 1, b + 1], [a, b + 1, b], [2 * sides, a, b], [2 * sides + 1, b + 1, a + 1]]
     };
-    Mesh { positions, triangles: (0..sides).flat_map(triangle).collect() }
+    Mesh { positions, triangles: (0..sides).flat_map(triangle).collect(), ..Mesh::default() }
 }
 
 #[cfg(test)]

@@ -72,6 +72,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
         objects.push(thing);
     }
     World {
+        source: Default::default(),
         name: "rocks".to_owned(),
         objects,
         grid: GridHint { min: Vec3::new(0.0, -2.0, 0.0), max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },

@@ -130,6 +130,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
     furniture(&mut dice, options.scale, &samples, &mut objects);
     let max = Vec3::new(SIZE, CEILING + 0.2, SIZE);
     World {
+        source: Default::default(),
         name: "rooms".to_owned(),
         objects,
         // Two cells are a little thinner than a wall, so that every wall holds a

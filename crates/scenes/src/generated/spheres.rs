@@ -125,6 +125,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
         (min, max) = beyond_walls(&mut dice, [min, max], extra, density, &mut objects);
     }
     World {
+        source: Default::default(),
         name: "spheres".to_owned(),
         objects,
         grid: GridHint { min, max, cell: 1.0 },

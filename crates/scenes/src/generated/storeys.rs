@@ -248,6 +248,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
     let sliding = people(&mut dice, &mut objects);
     let top = STOREYS as f32 * HEIGHT;
     World {
+        source: Default::default(),
         name: "storeys".to_owned(),
         objects,
         grid: GridHint {

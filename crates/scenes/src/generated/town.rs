@@ -169,6 +169,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
         objects.push(small_thing(&mut dice, &ball, base));
     }
     World {
+        source: Default::default(),
         name: "town".to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE + 2.0, HEIGHT, SIZE + 2.0), cell: 1.0 },

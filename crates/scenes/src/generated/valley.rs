@@ -49,7 +49,11 @@ fn cone(sides: u32, radius: f32, low: f32, high: f32) -> Mesh {
     };
     let mut positions: Vec<Vec3> = (0..sides).map(rim).collect();
     positions.push(Vec3::Y * high);
-    Mesh { positions, triangles: (0..sides).map(|i| [i, sides, (i + 1) % sides]).collect() }
+    Mesh {
+        positions,
+        triangles: (0..sides).map(|i| [i, sides, (i + 1) % sides]).collect(),
+        ..Mesh::default()
+    }
 }
 
 /// A trunk below three cones, each of which starts inside the one below.
@@ -73,6 +77,7 @@ fn leaf(dice: &mut Dice, middle: Vec3) -> Mesh {
     Mesh {
         positions: [-x - y, x - y, x + y, y - x].map(|p| middle + p).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
     }
 }
 

@@ -43,9 +43,14 @@ pub(super) struct Buffers {
 
 impl Buffers {
     pub(super) fn new(bytes: Vec<Rc<Vec<u8>>>) -> Self {
-        let held = bytes.iter().map(|b| b.len()).fold(0, usize::saturating_add);
-        let left = held.saturating_mul(ELEMENTS_OF_A_BYTE).saturating_add(FREE_ELEMENTS);
-        Self { bytes, left: Cell::new(left) }
+        let all = Self { bytes, left: Cell::new(FREE_ELEMENTS) };
+        all.left.set(all.bytes().saturating_mul(ELEMENTS_OF_A_BYTE).saturating_add(FREE_ELEMENTS));
+        all
+    }
+
+    /// How many bytes there are.
+    pub(super) fn bytes(&self) -> usize {
+        self.bytes.iter().map(|b| b.len()).fold(0, usize::saturating_add)
     }
 
     /// Takes note of elements that need memory; says whether the file may still have them.
@@ -141,7 +146,6 @@ impl Buffers {
                     .ok_or_else(|| fail("longer than its buffer view"))?;
                 Some(bytes.chunks(stride))
             }
-            None if accessor.sparse().is_none() => return Err(fail("without data")),
             None if count > MOST_ZEROS => return Err(fail("too long to be read without a buffer view")),
             None => None,
         };

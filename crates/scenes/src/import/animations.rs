@@ -36,9 +36,9 @@ pub(super) fn animate(
             let tracks = &mut node.tracks;
             let end = times_end(&keys);
             let new = match keys {
-                Keys::Rotation(track) => put(&mut tracks.rotation, track),
-                Keys::Translation(track) => put(&mut tracks.translation, track),
-                Keys::Scale(track) => put(&mut tracks.scale, track),
+                Keys::Rotation(track) => put(&mut tracks.rotation, track, |q| q.as_dquat()),
+                Keys::Translation(track) => put(&mut tracks.translation, track, |v| v.as_dvec3()),
+                Keys::Scale(track) => put(&mut tracks.scale, track, |v| v.as_dvec3()),
             };
             if new {
                 clip = clip.max(end);
@@ -88,9 +88,11 @@ pub(super) fn keys_of(buffers: &Buffers, channel: &gltf::animation::Channel) -> 
 }
 
 /// Sets what is not yet set; says whether it was not.
-fn put<T>(place: &mut Option<T>, value: T) -> bool {
+fn put<T, U>(place: &mut Option<Track<U>>, track: Track<T>, exact: impl Fn(T) -> U) -> bool {
     let new = place.is_none();
-    place.get_or_insert(value);
+    if new {
+        *place = Some(track.map(exact));
+    }
     new
 }
 
@@ -129,11 +131,11 @@ fn rotations_of(
         if cubic && i % 3 != 1 {
             continue;
         }
-        let one =
-            unit(*value).ok_or_else(|| unfit(accessor, VALUES, "with a rotation of no or great length"))?;
+        let one = unit(value.as_dquat())
+            .ok_or_else(|| unfit(accessor, VALUES, "with a rotation of no or great length"))?;
         // A spline is normalised where it has been evaluated.
         if !cubic {
-            *value = one;
+            *value = one.as_quat();
         }
     }
     Ok(values)

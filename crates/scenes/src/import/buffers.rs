@@ -50,11 +50,13 @@ pub(super) fn decoded(rest: &str) -> Result<Vec<u8>, String> {
     if !kind.to_ascii_lowercase().ends_with(";base64") {
         return Err("its data URI is not in base64, and no other is read".to_owned());
     }
+    // In an address, some characters may be escaped.
+    let data: Vec<u8> = percent_decode_str(data).filter(|byte| !byte.is_ascii_whitespace()).collect();
     STANDARD.decode(data).map_err(|e| format!("its data URI is not sound base64: {e}"))
 }
 
-/// The bytes of the file at a relative URI; no more than the `most` that a buffer needs, for it may
-/// have no end.
+/// The bytes of the file at a relative URI, or of that name, which others write unescaped and with
+/// backslashes; no more than the `most` that a buffer needs, for it may have no end.
 pub(super) fn beside(
     folder: Option<&Path>,
     uri: &str,
@@ -62,20 +64,22 @@ pub(super) fn beside(
     known: &mut Known,
 ) -> Result<Rc<Vec<u8>>, String> {
     let fail = |why: &str| format!("{uri}: {why}");
-    let start = uri.split(['/', '?', '#']).next().unwrap_or("");
+    let name = uri.replace('\\', "/");
+    let start = name.split(['/', '?', '#']).next().unwrap_or("");
     if start.contains(':') {
         return Err(fail("only files are read, by relative URIs"));
     }
-    if uri.contains(['?', '#']) {
-        return Err(fail("a URI with a query or a fragment names no file"));
-    }
-    let path = percent_decode_str(uri).decode_utf8().map_err(|_| fail("names no file in UTF-8"))?;
-    let path = Path::new(path.as_ref());
+    let decoded = percent_decode_str(&name).decode_utf8().map_err(|_| fail("names no file in UTF-8"))?;
     let relative = |part| matches!(part, Component::Normal(_) | Component::CurDir | Component::ParentDir);
-    if !path.components().all(relative) {
+    if !Path::new(decoded.as_ref()).components().chain(Path::new(&name).components()).all(relative) {
         return Err(fail("only relative URIs are read"));
     }
-    let path = folder.ok_or_else(|| fail("lies in another file, and no folder is given"))?.join(path);
+    let folder = folder.ok_or_else(|| fail("lies in another file, and no folder is given"))?;
+    let as_named = folder.join(&name);
+    let path = if as_named.is_file() { as_named } else { folder.join(decoded.as_ref()) };
+    if uri.contains(['?', '#']) && !path.is_file() {
+        return Err(fail("a URI with a query or a fragment names no file"));
+    }
     let mut read = || {
         let path = path.canonicalize()?;
         if let Some(data) = known.get(&path) {

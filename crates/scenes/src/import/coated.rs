@@ -8,11 +8,12 @@ use casca_fur::skin::{Clip, Skeleton, Weights};
 use glam::{Affine3A, Vec2};
 
 use super::accessors::Components;
-use super::document::{QUANTIZATION, parse};
+use super::document::{File, QUANTIZATION, parse};
 use super::error::Trouble;
 use super::join::Join;
 use super::nodes::{Nodes, check_rigid, nodes_of};
 use super::skins::{clips_of, follower, followers_of, skeleton_of};
+use super::warnings::Warnings;
 use crate::world::Mesh;
 
 /// A mesh of a file that can grow fur; all lists are by vertex but `materials`.
@@ -64,8 +65,9 @@ pub struct Rig {
 /// As [`load`](super::load) and [`read_skinned`](super::read_skinned), and images that are damaged,
 /// too large (in all 64 Mi texels) or too many (64), and colours that are not finite.
 pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Trouble> {
-    let (document, buffers) = parse(bytes, folder)?;
-    let nodes = nodes_of(&document)?;
+    let file = parse(bytes, folder, &Warnings::default())?;
+    let nodes = nodes_of(&file.document, &file.places)?;
+    let File { document, buffers, .. } = &file;
     let all: Vec<gltf::Node> = document.nodes().collect();
     let quantized =
         document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
@@ -74,12 +76,12 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
         node.mesh().and(node.skin())
     });
     let rig = match skin {
-        Some(skin) => Some((skeleton_of(&all, &buffers, &nodes, &skin)?, skin)),
+        Some(skin) => Some((skeleton_of(&all, buffers, &nodes, &skin)?, skin)),
         None => None,
     };
     let positions = if quantized { Components::Integers } else { Components::Floats };
-    let mut join = Join::new(&document, &buffers, positions, folder);
-    let globals = nodes.globals();
+    let mut join = Join::new(document, buffers, positions, folder);
+    let globals: Vec<Affine3A> = nodes.globals(0.0).iter().map(|at| at.as_affine3a()).collect();
     let above = rig.as_ref().map(|((_, number_of), skin)| joints_above(&nodes, skin, number_of));
     let above = above.unwrap_or_default();
     for (place, item) in nodes.0.iter().enumerate() {
@@ -94,7 +96,7 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
                 Some(own) if own.index() == skin.index() => {
                     let of_skin: Vec<u32> =
                         skin.joints().map(|joint| number_of[&joint.index()] as u32).collect();
-                    let rows = followers_of(node, &mesh, &buffers)?;
+                    let rows = followers_of(node, &mesh, buffers)?;
                     let follows = |source| follower(node, &rows, &of_skin, source).map(Some);
                     join.add(&mesh, Affine3A::IDENTITY, &follows)?;
                 }
@@ -120,7 +122,7 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
         Some(((skeleton, number_of), _)) => {
             let (joints, shares): (Vec<_>, Vec<_>) = made.followers.into_iter().unzip();
             let weights = Weights::new(&joints, &shares, &skeleton)?;
-            let clips = clips_of(&document, &buffers, &skeleton, &number_of)?;
+            let clips = clips_of(document, buffers, &skeleton, &number_of)?;
             Some(Rig { skeleton, weights, clips })
         }
     };

@@ -3,18 +3,24 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, Vec3};
 
-use super::accessors::{Buffers, Components};
+use super::accessors::Components;
 use super::animations::animate;
-use super::document::QUANTIZATION;
+use super::deformed::Deformed;
+use super::document::{File, QUANTIZATION};
 use super::error::Trouble;
+use super::hides::Changes;
 use super::instances::instances_of;
-use super::meshes::Meshes;
-use super::nodes::{Nodes, check_rigid, nodes_of, role_of, wrong};
+use super::meshes::{Meshes, is_loose};
+use super::nodes::{Nodes, is_deformed, nodes_of, role_of, wrong};
+use super::origin::{Found, moved};
 use super::path::{FilePath, Moving, camera_of};
+use super::warnings::{Warnings, node_name};
 use crate::numeric::{GRID_ROOM, GRID_ROOM_FAR, LEAST_SIZE};
-use crate::world::{FRAME_SECONDS, GridHint, Mesh, Motion, Object, Shape, World};
+use crate::world::{
+    FRAME_SECONDS, FilePart, GridHint, Mesh, Motion, Object, Shape, Sides, Source, World, turn_of,
+};
 
 /// Frames of a path that the file does not give.
 const OWN_FRAMES: usize = 150;
@@ -22,81 +28,160 @@ const OWN_FRAMES: usize = 150;
 const MOST_FRAMES: f64 = 99_999.0;
 /// Bytes of the name of an instance that count as an element of a buffer.
 const NAME_OF_AN_ELEMENT: usize = 16;
-/// By triangle: a material, as [`Meshes::mesh`] numbers them.
-pub(super) type Looks = Arc<[u32]>;
-
 /// Cells along the longest axis of the grid that is asked for.
 const CELLS: f32 = 128.0;
 
-/// The objects of a file.
-#[derive(Default)]
-struct Found {
-    objects: Vec<Object>,
-    /// By object.
-    materials: Vec<Looks>,
-    moving: Vec<Moving>,
+/// A mesh, and by triangle its primitive.
+type Known = Option<(Arc<Mesh>, Arc<[u32]>)>;
+
+/// What becomes objects.
+struct Reader<'a> {
+    document: &'a gltf::Document,
+    changes: &'a Changes,
+    warnings: &'a Warnings,
+    meshes: Meshes<'a>,
+    known: HashMap<usize, Known>,
+    deformed: Deformed<'a>,
 }
 
-/// The objects of all nodes with a mesh; `moves` tells which nodes move.
-fn objects_of(
-    document: &gltf::Document,
-    buffers: &Buffers,
-    reader: &mut Meshes,
-    nodes: &Nodes,
-    moves: &[bool],
-) -> Result<Found, Trouble> {
-    type Known = Option<(Arc<Mesh>, Looks)>;
-    let mut meshes: HashMap<usize, Known> = HashMap::new();
-    let globals = nodes.globals();
-    let mut found = Found::default();
-    for (place, item) in nodes.0.iter().enumerate() {
-        let Some(node) = document.nodes().nth(item.index) else { continue };
-        let Some(mesh) = node.mesh() else { continue };
-        check_rigid(&node, &mesh, item.morphs)?;
-        let (occludes, tested) = role_of(&node)?;
-        let mesh = match meshes.get(&mesh.index()) {
-            Some(known) => known.clone(),
-            None => {
-                let read = reader.mesh(&mesh)?.map(|(mesh, looks)| (Arc::new(mesh), looks.into()));
-                meshes.insert(mesh.index(), read.clone());
-                read
+impl Reader<'_> {
+    /// The mesh of nodes that do not deform it.
+    fn rigid(&mut self, mesh: &gltf::Mesh) -> Result<Known, Trouble> {
+        if let Some(known) = self.known.get(&mesh.index()) {
+            return Ok(known.clone());
+        }
+        let read = self.meshes.mesh(mesh)?.map(|(mut read, primitives)| {
+            let sides: Vec<Sides> = mesh
+                .primitives()
+                .map(|p| match is_loose(p.mode()) {
+                    true => Sides::Neither,
+                    false => self.changes.sides_of(self.document, &p, self.warnings),
+                })
+                .collect();
+            if sides.iter().any(|&s| s != Sides::Both) {
+                read.sides = primitives.iter().map(|&p| sides[p as usize]).collect();
             }
-        };
-        let Some((mesh, looks)) = mesh else { continue };
-        let name = node.name().unwrap_or("");
-        let (transform, dynamic) = (globals[place], moves[place]);
-        let mut add = |name: String, instance: Affine3A| {
-            if dynamic {
-                found.moving.push(Moving {
-                    object: found.objects.len(),
-                    node: place,
-                    place: instance,
-                    mesh: mesh.clone(),
-                });
+            (Arc::new(read), primitives.into())
+        });
+        self.known.insert(mesh.index(), read.clone());
+        Ok(read)
+    }
+
+    /// What a node shows if it deforms its mesh: a box around it in all frames, with the space of
+    /// the scene if it has a skin. `None` if it is left out.
+    fn boxed(&mut self, node: &gltf::Node, mesh: &gltf::Mesh, moved: &[bool]) -> Option<Mesh> {
+        let why = match self.deformed.bounds(&mut self.meshes, node, mesh, &|place| moved[place]) {
+            Ok(Some((low, high))) => {
+                let what =
+                    "has a skin or morph targets: it hides nothing, and counts as its box in all frames";
+                self.warnings.add(node_name(node), what);
+                let mut mesh = Mesh::cuboid(low, high);
+                mesh.sides = vec![Sides::Neither; mesh.triangles.len()];
+                return Some(mesh);
             }
-            found.materials.push(looks.clone());
-            found.objects.push(Object {
-                name,
-                shape: Shape::Mesh { mesh: mesh.clone(), transform: transform * instance },
-                motion: if dynamic { Motion::Dynamic { max_speed: 0.0 } } else { Motion::Static },
-                occludes,
-                tested,
-            });
+            Ok(None) => String::new(),
+            Err(why) => format!(" ({why})"),
         };
-        match instances_of(document, buffers, &node)? {
-            None => add(name.to_owned(), Affine3A::IDENTITY),
-            Some(places) => {
-                // Each gets the name.
-                if !buffers.spend(places.len().saturating_mul(1 + name.len() / NAME_OF_AN_ELEMENT)) {
-                    return Err(wrong(&node, "has too many instances for its name"));
+        let what = format!(
+            "has a skin or morph targets, and its bounds cannot be told{why}: it is left out; always draw it"
+        );
+        self.warnings.add(node_name(node), &what);
+        None
+    }
+
+    /// Of each node, with what it hangs from: whether it is surely drawn, `None` if it is hidden;
+    /// and whether it is moved by what is not read.
+    fn states(&self, nodes: &Nodes, all: &[gltf::Node]) -> (Vec<Option<bool>>, Vec<bool>) {
+        let drawn = nodes.inherited(|node, parent: Option<Option<bool>>| {
+            let own = self.changes.draws(&all[node.index])?;
+            Some(own & parent.unwrap_or(Some(true))?)
+        });
+        let moved = nodes.inherited(|node, parent| self.changes.moves(node.index) || parent.unwrap_or(false));
+        (drawn, moved)
+    }
+
+    /// The objects of all nodes with a mesh; `moves` tells which nodes move.
+    fn objects(&mut self, nodes: &Nodes, moves: &[bool]) -> Result<Found, Trouble> {
+        let globals = nodes.globals(0.0);
+        let all: Vec<gltf::Node> = self.document.nodes().collect();
+        let (drawn, moved) = self.states(nodes, &all);
+        let mut found = Found::default();
+        for (place, item) in nodes.0.iter().enumerate() {
+            let node = &all[item.index];
+            let (Some(mesh), Some(is_sure)) = (node.mesh(), drawn[place]) else { continue };
+            let (occludes, tested) = role_of(node, self.warnings);
+            if moved[place] {
+                let what =
+                    "is moved by KHR_animation_pointer, which is not read: it is left out; always draw it";
+                self.warnings.add(node_name(node), what);
+                continue;
+            }
+            let is_deformed = is_deformed(node, &mesh, item.morphs);
+            let has_skin = node.skin().is_some();
+            let (mesh, primitives) = match is_deformed {
+                true => match self.boxed(node, &mesh, &moved) {
+                    Some(mesh) => (Arc::new(mesh), Arc::default()),
+                    None => continue,
+                },
+                false => match self.rigid(&mesh)? {
+                    Some(known) => known,
+                    None => continue,
+                },
+            };
+            let dynamic = moves[place] && !has_skin;
+            let name = node.name().unwrap_or("");
+            let transform = if has_skin { DAffine3::IDENTITY } else { globals[place] };
+            let hides = occludes && is_sure && mesh.hiding().is_some();
+            let mut add = |name: String, instance: Affine3A| {
+                let own = instance.as_daffine3();
+                if dynamic {
+                    found.moving.push(Moving {
+                        object: found.objects.len(),
+                        node: place,
+                        place: own,
+                        mesh: mesh.clone(),
+                    });
                 }
-                for (i, instance) in places.into_iter().enumerate() {
-                    add(format!("{name}#{i}"), instance);
+                // Programs differ in which side of a mirrored instance they draw.
+                let has_side = mesh.sides.is_empty() || turn_of(&instance) > 0.0;
+                found.places.push(transform * own);
+                found.parts.push(FilePart { node: item.index, primitives: primitives.clone() });
+                found.objects.push(Object {
+                    name,
+                    shape: match has_skin {
+                        true => Shape::Box { min: mesh.positions[0], max: mesh.positions[7] },
+                        false => {
+                            Shape::Mesh { mesh: mesh.clone(), transform: (transform * own).as_affine3a() }
+                        }
+                    },
+                    motion: match dynamic || is_deformed {
+                        true => Motion::Dynamic { max_speed: 0.0 },
+                        false => Motion::Static,
+                    },
+                    occludes: hides && has_side,
+                    tested,
+                });
+            };
+            let instances = match has_skin {
+                true => None,
+                false => instances_of(self.document, self.deformed.buffers, node)?,
+            };
+            match instances {
+                None => add(name.to_owned(), Affine3A::IDENTITY),
+                Some(places) => {
+                    // Each gets the name.
+                    let names = places.len().saturating_mul(1 + name.len() / NAME_OF_AN_ELEMENT);
+                    if !self.deformed.buffers.spend(names) {
+                        return Err(wrong(node, "has too many instances for its name"));
+                    }
+                    for (i, instance) in places.into_iter().enumerate() {
+                        add(format!("{name}#{i}"), instance);
+                    }
                 }
             }
         }
+        if found.objects.is_empty() { Err(Trouble::NoTriangles) } else { Ok(found) }
     }
-    if found.objects.is_empty() { Err(Trouble::NoTriangles) } else { Ok(found) }
 }
 
 /// The grid around a scene that reaches from `min` to `max`.
@@ -112,31 +197,33 @@ fn grid_of(min: Vec3, max: Vec3) -> Result<GridHint, Trouble> {
     Ok(GridHint { min, max, cell })
 }
 
-/// The scene, and the materials of each object.
-pub(super) fn contents(
-    name: &str,
-    document: &gltf::Document,
-    buffers: &Buffers,
-) -> Result<(World, Vec<Looks>), Trouble> {
-    let mut nodes = nodes_of(document)?;
+/// The scene; warnings may be there already.
+pub(super) fn contents(name: &str, file: &File, warnings: &Warnings) -> Result<World, Trouble> {
+    let File { document, buffers, json, .. } = file;
+    let mut nodes = nodes_of(&file.document, &file.places)?;
     let clip = animate(document, buffers, &mut nodes)?;
     let quantized =
         document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
-    let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
+    let meshes = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
     let moves = nodes.moving();
-    let Found { mut objects, materials, moving } =
-        objects_of(document, buffers, &mut reader, &nodes, &moves)?;
-
     // Both ends of the clip are frames.
     let clip_frames = (f64::from(clip) / FRAME_SECONDS).round().clamp(0.0, MOST_FRAMES) as usize + 1;
-    let camera = camera_of(document, &nodes, &moves);
+    let camera = camera_of(document, &nodes, &moves, warnings);
     let frames = match &camera {
         Some(c) if moves[c.node] => clip_frames,
         _ => OWN_FRAMES,
     };
-    let mut animation = FilePath::new(nodes, moving, camera, frames);
-    let (min, max) = animation.settle(&mut objects)?;
-    let grid = grid_of(min, max)?;
-    let world = World { name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) };
-    Ok((world, materials))
+    let changes = Changes::of(json);
+    let deformed = Deformed { document, buffers, nodes: &nodes, frames };
+    let known = HashMap::new();
+    let mut reader = Reader { document, changes: &changes, warnings, meshes, known, deformed };
+    let mut found = reader.objects(&nodes, &moves)?;
+
+    let origin = moved(&mut found);
+    let Found { mut objects, parts, moving, .. } = found;
+    let mut animation = FilePath::new(nodes, moving, camera, frames, origin);
+    let (min, max) = animation.settle(&mut objects, buffers.bytes(), warnings)?;
+    let (grid, frames) = (grid_of(min, max)?, animation.frames());
+    let source = Source { warnings: warnings.lines(), origin, document: (*json).into(), parts };
+    Ok(World { source, name: name.to_owned(), objects, grid, frames, animation: Box::new(animation) })
 }

@@ -1,16 +1,23 @@
-//! Documents: parsed, and checked against the rules of the format.
+//! Documents: parsed, mended, and checked against the rules of the format.
 
 use std::path::Path;
 
+use gltf::json::{self, Root};
+use serde_json::{Error, Map, Value, from_slice, from_value};
+
 use super::accessors::Buffers;
 use super::buffers::buffers_of;
+use super::container::chunks;
 use super::error::Trouble;
 use super::instances::INSTANCING;
+use super::mend::mend;
+use super::nodes::Place;
+use super::warnings::Warnings;
 
 /// Coordinates may be integers.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Extensions that a file may require.
-const UNDERSTOOD: [&str; 2] = [QUANTIZATION, INSTANCING];
+const UNDERSTOOD: [&str; 3] = [QUANTIZATION, INSTANCING, "KHR_animation_pointer"];
 /// What the names of extensions start with that change no geometry, only what it looks like.
 const COLOURS: [&str; 7] = [
     "KHR_materials_",
@@ -21,25 +28,86 @@ const COLOURS: [&str; 7] = [
     "EXT_lights_image_based",
     "KHR_xmp",
 ];
+/// Triangles that are packed.
+const DRACO: &str = "KHR_draco_mesh_compression";
+/// Faults of a file that are told one by one.
+const TOLD: usize = 3;
 
-/// Parses a file.
-pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<(gltf::Document, Buffers), Trouble> {
-    check_header(bytes)?;
-    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)?;
-    check_extensions(&document)?;
-    check_rules(&document)?;
-    let buffers = Buffers::new(buffers_of(&document, blob, folder)?);
-    Ok((document, buffers))
+/// A file that was parsed.
+pub(super) struct File<'a> {
+    /// The text of the document, as it was.
+    pub(super) json: &'a [u8],
+    pub(super) document: gltf::Document,
+    pub(super) buffers: Buffers,
+    /// By node: where it says that it is, as exactly as the text does.
+    pub(super) places: Vec<Place>,
 }
 
-/// Refuses a .glb that claims to be shorter than its header; the parser takes this for granted.
-fn check_header(bytes: &[u8]) -> Result<(), gltf::Error> {
-    let Some(length) = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(4..8)) else { return Ok(()) };
-    let length = length.iter().rev().fold(0, |n, &byte| n << 8 | u32::from(byte));
-    if length >= 12 {
-        return Ok(());
+/// Parses a file.
+pub(super) fn parse<'a>(
+    bytes: &'a [u8],
+    folder: Option<&Path>,
+    warnings: &Warnings,
+) -> Result<File<'a>, Trouble> {
+    let (json, binary) = chunks(bytes)?;
+    let mut root: Map<String, Value> =
+        from_slice(json).map_err(|why| Trouble::Format(format!("its JSON: {why}")))?;
+    mend(&mut root, warnings)?;
+    let nodes = root.get("nodes").and_then(Value::as_array);
+    let places = nodes.into_iter().flatten().map(Place::of).collect();
+    let document = gltf::Document::from_json_without_validation(root_of(root)?);
+    check_extensions(&document)?;
+    check_rules(document.as_json())?;
+    check_packed(&document)?;
+    let buffers = Buffers::new(buffers_of(&document, binary.map(<[u8]>::to_vec), folder)?);
+    Ok(File { json, document, buffers, places })
+}
+
+/// The typed parts of a document; what cannot be had is named by its place.
+fn root_of(mut root: Map<String, Value>) -> Result<Root, Trouble> {
+    let root = &mut root;
+    let whole = |root: &mut Map<String, Value>, name: &str| root.remove(name).unwrap_or_default();
+    Ok(Root {
+        // Its version was checked, and nothing else of it is read.
+        asset: json::Asset::default(),
+        scene: part("scene", whole(root, "scene"), from_value)?,
+        extensions: part("extensions", whole(root, "extensions"), from_value)?,
+        extensions_used: list(root, "extensionsUsed", from_value)?,
+        extensions_required: list(root, "extensionsRequired", from_value)?,
+        accessors: list(root, "accessors", from_value)?,
+        animations: list(root, "animations", from_value)?,
+        buffers: list(root, "buffers", from_value)?,
+        buffer_views: list(root, "bufferViews", from_value)?,
+        cameras: list(root, "cameras", from_value)?,
+        images: list(root, "images", from_value)?,
+        materials: list(root, "materials", from_value)?,
+        meshes: list(root, "meshes", from_value)?,
+        nodes: list(root, "nodes", from_value)?,
+        samplers: list(root, "samplers", from_value)?,
+        scenes: list(root, "scenes", from_value)?,
+        skins: list(root, "skins", from_value)?,
+        textures: list(root, "textures", from_value)?,
+        extras: None,
+    })
+}
+
+fn list<T>(
+    root: &mut Map<String, Value>,
+    name: &str,
+    read: fn(Value) -> Result<T, Error>,
+) -> Result<Vec<T>, Trouble> {
+    match root.remove(name) {
+        None => Ok(Vec::new()),
+        Some(Value::Array(items)) => {
+            let item = |(i, value)| part(&format!("{name}[{i}]"), value, read);
+            items.into_iter().enumerate().map(item).collect()
+        }
+        Some(_) => Err(Trouble::Format(format!("{name} is no list"))),
     }
-    Err(gltf::Error::Binary(gltf::binary::Error::Length { length, length_read: bytes.len() }))
+}
+
+fn part<T>(place: &str, value: Value, read: fn(Value) -> Result<T, Error>) -> Result<T, Trouble> {
+    read(value).map_err(|why| Trouble::Format(format!("{place}: {why}")))
 }
 
 /// Refuses files that cannot be read without extensions that are not understood.
@@ -54,13 +122,22 @@ fn check_extensions(document: &gltf::Document) -> Result<(), Trouble> {
     Err(Trouble::Extensions(unknown.join(", ")))
 }
 
+/// Refuses triangles that are packed: without their extension, they would all be zeros.
+fn check_packed(document: &gltf::Document) -> Result<(), Trouble> {
+    let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
+    let is_packed = |p: gltf::Primitive| {
+        let positions = p.get(&gltf::Semantic::Positions);
+        let bare = positions.is_some_and(|a| a.view().is_none() && a.sparse().is_none());
+        bare && p.extension_value(DRACO).is_some()
+    };
+    if primitives.any(is_packed) { Err(Trouble::Extensions(DRACO.to_owned())) } else { Ok(()) }
+}
+
 /// Validates a document, with the rules that the validation of the glTF crate leaves out but takes
 /// for granted.
-fn check_rules(document: &gltf::Document) -> Result<(), gltf::Error> {
+fn check_rules(root: &Root) -> Result<(), Trouble> {
     use gltf::json::Path;
-    use gltf::json::camera::Type;
-    use gltf::json::validation::{Checked, Error, Validate};
-    let root = document.as_json();
+    use gltf::json::validation::{Error, Validate};
     let at = |list: &str, index: usize| Path::new().field(list).index(index);
     let mut errors = Vec::new();
     for (m, mesh) in root.meshes.iter().enumerate() {
@@ -75,21 +152,28 @@ fn check_rules(document: &gltf::Document) -> Result<(), gltf::Error> {
             channel.target.validate(root, path, &mut |path, error| errors.push((path(), error)));
         }
     }
-    for (i, camera) in root.cameras.iter().enumerate() {
-        let missing = match camera.type_ {
-            Checked::Valid(Type::Perspective) => camera.perspective.is_none(),
-            Checked::Valid(Type::Orthographic) => camera.orthographic.is_none(),
-            Checked::Invalid => true,
-        };
-        if missing {
-            errors.push((at("cameras", i), Error::Missing));
-        }
-    }
     // Only now: it looks up the positions of meshes unchecked.
     if errors.is_empty() {
         root.validate(root, Path::new, &mut |path, error| errors.push((path(), error)));
     }
-    // Extensions are checked on their own: the crate knows none of those that are read here.
-    errors.retain(|(_, error)| *error != Error::Unsupported);
-    if errors.is_empty() { Ok(()) } else { Err(gltf::Error::Validation(errors)) }
+    errors.retain(|(path, error)| match error {
+        // Extensions are checked on their own: the crate knows none of those that are read here.
+        Error::Unsupported => false,
+        // Boxes, positions and bytes that are not there are no fault.
+        Error::Missing => {
+            ![".min", ".max", ".bufferView", "[\"POSITION\"]"].iter().any(|end| path.0.ends_with(end))
+        }
+        Error::Invalid => !path.0.ends_with(".byteStride"),
+        _ => true,
+    });
+    if errors.is_empty() {
+        return Ok(());
+    }
+    let told: Vec<String> =
+        errors.iter().take(TOLD).map(|(path, error)| format!("{path}: {error}")).collect();
+    let more = match errors.len().saturating_sub(TOLD) {
+        0 => String::new(),
+        more => format!("; and {more} more"),
+    };
+    Err(Trouble::Format(told.join("; ") + &more))
 }

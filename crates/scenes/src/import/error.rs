@@ -19,9 +19,12 @@ pub enum Trouble {
     /// It cannot be read.
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    /// It is no glTF 2.0, or breaks its rules.
+    /// It is no glTF 2.0, or breaks its rules: at which place, and how.
     #[error("is not a valid glTF 2.0 file: {0}")]
-    Format(#[from] gltf::Error),
+    Format(String),
+    /// It is of another version of glTF.
+    #[error("is glTF, but version {0} is not read; export it as glTF 2.0")]
+    Version(String),
     /// A buffer that it names cannot be had.
     #[error("buffer {buffer} cannot be read: {why}")]
     Buffer {

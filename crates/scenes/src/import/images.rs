@@ -49,6 +49,9 @@ impl<'a> Images<'a> {
         }
         let bytes = match source.source() {
             gltf::image::Source::View { view, .. } => self.buffers.view(&view)?.to_vec(),
+            gltf::image::Source::Uri { uri: "", .. } => {
+                return Err(fail("has no source that is read; export it as PNG or JPEG".to_owned()));
+            }
             gltf::image::Source::Uri { uri, .. } => match uri.split_at_checked(5) {
                 Some((scheme, rest)) if scheme.eq_ignore_ascii_case("data:") => {
                     decoded(rest).map_err(fail)?
@@ -84,7 +87,7 @@ pub fn load_map(path: &Path) -> Result<Image, Trouble> {
 
 /// The size of an image, and four bytes a texel.
 fn pixels(bytes: &[u8], most: u64) -> Result<(UVec2, Vec<u8>), String> {
-    let why = |e: image::ImageError| format!("is no sound PNG or JPEG: {e}");
+    let why = |e: image::ImageError| format!("is no sound PNG or JPEG, and others are not read: {e}");
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MOST_SIDE), Some(MOST_SIDE));

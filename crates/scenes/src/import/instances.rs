@@ -34,8 +34,10 @@ pub(super) fn instances_of(
             "SCALE" => scales = Some(vectors_of(buffers, &accessor)?),
             "ROTATION" => {
                 let values = buffers.floats(&accessor, WHAT, Components::Normalized)?;
-                let values: Option<Vec<Quat>> =
-                    values.into_iter().map(|q| unit(Quat::from_array(q))).collect();
+                let values: Option<Vec<Quat>> = values
+                    .into_iter()
+                    .map(|q| Some(unit(Quat::from_array(q).as_dquat())?.as_quat()))
+                    .collect();
                 let values = values.ok_or_else(|| {
                     unfit(&accessor, WHAT, "with a rotation that is not finite or of no or great length")
                 })?;

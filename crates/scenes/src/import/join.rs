@@ -12,7 +12,7 @@ use gltf::accessor::{DataType, Dimensions};
 use super::accessors::{Buffers, Components, unfit};
 use super::error::Trouble;
 use super::images::Images;
-use super::meshes::Meshes;
+use super::meshes::{Meshes, materials_of};
 use crate::world::Mesh;
 
 /// The colour of fur whose file says nothing about colours: brown, linear.
@@ -87,7 +87,7 @@ impl<'a> Join<'a> {
     ) -> Result<(), Trouble> {
         let mut sources = Vec::new();
         let each = |primitive: usize, vertex: u32| sources.push((primitive, vertex as usize));
-        let Some((part, materials)) = self.reader.parted(mesh, each)? else { return Ok(()) };
+        let Some((part, primitives)) = self.reader.parted(mesh, each)? else { return Ok(()) };
         // Nodes may show one mesh often.
         if !self.buffers.spend(part.positions.len() + part.triangles.len()) {
             return Err(Trouble::TooManyVertices(mesh.index()));
@@ -119,6 +119,7 @@ impl<'a> Join<'a> {
         let order = if at.matrix3.determinant() < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
         made.mesh.triangles.extend(part.triangles.iter().map(|t| order.map(|i| first + t[i])));
         let plain = self.plain;
+        let materials = materials_of(mesh, &primitives);
         made.materials.extend(materials.iter().map(|&m| m.checked_sub(1).unwrap_or(plain)));
         Ok(())
     }

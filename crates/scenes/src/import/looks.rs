@@ -1,15 +1,21 @@
 //! Materials and lights of glTF files.
 
+use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use gltf::khr_lights_punctual::Kind;
+use gltf::material::AlphaMode;
 
 use super::contents::contents;
-use super::document::parse;
+use super::document::{File, parse};
 use super::error::Trouble;
+use super::meshes::materials_of;
 use super::nodes::nodes_of;
+use super::warnings::Warnings;
 use crate::lit::{Falloff, Light, LightKind, LitScene, Material};
+use crate::world::Sides;
 
 /// Share of light that surfaces other than metals reflect head-on.
 const DIELECTRIC: f32 = 0.04;
@@ -26,17 +32,24 @@ const DIELECTRIC: f32 = 0.04;
 /// # Errors
 /// As [`load`](super::load).
 pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitScene, Trouble> {
-    let (document, buffers) = parse(bytes, folder)?;
-    let (world, materials) = contents(name, &document, &buffers)?;
-    let mut scene = LitScene::of_world(&world, 0, 0);
-    scene.materials = vec![Material::matt(Vec3::ONE)];
-    scene.materials.extend(document.materials().map(|m| material_of(&m)));
-    for (object, materials) in scene.objects.iter_mut().zip(materials) {
-        object.materials = materials;
+    let warnings = Warnings::default();
+    let file = parse(bytes, folder, &warnings)?;
+    let world = contents(name, &file, &warnings)?;
+    let mut scene = LitScene::bare(&world, 0);
+    scene.materials = vec![Material { sides: Sides::Front, ..Material::matt(Vec3::ONE) }];
+    scene.materials.extend(file.document.materials().map(|m| material_of(&m)));
+    let nodes: Vec<gltf::Node> = file.document.nodes().collect();
+    // Objects share them as they share meshes.
+    let mut known: HashMap<(usize, *const u32), Arc<[u32]>> = HashMap::new();
+    for (object, part) in scene.objects.iter_mut().zip(&world.source.parts) {
+        // A box around what is deformed is no surface.
+        let Some(mesh) = nodes[part.node].mesh() else { continue };
+        let shared = known.entry((mesh.index(), part.primitives.as_ptr()));
+        object.materials = shared.or_insert_with(|| materials_of(&mesh, &part.primitives).into()).clone();
     }
-    let lights = lights_of(&document)?;
-    let emits = scene.objects.iter().flat_map(|o| o.materials.iter());
-    if !lights.is_empty() || emits.into_iter().any(|&m| scene.materials[m as usize].emits()) {
+    let lights = lights_of(&file, world.source.origin)?;
+    let mut used = known.values().flat_map(|materials| materials.iter());
+    if !lights.is_empty() || used.any(|&m| scene.materials[m as usize].emits()) {
         scene.lights = lights;
         scene.sky = Vec3::ZERO;
     }
@@ -56,16 +69,33 @@ fn material_of(material: &gltf::Material) -> Material {
     let strength = material.emissive_strength().unwrap_or(1.0);
     let emission = Vec3::from_array(material.emissive_factor()) * strength;
     let emission = if emission.is_finite() { emission.max(Vec3::ZERO) } else { Vec3::ZERO };
-    Material { albedo: (color * (1.0 - metal)).min(Vec3::ONE - specular), specular, gloss, emission }
+    let albedo = (color * (1.0 - metal)).min(Vec3::ONE - specular);
+    // Read here, too: the path tracer is the truth of what the importer lets hide.
+    let passes = |name: &str, factor: &str| {
+        let value = material.extension_value(name).and_then(|v| v[factor].as_f64());
+        value.is_some_and(|factor| factor != 0.0)
+    };
+    let sides = match material.alpha_mode() {
+        AlphaMode::Mask | AlphaMode::Blend => Sides::Neither,
+        _ if passes("KHR_materials_transmission", "transmissionFactor")
+            || passes("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor") =>
+        {
+            Sides::Neither
+        }
+        _ if material.double_sided() => Sides::Both,
+        _ => Sides::Front,
+    };
+    Material { albedo, specular, gloss, emission, sides }
 }
 
 /// The lights of the nodes that are shown, at rest.
-fn lights_of(document: &gltf::Document) -> Result<Vec<Light>, Trouble> {
-    let nodes = nodes_of(document)?;
+fn lights_of(file: &File, origin: DVec3) -> Result<Vec<Light>, Trouble> {
+    let nodes = nodes_of(&file.document, &file.places)?;
     let mut lights = Vec::new();
-    for (node, place) in nodes.0.iter().zip(nodes.globals()) {
-        let Some(light) = document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
-        let (position, direction) = (place.translation.into(), place.transform_vector3(Vec3::NEG_Z));
+    for (node, place) in nodes.0.iter().zip(nodes.globals(0.0)) {
+        let Some(light) = file.document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
+        let position = (place.translation - origin).as_vec3();
+        let direction = place.transform_vector3(DVec3::NEG_Z).as_vec3();
         let kind = match light.kind() {
             Kind::Directional => LightKind::Directional { direction, half_angle: 0.0 },
             Kind::Point => LightKind::Point { position, radius: 0.0 },

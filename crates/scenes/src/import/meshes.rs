@@ -1,4 +1,4 @@
-//! The triangles of meshes.
+//! The triangles of meshes, and their lines and points as triangles without area.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -10,6 +10,41 @@ use gltf::mesh::Mode;
 use super::accessors::{Buffers, Components, TOO_MUCH, unfit};
 use super::error::Trouble;
 use crate::world::Mesh;
+
+/// Whether primitives of a mode are lines or points.
+pub(super) fn is_loose(mode: Mode) -> bool {
+    matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
+}
+
+/// By triangle, given by their primitives: the index of the material plus one, 0 for the default.
+pub(super) fn materials_of(mesh: &gltf::Mesh, primitives: &[u32]) -> Vec<u32> {
+    let all: Vec<u32> = mesh.primitives().map(|p| p.material().index().map_or(0, |i| i as u32 + 1)).collect();
+    primitives.iter().map(|&p| all.get(p as usize).copied().unwrap_or(0)).collect()
+}
+
+/// Calls `add` with each triangle of a primitive, line or point.
+fn each_triangle(
+    mode: Mode,
+    corners: &[u32],
+    mut add: impl FnMut([u32; 3]) -> Result<(), Trouble>,
+) -> Result<(), Trouble> {
+    match mode {
+        Mode::TriangleStrip => corners.windows(3).enumerate().try_for_each(|(i, w)| {
+            // Every other triangle of a strip runs the other way round.
+            add(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
+        }),
+        Mode::TriangleFan => corners[1..].windows(2).try_for_each(|w| add([corners[0], w[0], w[1]])),
+        Mode::Triangles => corners.chunks_exact(3).try_for_each(|t| add([t[0], t[1], t[2]])),
+        Mode::Points => corners.iter().try_for_each(|&p| add([p, p, p])),
+        Mode::Lines => corners.chunks_exact(2).try_for_each(|l| add([l[0], l[1], l[1]])),
+        Mode::LineStrip | Mode::LineLoop => {
+            let back = [*corners.last().unwrap_or(&0), *corners.first().unwrap_or(&0)];
+            let back = (mode == Mode::LineLoop && !corners.is_empty()).then_some(back);
+            let mut lines = corners.windows(2).map(|l| [l[0], l[1]]).chain(back);
+            lines.try_for_each(|[a, b]| add([a, b, b]))
+        }
+    }
+}
 
 /// Reads meshes; vertex data that several share is read once.
 pub(super) struct Meshes<'a> {
@@ -24,10 +59,11 @@ impl<'a> Meshes<'a> {
         Self { buffers, components, positions: HashMap::new() }
     }
 
-    /// Joins the triangles of a mesh, with the vertices that they use, and says which material each
-    /// has: its index in the file plus one, 0 for the default; `None` if there are no triangles.
+    /// Joins all that is drawn of a mesh, with the vertices that it uses, and says of which
+    /// primitive each triangle is; `None` if there is nothing. A line is a triangle without area,
+    /// and so is a point.
     pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.mesh_from(mesh, |_, _| {})
+        self.joined(mesh, (true, false), |_, _| {})
     }
 
     /// As [`Meshes::mesh_from`], but primitives share no vertices: they may differ in colour.
@@ -37,31 +73,34 @@ impl<'a> Meshes<'a> {
         mesh: &gltf::Mesh,
         each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, true, each)
+        self.joined(mesh, (false, true), each)
     }
 
-    /// The same; `each` is called for each vertex in turn, with its primitive and its number there.
+    /// The same for triangles only; `each` is called for each vertex in turn, with its primitive
+    /// and its number there.
+    #[cfg(feature = "fur")]
     pub(super) fn mesh_from(
         &mut self,
         mesh: &gltf::Mesh,
         each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, false, each)
+        self.joined(mesh, (false, false), each)
     }
 
     fn joined(
         &mut self,
         mesh: &gltf::Mesh,
-        parted: bool,
+        (with_loose, parted): (bool, bool),
         mut each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         let mut joined = Mesh::default();
-        let mut materials = Vec::new();
+        let mut primitives = Vec::new();
         // By accessor, index there and, where primitives are parted, their number.
         let mut known: HashMap<(usize, u32, usize), u32> = HashMap::new();
         for primitive in mesh.primitives() {
             let mode = primitive.mode();
-            if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+            let is_loose = is_loose(mode);
+            if is_loose && !with_loose {
                 continue;
             }
             let Some(accessor) = primitive.get(&gltf::Semantic::Positions) else { continue };
@@ -75,19 +114,20 @@ impl<'a> Meshes<'a> {
             };
             let whole = match mode {
                 Mode::Triangles => corners.len().is_multiple_of(3),
-                _ => corners.len() >= 3,
+                _ => is_loose || corners.len() >= 3,
             };
             if !whole {
                 let corners = corners.len();
                 return Err(Trouble::Corners { mesh: mesh.index(), primitive: primitive.index(), corners });
             }
-            let mut add = |corners: [u32; 3]| {
+            let add = |corners: [u32; 3]| {
                 let [a, b, c] = corners;
                 if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
                     return Err(Trouble::Vertex { mesh: mesh.index(), vertex, vertices });
                 }
                 // Strips go on elsewhere by triangles with two equal corners, which show nothing.
-                if mode != Mode::Triangles && (a == b || b == c || c == a) {
+                let is_part_of_strip = matches!(mode, Mode::TriangleStrip | Mode::TriangleFan);
+                if is_part_of_strip && (a == b || b == c || c == a) {
                     return Ok(());
                 }
                 let mut triangle = [0; 3];
@@ -110,21 +150,24 @@ impl<'a> Meshes<'a> {
                 joined.triangles.push(triangle);
                 Ok(())
             };
-            match mode {
-                Mode::TriangleStrip => corners.windows(3).enumerate().try_for_each(|(i, w)| {
-                    // Every other triangle of a strip runs the other way round.
-                    add(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
-                }),
-                Mode::TriangleFan => corners[1..].windows(2).try_for_each(|w| add([corners[0], w[0], w[1]])),
-                _ => corners.chunks_exact(3).try_for_each(|t| add([t[0], t[1], t[2]])),
-            }?;
-            let material = primitive.material().index().map_or(0, |i| i as u32 + 1);
-            materials.resize(joined.triangles.len(), material);
+            each_triangle(mode, &corners, add)?;
+            primitives.resize(joined.triangles.len(), primitive.index() as u32);
         }
-        Ok((!joined.triangles.is_empty()).then_some((joined, materials)))
+        Ok((!joined.triangles.is_empty()).then_some((joined, primitives)))
     }
 
-    fn points(&mut self, accessor: &gltf::Accessor, mesh: usize) -> Result<Rc<Vec<Vec3>>, Trouble> {
+    /// What a primitive adds to its positions at most, by a morph target.
+    pub(super) fn offsets(&self, accessor: &gltf::Accessor) -> Result<(Vec3, Vec3), Trouble> {
+        let offsets = self.buffers.floats(accessor, "morph targets", self.components)?;
+        let all = offsets.into_iter().map(Vec3::from_array);
+        Ok(all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), d| (lo.min(d), hi.max(d))))
+    }
+
+    pub(super) fn points(
+        &mut self,
+        accessor: &gltf::Accessor,
+        mesh: usize,
+    ) -> Result<Rc<Vec<Vec3>>, Trouble> {
         if let Some(points) = self.positions.get(&accessor.index()) {
             return Ok(points.clone());
         }

@@ -3,28 +3,73 @@
 //! - **Nodes**: the default scene, else the first, else all nodes. Every node with a
 //!   mesh is one object; nodes share meshes. `EXT_mesh_gpu_instancing` makes each
 //!   instance an object, named "node#0", "node#1" and so on. `extras.role` on the node says
-//!   "occluder" (hides only), "occludee" (is only tested) or "both", which is the default.
-//! - **Meshes**: the triangles, strips and fans of a mesh are joined, points and lines are
-//!   left out. Positions are floats, or integers as by `KHR_mesh_quantization`.
-//!   Only [`load_lit`] looks at materials: all triangles are opaque, and seen from both sides, so
-//!   that a node that mirrors its mesh keeps the order of corners.
+//!   "occluder" (hides only), "occludee" (is only tested) or "both", which is the default; any
+//!   other role counts as that, with a warning.
+//! - **Meshes**: the triangles, strips and fans of a mesh are joined to one object, and so are its
+//!   points and lines, as triangles without area. Positions are floats, or integers as by
+//!   `KHR_mesh_quantization`.
 //! - **Motion**: a node that an animation moves, itself or by a parent, is dynamic. All
 //!   animations play together from time 0; of those for one property of a node the first
 //!   in the file is used. The greatest speed of an object bounds the way of each of its
-//!   points from any frame to any other. Skins and morph targets in use are refused,
-//!   because they move the surface in ways that the node does not tell; with the feature `fur`,
-//!   `read_skinned` reads a mesh with its skin.
+//!   points from any frame to any other. With the feature `fur`, `read_skinned` reads a mesh with
+//!   its skin.
 //! - **Path**: the first perspective camera that an animation moves, at 30 frames a
-//!   second, for as long as the longest animation (at most 100,000 frames); else the first
-//!   perspective camera, standing still for 150 frames. Orthographic cameras are passed over.
+//!   second, for as long as the longest animation (at most 100,000 frames, and fewer, with a
+//!   warning, where so much moves that a short file would take long); else the first perspective
+//!   camera, standing still for 150 frames. Orthographic cameras are passed over; where there are
+//!   no others, a warning names them.
 //! - **Walk**, where that leaves no camera: 150 frames on a circle inside the bounds, at the
 //!   height of their centre, with a radius of 0.35 times the smaller of width and depth,
 //!   looking ahead. A side shorter than a hundredth of the longest counts as a tenth of it:
 //!   one walks above a bare floor and around a bare wall.
-//! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs.
-//!   Accessors may be sparse.
+//! - **Buffers**: the binary chunk, data URIs in base64, and files by relative URIs, escaped or as
+//!   the file is called. Accessors may be sparse, need no box, and are zeros without a view.
+//! - **Far from the origin**: a scene that lies farther than 100 times its size from the origin of
+//!   its file, such as in UTM, is moved to an origin of its own before numbers are rounded to
+//!   single precision: [`Source::origin`](crate::world::Source::origin) is what to add to
+//!   coordinates. The text says where nodes are in double precision; positions and keys in buffers
+//!   are floats, and stay as coarse as these are.
+//! - **Other writers**: a byte-order mark, chunks of other kinds and filled up otherwise, scenes
+//!   without nodes, channels without a node, textures with a source in an extension, members that
+//!   are null and what is broken but not read, such as normals, are no fault. Cameras, lights,
+//!   materials and unused accessors that are broken are left out with a warning; such a material
+//!   counts as transparent. glTF 1.0 is not read.
 //!
-//! A file is taken whole or refused: nothing is half loaded. Accessors may share bytes, and may
+//! # What hides
+//!
+//! **Only what is drawn opaque in each case hides, and only from the side from which it is drawn.
+//! All that is drawn is looked for**, from both sides. What an object hides from is in
+//! [`Mesh::sides`](crate::world::Mesh::sides); the rest of its mesh still counts as its bounds.
+//! What is doubtful hides nothing.
+//!
+//! | in the file | what is done |
+//! |---|---|
+//! | `alphaMode` OPAQUE | hides; the alpha of textures, factors and vertex colours (`COLOR_0`) is not drawn, and does not count |
+//! | `alphaMode` BLEND, MASK | hides nothing, whatever the alpha of texture, factor and vertex colour |
+//! | `KHR_materials_transmission` | hides nothing if its factor is not 0, or if it has a texture |
+//! | `KHR_materials_volume`, `_diffuse_transmission`, `_dispersion` and all extensions of materials that are not listed here | hide nothing; with a warning, if they are not Khronos' |
+//! | `KHR_materials_anisotropy`, `_clearcoat`, `_emissive_strength`, `_ior`, `_iridescence`, `_pbrSpecularGlossiness`, `_sheen`, `_specular`, `_unlit` | hides as without |
+//! | `doubleSided` | hides from both sides; without it, and without a material, from the front only |
+//! | a node that mirrors | the front stays on the same side of the object, as glTF says |
+//! | primitives with different materials | one object, of which each primitive hides as its material says |
+//! | `KHR_materials_variants` | hides from where all of its materials do |
+//! | points, lines | hide nothing |
+//! | `KHR_node_visibility` false | neither it nor what hangs from it is read |
+//! | `KHR_animation_pointer` to that, or to a material | what it may change hides nothing |
+//! | `KHR_animation_pointer` to the pose of a node or the weights of its mesh | it and what hangs from it is left out, with a warning: always draw it |
+//! | `EXT_mesh_gpu_instancing` | each instance hides as its mesh; one that mirrors by itself hides only if it is double sided, as programs differ in which side they draw |
+//! | a skin | hides nothing, and counts as one box around all poses of all frames, with a warning; always draw it beyond those |
+//! | morph targets with weights that are not 0, or animated | hides nothing, and counts as the box of all its weights, with a warning |
+//! | skins and morph targets without such a box: splines of weights, weights that are none, joints that are not in the scene | left out, with a warning: always draw it |
+//! | `MSFT_lod` | hides nothing: it may be drawn in another form |
+//! | `extras.role` | "occludee" hides nothing; "occluder" and "both" hide as the table says |
+//! | a texture that is missing | counts as there: only its name is read |
+//!
+//! Skins and animated morph targets are dynamic, so that bakes leave them to run time.
+//! [`World::source`](crate::world::World::source) holds the warnings, which tools print.
+//! [`load_lit`] reads the same of materials for the path tracer, by code of its own.
+//!
+//! What a scene cannot do without is taken whole or refused. Accessors may share bytes, and may
 //! have none, but a file that unfolds to more than four elements a byte of its buffers and a
 //! million more is refused. Nodes may be nested in any depth.
 
@@ -33,23 +78,29 @@ mod animations;
 mod buffers;
 #[cfg(feature = "fur")]
 mod coated;
+mod container;
 mod contents;
+mod deformed;
 mod document;
 mod error;
+mod hides;
 #[cfg(feature = "fur")]
 mod images;
 mod instances;
 #[cfg(feature = "fur")]
 mod join;
 mod looks;
+mod mend;
 mod meshes;
 mod nodes;
+mod origin;
 mod path;
 #[cfg(feature = "fur")]
 mod skins;
 #[cfg(test)]
 mod tests;
 mod track;
+mod warnings;
 
 use std::path::Path;
 
@@ -57,6 +108,7 @@ use crate::lit::LitScene;
 use crate::world::World;
 use contents::contents;
 use document::parse;
+use warnings::Warnings;
 
 #[cfg(feature = "fur")]
 pub use coated::{Coated, Rig, read_coated};
@@ -68,12 +120,16 @@ pub use looks::read_lit;
 pub use skins::{Skinned, read_skinned};
 
 /// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its
-/// folder.
+/// folder. Warnings name the file.
 ///
 /// # Errors
 /// The first fault of a file that cannot be taken whole.
 pub fn load(path: &Path) -> Result<World, ImportError> {
-    open(path, read)
+    let mut world = open(path, read)?;
+    for line in &mut world.source.warnings {
+        *line = format!("{}: {line}", path.display());
+    }
+    Ok(world)
 }
 
 /// Loads a scene with its materials and lights from such a file; see [`read_lit`].
@@ -109,6 +165,7 @@ fn open<T>(
 /// # Errors
 /// As [`load`].
 pub fn read(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<World, Trouble> {
-    let (document, buffers) = parse(bytes, folder)?;
-    contents(name, &document, &buffers).map(|(world, _)| world)
+    let warnings = Warnings::default();
+    let file = parse(bytes, folder, &warnings)?;
+    contents(name, &file, &warnings)
 }

@@ -1,13 +1,41 @@
 //! The nodes of the scene that is shown: what holds what, and where each is.
 
-use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+use serde_json::Value;
 
 use super::error::Trouble;
 use super::track::{Track, Tracks};
+use super::warnings::{Warnings, node_name};
 use crate::numeric::{AFFINE, ROTATION_LENGTHS};
 
 /// Translation, rotation and scale.
-type Pose = (Vec3, Quat, Vec3);
+type Pose = (DVec3, DQuat, DVec3);
+
+/// Where a node is, as exactly as the text of its file says it: the crate `gltf` rounds it to
+/// single precision, which is three centimetres at 500 km.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Place {
+    Matrix(DMat4),
+    Pose(Pose),
+}
+
+impl Place {
+    /// That of a node; what has another form is refused elsewhere.
+    pub(super) fn of(node: &Value) -> Self {
+        fn numbers<const N: usize>(node: &Value, member: &str) -> Option<[f64; N]> {
+            let list = node.get(member)?.as_array()?;
+            list.iter().map(Value::as_f64).collect::<Option<Vec<_>>>()?.try_into().ok()
+        }
+        match numbers(node, "matrix") {
+            Some(matrix) => Self::Matrix(DMat4::from_cols_array(&matrix)),
+            None => Self::Pose((
+                numbers(node, "translation").map_or(DVec3::ZERO, DVec3::from_array),
+                numbers(node, "rotation").map_or(DQuat::IDENTITY, DQuat::from_array),
+                numbers(node, "scale").map_or(DVec3::ONE, DVec3::from_array),
+            )),
+        }
+    }
+}
 
 /// A node: its rest pose, what moves it, and its parent, which comes before it.
 #[derive(Debug, Clone)]
@@ -17,7 +45,7 @@ pub(super) struct Node {
     pub(super) parent: Option<usize>,
     pub(super) rest: Pose,
     /// Where the file gives a matrix instead of a pose.
-    pub(super) matrix: Option<Affine3A>,
+    pub(super) matrix: Option<DAffine3>,
     pub(super) tracks: Tracks,
     /// Whether an animation moves it.
     pub(super) moves: bool,
@@ -26,14 +54,15 @@ pub(super) struct Node {
 }
 
 impl Node {
-    pub(super) fn local(&self, time: f32) -> Affine3A {
+    pub(super) fn local(&self, time: f32) -> DAffine3 {
         if let Some(matrix) = self.matrix {
             return matrix;
         }
-        let at =
-            |track: &Option<Track<Vec3>>, rest: Vec3| track.as_ref().and_then(|t| t.at(time)).unwrap_or(rest);
+        let at = |track: &Option<Track<DVec3>>, rest: DVec3| {
+            track.as_ref().and_then(|t| t.at(time)).unwrap_or(rest)
+        };
         let rotation = self.tracks.rotation.as_ref().and_then(|t| t.at(time)).unwrap_or(self.rest.1);
-        Affine3A::from_scale_rotation_translation(
+        DAffine3::from_scale_rotation_translation(
             at(&self.tracks.scale, self.rest.2),
             rotation.normalize(),
             at(&self.tracks.translation, self.rest.0),
@@ -47,27 +76,36 @@ pub(super) struct Nodes(pub(super) Vec<Node>);
 
 impl Nodes {
     /// Where a node is. Costs its depth.
-    pub(super) fn global(&self, node: usize, time: f32) -> Affine3A {
+    pub(super) fn global(&self, node: usize, time: f32) -> DAffine3 {
         let mut way: Vec<usize> = std::iter::successors(Some(node), |&n| self.0[n].parent).collect();
         let root = way.pop().unwrap_or(node);
         way.iter().rev().fold(self.0[root].local(time), |at, &n| at * self.0[n].local(time))
     }
 
-    /// Where all nodes are at rest.
-    pub(super) fn globals(&self) -> Vec<Affine3A> {
-        let mut all: Vec<Affine3A> = Vec::with_capacity(self.0.len());
-        for node in &self.0 {
-            let local = node.local(0.0);
-            all.push(node.parent.map_or(local, |parent| all[parent] * local));
-        }
-        all
+    /// How many nodes a node hangs from, with itself.
+    pub(super) fn depth(&self, node: usize) -> usize {
+        std::iter::successors(Some(node), |&n| self.0[n].parent).count()
+    }
+
+    /// Where all nodes are at a time.
+    pub(super) fn globals(&self, time: f32) -> Vec<DAffine3> {
+        self.inherited(|node, parent: Option<DAffine3>| {
+            let local = node.local(time);
+            parent.map_or(local, |parent| parent * local)
+        })
     }
 
     /// Which nodes move, themselves or with what they hang from.
     pub(super) fn moving(&self) -> Vec<bool> {
-        let mut all: Vec<bool> = Vec::with_capacity(self.0.len());
+        self.inherited(|node, parent| node.moves || parent.unwrap_or(false))
+    }
+
+    /// What each node makes of itself and of what its parent made, if it has one.
+    pub(super) fn inherited<T: Copy>(&self, mut each: impl FnMut(&Node, Option<T>) -> T) -> Vec<T> {
+        let mut all: Vec<T> = Vec::with_capacity(self.0.len());
         for node in &self.0 {
-            all.push(node.moves || node.parent.is_some_and(|parent| all[parent]));
+            let parent = node.parent.map(|parent| all[parent]);
+            all.push(each(node, parent));
         }
         all
     }
@@ -75,7 +113,7 @@ impl Nodes {
 
 /// The nodes of the scene that is shown: the default one, else the first; all nodes where there are
 /// no scenes.
-pub(super) fn nodes_of(document: &gltf::Document) -> Result<Nodes, Trouble> {
+pub(super) fn nodes_of(document: &gltf::Document, places: &[Place]) -> Result<Nodes, Trouble> {
     let all: Vec<gltf::Node> = document.nodes().collect();
     let mut is_child = vec![false; all.len()];
     for node in &all {
@@ -101,7 +139,7 @@ pub(super) fn nodes_of(document: &gltf::Document) -> Result<Nodes, Trouble> {
             return Err(Trouble::NotATree(index));
         }
         let node = &all[index];
-        let (rest, matrix) = pose_of(node)?;
+        let (rest, matrix) = pose_of(node, places[index])?;
         let place = nodes.len();
         let tracks = Tracks::default();
         nodes.push(Node { index, parent, rest, matrix, tracks, moves: false, morphs: false });
@@ -115,30 +153,26 @@ pub(super) fn nodes_of(document: &gltf::Document) -> Result<Nodes, Trouble> {
 }
 
 /// The pose of a node, and the matrix if that is what the file gives.
-fn pose_of(node: &gltf::Node) -> Result<(Pose, Option<Affine3A>), Trouble> {
-    match node.transform() {
-        gltf::scene::Transform::Matrix { matrix } => {
-            let matrix = Mat4::from_cols_array_2d(&matrix);
-            if !matrix.is_finite() {
+fn pose_of(node: &gltf::Node, place: Place) -> Result<(Pose, Option<DAffine3>), Trouble> {
+    match place {
+        Place::Matrix(matrix) => {
+            if !matrix.as_mat4().is_finite() {
                 return Err(Trouble::NotFinite(format!("the matrix of node {}", node.index())));
             }
-            if !matrix.row(3).abs_diff_eq(Vec4::W, AFFINE) {
+            if !matrix.row(3).abs_diff_eq(DVec4::W, AFFINE.into()) {
                 return Err(wrong(node, "has a matrix that is not affine"));
             }
-            Ok(((Vec3::ZERO, Quat::IDENTITY, Vec3::ONE), Some(Affine3A::from_mat4(matrix))))
+            Ok(((DVec3::ZERO, DQuat::IDENTITY, DVec3::ONE), Some(DAffine3::from_mat4(matrix))))
         }
-        gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
-            let (t, s) = (Vec3::from_array(translation), Vec3::from_array(scale));
-            match unit(Quat::from_array(rotation)) {
-                Some(r) if t.is_finite() && s.is_finite() => Ok(((t, r, s), None)),
-                _ => Err(Trouble::NotFinite(format!("the pose of node {}", node.index()))),
-            }
-        }
+        Place::Pose((t, r, s)) => match unit(r) {
+            Some(r) if t.as_vec3().is_finite() && s.as_vec3().is_finite() => Ok(((t, r, s), None)),
+            _ => Err(Trouble::NotFinite(format!("the pose of node {}", node.index()))),
+        },
     }
 }
 
 /// A rotation with length 1; `None` for what has no length to speak of.
-pub(super) fn unit(rotation: Quat) -> Option<Quat> {
+pub(super) fn unit(rotation: DQuat) -> Option<DQuat> {
     let length = rotation.length();
     ROTATION_LENGTHS.contains(&length).then(|| rotation / length)
 }
@@ -148,31 +182,39 @@ pub(super) fn wrong(node: &gltf::Node, why: impl Into<String>) -> Trouble {
     Trouble::Node { node: node.index(), name: node.name().unwrap_or("").to_owned(), why: why.into() }
 }
 
-/// Whether the object of a node hides others, and whether it is tested.
-pub(super) fn role_of(node: &gltf::Node) -> Result<(bool, bool), Trouble> {
-    let Some(extras) = node.extras() else { return Ok((true, true)) };
-    let extras: serde_json::Value = serde_json::from_str(extras.get())
-        .map_err(|e| wrong(node, format!("has extras that cannot be read: {e}")))?;
-    match extras.get("role") {
-        None => Ok((true, true)),
+/// Whether the object of a node hides others, and whether it is tested. Extras belong to everyone:
+/// a role that is none of these is somebody else's.
+pub(super) fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
+    let extras = node.extras().as_ref().and_then(|text| serde_json::from_str::<Value>(text.get()).ok());
+    match extras.as_ref().and_then(|extras| extras.get("role")) {
+        None => (true, true),
         Some(role) => match role.as_str() {
-            Some("both") => Ok((true, true)),
-            Some("occluder") => Ok((true, false)),
-            Some("occludee") => Ok((false, true)),
-            _ => Err(wrong(node, format!("has the role {role}; there are occluder, occludee and both"))),
+            Some("both") => (true, true),
+            Some("occluder") => (true, false),
+            Some("occludee") => (false, true),
+            _ => {
+                let what = "has an extras.role that is not occluder, occludee or both, and counts as both";
+                warnings.add(node_name(node), what);
+                (true, true)
+            }
         },
     }
 }
 
-/// Refuses meshes that are drawn in another form than their positions give.
-pub(super) fn check_rigid(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> Result<(), Trouble> {
-    if node.skin().is_some() {
-        return Err(wrong(node, "has a skin; deformed meshes are not read"));
-    }
+/// Whether a node shows its mesh in another form than its positions give; `morphs` says whether an
+/// animation changes the weights of morph targets.
+pub(super) fn is_deformed(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> bool {
     let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
     let has_targets = mesh.primitives().any(|p| p.morph_targets().len() > 0);
-    if has_targets && (morphs || weights.iter().any(|&w| w != 0.0)) {
-        return Err(wrong(node, "has a mesh with morph targets in use; deformed meshes are not read"));
+    node.skin().is_some() || has_targets && (morphs || weights.iter().any(|&w| w != 0.0))
+}
+
+/// Refuses meshes that are drawn in another form than their positions give.
+#[cfg(feature = "fur")]
+pub(super) fn check_rigid(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> Result<(), Trouble> {
+    match is_deformed(node, mesh, morphs) {
+        true if node.skin().is_some() => Err(wrong(node, "has a skin; deformed meshes are not read")),
+        true => Err(wrong(node, "has a mesh with morph targets in use; deformed meshes are not read")),
+        false => Ok(()),
     }
-    Ok(())
 }

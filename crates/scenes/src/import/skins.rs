@@ -12,11 +12,12 @@ use gltf::animation::{Interpolation as FileInterpolation, Property};
 
 use super::accessors::{Buffers, Components, unfit};
 use super::animations::{Keys, keys_of};
-use super::document::{QUANTIZATION, parse};
+use super::document::{File, QUANTIZATION, parse};
 use super::error::Trouble;
 use super::meshes::Meshes;
 use super::nodes::{Nodes, nodes_of, wrong};
 use super::track::Track;
+use super::warnings::Warnings;
 use crate::numeric::AFFINE;
 use crate::world::Mesh;
 
@@ -41,8 +42,9 @@ pub struct Skinned {
 /// As [`load`](super::load), and: more than four joints a vertex, joints that the skin lacks,
 /// weights that are negative or all zero, matrices of nodes that shear.
 pub fn read_skinned(bytes: &[u8], folder: Option<&Path>) -> Result<Option<Skinned>, Trouble> {
-    let (document, buffers) = parse(bytes, folder)?;
-    let nodes = nodes_of(&document)?;
+    let file = parse(bytes, folder, &Warnings::default())?;
+    let nodes = nodes_of(&file.document, &file.places)?;
+    let File { document, buffers, .. } = &file;
     let all: Vec<gltf::Node> = document.nodes().collect();
     let skinned = nodes.0.iter().find_map(|item| {
         let node = all.get(item.index)?;
@@ -51,14 +53,14 @@ pub fn read_skinned(bytes: &[u8], folder: Option<&Path>) -> Result<Option<Skinne
     let Some((node, skin, mesh)) = skinned else { return Ok(None) };
     let quantized =
         document.extensions_used().chain(document.extensions_required()).any(|e| e == QUANTIZATION);
-    let mut reader = Meshes::new(&buffers, if quantized { Components::Integers } else { Components::Floats });
+    let mut reader = Meshes::new(buffers, if quantized { Components::Integers } else { Components::Floats });
     let mut sources = Vec::new();
     let read = reader.mesh_from(&mesh, |primitive, vertex| sources.push((primitive, vertex as usize)))?;
     let Some((joined, _)) = read else { return Err(Trouble::NoTriangles) };
 
-    let (skeleton, number_of) = skeleton_of(&all, &buffers, &nodes, &skin)?;
+    let (skeleton, number_of) = skeleton_of(&all, buffers, &nodes, &skin)?;
     let of_skin: Vec<u32> = skin.joints().map(|joint| number_of[&joint.index()] as u32).collect();
-    let rows = followers_of(&node, &mesh, &buffers)?;
+    let rows = followers_of(&node, &mesh, buffers)?;
     let (mut joints, mut shares) = (Vec::new(), Vec::new());
     for source in sources {
         let (row, by) = follower(&node, &rows, &of_skin, source)?;
@@ -66,7 +68,7 @@ pub fn read_skinned(bytes: &[u8], folder: Option<&Path>) -> Result<Option<Skinne
         shares.push(by);
     }
     let weights = Weights::new(&joints, &shares, &skeleton)?;
-    let clips = clips_of(&document, &buffers, &skeleton, &number_of)?;
+    let clips = clips_of(document, buffers, &skeleton, &number_of)?;
     Ok(Some(Skinned { mesh: joined, skeleton, weights, clips }))
 }
 
@@ -141,8 +143,10 @@ pub(super) fn skeleton_of(
     }
     let (mut joints, mut number_of) = (Vec::new(), HashMap::new());
     for (place, item) in nodes.0.iter().enumerate().filter(|(place, _)| needed[*place]) {
-        let (mut translation, mut rotation, mut scale) = item.rest;
-        if let Some(matrix) = item.matrix {
+        let (translation, rotation, scale) = item.rest;
+        let (mut translation, mut rotation, mut scale) =
+            (translation.as_vec3(), rotation.as_quat(), scale.as_vec3());
+        if let Some(matrix) = item.matrix.map(|matrix| matrix.as_affine3a()) {
             (scale, rotation, translation) = matrix.to_scale_rotation_translation();
             let again = Affine3A::from_scale_rotation_translation(scale, rotation, translation);
             let size = matrix.to_cols_array().iter().fold(1.0, |most: f32, x| most.max(x.abs()));

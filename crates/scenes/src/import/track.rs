@@ -1,6 +1,6 @@
 //! Key-framed properties of nodes.
 
-use glam::{Quat, Vec3};
+use glam::{DQuat, DVec3};
 use gltf::animation::Interpolation;
 
 /// A key-framed property of a node, as the file has it: `casca_fur::skin::Track` holds keys that
@@ -13,36 +13,44 @@ pub(super) struct Track<T> {
 }
 
 pub(super) trait Mix: Copy {
-    fn mix(a: Self, b: Self, t: f32) -> Self;
+    fn mix(a: Self, b: Self, t: f64) -> Self;
     /// The cubic Hermite spline of glTF: values, and tangents times the interval.
-    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self;
+    fn spline(a: Self, out: Self, into: Self, b: Self, t: f64, dt: f64) -> Self;
 }
 
-impl Mix for Vec3 {
-    fn mix(a: Self, b: Self, t: f32) -> Self {
+impl Mix for DVec3 {
+    fn mix(a: Self, b: Self, t: f64) -> Self {
         a.lerp(b, t)
     }
 
-    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self {
+    fn spline(a: Self, out: Self, into: Self, b: Self, t: f64, dt: f64) -> Self {
         let [p, m, q, n] = hermite(t, dt);
         a * p + out * m + b * q + into * n
     }
 }
 
-impl Mix for Quat {
-    fn mix(a: Self, b: Self, t: f32) -> Self {
+impl Mix for DQuat {
+    fn mix(a: Self, b: Self, t: f64) -> Self {
         a.slerp(b, t)
     }
 
-    fn spline(a: Self, out: Self, into: Self, b: Self, t: f32, dt: f32) -> Self {
+    fn spline(a: Self, out: Self, into: Self, b: Self, t: f64, dt: f64) -> Self {
         let [p, m, q, n] = hermite(t, dt);
         (a * p + out * m + b * q + into * n).normalize()
     }
 }
 
-pub(super) fn hermite(t: f32, dt: f32) -> [f32; 4] {
+fn hermite(t: f64, dt: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [2.0 * t3 - 3.0 * t2 + 1.0, dt * (t3 - 2.0 * t2 + t), 3.0 * t2 - 2.0 * t3, dt * (t3 - t2)]
+}
+
+impl<T> Track<T> {
+    /// The same with other values.
+    pub(super) fn map<U>(self, each: impl Fn(T) -> U) -> Track<U> {
+        let values = self.values.into_iter().map(each).collect();
+        Track { times: self.times, values, interpolation: self.interpolation }
+    }
 }
 
 impl<T: Mix> Track<T> {
@@ -55,8 +63,9 @@ impl<T: Mix> Track<T> {
             return value(next.min(last));
         }
         let (i, j) = (next - 1, next);
-        let dt = self.times[j] - self.times[i];
-        let t = if dt > 0.0 { ((time - self.times[i]) / dt).clamp(0.0, 1.0) } else { 0.0 };
+        let [from, to, time] = [self.times[i], self.times[j], time].map(f64::from);
+        let dt = to - from;
+        let t = if dt > 0.0 { ((time - from) / dt).clamp(0.0, 1.0) } else { 0.0 };
         let (a, b) = (value(i)?, value(j)?);
         Some(match self.interpolation {
             Interpolation::Step => a,
@@ -70,7 +79,7 @@ impl<T: Mix> Track<T> {
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tracks {
-    pub(super) translation: Option<Track<Vec3>>,
-    pub(super) rotation: Option<Track<Quat>>,
-    pub(super) scale: Option<Track<Vec3>>,
+    pub(super) translation: Option<Track<DVec3>>,
+    pub(super) rotation: Option<Track<DQuat>>,
+    pub(super) scale: Option<Track<DVec3>>,
 }

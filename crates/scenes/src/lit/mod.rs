@@ -5,8 +5,9 @@
 //! - [`load`](crate::import::load_lit): a glTF file with its materials and lights.
 //!
 //! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one
-//! material, and looks the same from both sides. Textures are not read: a material has its base
-//! colour everywhere.
+//! material, and looks the same from both sides, unless light passes it from its back. Textures are
+//! not read: a material has its base colour everywhere. Panes are left out: light passes them
+//! untinted and unbent, and they mirror nothing.
 
 mod image;
 mod light;
@@ -22,7 +23,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3};
 
-use crate::world::{Camera, Mesh};
+use crate::world::{Camera, Mesh, Sides, turn_of};
 
 pub use image::{HdrImage, ImageError, MOST_PIXELS};
 pub use light::{Falloff, Incident, Light, LightKind};
@@ -43,17 +44,20 @@ pub struct Material {
     pub gloss: f32,
     /// Radiance that the surface emits to both sides, 0 or more.
     pub emission: Vec3,
+    /// From which sides it is seen, and stops what looks at it; from others there is nothing.
+    pub sides: Sides,
 }
 
 impl Material {
     /// A matt surface that emits nothing.
     pub const fn matt(albedo: Vec3) -> Self {
-        Self { albedo, specular: Vec3::ZERO, gloss: 0.0, emission: Vec3::ZERO }
+        let (specular, emission) = (Vec3::ZERO, Vec3::ZERO);
+        Self { albedo, specular, gloss: 0.0, emission, sides: Sides::Both }
     }
 
     /// A black surface that emits.
     pub const fn emitter(emission: Vec3) -> Self {
-        Self { albedo: Vec3::ZERO, specular: Vec3::ZERO, gloss: 0.0, emission }
+        Self { emission, ..Self::matt(Vec3::ZERO) }
     }
 
     /// The same with all values in range. Colours that are not finite become black, a gloss that is
@@ -63,7 +67,7 @@ impl Material {
         let specular = finite(self.specular).min(Vec3::ONE);
         let gloss = if self.gloss.is_finite() { self.gloss.clamp(0.0, 1.0) } else { 0.0 };
         let albedo = finite(self.albedo).min(Vec3::ONE - specular);
-        Self { albedo, specular, gloss, emission: finite(self.emission) }
+        Self { albedo, specular, gloss, emission: finite(self.emission), sides: self.sides }
     }
 
     /// The exponent of the lobe around the mirror direction: 2 for a gloss of 0, 4096 for one of 1.
@@ -93,13 +97,22 @@ pub struct LitObject {
 }
 
 impl LitObject {
-    /// Its triangles in world space, as those of an object of this number in a scene with so many
+    /// Its triangles in world space, as those of an object of this number in a scene with these
     /// materials; without those that [`LitScene::triangles`] leaves out.
-    pub fn triangles(&self, number: u32, materials: usize) -> impl Iterator<Item = LitTriangle> + '_ {
+    pub fn triangles<'a>(
+        &'a self,
+        number: u32,
+        materials: &'a [Material],
+    ) -> impl Iterator<Item = LitTriangle> + 'a {
         let pairs = self.mesh.triangles.iter().zip(self.materials.iter());
+        let mirrors = turn_of(&self.transform) < 0.0;
         pairs.filter_map(move |(corners, &material)| {
-            let corners = corners_of(&self.mesh, corners)?.map(|p| self.transform.transform_point3(p));
-            let is_sound = corners.iter().all(|p| p.is_finite()) && (material as usize) < materials;
+            let mut corners = corners_of(&self.mesh, corners)?.map(|p| self.transform.transform_point3(p));
+            if mirrors {
+                corners.swap(1, 2);
+            }
+            let stops = materials.get(material as usize).is_some_and(|m| m.sides != Sides::Neither);
+            let is_sound = corners.iter().all(|p| p.is_finite()) && stops;
             is_sound.then_some(LitTriangle { corners, material, object: number })
         })
     }
@@ -153,10 +166,10 @@ pub const ASPECT: f32 = 4.0 / 3.0;
 
 impl LitScene {
     /// All triangles in world space, object by object. Those that have a corner that is not finite,
-    /// or a material that does not exist, are left out. O(triangles).
+    /// or a material that does not exist or stops no light, are left out. O(triangles).
     pub fn triangles(&self) -> Vec<LitTriangle> {
         let objects = (0..).zip(&self.objects);
-        objects.flat_map(|(i, o)| o.triangles(i, self.materials.len())).collect()
+        objects.flat_map(|(i, o)| o.triangles(i, &self.materials)).collect()
     }
 
     /// The least and the greatest corner of all triangles but strays; both 0 if there are none.

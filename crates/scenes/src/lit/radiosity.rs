@@ -5,9 +5,9 @@ use casca_radiosity::{Light, Material, Object, Scene, Sky, Triangle};
 use super::{LightKind, LitObject, LitScene, LitTriangle};
 
 impl LitObject {
-    /// Its sound triangles where it is now, for a scene with so many materials: see
-    /// [`casca_radiosity::Cache::set_objects`].
-    pub fn lit(&self, materials: usize) -> Object {
+    /// Its sound triangles where it is now, for a scene with these materials: see
+    /// [`casca_radiosity::Cache::set_objects`]. All stop light from both sides.
+    pub fn lit(&self, materials: &[super::Material]) -> Object {
         let triangle = |t: LitTriangle| Triangle { corners: t.corners, material: t.material };
         self.triangles(0, materials).map(triangle).collect::<Vec<_>>().into()
     }
@@ -33,8 +33,7 @@ impl From<&LitScene> for Scene {
     ///
     /// Objects without sound triangles are empty, so that the others keep their numbers.
     fn from(scene: &LitScene) -> Self {
-        let count = scene.materials.len();
-        let objects = scene.objects.iter().map(|o| o.lit(count)).collect();
+        let objects = scene.objects.iter().map(|o| o.lit(&scene.materials)).collect();
         let material = |m: &super::Material| Material::new(m.sound().albedo, m.sound().emission);
         Self {
             objects,

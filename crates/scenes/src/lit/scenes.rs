@@ -137,7 +137,7 @@ fn inside_out(mut mesh: Mesh) -> Mesh {
 
 /// Two triangles; counter-clockwise seen from the front.
 fn quad(corners: [Vec3; 4]) -> Mesh {
-    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
+    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
 }
 
 /// The walls and blocks of the Cornell box, without light.
@@ -172,7 +172,7 @@ fn block(base: [[u16; 2]; 4], height: u16) -> Mesh {
     let metres = |cm: u16| f32::from(cm) / 100.0;
     let corner = |(i, y): (usize, u16)| Vec3::new(metres(base[i][0]), metres(y), metres(base[i][1]));
     let positions = order.map(corner).to_vec();
-    Mesh { positions, triangles: crate::world::BOX_TRIANGLES.to_vec() }
+    Mesh { positions, triangles: crate::world::BOX_TRIANGLES.to_vec(), ..Mesh::default() }
 }
 
 fn light_box() -> LitScene {

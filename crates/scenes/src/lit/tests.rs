@@ -55,8 +55,11 @@ fn a_world_becomes_a_lit_scene_with_all_of_its_objects() {
 #[test]
 fn broken_triangles_are_left_out() {
     let mut scene = Kind::Plane.build();
-    let broken =
-        Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::NAN], triangles: vec![[0, 1, 2], [0, 1, 9]] };
+    let broken = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::NAN],
+        triangles: vec![[0, 1, 2], [0, 1, 9]],
+        ..Mesh::default()
+    };
     let mut object = scene.objects[0].clone();
     (object.mesh, object.materials) = (Arc::new(broken), vec![0, 0].into());
     scene.objects.push(object.clone());

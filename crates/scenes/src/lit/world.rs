@@ -7,7 +7,7 @@ use rand::RngExt;
 
 use super::{ASPECT, Falloff, Light, LightKind, LitObject, LitScene, Material};
 use crate::random::generator;
-use crate::world::{Mesh, Motion, Shape, World};
+use crate::world::{Mesh, Motion, Object, Shape, World};
 
 /// How often the triangles of a sphere are cut into four: 1,280 triangles.
 const BALL_CUTS: u32 = 3;
@@ -17,10 +17,26 @@ impl LitScene {
     /// colours, a sun and a pale sky.
     pub fn of_world(world: &World, frame: usize, seed: u64) -> Self {
         let mut random = generator(seed, 0);
+        let mut scene = Self::bare(world, frame);
+        for (i, object) in scene.objects.iter_mut().enumerate() {
+            let channel = |_| random.random_range(0.2..0.8);
+            scene.materials.push(Material::matt(Vec3::from_array(std::array::from_fn(channel))));
+            object.materials = vec![i as u32; object.mesh.triangles.len()].into();
+        }
+        scene
+    }
+
+    /// The same without materials.
+    pub(crate) fn bare(world: &World, frame: usize) -> Self {
         let ball = Arc::new(Mesh::ball(BALL_CUTS));
-        let mut scene = Self {
+        let object = |object: &Object| {
+            let (mesh, transform) = mesh_of(&object.shape, &ball);
+            let moves = object.motion != Motion::Static;
+            LitObject { name: object.name.clone(), materials: Arc::default(), mesh, transform, moves }
+        };
+        Self {
             name: world.name.clone(),
-            objects: Vec::new(),
+            objects: world.objects.iter().map(object).collect(),
             materials: Vec::new(),
             lights: vec![Light {
                 kind: LightKind::Directional { direction: Vec3::new(0.35, -1.0, 0.25), half_angle: 0.0 },
@@ -29,20 +45,7 @@ impl LitScene {
             }],
             sky: Vec3::new(0.3, 0.36, 0.45),
             camera: world.camera(frame, ASPECT),
-        };
-        for (i, object) in world.objects.iter().enumerate() {
-            let channel = |_| random.random_range(0.2..0.8);
-            scene.materials.push(Material::matt(Vec3::from_array(std::array::from_fn(channel))));
-            let (mesh, transform) = mesh_of(&object.shape, &ball);
-            scene.objects.push(LitObject {
-                name: object.name.clone(),
-                materials: vec![i as u32; mesh.triangles.len()].into(),
-                mesh,
-                transform,
-                moves: object.motion != Motion::Static,
-            });
         }
-        scene
     }
 }
 

@@ -26,7 +26,10 @@ impl Model {
                 vertices[i / 8][axis][i % 8] = c;
             }
         }
-        Self { vertices, triangles: mesh.triangles.clone(), closed: mesh.is_closed() }
+        // A buffer of today's engines knows what hides, but draws both sides of sheets.
+        let triangles = mesh.hiding().map(|(triangles, _)| triangles.into_owned()).unwrap_or_default();
+        let closed = triangles.len() == mesh.triangles.len() && mesh.is_closed();
+        Self { vertices, triangles, closed }
     }
 
     pub(super) fn vertex(&self, v: u32) -> Vec3 {

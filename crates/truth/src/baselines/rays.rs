@@ -43,7 +43,8 @@ pub(super) fn parts(object: &Object, out: &mut Vec<Part>) {
         Shape::Box { min, max } => out.push(Part::Box { min: (*min).into(), max: (*max).into() }),
         Shape::Mesh { mesh, transform } => {
             let at = |v: u32| transform.transform_point3a(mesh.positions[v as usize].into());
-            out.extend(mesh.triangles.iter().map(|t| Part::Triangle(t.map(at))));
+            let hiding = mesh.hiding().map(|(triangles, _)| triangles).unwrap_or_default();
+            out.extend(hiding.iter().map(|t| Part::Triangle(t.map(at))));
         }
     }
 }

@@ -302,6 +302,7 @@ mod tests {
                     [[a, a + 1, a + 5], [a, a + 5, a + 4]]
                 })
                 .collect(),
+            ..Mesh::default()
         };
         let sheet = object(Shape::Mesh { mesh: sheet.into(), transform: Affine3A::IDENTITY });
         // At twice the distance of the sheet, the eye has to go 0.4 - 2 * 0.05 = 0.3 m.

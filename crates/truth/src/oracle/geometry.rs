@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 use crate::numeric::oracle::{
     BOX_PLACE, BOX_SIZE, CLOSE_TRIANGLE, GROW, GROW_DISTANCE, GROW_TRIANGLE, INVERSE_OF_NO_STEP, NO_STEP,
 };
-use casca_scenes::world::{Mesh, Object, Shape};
+use casca_scenes::world::{Mesh, Object, Shape, Sides};
 
 /// What a ray can hit, in world space.
 #[derive(Debug, Clone, Copy)]
@@ -137,10 +137,26 @@ fn enter_slabs(low: DVec3, high: DVec3, inverse: DVec3) -> Option<f64> {
     (enter <= leave && enter >= 0.0).then_some(enter)
 }
 
-/// The corners of a triangle of a mesh, in world space.
+/// The corners of a triangle of a mesh, in world space, counter-clockwise seen from its front.
 #[inline]
 pub(super) fn corners(mesh: &Mesh, transform: &DAffine3, triangle: usize) -> [DVec3; 3] {
-    mesh.triangles[triangle].map(|i| transform.transform_point3(mesh.positions[i as usize].as_dvec3()))
+    let [a, b, c] =
+        mesh.triangles[triangle].map(|i| transform.transform_point3(mesh.positions[i as usize].as_dvec3()));
+    if !mesh.sides.is_empty() && transform.matrix3.determinant() < 0.0 { [a, c, b] } else { [a, b, c] }
+}
+
+/// From where a primitive of a shape that occludes stops rays.
+pub(super) fn sides_of(shape: &Shape, primitive: u32) -> Sides {
+    match shape {
+        Shape::Mesh { mesh, .. } => mesh.sides_of(primitive as usize),
+        _ => Sides::Both,
+    }
+}
+
+/// The primitives of a shape that stop rays.
+pub(super) fn stopping(shape: &Shape) -> impl Iterator<Item = (u32, Sides)> {
+    let all = (0..primitive_count(shape) as u32).map(|i| (i, sides_of(shape, i)));
+    all.filter(|(_, sides)| *sides != Sides::Neither)
 }
 
 /// Number of primitives of a shape.

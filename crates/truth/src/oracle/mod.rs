@@ -6,9 +6,11 @@
 //!   finds what is seen between the centres of pixels.
 //! - [`Oracle`] uses both to judge a set of potentially visible objects.
 //! - [`BallOracle`] does so for all eyes in a ball.
+//! - [`Seen`] reads from a file itself what of its objects stops rays.
 //! - [`path`] tells how much light reaches a camera.
 
 mod ball;
+mod files;
 mod frustum;
 mod geometry;
 mod item_buffer;
@@ -24,6 +26,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 pub use ball::{BallCounts, BallOptions, BallOracle, BallSighting};
+pub use files::Seen;
 pub use frustum::{Frustum, Viewpoint};
 use geometry::Primitive;
 pub use item_buffer::{ItemBuffer, NONE};
@@ -262,7 +265,8 @@ impl Oracle {
         let width = self.buffer.width();
         let places = (usize::from(y0)..=usize::from(y1))
             .flat_map(|y| (usize::from(x0)..=usize::from(x1)).map(move |x| y * width + x));
-        let shown: Vec<usize> = if objects[object].occludes {
+        let is_whole = !matches!(&objects[object].shape, Shape::Mesh { mesh, .. } if !mesh.sides.is_empty());
+        let shown: Vec<usize> = if objects[object].occludes && is_whole {
             places.filter(|&pixel| self.buffer.items()[pixel] == object as u32).collect()
         } else {
             let (near, shape) = (frustum.near(), &objects[object].shape);

@@ -6,7 +6,7 @@ use obvhs::bvh2::Bvh2;
 use rayon::prelude::*;
 
 use super::frustum::{Frustum, Viewpoint};
-use super::geometry::{MeshCache, primitive_count};
+use super::geometry::{MeshCache, stopping};
 use super::sample::Sampler;
 use super::tree::{Part, Place, REFITS, Tree};
 use crate::numeric::oracle::{END, PAST_END};
@@ -36,7 +36,8 @@ pub struct ProbeReport {
 
 /// Whether anything hides one point from another, by exact primitives in f64.
 ///
-/// Only objects that occlude are held. Solids hide only where a ray enters
+/// Only objects that occlude are held, and of their meshes what hides: a ray goes on through a
+/// triangle that does not hide from where it comes. Solids hide only where a ray enters
 /// them, so one that holds the start of a ray does not hide along it. The
 /// boxes of the hierarchy are f32 and widened, so that rounding loses no hit.
 pub struct RayOracle {
@@ -65,7 +66,7 @@ impl Segment {
     #[inline]
     fn hidden_by(&self, part: &Part) -> bool {
         let end = if part.object == self.own { self.own_end } else { self.end };
-        end > 0.0 && part.shape.enter(self.origin, self.step, self.grown).is_some_and(|t| t < end)
+        end > 0.0 && part.enter(self.origin, self.step, self.grown).is_some_and(|t| t < end)
     }
 }
 
@@ -114,7 +115,7 @@ impl RayOracle {
         // A new mesh may have other triangles.
         let same = moved
             .iter()
-            .all(|&i| self.place[i] == Place::Nowhere || counts[i] == primitive_count(&objects[i].shape));
+            .all(|&i| self.place[i] == Place::Nowhere || counts[i] == stopping(&objects[i].shape).count());
         if !same || self.moving.refits >= REFITS || !self.moving.refit(objects, &flags) {
             self.moving = Tree::build(objects, &self.place, Place::Moving, BvhBuildParams::fastest_build());
         }
@@ -140,7 +141,7 @@ impl RayOracle {
         let step = point - eye;
         let own = |part: &Part| part.object as usize == object && own(part.triangle as usize);
         [&self.fixed, &self.moving].into_iter().any(|tree| {
-            let hides = |part: &Part| part.shape.enter(eye, step, false).is_some_and(|t| t < 1.0 - END);
+            let hides = |part: &Part| part.enter(eye, step, false).is_some_and(|t| t < 1.0 - END);
             tree.any(eye, step, 1.0, |part| hides(part) && !own(part)).is_some()
         })
     }

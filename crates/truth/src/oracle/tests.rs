@@ -20,8 +20,11 @@ fn cuboid(min: [f32; 3], max: [f32; 3]) -> Object {
 }
 
 fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]], transform: Affine3A) -> Object {
-    let mesh =
-        Mesh { positions: positions.iter().map(|&p| p.into()).collect(), triangles: triangles.to_vec() };
+    let mesh = Mesh {
+        positions: positions.iter().map(|&p| p.into()).collect(),
+        triangles: triangles.to_vec(),
+        ..Mesh::default()
+    };
     object(Shape::Mesh { mesh: Arc::new(mesh), transform })
 }
 
@@ -549,4 +552,14 @@ fn uv_sphere(rings: u32) -> Mesh {
         }
     }
     mesh
+}
+
+#[test]
+fn thousands_of_equal_objects_are_no_deep_tree() {
+    let mut objects: Vec<Object> =
+        (0..10_000).map(|_| cuboid([-1.0, -1.0, -6.0], [1.0, 1.0, -5.0])).collect();
+    objects.push(cuboid([-0.5, -0.5, -9.0], [0.5, 0.5, -8.0]));
+    objects.push(cuboid([2.0, -0.5, -9.0], [3.0, 0.5, -8.0]));
+    let seen = judge(&objects, &ahead(), 4, &|_| true).exact;
+    assert!(seen.contains(&10_001) && !seen.contains(&10_000), "{seen:?}");
 }

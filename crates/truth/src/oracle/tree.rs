@@ -1,8 +1,9 @@
 //! Bounding volume hierarchies over exact primitives.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
-use casca_scenes::world::{Motion, Object};
+use casca_scenes::world::{Motion, Object, Sides};
 use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -11,7 +12,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
-use super::geometry::{Primitive, primitive_count};
+use super::geometry::{Primitive, sides_of, stopping};
 use crate::numeric::oracle::{BOX_F32, LEAST_SCALE, RAY_F32};
 
 /// Refits of the moving part before it is built anew.
@@ -23,6 +24,22 @@ pub(super) struct Part {
     pub(super) shape: Primitive,
     pub(super) object: u32,
     pub(super) triangle: u32,
+    /// From where it stops rays, if it is a triangle.
+    pub(super) sides: Sides,
+}
+
+impl Part {
+    /// Where it stops a ray: see [`Primitive::enter`].
+    #[inline]
+    pub(super) fn enter(&self, origin: DVec3, step: DVec3, grown: bool) -> Option<f64> {
+        let t = self.shape.enter(origin, step, grown)?;
+        match (self.sides, &self.shape) {
+            (Sides::Front, Primitive::Triangle([a, b, c])) => {
+                ((*b - *a).cross(*c - *a).dot(step) < 0.0).then_some(t)
+            }
+            _ => Some(t),
+        }
+    }
 }
 
 /// A bounding volume hierarchy over the primitives of some objects.
@@ -52,6 +69,34 @@ impl Place {
     }
 }
 
+/// A hierarchy whose leaves hold all boxes that are equal: thousands of them would become a chain,
+/// too deep to walk along.
+fn hierarchy(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
+    let (mut places, mut different) = (HashMap::new(), Vec::new());
+    let mut equal: Vec<Vec<u32>> = Vec::new();
+    for (i, one) in (0..).zip(boxes) {
+        let bits = [one.min, one.max].map(|corner| corner.to_array().map(f32::to_bits));
+        let place = *places.entry(bits).or_insert(different.len());
+        if place == different.len() {
+            different.push(*one);
+            equal.push(Vec::new());
+        }
+        equal[place].push(i);
+    }
+    let mut bvh = build_bvh2(&different, params, &mut Duration::default());
+    let mut all = Vec::with_capacity(boxes.len());
+    for node in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
+        let from = node.first_index as usize;
+        node.first_index = all.len() as u32;
+        for &place in &bvh.primitive_indices[from..from + node.prim_count as usize] {
+            all.extend(&equal[place as usize]);
+        }
+        node.prim_count = all.len() as u32 - node.first_index;
+    }
+    bvh.primitive_indices = all;
+    bvh
+}
+
 impl Tree {
     pub(super) fn build(objects: &[Object], place: &[Place], wanted: Place, params: BvhBuildParams) -> Self {
         let mut parts = Vec::new();
@@ -59,10 +104,10 @@ impl Tree {
             if place[i] != wanted {
                 continue;
             }
-            for triangle in 0..primitive_count(&object.shape) as u32 {
+            for (triangle, sides) in stopping(&object.shape) {
                 let shape = Primitive::of(&object.shape, triangle);
                 if shape.is_sound() {
-                    parts.push(Part { shape, object: i as u32, triangle });
+                    parts.push(Part { shape, object: i as u32, triangle, sides });
                 }
             }
         }
@@ -73,11 +118,7 @@ impl Tree {
     pub(super) fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
         let scale = scale_of(&parts);
         let boxes: Vec<Aabb> = parts.iter().map(|part| wide_box(&part.shape, scale)).collect();
-        let bvh = if boxes.is_empty() {
-            Bvh2::default()
-        } else {
-            build_bvh2(&boxes, params, &mut Duration::default())
-        };
+        let bvh = if boxes.is_empty() { Bvh2::default() } else { hierarchy(&boxes, params) };
         let parts = bvh.primitive_indices.iter().map(|&i| parts[i as usize]).collect();
         Self { parts, bvh, scale, refits: 0 }
     }
@@ -87,7 +128,8 @@ impl Tree {
     pub(super) fn refit(&mut self, objects: &[Object], moved: &[bool]) -> bool {
         self.refits += 1;
         let unsound = self.parts.par_iter_mut().filter(|part| moved[part.object as usize]).map(|part| {
-            part.shape = Primitive::of(&objects[part.object as usize].shape, part.triangle);
+            let shape = &objects[part.object as usize].shape;
+            (part.shape, part.sides) = (Primitive::of(shape, part.triangle), sides_of(shape, part.triangle));
             !part.shape.is_sound()
         });
         if unsound.reduce(|| false, |a, b| a | b) {
@@ -166,7 +208,7 @@ impl Tree {
         let slack = RAY_F32 * (self.scale + LEAST_SCALE);
         self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
             let part = &self.parts[i];
-            if let Some(t) = part.shape.enter(origin, step, false) {
+            if let Some(t) = part.enter(origin, step, false) {
                 let nearer = best.is_none_or(|(object, old)| t < old || (t == old && part.object < object));
                 if nearer {
                     *best = Some((part.object, t));

@@ -5,7 +5,7 @@ use bevy::camera::ClearColorConfig;
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy_casca::CascaSettings;
+use bevy_casca::{CascaSettings, MaterialsPlugin, Surface};
 use bevy_casca_fur::{Coat, FurExtension, FurMaterial, FurPlugin, FurSettings, Furry, fur_material};
 use casca_fur::glam;
 use casca_fur::gpu::look::{Look, sky_pixel};
@@ -153,7 +153,9 @@ pub fn furry(
     let mut rendered = Rendered::with_plugins(
         settings,
         |app| {
-            app.add_plugins(FurPlugin);
+            // One sees through it, and what is nearer is drawn over it.
+            let fur = MaterialsPlugin::<MeshMaterial3d<FurMaterial>>::new(|_| Surface::Unknown);
+            app.add_plugins((FurPlugin, fur));
         },
         fill,
         eye,

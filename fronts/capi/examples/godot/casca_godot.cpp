@@ -2,10 +2,15 @@
 //
 //     var culling := CascaCulling.new()
 //     culling.setup(AABB(Vector3(-50, 0, -50), Vector3(100, 20, 100)), 1.0)
-//     var id := culling.add(house.get_aabb(), true, false)    # world space; hides; does not move
+//     var wall_box := wall.global_transform * wall.get_aabb()   # in world space
+//     var id := culling.add(wall_box, true, false)              # hides; does not move
+//     var tree_id := culling.add(tree.global_transform * tree.get_aabb(), false, false)
 //     ...
 //     var seen := culling.visible(Time.get_ticks_usec() / 1e6,
 //             camera.get_camera_transform(), camera.get_camera_projection())
+//
+// A box that hides, hides with all of it: let only that hide which fills its box, opaque and drawn,
+// such as a block whose sides lie along the axes, never the box around a house or a tree.
 //
 // It needs gdextension_interface.h alone, which `godot --dump-gdextension-interface` writes, of
 // Godot 4.2 or newer, in single precision. Build it by the CMakeLists.txt beside it.

@@ -9,8 +9,8 @@
 >>> bool(balls[0] in seen), bool(balls[1] in seen)
 (False, True)
 
-Ids are numpy arrays of ``uint64``. Arrays of ``float32`` are read where they are; others, and
-lists, are converted by numpy. Queries, scenes from files and exact visibility release the GIL.
+Ids are numpy arrays of ``uint64``. Any array or list of the shape is taken; contiguous arrays of
+``float32`` are read where they are. Queries, scenes from files and exact visibility release the GIL.
 """
 
 from . import bake, plane, points

@@ -126,6 +126,9 @@ class Scene:
     low, high: (3,), the corners of the room for objects, in world units. cell: the edge of a cube;
     about the size of a room's parts. Objects may lie outside of the room, but cost more there.
 
+    Ids are (n,) integers of any width, as this scene gave them; those of removed objects are refused.
+    In another scene the same id may name another object.
+
     A scene that a query reads in another thread cannot be changed meanwhile: that raises
     RuntimeError.
     """
@@ -136,6 +139,10 @@ class Scene:
         path: str | PathLike[str], *, cell: float | None = None, progress: _Progress | None = None
     ) -> Scene:
         """A scene from a glTF 2.0 file (.glb or .gltf): each node with a mesh is an object.
+
+        Only what is drawn opaque hides, from the side from which it is drawn: panes (BLEND, MASK,
+        transmission), skins and morph targets hide nothing, single-sided sheets hide from their
+        front only. What is left out or taken otherwise is a UserWarning.
 
         cell: the edge of a cube of the grid; chosen by size if None. progress: as for ``Mesh``.
         Raises OSError if the file cannot be read, and Error if it cannot be taken whole.
@@ -189,7 +196,8 @@ class Scene:
         transforms: (n, 4, 4), mesh to world space, as ``matrix @ [x, y, z, 1]``.
         """
     def update_boxes(self, ids: ArrayLike, boxes: ArrayLike) -> None:
-        """Moves objects to other boxes, (n, 2, 3); who hides others hides by the new box.
+        """Moves objects to other boxes, (n, 2, 3). What hid by a box or sphere hides by the new box; a
+        mesh hides no more, since a box covers what it does not.
 
         If an entry is refused, the entries before it have been moved.
         """
@@ -198,7 +206,7 @@ class Scene:
     def set_transforms(self, ids: ArrayLike, transforms: ArrayLike) -> None:
         """Gives meshes other transforms, (n, 4, 4). Entries that are not refused are moved."""
     def remove(self, ids: ArrayLike) -> None:
-        """Removes objects. Their ids are never used again."""
+        """Removes objects, all or none; no id may come twice. Ids are never used again."""
     def begin_frame(self, now: float) -> _Ids:
         """Begins a frame at a time in seconds, which must not go back."""
     def end_frame(self, queries: Sequence[Query]) -> None:
@@ -216,6 +224,12 @@ class Scene:
         """The frames of the camera's path that came with the scene; 0 without one."""
     def path_view(self, frame: int, *, aspect: float = 16 / 9) -> View:
         """The camera of a frame of that path."""
+    @property
+    def origin(self) -> list[float]:
+        """What is added to all coordinates of this scene, its boxes, views and grid, for those of the
+        file that it comes from: a file whose contents lie far from its origin, such as in UTM, gets
+        an origin near them, since single precision is too coarse there. Else zeros. Subtract it, in
+        double precision, from coordinates that you pass in."""
     @property
     def bounds(self) -> list[list[float]]:
         """The corners of the grid, in world units."""
@@ -251,7 +265,7 @@ class Query:
         """What the last run found."""
     def may_see_boxes(self, scene: Scene, boxes: ArrayLike) -> NDArray[np.bool_]:
         """Whether the view of the last run may see each of some boxes, (n, 2, 3), which need not be
-        objects. "No" is certain."""
+        objects. "No" is certain; of numbers that are not finite the answer is true."""
     def may_see_points(self, scene: Scene, points: ArrayLike) -> NDArray[np.bool_]:
         """The same for points, (n, 3)."""
     def shadow_casters(

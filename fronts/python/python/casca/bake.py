@@ -13,34 +13,38 @@ missing. Objects that move are in no set. ``on_dask`` and ``on_ray`` make the sa
 """
 
 import os
+import uuid
 
 from ._casca import Bake, Baked, Merge
 
 __all__ = ["Bake", "Baked", "Merge", "on_dask", "on_ray"]
 
-# Levels that this process has made ready, by name, content and options: tasks of one bake share one.
+# The level that this process has made ready, by the bake that it is of: its tasks share it.
 _ready = {}
 
 
 def _content(level):
     """The bytes of a level's file; None for a generated one."""
-    level = os.fspath(level)
     if not level.lower().endswith((".glb", ".gltf")):
         return None
     with open(level, "rb") as file:
         return file.read()
 
 
-def _find(level, content, options, cells):
+def _same(content):
+    """A task: unlike data that were scattered, it can be done again where a worker died."""
+    return content
+
+
+def _find(bake, level, content, options, cells):
     """A task: the sets of some cells."""
-    key = (level, hash(content), tuple(sorted(options.items())))
-    bake = _ready.get(key)
-    if bake is None:
-        bake = Bake(level, content=content, **options)
+    ready = _ready.get(bake)
+    if ready is None:
+        ready = Bake(level, content=content, **options)
         # Of one bake at a time: levels may be large.
         _ready.clear()
-        _ready[key] = bake
-    return bake.find(cells)
+        _ready[bake] = ready
+    return ready.find(cells)
 
 
 def _parts(level, content, options, cells_per_task):
@@ -66,10 +70,12 @@ def on_dask(client, level, out, *, cells_per_task=16, progress=None, **options):
     level = os.fspath(level)
     content = _content(level)
     parts = _parts(level, content, options, cells_per_task)
+    # Of this call alone: what died with a worker must not be looked for again.
+    bake = uuid.uuid4().hex
     if content is not None:
-        # Once to each worker, not once with each task.
-        content = client.scatter(content, broadcast=True)
-    tasks = [client.submit(_find, level, content, options, part, pure=False) for part in parts]
+        # One worker gets it from here, the others from each other.
+        content = client.submit(_same, content, pure=False)
+    tasks = [client.submit(_find, bake, level, content, options, part, pure=False) for part in parts]
     try:
         _merged(out, (task.result() for task in as_completed(tasks)), len(tasks), progress)
     finally:
@@ -86,7 +92,8 @@ def on_ray(level, out, *, cells_per_task=16, progress=None, **options):
     # A worker that dies is replaced, and its task is done again.
     find = ray.remote(max_retries=8)(_find)
     content = ray.put(content)
-    tasks = [find.remote(level, content, options, part) for part in parts]
+    bake = uuid.uuid4().hex
+    tasks = [find.remote(bake, level, content, options, part) for part in parts]
 
     def results():
         left = list(tasks)

@@ -11,12 +11,14 @@ __all__ = ["Bake", "Baked", "Merge", "on_dask", "on_ray"]
 class Bake:
     """A level made ready for baking, and its cells.
 
-    level: a .glb or .gltf file, or the name of a generated scene (see casca.SCENES).
+    level: a .glb or .gltf file, or the name of a generated scene (see casca.SCENES). What of a file
+        hides is as for Scene.from_gltf.
     cell: the edge of a cell along x and z, in metres.
-    height: the least and the greatest height of an eye over the floor, in metres. Cells are as high
-        as that, and only those are baked in which an eye may be so. None bakes all cells of the
-        level's box, as high as they are wide.
-    within: two corners of a box; of these cells, only those whose middle lies in it are baked.
+    height: (2,), the least and the greatest height of an eye over the floor, in metres. Cells are as
+        high as that, and only those are baked in which an eye may be so. None bakes all cells of
+        the level's box, as high as they are wide.
+    within: (2, 3), the lower and the upper corner of a box; of these cells, only those whose middle
+        lies in it are baked.
     queries: up to about so many queries for each cell; more take longer and make smaller sets.
     grid: the edge of a cell of casca's grid, in metres.
     solid: promises that closed boxes among the parts of meshes hold no eye: then cells that reach
@@ -31,11 +33,11 @@ class Bake:
 
     def __new__(
         cls,
-        level: str,
+        level: str | os.PathLike[str],
         *,
         cell: float = 2.0,
-        height: tuple[float, float] | None = None,
-        within: tuple[ArrayLike, ArrayLike] | None = None,
+        height: ArrayLike | None = None,
+        within: ArrayLike | None = None,
         queries: int = 50,
         grid: float | None = None,
         solid: bool = False,
@@ -52,7 +54,8 @@ class Bake:
     def find(
         self, cells: ArrayLike, *, threads: int = 1, progress: Callable[[float], object] | None = None
     ) -> bytes:
-        """The sets of some cells, as the bytes of a file with these alone. Releases the GIL."""
+        """The sets of some cells, (n,) integers, as the bytes of a file with these alone. Releases the
+        GIL."""
     def write(
         self,
         out: str | os.PathLike[str],
@@ -87,8 +90,8 @@ class Baked:
 
     def __new__(cls, file: str | os.PathLike[str]) -> Baked: ...
     def at(self, place: ArrayLike) -> NDArray[np.uint32] | None:
-        """The objects that can be seen from a place, ascending; None if nothing is known about it:
-        then all may be seen."""
+        """The objects that can be seen from a place, (3,) float64, in the coordinates of the level's file,
+        ascending; None if nothing is known about it: then all may be seen."""
     def cell(self, number: int) -> NDArray[np.uint32] | None:
         """The set of a cell; x runs fastest, then y. None if it has none."""
     @property
@@ -106,11 +109,9 @@ class Baked:
     @property
     def cell_to_cell(self) -> bool:
         """Whether sets hold cells of the grid itself."""
-    def may_see(
-        self, eyes: tuple[ArrayLike, ArrayLike], target: tuple[ArrayLike, ArrayLike]
-    ) -> bool:
-        """Whether an eye in one box may see a point in another, by sets from cell to cell; two
-        corners each. True in doubt."""
+    def may_see(self, eyes: ArrayLike, target: ArrayLike) -> bool:
+        """Whether an eye in one box may see a point in another, by sets from cell to cell; (2, 3)
+        float64 each, the lower and the upper corner. True in doubt."""
     def __len__(self) -> int:
         """The number of cells that have a set."""
 
@@ -125,8 +126,9 @@ def on_dask(
 ) -> None:
     """Bakes on the workers of a distributed.Client; options are those of Bake.
 
-    The level travels to each worker once. Workers need casca. A worker that dies is no matter: Dask
-    gives its tasks to others. Writes the same bytes as Bake(level, **options).write(out).
+    A level's file travels to each worker once; other files that it names must lie where the worker
+    finds them. Workers need casca. A worker that dies is no matter: Dask gives its tasks to others,
+    and a later call on the same client begins anew. Writes the same bytes as Bake(level, **options).write(out).
     Tasks should take some seconds.
     """
 

@@ -5,7 +5,7 @@ __all__ = ["field_of_view", "visible_region"]
 
 def field_of_view(
     walls: ArrayLike,
-    eye: tuple[float, float],
+    eye: ArrayLike,
     *,
     radius: float | None = None,
     direction: ArrayLike | None = None,
@@ -13,9 +13,9 @@ def field_of_view(
 ) -> NDArray[np.bool_]:
     """The tiles of a map that are seen from a place: those of which a point can be seen.
 
-    walls: (height, width) bool, the tiles that block sight; ``walls[y, x]``. eye: (x, y), in tiles;
-    the middle of a tile is at .5. radius: in tiles. direction, half_angle: (2,) and radians.
-    Returns (height, width) bool.
+    walls: (height, width) bool, the tiles that block sight, ``walls[y, x]``; of numbers all but 0 do.
+    eye: (2,), x and y in tiles; the middle of a tile is at .5. radius: in tiles. direction,
+    half_angle: (2,) and radians. Returns (height, width) bool.
     """
 
 def visible_region(walls: ArrayLike, eye: ArrayLike, range: float) -> NDArray[np.float32]:

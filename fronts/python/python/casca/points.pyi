@@ -4,11 +4,11 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = ["hidden_point_removal", "splat_visible"]
 
 def hidden_point_removal(
-    points: ArrayLike, eye: tuple[float, float, float], *, log10_radius: float = 3.0
+    points: ArrayLike, eye: ArrayLike, *, log10_radius: float = 3.0
 ) -> NDArray[np.bool_]:
     """The points on the convex hull of the cloud turned inside out around the eye.
 
-    points: (n, 3) float64. log10_radius: the decimal logarithm of the radius, as a multiple of the
+    points: (n, 3) float64. eye: (3,). log10_radius: the decimal logarithm of the radius, as a multiple of the
     largest distance from the eye; 2 to 3.5 are usual, and greater ones show more. Returns (n,) bool.
     """
 

@@ -93,6 +93,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         return check(level);
     }
     let mut level = Level::open(&arguments.level)?;
+    level.source.tell();
+    level.source.about_origin().iter().for_each(|line| println!("{line}"));
     if let Some(file) = &arguments.bake {
         return bake(&level, arguments.cell, file);
     }
@@ -136,6 +138,8 @@ fn identity(arguments: &Arguments) -> Result<Option<Identity>, Failure> {
 /// Says what a level is made of, and lets a client look at it.
 fn check(name: &str) -> Result<(), Failure> {
     let level = Level::open(name)?;
+    level.source.tell();
+    level.source.about_origin().iter().for_each(|line| println!("{line}"));
     let occluders = level.scene.len();
     let mut server = VisibilityServer::new(level.scene, ServerOptions::new())?;
     server.add_client(casca_server::ClientDesc::new(level.track.path[0], 5.0, 0.1), 0.0)?;

@@ -9,7 +9,7 @@ use casca_bake::{BakeError, Baker, Cells, Progress};
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::import::{self, ImportError};
-use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
+use casca_scenes::world::{GridHint, Motion, Object, Shape, Source, World};
 use casca_walls::{Span, Walls};
 
 use crate::entity::span_of;
@@ -83,6 +83,9 @@ pub struct Level {
     /// Which cells along the path see each other, if that was found ahead of time: a file for
     /// [`VisibilityServer::set_baked`](crate::VisibilityServer::set_baked).
     pub baked: Option<Vec<u8>>,
+    /// What its file says: tools show the warnings. Its origin is added to the coordinates of all
+    /// that is here, and of all that the server is told and tells, for those of the file.
+    pub source: Source,
     grid: GridHint,
 }
 
@@ -142,7 +145,15 @@ impl Level {
         grid = coarse.unwrap_or(grid);
         let scene = Driver::new(&world, &grid, |_| ())?.scene;
         let track = Track { path, down };
-        Ok(Self { name: world.name, scene, objects, track, baked: None, grid: world.grid })
+        Ok(Self {
+            name: world.name,
+            scene,
+            objects,
+            track,
+            baked: None,
+            source: world.source,
+            grid: world.grid,
+        })
     }
 
     /// Finds which cells along the path see each other, for [`Level::baked`]. `edge` is that of a
@@ -187,15 +198,16 @@ impl Track {
         // The grid ends where they do.
         let counts = ((high - low) / f64::from(edge)).ceil().max(DVec3::ONE);
         let size = ((high - low) / counts).to_array();
-        let cells = Cells { low: low.to_array(), size, dims: counts.to_array().map(|n| n as u32) };
+        let dims = counts.to_array().map(|n| n as u32);
+        let cells = Cells { low: low.to_array(), size, dims, origin: [0.0; 3] };
         let boxes = all.iter().filter_map(|span| cells.of_box(span.min.to_array(), span.max.to_array()));
         let numbers: BTreeSet<u32> = boxes.flat_map(|all| cells.numbers(all)).collect();
         (cells, numbers.into_iter().collect())
     }
 
-    /// The sides of the body around an eye, at the height of the eye.
-    pub fn sides(&self, eye: Vec3) -> [Vec3; 4] {
-        [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|side| eye + side * BODY[0])
+    /// From side to side of the body around an eye, at the height of the eye.
+    pub fn across(&self, eye: Vec3) -> [[Vec3; 2]; 2] {
+        [Vec3::X, Vec3::Z].map(|side| [eye - side * BODY[0], eye + side * BODY[0]])
     }
 
     /// The box around a bot whose eye is at a place.

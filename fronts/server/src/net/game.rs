@@ -221,10 +221,9 @@ impl Game {
                 let goes = |to: &Vec3| {
                     let far = (to.as_dvec3() - from.as_dvec3()).length() > most;
                     // A body in a wall would be seen on its other side before it is told.
-                    let ends = std::iter::once(*to).chain(self.track.sides(*to));
-                    let start = |end: &Vec3| if *end == *to { from } else { *to };
-                    let walled = |end: Vec3| self.server.has_wall_between(start(&end), end);
-                    let stands = !far && !ends.into_iter().any(walled);
+                    let ways = std::iter::once([from, *to]).chain(self.track.across(*to));
+                    let walled = |[from, to]: [Vec3; 2]| self.server.has_wall_between(from, to);
+                    let stands = !far && !ways.into_iter().any(walled);
                     self.metrics.refused_moves.inc_by(u64::from(!stands));
                     stands
                 };

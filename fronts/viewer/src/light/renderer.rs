@@ -142,7 +142,7 @@ impl Renderer {
                 return Err(format!("there is no object {number}").into());
             };
             object.transform = place;
-            moved.push((number, object.lit(self.scene.materials.len())));
+            moved.push((number, object.lit(&self.scene.materials)));
             self.picture.move_object(gpu, number, object);
         }
         if !moved.is_empty() {

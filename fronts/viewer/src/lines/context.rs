@@ -6,6 +6,7 @@ use casca_lines::mesh::Mesh;
 use casca_lines::sets::files::open_mesh;
 use casca_scenes::import;
 use casca_scenes::world::Shape;
+use glam::Vec3A;
 
 use crate::common::Failed;
 
@@ -30,8 +31,11 @@ pub fn open(path: &Path) -> Result<Mesh, Failed> {
         return Ok(open_mesh(path)?);
     }
     let mut all = Mesh::default();
-    for object in import::load(path)?.objects {
-        let Shape::Mesh { mesh, transform } = object.shape else { continue };
+    let world = import::load(path)?;
+    for object in world.objects {
+        let Shape::Mesh { mesh, mut transform } = object.shape else { continue };
+        // Lines have the coordinates of their files.
+        transform.translation += Vec3A::from(world.source.origin.as_vec3());
         let first = all.positions.len() as u32;
         all.positions.extend(mesh.positions.iter().map(|&p| transform.transform_point3(p)));
         all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));

@@ -6,7 +6,6 @@ use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
 use casca_stage::gpu::COLOUR;
 use casca_tools::image::write_png;
 use casca_stage::panel::Panel;
-use casca_tools::path_error::PathError;
 use casca_stage::window::Start;
 use clap::{Args, value_parser};
 
@@ -28,7 +27,7 @@ const FRAMES: u32 = 90;
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("file", |file| file.help("A map drawn with letters: # wall, + door, g guard, @ start [default: a harbour]"))
+    mut_arg("file", |file| file.help("A map of Tiled (.tmx) or LDtk (.ldtk), or one drawn with letters: # wall, + door, g guard, @ start [default: a harbour]"))
 )]
 pub struct Options {
     /// What all systems take.
@@ -84,8 +83,8 @@ impl Options {
         let Some(path) = &self.common.file else {
             return Level::new("harbour", Drawing::read(HARBOUR), (1, self.guards));
         };
-        let text = std::fs::read_to_string(path).map_err(PathError::to("read", path))?;
-        let map = Drawing::read(&text);
+        let map = Drawing::open(path)?;
+        map.warnings.iter().for_each(|warning| eprintln!("warning: {}: {warning}", path.display()));
         let (width, height) = (map.walls.width(), map.walls.height());
         if width.max(height) > LONGEST {
             let why = format!("{}: {width} by {height} tiles, more than {LONGEST} a side", path.display());
@@ -111,6 +110,25 @@ mod tests {
             let said = options.start().err().unwrap().to_string();
             assert!(said.contains(word) && said.contains("casca-plane"), "{said}");
         }
+        for (text, word) in [
+            ("<?xml version=\"1.0\"?><svg/>", "its element is svg"),
+            ("{\"type\": \"map\", \"tilewidth\": 9}", "save it as .tmx"),
+            ("\u{1}\u{2}", "no text"),
+        ] {
+            std::fs::write(&place, text).unwrap();
+            let options = parsed::<Options>(&[place.to_str().unwrap()]).unwrap();
+            let said = options.start().err().unwrap().to_string();
+            assert!(said.contains(word) && said.contains("casca-plane"), "{said}");
+        }
+        // A map of Tiled, whatever its name.
+        let tiles = "1,0,0,0,0,1";
+        let map = format!(
+            "<map orientation=\"orthogonal\" width=\"3\" height=\"2\" tilewidth=\"16\" tileheight=\"16\"><tileset firstgid=\"1\"/>\
+             <layer name=\"Walls\" width=\"3\" height=\"2\"><data encoding=\"csv\">{tiles}</data></layer></map>"
+        );
+        std::fs::write(&place, map).unwrap();
+        let level = parsed::<Options>(&[place.to_str().unwrap()]).unwrap().level().unwrap();
+        assert_eq!((level.size(), level.layer.opaque().bits().count()), ((3, 2), 2));
         std::fs::remove_file(&place).unwrap();
         let gone = parsed::<Options>(&[place.to_str().unwrap()]).unwrap().start().err().unwrap().to_string();
         assert!(gone.contains("casca-plane"), "{gone}");

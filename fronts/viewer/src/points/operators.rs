@@ -72,6 +72,8 @@ pub struct Look {
 /// A cloud with y upwards, and the way that it is looked at.
 pub struct Looked {
     pub name: String,
+    /// What is wrong with the file.
+    pub warnings: Vec<String>,
     /// As it was read.
     pub cloud: PointCloud,
     /// Turned so that y is up.
@@ -90,12 +92,13 @@ pub struct Looked {
 impl Look {
     /// Reads the cloud of a file; without one it is a house.
     pub fn open(&self, file: Option<&Path>) -> Result<Looked, Box<dyn Error>> {
-        let cloud = match file {
+        let (cloud, warnings) = match file {
             Some(path) => self.part.read(path)?,
-            None => house::scan(self.spacing),
+            None => (house::scan(self.spacing), Vec::new()),
         };
         if cloud.is_empty() {
-            return Err("the file has no points".into());
+            let name = file.map_or("the house".into(), |path| path.display().to_string());
+            return Err(format!("{name} has no points").into());
         }
         let up = self.up.as_vec3().try_normalize().ok_or("the direction upwards has no length")?;
         let turn = Quat::from_rotation_arc(up, Vec3::Y);
@@ -123,6 +126,7 @@ impl Look {
         let name = file.and_then(Path::file_stem).map_or("house".into(), |n| n.to_string_lossy());
         Ok(Looked {
             name: name.into_owned(),
+            warnings,
             normals: turned(&cloud.normals),
             positions,
             radius,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use casca_points::PointCloud;
-use casca_points::files::{FileError, Levels, Selection, read_selected};
+use casca_points::files::{FileError, Levels, Report, Selection, read_selected};
 use clap::Args;
 
 /// The levels of a COPC or EPT file that are read; all by default.
@@ -27,15 +27,21 @@ impl Part {
         Selection { levels, ..Selection::default() }
     }
 
-    /// Reads this part of a file.
-    pub fn read(&self, path: &Path) -> Result<PointCloud, FileError> {
+    /// Reads this part of a file, and says what is wrong with it.
+    pub fn read(&self, path: &Path) -> Result<(PointCloud, Vec<String>), FileError> {
         let mut all = PointCloud::default();
-        read_selected(path, &self.selection(), usize::MAX, |chunk| {
+        let report = read_selected(path, &self.selection(), usize::MAX, |chunk| {
             all = chunk;
             Ok::<_, FileError>(())
         })?;
-        Ok(all)
+        Ok((all, warned(report)))
     }
+}
+
+/// Says on standard error what is wrong with a file.
+pub fn warned(report: Report) -> Vec<String> {
+    report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    report.warnings
 }
 
 fn parse_positive(text: &str) -> Result<f64, String> {

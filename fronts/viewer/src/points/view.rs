@@ -94,7 +94,8 @@ impl Demo for Viewer {
     }
 
     fn report(&self, _: &Screen) -> Report {
-        Report { lines: self.found.clone(), legend: Vec::new(), dials: vec![Dial::button(FIND)] }
+        let lines = self.looked.warnings.iter().chain(&self.found).cloned().collect();
+        Report { lines, legend: Vec::new(), dials: vec![Dial::button(FIND)] }
     }
 
     fn set(&mut self, dial: &str, _: f64, _: &Screen) -> Done {

@@ -131,6 +131,7 @@ impl Playback {
     /// # Errors
     /// As [`Driver::new`].
     pub fn new(mut world: World) -> Result<Self, Box<dyn Error>> {
+        world.source.tell();
         world.set_frame(0);
         let driver = Driver::new(&world, &grid_for(&world.grid, None)?, |_| ())?;
         Ok(Self {

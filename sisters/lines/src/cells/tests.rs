@@ -5,11 +5,11 @@ use super::*;
 use crate::directions::decoded;
 use crate::numeric::MOST_IN_ROW;
 use crate::sets::random::Random;
-use crate::testing::cases;
+use crate::testing::{cases, coordinate};
 
 fn random_set(lines: u32, long: f64, seed: u64) -> LineSet {
     let mut random = Random::new(seed);
-    let mut point = || DVec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0)));
+    let mut point = || DVec3::from_array(std::array::from_fn(|_| coordinate(&mut random, 1.0)));
     let line = |_| {
         let (middle, way) = (point(), point().normalize_or_zero() * long);
         [(middle - way).as_vec3(), (middle + way).as_vec3()]
@@ -37,7 +37,7 @@ proptest! {
         let mut random = Random::new(seed ^ 1);
         for (number, [a, b]) in cells.ends().iter().enumerate() {
             for _ in 0..20 {
-                let off = DVec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0))).normalize_or_zero();
+                let off = DVec3::from_array(std::array::from_fn(|_| coordinate(&mut random, 1.0))).normalize_or_zero();
                 let p = a.as_dvec3().lerp(b.as_dvec3(), random.unit()) + off * f64::from(margin) * 0.999;
                 let cell = cell_of(&cells, p);
                 prop_assert!(cell.is_some(), "{p} lies outside of the grid");
@@ -143,7 +143,7 @@ proptest! {
         let mut moved: Vec<u32> = (0..count).map(|_| random.within(0.0, 80.0) as u32).collect();
         moved.sort_unstable();
         moved.dedup();
-        let by = Vec3::from_array(std::array::from_fn(|_| random.within(-0.4, 0.4) as f32));
+        let by = Vec3::from_array(std::array::from_fn(|_| coordinate(&mut random, 0.4) as f32));
         let before = cells.clone();
         for step in 0..2 {
             let to = with_moved(&lines, &moved, by * if back && step == 1 { 0.0 } else { 1.0 + step as f32 });

@@ -7,7 +7,7 @@ use crate::sets::LineSet;
 use crate::sets::generate::{Family, Recipe};
 use crate::sets::random::Random;
 use crate::slabs::{Slices, SpanRule};
-use crate::testing::cases;
+use crate::testing::{cases, places};
 use crate::view::{Lens, View};
 
 fn estimator(estimator: Estimator) -> AoOptions {
@@ -61,14 +61,14 @@ proptest! {
 
     #[test]
     fn columns_are_clipped_as_points_along_them_say(
-        at in (-0.6f32..0.6, -0.6f32..0.6, 2.0f32..6.0), tangent in (-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0),
+        at in (-0.6f32..0.6, -0.6f32..0.6, 2.0f32..6.0), tangent in places(1.0),
         sample in (-0.7f32..0.7, -0.7f32..0.7), along_view: bool, perspective: bool
     ) {
         let fov_y = if perspective { Some(1.0) } else { None };
         let position = vec3(at.0, at.1, -at.2);
         // A tangent along the view gives a base that is parallel to the picture; one across it may
         // give w_z near 0.
-        let tangent = if along_view { vec3(tangent.0 * 1e-3, 0.0, 1.0) } else { vec3(tangent.0, tangent.1, tangent.2) };
+        let tangent = if along_view { vec3(tangent.x * 1e-3, 0.0, 1.0) } else { tangent };
         let mut above = Hemisphere::new(&receiver(position, tangent), 0.5, &view(fov_y, 8)).unwrap();
         let sample = glam::Vec2::new(sample.0, sample.1);
         let prism = above.prism(sample, BasePlane::Tangent, 0.0);

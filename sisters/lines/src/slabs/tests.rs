@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::sets::random::Random;
-use crate::testing::cases;
+use crate::testing::{cases, places};
 use crate::view::Lens;
 
 fn box_view(fov_y: Option<f64>, size: [u32; 2]) -> View {
@@ -78,15 +78,11 @@ fn marched(view: &View, grid: &SlabGrid, ends: [Vec3; 2]) -> BTreeMap<(u32, u32)
     found
 }
 
-fn point() -> impl Strategy<Value = Vec3> {
-    (-2.0f32..2.0, -2.0f32..2.0, -2.0f32..2.0).prop_map(|(x, y, z)| vec3(x, y, z))
-}
-
 proptest! {
     #![proptest_config(cases(48))]
 
     #[test]
-    fn a_segment_sets_the_slices_that_its_points_lie_in_and_no_gaps(a in point(), b in point(), perspective: bool) {
+    fn a_segment_sets_the_slices_that_its_points_lie_in_and_no_gaps(a in places(2.0), b in places(2.0), perspective: bool) {
         let view = box_view(perspective.then_some(0.7), [24, 17]);
         let grid = SlabGrid::of_lines(&LineSet::new([[a, b]]).unwrap(), &view, Slices::S128, SpanRule::Span);
         let found = marched(&view, &grid, [a, b]);
@@ -117,7 +113,7 @@ proptest! {
 
     #[test]
     fn lengths_of_the_columns_add_up_to_those_of_the_lines(
-        points in proptest::collection::vec(point(), 2..30), perspective: bool, height in 1u32..90
+        points in proptest::collection::vec(places(2.0), 2..30), perspective: bool, height in 1u32..90
     ) {
         // Within the box, so that nothing is clipped.
         let lines = LineSet::new([points.iter().map(|&p| p * 0.5)]).unwrap();

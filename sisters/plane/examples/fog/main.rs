@@ -5,7 +5,7 @@
 //! cargo run --release -p casca-plane --features maps --example fog
 //! cargo run --release -p casca-plane --features maps --example fog -- --map rooms --seed 7
 //! cargo run --release -p casca-plane --features maps --example fog -- --gif fog.gif
-//! cargo run --release -p casca-plane --features maps,tiled,ldtk --example fog -- FILE.tmx   # or FILE.ldtk
+//! cargo run --release -p casca-plane --features maps,tiled,ldtk --example fog -- FILE   # .tmx, .ldtk, or letters
 //! ```
 //!
 //! Keys: the arrows, or `w` `a` `s` `d`, move and open doors; space opens and closes the doors
@@ -14,23 +14,15 @@
 
 mod explore;
 mod game;
-#[cfg(feature = "ldtk")]
-mod ldtk;
 mod look;
 mod pictures;
 mod screen;
-#[cfg(feature = "tiled")]
-mod tiled;
 
 use std::error::Error;
 
 use casca_plane::maps::{Drawing, FloorPlan, HARBOUR, MapKind};
 
 use crate::game::Game;
-#[cfg(feature = "ldtk")]
-use crate::ldtk::ldtk;
-#[cfg(feature = "tiled")]
-use crate::tiled::tiled;
 
 struct Options {
     map: String,
@@ -74,16 +66,6 @@ fn options() -> Result<Options, Box<dyn Error>> {
     Ok(options)
 }
 
-#[cfg(not(feature = "tiled"))]
-fn tiled(file: &str) -> Result<Drawing, Box<dyn Error>> {
-    Err(format!("{file} needs the feature tiled").into())
-}
-
-#[cfg(not(feature = "ldtk"))]
-fn ldtk(file: &str) -> Result<Drawing, Box<dyn Error>> {
-    Err(format!("{file} needs the feature ldtk").into())
-}
-
 /// The map that the options name, with its doors, guards and start.
 fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
     const WIDTH: u32 = 96;
@@ -98,14 +80,14 @@ fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
             let kind = if options.map == "caves" { MapKind::Caves } else { MapKind::Fields };
             Drawing { walls: kind.generate(WIDTH, HEIGHT, options.seed), ..Drawing::default() }
         }
-        file if file.ends_with(".tmx") => tiled(file)?,
-        file if file.ends_with(".ldtk") => ldtk(file)?,
+        file if std::path::Path::new(file).exists() => Drawing::open(file)?,
         other => {
             return Err(format!(
-                "{other} is no map: there are harbour, rooms, caves, fields, FILE.tmx, FILE.ldtk"
+                "{other} is no map: there are harbour, rooms, caves, fields, and files (.tmx, .ldtk, letters)"
             )
             .into());
         }
     };
+    drawing.warnings.iter().for_each(|warning| eprintln!("{}: {warning}", options.map));
     Ok(drawing)
 }

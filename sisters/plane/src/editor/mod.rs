@@ -1,21 +1,13 @@
-//! Parts that maps of all editors share: which objects hide, how they get into scenes, files.
+//! Parts that maps of all editors share: which objects hide, and how they get into scenes.
 
+pub(crate) mod names;
 mod placed;
 mod role;
 
-use std::io;
-use std::path::Path;
-
+pub use names::MapNames;
+pub(crate) use names::{Inventory, Rule, Says, nothing_blocks, obstacles_block, truth};
 pub use placed::Placed;
 pub use role::Role;
-
-/// The bytes of a file. Pipes and devices are not opened: they may have no end.
-pub(crate) fn file(path: &Path) -> io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("is no file"));
-    }
-    std::fs::read(path)
-}
 
 /// Tiles of a rectangle around all layers, for each tile that a file names, at most. Else two tiles
 /// far apart would take any memory.

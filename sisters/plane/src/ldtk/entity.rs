@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::error::LdtkWarning;
 use super::import::LdtkImport;
 use super::project::{Blocking, Entity, Layer};
-use crate::editor::{FARTHEST, Placed, Role};
+use crate::editor::{FARTHEST, Placed, Role, Rule, Says, truth};
 use crate::error::{Error, finite2, not_negative};
 use crate::geometry::ellipse::ellipse;
 use crate::geometry::{Disc, Rect, Shape};
@@ -81,6 +81,7 @@ impl LdtkImport {
         layer: &Layer,
         entity: &Entity,
         blocking: &Blocking,
+        rule: &Rule,
     ) -> Result<LdtkEntity, LdtkWarning> {
         let size = DVec2::new(entity.width, entity.height);
         let shift = DVec2::new(layer.shift_x.into(), layer.shift_y.into());
@@ -95,28 +96,34 @@ impl LdtkImport {
             layer: layer.name.clone(),
             rect: Rect::new(least.as_vec2(), (least + size).as_vec2()),
             is_ellipse: blocking.ellipses.contains(&entity.def_uid),
-            role: self.role(layer, entity),
+            role: Self::role(layer, entity, rule),
             fields: entity.field_instances.iter().map(|f| (f.name.clone(), (&f.value).into())).collect(),
         })
     }
 
-    fn role(&self, layer: &Layer, entity: &Entity) -> Role {
-        let says = |wanted: &str| {
-            let field = entity.field_instances.iter().find(|field| Self::is(&field.name, wanted));
-            let mut names = entity.tags.iter().chain([&entity.name]);
-            field
-                .and_then(|field| field.value.as_bool())
-                .or_else(|| names.any(|name| Self::is(name, wanted)).then_some(true))
-        };
+    fn role(layer: &Layer, entity: &Entity, rule: &Rule) -> Role {
         if entity.width == 0.0 && entity.height == 0.0 {
             return Role::Plain;
         }
-        match (says(&self.door), says(&self.property)) {
-            (Some(true), _) => Role::Door,
-            (_, Some(true)) => Role::Wall,
-            (_, None) if Self::is(&layer.name, &self.layer) => Role::Wall,
-            _ => Role::Plain,
+        let (mut fields, mut names) = (Says::default(), Says::default());
+        for field in &entity.field_instances {
+            if let (Some(role), Some(says)) = (rule.role(&field.name), says(&field.value)) {
+                fields.add(role, says);
+            }
         }
+        let named = entity.tags.iter().chain([&entity.name]).filter_map(|name| rule.role(name));
+        named.for_each(|role| names.add(role, true));
+        fields.or(names).role().or_else(|| rule.role(&layer.name)).unwrap_or_default()
+    }
+}
+
+/// Whether the value of a field says yes or no; `None` if it says neither.
+fn says(value: &Value) -> Option<bool> {
+    match value {
+        Value::Bool(says) => Some(*says),
+        Value::Number(number) => Some(number.as_f64() != Some(0.0)),
+        Value::String(text) => truth(text),
+        _ => None,
     }
 }
 

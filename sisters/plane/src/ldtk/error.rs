@@ -2,6 +2,8 @@
 
 use std::io;
 
+use crate::editor::{nothing_blocks, obstacles_block};
+
 /// Why a project was not read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -21,6 +23,14 @@ pub enum LdtkError {
         file: String,
         /// The reason, with line and column.
         why: serde_json::Error,
+    },
+    /// A project that was opened by its path is refused.
+    #[error("{file}: {why}")]
+    In {
+        /// The path.
+        file: String,
+        /// The reason.
+        why: Box<LdtkError>,
     },
     /// Two levels are in one file.
     #[error("two levels name the file {0}")]
@@ -63,6 +73,24 @@ pub enum LdtkError {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LdtkWarning {
+    /// Nothing in the level blocks sight, and it has no door.
+    #[error("{}", nothing_blocks([layers, names], "Values, tags, entities and fields"))]
+    NothingBlocks {
+        /// The layers, up to twelve.
+        layers: Vec<String>,
+        /// The names of values, tags, entities and fields, up to twelve.
+        names: Vec<String>,
+    },
+    /// Nothing in the project is a wall by [`MapNames::walls`](crate::MapNames::walls), so that
+    /// [`MapNames::obstacles`](crate::MapNames::obstacles) count: it blocks sight.
+    #[error("{}", obstacles_block(names))]
+    Obstacles {
+        /// The names in the level that made walls.
+        names: Vec<String>,
+    },
+    /// A file of the project is neither UTF-8 nor UTF-16, and was read as Latin-1.
+    #[error("the project is not in UTF-8: names in other letters than those of English may be wrong")]
+    Encoding,
     /// The tiles of a layer do not lie on those of the finest layer that blocks. Only tiles of that
     /// layer block which they cover wholly, one by one.
     #[error(

@@ -1,7 +1,18 @@
 //! The names that say what blocks.
 
-/// Which tiles and entities of a project block sight. Names are compared without regard to case:
-/// the editor writes identifiers with a capital.
+use crate::editor::MapNames;
+
+/// Reads projects. What blocks sight in them is said by names, each in one of these places:
+///
+/// | name of | what hides |
+/// |---|---|
+/// | a layer | all values, tiles and entities in it |
+/// | a value of an IntGrid layer | the value |
+/// | a tag of tiles in their tileset | the tiles |
+/// | an entity, a tag of it, or a field that is true | the entity |
+///
+/// A field that is false takes the role away that a name or a layer would give. Names of doors make
+/// doors of entities.
 ///
 /// ```no_run
 /// use casca_plane::ldtk::LdtkImport;
@@ -28,28 +39,8 @@
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct LdtkImport {
-    /// Values of IntGrid layers of this name block, and tiles that have this tag in their tileset;
-    /// so do entities of this name, with this tag, or with a field of this name that is `true`; at
-    /// first `opaque`.
-    pub property: String,
-    /// All values and tiles in layers of this name block, and all entities; at first `walls`.
-    pub layer: String,
-    /// Entities of this name, with this tag, or with a field of this name that is `true` are doors;
-    /// at first `door`.
-    pub door: String,
-}
-
-impl Default for LdtkImport {
-    fn default() -> Self {
-        Self { property: "opaque".into(), layer: "walls".into(), door: "door".into() }
-    }
-}
-
-impl LdtkImport {
-    /// Whether a name is the wanted one.
-    pub(super) fn is(name: &str, wanted: &str) -> bool {
-        name.eq_ignore_ascii_case(wanted)
-    }
+    /// The names that count.
+    pub names: MapNames,
 }

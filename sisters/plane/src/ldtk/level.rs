@@ -8,6 +8,7 @@ use super::import::LdtkImport;
 use super::project::{Blocking, Level};
 use super::walls::Budget;
 use crate::bits::BitGrid;
+use crate::editor::{Role, Rule};
 use crate::tiles::{TileError, TileLayer};
 
 /// A level: see [`LdtkImport::read`].
@@ -41,14 +42,15 @@ impl LdtkImport {
         &self,
         level: &Level,
         blocking: &Blocking,
+        rule: &Rule,
         budget: &mut Budget,
     ) -> Result<LdtkLevel, LdtkError> {
         let mut warnings = Vec::new();
-        let (walls, tile) = self.walls(level, blocking, budget, &mut warnings)?;
+        let (walls, tile) = self.walls(level, blocking, rule, budget, &mut warnings)?;
         let mut entities = Vec::new();
         for layer in level.layer_instances.iter().flatten() {
             for entity in &layer.entity_instances {
-                match self.entity(layer, entity, blocking) {
+                match self.entity(layer, entity, blocking, rule) {
                     Ok(found) => entities.push(found),
                     Err(warning) => warnings.push(warning),
                 }
@@ -69,6 +71,12 @@ impl LdtkImport {
 }
 
 impl LdtkLevel {
+    /// Whether anything has one of these roles; tiles that block are walls.
+    pub(super) fn has(&self, roles: &[Role]) -> bool {
+        self.tile.is_some() && roles.contains(&Role::Wall)
+            || self.entities.iter().any(|entity| roles.contains(&entity.role))
+    }
+
     /// The tiles that block, placed in a scene as [`LdtkEntity::insert`] places entities: the upper
     /// left corner of the level lies at `origin`, and a pixel is `pixel` world units wide. `None`
     /// if nothing blocks. Copies the tiles.

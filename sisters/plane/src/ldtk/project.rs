@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::import::LdtkImport;
+use crate::editor::{Inventory, Role, Rule};
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Project {
@@ -159,6 +159,15 @@ pub(super) struct Field {
 }
 
 impl Layer {
+    /// Adds its name, and those of its entities, their tags and fields.
+    pub fn add_to(&self, inventory: &mut Inventory) {
+        inventory.add_layer(&self.name);
+        for entity in &self.entity_instances {
+            let fields = entity.field_instances.iter().map(|field| &field.name);
+            entity.tags.iter().chain([&entity.name]).chain(fields).for_each(|name| inventory.add_name(name));
+        }
+    }
+
     /// The tileset of its tiles.
     pub fn tileset(&self) -> Option<i64> {
         self.override_tileset_uid.or(self.tileset_def_uid)
@@ -177,18 +186,29 @@ pub(super) struct Blocking {
 }
 
 impl Project {
+    /// The names of values and the tags of tiles.
+    pub fn inventory(&self) -> Inventory {
+        let mut inventory = Inventory::default();
+        let values = self.defs.layers.iter().flat_map(|layer| &layer.int_grid_values);
+        values.filter_map(|value| value.identifier.as_deref()).for_each(|name| inventory.add_name(name));
+        let tags = self.defs.tilesets.iter().flat_map(|tileset| &tileset.enum_tags);
+        tags.for_each(|tag| inventory.add_name(&tag.enum_value_id));
+        inventory
+    }
+
     /// Which values and tiles block, by their names or tags.
-    pub fn blocking(&self, property: &str) -> Blocking {
+    pub fn blocking(&self, rule: &Rule) -> Blocking {
+        let is_wall = |name: &str| rule.role(name) == Some(Role::Wall);
         let mut blocking = Blocking::default();
         for layer in &self.defs.layers {
             let values = blocking.values.entry(layer.uid).or_default();
             for value in &layer.int_grid_values {
-                let named = value.identifier.as_deref().is_some_and(|name| LdtkImport::is(name, property));
+                let named = value.identifier.as_deref().is_some_and(is_wall);
                 values.insert(value.value, named);
             }
         }
         for tileset in &self.defs.tilesets {
-            let tags = tileset.enum_tags.iter().filter(|tag| LdtkImport::is(&tag.enum_value_id, property));
+            let tags = tileset.enum_tags.iter().filter(|tag| is_wall(&tag.enum_value_id));
             blocking.tiles.entry(tileset.uid).or_default().extend(tags.flat_map(|tag| &tag.tile_ids));
         }
         let ellipses = self.defs.entities.iter().filter(|entity| entity.render_mode == "Ellipse");

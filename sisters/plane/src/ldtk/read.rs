@@ -4,12 +4,13 @@ use std::collections::HashSet;
 use std::io;
 use std::path::Path;
 
-use super::error::LdtkError;
+use super::error::{LdtkError, LdtkWarning};
 use super::import::LdtkImport;
 use super::level::LdtkLevel;
 use super::project::{Level, Project};
 use super::walls::Budget;
-use crate::editor::file;
+use crate::editor::{Inventory, Role, Rule};
+use crate::files::{file, text};
 
 impl LdtkImport {
     /// The levels of a project, in the order of the file. Levels in files of their own are looked
@@ -21,9 +22,11 @@ impl LdtkImport {
     /// more memory than they have tiles.
     pub fn read(&self, path: impl AsRef<Path>) -> Result<Vec<LdtkLevel>, LdtkError> {
         let path = path.as_ref();
-        let project = file(path).map_err(|why| LdtkError::File { file: path.display().to_string(), why })?;
+        let named = || path.display().to_string();
+        let project = file(path).map_err(|why| LdtkError::File { file: named(), why })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         self.parse(&project, |level| file(&folder.join(level)))
+            .map_err(|why| LdtkError::In { file: named(), why: Box::new(why) })
     }
 
     /// As [`Self::read`], from the bytes of a project. `level` gives the bytes of a level in a file
@@ -37,32 +40,59 @@ impl LdtkImport {
         mut level: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<Vec<LdtkLevel>, LdtkError> {
         let damaged = |file: &str, why| LdtkError::Damaged { file: file.into(), why };
-        let project: Project =
-            serde_json::from_slice(unmarked(project)).map_err(|why| damaged("the project", why))?;
-        let (blocking, mut budget) = (project.blocking(&self.property), Budget::default());
-        let mut levels = Vec::new();
-        let mut taken = HashSet::new();
-        for inner in project.levels.iter().chain(project.worlds.iter().flat_map(|world| &world.levels)) {
-            let outside: Level;
-            let found = match (&inner.layer_instances, &inner.external_rel_path) {
-                (None, Some(path)) => {
-                    // Each file once: a project may name one many times.
-                    if !taken.insert(path) {
-                        return Err(LdtkError::Twice(path.clone()));
-                    }
-                    let bytes = level(path).map_err(|why| LdtkError::File { file: path.clone(), why })?;
-                    outside = serde_json::from_slice(unmarked(&bytes)).map_err(|why| damaged(path, why))?;
-                    &outside
-                }
-                _ => inner,
+        let (project, mut is_odd) = text(project);
+        let project: Project = serde_json::from_str(&project).map_err(|why| damaged("the project", why))?;
+        let inner: Vec<&Level> =
+            project.levels.iter().chain(project.worlds.iter().flat_map(|world| &world.levels)).collect();
+        let (mut outside, mut taken) = (Vec::new(), HashSet::new());
+        for inner in &inner {
+            let (None, Some(path)) = (&inner.layer_instances, &inner.external_rel_path) else {
+                outside.push(None);
+                continue;
             };
-            levels.push(self.level(found, &blocking, &mut budget)?);
+            // Each file once: a project may name one many times.
+            if !taken.insert(path) {
+                return Err(LdtkError::Twice(path.clone()));
+            }
+            let bytes = level(path).map_err(|why| LdtkError::File { file: path.clone(), why })?;
+            let (level, odd) = text(&bytes);
+            is_odd |= odd;
+            outside.push(Some(serde_json::from_str(&level).map_err(|why| damaged(path, why))?));
         }
-        Ok(levels)
+        let levels = || {
+            inner
+                .iter()
+                .zip(&outside)
+                .map(|(inner, own): (&&Level, &Option<Level>)| own.as_ref().unwrap_or(inner))
+        };
+        let read = |rule: &Rule| -> Result<Vec<LdtkLevel>, LdtkError> {
+            let (blocking, mut budget) = (project.blocking(rule), Budget::default());
+            levels().map(|level| self.level(level, &blocking, rule, &mut budget)).collect()
+        };
+        let has_walls = |levels: &Vec<LdtkLevel>| levels.iter().any(|level| level.has(&[Role::Wall]));
+        let of_all = project.inventory();
+        let inventory = |level: &Level| {
+            let mut inventory = Inventory::default();
+            level.layer_instances.iter().flatten().for_each(|layer| layer.add_to(&mut inventory));
+            inventory.extend(&of_all);
+            inventory
+        };
+        let warn = |rule: &Rule, found: &mut Vec<LdtkLevel>| {
+            for (found, level) in found.iter_mut().zip(levels()).filter(|(found, _)| found.has(&[Role::Wall]))
+            {
+                found.warnings.push(LdtkWarning::Obstacles { names: inventory(level).walls(rule) });
+            }
+        };
+        let mut found = self.names.read(read, has_walls, warn)?;
+        for (found, level) in found.iter_mut().zip(levels()) {
+            if is_odd {
+                found.warnings.push(LdtkWarning::Encoding);
+            }
+            if !found.has(&[Role::Wall, Role::Door]) {
+                let [layers, names] = inventory(level).lists();
+                found.warnings.push(LdtkWarning::NothingBlocks { layers, names });
+            }
+        }
+        Ok(found)
     }
-}
-
-/// The text behind a byte-order mark, which some editors put before UTF-8.
-fn unmarked(file: &[u8]) -> &[u8] {
-    file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(file)
 }

@@ -99,16 +99,21 @@ fn values_without_a_definition_are_named_and_block_only_in_walls() {
 }
 
 #[test]
-fn files_with_a_byte_order_mark_are_read() {
+fn files_with_a_byte_order_mark_and_in_utf_16_are_read() {
     let marked = |file: Value| [b"\xef\xbb\xbf", file.to_string().as_bytes()].concat();
+    let wide = |file: Value| {
+        let text = format!("\u{feff}{file}");
+        text.encode_utf16().flat_map(u16::to_be_bytes).collect::<Vec<u8>>()
+    };
     let walls = level(&[layer("Walls", 10, json!({"intGridCsv": [0, 1, 0, 0, 0, 0, 0, 1]}))]);
     let mut named = walls.clone();
     named["layerInstances"] = Value::Null;
     named["externalRelPath"] = "cellar.ldtkl".into();
     for project_of in [walls.clone(), named] {
-        let file = marked(project(&[project_of]));
-        let found = LdtkImport::default().parse(&file, |_| Ok(marked(walls.clone()))).unwrap();
-        assert_eq!(drawn(&found[0].walls), [".#..", "...#"]);
+        for file in [marked(project(std::slice::from_ref(&project_of))), wide(project(&[project_of]))] {
+            let found = LdtkImport::default().parse(&file, |_| Ok(marked(walls.clone()))).unwrap();
+            assert_eq!(drawn(&found[0].walls), [".#..", "...#"]);
+        }
     }
 }
 
@@ -156,6 +161,46 @@ fn layers_of_other_tiles_hide_no_more_than_they_cover() {
     let found = one(&[fine, large(0, 8 * 65)]);
     assert_eq!(drawn(&found.walls), ["...#", "...."]);
     assert_eq!(found.warnings, [LdtkWarning::Coarse { layer: "Walls".into(), tile: 520, finest: 8 }]);
+}
+
+#[test]
+fn names_of_values_tags_layers_and_entities_count_in_any_case() {
+    let named = |name: &str, layer_of: Value| {
+        let text = project(&[level(&[layer_of])]).to_string().replace("\"Opaque\"", &format!("{name:?}"));
+        LdtkImport::default().parse(text.as_bytes(), |file| panic!("{file}")).unwrap().remove(0)
+    };
+    let values = || layer("Ground", 10, json!({"intGridCsv": [0, 1, 2, 3, 1, 0, 0, 2]}));
+    let tile = json!([{"px": [8, 0], "t": 3}]);
+    let tiles = || layer("Ground", 11, json!({"__tilesetDefUid": 20, "gridTiles": tile}));
+    for name in ["WALL", "Walls", "wall_2", "Blocks_Sight"] {
+        assert_eq!(drawn(&named(name, values()).walls), [".#..", "#..."], "{name}");
+        assert_eq!(drawn(&named(name, tiles()).walls), [".#..", "...."], "{name}");
+        assert_eq!(entities(name, &[entity("Box", json!({}))]).entities[0].role, Role::Wall, "{name}");
+    }
+    for (field, value) in [("Wall", json!("yes")), ("OPAQUE", json!(1)), ("blocksSight", json!(true))] {
+        let fields = json!({"fieldInstances": [{"__identifier": field, "__value": value}]});
+        assert_eq!(entities("Things", &[entity("Box", fields)]).entities[0].role, Role::Wall, "{field}");
+    }
+    // What blocks the way hides only where nothing is a wall.
+    let found = named("Solid", values());
+    assert_eq!(drawn(&found.walls), [".#..", "#..."]);
+    assert_eq!(found.warnings, [LdtkWarning::Obstacles { names: vec!["Solid".into()] }]);
+    let both = [layer("Collisions", 10, json!({"intGridCsv": [0, 1, 2, 0, 0, 0, 0, 2]}))];
+    assert_eq!(drawn(&one(&both).walls), [".#..", "...."]);
+}
+
+#[test]
+fn a_level_in_which_nothing_blocks_says_so_with_what_there_is() {
+    let things =
+        layer("Things", 12, json!({"entityInstances": [entity("Tree", json!({"__tags": ["plant"]}))]}));
+    let found = one(&[layer("Ground", 10, json!({"intGridCsv": [0, 2, 2, 0, 0, 0, 0, 2]})), things]);
+    let expected = LdtkWarning::NothingBlocks {
+        layers: ["Ground", "Things"].map(String::from).into(),
+        names: ["Opaque", "Tree", "Wet", "plant", "water"].map(String::from).into(),
+    };
+    assert_eq!(found.warnings, [expected]);
+    let said = found.warnings[0].to_string();
+    assert!(said.contains("nothing blocks sight") && said.contains("\"water\""), "{said}");
 }
 
 fn entity(name: &str, members: Value) -> Value {
@@ -281,7 +326,7 @@ fn what_contradicts_itself_is_refused() {
         "Things",
         &[entity("Guard", json!({"px": [1e12, 0]})), entity("Guard", json!({"width": -1}))],
     );
-    assert_eq!((far.entities.len(), far.warnings.len()), (0, 2));
+    assert_eq!((far.entities.len(), far.warnings.len()), (0, 3), "and nothing blocks");
     for text in ["", "{}", "[1, 2", "{\"defs\": {}, \"levels\": [{}]}"] {
         let found = LdtkImport::default().parse(text.as_bytes(), |_| Ok(vec![]));
         assert!(matches!(found, Err(LdtkError::Damaged { .. })), "{text}: {found:?}");

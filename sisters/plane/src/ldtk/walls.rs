@@ -4,7 +4,7 @@ use super::error::{LdtkError, LdtkWarning};
 use super::import::LdtkImport;
 use super::project::{Blocking, Layer, Level};
 use crate::bits::BitGrid;
-use crate::editor::MOST_EMPTY;
+use crate::editor::{MOST_EMPTY, Role, Rule};
 
 /// Bits of all levels that are never too many: 16 MiB.
 const SMALL: u64 = 1 << 27;
@@ -37,6 +37,7 @@ impl LdtkImport {
         &self,
         level: &Level,
         blocking: &Blocking,
+        rule: &Rule,
         budget: &mut Budget,
         warnings: &mut Vec<LdtkWarning>,
     ) -> Result<(BitGrid, Option<u32>), LdtkError> {
@@ -44,7 +45,7 @@ impl LdtkImport {
         let mut block = Vec::new();
         for layer in layers {
             check(level, layer)?;
-            let source = Source { layer, blocking, all: Self::is(&layer.name, &self.layer) };
+            let source = Source { layer, blocking, all: rule.role(&layer.name) == Some(Role::Wall) };
             warnings.extend(source.unknown_values());
             if source.places().next().is_some() {
                 block.push(source);

@@ -17,6 +17,8 @@ pub struct Drawing {
     pub guards: Vec<(u32, u32)>,
     /// The first tile `@`, where a walk begins.
     pub start: Option<(u32, u32)>,
+    /// What was passed over in the file, if it is from one.
+    pub warnings: Vec<String>,
 }
 
 impl Drawing {

@@ -6,9 +6,11 @@
 mod caves;
 mod drawing;
 mod fields;
+mod file;
 mod rooms;
 
 pub use drawing::{Drawing, HARBOUR};
+pub use file::MapError;
 pub use rooms::FloorPlan;
 
 use crate::bits::BitGrid;

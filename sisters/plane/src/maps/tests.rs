@@ -1,3 +1,5 @@
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use super::*;
 
 /// The free tiles that can be reached from one of them, by sides.
@@ -50,6 +52,105 @@ fn maps_of_all_sizes_are_made() {
             assert_eq!((map.width(), map.height()), (width, height));
         }
     }
+}
+
+/// Opens a file of some bytes, whose name says nothing, or says what its error is.
+fn opened(bytes: &[u8]) -> Result<Drawing, String> {
+    static NUMBER: AtomicU32 = AtomicU32::new(0);
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    let path = std::env::temp_dir().join(format!("casca-map-{}-{number}.txt", std::process::id()));
+    std::fs::write(&path, bytes).unwrap();
+    let found = Drawing::open(&path);
+    std::fs::remove_file(&path).unwrap();
+    found.map_err(|why| {
+        assert_eq!(why.file, path.display().to_string());
+        why.to_string().split_off(why.file.len() + 2)
+    })
+}
+
+#[test]
+fn files_that_are_no_maps_are_refused_by_their_contents() {
+    let prose = "The quick brown fox jumps over the lazy dog.\n# A heading\nAnd more words follow here, one by one.\n";
+    for (bytes, said) in [
+        (
+            &b"<?xml version=\"1.0\"?>\n<!-- <map> -->\n<svg width=\"9\"/>"[..],
+            "XML, but no map of Tiled: its element is svg",
+        ),
+        (b"<!DOCTYPE html>\n<html></html>", "its element is html"),
+        (b"\xef\xbb\xbf<tileset name=\"t\"/>", "a tileset or a template of Tiled"),
+        (b"{\"a\": 1}", "JSON, but no project of LDtk"),
+        (b"{\"tiledversion\": \"1.10\", \"layers\": []}", "save it as .tmx"),
+        (b"{\"identifier\": \"L\", \"layerInstances\": []}", "open the project (.ldtk)"),
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no text"),
+        (b"1,1,1,1\n1,0,0,1\n", "hardly a wall"),
+        (prose.as_bytes(), "hardly a wall"),
+    ] {
+        let why = opened(bytes).unwrap_err();
+        assert!(why.contains(said), "{why} / {said}");
+    }
+    let why = Drawing::open("no/such/map").unwrap_err().to_string();
+    assert!(why.starts_with("no/such/map: it cannot be read"), "{why}");
+    assert!(Drawing::open(std::env::temp_dir()).unwrap_err().to_string().contains("is no file"));
+    // One line much longer than many others takes no memory for all.
+    let wide = "#".repeat(60_000) + &"\n#".repeat(60_000);
+    assert!(opened(wide.as_bytes()).unwrap_err().contains("much longer than the others"));
+}
+
+#[test]
+fn drawings_are_read_with_all_line_ends_and_marks() {
+    let harbour = Drawing::read(HARBOUR);
+    for (from, to) in [("\n", "\n"), ("\n", "\r\n"), ("\n", "\r")] {
+        assert_eq!(opened(HARBOUR.replace(from, to).as_bytes()), Ok(harbour.clone()), "{to:?}");
+    }
+    assert_eq!(opened(format!("\u{feff}{HARBOUR}").as_bytes()), Ok(harbour.clone()));
+    let open = opened(b"....\n.g@.\n").unwrap();
+    assert!(
+        (open.start, &open.guards[..]) == (Some((2, 1)), &[(1, 1)])
+            && open.warnings[0].contains("nothing blocks")
+    );
+    // Many letters, and walls among them.
+    assert_eq!(opened("#gggg\n".repeat(9).as_bytes()).unwrap().walls.count(), 9);
+}
+
+#[cfg(feature = "tiled")]
+#[test]
+fn maps_of_tiled_are_drawings_by_their_contents() {
+    let text = include_str!("../../maps/harbour.tmx");
+    let (found, drawn) = (opened(text.as_bytes()).unwrap(), Drawing::read(HARBOUR));
+    assert_eq!((&found.walls, found.start, found.warnings.len()), (&drawn.walls, drawn.start, 0));
+    assert_eq!((found.doors.len(), found.guards.len()), (drawn.doors.len(), drawn.guards.len()));
+    // Names are as good as classes, and walls that are no tiles are told of.
+    let object = |inner: &str| {
+        let map = "<map orientation=\"orthogonal\" width=\"4\" height=\"1\" tilewidth=\"9\" tileheight=\"9\"><tileset firstgid=\"1\"/>\
+            <layer name=\"Walls\" width=\"4\" height=\"1\"><data encoding=\"csv\">1,0,0,1</data></layer><objectgroup>";
+        opened(format!("{map}<object x=\"10\" {inner}/></objectgroup></map>").as_bytes()).unwrap()
+    };
+    assert_eq!(object("name=\"Player Start\"").start, Some((1, 0)));
+    assert_eq!(object("type=\"GUARD\"").guards, [(1, 0)]);
+    assert_eq!(object("type=\"Door\" width=\"9\" height=\"9\"").doors, [(1, 0)]);
+    assert!(
+        object("type=\"wall\" width=\"9\" height=\"3\"").warnings[0].contains("1 walls are no whole tiles")
+    );
+    let none = opened(text.replace("\"walls\"", "\"roof\"").replace("opaque", "hard").as_bytes()).unwrap();
+    assert!(none.walls.count() == 0, "{:?}", none.warnings);
+}
+
+#[cfg(feature = "ldtk")]
+#[test]
+fn projects_of_ldtk_are_drawings_by_their_contents() {
+    let project = |layer: &str| {
+        format!(
+            "\u{feff}{{\"defs\": {{}}, \"levels\": [{{\"identifier\": \"A\", \"pxWid\": 32, \"pxHei\": 16, \"layerInstances\": [\
+             {{\"__identifier\": \"{layer}\", \"__cWid\": 2, \"__cHei\": 1, \"__gridSize\": 16, \"layerDefUid\": 1, \
+             \"intGridCsv\": [1, 0]}}]}}]}}"
+        )
+    };
+    let found = opened(project("Walls").as_bytes()).unwrap();
+    assert_eq!((found.walls.cells().collect::<Vec<_>>(), found.warnings), (vec![(0, 0)], vec![]));
+    let found = opened(project("Grass").as_bytes()).unwrap();
+    assert_eq!((found.walls.width(), found.walls.count()), (2, 0));
+    let last = found.warnings.last().unwrap();
+    assert!(last.contains("the level A: nothing blocks sight") && last.contains("\"Grass\""), "{last}");
 }
 
 #[test]

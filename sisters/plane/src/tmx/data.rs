@@ -1,9 +1,12 @@
 //! The tiles of a layer: as text, or in base64 and compressed.
 
+use std::cmp::Ordering;
 use std::io::{ErrorKind, Read};
 
 use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use base64::alphabet;
+use base64::engine::DecodePaddingMode;
+use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 
 use super::TmxError;
@@ -11,6 +14,12 @@ use super::xml::{Element, Xml};
 
 /// Deflate makes at most so many bytes of one: 258 of two bits.
 const MOST_FROM_A_BYTE: u64 = 1032;
+
+/// Base64 with or without padding at its end.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
 
 /// How the tiles of a layer are stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,31 +66,51 @@ impl Data {
         }
     }
 
-    /// Hands out the ids of exactly `count` tiles.
-    pub fn decode(self, text: &str, count: u64, take: Take<'_>) -> Result<(), String> {
+    /// Hands out the ids of exactly `count` tiles, and says how many numbers are missing between
+    /// commas or behind the last one.
+    pub fn decode(self, text: &str, count: u64, take: Take<'_>) -> Result<u64, String> {
         if self == Self::Csv {
             return csv(text, count, take);
         }
-        let bytes = STANDARD.decode(text.trim()).map_err(|why| why.to_string())?;
+        let letters: Vec<u8> = text.bytes().filter(|byte| !byte.is_ascii_whitespace()).collect();
+        let bytes = BASE64.decode(letters).map_err(|why| why.to_string())?;
         match self {
             Self::Zlib => binary(ZlibDecoder::new(bytes.as_slice()), count, take),
             Self::Gzip => binary(GzDecoder::new(bytes.as_slice()), count, take),
             _ => binary(bytes.as_slice(), count, take),
         }
+        .map(|()| 0)
     }
 }
 
-fn csv(text: &str, count: u64, take: Take<'_>) -> Result<(), String> {
-    let mut read = 0;
-    for word in text.split(',').map(str::trim).filter(|_| count > 0 || !text.trim().is_empty()) {
-        let id = word.parse().map_err(|why| format!("tile {read}, {word:.40}: {why}"))?;
-        if read == count {
-            return Err(too_many(count));
+/// Numbers between commas, or in lines of their own.
+fn csv(text: &str, count: u64, take: Take<'_>) -> Result<u64, String> {
+    let (mut read, mut missing) = (0, 0);
+    let mut parts = text.split(',').peekable();
+    while let Some(part) = parts.next() {
+        let mut words = part.split_whitespace().peekable();
+        if words.peek().is_none() {
+            if parts.peek().is_none() {
+                // A comma at the end, or no tile at all.
+                missing += u64::from(text.contains(','));
+                break;
+            }
+            (read, missing) = (read + 1, missing + 1);
         }
-        take(read, id);
-        read += 1;
+        for word in words {
+            let id = word.parse().map_err(|why| format!("tile {read}, {word:.40}: {why}"))?;
+            if read >= count {
+                return Err(too_many(count));
+            }
+            take(read, id);
+            read += 1;
+        }
     }
-    if read < count { Err(too_few(read, count)) } else { Ok(()) }
+    match read.cmp(&count) {
+        Ordering::Less => Err(too_few(read, count)),
+        Ordering::Equal => Ok(missing),
+        Ordering::Greater => Err(too_many(count)),
+    }
 }
 
 /// Ids in 32 bits, little-endian. Bytes are decompressed a buffer at a time, and none behind the

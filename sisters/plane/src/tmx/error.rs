@@ -14,6 +14,14 @@ pub enum TmxError {
         /// The reason.
         why: io::Error,
     },
+    /// A map that was opened by its path is refused.
+    #[error("{file}: {why}")]
+    In {
+        /// The path.
+        file: String,
+        /// The reason.
+        why: Box<TmxError>,
+    },
     /// The map has no fixed size.
     #[error(
         "the map is infinite: read it by read_map, or give it a size in the editor (Map, Map Properties, Infinite)"
@@ -34,7 +42,7 @@ pub enum TmxError {
     #[error("the map is {0}, but only orthogonal and isometric maps have rows and columns of squares")]
     Orientation(String),
     /// The map has no layer of tiles.
-    #[error("the map has no layer of tiles")]
+    #[error("the map has no layer of tiles and no objects")]
     NoTiles,
     /// The dimensions of a layer are not those of the map.
     #[error("the layer {layer:?} has {found_width} by {found_height} tiles, but the map {width} by {height}")]

@@ -9,6 +9,8 @@ use super::objects::{Template, TmxFault};
 use super::paths::{folder, joined};
 use super::tileset::{Opaque, Tilesets};
 use super::xml::{Element, Xml};
+use crate::editor::Rule;
+use crate::files::text;
 
 /// Opens a file by the path that the map has for it.
 pub(super) type Open<'f> = &'f mut dyn FnMut(&str) -> io::Result<Vec<u8>>;
@@ -16,15 +18,25 @@ pub(super) type Open<'f> = &'f mut dyn FnMut(&str) -> io::Result<Vec<u8>>;
 /// The files that were read.
 pub(super) struct Files<'f> {
     open: Open<'f>,
-    /// The names of the properties that say that something blocks, and that it is a door.
-    names: [&'f str; 2],
+    pub rule: &'f Rule,
+    /// Those of an encoding that was guessed.
+    pub odd: Vec<String>,
     tilesets: HashMap<String, Rc<Opaque>>,
     templates: HashMap<String, Result<Rc<Template>, TmxFault>>,
 }
 
 impl<'f> Files<'f> {
-    pub fn new(open: Open<'f>, names: [&'f str; 2]) -> Self {
-        Self { open, names, tilesets: HashMap::new(), templates: HashMap::new() }
+    pub fn new(open: Open<'f>, rule: &'f Rule) -> Self {
+        Self { open, rule, odd: Vec::new(), tilesets: HashMap::new(), templates: HashMap::new() }
+    }
+
+    /// The bytes of a file whose text is then taken.
+    fn bytes(&mut self, path: &str) -> Result<Vec<u8>, TmxError> {
+        let bytes = (self.open)(path).map_err(|why| TmxError::File { file: path.to_owned(), why })?;
+        if text(&bytes).1 {
+            self.odd.push(path.to_owned());
+        }
+        Ok(bytes)
     }
 
     /// Adds a tileset, from behind its start: one in the file at hand, or one in a file of its own,
@@ -42,7 +54,7 @@ impl<'f> Files<'f> {
                 xml.skip(element)?;
                 self.external(joined(folder, &source))?
             }
-            None => Rc::new(Opaque::read(xml, element, folder, self.names)?),
+            None => Rc::new(Opaque::read(xml, element, folder, self.rule)?),
         };
         into.push(first, tiles);
         Ok(())
@@ -52,10 +64,11 @@ impl<'f> Files<'f> {
         if let Some(tiles) = self.tilesets.get(&source) {
             return Ok(tiles.clone());
         }
-        let bytes = (self.open)(&source).map_err(|why| TmxError::File { file: source.clone(), why })?;
-        let mut xml = Xml::new(&bytes, &source)?;
+        let bytes = self.bytes(&source)?;
+        let text = text(&bytes).0;
+        let mut xml = Xml::new(&text, &source);
         let root = xml.root("tileset")?;
-        let tiles = Rc::new(Opaque::read(&mut xml, &root, folder(&source), self.names)?);
+        let tiles = Rc::new(Opaque::read(&mut xml, &root, folder(&source), self.rule)?);
         self.tilesets.insert(source, tiles.clone());
         Ok(tiles)
     }
@@ -76,8 +89,9 @@ impl<'f> Files<'f> {
     fn read_template(&mut self, path: &str) -> Result<Rc<Template>, TmxError> {
         // Its tilesets count from its own folder.
         let folder = folder(path);
-        let bytes = (self.open)(path).map_err(|why| TmxError::File { file: path.to_owned(), why })?;
-        let mut xml = Xml::new(&bytes, path)?;
+        let bytes = self.bytes(path)?;
+        let text = text(&bytes).0;
+        let mut xml = Xml::new(&text, path);
         xml.root("template")?;
         let (mut tilesets, mut object) = (Tilesets::default(), None);
         while let Some(child) = xml.child()? {

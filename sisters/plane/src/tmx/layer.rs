@@ -29,8 +29,9 @@ pub(super) struct Stock {
 }
 
 impl Stock {
-    pub fn new(space: Space, map: &[u8]) -> Self {
-        let left = CORNERS_FOR_ALL + CORNERS_FOR_A_BYTE * map.len() as u64;
+    /// For a map of so many bytes.
+    pub fn new(space: Space, bytes: usize) -> Self {
+        let left = CORNERS_FOR_ALL + CORNERS_FOR_A_BYTE * bytes as u64;
         Self { drawn: DrawnTiles::new(space), left }
     }
 }
@@ -85,7 +86,7 @@ impl<'l> TileLayer<'l> {
             self.unknown.get_or_insert((plain, 0)).1 += 1;
             return;
         };
-        let mut blocks = self.roles.walls || set.says(number, 0);
+        let mut blocks = self.roles.layer == Some(Role::Wall) || set.blocks(number);
         if !set.drawn(number).is_empty() {
             let tile = Standing { set, number, id, roles: self.roles };
             let first = plain - number;

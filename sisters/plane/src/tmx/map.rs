@@ -6,6 +6,7 @@ use super::objects::TmxObject;
 use super::tile::TmxTile;
 use super::warning::TmxWarning;
 use crate::bits::BitGrid;
+use crate::editor::Role;
 use crate::tiles::{TileError, TileLayer};
 
 /// The tiles of a map that block sight, its objects, and warnings about the map: see
@@ -27,6 +28,13 @@ pub struct TmxMap {
 }
 
 impl TmxMap {
+    /// Whether anything has one of these roles; tiles that block are walls.
+    pub(super) fn has(&self, roles: &[Role]) -> bool {
+        self.walls.count() > 0 && roles.contains(&Role::Wall)
+            || self.objects.iter().any(|object| roles.contains(&object.role))
+            || self.tiles.iter().any(|tile| roles.contains(&tile.role))
+    }
+
     /// The tiles that block, placed in a scene as [`TmxObject::insert`] places objects: the tile
     /// `(0, 0)` of the map, as the editor counts, has its least corner at `origin`; `tile_size` is
     /// the side of a tile in world units. Copies the tiles.

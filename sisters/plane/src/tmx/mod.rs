@@ -41,54 +41,58 @@ mod tileset;
 mod warning;
 mod xml;
 
+use std::collections::HashMap;
 use std::io;
 use std::path::Path;
 
 use crate::bits::BitGrid;
-use crate::editor::file;
+use crate::editor::{Inventory, MapNames, Role, Rule, Says};
+use crate::files::{file, text};
 use data::Data;
 pub use error::TmxError;
 use files::Files;
 pub use map::TmxMap;
 pub use objects::{TmxFault, TmxObject, TmxShape, TmxValue};
 pub use tile::TmxTile;
-use tileset::Tilesets;
+use tileset::{Tilesets, properties};
 pub use warning::TmxWarning;
 use xml::{Element, Xml};
 
 /// Tiles along a side of a map, at most: the editor makes no larger ones.
 const LONGEST_SIDE: u32 = 1 << 20;
 
-/// Which tiles of a file block sight: those of tilesets that say so, and all tiles of some layers.
+/// Reads maps. What blocks sight in them is said by names, each in one of these places:
+///
+/// | name of | what hides |
+/// |---|---|
+/// | a layer or a group of layers, or its class | all tiles and objects in it |
+/// | a property of a layer or a group, if it is true | all tiles and objects in it |
+/// | a property of a tile that is true | the tile, and objects with its picture |
+/// | a class of a tile | the shapes drawn on it, or else the tile; objects with its picture |
+/// | a class of an object, or a property of it that is true | the object |
+///
+/// Properties of an object count before its class, this before its tile, this before its layer; the
+/// class of a tile counts for objects without one. A property that is false takes the role away
+/// that the next ones would give. In a layer of walls all tiles hide. What is both is a door. Names
+/// of doors make doors of objects, and of shapes that tilesets draw on tiles; tiles of layers are
+/// no doors.
 ///
 /// ```no_run
-/// use casca_plane::OpaqueTiles;
 /// use casca_plane::tmx::TmxImport;
+/// use casca_plane::{MapNames, OpaqueTiles};
 ///
 /// # fn main() -> Result<(), casca_plane::tmx::TmxError> {
-/// let import = TmxImport { layer: "collision".into(), ..TmxImport::default() };
+/// let names = MapNames { walls: vec!["hedge".into(), "rock".into()], ..MapNames::default() };
+/// let import = TmxImport { names };
 /// let walls = OpaqueTiles::new(import.read("level_1.tmx")?);
 /// # let _ = walls;
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct TmxImport {
-    /// Tiles whose tileset gives them a property of this name block, if it is `true`; so do objects
-    /// that have it, or whose class has this name; at first `opaque`.
-    pub property: String,
-    /// All tiles and objects in layers of this name block; at first `walls`.
-    pub layer: String,
-    /// Objects are doors that have a property of this name that is `true`, or whose tile has, or
-    /// whose class has this name; at first `door`. Tiles of layers are no doors, but shapes that
-    /// tilesets draw on them may be: see [`TmxMap::tiles`].
-    pub door: String,
-}
-
-impl Default for TmxImport {
-    fn default() -> Self {
-        Self { property: "opaque".into(), layer: "walls".into(), door: "door".into() }
-    }
+    /// The names that count.
+    pub names: MapNames,
 }
 
 impl TmxImport {
@@ -103,10 +107,7 @@ impl TmxImport {
     /// A file that is missing or damaged, an infinite map, one of hexagons, one whose tiles are
     /// stored in another way.
     pub fn read(&self, path: impl AsRef<Path>) -> Result<BitGrid, TmxError> {
-        let path = path.as_ref();
-        let map = file(path).map_err(|why| TmxError::File { file: path.display().to_string(), why })?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        self.parse(&map, |source| file(&folder.join(source)))
+        opened(path.as_ref(), |map, open| self.parse(map, open))
     }
 
     /// As [`Self::read`], from the bytes of a map. `open` gives the bytes of a tileset in a file of
@@ -117,58 +118,53 @@ impl TmxImport {
     pub fn parse(
         &self,
         map: &[u8],
-        mut open: impl FnMut(&str) -> io::Result<Vec<u8>>,
+        open: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<BitGrid, TmxError> {
-        let mut xml = Xml::new(map, "the map")?;
+        let (map, mut open) = (&text(map).0, once(open));
+        let read = |rule: &Rule| self.grid(map, &mut open, rule);
+        self.names.read(read, |walls| walls.count() > 0, |_, _| ())
+    }
+
+    fn grid(&self, map: &str, open: files::Open<'_>, rule: &Rule) -> Result<BitGrid, TmxError> {
+        let mut xml = Xml::new(map, "the map");
         let root = xml.root("map")?;
         if xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1") {
             return Err(TmxError::Infinite);
         }
         orientation(&xml, &root)?;
         let size = self.size(&xml, &root)?;
-        let (mut files, mut opaque) = (Files::new(&mut open, self.names()), None);
-        self.walk(map, &mut files, &mut |xml, layer, _, tilesets, _| match is_objects(layer) {
+        let (mut files, mut opaque) = (Files::new(open, rule), None);
+        self.walk(map, &mut files, &mut |xml, layer, _, tilesets, place| match is_objects(layer) {
             true => xml.skip(layer),
-            false => self.layer(xml, layer, size, tilesets, &mut opaque),
+            false => self.layer(xml, layer, (size, place), tilesets, &mut opaque),
         })?;
         opaque.ok_or(TmxError::NoTiles)
     }
 
     /// Reads the tilesets of a map, and hands out its layers of tiles and of objects with those
     /// before them and with their place.
-    fn walk(&self, map: &[u8], files: &mut Files<'_>, take: TakeLayer<'_>) -> Result<Tilesets, TmxError> {
-        let mut xml = Xml::new(map, "the map")?;
+    fn walk(&self, map: &str, files: &mut Files<'_>, take: TakeLayer<'_>) -> Result<Tilesets, TmxError> {
+        let mut xml = Xml::new(map, "the map");
         xml.root("map")?;
         let mut tilesets = Tilesets::default();
-        let mut groups = vec![Place { shift: [0.0; 2], visible: true }];
+        let mut groups = vec![Place { shift: [0.0; 2], visible: true, role: None }];
         while let Some(&place) = groups.last() {
             let Some(child) = xml.child()? else {
                 // The end of a group, or of the map.
                 groups.pop();
                 continue;
             };
-            let own = |xml: &Xml<'_>| {
-                let [x, y] = [xml.decimal(&child, "offsetx")?, xml.decimal(&child, "offsety")?];
-                let hidden = xml.attribute(&child, "visible")?.is_some_and(|visible| visible == "0");
-                let shift = [place.shift[0] + x, place.shift[1] + y];
-                Ok(Place { shift, visible: place.visible && !hidden })
-            };
             match child.local_name().as_ref() {
-                b"group" => groups.push(own(&xml)?),
+                b"group" => groups.push(place.inner(&xml, &child, files.rule)?),
                 b"tileset" => files.tileset(&mut xml, &child, "", &mut tilesets)?,
                 b"layer" | b"objectgroup" => {
-                    let place = own(&xml)?;
+                    let place = place.inner(&xml, &child, files.rule)?;
                     take(&mut xml, &child, files, &tilesets, place)?;
                 }
                 _ => xml.skip(&child)?,
             }
         }
         Ok(tilesets)
-    }
-
-    /// The names of the properties that say that something blocks, and that it is a door.
-    fn names(&self) -> [&str; 2] {
-        [&self.property, &self.door]
     }
 
     /// The columns and rows of a map.
@@ -186,7 +182,7 @@ impl TmxImport {
         &self,
         xml: &mut Xml<'_>,
         layer: &Element<'_>,
-        (width, height): (u32, u32),
+        ((width, height), place): ((u32, u32), Place),
         tilesets: &Tilesets,
         opaque: &mut Option<BitGrid>,
     ) -> Result<(), TmxError> {
@@ -196,7 +192,7 @@ impl TmxImport {
             return Err(TmxError::Dimensions { layer: name, found_width, found_height, width, height });
         }
         let count = u64::from(width) * u64::from(height);
-        let all = name == self.layer;
+        let all = place.role == Some(Role::Wall);
         let mut has_data = count == 0;
         while let Some(child) = xml.child()? {
             if child.local_name().as_ref() != b"data" {
@@ -214,7 +210,7 @@ impl TmxImport {
                     opaque.set((index % u64::from(width)) as u32, (index / u64::from(width)) as u32, true);
                 }
             };
-            data.decode(&text, count, add).map_err(fail)?;
+            _ = data.decode(&text, count, add).map_err(fail)?;
             has_data = true;
         }
         if !has_data {
@@ -232,6 +228,53 @@ struct Place {
     shift: [f64; 2],
     /// Whether it is switched on.
     visible: bool,
+    /// The role that it gives to what is in it, if it gives one.
+    role: Option<Role>,
+}
+
+impl Place {
+    /// The place of a layer or a group in this one, at its start.
+    fn inner(self, xml: &Xml<'_>, layer: &Element<'_>, rule: &Rule) -> Result<Self, TmxError> {
+        let [x, y] = [xml.decimal(layer, "offsetx")?, xml.decimal(layer, "offsety")?];
+        let hidden = xml.attribute(layer, "visible")?.is_some_and(|visible| visible == "0");
+        let shift = [self.shift[0] + x, self.shift[1] + y];
+        let mut says = Says::default();
+        // The properties stand before all else.
+        if let Some(mut inside) = xml.inside()
+            && let Some(child) = inside.child()?
+            && child.local_name().as_ref() == b"properties"
+        {
+            says = properties(&mut inside, rule, &mut Inventory::default(), |_, _| ())?;
+        }
+        let mut role = says.role();
+        for name in ["class", "name"] {
+            let named = xml.attribute(layer, name)?;
+            role = role.or_else(|| rule.role(&named.unwrap_or_default()));
+        }
+        Ok(Self { shift, visible: self.visible && !hidden, role: role.or(self.role) })
+    }
+}
+
+/// Opens each file once, and keeps what it gave: a map may be read twice.
+fn once(mut open: impl FnMut(&str) -> io::Result<Vec<u8>>) -> impl FnMut(&str) -> io::Result<Vec<u8>> {
+    let mut known: HashMap<String, Result<Vec<u8>, (io::ErrorKind, String)>> = HashMap::new();
+    move |path| {
+        let found = known.entry(path.to_owned());
+        let found = found.or_insert_with(|| open(path).map_err(|why| (why.kind(), why.to_string())));
+        found.clone().map_err(|(kind, why)| io::Error::new(kind, why))
+    }
+}
+
+/// Reads a map that a path names, and the files beside it.
+fn opened<M>(
+    path: &Path,
+    read: impl FnOnce(&[u8], &mut dyn FnMut(&str) -> io::Result<Vec<u8>>) -> Result<M, TmxError>,
+) -> Result<M, TmxError> {
+    let named = || path.display().to_string();
+    let map = file(path).map_err(|why| TmxError::File { file: named(), why })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    read(&map, &mut |source| file(&folder.join(source)))
+        .map_err(|why| TmxError::In { file: named(), why: Box::new(why) })
 }
 
 /// Takes a layer, from behind its start, with the tilesets before it and its place.

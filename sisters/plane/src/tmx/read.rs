@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::IVec2;
 
-use super::files::Files;
+use super::files::{Files, Open};
 use super::layer::{Stock, TileLayer};
 use super::map::TmxMap;
 use super::objects::{ObjectLayer, Roles, Templates};
@@ -16,9 +16,10 @@ use super::space::Space;
 use super::tileset::Tilesets;
 use super::warning::TmxWarning;
 use super::xml::{Element, Xml};
-use super::{Place, TmxError, TmxImport, is_objects, orientation};
+use super::{Place, TmxError, TmxImport, is_objects, once, opened, orientation};
 use crate::bits::BitGrid;
-use crate::editor::{FARTHEST, MOST_EMPTY, file};
+use crate::editor::{FARTHEST, Inventory, MOST_EMPTY, Role, Rule};
+use crate::files::text;
 
 /// Tiles of a rectangle around all layers that is never too large: 2 MiB.
 const SMALL: u64 = 1 << 24;
@@ -75,10 +76,7 @@ impl TmxImport {
     /// As [`Self::read`], but infinite maps are read. [`TmxError::Spread`] if the rectangle would
     /// have more than 2^24 tiles and four times as many as all layers together.
     pub fn read_map(&self, path: impl AsRef<Path>) -> Result<TmxMap, TmxError> {
-        let path = path.as_ref();
-        let map = file(path).map_err(|why| TmxError::File { file: path.display().to_string(), why })?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        self.parse_map(&map, |source| file(&folder.join(source)))
+        opened(path.as_ref(), |map, open| self.parse_map(map, open))
     }
 
     /// As [`Self::read_map`], from the bytes of a map: see [`Self::parse`].
@@ -88,17 +86,38 @@ impl TmxImport {
     pub fn parse_map(
         &self,
         map: &[u8],
-        mut open: impl FnMut(&str) -> io::Result<Vec<u8>>,
+        open: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<TmxMap, TmxError> {
-        let (mut files, mut left) = (Files::new(&mut open, self.names()), Templates::most(map));
-        let mut extent = Extent::NONE;
+        let ((map, is_odd), mut open) = (text(map), once(open));
+        let read = |rule: &Rule| self.map(&map, &mut open, rule);
+        let warn = |rule: &Rule, (found, inventory): &mut (TmxMap, Inventory)| {
+            let names = std::mem::take(inventory).walls(rule);
+            found.warnings.push(TmxWarning::Obstacles { names });
+        };
+        let has_walls = |(found, _): &(TmxMap, Inventory)| found.has(&[Role::Wall]);
+        let (mut found, inventory) = self.names.read(read, has_walls, warn)?;
+        if is_odd {
+            found.warnings.push(TmxWarning::Encoding { file: "the map".into() });
+        }
+        if !found.has(&[Role::Wall, Role::Door]) {
+            let [layers, names] = inventory.lists();
+            found.warnings.push(TmxWarning::NothingBlocks { layers, names });
+        }
+        Ok(found)
+    }
+
+    /// Reads a map by a rule, with what might have said that something blocks.
+    fn map(&self, map: &str, open: Open<'_>, rule: &Rule) -> Result<(TmxMap, Inventory), TmxError> {
+        let (mut files, mut left) = (Files::new(open, rule), Templates::most(map.len()));
+        let (mut extent, mut inventory) = (Extent::NONE, Inventory::default());
         let frame = self.frame(map)?;
         // First the parts, whose texts are long enough for them; then their tiles.
         let tilesets = self.walk(map, &mut files, &mut |xml, layer, _, _, place| {
+            let (name, offset) = (layer_name(xml, layer)?, frame.offset(place.shift));
+            inventory.add_layer(&name);
             if is_objects(layer) {
                 return xml.skip(layer);
             }
-            let (name, offset) = (layer_name(xml, layer)?, frame.offset(place.shift));
             frame.parts(xml, layer, &mut |xml, part, data, text| {
                 data.check(text, part.tiles()).map_err(|why| damaged(xml, &name, why))?;
                 if let Some(offset) = offset {
@@ -108,10 +127,10 @@ impl TmxImport {
             })
         })?;
         let mut found = TmxMap::default();
-        for (first, tile, which, kind) in tilesets.wrong_types() {
-            let property = self.names()[which].to_owned();
+        for (first, tile, [property, kind]) in tilesets.wrong() {
             found.warnings.push(TmxWarning::PropertyType { first, tile, property, kind });
         }
+        tilesets.names().for_each(|names| inventory.extend(names));
         if extent.tiles > 0 {
             let size = [0, 1].map(|axis| (extent.most[axis] - extent.least[axis]) as u64);
             let tiles = size[0].saturating_mul(size[1]);
@@ -122,25 +141,30 @@ impl TmxImport {
             found.walls = BitGrid::new(size[0] as u32, size[1] as u32);
             found.origin = IVec2::new(extent.least[0] as i32, extent.least[1] as i32);
         }
-        let mut stock = Stock::new(frame.space, map);
+        let mut stock = Stock::new(frame.space, map.len());
         self.walk(map, &mut files, &mut |xml, layer, files, tilesets, place| {
             let mut open = |path: &str| files.template(path);
             let templates = &mut Templates::new(&mut open, &mut left);
+            let roles = Roles { rule, layer: place.role };
             if !is_objects(layer) {
                 let tiles = (tilesets, templates, &mut stock);
-                return self.tiles(xml, layer, (&frame, &extent, place), tiles, &mut found);
+                return self.tiles(xml, layer, (&frame, &extent, place, roles), tiles, &mut found);
             }
-            self.objects(xml, layer, (&frame.space, tilesets, place), templates, &mut found)
+            self.objects(xml, layer, (&frame.space, tilesets, place, roles), templates, &mut found)
         })?;
-        if extent.any || !found.warnings.is_empty() || !found.objects.is_empty() {
-            Ok(found)
-        } else {
-            Err(TmxError::NoTiles)
+        if !extent.any && found.warnings.is_empty() && found.objects.is_empty() {
+            return Err(TmxError::NoTiles);
         }
+        found.warnings.extend(files.odd.into_iter().map(|file| TmxWarning::Encoding { file }));
+        for object in &found.objects {
+            object.properties.keys().for_each(|name| inventory.add_name(name));
+            inventory.add_name(&object.class);
+        }
+        Ok((found, inventory))
     }
 
-    fn frame(&self, map: &[u8]) -> Result<Frame, TmxError> {
-        let mut xml = Xml::new(map, "the map")?;
+    fn frame(&self, map: &str) -> Result<Frame, TmxError> {
+        let mut xml = Xml::new(map, "the map");
         let root = xml.root("map")?;
         let orientation = orientation(&xml, &root)?;
         let infinite = xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1");
@@ -157,7 +181,7 @@ impl TmxImport {
         &self,
         xml: &mut Xml<'_>,
         layer: &Element<'_>,
-        (space, tilesets, place): (&Space, &Tilesets, Place),
+        (space, tilesets, place, roles): (&Space, &Tilesets, Place, Roles<'_>),
         templates: &mut Templates<'_>,
         found: &mut TmxMap,
     ) -> Result<(), TmxError> {
@@ -167,7 +191,7 @@ impl TmxImport {
             tilesets,
             shift: place.shift,
             visible: place.visible,
-            roles: self.roles(&name),
+            roles,
             name: name.clone(),
         };
         layer.read(xml, templates, &mut found.objects, &mut |id, fault| {
@@ -175,30 +199,30 @@ impl TmxImport {
         })
     }
 
-    /// The rules for the roles of the objects of a layer.
-    fn roles(&self, layer: &str) -> Roles<'_> {
-        Roles { names: self.names(), walls: layer == self.layer }
-    }
-
     /// Reads the tiles of a layer.
     fn tiles(
         &self,
         xml: &mut Xml<'_>,
         layer: &Element<'_>,
-        (frame, extent, place): (&Frame, &Extent, Place),
+        (frame, extent, place, roles): (&Frame, &Extent, Place, Roles<'_>),
         (tilesets, templates, stock): (&Tilesets, &mut Templates<'_>, &mut Stock),
         found: &mut TmxMap,
     ) -> Result<(), TmxError> {
         let name = layer_name(xml, layer)?;
-        let mut tiles = TileLayer::new((&name, self.roles(&name)), (frame, extent, place), tilesets);
+        let mut tiles = TileLayer::new((&name, roles), (frame, extent, place), tilesets);
+        let mut missing = 0;
         frame.parts(xml, layer, &mut |xml, part, data, text| {
             let take = &mut |index: u64, id: u32| {
                 let width = u64::from(part.width);
                 let at = [part.x + (index % width) as i64, part.y + (index / width) as i64];
                 tiles.take(at, id, (templates, stock), found);
             };
-            data.decode(text, part.tiles(), take).map_err(|why| damaged(xml, &name, why))
+            missing += data.decode(text, part.tiles(), take).map_err(|why| damaged(xml, &name, why))?;
+            Ok(())
         })?;
+        if missing > 0 {
+            found.warnings.push(TmxWarning::Commas { layer: name, count: missing });
+        }
         tiles.warn(&mut found.warnings);
         Ok(())
     }

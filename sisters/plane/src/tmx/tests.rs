@@ -13,6 +13,7 @@ mod compare;
 mod drawn;
 #[path = "../../tests/maps/mod.rs"]
 mod maps;
+mod names;
 
 fn example(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("maps").join(name)
@@ -45,10 +46,11 @@ fn properties_and_layers_block() {
             assert_eq!(walls.get(x, y), letter == b'#', "tile ({x}, {y})");
         }
     }
-    let no_layer = TmxImport { layer: "none".into(), ..TmxImport::default() };
-    let no_property = TmxImport { property: "none".into(), ..TmxImport::default() };
-    let count = |import: TmxImport| import.read(example("harbour.tmx")).unwrap().count();
-    let (by_property, by_layer) = (count(no_layer), count(no_property));
+    let count = |name: &str| {
+        let names = MapNames { walls: vec![name.into()], obstacles: Vec::new(), ..MapNames::default() };
+        TmxImport { names }.read(example("harbour.tmx")).unwrap().count()
+    };
+    let (by_property, by_layer) = (count("opaque"), count("walls"));
     assert_eq!(by_property + by_layer, walls.count());
     assert!(by_property > 0 && by_layer > 0);
 }
@@ -122,7 +124,6 @@ fn errors_name_the_file_the_line_and_the_cause() {
     expect("t.tsx", "u.tsx", "u.tsx cannot be read");
     expect("</map>", "", "the map, line");
     expect("firstgid=\"1\"", "first=\"1\"", "line 3: the element tileset has no attribute firstgid");
-    expect("value=\"true\"", "value=\"yes\"", "yes is neither true nor false");
     expect("encoding=\"csv\"", "", "tiles in \"\" and \"\" are not read");
     expect("encoding=\"csv\"", "encoding=\"base64\" compression=\"zstd\"", "choose CSV");
     expect("<data encoding=\"csv\">", "<data encoding=\"csv\"><tile gid=\"1\"/>", "there are elements");
@@ -143,6 +144,7 @@ fn errors_name_the_file_the_line_and_the_cause() {
 
 #[test]
 fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
+    let rule = Rule::new(&["opaque".into()], &["door".into()]);
     // Tiles of a tileset that block: the one with the number of the tileset.
     let opaque: Vec<_> = (0..4)
         .map(|i| {
@@ -150,9 +152,9 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
                 "<tileset><tile id=\"{i}\"><properties>\
                  <property name=\"opaque\" type=\"bool\" value=\"true\"/></properties></tile></tileset>"
             );
-            let mut xml = Xml::new(text.as_bytes(), "test").unwrap();
+            let mut xml = Xml::new(&text, "test");
             let root = xml.root("tileset").unwrap();
-            Rc::new(Opaque::read(&mut xml, &root, "", ["opaque", "door"]).unwrap())
+            Rc::new(Opaque::read(&mut xml, &root, "", &rule).unwrap())
         })
         .collect();
     for order in 0..256_u32 {
@@ -285,7 +287,7 @@ fn unknown_tiles_and_types_are_named() {
     let shifted = unknown(&walls.replace("name=\"ground\"", "name=\"ground\" offsetx=\"3\""));
     assert!(matches!(&shifted.warnings[..], [TmxWarning::Offset { .. }, first, second]
         if *first == named("ground") && *second == named("walls")));
-    let typed = text.replacen("type=\"bool\" value=\"true\"", "value=\"true\"", 1);
+    let typed = text.replacen("type=\"bool\" value=\"true\"", "value=\"maybe\"", 1);
     let found = map(&typed).unwrap();
     let (property, kind) = ("opaque".to_string(), "string".to_string());
     assert_eq!(found.warnings, [TmxWarning::PropertyType { first: 1, tile: 1, property, kind }]);

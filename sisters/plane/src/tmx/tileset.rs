@@ -9,14 +9,17 @@ use super::objects::Drawn;
 use super::paths::joined;
 use super::picture::{Picture, Style};
 use super::xml::{Element, Xml};
+use crate::editor::{Inventory, Role, Rule, Says, truth};
 
 /// What a tileset says of its tiles.
 #[derive(Debug, Default)]
 pub(super) struct Opaque {
-    /// Those that block and those that are doors, by their numbers in it.
-    says: [BTreeSet<u32>; 2],
-    /// The classes of those that have one.
-    classes: BTreeMap<u32, Arc<str>>,
+    /// What the properties of tiles say, by their numbers in it.
+    says: BTreeMap<u32, Says>,
+    /// The classes of those that have one, and the roles that these give.
+    classes: BTreeMap<u32, (Arc<str>, Option<Role>)>,
+    /// The names of properties and classes.
+    pub names: Inventory,
     /// The shapes that are drawn on tiles, in the order of the file.
     drawn: BTreeMap<u32, Vec<Drawn>>,
     /// How pictures lie in cells.
@@ -30,8 +33,8 @@ pub(super) struct Opaque {
     count: Option<u32>,
     /// Those that it lists beyond: tilesets of single images leave numbers out.
     listed: BTreeSet<u32>,
-    /// Tiles with a property of the right name and another type than `bool`: which, and this type.
-    wrong: Vec<(u32, usize, String)>,
+    /// Tiles with a property of the right name that says neither yes nor no: its name and type.
+    wrong: Vec<(u32, [String; 2])>,
 }
 
 /// A point of a picture, in shares of its width and height from the upper left corner.
@@ -58,24 +61,15 @@ impl Alignment {
     }
 }
 
-/// What a list of properties says of one.
-#[derive(Debug, Clone)]
-enum Says {
-    Nothing,
-    True,
-    Wrong(String),
-}
-
 impl Opaque {
     /// Reads a tileset, from behind its start. The number of tiles that it promises takes no
-    /// memory: those without properties are not listed in a file. `names` are those of the
-    /// properties that say that a tile blocks, and that it is a door; `folder` is that from which
-    /// its paths count.
+    /// memory: those without properties are not listed in a file. `folder` is that from which its
+    /// paths count.
     pub fn read(
         xml: &mut Xml<'_>,
         tileset: &Element<'_>,
         folder: &str,
-        names: [&str; 2],
+        rule: &Rule,
     ) -> Result<Self, TmxError> {
         let count = xml.attribute(tileset, "tilecount")?.and_then(|count| count.trim().parse().ok());
         let alignment = xml.attribute(tileset, "objectalignment")?.and_then(|name| Alignment::named(&name));
@@ -84,7 +78,7 @@ impl Opaque {
         let mut found = Self { count, alignment, size, style, ..Self::default() };
         while let Some(child) = xml.child()? {
             match child.local_name().as_ref() {
-                b"tile" => found.tile(xml, &child, folder, names)?,
+                b"tile" => found.tile(xml, &child, folder, rule)?,
                 b"tileoffset" | b"grid" => {
                     found.style.add(xml, &child)?;
                     xml.skip(&child)?;
@@ -101,7 +95,7 @@ impl Opaque {
         xml: &mut Xml<'_>,
         tile: &Element<'_>,
         folder: &str,
-        names: [&str; 2],
+        rule: &Rule,
     ) -> Result<(), TmxError> {
         let id = xml.number(tile, "id")?;
         if self.count.is_some_and(|count| id >= count) {
@@ -110,15 +104,20 @@ impl Opaque {
         let kind = xml.attribute(tile, "type")?.filter(|kind| !kind.is_empty());
         let class = kind.or(xml.attribute(tile, "class")?).filter(|class| !class.is_empty());
         // Of tiles and properties that come twice the last counts.
-        self.says.iter_mut().for_each(|tiles| _ = tiles.remove(&id));
+        self.says.remove(&id);
         self.classes.remove(&id);
-        self.classes.extend(class.map(|class| (id, class.into())));
         self.drawn.remove(&id);
+        self.names.add_name(class.as_deref().unwrap_or_default());
+        self.classes.extend(class.map(|class| (id, ((&*class).into(), rule.role(&class)))));
         // The tile may be a part of its image.
         let part = size(xml, tile, ["width", "height"])?;
         while let Some(child) = xml.child()? {
             match child.local_name().as_ref() {
-                b"properties" => self.keep(id, says(xml, names)?),
+                b"properties" => {
+                    let (wrong, names) = (&mut self.wrong, &mut self.names);
+                    let says = properties(xml, rule, names, |name, kind| wrong.push((id, [name, kind])))?;
+                    self.says.insert(id, says);
+                }
                 b"objectgroup" => {
                     let drawn = Drawn::read(xml, |path| joined(folder, path))?;
                     self.drawn.insert(id, drawn);
@@ -134,25 +133,22 @@ impl Opaque {
         Ok(())
     }
 
-    /// Keeps what the properties of a tile say.
-    fn keep(&mut self, id: u32, all: [Says; 2]) {
-        for (which, says) in all.into_iter().enumerate() {
-            match says {
-                Says::True => _ = self.says[which].insert(id),
-                Says::Wrong(kind) => self.wrong.push((id, which, kind)),
-                Says::Nothing => {}
-            }
-        }
+    /// What the properties of a tile say of it, and its class, if that counts.
+    pub fn says(&self, tile: u32, with_class: bool) -> Says {
+        let says = self.says.get(&tile).copied().unwrap_or_default();
+        let class = self.classes.get(&tile).filter(|_| with_class).and_then(|class| class.1);
+        says.or(class.into())
     }
 
-    /// Whether a tile says that it blocks (0), or that it is a door (1).
-    pub fn says(&self, tile: u32, which: usize) -> bool {
-        self.says[which].contains(&tile)
+    /// Whether a tile says that it blocks in its whole cell: by its properties, or by its class if
+    /// no shapes are drawn on it that would hide instead.
+    pub fn blocks(&self, tile: u32) -> bool {
+        self.says(tile, self.drawn(tile).is_empty()).is_wall()
     }
 
     /// The class of a tile.
     pub fn class(&self, tile: u32) -> Option<Arc<str>> {
-        self.classes.get(&tile).cloned()
+        self.classes.get(&tile).map(|class| class.0.clone())
     }
 
     /// The size of a tile's picture, and the point of it that an object names.
@@ -186,32 +182,37 @@ fn size(xml: &Xml<'_>, element: &Element<'_>, names: [&str; 2]) -> Result<[f64; 
     Ok(size)
 }
 
-/// What a list of properties says of two, from behind its start.
-fn says(xml: &mut Xml<'_>, names: [&str; 2]) -> Result<[Says; 2], TmxError> {
-    let mut all = [Says::Nothing, Says::Nothing];
+/// What a list of properties says, from behind its start. `wrong` is told the name and the type of
+/// a property that says neither yes nor no.
+pub(super) fn properties(
+    xml: &mut Xml<'_>,
+    rule: &Rule,
+    names: &mut Inventory,
+    mut wrong: impl FnMut(String, String),
+) -> Result<Says, TmxError> {
+    let mut all = BTreeMap::new();
     while let Some(child) = xml.child()? {
-        let name = xml.attribute(&child, "name")?;
-        for (says, _) in all.iter_mut().zip(names).filter(|(_, other)| name.as_deref() == Some(*other)) {
-            // Without a type it is a string.
-            let kind = xml.attribute(&child, "type")?.unwrap_or("string".into()).into_owned();
-            *says = match (kind == "bool", kind == "bool" && is_true(xml, &child)?) {
-                (false, _) => Says::Wrong(kind),
-                (true, true) => Says::True,
-                (true, false) => Says::Nothing,
-            };
+        if let Some(name) = xml.attribute(&child, "name")? {
+            names.add_name(&name);
+            if let Some(role) = rule.role(&name) {
+                let kind = xml.attribute(&child, "type")?.unwrap_or("string".into()).into_owned();
+                let value = xml.attribute(&child, "value")?;
+                let plain = ["bool", "string", "int", "float"].contains(&&*kind);
+                let says = value.filter(|_| plain).and_then(|value| truth(&value));
+                // Of properties that come twice the last counts.
+                all.insert(name.into_owned(), (role, kind, says));
+            }
         }
         xml.skip(&child)?;
     }
-    Ok(all)
-}
-
-/// Whether a property of the type `bool` is `true`.
-fn is_true(xml: &Xml<'_>, property: &Element<'_>) -> Result<bool, TmxError> {
-    match &*xml.required(property, "value")? {
-        "true" => Ok(true),
-        "false" => Ok(false),
-        other => Err(xml.damaged(format!("{other:.40} is neither true nor false"))),
+    let mut says = Says::default();
+    for (name, (role, kind, value)) in all {
+        match value {
+            Some(value) => says.add(role, value),
+            None => wrong(name, kind),
+        }
     }
+    Ok(says)
 }
 
 /// The bits of an id that are not for turning the tile.
@@ -250,7 +251,7 @@ impl Tilesets {
     pub fn blocks(&self, id: u32, all: bool) -> bool {
         let id = id & TILE;
         // 0 is no tile.
-        self.of(id).is_some_and(|(first, set)| id != 0 && (all || set.says(id - first, 0)))
+        self.of(id).is_some_and(|(first, set)| id != 0 && (all || set.blocks(id - first)))
     }
 
     /// The tileset of a tile, and the tile's number in it; `None` if there is no such tile.
@@ -269,13 +270,21 @@ impl Tilesets {
         own.then_some(id | other & !TILE)
     }
 
-    /// The first tiles of tilesets, with the tiles whose property has another type than `bool`,
-    /// which property, and the type. A file that the map names often comes once.
-    pub fn wrong_types(&self) -> impl Iterator<Item = (u32, u32, usize, String)> {
+    /// The tilesets with their first tiles. One that the map names often comes once.
+    fn once(&self) -> impl Iterator<Item = &(u32, Rc<Opaque>)> {
         let mut known = BTreeSet::new();
-        let once = self.all.iter().filter(move |(_, set)| known.insert(Rc::as_ptr(set)));
-        once.flat_map(|(first, set)| {
-            set.wrong.iter().map(|(tile, which, kind)| (*first, *tile, *which, kind.clone()))
-        })
+        self.all.iter().filter(move |(_, set)| known.insert(Rc::as_ptr(set)))
+    }
+
+    /// The first tiles of tilesets, with the tiles whose property says neither yes nor no, its name
+    /// and its type.
+    pub fn wrong(&self) -> impl Iterator<Item = (u32, u32, [String; 2])> {
+        self.once()
+            .flat_map(|(first, set)| set.wrong.iter().map(|(tile, which)| (*first, *tile, which.clone())))
+    }
+
+    /// The names of properties and classes of each tileset.
+    pub fn names(&self) -> impl Iterator<Item = &Inventory> {
+        self.once().map(|(_, set)| &set.names)
     }
 }

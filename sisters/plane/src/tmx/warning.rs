@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::objects::TmxFault;
+use crate::editor::{nothing_blocks, obstacles_block};
 
 /// A part of a map that was passed over, so that it blocks no sight, or a fault of an object.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +19,7 @@ pub enum TmxWarning {
         /// How many tiles there are of this kind.
         count: u64,
     },
-    /// The property of a tile is not of the type `bool`.
+    /// A property of a tile that says whether it blocks is neither true nor false: it says nothing.
     PropertyType {
         /// The first tile of the tileset, as the map counts.
         first: u32,
@@ -28,6 +29,33 @@ pub enum TmxWarning {
         property: String,
         /// Its type: `string` if the file names none.
         kind: String,
+    },
+    /// Nothing in the map blocks sight, and it has no door.
+    NothingBlocks {
+        /// The layers, up to twelve.
+        layers: Vec<String>,
+        /// The properties and classes of tiles and objects, up to twelve.
+        names: Vec<String>,
+    },
+    /// Nothing is a wall by [`MapNames::walls`](crate::MapNames::walls), so that
+    /// [`MapNames::obstacles`](crate::MapNames::obstacles) count: it blocks sight.
+    Obstacles {
+        /// The names in the map that made walls.
+        names: Vec<String>,
+    },
+    /// A list of tiles has commas without a number between them, or one at its end. Between them
+    /// is no tile.
+    Commas {
+        /// The name of the layer.
+        layer: String,
+        /// How many numbers are missing.
+        count: u64,
+    },
+    /// A file is neither UTF-8 nor UTF-16, and does not say that it is Latin-1, as which it was
+    /// read.
+    Encoding {
+        /// "the map", or the path of a tileset or template as the map has it.
+        file: String,
     },
     /// A layer is shifted by a part of a tile: its tiles lie on no others, and hide by the shapes
     /// only that their tilesets draw on them.
@@ -78,7 +106,19 @@ impl fmt::Display for TmxWarning {
             }
             Self::PropertyType { first, tile, property, kind } => write!(
                 f,
-                "tile {tile} of the tileset from {first} on has a property {property} of the type {kind}, not bool"
+                "tile {tile} of the tileset from {first} on has a property {property}, of the type {kind}, that is \
+                 neither true nor false"
+            ),
+            Self::NothingBlocks { layers, names } => {
+                f.write_str(&nothing_blocks([layers, names], "Properties and classes"))
+            }
+            Self::Obstacles { names } => f.write_str(&obstacles_block(names)),
+            Self::Commas { layer, count } => {
+                write!(f, "the layer {layer:?} has {count} commas without a number: no tile is read there")
+            }
+            Self::Encoding { file } => write!(
+                f,
+                "{file} is not in UTF-8: names in other letters than those of English may be wrong (save it as UTF-8)"
             ),
             Self::Offset { layer, x, y } => {
                 write!(f, "the layer {layer:?} is shifted by {x} and {y} tiles: only whole tiles are read")

@@ -20,21 +20,33 @@ pub(super) struct Xml<'a> {
 }
 
 impl<'a> Xml<'a> {
-    pub fn new(bytes: &'a [u8], name: &str) -> Result<Self, TmxError> {
-        let text = match str::from_utf8(bytes) {
-            Ok(text) => text,
-            Err(why) => return Err(TmxError::Damaged { file: name.into(), line: 1, why: why.to_string() }),
-        };
+    pub fn new(text: &'a str, name: &str) -> Self {
         let mut reader = Reader::from_str(text);
         // So that each start has an end.
         reader.config_mut().expand_empty_elements = true;
-        Ok(Self { text, reader, name: name.into() })
+        Self { text, reader, name: name.into() }
+    }
+
+    /// A reader of the contents of the element whose start was read last, which moves this one by
+    /// nothing; `None` if the element is empty.
+    pub fn inside(&self) -> Option<Self> {
+        let (before, rest) = self.text.split_at_checked(self.reader.buffer_position() as usize)?;
+        if before.ends_with("/>") {
+            return None;
+        }
+        let mut inside = Self::new(rest, &self.name);
+        // The element ends without a start here.
+        inside.reader.config_mut().allow_unmatched_ends = true;
+        Some(inside)
     }
 
     /// What is wrong here.
     pub fn damaged(&self, why: impl ToString) -> TmxError {
         let read = (self.reader.buffer_position() as usize).min(self.text.len());
-        let line = 1 + self.text.as_bytes()[..read].iter().filter(|&&b| b == b'\n').count();
+        let text = &self.text.as_bytes()[..read];
+        // Lines end with a line feed, or with a carriage return alone.
+        let ends = |&(i, &b): &(usize, &u8)| b == b'\n' || b == b'\r' && text.get(i + 1) != Some(&b'\n');
+        let line = 1 + text.iter().enumerate().filter(ends).count();
         TmxError::Damaged { file: self.name.clone(), line, why: why.to_string() }
     }
 

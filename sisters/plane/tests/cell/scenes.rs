@@ -26,8 +26,14 @@ impl Random {
         lo + self.below(((hi - lo) * 64.0) as u64 + 1) as f32 / 64.0
     }
 
+    /// A point with coordinates from `lo` to `hi`, of which half are multiples of 1/2: on sides of
+    /// cells, and where other objects end.
     pub fn point(&mut self, lo: f32, hi: f32) -> Vec2 {
-        Vec2::new(self.between(lo, hi), self.between(lo, hi))
+        let mut coordinate = || match self.below(2) {
+            0 => self.between(lo, hi),
+            _ => lo + self.below(((hi - lo) * 2.0) as u64 + 1) as f32 / 2.0,
+        };
+        Vec2::new(coordinate(), coordinate())
     }
 }
 
@@ -115,8 +121,9 @@ impl World {
         let spec = GridSpec { min: Vec2::ZERO, cell, dims: UVec2::splat(cells) };
         let mut world = Self { scene: Scene::new(&spec).unwrap(), actors: Vec::new(), size };
         for _ in 0..4 + random.below(8) {
-            let half =
-                [Vec2::new(4.0, 0.8), Vec2::new(0.8, 4.0), Vec2::new(1.5, 1.5)][random.below(3) as usize];
+            // With sides on those of cells or beside them, and walls without thickness.
+            let halves = [(4.0, 0.8), (0.8, 4.0), (1.5, 1.5), (4.0, 0.5), (0.5, 3.0), (4.0, 0.0), (0.0, 4.0)];
+            let half = Vec2::from(halves[random.below(7) as usize]);
             world.insert(random, Kind::Fixed, half * cell, true);
         }
         for _ in 0..6 + random.below(14) {

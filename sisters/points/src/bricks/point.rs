@@ -1,5 +1,6 @@
 //! Points of bricks, in memory and in files.
 
+use crate::numeric::unit;
 use glam::{IVec3, Vec3};
 
 /// Bytes of a point in a file without normals, and with them.
@@ -17,7 +18,7 @@ pub(super) struct PackedNormal(u32);
 impl PackedNormal {
     /// Vectors of other lengths are taken by their direction; those that are not finite are none.
     pub fn new(normal: Vec3) -> Self {
-        let axes = (normal.normalize_or_zero() * MOST).round().as_ivec3().to_array();
+        let axes = (unit(normal) * MOST).round().as_ivec3().to_array();
         let bits = |axis: usize| (axes[axis] as u32 & ((1 << BITS) - 1)) << (BITS * axis as u32);
         Self(bits(0) | bits(1) | bits(2))
     }

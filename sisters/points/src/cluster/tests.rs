@@ -1,7 +1,8 @@
 //! Clusters beside the analytic truth of a sphere and of a hollow.
 
 use super::*;
-use crate::samples::sphere;
+use crate::samples::{cases, coordinate, sphere};
+use proptest::prelude::*;
 
 const KERNEL: Kernel = Kernel::Relative { log10_radius: 2.9 };
 
@@ -77,6 +78,29 @@ fn no_points_have_no_visible_points() {
         let grid = Clustering::Grid { cells: [2; 3] };
         let found = visible_clusters(&[], DVec3::ONE, kernel, grid, Radius::Rescaled, Passes::Two);
         assert_eq!(found.map(|bits| bits.len()), Ok(0), "{kernel:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    #[test]
+    fn points_at_one_place_have_one_answer(
+        points in prop::collection::vec(prop::array::uniform3(coordinate(1.0).prop_map(f64::from)), 0..40),
+        eye in prop::array::uniform3(coordinate(2.0).prop_map(f64::from)),
+        (most, cells, two) in (1..5_u32, prop::array::uniform3(1..4_u32), any::<bool>()),
+    ) {
+        let points: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
+        let passes = if two { Passes::Two } else { Passes::One };
+        for clustering in [Clustering::Octree { max_points: most }, Clustering::Grid { cells }] {
+            let eye = DVec3::from_array(eye);
+            let found = visible_clusters(&points, eye, KERNEL, clustering, Radius::Rescaled, passes).unwrap();
+            prop_assert_eq!(found.len(), points.len());
+            for (i, j) in (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                let grid = matches!(clustering, Clustering::Grid { .. });
+                prop_assert!(!grid || points[i] != points[j] || found[i] == found[j]);
+            }
+        }
     }
 }
 

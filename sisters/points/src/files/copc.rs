@@ -4,16 +4,15 @@
 //! Not by `las::CopcReader`, which reserves memory by the numbers in the file.
 
 use std::collections::BTreeMap;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom};
 
 use glam::DVec3;
-use las::Header;
-use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor};
 
-use super::guarded::guarded;
-use super::layers::Layers;
+use super::chunks::{Chunks, Gap};
+use super::guarded::plain;
+use super::head::{Head, Packed};
 use super::levels::{Key, Octree};
-use super::records::{check_items, decoded, hand_out, room, wanted};
+use super::records::hand_out;
 use super::sink::{FileError, Sink, Source};
 
 /// Bytes of an entry of a page of the hierarchy.
@@ -33,36 +32,38 @@ struct Node {
 /// Reads the nodes that are wanted, in the order of the file. `info` is the record of COPC.
 pub(super) fn read<E: From<FileError>>(
     mut source: impl Source,
-    header: &Header,
+    head: &Head,
+    packed: &Packed,
     info: &[u8],
     sink: &mut Sink<'_, E>,
 ) -> Result<(), E> {
-    let nodes = nodes(&mut source, header, info, sink).map_err(|e| sink.header("COPC", e))?;
+    let nodes = nodes(&mut source, head, info, sink).map_err(|e| sink.header("COPC", e))?;
     for node in nodes {
         let mut left = node.points;
-        let mut points = guarded(|| decoder(&mut source, header, &node)).map_err(|e| at(sink, &node, e))?;
+        let mut points = match chunk(&mut source, head, packed, &node) {
+            Ok(points) => points,
+            Err(cause) => {
+                sink.lose(sink.point(format!("node {}", node.key), cause), left);
+                continue;
+            }
+        };
         while left > 0 {
-            let batch = guarded(|| {
-                let mut bytes = room(left, header);
-                points.decompress_many(&mut bytes).map_err(|e| e.to_string())?;
-                decoded(bytes, header)
-            });
-            let batch = batch.map_err(|e| at(sink, &node, e))?;
-            left -= batch.len() as u64;
-            hand_out(&batch, sink)?;
+            let (records, gap) = points.next(left);
+            left -= (records.len() / head.layout.record) as u64;
+            hand_out(&records, &head.layout, sink)?;
+            if let Some(Gap { cause, points }) = gap {
+                sink.lose(sink.point(format!("node {}", node.key), cause), points);
+                left -= points;
+            }
         }
     }
     Ok(())
 }
 
-fn at<E: From<FileError>>(sink: &Sink<'_, E>, node: &Node, cause: String) -> FileError {
-    sink.point(format!("node {}", node.key), cause)
-}
-
 /// The nodes with points that are wanted.
-fn nodes<E>(
+fn nodes<E: From<FileError>>(
     source: &mut impl Source,
-    header: &Header,
+    head: &Head,
     info: &[u8],
     sink: &Sink<'_, E>,
 ) -> Result<Vec<Node>, String> {
@@ -71,16 +72,14 @@ fn nodes<E>(
     let numbers: Option<Vec<u64>> = (0..7).map(number).collect();
     let numbers = numbers.ok_or_else(|| format!("its record has {} bytes", info.len()))?;
     let [x, y, z, half, spacing] = std::array::from_fn(|i| f64::from_bits(numbers[i]));
-    let steps = header.transforms();
-    let step = DVec3::new(steps.x.scale, steps.y.scale, steps.z.scale);
-    let octree = Octree::new((DVec3::new(x, y, z) - half, 2.0 * half), spacing, step, &sink.wanted)?;
-    let length = source.seek(SeekFrom::End(0)).map_err(|e| e.to_string())?;
-    let mut nodes = hierarchy(source, length, (numbers[5], numbers[6]), &octree)?;
+    let octree =
+        Octree::new((DVec3::new(x, y, z) - half, 2.0 * half), spacing, head.layout.scale, sink.wanted())?;
+    let mut nodes = hierarchy(source, head.length, (numbers[5], numbers[6]), &octree)?;
     nodes.sort_unstable_by_key(|node| (node.start, node.key));
     // As many points as a file promises may be decoded, however often nodes name a chunk.
     let points = nodes.iter().fold(0_u64, |sum, node| sum.saturating_add(node.points));
-    if points > header.number_of_points() {
-        return Err(format!("nodes have {points} points, the header says {}", header.number_of_points()));
+    if points > head.count {
+        return Err(format!("nodes have {points} points, the header says {}", head.count));
     }
     Ok(nodes)
 }
@@ -103,11 +102,11 @@ fn hierarchy(
         if read > length {
             return Err("pages of the hierarchy refer to each other".into());
         }
-        source.seek(SeekFrom::Start(start)).map_err(|e| e.to_string())?;
+        source.seek(SeekFrom::Start(start)).map_err(plain)?;
         let mut left = (bytes / ENTRY) as usize;
         while left > 0 {
             let mut entries = vec![0; left.min(ENTRIES) * ENTRY as usize];
-            source.read_exact(&mut entries).map_err(|e| e.to_string())?;
+            source.read_exact(&mut entries).map_err(plain)?;
             left -= left.min(ENTRIES);
             for entry in entries.as_chunks::<{ ENTRY as usize }>().0 {
                 let (node, count) = parse(entry, length)?;
@@ -143,28 +142,20 @@ fn parse(entry: &[u8; ENTRY as usize], length: u64) -> Result<(Node, i32), Strin
     }
 }
 
-/// A decoder at the first point of a node.
-fn decoder<'a, S: Source>(
+/// The points of a node.
+fn chunk<'a, S: Source>(
     source: &'a mut S,
-    header: &Header,
+    head: &Head,
+    packed: &Packed,
     node: &Node,
-) -> Result<LayeredPointRecordDecompressor<'a, Layers<&'a mut S>>, String> {
-    let io = |e: io::Error| e.to_string();
-    let vlr = header.laz_vlr().map_err(|e| e.to_string())?;
-    let record = u64::from(header.point_format().len());
-    check_items(&vlr, record)?;
+) -> Result<Chunks<'a, &'a mut S>, String> {
     let mut said = [0; 4];
-    source.seek(SeekFrom::Start(node.start.saturating_add(record))).map_err(io)?;
-    source.read_exact(&mut said).map_err(io)?;
+    source.seek(SeekFrom::Start(node.start.saturating_add(head.layout.record as u64))).map_err(plain)?;
+    source.read_exact(&mut said).map_err(plain)?;
     let said = u32::from_le_bytes(said);
     if u64::from(said) != node.points {
         return Err(format!("its chunk has {said} points, the hierarchy says {}", node.points));
     }
-    source.seek(SeekFrom::Start(node.start)).map_err(io)?;
-    let mut layers = Layers::new(source, &vlr, node.start + node.bytes);
-    layers.begin().map_err(io)?;
-    let mut decoder = LayeredPointRecordDecompressor::new(layers);
-    decoder.set_fields_from(vlr.items()).map_err(|e| e.to_string())?;
-    decoder.set_selection(wanted());
-    Ok(decoder)
+    source.seek(SeekFrom::Start(node.start)).map_err(plain)?;
+    Chunks::of_one(source, head, packed, node.start + node.bytes, node.points)
 }

@@ -1,7 +1,7 @@
 //! Entwine Point Tiles (entwine.io, version 1): a folder with `ept.json`, the numbers of points of
 //! nodes in `ept-hierarchy`, and a LAZ file for each node in `ept-data`.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -9,10 +9,11 @@ use std::path::Path;
 use glam::DVec3;
 use serde_json::Value;
 
+use super::guarded::plain;
 use super::levels::{Key, Octree};
-use super::lidar;
 use super::sink::{FileError, Sink, Source};
-use crate::numeric;
+use super::text::skip_mark;
+use super::{head, lidar};
 
 /// Reads the tiles that are wanted, level by level. `source` is `ept.json`, and `folder` the one
 /// that it lies in.
@@ -21,22 +22,29 @@ pub(super) fn read<E: From<FileError>>(
     folder: &Path,
     sink: &mut Sink<'_, E>,
 ) -> Result<(), E> {
-    let (octree, middle) = description(source, sink).map_err(|e| sink.header("EPT", e))?;
-    sink.origin = Some(numeric::origin_near(middle));
+    let octree = description(source, sink).map_err(|e| sink.header("EPT", e))?;
+    let name = sink.name.clone();
     let mut colours = None;
-    for key in hierarchy(folder, &octree)? {
+    for (key, count) in hierarchy(folder, &octree)? {
         let tile = folder.join("ept-data").join(format!("{key}.laz"));
-        let mut source = open(&tile)?;
         sink.name = tile.display().to_string();
-        let header = lidar::open(&mut source, sink)?;
-        let has = header.point_format().has_color;
+        let opened = open(&tile).and_then(|mut source| Ok((head::open(&mut source, sink)?, source)));
+        let (head, source) = match opened {
+            Ok(opened) => opened,
+            Err(why) => {
+                sink.lose(why, count);
+                continue;
+            }
+        };
+        let has = head.layout.colour.is_some();
         if *colours.get_or_insert(has) != has {
             return Err(sink
                 .header("LAS", "of this tile only, or of all but this, points have colours")
                 .into());
         }
-        lidar::read_all(source, &header, sink)?;
+        lidar::read_all(source, &head, sink)?;
     }
+    sink.name = name;
     Ok(())
 }
 
@@ -45,9 +53,9 @@ fn open(path: &Path) -> Result<BufReader<File>, FileError> {
     File::open(path).map(|file| BufReader::with_capacity(1 << 18, file)).map_err(io)
 }
 
-/// The octree, and the middle of its cube.
-fn description<E>(source: impl Source, sink: &Sink<'_, E>) -> Result<(Octree, DVec3), String> {
-    let ept: Value = serde_json::from_reader(source).map_err(|e| e.to_string())?;
+fn description<E: From<FileError>>(mut source: impl Source, sink: &Sink<'_, E>) -> Result<Octree, String> {
+    skip_mark(&mut source).map_err(plain)?;
+    let ept: Value = serde_json::from_reader(source).map_err(plain)?;
     match (ept["version"].as_str(), ept["dataType"].as_str()) {
         (Some(version), _) if !version.starts_with("1.") => {
             return Err(format!("its version is {version:?}; 1 is read"));
@@ -68,20 +76,22 @@ fn description<E>(source: impl Source, sink: &Sink<'_, E>) -> Result<(Octree, DV
         dimension.and_then(|dimension| dimension["scale"].as_f64()).unwrap_or(0.0)
     };
     let steps = DVec3::new(step("X"), step("Y"), step("Z"));
-    Ok((Octree::new((low, side), spacing, steps, &sink.wanted)?, low.midpoint(high)))
+    Octree::new((low, side), spacing, steps, sink.wanted())
 }
 
-/// The nodes with points that are wanted. Each file of the hierarchy is read once at most.
-fn hierarchy(folder: &Path, octree: &Octree) -> Result<BTreeSet<Key>, FileError> {
+/// The nodes that are wanted, and their points. Each file of the hierarchy is read once at most.
+fn hierarchy(folder: &Path, octree: &Octree) -> Result<BTreeMap<Key, u64>, FileError> {
     let (mut files, mut read) = (vec![Key::ROOT], BTreeSet::new());
-    let mut nodes = BTreeSet::new();
+    let mut nodes = BTreeMap::new();
     while let Some(root) = files.pop() {
         if !read.insert(root) {
             continue;
         }
         let path = folder.join("ept-hierarchy").join(format!("{root}.json"));
         let broken = |cause| FileError::Header { name: path.display().to_string(), format: "EPT", cause };
-        let page: Value = serde_json::from_reader(open(&path)?).map_err(|e| broken(e.to_string()))?;
+        let mut page = open(&path)?;
+        skip_mark(&mut page).map_err(|e| broken(plain(e)))?;
+        let page: Value = serde_json::from_reader(page).map_err(|e| broken(plain(e)))?;
         let Value::Object(page) = page else { return Err(broken("it is no object".into())) };
         for (name, count) in &page {
             let key = parse(name).ok_or_else(|| broken(format!("no node is called {name:?}")))?;
@@ -89,7 +99,7 @@ fn hierarchy(folder: &Path, octree: &Octree) -> Result<BTreeSet<Key>, FileError>
                 _ if !octree.wants(key) => {}
                 Some(0) => {}
                 Some(-1) => files.push(key),
-                Some(1..) => drop(nodes.insert(key)),
+                Some(count @ 1..) => drop(nodes.insert(key, count as u64)),
                 _ => return Err(broken(format!("the node {key} has {count} points"))),
             }
         }

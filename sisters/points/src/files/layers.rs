@@ -34,6 +34,8 @@ pub(super) struct Layers<S> {
     left: Option<u64>,
     length: u64,
     part: Part,
+    /// Points of this chunk, if it says them.
+    points: u64,
     /// Whether the layers come next.
     after_lengths: bool,
     /// Where the stack was when decoding began.
@@ -66,15 +68,22 @@ impl<S: BufRead + Seek> Layers<S> {
             left: None,
             length,
             part: Part::Bytes(point),
+            points: 0,
             after_lengths: false,
             stack: None,
         }
     }
 
-    /// Says that the source is at the first chunk.
+    /// The points of the chunk, once its first one was read, where points lie in layers; or 0.
+    pub fn points(&self) -> u64 {
+        self.points
+    }
+
+    /// Says that the source is at a chunk.
     pub fn begin(&mut self) -> io::Result<()> {
         self.left = Some(self.length.saturating_sub(self.source.stream_position()?));
         self.part = Part::Bytes(self.point);
+        self.points = 0;
         self.after_lengths = false;
         Ok(())
     }
@@ -107,8 +116,10 @@ impl<S: BufRead + Seek> Layers<S> {
             Part::Lengths(bytes) => {
                 bytes.extend_from_slice(read);
                 if bytes.len() == 4 + 4 * self.layers {
-                    let lengths = bytes[4..].chunks_exact(4).map(|b| b.iter().rev());
-                    let sum: u64 = lengths.map(|b| b.fold(0, |n, &byte| n << 8 | u64::from(byte))).sum();
+                    let mut numbers =
+                        bytes.chunks_exact(4).map(|b| b.iter().rev().fold(0, |n, &b| n << 8 | u64::from(b)));
+                    self.points = numbers.next().unwrap_or(0);
+                    let sum: u64 = numbers.sum();
                     if sum > left {
                         let cause = format!("a chunk has layers of {sum} bytes, the file {left} more");
                         return Err(io::Error::new(io::ErrorKind::InvalidData, cause));

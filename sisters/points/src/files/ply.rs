@@ -1,153 +1,144 @@
-//! PLY (Turk 1994): headers and binary points are read by the crate `ply-rs-bw`; files are written
-//! in little-endian binary.
+//! PLY (Turk 1994), read in all encodings, and written in little-endian binary.
 
-use std::io::{self, BufRead, Read, Write};
+use std::io::{self, BufRead, Write};
 
 use glam::{DVec3, Vec3};
-use ply_rs_bw::parser::{Parser, Reader};
-use ply_rs_bw::ply::{
-    ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
-};
 
+use super::guarded::plain;
+use super::ply_header::{self, Element, Encoding, Field, Kind};
 use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
+use super::text::{Lines, number};
 use crate::PointCloud;
-
-/// The longest line of an ASCII file, in bytes: enough for a list of 100,000 numbers.
-const LONGEST_LINE: u64 = 1 << 20;
-
-impl PropertyAccess for Sample {
-    fn new() -> Self {
-        Self::NONE
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let Some(value) = number(&property) else { return PropertyAccessResult::Ignored };
-        let colour = || match property {
-            Property::Float(_) | Property::Double(_) => unit_to_byte(value),
-            Property::UShort(_) => (value / 257.0).round() as u8,
-            _ => value as u8,
-        };
-        match name {
-            "x" => self.position.x = value,
-            "y" => self.position.y = value,
-            "z" => self.position.z = value,
-            "red" | "r" | "diffuse_red" => self.colour[0] = colour(),
-            "green" | "g" | "diffuse_green" => self.colour[1] = colour(),
-            "blue" | "b" | "diffuse_blue" => self.colour[2] = colour(),
-            "nx" => self.normal.x = value as f32,
-            "ny" => self.normal.y = value as f32,
-            "nz" => self.normal.z = value as f32,
-            "radius" => self.radius = value as f32,
-            _ => return PropertyAccessResult::Ignored,
-        }
-        PropertyAccessResult::Set
-    }
-}
-
-/// The value of a property that is no list.
-fn number(property: &Property) -> Option<f64> {
-    Some(match *property {
-        Property::Char(v) => v.into(),
-        Property::UChar(v) => v.into(),
-        Property::Short(v) => v.into(),
-        Property::UShort(v) => v.into(),
-        Property::Int(v) => v.into(),
-        Property::UInt(v) => v.into(),
-        Property::Float(v) => v.into(),
-        Property::Double(v) => v,
-        _ => return None,
-    })
-}
 
 /// Reads the element `vertex`, and all before it.
 pub(super) fn read<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
-    let parser = Parser::<Sample>::new();
-    let mut reader = Reader::new(source);
-    let header = parser.read_header(&mut reader).map_err(|e| sink.header("PLY", e))?;
-    // It counts the line after the header as begun.
-    let mut line = reader.line().saturating_sub(1);
-    let mut source = reader.into_inner();
-    for element in header.elements.values() {
-        let has = |name: &str| element.properties.values().any(|p| p.name == name);
-        let is_vertex = element.name == "vertex";
-        if element.properties.is_empty() || is_vertex && !["x", "y", "z"].into_iter().all(has) {
-            let lacks = if is_vertex { "x, y and z" } else { "properties" };
-            return Err(sink.header("PLY", format!("the element {} has no {lacks}", element.name)).into());
-        }
-        let attributes = Attributes {
-            colours: ["red", "r", "diffuse_red"].into_iter().any(has),
-            normals: has("nx"),
-            radii: has("radius"),
-        };
-        for index in 0..element.count {
-            let sample = match header.encoding {
-                Encoding::Ascii => ascii(&mut source, element, &mut line),
-                Encoding::BinaryLittleEndian => {
-                    parser.read_little_endian_element(&mut source, element).map_err(|e| e.to_string())
-                }
-                Encoding::BinaryBigEndian => {
-                    parser.read_big_endian_element(&mut source, element).map_err(|e| e.to_string())
-                }
-            };
-            let sample = sample.map_err(|cause| {
-                let byte = source.stream_position().unwrap_or(0);
-                let ascii = header.encoding == Encoding::Ascii;
-                let at = if ascii { format!("line {line}") } else { format!("before byte {byte}") };
-                sink.point(format!("{at}, {} {index} of {}", element.name, element.count), cause)
-            })?;
-            if is_vertex {
-                sink.push(sample, attributes)?;
-            }
-        }
-        if is_vertex {
-            return Ok(());
-        }
+    let mut lines = Lines::new(source).map_err(|e| sink.io(e))?;
+    let header = ply_header::read(&mut lines).map_err(|e| sink.header("PLY", e))?;
+    header.strange.iter().for_each(|line| sink.warn(line));
+    let vertex = header.elements.iter().position(|element| element.name == "vertex");
+    let vertex = vertex.ok_or_else(|| sink.header("PLY", "there is no element vertex"))?;
+    if !(0..3).all(|axis| header.elements[vertex].has(Field::Position(axis))) {
+        return Err(sink.header("PLY", "the element vertex has no x, y and z").into());
     }
-    Err(sink.header("PLY", "there is no element vertex").into())
+    // Elements without properties take no bytes.
+    let mut elements = header.elements[..=vertex].iter().filter(|element| !element.properties.is_empty());
+    if header.encoding == Encoding::Text {
+        return elements.try_for_each(|element| texts(&mut lines, element, sink));
+    }
+    let mut source = lines.into_inner();
+    elements.try_for_each(|element| binary(&mut source, element, header.encoding == Encoding::Big, sink))
 }
 
-/// Reads the next line that is not empty. Not by the crate, as that refuses "nan", which scanners
-/// write.
-fn ascii(source: &mut impl BufRead, element: &ElementDef, at: &mut usize) -> Result<Sample, String> {
-    let mut line = String::new();
-    while line.trim().is_empty() {
-        *at += 1;
-        line.clear();
-        match source.take(LONGEST_LINE).read_line(&mut line) {
-            Ok(0) => return Err("the file ends here".into()),
-            Ok(_) => {}
-            Err(e) => return Err(e.to_string()),
+/// What the points of an element have.
+fn attributes(element: &Element) -> Attributes {
+    Attributes {
+        colours: element.has(Field::Colour(0)),
+        normals: element.has(Field::Normal(0)),
+        radii: element.has(Field::Radius),
+    }
+}
+
+/// Reads an element of lines. Those that do not follow the header are left out.
+fn texts<E: From<FileError>>(
+    lines: &mut Lines<impl Source>,
+    element: &Element,
+    sink: &mut Sink<'_, E>,
+) -> Result<(), E> {
+    let (is_vertex, has) = (element.name == "vertex", attributes(element));
+    for index in 0..element.count {
+        let line = lines.next().map_err(|e| sink.io(e))?.map(|line| of_line(line, element));
+        let place = || format!("line {}, {} {index} of {}", lines.number, element.name, element.count);
+        match line {
+            None if is_vertex => {
+                sink.lose(sink.point(place(), "the file ends here"), element.count - index);
+                break;
+            }
+            None => break,
+            Some(Err(cause)) if is_vertex => sink.lose(sink.point(place(), cause), 1),
+            Some(Ok(sample)) if is_vertex => sink.push(sample, has)?,
+            Some(_) => {}
         }
     }
+    Ok(())
+}
+
+fn of_line(line: &str, element: &Element) -> Result<Sample, String> {
     let mut words = line.split_ascii_whitespace();
     let mut next = |name: &str| {
         let word = words.next().ok_or_else(|| format!("{name} is missing"))?;
-        word.parse::<f64>().map_err(|_| format!("{name} is no number: {word:.40}"))
+        number(word).ok_or_else(|| format!("{name} is no number: {word:.40}"))
     };
     let mut sample = Sample::NONE;
-    for property in element.properties.values() {
+    for property in &element.properties {
         let value = next(&property.name)?;
-        match &property.data_type {
-            PropertyType::Scalar(kind) => sample.set_property(&property.name, typed(kind, value)),
+        if property.list.is_some() {
             // The loop ends with the line, whatever the count says.
-            PropertyType::List(..) => {
-                (0..value as u64).try_for_each(|_| next(&property.name).map(drop))?;
-                PropertyAccessResult::Ignored
-            }
-        };
+            (0..value as u64).try_for_each(|_| next(&property.name).map(drop))?;
+        } else {
+            sample.set(property.field, property.kind, value);
+        }
     }
     Ok(sample)
 }
 
-/// A number of an ASCII file as the header declares it, with types only as far as colours depend on
-/// them.
-fn typed(kind: &ScalarType, value: f64) -> Property {
-    match kind {
-        ScalarType::UChar => Property::UChar(value as u8),
-        ScalarType::UShort => Property::UShort(value as u16),
-        ScalarType::Float | ScalarType::Double => Property::Double(value),
-        ScalarType::Char | ScalarType::Short | ScalarType::Int | ScalarType::UInt => {
-            Property::Int(value as i32)
+/// Reads an element of bytes.
+fn binary<E: From<FileError>>(
+    source: &mut impl Source,
+    element: &Element,
+    big: bool,
+    sink: &mut Sink<'_, E>,
+) -> Result<(), E> {
+    let (is_vertex, has) = (element.name == "vertex", attributes(element));
+    for index in 0..element.count {
+        match of_bytes(source, element, big) {
+            Ok(sample) if is_vertex => sink.push(sample, has)?,
+            Ok(_) => {}
+            Err(_) if !is_vertex => break,
+            Err(error) => {
+                let byte = source.stream_position().unwrap_or(0);
+                let place = format!("byte {byte}, {} {index} of {}", element.name, element.count);
+                sink.lose(sink.point(place, plain(error)), element.count - index);
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn of_bytes(source: &mut impl BufRead, element: &Element, big: bool) -> io::Result<Sample> {
+    let mut next = |kind: Kind| {
+        let mut bytes = [0; 8];
+        let part = &mut bytes[..kind.size()];
+        source.read_exact(part)?;
+        if big {
+            part.reverse();
+        }
+        io::Result::Ok(kind.number(u64::from_le_bytes(bytes)))
+    };
+    let mut sample = Sample::NONE;
+    for property in &element.properties {
+        match property.list {
+            // The loop ends with the file, whatever the count says.
+            Some(count) => (0..next(count)? as u64).try_for_each(|_| next(property.kind).map(drop))?,
+            None => sample.set(property.field, property.kind, next(property.kind)?),
+        }
+    }
+    Ok(sample)
+}
+
+impl Sample {
+    fn set(&mut self, field: Field, kind: Kind, value: f64) {
+        let colour = || match kind {
+            Kind::F32 | Kind::F64 => unit_to_byte(value),
+            Kind::U16 => (value / 257.0).round() as u8,
+            _ => value as u8,
+        };
+        match field {
+            Field::Position(axis) => self.position[axis] = value,
+            Field::Colour(channel) => self.colour[channel] = colour(),
+            Field::Normal(axis) => self.normal[axis] = value as f32,
+            Field::Radius => self.radius = value as f32,
+            Field::Other => {}
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Records of points, and how they are decoded: shared by LAS, LAZ and COPC files.
 
 use glam::DVec3;
-use las::{Header, PointData, PointDataBuilder};
 use laz::{DecompressionSelection, LazItemRecordBuilder, LazItemType, LazVlr};
 
 use super::sink::{Attributes, FileError, Sample, Sink};
@@ -13,35 +12,49 @@ const BATCH_BYTES: u64 = 1 << 22;
 /// Bytes of a point behind those of its format, in LAZ: each takes 10 kB in the decoder.
 const MOST_EXTRA_BYTES: u64 = 4096;
 
-/// Gives decoded points to the sink.
-pub(super) fn hand_out<E: From<FileError>>(batch: &PointData, sink: &mut Sink<'_, E>) -> Result<(), E> {
-    if sink.colour_shift.is_none() {
-        let channels = batch.rgb().into_iter().flatten().flat_map(|(r, g, b)| [r, g, b]);
-        sink.colour_shift =
-            channels.max().filter(|&most| most > 0).map(|most| if most > 255 { 8 } else { 0 });
-    }
-    // The standard demands 16 bits a channel, but some programs write 8.
-    let shift = sink.colour_shift.unwrap_or(8);
-    let byte = |c: u16| (c >> shift).min(255) as u8;
-    let mut colours = batch.rgb().map(|all| all.map(|(r, g, b)| [r, g, b].map(byte)));
-    let has = Attributes { colours: colours.is_some(), ..Attributes::default() };
-    for ((x, y), z) in batch.x().zip(batch.y()).zip(batch.z()) {
-        let colour = colours.as_mut().and_then(Iterator::next).unwrap_or(Sample::NONE.colour);
-        sink.push(Sample { position: DVec3::new(x, y, z), colour, ..Sample::NONE }, has)?;
-    }
-    Ok(())
+/// Where the parts of a point lie in its record, which begins with three whole numbers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    /// Bytes of a point, at least 12.
+    pub record: usize,
+    /// Where the colour is: three numbers of 16 bits.
+    pub colour: Option<usize>,
+    /// What makes a place of the numbers.
+    pub scale: DVec3,
+    pub offset: DVec3,
 }
 
 /// Bytes for the next of the points that are `left`.
-pub(super) fn room(left: u64, header: &Header) -> Vec<u8> {
-    let record = u64::from(header.point_format().len());
-    let count = left.min(BATCH).min((BATCH_BYTES / record.max(1)).max(1));
-    vec![0; (count * record) as usize]
+pub(super) fn room(left: u64, record: usize) -> Vec<u8> {
+    let count = left.min(BATCH).min((BATCH_BYTES / record as u64).max(1));
+    vec![0; count as usize * record]
 }
 
-/// The points of these bytes.
-pub(super) fn decoded(bytes: Vec<u8>, header: &Header) -> Result<PointData, String> {
-    PointDataBuilder::new().for_header(header).build_from_bytes(bytes).map_err(|e| e.to_string())
+/// Gives the points of records to the sink.
+pub(super) fn hand_out<E: From<FileError>>(
+    records: &[u8],
+    layout: &Layout,
+    sink: &mut Sink<'_, E>,
+) -> Result<(), E> {
+    let channels = |record: &[u8], at: usize| {
+        [0, 2, 4].map(|channel| u16::from_le_bytes([record[at + channel], record[at + channel + 1]]))
+    };
+    if let (None, Some(at)) = (sink.colour_shift, layout.colour) {
+        let all = records.chunks_exact(layout.record).flat_map(|record| channels(record, at));
+        sink.colour_shift = all.max().filter(|&most| most > 0).map(|most| if most > 255 { 8 } else { 0 });
+    }
+    // The standard demands 16 bits a channel, but some programs write 8.
+    let shift = sink.colour_shift.unwrap_or(8);
+    let has = Attributes { colours: layout.colour.is_some(), ..Attributes::default() };
+    for record in records.chunks_exact(layout.record) {
+        let number = |axis: usize| i32::from_le_bytes(std::array::from_fn(|i| record[4 * axis + i]));
+        let steps = DVec3::new(number(0).into(), number(1).into(), number(2).into());
+        let byte = |channel: u16| (channel >> shift).min(255) as u8;
+        let colour = layout.colour.map_or(Sample::NONE.colour, |at| channels(record, at).map(byte));
+        let position = steps * layout.scale + layout.offset;
+        sink.push(Sample { position, colour, ..Sample::NONE }, has)?;
+    }
+    Ok(())
 }
 
 /// The layers that are decoded, where points lie in layers. On times the decoder would recurse as
@@ -50,19 +63,21 @@ pub(super) fn wanted() -> DecompressionSelection {
     DecompressionSelection::base().decompress_z().decompress_rgb()
 }
 
-/// Checks that the parts of compressed points make up a record: the decoder takes memory for each
-/// part.
-pub(super) fn check_items(vlr: &LazVlr, record: u64) -> Result<(), String> {
+/// Checks the parts of compressed points, as the decoder takes memory for each. Gives the bytes of
+/// a point.
+pub(super) fn check_items(vlr: &LazVlr) -> Result<u64, String> {
     let items = vlr.items();
     let size: u64 = items.iter().map(|item| u64::from(item.size())).sum();
-    if items.is_empty() || size != record {
-        return Err(format!("compressed points have {size} bytes a point, the header says {record}"));
-    }
     for item in items {
         let own = LazItemRecordBuilder::new().add_item(item.item_type()).build();
         if own.iter().any(|own| own.size() != item.size()) {
-            return Err(format!("compressed points have {:?} of {} bytes", item.item_type(), item.size()));
+            let (kind, size) = (item.item_type(), item.size());
+            return Err(format!("compressed points have {kind:?} of {size} bytes a point"));
         }
+    }
+    let is_place = |kind: LazItemType| matches!(kind, LazItemType::Point10 | LazItemType::Point14);
+    if !items.first().is_some_and(|item| is_place(item.item_type())) {
+        return Err(format!("compressed points have {size} bytes a point, and do not begin with a place"));
     }
     let is_bytes = |kind: LazItemType| matches!(kind, LazItemType::Byte(_) | LazItemType::Byte14(_));
     let extra: u64 =
@@ -75,6 +90,6 @@ pub(super) fn check_items(vlr: &LazVlr, record: u64) -> Result<(), String> {
     let kinds = || items.iter().map(|item| u16::from(item.item_type()));
     match kinds().enumerate().find(|&(i, kind)| kinds().take(i).any(|other| other == kind)) {
         Some((_, kind)) => Err(format!("compressed points have the item {kind} twice")),
-        None => Ok(()),
+        None => Ok(size),
     }
 }

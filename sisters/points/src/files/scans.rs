@@ -5,7 +5,7 @@ use std::io::SeekFrom;
 use e57::{CartesianCoordinate, E57Reader, PointCloud, RecordDataType};
 use glam::DVec3;
 
-use super::guarded::guarded;
+use super::guarded::{guarded, plain};
 use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 
 /// Attributes of a point, at most: the standard has 20, and extensions add some.
@@ -22,15 +22,28 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
     let length = guarded(|| check_xml(&mut source)).map_err(|e| sink.header("E57", e))?;
     let mut reader = guarded(|| E57Reader::new(source)).map_err(|e| sink.header("E57", e))?;
     let scans = reader.pointclouds();
-    check_scans(&scans, length).map_err(|e| sink.header("E57", e))?;
     let has = Attributes { colours: scans.iter().any(PointCloud::has_color), ..Attributes::default() };
+    let mut room = u128::from(length);
     for (number, scan) in scans.iter().enumerate() {
         let scanner = scanner(scan);
-        let mut points = guarded(|| reader.pointcloud_simple(scan)).map_err(|e| sink.header("E57", e))?;
+        let opened = check_scan(scan, &mut room).and_then(|()| guarded(|| reader.pointcloud_simple(scan)));
+        let mut points = match opened {
+            Ok(points) => points,
+            Err(cause) => {
+                sink.lose(sink.point(format!("scan {number}"), cause), scan.records);
+                continue;
+            }
+        };
         for index in 0.. {
-            let point = guarded(|| points.next().transpose());
-            let place = || format!("scan {number}, point {index} of {}", scan.records);
-            let Some(point) = point.map_err(|e| sink.point(place(), e))? else { break };
+            let point = match guarded(|| points.next().transpose()) {
+                Ok(Some(point)) => point,
+                Ok(None) => break,
+                Err(cause) => {
+                    let place = format!("scan {number}, point {index} of {}", scan.records);
+                    sink.lose(sink.point(place, cause), scan.records.saturating_sub(index));
+                    break;
+                }
+            };
             let position = match point.cartesian {
                 CartesianCoordinate::Valid { x, y, z } => DVec3::new(x, y, z),
                 _ => DVec3::NAN,
@@ -58,15 +71,15 @@ fn scanner(scan: &PointCloud) -> Option<DVec3> {
 /// Checks the XML: its length, which stands at byte 32, and how many names there are to compare.
 /// Gives the length of the file.
 fn check_xml(source: &mut impl Source) -> Result<u64, String> {
-    let length = source.seek(SeekFrom::End(0)).map_err(|e| e.to_string())?;
+    let length = source.seek(SeekFrom::End(0)).map_err(plain)?;
     let mut bytes = [0; 8];
-    source.seek(SeekFrom::Start(32)).map_err(|e| e.to_string())?;
-    source.read_exact(&mut bytes).map_err(|e| e.to_string())?;
+    source.seek(SeekFrom::Start(32)).map_err(plain)?;
+    source.read_exact(&mut bytes).map_err(plain)?;
     let xml = u64::from_le_bytes(bytes);
     if xml > length {
         return Err(format!("it promises {xml} bytes of XML, and has {length} bytes in all"));
     }
-    let xml = E57Reader::raw_xml(&mut *source).map_err(|e| e.to_string())?;
+    let xml = E57Reader::raw_xml(&mut *source).map_err(plain)?;
     let spaces = xml.windows(5).filter(|w| w == b"xmlns").count();
     // No value of an attribute holds a `<`. Texts are counted too, but those of marked sections are
     // not.
@@ -76,27 +89,24 @@ fn check_xml(source: &mut impl Source) -> Result<u64, String> {
     if spaces.max(attributes) > MOST_NAMES {
         return Err(format!("its XML has more than {MOST_NAMES} namespaces, or attributes of an element"));
     }
-    source.rewind().map_err(|e| e.to_string())?;
+    source.rewind().map_err(plain)?;
     Ok(length)
 }
 
-/// Checks that the points of all scans have room in a file.
-fn check_scans(scans: &[PointCloud], length: u64) -> Result<(), String> {
-    let mut needed = 0_u128;
-    for (number, scan) in scans.iter().enumerate().filter(|(_, scan)| scan.records > 0) {
-        let attributes = scan.prototype.len();
-        if attributes > MOST_ATTRIBUTES {
-            return Err(format!("points of scan {number} have {attributes} attributes"));
-        }
-        let bits: u64 = scan.prototype.iter().map(|record| bits(&record.data_type)).sum();
-        if bits < LEAST_BITS {
-            return Err(format!("a point of scan {number} has {bits} bits; at least {LEAST_BITS} are read"));
-        }
-        needed += u128::from(scan.records) * u128::from(bits) / 8;
+/// Checks the points of a scan, and that they fit into what other scans leave of the file.
+fn check_scan(scan: &PointCloud, room: &mut u128) -> Result<(), String> {
+    let attributes = scan.prototype.len();
+    if attributes > MOST_ATTRIBUTES {
+        return Err(format!("its points have {attributes} attributes; at most {MOST_ATTRIBUTES} are read"));
     }
-    if needed > length.into() {
-        return Err(format!("its points take {needed} bytes, and it has {length}"));
+    let bits: u64 = scan.prototype.iter().map(|record| bits(&record.data_type)).sum();
+    if bits < LEAST_BITS && scan.records > 0 {
+        return Err(format!("a point has {bits} bits; at least {LEAST_BITS} are read"));
     }
+    let needed = u128::from(scan.records) * u128::from(bits) / 8;
+    let left = room.checked_sub(needed);
+    *room =
+        left.ok_or_else(|| format!("its points take {needed} bytes, and the file has room for {room}"))?;
     Ok(())
 }
 

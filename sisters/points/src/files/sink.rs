@@ -1,9 +1,11 @@
 //! The points of a file on their way into chunks, and the errors of files.
 
+use std::fmt::Display;
 use std::io::{self, BufRead, Seek};
 
 use glam::{DVec3, Vec3};
 
+use super::guarded::plain;
 use super::levels::Selection;
 use crate::{PointCloud, UNKNOWN_SCANNER, numeric};
 
@@ -80,39 +82,123 @@ impl Sample {
         Self { position: DVec3::NAN, colour: [255; 3], normal: Vec3::ZERO, radius: 0.0, scanner: None };
 }
 
+/// Points whose middle decides where the origin is: a few that are wrong do no harm.
+const FIRST: usize = 1024;
+
+/// The box of no points.
+pub(super) const NONE: [DVec3; 2] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+
+/// Warnings of a file, at most.
+const WARNINGS: usize = 20;
+
+/// What a reader says of a file beside its points.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Points that were left out, as a coordinate is not finite or farther from the others than
+    /// single precision reaches. Scanners write them for rays without an echo.
+    pub skipped: u64,
+    /// What was wrong with the file, and what was done, each with its name and the place in it; how
+    /// many points could not be read is in the last. Empty for a sound file.
+    pub warnings: Vec<String>,
+}
+
 /// Collects points and hands out full chunks.
 pub(super) struct Sink<'a, E> {
     pub name: String,
     /// The part of the file that is wanted.
-    pub wanted: Selection,
-    pub most: usize,
-    pub chunk: PointCloud,
-    pub origin: Option<DVec3>,
-    pub skipped: u64,
+    wanted: Selection,
+    most: usize,
+    chunk: PointCloud,
+    origin: Option<DVec3>,
+    /// Points that wait for the origin.
+    first: Vec<(Sample, Attributes)>,
+    /// Points that were read, wanted or not, and those that could not be, with the first reason.
+    read: u64,
+    lost: u64,
+    loss: Option<FileError>,
+    report: Report,
+    /// The box of the points that were read since it was [`NONE`].
+    pub extent: [DVec3; 2],
     /// The bits below the byte of a LAS colour, known from the first points that are not black.
     pub colour_shift: Option<u32>,
-    pub each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
+    each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
 }
 
-impl<E: From<FileError>> Sink<'_, E> {
+impl<'a, E: From<FileError>> Sink<'a, E> {
+    pub fn new(
+        name: String,
+        wanted: Selection,
+        most: usize,
+        each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
+    ) -> Self {
+        Self {
+            name,
+            wanted,
+            most: most.max(1),
+            chunk: PointCloud::default(),
+            origin: None,
+            first: Vec::new(),
+            read: 0,
+            lost: 0,
+            loss: None,
+            report: Report::default(),
+            extent: NONE,
+            colour_shift: None,
+            each,
+        }
+    }
+
+    /// The part of the file that is wanted.
+    pub fn wanted(&self) -> &Selection {
+        &self.wanted
+    }
+
     pub fn push(&mut self, sample: Sample, has: Attributes) -> Result<(), E> {
-        let place = sample.position;
-        let position = (place - self.origin.unwrap_or_else(|| numeric::origin_near(place))).as_vec3();
+        self.read += 1;
+        if !sample.position.is_finite() {
+            self.report.skipped += 1;
+            return Ok(());
+        }
+        let [low, high] = self.extent;
+        self.extent = [low.min(sample.position), high.max(sample.position)];
+        if !self.wanted.has(sample.position) {
+            return Ok(());
+        }
+        if let Some(origin) = self.origin {
+            return self.add(sample, has, origin);
+        }
+        self.first.push((sample, has));
+        if self.first.len() < FIRST { Ok(()) } else { self.settle() }
+    }
+
+    /// Chooses the origin near the middle of the first points, and adds these.
+    fn settle(&mut self) -> Result<(), E> {
+        let first = std::mem::take(&mut self.first);
+        if first.is_empty() {
+            return Ok(());
+        }
+        let middle = |axis: usize| {
+            let mut all: Vec<f64> = first.iter().map(|(sample, _)| sample.position[axis]).collect();
+            let half = all.len() / 2;
+            *all.select_nth_unstable_by(half, f64::total_cmp).1
+        };
+        let origin = numeric::origin_near(DVec3::new(middle(0), middle(1), middle(2)));
+        self.origin = Some(origin);
+        first.into_iter().try_for_each(|(sample, has)| self.add(sample, has, origin))
+    }
+
+    fn add(&mut self, sample: Sample, has: Attributes, origin: DVec3) -> Result<(), E> {
+        let position = (sample.position - origin).as_vec3();
         if !position.is_finite() {
-            self.skipped += 1;
+            self.report.skipped += 1;
             return Ok(());
         }
-        if !self.wanted.has(place) {
-            return Ok(());
-        }
-        self.origin.get_or_insert_with(|| numeric::origin_near(place));
         self.chunk.positions.push(position);
         if has.colours {
             self.chunk.colours.push(sample.colour);
         }
         if has.normals {
-            let normal = sample.normal;
-            self.chunk.normals.push(if normal.is_normalized() { normal } else { normal.normalize_or_zero() });
+            self.chunk.normals.push(numeric::unit(sample.normal));
         }
         if has.radii {
             self.chunk.radii.push(sample.radius);
@@ -135,12 +221,39 @@ impl<E: From<FileError>> Sink<'_, E> {
         }
     }
 
-    pub fn flush(&mut self) -> Result<(), E> {
+    fn flush(&mut self) -> Result<(), E> {
         if self.chunk.is_empty() {
             return Ok(());
         }
         self.chunk.origin = self.origin.unwrap_or_default();
         (self.each)(std::mem::take(&mut self.chunk))
+    }
+
+    /// Takes note that something is wrong with the file, but no point is lost.
+    pub fn warn(&mut self, what: impl Display) {
+        if self.report.warnings.len() < WARNINGS {
+            self.report.warnings.push(format!("{}: {what}", self.name));
+        }
+    }
+
+    /// Takes note that so many points cannot be read.
+    pub fn lose(&mut self, why: FileError, points: u64) {
+        self.lost = self.lost.saturating_add(points);
+        self.loss.get_or_insert(why);
+    }
+
+    /// Hands out the last points. A file of which no point can be read is refused.
+    pub fn finish(mut self) -> Result<Report, E> {
+        self.settle()?;
+        self.flush()?;
+        if let Some(why) = self.loss {
+            if self.read == 0 {
+                return Err(why.into());
+            }
+            let (lost, all) = (self.lost, self.lost.saturating_add(self.read));
+            self.report.warnings.push(format!("{why}; {lost} of {all} points could not be read"));
+        }
+        Ok(self.report)
     }
 
     pub fn io(&self, source: io::Error) -> FileError {
@@ -152,11 +265,11 @@ impl<E: From<FileError>> Sink<'_, E> {
     }
 
     pub fn header(&self, format: &'static str, cause: impl ToString) -> FileError {
-        FileError::Header { name: self.name.clone(), format, cause: cause.to_string() }
+        FileError::Header { name: self.name.clone(), format, cause: plain(cause) }
     }
 
     pub fn point(&self, place: String, cause: impl ToString) -> FileError {
-        FileError::Point { name: self.name.clone(), place, cause: cause.to_string() }
+        FileError::Point { name: self.name.clone(), place, cause: plain(cause) }
     }
 }
 

@@ -16,19 +16,40 @@ const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\np
 
 const SURFELS: &str = "2\n1 2 3 1 0 0 1 0 0 0.3\n\n3 2 1 0 1 0 0 1 0 0.3\n";
 
-fn parse(bytes: &[u8]) -> Result<(PointCloud, u64), FileError> {
+fn parse(bytes: &[u8]) -> Result<(PointCloud, Report), FileError> {
     let mut all = PointCloud::default();
-    let skipped =
-        read_source::<FileError>(Cursor::new(bytes.to_vec()), "test".into(), usize::MAX, |chunk| {
-            all = chunk;
-            Ok(())
-        })?;
+    let report = read_source::<FileError>(Cursor::new(bytes.to_vec()), "test".into(), usize::MAX, |chunk| {
+        all = chunk;
+        Ok(())
+    })?;
     all.check().unwrap();
-    Ok((all, skipped))
+    Ok((all, report))
 }
 
+/// What a file says of itself: why it is refused, or the last warning.
 fn cause(bytes: &[u8]) -> String {
-    parse(bytes).unwrap_err().to_string()
+    match parse(bytes) {
+        Ok((_, report)) => report.warnings.last().cloned().unwrap_or_default(),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The points of a file that is read with one warning, which says this.
+#[track_caller]
+fn read_with(bytes: &[u8], warning: &str) -> PointCloud {
+    let (cloud, report) = parse(bytes).unwrap();
+    let said = &report.warnings[..];
+    assert!(matches!(said, [said] if said.contains(warning)), "{said:?} / {warning}");
+    assert!(!said[0].contains("fill whole buffer"));
+    cloud
+}
+
+/// The points of a file that is read without a warning.
+#[track_caller]
+fn sound(bytes: &[u8]) -> PointCloud {
+    let (cloud, report) = parse(bytes).unwrap();
+    assert_eq!(report.warnings, Vec::<String>::new());
+    cloud
 }
 
 /// `count` points on a helix far from zero, with colours, normals and radii.
@@ -107,8 +128,8 @@ fn e57_of(count: usize, scans: &[(Option<f64>, bool)]) -> Vec<u8> {
 
 #[test]
 fn an_ascii_file_is_read_as_its_header_says() {
-    let (cloud, skipped) = parse(ASCII.as_bytes()).unwrap();
-    assert_eq!(skipped, 1, "a point has no number for its y");
+    let (cloud, report) = parse(ASCII.as_bytes()).unwrap();
+    assert_eq!((report.skipped, report.warnings.len()), (1, 0), "a point has no number for its y");
     let places: Vec<DVec3> = cloud.world_positions().collect();
     assert_eq!(places, [DVec3::new(5_000_000.25, -3.0, 1.0), DVec3::new(5_000_001.0, -4.0, 1.0)]);
     assert_eq!(cloud.normals, [Vec3::Z, Vec3::Y]);
@@ -218,8 +239,11 @@ fn chunks_of_any_size_hold_the_same_points() {
 
 #[test]
 fn errors_name_the_place_and_the_cause() {
-    let expect = |bytes: &[u8], part: &str| assert!(cause(bytes).contains(part), "{} / {part}", cause(bytes));
-    expect(b"", "no number of surfels");
+    let expect = |bytes: &[u8], part: &str| {
+        let said = cause(bytes);
+        assert!(said.starts_with("test") && said.contains(part) && said.len() < 500, "{said} / {part}");
+    };
+    expect(b"", "it is empty");
     expect(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no number of surfels");
     expect(&SURFELS.as_bytes()[..25], "test, line 4: the file ends after 1 of 2 surfels");
     expect(SURFELS.replace("3 2 1", "3 2 a").as_bytes(), "line 4: a surfel is ten numbers");
@@ -230,16 +254,95 @@ fn errors_name_the_place_and_the_cause() {
     expect(ASCII.replace("vertex 3", "vertex 99999999999999").as_bytes(), "of 99999999999999");
     let whole = ply(&helix(9));
     expect(&whole[..whole.len() - 1], "vertex 8 of 9");
-    expect(&las(9, false)[..400], "after point 0 of 9");
-    expect(&las(9, true)[..500], "failed to fill whole buffer");
-    // A table of 2^32 - 1 chunks, which would take 64 GiB.
-    let mut wild = las(9, true);
-    let number =
-        |bytes: &[u8], at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
-    let table = number(&wild, number(&wild, 96));
-    wild[table + 4..table + 8].fill(255);
-    expect(&wild, "4294967295 chunks in");
+    expect(&las(9, false)[..400], "after point 0 of 9: the file ends here");
+    expect(&las(9, true)[..500], "after point 0 of 9: the file ends here");
+    expect(&las(9, false)[..100], "it ends after 100 bytes; a header has at least 227");
     assert!(matches!(read(Path::new("/no/such/file")), Err(FileError::Io { .. })));
+}
+
+/// A text PLY file of one kind of points: its properties, and the lines of the points.
+fn text_ply(properties: &str, points: &str) -> String {
+    let count = points.lines().count();
+    format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n{points}")
+}
+
+const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
+
+#[test]
+fn headers_of_ply_are_read_as_programs_write_them() {
+    let plain = text_ply(XYZ, "-1 0 0\n0 1 0\n1 0 2.5\n");
+    let expected = sound(plain.as_bytes());
+    let same = |bytes: &[u8]| assert!(sound(bytes) == expected, "{}", String::from_utf8_lossy(bytes));
+    same(plain.replacen("ply\n", "ply \n", 1).as_bytes());
+    same(plain.replace('\n', " \t\n").as_bytes());
+    same(plain.replace('\n', "\r\n").as_bytes());
+    same(plain.replace('\n', "\r").as_bytes());
+    same(plain.replace('\n', "\n\n").as_bytes());
+    same(format!("\u{feff}{plain}").as_bytes());
+    same(plain.replacen("ply", "PLY", 1).replace("property float", "Property FLOAT").as_bytes());
+    same(plain.replace("property float x", "property float32 X").replace("vertex", "Vertex").as_bytes());
+    same(plain.replace("format ascii 1.0", "format ascii 1.1\nobj_info made by hand").as_bytes());
+    same(plain.replace("element vertex", "element face 0\nelement vertex").as_bytes());
+    same((plain.clone() + "3 0 1 2\nand more\n").as_bytes());
+    same(plain.replace("2.5", "2,5").as_bytes());
+    same(plain.replace("-1 0 0", "-1, 0, 0").as_bytes());
+    // Latin-1.
+    let mut bytes = plain.replacen("element", "comment M@nchen\nelement", 1).into_bytes();
+    let at = bytes.iter().position(|&byte| byte == b'@').unwrap();
+    bytes[at] = 0xfc;
+    same(&bytes);
+    // Binary points behind a header whose lines end in each way; their first byte is a line feed.
+    for end in ["\n", "\r\n", "\r", " \n"] {
+        let head = text_ply(XYZ, "1").replace("ascii", "binary_little_endian").replace("r\n1", "r\n");
+        let mut bytes = head.replace('\n', end).into_bytes();
+        [f32::from_bits(0x3f80_000a), 2.0, 3.0].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        assert_eq!(sound(&bytes).positions, [Vec3::new(f32::from_bits(0x3f80_000a), 2.0, 3.0)], "{end:?}");
+    }
+}
+
+#[test]
+fn a_line_that_is_wrong_is_left_out_with_a_warning() {
+    let plain = text_ply(XYZ, "-1 0 0\n0 1 0\n1 0 2.5\n");
+    let two =
+        read_with(plain.replace("0 1 0", "0 one 0").as_bytes(), "line 9, vertex 1 of 3: y is no number: one");
+    assert_eq!(two.positions, [Vec3::NEG_X, Vec3::new(1.0, 0.0, 2.5)]);
+    let said = cause(plain.replace("0 1 0", "0 1").as_bytes());
+    assert_eq!(said, "test, line 9, vertex 1 of 3: z is missing; 1 of 3 points could not be read");
+    let strange = plain.replacen("element", "vendor stuff\nelement", 1);
+    assert_eq!(read_with(strange.as_bytes(), "line 3 is none of a PLY header: vendor stuff").len(), 3);
+    let short = plain.replace("vertex 3", "vertex 5");
+    assert_eq!(read_with(short.as_bytes(), "vertex 3 of 5: the file ends here; 2 of 5").len(), 3);
+    let huge = plain.replace("0 1 0", &"x".repeat(30_000));
+    assert!(cause(huge.as_bytes()).len() < 200);
+    // Points without a place are none that could not be read.
+    let words = "1 nan 0\n1 -nan(ind) 0\n1 1.#QNAN 0\n1 inf 0\n1 -1.#INF 0\n1 2 3\n";
+    let (cloud, report) = parse(text_ply(XYZ, words).as_bytes()).unwrap();
+    assert_eq!((cloud.len(), report.skipped, report.warnings.len()), (1, 5, 0));
+    let surfels = format!("{}1 2\n", SURFELS.replace("3 2 1", "3 2,5 -nan(ind)"));
+    let (cloud, report) = parse(format!("\u{feff}{surfels}").replace('\n', "\r").as_bytes()).unwrap();
+    assert_eq!((cloud.len(), report.skipped, report.warnings.len()), (1, 1, 1));
+    assert!(report.warnings[0].contains("line 5 and those behind it follow the 2 surfels"));
+}
+
+#[test]
+fn the_origin_is_near_the_points() {
+    // Points of a survey behind one that is wrong.
+    let far = |i: usize| format!("{} 5400000.5 {i}\n", 400_000.25 + i as f64);
+    let points = "0 0 0\n".to_owned() + &(0..2000).map(far).collect::<String>();
+    let cloud = sound(text_ply(&XYZ.replace("float", "double"), &points).as_bytes());
+    let last = cloud.world_positions().last().unwrap();
+    assert!(last.distance(DVec3::new(401_999.25, 5_400_000.5, 1999.0)) < 1e-4, "{last}");
+    for compressed in [false, true] {
+        let mut bytes = las(200, compressed);
+        for (i, bound) in [-234_935_841.0, -235_434_519.0, 8e8, 8e8, f64::NAN, 1e300_f64].iter().enumerate() {
+            bytes[179 + 8 * i..187 + 8 * i].copy_from_slice(&bound.to_le_bytes());
+        }
+        let moved = |cloud: PointCloud| cloud.world_positions().collect::<Vec<_>>();
+        let expected = moved(helix(200));
+        let found = moved(read_with(&bytes, "its header says that points lie from"));
+        let worst = found.iter().zip(&expected).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        assert!(worst < 2e-3, "{worst}");
+    }
 }
 
 proptest! {

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::hull::tests::truth;
-use crate::samples::{cases, sphere};
+use crate::samples::{cases, coordinate, sphere};
 use proptest::prelude::*;
 
 const SPHERICAL: Kernel = Kernel::Relative { log10_radius: 2.9 };
@@ -136,8 +136,14 @@ proptest! {
 
     #[test]
     fn any_input_has_an_answer_or_an_error(
-        points in prop::collection::vec(prop::array::uniform3(double()), 0..30),
-        eye in prop::array::uniform3(double()),
+        points in prop_oneof![
+            prop::collection::vec(prop::array::uniform3(double()), 0..30),
+            prop::collection::vec(prop::array::uniform3(coordinate(1.0).prop_map(f64::from)), 0..30),
+        ],
+        eye in prop_oneof![
+            prop::array::uniform3(double()),
+            prop::array::uniform3(coordinate(1.0).prop_map(f64::from)),
+        ],
         value in double(),
         kind in 0..3,
     ) {
@@ -149,6 +155,12 @@ proptest! {
         };
         if let Ok(visible) = visible_points(&points, DVec3::from_array(eye), kernel) {
             prop_assert_eq!(visible.len(), points.len());
+            for i in 0..points.len() {
+                prop_assert!(points[i].to_array() != eye || visible[i], "a point at the eye");
+                for j in 0..i {
+                    prop_assert!(points[i] != points[j] || visible[i] == visible[j], "points at one place");
+                }
+            }
         }
     }
 }

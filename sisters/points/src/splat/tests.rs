@@ -1,7 +1,7 @@
 //! The operator beside squares that are drawn one by one, and beside analytic truth.
 
 use super::*;
-use crate::samples::{cases, sphere};
+use crate::samples::{cases, coordinate, sphere};
 use proptest::prelude::*;
 
 proptest! {
@@ -10,12 +10,13 @@ proptest! {
     #[test]
     fn a_depth_image_has_the_nearest_square_of_each_pixel(
         size in (1..40_u32, 1..40_u32),
-        squares in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64, 0..13_u32, 0..10_000_i32, 1..50_u8), 0..30),
+        squares in prop::collection::vec((coordinate(1.0), coordinate(1.0), 0..13_u32, 0..10_000_i32, 1..50_u8), 0..30),
     ) {
         let drawn = Squares::new(size);
         let mut image = vec![f32::INFINITY; (size.0 * size.1) as usize];
         for (x, y, magnitude, half, depth) in squares {
-            let (x, y) = ((x * f64::from(size.0 * 256)) as i32, (y * f64::from(size.1 * 256)) as i32);
+            let side = |at: f32, size: u32| ((f64::from(at) + 1.0) * f64::from(size * 128)) as i32;
+            let (x, y) = (side(x, size.0), side(y, size.1));
             let half = half >> magnitude;
             drawn.draw(&[x], &[y], &[half], &[f32::from(depth)]);
             let covers = |pixel: u32, at: i32| {
@@ -102,7 +103,7 @@ proptest! {
 
     #[test]
     fn answers_are_those_of_the_definition(
-        points in prop::collection::vec(prop::array::uniform4(-2.0..2.0_f32), 0..80),
+        points in prop::collection::vec(prop::array::uniform4(coordinate(2.0)), 0..80),
         size in (1..14_u32, 1..14_u32),
         fov_y in 0.3..2.0_f32,
         (filter, each, bias) in (0..4_usize, any::<bool>(), prop_oneof![

@@ -7,7 +7,7 @@ use super::plane::{self, Near};
 use super::rim;
 use super::scanners::Scanners;
 use crate::PointCloud;
-use crate::numeric::power_of_two_for;
+use crate::numeric::{power_of_two_for, unit};
 use crate::spacing::{Neighbours, Places};
 use glam::{DVec3, Vec2, Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
@@ -76,13 +76,29 @@ type Side = (Vec3A, Vec3A, bool);
 /// Positions within the cube from -1 to 1, one for each place, with their normals and neighbours.
 struct Input {
     places: Vec<Vec3A>,
-    /// Empty if none are given.
+    /// Those that are given; zero where none is.
     normals: Vec<Vec3A>,
     near: Vec<Vec<Near>>,
     spacing: Vec<f32>,
     scanners: Scanners,
-    /// Whether the signs of all normals tell front and back.
-    oriented: bool,
+    /// Whether each place has a normal that is given, or a scanner that is known.
+    all_oriented: bool,
+}
+
+impl Input {
+    /// Whether the normal of a place is given.
+    fn given(&self, i: usize) -> bool {
+        self.normals[i] != Vec3A::ZERO
+    }
+
+    /// Whether the sign of a normal tells front and back.
+    fn oriented(&self, i: usize) -> bool {
+        self.all_oriented || self.given(i)
+    }
+
+    fn are_all_oriented(&self) -> bool {
+        (0..self.places.len()).all(|i| self.given(i) || self.scanners.of(i).is_some())
+    }
 }
 
 pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
@@ -105,25 +121,25 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     for (disc, group) in unique.groups().enumerate() {
         group.iter().for_each(|&i| disc_of[i as usize] = disc as u32);
     }
+    let normal = |i: &u32| cloud.normals.get(*i as usize).map_or(Vec3A::ZERO, |&n| unit(n).into());
     let given = |group: &[u32]| {
-        let sum: Vec3A = group.iter().map(|&i| Vec3A::from(cloud.normals[i as usize])).sum();
+        let sum: Vec3A = group.iter().map(normal).sum();
         // Two sheets at one place: either side will do.
-        sum.try_normalize().unwrap_or(Vec3A::from(cloud.normals[group[0] as usize]).normalize_or_zero())
+        sum.try_normalize().unwrap_or_else(|| normal(&group[0]))
     };
-    let normals: Vec<Vec3A> =
-        if cloud.normals.is_empty() { Vec::new() } else { unique.groups().map(given).collect() };
+    let normals: Vec<Vec3A> = unique.groups().map(given).collect();
     let near = neighbours(&places);
     let spacing = near.iter().map(|near| spacing(near)).collect();
     let frame = Frame { middle: middle + cloud.origin, scale };
     let scanners = Scanners::new(cloud, &unique, &frame);
-    let oriented = !normals.is_empty() || scanners.all_known();
-    let mut input = Input { places, normals, near, spacing, scanners, oriented };
+    let mut input = Input { places, normals, near, spacing, scanners, all_oriented: false };
+    input.all_oriented = input.are_all_oriented();
     let discs = surface(&input, disc_of, frame);
     let Some(evidence) = input.scanners.evidence(&discs) else { return Ok(discs) };
     if !input.scanners.disbelieve(&evidence) {
         return Ok(evidence.carved(discs));
     }
-    input.oriented = !input.normals.is_empty() || input.scanners.all_known();
+    input.all_oriented = input.are_all_oriented();
     let discs = surface(&input, discs.disc_of, frame);
     Ok(match input.scanners.evidence(&discs) {
         Some(evidence) => evidence.carved(discs),
@@ -155,34 +171,27 @@ fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
     let planes = planes(input, &margins);
     let made = |i: usize| (disc(input, &planes, &margins, i), peers(input, &planes, &margins, i));
     let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
-    let mut all = Discs {
-        discs: Vec::new(),
-        peers,
-        tree: Bvh2::default(),
-        disc_of,
-        oriented: input.oriented,
-        margins,
-        frame,
-    };
+    let mut all = Discs { discs: Vec::new(), peers, tree: Bvh2::default(), disc_of, margins, frame };
     all.replace(discs);
     all
 }
 
-/// The planes of all points: by given normals, or estimated ones.
+/// The planes of all points: by given normals, or estimated ones where none is given.
 fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
     let all = 0..input.places.len();
     let near = |i: usize| -> Vec<Vec3A> { input.near[i].iter().map(|n| n.1).collect() };
     let inlier = |i: usize| margins.inlier * input.spacing[i];
-    let (normals, rims) = if input.normals.is_empty() {
-        let of_plane = |i: usize| plane::normal(&near(i), inlier(i));
-        let normals: Vec<Vec3A> = all.clone().into_par_iter().map(of_plane).collect();
-        let rims = rim::normals(&input.near, &normals, &input.spacing, margins);
-        (normals, rims)
+    let of_plane = |i: usize| {
+        if input.given(i) { input.normals[i] } else { plane::normal(&near(i), inlier(i)) }
+    };
+    let normals: Vec<Vec3A> = all.clone().into_par_iter().map(of_plane).collect();
+    let rims = if all.clone().all(|i| input.given(i)) {
+        Vec::new()
     } else {
-        (input.normals.clone(), Vec::new())
+        rim::normals(&input.near, &normals, &input.spacing, margins)
     };
     let plane = |i: usize| {
-        let rim = rims.get(i).copied().flatten();
+        let rim = rims.get(i).copied().flatten().filter(|_| !input.given(i));
         let found = rim.unwrap_or(normals[i]);
         let normal = input.scanners.facing(found, input.places[i], i);
         let rough = plane::rough(&near(i), normal, 2.0 * inlier(i));
@@ -215,27 +224,28 @@ fn margins(input: &Input) -> Margins {
 }
 
 /// Whether two normals differ by an angle of at least this cosine; their signs may mean nothing.
-fn alike(input: &Input, a: Vec3A, b: Vec3A, least: f32) -> bool {
-    let cosine = a.dot(b);
-    if input.oriented { cosine > least } else { cosine.abs() > least }
+fn alike(input: &Input, planes: &[Plane], [i, j]: [usize; 2], least: f32) -> bool {
+    let cosine = planes[i].normal.dot(planes[j].normal);
+    if input.oriented(i) && input.oriented(j) { cosine > least } else { cosine.abs() > least }
 }
 
 fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
     let Plane { normal, rough, rim } = planes[i];
     let all = input.spacing[i];
     let at = input.places[i];
-    let mut disc = Disc { at, normal, spacing: all, rough, solid: false, reach: [0.0; SECTORS] };
+    let (oriented, reach) = (input.oriented(i), [0.0; SECTORS]);
+    let mut disc = Disc { at, normal, spacing: all, rough, oriented, solid: false, reach };
     if normal == Vec3A::ZERO {
         return disc;
     }
     disc.solid = rim || is_solid(input, planes, i);
     let of = |j: u32| planes[j as usize].normal;
-    let given = !input.normals.is_empty();
+    let given = input.given(i);
     let layer: Vec<Vec3A> = input.near[i]
         .iter()
         .filter(|(j, v)| {
             v.dot(normal).abs() < margins.layer * all.max(v.length())
-                && alike(input, normal, of(*j), LAYER_TURN)
+                && alike(input, planes, [i, *j as usize], LAYER_TURN)
         })
         .map(|near| near.1)
         .collect();
@@ -247,7 +257,7 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
     disc.reach = fan::reach(&flat, HOLE * disc.spacing);
     let across: Vec<Side> = input.near[i]
         .iter()
-        .map(|&(j, v)| (v, of(j), given || planes[j as usize].rim))
+        .map(|&(j, v)| (v, of(j), input.given(j as usize) || planes[j as usize].rim))
         .filter(|(_, n, _)| n.dot(normal).abs() < LAYER_TURN)
         .collect();
     let near: Vec<Side> = across.iter().copied().filter(|(v, ..)| v.length() < EDGE * all).collect();
@@ -310,11 +320,11 @@ fn end(direction: Vec3A, normal: Vec3A, sides: &[Side], most: f32, along: f32) -
 fn peers(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> [u32; PEERS] {
     let normal = planes[i].normal;
     let mut peers = [NOBODY; PEERS];
-    if input.oriented {
+    if input.oriented(i) {
         return peers;
     }
     let near = input.near[i].iter().filter(|(j, v)| {
-        alike(input, normal, planes[*j as usize].normal, PEER_TURN)
+        alike(input, planes, [i, *j as usize], PEER_TURN)
             && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i]
             && v.length() < PEER * input.spacing[i]
     });

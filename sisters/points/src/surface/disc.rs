@@ -13,13 +13,11 @@ use std::time::Duration;
 #[derive(Clone)]
 pub(super) struct Discs {
     pub discs: Vec<Disc>,
-    /// For each disc, neighbours on the same part of the surface; none with given normals.
+    /// For each disc, neighbours on the same part of the surface; none if it is oriented.
     pub peers: Vec<[u32; PEERS]>,
     pub tree: Bvh2,
     /// The disc of each point.
     pub disc_of: Vec<u32>,
-    /// Normals tell front and back.
-    pub oriented: bool,
     pub margins: Margins,
     pub frame: Frame,
 }
@@ -63,6 +61,8 @@ pub(super) struct Disc {
     pub spacing: f32,
     /// How far the neighbours of the plane are from it: the root of the mean square.
     pub rough: f32,
+    /// The sign of the normal tells front and back.
+    pub oriented: bool,
     /// A scanner saw it, and it is no sheet, or it is on the rim of a plate: nobody sees it from
     /// behind.
     pub solid: bool,

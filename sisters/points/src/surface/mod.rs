@@ -51,8 +51,8 @@ pub use error::SurfaceError;
 /// the cloud's origin is: a bit for each point.
 ///
 /// It takes the place of Open3D's `hidden_point_removal(eye, radius)`, without a radius to choose.
-/// Normals are used if the cloud has some, and estimated otherwise. An estimate, which errs in both
-/// directions. For several eyes make a [`Surface`] once.
+/// Normals are used where the cloud has some, and estimated otherwise. An estimate, which errs in
+/// both directions. For several eyes make a [`Surface`] once.
 ///
 /// # Errors
 ///
@@ -105,7 +105,8 @@ impl Surface {
     /// Finds the discs of a cloud.
     ///
     /// Its normals, if there are some, are taken to point to the side from which the surface was
-    /// seen, as the files of scanners and meshes have them.
+    /// seen, as the files of scanners and meshes have them. They may have any length; those that
+    /// are zero or not finite are estimated.
     ///
     /// # Errors
     ///

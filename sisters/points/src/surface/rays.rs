@@ -105,7 +105,7 @@ impl Discs {
         if disc.solid && disc.normal.dot(start - disc.at) < -TURNED_AWAY * (start - disc.at).length() {
             return Answer::FacesAway;
         }
-        if self.oriented {
+        if disc.oriented {
             if away && self.is_on_body(i) { Answer::FacesAway } else { Answer::Visible }
         } else if self.is_in_plate(start, i) {
             Answer::FarSideOfPlate
@@ -167,7 +167,7 @@ impl Discs {
         let cosine = disc.normal.dot(to.normal);
         // The point faces away, and the disc does not; by given normals, or as the surface folds.
         let facing = to.normal.dot(step);
-        let back = self.oriented && cosine < -BACK && facing > 0.0;
+        let back = disc.oriented && to.oriented && cosine < -BACK && facing > 0.0;
         let fold = near && cosine.abs() > SMOOTH && above * facing * cosine > 0.0;
         let behind = if back || fold {
             TURNED * disc.spacing
@@ -226,6 +226,7 @@ impl Discs {
         self.any(Ray::new(disc.at, direction, 0.0, f32::INFINITY), |j, other| {
             let own = |far: f32| other.normal.dot(disc.normal) > OWN_FACE && far < disc.spacing;
             if j != i
+                && other.oriented
                 && let Some((far, down)) = other.hit(disc.at, direction)
                 && far > AWAY * disc.spacing
                 && !own(far)

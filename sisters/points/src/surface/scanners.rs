@@ -65,11 +65,6 @@ impl Scanners {
         *self.places.get(*self.of.get(i)? as usize)?
     }
 
-    /// Whether the scanners of all discs are known.
-    pub fn all_known(&self) -> bool {
-        !self.of.is_empty() && (0..self.of.len()).all(|i| self.of(i).is_some())
-    }
-
     /// A normal or its opposite, whichever points to the scanner.
     pub fn facing(&self, normal: Vec3A, at: Vec3A, i: usize) -> Vec3A {
         let away = |scanner: DVec3| normal.as_dvec3().dot(scanner - at.as_dvec3()) < 0.0;

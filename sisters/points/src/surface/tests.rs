@@ -79,6 +79,35 @@ fn a_sphere_is_seen_up_to_its_limb() {
     }
 }
 
+/// The points that are found visible of a sphere with these normals.
+fn found_on_sphere(normal: impl Fn(usize, Vec3) -> Vec3) -> (BitVec, BitVec) {
+    let positions: Vec<Vec3> = sphere(4000).iter().map(|p| p.as_vec3()).collect();
+    let eye = DVec3::new(1.0, 3.0, 2.0);
+    let normals = positions.iter().enumerate().map(|(i, &p)| normal(i, p)).collect();
+    let truth = positions.iter().map(|p| p.as_dvec3().dot(eye - p.as_dvec3()) > 0.0).collect();
+    (visible(&PointCloud { positions, normals, ..Default::default() }, eye).unwrap(), truth)
+}
+
+#[test]
+fn void_normals_are_estimated_and_others_are_used_whatever_their_length() {
+    let whole = found_on_sphere(|_, p| p).0;
+    let none = visible(
+        &PointCloud { positions: sphere(4000).iter().map(|p| p.as_vec3()).collect(), ..Default::default() },
+        DVec3::new(1.0, 3.0, 2.0),
+    );
+    for void in [Vec3::ZERO, Vec3::splat(f32::NAN), Vec3::new(0.0, f32::NEG_INFINITY, 1.0)] {
+        assert_eq!(Ok(found_on_sphere(|_, _| void).0), none, "all are {void}");
+        for every in [2, 7, 100] {
+            let (found, truth) = found_on_sphere(|i, p| if i % every == 0 { void } else { p });
+            let wrong = (found ^ &truth).count_ones();
+            assert!(wrong * 100 < truth.count_ones() * 4, "{wrong} wrong, every {every}th is {void}");
+        }
+    }
+    for length in [1e-40, 1e-30, 0.2, 3.0, f32::MAX] {
+        assert!((found_on_sphere(|_, p| p * length).0 ^ &whole).count_ones() < 5, "{length}");
+    }
+}
+
 #[test]
 fn answers_name_the_point_that_hides() {
     let near = rectangle(Vec3::new(-10.0, -10.0, 20.0), Vec3::X * 20.0, Vec3::Y * 20.0, Vec3::Z);
@@ -244,7 +273,11 @@ proptest! {
         points in prop::collection::vec(prop::array::uniform3(prop_oneof![-3..3_i8, -120..120_i8]), 0..80),
         scale in prop_oneof![Just(1.0), Just(1e-40), Just(2e36_f32)],
         normals in any::<bool>(),
-        eye in prop::array::uniform3(prop_oneof![-3.0..3.0_f64, Just(f64::MAX), Just(0.0)]),
+        eye in prop::array::uniform3(prop_oneof![
+            4 => (-3..3_i8).prop_map(f64::from),
+            4 => -3.0..3.0_f64,
+            1 => Just(f64::MAX),
+        ]),
     ) {
         let positions: Vec<Vec3> = points.iter().map(|p| Vec3::from(p.map(f32::from)) * scale).collect();
         let odd = [Vec3::X, Vec3::ZERO, Vec3::splat(f32::NAN), Vec3::Y * f32::MAX];

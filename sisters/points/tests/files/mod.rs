@@ -109,6 +109,33 @@ fn las_with(format: las::point::Format, points: impl Iterator<Item = las::Point>
     writer.into_inner().expect("a closed writer").into_inner()
 }
 
+/// Points of a file that is not compressed, compressed in chunks of so many points.
+pub fn packed(plain: &[u8], format: u8, chunk: u32) -> Vec<u8> {
+    let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 0).expect("a known format");
+    let vlr = laz::LazVlrBuilder::new(items).with_fixed_chunk_size(chunk).build();
+    let mut record = Vec::new();
+    vlr.write_to(&mut record).expect("a list takes all bytes");
+    let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| plain[at + i])) as usize;
+    let points = number(96);
+    let mut file = plain[..points].to_vec();
+    file.extend([0, 0]);
+    file.extend(b"laszip encoded\0\0");
+    file.extend(22204_u16.to_le_bytes());
+    file.extend((record.len() as u16).to_le_bytes());
+    file.extend([0; 32]);
+    file.extend(record);
+    let start = file.len() as u64;
+    file[96..100].copy_from_slice(&(start as u32).to_le_bytes());
+    file[100..104].copy_from_slice(&(number(100) as u32 + 1).to_le_bytes());
+    file[104] |= 0x80;
+    let mut out = Cursor::new(file);
+    out.set_position(start);
+    let mut packer = laz::LasZipCompressor::new(out, vlr).expect("a known record");
+    packer.compress_many(&plain[points..]).expect("a list takes all bytes");
+    packer.done().expect("a list takes all bytes");
+    packer.into_inner().into_inner()
+}
+
 /// The helix, written by the crate `e57`: coordinates in doubles or in few bits, and an attribute
 /// of no bits.
 pub fn e57(count: usize, doubles: bool) -> Vec<u8> {
@@ -166,6 +193,8 @@ pub fn all() -> Vec<Vec<u8>> {
         las(40, 7, 3, false),
         las(40, 7, 3, true),
         las(40, 10, 0, true),
+        packed(&las(40, 3, 0, false), 3, 16),
+        packed(&las(40, 7, 0, false), 7, 16),
         e57(40, true),
         e57(40, false),
     ]

@@ -145,7 +145,9 @@ impl Raster {
     #[inline(always)]
     fn line_inside<S: Simd>(&mut self, simd: S, l: &Lines, i: usize) {
         let (top, column) = (l.first[i] & !(LANES as i32 - 1), l.low[i] & !(COLUMNS as i32 - 1));
-        let block = (top / LANES as i32) as usize * self.across + (column / COLUMNS as i32) as usize;
+        let (row, from) = ((top / LANES as i32) as usize, (column / COLUMNS as i32) as usize);
+        self.take(row, from, (from + 2).min(self.across));
+        let block = row * self.across + from;
         let Some(marks) = self.blocks.get_mut(block) else { return };
         let left = self.corner.0 + column;
         let rows = i32x8::from_slice(simd, &ROWS) + top;
@@ -208,6 +210,11 @@ impl Raster {
         let (low, high) = if (low ^ high) >> 5 == 0 { (low, high) } else { self.columns(l, i, top) };
         // One column more: it may pass rows there.
         let (low, high) = (low.max(0) >> 5, (high + 1).clamp(-1, self.area.width() - 1) >> 5);
+        // From the leftmost to the one beyond the last, into which numbers are carried.
+        let (from, beyond) = (low.min(high + 1), (high + 2).min(self.across as i32));
+        if from < beyond {
+            self.take(block, from as usize, beyond as usize);
+        }
         let start = block * self.across;
         let (none, falls) = (u32x8::splat(simd, 0), l.falls >> i & 1 == 1);
         let layer = if l.seams >> i & 1 == 1 { Marks::SEAM } else { Marks::OPEN };

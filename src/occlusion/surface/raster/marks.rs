@@ -61,6 +61,8 @@ pub(crate) struct Marks([Rows; 4]);
 impl Marks {
     pub(crate) const OPEN: usize = 0;
     pub(crate) const SEAM: usize = 1;
+    /// No marks.
+    pub(crate) const NONE: Self = Self([[0; LANES]; 4]);
 
     /// Marks pixels of all rows in a layer.
     #[inline(always)]

@@ -25,7 +25,10 @@ mod edge;
 mod edges;
 mod lanes;
 mod marks;
+mod spans;
 mod strip;
+
+use std::ops::Range;
 
 use crate::occlusion::surface::raster::marks::from_column;
 
@@ -33,6 +36,7 @@ pub(crate) use crate::occlusion::surface::raster::area::{Area, COLUMNS, TILES};
 pub(crate) use crate::occlusion::surface::raster::edges::{Edges, LANES, Lanes, each};
 pub(crate) use crate::occlusion::surface::raster::lanes::rows_passed;
 pub(crate) use crate::occlusion::surface::raster::marks::{Marks, Windings, tiles};
+pub(crate) use crate::occlusion::surface::raster::spans::{FEW, Spans};
 
 /// The pixels around one patch.
 #[derive(Debug, Clone, Default)]
@@ -42,6 +46,8 @@ pub(crate) struct Raster {
     corner: (i32, i32),
     /// Blocks in a row.
     across: usize,
+    /// The blocks in use. Others have no marks, whatever they hold.
+    spans: Spans,
     blocks: Vec<Marks>,
     /// For each block, the numbers to add to it and to all blocks right of it; a bit for each row.
     carried: Vec<Windings>,
@@ -55,10 +61,30 @@ impl Raster {
         self.area = area;
         self.corner = ((area.x - first.0) as i32, (area.y - first.1) as i32);
         self.across = area.nx as usize;
-        self.blocks.clear();
-        self.blocks.resize(area.block_count(), Marks::default());
-        self.carried.clear();
-        self.carried.resize(area.block_count(), Windings::default());
+        let count = area.block_count();
+        if self.blocks.len() < count {
+            self.blocks.resize(count, Marks::default());
+            self.carried.resize(count, Windings::default());
+        }
+        let all = self.spans.begin(&area);
+        self.clear(all);
+    }
+
+    /// Clears blocks.
+    #[inline(always)]
+    fn clear(&mut self, blocks: Range<usize>) {
+        self.blocks[blocks.clone()].fill(Marks::default());
+        self.carried[blocks].fill(Windings::default());
+    }
+
+    /// Takes blocks of a row into use, from one up to before another.
+    #[inline(always)]
+    fn take(&mut self, row: usize, from: usize, to: usize) {
+        for fresh in self.spans.take(row, from, to) {
+            if !fresh.is_empty() {
+                self.clear(fresh);
+            }
+        }
     }
 
     /// Its area.
@@ -70,14 +96,27 @@ impl Raster {
     /// Finds the winding numbers, when all edges are drawn.
     #[inline(always)]
     pub(crate) fn finish(&mut self) {
-        let across = self.across.max(1);
-        for (blocks, carried) in self.blocks.chunks_exact_mut(across).zip(self.carried.chunks_exact(across)) {
+        for row in 0..self.area.ny as usize {
             let mut before = Windings::default();
-            for (block, carried) in blocks.iter_mut().zip(carried) {
-                before.add(*carried);
-                if !before.is_zero() {
-                    block.wind_all(before, 0);
-                }
+            let columns = self.spans.columns(row);
+            let end = columns.end;
+            self.wind_columns(row, columns, &mut before);
+            // An outline that goes around the rest of the row: no edge is there.
+            if !before.is_zero() && end < self.across {
+                self.take(row, end, self.across);
+                self.wind_columns(row, end..self.across, &mut before);
+            }
+        }
+    }
+
+    /// Adds the numbers carried into blocks of a row, and those of blocks left of them.
+    #[inline(always)]
+    fn wind_columns(&mut self, row: usize, columns: Range<usize>, before: &mut Windings) {
+        let blocks = row * self.across + columns.start.min(columns.end)..row * self.across + columns.end;
+        for (block, carried) in self.blocks[blocks.clone()].iter_mut().zip(&self.carried[blocks]) {
+            before.add(*carried);
+            if !before.is_zero() {
+                block.wind_all(*before, 0);
             }
         }
     }
@@ -85,7 +124,19 @@ impl Raster {
     /// The marks of a block, by its place in the area, row by row.
     #[inline(always)]
     pub(crate) fn marks(&self, block: usize) -> &Marks {
-        &self.blocks[block]
+        if self.spans.has(block) { &self.blocks[block] } else { &Marks::NONE }
+    }
+
+    /// The blocks in use, row by row, as columns: all others have no marks.
+    #[inline(always)]
+    pub(crate) fn spans(&self) -> &Spans {
+        &self.spans
+    }
+
+    /// The marks of a block in use.
+    #[inline(always)]
+    pub(crate) fn marks_in_use(&self, row: usize, column: usize) -> &Marks {
+        &self.blocks[row * self.across + column]
     }
 
     /// Adds the winding numbers of edges left of the area, which has 32 rows at most: a bit for
@@ -95,15 +146,18 @@ impl Raster {
         if passed.is_zero() {
             return;
         }
-        let rows = |word: u32, block: usize| word >> (block * LANES) & 0xff;
-        for (block, carried) in self.carried.iter_mut().step_by(self.across.max(1)).take(4).enumerate() {
-            carried.add(Windings { ones: rows(passed.ones, block), twos: rows(passed.twos, block) });
+        for row in 0..(self.area.ny as usize).min(4) {
+            self.take(row, 0, 1);
+            let rows = |word: u32| word >> (row * LANES) & 0xff;
+            let carried = &mut self.carried[row * self.across];
+            carried.add(Windings { ones: rows(passed.ones), twos: rows(passed.twos) });
         }
     }
 
     /// Marks pixels of a row; both ends are included and inside the area.
     fn mark(&mut self, row: i32, first: i32, last: i32, layer: usize) {
         let (from, to) = (first / COLUMNS as i32, last / COLUMNS as i32);
+        self.take(row as usize / LANES, from as usize, to as usize + 1);
         let start = row as usize / LANES * self.across;
         for block in from..=to {
             let pixels = run(first, last + 1, block);
@@ -118,7 +172,7 @@ impl Raster {
     fn are_open(&self, rows: (i32, i32), columns: (i32, i32)) -> bool {
         (rows.0..=rows.1).all(|row| {
             (columns.0 / COLUMNS as i32..=columns.1 / COLUMNS as i32).all(|block| {
-                let marks = &self.blocks[row as usize / LANES * self.across + block as usize];
+                let marks = self.marks(row as usize / LANES * self.across + block as usize);
                 run(columns.0, columns.1 + 1, block) & !marks.open()[row as usize % LANES] == 0
             })
         })
@@ -127,7 +181,9 @@ impl Raster {
     /// Lets an outline pass the middle of a row left of the middle of a column of the area: the
     /// winding numbers from there on grow by one, or fall.
     fn pass(&mut self, row: i32, column: i32, falls: bool) {
-        let block = row as usize / LANES * self.across + (column / COLUMNS as i32) as usize;
+        let from = (column / COLUMNS as i32) as usize;
+        self.take(row as usize / LANES, from, from + 2);
+        let block = row as usize / LANES * self.across + from;
         let row = row as usize % LANES;
         if let Some(marks) = self.blocks.get_mut(block) {
             marks.wind_row(row, from_column(column % COLUMNS as i32), falls);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use casca::{FileError, MeshOptions, TriMesh};
+use casca::{Facing, FileError, MeshOptions, TriMesh};
 use casca_cache::MeshCache;
 use casca_scenes::import;
 use casca_scenes::measure::timed_by_wall;
@@ -108,7 +108,11 @@ fn prepare(
             bar.set_position(done + (share * count as f32) as u64);
             ControlFlow::Continue(())
         };
-        let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
+        let hiding = mesh.hiding();
+        let facing = if hiding.as_ref().is_some_and(|h| h.1) { Facing::Front } else { Facing::Both };
+        let how = how.occludes(hiding.is_some()).facing(facing);
+        let triangles = hiding.map_or_else(|| mesh.triangles.clone(), |h| h.0.into_owned());
+        let positions = mesh.positions.clone();
         let prepared = match cache {
             Some(cache) => cache.prepare(positions, triangles, &how, &mut progress),
             None => TriMesh::prepare(positions, triangles, &how, &mut progress),

@@ -9,7 +9,7 @@ use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
 use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, World};
-use casca_truth::oracle::{Oracle, OracleOptions};
+use casca_truth::oracle::{Oracle, OracleOptions, Seen};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
@@ -140,6 +140,8 @@ impl Entry {
 /// Compares the sets of a frame with exact visibility.
 struct Judge {
     oracle: Oracle,
+    /// What the oracle is told of a file.
+    seen: Seen,
     frustum: Query,
     /// Objects that moved since the frame judged before.
     moved: Vec<usize>,
@@ -158,8 +160,10 @@ impl Judge {
             seed: sampling.seed,
         };
         let frustum = Query::with_method(Method::Frustum)?;
+        let seen = Seen::of(world);
         Ok(Self {
-            oracle: Oracle::new(&world.objects, options),
+            oracle: Oracle::new(seen.objects(&world.objects), options),
+            seen,
             frustum,
             moved: Vec::new(),
             visible: 0,
@@ -176,8 +180,9 @@ impl Judge {
         let mut moved = std::mem::take(&mut self.moved);
         moved.sort_unstable();
         moved.dedup();
-        let verdict =
-            self.oracle.frame(&world.objects, &moved, camera, &|i| entries.iter().all(|e| e.sees(i)));
+        let verdict = self.oracle.frame(self.seen.follow(&world.objects, &moved), &moved, camera, &|i| {
+            entries.iter().all(|e| e.sees(i))
+        });
         self.visible += verdict.exact.len();
         self.frames += 1;
         let Some(first) = entries.first() else { return };

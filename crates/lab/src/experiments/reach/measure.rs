@@ -6,7 +6,7 @@ use super::super::{ASPECT, Effort, LabError, median};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::timed;
 use casca_scenes::world::{FRAME_SECONDS, Shape, World};
-use casca_truth::oracle::{BallCounts, BallOptions, BallOracle, BallSighting, OracleOptions};
+use casca_truth::oracle::{BallCounts, BallOptions, BallOracle, BallSighting, OracleOptions, Seen};
 
 /// How far an eye may go, in metres.
 pub const REACHES: [f32; 9] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 3.0];
@@ -102,7 +102,8 @@ pub fn measure(
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
     let mut driver = Driver::new(&world, &grid, |_| ())?;
     let (mut query, mut frustum) = (Query::new(), Query::with_method(Method::Frustum)?);
-    let mut oracle = BallOracle::new(&world.objects, sampling.balls);
+    let mut seen = Seen::of(&world);
+    let mut oracle = BallOracle::new(seen.objects(&world.objects), sampling.balls);
     let frames = sampling.frames.clamp(1, world.frames.max(1));
     let mut score = ReachScore {
         scene: world.name.clone(),
@@ -120,10 +121,10 @@ pub fn measure(
         let view: View = view_of(&camera)?;
         // Hidden movers go into their volumes.
         driver.scene.end_frame([query.run(&driver.scene, &view)])?;
-        oracle.begin(&world.objects, &moved, &camera);
+        oracle.begin(seen.follow(&world.objects, &moved), &moved, &camera);
         for (i, reach) in REACHES.into_iter().enumerate() {
             if reach > 0.0 {
-                oracle.look(&world.objects, reach);
+                oracle.look(seen.objects(&world.objects), reach);
             }
             let view = view.clone().with_reach(reach)?;
             let runs = (0..sampling.repeats.max(1)).map(|_| timed(|| query.run(&driver.scene, &view)).1);

@@ -17,7 +17,7 @@ use casca_scenes::world::{Mesh, Shape};
 pub(super) fn prepare(meshes: &[Mesh]) -> Result<(f64, usize, usize), LabError> {
     let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
     let (mut seconds, mut triangles, mut bytes) = (0.0, 0, 0);
-    for Mesh { positions, triangles: corners } in meshes {
+    for Mesh { positions, triangles: corners, .. } in meshes {
         let (positions, corners) = (positions.clone(), corners.clone());
         triangles += corners.len();
         let (mesh, time) = pool.install(|| {

@@ -50,6 +50,7 @@ pub(super) fn shell(count: usize, seed: u64) -> World {
         fixed(Shape::Sphere { center: eye + way.normalize() * distance, radius }, true)
     };
     World {
+        source: Default::default(),
         name: "shell".to_owned(),
         objects: (0..count).map(ball).collect(),
         grid: GridHint { min: Vec3::ZERO, max: Vec3::splat(3.0 * DISTANCE), cell: 1.0 },
@@ -77,6 +78,7 @@ pub(super) fn scatter(count: usize, seed: u64) -> World {
         fixed(Shape::Sphere { center, radius }, true)
     };
     World {
+        source: Default::default(),
         name: "scatter".to_owned(),
         objects: (0..count).map(ball).collect(),
         grid: GridHint { min: Vec3::ZERO, max: Vec3::splat(side), cell: 1.0 },
@@ -126,6 +128,7 @@ fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
     Mesh {
         positions: (0..side * side).map(vertex).collect(),
         triangles: (0..squares * squares).flat_map(square).collect(),
+        ..Mesh::default()
     }
 }
 
@@ -147,6 +150,7 @@ pub(super) fn ground(triangles: usize, seed: u64) -> World {
         objects.push(fixed(Shape::Box { min: base - half, max: base + half }, false));
     }
     World {
+        source: Default::default(),
         name: "ground".to_owned(),
         objects,
         grid: GridHint { min: Vec3::ZERO, max: Vec3::new(GROUND, 60.0, GROUND), cell: 1.0 },
@@ -173,5 +177,5 @@ pub(super) fn soup(triangles: usize, seed: u64) -> Mesh {
     });
     let positions = positions.collect();
     let corners = |i: u32| [3 * i, 3 * i + 1, 3 * i + 2];
-    Mesh { positions, triangles: (0..triangles as u32).map(corners).collect() }
+    Mesh { positions, triangles: (0..triangles as u32).map(corners).collect(), ..Mesh::default() }
 }

@@ -136,7 +136,10 @@ pub(super) fn block(a: Vec3, b: Vec3) -> Shape {
 
 /// A mesh in world space.
 pub(super) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Shape {
-    Shape::Mesh { mesh: Arc::new(Mesh { positions, triangles }), transform: Affine3A::IDENTITY }
+    Shape::Mesh {
+        mesh: Arc::new(Mesh { positions, triangles, ..Mesh::default() }),
+        transform: Affine3A::IDENTITY,
+    }
 }
 
 /// A flat quadrilateral, its corners in order around it.

@@ -113,6 +113,7 @@ impl Arena {
             add(ball.at(0.0), Motion::Dynamic { max_speed: ball.max_speed() }, false);
         }
         World {
+            source: Default::default(),
             name: "arena".to_owned(),
             objects,
             grid: GridHint { min: Vec3::ZERO, max: HALL, cell: 1.0 },

@@ -1,5 +1,6 @@
 //! Accessors: sparse, quantized, all kinds of triangles.
 
+use super::nodes::drive;
 use super::*;
 
 #[test]
@@ -120,9 +121,17 @@ fn all_kinds_of_triangles_are_read_and_no_others() {
     assert_eq!(shown(&[(6, Some(1))]), [[p3, p2, p1], [p3, p1, p0]]);
     // Two equal corners only lead on.
     assert_eq!(shown(&[(5, Some(2))]), [[p0, p1, p2], [p2, p1, p3]]);
+    // Points and lines are looked for, and hide nothing.
+    assert_eq!(shown(&[(0, None)]), strip.iter().map(|&p| [p; 3]).collect::<Vec<_>>());
+    assert_eq!(shown(&[(1, None)]), [[p0, p1, p1], [p2, p3, p3]]);
+    assert_eq!(shown(&[(3, Some(1))]), [[p3, p2, p2], [p2, p1, p1], [p1, p0, p0]]);
+    assert_eq!(shown(&[(2, None)])[3], [p3, p0, p0]);
     for lines in 0..4 {
-        assert_eq!(shown(&[(lines, None), (5, None), (lines, Some(1))]).len(), 2);
-        assert!(matches!(read_as(&[(lines, None)]), Err(Trouble::NoTriangles)));
+        let world = read_as(&[(lines, None), (5, None), (lines, Some(1))]).unwrap();
+        let Shape::Mesh { mesh, .. } = &world.objects[0].shape else { panic!() };
+        assert_eq!(mesh.hiding().unwrap().0.len(), 2);
+        let alone = drive(read_as(&[(lines, None)]).unwrap());
+        assert!(!alone.objects[0].occludes && alone.objects[0].tested);
     }
     // Parts of a mesh share its vertices.
     let world = read_as(&[(5, None), (6, Some(1))]).unwrap();

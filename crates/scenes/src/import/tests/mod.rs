@@ -8,14 +8,16 @@ use super::*;
 use crate::drive::{Driver, grid_for, view_of};
 use crate::lit::Material;
 use crate::random::generator;
-use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
+use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape, Sides};
 
 mod accessors;
 mod animation;
 #[cfg(feature = "fur")]
 mod coated;
+mod far;
 mod files;
 mod instances;
+mod lenient;
 mod lit;
 mod nodes;
 #[cfg(feature = "fur")]

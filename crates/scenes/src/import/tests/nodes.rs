@@ -2,30 +2,75 @@
 
 use super::*;
 
-#[test]
-fn deformed_meshes_are_refused() {
-    let mut parts = timed();
-    parts.floats("SCALAR", &[0.0, 1.0, 0.0, 1.0]);
-    let targets = r#""POSITION":0},"targets":[{"POSITION":0}]}"#;
-    let morphed = |rest: &str| rest.replace(r#""POSITION":0}}"#, targets);
-    // Targets that are not used change nothing.
-    assert!(parts.read(&morphed(ONE)).is_ok());
-    assert!(parts.read(&morphed(&ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#))).is_ok());
-    let at_node = morphed(&ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"name":"face","weights":[0.5]}"#));
-    says(parts.read(&at_node), &["node 0 (\"face\")", "morph targets"]);
-    let at_mesh = morphed(ONE).replace(r#""primitives""#, r#""weights":[0.5],"primitives""#);
-    says(parts.read(&at_mesh), &["node 0", "morph targets"]);
-    // The weights of a node count before those of its mesh.
-    assert!(parts.read(&at_mesh.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#)).is_ok());
-    let animated = moved(&format!("[{}]", animated(1, "weights", 2, "LINEAR")));
-    assert!(parts.read(&animated).is_ok());
-    says(parts.read(&morphed(&animated)), &["node 1 (\"leaf\")", "morph targets"]);
-    let skinned = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"name":"body","skin":0}"#);
-    says(parts.read(&format!(r#"{skinned},"skins":[{{"joints":[0]}}]"#)), &["node 0 (\"body\")", "skin"]);
+/// Whether the only object is a box that hides nothing, from a corner to another in its space, and
+/// whether the only warning has all of `parts`.
+fn is_boxed(world: &World, low: Vec3, high: Vec3, parts: &[&str]) {
+    let [object] = &world.objects[..] else { panic!("one object") };
+    let (min, max) = match &object.shape {
+        Shape::Mesh { mesh, .. } => mesh.bounds(&glam::Affine3A::IDENTITY),
+        Shape::Box { min, max } => (*min, *max),
+        Shape::Sphere { .. } => panic!("a sphere"),
+    };
+    assert!(min.cmple(low).all() && high.cmple(max).all(), "{min} to {max}");
+    assert!(min.abs_diff_eq(low, 0.1) && max.abs_diff_eq(high, 0.1), "{min} to {max}");
+    assert!(!object.occludes && object.tested && object.motion != Motion::Static);
+    let [told] = &world.source.warnings[..] else { panic!("{:?}", world.source.warnings) };
+    assert!(parts.iter().all(|part| told.contains(part)), "{told}");
 }
 
 #[test]
-fn roles_are_known_or_refused() {
+fn deformed_meshes_count_as_their_boxes_and_hide_nothing() {
+    let mut parts = timed();
+    parts.floats("SCALAR", &[0.0, 1.0, -2.0, 1.0]);
+    let targets = r#""POSITION":0},"targets":[{"POSITION":0}]}"#;
+    let morphed = |rest: &str| rest.replace(r#""POSITION":0}}"#, targets);
+    let one = |node: &str| ONE.replace(r#"{"mesh":0}"#, node);
+    // Targets that are not used change nothing.
+    for rest in [morphed(ONE), morphed(&one(r#"{"mesh":0,"weights":[0]}"#))] {
+        let world = parts.read(&rest).unwrap();
+        assert!(world.objects[0].occludes && world.source.warnings.is_empty());
+    }
+    let at_node = morphed(&one(r#"{"mesh":0,"name":"face","weights":[0.5]}"#));
+    let (unit, half) = (Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.5, 1.5, 0.0));
+    is_boxed(&parts.read(&at_node).unwrap(), Vec3::ZERO, half, &["node 0 (\"face\")", "morph targets"]);
+    let at_mesh = morphed(ONE).replace(r#""primitives""#, r#""weights":[0.5],"primitives""#);
+    is_boxed(&parts.read(&at_mesh).unwrap(), Vec3::ZERO, half, &["node 0", "morph targets"]);
+    // The weights of a node count before those of its mesh.
+    let at_rest = at_mesh.replace(r#"{"mesh":0}"#, r#"{"mesh":0,"weights":[0]}"#);
+    assert!(parts.read(&at_rest).unwrap().objects[0].occludes);
+    // Keys from -2 to 1.
+    let animated = |how: &str| moved(&format!("[{}]", animated(1, "weights", 2, how)));
+    assert!(parts.read(&animated("LINEAR")).unwrap().objects[0].occludes);
+    let world = parts.read(&morphed(&animated("LINEAR"))).unwrap();
+    is_boxed(&world, -2.0 * unit, 2.0 * unit, &["node 1 (\"leaf\")", "morph targets"]);
+    drive(world);
+}
+
+#[test]
+fn what_has_no_bounds_is_left_out_with_a_word_and_the_rest_is_read() {
+    let mut parts = timed();
+    parts.floats("SCALAR", &[0.0; 12]);
+    let targets = r#""POSITION":0},"targets":[{"POSITION":0}]}"#;
+    let splines = moved(&format!("[{}]", animated(1, "weights", 2, "CUBICSPLINE")))
+        .replace(r#""POSITION":0}}"#, targets)
+        .replace(r#""nodes":["#, r#""nodes":[{"mesh":1},"#)
+        .replace(r#""children":[1]"#, r#""children":[2]"#)
+        .replace(r#""node":1"#, r#""node":2"#)
+        .replace(r#""meshes":["#, r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},"#)
+        .replace(r#""mesh":0,"name":"leaf""#, r#""mesh":1,"name":"leaf""#)
+        .replacen(r#"{"mesh":1},"#, r#"{"mesh":0},"#, 1);
+    let skinned = ONE.replace(r#"{"mesh":0}"#, r#"{"mesh":0},{"mesh":0,"name":"body","skin":0}"#);
+    let skinned = format!(r#"{skinned},"skins":[{{"joints":[0]}}]"#);
+    for (rest, name) in [(splines, "node 2 (\"leaf\")"), (skinned, "node 1 (\"body\")")] {
+        let world = parts.read(&rest).unwrap();
+        assert!(world.objects.len() == 1 && world.objects[0].occludes);
+        let [told] = &world.source.warnings[..] else { panic!("{:?}", world.source.warnings) };
+        assert!(told.starts_with(name) && told.contains("always draw it"), "{told}");
+    }
+}
+
+#[test]
+fn roles_are_known_or_warned_of() {
     let with = |extras: &str| {
         triangle()
             .read(&ONE.replace(r#"{"mesh":0}"#, &format!(r#"{{"mesh":0,"name":"leaf","extras":{extras}}}"#)))
@@ -50,7 +95,10 @@ fn roles_are_known_or_refused() {
         }
     }
     for role in [r#""Occluder""#, r#""""#, "null", "1", r#"["both"]"#] {
-        says(with(&format!(r#"{{"role":{role}}}"#)), &["node 0 (\"leaf\")", role]);
+        let world = with(&format!(r#"{{"role":{role}}}"#)).unwrap();
+        assert!(world.objects[0].occludes && world.objects[0].tested, "{role}");
+        let told = &world.source.warnings[0];
+        assert!(told.starts_with("node 0 (\"leaf\"): has an extras.role"), "{told}");
     }
 }
 
@@ -92,7 +140,7 @@ fn matrices_place_nodes_and_are_not_animated() {
 }
 
 /// Takes a world through the library, with a view of every tenth frame.
-fn drive(mut world: World) -> World {
+pub(super) fn drive(mut world: World) -> World {
     let grid = grid_for(&world.grid, None).unwrap();
     let mut driver = Driver::new(&world, &grid, |_| {}).unwrap();
     for frame in (0..world.frames).step_by(10) {
@@ -128,6 +176,7 @@ fn walks_stay_inside_scenes_of_all_sizes() {
         let longest = size.max_element();
         let margin = (longest * 0.11).max(world.grid.cell * 2.0);
         let mut eyes = Vec::new();
+        let around = around - world.source.origin.as_vec3();
         for frame in 0..world.frames {
             let eye = world.camera(frame, 1.0).eye;
             assert!(eye.cmpge(world.grid.min).all() && eye.cmple(world.grid.max).all(), "{size}: {eye}");
@@ -138,6 +187,7 @@ fn walks_stay_inside_scenes_of_all_sizes() {
             eyes.push(eye);
         }
         let full = size.cmpge(Vec3::splat(longest * 0.01)).all();
+        let around = around + world.source.origin.as_vec3();
         if full && longest > 1e-3 && around == Vec3::ZERO {
             assert!(eyes.iter().all(|e| e.cmpge(around).all() && e.cmple(around + size).all()), "{size}");
         }
@@ -170,11 +220,15 @@ fn orthographic_cameras_are_passed_over() {
     let node = r#"{"camera":0,"translation":[7,0,0]}"#;
     let world = with(orthographic, node);
     assert_eq!((world.frames, world.camera(9, 1.0).eye), (walk.frames, walk.camera(9, 1.0).eye));
+    // Alone, it is named.
+    let told = &world.source.warnings[0];
+    assert!(told.starts_with("node 1 (\"\"): has an orthographic camera"), "{told}");
     let world = with(
         &format!("{orthographic},{perspective}"),
         &format!(r#"{node},{{"camera":1,"translation":[8,0,0]}}"#),
     );
     assert_eq!(world.camera(9, 1.0).eye, Vec3::X * 8.0);
+    assert!(world.source.warnings.is_empty());
 }
 
 #[test]

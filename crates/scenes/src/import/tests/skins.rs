@@ -147,3 +147,33 @@ fn rigid_parts_follow_the_joint_that_they_hang_from() {
         assert!(at(vertex, 1.0).distance(elbow + turned) < 1e-5, "{}", at(vertex, 1.0));
     }
 }
+
+#[test]
+fn the_box_of_a_skinned_mesh_holds_it_in_every_frame() {
+    // Each vertex follows one or both joints.
+    let shares = HALVES.map(|w| if w == 255 { 0.5 } else { 0.0 });
+    let ones: Vec<f32> = shares.chunks(4).flat_map(|s| s.iter().map(|w| w / s.iter().sum::<f32>())).collect();
+    let arm = arm(5121, &BYTES, (F32, &bytes_of(&ones)));
+    let file = arm.file("[2,3]", ["", "", ""]);
+    let mut world = read("arm", &file, None).unwrap();
+    let [told] = &world.source.warnings[..] else { panic!("{:?}", world.source.warnings) };
+    assert!(told.starts_with("node 0") && told.contains("skin"), "{told}");
+    let [object] = &world.objects[..] else { panic!("one object") };
+    assert!(!object.occludes && object.tested && object.motion != Motion::Static);
+    let Shape::Box { min, max } = object.shape else { panic!("{object:?}") };
+    let skinned = read_skinned(&file, None).unwrap().unwrap();
+    let (_, clip) = &skinned.clips[0];
+    let mut reached = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for frame in 0..world.frames {
+        assert!(world.set_frame(frame).is_empty());
+        let mut pose = Pose::rest(&skinned.skeleton);
+        pose.set(&skinned.skeleton, clip, frame as f64 * FRAME_SECONDS, Ending::Clamp);
+        for (v, &p) in skinned.mesh.positions.iter().enumerate() {
+            let at = skinned.weights.blend(v, &pose).transform_point3(p);
+            assert!(min.cmple(at).all() && at.cmple(max).all(), "frame {frame}: {at}");
+            reached = (reached.0.min(at), reached.1.max(at));
+        }
+    }
+    // It is no larger than what follows each joint goes.
+    assert!((max - min).cmple((reached.1 - reached.0) + 1.5).all(), "{min} to {max}");
+}

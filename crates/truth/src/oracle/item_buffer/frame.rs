@@ -23,6 +23,8 @@ pub(super) struct Entry {
     pub(super) triangle: u32,
     /// Which of the meshes in view.
     pub(super) slot: u32,
+    /// Whether it hides what is behind it from the eye.
+    pub(super) hides: bool,
     /// First and last pixel: x, y, x, y.
     pub(super) rect: [u16; 4],
 }

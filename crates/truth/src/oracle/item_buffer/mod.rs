@@ -33,7 +33,7 @@ pub use frame::NONE;
 ///   the eye, or the point where a pixel's ray leaves the near plane, neither
 ///   shows nor hides there. One that holds the eye of a perspective camera
 ///   and reaches beyond the near plane counts as visible all the same.
-/// - Meshes are two-sided surfaces.
+/// - Meshes are surfaces that are seen from both sides; each triangle hides as its sides say.
 /// - The nearest wins; at exactly equal depth the lower index.
 ///
 /// The result does not depend on the number of threads.
@@ -83,10 +83,10 @@ impl ItemBuffer {
         &self.depth
     }
 
-    /// For each object the number of pixels that show it. For an occluder,
-    /// those where it is nearest; for others, those where no occluder is
-    /// nearer. One that holds the eye has at least 1. Objects that neither
-    /// hide nor are tested have 0.
+    /// For each object the number of pixels that show it. For what hides, those where it is
+    /// nearest; for the rest, those where nothing that hides is nearer. A pixel that shows both of
+    /// a mesh counts twice. One that holds the eye has at least 1. Objects that neither hide nor
+    /// are tested have 0.
     pub fn visible(&self) -> &[u32] {
         &self.visible
     }
@@ -114,7 +114,7 @@ impl ItemBuffer {
         let frame = Frame { objects, rays, meshes, eye: frustum.eye() };
 
         let (mut hiding, mut others): (Vec<Entry>, Vec<Entry>) =
-            entries.into_iter().partition(|entry| objects[entry.object as usize].occludes);
+            entries.into_iter().partition(|entry| entry.hides);
         // Front to back; what does not hide is kept together by object.
         hiding.par_sort_unstable_by_key(|entry| (entry.near.to_bits(), entry.object, entry.triangle));
         others.par_sort_unstable_by_key(|entry| (entry.object, entry.triangle));

@@ -1,11 +1,11 @@
 //! What is in view, and where on the screen.
 
-use casca_scenes::world::{Object, Shape};
+use casca_scenes::world::{Object, Shape, Sides};
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::frustum::Frustum;
-use super::super::geometry::{MeshCache, Primitive, safe_inverse};
+use super::super::geometry::{MeshCache, Primitive, safe_inverse, sides_of};
 use super::frame::Entry;
 use super::pixel_rays::PixelRays;
 use crate::numeric::oracle::{KEY, RECTANGLE};
@@ -42,7 +42,8 @@ impl Setup<'_> {
             Shape::Box { min, max } => self.box_rect(min.as_dvec3() - eye, max.as_dvec3() - eye)?,
             Shape::Mesh { .. } => return None,
         };
-        Some(Entry { near: self.key(near)?, object: index, triangle: 0, slot: 0, rect })
+        let (near, hides) = (self.key(near)?, object.occludes);
+        Some(Entry { near, object: index, triangle: 0, slot: 0, hides, rect })
     }
 
     pub(super) fn mesh_in_view(&self, object: &Object, meshes: &MeshCache) -> bool {
@@ -93,10 +94,24 @@ impl Setup<'_> {
                     let points = corners.map(|c| c.0);
                     self.clipped_rect(&points, &[(0, 1), (1, 2), (2, 0)])?
                 };
-                Some(Entry { near: self.key(near)?, object, triangle: i as u32, slot, rect })
+                let hides = shape.occludes && self.stops(&shape.shape, i as u32, corners.map(|c| c.0));
+                Some(Entry { near: self.key(near)?, object, triangle: i as u32, slot, hides, rect })
             })
             .collect();
         (projected.into_iter().map(|(relative, ..)| relative).collect(), entries)
+    }
+
+    /// Whether a triangle, given relative to the eye, stops the rays of pixels: all of them meet
+    /// the same side of it.
+    fn stops(&self, shape: &Shape, triangle: u32, [a, b, c]: [DVec3; 3]) -> bool {
+        match (sides_of(shape, triangle), shape) {
+            (Sides::Front, Shape::Mesh { transform, .. }) => {
+                let way = if self.rays.perspective { a } else { self.rays.step(0, 0) };
+                let front = (b - a).cross(c - a) * f64::from(transform.matrix3.determinant()).signum();
+                front.dot(way) < 0.0
+            }
+            (sides, _) => sides != Sides::Neither,
+        }
     }
 
     /// The rectangle and the least depth of a box given relative to the eye.

@@ -2,6 +2,7 @@
 
 use casca_scenes::lit::Light;
 use casca_scenes::random::Generator;
+use casca_scenes::world::Sides;
 use glam::DVec3;
 use rand::RngExt;
 
@@ -58,8 +59,10 @@ impl PathTracer {
         let way = target - self.off(at);
         let square = way.length_squared();
         let direction = way.try_normalize()?;
-        let across = (q - p).cross(r - p).try_normalize()?.dot(direction).abs();
         let material = &self.materials[triangle.material as usize];
+        let across = -(q - p).cross(r - p).try_normalize()?.dot(direction);
+        // A surface that is seen from its front only emits nothing to its back.
+        let across = if material.sides == Sides::Front { across } else { across.abs() };
         let (value, by_area) = (scatter.value(direction), self.emitters.density(material));
         if value.max_element() <= 0.0 || across <= 0.0 || self.hides(at, way, 1.0 - BEFORE_LIGHT) {
             return None;

@@ -6,6 +6,9 @@
 //! Guibas 1995). Light is sorted by how often it was scattered on its way, so that direct light and
 //! each bounce can be looked at on their own. All rays go through the centres of pixels. Results do
 //! not depend on the number of threads.
+//!
+//! Rays go on through panes and through the backs of single-sided sheets, as a camera sees them:
+//! what looks at such a back gets the light behind it.
 
 mod direct;
 mod emitters;
@@ -91,6 +94,7 @@ impl PathTracer {
             shape: Primitive::Triangle(t.corners.map(|p| p.as_dvec3())),
             object: i as u32,
             triangle: 0,
+            sides: materials[t.material as usize].sides,
         };
         let parts = triangles.iter().enumerate().map(part).collect();
         let sky = if scene.sky.is_finite() { scene.sky.as_dvec3().max(DVec3::ZERO) } else { DVec3::ZERO };
@@ -198,7 +202,7 @@ impl PathTracer {
     /// Whether anything lies on the way from a surface.
     fn hides(&self, at: &Surface, way: DVec3, end: f64) -> bool {
         let start = self.off(at);
-        let blocks = |part: &Part| part.shape.enter(start, way, true).is_some_and(|t| t < end);
+        let blocks = |part: &Part| part.enter(start, way, true).is_some_and(|t| t < end);
         self.tree.any(start, way, end, blocks).is_some()
     }
 

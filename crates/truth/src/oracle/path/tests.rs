@@ -27,7 +27,7 @@ fn scene(parts: Vec<(Mesh, Material)>) -> LitScene {
 }
 
 fn quad(corners: [Vec3; 4]) -> Mesh {
-    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] }
+    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
 }
 
 /// The square of 2 `half` metres at a height.
@@ -302,7 +302,7 @@ fn a_ceiling_takes_its_form_factor_of_the_sky_and_of_the_open_share() {
 #[test]
 fn glossy_surfaces_lose_light_but_make_none() {
     for gloss in [0.0, 0.4, 0.9] {
-        let shiny = Material { albedo: Vec3::ZERO, specular: Vec3::ONE, gloss, emission: Vec3::ZERO };
+        let shiny = Material { specular: Vec3::ONE, gloss, ..Material::matt(Vec3::ZERO) };
         let mut open = scene(vec![(square(0.0, 4.0), shiny)]);
         open.sky = Vec3::ONE;
         let tracer = PathTracer::new(&open);
@@ -403,4 +403,41 @@ fn broken_input_gives_errors_or_darkness() {
     black(&broken);
     broken.objects.clear();
     black(&broken);
+}
+
+#[test]
+fn light_passes_panes_and_the_backs_of_single_sided_sheets() {
+    let sides = |sides| Material { sides, ..Material::matt(Vec3::ZERO) };
+    let lamp = |sides| Material { sides, ..Material::emitter(Vec3::ONE) };
+    // A floor, a sheet over it whose front looks up, and a light over both.
+    let lit = |sheet: Material, over: Option<Material>| {
+        let mut all = scene(vec![(square(0.0, 5.0), WHITE), (square(1.0, 2.0), sheet)]);
+        if let Some(over) = over {
+            let lamp = scene(vec![(square(2.0, 1.0), over)]);
+            all.objects
+                .extend(lamp.objects.into_iter().map(|o| LitObject { materials: vec![2; 2].into(), ..o }));
+            all.materials.push(over);
+        } else {
+            all.lights = vec![Light::point(Vec3::new(0.0, 2.0, 0.0), Vec3::ONE)];
+        }
+        let tracer = PathTracer::new(&all);
+        look(&tracer, DVec3::new(0.0, 0.5, 0.2), DVec3::new(0.0, 0.0, 0.2), 1..=1, 200).0
+    };
+    use casca_scenes::world::Sides::{Both, Front, Neither};
+    // What looks at the back of a sheet sees the light behind it.
+    assert_eq!(lit(sides(Both), None), 0.0);
+    assert!(lit(sides(Front), None) > 0.0 && lit(sides(Front), None) == lit(sides(Neither), None));
+    assert!(lit(sides(Front), Some(lamp(Both))) > 0.0);
+    assert!(lit(sides(Neither), Some(lamp(Both))) > 0.0);
+    assert_eq!(lit(sides(Neither), Some(lamp(Front))), 0.0);
+    // From below, the sheet shows its back: the light above is seen through it.
+    let mut all = scene(vec![(square(1.0, 2.0), sides(Front)), (square(2.0, 1.0), lamp(Both))]);
+    all.sky = Vec3::ZERO;
+    let through = |all: &LitScene, y: f64, to: f64| {
+        PathTracer::new(all).hit(DVec3::new(0.3, y, 0.2), DVec3::new(0.0, to, 0.0)).map(|s| s.material)
+    };
+    assert_eq!((through(&all, 0.0, 1.0), through(&all, 1.5, -1.0)), (Some(1), Some(0)));
+    // A mirror does not turn the front of an object: the same sheet, upside down.
+    all.objects[0].transform = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+    assert_eq!((through(&all, -2.0, 1.0), through(&all, 0.0, -1.0)), (Some(0), None));
 }

@@ -9,7 +9,7 @@ use casca_stage::window::Done;
 use clap::Args;
 
 use crate::points::large::progress::progress;
-use crate::points::part::Part;
+use crate::points::part::{Part, warned};
 
 /// Cut a file into bricks, which `walk` reads.
 #[derive(Debug, Args)]
@@ -45,11 +45,13 @@ impl Cut {
         let mut builder =
             Builder::create(&self.out, BuildOptions { most_points: self.points, memory, seed: self.seed })?;
         let bar = progress(None, "reading");
-        let skipped = read_selected::<CutError>(&self.file, &self.part.selection(), 1 << 20, |cloud| {
+        let report = read_selected::<CutError>(&self.file, &self.part.selection(), 1 << 20, |cloud| {
             bar.inc(cloud.len() as u64);
             Ok(builder.push(&cloud)?)
         })?;
         bar.finish();
+        let skipped = report.skipped;
+        warned(report);
         let bar = progress(Some(0), "sorting and cutting");
         builder.finish(|done, all| {
             bar.set_length(all);

@@ -9,6 +9,7 @@ use crate::sets::LineSet;
 use crate::sets::generate::{Family, Recipe};
 use crate::sets::random::Random;
 use crate::slabs::{SlabGrid, Slices, SpanRule};
+use crate::testing::coordinate;
 
 fn short_lines(count: u32, long: f64, seed: u64) -> LineSet {
     let mut random = Random::new(seed);
@@ -23,13 +24,14 @@ fn short_lines(count: u32, long: f64, seed: u64) -> LineSet {
 /// The distance of a point from a segment.
 fn distance([a, b]: [DVec3; 2], p: DVec3) -> f64 {
     let axis = b - a;
-    p.distance(a + axis * ((p - a).dot(axis) / axis.length_squared()).clamp(0.0, 1.0))
+    let share = (p - a).dot(axis) / axis.length_squared().max(f64::MIN_POSITIVE);
+    p.distance(a + axis * share.clamp(0.0, 1.0))
 }
 
 /// Lines that bend sharply at each vertex.
 fn bent_lines(count: u32, seed: u64) -> LineSet {
     let mut random = Random::new(seed);
-    let mut point = |s: f64| DVec3::from_array(std::array::from_fn(|_| random.within(-s, s)));
+    let mut point = |s: f64| DVec3::from_array(std::array::from_fn(|_| coordinate(&mut random, s)));
     LineSet::new((0..count).map(|_| {
         let mut at = point(1.0);
         let next = |_| {
@@ -52,10 +54,10 @@ fn thin_rays_stop_at_the_tubes_and_balls_that_small_steps_meet() {
         let cells = Cells::new(&lines, radius);
         let ends: Vec<[DVec3; 2]> = cells.ends().iter().map(|e| e.map(|p| p.as_dvec3())).collect();
         let mut random = Random::new(8);
-        let mut point = || DVec3::from_array(std::array::from_fn(|_| random.within(-1.2, 1.2)));
+        let mut point = || DVec3::from_array(std::array::from_fn(|_| coordinate(&mut random, 1.2)));
         let mut counts = [0; 3];
         for _ in 0..1500 {
-            let (start, way) = (point(), point().normalize());
+            let (start, way) = (point(), point().normalize_or(DVec3::X));
             let outside = |e: &&[DVec3; 2]| distance(**e, start) > f64::from(radius);
             let others: Vec<[DVec3; 2]> = ends.iter().filter(outside).copied().collect();
             let nearest =

@@ -25,6 +25,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
     let four = Kind::Unsigned(4);
     let head = Bytes { bytes, at: STRANDS, big: false }.indices(four, 4)?;
     let (strands, points, flags, usual) = (head[0] as usize, head[1] as usize, head[2], head[3] as usize);
+    if flags & 0xff == 0 && flags.swap_bytes() & POINTS != 0 {
+        let why = "the numbers start with their highest byte: a HAIR file has the lowest first";
+        return Err(broken("byte", STRANDS, why));
+    }
     if flags & POINTS == 0 {
         return Err(broken("byte", STRANDS + 8, "the file has no array of points"));
     }

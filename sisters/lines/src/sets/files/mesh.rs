@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::bytes::unmarked;
 use super::error::FileError;
-use super::{Format, ply, text, unmarked};
+use super::{Format, ply, text};
 use crate::mesh::Mesh;
 
 /// The triangles of a file whose ending is .obj (`v` and `f`) or .ply (`vertex` and `face`);

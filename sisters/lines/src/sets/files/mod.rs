@@ -30,6 +30,7 @@ pub use error::FileError;
 pub use mesh::{open_mesh, read_mesh};
 
 use crate::sets::LineSet;
+use bytes::unmarked;
 
 /// The formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,10 +102,4 @@ pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
         Format::Vtp | Format::Trx => return Err(FileError::Feature),
         Format::Hair => hair::read(bytes)?,
     })
-}
-
-/// The file behind a byte-order mark, which some editors put before text: a first `v` of OBJ would
-/// be another word with it. No binary format begins so.
-fn unmarked(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }

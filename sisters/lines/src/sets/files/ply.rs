@@ -5,9 +5,9 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::bytes::{Bytes, Kind, whole};
+use super::bytes::{Bytes, Kind, are_words, whole};
 use super::error::{FileError, Lines, Lists, broken, refused};
-use super::words::{Words, parse, words};
+use super::words::{Words, line_end, parse, words};
 
 /// The kind of number with a name.
 fn kind_named(name: &str) -> Option<Kind> {
@@ -49,7 +49,7 @@ enum Body<'a> {
 impl Body<'_> {
     fn number(&mut self, kind: Kind) -> Result<f64, FileError> {
         match self {
-            Self::Text(words) => words.number("a number"),
+            Self::Text(words) => words.real("a number"),
             Self::Binary(file) => file.number(kind),
         }
     }
@@ -77,7 +77,9 @@ pub(super) fn read(bytes: &[u8]) -> Lines {
     let (points, lines) = lists(bytes, &["edge", "line", "polyline"])?;
     let point = |i: &u32| {
         let found = points.get(*i as usize).copied();
-        found.ok_or_else(|| refused(format!("a line names vertex {i} of {}", points.len())))
+        let swapped = (i.swap_bytes() as usize) < points.len() && *i > 0;
+        let more = if swapped { ": perhaps the header names the wrong order of bytes" } else { "" };
+        found.ok_or_else(|| refused(format!("a line names vertex {i} of {}{more}", points.len())))
     };
     lines.iter().map(|line| line.iter().map(point).collect()).collect()
 }
@@ -139,11 +141,12 @@ pub(super) fn lists(bytes: &[u8], wanted: &[&str]) -> Lists {
 
 fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
     let (mut elements, mut at, mut number): (Vec<Element>, _, _) = (Vec::new(), 0, 0);
-    let mut binary = None;
+    let (mut binary, line_end) = (None, line_end(bytes));
     loop {
         let rest = &bytes[at..];
-        let Some(end) = rest.iter().take(1000).position(|b| *b == b'\n') else {
-            return Err(broken("line", number + 1, "the header does not end"));
+        let Some(end) = rest.iter().position(|b| *b == line_end) else {
+            let why = "the header does not end: a line end_header must stand before the numbers";
+            return Err(broken("line", number + 1, why));
         };
         (at, number) = (at + end + 1, number + 1);
         let words = words(&rest[..end]);
@@ -178,6 +181,11 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
     }
     let body = match binary.ok_or_else(|| broken("line", number, "the header has no format"))? {
         None => Body::Text(Words::new(&bytes[at..], number + 1)),
+        Some(_) if are_words(&bytes[at..]) => {
+            let why =
+                "the numbers are text, but the header says that they are binary: its format must be ascii";
+            return Err(broken("line", number + 1, why));
+        }
         Some(big) => Body::Binary(Bytes { bytes, at, big }),
     };
     Ok((elements, body))

@@ -3,8 +3,9 @@
 
 use glam::Vec3;
 
-use super::bytes::{Bytes, Kind};
+use super::bytes::{Bytes, Kind, are_words};
 use super::error::{FileError, broken};
+use super::words::line_end;
 use crate::sets::LineSet;
 
 /// The header: where the numbers start, their bytes, and whether the highest is first.
@@ -18,10 +19,16 @@ struct Header {
 /// NaN after each line, infinity at the end.
 pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
     let Header { offset, kind, big } = header(bytes)?;
+    if are_words(bytes.get(offset..).unwrap_or_default()) {
+        return Err(broken("byte", offset, "the numbers are text: a TCK file has them in binary"));
+    }
     let mut file = Bytes { bytes, at: offset, big };
     let (mut lines, mut line) = (LineSet::default(), Vec::new());
     loop {
         let place = file.at;
+        if (1..3 * kind.size()).contains(&file.left()) || file.left() == 0 && place > offset {
+            return Err(cut_short(&file, kind, place));
+        }
         let mut next = || file.number(kind);
         let point = [next()?, next()?, next()?];
         // Marks fill all three coordinates; a vertex that lacks one is damaged.
@@ -37,9 +44,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
     }
 }
 
+/// The file ends without the mark of its end, or that stands in the other order of bytes.
+fn cut_short(file: &Bytes<'_>, kind: Kind, place: usize) -> FileError {
+    let at = file.bytes.len().saturating_sub(3 * kind.size());
+    let mut swapped = Bytes { at, big: !file.big, ..*file };
+    let why = match (0..3).all(|_| swapped.number(kind).is_ok_and(f64::is_infinite)) {
+        true => "the numbers stand in the other order of bytes than datatype says (LE or BE)",
+        false => "the file ends without three infinite numbers, the mark of its end: it is cut short",
+    };
+    broken("byte", place, why)
+}
+
 fn header(bytes: &[u8]) -> Result<Header, FileError> {
-    let (mut offset, mut order, mut at) = (None, None, 0);
-    for (i, line) in bytes.split(|b| *b == b'\n').enumerate() {
+    let (mut offset, mut order, mut at, mut last) = (None, None, 0, 0);
+    let (end, mut ended) = (line_end(bytes), None);
+    for (i, line) in bytes.split(|b| *b == end).enumerate() {
+        let start = at;
+        at += line.len() + 1;
         let line = String::from_utf8_lossy(line.get(..line.len().min(200)).unwrap_or_default());
         if i == 0 && line.trim() != "mrtrix tracks" {
             let scalars = line.trim() == "mrtrix track scalars";
@@ -47,21 +68,39 @@ fn header(bytes: &[u8]) -> Result<Header, FileError> {
             return Err(broken("byte", 0, format!("a TCK file starts with \"mrtrix tracks\"{more}")));
         }
         match line.split_once(':').map(|(k, v)| (k.trim(), v.trim())) {
-            Some(("file", v)) => offset = v.strip_prefix('.').and_then(|v| v.trim().parse::<usize>().ok()),
-            Some(("datatype", "Float32LE")) => order = Some((Kind::Float(4), false)),
-            Some(("datatype", "Float32BE")) => order = Some((Kind::Float(4), true)),
-            Some(("datatype", "Float64LE")) => order = Some((Kind::Float(8), false)),
-            Some(("datatype", "Float64BE")) => order = Some((Kind::Float(8), true)),
-            Some(("datatype", other)) => {
-                let read = "Float32LE, Float32BE, Float64LE and Float64BE are read";
-                return Err(broken("line", i + 1, format!("data of {other}: only {read}")));
+            Some(("file", v)) => {
+                offset = v.strip_prefix('.').and_then(|v| v.trim().parse::<usize>().ok()).map(|v| (v, i + 1));
+                last = i + 1;
             }
-            None if line.trim() == "END" => break,
+            Some(("datatype", name)) => {
+                order = Some(match name.to_ascii_lowercase().as_str() {
+                    "float32le" => (Kind::Float(4), false),
+                    "float32be" => (Kind::Float(4), true),
+                    "float64le" => (Kind::Float(8), false),
+                    "float64be" => (Kind::Float(8), true),
+                    _ => {
+                        let read = "Float32LE, Float32BE, Float64LE and Float64BE are read";
+                        return Err(broken("line", i + 1, format!("data of {name}: only {read}")));
+                    }
+                });
+                last = i + 1;
+            }
+            None if line.trim() == "END" => {
+                (ended, last) = (Some(start + "END".len()), i);
+                break;
+            }
             _ => {}
         }
-        at += 1;
     }
-    let offset = offset.ok_or_else(|| broken("line", at, "the header lacks \"file: . OFFSET\""))?;
-    let (kind, big) = order.ok_or_else(|| broken("line", at, "the header lacks a datatype"))?;
+    let Some(ended) = ended else {
+        let why = "the header does not end: a line END must stand before the numbers";
+        return Err(broken("line", last + 1, why));
+    };
+    let (offset, line) = offset.ok_or_else(|| broken("line", last, "the header lacks \"file: . OFFSET\""))?;
+    let (kind, big) = order.ok_or_else(|| broken("line", last, "the header lacks a datatype"))?;
+    if offset < ended {
+        let why = format!("\"file: . {offset}\" names a byte of the header, which has {ended}");
+        return Err(broken("line", line, why));
+    }
     Ok(Header { offset, kind, big })
 }

@@ -10,6 +10,7 @@ use crate::testing::cases;
 #[path = "../../../tests/files/formats.rs"]
 #[allow(dead_code)]
 mod formats;
+mod people;
 mod tractograms;
 
 /// Files of lines in all formats, and whether they have the numbers of [`formats`].

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::error::{FileError, Lines, Lists, broken};
-use super::words::{Words, parse, words};
+use super::words::{Words, lines, parse, real, words};
 
 /// The thesis' format: the number of lines, the number of vertices of each, and the vertices.
 pub(super) fn thesis(bytes: &[u8]) -> Lines {
@@ -31,15 +31,15 @@ pub(super) fn obj(bytes: &[u8]) -> Lines {
 
 /// The vertices of an OBJ file, and their numbers in each statement with a name; these are there.
 pub(super) fn lists(bytes: &[u8], statement: &str) -> Lists {
-    let (mut points, mut lines) = (Vec::new(), Vec::new());
-    for (i, line) in bytes.split(|b| *b == b'\n').enumerate() {
+    let (mut points, mut named) = (Vec::new(), Vec::new());
+    for (i, line) in lines(bytes).enumerate() {
         let words = words(line);
         match words.split_first() {
             Some((&"v", rest)) => {
                 let [x, y, z] = rest
                     .first_chunk()
                     .ok_or_else(|| broken("line", i + 1, "a vertex of less than 3 numbers"))?;
-                let coordinate = |w| parse(w, "a coordinate", i + 1);
+                let coordinate = |w| real(w, "a coordinate", i + 1);
                 points.push(Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?));
             }
             Some((name, rest)) if *name == statement => {
@@ -52,12 +52,12 @@ pub(super) fn lists(bytes: &[u8], statement: &str) -> Lists {
                     let none = || broken("line", i + 1, format!("there is no vertex {named}"));
                     number(index.ok_or_else(none)?, i + 1)
                 };
-                lines.push(rest.iter().map(vertex).collect::<Result<_, _>>()?);
+                named.push(rest.iter().map(vertex).collect::<Result<_, _>>()?);
             }
             _ => {}
         }
     }
-    Ok((points, lines))
+    Ok((points, named))
 }
 
 /// The number of a vertex as 32 bits.

@@ -173,7 +173,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
         let count = file.i32()?;
         let size = usize::try_from(count).ok().and_then(|c| c.checked_mul((3 + scalars) * 4));
         if size.is_none_or(|s| s > file.left()) {
-            return Err(broken("byte", start, format!("a line of {count} vertices is longer than the file")));
+            let why = "is longer than the file, which is cut short or counts scalars and properties wrongly";
+            return Err(broken("byte", start, format!("a line of {count} vertices {why}")));
         }
         let mut line = Vec::with_capacity(count as usize);
         for _ in 0..count {
@@ -184,7 +185,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
         lines.push(line)?;
     }
     if promised > 0 && promised as usize != lines.len() {
-        let why = format!("the header promises {promised} lines, the file has {}", lines.len());
+        let why = format!("the header promises {promised} lines, the file has {}: is it whole?", lines.len());
         return Err(broken("byte", COUNT, why));
     }
     let named = |table, word, of, all: Vec<Vec<f32>>| -> Result<Vec<Scalars>, FileError> {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use half::f16;
 use zip::ZipArchive;
 
-use super::bytes::{Bytes, Kind};
+use super::bytes::{Bytes, Kind, unmarked};
 use super::error::{FileError, refused};
 use super::unpack::Room;
 use crate::sets::LineSet;
@@ -68,7 +68,10 @@ impl Entry {
     fn indices(&self) -> Result<Vec<u32>, FileError> {
         match self.kind {
             Number::Half => Err(refused(format!("{} cannot be of float16", self.name))),
-            Number::Other(kind) => self.file().indices(kind, self.bytes.len() / kind.size()),
+            Number::Other(kind) => {
+                let all = self.file().indices(kind, self.bytes.len() / kind.size());
+                all.map_err(|why| refused(format!("{} in the archive: {why}", self.name)))
+            }
         }
     }
 
@@ -128,7 +131,7 @@ impl Archive {
 
     fn add(&mut self, path: &str, bytes: Vec<u8>) -> Result<(), FileError> {
         if path == "header.json" {
-            let header = serde_json::from_slice(&bytes);
+            let header = serde_json::from_slice(unmarked(&bytes));
             self.header = Some(header.map_err(|why| refused(format!("header.json is broken: {why}")))?);
             return Ok(());
         }

@@ -1,9 +1,10 @@
 //! VTK's legacy files of lines.
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>
 
-use super::bytes::{Bytes, Kind};
+use super::bytes::{Bytes, Kind, are_words};
 use super::error::{FileError, broken};
 use super::polydata::{Array, Piece, lines};
+use super::words::{is_not, line_end, no_number};
 use crate::sets::LineSet;
 
 /// What follows a list of points or cells.
@@ -21,6 +22,8 @@ struct File<'a> {
     ascii: bool,
     /// Whether cells have offsets, since version 5.
     offsets: bool,
+    /// The byte that ends lines.
+    line_end: u8,
 }
 
 /// The kind of number with a name.
@@ -80,7 +83,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
 impl<'a> File<'a> {
     /// Reads the header.
     fn new(bytes: &'a [u8]) -> Result<Self, FileError> {
-        let mut file = Self { bytes, at: 0, ascii: true, offsets: false };
+        let mut file = Self { bytes, at: 0, ascii: true, offsets: false, line_end: line_end(bytes) };
         let Some(version) = file.line().strip_prefix("# vtk DataFile Version ") else {
             let xml = bytes.starts_with(b"<");
             let more = if xml { "; one of XML has the ending .vtp" } else { "" };
@@ -115,7 +118,7 @@ impl<'a> File<'a> {
     /// The rest of a line.
     fn line(&mut self) -> &'a str {
         let rest = &self.bytes[self.at..];
-        let long = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
+        let long = rest.iter().position(|b| *b == self.line_end).unwrap_or(rest.len());
         self.at = (self.at + long + 1).min(self.bytes.len());
         str::from_utf8(&rest[..long]).unwrap_or("\u{fffd}")
     }
@@ -131,8 +134,8 @@ impl<'a> File<'a> {
     /// The next word, if it stands in this line.
     fn word_of_line(&mut self) -> Option<&'a str> {
         let rest = &self.bytes[self.at..];
-        let start = rest.iter().position(|b| !matches!(b, b' ' | b'\t' | b'\r'))?;
-        if rest[start] == b'\n' { None } else { self.word() }
+        let start = rest.iter().position(|b| *b == self.line_end || !matches!(b, b' ' | b'\t' | b'\r'))?;
+        if rest[start] == self.line_end { None } else { self.word() }
     }
 
     fn name(&mut self) -> Result<&'a str, FileError> {
@@ -141,7 +144,21 @@ impl<'a> File<'a> {
 
     fn count<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, FileError> {
         let word = self.word().unwrap_or_default();
-        word.parse().map_err(|_| self.fail(format!("\"{}\" is not {what}", cut(word))))
+        word.parse().map_err(|_| self.fail(self.is_not(word, what)))
+    }
+
+    fn is_not(&self, word: &str, what: &str) -> String {
+        match word {
+            "" => format!("the file ends before {what}"),
+            word => is_not(word, what),
+        }
+    }
+
+    /// The next word as a number with decimals.
+    fn real(&mut self) -> Result<f64, FileError> {
+        let word = self.word().unwrap_or_default();
+        let number = word.parse().ok().or_else(|| no_number(word).map(f64::from));
+        number.ok_or_else(|| self.fail(self.is_not(word, "a number")))
     }
 
     fn kind(&mut self) -> Result<Kind, FileError> {
@@ -159,9 +176,13 @@ impl<'a> File<'a> {
 
     fn floats(&mut self, kind: Kind, count: usize) -> Result<Vec<f32>, FileError> {
         if self.ascii {
-            return (0..count).map(|_| self.count::<f64>("a number").map(|v| v as f32)).collect();
+            return (0..count).map(|_| self.real().map(|v| v as f32)).collect();
         }
         let mut numbers = self.binary();
+        let own = count.saturating_mul(kind.size()).min(numbers.left());
+        if matches!(kind, Kind::Float(_)) && are_words(&self.bytes[self.at..][..own]) {
+            return Err(self.fail("the numbers are text, but the third line says BINARY: it must say ASCII"));
+        }
         let all = numbers.floats(kind, count);
         self.at = numbers.at;
         all
@@ -200,7 +221,9 @@ impl<'a> File<'a> {
         let (mut ends, mut list, mut rest) = (Vec::new(), Vec::new(), &all[..]);
         while let Some((long, after)) = rest.split_first() {
             let Some((cell, after)) = after.split_at_checked(*long as usize) else {
-                return Err(self.fail(format!("a cell of {long} points is longer than the list")));
+                let swapped = !self.ascii && long.swap_bytes() as usize <= list.len() + after.len();
+                let more = if swapped { ": binary numbers of VTK start with their highest byte" } else { "" };
+                return Err(self.fail(format!("a cell of {long} points is longer than the list{more}")));
             };
             list.extend_from_slice(cell);
             ends.push(list.len() as u32);

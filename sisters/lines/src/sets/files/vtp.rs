@@ -18,8 +18,9 @@ const APPENDED: &[u8] = b"<AppendedData";
 pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
     let start = bytes.windows(APPENDED.len()).position(|w| w == APPENDED);
     let (text, appended) = bytes.split_at(start.unwrap_or(bytes.len()));
-    let text = str::from_utf8(text).map_err(|why| refused(format!("the XML is not UTF-8: {why}")))?;
-    let closed = if start.is_some() { format!("{text}</VTKFile>") } else { text.to_owned() };
+    // Letters of other encodings stand in names and comments only.
+    let text = String::from_utf8_lossy(text);
+    let closed = if start.is_some() { format!("{text}</VTKFile>") } else { text.into_owned() };
     let document = Document::parse(&closed).map_err(|why| refused(format!("the XML is broken: {why}")))?;
     let root = document.root_element();
     if root.tag_name().name() != "VTKFile" {

@@ -10,7 +10,7 @@ use super::*;
 use crate::sets::attributes::{Attributes, Groups, NO_GROUP, Scalars};
 use crate::sets::generate::{Family, Recipe};
 use crate::sets::random::Random;
-use crate::testing::cases;
+use crate::testing::{cases, coordinate};
 
 /// Rounding of distances in doubles, as a share of the extent: samples and the method differ by
 /// some roundings of 2^-53.
@@ -260,7 +260,7 @@ proptest! {
         distance in 0.02f32..2.0, far in prop_oneof![Just(0.0f32), Just(1000.0)],
     ) {
         let mut random = Random::new(seed);
-        let mut unit = || Vec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0) as f32));
+        let mut unit = || Vec3::from_array(std::array::from_fn(|_| coordinate(&mut random, 1.0) as f32));
         let (mut p, mut way) = (Vec3::splat(far), Vec3::X);
         let mut line = Vec::new();
         for i in 0..count {

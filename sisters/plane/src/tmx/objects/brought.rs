@@ -56,8 +56,8 @@ pub(in crate::tmx) struct Standing<'t> {
     pub roles: Roles<'t>,
 }
 
-/// The tiles with shapes that were met. Each is turned in eight ways at most, and takes two roles
-/// in each, so that at most 16 copies of what the files draw are kept.
+/// The tiles with shapes that were met. Each is turned in eight ways at most, and takes four roles
+/// in each, so that at most 32 copies of what the files draw are kept.
 pub(in crate::tmx) struct DrawnTiles {
     space: Space,
     known: HashMap<(*const Opaque, u32), Known>,
@@ -71,8 +71,8 @@ struct Known {
     /// Kept, so that no other tileset gets its address.
     set: Rc<Opaque>,
     objects: Vec<Object>,
-    /// By the bits that turn the tile, and whether all objects of the layer hide.
-    brought: HashMap<(u32, bool), Rc<Brought>>,
+    /// By the bits that turn the tile, and the role that the layer gives.
+    brought: HashMap<(u32, Option<Role>), Rc<Brought>>,
 }
 
 /// An object on a tile.
@@ -101,7 +101,7 @@ impl DrawnTiles {
             Known { set: set.clone(), objects, brought: HashMap::new() }
         });
         let Known { set, objects, brought } = known;
-        let made = brought.entry((id & TURNS, roles.walls));
+        let made = brought.entry((id & TURNS, roles.layer));
         made.or_insert_with(|| Rc::new(bring(&self.space, Standing { set, ..tile }, objects, tell))).clone()
     }
 }
@@ -135,10 +135,8 @@ fn bring(space: &Space, tile: Standing<'_>, objects: &mut [Object], tell: Tell<'
     let (mut walls, mut doors) = (Vec::new(), Vec::new());
     for Object { id, draft, told } in objects {
         let mut faults = Vec::new();
-        let class = tile.set.class(tile.number).filter(|_| draft.class.is_empty());
-        let class = class.as_ref().unwrap_or(&draft.class);
-        let of_tile = Some((&**tile.set, tile.number));
-        let role = tile.roles.role(&draft.properties, class, of_tile, &mut faults);
+        let of_tile = tile.set.says(tile.number, draft.class.is_empty());
+        let role = tile.roles.role(&draft.properties, &draft.class, of_tile, &mut faults);
         if role != Role::Plain {
             match shape(space, &tile, draft) {
                 Ok(TmxShape::Point(_)) => faults.push(TmxFault::NoSize),

@@ -65,9 +65,9 @@ pub enum TmxFault {
     /// point, which hides nothing.
     #[error("it has no size: it is a point, and hides nothing")]
     NoSize,
-    /// The property that says that objects hide, or that they are doors, is not of the type `bool`.
-    /// It says nothing.
-    #[error("the property {property} is of the type {kind}, not bool")]
+    /// A property that says whether objects hide, or are doors, is neither true nor false. It says
+    /// nothing.
+    #[error("the property {property}, of the type {kind}, is neither true nor false")]
     PropertyType {
         /// The name of the property.
         property: String,

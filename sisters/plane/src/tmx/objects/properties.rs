@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::fault::{TmxFault, shortened};
+use crate::editor::truth;
 use crate::tmx::TmxError;
 use crate::tmx::xml::{Element, Xml};
 
@@ -135,7 +136,7 @@ fn plain(
     let value = match kind {
         "string" => return Ok(TmxValue::String(text)),
         "file" => return Ok(TmxValue::File(text)),
-        "bool" => text.parse().ok().map(TmxValue::Bool),
+        "bool" => truth(&text).map(TmxValue::Bool),
         "int" => text.trim().parse().ok().map(TmxValue::Int),
         "float" => text.trim().parse().ok().filter(|v: &f64| v.is_finite()).map(TmxValue::Float),
         "object" => text.trim().parse().ok().map(TmxValue::Object),

@@ -97,13 +97,14 @@ impl ObjectLayer<'_> {
             role: Role::Plain,
             properties: draft.properties,
         };
+        let of_tile = |tile: &Tile<'_>| tile.set.says(tile.number, object.class.is_empty());
+        let of_tile = tile.as_ref().map(of_tile).unwrap_or_default();
+        object.role = self.roles.role(&object.properties, &object.class, of_tile, faults);
         if object.class.is_empty()
             && let Some(class) = tile.as_ref().and_then(|tile| tile.set.class(tile.number))
         {
             object.class = class;
         }
-        let of_tile = tile.as_ref().map(|tile| (&**tile.set, tile.number));
-        object.role = self.roles.role(&object.properties, &object.class, of_tile, faults);
         if is_point || matches!(object.shape, TmxShape::Point(_)) && object.role != Role::Plain {
             faults.push(TmxFault::NoSize);
         }

@@ -4,46 +4,50 @@ use std::collections::BTreeMap;
 
 use super::fault::{TmxFault, shortened};
 use super::properties::TmxValue;
-use crate::editor::Role;
-use crate::tmx::tileset::Opaque;
+use crate::editor::{Role, Rule, Says, truth};
 
-/// The rules for the roles of the objects of a layer.
+/// The rules for the roles of what is in a layer.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::tmx) struct Roles<'l> {
-    /// The names of the properties that say that an object hides, and that it is a door.
-    pub names: [&'l str; 2],
-    /// Whether all objects of the layer hide.
-    pub walls: bool,
+    pub rule: &'l Rule,
+    /// The role that the layer gives, if it gives one.
+    pub layer: Option<Role>,
 }
 
 impl Roles<'_> {
-    /// The role that an object gives itself, or else its tile, its class or its layer.
+    /// The role that an object gives itself, or else its class, its tile or its layer.
     pub(super) fn role(
         &self,
         properties: &BTreeMap<String, TmxValue>,
         class: &str,
-        tile: Option<(&Opaque, u32)>,
+        of_tile: Says,
         faults: &mut Vec<TmxFault>,
     ) -> Role {
-        let mut says = |which: usize| {
-            let name = self.names[which];
-            match properties.get(name) {
-                Some(TmxValue::Bool(says)) => return Some(*says),
-                Some(other) => {
-                    let (property, kind) = (shortened(name), other.kind());
+        let mut own = Says::default();
+        for (name, value) in properties {
+            let Some(role) = self.rule.role(name) else { continue };
+            match value.truth() {
+                Some(says) => own.add(role, says),
+                None => {
+                    let (property, kind) = (shortened(name), value.kind());
                     faults.push(TmxFault::PropertyType { property, kind });
                 }
-                None => {}
             }
-            let of_tile = tile.is_some_and(|(set, number)| set.says(number, which));
-            (of_tile || class == name).then_some(true)
-        };
-        let (hides, door) = (says(0), says(1));
-        match (door, hides) {
-            (Some(true), _) => Role::Door,
-            (_, Some(true)) => Role::Wall,
-            (_, None) if self.walls => Role::Wall,
-            _ => Role::Plain,
+        }
+        let all = own.or(self.rule.role(class).into()).or(of_tile);
+        all.role().or(self.layer).unwrap_or_default()
+    }
+}
+
+impl TmxValue {
+    /// Whether it says yes or no; `None` if it says neither.
+    fn truth(&self) -> Option<bool> {
+        match self {
+            Self::Bool(says) => Some(*says),
+            Self::Int(number) => Some(*number != 0),
+            Self::Float(number) => Some(*number != 0.0),
+            Self::String(text) => truth(text),
+            _ => None,
         }
     }
 }

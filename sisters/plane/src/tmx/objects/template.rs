@@ -47,8 +47,8 @@ pub(crate) struct Templates<'t> {
 
 impl<'t> Templates<'t> {
     /// The bytes that templates may give to all objects of a map of some bytes.
-    pub fn most(map: &[u8]) -> u64 {
-        BYTES_FOR_ALL + BYTES_FOR_A_BYTE * map.len() as u64
+    pub fn most(bytes: usize) -> u64 {
+        BYTES_FOR_ALL + BYTES_FOR_A_BYTE * bytes as u64
     }
 
     /// Templates by their paths, which may give `left` bytes.

@@ -10,6 +10,7 @@ use casca_lab::pictures::chart;
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::world::World;
 use casca_tools::command_line::{Outcome, PathError, try_writing, try_writing_into};
+use glam::DVec3;
 use indicatif::ProgressBar;
 
 use crate::Failure;
@@ -47,6 +48,7 @@ fn open(options: &Options) -> Result<World, Failure> {
     let mut scene_options = SceneOptions { seed: options.common.seed, ..SceneOptions::default() };
     scene_options.frames = frames.unwrap_or(scene_options.frames);
     let mut world = options.scene.open(&scene_options)?;
+    world.source.tell();
     world.frames = world.frames.min(frames.unwrap_or(usize::MAX));
     Ok(world)
 }
@@ -74,9 +76,13 @@ fn show_losses(bar: &ProgressBar, world: &World, number: usize, frame: &Frame, s
                 eprintln!("visible objects are missing from the PVS; the first ones:");
             }
             let name = &world.objects[lost.object].name;
+            let in_file = |place: DVec3| place + world.source.origin;
             eprintln!(
                 "  frame {number}: object {} {name:?} is seen ({:?}) along the ray from {} to {}",
-                lost.object, lost.found_by, lost.origin, lost.target
+                lost.object,
+                lost.found_by,
+                in_file(lost.origin),
+                in_file(lost.target)
             );
         });
         *shown += 1;

@@ -54,7 +54,8 @@ impl MethodName {
 )]
 pub struct Options {
     /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes,
-    /// spheres-16, city-10, valley, harbour, storeys or a glTF 2.0 file (.glb)
+    /// spheres-16, city-10, valley, harbour, storeys or a glTF 2.0 file (.glb), of which only what
+    /// is drawn opaque hides, from the side from which it is drawn
     #[arg(long, default_value = "spheres")]
     pub scene: SceneName,
     /// How visibility is decided

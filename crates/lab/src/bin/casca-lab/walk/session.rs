@@ -11,7 +11,7 @@ use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_truth::baselines::{Hzb, RayBuffer};
-use casca_truth::oracle::{FrameVerdict, Oracle, OracleOptions};
+use casca_truth::oracle::{FrameVerdict, Oracle, OracleOptions, Seen};
 use glam::Vec3;
 
 use super::options::{ASPECT, GridChoice, MethodName, Options};
@@ -73,6 +73,8 @@ pub struct Session<'a> {
     frustum: Query,
     rival: Option<Rival>,
     oracle: Oracle,
+    /// What the oracle is told of the file.
+    seen: Seen,
     /// The eye in each frame.
     path: Vec<Vec3>,
 }
@@ -90,6 +92,7 @@ impl<'a> Session<'a> {
             max_candidates: options.candidates as usize,
             seed: options.common.seed,
         };
+        let seen = Seen::of(&world);
         Ok(Self {
             driver: driver?,
             setup,
@@ -97,7 +100,8 @@ impl<'a> Session<'a> {
             query: Query::with_method(options.query_method())?,
             frustum: Query::with_method(Method::Frustum)?,
             rival: Rival::of(options.method, &world.objects),
-            oracle: Oracle::new(&world.objects, oracle_options),
+            oracle: Oracle::new(seen.objects(&world.objects), oracle_options),
+            seen,
             path: (0..world.frames).map(|f| world.camera(f, ASPECT).eye).collect(),
             world,
         })
@@ -130,7 +134,7 @@ impl<'a> Session<'a> {
             Some(found) => found.contains(&object),
             None => self.driver.sees(pvs, object),
         };
-        let verdict = self.oracle.frame(objects, &moved, &camera, &sees);
+        let verdict = self.oracle.frame(self.seen.follow(objects, &moved), &moved, &camera, &sees);
         let tested = |object: &usize| objects[*object].tested;
         let counts = FrameCounts {
             frustum: in_frustum.iter().copied().filter(tested).count(),

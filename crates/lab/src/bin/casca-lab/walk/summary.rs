@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use casca_lab::pictures::FrameCounts;
 use casca_tools::command_line::{Outcome, say};
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use serde_json::{Value, json};
 
 use super::options::Options;
@@ -17,6 +17,8 @@ pub struct Summary {
     method: &'static str,
     seed: u64,
     dims: IVec3,
+    /// What is added to positions for those of the file.
+    origin: DVec3,
     /// Objects that are tested.
     objects: usize,
     setup: Duration,
@@ -57,6 +59,7 @@ impl Summary {
             method: options.method.name(),
             seed: options.common.seed,
             dims: scene.grid().dims(),
+            origin: world.source.origin,
             objects: world.objects.iter().filter(|o| o.tested).count(),
             setup: session.setup,
             grid_bytes: scene.memory().grid(),
@@ -175,8 +178,8 @@ impl Summary {
                 frame.verdict.false_negatives.iter().map(move |lost| json!({
                     "frame": number,
                     "object": lost.object,
-                    "origin": lost.origin.to_array(),
-                    "target": lost.target.to_array(),
+                    "origin": (lost.origin + self.origin).to_array(),
+                    "target": (lost.target + self.origin).to_array(),
                 }))
             }).collect::<Vec<_>>(),
             "per_frame": self.frames.iter().map(|f| json!({

@@ -1,6 +1,7 @@
 //! The numbers of an array: words, base64, or bytes after the XML, packed or not.
 
 use std::borrow::Cow;
+use std::str::FromStr;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -9,6 +10,7 @@ use roxmltree::Node;
 use crate::sets::files::bytes::{Bytes, Kind};
 use crate::sets::files::error::{FileError, refused};
 use crate::sets::files::unpack::Room;
+use crate::sets::files::words::{is_not, no_number};
 
 /// The encoding that all arrays of a file share.
 pub(super) struct Store<'a> {
@@ -66,22 +68,26 @@ impl<'a> Store<'a> {
 
     /// The numbers of an array in single precision.
     pub(super) fn floats(&mut self, array: Node<'_, '_>) -> Result<Vec<f32>, FileError> {
-        match self.numbers(array)? {
-            Numbers::Words(text) => text.split_ascii_whitespace().map(parsed::<f32>).collect(),
-            Numbers::Bytes(bytes, kind) => {
+        let numbers = match self.numbers(array) {
+            Ok(Numbers::Words(text)) => text.split_ascii_whitespace().map(real).collect(),
+            Ok(Numbers::Bytes(bytes, kind)) => {
                 self.count(&bytes, kind).and_then(|n| self.all(&bytes).floats(kind, n))
             }
-        }
+            Err(why) => Err(why),
+        };
+        numbers.map_err(|why| named(array, &why))
     }
 
     /// The numbers of an array as numbers of points.
     pub(super) fn indices(&mut self, array: Node<'_, '_>) -> Result<Vec<u32>, FileError> {
-        match self.numbers(array)? {
-            Numbers::Words(text) => text.split_ascii_whitespace().map(parsed::<u32>).collect(),
-            Numbers::Bytes(bytes, kind) => {
+        let numbers = match self.numbers(array) {
+            Ok(Numbers::Words(text)) => text.split_ascii_whitespace().map(parsed::<u32>).collect(),
+            Ok(Numbers::Bytes(bytes, kind)) => {
                 self.count(&bytes, kind).and_then(|n| self.all(&bytes).indices(kind, n))
             }
-        }
+            Err(why) => Err(why),
+        };
+        numbers.map_err(|why| named(array, &why))
     }
 
     /// The count of numbers, which need 4 bytes each.
@@ -213,7 +219,16 @@ impl<'a> Stream<'a> {
     }
 }
 
-fn parsed<T: std::str::FromStr>(word: &str) -> Result<T, FileError> {
-    let short: String = word.chars().take(20).collect();
-    word.parse().map_err(|_| refused(format!("\"{short}\" is not a number of this array")))
+/// An error in an array, with its name. Places count from the start of the array.
+fn named(array: Node<'_, '_>, why: &FileError) -> FileError {
+    let name: String = array.attribute("Name").unwrap_or("without a name").chars().take(40).collect();
+    refused(format!("the array {name}: {why}"))
+}
+
+fn parsed<T: FromStr>(word: &str) -> Result<T, FileError> {
+    word.parse().map_err(|_| refused(is_not(word, "a number of this array")))
+}
+
+fn real(word: &str) -> Result<f32, FileError> {
+    parsed(word).or_else(|why| no_number(word).ok_or(why))
 }

@@ -1,0 +1,101 @@
+//! Which entities are in the scene: those that match the query under which Bevy draws meshes.
+
+use bevy_camera::primitives::Aabb;
+use bevy_camera::visibility::{
+    DynamicSkinnedMeshBounds, InheritedVisibility, NoCpuCulling, NoFrustumCulling, ViewVisibility,
+    Visibility, VisibilityClass, VisibilityRange,
+};
+use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::prelude::*;
+use bevy_mesh::Mesh3d;
+use bevy_mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy_mesh::skinning::SkinnedMesh;
+use bevy_transform::components::GlobalTransform;
+
+use crate::materials;
+use crate::scene::{CascaScene, InScene};
+use crate::settings::NoOcclusionCulling;
+
+/// Components of which casca manages no entity, whatever else it has.
+type Excluded = Or<(
+    With<NoFrustumCulling>,
+    With<NoCpuCulling>,
+    With<NoOcclusionCulling>,
+    With<VisibilityRange>,
+    With<MorphWeights>,
+    With<MeshMorphWeights>,
+    (With<SkinnedMesh>, Without<DynamicSkinnedMeshBounds>),
+)>;
+
+/// The opposite.
+pub(crate) type Manageable = (
+    Without<NoFrustumCulling>,
+    Without<NoCpuCulling>,
+    Without<NoOcclusionCulling>,
+    Without<VisibilityRange>,
+    Without<MorphWeights>,
+    Without<MeshMorphWeights>,
+    Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>,
+);
+
+/// Without one of these, Bevy draws no mesh or does not know where it is.
+pub(crate) type Complete = (
+    With<Mesh3d>,
+    With<Aabb>,
+    With<GlobalTransform>,
+    With<Visibility>,
+    With<InheritedVisibility>,
+    With<ViewVisibility>,
+    With<VisibilityClass>,
+);
+
+/// The opposite.
+type Incomplete = Or<(
+    Without<Mesh3d>,
+    Without<Aabb>,
+    Without<GlobalTransform>,
+    Without<Visibility>,
+    Without<InheritedVisibility>,
+    Without<ViewVisibility>,
+    Without<VisibilityClass>,
+)>;
+
+/// Entities in the scene that have no place there any more, as far as that is found without a look
+/// at each.
+pub(crate) type Gone = (With<InScene>, Or<(Excluded, Incomplete, With<Disabled>)>);
+
+/// Entities in the scene that have their place there. As any query it finds no entity with a
+/// component that disables, whoever registered that.
+pub(crate) type Drawn = (With<InScene>, Complete, Manageable);
+
+/// Takes all out of the scene that is not drawn, whatever the reason: counts tell whether there is
+/// any. Returns these entities, and those that are drawn without being in the scene.
+pub(crate) fn strays(
+    casca: &mut CascaScene,
+    drawn: &Query<(Entity, &InScene), Drawn>,
+    commands: &mut Commands,
+) -> Vec<Entity> {
+    let Some(scene) = casca.scene.as_mut().filter(|scene| scene.len() != drawn.iter().len()) else {
+        return Vec::new();
+    };
+    let owner = |object: casca::ObjectRef| Entity::try_from_bits(object.user_data());
+    let has_place = |id, entity| drawn.get(entity).is_ok_and(|(_, known)| known.id == id);
+    let objects = scene.iter().map(|(id, object)| (id, owner(object)));
+    let gone = objects.filter(|&(id, entity)| !entity.is_some_and(|entity| has_place(id, entity)));
+    let gone: Vec<_> = gone.collect();
+    let mut strays = Vec::with_capacity(gone.len());
+    for (id, entity) in gone {
+        let _ = scene.remove(id);
+        strays.extend(entity);
+    }
+    strays.extend(drawn.iter().filter(|(_, known)| !scene.contains(known.id)).map(|(entity, _)| entity));
+    for &entity in &strays {
+        casca.movers.remove(&entity);
+        if let Ok(mut known) = commands.get_entity(entity) {
+            known.try_remove::<InScene>();
+            // What its material becomes meanwhile is not seen.
+            materials::forget(commands, entity);
+        }
+    }
+    strays
+}

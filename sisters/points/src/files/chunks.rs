@@ -1,0 +1,187 @@
+//! Compressed points, chunk by chunk, by the decoders of `laz`.
+//!
+//! Not by its `LasZipDecompressor`: that panics where a table of chunks is too short, and loses the
+//! points before a fault.
+
+use std::io::{BufRead, Seek, SeekFrom};
+use std::thread;
+use std::vec::IntoIter;
+
+use laz::laszip::ChunkTable;
+use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
+
+use super::guarded::{PANICKED, guarded, plain};
+use super::head::{Head, Packed};
+use super::layers::{Layers, STACK};
+use super::records::{room, wanted};
+
+/// Bytes of the first point of a chunk, at least: it is not compressed.
+const LEAST_RECORD: u64 = 20;
+
+/// A place that points can be read from, also a borrowed one.
+pub(super) trait Place: BufRead + Seek + Send + Sync {}
+
+impl<T: BufRead + Seek + Send + Sync> Place for T {}
+
+/// Points and bytes of a chunk.
+type Entry = (u64, u64);
+
+/// The points of a file, or of one chunk, in their order.
+pub(super) struct Chunks<'a, S: Place + 'a> {
+    decoder: Box<dyn RecordDecompressor<Layers<S>> + Send + Sync + 'a>,
+    packed: Packed,
+    /// Bytes of a point.
+    record: usize,
+    /// The chunks that come, where a table says them, and where the next one begins.
+    table: Option<IntoIter<Entry>>,
+    next: u64,
+    /// Points of this chunk that come.
+    left: u64,
+}
+
+/// Why points are missing, and how many.
+pub(super) struct Gap {
+    pub cause: String,
+    pub points: u64,
+}
+
+impl<'a, S: Place + 'a> Chunks<'a, S> {
+    /// Of a file, whose source is at its points.
+    pub fn new(mut source: S, head: &Head, packed: &Packed) -> Result<Self, String> {
+        let is_one = packed.is_one_chunk;
+        let table = if is_one { None } else { table(&mut source, head, packed) };
+        let first = if is_one { head.start } else { head.start + 8 };
+        source.seek(SeekFrom::Start(first)).map_err(plain)?;
+        let mut chunks = Self::at(source, head, packed, head.length)?;
+        (chunks.table, chunks.next) = (table.map(Vec::into_iter), first);
+        if packed.vlr.uses_variable_size_chunks() && !is_one && !chunks.is_layered() && chunks.table.is_none()
+        {
+            return Err("the table of its chunks, whose sizes vary, cannot be read".into());
+        }
+        Ok(chunks)
+    }
+
+    /// Of a chunk of so many points, whose source is at its first, in a file that ends somewhere.
+    pub fn of_one(source: S, head: &Head, packed: &Packed, end: u64, points: u64) -> Result<Self, String> {
+        let mut chunks = Self::at(source, head, packed, end)?;
+        chunks.left = points;
+        chunks.restart()?;
+        Ok(chunks)
+    }
+
+    fn at(source: S, head: &Head, packed: &Packed, end: u64) -> Result<Self, String> {
+        let layers = Layers::new(source, &packed.vlr, end);
+        let is_layered = packed.vlr.items().first().is_some_and(|item| item.version() > 2);
+        let decoder: Box<dyn RecordDecompressor<Layers<S>> + Send + Sync> = match is_layered {
+            true => Box::new(LayeredPointRecordDecompressor::new(layers)),
+            false => Box::new(SequentialPointRecordDecompressor::new(layers)),
+        };
+        Ok(Self {
+            decoder,
+            packed: packed.clone(),
+            record: head.layout.record,
+            table: None,
+            next: 0,
+            left: 0,
+        })
+    }
+
+    fn is_layered(&self) -> bool {
+        self.packed.vlr.items().first().is_some_and(|item| item.version() > 2)
+    }
+
+    /// Records of the next points, at most so many; and why those behind them are missing.
+    pub fn next(&mut self, most: u64) -> (Vec<u8>, Option<Gap>) {
+        let mut records = room(most, self.record);
+        let mut read = 0;
+        let decoded = thread::scope(|scope| {
+            let decode = || self.fill(&mut records, &mut read);
+            let decoding =
+                thread::Builder::new().stack_size(STACK).spawn_scoped(scope, decode).map_err(plain)?;
+            decoding.join().unwrap_or_else(|_| Err(PANICKED.into()))
+        });
+        records.truncate(read * self.record);
+        let gap = decoded.err().map(|cause| {
+            let left = most - read as u64;
+            // Those of this chunk, if there is another one that can be found.
+            let points = self.left.min(left);
+            self.left = 0;
+            let has_next = self.table.as_ref().is_some_and(|table| table.len() > 0);
+            Gap { cause, points: if has_next { points } else { left } }
+        });
+        (records, gap)
+    }
+
+    /// Decodes points, and counts them.
+    fn fill(&mut self, records: &mut [u8], read: &mut usize) -> Result<(), String> {
+        self.decoder.get_mut().watch();
+        for record in records.chunks_exact_mut(self.record) {
+            let is_first = self.left == 0;
+            if is_first {
+                self.go_to_next()?;
+            }
+            self.decoder.decompress_next(record).map_err(plain)?;
+            if is_first && self.left == 0 {
+                // The size of a chunk that only the chunk itself says.
+                self.left = self.decoder.get().points().max(1);
+            }
+            self.left -= 1;
+            *read += 1;
+        }
+        Ok(())
+    }
+
+    /// Goes to the next chunk; its points are 0 if only itself says how many.
+    fn go_to_next(&mut self) -> Result<(), String> {
+        let vlr = &self.packed.vlr;
+        let fixed = (!vlr.uses_variable_size_chunks()).then(|| u64::from(vlr.chunk_size()));
+        if self.packed.is_one_chunk {
+            self.left = u64::MAX;
+        } else if let Some(table) = &mut self.table {
+            let (points, bytes) = table.next().ok_or("the table of its chunks ends here")?;
+            self.left = fixed.unwrap_or(points);
+            self.decoder.get_mut().seek(SeekFrom::Start(self.next)).map_err(plain)?;
+            self.next = self.next.saturating_add(bytes);
+        } else {
+            self.left = fixed.unwrap_or(0);
+        }
+        self.restart()
+    }
+
+    /// Makes the decoder ready for the first point of a chunk.
+    fn restart(&mut self) -> Result<(), String> {
+        self.decoder.get_mut().begin().map_err(plain)?;
+        self.decoder.reset();
+        self.decoder.set_fields_from(self.packed.vlr.items()).map_err(plain)?;
+        self.decoder.set_selection(wanted());
+        Ok(())
+    }
+}
+
+/// The points and bytes of chunks, if their table is there and agrees with the file.
+///
+/// Compressed points begin with the offset of the table, or -1 and the file ends with it. Each
+/// chunk has at least a point.
+fn table(source: &mut impl Place, head: &Head, packed: &Packed) -> Option<Vec<Entry>> {
+    let mut number = |from: SeekFrom| {
+        let mut bytes = [0; 8];
+        source.seek(from)?;
+        source.read_exact(&mut bytes).map(|()| u64::from_le_bytes(bytes))
+    };
+    let mut at = number(SeekFrom::Start(head.start)).ok()?;
+    if at as i64 <= head.start as i64 {
+        at = number(SeekFrom::End(-8)).ok()?;
+    }
+    let count = number(SeekFrom::Start(at)).ok()? >> 32;
+    if count > head.length / LEAST_RECORD {
+        return None;
+    }
+    source.seek(SeekFrom::Start(at)).ok()?;
+    let is_varied = packed.vlr.uses_variable_size_chunks();
+    let table = guarded(|| ChunkTable::read(&mut *source, is_varied)).ok()?;
+    let entries: Vec<Entry> =
+        table.as_ref().iter().map(|entry| (entry.point_count, entry.byte_count)).collect();
+    let bytes = entries.iter().try_fold(head.start + 8, |sum, entry| sum.checked_add(entry.1));
+    let is_sound = bytes == Some(at) && entries.iter().all(|entry| !is_varied || entry.0 > 0);
+    (is_sound && !entries.is_empty()).then_some(entries)
+}
