@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use casca_stage::gpu::Gpu;
-use casca_tools::image::parse_size;
 use casca_stage::window::{Start, WindowOptions, open};
+use casca_tools::image::parse_size;
 use clap::{Args, value_parser};
 
 /// Width and height of pictures and of the window. Larger ones are more than some devices have room

@@ -6,10 +6,10 @@ use casca_fur::gpu::own_pass::OwnPass;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::mesh::{Mesh, Vertex};
 use casca_fur::strands::Fur;
-use casca_tools::camera::Camera;
 use casca_stage::gpu::{DEPTH, Gpu};
-use casca_tools::image::write_png;
 use casca_stage::wgpu::{self, TextureFormat, TextureUsages};
+use casca_tools::camera::Camera;
+use casca_tools::image::write_png;
 use glam::{Affine3A, Vec3};
 
 const SIZE: (u32, u32) = (320, 240);

@@ -9,10 +9,10 @@ use casca_fur::mesh::{Mesh, Vertex};
 use casca_fur::skin::{Channel, Clip, Ending, Interpolation, Joint, Pose, Skeleton, Track, Weights};
 use casca_fur::strands::{Fur, Lean};
 use casca_scenes::world;
-use casca_tools::camera::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, DEPTH, Gpu};
 use casca_stage::wgpu::{self, TextureFormat, TextureUsages};
+use casca_tools::camera::Camera;
 use glam::{Affine3A, Quat, Vec3};
 
 const SIZE: (u32, u32) = (96, 64);

@@ -7,9 +7,9 @@ use casca_fur::gpu::renderer::Renderer;
 use casca_fur::mesh::{Coat, Mesh, Vertex};
 use casca_fur::strands::Fur;
 use casca_scenes::world;
-use casca_tools::camera::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_tools::camera::Camera;
 use glam::{Affine3A, Vec3};
 
 const TO_SUN: Vec3 = Vec3::new(0.6, 0.64, 0.48);

@@ -11,9 +11,9 @@ use casca_radiosity::gpu::{Answers, GpuCache, Input, Shading, Surfaces};
 use casca_radiosity::{Cache, Grid, Scene, Settings};
 use casca_scenes::lit::Kind;
 use casca_stage::gpu::Gpu;
-use casca_tools::image::write_png;
 use casca_stage::wgpu::util::{DeviceExt, TextureDataOrder};
 use casca_stage::wgpu::{self, TextureUsages};
+use casca_tools::image::write_png;
 use casca_truth::oracle::path::PathTracer;
 use glam::Vec3;
 

@@ -10,8 +10,8 @@ use casca_scenes::fur::Species;
 use casca_scenes::fur::animals::Animal;
 use casca_scenes::fur::field::{Field, Hiding};
 use casca_scenes::world::Camera;
-use casca_tools::command_line::{Outcome, say};
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_tools::command_line::{Outcome, say};
 use casca_tools::image::write_png;
 
 use crate::fur::choices::{Choices, Subject};

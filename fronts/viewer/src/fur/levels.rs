@@ -7,8 +7,8 @@ use std::f32::consts::PI;
 use casca_fur::gpu::look::sky_pixel;
 use casca_fur::visibility::{layers_for, level_for};
 use casca_scenes::world::Camera;
-use casca_tools::command_line::say;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_tools::command_line::say;
 use casca_tools::image::write_png;
 
 use crate::fur::choices::{Choices, Subject};

@@ -11,10 +11,10 @@ use casca_fur::gpu::renderer::Renderer;
 use casca_fur::visibility::{level_for, pixels_of};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
-use casca_tools::command_line::say;
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_tools::image::write_png;
 use casca_stage::wgpu::TextureFormat;
+use casca_tools::command_line::say;
+use casca_tools::image::write_png;
 use glam::{Affine3A, Vec3};
 
 use crate::fur::choices::{Choices, Subject};

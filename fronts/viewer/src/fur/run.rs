@@ -1,7 +1,7 @@
 //! What the command line asks for, done.
 
-use casca_tools::command_line::{Outcome, make_folder, say};
 use casca_stage::window::Start;
+use casca_tools::command_line::{Outcome, make_folder, say};
 
 use crate::common::Failed;
 use crate::fur::choices::Choices;

@@ -7,8 +7,8 @@ use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::reference::{Reference, Tint};
 use casca_fur::gpu::renderer::Renderer;
 use casca_fur::strands::Fur;
-use casca_tools::command_line::say;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_tools::command_line::say;
 use glam::Vec3;
 
 use crate::fur::choices::Subject;

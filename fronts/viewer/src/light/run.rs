@@ -1,7 +1,7 @@
 //! What the command line asks for, done.
 
-use casca_tools::command_line::{Outcome, say};
 use casca_stage::window;
+use casca_tools::command_line::{Outcome, say};
 
 use crate::common::Failed;
 use crate::light::options::Options;

@@ -4,9 +4,9 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use casca_stage::canvas::Canvas;
-use casca_tools::command_line::say;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
+use casca_tools::command_line::say;
 
 use crate::light::headless::told;
 use crate::light::layer::Layer;

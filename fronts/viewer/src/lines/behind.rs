@@ -5,10 +5,10 @@ use casca_lines::gpu::hidden::LineCulling;
 use casca_lines::gpu::renderer::Renderer;
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::gpu::settings::Settings;
-use casca_tools::command_line::say;
 use casca_stage::gpu::COLOUR;
 use casca_stage::timing::Clock;
 use casca_stage::window::Done;
+use casca_tools::command_line::say;
 use glam::Quat;
 
 use crate::lines::times::Bench;

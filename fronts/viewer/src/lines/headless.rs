@@ -5,12 +5,12 @@ use casca_lines::gpu::renderer::Renderer;
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::gpu::settings::Settings;
 use casca_stage::canvas::Canvas;
-use casca_tools::command_line::{make_folder, say};
 use casca_stage::gpu::COLOUR;
-use casca_tools::image::write_png;
 use casca_stage::panel::Panel;
 use casca_stage::timing::Clock;
 use casca_stage::window::Done;
+use casca_tools::command_line::{make_folder, say};
+use casca_tools::image::write_png;
 use clap::ValueEnum;
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 //! What the command line asks for, done.
 
-use casca_tools::command_line::Outcome;
 use casca_stage::window::Start;
+use casca_tools::command_line::Outcome;
 
 use crate::common::Failed;
 use crate::lines::options::Options;

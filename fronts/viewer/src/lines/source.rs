@@ -16,10 +16,10 @@ use casca_lines::sets::rooms::House;
 use casca_lines::sets::simplify::Tolerance;
 use casca_lines::sets::{LineSet, files};
 use casca_lines::view::{Lens, View, ViewError};
-use casca_tools::command_line::say;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Instant;
 use casca_stage::window::Done;
+use casca_tools::command_line::say;
 use glam::{Vec3, vec3};
 
 use crate::common::Failed;

@@ -11,10 +11,10 @@ use casca_lines::gpu::settings::Settings;
 use casca_lines::sets::LineSet;
 use casca_lines::view::View;
 use casca_stage::canvas::Canvas;
-use casca_tools::command_line::say;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::timing::Clock;
 use casca_stage::window::Done;
+use casca_tools::command_line::say;
 use glam::Quat;
 
 use crate::common::Failed;

@@ -2,11 +2,11 @@
 
 use casca_plane::maps::{Drawing, HARBOUR};
 use casca_stage::canvas::Canvas;
-use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
 use casca_stage::gpu::COLOUR;
-use casca_tools::image::write_png;
 use casca_stage::panel::Panel;
 use casca_stage::window::Start;
+use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
+use casca_tools::image::write_png;
 use clap::{Args, value_parser};
 
 use crate::common::{Common, Failed};

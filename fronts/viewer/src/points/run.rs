@@ -2,8 +2,8 @@
 
 use std::io::{self, ErrorKind};
 
-use casca_tools::command_line::Outcome;
 use casca_stage::window::{Done, Start};
+use casca_tools::command_line::Outcome;
 
 use crate::common::Failed;
 use crate::points::options::{Command, Options};

@@ -3,14 +3,14 @@
 use std::error::Error;
 
 use casca_stage::canvas::{Canvas, Target};
-use casca_tools::command_line::{make_folder, say};
 use casca_stage::dial::Dial;
 use casca_stage::fly::Fly;
 use casca_stage::gpu::COLOUR;
-use casca_tools::image::write_png;
 use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
+use casca_tools::command_line::{make_folder, say};
+use casca_tools::image::write_png;
 use glam::Vec3;
 
 use crate::points::operators::Looked;

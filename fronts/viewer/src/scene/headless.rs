@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use casca::internals::QueryInternals;
 use casca_scenes::world::Camera;
-use casca_tools::animation::write_animation;
 use casca_stage::canvas::Canvas;
-use casca_tools::command_line::{make_folder, say};
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_tools::image::{halved, write_png};
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::Color;
+use casca_tools::animation::write_animation;
+use casca_tools::command_line::{make_folder, say};
+use casca_tools::image::{halved, write_png};
 
 use crate::scene::birds_eye::{above_scene, from_above, place_in};
 use crate::scene::draw::{Check, Painter, coloured};

@@ -11,9 +11,9 @@ use std::path::Path;
 
 use casca_scenes::world::Object;
 use casca_stage::canvas::Canvas;
+use casca_stage::gpu::{COLOUR, Gpu};
 use casca_tools::command_line::make_folder;
 use casca_tools::compare::{Shot, marked};
-use casca_stage::gpu::{COLOUR, Gpu};
 use casca_tools::image::write_png;
 
 use crate::scene::draw::{Painter, coloured};

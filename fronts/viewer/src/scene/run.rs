@@ -1,8 +1,8 @@
 //! What the command line asks for, done.
 
 use casca_scenes::name::SceneName;
-use casca_tools::command_line::{Outcome, make_folder, say};
 use casca_stage::window::Start;
+use casca_tools::command_line::{Outcome, make_folder, say};
 
 use crate::common::Failed;
 use crate::scene::options::Options;

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::path::Path;
 
 use casca_stage::canvas::Canvas;
-use casca_tools::compare::{MARK, Shot, marked};
 use casca_stage::egui::{self, Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, StrokeKind, Vec2};
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_tools::image::write_png;
 use casca_stage::panel::Panel;
+use casca_tools::compare::{MARK, Shot, marked};
+use casca_tools::image::write_png;
 
 use crate::scene::playback::Method;
 

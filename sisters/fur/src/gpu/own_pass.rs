@@ -5,9 +5,9 @@
 
 use std::ops::Range;
 
-use casca_tools::camera::Camera;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::wgpu::{self, TextureFormat};
+use casca_tools::camera::Camera;
 
 use crate::gpu::error::FurGpuError;
 use crate::gpu::look::{Look, SKY};

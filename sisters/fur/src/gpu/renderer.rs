@@ -5,10 +5,10 @@ use std::ops::Range;
 use crate::Error;
 use crate::mesh::{Image, Mesh};
 use crate::skin::Weights;
-use casca_tools::camera::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::wgpu::{self, BufferUsages, TextureFormat};
+use casca_tools::camera::Camera;
 
 use crate::gpu::bindings::{cube_map, depth_map, frame_group, layouts, look_group};
 use crate::gpu::buffers::{Buffers, Growing};

@@ -217,7 +217,8 @@ impl Herd {
                 let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
                 if let Some(sight) = self.query.sight(&self.field.scene).filter(|_| culled) {
                     for item in &mut items {
-                        item.fraction = share_seen(&sight, &self.field.scene.bounds(item.id)?.aabb(), camera.eye);
+                        item.fraction =
+                            share_seen(&sight, &self.field.scene.bounds(item.id)?.aabb(), camera.eye);
                     }
                 }
                 let planned;

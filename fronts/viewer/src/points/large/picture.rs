@@ -7,10 +7,10 @@ use casca_points::gpu::{Pane, Style, Surfel, SurfelRenderer, Surfels};
 use casca_points::{Camera, PointCloud};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_tools::image::{halved, write_png};
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::Color;
 use casca_stage::window::Done;
+use casca_tools::image::{halved, write_png};
 use glam::Vec3;
 
 use crate::points::panes::caption;
