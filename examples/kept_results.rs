@@ -14,7 +14,7 @@ use casca::{Aabb, GridSpec, KeptJob, KeptOptions, KeptQuery, ObjectDesc, Scene, 
 
 const FRAMES: usize = 120;
 
-/// Jobs start when the last result has served so many frames.
+/// Jobs start when the last result has served this many frames.
 const EARLY: usize = 4;
 
 /// Rows of houses on both sides of the street, with something small behind each.

@@ -14,7 +14,7 @@ pub(crate) const fn in_arc<T>() -> usize {
     COUNTS + size_of::<T>()
 }
 
-/// A hash table with room for so many entries of a type: an eighth of its places stay free.
+/// A hash table with room for a number of entries of a type: an eighth of its places stay free.
 pub(crate) const fn in_table<T>(capacity: usize) -> usize {
     match capacity {
         0 => 0,
@@ -23,7 +23,7 @@ pub(crate) const fn in_table<T>(capacity: usize) -> usize {
     }
 }
 
-/// A B-tree of so many entries of a type.
+/// A B-tree of a number of entries of a type.
 pub(crate) const fn in_tree<T>(entries: usize) -> usize {
     let leaf = NODE * size_of::<T>() + 2 * size_of::<usize>();
     let branch = leaf + (NODE + 1) * size_of::<usize>();

@@ -35,7 +35,8 @@
 //! Data flows one way: [`Scene`] (objects, and the matrices of the [grid](GridSpec)) -> [`Query`]
 //! (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen). A [`KeptQuery`] answers
 //! many frames of a camera that moves little from one such walk. A [`World`] makes the scene around
-//! an eye that goes anywhere.
+//! an eye that goes anywhere. A call "costs" what its time grows with: one that costs the triangles
+//! takes time in proportion to their number.
 //!
 //! The method is that of H. C. Batagelo's thesis on visibility in dynamic scenes
 //! on a regular grid (Unicamp 2002), with the occlusion of its view cells restated as a

@@ -41,9 +41,9 @@ pub struct Stats {
     pub occlusion_tests: u32,
     /// [`Method::Point`]: objects in sight whose occluders were drawn.
     pub occluders_drawn: u32,
-    /// [`Method::Point`]: objects whose occluders covered a pixel that was open, or hid nearer, at
-    /// the time when they were drawn. Patches that cover pixels only together count for each of
-    /// their objects. No more than were drawn, except in a
+    /// [`Method::Point`]: objects whose occluders, when they were drawn, covered a pixel that was
+    /// not covered yet, or covered one at a nearer depth. Patches that cover pixels only together
+    /// count for each of their objects. No more than were drawn, except in a
     /// [coherent](crate::PointOptions::coherent) run, which begins with patches of objects that may
     /// be out of sight.
     pub occluders_useful: u32,

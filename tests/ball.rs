@@ -35,7 +35,7 @@ impl Dice {
     }
 }
 
-/// Aims so many rays from balls at random frames of a scene; returns how much was looked at, and
+/// Aims this many rays from balls at random frames of a scene; returns how much was looked at, and
 /// the objects that were lost by sets for `share` of the reach.
 fn chunk(world: &mut World, dice: &mut Dice, rays: u64, share: f32) -> (BallCounts, Vec<String>) {
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len()).unwrap();

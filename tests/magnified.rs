@@ -60,7 +60,7 @@ fn passes(end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     u >= -SHARED && v >= -SHARED && u + v <= 1.0 + SHARED && (0.0..1.0).contains(&t)
 }
 
-/// The objects that a query with wide pixels finds, with so many patches drawn again.
+/// The objects that a query with wide pixels finds, with this many patches drawn again.
 fn found(scene: &Scene, view: &View, objects: &[ObjectId], patches: u32) -> Vec<bool> {
     let options = PointOptions::new().pixel_degrees(3.0).min_pixels(0).refine_squares(0);
     let mut query = Query::with_method(Method::Point(options.refine_patches(patches))).unwrap();

@@ -21,7 +21,7 @@ const EYES: [Vec3; 8] = [
     Vec3::new(60.0, 25.0, 40.0),
 ];
 
-/// What costs at most so many times the median of its size is like the others.
+/// What costs at most this many times the median of its size is like the others.
 const TIMES: u64 = 20;
 
 /// The work of a query in units of 50 to 100 ns: objects tested, and so on.

@@ -47,8 +47,8 @@ pub struct AggressiveOpacity {
 }
 
 impl AggressiveOpacity {
-    /// The cells of `scene` that its static solids fill to a `share` (above 0, up to 1) or more: of
-    /// 64 points in each cell, as many lie inside some solid. Open meshes and instances fill
+    /// The cells of `scene` that its static solids fill to a `share` (above 0, up to 1) or more: at
+    /// least that share of 64 points in the cell lies in solids. Open meshes and instances fill
     /// nothing.
     ///
     /// Later changes of the scene do not count: make it anew when static objects change. Costs 64

@@ -1,5 +1,5 @@
-//! The reasons for which calls are refused: every refusal says which argument and why. Files have
-//! other reasons.
+//! Why calls are refused: every error says which argument is wrong, and why. Files have errors of
+//! their own.
 
 use std::fmt;
 

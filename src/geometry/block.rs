@@ -59,7 +59,7 @@ impl Block {
     pub(crate) fn may_meet(&self, other: &Self) -> bool {
         let largest = |b: &Self| b.min.abs().max(b.max.abs()).max_element();
         let room = 2.0 * REGION * (1.0 + largest(self) + largest(other));
-        // Also if a number is not one.
+        // Also if a number is NaN.
         !((self.min - room).cmpgt(other.max).any() || (self.max + room).cmplt(other.min).any())
     }
 

@@ -94,7 +94,7 @@ pub(crate) fn outline_of_block(b: &Block) -> (Outline, SmallVec<[HalfSpace; 3]>)
             let inverse = 1.0 / distance;
             let (a, b) = (q * inverse, -p * inverse);
             let inside = a * middle.0 + b * middle.1;
-            // Also if a number is not one.
+            // Also if a number is NaN.
             if !(distance > NEAREST_EDGE * largest && inside.abs() >= NO_WIDTH * largest) {
                 return (Outline::Everything, fronts);
             }
@@ -311,7 +311,7 @@ fn turned_past(normal: DVec3, p: DVec3, edge: DVec3, room: &Room) -> Option<DVec
     let tangent = room.along(normal) / left;
     let of_box = if left > 0.0 { tangent / (1.0 + tangent * tangent).sqrt() } else { 1.0 };
     let sine = (room.radius() / distance).min(of_box) + REACH_SINE;
-    // Also not if it is not a number.
+    // Nor if it is NaN.
     (sine < REACH_STEEPEST).then(|| normal * (1.0 - sine * sine).sqrt() - nearest * (sine / distance))
 }
 

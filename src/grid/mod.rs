@@ -26,7 +26,7 @@ const CELLS_OF_CUBE_ROOT: f64 = 9.0;
 /// and small enough that sums and differences of any two cells fit 32 bits.
 const FAR_CELLS: f64 = (1u64 << 29) as f64;
 
-/// Corners are no more than so many units from the origin.
+/// Corners are at most this many units from the origin.
 const MOST_UNITS: f64 = (1u64 << 51) as f64;
 
 /// The last binary digit of a cell size, at most 2^-23 of it.
@@ -76,11 +76,11 @@ impl GridSpec {
     }
 
     /// The grid that covers `region` with cells that suit a number of objects: 9 times its cube
-    /// root of them along the longest axis, 32 to 512.
+    /// root along the longest axis, 32 to 512.
     ///
     /// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones
-    /// take longer to walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, which makes the
-    /// valley wide. Where most objects move and are hidden, finer may be faster.
+    /// take longer to walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, so that it
+    /// matters less. Where most objects move and are hidden, finer may be faster.
     ///
     /// ```
     /// use casca::{Aabb, GridSpec};

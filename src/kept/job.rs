@@ -7,8 +7,8 @@ use crate::query::Query;
 use crate::scene::Scene;
 use crate::view::View;
 
-/// So many copies of a scene are kept: one that a job reads, and one that can be brought up to date
-/// meanwhile.
+/// How many copies of a scene are kept: one that a job reads, and one that can be brought up to
+/// date meanwhile.
 const COPIES: usize = 2;
 
 /// A copy of a scene, and the static objects that it was made with.

@@ -82,7 +82,7 @@ impl KeptOptions {
 /// Static objects may come, go and change meanwhile, as where a level is streamed: the result
 /// follows. One that comes is tested and its occluder drawn. Where an occluder goes that hid
 /// something, the pixels that it may have covered are opened, and a walk finds what lies behind.
-/// After more than 2,048 changes between two runs, or once so many pixels were opened as there are,
+/// After more than 2,048 changes between two runs, or once as many pixels were opened as there are,
 /// a new result is found.
 ///
 /// No visible object is missing in any frame. Sets are larger than those of a [`Query`]: by what
@@ -244,10 +244,10 @@ impl KeptQuery {
     /// inserting and removing them costs. After more than 2,048 such changes between two calls the
     /// scene is copied again. Dynamic objects of the copy grow old, but are not looked at.
     ///
-    /// If one job follows the other and each is done within a frame, a result is asked about the
-    /// next frame or two only, and it is found for a place ahead: a reach of 2 cm and a turn of 3
-    /// degrees are enough for a person who walks at 1.5 m/s at 60 frames a second. Sets are then
-    /// larger than those of a [`Query`] by 3 to 22% in the still scenes of `docs/report.md`.
+    /// If jobs follow each other and each is done within a frame, a result has to answer only the
+    /// next frame or two, and is found for a place ahead: a reach of 2 cm and a turn of 3 degrees
+    /// are enough for a person who walks at 1.5 m/s at 60 frames a second. Sets are then larger
+    /// than those of a [`Query`] by 3 to 22% in the still scenes of `docs/report.md`.
     pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
         let (view, query) = (self.aim(scene, view), self.take_query());
         self.snapshots.job(scene, view, query)

@@ -44,7 +44,7 @@ struct Mover {
     located: bool,
 }
 
-/// A result is not followed any more once pixels were opened again this often on the mean: where
+/// A result is not followed any more once pixels were opened again this often on average: where
 /// they were, seams stay open and nothing is refined.
 const MOST_OPENED: f64 = 1.0;
 
@@ -91,7 +91,7 @@ pub(super) struct Still {
     objects: Vec<InSight>,
     /// The objects on whose occluders the buffers may rest.
     offered: Offered,
-    /// How often pixels were opened again, on the mean.
+    /// How often pixels were opened again, on average.
     opened: f64,
     watch: Watch,
     overlay: Overlay,

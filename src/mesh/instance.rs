@@ -257,7 +257,7 @@ impl Instance {
         let mut depth = f64::INFINITY;
         for face in &polytope.faces {
             let distance = face.distance(center);
-            // Also if it is no number, which `min` would pass over.
+            // Also if it is NaN, which `min` would ignore.
             if distance.is_nan() || distance <= 0.0 {
                 return None;
             }

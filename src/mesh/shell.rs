@@ -180,7 +180,7 @@ mod tests {
         super::open_shells(positions, triangles, &first_of_equals(positions))
     }
 
-    /// A cone of so many sides without its base.
+    /// A cone with this number of sides, without its base.
     fn cone(sides: u32, radius: f32, low: f32, high: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let rim = |i: u32| {
             let (sin, cos) = (std::f32::consts::TAU * i as f32 / sides as f32).sin_cos();

@@ -59,7 +59,7 @@ pub(crate) const CONIC_HORIZON: f64 = 1e-3;
 
 /// A sphere whose conic has a smaller leading coefficient (of terms up to 1) is close to a parabola
 /// on a face, and is not drawn there: the roots of the conic would keep less than half of their
-/// digits. One sphere of a million is.
+/// digits. About one sphere in a million is.
 pub(crate) const CONIC_PARABOLA: f64 = 1e-6;
 
 /// The roots of a conic are known to this share of the inverse of its leading coefficient, on faces

@@ -75,7 +75,7 @@ pub(crate) const STEEPEST_EDGE: f64 = 1e-9;
 pub(crate) const NO_EDGE: f64 = 1e-12;
 
 /// If the middle of a polytope is closer to a silhouette plane than this share of the coordinates,
-/// it is open on which side of the plane the polytope lies.
+/// it is uncertain on which side of the plane the polytope lies.
 pub(crate) const NO_WIDTH: f64 = 1e-9;
 
 /// An occluder may leave the box of its bounds by this share of the box's diagonal: room for models

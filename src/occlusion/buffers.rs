@@ -109,8 +109,8 @@ impl OcclusionBuffers {
         }
     }
 
-    /// The angle of a pixel in the mean, around an eye. Narrow views have finer pixels than the
-    /// options ask for.
+    /// The average angle of a pixel, around an eye. Narrow views have finer pixels than the options
+    /// ask for.
     pub(crate) fn pixel_angle(&self) -> f64 {
         FRAC_PI_2 / self.pixels as f64
     }
@@ -199,8 +199,8 @@ impl OcclusionBuffers {
         Block { min: block.min - half, max: block.max + half }
     }
 
-    /// Hides everything before which rays of the view go to none of some boxes, given in world
-    /// units: what lies beside all of them, and what lies beyond.
+    /// Hides everything that no ray of the view passes on its way to one of some boxes, given in
+    /// world units: what lies beside all of them, and what lies beyond.
     pub(crate) fn keep_before(&mut self, receivers: &[Block], ordered: bool) {
         let mut faces = std::mem::take(&mut self.faces);
         for face in faces.iter_mut().filter(|face| face.is_active()) {

@@ -75,7 +75,7 @@ impl Coverage {
         self.shaded = from.shaded;
     }
 
-    /// Starts anew with so many open tiles.
+    /// Starts anew with this number of open tiles.
     pub(crate) fn clear(&mut self, count: usize) {
         self.tiles.clear();
         self.tiles.resize(count, Tile::EMPTY);

@@ -1,4 +1,4 @@
-//! Opening pixels again that occluders covered which are gone.
+//! Opening pixels again that were covered by occluders which are gone.
 
 use smallvec::SmallVec;
 
@@ -25,8 +25,8 @@ impl Hole {
 }
 
 impl OcclusionBuffers {
-    /// Opens the tiles in which rays of an eye within reach may end that pass some boxes, given in
-    /// world units.
+    /// Opens the tiles in which rays from an eye within reach may end after they pass some boxes,
+    /// given in world units.
     pub(crate) fn reopen(&mut self, gone: &[Block]) -> Vec<Hole> {
         let mut holes = Vec::new();
         let gone: SmallVec<[(Block, bool); 4]> = gone

@@ -5,8 +5,8 @@ use glam::Vec3;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face_buffer::FaceBuffer;
 
-/// The depths from which on one side of the view cube (or the plane of parallel rays) hides
-/// everything, as far as the view looks through that side.
+/// For each pixel of a side of the view cube (or of the plane of parallel rays), the depth beyond
+/// which everything is hidden, as far as the view looks through that side.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct OcclusionImage {
@@ -16,7 +16,7 @@ pub struct OcclusionImage {
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// Row by row: the depth along `direction`, in world units, from which on everything in the
+    /// Row by row: the depth along `direction`, in world units, beyond which everything in the
     /// pixel is hidden. Infinite for open pixels, 0 for pixels outside the view. For parallel rays
     /// it counts from a point in front of the scene.
     pub depth: Vec<f32>,

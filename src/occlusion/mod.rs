@@ -1,12 +1,12 @@
 //! Occlusion buffers: visibility from a point at the precision of pixels, without sampling.
 //!
 //! Six faces around the eye (one plane for parallel rays) keep tiles of coverage bits with far
-//! depths. A frustum looks through a window of some faces only. Occluders are rounded inwards: a
-//! pixel is covered only if all directions in its square are inside the silhouette, at a depth
-//! behind which everything in the whole tile is hidden. Targets are rounded outwards: one is hidden
-//! only if every pixel that its silhouette may touch is covered nearer than its nearest point.
-//! Where pixels are too coarse to decide, [`magnify`] draws them again at a finer pitch, and
-//! [`refine`] tests the silhouettes themselves; [`examine`] does both.
+//! depths; a pixel that is not covered is *open*. A frustum looks through a window of some faces
+//! only. Occluders are rounded inwards: a pixel is covered only if all directions in its square are
+//! inside the silhouette, at a depth behind which everything in the whole tile is hidden. Targets
+//! are rounded outwards: one is hidden only if every pixel that its silhouette may touch is covered
+//! nearer than its nearest point. Where pixels are too coarse to decide, [`magnify`] draws them
+//! again at a finer pitch, and [`refine`] tests the silhouettes themselves; [`examine`] does both.
 //!
 //! | Layer | Modules |
 //! |---|---|

@@ -13,7 +13,7 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
-    /// Forgets all marks, for a scene with so many slots.
+    /// Forgets all marks, for a scene with this number of slots.
     pub(crate) fn begin(&mut self, slots: usize) {
         self.marks.resize(slots.max(self.marks.len()), 0);
         self.epoch += 1;

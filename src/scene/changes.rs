@@ -32,7 +32,7 @@ impl Changes {
         self.moves
     }
 
-    /// An object of so many has another volume, or other layers in its volume.
+    /// One of this many objects has another volume, or other layers in its volume.
     pub(super) fn volume_is_new(&mut self, slot: Slot, objects: usize) {
         self.volumes.push(slot, objects);
     }

@@ -41,9 +41,8 @@ impl Scene {
         Ok(self.id(slot))
     }
 
-    /// Takes the memory that the records of more objects need now rather than bit by bit, before
-    /// many are inserted. The matrices still grow with the cells that objects touch. Memory that
-    /// cannot be had is not taken.
+    /// Reserves memory for the records of more objects, before many are inserted. The matrices
+    /// still grow with the cells that objects touch. Does nothing if there is not enough memory.
     pub fn reserve(&mut self, additional: usize) {
         self.slots.reserve(additional);
     }
@@ -239,7 +238,7 @@ impl Scene {
         if is_static {
             self.note_static(id.slot());
         } else {
-            // A view may show it from now on that passed over its volume.
+            // A view that passed over its volume may show it from now on.
             self.changes.volume_is_new(id.slot(), self.slots.len());
         }
         self.change_layers(id.slot(), mask);

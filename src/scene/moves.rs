@@ -117,7 +117,7 @@ impl Scene {
     /// Moves many objects that hide nothing, as [`Scene::update`] without an occluder does one by
     /// one. All moves are made but those that are refused.
     ///
-    /// Costs 10 to 20 ns for each small object that stays in its zone of 32x32x32 cells, or in its
+    /// Costs a comparison for each small object that stays in its zone of 32x32x32 cells, or in its
     /// volume, if its bounds are a sphere or a box; it is cheapest in the order of
     /// [`ObjectId::index`].
     ///

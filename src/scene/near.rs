@@ -13,7 +13,7 @@ use crate::view::{View, cut};
 /// Beyond this many cells before the near plane all occluders are asked instead.
 const MOST_CELLS: u64 = 4096;
 
-/// Of the objects in their bricks, so many are asked again and again before all are asked once.
+/// After this many questions to the objects of single bricks, all objects are asked once instead.
 const MOST_ASKED: usize = 4096;
 
 impl Scene {

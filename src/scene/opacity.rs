@@ -19,7 +19,7 @@ use crate::scene::opaque::OpaqueCells;
 /// each 64x64x64 cells of the grid and matrix, and each query asks all parts that its view shows.
 pub(crate) const MOST_PARTS: usize = 16;
 
-/// The place of a part in the list of a scene, counted from 1, so that none takes a byte as well.
+/// The place of a part in the list of a scene, counted from 1: an option of it is a byte, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct OpacityPart(NonZeroU8);
 
@@ -103,8 +103,8 @@ impl LayerOpacity {
         self.fused.add(cell);
     }
 
-    /// A static occluder less fills a page of cells. Clears it if no other does; false, without a
-    /// change, if there are others.
+    /// One static occluder fewer fills a page of cells. Clears it if no other does; false, without
+    /// a change, if there are others.
     pub(super) fn clear_page(&mut self, page: IVec3) -> bool {
         let cleared = self.fixed.take_page(page);
         if cleared {
@@ -113,8 +113,8 @@ impl LayerOpacity {
         cleared
     }
 
-    /// A static occluder less fills these cells of a brick by itself: clears and gives those that
-    /// no other fills.
+    /// One static occluder fewer fills these cells of a brick by itself: clears and gives those
+    /// that no other fills.
     pub(super) fn take_fixed(&mut self, brick: IVec3, mask: &Mask) -> Mask {
         let gone = self.fixed.take(brick, mask);
         if gone != NONE {

@@ -55,7 +55,7 @@ impl OpaqueCells {
         self.bits.set(cell);
     }
 
-    /// One solid less fills these cells of a brick: clears and gives those that no other fills.
+    /// One solid fewer fills these cells of a brick: clears and gives those that no other fills.
     pub(super) fn take(&mut self, brick: IVec3, mask: &Mask) -> Mask {
         self.counts.take(&mut self.bits, brick, mask)
     }

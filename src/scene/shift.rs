@@ -166,7 +166,7 @@ impl Scene {
         let mut expires = hidden.expires;
         if object.on_expiry() {
             expires = (expires - (off / speed).next_up()).next_down();
-            // Also if it is no number, for an object that does not move.
+            // Also if it is NaN, for an object that does not move.
             if !(inside && expires > self.now) {
                 return self.lose(slot, true);
             }

@@ -17,11 +17,11 @@ use crate::object::{Occluder, union_contains};
 use crate::scene::{OpacityPart, Scene};
 use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
 
-/// Of the objects that share a cell or a brick with a solid, so many are looked at to find other
-/// solids that fill a cell together with it. More than that leave the cell transparent.
+/// How many of the objects that share a cell or a brick with a solid are looked at, to find others
+/// that fill a cell together with it. If there are more, the cell stays transparent.
 const MOST_ASKED: usize = 256;
 
-/// Of the objects in a brick, so many are looked at.
+/// How many of the objects in a brick are looked at.
 const MOST_MEMBERS: usize = 1024;
 
 /// A static solid whose cells are added or taken away.

@@ -22,14 +22,14 @@ const WORTH_KEEPING: f64 = 0.5;
 /// as some thirty reports.
 const WORTH_FRAMES: u64 = 32;
 
-/// An object reported on expiry is given more: a volume saves it reports, which cost the
-/// application, too. One that did not last for so many frames costs more than these reports.
+/// The same for an object reported on expiry, for which a volume saves reports, which cost the
+/// application time, too: one that lasts for fewer frames costs more than these reports.
 const WORTH_ASKING: u64 = 8;
 
-/// A volume that lasted for so many seconds did last, however few frames there were.
+/// A volume that lasted for this many seconds was worth it, however few frames there were.
 const WORTH_SECONDS: f64 = 0.25;
 
-/// For so many frames from then on it gets no volume.
+/// An object whose volume did not last gets no other for this many frames.
 const REST: u64 = 256;
 
 impl Scene {

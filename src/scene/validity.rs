@@ -22,7 +22,7 @@ const CONFINED: u8 = 8;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Validity {
     seconds: f64,
-    /// So many of the next volumes stay inside the grid.
+    /// How many of the next volumes stay inside the grid.
     confined: u8,
 }
 

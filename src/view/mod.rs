@@ -69,15 +69,15 @@ pub const MAX_PLANES: usize = 32;
 ///
 /// # Guarantees
 ///
-/// The planes of a matrix are moved outwards by the distance that single precision leaves open
-/// about them: about 2e-7 of the eye's distance from the origin. So no object is lost that the
-/// renderer draws with the same matrix. What is not finite, or contradicts itself, is refused.
+/// The planes of a matrix are moved outwards by the distance to which single precision knows them:
+/// about 2e-7 of the eye's distance from the origin. So no object is lost that the renderer draws
+/// with the same matrix. What is not finite, or contradicts itself, is refused.
 ///
 /// # Pitfalls
 ///
 /// - [`View::from_view_projection`] has to find the eye from the matrix, and knows it only roughly:
 ///   occluders then hide less. Give the eye where you have it.
-/// - Far from the origin single precision leaves more open: see [`crate::Scene::shift_origin`].
+/// - Far from the origin single precision is coarse: see [`crate::Scene::shift_origin`].
 /// - Parallel rays get occlusion only from [`View::orthographic`], which is told where they start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
@@ -105,8 +105,8 @@ pub struct View {
 struct Turned {
     /// The camera may turn by this, in radians.
     angle: f64,
-    /// Rays may start up to so far from the eye, inside the planes of the opened view: 0 without a
-    /// near plane, infinity if that does not bound them.
+    /// Rays may start up to this far from the eye, inside the planes of the opened view: 0 without
+    /// a near plane, infinity if that does not bound them.
     near: f64,
     /// The view as it was, with its reach.
     straight: View,

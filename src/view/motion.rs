@@ -24,7 +24,7 @@ impl Motion {
         Some(Self { step, axis: axis.normalize_or_zero(), angle })
     }
 
-    /// So many times the motion, but with a step and a turn no greater than these.
+    /// A multiple of the motion, but with a step and a turn no greater than these.
     pub(crate) fn times(self, many: f64, step: f64, angle: f64) -> Self {
         Self {
             step: (self.step * many).clamp_length_max(step),

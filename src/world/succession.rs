@@ -10,7 +10,7 @@ use crate::world::options::WorldOptions;
 use crate::world::source::Source;
 use crate::world::window::Window;
 
-/// So many slots without an object cost about as much as a brick.
+/// This many slots without an object cost about as much as a brick.
 const EMPTY_SLOTS: usize = 64;
 
 /// The next scene of a world.
@@ -42,7 +42,7 @@ impl Next {
         &mut self.scene
     }
 
-    /// Takes over more objects, at a cost of about so many bricks; true once there are no others.
+    /// Takes over more objects, at the cost of about this many bricks; true once none is left.
     pub(super) fn step(&mut self, from: &Scene, sources: &[Option<Source>], bricks: usize) -> bool {
         let mut left = bricks.saturating_mul(EMPTY_SLOTS);
         while self.reached < from.slot_count() && left > 0 {

@@ -7,9 +7,9 @@ use crate::numeric::world::FARTHEST_PAGE;
 use crate::world::options::WorldOptions;
 use crate::world::page::{PAGE_CELLS, PageId};
 
-/// The eye is at least this share of the window from its border, but for the time of a shift: as
-/// much as leaves a way of half the rest before the next one, and room for what is loaded around
-/// the eye until a shift is done.
+/// Except during a shift, the eye is at least this share of the window from its border. It can then
+/// go half of the rest before the next shift, and there is room for what is loaded around the eye
+/// until a shift is done.
 const BORDER: (i32, i32) = (5, 16);
 
 /// Where the grid lies.

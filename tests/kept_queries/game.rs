@@ -50,7 +50,7 @@ pub enum Event {
     RemoveWall(usize),
     /// The camera is elsewhere, and looks elsewhere.
     Teleport(Vec3, Quat),
-    /// The camera walks and turns from now on: by so much in each frame.
+    /// The camera walks and turns from now on: by this much in each frame.
     Walk(Vec3, Vec3),
     /// A job starts, or the oldest ends.
     Prepare,

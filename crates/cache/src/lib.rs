@@ -110,7 +110,7 @@ impl MeshCache {
         })
     }
 
-    /// Keeps about so many bytes of entries at most: when more are written, those that were not
+    /// Keeps about this many bytes of entries at most: when more are written, those that were not
     /// used for longest go. Without a limit nothing goes but by [`MeshCache::clear`].
     #[must_use]
     pub fn limit(mut self, bytes: u64) -> Self {

@@ -81,7 +81,7 @@ fn rock(dice: &mut Generator) -> Mesh {
     mesh
 }
 
-/// A cone of so many sides without its base.
+/// A cone with this number of sides, without its base.
 fn cone(sides: u32, low: f32, high: f32) -> Mesh {
     let rim = |i: u32| {
         let (sin, cos) = (std::f32::consts::TAU * i as f32 / sides as f32).sin_cos();
@@ -129,7 +129,7 @@ fn tree() -> Mesh {
     joined([trunk].into_iter().chain((0..6).map(|i| cone(9, 1.0 + 0.6 * i as f32, 2.2 + 0.6 * i as f32))))
 }
 
-/// As many copies of a mesh as have so many triangles, each in its own place.
+/// As many copies of a mesh as have this many triangles, each in its own place.
 fn copies(triangles: usize, dice: &mut Generator, mut mesh: impl FnMut(&mut Generator) -> Mesh) -> Vec<Mesh> {
     let (mut all, mut count) = (Vec::new(), 0);
     while count < triangles {

@@ -71,8 +71,8 @@ struct Shaper {
     cache: Option<Arc<MeshCache>>,
 }
 
-/// Instances are at most so many times as long as wide, seen from their mesh: trees and rocks of a
-/// game are, but not walls made of a unit cube.
+/// Instances are at most this many times as long as wide, seen from their mesh: trees and rocks of
+/// a game are, but not walls made of a unit cube.
 const STRETCH: f32 = 4.0;
 
 /// The same for meshes that hide from their front: casca takes those in an instance only where all

@@ -73,7 +73,7 @@ impl ExpiryQueue {
         self.0.pop()
     }
 
-    /// Whether there are so many entries for this number of values that most of them must be old.
+    /// Whether most entries must be old, since there are many more than this number of values.
     #[inline]
     pub fn is_crowded(&self, values: usize) -> bool {
         self.0.len() > 2 * values + MANY

@@ -224,7 +224,7 @@ static SPIRAL: LazyLock<[DVec3; RAYS]> = LazyLock::new(|| {
 fn measure(directions: &[DVec3], offsets: &[f32]) -> (f64, DVec3) {
     let (mut volume, mut moment) = (0.0, DVec3::ZERO);
     let share = 4.0 * PI / RAYS as f64;
-    // Planes that are not there are far away.
+    // Missing planes are far away.
     let mut planes = [[0.0; MOST], [0.0; MOST], [0.0; MOST], [f64::INFINITY; MOST]];
     for (i, (d, offset)) in directions.iter().zip(offsets).enumerate() {
         (planes[0][i], planes[1][i], planes[2][i], planes[3][i]) = (d.x, d.y, d.z, f64::from(*offset));

@@ -46,7 +46,7 @@ const MOST_TRIANGLES: usize = 1 << 18;
 #[derive(Debug, Clone)]
 pub(crate) struct Inner {
     pub(crate) solid: Convex,
-    /// By how much the mesh is larger along each axis in the mean, as a share of its size.
+    /// By how much the mesh is larger along each axis on average, as a share of its size.
     pub(crate) gap: f64,
 }
 

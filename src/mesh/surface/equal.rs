@@ -7,8 +7,8 @@ use hashbrown::DefaultHashBuilder;
 
 use crate::mesh::surface::position::key;
 
-/// Buckets get about so many positions, until there are as many buckets as a processor writes to at
-/// a time.
+/// Buckets get about this many positions, until there are as many buckets as a processor writes to
+/// at a time.
 const BUCKET: usize = 8192;
 const MOST_BUCKETS: usize = 256;
 

@@ -28,7 +28,7 @@ use crate::mesh::index::Index;
 use crate::mesh::surface::patch::NONE;
 use crate::numeric::mesh::{GAP_LENGTH, GAP_ROOM};
 
-/// Boxes and vertices that are looked at for each edge, in the mean over all edges, at most.
+/// Boxes and vertices that are looked at for each edge, on average over all edges, at most.
 const MOST_LOOKS: usize = 256;
 
 /// Where two triangles go on from their edge in directions of which the cosine is at most this, the

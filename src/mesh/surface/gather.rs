@@ -14,10 +14,10 @@ use crate::mesh::surface::patch::{Beyond, EDGE, NONE, Patch, Rules, Side, Surfac
 use crate::mesh::surface::tree::{Node, Tree};
 use crate::mesh::surface::weld::Welded;
 
-/// So many nodes are read ahead.
+/// How many nodes are read ahead.
 const AHEAD: usize = 64;
 
-/// Outlines of up to so many edges are searched from end to end.
+/// Outlines of up to this many edges are searched from end to end.
 const SHORT: usize = 16;
 
 /// Puts outlines in order. Its memory is used again.

@@ -19,7 +19,7 @@ pub(crate) struct Patches {
     pub(crate) crosses: Vec<DVec3>,
     /// The first triangle of each.
     pub(crate) seeds: Vec<u32>,
-    /// So many patches, the first ones, are a triangle that shares no vertex with others. The rest
+    /// How many patches, the first ones, are triangles that share no vertex with others. The rest
     /// are in order of their [ranks](Patches::rank).
     pub(crate) lone: u32,
 }

@@ -8,7 +8,7 @@ use crate::mesh::surface::grow::Patches;
 /// Longer lists are divided at guesses of their middle first.
 const LONG: usize = 128;
 
-/// So many entries, about evenly spaced, give a guess.
+/// How many entries, about evenly spaced, give a guess.
 const SAMPLE: usize = 31;
 
 /// Guesses that may be wrong before the rest is left to the standard library.

@@ -16,7 +16,7 @@ const MOST_BESIDE: usize = 256;
 /// Pieces into which they cut it, at most.
 const MOST_PIECES: u32 = 1024;
 
-/// Triangles that a line is compared with, in the mean over all lines, at most.
+/// Triangles that a line is compared with, on average over all lines, at most.
 const MOST_ON_LINE: usize = 256;
 
 /// Entries of columns for each triangle, at most.

@@ -8,7 +8,7 @@ use crate::mesh::surface::index::PatchIndex;
 use crate::mesh::surface::lone::{Lone, Record, Stored};
 use crate::mesh::surface::patch::{NONE, Patch, Side, Surface};
 
-/// A surface is packed if at least one of so many patches is a triangle: records take room, too.
+/// A surface is packed if at least one patch in this many is a triangle: records take room, too.
 const WORTH: usize = 4;
 
 /// Whether two patches are the same in each bit but for the numbers of their sides.

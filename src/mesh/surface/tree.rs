@@ -34,11 +34,11 @@ const GROWTH: f64 = 4.0;
 const PARTS: usize = 64;
 const BUNDLE: usize = 8;
 
-/// Lists of up to so many nodes are sorted where they are halved: their halves may be bundles,
+/// Lists of up to this many nodes are sorted where they are halved: their halves may be bundles,
 /// whose parts are in order.
 const SORTED: usize = 2 * BUNDLE + 1;
 
-/// Groups are joined so often, at most.
+/// How often groups are joined, at most.
 const LEVELS: usize = 24;
 
 /// A patch of the tree as it is built.

@@ -36,8 +36,8 @@ impl Purse<'_> {
         cost <= self.left()
     }
 
-    /// Takes a cost, if so much is left. If not, the rest is lost: so what a target gets depends on
-    /// those before it only through one place where the budget ends.
+    /// Takes a cost, if that much is left. If not, the rest is lost: so what a target gets depends
+    /// on those before it only through one place where the budget ends.
     pub(super) fn take(&mut self, cost: u32) -> bool {
         match self {
             Self::Own(left) => {

@@ -1,4 +1,4 @@
-//! Values that the first thread fills that asks for them.
+//! Values that are filled by the first thread that asks for them.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -68,7 +68,7 @@ pub(super) struct Tiles {
     pub(super) coverage: Coverage,
     /// The patches that hid more than before, by their numbers in the order of first drawing.
     pub(super) used: Vec<u32>,
-    /// To draw the patches costs as much as so many.
+    /// What drawing the patches costs, counted in patches with few sides.
     pub(super) cost: u32,
     /// Whether they were left out.
     pub(super) bare: bool,

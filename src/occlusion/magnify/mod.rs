@@ -208,7 +208,7 @@ impl Magnifier {
         Some(tiles)
     }
 
-    /// Whether a pixel that a thread looked at is as the query would find it now, with so many
+    /// Whether a pixel that a thread looked at is as the query would find it now, with this many
     /// patches left. Notes that it asks for it, and takes the cost.
     #[cfg(feature = "rayon")]
     pub(crate) fn accept(&self, request: &Request, left: &mut Purse) -> bool {

@@ -16,8 +16,8 @@ const PLANES: usize = 8;
 /// and the origin.
 #[derive(Debug, Clone)]
 pub(super) struct Back {
-    /// The nearness of planes, `a u + b v + c`; the last one is the floor. Those that there are not
-    /// are infinitely far.
+    /// The nearness of planes, `a u + b v + c`; the last one is the floor. Missing planes are
+    /// infinitely far.
     a: [f64; PLANES],
     b: [f64; PLANES],
     c: [f64; PLANES],

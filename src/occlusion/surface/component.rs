@@ -12,12 +12,12 @@ use crate::occlusion::surface::scratch::FaceScratch;
 use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::surface::sides::WholeSide;
 
-/// Patches around many blocks of pixels go through as many as the window has, so many times in a
-/// query. Fewer leave gaps between thousands of narrow ones.
+/// Patches around many blocks of pixels go through all blocks of the window this many times in a
+/// query, at most. A smaller number leaves gaps between thousands of narrow patches.
 const WIDE_FACES: u64 = 128;
 
 /// Draws the patches of one component, a range of the order of drawing, and notes which hide more
-/// than before. Patches around many blocks are left out once so much of the face was drawn in a
+/// than before. Patches around many blocks are left out once that much of the face was drawn in a
 /// query: they hide nothing then, and neither do the seams of their component.
 #[inline(always)]
 pub(super) fn draw_component<S: Simd>(

@@ -47,7 +47,7 @@ impl<S: Simd> Pieces<'_, S> {
         // Room for the rounding of the widths themselves.
         let (wide, unsure) = (wide + unsure + 3.0 * rounding, unsure + rounding);
         let far = f64::from(FAR_PIXEL);
-        // Also if one is not a number.
+        // Also if one is NaN.
         if !(sum < far && wide < far) {
             self.raster.edge(from, to, falls, (wide, unsure), seam);
             return;
@@ -76,7 +76,7 @@ impl<S: Simd> Pieces<'_, S> {
 }
 
 impl DeepSides {
-    /// The same in pixels that are so many times as fine.
+    /// The same in pixels that are finer by a factor.
     pub(super) fn finer(&self, by: f64) -> Self {
         Self {
             per_unit: self.per_unit * by,

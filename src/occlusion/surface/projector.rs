@@ -301,7 +301,7 @@ impl Projector {
         // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
         let grow = SLACK_ROOM * self.per_unit;
         let wide = unsure * 2.0 + p.slack * a.max(b) * grow;
-        // Also if it is not a number.
+        // Also if it is NaN.
         let small = sum.simd_lt(FAR_PIXEL);
         let plain = p.plain & small & wide.simd_lt(FAR_PIXEL);
         extent.least = [x0.min(x1).min(extent.least[0]), y0.min(y1).min(extent.least[1])];

@@ -14,8 +14,7 @@ use crate::occlusion::surface::raster::Raster;
 use crate::occlusion::surface::sides::WholeSide;
 
 /// The depths of a piece of a side differ at most by the first factor where its strip is wider than
-/// so many pixels, elsewhere by the second one. Strips narrower than the least width are not
-/// divided.
+/// `WIDE` pixels, elsewhere by the second one. Strips narrower than `NARROW` are not divided.
 const STEP_WIDE: f64 = 1.25;
 const STEP: f64 = 2.0;
 const WIDE: f64 = 2.0;
@@ -29,7 +28,7 @@ pub(super) struct Rims {
 }
 
 impl Rims {
-    /// The same in pixels that are so many times as fine.
+    /// The same in pixels that are finer by a factor.
     pub(super) fn finer(&self, by: f64) -> Self {
         Self { sides: self.sides.finer(by), room: self.room }
     }
@@ -105,7 +104,7 @@ fn widening(room: &Room, depth: f64, [u, v]: [f64; 2], at: f64, most: f64) -> f6
     room.along(DVec3::new(u, v, coordinate)) / depth
 }
 
-/// The ratio of the depths of a piece whose strip is so many pixels wide.
+/// The ratio of the depths of a piece whose strip is this many pixels wide.
 fn step(wide: f64) -> f64 {
     match wide {
         wide if wide > WIDE => STEP_WIDE,

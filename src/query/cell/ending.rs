@@ -11,7 +11,7 @@ use crate::grid::side::Side;
 use crate::query::cell::Walk;
 use crate::query::cell::shell_scale::ShellScale;
 
-/// Reading so many words of a mask costs about as much as looking at a slot.
+/// Reading this many words of a mask costs about as much as looking at a slot.
 const WORDS_FOR_A_SLOT: i64 = 16;
 
 impl Walk<'_> {

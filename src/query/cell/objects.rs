@@ -81,7 +81,7 @@ impl Walk<'_> {
         let block = bounds.block();
         let (lo, hi) = self.scene.grid().cover(block.min, block.max);
         if volume(lo, hi) > MAX_PENDING {
-            // So many cells cost more than a test could spare.
+            // Going through that many cells costs more than a test could save.
             self.decide(slot);
             return;
         }

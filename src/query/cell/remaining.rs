@@ -4,8 +4,8 @@ use casca_slots::Slot;
 
 use crate::grid::cell_box::CellBox;
 
-/// So many slots are looked at after each shell, and one more for so many rows that were walked in
-/// it: the search costs a small part of the walk.
+/// How many slots are looked at after each shell, and how many rows walked in it pay for one more:
+/// the search costs a small part of the walk.
 const SLOTS: i64 = 64;
 const ROWS_FOR_A_SLOT: i64 = 8;
 

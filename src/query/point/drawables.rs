@@ -153,7 +153,7 @@ impl<'a> Walk<'a> {
             let [a, b] = source.surface.ends(&side).map(end);
             let way = b - a;
             let share = (-a.dot(way) / way.length_squared()).clamp(0.0, 1.0);
-            // Also not if it is not a number.
+            // Nor if it is NaN.
             (a + way * share).length() > clear
         };
         (slab.0 > beside || slab.1 < -beside) && source.surface.outline(patch).all(|(_, side)| is_far(side))

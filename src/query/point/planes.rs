@@ -43,7 +43,7 @@ impl<'v> Planes<'v> {
     pub(super) fn new(view: &'v View, grid: &Grid) -> Self {
         let largest = grid.min().abs().max(grid.max().abs()).max_element();
         let four = |planes: &[HalfSpace]| {
-            // A plane that is not there has everything far inside.
+            // A missing plane has everything far inside.
             let of = |value: &dyn Fn(&HalfSpace) -> f64, none: f64| {
                 Vec4::from_array(std::array::from_fn(|i| planes.get(i).map_or(none, value) as f32))
             };

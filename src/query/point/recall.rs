@@ -9,8 +9,8 @@ use crate::occlusion::surface::batch::Sighting;
 use crate::occlusion::surface::by_patch::ByPatch;
 use crate::view::View;
 
-/// Objects that stay visible are examined, and occluders that wait are drawn, in one of so many
-/// runs: each in its turn.
+/// Objects that stay visible are examined, and occluders that wait are drawn, in one run of this
+/// many: each in its turn.
 const TURN: u32 = 16;
 
 /// The use of an occluder in a run.
@@ -84,7 +84,7 @@ impl Coherence {
         *self = Self::default();
     }
 
-    /// Begins a run for a scene with so many slots and patches.
+    /// Begins a run for a scene with these numbers of slots and patches.
     pub(super) fn begin(&mut self, scene: u32, slots: usize, patches: usize) {
         if self.scene != scene || self.run == u32::MAX {
             self.reset();

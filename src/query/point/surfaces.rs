@@ -20,9 +20,9 @@ const SMALLEST_PATCH: f64 = 4.0;
 /// or all of it that share as large as its distance.
 const THIN: f64 = 0.35;
 
-/// If the eye may go some way, a batch has at least one patch for so many that were drawn before,
-/// those at the end of the walk excepted: so the number of batches grows like the logarithm of the
-/// number of patches.
+/// If the eye may go some way, a batch has at least as many patches as were drawn before, divided
+/// by this, except at the end of the walk: so the number of batches grows like the logarithm of
+/// that of patches.
 const BATCH_SHARE: u64 = 3;
 
 /// How the walk goes on with a patch.

@@ -28,7 +28,7 @@ pub(super) struct Stage {
     telling: Telling,
 }
 
-/// The frame of a step: `settle` steps of so many frames each, from frame 0, then one frame a step.
+/// The frame of a step: `settle` steps of `stride` frames each, from frame 0, then one frame a step.
 pub(super) fn frame_of(step: usize, settle: usize, stride: usize) -> usize {
     let settled = step.min(settle.saturating_sub(1));
     settled * stride + (step - settled)
@@ -120,7 +120,7 @@ impl Stage {
         matches!(self.driver.scene.tbv(id), Ok(Some(_)))
     }
 
-    /// Runs the query so many times, at least once, and returns the least milliseconds.
+    /// Runs the query this many times, at least once, and returns the least milliseconds.
     pub(super) fn look(&mut self, view: &View, times: usize) -> f64 {
         let mut least = f64::INFINITY;
         for _ in 0..times.max(1) {
@@ -129,7 +129,7 @@ impl Stage {
         least
     }
 
-    /// Runs another query on the scene; returns the least milliseconds of so many runs.
+    /// Runs another query on the scene; returns the least milliseconds of this many runs.
     pub(super) fn ask(&self, query: &mut Query, view: &View, times: usize) -> f64 {
         let runs = (0..times.max(1)).map(|_| ms(timed(|| query.run(&self.driver.scene, view)).1));
         runs.fold(f64::INFINITY, f64::min)

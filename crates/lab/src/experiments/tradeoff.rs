@@ -169,7 +169,7 @@ impl SceneTradeoff {
     }
 
     /// The settings that lost nothing and make query and drawing together the fastest, if drawing
-    /// an object takes so many microseconds.
+    /// an object takes this many microseconds.
     fn best_for(&self, draw_us: f64) -> Option<&TradeoffPoint> {
         let total = |p: &TradeoffPoint| p.ms + p.ratio * self.visible * draw_us * 1e-3;
         let safe = self.points.iter().filter(|p| p.lost == 0.0);

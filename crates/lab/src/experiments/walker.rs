@@ -105,7 +105,7 @@ pub(super) fn visible_in(exact: &mut ItemBuffer, objects: &[Object], camera: &Ca
     seen.filter(|(_, (pixels, object))| **pixels > 0 && object.tested).map(|(i, _)| i).collect()
 }
 
-/// An item buffer of so many pixels in a row.
+/// An item buffer with this many pixels in a row.
 pub(super) fn item_buffer(width: usize) -> ItemBuffer {
     ItemBuffer::new(width, (width as f32 / ASPECT).round() as usize)
 }

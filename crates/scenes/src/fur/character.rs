@@ -45,7 +45,7 @@ pub struct CharacterRig {
 }
 
 impl Character {
-    /// The character of a file, with at most so many levels of detail, 1 to 16.
+    /// The character of a file, with at most this many levels of detail, 1 to 16.
     ///
     /// # Errors
     /// As [`load_coated`] and [`Character::new`].

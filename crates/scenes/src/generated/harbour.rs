@@ -39,7 +39,7 @@ const EDGE: f32 = 42.0;
 const CONTAINER: Vec3 = Vec3::new(6.1, 2.6, 2.44);
 /// Depth of the dents in a container's sides.
 const DENT: f32 = 0.05;
-/// Containers stand out of line by up to so much.
+/// How far containers stand out of line, at most.
 const SHIFT: f32 = 0.05;
 const TIERS: f32 = 5.0;
 /// Cranes over the ship's side, one beside each block, and cranes over the stacks.
@@ -84,7 +84,7 @@ fn loft(sections: &[Vec<Vec3>], lid: bool) -> Mesh {
     Mesh { positions: sections.concat(), triangles, ..Mesh::default() }
 }
 
-/// A container with dents along its sides, so many times as long as the shorter ones.
+/// A container with dents along its sides, this many times as long as the shorter ones.
 fn container(lengths: u32) -> Mesh {
     let steps = 12 * lengths;
     let section = |i: u32| {

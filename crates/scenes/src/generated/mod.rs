@@ -191,7 +191,7 @@ pub fn build(kind: SceneKind, options: &SceneOptions) -> World {
     }
 }
 
-/// A scene with so many times as many objects.
+/// A scene with a multiple of the objects.
 fn times(factor: f32, options: &SceneOptions, build: fn(&SceneOptions) -> World) -> World {
     let mut world = build(&SceneOptions { scale: options.scale * factor, ..*options });
     world.name.push_str(&format!("-{factor}"));

@@ -44,7 +44,7 @@ pub(super) fn beams(parts: &[([f32; 3], [f32; 3])]) -> Mesh {
     boxes(parts.iter().map(|&(least, size)| (Vec3::from(least), Vec3::from(least) + Vec3::from(size))))
 }
 
-/// A prism of so many sides around the y axis, of radius 1 and from y = 0 to 1.
+/// A prism with this number of sides around the y axis, of radius 1 and from y = 0 to 1.
 pub(super) fn prism(sides: u32) -> Mesh {
     let rim = |i: u32, y: f32| {
         let (sin, cos) = (TAU * i as f32 / sides as f32).sin_cos();

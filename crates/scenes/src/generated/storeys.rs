@@ -23,7 +23,7 @@ const INNER: f32 = 0.12;
 /// Height of the eyes above a floor.
 const EYE: f32 = 1.6;
 const DOOR: f32 = 2.1;
-/// The walk goes around so many storeys.
+/// The walk goes around this many storeys.
 const WALKED: usize = 5;
 
 /// Stairs: steps of each of the two flights of a storey, of which the landing is the last of the

@@ -20,7 +20,7 @@ const MODELS: usize = 4;
 const LEAVES: usize = 60;
 /// No tree is wider, measured from the middle of its trunk.
 const REACH: f32 = 3.2;
-/// Trees are up to so many times as large as their models.
+/// Trees are up to this many times as large as their models.
 const LARGEST: f32 = 1.2;
 /// Depth of trunks in the ground.
 const ROOT: f32 = 0.8;

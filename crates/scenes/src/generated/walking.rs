@@ -16,7 +16,7 @@ pub const WALK_SECONDS: f64 = 1.0 / 60.0;
 const SPEED: f32 = 1.5;
 /// The most that the walker turns in a second, in radians.
 const TURN: f32 = PI / 2.0;
-/// The walker looks this far to the left and the right, in radians, once in so many seconds.
+/// The walker looks this far to the left and the right, in radians, once in this many seconds.
 const GLANCE: (f32, f32) = (1.0, 6.0);
 /// The diagonal of a scene in which movers have their full size, in metres.
 const FULL: f32 = 60.0;
@@ -30,7 +30,7 @@ const TRIES: usize = 100;
 pub struct WalkOptions {
     /// Spheres that float about; every second one hides others.
     pub movers: usize,
-    /// The path of the scene is walked in so many places, evenly spread: long paths differ along
+    /// The path of the scene is walked in this many places, evenly spread: long paths differ along
     /// their way.
     pub stretches: usize,
     /// Frames in each of these places.

@@ -31,7 +31,7 @@ fn scaled((low, high): Bounds, by: f32) -> Bounds {
 /// their weights.
 type Followed = (HashMap<usize, Bounds>, [f32; 2]);
 
-/// The meshes of a file, and how they are deformed in so many frames.
+/// The meshes of a file, and how they are deformed in a number of frames.
 pub(super) struct Deformed<'a> {
     pub(super) document: &'a gltf::Document,
     pub(super) buffers: &'a Buffers,

@@ -273,7 +273,7 @@ impl FilePath {
     }
 
     /// Goes through all frames: finds speeds and bounds, and refuses what is not finite. What costs
-    /// more than a file of so many `bytes` may, is bounded less closely, and then in fewer frames.
+    /// more than a file of that size may is bounded less closely, and then in fewer frames.
     pub(super) fn settle(
         &mut self,
         objects: &mut [Object],

@@ -22,7 +22,7 @@ pub struct Tile {
 const GAP: usize = 12;
 const CAPTION: usize = 22;
 const HEAD: usize = 64;
-/// Pixels of a tile are drawn as squares of so many, so that captions have room.
+/// Pixels of a tile are drawn as squares of this many, so that captions have room.
 const ZOOM: usize = 2;
 
 /// Draws rows of tiles of one size as a PNG. The title states the finding, the subtitle says how to

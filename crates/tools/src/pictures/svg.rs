@@ -58,7 +58,7 @@ pub fn text(area: &Area<'_>, at: (i32, i32), size: f64, color: RGBColor, anchor:
     Ok(area.draw_text(text, &style, at)?)
 }
 
-/// Words put into lines of at most so many pixels.
+/// Words put into lines of at most this many pixels.
 fn wrap(text: &str, size: f64, room: i32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -106,7 +106,7 @@ const LABEL: f64 = 14.0;
 const LEFT: i32 = 20;
 
 impl Head {
-    /// A head for a picture so many pixels wide.
+    /// A head for a picture this many pixels wide.
     pub fn new(width: u32, title: &str, subtitle: &str, keys: Vec<(Sample, String)>) -> Self {
         let room = width as i32 - 2 * LEFT;
         // Bold letters are wider.

@@ -74,7 +74,7 @@ pub enum Form {
 /// How many meshes are known.
 pub const BASES: u8 = 8;
 
-/// The first so many of them are closed.
+/// How many of them, the first ones, are closed.
 pub const CLOSED_BASES: u8 = 4;
 
 /// Positions within -1 to 1, and triangles.

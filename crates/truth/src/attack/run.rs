@@ -48,7 +48,7 @@ pub struct Run {
     pub ops: u64,
     /// What is played.
     pub habits: Habits,
-    /// Ends after so many failures.
+    /// Ends after this many failures.
     pub failures: usize,
 }
 
@@ -187,7 +187,7 @@ pub fn play_seed(seed: u64, ops: usize, habits: Habits, tally: &mut Tally) -> Re
     played.map_err(|failure| Box::new(report(config, ops, failure, tally.ops, habits)))
 }
 
-/// Plays the scene that bytes tell, of up to so many operations.
+/// Plays the scene that bytes tell, of up to this many operations.
 ///
 /// # Errors
 /// The reduced failure.

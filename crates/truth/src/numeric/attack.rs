@@ -12,7 +12,7 @@ pub(crate) const GROW_TRIANGLE: f64 = 1e-7;
 /// Rays that run along a triangle, up to this sine, are taken to be hidden by it: neither answer is
 /// sure.
 pub(crate) const ALONG_TRIANGLE: f64 = 1e-9;
-/// A sight that starts in the skin of a grown solid and leaves it within so many skins is not
+/// A sight that starts in the skin of a grown solid and leaves it within this many skins is not
 /// hidden by it.
 pub(crate) const SKINS: f64 = 64.0;
 /// What a sight meets so short before its end, as a share of it, coincides with the target and

@@ -8,7 +8,7 @@ pub(crate) const GROW: f64 = 1e-7;
 pub(crate) const GROW_DISTANCE: f64 = 1e-9;
 /// The same for triangles, in barycentric coordinates.
 pub(crate) const GROW_TRIANGLE: f64 = 1e-7;
-/// Triangles reach past their edges by so much in barycentric coordinates, so that rounding opens
+/// Triangles reach past their edges by this much in barycentric coordinates, so that rounding opens
 /// no gap between neighbours.
 pub(crate) const CLOSE_TRIANGLE: f64 = 1e-10;
 /// Components of a direction below this count as zero: their inverse would not be finite.

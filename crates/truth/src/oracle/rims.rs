@@ -19,8 +19,8 @@ pub(super) struct Rim {
     pub(super) out: DVec3,
 }
 
-/// Points at rims that an item buffer shows, at most so many. Nearer rims, and those with more room
-/// behind them, come more often: an eye that moves sees more past them.
+/// Points at rims that an item buffer shows, at most this many. Nearer rims, and those with more
+/// room behind them, come more often: an eye that moves sees more past them.
 pub(super) fn rims(buffer: &ItemBuffer, frustum: &Frustum, most: usize, random: &mut Generator) -> Vec<Rim> {
     let (width, items, depths) = (buffer.width(), buffer.items(), buffer.depths());
     let mut kept: Vec<(f64, usize, usize)> = Vec::new();

@@ -62,7 +62,7 @@ impl Lines {
         let (y, to_y) = (up.select(y0, y1), up.select(y1, y0));
         let slope = (to_x - x) / (to_y - y);
         let steep = slope.abs();
-        // Not if it is not a number.
+        // Not if it is NaN.
         let is_slanted = steep.simd_lt(FLAT);
         let half = is_slanted.select(steep * 0.5 + (wide * steep + wide), splat(ACROSS_AREA));
         let unsure = is_slanted.select(unsure * steep + unsure, splat(ACROSS_AREA));

@@ -18,7 +18,7 @@ pub struct Sampling {
     pub frames: usize,
     /// Places along the path of the scene.
     pub stretches: usize,
-    /// One frame of so many is compared with exact visibility.
+    /// One frame in this many is compared with exact visibility.
     pub judge: usize,
     /// Pixels of a row of the item buffer.
     pub width: usize,
@@ -196,7 +196,7 @@ impl Judge {
     }
 }
 
-/// Walks through a scene with so many movers. `progress` is told the frames done.
+/// Walks through a scene with this many movers. `progress` is told the frames done.
 ///
 /// # Errors
 /// If the library refuses the scene, or a way fails.

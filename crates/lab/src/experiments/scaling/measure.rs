@@ -83,7 +83,7 @@ impl<'a> Turn<'a> {
     }
 }
 
-/// Runs contenders on the same world in turns: from each camera so many times, of which the least
+/// Runs contenders on the same world in turns: from each camera this many times, of which the least
 /// counts.
 pub(super) fn take_turns(
     turns: &mut [Turn],

@@ -30,10 +30,10 @@ pub(super) fn prepare(meshes: &[Mesh]) -> Result<(f64, usize, usize), LabError> 
     Ok((seconds, triangles, bytes))
 }
 
-/// Makes meshes of about so many triangles together, from a seed.
+/// Makes meshes of about this many triangles together, from a seed.
 type Build = fn(usize, u64) -> Vec<Mesh>;
 
-/// The meshes of the ground with about so many triangles.
+/// The meshes of the ground with about this many triangles.
 fn ground(triangles: usize, seed: u64) -> Vec<Mesh> {
     let objects = worlds::ground(triangles, seed).objects;
     let mesh = |shape: Shape| match shape {

@@ -113,7 +113,7 @@ impl Hills {
     }
 }
 
-/// A square of the ground with so many squares of two triangles along each side.
+/// A square of the ground with this many squares of two triangles along each side.
 fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
     let (side, pitch) = (squares + 1, GROUND / (TILES * squares) as f32);
     let vertex = |i: usize| {
@@ -132,7 +132,7 @@ fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
     }
 }
 
-/// Rolling ground of about so many triangles, and boxes on it. The hills are the same for any
+/// Rolling ground of about this many triangles, and boxes on it. The hills are the same for any
 /// number.
 pub(super) fn ground(triangles: usize, seed: u64) -> World {
     let mut dice = generator(seed, 0x6e0d);

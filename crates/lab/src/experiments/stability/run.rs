@@ -127,7 +127,7 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// What so many columns of samples show.
+    /// What this many columns of samples show.
     fn samples(&self, columns: usize) -> ItemBuffer {
         let mut samples = ItemBuffer::new(columns, rows(columns));
         samples.render(self.objects, self.camera);

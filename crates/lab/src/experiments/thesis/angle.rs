@@ -14,7 +14,7 @@ use casca_scenes::world::{Shape, World};
 /// Where the thesis sees the curve bend, in degrees.
 const BEND: f64 = 80.0;
 
-/// What an eye sees that looks along +x through a square opening of so many degrees, 180 at most.
+/// What an eye sees that looks along +x through a square opening of this many degrees, 180 at most.
 fn opening(eye: Vec3, degrees: f64) -> Result<View, casca::Error> {
     let (sin, cos) = (degrees.clamp(0.0, 180.0).to_radians() * 0.5).sin_cos();
     let planes = [Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|across| {
@@ -60,7 +60,7 @@ fn at(points: &[(f64, f64)], x: f64) -> f64 {
     points.iter().find(|p| p.0 == x).map_or(0.0, |p| p.1)
 }
 
-/// How much of the value at 180 degrees is there at so many.
+/// The share of the value at 180 degrees that is there at fewer.
 fn share(points: &[(f64, f64)], degrees: f64) -> f64 {
     ratio(at(points, degrees), at(points, 180.0))
 }

@@ -245,7 +245,7 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
                     if !hidden {
                         3
                     } else if count > 50_000 {
-                        // Each frame puts so many into volumes.
+                        // Each frame puts this many into volumes.
                         15 + usize::div_ceil(count, MOST_NEW_VOLUMES)
                     } else {
                         40

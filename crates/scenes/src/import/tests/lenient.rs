@@ -138,7 +138,7 @@ fn other_versions_and_other_files_are_named() {
     assert!(told.contains("nodes[0].mesh") && told.contains("and 997 more") && told.len() < 300, "{told}");
 }
 
-/// Reads a file in which node 0 moves for so many seconds, with what hangs from it, and the last
+/// Reads a file in which node 0 moves for this many seconds, with what hangs from it, and the last
 /// node has the camera. Accessor 3 has `count` places without any bytes.
 fn moving(count: usize, seconds: f32, nodes: &str) -> World {
     let mut parts = triangle();

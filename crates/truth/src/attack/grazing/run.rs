@@ -20,7 +20,7 @@ pub struct Run {
     pub points: u64,
     /// Threads; 0 for one on each core.
     pub threads: usize,
-    /// Ends after so many losses.
+    /// Ends after this many losses.
     pub failures: usize,
 }
 

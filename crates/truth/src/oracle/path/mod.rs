@@ -41,9 +41,9 @@ const MOST_ORDERS: u32 = 256;
 /// A quantity that is asked for at the surface that a pixel shows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
-    /// The radiance that was scattered so many times on its way to the camera: 0 for emitters that
-    /// are looked at, 1 for direct light, 2 for the first indirect bounce, 3 for the second. At
-    /// most 256.
+    /// The radiance that was scattered this many times on its way to the camera: 0 for emitters
+    /// that are looked at, 1 for direct light, 2 for the first indirect bounce, 3 for the second.
+    /// At most 256.
     Radiance(RangeInclusive<u32>),
     /// The cosine-weighted share of directions above the surface in which nothing is hit within so
     /// many metres.

@@ -10,7 +10,7 @@ use super::super::solid::{Solid, Start, exact};
 use super::{Graze, Place, Stage, Target, Witness};
 use crate::numeric::attack::{LEAST_INSTANCE, ON_BALL, ON_CORNER};
 
-/// Aims that no point in single precision is found for are given up after so many tries.
+/// Aims that no point in single precision is found for are given up after this many tries.
 const TRIES: u32 = 6;
 
 impl Stage<'_> {
