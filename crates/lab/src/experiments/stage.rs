@@ -28,7 +28,7 @@ pub(super) struct Stage {
     telling: Telling,
 }
 
-/// The frame of a step: `settle` steps of `stride` frames each, from frame 0, then one frame a step.
+/// The frame of a step: `settle` steps of `stride` frames each from frame 0, then single frames.
 pub(super) fn frame_of(step: usize, settle: usize, stride: usize) -> usize {
     let settled = step.min(settle.saturating_sub(1));
     settled * stride + (step - settled)
