@@ -81,7 +81,7 @@ fn grid() -> Scene {
     Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) }).unwrap()
 }
 
-/// A wall of `n` squares along each side, from a corner along y and z, with waves so deep.
+/// A wall of `n` squares along each side, from a corner along y and z, with waves this deep.
 fn wall(at: Vec3, size: f32, n: u32, deep: f32) -> Arc<TriMesh> {
     let corner = |i: u32| {
         let (y, z) = ((i % (n + 1)) as f32 * size / n as f32, (i / (n + 1)) as f32 * size / n as f32);

@@ -6,7 +6,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-/// What lies in a plane is looked at from so far on either side of it, where coordinates are small.
+/// What lies in a plane is looked at from this far on either side of it, where coordinates are
+/// small.
 const ASIDE: f64 = 1e-11;
 
 /// Places on the border of a box are moved into it, by this share of the way to its middle.

@@ -86,7 +86,7 @@ impl<'a> Furniture<'a> {
         }
     }
 
-    /// A place in a room and off the walk for something that reaches so far.
+    /// A place in a room and off the walk for something that reaches this far.
     fn pick(&self, dice: &mut Dice, floor: f32, reach: f32) -> Vec3 {
         loop {
             let room = (dice.range(0.0, 1.0) * self.rooms.len() as f32) as usize % self.rooms.len();

@@ -14,7 +14,7 @@ use crate::numeric::{NEAR_PLANES, NEAR_SHARE};
 use crate::world::{Animation, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 /// What the motion of a file may cost, in points that are transformed; the evaluation of a node
-/// counts as [`STEPS_OF_A_NODE`]. So much is half a second at most.
+/// counts as [`STEPS_OF_A_NODE`]. That is half a second at most.
 const FREE_STEPS: usize = 1 << 25;
 /// The same, in addition, for each byte of the buffers.
 const STEPS_OF_A_BYTE: usize = 64;

@@ -15,8 +15,8 @@ pub(crate) const ALONG_TRIANGLE: f64 = 1e-9;
 /// A sight that starts in the skin of a grown solid and leaves it within this many skins is not
 /// hidden by it.
 pub(crate) const SKINS: f64 = 64.0;
-/// What a sight meets so short before its end, as a share of it, coincides with the target and
-/// hides it.
+/// What a sight meets this close to its end, as a share of it, coincides with the target and hides
+/// it.
 pub(crate) const END: f64 = 1e-9;
 /// Points this close to a plane of a hull, as a share of its size, lie on it.
 pub(crate) const ON_HULL: f64 = 1e-11;

@@ -13,7 +13,7 @@ use crate::numeric::attack::{ASKEW, ON_SOLID, ROOM, ROOM_COORDINATES};
 pub enum Start {
     /// At an eye.
     Eye(DVec3),
-    /// So far before each point, along a direction of length 1.
+    /// This far before each point, along a direction of length 1.
     Before(DVec3, f64),
 }
 

@@ -45,8 +45,8 @@ pub enum Quantity {
     /// that are looked at, 1 for direct light, 2 for the first indirect bounce, 3 for the second.
     /// At most 256.
     Radiance(RangeInclusive<u32>),
-    /// The cosine-weighted share of directions above the surface in which nothing is hit within so
-    /// many metres.
+    /// The cosine-weighted share of directions above the surface in which nothing is hit within
+    /// this many metres.
     Ambient(f32),
     /// The share of a light, by its number, that is not hidden; 0 for surfaces that face away, and
     /// where nothing is hit.
