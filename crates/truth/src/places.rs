@@ -6,8 +6,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-/// What lies in a plane is looked at from this far on either side of it, where coordinates are
-/// small.
+/// What lies in a plane is looked at from this far to either side, where coordinates are small.
 const ASIDE: f64 = 1e-11;
 
 /// Places on the border of a box are moved into it, by this share of the way to its middle.
