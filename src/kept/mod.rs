@@ -247,7 +247,7 @@ impl KeptQuery {
     /// If jobs follow each other and each is done within a frame, a result has to answer only the
     /// next frame or two, and is found for a place ahead: a reach of 2 cm and a turn of 3 degrees
     /// are enough for a person who walks at 1.5 m/s at 60 frames a second. Sets are then larger
-    /// than those of a [`Query`] by 3 to 22% in the still scenes of `docs/report.md`.
+    /// than those of a [`Query`] by 4 to 22% in the still scenes of `docs/report.md`.
     pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
         let (view, query) = (self.aim(scene, view), self.take_query());
         self.snapshots.job(scene, view, query)

@@ -69,9 +69,9 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 ///
 /// # Cost
 ///
-/// Preparation sorts the triangles a few times: one to two seconds for a million, once; half to
-/// four microseconds for each triangle of small meshes. A mesh takes 50 to 200 bytes a triangle,
-/// and one of a few triangles 1 to 7 kB ([`TriMesh::memory_bytes`]). A query draws it as patches of
+/// Preparation sorts the triangles a few times: about a second for a million, once; half to four
+/// microseconds for each triangle of small meshes. A mesh takes 24 to 225 bytes a triangle, and one
+/// of a few triangles 1 to 7 kB ([`TriMesh::memory_bytes`]). A query draws it as patches of
 /// triangles that face nearly one way, by their outlines: large flat parts cost little, foliage
 /// much.
 ///
@@ -117,7 +117,7 @@ impl TriMesh {
     /// Takes positions in world units and triangles as indices of three positions, and prepares
     /// them as [`MeshOptions::default`] says. Vertices at equal positions count as one.
     ///
-    /// Costs a few sorts of the triangles: one to two seconds for a million.
+    /// Costs a few sorts of the triangles: about a second for a million.
     ///
     /// # Errors
     /// Refuses an empty mesh, one of more than 2^29 triangles, positions that are not finite and
