@@ -190,7 +190,7 @@ pub struct PointOptions {
     pub refine_patches: u32,
     /// Whether a run begins with the occluders that were of use in the last run of the same query,
     /// and leaves out others until something comes into sight that the last run did not find. For
-    /// cameras that move little from frame to frame this costs 45 to 85 percent of a run that knows
+    /// cameras that move little from frame to frame this costs 48 to 86 percent of a run that knows
     /// nothing. Sets are up to 4 percent larger, with thousands of movers in sight up to 12, since
     /// objects that were visible are examined in one of sixteen runs only; they depend on the runs
     /// since the last [`crate::Query::reset`]. Without effect where [`PointOptions::max_occluders`]
