@@ -31,6 +31,7 @@ use glam::IVec3;
 
 use crate::query::Query;
 use crate::scene::{LayerOpacity, Scene};
+use crate::shape::pieces::touched;
 
 pub use crate::grid::run::CellRun;
 pub use crate::matrix::bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
@@ -46,9 +47,8 @@ pub trait SceneInternals {
     /// look-ups for each mask of layers. Cells outside the grid are not.
     fn is_opaque(&self, cell: IVec3) -> bool;
 
-    /// Whether objects are known to touch a cell (I). Costs one look-up. No cell outside the grid
-    /// is known to.
-    fn is_occupied(&self, cell: IVec3) -> bool;
+    /// The cells that listed objects touch. Costs the cells of all objects.
+    fn occupied(&self) -> BitMatrix;
 
     /// Os: the opaque cells of static objects, on all layers. A copy if occluders are on different
     /// layers.
@@ -59,7 +59,7 @@ pub trait SceneInternals {
     /// report: then O is Os.
     fn dynamic_opacity(&self) -> Cow<'_, OpacityMatrix>;
 
-    /// I: the objects that touch each cell. The first call lists them by cell.
+    /// I: the objects that touch each brick.
     fn id_matrix(&self) -> &IdMatrix;
 
     /// Txy, Txz, Tyz: the temporal bounding volumes.
@@ -82,8 +82,14 @@ impl SceneInternals for Scene {
         self.is_opaque(cell, u64::MAX)
     }
 
-    fn is_occupied(&self, cell: IVec3) -> bool {
-        self.grid().contains(cell) && self.cell_ids().get(cell).next().is_some()
+    fn occupied(&self) -> BitMatrix {
+        let mut cells = BitMatrix::new(self.grid().dims());
+        for (_, object) in self.living().filter(|(_, object)| object.in_cells()) {
+            touched(object.bounds(), self.grid(), &mut |piece| {
+                piece.bricks(|brick, mask| cells.set_mask(brick, mask));
+            });
+        }
+        cells
     }
 
     fn static_opacity(&self) -> Cow<'_, OpacityMatrix> {
@@ -95,7 +101,7 @@ impl SceneInternals for Scene {
     }
 
     fn id_matrix(&self) -> &IdMatrix {
-        self.cell_ids().ids
+        self.id_matrix()
     }
 
     fn tbv_matrix(&self) -> &TbvMatrix {

@@ -8,7 +8,6 @@
 //!   bounding volumes.
 
 pub(crate) mod bits;
-pub(crate) mod cell_ids;
 pub(crate) mod counts;
 pub(crate) mod fused;
 pub(crate) mod ids;

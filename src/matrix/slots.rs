@@ -42,15 +42,6 @@ impl SlotList {
         }
     }
 
-    /// Exchanges two places.
-    pub(crate) fn swap(&mut self, i: usize, j: usize) {
-        self.slots.swap(i, j);
-        if let Some(places) = &mut self.places {
-            places.0.insert(self.slots[i], i as u32);
-            places.0.insert(self.slots[j], j as u32);
-        }
-    }
-
     /// Takes one out and puts the last into its place.
     pub(crate) fn swap_remove(&mut self, i: usize) {
         let slot = self.slots.swap_remove(i);
@@ -112,7 +103,6 @@ mod tests {
                 (None, true) => {
                     list.push(slot);
                     held.push(slot);
-                    list.swap(0, held.len() / 2);
                 }
                 _ => {}
             }

@@ -15,6 +15,7 @@ use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
 use crate::method::{CellOptions, Method, PointOptions};
 use crate::occlusion::image::OcclusionImage;
 use crate::pvs::Pvs;
+use crate::query::cell::lists::CellLists;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::marks::Marks;
 use crate::query::point::follow::Changes;
@@ -98,6 +99,7 @@ pub struct Query {
     pvs: Pvs,
     marks: Marks,
     cell: CellScratch,
+    lists: CellLists,
     point: PointScratch,
     /// Whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
     record: bool,
@@ -123,6 +125,7 @@ impl Query {
             pvs: Pvs::empty(),
             marks: Marks::default(),
             cell: CellScratch::new(CellOptions::default().mask_resolution),
+            lists: CellLists::default(),
             point: PointScratch::default(),
             record: false,
             #[cfg(feature = "rayon")]
@@ -190,7 +193,9 @@ impl Query {
                 let record = self.record.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
-                let walk = cell::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.cell);
+                self.lists.follow(scene);
+                let (marks, lists, scratch) = (&mut self.marks, &self.lists, &mut self.cell);
+                let walk = cell::Walk::new(scene, view, options, pvs, marks, lists, scratch);
                 walk.with_more(more.into_iter().flat_map(|more| more.in_views_of(view.layers())))
                     .with_record(record)
                     .run();

@@ -116,10 +116,10 @@ impl Scene {
     }
 
     /// The zone to list an object in instead of cells, if it may be: it moves, is small and hides
-    /// nothing, and no query asked for objects by cell.
+    /// nothing.
     pub(super) fn zone_to_list(&self, slot: Slot, bounds: &Bounds) -> Option<IVec3> {
         let object = self.object(slot);
-        let may = !object.is_static() && object.given_occluder().is_none() && !self.ids.is_by_cell();
+        let may = !object.is_static() && object.given_occluder().is_none();
         if may { Movers::zone_of(&self.grid, &bounds.block()) } else { None }
     }
 
@@ -166,14 +166,8 @@ impl Scene {
         self.object(slot).in_zone && self.zone_to_list(slot, bounds).is_some()
     }
 
-    /// Takes an object out of its zone, and of the cells of its bounds if a query asked for objects
-    /// by cell since.
+    /// Takes an object out of its zone.
     fn leave_zone(&mut self, slot: Slot) {
-        let Self { slots, ids, grid, .. } = self;
-        if ids.is_by_cell() {
-            let bounds = &slots[slot].bounds;
-            touched(bounds, grid, &mut |p| p.bricks(|b, m| ids.leave_cells(b, m, slot)));
-        }
         self.rooms.close(slot);
         self.movers.remove(slot);
         self.reports.leave_zone(slot);
@@ -237,7 +231,7 @@ impl Scene {
         if object.in_zone || !hides && self.zone_to_list(slot, bounds).is_some() {
             return false;
         }
-        if in_cells && !hides && !self.ids.is_by_cell() && touch_same_bricks(&grid, &object.bounds, bounds) {
+        if in_cells && !hides && touch_same_bricks(&grid, &object.bounds, bounds) {
             return true;
         }
         let (before, after) = (Span::of(&grid, &object.bounds.block()), Span::of(&grid, &bounds.block()));

@@ -75,7 +75,7 @@ use crate::error::Error;
 use crate::geometry::Block;
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
-use crate::matrix::ids::{ByCell, IdMatrix};
+use crate::matrix::ids::IdMatrix;
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
 use crate::scene::changes::Changes;
@@ -89,7 +89,7 @@ use crate::scene::rooms::Rooms;
 use crate::scene::seen::Seen;
 use crate::scene::user_data::UserData;
 use crate::scene::volumes::Volumes;
-use crate::shape::pieces::{Moved, touched};
+use crate::shape::pieces::Moved;
 
 pub use frame::{FrameReport, MOST_NEW_VOLUMES};
 pub(crate) use journal::StaticChange;
@@ -263,15 +263,6 @@ impl Scene {
         &self.ids
     }
 
-    /// I, by cell. Costs a walk over all objects and their cells the first time.
-    pub(crate) fn cell_ids(&self) -> ByCell<'_> {
-        self.ids.by_cell(|add| {
-            for (slot, object) in self.living().filter(|(_, object)| object.in_cells) {
-                touched(&object.bounds, &self.grid, &mut |p| p.bricks(|brick, mask| add(brick, mask, slot)));
-            }
-        })
-    }
-
     /// Txy, Txz, Tyz: the temporal bounding volumes.
     #[inline]
     pub(crate) fn tbv_matrix(&self) -> &TbvMatrix {
@@ -317,6 +308,12 @@ impl Scene {
     pub(crate) fn is_unlocated(&self, slot: Slot) -> bool {
         let object = self.object(slot);
         object.is_unlocated() || object.in_zone && object.on_expiry() && !self.reports.is_current(slot)
+    }
+
+    /// Listed dynamic objects, those in zones included.
+    #[inline]
+    pub(crate) fn listed_movers(&self) -> &[Slot] {
+        self.members.movers()
     }
 
     /// Small moving objects that hide nothing.

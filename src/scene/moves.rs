@@ -47,7 +47,7 @@ impl Scene {
     #[inline]
     pub(super) fn move_in_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
         let Some((min, max)) = quick_box(bounds) else { return false };
-        if !self.rooms.hold(id.0, min, max) || self.ids.is_by_cell() {
+        if !self.rooms.hold(id.0, min, max) {
             return false;
         }
         let object = &mut self.slots[id.slot()];
@@ -73,7 +73,7 @@ impl Scene {
     pub(super) fn move_to_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
         let Some((lower, upper)) = quick_box(bounds) else { return false };
         let (slot, Some(object)) = (id.slot(), self.slots.find(id.0)) else { return false };
-        if !object.in_zone || object.is_placed() || self.ids.is_by_cell() {
+        if !object.in_zone || object.is_placed() {
             return false;
         }
         // Numbers that are not finite are in no grid.
@@ -101,7 +101,7 @@ impl Scene {
     /// without a change, if not.
     pub(super) fn stay_in_room(&mut self, slot: Slot, bounds: &Bounds) -> bool {
         let Aabb { min, max } = bounds.aabb();
-        if !self.rooms.hold(self.slots.id(slot), min.into(), max.into()) || self.ids.is_by_cell() {
+        if !self.rooms.hold(self.slots.id(slot), min.into(), max.into()) {
             return false;
         }
         let object = &mut self.slots[slot];

@@ -132,6 +132,18 @@ impl Object {
         copy
     }
 
+    /// The number of the move that last changed it.
+    #[inline]
+    pub(crate) fn last_move(&self) -> u64 {
+        self.moved
+    }
+
+    /// Whether queries find it by the cells that it touches.
+    #[inline]
+    pub(crate) fn in_cells(&self) -> bool {
+        self.in_cells
+    }
+
     /// The bounds as last reported.
     #[inline]
     pub(crate) fn bounds(&self) -> &Bounds {

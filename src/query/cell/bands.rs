@@ -60,8 +60,7 @@ impl Walk<'_> {
     /// Whether a plane of pages contains nothing that a walk looks for.
     pub(crate) fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
         let scene = self.scene;
-        scene.id_matrix().pages().plane_is_empty(axis, page)
-            && scene.id_matrix().cell_pages().is_none_or(|pages| pages.plane_is_empty(axis, page))
+        self.lists.none_in(|pages| pages.plane_is_empty(axis, page))
             && scene.tbv_matrix().pages().plane_is_empty(axis, page)
             && self.opaque.iter().all(|opaque| opaque.pages().plane_is_empty(axis, page))
     }
@@ -69,8 +68,7 @@ impl Walk<'_> {
     /// Whether a row of pages contains nothing that a walk looks for.
     pub(crate) fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
         let scene = self.scene;
-        scene.id_matrix().pages().row_is_empty(along, page)
-            && scene.id_matrix().cell_pages().is_none_or(|pages| pages.row_is_empty(along, page))
+        self.lists.none_in(|pages| pages.row_is_empty(along, page))
             && scene.tbv_matrix().pages().row_is_empty(along, page)
             && self.opaque.iter().all(|opaque| opaque.pages().row_is_empty(along, page))
     }
@@ -109,8 +107,7 @@ impl Walk<'_> {
     /// Whether a page contains nothing that a walk looks for.
     pub(crate) fn page_is_empty(&self, page: IVec3) -> bool {
         let scene = self.scene;
-        scene.id_matrix().pages().page_is_empty(page)
-            && scene.id_matrix().cell_pages().is_none_or(|pages| pages.page_is_empty(page))
+        self.lists.none_in(|pages| pages.page_is_empty(page))
             && scene.tbv_matrix().pages().page_is_empty(page)
             && self.opaque.iter().all(|opaque| opaque.pages().page_is_empty(page))
     }

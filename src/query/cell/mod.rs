@@ -1,8 +1,10 @@
 //! The cell method: the objects that can be seen from anywhere in the viewer's cell.
 
 mod bands;
+mod cell_ids;
 mod ending;
 mod everything;
+pub(crate) mod lists;
 pub(crate) mod masks;
 mod objects;
 mod overhang;
@@ -21,6 +23,7 @@ use crate::matrix::bits::BitMatrix;
 use crate::method::CellOptions;
 use crate::numeric::query::UNCERTAIN_EYE;
 use crate::pvs::{Pvs, Stats};
+use crate::query::cell::lists::CellLists;
 use crate::query::cell::remaining::Remaining;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::cell::shell_scale::ShellScale;
@@ -42,6 +45,8 @@ pub(crate) struct Walk<'a> {
     options: &'a CellOptions,
     pvs: &'a mut Pvs,
     marks: &'a mut Marks,
+    /// The objects by cell.
+    lists: &'a CellLists,
     scratch: &'a mut CellScratch,
     record: Record<'a>,
     /// The shells around the viewer's cell; around the middle of the grid without one.
@@ -64,6 +69,7 @@ impl<'a> Walk<'a> {
         options: &'a CellOptions,
         pvs: &'a mut Pvs,
         marks: &'a mut Marks,
+        lists: &'a CellLists,
         scratch: &'a mut CellScratch,
     ) -> Self {
         marks.begin(scene.slot_count());
@@ -76,6 +82,7 @@ impl<'a> Walk<'a> {
             options,
             pvs,
             marks,
+            lists,
             scratch,
             record: None,
             shells,

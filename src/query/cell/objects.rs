@@ -21,8 +21,7 @@ impl Walk<'_> {
         if let Some((visited, _)) = &mut self.record {
             visited.set(self.shells.cell);
         }
-        let scene = self.scene;
-        scene.cell_ids().get(self.shells.cell).for_each(|slot| self.decide(slot));
+        self.lists.of(self.shells.cell).for_each(|slot| self.decide(slot));
         let mut around = Vec::new();
         self.scene.volumes().holding(self.shells.cell, |slot| around.push(slot));
         around.sort_unstable();
@@ -138,8 +137,7 @@ impl Walk<'_> {
         let axes = side.axes;
         let mut corner = (brick << 3i32) - self.shells.cell;
         corner[axes.normal] = at - self.shells.cell[axes.normal];
-        let scene = self.scene;
-        scene.cell_ids().for_tile(brick, &axes, at, tile, |bit, whole, own| {
+        self.lists.for_tile(brick, &axes, at, tile, |bit, whole, own| {
             let decided = |&slot: &Slot| self.marks.is_decided(slot);
             if own.iter().all(decided) && whole.iter().all(decided) {
                 return;

@@ -203,7 +203,7 @@ impl Walk<'_> {
             return 0;
         }
         let opaque = self.opaque.iter().fold(0, |all, opaque| all | opaque.tile(brick, axes, at));
-        let objects = scene.cell_ids().tile(brick, axes, at) & tile;
+        let objects = self.lists.tile(brick, axes, at) & tile;
         if objects != 0 {
             hits.push(Hit { brick, tile: objects, objects: true });
         }

@@ -241,7 +241,7 @@ fn volumes_are_kept_while_they_serve() {
 fn nothing_is_left_of_a_removed_object() {
     for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
         let World { scene, .. } = prepare().remove();
-        assert_eq!((scene.cell_ids().ids.entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
+        assert_eq!((scene.id_matrix().entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
         assert!(scene.members.movers().is_empty() && scene.always().is_empty());
         assert!(scene.members.on_expiry().is_empty() && !scene.any_overdue());
         assert_eq!(scene.opacity.overdue(), 0);
@@ -250,7 +250,7 @@ fn nothing_is_left_of_a_removed_object() {
 
 /// Entries of I for the wall alone.
 fn wall_entries() -> usize {
-    World::new(BEFORE, false).remove().scene.cell_ids().ids.entries()
+    World::new(BEFORE, false).remove().scene.id_matrix().entries()
 }
 
 #[test]

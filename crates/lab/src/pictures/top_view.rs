@@ -55,7 +55,7 @@ impl TopView<'_> {
         grid.cell_of(self.camera.eye.as_dvec3()).y.clamp(0, grid.dims().y - 1)
     }
 
-    fn kind(&self, cell: IVec3) -> Option<usize> {
+    fn kind(&self, occupied: &BitMatrix, cell: IVec3) -> Option<usize> {
         if self.scene.is_opaque(cell) {
             Some(2)
         } else if self.hidden.get(cell) {
@@ -63,18 +63,19 @@ impl TopView<'_> {
         } else if self.visited.get(cell) {
             Some(0)
         } else {
-            self.scene.is_occupied(cell).then_some(3)
+            occupied.get(cell).then_some(3)
         }
     }
 
     /// The layer's cells in as few rectangles as row by row gives.
     fn blocks(&self) -> Vec<Block> {
         let (dims, y) = (self.scene.grid().dims(), self.layer());
+        let occupied = self.scene.occupied();
         let (mut done, mut open): (Vec<Block>, Vec<Block>) = (Vec::new(), Vec::new());
         for z in 0..dims.z {
             let mut row: Vec<Block> = Vec::new();
             for x in 0..dims.x {
-                let Some(kind) = self.kind(IVec3::new(x, y, z)) else { continue };
+                let Some(kind) = self.kind(&occupied, IVec3::new(x, y, z)) else { continue };
                 match row.last_mut() {
                     Some(last) if last.x.end == x && last.kind == kind => last.x.end = x + 1,
                     _ => row.push(Block { x: x..x + 1, z: z..z + 1, kind }),

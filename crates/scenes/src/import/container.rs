@@ -19,7 +19,8 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Trouble> {
     };
     match word(4)? {
         2 => {}
-        version => return Err(Trouble::Version(format!("{version}.0"))),
+        version @ (1 | 3..=9) => return Err(Trouble::Version(format!("{version}.0"))),
+        version => return Err(fault(format!("it is of version {version}, which there is not"))),
     }
     let length = word(8)?;
     if length < HEADER || length > bytes.len() {

@@ -148,17 +148,10 @@ impl CellIds {
     }
 
     /// Number of pairs of a cell and an object.
+    #[cfg(test)]
     pub(super) fn entries(&self) -> usize {
         let cells = self.bricks.iter().flat_map(|(_, brick)| &brick.cells);
         cells.map(|held| self.lists.of(held).len()).sum()
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        self.bricks.bytes()
-            + self.bricks.iter().map(|(_, b)| b.cells.capacity() * size_of::<Slot>()).sum::<usize>()
-            + self.lists.lists.capacity() * size_of::<SlotList>()
-            + self.lists.lists.iter().map(SlotList::bytes).sum::<usize>()
-            + self.lists.free.capacity() * 4
     }
 
     /// The objects of a cell.
