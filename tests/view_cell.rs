@@ -373,6 +373,7 @@ fn bounded_results_are_valid_for_every_eye_of_the_cell() {
         }
     }
     println!("{valid} results that leave out {left_out} small balls; {kept} kept, {refused} refused");
+    // On the lattice, balls lie on the faces of blocks and come out of them.
     assert!(valid > 400 && left_out > 200 && kept > 300 && refused > 300);
 }
 

@@ -375,7 +375,8 @@ impl Player {
         let world = self.world();
         let thing = &mut world.things[i];
         let mesh = |f: &Form| matches!(f, Form::Mesh { .. });
-        let refusable = is_rounded(&thing.bounds) || mesh(&thing.bounds) || thing.occluder.as_ref().is_some_and(mesh);
+        let refusable =
+            is_rounded(&thing.bounds) || mesh(&thing.bounds) || thing.occluder.as_ref().is_some_and(mesh);
         match world.scene.translate(thing.id, by) {
             Ok(()) => {
                 world.changed |= by != Vec3::ZERO;
