@@ -481,7 +481,8 @@ proptest! {
         let differ = things.iter().zip(&ids).filter(|(t, id)| one.contains(t.id) != two.contains(**id)).count();
         // On a surface neither is sure of much.
         let on_surface = matches!(look.stand, Stand::On(.., 0.0));
-        prop_assert!(on_surface || differ * 5 <= things.len().max(20), "{differ} of {}: {} and {}", things.len(), one.len(), two.len());
+        let alike = on_surface || differ * 5 <= things.len().max(20);
+        prop_assert!(alike, "{differ} of {}: {} and {}", things.len(), one.len(), two.len());
     }
 }
 
