@@ -17,7 +17,7 @@ fn scene() -> Scene {
 }
 
 fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
-    prop::array::uniform3(range).prop_map(Vec3::from_array)
+    casca_truth::places::points(range, 1.0)
 }
 
 fn rotation() -> impl Strategy<Value = Quat> {
@@ -126,7 +126,7 @@ proptest! {
     fn spheres_stay_spheres(
         sphere in (vector(-3.0..3.0), 0.5..3.0f32).prop_map(|(c, r)| Sphere::new(c, r)),
         (scale, turn, to) in (0.5..9.0f32, rotation(), vector(-3e4..3e4)),
-        shares in prop::collection::vec(vector(0.0..1.0), 100),
+        shares in prop::collection::vec(prop::array::uniform3(0.0..1.0f32).prop_map(Vec3::from), 100),
     ) {
         let t = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn, to);
         prop_assert!(check(&sphere.into(), t, &shares) > 10);

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use casca::{
     Aabb, GridSpec, Method, Obb, ObjectDesc, ObjectId, Plane, Pvs, Query, Scene, Sphere, TriMesh, View,
 };
+use casca_truth::places::coordinate;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DMat4, DQuat, DVec3, DVec4, Mat4, Quat, UVec3, Vec3};
 
@@ -35,14 +36,14 @@ impl Random {
     }
 
     fn point(&mut self, from: f32, to: f32) -> Vec3 {
-        Vec3::new(self.within(from, to), self.within(from, to), self.within(from, to))
+        Vec3::from_array([(); 3].map(|()| coordinate(self.unit().into(), from..to, 1.0)))
     }
 
     fn direction(&mut self) -> Vec3 {
         let axis = Vec3::AXES[self.below(3) as usize] * if self.unit() < 0.5 { 1.0 } else { -1.0 };
         // Along the axes, whole layers of cells lie at the border of narrow frusta.
         let tilt = if self.unit() < 0.5 { 0.02 } else { 1.0 };
-        (axis + self.point(-1.0, 1.0) * tilt).normalize()
+        (axis + self.point(-1.0, 1.0) * tilt).normalize_or(axis)
     }
 }
 
@@ -372,7 +373,8 @@ fn bounded_results_are_valid_for_every_eye_of_the_cell() {
         }
     }
     println!("{valid} results that leave out {left_out} small balls; {kept} kept, {refused} refused");
-    assert!(valid > 400 && left_out > 300 && kept > 300 && refused > 300);
+    // On the lattice, balls lie on the faces of blocks and come out of them.
+    assert!(valid > 400 && left_out > 200 && kept > 300 && refused > 300);
 }
 
 /// A block in the way of a narrow frustum, and a ball behind it.

@@ -89,10 +89,10 @@ pub fn places(range: std::ops::Range<f32>) -> impl Strategy<Value = [f64; 3]> {
 }
 
 pub fn recipe() -> impl Strategy<Value = Recipe> {
-    let center = prop::array::uniform3(0.0..16.0f64);
+    let center = places(0.0..16.0);
     let size = prop_oneof![
         2 => prop::array::uniform3(0.3..3.0f64),
-        2 => prop::array::uniform3(1.0..7.0f64),
+        2 => places(1.0..7.0),
         1 => (1.0..8.0f64).prop_map(|s| [s; 3]),
     ];
     let angle = prop_oneof![1 => Just(0.0), 2 => 0.0..6.3f64];
@@ -201,7 +201,7 @@ fn parts(form: Form, random: &mut Random) -> Parts {
         }
         Form::Fan(n) => {
             let mut p = vec![DVec3::NEG_Y, DVec3::Y];
-            p.extend((0..n).map(|_| random.vector(-1.0, 1.0)));
+            p.extend((0..n).map(|_| random.place(-1.0, 1.0)));
             (p, (2..n + 2).map(|i| [0, 1, i]).collect())
         }
         Form::Junctions(n) => {
@@ -218,13 +218,13 @@ fn parts(form: Form, random: &mut Random) -> Parts {
         Form::Needles(n) => {
             let mut p = Vec::new();
             for _ in 0..n {
-                let (a, b) = (random.vector(-1.0, 1.0), random.vector(-1.0, 1.0));
-                p.extend([a, b, b + random.vector(-1.0, 1.0) * 10f64.powf(random.within(-6.0, -1.0))]);
+                let (a, b) = (random.place(-1.0, 1.0), random.place(-1.0, 1.0));
+                p.extend([a, b, b + random.place(-1.0, 1.0) * 10f64.powf(random.within(-6.0, -1.0))]);
             }
             (p, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
         }
         Form::Soup(n) => {
-            let p = (0..n + 3).map(|_| random.vector(-1.0, 1.0)).collect();
+            let p = (0..n + 3).map(|_| random.place(-1.0, 1.0)).collect();
             let mut any = || random.below(n as usize + 3) as u32;
             (p, (0..2 * n).map(|_| [any(), any(), any()]).collect())
         }

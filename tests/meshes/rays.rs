@@ -1,6 +1,7 @@
 //! Rays against triangles, by the signs of triple products: in doubt, a triangle blocks.
 
 use casca_scenes::world::Camera;
+use casca_truth::places::coordinate;
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 pub type Triangle = [DVec3; 3];
@@ -157,6 +158,12 @@ impl Random {
 
     pub fn vector(&mut self, lo: f64, hi: f64) -> DVec3 {
         DVec3::new(self.within(lo, hi), self.within(lo, hi), self.within(lo, hi))
+    }
+
+    /// A place in a scene: half of its coordinates lie on a lattice.
+    pub fn place(&mut self, lo: f64, hi: f64) -> DVec3 {
+        let (range, step) = (lo as f32..hi as f32, (hi - lo) as f32 / 8.0);
+        DVec3::from_array([(); 3].map(|()| coordinate(self.unit(), range.clone(), step).into()))
     }
 
     /// A point of a triangle: a corner nudged inside, a point near an edge or any.

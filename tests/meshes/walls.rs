@@ -79,7 +79,7 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
         let new: Vec<Option<ObjectId>> =
             (0..meshes.len()).map(|i| ids[i].map(|_| insert(&mut fresh, i))).collect();
         for _ in 0..2 {
-            let eye = random.vector(0.0, 24.0).as_vec3();
+            let eye = random.place(0.0, 24.0).as_vec3();
             let view = View::omnidirectional(eye).unwrap();
             let seen: Vec<bool> = {
                 let pvs = query.run(&scene, &view);

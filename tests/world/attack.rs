@@ -266,7 +266,7 @@ fn nothing_that_is_seen_is_lost_while_pages_come_and_go_and_the_window_moves() {
         assert!(player.lost.is_empty(), "seed {seed}: {:#?}", &player.lost[..player.lost.len().min(5)]);
         (seen, hidden, shifts) = (seen + player.seen, hidden + player.hidden, shifts + player.shifts);
     }
-    // It plays with what it is about.
+    // It plays with what it is about; on the lattice, more comes out of the faces of walls.
     println!("{seen} seen, {hidden} hidden, {shifts} shifts");
-    assert!(seen > 10_000 && hidden > 5000 && shifts > 20, "{seen} seen, {hidden} hidden, {shifts} shifts");
+    assert!(seen > 10_000 && hidden > 4000 && shifts > 20, "{seen} seen, {hidden} hidden, {shifts} shifts");
 }

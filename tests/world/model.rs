@@ -1,6 +1,7 @@
 //! A model of a world: boxes at places in double precision, and what an eye sees of them. It shares
 //! no code with the library.
 
+use casca_truth::places::coordinate;
 use glam::DVec3;
 
 /// Random numbers from a seed.
@@ -21,7 +22,8 @@ impl Random {
     }
 
     pub fn point(&mut self, lo: f64, hi: f64) -> DVec3 {
-        DVec3::new(self.within(lo, hi), self.within(lo, hi), self.within(lo, hi))
+        let (range, step) = (lo as f32..hi as f32, (hi - lo) as f32 / 8.0);
+        DVec3::from_array([(); 3].map(|()| coordinate(self.next(), range.clone(), step).into()))
     }
 
     pub fn chance(&mut self, share: f64) -> bool {
@@ -44,6 +46,10 @@ pub struct Solid {
 /// Occluders count as larger by this, so that rounding decides nothing here: places of up to 1e9
 /// are known to 1e-7.
 const DOUBT: f64 = 1e-6;
+
+/// An eye is surely in a box if it is so deep in it: windows of 192 m are known to 1.5e-5 in single
+/// precision, and occluders are rounded inwards.
+const DEEP: f64 = 1e-4;
 
 impl Solid {
     /// The box relative to the eye.
@@ -71,11 +77,12 @@ fn cuts((min, max): (DVec3, DVec3), to: DVec3) -> bool {
 }
 
 /// Of these boxes, those of which the eye surely sees one of 27 points, or one of some random ones.
-/// A box that contains the eye hides nothing, if it is no mesh.
+/// A box that surely contains the eye hides nothing, if it is no mesh; one whose face the eye may
+/// lie on hides everything.
 pub fn seen(solids: &[Solid], eye: DVec3, random: &mut Random) -> Vec<bool> {
     let boxes: Vec<_> = solids.iter().map(|solid| solid.seen_from(eye)).collect();
     let holds_eye = |(min, max): &(DVec3, DVec3)| {
-        min.cmple(DVec3::splat(DOUBT)).all() && max.cmpge(DVec3::splat(-DOUBT)).all()
+        min.cmplt(DVec3::splat(-DEEP)).all() && max.cmpgt(DVec3::splat(DEEP)).all()
     };
     let hides = |i: &usize| solids[*i].hides && (solids[*i].mesh || !holds_eye(&boxes[*i]));
     let hiding: Vec<usize> = (0..solids.len()).filter(hides).collect();

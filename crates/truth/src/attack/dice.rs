@@ -1,5 +1,9 @@
 //! Where the choices of an attack come from: a seeded generator, or the bytes of a fuzzer.
 
+use glam::Vec3;
+
+use crate::places::settled;
+
 /// Makes choices, the same ones for the same seed or bytes.
 #[derive(Debug, Clone)]
 pub enum Dice<'a> {
@@ -59,6 +63,11 @@ impl Dice<'_> {
     /// A number between two others.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
+    }
+
+    /// A point near another, with half of its coordinates on a lattice: see [`crate::places`].
+    pub fn settled(&mut self, at: Vec3, step: f32) -> Vec3 {
+        Vec3::from_array(at.to_array().map(|at| settled(f64::from(self.unit()), at, step)))
     }
 
     /// True once in `n` times.

@@ -108,6 +108,7 @@ impl<'a> Maker<'a> {
                 1 => 1e-6,
                 2 | 3 => f64::from(self.dice.between(0.5, 10.0)),
                 4 if self.dice.once_in(3) => -f64::from(self.dice.between(0.0, 3.0)),
+                5 if self.habits.far && self.dice.once_in(8) => self.dice.pick(&[1e6, 1e12, 1e30]),
                 5..=9 => f64::from(self.dice.between(0.05, 0.5)),
                 _ => 1.0 / 60.0,
             };
@@ -239,9 +240,13 @@ impl<'a> Maker<'a> {
             0..=11 => From::Camera(0),
             12..=15 => From::Camera(self.dice.below(3) as u8),
             16 => From::Inside(self.who(), direction(&mut self.dice) * self.dice.pick(&[0.0, 0.3, 1.0])),
-            17 => From::Volume(self.who(), Vec3::new(self.dice.unit(), self.dice.unit(), self.dice.unit())),
+            17 => {
+                let share = Vec3::new(self.dice.unit(), self.dice.unit(), self.dice.unit());
+                From::Volume(self.who(), self.dice.settled(share, 1.0))
+            }
             18 => From::At(self.config.min + direction(&mut self.dice) * self.config.size() * 3.0),
             19 if self.dice.once_in(4) => From::At(self.config.min + direction(&mut self.dice) * 1e5),
+            20 if self.habits.far && self.dice.once_in(2) => From::At(self.beyond()),
             _ => From::At(self.place()),
         }
     }

@@ -10,6 +10,9 @@ use super::views::Limits;
 /// Steps of coordinates that are exact in single precision, also far from the origin.
 const STEPS: f32 = 64.0;
 
+/// Cells between two planes of the lattice that half of all coordinates lie on.
+const LATTICE: f32 = 2.0;
+
 /// The scene of a play.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
@@ -54,7 +57,13 @@ impl Config {
 
     /// A place in the grid.
     pub fn inside(&self, dice: &mut Dice) -> Vec3 {
-        self.snap(self.min + self.size() * Vec3::new(dice.unit(), dice.unit(), dice.unit()))
+        let share = Vec3::new(dice.unit(), dice.unit(), dice.unit());
+        self.settled(dice, self.min + self.size() * share)
+    }
+
+    /// A place nearby, with half of its coordinates on planes between cells, a few of them.
+    pub fn settled(&self, dice: &mut Dice, p: Vec3) -> Vec3 {
+        self.snap(self.min + dice.settled(p - self.min, LATTICE * self.cell))
     }
 }
 
@@ -256,6 +265,7 @@ impl Hides {
             4 => {
                 let points = (0..4 + dice.below(5)).map(|_| {
                     let share = Vec3::new(dice.unit(), dice.unit(), dice.unit()) * 2.0 - 1.0;
+                    let share = dice.settled(share, 0.5);
                     config.snap(center + share * half).clamp(center - half, center + half)
                 });
                 Form::Hull { points: points.collect(), by: DVec3::ZERO }
@@ -269,13 +279,10 @@ impl Hides {
     }
 }
 
-/// A direction, of length 1; sometimes along an axis.
+/// A direction, of length 1; often along an axis or across one.
 pub fn direction(dice: &mut Dice) -> Vec3 {
-    if dice.once_in(8) {
-        return Vec3::AXES[dice.below(3) as usize] * dice.pick(&[1.0, -1.0]);
-    }
     let v = Vec3::new(dice.unit(), dice.unit(), dice.unit()) * 2.0 - 1.0;
-    v.normalize_or(Vec3::X)
+    dice.settled(v, 1.0).normalize_or(Vec3::X)
 }
 
 /// A rotation; often about an axis, sometimes none.

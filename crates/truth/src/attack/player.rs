@@ -51,6 +51,14 @@ pub struct Failure {
     pub text: String,
 }
 
+/// Farther away than this, rounding may move an occluder out of its bounds, which is refused.
+const ROUNDED: f32 = 2e5;
+
+/// Whether something is so far away.
+fn is_rounded(form: &Form) -> bool {
+    form.center().abs().max_element() > ROUNDED
+}
+
 type Played = Result<(), (Kind, String)>;
 
 /// A scene, and the truth about it.
@@ -280,7 +288,7 @@ impl Player {
                 return Err((Kind::Answer, "a greatest speed of something fixed is taken".into()));
             }
             Ok(id) => id,
-            Err(_) if odd => return Ok(()),
+            Err(_) if odd || is_rounded(form) => return Ok(()),
             Err(error) => return Err(refused("an insertion")(error)),
         };
         let (body, own_cover) = (Body::new(form), occluder.as_ref().map(Body::new));
@@ -335,6 +343,7 @@ impl Player {
         let Some((shape, cover)) = self.shapes(&bounds, occluder.as_ref()) else { return Ok(()) };
         let world = self.world();
         let thing = &mut world.things[i];
+        let rounded = is_rounded(&thing.bounds) || is_rounded(&bounds);
         let uncovers = thing.occluder.is_some() && occluder.is_none();
         // Applications report moves one by one, or all of a frame together.
         let told = match cover {
@@ -356,7 +365,7 @@ impl Player {
                 });
                 Ok(())
             }
-            Err(_) if uncovers => Ok(()),
+            Err(_) if uncovers || rounded => Ok(()),
             Err(error) => Err(refused("an update")(error)),
         }
     }
@@ -366,7 +375,8 @@ impl Player {
         let world = self.world();
         let thing = &mut world.things[i];
         let mesh = |f: &Form| matches!(f, Form::Mesh { .. });
-        let refusable = mesh(&thing.bounds) || thing.occluder.as_ref().is_some_and(mesh);
+        let refusable =
+            is_rounded(&thing.bounds) || mesh(&thing.bounds) || thing.occluder.as_ref().is_some_and(mesh);
         match world.scene.translate(thing.id, by) {
             Ok(()) => {
                 world.changed |= by != Vec3::ZERO;

@@ -177,11 +177,17 @@ impl Body {
         let (o, d) = (sight.eye - self.middle - drift, sight.way);
         let length = d.length();
         let reach = sight.eye.abs().max_element();
-        let grow = GROW * self.radius + GROW_DISTANCE * length + GROW_REACH * reach;
+        // Beside the body, a sight that goes on for long strays no farther than a short one.
+        let passed = length.min(o.length() + self.radius);
+        let grow = GROW * self.radius + GROW_DISTANCE * passed + GROW_REACH * reach;
         let nearest = (-o.dot(d) / d.length_squared()).clamp(sight.start, 1.0);
         let around = self.radius + grow;
         if (o + d * nearest).length_squared() > around * around {
             return false;
+        }
+        // Where coordinates are that coarse, all of the solid is skin: neither answer is sure.
+        if SKINS * grow > self.radius {
+            return true;
         }
         if let Solid::Triangles(triangles) = &self.solid {
             return triangles.iter().any(|t| crosses(t, o, d, sight.start, grow));
@@ -274,4 +280,25 @@ fn crosses([a, b, c]: &[DVec3; 3], o: DVec3, d: DVec3, start: f64, grow: f64) ->
     let square = n.length_squared();
     let (u, v) = (n.dot(p.cross(f)) / square, n.dot(e.cross(p)) / square);
     u >= -GROW_TRIANGLE && v >= -GROW_TRIANGLE && u + v <= 1.0 + GROW_TRIANGLE
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Quat, Vec3};
+
+    use super::*;
+
+    #[test]
+    fn what_is_very_far_away_is_hidden_as_what_is_near() {
+        let (center, half) = (Vec3::new(18.0, -995.0, 1017.5), Vec3::new(16.0, 4.5, 2.0));
+        let body = Body::new(&Form::Turned { center, half, turn: Quat::from_rotation_y(-0.1) });
+        for far in [1e2, 1e5, 3e9, 1e18] {
+            let hides = |side: f64| {
+                let eye = DVec3::new(12.0, -998.0, 1018.0 + side * 3.0);
+                let way = DVec3::X * far;
+                body.hides(DVec3::ZERO, &Sight { eye, way, start: 0.0 })
+            };
+            assert_eq!([hides(0.8), hides(-1.2)], [true, false], "{far}");
+        }
+    }
 }

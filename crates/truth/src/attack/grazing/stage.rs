@@ -117,7 +117,7 @@ impl<'a> Stage<'a> {
         let unit = dice.pick(&[1.0, 1.0, 1.0, 0.01, 100.0, 1e4]);
         let away = dice.pick(&[0.0, 0.0, 0.0, 0.0, 0.0, 1e2, 1e4]) * unit;
         // Where all is snapped to a lattice, edges meet the borders of pixels.
-        let snapped = dice.once_in(4);
+        let snapped = dice.once_in(2);
         let step = if snapped { unit * dice.pick(&[1.0, 0.5, 0.125]) } else { 0.0 };
         let middle = if snapped && away == 0.0 {
             Vec3::ZERO

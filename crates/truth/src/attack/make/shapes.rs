@@ -21,7 +21,11 @@ impl Maker<'_> {
                 high[i] = size[i] * self.dice.between(0.6, 1.05);
             }
         }
-        let (low, high) = (self.config.snap(min + low), self.config.snap(min + high));
+        let (config, dice) = (&self.config, &mut self.dice);
+        let (low, mut high) = (config.settled(dice, min + low), config.settled(dice, min + high));
+        if low[axis] >= high[axis] {
+            high[axis] = config.snap(low + config.cell)[axis];
+        }
         self.walls.push((low, high));
         let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
         let form = match self.dice.below(8) {
@@ -66,6 +70,9 @@ impl Maker<'_> {
 
     /// A place: mostly beyond a wall's border, where things come into sight.
     pub(super) fn place(&mut self) -> Vec3 {
+        if self.habits.far && self.dice.once_in(48) {
+            return self.beyond();
+        }
         let (min, size, cell) = (self.config.min, self.config.size(), self.config.cell);
         let p = match self.dice.below(16) {
             0..=3 if !self.walls.is_empty() => self.in_shadow(),
@@ -94,7 +101,15 @@ impl Maker<'_> {
                 min + size * (share * 2.0 - 0.5)
             }
         };
-        self.config.snap(p)
+        self.config.settled(&mut self.dice, p)
+    }
+
+    /// A place far beyond the grid, on any side.
+    pub(super) fn beyond(&mut self) -> Vec3 {
+        let far = self.dice.pick(&[1e5, 3e9, 1e12, 1e18]);
+        let mut away = || far * self.dice.pick(&[0.0, 1.0, -1.0]);
+        let away = Vec3::new(away(), away(), away());
+        self.config.inside(&mut self.dice) + away
     }
 
     /// Behind an edge of a wall, for the first camera: little out of its sight.
@@ -125,7 +140,9 @@ impl Maker<'_> {
                 _ => self.dice.between(0.1, 1.5),
             };
         let mut side = || size * self.dice.between(0.3, 1.0);
-        let half = self.config.snap(Vec3::new(side(), side(), side()));
+        let half = Vec3::new(side(), side(), side());
+        // Some have no height, and some faces touch others.
+        let half = self.config.snap(self.dice.settled(half, cell * 0.5));
         match self.dice.below(16) {
             0..=5 => Form::Ball { center, radius: half.x },
             6..=10 => Form::Block { min: center - half, max: center + half },

@@ -46,6 +46,8 @@ impl Player {
 
     pub(super) fn begin(&mut self, dt: f64, due: Due, seed: u32) -> Played {
         let world = self.world();
+        // Late, a clock has no short steps.
+        let dt = world.now + dt - world.now;
         world.now += dt;
         let ids = world.scene.begin_frame(world.now).map_err(refused("a frame"))?;
         for thing in &mut world.things {
