@@ -10,11 +10,10 @@ use casca_baked::{Cells, Writer};
 use casca_scenes::world::Shape;
 
 use crate::error::BakeError;
-use crate::eyes::eyes_of;
 use crate::find::Finder;
 use crate::journal::Journal;
 use crate::level::Level;
-use crate::places::Places;
+use crate::places::{Places, eyes_of};
 
 /// Told how many cells are done, and of how many; says whether to go on.
 pub type Progress<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;

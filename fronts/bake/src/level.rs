@@ -11,7 +11,7 @@ use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
 
 use casca_walls::Walls;
 
-use crate::eyes::eyes_of;
+use crate::places::eyes_of;
 use crate::solids::{Boxes, groups};
 use crate::union;
 

@@ -3,7 +3,6 @@
 
 mod baker;
 mod error;
-mod eyes;
 mod find;
 mod journal;
 mod level;
@@ -16,8 +15,7 @@ mod union;
 pub use baker::{Baker, Progress, journal_of, write_whole};
 pub use casca_baked::{Baked, Cells, Writer};
 pub use error::BakeError;
-pub use eyes::eyes_of;
 pub use find::Finder;
 pub use level::Level;
 pub use merge::{Merger, PartError, merge};
-pub use places::Places;
+pub use places::{Places, eyes_of};

@@ -24,7 +24,7 @@ pub fn json_of(told: &Told<'_>) -> Value {
     }
 }
 
-fn report_of(Report { lines, legend, dials }: &Report) -> Value {
+fn report_of(Report { lines, legend, dials, .. }: &Report) -> Value {
     let legend: Vec<Value> = legend.iter().map(entry_of).collect();
     let dials: Vec<Value> = dials.iter().map(dial_of).collect();
     json!({ "kind": "report", "lines": lines, "legend": legend, "dials": dials })

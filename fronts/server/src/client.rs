@@ -4,8 +4,8 @@ use casca::glam::Vec3;
 
 use crate::entity::Team;
 use crate::error::{ServerError, place, within};
-use crate::field::FieldOfView;
 use crate::numeric::{FASTEST, LONGEST};
+use crate::roster::Party;
 
 /// Describes a client.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,8 +19,6 @@ pub struct ClientDesc {
     /// between two reports and that by which the client draws entities late, in seconds from 0 to
     /// 60.
     pub latency: f32,
-    /// What it sees without turning; `None` if all around.
-    pub field: Option<FieldOfView>,
     /// Its team: it is told of all entities of the team.
     pub team: Option<Team>,
 }
@@ -28,14 +26,7 @@ pub struct ClientDesc {
 impl ClientDesc {
     /// A client that sees all around it, of no team.
     pub const fn new(eye: Vec3, speed: f32, latency: f32) -> Self {
-        Self { eye, speed, latency, field: None, team: None }
-    }
-
-    /// Sets [`ClientDesc::field`].
-    #[must_use]
-    pub const fn field(mut self, field: FieldOfView) -> Self {
-        self.field = Some(field);
-        self
+        Self { eye, speed, latency, team: None }
     }
 
     /// Sets [`ClientDesc::team`].
@@ -48,7 +39,20 @@ impl ClientDesc {
     pub(crate) fn check(&self) -> Result<(), ServerError> {
         place("the eye of a client", self.eye)?;
         within("the speed of an eye, in m/s,", self.speed, 0.0, FASTEST)?;
-        within("the latency of a client, in seconds,", self.latency, 0.0, LONGEST)?;
-        self.field.map_or(Ok(()), |field| field.check())
+        within("the latency of a client, in seconds,", self.latency, 0.0, LONGEST)
+    }
+}
+
+impl Party for ClientDesc {
+    fn speed(&self) -> f32 {
+        self.speed
+    }
+
+    fn latency(&self) -> f32 {
+        self.latency
+    }
+
+    fn team(&self) -> Option<Team> {
+        self.team
     }
 }

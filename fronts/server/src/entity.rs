@@ -1,11 +1,12 @@
 //! Entities: players, vehicles, doors, whatever a client may or may not be told of.
 
-use casca::{Aabb, ObjectId, Occluder};
+use casca::{Aabb, Occluder};
 use casca_walls::{Span, Walls};
 
 use crate::error::{ServerError, place, within};
 use crate::id::ClientId;
 use crate::numeric::{EVERYWHERE, FASTEST, ROUNDING, at_least, at_most};
+use crate::roster::{Entity, Thing};
 
 /// The team of clients and entities: a number of the game.
 pub type Team = u32;
@@ -69,40 +70,21 @@ pub(crate) fn check_box(b: &Aabb) -> Result<(), ServerError> {
     if b.min.cmple(b.max).all() { Ok(()) } else { Err(ServerError::Inverted("the bounds of an entity")) }
 }
 
-/// An entity as a server knows it.
-#[derive(Debug, Clone)]
-pub struct Entity {
-    pub(crate) desc: EntityDesc,
-    /// When it was where it is.
-    pub(crate) time: f64,
-    /// The object of the level that hides in its place.
-    pub(crate) object: Option<ObjectId>,
-    /// The object of the scene for shadows, if it hides nothing.
-    pub(crate) caster: Option<ObjectId>,
-    /// Its team or that of its owner.
-    pub(crate) side: Option<Team>,
+impl Thing for EntityDesc {
+    fn owner(&mut self) -> &mut Option<ClientId> {
+        &mut self.owner
+    }
+
+    fn team(&self) -> Option<Team> {
+        self.team
+    }
 }
 
 impl Entity {
-    /// Where it is, with its speed, owner and team.
-    pub fn desc(&self) -> &EntityDesc {
-        &self.desc
-    }
-
-    /// When it was last reported, in seconds.
-    pub fn time(&self) -> f64 {
-        self.time
-    }
-
     /// A box around all places where it may be within `seconds` of the time `now`.
     pub(crate) fn grown(&self, now: f64, seconds: f64) -> Aabb {
         let time = seconds + (now - self.time).clamp(0.0, f64::MAX);
         grown(&self.desc.bounds, f64::from(self.desc.speed) * time)
-    }
-
-    /// The object of the scene that casts its shadow.
-    pub(crate) fn caster(&self) -> Option<ObjectId> {
-        self.object.or(self.caster)
     }
 
     /// The part of a box around it that it can get to.

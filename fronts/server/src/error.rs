@@ -21,9 +21,6 @@ pub enum ServerError {
     /// A box whose least corner lies beyond its greatest.
     #[error("{0} must not be inverted")]
     Inverted(&'static str),
-    /// A direction without length.
-    #[error("{0} must not be zero")]
-    NoDirection(&'static str),
     /// A time before one that was given already.
     #[error("{what} must not be before {last} s, but is {given} s")]
     Backwards {

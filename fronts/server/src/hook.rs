@@ -1,8 +1,8 @@
 //! What a game adds.
 
 use crate::client::ClientDesc;
-use crate::entity::Entity;
 use crate::id::{ClientId, EntityId};
+use crate::roster::Entity;
 
 /// Tells a client of more entities than it may see: of those that it hears, for example.
 ///

@@ -70,7 +70,7 @@
 //! - `bots`: the module `bots`, with levels from test scenes and files, and bots that run in them.
 //! - `plane`: the module `plane`, with the same promise on maps of tiles.
 //! - `wire`: the modules `wire` and `session`, with the protocol of `PROTOCOL.md`.
-//! - `net`: the module `net` and the program `casca-server`: WebSockets, QUIC, metrics, a map.
+//! - `net`: the module `net` and the program `casca-server`: WebSockets, metrics, a map.
 #![deny(missing_docs)]
 
 mod answer;
@@ -80,7 +80,6 @@ pub mod bots;
 mod client;
 mod entity;
 mod error;
-mod field;
 mod gaze;
 mod hook;
 mod id;
@@ -90,26 +89,22 @@ mod numeric;
 mod options;
 #[cfg(feature = "plane")]
 pub mod plane;
+mod roster;
 mod server;
 #[cfg(feature = "wire")]
 pub mod session;
 mod state;
-mod tick;
 #[cfg(feature = "wire")]
 pub mod wire;
 
 pub use answer::Answer;
 pub use casca;
 pub use client::ClientDesc;
-pub use entity::{Entity, EntityDesc, Team};
+pub use entity::{EntityDesc, Team};
 pub use error::ServerError;
-pub use field::FieldOfView;
 pub use hook::Hook;
 pub use id::{ClientId, EntityId};
 pub use numeric::{FARTHEST, FASTEST, LONGEST};
 pub use options::ServerOptions;
+pub use roster::Entity;
 pub use server::VisibilityServer;
-
-#[doc = include_str!("../README.md")]
-#[cfg(doctest)]
-struct Readme;

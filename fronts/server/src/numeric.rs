@@ -17,10 +17,6 @@ pub(crate) const EVERYWHERE: f32 = 1e9;
 /// Sums and products of a few numbers in double precision are off by less than this share.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Angles that come from square roots and inverse functions of numbers in double precision are off
-/// by less than this, in radians; an angle near 0 loses half of the digits.
-pub(crate) const ANGLE: f64 = 1e-6;
-
 /// A new result is found ahead of an eye that moves, by this share of the room that it may use up.
 /// More would leave no room for an eye that turns back.
 pub(crate) const AHEAD: f64 = 0.7;

@@ -1,7 +1,6 @@
 //! What can be chosen about a server.
 
 use casca::PointOptions;
-use casca::glam::Vec3;
 
 use crate::error::{ServerError, within};
 use crate::numeric::LONGEST;
@@ -35,10 +34,6 @@ pub struct ServerOptions {
     pub point: PointOptions,
     /// Whether clients of a team are told of what any of them is told of. Default: false.
     pub teams_share: bool,
-    /// The direction of the sun: entities are told, too, if their shadows may be seen. Costs a
-    /// query of the sun a client and tick, and needs [`ServerOptions::most_queries`]: a client
-    /// whose turn has not come is told of all. Default: none.
-    pub sun: Option<Vec3>,
     /// The most clients. Default: 1,000.
     pub most_clients: usize,
     /// The most entities. Default: 10,000.
@@ -62,7 +57,6 @@ impl ServerOptions {
             most_queries: 0,
             point: PointOptions::fast().pixel_degrees(0.5),
             teams_share: false,
-            sun: None,
             most_clients: 1000,
             most_entities: 10_000,
         }
@@ -117,13 +111,6 @@ impl ServerOptions {
         self
     }
 
-    /// Sets [`ServerOptions::sun`]: the direction of its light, of any length.
-    #[must_use]
-    pub const fn sun(mut self, direction: Vec3) -> Self {
-        self.sun = Some(direction);
-        self
-    }
-
     /// Sets [`ServerOptions::most_clients`] and [`ServerOptions::most_entities`].
     #[must_use]
     pub const fn most(mut self, clients: usize, entities: usize) -> Self {
@@ -134,12 +121,6 @@ impl ServerOptions {
     pub(crate) fn check(&self) -> Result<(), ServerError> {
         within("the time from tick to tick, in seconds,", self.tick, 0.0, LONGEST)?;
         within("the room of an eye, as a share of its reach,", self.room, 0.0, 10.0)?;
-        within("the greatest age of a report, in seconds,", self.most_age, 0.0, LONGEST)?;
-        match self.sun {
-            Some(sun) if !sun.is_finite() || sun == Vec3::ZERO => {
-                Err(ServerError::NoDirection("the direction of the sun"))
-            }
-            _ => Ok(()),
-        }
+        within("the greatest age of a report, in seconds,", self.most_age, 0.0, LONGEST)
     }
 }

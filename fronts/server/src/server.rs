@@ -1,19 +1,25 @@
 //! The server: a level, clients and entities, from tick to tick.
 
-use casca::glam::Vec3;
-use casca::{Aabb, ObjectDesc, Scene};
-use casca_slots::{Id, Slot, Slots};
-use casca_walls::Walls;
+use std::collections::BTreeSet;
 
-use crate::baked::BakedFile;
+use casca::glam::Vec3;
+use casca::{Aabb, ObjectDesc, ObjectId, Scene};
+use casca_walls::Walls;
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
+
+use crate::answer::Answer;
+use crate::baked::{BakedFile, cells_of};
 use crate::client::ClientDesc;
-use crate::entity::{Entity, EntityDesc, check_box};
+use crate::entity::{EntityDesc, check_box, span_of};
 use crate::error::{ServerError, place, time, within};
-use crate::field::FieldOfView;
 use crate::gaze::Gaze;
+use crate::hook::Hook;
 use crate::id::{ClientId, EntityId};
+use crate::numeric::{LEAST_WALL, STEP};
 use crate::options::ServerOptions;
-use crate::state::ClientState;
+use crate::roster::{Entity, Roster, steps};
+use crate::state::{ClientState, Eye, Moment, Place};
 
 /// Finds, tick by tick, which entities each client may be told of.
 ///
@@ -21,25 +27,18 @@ use crate::state::ClientState;
 /// not run backwards.
 #[derive(Debug)]
 pub struct VisibilityServer {
-    pub(crate) level: Scene,
-    pub(crate) options: ServerOptions,
-    pub(crate) entities: Slots<Entity>,
-    ids: Slots<()>,
-    /// By the slots of their ids.
-    pub(crate) clients: Vec<Option<Box<ClientState>>>,
-    /// The time of the last tick.
-    pub(crate) now: f64,
-    /// How many ticks there were.
-    pub(crate) ticks: u64,
+    level: Scene,
+    options: ServerOptions,
+    roster: Roster<ClientDesc, Eye, EntityDesc, Option<ObjectId>>,
     /// The walls of the level; `None` if it changed since.
-    pub(crate) walls: Option<Walls>,
+    walls: Option<Walls>,
     /// What was found of the level ahead of time.
-    pub(crate) baked: Option<BakedFile>,
+    baked: Option<BakedFile>,
 }
 
 impl VisibilityServer {
     /// A server for a level: a scene whose static objects hide entities. Dynamic objects hide
-    /// nothing. The objects of the level are not told of, but count for shadows.
+    /// nothing. The objects of the level are not told of.
     ///
     /// # Errors
     /// Refuses options that are out of their ranges.
@@ -47,8 +46,7 @@ impl VisibilityServer {
         options.check()?;
         // Refuses options of queries before a client needs them.
         Gaze::new(options.point)?;
-        let (entities, ids, clients) = (Slots::new(), Slots::new(), Vec::new());
-        Ok(Self { level, options, entities, ids, clients, now: f64::MIN, ticks: 0, walls: None, baked: None })
+        Ok(Self { level, options, roster: Roster::new(), walls: None, baked: None })
     }
 
     /// The level, with the occluders of entities.
@@ -87,7 +85,7 @@ impl VisibilityServer {
 
     fn forget_baked(&mut self) {
         self.baked = None;
-        self.clients.iter_mut().flatten().for_each(|client| client.seen_cells.forget());
+        self.roster.clients.values_mut().for_each(|client| client.own.seen_cells.forget());
     }
 
     /// How many walls the level has, since the last tick: see [`ServerOptions::walls`].
@@ -114,20 +112,8 @@ impl VisibilityServer {
     /// [`ServerOptions::most_clients`].
     pub fn add_client(&mut self, desc: ClientDesc, now: f64) -> Result<ClientId, ServerError> {
         desc.check()?;
-        time("the time of a new client", now, f64::MIN)?;
-        let full = ServerError::Full { what: "clients", most: self.options.most_clients };
-        if self.ids.len() >= self.options.most_clients {
-            return Err(full);
-        }
-        let gaze = Gaze::new(self.options.point)?;
-        let slot = self.ids.insert(()).ok_or(full)?;
-        let id = ClientId(self.ids.id(slot));
-        let state = ClientState::new(id, desc, now, gaze, self.options.sun.is_some());
-        if self.clients.len() <= slot.index() {
-            self.clients.resize_with(slot.index() + 1, || None);
-        }
-        self.clients[slot.index()] = Some(Box::new(state));
-        Ok(id)
+        let eye = Eye::new(Gaze::new(self.options.point)?);
+        self.roster.add_client(desc, eye, now, self.options.most_clients)
     }
 
     /// Removes a client. Its entities stay, without an owner.
@@ -135,10 +121,7 @@ impl VisibilityServer {
     /// # Errors
     /// Refuses an id that names no client of this server.
     pub fn remove_client(&mut self, id: ClientId) -> Result<(), ServerError> {
-        self.client(id)?;
-        self.ids.remove(id.slot());
-        self.clients[id.slot().index()] = None;
-        Ok(())
+        self.roster.remove_client(id)
     }
 
     /// What is known of a client.
@@ -146,14 +129,7 @@ impl VisibilityServer {
     /// # Errors
     /// Refuses an id that names no client of this server.
     pub fn client(&self, id: ClientId) -> Result<&ClientDesc, ServerError> {
-        let known = self.ids.find(id.0).and_then(|()| self.clients.get(id.slot().index())?.as_ref());
-        known.map(|state| &state.desc).ok_or(ServerError::UnknownClient(id))
-    }
-
-    fn client_mut(&mut self, id: ClientId) -> Result<&mut ClientState, ServerError> {
-        self.client(id)?;
-        let state = self.clients.get_mut(id.slot().index()).and_then(Option::as_mut);
-        state.map(AsMut::as_mut).ok_or(ServerError::UnknownClient(id))
+        Ok(&self.roster.client(id)?.desc)
     }
 
     /// Takes a client's report that its eye is at a place; the report came at the time `now`. An
@@ -164,14 +140,10 @@ impl VisibilityServer {
     /// and a time before that of the last report.
     pub fn move_eye(&mut self, id: ClientId, eye: Vec3, now: f64) -> Result<(), ServerError> {
         place("the eye of a client", eye)?;
-        let tick = f64::from(self.options.tick);
-        let state = self.client_mut(id)?;
-        time("the time of a report", now, state.time)?;
-        let step = eye.as_dvec3() - state.desc.eye.as_dvec3();
-        // Reports come unevenly: one may be early by the latency, and one late.
-        let seconds = now - state.time + f64::from(state.desc.latency) + tick;
-        state.jumped |= step.length() > f64::from(state.desc.speed) * seconds;
-        (state.desc.eye, state.time, state.step) = (eye, now, step);
+        let client = self.roster.client_mut(id)?;
+        let step = eye.as_dvec3() - client.desc.eye.as_dvec3();
+        client.report(step.length(), now, self.options.tick)?;
+        (client.desc.eye, client.own.step) = (eye, step);
         Ok(())
     }
 
@@ -180,21 +152,10 @@ impl VisibilityServer {
     /// # Errors
     /// Refuses an id that names no client of this server, and numbers that are out of their ranges.
     pub fn set_motion(&mut self, id: ClientId, speed: f32, latency: f32) -> Result<(), ServerError> {
-        let state = self.client_mut(id)?;
-        let desc = ClientDesc { speed, latency, ..state.desc };
+        let client = self.roster.client_mut(id)?;
+        let desc = ClientDesc { speed, latency, ..client.desc };
         desc.check()?;
-        state.desc = desc;
-        Ok(())
-    }
-
-    /// Changes the field of view of a client.
-    ///
-    /// # Errors
-    /// Refuses an id that names no client of this server, and a field that makes no sense.
-    pub fn set_field(&mut self, id: ClientId, field: Option<FieldOfView>) -> Result<(), ServerError> {
-        let state = self.client_mut(id)?;
-        field.map_or(Ok(()), |field| field.check())?;
-        state.desc.field = field;
+        client.desc = desc;
         Ok(())
     }
 
@@ -206,24 +167,18 @@ impl VisibilityServer {
     /// refuses, and more entities than [`ServerOptions::most_entities`].
     pub fn add_entity(&mut self, desc: EntityDesc, now: f64) -> Result<EntityId, ServerError> {
         desc.check()?;
-        time("the time of a new entity", now, f64::MIN)?;
-        desc.owner.map_or(Ok(()), |owner| self.client(owner).map(|_| ()))?;
-        let full = ServerError::Full { what: "entities", most: self.options.most_entities };
-        if self.entities.len() >= self.options.most_entities {
-            return Err(full);
-        }
-        let object = match &desc.occluder {
-            Some(occluder) => {
-                Some(self.level.insert(ObjectDesc::fixed(desc.bounds).occluder(occluder.clone()))?)
+        let object = desc.occluder.clone().map(|occluder| ObjectDesc::fixed(desc.bounds).occluder(occluder));
+        let id = self.roster.add_entity(desc, None, now, self.options.most_entities)?;
+        if let Some(object) = object {
+            match self.level.insert(object) {
+                Ok(object) => self.roster.entity_mut(id)?.own = Some(object),
+                Err(why) => {
+                    self.roster.remove_entity(id)?;
+                    return Err(why.into());
+                }
             }
-            None => None,
-        };
-        let entity = Entity { desc, time: now, object, caster: None, side: None };
-        let Some(slot) = self.entities.insert(entity) else {
-            object.map_or(Ok(()), |object| self.level.remove(object))?;
-            return Err(full);
-        };
-        Ok(EntityId(self.entities.id(slot)))
+        }
+        Ok(id)
     }
 
     /// Moves an entity that hides nothing: at the time `now` it is in `bounds`.
@@ -234,9 +189,9 @@ impl VisibilityServer {
     /// [`VisibilityServer::move_occluder`].
     pub fn move_entity(&mut self, id: EntityId, bounds: Aabb, now: f64) -> Result<(), ServerError> {
         check_box(&bounds)?;
-        let entity = self.entity_mut(id)?;
+        let entity = self.roster.entity_mut(id)?;
         time("the time of a move", now, entity.time)?;
-        if entity.object.is_some() {
+        if entity.own.is_some() {
             return Err(ServerError::MovingOccluder(entity.desc.speed));
         }
         (entity.desc.bounds, entity.time) = (bounds, now);
@@ -256,11 +211,10 @@ impl VisibilityServer {
         now: f64,
     ) -> Result<(), ServerError> {
         check_box(&bounds)?;
-        let (last, object) = (self.entity(id)?.time, self.entity(id)?.object);
-        time("the time of a move", now, last)?;
-        let (object, occluder) = (object.ok_or(ServerError::UnknownEntity(id))?, occluder.into());
+        let (entity, occluder) = (self.roster.entity_mut(id)?, occluder.into());
+        time("the time of a move", now, entity.time)?;
+        let object = entity.own.ok_or(ServerError::UnknownEntity(id))?;
         self.level.update(object, bounds, Some(occluder.clone()))?;
-        let entity = self.entity_mut(id)?;
         (entity.desc.bounds, entity.desc.occluder, entity.time) = (bounds, Some(occluder), now);
         Ok(())
     }
@@ -272,8 +226,8 @@ impl VisibilityServer {
     /// entity with an occluder.
     pub fn set_speed(&mut self, id: EntityId, speed: f32) -> Result<(), ServerError> {
         within("the speed of an entity, in m/s,", speed, 0.0, crate::numeric::FASTEST)?;
-        let entity = self.entity_mut(id)?;
-        if entity.object.is_some() && speed > 0.0 {
+        let entity = self.roster.entity_mut(id)?;
+        if entity.own.is_some() && speed > 0.0 {
             return Err(ServerError::MovingOccluder(speed));
         }
         entity.desc.speed = speed;
@@ -285,9 +239,7 @@ impl VisibilityServer {
     /// # Errors
     /// Refuses an id that names no entity of this server.
     pub fn remove_entity(&mut self, id: EntityId) -> Result<(), ServerError> {
-        let Entity { object, caster, .. } = *self.entity(id)?;
-        self.entities.remove(id.slot());
-        for object in object.into_iter().chain(caster) {
+        if let Some(object) = self.roster.remove_entity(id)? {
             // Whoever has the level may have taken it out.
             let _ = self.level.remove(object);
         }
@@ -299,22 +251,110 @@ impl VisibilityServer {
     /// # Errors
     /// Refuses an id that names no entity of this server.
     pub fn entity(&self, id: EntityId) -> Result<&Entity, ServerError> {
-        self.entities.find(id.0).ok_or(ServerError::UnknownEntity(id))
-    }
-
-    fn entity_mut(&mut self, id: EntityId) -> Result<&mut Entity, ServerError> {
-        self.entity(id)?;
-        self.entities.get_mut(id.slot()).ok_or(ServerError::UnknownEntity(id))
+        self.roster.entity(id)
     }
 
     /// All clients, in the order of their ids.
     pub fn clients(&self) -> impl Iterator<Item = (ClientId, &ClientDesc)> {
-        self.clients.iter().flatten().map(|state| (state.id, &state.desc))
+        self.roster.clients.iter().map(|(id, client)| (*id, &client.desc))
     }
 
     /// All entities, in the order of their slots.
     pub fn entities(&self) -> impl Iterator<Item = (EntityId, &Entity)> {
-        let id = |slot: Slot| -> Id { self.entities.id(slot) };
-        self.entities.iter().map(move |(slot, entity)| (EntityId(id(slot)), entity))
+        self.roster.all_entities()
+    }
+
+    /// The last answer to a client; it is told of nothing before the first tick.
+    ///
+    /// # Errors
+    /// Refuses an id that names no client of this server.
+    pub fn answer(&self, id: ClientId) -> Result<&Answer, ServerError> {
+        Ok(&self.roster.client(id)?.answer)
+    }
+
+    /// Answers all clients for the time `now`, in the order of their ids. `hook` adds entities that
+    /// a client cannot see; give `&()` to add none.
+    ///
+    /// Costs a test of some hundred nanoseconds for each pair of a client and an entity, and a
+    /// query of the level for each client whose eye used up its room. With the feature `rayon`
+    /// clients are shared among the threads of rayon's current pool; answers do not depend on their
+    /// number.
+    ///
+    /// # Errors
+    /// Refuses a time that is not finite, or before that of the last tick. No answer changes then.
+    pub fn tick<H: Hook + ?Sized>(&mut self, now: f64, hook: &H) -> Result<Vec<&Answer>, ServerError> {
+        time("the time of a tick", now, self.roster.now)?;
+        self.level.begin_frame(now)?;
+        self.roster.begin(now);
+        let walls = match self.walls.take() {
+            Some(walls) => walls,
+            None if !self.options.walls => Walls::default(),
+            None => {
+                let own: BTreeSet<_> =
+                    self.roster.entities.iter().filter_map(|(_, entity)| entity.own).collect();
+                Walls::of(&self.level, LEAST_WALL, |id| own.contains(&id))
+            }
+        };
+        let result = self.see_all(&walls, hook);
+        self.walls = Some(walls);
+        result?;
+        Ok(self.roster.end(self.options.teams_share))
+    }
+
+    /// Whether it is a client's turn to look at the level, by the order of clients: those that
+    /// waited longest.
+    fn turns(&self) -> Vec<bool> {
+        let clients = self.roster.clients.values().enumerate();
+        let mut waiting: Vec<(u64, usize)> = clients
+            .filter(|(_, client)| client.waits(self.roster.now, &self.options))
+            .map(|(number, client)| (client.own.looked, number))
+            .collect();
+        waiting.sort_unstable();
+        let mut turns = vec![false; self.roster.clients.len()];
+        waiting.iter().take(self.options.most_queries).for_each(|&(_, number)| turns[number] = true);
+        turns
+    }
+
+    fn see_all<H: Hook + ?Sized>(&mut self, walls: &Walls, hook: &H) -> Result<(), ServerError> {
+        let (turns, options) = (self.turns(), &self.options);
+        let Roster { clients, entities, now, ticks, .. } = &mut self.roster;
+        let (now, ticks) = (*now, *ticks);
+        let entities: Vec<(EntityId, &Entity)> =
+            entities.iter().map(|(slot, entity)| (EntityId(entities.id(slot)), entity)).collect();
+        let times = clients.values().map(|client| {
+            let (seconds, _) = client.time_ahead(now, options.tick, options.most_age);
+            steps(seconds)
+        });
+        let times: BTreeSet<u64> = times.collect();
+        let baked = self.baked.as_ref().filter(|_| options.walls).and_then(BakedFile::sets);
+        let place = |entity: &Entity, steps: u64| {
+            let grown = entity.grown(now, steps as f64 * STEP);
+            let bounds = entity.reached(walls, &grown);
+            Place { bounds, cells: baked.as_ref().and_then(|sets| cells_of(sets, &span_of(&bounds))) }
+        };
+        #[cfg(feature = "rayon")]
+        let in_turn = entities.par_iter();
+        #[cfg(not(feature = "rayon"))]
+        let in_turn = entities.iter();
+        let places = |steps: u64| in_turn.clone().map(|(_, entity)| place(entity, steps)).collect();
+        let moment = Moment {
+            now,
+            level: &self.level,
+            walls,
+            options,
+            entities: &entities,
+            places: &times.into_iter().map(|steps| (steps, places(steps))).collect(),
+            baked,
+            hook,
+        };
+        let see = |(client, turn): (&mut ClientState, bool)| {
+            client.own.looked = if turn { ticks } else { client.own.looked };
+            client.see(&moment, turn)
+        };
+        let all: Vec<(&mut ClientState, bool)> = clients.values_mut().zip(turns).collect();
+        #[cfg(feature = "rayon")]
+        return all.into_par_iter().try_for_each(see);
+        #[cfg(not(feature = "rayon"))]
+        all.into_iter().try_for_each(see)
     }
 }

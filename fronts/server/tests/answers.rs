@@ -6,8 +6,7 @@ use casca_server::bots::{Level, Match, MatchOptions};
 use casca_server::casca::glam::Vec3;
 use casca_server::casca::{Aabb, GridSpec, ObjectDesc, PointOptions, Scene};
 use casca_server::{
-    Answer, ClientDesc, ClientId, Entity, EntityDesc, EntityId, FieldOfView, ServerError, ServerOptions,
-    VisibilityServer,
+    Answer, ClientDesc, ClientId, Entity, EntityDesc, EntityId, ServerError, ServerOptions, VisibilityServer,
 };
 
 /// A field of 64 m with a wall across its middle, at z from 32 to 33.
@@ -124,23 +123,6 @@ fn reports_that_are_late_widen_the_reach_until_a_client_is_stale() {
 }
 
 #[test]
-fn entities_outside_of_the_field_of_view_are_told_when_it_turns() {
-    let mut server = server(ServerOptions::new());
-    let field = FieldOfView { direction: Vec3::NEG_Z, half_angle: 0.8, turn_speed: 1.0 };
-    let client = server.add_client(ClientDesc::new(eye(20.0), 1.0, 0.1).field(field), 0.0).unwrap();
-    let [before, behind] =
-        [5.0, 30.0].map(|z| server.add_entity(EntityDesc::new(person(32.0, z), 1.0), 0.0).unwrap());
-    server.tick(0.0, &()).unwrap();
-    assert_eq!(told(&server, client), [before]);
-    server.set_field(client, Some(FieldOfView { direction: Vec3::Z, ..field })).unwrap();
-    server.tick(0.1, &()).unwrap();
-    assert_eq!(told(&server, client), [behind]);
-    server.set_field(client, None).unwrap();
-    server.tick(0.2, &()).unwrap();
-    assert_eq!(told(&server, client), [before, behind]);
-}
-
-#[test]
 fn doors_hide_until_they_open_if_the_level_is_queried() {
     let mut server = server(ServerOptions::new().most_queries(8));
     let client = server.add_client(ClientDesc::new(eye(20.0), 2.0, 0.05), 0.0).unwrap();
@@ -201,35 +183,6 @@ fn changes_of_the_level_count_from_the_next_tick_on() {
         server.level_mut().remove(wall).unwrap();
         server.tick(0.1, &()).unwrap();
         assert_eq!(told(&server, client), [far]);
-    }
-}
-
-#[test]
-fn entities_are_told_whose_shadows_are_seen() {
-    let mut level = field();
-    let tower = Aabb::new(Vec3::new(20.0, 0.0, 10.0), Vec3::new(44.0, 4.0, 11.0));
-    level.insert(ObjectDesc::fixed(tower).occluder(tower)).unwrap();
-    // A low sun shines past the end of the tower.
-    for sun in [None, Some(Vec3::new(1.0, -0.2, 1.0))] {
-        let mut options = ServerOptions::new().most_queries(8).tick(0.01);
-        options.sun = sun;
-        let mut server = VisibilityServer::new(level.clone(), options).unwrap();
-        let client = server.add_client(ClientDesc::new(eye(20.0), 0.5, 0.01), 0.0).unwrap();
-        let add = |server: &mut VisibilityServer, x: f32, z: f32| {
-            let b = Aabb::new(Vec3::new(x, 0.0, z), Vec3::new(x + 1.0, 3.0, z + 0.4));
-            server.add_entity(EntityDesc::new(b, 0.5), 0.0).unwrap()
-        };
-        let (casts, hidden) = (add(&mut server, 42.0, 8.0), add(&mut server, 31.0, 40.0));
-        for tick in 0..3 {
-            let now = f64::from(tick) * 0.01;
-            server.move_eye(client, eye(20.0), now).unwrap();
-            server.tick(now, &()).unwrap();
-            assert_eq!(told(&server, client).contains(&casts), sun.is_some(), "it is behind the tower");
-            assert!(!told(&server, client).contains(&hidden), "so is its shadow");
-        }
-        server.remove_entity(casts).unwrap();
-        server.tick(0.04, &()).unwrap();
-        assert!(told(&server, client).is_empty());
     }
 }
 
@@ -344,7 +297,6 @@ fn bad_input_is_refused_and_changes_nothing() {
     assert!(matches!(server.move_eye(client, eye(20.0), -1.0), Err(ServerError::Backwards { .. })));
     let door = EntityDesc::new(person(1.0, 1.0), 1.0).occluder(person(1.0, 1.0));
     assert!(matches!(server.add_entity(door, 0.0), Err(ServerError::MovingOccluder(_))));
-    assert!(VisibilityServer::new(field(), ServerOptions::new().sun(Vec3::ZERO)).is_err());
     let coarse = ServerOptions::new().point(PointOptions::new().pixel_degrees(f32::NAN));
     assert!(matches!(VisibilityServer::new(field(), coarse), Err(ServerError::Casca(_))));
 

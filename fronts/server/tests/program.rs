@@ -35,20 +35,6 @@ fn it_ends_when_its_time_is_over() {
     assert_eq!(code, Some(0), "{log}");
     assert!(said.contains("token: ") && said.contains("map: http://127.0.0.1:"), "{said}");
     assert!(log.contains("stopped") && !log.contains("token"), "{log}");
-    assert!(!said.contains("quic: "), "{said}");
-}
-
-#[test]
-fn quic_takes_a_certificate() {
-    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("own.pem");
-    let file = file.to_str().unwrap();
-    let any = ["--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--quic", "127.0.0.1:0", "--seconds", "1"];
-    let (code, said, log) = run(&[any.as_slice(), &["--quic-self-signed", file]].concat());
-    assert!(code == Some(0) && said.contains("  quic: 127.0.0.1:"), "{said}{log}");
-    assert!(std::fs::read_to_string(file).unwrap().contains("BEGIN CERTIFICATE"));
-    assert_eq!(run(&[any.as_slice(), &["--quic-cert", file]].concat()).0, Some(2));
-    let (code, _, said) = run(&[any.as_slice(), &["--quic-cert", file, "--quic-key", "none.pem"]].concat());
-    assert!(code == Some(1) && said.contains("none.pem"), "{said}");
 }
 
 #[test]

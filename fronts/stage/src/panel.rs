@@ -1,10 +1,14 @@
 //! Text, images, sliders and buttons over a picture.
 
-use egui::{Align2, Color32, ColorImage, ComboBox, Slider, SliderClamping, TextureHandle, TextureOptions};
+use egui::{
+    Align2, Color32, ColorImage, ComboBox, RichText, ScrollArea, Slider, SliderClamping, TextureHandle,
+    TextureOptions,
+};
 
 use crate::canvas::Target;
 use crate::dial::{Dial, Setting};
 use crate::gpu::Gpu;
+use crate::report::Report;
 use crate::screen::Screen;
 
 /// The colour behind panels that stand alone.
@@ -22,8 +26,8 @@ impl Panel {
         Self::with(egui::Context::default(), gpu, format)
     }
 
-    /// A panel in a window, for [`Panel::control`].
-    pub fn on(screen: &Screen) -> Self {
+    /// A panel in a window, for [`Panel::report`].
+    pub(crate) fn on(screen: &Screen) -> Self {
         Self::with(screen.panels().clone(), &screen.gpu, screen.format())
     }
 
@@ -55,13 +59,19 @@ impl Panel {
         self.paint(gpu, target, output);
     }
 
-    /// Draws what `show` shows over `target`, with the window's mouse and keys: sliders and buttons
-    /// work. The panel must come from [`Panel::on`]. Once a frame.
-    pub fn control(&mut self, screen: &Screen, target: &Target, show: &mut dyn FnMut(&egui::Context)) {
-        let input = screen.input();
-        let mut output = self.context.clone().run_ui(input, |ui| show(ui.ctx()));
+    /// Draws what a program says over `target`, with the window's mouse and keys: sliders and
+    /// buttons work. Returns the dial that was turned. The panel must come from [`Panel::on`]. Once
+    /// a frame.
+    pub(crate) fn report(&mut self, screen: &Screen, target: &Target, report: &Report) -> Option<Turned> {
+        let (input, mut found) = (screen.input(), None);
+        let mut output = self.context.clone().run_ui(input, |ui| {
+            place(ui.ctx(), "report", (Align2::LEFT_TOP, [10.0, 10.0]), true, &mut |ui| {
+                found = told(ui, report);
+            });
+        });
         screen.answer(std::mem::take(&mut output.platform_output));
         self.paint(&screen.gpu, target, output);
+        found
     }
 
     /// Fills the picture with one dark colour, for panels that stand alone.
@@ -84,7 +94,7 @@ impl Panel {
         self.clear(gpu, target);
         self.draw(gpu, target, scale, &|context| {
             boxed(context, "words", Align2::CENTER_CENTER, [0.0, 0.0], &mut |ui| {
-                ui.label(egui::RichText::new(words).size(22.0));
+                ui.label(RichText::new(words).size(22.0));
             });
         });
     }
@@ -181,8 +191,24 @@ const LOGARITHMIC: f64 = 64.0;
 /// Choices among more than this are a list to open.
 const SIDE_BY_SIDE: usize = 5;
 
-/// Shows dials, and returns the one that was turned. For [`Panel::control`].
-pub fn turned(ui: &mut egui::Ui, dials: &[Dial]) -> Option<Turned> {
+/// Shows what a program says: lines, colours, dials, keys. Returns the dial that was turned.
+pub fn told(ui: &mut egui::Ui, report: &Report) -> Option<Turned> {
+    for (number, line) in report.lines.iter().enumerate() {
+        let text = RichText::new(line);
+        ui.label(if number == 0 { text.strong() } else { text });
+    }
+    report.legend.iter().for_each(|entry| entry.add(ui));
+    // What is above and below stays in the window.
+    let high = 0.7 * ui.ctx().content_rect().height();
+    let found = ScrollArea::vertical().max_height(high).show(ui, |ui| turned(ui, &report.dials)).inner;
+    if !report.keys.is_empty() {
+        ui.label(report.keys);
+    }
+    found
+}
+
+/// Shows dials, and returns the one that was turned.
+fn turned(ui: &mut egui::Ui, dials: &[Dial]) -> Option<Turned> {
     let mut found = None;
     for Dial { name, setting } in dials {
         let mut turn =
@@ -241,17 +267,6 @@ pub fn boxed(
     add: &mut dyn FnMut(&mut egui::Ui),
 ) {
     place(context, name, (corner, offset), false, add);
-}
-
-/// The same with sliders and buttons, for [`Panel::control`].
-pub fn controls(
-    context: &egui::Context,
-    name: &str,
-    corner: Align2,
-    offset: [f32; 2],
-    add: &mut dyn FnMut(&mut egui::Ui),
-) {
-    place(context, name, (corner, offset), true, add);
 }
 
 fn place(

@@ -1,4 +1,4 @@
-//! What programs say about themselves, for a page to show.
+//! What programs say about themselves, for windows and pages to show.
 
 use crate::dial::Dial;
 use crate::panel::Entry;
@@ -12,4 +12,6 @@ pub struct Report {
     pub legend: Vec<Entry>,
     /// What can be set.
     pub dials: Vec<Dial>,
+    /// What keys and mouse do. A page says it in its own words.
+    pub keys: &'static str,
 }

@@ -10,7 +10,7 @@ use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
 use crate::canvas::Target;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, IS_PAGE};
 use crate::panel::Panel;
 use crate::report::Report;
 pub use crate::screen::{Done, Screen, WindowOptions};
@@ -25,8 +25,8 @@ const TOLD: u32 = 8;
 
 /// A program that draws to a window.
 pub trait Demo {
-    /// A key goes down. Escape is not reported: it closes the window. Nor are keys that a panel
-    /// takes.
+    /// A key goes down. Escape is not reported, it closes the window, nor H, which hides its panel,
+    /// nor are keys that the panel takes.
     ///
     /// # Errors
     /// The program ends.
@@ -47,14 +47,15 @@ pub trait Demo {
     /// The program ends.
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done;
 
-    /// What it says about itself, and what can be set. A page shows this in place of the panels.
+    /// What it says about itself, and what can be set, for the panel of a window or for a page.
     fn report(&self, screen: &Screen) -> Report;
 
-    /// Sets a dial of [`Demo::report`] to a number that [`crate::dial::Dial::nearest`] gives.
+    /// Sets a dial of [`Demo::report`] to a number that [`crate::dial::Dial::nearest`] gives. While
+    /// a slider is held, what takes long can wait until it is let go.
     ///
     /// # Errors
     /// The program ends.
-    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done;
+    fn set(&mut self, dial: &str, value: f64, is_held: bool, screen: &Screen) -> Done;
 
     /// Another program to go on with in this window; asked for after each frame.
     fn next(&mut self) -> Option<Start> {
@@ -86,8 +87,6 @@ impl Start {
 
 /// What reaches a program from outside of its window: from the buttons of a page.
 pub enum Order {
-    /// A key goes down and up.
-    Press(KeyCode),
     /// A key is held, or let go.
     Hold(KeyCode, bool),
     /// All keys are let go.
@@ -161,21 +160,35 @@ pub(crate) struct Program {
 enum Shown {
     /// Words, for so many frames; then a program is started. If it cannot be, the one before goes
     /// on.
-    Words(Start, Box<Panel>, u32, Option<Box<dyn Demo>>),
+    Words(Start, Box<Panel>, u32, Option<Box<Running>>),
     /// A program. For a moment there is none.
-    Demo(Option<Box<dyn Demo>>),
+    Demo(Option<Box<Running>>),
+}
+
+/// A program, and the panel with what it says.
+struct Running {
+    demo: Box<dyn Demo>,
+    panel: Panel,
+    is_hidden: bool,
 }
 
 impl Shown {
-    fn words(screen: &Screen, start: Start, before: Option<Box<dyn Demo>>) -> Self {
+    fn words(screen: &Screen, start: Start, before: Option<Box<Running>>) -> Self {
         screen.set_title(&start.title);
         Self::Words(start, Box::new(Panel::new(&screen.gpu, screen.format())), WORDS, before)
     }
 
     fn demo(&mut self) -> Option<&mut dyn Demo> {
         match self {
-            Self::Demo(Some(demo)) => Some(&mut **demo),
+            Self::Demo(Some(running)) => Some(&mut *running.demo),
             _ => None,
+        }
+    }
+
+    /// Hides the panel, or shows it again.
+    fn hide(&mut self) {
+        if let Self::Demo(Some(running)) = self {
+            running.is_hidden ^= true;
         }
     }
 
@@ -192,7 +205,10 @@ impl Shown {
             Self::Words(..) => {
                 if let Self::Words(start, _, _, before) = std::mem::replace(self, Self::Demo(None)) {
                     match (start.make)(screen) {
-                        Ok(demo) => *self = Self::Demo(Some(demo)),
+                        Ok(demo) => {
+                            let (panel, is_hidden) = (Panel::on(screen), IS_PAGE);
+                            *self = Self::Demo(Some(Box::new(Running { demo, panel, is_hidden })));
+                        }
                         Err(why) => {
                             *self = Self::Demo(before);
                             return Err(why);
@@ -203,10 +219,21 @@ impl Shown {
                 Ok(())
             }
             Self::Demo(None) => Ok(()),
-            Self::Demo(Some(demo)) => {
+            Self::Demo(Some(running)) => {
+                let Running { demo, panel, is_hidden } = &mut **running;
                 let seconds = std::mem::replace(&mut screen.last, Instant::now()).elapsed().as_secs_f64();
                 demo.step(seconds, screen);
-                screen.show(&mut |screen, target| demo.draw(screen, target))?;
+                let mut turned = None;
+                screen.show(&mut |screen, target| {
+                    demo.draw(screen, target)?;
+                    if !*is_hidden {
+                        turned = panel.report(screen, target, &demo.report(screen));
+                    }
+                    Ok(())
+                })?;
+                if let Some(dial) = turned {
+                    demo.set(&dial.name, dial.value, dial.is_held, screen)?;
+                }
                 screen.left = screen.left.map(|left| left.saturating_sub(1));
                 if let Some(start) = demo.next() {
                     screen.forget_panels();
@@ -239,9 +266,9 @@ impl Program {
         let (Some(listener), Some((screen, shown))) = (&mut self.listener, &mut self.running) else { return };
         match shown {
             Shown::Words(start, ..) => listener(Told::Title(&start.title)),
-            Shown::Demo(Some(demo)) if self.untold == 0 => {
+            Shown::Demo(Some(running)) if self.untold == 0 => {
                 self.untold = TOLD;
-                listener(Told::Report(&demo.report(screen)));
+                listener(Told::Report(&running.demo.report(screen)));
             }
             Shown::Demo(_) => self.untold = self.untold.saturating_sub(1),
         }
@@ -259,13 +286,12 @@ impl Program {
                     demo.press(key, screen)?;
                 }
             }
-            (Order::Press(key), Some(demo)) => demo.press(key, screen)?,
             (Order::Turn(x, y), Some(demo)) => demo.turn(x, y, screen),
             (Order::Set(name, value), Some(demo)) => {
                 let dials = demo.report(screen).dials;
                 let dial = dials.iter().find(|dial| dial.name == name);
                 if let Some(value) = dial.and_then(|dial| dial.nearest(value)) {
-                    demo.set(&name, value, screen)?;
+                    demo.set(&name, value, false, screen)?;
                 }
             }
             (Order::Start(start), _) => {
@@ -367,6 +393,12 @@ impl ApplicationHandler<Event> for Program {
             WindowEvent::KeyboardInput { event, .. } => match (event.physical_key, shown.demo()) {
                 (PhysicalKey::Code(KeyCode::Escape), _) if self.listener.is_none() => {
                     event_loop.exit();
+                    Ok(())
+                }
+                (PhysicalKey::Code(KeyCode::KeyH), _) if self.listener.is_none() => {
+                    if event.state == ElementState::Pressed && !event.repeat && !taken {
+                        shown.hide();
+                    }
                     Ok(())
                 }
                 (PhysicalKey::Code(key), _) if event.state == ElementState::Released => {

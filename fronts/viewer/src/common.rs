@@ -1,15 +1,19 @@
 //! The options that all systems share.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use casca_stage::gpu::Gpu;
 use casca_stage::window::{Start, WindowOptions, open};
 use casca_tools::image::parse_size;
 use clap::{Args, value_parser};
+use glam::{DVec3, Vec3};
 
 /// Width and height of pictures and of the window. Larger ones are more than some devices have room
 /// for.
-const SIDES: std::ops::RangeInclusive<u32> = 1..=8192;
+const SIDES: RangeInclusive<u32> = 1..=8192;
 
 /// Why something failed.
 pub type Failed = Box<dyn std::error::Error>;
@@ -90,7 +94,58 @@ pub fn parsed<A: Args>(words: &[&str]) -> Result<A, String> {
     A::from_arg_matches(&matches).map_err(|e| e.to_string())
 }
 
+/// A number of a command line, within a range.
+///
+/// # Errors
+/// It is none, or not within.
+pub fn number<T>(text: &str, range: RangeInclusive<T>) -> Result<T, String>
+where
+    T: FromStr + PartialOrd + Display,
+{
+    let found = text.trim().parse().ok().filter(|number| range.contains(number));
+    found.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
+}
+
+/// Three finite numbers of a command line.
+///
+/// # Errors
+/// There are more or fewer, or one is none.
+pub fn point(text: &str) -> Result<DVec3, String> {
+    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.is_finite());
+    let numbers = text.split(',').map(number).collect::<Option<Vec<f64>>>();
+    let point = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    point.map(DVec3::from_array).ok_or_else(|| "expected three numbers such as 1.5,2,-3".to_owned())
+}
+
+/// A direction of a command line, as long as 1.
+///
+/// # Errors
+/// As [`point`], and it has no direction.
+pub fn direction(text: &str) -> Result<Vec3, String> {
+    let direction = point(text)?.as_vec3().try_normalize();
+    direction.ok_or_else(|| format!("{text} has no direction: its length must be finite and more than 0"))
+}
+
 /// A number with its noun: "1 line", "2 lines".
 pub fn counted(number: usize, [one, more]: [&str; 2]) -> String {
     format!("{number} {}", if number == 1 { one } else { more })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_points_and_directions_are_finite_and_within_their_range() {
+        assert_eq!(number("0.5", 0.0..=1.0), Ok(0.5));
+        for text in ["2", "-1", "NaN", "inf", "x", ""] {
+            assert_eq!(number(text, 0.0..=1.0).unwrap_err(), "expected a number from 0 to 1");
+        }
+        assert_eq!(point("1, 2,-3"), Ok(DVec3::new(1.0, 2.0, -3.0)));
+        for text in ["1,2", "1,2,NaN", "1,x,3", "1,2,3,4", ",,", ""] {
+            assert!(point(text).unwrap_err().contains("three numbers"), "{text}");
+        }
+        assert_eq!(direction("0,-2,0"), Ok(Vec3::NEG_Y));
+        assert!(direction("0,0,0").unwrap_err().contains("no direction"));
+    }
 }

@@ -10,6 +10,7 @@
 //! - [`chooser`]: the list of them, in a window.
 //! - [`systems`]: their names, and the windows that they open.
 //! - [`common`]: the options that all share.
+//! - [`times`]: the times of stages, as a table.
 //!
 //! How casca is wired into a render loop is in [`scene::frame_loop`]. The library part is there for
 //! the tests.
@@ -25,3 +26,4 @@ pub mod plane;
 pub mod points;
 pub mod scene;
 pub mod systems;
+pub mod times;

@@ -63,39 +63,6 @@ fn a_town_is_cut_and_walked_through_and_errors_name_their_file() {
     assert_eq!(run(folder, "points visible one.txt --eye 1,2,9 --out seen.ply").0, Some(0));
 }
 
-/// From the eye both pictures of a street without gaps are nearly the same, and from above one has
-/// far fewer points.
-#[test]
-fn a_walk_shows_what_culling_spares() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    assert_eq!(run(folder, "points generate town.ply --points 1000000").0, Some(0));
-    assert_eq!(run(folder, "points bricks town.ply town.bricks --points 4096").0, Some(0));
-    let walk = "points walk town.bricks --walls town.walls --frames 1 --quiet --picture walk.png";
-    let (code, _, errors) = run(folder, walk);
-    if errors.contains("no graphics adapter") {
-        return println!("skipped: no adapter");
-    }
-    assert_eq!(code, Some(0), "{errors}");
-    let file = std::fs::File::open(folder.join("walk.png")).unwrap();
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
-    let mut picture = vec![0; reader.output_buffer_size().unwrap()];
-    reader.next_frame(&mut picture).unwrap();
-    let (width, height) = (reader.info().width as usize / 2, reader.info().height as usize / 2);
-    // Below the captions.
-    let pane = |x: usize, y: usize| {
-        (height / 8..height)
-            .flat_map(move |row| (0..width).map(move |column| (x * width + column, y * height + row)))
-    };
-    let pixel = |(x, y): (usize, usize)| &picture[3 * (2 * width * y + x)..][..3];
-    let pixels = |x, y| pane(x, y).map(pixel);
-    let differ = pixels(0, 0).zip(pixels(1, 0)).filter(|(a, b)| a != b).count();
-    let drawn = |x| pixels(x, 1).filter(|pixel| *pixel != [255; 3]).count();
-    let all = pixels(0, 0).count();
-    assert!(differ * 20 < all, "{differ} of {all} pixels differ from the eye");
-    assert!(drawn(1) * 2 < drawn(0) && drawn(1) > 0, "{} and {} pixels from above", drawn(0), drawn(1));
-}
-
 #[test]
 fn pictures_are_written_culling_does_not_change_them_and_errors_end_with_3() {
     let folder = std::env::temp_dir().join(format!("casca-viewer-lines-{}", std::process::id()));
@@ -113,25 +80,13 @@ fn pictures_are_written_culling_does_not_change_them_and_errors_end_with_3() {
         assert!(picture(&format!("all/{name}")) == picture(&format!("some/{name}")), "{name}");
     }
     assert!(picture("all/lines_rooms_plain.png") != picture("all/lines_rooms_occluded.png"));
-    // Smooth lines, which culling does not change either.
-    assert_eq!(run(&folder, &format!("{words} smooth --antialias")).0, Some(0));
-    assert_eq!(run(&folder, &format!("{words} smooth_some --antialias --cull")).0, Some(0));
-    let name = "lines_rooms_occluded.png";
-    assert!(picture(&format!("smooth/{name}")) == picture(&format!("smooth_some/{name}")));
-    assert!(picture(&format!("smooth/{name}")) != picture(&format!("all/{name}")));
     // Rooms at other distances have thinner tubes than the first, for which the lines were copied.
     let (code, said, errors) = run(&folder, "lines --rooms 6 --lines 4 --time --size 24x18 --samples 4");
-    assert!(code == Some(0) && said.contains("of the time without culling"), "{errors}");
-    // A file is swayed at another time than 0.
-    std::fs::write(folder.join("zigzag.obj"), "v 0 0 0\nv 1 1 0\nv 2 0 0.5\nv 3 1 0\nl 1 2 3 4\n").unwrap();
-    let words = "lines zigzag.obj --headless --size 96x72 --look occlusion --fov 0 --out";
-    assert_eq!(run(&folder, &format!("{words} still")).0, Some(0));
-    assert_eq!(run(&folder, &format!("{words} moved --at 1")).0, Some(0));
-    let name = "lines_zigzag_occlusion.png";
-    assert!(picture(&format!("still/{name}")) != picture(&format!("moved/{name}")));
+    assert!(code == Some(0) && said.contains("with culling"), "{errors}");
     // A picture cannot be written where a file has the name of the folder.
-    let (code, _, errors) = run(&folder, &format!("{words} zigzag.obj"));
-    assert!(code == Some(3) && errors.contains("zigzag.obj"), "{errors}");
+    std::fs::write(folder.join("file"), "no folder").unwrap();
+    let (code, _, errors) = run(&folder, &format!("{words} file"));
+    assert!(code == Some(3) && errors.contains("file"), "{errors}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

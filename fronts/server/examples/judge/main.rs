@@ -1,16 +1,13 @@
 //! Plays matches of bots. Prints how long a tick takes, and which shares of the entities are withheld and
 //! told late, beside other ways to choose.
 //!
-//! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`, with options:
-//! `--times TICKS`, `--late TICKS` (casca alone), `--beside TICKS` (all ways), `--queries N`,
-//! `--room SHARE`, `--bots N`, `--seed N`, `--no-walls`, `--csv FILE`, `--chart FILE.svg`, and
-//! `--bake METERS`: sets from cell to cell of that edge come first.
+//! `cargo run --release -p casca-server --features net --example judge -- LEVEL...`; `--help` lists the options.
 
 mod rays;
 
 use std::collections::VecDeque;
-use std::fmt::Write as _;
 use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use casca_server::bots::{Level, Match, MatchOptions, Moment};
@@ -21,71 +18,51 @@ use casca_tools::pictures::palette::other;
 use casca_tools::pictures::{Axis, Line, lines};
 use casca_truth::baselines::NineRays;
 use casca_truth::oracle::RayOracle;
+use clap::Parser;
 
 use rays::{Truth, by_rays};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
+#[derive(Parser)]
 struct Arguments {
+    /// Generated scenes and .glb files.
     levels: Vec<String>,
+    /// Ticks that are timed.
+    #[arg(long, default_value_t = 600)]
     times: u64,
+    /// Ticks of casca-server alone that rays judge.
+    #[arg(long, default_value_t = 0)]
     late: u64,
+    /// Ticks of all ways that rays judge.
+    #[arg(long, default_value_t = 0)]
     beside: u64,
+    #[arg(long, default_value_t = 100)]
     bots: usize,
+    #[arg(long, default_value_t = 0)]
     queries: usize,
+    #[arg(long, default_value_t = 0.5)]
     room: f32,
-    walls: bool,
+    #[arg(long)]
+    no_walls: bool,
+    /// Sets from cell to cell of this edge come first, in metres.
+    #[arg(long)]
     bake: Option<f32>,
+    #[arg(long, default_value_t = 1)]
     seed: u64,
-    chart: Option<String>,
-    csv: Option<String>,
-}
-
-fn arguments() -> Result<Arguments, Failure> {
-    let server = ServerOptions::new();
-    let mut found = Arguments {
-        levels: Vec::new(),
-        times: 600,
-        late: 0,
-        beside: 0,
-        bots: 100,
-        queries: server.most_queries,
-        room: server.room,
-        walls: true,
-        bake: None,
-        seed: 1,
-        chart: None,
-        csv: None,
-    };
-    let mut all = std::env::args().skip(1);
-    while let Some(word) = all.next() {
-        let mut value = || all.next().ok_or(format!("{word} needs a value"));
-        match word.as_str() {
-            "--times" => found.times = value()?.parse()?,
-            "--late" => found.late = value()?.parse()?,
-            "--beside" => found.beside = value()?.parse()?,
-            "--bots" => found.bots = value()?.parse()?,
-            "--queries" => found.queries = value()?.parse()?,
-            "--room" => found.room = value()?.parse()?,
-            "--bake" => found.bake = Some(value()?.parse()?),
-            "--seed" => found.seed = value()?.parse()?,
-            "--no-walls" => found.walls = false,
-            "--chart" => found.chart = Some(value()?),
-            "--csv" => found.csv = Some(value()?),
-            _ if word.starts_with("--") => return Err(format!("{word} is not known").into()),
-            _ => found.levels.push(word),
-        }
-    }
-    Ok(found)
+    /// The SVG file of the ways.
+    #[arg(long)]
+    chart: Option<PathBuf>,
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = arguments()?;
+    let arguments = Arguments::parse();
     let server =
-        ServerOptions::new().most_queries(arguments.queries).room(arguments.room).walls(arguments.walls);
+        ServerOptions::new().most_queries(arguments.queries).room(arguments.room).walls(!arguments.no_walls);
     let options =
         MatchOptions { bots: arguments.bots, seed: arguments.seed, server, ..MatchOptions::default() };
-    let mut csv = String::from("level,way,withheld,late,lead\n");
+    // By way: the shares told late and withheld of each level, in percent.
+    let mut marks: [Vec<(f64, f64)>; WAYS.len()] = Default::default();
     for name in &arguments.levels {
         if name.ends_with(".glb") && !std::path::Path::new(name).exists() {
             println!("skipped: {name} is not here");
@@ -103,32 +80,23 @@ fn main() -> Result<(), Failure> {
             }
         }
         if arguments.beside > 0 {
-            beside(&level, options, arguments.beside, &mut csv)?;
+            beside(&level, options, arguments.beside, &mut marks)?;
         }
         if arguments.late > 0 {
             late(&level, options, arguments.late)?;
         }
     }
     if let Some(file) = &arguments.chart {
-        chart(file.as_ref(), &csv)?;
-    }
-    if let Some(file) = &arguments.csv {
-        std::fs::write(file, csv)?;
+        chart(file, marks)?;
     }
     Ok(())
 }
 
 /// Draws the share withheld over the share told late: a mark for each level and way.
-fn chart(file: &std::path::Path, csv: &str) -> Result<(), Failure> {
-    let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
-    let mut series = Vec::new();
-    for (number, way) in WAYS.iter().enumerate() {
-        let of_way = rows.iter().filter(|row| row[1] == *way);
-        let point = |row: &Vec<&str>| {
-            Some((row[3].parse::<f64>().ok()? * 100.0, row[2].parse::<f64>().ok()? * 100.0))
-        };
-        series.push(Line::dots(*way, other(number), of_way.filter_map(point).collect()));
-    }
+fn chart(file: &Path, marks: [Vec<(f64, f64)>; WAYS.len()]) -> Result<(), Failure> {
+    let ways = WAYS.iter().zip(marks).enumerate();
+    let series: Vec<Line> =
+        ways.map(|(number, (way, marks))| Line::dots(*way, other(number), marks)).collect();
     let (x, y) = (Axis::linear("told late, % of the visible"), Axis::linear("withheld, % of the hidden"));
     let title = "Rays withhold more and tell late; casca-server tells nothing late";
     lines(file, title, "a mark for each level: rooms, town, sponza-parts", (&x, &y), &series)?;
@@ -285,21 +253,21 @@ struct Tally {
     visible: u64,
     late: u64,
     late_clients: u64,
-    leads: u64,
-    lead: f64,
 }
 
 /// Plays a match with all ways at the same time.
-fn beside(level: &Level, options: MatchOptions, ticks: u64, csv: &mut String) -> Result<(), Failure> {
+fn beside(
+    level: &Level,
+    options: MatchOptions,
+    ticks: u64,
+    marks: &mut [Vec<(f64, f64)>],
+) -> Result<(), Failure> {
     let n = options.bots;
     let mut game = Match::new(level, options)?;
     let mut truth = Truth::new(level, game.now()[0]);
     let rays = NineRays::new(&level.objects);
     let mut tallies = vec![Tally::default(); WAYS.len()];
     let mut queue: VecDeque<Vec<[bool; 2]>> = VecDeque::new();
-    // By pair: since when each way told, and whether it was seen a tick ago.
-    let mut since = vec![[None::<u64>; 4]; n * n];
-    let mut seen_before = vec![true; n * n];
     let (mut clients, mut seconds) = (0u64, [0.0f64; 3]);
     for tick in 0..ticks {
         let begin = Instant::now();
@@ -330,18 +298,12 @@ fn beside(level: &Level, options: MatchOptions, ticks: u64, csv: &mut String) ->
                 let pair = i * n + j;
                 let is_told = [told[i][j], true, by_rays[pair][0], by_rays[pair][1]];
                 for (way, tally) in tallies.iter_mut().enumerate() {
-                    since[pair][way] = is_told[way].then(|| since[pair][way].unwrap_or(tick));
                     tally.hidden += u64::from(!seen[i][j]);
                     tally.visible += u64::from(seen[i][j]);
                     tally.withheld += u64::from(!seen[i][j] && !is_told[way]);
                     tally.late += u64::from(seen[i][j] && !is_told[way]);
                     any[way] |= seen[i][j] && !is_told[way];
-                    if let (true, false, Some(since)) = (seen[i][j], seen_before[pair], since[pair][way]) {
-                        tally.leads += 1;
-                        tally.lead += (tick - since) as f64 * f64::from(options.server.tick);
-                    }
                 }
-                seen_before[pair] = seen[i][j];
             }
             tallies.iter_mut().zip(any).for_each(|(tally, any)| tally.late_clients += u64::from(any));
         }
@@ -351,18 +313,17 @@ fn beside(level: &Level, options: MatchOptions, ticks: u64, csv: &mut String) ->
         let t = &tallies[0];
         t.visible as f64 / (t.visible + t.hidden) as f64
     });
-    for (way, tally) in WAYS.iter().zip(&tallies) {
+    for ((way, tally), marks) in WAYS.iter().zip(&tallies).zip(marks) {
         let withheld = tally.withheld as f64 / tally.hidden as f64;
         let late = tally.late as f64 / tally.visible as f64;
-        let lead = tally.lead / tally.leads.max(1) as f64;
         println!(
-            "  {way}: {withheld:.3} of hidden withheld; {} of {} visible told late ({:.3}%), in {:.2}% of client-ticks; lead {lead:.2} s",
+            "  {way}: {withheld:.3} of hidden withheld; {} of {} visible told late ({:.3}%), in {:.2}% of client-ticks",
             tally.late,
             tally.visible,
             late * 100.0,
             tally.late_clients as f64 / clients as f64 * 100.0
         );
-        writeln!(csv, "{},{way},{withheld:.4},{late:.5},{lead:.3}", level.name)?;
+        marks.push((late * 100.0, withheld * 100.0));
     }
     let [casca, nine, five] = seconds.map(|s| s * 1e3 / ticks as f64);
     println!("  ms a tick: casca-server {casca:.1}, nine rays {nine:.1}, from five places {five:.1}");

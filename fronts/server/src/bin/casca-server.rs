@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use casca_server::bots::Level;
-use casca_server::net::{Front, FrontOptions, Identity, QuicOptions};
+use casca_server::net::{Front, FrontOptions};
 use casca_server::session::Token;
 use casca_server::{ServerOptions, VisibilityServer};
 use clap::Parser;
@@ -34,19 +34,6 @@ struct Arguments {
     /// Where clients connect by WebSocket.
     #[arg(long, default_value = "127.0.0.1:4600")]
     listen: SocketAddr,
-    /// Where clients connect by QUIC, if there is a certificate.
-    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:4600")]
-    quic: SocketAddr,
-    /// A PEM file with the certificates of the server for QUIC, its own first.
-    #[arg(long, value_name = "FILE", requires = "quic_key")]
-    quic_cert: Option<PathBuf>,
-    /// A PEM file with the key of the first certificate.
-    #[arg(long, value_name = "FILE", requires = "quic_cert")]
-    quic_key: Option<PathBuf>,
-    /// Makes a certificate for QUIC that lasts until the end, and writes it to a PEM file for
-    /// clients.
-    #[arg(long, value_name = "FILE", conflicts_with = "quic_cert")]
-    quic_self_signed: Option<PathBuf>,
     /// Where metrics and the map are. They show all that is secret.
     #[arg(long, default_value = "127.0.0.1:4601")]
     http: SocketAddr,
@@ -103,7 +90,6 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut options = FrontOptions::new(token(arguments)?);
     (options.clients, options.http) = (arguments.listen, arguments.http);
-    options.quic = identity(arguments)?.map(|identity| QuicOptions::new(arguments.quic, identity));
     (options.bots, options.connections) = (arguments.bots, arguments.connections);
     options.server = ServerOptions::new().tick(1.0 / f32::from(arguments.ticks));
     options.server.most_clients = arguments.bots + arguments.connections;
@@ -111,8 +97,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     runtime.block_on(async {
         let asked = asked_to_end()?;
         let front = Front::start(level, options).await?;
-        let quic = front.quic().map(|quic| format!("  quic: {quic}")).unwrap_or_default();
-        println!("clients: ws://{}{quic}  map: http://{}/", front.clients(), front.http());
+        println!("clients: ws://{}  map: http://{}/", front.clients(), front.http());
         tokio::select! {
             () = asked => {}
             () = passed(arguments.seconds) => {}
@@ -120,19 +105,6 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         front.stop().await;
         Ok(())
     })
-}
-
-/// What the server shows to clients by QUIC, if anything.
-fn identity(arguments: &Arguments) -> Result<Option<Identity>, Failure> {
-    if let (Some(certificates), Some(key)) = (&arguments.quic_cert, &arguments.quic_key) {
-        return Ok(Some(Identity::from_pem_files(certificates, key)?));
-    }
-    let Some(file) = &arguments.quic_self_signed else { return Ok(None) };
-    let address = arguments.quic.ip().to_string();
-    let identity = Identity::self_signed(&["localhost", &address])?;
-    std::fs::write(file, identity.certificate_pem())
-        .map_err(|error| format!("{}: {error}", file.display()))?;
-    Ok(Some(identity))
 }
 
 /// Says what a level is made of, and lets a client look at it.

@@ -1,4 +1,4 @@
-//! Connections of clients, whatever carries their frames.
+//! Connections of clients.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,8 +10,9 @@ use crate::id::ClientId;
 use crate::net::game::{Command, Link};
 use crate::net::metrics::Metrics;
 use crate::net::options::FrontOptions;
+use crate::net::websocket::{Incoming, Reader, Writer, next_frame, send_frame};
 use crate::session::{Event, Refusal, Session};
-use crate::wire::{ToClient, WireError};
+use crate::wire::ToClient;
 
 /// A message that takes longer to be written ends the connection.
 const WRITE: Duration = Duration::from_secs(2);
@@ -29,7 +30,7 @@ pub(crate) struct Door {
     pub(crate) commands: mpsc::Sender<Command>,
     pub(crate) metrics: Arc<Metrics>,
     pub(crate) stopped: watch::Receiver<bool>,
-    /// One for each connection that may be open, of whatever kind.
+    /// One for each connection that may be open.
     pub(crate) seats: Arc<Semaphore>,
 }
 
@@ -77,29 +78,10 @@ impl Seat {
     }
 }
 
-/// What comes from a client.
-pub(crate) enum Incoming {
-    Frame(Vec<u8>),
-    /// A message of the transport, which counts as a frame.
-    Nothing,
-    End,
-    Malformed(WireError),
-}
-
-/// Frames from a client. A call that is given up must lose nothing.
-pub(crate) trait Source {
-    fn next_frame(&mut self) -> impl Future<Output = Incoming> + Send;
-}
-
-/// Frames to a client.
-pub(crate) trait Outlet {
-    fn send_frame(&mut self, frame: Vec<u8>) -> impl Future<Output = Result<(), Refusal>> + Send;
-}
-
 /// Reads and writes until one side ends it, and says goodbye.
 pub(crate) async fn converse(
-    source: &mut impl Source,
-    outlet: &mut impl Outlet,
+    source: &mut Reader,
+    outlet: &mut Writer,
     door: &Door,
     begin: Instant,
 ) -> Result<(), Refusal> {
@@ -112,14 +94,14 @@ pub(crate) async fn converse(
         && !matches!(refusal, Refusal::Slow | Refusal::Gone)
     {
         let bye = ToClient::Bye(refusal.code()).encode();
-        let _ = timeout(FAREWELL, outlet.send_frame(bye)).await;
+        let _ = timeout(FAREWELL, send_frame(outlet, bye)).await;
     }
     result
 }
 
 async fn talk(
-    source: &mut impl Source,
-    outlet: &mut impl Outlet,
+    source: &mut Reader,
+    outlet: &mut Writer,
     door: &Door,
     begin: Instant,
     client: &mut Option<ClientId>,
@@ -133,7 +115,7 @@ async fn talk(
     loop {
         let deadline = begin + Duration::from_secs_f64(session.deadline());
         let next = tokio::select! {
-            incoming = source.next_frame() => Next::Incoming(incoming),
+            incoming = next_frame(source) => Next::Incoming(incoming),
             answer = queue.recv(), if client.is_some() => Next::Answer(answer),
             () = sleep_until(deadline) => return Err(Refusal::Idle),
             () = door.end() => return Err(Refusal::Stop),
@@ -186,6 +168,6 @@ enum Next {
     Answer(Option<Vec<u8>>),
 }
 
-async fn write(outlet: &mut impl Outlet, frame: Vec<u8>) -> Result<(), Refusal> {
-    timeout(WRITE, outlet.send_frame(frame)).await.unwrap_or(Err(Refusal::Slow))
+async fn write(outlet: &mut Writer, frame: Vec<u8>) -> Result<(), Refusal> {
+    timeout(WRITE, send_frame(outlet, frame)).await.unwrap_or(Err(Refusal::Slow))
 }

@@ -1,4 +1,4 @@
-//! The front: clients by WebSocket and QUIC, metrics and a map by HTTP.
+//! The front: clients by WebSocket, metrics and a map by HTTP.
 //!
 //! One thread plays the game, tick by tick, whatever connections do. Each connection has a task of
 //! its own, which checks frames, and leaves the last place of its eye for the next tick. Answers go
@@ -7,11 +7,9 @@
 mod connection;
 mod game;
 mod http;
-mod identity;
 mod map;
 mod metrics;
 mod options;
-mod quic;
 mod websocket;
 
 use std::io;
@@ -28,9 +26,7 @@ use crate::net::connection::Door;
 use crate::net::game::Game;
 use crate::net::metrics::Metrics;
 
-pub use identity::{Identity, IdentityError};
-pub use options::{FrontOptions, QuicOptions};
-pub use quic::PROTOCOL;
+pub use options::FrontOptions;
 
 /// Why a front cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -42,16 +38,12 @@ pub enum FrontError {
     /// An address cannot be used.
     #[error("cannot listen: {0}")]
     Io(#[from] io::Error),
-    /// The certificate cannot be used.
-    #[error(transparent)]
-    Identity(#[from] IdentityError),
 }
 
 /// A server that runs.
 #[derive(Debug)]
 pub struct Front {
     clients: SocketAddr,
-    quic: Option<SocketAddr>,
     http: SocketAddr,
     stop: watch::Sender<bool>,
     tasks: Vec<JoinHandle<()>>,
@@ -69,20 +61,11 @@ impl Front {
     /// Starts to listen and to play.
     ///
     /// # Errors
-    /// Refuses addresses that cannot be listened at, certificates that do not serve, and levels and
-    /// options that the server refuses.
+    /// Refuses addresses that cannot be listened at, and levels and options that the server refuses.
     pub async fn start(level: Level, options: FrontOptions) -> Result<Self, FrontError> {
         let metrics = Arc::new(Metrics::new());
         let listener = TcpListener::bind(options.clients).await?;
         let pages = TcpListener::bind(options.http).await?;
-        let endpoint = match &options.quic {
-            Some(quic) => {
-                let config = quic::config(&quic.identity, &options.limits)?;
-                Some(quinn::Endpoint::server(config, quic.clients)?)
-            }
-            None => None,
-        };
-        let quic = endpoint.as_ref().map(quinn::Endpoint::local_addr).transpose()?;
         let (clients, http) = (listener.local_addr()?, pages.local_addr()?);
         let (commands, orders) = mpsc::channel(COMMANDS);
         let (stop, stopped) = watch::channel(false);
@@ -95,23 +78,15 @@ impl Front {
         };
         let seats = Arc::new(Semaphore::new(options.connections.min(Semaphore::MAX_PERMITS)));
         let door = Door { options, commands, metrics: metrics.clone(), stopped: stopped.clone(), seats };
-        let mut tasks = vec![tokio::spawn(http::listen(pages, metrics.clone(), map, stopped))];
-        if let Some(endpoint) = endpoint {
-            tasks.push(tokio::spawn(quic::listen(endpoint, door.clone())));
-        }
-        tasks.push(tokio::spawn(websocket::listen(listener, door)));
-        tracing::info!(%clients, ?quic, %http, "listening");
-        Ok(Self { clients, quic, http, stop, tasks, game: Some(game), metrics })
+        let pages = tokio::spawn(http::listen(pages, metrics.clone(), map, stopped));
+        let tasks = vec![pages, tokio::spawn(websocket::listen(listener, door))];
+        tracing::info!(%clients, %http, "listening");
+        Ok(Self { clients, http, stop, tasks, game: Some(game), metrics })
     }
 
     /// Where clients connect by WebSocket.
     pub fn clients(&self) -> SocketAddr {
         self.clients
-    }
-
-    /// Where clients connect by QUIC, if they may.
-    pub fn quic(&self) -> Option<SocketAddr> {
-        self.quic
     }
 
     /// Where metrics and the map are.

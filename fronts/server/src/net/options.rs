@@ -2,7 +2,6 @@
 
 use std::net::SocketAddr;
 
-use crate::net::identity::Identity;
 use crate::options::ServerOptions;
 use crate::session::{Limits, Token};
 
@@ -12,8 +11,6 @@ use crate::session::{Limits, Token};
 pub struct FrontOptions {
     /// Where clients connect by WebSocket. Default: 127.0.0.1, any free port.
     pub clients: SocketAddr,
-    /// Whether they also connect by QUIC. Default: not.
-    pub quic: Option<QuicOptions>,
     /// Where metrics and the map are. They tell all that is secret: keep the address to yourself.
     /// Default: 127.0.0.1, any free port.
     pub http: SocketAddr,
@@ -21,7 +18,7 @@ pub struct FrontOptions {
     pub token: Token,
     /// What a connection may cost.
     pub limits: Limits,
-    /// The most connections of clients at the same time, of both kinds together. Default: 1,000.
+    /// The most connections of clients at the same time. Default: 1,000.
     pub connections: usize,
     /// The most answers that wait for a client, which is dropped if one more comes. Default: 32.
     pub queue: usize,
@@ -41,7 +38,6 @@ impl FrontOptions {
         let any = SocketAddr::from(([127, 0, 0, 1], 0));
         Self {
             clients: any,
-            quic: None,
             http: any,
             token,
             limits: Limits::default(),
@@ -52,22 +48,5 @@ impl FrontOptions {
             bots: 0,
             seed: 1,
         }
-    }
-}
-
-/// Where clients connect by QUIC, and what proves which server it is.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct QuicOptions {
-    /// The UDP address.
-    pub clients: SocketAddr,
-    /// The certificate.
-    pub identity: Identity,
-}
-
-impl QuicOptions {
-    /// Clients connect at an address, and are shown a certificate.
-    pub fn new(clients: SocketAddr, identity: Identity) -> Self {
-        Self { clients, identity }
     }
 }

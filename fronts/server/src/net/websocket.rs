@@ -11,9 +11,13 @@ use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::tungstenite::{Error, Message};
 
-use crate::net::connection::{Door, FAREWELL, Incoming, Outlet, PAUSE, Source, converse};
+use crate::net::connection::{Door, FAREWELL, PAUSE, converse};
 use crate::session::Refusal;
 use crate::wire::{MOST_FRAME, WireError};
+
+/// Frames from a client, and to it.
+pub(crate) type Reader = SplitStream<WebSocketStream<TcpStream>>;
+pub(crate) type Writer = SplitSink<WebSocketStream<TcpStream>, Message>;
 
 /// Takes connections until the server stops, and waits for them to end.
 pub(crate) async fn listen(listener: TcpListener, door: Door) {
@@ -59,21 +63,27 @@ async fn serve(stream: TcpStream, door: &Door) -> Result<(), Refusal> {
     result
 }
 
-impl Source for SplitStream<WebSocketStream<TcpStream>> {
-    async fn next_frame(&mut self) -> Incoming {
-        match self.next().await {
-            Some(Ok(Message::Binary(frame))) => Incoming::Frame(frame.into()),
-            Some(Ok(Message::Ping(_) | Message::Pong(_))) => Incoming::Nothing,
-            Some(Ok(Message::Close(_))) | None | Some(Err(Error::Io(_) | Error::ConnectionClosed)) => {
-                Incoming::End
-            }
-            Some(Ok(_) | Err(_)) => Incoming::Malformed(WireError::Short(0)),
+/// What comes from a client.
+pub(crate) enum Incoming {
+    Frame(Vec<u8>),
+    /// A message of the transport, which counts as a frame.
+    Nothing,
+    End,
+    Malformed(WireError),
+}
+
+/// The next frame. A call that is given up loses nothing.
+pub(crate) async fn next_frame(source: &mut Reader) -> Incoming {
+    match source.next().await {
+        Some(Ok(Message::Binary(frame))) => Incoming::Frame(frame.into()),
+        Some(Ok(Message::Ping(_) | Message::Pong(_))) => Incoming::Nothing,
+        Some(Ok(Message::Close(_))) | None | Some(Err(Error::Io(_) | Error::ConnectionClosed)) => {
+            Incoming::End
         }
+        Some(Ok(_) | Err(_)) => Incoming::Malformed(WireError::Short(0)),
     }
 }
 
-impl Outlet for SplitSink<WebSocketStream<TcpStream>, Message> {
-    async fn send_frame(&mut self, frame: Vec<u8>) -> Result<(), Refusal> {
-        self.send(Message::binary(frame)).await.map_err(|_| Refusal::Gone)
-    }
+pub(crate) async fn send_frame(outlet: &mut Writer, frame: Vec<u8>) -> Result<(), Refusal> {
+    outlet.send(Message::binary(frame)).await.map_err(|_| Refusal::Gone)
 }

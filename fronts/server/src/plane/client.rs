@@ -2,13 +2,11 @@
 
 use casca::glam::Vec2;
 
-use crate::answer::Answer;
 use crate::entity::Team;
 use crate::error::{ServerError, within};
-use crate::id::{ClientId, EntityId};
 use crate::numeric::{FASTEST, LONGEST};
-use crate::plane::numeric::MARGIN;
-use crate::plane::options::PlaneOptions;
+use crate::plane::options::{MARGIN, PlaneOptions};
+use crate::roster::{Client, Party};
 
 /// Describes a client of a [`PlaneServer`](crate::plane::PlaneServer).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,33 +54,27 @@ impl PlaneClient {
     }
 }
 
-/// A client as a server knows it.
-#[derive(Debug, Clone)]
-pub(crate) struct PlaneState {
-    pub(crate) desc: PlaneClient,
-    /// When its last report came.
-    pub(crate) time: f64,
-    /// Whether the eye jumped since the last tick.
-    pub(crate) jumped: bool,
-    /// What it was told of in the tick before.
-    pub(crate) before: Vec<EntityId>,
-    pub(crate) answer: Answer,
+impl Party for PlaneClient {
+    fn speed(&self) -> f32 {
+        self.speed
+    }
+
+    fn latency(&self) -> f32 {
+        self.latency
+    }
+
+    fn team(&self) -> Option<Team> {
+        self.team
+    }
 }
 
+/// A client as a server knows it.
+pub(crate) type PlaneState = Client<PlaneClient, ()>;
+
 impl PlaneState {
-    pub(crate) fn new(id: ClientId, desc: PlaneClient, time: f64) -> Self {
-        Self { desc, time, jumped: true, before: Vec::new(), answer: Answer::new(id) }
-    }
-
-    /// For how long the eye and all entities may move until the next answer counts, in seconds; and
-    /// whether the last report is too old.
-    pub(crate) fn time_ahead(&self, now: f64, options: &PlaneOptions) -> (f64, bool) {
-        let (age, most) = ((now - self.time).max(0.0), f64::from(options.most_age));
-        (f64::from(self.desc.latency) + f64::from(options.tick) + age.min(most), age > most)
-    }
-
     /// How far the eye may be from where it was reported, in tiles.
     pub(crate) fn reach(&self, now: f64, options: &PlaneOptions) -> f64 {
-        f64::from(self.desc.speed) * self.time_ahead(now, options).0 + MARGIN
+        let (seconds, _) = self.time_ahead(now, options.tick, options.most_age);
+        f64::from(self.desc.speed) * seconds + MARGIN
     }
 }

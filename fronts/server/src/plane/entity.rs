@@ -6,7 +6,8 @@ use crate::entity::Team;
 use crate::error::{ServerError, within};
 use crate::id::ClientId;
 use crate::numeric::FASTEST;
-use crate::plane::numeric::{MARGIN, WIDEST};
+use crate::plane::options::{MARGIN, WIDEST};
+use crate::roster::{Entity, Thing};
 
 /// Describes an entity of a [`PlaneServer`](crate::plane::PlaneServer).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,15 +59,18 @@ impl PlaneEntity {
     }
 }
 
-/// An entity as a server knows it.
-#[derive(Debug, Clone)]
-pub(crate) struct PlaneBody {
-    pub(crate) desc: PlaneEntity,
-    /// When it was where it is.
-    pub(crate) time: f64,
-    /// Its team or that of its owner.
-    pub(crate) side: Option<Team>,
+impl Thing for PlaneEntity {
+    fn owner(&mut self) -> &mut Option<ClientId> {
+        &mut self.owner
+    }
+
+    fn team(&self) -> Option<Team> {
+        self.team
+    }
 }
+
+/// An entity as a server knows it.
+pub(crate) type PlaneBody = Entity<PlaneEntity, ()>;
 
 impl PlaneBody {
     /// How far its centre may be from its place within `seconds` of the time `now`, in tiles.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use casca::glam::Vec2;
 use casca_plane::OpaqueTiles;
 
-use crate::plane::numeric::MARGIN;
+use crate::plane::options::MARGIN;
 
 /// A tile, its column first.
 pub(crate) type Tile = (u32, u32);

@@ -15,11 +15,9 @@
 mod client;
 mod entity;
 mod ground;
-mod numeric;
 mod options;
 mod server;
 mod sights;
-mod tick;
 
 pub use client::PlaneClient;
 pub use entity::PlaneEntity;

@@ -1,19 +1,37 @@
 //! The server of a map: clients and entities, from tick to tick.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use casca::glam::Vec2;
 use casca_plane::OpaqueTiles;
-use casca_slots::Slots;
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
 
 use crate::answer::Answer;
 use crate::error::{ServerError, time, within};
 use crate::id::{ClientId, EntityId};
+use crate::numeric::STEP;
 use crate::plane::client::{PlaneClient, PlaneState};
 use crate::plane::entity::{PlaneBody, PlaneEntity};
-use crate::plane::numeric::WIDEST;
-use crate::plane::options::PlaneOptions;
-use crate::plane::sights::Sights;
+use crate::plane::ground::{Ground, Tile};
+use crate::plane::options::{PlaneOptions, WIDEST};
+use crate::plane::sights::{Key, Sights, Window};
+use crate::roster::{Roster, steps};
+
+/// An entity may be in so many tiles: one that may be in more is told to all.
+const MOST_TAKEN: usize = 4096;
+
+/// The tiles of each entity, in their order; none if it may be anywhere.
+type Places = Vec<Option<Vec<Tile>>>;
+
+/// What all clients share in a tick.
+struct Moment<'a, H> {
+    sights: &'a Sights,
+    entities: &'a [(EntityId, &'a PlaneBody)],
+    /// By the time ahead, in steps.
+    places: &'a BTreeMap<u64, Places>,
+    hook: &'a H,
+}
 
 /// Finds, tick by tick, which entities each client may be told of on a map of tiles.
 ///
@@ -45,16 +63,10 @@ use crate::plane::sights::Sights;
 /// ```
 #[derive(Debug)]
 pub struct PlaneServer {
-    pub(super) map: OpaqueTiles,
-    pub(super) options: PlaneOptions,
-    pub(super) ids: Slots<()>,
-    pub(super) clients: BTreeMap<ClientId, PlaneState>,
-    pub(super) entities: Slots<PlaneBody>,
-    pub(super) sights: Sights,
-    /// The time of the last tick.
-    pub(super) now: f64,
-    /// How many ticks there were.
-    pub(super) ticks: u64,
+    map: OpaqueTiles,
+    options: PlaneOptions,
+    roster: Roster<PlaneClient, (), PlaneEntity, ()>,
+    sights: Sights,
 }
 
 impl PlaneServer {
@@ -68,9 +80,7 @@ impl PlaneServer {
         for (what, size) in [("the width of a map", map.width()), ("the height of a map", map.height())] {
             within(what, size as f32, 1.0, WIDEST as f32)?;
         }
-        let (clients, sights) = (BTreeMap::new(), Sights::default());
-        let (ids, entities) = (Slots::new(), Slots::new());
-        Ok(Self { map, options, ids, clients, entities, sights, now: f64::MIN, ticks: 0 })
+        Ok(Self { map, options, roster: Roster::new(), sights: Sights::default() })
     }
 
     /// The map.
@@ -124,15 +134,7 @@ impl PlaneServer {
     pub fn add_client(&mut self, desc: PlaneClient, now: f64) -> Result<ClientId, ServerError> {
         desc.check()?;
         self.on_map("the eye of a client", desc.eye)?;
-        time("the time of a new client", now, f64::MIN)?;
-        let full = ServerError::Full { what: "clients", most: self.options.most_clients };
-        if self.clients.len() >= self.options.most_clients {
-            return Err(full);
-        }
-        let slot = self.ids.insert(()).ok_or(full)?;
-        let id = ClientId(self.ids.id(slot));
-        self.clients.insert(id, PlaneState::new(id, desc, now));
-        Ok(id)
+        self.roster.add_client(desc, (), now, self.options.most_clients)
     }
 
     /// Removes a client. Its entities stay, without an owner.
@@ -140,9 +142,7 @@ impl PlaneServer {
     /// # Errors
     /// Refuses an id that names no client of this server.
     pub fn remove_client(&mut self, id: ClientId) -> Result<(), ServerError> {
-        self.clients.remove(&id).ok_or(ServerError::UnknownClient(id))?;
-        self.ids.remove(id.slot());
-        Ok(())
+        self.roster.remove_client(id)
     }
 
     /// What is known of a client.
@@ -150,7 +150,7 @@ impl PlaneServer {
     /// # Errors
     /// Refuses an id that names no client of this server.
     pub fn client(&self, id: ClientId) -> Result<&PlaneClient, ServerError> {
-        self.clients.get(&id).map(|state| &state.desc).ok_or(ServerError::UnknownClient(id))
+        Ok(&self.roster.client(id)?.desc)
     }
 
     /// Takes a client's report that its eye is at a place; the report came at the time `now`. An
@@ -162,14 +162,10 @@ impl PlaneServer {
     pub fn move_eye(&mut self, id: ClientId, eye: Vec2, now: f64) -> Result<(), ServerError> {
         self.client(id)?;
         self.on_map("the eye of a client", eye)?;
-        let tick = f64::from(self.options.tick);
-        let state = self.clients.get_mut(&id).ok_or(ServerError::UnknownClient(id))?;
-        time("the time of a report", now, state.time)?;
-        let step = f64::from(eye.x - state.desc.eye.x).hypot((eye.y - state.desc.eye.y).into());
-        // Reports come unevenly: one may be early by the latency, and one late.
-        let seconds = now - state.time + f64::from(state.desc.latency) + tick;
-        state.jumped |= step > f64::from(state.desc.speed) * seconds;
-        (state.desc.eye, state.time) = (eye, now);
+        let client = self.roster.client_mut(id)?;
+        let step = f64::from(eye.x - client.desc.eye.x).hypot((eye.y - client.desc.eye.y).into());
+        client.report(step, now, self.options.tick)?;
+        client.desc.eye = eye;
         Ok(())
     }
 
@@ -181,14 +177,7 @@ impl PlaneServer {
     pub fn add_entity(&mut self, desc: PlaneEntity, now: f64) -> Result<EntityId, ServerError> {
         desc.check()?;
         self.on_map("the place of an entity", desc.place)?;
-        time("the time of a new entity", now, f64::MIN)?;
-        desc.owner.map_or(Ok(()), |owner| self.client(owner).map(|_| ()))?;
-        let full = ServerError::Full { what: "entities", most: self.options.most_entities };
-        if self.entities.len() >= self.options.most_entities {
-            return Err(full);
-        }
-        let slot = self.entities.insert(PlaneBody { desc, time: now, side: None }).ok_or(full)?;
-        Ok(EntityId(self.entities.id(slot)))
+        self.roster.add_entity(desc, (), now, self.options.most_entities)
     }
 
     /// Moves an entity: at the time `now` it is at a place.
@@ -199,7 +188,7 @@ impl PlaneServer {
     pub fn move_entity(&mut self, id: EntityId, place: Vec2, now: f64) -> Result<(), ServerError> {
         self.entity(id)?;
         self.on_map("the place of an entity", place)?;
-        let entity = self.entities.get_mut(id.slot()).ok_or(ServerError::UnknownEntity(id))?;
+        let entity = self.roster.entity_mut(id)?;
         time("the time of a move", now, entity.time)?;
         (entity.desc.place, entity.time) = (place, now);
         Ok(())
@@ -210,9 +199,7 @@ impl PlaneServer {
     /// # Errors
     /// Refuses an id that names no entity of this server.
     pub fn remove_entity(&mut self, id: EntityId) -> Result<(), ServerError> {
-        self.entity(id)?;
-        self.entities.remove(id.slot());
-        Ok(())
+        self.roster.remove_entity(id)
     }
 
     /// What is known of an entity.
@@ -220,7 +207,7 @@ impl PlaneServer {
     /// # Errors
     /// Refuses an id that names no entity of this server.
     pub fn entity(&self, id: EntityId) -> Result<&PlaneEntity, ServerError> {
-        self.entities.find(id.0).map(|entity| &entity.desc).ok_or(ServerError::UnknownEntity(id))
+        Ok(&self.roster.entity(id)?.desc)
     }
 
     /// The last answer to a client; it is told of nothing before the first tick.
@@ -228,6 +215,95 @@ impl PlaneServer {
     /// # Errors
     /// Refuses an id that names no client of this server.
     pub fn answer(&self, id: ClientId) -> Result<&Answer, ServerError> {
-        self.clients.get(&id).map(|state| &state.answer).ok_or(ServerError::UnknownClient(id))
+        Ok(&self.roster.client(id)?.answer)
     }
+
+    /// Answers all clients at the time `now`: the answers, in the order of clients.
+    ///
+    /// Costs each client the words of its view once for each tile that its eye may be in, and some
+    /// nanoseconds for each tile of each entity; and some microseconds for each tile of an eye that
+    /// was not looked from lately. With the feature `rayon`, clients are shared among the threads
+    /// of rayon's current pool; answers do not depend on their number.
+    ///
+    /// # Errors
+    /// Refuses a time that is not finite, or before that of the last tick. No answer changes then.
+    pub fn tick(&mut self, now: f64) -> Result<Vec<&Answer>, ServerError> {
+        self.tick_with(now, |_, _| false)
+    }
+
+    /// As [`PlaneServer::tick`], where a client is also told of the entities for which `hook` is
+    /// true: of those that it hears, for example. It is asked by several threads.
+    ///
+    /// # Errors
+    /// As [`PlaneServer::tick`].
+    pub fn tick_with<H>(&mut self, now: f64, hook: H) -> Result<Vec<&Answer>, ServerError>
+    where
+        H: Fn((ClientId, &PlaneClient), (EntityId, &PlaneEntity)) -> bool + Sync,
+    {
+        time("the time of a tick", now, self.roster.now)?;
+        self.roster.begin(now);
+        let options = self.options;
+        let ground = Ground { opaque: &self.map, walls_stop: options.walls_stop };
+        let Roster { clients, entities, ticks, .. } = &mut self.roster;
+        let eyes: Vec<Option<Vec<Key>>> =
+            clients.values().map(|state| eyes(ground, state, now, &options)).collect();
+        let all: BTreeSet<Key> = eyes.iter().flatten().flatten().copied().collect();
+        self.sights.find(&self.map, &all, *ticks, options.memory)?;
+
+        let entities: Vec<(EntityId, &PlaneBody)> =
+            entities.iter().map(|(slot, entity)| (EntityId(entities.id(slot)), entity)).collect();
+        let ahead = |state: &PlaneState| state.time_ahead(now, options.tick, options.most_age);
+        let times: BTreeSet<u64> = clients.values().map(|state| steps(ahead(state).0)).collect();
+        let place = |steps: u64, body: &PlaneBody| {
+            let reach = body.reach(now, steps as f64 * STEP);
+            ground.taken(body.desc.place, body.desc.half, reach, MOST_TAKEN)
+        };
+        #[cfg(feature = "rayon")]
+        let in_turn = entities.par_iter();
+        #[cfg(not(feature = "rayon"))]
+        let in_turn = entities.iter();
+        let all_at = |steps: u64| in_turn.clone().map(|(_, body)| place(steps, body)).collect();
+        let places = times.into_iter().map(|steps| (steps, all_at(steps))).collect();
+        let moment = Moment { sights: &self.sights, entities: &entities, places: &places, hook: &hook };
+        let all: Vec<(&mut PlaneState, Option<Vec<Key>>)> = clients.values_mut().zip(eyes).collect();
+        let see = |(state, eyes): (&mut PlaneState, Option<Vec<Key>>)| {
+            let (seconds, is_stale) = ahead(state);
+            let told = told(state, eyes.as_deref(), steps(seconds), &moment);
+            state.tell(told, state.reach(now, &options), is_stale);
+        };
+        #[cfg(feature = "rayon")]
+        all.into_par_iter().for_each(see);
+        #[cfg(not(feature = "rayon"))]
+        all.into_iter().for_each(see);
+        Ok(self.roster.end(options.teams_share))
+    }
+}
+
+/// Where the eye of a client may be; `None` if in too many tiles.
+fn eyes(ground: Ground, state: &PlaneState, now: f64, options: &PlaneOptions) -> Option<Vec<Key>> {
+    let (tiles, _) = ground.reached(state.desc.eye, state.reach(now, options), options.most_tiles)?;
+    Some(tiles.into_iter().map(|tile| (tile, state.desc.radius.to_bits())).collect())
+}
+
+/// All entities that a client is told of.
+fn told<H>(state: &PlaneState, eyes: Option<&[Key]>, steps: u64, moment: &Moment<H>) -> Vec<EntityId>
+where
+    H: Fn((ClientId, &PlaneClient), (EntityId, &PlaneEntity)) -> bool,
+{
+    let (client, desc) = (state.answer.client, &state.desc);
+    // Who may be in too many tiles sees all, and so does one whose view was not found.
+    let windows: Option<Vec<&Window>> =
+        eyes.and_then(|eyes| eyes.iter().map(|key| moment.sights.get(key)).collect());
+    let seen = windows.map(|windows| Window::union(&windows));
+    let places = moment.places.get(&steps).into_iter().flatten();
+    let is_told = |(id, body): (EntityId, &PlaneBody), place: &Option<Vec<Tile>>| {
+        let visible = match (&seen, place) {
+            (Some(seen), Some(tiles)) => tiles.iter().any(|tile| seen.has(*tile)),
+            _ => true,
+        };
+        let own = body.desc.owner == Some(client) || desc.team.is_some_and(|team| body.side == Some(team));
+        visible || own || (moment.hook)((client, desc), (id, &body.desc))
+    };
+    let all = moment.entities.iter().zip(places).filter(|(entity, place)| is_told(**entity, place));
+    all.map(|((id, _), _)| *id).collect()
 }

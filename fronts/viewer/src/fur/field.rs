@@ -10,13 +10,16 @@ use casca_scenes::fur::Species;
 use casca_scenes::fur::animals::Animal;
 use casca_scenes::fur::field::{Field, Hiding};
 use casca_scenes::world::Camera;
+use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::timing::{Clock, Instant};
 use casca_tools::command_line::{Outcome, say};
 use casca_tools::image::write_png;
 
 use crate::fur::choices::{Choices, Subject};
-use crate::fur::one::{self, TO_SUN};
+use crate::fur::one::TO_SUN;
 use crate::fur::shots::{Picture, Shooter};
+use crate::times;
 
 /// Kinds of generated animals in a field.
 const SPECIES: usize = 4;
@@ -29,7 +32,8 @@ const PATH: (f32, f32) = (0.2, 0.8);
 const FRAME: f64 = 1.0 / 60.0;
 /// Seconds between pictures of a herd that walks.
 const STEP: f64 = 0.35;
-/// Frames at each place, of which the quickest counts.
+/// Places along the path at which frames are timed, if no other number is given, and frames at each.
+const PLACES: u32 = 2;
 const RUNS: usize = 3;
 
 /// A field and its renderer.
@@ -172,64 +176,48 @@ pub fn pictures(
     Ok(outcome)
 }
 
-/// Prints the time of frames by layers, and by the way of culling.
-pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
-    one::time(gpu, choices, subject)?;
-    let shooter = Shooter::new(gpu, choices.common.drawing.size, 0);
-    say(format_args!(
-        "\nfields, {}x{}, {} layers; the quickest of {RUNS} frames, means over {} places; the shadow map is drawn before\n\
-         {:>7} {:<9}{:<9}{:>9}{:>12}{:>10}{:>8}",
-        choices.common.drawing.size.0,
-        choices.common.drawing.size.1,
-        choices.layers,
-        choices.places,
-        "animals",
-        "",
-        "way",
-        "drawn",
-        "vertices",
-        "ms",
-        "ratio"
-    ));
-    let places = choices.places as usize;
-    // Standing, and walking.
-    let fields = choices.animals.iter().flat_map(|&count| [false, true].map(|walks| (count, walks)));
-    for (count, walks) in fields.filter(|(_, walks)| choices.walk || !walks) {
-        let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, walks)?;
-        let mut seconds = 0.0;
-        let mut totals = [[0.0f64; 3]; Way::EVERY.len()];
-        for i in 0..places {
-            let camera = camera_at(&stage.herd.field, place(i, places), shooter.aspect());
-            let sun = stage.cast_shadows(gpu, &camera)?;
-            // In turns, so that what else the machine does slows all ways alike.
-            let mut found = [[f64::INFINITY, 0.0, 0.0]; Way::EVERY.len()];
-            for _ in 0..RUNS {
-                for (way, [quickest, animals, vertices]) in Way::EVERY.into_iter().zip(&mut found) {
-                    let demand = demand(choices, way, shooter.drawn_height());
-                    seconds += FRAME;
-                    let ms = shooter.time(&mut |canvas| {
-                        if walks {
-                            stage.herd.walk(seconds)?;
-                        }
-                        let drawn = stage.herd.look(&camera, &demand)?;
-                        (*animals, *vertices) = (drawn.animals as f64, drawn.vertices as f64);
-                        stage.renderer.draw(gpu, &canvas.picture(), &camera, &drawn.list, &sun)?;
-                        Ok(())
-                    })?;
-                    *quickest = quickest.min(ms);
+/// Prints the time of frames along the path by the way of culling. The shadow map is drawn before.
+pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject, count: u32) -> Result<(), Box<dyn Error>> {
+    let canvas = Canvas::new(gpu, choices.common.drawing.size);
+    let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, choices.walk)?;
+    let places = choices.common.drawing.frames.unwrap_or(PLACES) as usize;
+    let mut frames = Way::EVERY.map(|way| (way.name(), Vec::new()));
+    let (mut seconds, mut totals) = (0.0, [(0, 0); Way::EVERY.len()]);
+    for i in 0..places {
+        let camera = camera_at(&stage.herd.field, place(i, places), canvas.aspect());
+        let sun = stage.cast_shadows(gpu, &camera)?;
+        for ((way, (_, frames)), total) in Way::EVERY.into_iter().zip(&mut frames).zip(&mut totals) {
+            let demand = demand(choices, way, canvas.size().1);
+            // The first frame makes buffers, and is not counted.
+            for run in 0..=RUNS {
+                seconds += FRAME;
+                gpu.wait()?;
+                let (mut clock, start) = (Clock::on(), Instant::now());
+                if choices.walk {
+                    stage.herd.walk(seconds)?;
+                }
+                let drawn = stage.herd.look(&camera, &demand)?;
+                clock.add("find", start.elapsed());
+                let start = Instant::now();
+                stage.renderer.draw(gpu, &canvas.picture(), &camera, &drawn.list, &sun)?;
+                gpu.wait()?;
+                clock.add("draw", start.elapsed());
+                if run > 0 {
+                    frames.push(clock.stages().to_vec());
+                    *total = (total.0 + drawn.animals, total.1 + drawn.vertices as usize);
                 }
             }
-            let sums = totals.as_flattened_mut().iter_mut().zip(found.as_flattened());
-            sums.for_each(|(sum, value)| *sum += value / places as f64);
         }
-        for (way, [ms, animals, vertices]) in Way::EVERY.into_iter().zip(totals) {
-            let ratio = ms / totals[0][0].max(f64::MIN_POSITIVE);
-            say(format_args!(
-                "{count:>7} {:<9}{:<9}{animals:>9.1}{vertices:>12.0}{ms:>10.1}{ratio:>8.3}",
-                if walks { "walking" } else { "standing" },
-                way.name()
-            ));
-        }
+    }
+    let (width, height) = canvas.size();
+    say(format_args!(
+        "{count} animals, {width}x{height}, {} layers, on {}; medians of {RUNS} frames at {places} places",
+        choices.layers, gpu.name
+    ));
+    times::table(&frames);
+    for ((name, _), (animals, vertices)) in frames.iter().zip(totals) {
+        let runs = (RUNS * places).max(1);
+        say(format_args!("{name:<9} {:>8} animals drawn, {:>10} vertices", animals / runs, vertices / runs));
     }
     Ok(())
 }

@@ -2,14 +2,10 @@
 
 mod choices;
 mod field;
-mod fit;
 mod herd;
-mod levels;
 mod one;
 mod run;
-mod shadows;
 mod shots;
-mod study;
 mod walker;
 mod window;
 

@@ -5,7 +5,7 @@ use casca_tools::command_line::{Outcome, make_folder, say};
 
 use crate::common::Failed;
 use crate::fur::choices::Choices;
-use crate::fur::{field, levels, one, shadows, study, window};
+use crate::fur::{field, one, window};
 
 impl Choices {
     /// The window.
@@ -28,17 +28,10 @@ impl Choices {
         make_folder(&self.out())?;
         let gpu = self.common.drawing.device()?;
         say(format_args!("drawing on {}", gpu.name));
-        if self.study {
-            study::study(&gpu, self, &subject)?;
-            shadows::compare(&gpu, &subject)?;
-            return Ok(Outcome::Well);
-        }
-        match (self.field, self.time) {
-            (_, true) => field::time(&gpu, self, &subject)?,
-            (Some(count), false) => return field::pictures(&gpu, self, &subject, count),
-            (None, false) if self.levels => levels::levels(&gpu, self, &subject)?,
-            (None, false) if self.coats => one::coats(&gpu, self, &subject)?,
-            (None, false) => one::pictures(&gpu, self, &subject)?,
+        match self.field {
+            Some(count) if self.time => field::time(&gpu, self, &subject, count)?,
+            Some(count) => return field::pictures(&gpu, self, &subject, count),
+            None => one::pictures(&gpu, self, &subject)?,
         }
         Ok(Outcome::Well)
     }

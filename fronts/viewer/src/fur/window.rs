@@ -8,10 +8,8 @@ use casca_fur::gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
-use casca_stage::egui::{self, Align2};
 use casca_stage::fly::Fly;
-use casca_stage::gpu::{DEPTH, Gpu, IS_PAGE};
-use casca_stage::panel::{Panel, controls, turned};
+use casca_stage::gpu::{DEPTH, Gpu};
 use casca_stage::report::Report;
 use casca_stage::wgpu::{self, util::TextureBlitter};
 use casca_stage::window::{Demo, Done, Screen, Start};
@@ -25,7 +23,7 @@ use crate::fur::one;
 /// Units or radii that the camera flies in a second.
 const SPEED: f32 = 1.5;
 
-const HELP: &str = "W A S D, E Q: fly   mouse button: look\nP: walk   H: panel   Esc: close";
+const KEYS: &str = "W A S D, E Q: fly   mouse button: look\nP: walk   H: hides this   Esc: close";
 /// Names of dials.
 const LAYERS: &str = "layers";
 const HEIGHT: &str = "height";
@@ -58,12 +56,10 @@ enum Shown {
 struct Viewer {
     choices: Choices,
     shown: Shown,
-    panel: Panel,
     fly: Fly,
     way: Way,
     walking: bool,
     time: f64,
-    help: bool,
     /// The level of detail that was drawn last, of one object.
     level: u32,
     /// Draws at twice the size.
@@ -92,7 +88,6 @@ impl Viewer {
         };
         Ok(Self {
             fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
-            panel: Panel::on(screen),
             way: if choices.field.is_some() { Way::Visible } else { Way::All },
             smooth: gpu.adapter.get_info().device_type != wgpu::DeviceType::Cpu,
             walking: choices.walk,
@@ -100,7 +95,6 @@ impl Viewer {
             shown,
             time: 0.0,
             level: 0,
-            help: true,
             large: None,
             sun: None,
             milliseconds: 0.0,
@@ -135,14 +129,14 @@ impl Viewer {
                     // A level casts its own shadow.
                     (self.level, self.sun) = (level, None);
                 }
-                let mut made = one::level_list(subject, level, self.choices.layers, true);
+                let mut made = one::level_list(subject, level, self.choices.layers);
                 if let Some(walker) = &subject.walker {
                     walker.pose(&mut made, self.time)?;
                 }
                 list = made;
                 counts = (1, list.shells());
                 if self.sun.is_none() {
-                    let sun = one::sun(radius, true);
+                    let sun = one::sun(radius);
                     renderer.cast_shadows(gpu, &list, &sun)?;
                     self.sun = Some((sun, camera.eye));
                 }
@@ -210,22 +204,6 @@ impl Viewer {
         format!("{:.1} ms   {animals} objects, {shells} shells{level}", self.milliseconds)
     }
 
-    fn show_panel(&mut self, screen: &Screen, target: &Target) -> Done {
-        let (line, dials) = (self.line(), self.dials());
-        let mut changed = None;
-        self.panel.control(screen, target, &mut |context: &egui::Context| {
-            controls(context, "fur", Align2::LEFT_TOP, [12.0, 12.0], &mut |ui| {
-                ui.label(&line);
-                changed = turned(ui, &dials);
-                ui.label(HELP);
-            });
-        });
-        match changed {
-            Some(dial) => self.turn_dial(&dial.name, dial.value, dial.is_held, &screen.gpu),
-            None => Ok(()),
-        }
-    }
-
     fn dials(&self) -> Vec<Dial> {
         let choices = &self.choices;
         let mut dials = vec![
@@ -246,42 +224,11 @@ impl Viewer {
         }
         dials
     }
-
-    /// Sets a dial. A field is made anew, when the dial is let go.
-    fn turn_dial(&mut self, dial: &str, value: f64, is_held: bool, gpu: &Gpu) -> Done {
-        let old = self.choices.clone();
-        let (on, choices) = (value != 0.0, &mut self.choices);
-        match dial {
-            LAYERS => {
-                choices.layers = value as u32;
-                self.sun = None;
-                return Ok(());
-            }
-            SMOOTH => self.smooth = on,
-            WALKING => self.walking = on,
-            CULLED => self.way = Way::EVERY.get(value as usize).copied().unwrap_or(self.way),
-            BUDGET => choices.budget = value as f32,
-            HEIGHT => choices.height = value as f32,
-            DENSITY => choices.density = value as f32,
-            THICKNESS => choices.thickness = value as f32,
-            BEND => choices.bend = value as f32,
-            PLAIN => choices.plain = on,
-            CUBE => choices.mapping = if on { Map::Cube } else { Map::Cells },
-            _ => {}
-        }
-        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN, CUBE].contains(&dial);
-        let waits = is_held && matches!(self.shown, Shown::Many(..));
-        if is_fur && !waits { self.change(gpu, old) } else { Ok(()) }
-    }
 }
 
 impl Demo for Viewer {
     fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
-        match key {
-            KeyCode::KeyH => self.help ^= true,
-            KeyCode::KeyP => self.walking ^= true,
-            _ => {}
-        }
+        self.walking ^= key == KeyCode::KeyP;
         Ok(())
     }
 
@@ -322,15 +269,38 @@ impl Demo for Viewer {
         } else {
             self.picture(gpu, target, &camera)?;
         }
-        if self.help && !IS_PAGE { self.show_panel(screen, target) } else { Ok(()) }
+        Ok(())
     }
 
     fn report(&self, _: &Screen) -> Report {
-        Report { lines: vec![self.line()], legend: Vec::new(), dials: self.dials() }
+        Report { lines: vec![self.line()], legend: Vec::new(), dials: self.dials(), keys: KEYS }
     }
 
-    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
-        self.turn_dial(dial, value, false, &screen.gpu)
+    /// A field is made anew when the dial is let go.
+    fn set(&mut self, dial: &str, value: f64, is_held: bool, screen: &Screen) -> Done {
+        let old = self.choices.clone();
+        let (on, choices) = (value != 0.0, &mut self.choices);
+        match dial {
+            LAYERS => {
+                choices.layers = value as u32;
+                self.sun = None;
+                return Ok(());
+            }
+            SMOOTH => self.smooth = on,
+            WALKING => self.walking = on,
+            CULLED => self.way = Way::EVERY.get(value as usize).copied().unwrap_or(self.way),
+            BUDGET => choices.budget = value as f32,
+            HEIGHT => choices.height = value as f32,
+            DENSITY => choices.density = value as f32,
+            THICKNESS => choices.thickness = value as f32,
+            BEND => choices.bend = value as f32,
+            PLAIN => choices.plain = on,
+            CUBE => choices.mapping = if on { Map::Cube } else { Map::Cells },
+            _ => {}
+        }
+        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN, CUBE].contains(&dial);
+        let waits = is_held && matches!(self.shown, Shown::Many(..));
+        if is_fur && !waits { self.change(&screen.gpu, old) } else { Ok(()) }
     }
 }
 

@@ -7,7 +7,7 @@ use casca_scenes::lit::{HdrImage, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
-use casca_stage::timing::Clock;
+use casca_stage::timing::{Clock, Instant};
 use casca_tools::command_line::{make_folder, say};
 use casca_tools::image::write_png;
 use casca_tools::pictures::{Tile, sheet};
@@ -18,11 +18,15 @@ use crate::light::layer::Layer;
 use crate::light::options::Options;
 use crate::light::renderer::Renderer;
 use crate::light::scene::Start;
+use crate::times;
 
 /// Times that the path tracer scatters light at most: walls of an albedo of 0.8 keep 1e-6 of it.
 const MOST_BOUNCES: u32 = 64;
 /// The seed of the path tracer.
 const SEED: u64 = 1;
+/// Frames that are timed, if no other number is given, and seconds that balls move between them.
+const FRAMES: u32 = 5;
+const SECONDS: f32 = 0.1;
 
 /// Draws layers of a scene into files.
 pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -> Result<(), Box<dyn Error>> {
@@ -48,6 +52,30 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
             compare(&path, scene, options, (&camera, &found))?;
         }
     }
+    Ok(())
+}
+
+/// Prints the time of each stage: of a first picture, and of pictures after the balls have moved.
+pub fn time(gpu: &Gpu, start: &Start, options: &Options) -> Result<(), Box<dyn Error>> {
+    let (mut clock, mut begun) = (Clock::on(), Instant::now());
+    let mut renderer = Renderer::new(gpu, &start.scene, options.settings())?;
+    clock.add("cells", begun.elapsed());
+    let canvas = Canvas::new(gpu, options.common.drawing.size);
+    let camera = start.camera(canvas.size());
+    let mut frames = Vec::new();
+    for number in 0..=options.common.drawing.frames.unwrap_or(FRAMES) {
+        if number > 0 {
+            (clock, begun) = (Clock::on(), Instant::now());
+            renderer.move_objects(gpu, &start.balls_at(number as f32 * SECONDS).collect::<Vec<_>>())?;
+            clock.add("move balls", begun.elapsed());
+        }
+        renderer.update(gpu, (&camera, canvas.size()), None, &mut clock)?;
+        renderer.draw(gpu, &canvas.picture(), &camera, Layer::Picture, &mut clock)?;
+        frames.push(clock.stages().to_vec());
+    }
+    say(format_args!("{}: {}", start.scene.name, told(&renderer)));
+    let moved = frames.split_off(1);
+    times::table(&[("first picture", frames), ("after a move", moved)]);
     Ok(())
 }
 
@@ -109,17 +137,4 @@ pub fn told(renderer: &Renderer) -> String {
         s.rays,
         s.bytes as f64 / 1e6
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_finding_says_how_much_brighter_or_darker() {
-        assert!(finding(1.004).contains("as bright"));
-        assert!(finding(1.43).contains("43 % brighter"));
-        assert!(finding(0.8).contains("20 % darker"));
-        assert!(finding(f64::NAN).contains("black") && finding(f64::INFINITY).contains("black"));
-    }
 }

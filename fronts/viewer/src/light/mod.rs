@@ -9,7 +9,6 @@ mod picture;
 mod renderer;
 mod run;
 mod scene;
-mod stages;
 mod window;
 
 #[cfg(test)]

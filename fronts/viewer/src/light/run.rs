@@ -6,7 +6,7 @@ use casca_tools::command_line::{Outcome, say};
 use crate::common::Failed;
 use crate::light::options::Options;
 use crate::light::scene::Start;
-use crate::light::{headless, stages, window as shown};
+use crate::light::{headless, window as shown};
 
 impl Options {
     fn open(&self) -> Result<Start, Failed> {
@@ -41,7 +41,7 @@ impl Options {
             headless::pictures(&gpu, &start, self, &layers)?;
         }
         if self.time {
-            stages::time(&gpu, &start, self)?;
+            headless::time(&gpu, &start, self)?;
         }
         Ok(Outcome::Well)
     }

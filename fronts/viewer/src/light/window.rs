@@ -5,10 +5,7 @@ use std::time::Duration;
 
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
-use casca_stage::egui::{Align2, RichText};
 use casca_stage::fly::Fly;
-use casca_stage::gpu::IS_PAGE;
-use casca_stage::panel::{Panel, boxed, controls};
 use casca_stage::report::Report;
 use casca_stage::timing::{Clock, Instant};
 use casca_stage::window::{self, Demo, Done, Screen};
@@ -29,11 +26,11 @@ const BUDGET: Duration = Duration::from_millis(40);
 /// Keys of the layers.
 const LAYERS: [KeyCode; 6] =
     [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
-const HELP: &str = "W A S D Q E and a mouse button: fly    1-6: layers    Space: balls    H: hides all this";
+const KEYS: &str = "W A S D Q E, a mouse button: fly   1-6: layers\nSpace: balls   H: hides all this";
 
 /// The window.
 pub fn start(start: Start, options: &Options) -> window::Start {
-    let controls = Controls::new(options, &start.scene.lights);
+    let controls = Controls::new(options, &start.scene.lights, start.bounds);
     let title = format!("{} - casca light", start.scene.name);
     window::Start::new(title, move |screen| Viewer::new(screen, start, controls))
 }
@@ -41,11 +38,9 @@ pub fn start(start: Start, options: &Options) -> window::Start {
 struct Viewer {
     start: Start,
     renderer: Renderer,
-    panel: Panel,
     fly: Fly,
     controls: Controls,
     seconds: f32,
-    hidden: bool,
     /// Why the last change of a setting was not made, such as a resolution that the adapter cannot
     /// hold.
     trouble: String,
@@ -59,11 +54,9 @@ impl Viewer {
         let camera = start.scene.camera;
         Ok(Self {
             renderer,
-            panel: Panel::on(screen),
             fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
             controls,
             seconds: 0.0,
-            hidden: false,
             trouble: String::new(),
             said: Vec::new(),
             start,
@@ -74,9 +67,9 @@ impl Viewer {
         self.start.looking(self.fly.eye, self.fly.eye + self.fly.forward(), aspect)
     }
 
-    /// Does what the controls ask for.
-    fn apply(&mut self, screen: &Screen, before: &Controls) -> Done {
-        if self.controls.settings != self.renderer.settings() && !self.controls.held {
+    /// Does what the controls ask for. The cache is made again when a slider is let go.
+    fn apply(&mut self, screen: &Screen, before: &Controls, is_held: bool) -> Done {
+        if self.controls.settings != self.renderer.settings() && !is_held {
             return self.remake(screen);
         }
         if self.controls.lamps != before.lamps {
@@ -105,28 +98,6 @@ impl Viewer {
         }
         Ok(())
     }
-
-    fn show(&mut self, screen: &Screen, target: &Target, numbers: &[String]) {
-        let Self { panel, controls: set, start, trouble, hidden, .. } = self;
-        if *hidden {
-            return;
-        }
-        let length = (start.bounds.1 - start.bounds.0).length();
-        panel.control(screen, target, &mut |context| {
-            boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
-                numbers.iter().for_each(|line| {
-                    ui.label(line);
-                });
-                if !trouble.is_empty() {
-                    ui.label(RichText::new(trouble.as_str()).strong());
-                }
-            });
-            controls(context, "controls", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| set.show(ui, length));
-            boxed(context, "help", Align2::LEFT_BOTTOM, [10.0, -10.0], &mut |ui| {
-                ui.label(HELP);
-            });
-        });
-    }
 }
 
 /// How far the light is.
@@ -143,7 +114,6 @@ impl Demo for Viewer {
     fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
         match key {
             KeyCode::Space => self.controls.moving ^= true,
-            KeyCode::KeyH => self.hidden ^= true,
             _ => {
                 if let Some(layer) = LAYERS.iter().position(|k| *k == key) {
                     self.controls.layer = Layer::EVERY[layer];
@@ -194,23 +164,19 @@ impl Demo for Viewer {
             told(&self.renderer),
             progress(&updated),
         ];
-        let before = self.controls.clone();
-        if !IS_PAGE {
-            self.show(screen, target, &numbers);
-        }
         self.said = numbers.into();
-        self.apply(screen, &before)
+        Ok(())
     }
 
     fn report(&self, _: &Screen) -> Report {
         let mut lines = self.said.clone();
         lines.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
-        Report { lines, legend: Vec::new(), dials: self.controls.dials() }
+        Report { lines, legend: Vec::new(), dials: self.controls.dials(), keys: KEYS }
     }
 
-    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
+    fn set(&mut self, dial: &str, value: f64, is_held: bool, screen: &Screen) -> Done {
         let before = self.controls.clone();
         self.controls.set(dial, value);
-        self.apply(screen, &before)
+        self.apply(screen, &before, is_held)
     }
 }

@@ -23,7 +23,7 @@ pub fn draw(panel: &mut Panel, gpu: &Gpu, target: &Target, legend: &Legend) {
 }
 
 /// Adds the legend.
-pub fn show(ui: &mut Ui, legend: &Legend) {
+fn show(ui: &mut Ui, legend: &Legend) {
     let Legend::Scalar { name, range } = legend else {
         return entries(legend).iter().for_each(|entry| entry.add(ui));
     };

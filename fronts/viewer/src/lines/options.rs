@@ -135,13 +135,9 @@ pub struct Options {
         requires = "headless"
     )]
     pub look: Vec<LookName>,
-    /// Prints the time of each stage, and how it grows with samples, covered pixels and vertices;
-    /// with --rooms, with and without culling
+    /// Prints the time of each stage of a frame; with --rooms, with and without culling
     #[arg(long, conflicts_with = "headless")]
     pub time: bool,
-    /// With --time, prints the stages alone, without how they grow: for large sets
-    #[arg(long, requires = "time", conflicts_with = "rooms")]
-    pub brief: bool,
 }
 
 /// Estimators by their names.

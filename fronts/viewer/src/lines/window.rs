@@ -10,10 +10,7 @@ use casca_lines::occlusion::{AoOptions, Estimator};
 use casca_lines::sets::colour::Legend;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
-use casca_stage::egui::Align2;
 use casca_stage::fly::Fly;
-use casca_stage::gpu::IS_PAGE;
-use casca_stage::panel::{Panel, controls, turned};
 use casca_stage::report::Report;
 use casca_stage::timing::{Clock, Instant};
 use casca_stage::window::{Demo, Done, Screen, Start};
@@ -112,7 +109,6 @@ struct Viewer {
     legend: Legend,
     culling: Culling,
     context: Vec<GpuContext>,
-    panel: Panel,
     fly: Fly,
     seconds: f64,
     /// The time that the lines on the device are of.
@@ -159,7 +155,6 @@ impl Viewer {
             context: source.context_on_device(&screen.gpu)?,
             lines,
             legend,
-            panel: Panel::on(screen),
             fly: Fly::new(start[0], start[1] - start[0]),
             seconds,
             shown: seconds,
@@ -213,28 +208,12 @@ impl Viewer {
         Ok(seen)
     }
 
-    fn show(&mut self, screen: &Screen, target: &Target, seen: &Seen) {
+    fn say(&mut self, screen: &Screen, seen: &Seen) {
         self.said = vec![
             format!("{} on {}: {:.0} ms a frame", self.source.name, screen.gpu.name, self.milliseconds),
             bundles(&self.lines, seen, self.renderer.settings()),
         ];
         self.said.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
-        if IS_PAGE {
-            return;
-        }
-        let (dials, said, legend) = (self.dials.listed(), &self.said, &self.legend);
-        let mut changed = None;
-        self.panel.control(screen, target, &mut |context| {
-            controls(context, "dials", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
-                said.iter().for_each(|line| drop(ui.label(line)));
-                changed = turned(ui, &dials);
-                ui.label("W A S D Q E, a mouse button: fly");
-                legend::show(ui, legend);
-            });
-        });
-        if let Some(dial) = changed {
-            self.dials.set(&dial.name, dial.value);
-        }
     }
 }
 
@@ -293,15 +272,20 @@ impl Demo for Viewer {
         self.renderer.paint(&screen.gpu, target, look, factor, BACKGROUND, &mut Clock::off())?;
         screen.gpu.wait()?;
         self.milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        self.show(screen, target, &seen);
+        self.say(screen, &seen);
         Ok(())
     }
 
     fn report(&self, _: &Screen) -> Report {
-        Report { lines: self.said.clone(), legend: legend::entries(&self.legend), dials: self.dials.listed() }
+        Report {
+            lines: self.said.clone(),
+            legend: legend::entries(&self.legend),
+            dials: self.dials.listed(),
+            keys: "W A S D Q E, a mouse button: fly   H: hides this",
+        }
     }
 
-    fn set(&mut self, dial: &str, value: f64, _: &Screen) -> Done {
+    fn set(&mut self, dial: &str, value: f64, _: bool, _: &Screen) -> Done {
         self.dials.set(dial, value);
         Ok(())
     }

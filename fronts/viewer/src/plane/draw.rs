@@ -80,8 +80,7 @@ pub fn picture(panel: &mut Panel, (gpu, target, scale): (&Gpu, &Target, f32), le
     panel.draw(gpu, target, scale, &|context| show(context, level));
 }
 
-/// Draws the map as the background of panels.
-pub fn show(context: &Context, level: &Level) {
+fn show(context: &Context, level: &Level) {
     let painter = context.layer_painter(LayerId::background());
     let size = context.content_rect().size();
     let places = Places::new(level, Vec2::new(size.x, size.y));

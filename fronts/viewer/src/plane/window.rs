@@ -3,15 +3,13 @@
 use casca_scenes::world::FRAME_SECONDS;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
-use casca_stage::egui::Align2;
-use casca_stage::gpu::IS_PAGE;
-use casca_stage::panel::{Panel, boxed};
+use casca_stage::panel::Panel;
 use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec2;
 
-use crate::plane::draw::{Places, legend, picture, show};
+use crate::plane::draw::{Places, legend, picture};
 use crate::plane::level::Level;
 
 /// Tiles that the eye walks in a second.
@@ -78,31 +76,21 @@ impl Demo for Viewer {
                 self.level.step(to)?;
             }
         }
-        let Self { panel, level, .. } = self;
-        let target = (&screen.gpu, target, screen.scale());
-        if IS_PAGE {
-            picture(panel, target, level);
-            return Ok(());
-        }
-        let (lines, entries) = (level.lines(), legend());
-        panel.clear(target.0, target.1);
-        panel.draw(target.0, target.1, target.2, &|context| {
-            show(context, level);
-            boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
-                lines.iter().for_each(|line| drop(ui.label(line)));
-                entries.iter().for_each(|entry| entry.add(ui));
-                ui.label("W A S D or a mouse button: walk   Space: pause   N: another floor plan");
-            });
-        });
+        picture(&mut self.panel, (&screen.gpu, target, screen.scale()), &self.level);
         Ok(())
     }
 
     fn report(&self, _: &Screen) -> Report {
         let dials = vec![Dial::switch(PAUSE, self.paused), Dial::button(NEXT)];
-        Report { lines: self.level.lines(), legend: legend(), dials }
+        Report {
+            lines: self.level.lines(),
+            legend: legend(),
+            dials,
+            keys: "W A S D, a mouse button: walk   H: hides this",
+        }
     }
 
-    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
+    fn set(&mut self, dial: &str, value: f64, _: bool, screen: &Screen) -> Done {
         match dial {
             PAUSE => self.paused = value != 0.0,
             NEXT => return self.press(KeyCode::KeyN, screen),

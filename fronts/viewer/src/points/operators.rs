@@ -16,6 +16,7 @@ use casca_stage::timing::Instant;
 use clap::{Args, ValueEnum};
 use glam::{DVec3, Quat, Vec3};
 
+use crate::common::{number, point};
 use crate::points::house;
 use crate::points::part::Part;
 
@@ -43,27 +44,27 @@ pub enum Operator {
 #[derive(Debug, Args)]
 pub struct Look {
     /// Position of the eye, such as 1.5,2,-3 [default: before the cloud]
-    #[arg(long, value_parser = parse_place)]
+    #[arg(long, value_parser = point)]
     pub eye: Option<DVec3>,
     /// The place that the eye looks at [default: the middle of the cloud]
-    #[arg(long, value_parser = parse_place)]
+    #[arg(long, value_parser = point)]
     pub target: Option<DVec3>,
     /// The direction upwards; 0,0,1 for most surveys
-    #[arg(long, default_value = "0,1,0", value_parser = parse_place)]
+    #[arg(long, default_value = "0,1,0", value_parser = point)]
     pub up: DVec3,
     /// Vertical angle of the picture in degrees
-    #[arg(long, default_value = "45", value_parser = parse_angle)]
+    #[arg(long, default_value = "45", value_parser = |text: &str| number(text, 1.0..=170.0f32))]
     pub fov: f32,
     /// The radius of a point's square, in the unit of the file [default: from the distances between
     /// points]
-    #[arg(long, value_parser = parse_length)]
+    #[arg(long, value_parser = length)]
     pub radius: Option<f32>,
     /// Hidden point removal: the logarithm of the sphere's radius over the largest distance
     /// [default: from the radius]
-    #[arg(long, value_parser = parse_finite)]
+    #[arg(long, value_parser = |text: &str| number(text, f64::MIN..=f64::MAX))]
     pub log10_radius: Option<f64>,
     /// The distance between the points of the house in metres, 0.02 to 1
-    #[arg(long, default_value_t = HOUSE_SPACING, value_parser = parse_spacing)]
+    #[arg(long, default_value_t = HOUSE_SPACING, value_parser = |text: &str| number(text, 0.02..=1.0f32))]
     pub spacing: f32,
     #[command(flatten)]
     pub part: Part,
@@ -192,40 +193,9 @@ impl Looked {
     }
 }
 
-fn parse_place(text: &str) -> Result<DVec3, String> {
-    let place = finite_numbers(text.split(',')).map(DVec3::from_array);
-    place.ok_or_else(|| "expected three numbers such as 1.5,2,-3".to_owned())
-}
-
-/// Exactly `N` finite numbers; `None` if there are more or fewer, or one of the words is none.
-pub fn finite_numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Option<[f64; N]> {
-    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.is_finite());
-    // One more than needed tells that there are too many.
-    let numbers: Option<Vec<f64>> = words.take(N + 1).map(number).collect();
-    numbers?.try_into().ok()
-}
-
-/// A finite number.
-pub fn parse_finite(text: &str) -> Result<f64, String> {
-    finite_numbers(std::iter::once(text))
-        .map(|[number]| number)
-        .ok_or_else(|| "expected a finite number".to_owned())
-}
-
 /// A length or speed.
-pub fn parse_length(text: &str) -> Result<f32, String> {
-    let length = text.parse().ok().filter(|length: &f32| length.is_finite() && *length >= 0.0);
-    length.ok_or_else(|| "expected a number from 0 up".to_owned())
-}
-
-fn parse_spacing(text: &str) -> Result<f32, String> {
-    let spacing = text.parse().ok().filter(|spacing| (0.02..=1.0).contains(spacing));
-    spacing.ok_or_else(|| "expected metres from 0.02 to 1".to_owned())
-}
-
-fn parse_angle(text: &str) -> Result<f32, String> {
-    let angle = text.parse().ok().filter(|angle| (1.0..=170.0).contains(angle));
-    angle.ok_or_else(|| "expected degrees from 1 to 170".to_owned())
+pub fn length(text: &str) -> Result<f32, String> {
+    number(text, 0.0..=f32::MAX)
 }
 
 /// A size such as 1280x720.

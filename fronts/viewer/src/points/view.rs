@@ -95,10 +95,11 @@ impl Demo for Viewer {
 
     fn report(&self, _: &Screen) -> Report {
         let lines = self.looked.warnings.iter().chain(&self.found).cloned().collect();
-        Report { lines, legend: Vec::new(), dials: vec![Dial::button(FIND)] }
+        let keys = "W A S D Q E, a mouse button: fly   H: hides this";
+        Report { lines, legend: Vec::new(), dials: vec![Dial::button(FIND)], keys }
     }
 
-    fn set(&mut self, dial: &str, _: f64, _: &Screen) -> Done {
+    fn set(&mut self, dial: &str, _: f64, _: bool, _: &Screen) -> Done {
         self.is_old |= dial == FIND;
         Ok(())
     }

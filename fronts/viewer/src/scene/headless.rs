@@ -2,13 +2,14 @@
 
 use std::error::Error;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use casca::internals::QueryInternals;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::panel::Panel;
+use casca_stage::report::Report;
 use casca_stage::wgpu::Color;
 use casca_tools::animation::write_animation;
 use casca_tools::command_line::{make_folder, say};
@@ -148,11 +149,7 @@ impl<'a> Studio<'a> {
     fn draw(&mut self, scene: &str, frame: &Frame<'_>) -> Result<Check, Box<dyn Error>> {
         let mut painter = Painter { gpu: self.gpu, canvas: &self.canvas, renderer: &mut self.renderer };
         let check = painter.check(&frame.camera, (frame.geometry, frame.objects), &frame.visible)?;
-        let mut marks = self.overlays.marks(frame, &check.lost)?;
-        while !self.overlays.are_caps_ready() {
-            std::thread::sleep(Duration::from_millis(20));
-            marks = self.overlays.marks(frame, &check.lost)?;
-        }
+        let marks = self.overlays.marks(frame, &check.lost)?;
         if self.plan.birds_eye {
             self.draw_from_above(scene, frame, marks, &check.lost)?;
         } else {
@@ -176,21 +173,19 @@ impl<'a> Studio<'a> {
             return Ok(());
         }
         let numbers = Numbers {
-            scene: scene.to_owned(),
-            device: self.gpu.name.clone(),
+            scene,
+            device: &self.gpu.name,
             method: self.plan.method,
-            frozen: false,
             visible: (frame.visible.len(), frame.objects.len()),
             times: (frame.time, start.elapsed()),
             check: Some((check.shown.len(), check.lost.len())),
-            legend: legend::of_marks(marks, &frame.camera),
-            help: false,
-            eye: None,
         };
+        let legend = legend::of_marks(marks, &frame.camera);
+        let report = Report { lines: numbers.lines(), legend, ..Report::default() };
         let images =
             if self.overlays.is_on(Layer::Buffers) { frame.query.occlusion_images() } else { Vec::new() };
         let target = (self.gpu, &self.canvas.picture(), 1.0);
-        panel::draw(&mut self.panel, target, &numbers, &self.overlays, &images);
+        panel::draw(&mut self.panel, target, &images, None, Some(&report));
         Ok(())
     }
 
@@ -210,8 +205,9 @@ impl<'a> Studio<'a> {
         legend::join(&mut legend, legend::of_marks(&marks, &watcher));
         let (drawn, all) = (frame.visible.len(), frame.objects.len());
         let who = match self.plan.method {
-            Method::Point | Method::Cell => "casca".to_owned(),
-            other => other.to_string(),
+            Method::Point | Method::Cell => "casca",
+            Method::Frustum => "the frustum",
+            Method::All => "no culling",
         };
         let title = format!("{scene}: {who} draws {drawn} of {all} objects");
         let eye = place_in(&watcher, frame.camera.eye);

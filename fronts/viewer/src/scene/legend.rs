@@ -5,21 +5,18 @@ use casca_stage::panel::{Entry, Sample};
 use glam::Vec3;
 
 use crate::scene::camera_fit::in_view;
-use crate::scene::overlays::{
-    CAP, FRUSTUM, HIDDEN, HIDDEN_CELL, LIT, LOST, OPAQUE_CELL, VISIBLE_CELL, VOLUME,
-};
+use crate::scene::overlays::{FRUSTUM, HIDDEN, HIDDEN_CELL, LIT, LOST, OPAQUE_CELL, VISIBLE_CELL, VOLUME};
 use crate::scene::renderer::Marks;
 use crate::scene::role::Role;
 
 /// The meanings of the colours of marks.
-const MARKS: [([u8; 4], Sample, &str); 8] = [
+const MARKS: [([u8; 4], Sample, &str); 7] = [
     (LOST, Sample::Line, "visible, but not drawn: lost"),
     (HIDDEN, Sample::Line, "hidden object, culled"),
     (VOLUME, Sample::Line, "volume that a hidden moving object stays in"),
     (OPAQUE_CELL, Sample::Area, "opaque cell, which hides"),
     (HIDDEN_CELL, Sample::Area, "hidden cell"),
     (VISIBLE_CELL, Sample::Area, "cell that may be seen"),
-    (CAP, Sample::Line, "outline of the cells that block the view, on some shells"),
     (FRUSTUM, Sample::Framed([250, 244, 180]), "the camera's frustum"),
 ];
 
@@ -92,10 +89,10 @@ mod tests {
         let mut legend = of_roles(&counts);
         assert_eq!(texts(&legend), ["visible, drawn: 26", "visible, lost: 3"]);
         let mark = |colour, text: &str| Entry { colour, sample: Sample::Line, text: text.to_owned() };
-        join(&mut legend, vec![mark(LOST, "lost"), mark(CAP, "cap")]);
+        join(&mut legend, vec![mark(LOST, "lost"), mark(HIDDEN, "hidden")]);
         assert_eq!(
             texts(&legend),
-            ["visible, drawn: 26", "visible, lost: 3", "cap"],
+            ["visible, drawn: 26", "visible, lost: 3", "hidden"],
             "one entry for a colour"
         );
     }

@@ -3,7 +3,6 @@
 //!
 //! How casca is wired into a render loop is in [`frame_loop`].
 
-pub mod bench;
 pub mod birds_eye;
 pub mod camera_fit;
 pub mod draw;
@@ -19,7 +18,6 @@ pub mod proof;
 pub mod renderer;
 pub mod role;
 mod run;
-pub mod side_by_side;
 pub mod window;
 
 pub use options::Options;

@@ -22,16 +22,13 @@ pub struct Options {
     /// What all systems take.
     #[command(flatten)]
     pub common: Common,
-    /// How what is drawn is decided: all, frustum, point, cell, hzb or rays
+    /// How what is drawn is decided: all, frustum, point or cell
     #[arg(long, default_value = "point")]
     pub method: Method,
-    /// Compares pictures of everything with pictures of what each method leaves; exits with 1 if
-    /// point or cell lose a pixel
+    /// Compares pictures of everything with pictures of what point and cell leave; exits with 1 if
+    /// they lose a pixel
     #[arg(long)]
     pub proof: bool,
-    /// Measures frames with and without culling, at 5,000 and 50,000 objects
-    #[arg(long)]
-    pub bench: bool,
     /// Pictures show the whole scene from above, with the camera, its frustum and the culled
     /// objects
     #[arg(long, requires = "headless")]
@@ -39,11 +36,11 @@ pub struct Options {
     /// Also writes the pictures as one animated PNG
     #[arg(long, requires = "headless")]
     pub animation: bool,
-    /// Layers over the pictures, comma-separated: hidden, volumes, cells, caps, buffers, frustum
+    /// Layers over the pictures, comma-separated: hidden, volumes, cells, buffers, frustum
     #[arg(long, value_delimiter = ',', value_parser = parse_layer)]
     pub layers: Vec<Layer>,
     /// Shows this frame of the path only, standing still
-    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=100_000), conflicts_with_all = ["animation", "proof", "bench"])]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=100_000), conflicts_with_all = ["animation", "proof"])]
     pub at: Option<u32>,
     /// Pictures without numbers
     #[arg(long, requires = "headless", conflicts_with = "birds_eye")]
@@ -54,7 +51,7 @@ pub struct Options {
 }
 
 fn parse_layer(text: &str) -> Result<Layer, String> {
-    let names = ["hidden", "volumes", "cells", "caps", "buffers", "frustum"];
+    let names = ["hidden", "volumes", "cells", "buffers", "frustum"];
     let found = names.into_iter().zip(Layer::EVERY).find(|(name, _)| *name == text);
     found.map(|(_, layer)| layer).ok_or_else(|| format!("expected some of {}", names.join(", ")))
 }

@@ -1,16 +1,13 @@
 //! What the library knows, drawn over the picture.
 
-use std::thread::{self, JoinHandle};
-
-use casca::internals::{BitMatrix, Cap, QueryInternals, SceneInternals, occlusion_by_caps};
+use casca::internals::{BitMatrix, QueryInternals, SceneInternals};
 use casca::{Method, Query, Scene};
 use casca_scenes::drive::view_of;
 use casca_scenes::world::{Camera, Object, Shape};
-use casca_stage::gpu::IS_PAGE;
 use casca_tools::pictures::palette::{self, rgba};
-use glam::{Affine3A, DVec3, DVec4, IVec2, IVec3, Vec3};
+use glam::{Affine3A, DVec3, DVec4, IVec3, Vec3};
 
-use crate::scene::camera_fit::{Solid, in_view};
+use crate::scene::camera_fit::Solid;
 use crate::scene::playback::Frame;
 use crate::scene::renderer::{Corner, Line, Marks};
 
@@ -23,8 +20,6 @@ pub enum Layer {
     Volumes,
     /// Cells near a horizontal slice through the eye.
     Cells,
-    /// Outlines of what blocks the view from the eye's cell.
-    Caps,
     /// The occlusion buffers.
     Buffers,
     /// The frustum that is culled for.
@@ -33,8 +28,7 @@ pub enum Layer {
 
 impl Layer {
     /// All of them, in the order of their keys.
-    pub const EVERY: [Self; 6] =
-        [Self::Hidden, Self::Volumes, Self::Cells, Self::Caps, Self::Buffers, Self::Frustum];
+    pub const EVERY: [Self; 5] = [Self::Hidden, Self::Volumes, Self::Cells, Self::Buffers, Self::Frustum];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
@@ -42,7 +36,6 @@ impl Layer {
             Self::Hidden => "hidden objects",
             Self::Volumes => "temporal bounding volumes",
             Self::Cells => "grid cells",
-            Self::Caps => "cap polygons",
             Self::Buffers => "occlusion buffers",
             Self::Frustum => "frustum",
         }
@@ -59,69 +52,27 @@ pub const OPAQUE_CELL: [u8; 4] = rgba(palette::OPAQUE_CELL, 215);
 pub const HIDDEN_CELL: [u8; 4] = rgba(palette::HIDDEN_CELL, 120);
 /// A cell that may be seen.
 pub const VISIBLE_CELL: [u8; 4] = rgba(palette::VISIBLE_CELL, 120);
-/// The outline of a cap.
-pub const CAP: [u8; 4] = rgba(palette::WALK, 255);
 /// The border of the frustum that is culled for.
 pub const FRUSTUM: [u8; 4] = rgba(palette::CAMERA, 255);
 /// Its section at the height of the eye.
 pub const LIT: [u8; 4] = rgba(palette::LIT, 70);
 /// The wireframe of a visible object that was lost.
 pub const LOST: [u8; 4] = [220, 0, 30, 255];
-/// Of how many shells caps are drawn: of all, they would fill the picture.
-const CAP_SHELLS: i32 = 8;
 
 /// Which layers are on, and what they keep.
 #[derive(Default)]
 pub struct Overlays {
-    on: [bool; 6],
+    on: [bool; 5],
     /// Whether of the frustum only its section at the height of the eye is drawn.
     pub is_frustum_flat: bool,
     recorder: Option<Query>,
     frustum: Option<Query>,
-    caps: Caps,
-}
-
-/// The caps around an eye's cell, as the scene was when it came there. Tracing them takes seconds,
-/// and has a thread of its own.
-#[derive(Default)]
-struct Caps {
-    done: Option<(IVec3, Vec<Cap>)>,
-    running: Option<JoinHandle<(IVec3, Vec<Cap>)>>,
-}
-
-impl Caps {
-    /// Takes up what is done, and starts anew where the eye has come to another cell.
-    fn update(&mut self, scene: &Scene, viewer: IVec3) {
-        if let Some(thread) = self.running.take_if(|thread| thread.is_finished()) {
-            self.done = thread.join().ok();
-        }
-        if self.running.is_none() && self.done.as_ref().is_none_or(|(at, _)| *at != viewer) {
-            let mut opaque = scene.static_opacity().into_owned();
-            scene.dynamic_opacity().iter().for_each(|cell| opaque.set(cell));
-            let trace = move || (viewer, occlusion_by_caps(&opaque, viewer).1);
-            // A page has no threads.
-            match IS_PAGE {
-                true => self.done = Some(trace()),
-                false => self.running = Some(thread::spawn(trace)),
-            }
-        }
-    }
 }
 
 impl Overlays {
     /// Whether a layer is on.
     pub fn is_on(&self, layer: Layer) -> bool {
         self.on[layer as usize]
-    }
-
-    /// Whether cap polygons are traced and drawn.
-    pub fn are_caps_ready(&self) -> bool {
-        self.caps.running.is_none()
-    }
-
-    /// Drops what was kept about a scene.
-    pub fn forget_scene(&mut self) {
-        self.caps = Caps::default();
     }
 
     /// Turns a layer on or off.
@@ -145,9 +96,6 @@ impl Overlays {
         }
         if self.is_on(Layer::Cells) {
             self.cells(frame, &mut marks)?;
-        }
-        if self.is_on(Layer::Caps) {
-            self.caps(frame, &mut marks);
         }
         if self.is_on(Layer::Frustum) {
             let mut seen = Solid::seen(&frame.camera, frame.scene.grid().min(), frame.scene.grid().max());
@@ -223,42 +171,6 @@ impl Overlays {
             }
         }
         Ok(())
-    }
-
-    fn caps(&mut self, frame: &Frame<'_>, marks: &mut Marks) {
-        let grid = frame.scene.grid();
-        let viewer = grid.cell_of(frame.camera.eye.as_dvec3());
-        if !grid.contains(viewer) {
-            return;
-        }
-        self.caps.update(frame.scene, viewer);
-        let every = (grid.dims().max_element() / (2 * CAP_SHELLS)).max(1);
-        let caps = self.caps.done.iter().flat_map(|(_, caps)| caps);
-        for cap in caps.filter(|cap| cap.shell % every == every / 2) {
-            let (axis, sign) = cap.side;
-            let [column, row] = [(1, 2), (0, 2), (0, 1)].map(|(c, r)| [c, r])[axis];
-            let cell = |at: IVec2| {
-                let mut cell = viewer;
-                cell[axis] += cap.shell * sign;
-                cell[column] += at.x;
-                cell[row] += at.y;
-                cell
-            };
-            let point = |at: IVec2| {
-                let (lo, hi) = grid.cell_bounds(cell(at));
-                ((lo + hi) * 0.5).as_vec3()
-            };
-            for polygon in &cap.polygons {
-                if !polygon.outer.iter().any(|&at| in_view(&frame.camera, &[point(at)])) {
-                    continue;
-                }
-                for ring in std::iter::once(&polygon.outer).chain(&polygon.holes) {
-                    for (i, &at) in ring.iter().enumerate() {
-                        marks.line(point(at), point(ring[(i + 1) % ring.len()]), 2.0, CAP);
-                    }
-                }
-            }
-        }
     }
 }
 

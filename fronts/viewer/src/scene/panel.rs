@@ -1,4 +1,4 @@
-//! Numbers, the occlusion buffers and help, over the picture.
+//! Numbers and the occlusion buffers, over the picture.
 
 use std::time::Duration;
 
@@ -6,98 +6,80 @@ use casca::internals::OcclusionImage;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Align2, Color32, ColorImage, RichText, TextureHandle};
 use casca_stage::gpu::{Gpu, IS_PAGE};
-use casca_stage::panel::{Entry, Panel, boxed};
+use casca_stage::panel::{Entry, Panel, boxed, told};
+use casca_stage::report::Report;
 
-use crate::scene::overlays::{Layer, Overlays};
 use crate::scene::playback::Method;
 
-/// What the panel says.
-pub struct Numbers {
+/// The numbers of a frame.
+pub struct Numbers<'a> {
     /// Name of the scene.
-    pub scene: String,
+    pub scene: &'a str,
     /// What draws.
-    pub device: String,
+    pub device: &'a str,
     /// How it was culled.
     pub method: Method,
-    /// Whether the culling camera stands still.
-    pub frozen: bool,
     /// Objects drawn, and all.
     pub visible: (usize, usize),
     /// Time of the query, and of drawing.
     pub times: (Duration, Duration),
     /// From an item buffer: objects that pixels show, and how many of them were not drawn.
     pub check: Option<(usize, usize)>,
-    /// The meanings of the colours.
-    pub legend: Vec<Entry>,
-    /// Whether help is shown.
-    pub help: bool,
-    /// From above: where the eye of the camera that is culled for is, in shares of the picture from
-    /// its left upper corner.
-    pub eye: Option<[f32; 2]>,
 }
 
-/// How much a line matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weight {
-    /// It names all others.
-    Title,
-    /// It is read first.
-    First,
-    /// It is one of many.
-    Plain,
-    /// All is well.
-    Good,
-    /// Something is wrong.
-    Bad,
-    /// The picture is not as one expects.
-    Notice,
-}
-
-impl Numbers {
+impl Numbers<'_> {
     /// What there is to say, line by line.
-    pub fn lines(&self) -> Vec<(String, Weight)> {
+    pub fn lines(&self) -> Vec<String> {
         let (shown, all) = self.visible;
         let percent = 100.0 * shown as f64 / all.max(1) as f64;
         let [query, draw] = [self.times.0, self.times.1].map(|t| t.as_secs_f64() * 1e3);
         let mut lines = vec![
-            (format!("{} - {}", self.scene, self.method), Weight::Title),
-            (format!("drawn  {shown} of {all} objects ({percent:.1} %)"), Weight::First),
+            format!("{} - {}", self.scene, self.method),
+            format!("drawn  {shown} of {all} objects ({percent:.1} %)"),
         ];
         if self.method != Method::All {
-            lines.push((format!("query  {query:.2} ms"), Weight::Plain));
+            lines.push(format!("query  {query:.2} ms"));
         }
         // In a page nothing tells when a drawing ends: it is the time from frame to frame.
         let drawing = if IS_PAGE { "frame" } else { "draw " };
-        lines.push((format!("{drawing}  {draw:.2} ms on {}", self.device), Weight::Plain));
-        match self.check {
-            Some((exact, lost)) => {
-                let ratio = shown as f64 / exact.max(1) as f64;
-                let text = format!("visible in pixels  {exact};  drawn / visible  {ratio:.2}");
-                lines.push((text, Weight::Plain));
-                let weight = if lost > 0 { Weight::Bad } else { Weight::Good };
-                lines.push((format!("visible objects lost  {lost}"), weight));
-            }
-            None => lines.push(("C compares every frame with an item buffer".to_owned(), Weight::Plain)),
-        }
-        if self.frozen {
-            lines.push(("the culling camera stands still".to_owned(), Weight::Notice));
+        lines.push(format!("{drawing}  {draw:.2} ms on {}", self.device));
+        if let Some((exact, lost)) = self.check {
+            let ratio = shown as f64 / exact.max(1) as f64;
+            lines.push(format!("visible in pixels  {exact};  drawn / visible  {ratio:.2}"));
+            lines.push(format!("visible objects lost  {lost}"));
         }
         lines
     }
 }
 
-/// Draws the panel over a target, where a point is `scale` pixels wide, with the occlusion buffers
-/// given.
+/// Draws over a target, where a point is `scale` pixels wide: the occlusion buffers given, a mark at
+/// an eye, whose place is in shares of the picture from its left upper corner, and a report.
 pub fn draw(
     panel: &mut Panel,
     (gpu, target, scale): (&Gpu, &Target, f32),
-    numbers: &Numbers,
-    overlays: &Overlays,
     images: &[OcclusionImage],
+    eye: Option<[f32; 2]>,
+    report: Option<&Report>,
 ) {
     let insets: Vec<TextureHandle> =
         images.iter().map(|image| panel.image("occlusion buffer", inset(image))).collect();
-    panel.draw(gpu, target, scale, &|context| show(context, numbers, overlays, &insets));
+    panel.draw(gpu, target, scale, &|context| {
+        if let Some([x, y]) = eye {
+            mark_eye(context, context.content_rect().size() * egui::vec2(x, y));
+        }
+        if !insets.is_empty() {
+            boxed(context, "insets", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| {
+                ui.label("occlusion buffers: dark is covered nearby, white is open");
+                for texture in &insets {
+                    let size = texture.size_vec2();
+                    ui.image((texture.id(), size * (220.0 / size.max_elem())));
+                }
+            });
+        }
+        if let Some(report) = report {
+            boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| drop(told(ui, report)));
+        }
+    });
 }
 
 /// Draws a title and a legend over a target, where a point is `scale` pixels wide, and a mark at a
@@ -162,66 +144,6 @@ fn strip(context: &egui::Context, name: &str, side: Align2, add: &mut dyn FnMut(
             add(ui);
         });
     });
-}
-
-fn show(context: &egui::Context, numbers: &Numbers, overlays: &Overlays, insets: &[TextureHandle]) {
-    if let Some([x, y]) = numbers.eye {
-        mark_eye(context, context.content_rect().size() * egui::vec2(x, y));
-    }
-    insets_of(context, insets);
-    // A page says it in its own words.
-    if IS_PAGE {
-        return;
-    }
-    boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| {
-        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-        for (line, weight) in numbers.lines() {
-            let text = RichText::new(line);
-            ui.label(match weight {
-                Weight::Title => text.strong().size(17.0),
-                Weight::First => text.size(15.0),
-                Weight::Plain => text,
-                Weight::Good => text.strong().color(Color32::LIGHT_GREEN),
-                Weight::Bad => text.strong().color(Color32::from_rgb(255, 90, 90)),
-                Weight::Notice => text.color(Color32::YELLOW),
-            });
-        }
-        numbers.legend.iter().for_each(|entry| entry.add(ui));
-        if overlays.is_on(Layer::Caps) && !overlays.are_caps_ready() {
-            ui.label("cap polygons are being traced");
-        }
-        if !insets.is_empty() {
-            ui.label("insets: occlusion buffers, dark is covered nearby, white is open");
-        }
-    });
-    if numbers.help {
-        boxed(context, "help", Align2::CENTER_BOTTOM, [0.0, -10.0], &mut |ui| {
-            ui.set_max_width(context.content_rect().width() - 40.0);
-            let layers: Vec<String> =
-                Layer::EVERY.iter().zip(1..).map(|(layer, key)| format!("{key} {}", layer.name())).collect();
-            if numbers.eye.is_some() {
-                let text = "From above: casca culls for the camera in the bright wedge. Hold W to fly down, B looks through the camera, and back.";
-                ui.label(RichText::new(text).size(15.0).strong());
-            }
-            ui.label("W A S D Q E fly (Shift: faster)   right mouse button: look   P back to the path   Space: pause   F freeze the culling camera   B look at it from above, and back");
-            ui.label(format!(
-                "M method   C check   N next scene   {}   H help   Esc quit",
-                layers.join("   ")
-            ));
-        });
-    }
-}
-
-/// The occlusion buffers.
-fn insets_of(context: &egui::Context, insets: &[TextureHandle]) {
-    if !insets.is_empty() {
-        boxed(context, "insets", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| {
-            for texture in insets {
-                let size = texture.size_vec2();
-                ui.image((texture.id(), size * (220.0 / size.max_elem())));
-            }
-        });
-    }
 }
 
 /// An occlusion buffer, upright: open pixels white, others the darker the nearer they are covered.

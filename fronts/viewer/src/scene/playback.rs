@@ -7,18 +7,11 @@ use std::time::Duration;
 
 use casca::{Query, Scene};
 use casca_scenes::drive::{Driver, grid_for, view_of};
-use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
-use casca_stage::gpu::IS_PAGE;
 use casca_stage::window::Done;
-use casca_truth::baselines::{Hzb, RayBuffer};
 
 use crate::scene::frame_loop;
 use crate::scene::geometry::Geometry;
-
-/// Pixels of the depth buffers that are compared with, as engines choose them.
-const HZB: (usize, usize) = (640, 360);
-const RAYS: (usize, usize) = (256, 144);
 
 /// How it is decided what is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,39 +24,15 @@ pub enum Method {
     Point,
     /// casca: what the eye's cell can see.
     Cell,
-    /// For comparison: a rasterised depth buffer.
-    Hzb,
-    /// For comparison: a ray-cast depth buffer.
-    Rays,
 }
 
 impl Method {
     /// All of them.
-    pub const EVERY: [Self; 6] = [Self::All, Self::Frustum, Self::Point, Self::Cell, Self::Hzb, Self::Rays];
-
-    /// Those that this machine has. In a page there are no rays: the library that sorts what they
-    /// meet asks for the time, which the standard library does not have there.
-    pub fn offered() -> &'static [Self] {
-        if IS_PAGE { &Self::EVERY[..5] } else { &Self::EVERY }
-    }
-
-    /// Whether it promises that nothing visible is lost.
-    pub fn is_safe(self) -> bool {
-        !matches!(self, Self::Hzb | Self::Rays)
-    }
-
-    /// The samples of its depth buffer, if it has one.
-    pub fn samples(self) -> Option<(usize, usize)> {
-        match self {
-            Self::Hzb => Some(HZB),
-            Self::Rays => Some(RAYS),
-            Self::All | Self::Frustum | Self::Point | Self::Cell => None,
-        }
-    }
+    pub const EVERY: [Self; 4] = [Self::All, Self::Frustum, Self::Point, Self::Cell];
 
     /// The next one.
     pub fn next(self) -> Self {
-        Self::offered()[(self as usize + 1) % Self::offered().len()]
+        Self::EVERY[(self as usize + 1) % Self::EVERY.len()]
     }
 }
 
@@ -74,8 +43,6 @@ impl fmt::Display for Method {
             Self::Frustum => "frustum",
             Self::Point => "point",
             Self::Cell => "cell",
-            Self::Hzb => "hzb",
-            Self::Rays => "rays",
         })
     }
 }
@@ -85,7 +52,7 @@ impl FromStr for Method {
 
     fn from_str(name: &str) -> Result<Self, String> {
         let found = Self::EVERY.into_iter().find(|m| m.to_string() == name);
-        found.ok_or_else(|| "expected all, frustum, point, cell, hzb or rays".to_owned())
+        found.ok_or_else(|| "expected all, frustum, point or cell".to_owned())
     }
 }
 
@@ -102,9 +69,6 @@ pub struct Playback {
     point: Query,
     cell: Query,
     frustum: Query,
-    hzb: Hzb,
-    /// Made when it is first asked for.
-    rays: Option<RayBuffer>,
 }
 
 /// What there is to draw in a frame.
@@ -141,8 +105,6 @@ impl Playback {
             point: Query::with_method(casca::Method::point())?,
             cell: Query::with_method(casca::Method::cell())?,
             frustum: Query::with_method(casca::Method::Frustum)?,
-            hzb: Hzb::new(HZB.0, HZB.1),
-            rays: None,
             world,
         })
     }
@@ -192,8 +154,7 @@ impl Playback {
             Method::Cell => &mut self.cell,
             _ => &mut self.frustum,
         };
-        let objects = &self.world.objects;
-        let (geometry, hzb, rays) = (&self.geometry, &mut self.hzb, &mut self.rays);
+        let (objects, geometry) = (&self.world.objects, &self.geometry);
         frame_loop::frame(
             &mut self.driver,
             query,
@@ -201,17 +162,10 @@ impl Playback {
             (objects, &moved),
             camera,
             &mut |scene, query, time| {
-                let visible = found(query);
-                let (mut visible, time) = match method {
+                let (visible, time) = match method {
                     Method::All => ((0..objects.len()).collect(), Duration::ZERO),
-                    Method::Hzb => timed(|| hzb.frame(objects, &visible, camera)),
-                    Method::Rays => {
-                        let rays = made(rays, objects);
-                        timed(|| rays.frame(objects, &visible, camera))
-                    }
-                    Method::Frustum | Method::Point | Method::Cell => (visible, time),
+                    Method::Frustum | Method::Point | Method::Cell => (found(query), time),
                 };
-                visible.sort_unstable();
                 draw(Frame { objects, geometry, scene, query, camera: *camera, visible, time })
             },
         )
@@ -227,35 +181,19 @@ impl Playback {
         methods: &[Method],
         camera: &Camera,
     ) -> Result<Vec<Vec<usize>>, Box<dyn Error>> {
-        let (objects, scene) = (&self.world.objects, &self.driver.scene);
         let view = view_of(camera)?;
-        self.frustum.run(scene, &view);
-        let in_frustum = found(&self.frustum);
         let sets = methods.iter().map(|method| {
-            let mut set = match method {
-                Method::All => (0..objects.len()).collect(),
-                Method::Frustum => in_frustum.clone(),
-                Method::Hzb => self.hzb.frame(objects, &in_frustum, camera),
-                Method::Rays => made(&mut self.rays, objects).frame(objects, &in_frustum, camera),
-                Method::Point => {
-                    self.point.run(scene, &view);
-                    found(&self.point)
-                }
-                Method::Cell => {
-                    self.cell.run(scene, &view);
-                    found(&self.cell)
-                }
+            let query = match method {
+                Method::All => return (0..self.world.objects.len()).collect(),
+                Method::Frustum => &mut self.frustum,
+                Method::Point => &mut self.point,
+                Method::Cell => &mut self.cell,
             };
-            set.sort_unstable();
-            set
+            query.run(&self.driver.scene, &view);
+            found(query)
         });
         Ok(sets.collect())
     }
-}
-
-/// The buffer of rays for these objects.
-fn made<'a>(rays: &'a mut Option<RayBuffer>, objects: &[Object]) -> &'a mut RayBuffer {
-    rays.get_or_insert_with(|| RayBuffer::new(objects, RAYS.0, RAYS.1))
 }
 
 /// The objects of a result, ascending. They were inserted in order, and none was removed.

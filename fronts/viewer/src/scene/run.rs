@@ -8,7 +8,7 @@ use crate::common::Failed;
 use crate::scene::options::Options;
 use crate::scene::playback::{Method, Playback};
 use crate::scene::window::First;
-use crate::scene::{bench, headless, proof, window};
+use crate::scene::{headless, proof, window};
 
 /// Pictures of a scene, if no other number is given.
 const FRAMES: u32 = 5;
@@ -36,28 +36,23 @@ impl Options {
     /// What is drawn cannot be had or written.
     pub fn run(&self) -> Result<Outcome, Failed> {
         let drawing = &self.common.drawing;
-        if !(self.common.headless || self.proof || self.bench) {
+        if !(self.common.headless || self.proof) {
             return drawing.open(self.start()?).map(|()| Outcome::Well);
         }
         let scenes = self.scenes()?;
         // A proof takes minutes: what cannot be read or written is said before it.
         scenes.iter().try_for_each(SceneName::check)?;
         let out = self.common.folder("viewer");
-        if self.common.headless || self.proof {
-            make_folder(&out)?;
-        }
+        make_folder(&out)?;
         let gpu = drawing.device()?;
         say(format_args!("drawing on {}", gpu.name));
         let mut holds = true;
-        if self.bench {
-            bench::bench(&gpu, drawing.size)?;
-        }
         let frames = drawing.frames.unwrap_or(FRAMES) as usize;
         let at = self.at.map(|frame| frame as usize);
-        for scene in scenes.iter().filter(|_| self.common.headless || self.proof) {
+        for scene in &scenes {
             let mut playback = Playback::new(scene.open(&self.made())?)?;
             if self.proof {
-                let methods = [Method::Point, Method::Cell, Method::Hzb, Method::Rays];
+                let methods = [Method::Point, Method::Cell];
                 let plan = (drawing.size, frames);
                 let rows = proof::prove(&gpu, &mut playback, plan, &methods, Some(&out))?;
                 holds &= proof::report(&playback.world.name, playback.world.objects.len(), &rows);

@@ -39,9 +39,10 @@ const FREEZE: &str = "freeze the culling camera (F)";
 const PAUSE: &str = "pause (Space)";
 const CHECK: &str = "compare every frame with an item buffer (C)";
 const PATH: &str = "back to the path (P)";
+const KEYS: &str = "W A S D Q E fly (Shift: faster), a mouse button: look   M: how it is culled\nN: next scene   1-5: layers   H: hides this   Esc: quit";
 /// Keys of the layers.
-const LAYER_KEYS: [KeyCode; 6] =
-    [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
+const LAYER_KEYS: [KeyCode; 5] =
+    [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5];
 
 /// What a window shows first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,7 +86,6 @@ struct Viewer {
     /// While it looks from above: how it looked before.
     before: Option<Before>,
     paused: bool,
-    help: bool,
     /// Where item buffers are drawn, while every frame is checked by one.
     check: Option<Canvas>,
     /// In a page: the check that is on its way, and the last one.
@@ -94,7 +94,7 @@ struct Viewer {
     behind: f64,
     /// From frame to frame, in seconds, smoothed.
     between: f64,
-    /// In a page: what the last frame had to say.
+    /// What the last frame had to say.
     said: (Vec<String>, Vec<Entry>),
 }
 
@@ -126,7 +126,6 @@ impl Viewer {
             frozen: None,
             before: None,
             paused: false,
-            help: true,
             check: None,
             checking: (None, None),
             behind: 0.0,
@@ -191,7 +190,6 @@ impl Viewer {
         self.renderer = renderer_of(&screen.gpu, screen.format(), &self.playback);
         (self.fly, self.before) = (None, None);
         self.freeze(None);
-        self.overlays.forget_scene();
         Ok(())
     }
 }
@@ -212,7 +210,6 @@ impl Demo for Viewer {
                 self.check = self.check.is_none().then(|| Canvas::new(&screen.gpu, screen.size()));
                 self.checking = (None, None);
             }
-            KeyCode::KeyH => self.help ^= true,
             KeyCode::KeyP => {
                 // The camera that was frozen to be looked at from above goes on.
                 if let Some(Before { frozen, .. }) = self.before.take() {
@@ -262,7 +259,7 @@ impl Demo for Viewer {
         // From above the colours have meanings: they must not fade.
         self.renderer.haze = if self.before.is_some() { 0.0 } else { haze(&self.playback) };
         let Self { renderer, panel, overlays, check, checking, method, between, said, .. } = self;
-        let (frozen, help, is_above) = (self.frozen.is_some(), self.help, self.before.is_some());
+        let is_above = self.before.is_some();
         self.playback.frame(*method, &culled_for, &mut |frame| {
             let objects = (frame.geometry, frame.objects);
             let found = match check {
@@ -289,26 +286,21 @@ impl Demo for Viewer {
             renderer.draw(gpu, Output::Picture, target, &watcher, &list, &marks);
             gpu.wait()?;
             let numbers = Numbers {
-                scene: name.clone(),
-                device: gpu.name.clone(),
+                scene: &name,
+                device: &gpu.name,
                 method: *method,
-                frozen,
                 visible: (frame.visible.len(), frame.objects.len()),
                 times: (
                     frame.time,
                     if IS_PAGE { Duration::from_secs_f64(*between) } else { start.elapsed() },
                 ),
                 check: found.as_ref().map(|found| (found.shown.len(), found.lost.len())),
-                legend,
-                help,
-                eye: is_above.then(|| place_in(&watcher, culled_for.eye)),
             };
+            *said = (numbers.lines(), legend);
+            let eye = is_above.then(|| place_in(&watcher, culled_for.eye));
             let images =
                 if overlays.is_on(Layer::Buffers) { frame.query.occlusion_images() } else { Vec::new() };
-            panel::draw(panel, (gpu, target, scale), &numbers, overlays, &images);
-            if IS_PAGE {
-                *said = (numbers.lines().into_iter().map(|(line, _)| line).collect(), numbers.legend);
-            }
+            panel::draw(panel, (gpu, target, scale), &images, eye, None);
             Ok(())
         })
     }
@@ -317,7 +309,7 @@ impl Demo for Viewer {
         let scenes = self.scenes.iter().map(SceneName::to_string);
         let mut dials = vec![
             Dial::choice(SCENE, scenes, self.scene),
-            Dial::choice(METHOD, Method::offered().iter().map(Method::to_string), self.method as usize),
+            Dial::choice(METHOD, Method::EVERY.map(|method| method.to_string()), self.method as usize),
             Dial::switch(ABOVE, self.before.is_some()),
             Dial::switch(FREEZE, self.frozen.is_some()),
             Dial::switch(PAUSE, self.paused),
@@ -326,14 +318,14 @@ impl Demo for Viewer {
         ];
         dials.extend(Layer::EVERY.map(|layer| Dial::switch(layer.name(), self.overlays.is_on(layer))));
         let (lines, legend) = self.said.clone();
-        Report { lines, legend, dials }
+        Report { lines, legend, dials, keys: KEYS }
     }
 
-    fn set(&mut self, dial: &str, value: f64, screen: &Screen) -> Done {
+    fn set(&mut self, dial: &str, value: f64, _: bool, screen: &Screen) -> Done {
         let (on, place) = (value != 0.0, value as usize);
         match dial {
             SCENE => return self.turn_to(place, screen),
-            METHOD => self.method = Method::offered().get(place).copied().unwrap_or(self.method),
+            METHOD => self.method = Method::EVERY.get(place).copied().unwrap_or(self.method),
             ABOVE if on != self.before.is_some() => return self.press(KeyCode::KeyB, screen),
             FREEZE if on != self.frozen.is_some() => return self.press(KeyCode::KeyF, screen),
             CHECK if on != self.check.is_some() => return self.press(KeyCode::KeyC, screen),

@@ -17,8 +17,9 @@ use casca_stage::window::Done;
 use clap::Args;
 use glam::{DVec3, Vec3, vec3};
 
+use crate::common::number;
 use crate::points::large::picture;
-use crate::points::operators::{finite_numbers, parse_finite, parse_length};
+use crate::points::operators::length;
 
 /// Walk through a file of bricks and print, for each frame, the bricks and points that it takes.
 #[derive(Debug, Args)]
@@ -33,22 +34,22 @@ pub struct Walk {
     /// Estimates occluders from the points, with cells of so many metres; with none, of 1.25 times
     /// the distance between points. Openings of three cells and more stay open. Such occluders are
     /// NOT conservative: what they hide may be visible. With `--walls`, these only serve `--check`.
-    #[arg(long, value_name = "CELL", num_args = 0..=1, default_missing_value = "0", value_parser = parse_length)]
+    #[arg(long, value_name = "CELL", num_args = 0..=1, default_missing_value = "0", value_parser = length)]
     estimate: Option<f32>,
     /// The number of frames.
     #[arg(long, default_value_t = 300)]
     frames: u32,
     /// Metres per second, around a square in the middle of the cloud.
-    #[arg(long, default_value_t = 10.0, value_parser = parse_length)]
+    #[arg(long, default_value_t = 10.0, value_parser = length)]
     speed: f32,
     /// The side of the square, in metres.
-    #[arg(long, default_value_t = 100.0, value_parser = parse_length)]
+    #[arg(long, default_value_t = 100.0, value_parser = length)]
     side: f32,
     /// The height of the eye above the lowest point, in metres.
-    #[arg(long, default_value_t = 1.7, value_parser = parse_finite)]
+    #[arg(long, default_value_t = 1.7, value_parser = |text: &str| number(text, f64::MIN..=f64::MAX))]
     height: f64,
     /// The distance between points in the picture of 1280 x 720 pixels.
-    #[arg(long, default_value_t = 1.0, value_parser = parse_length)]
+    #[arg(long, default_value_t = 1.0, value_parser = length)]
     pixels: f32,
     /// Megabytes of memory for loaded points.
     #[arg(long, default_value_t = 512)]
@@ -291,7 +292,9 @@ fn read_walls(path: &Path, origin: DVec3) -> Result<Vec<Aabb>, Box<dyn std::erro
 }
 
 fn wall(line: &str, origin: DVec3) -> Option<Aabb> {
-    let [x0, y0, z0, x1, y1, z1] = finite_numbers(line.split_whitespace())?;
+    let numbers = line.split_whitespace().map(|word| word.parse().ok().filter(|n: &f64| n.is_finite()));
+    let numbers = numbers.collect::<Option<Vec<f64>>>()?;
+    let [x0, y0, z0, x1, y1, z1] = <[f64; 6]>::try_from(numbers).ok()?;
     let corner = |x, y, z| (DVec3::new(x, y, z) - origin).as_vec3();
     let (low, high) = (corner(x0, y0, z0), corner(x1, y1, z1));
     (low.is_finite() && high.is_finite() && low.cmple(high).all()).then(|| Aabb::new(low, high))
