@@ -17,7 +17,7 @@ use crate::points::visible::Visible;
 #[derive(Debug, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true, args_conflicts_with_subcommands = true,
-    mut_arg("file", |file| file.help("A PLY, LAS, LAZ, COPC, E57 or surfel file, or a folder of EPT [default: a scan of a house, made by rules]"))
+    mut_arg("file", |file| file.help("A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]"))
 )]
 pub struct Options {
     #[command(subcommand)]
@@ -28,7 +28,7 @@ pub struct Options {
     #[command(flatten)]
     pub(super) look: Look,
     /// The panes, comma-separated
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "points,hpr,clusters,splat,surface")]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "points,discs,hpr,splat,surface")]
     pub(super) panes: Vec<Content>,
 }
 
@@ -58,13 +58,9 @@ mod tests {
             ("--spacing 0", "from 0.02 to 1"),
             ("--spacing NaN", "from 0.02 to 1"),
             ("--log10-radius inf", "a finite number"),
-            ("--point-spacing 0", "above 0"),
-            ("bricks a b --point-spacing nan", "above 0"),
-            ("visible --out x --level 1 --point-spacing 1", "cannot be used with"),
             ("walk x --pixels -1", "from 0 up"),
             ("walk x --speed inf", "from 0 up"),
             ("walk x --side nan", "from 0 up"),
-            ("walk x --estimate -1", "from 0 up"),
             ("walk x --height nan", "a finite number"),
             ("--size 0x720", "from 1 to 8192"),
             ("--size 99999x99999", "from 1 to 8192"),
