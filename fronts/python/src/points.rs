@@ -1,9 +1,8 @@
 //! The points of a cloud that can be seen.
 
 use casca_points::glam::{DVec3, Vec3};
-use casca_points::hpr::{self, Kernel};
 use casca_points::splat::{self, Bias, Filter, Radius, SplatOptions};
-use casca_points::{Camera, spacing};
+use casca_points::{Camera, hpr, spacing};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -22,9 +21,7 @@ pub fn hidden_point_removal<'py>(
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let points: Vec<DVec3> = self::points("points", points, Rule::Finite)?;
     let eye = DVec3::from(place("eye", eye)?);
-    let visible = py
-        .detach(|| hpr::visible_points(&points, eye, Kernel::Relative { log10_radius }))
-        .map_err(refused)?;
+    let visible = py.detach(|| hpr::visible_points(&points, eye, log10_radius)).map_err(refused)?;
     Ok(PyArray1::from_iter(py, visible.iter().by_vals()))
 }
 

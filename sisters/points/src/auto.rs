@@ -1,6 +1,5 @@
 //! Settings of the operators that need no hand.
 
-use crate::hpr::Kernel;
 use crate::spacing::automatic_radius;
 use crate::splat::{Bias, Filter, Radius, SplatError, SplatOptions};
 use glam::{DVec3, Vec3};
@@ -19,8 +18,8 @@ const TOLERANCE: f32 = 1.0;
 /// place.
 const LOG_RADIUS: f64 = 3.0;
 
-/// The settings of [`hpr`](crate::hpr), [`cluster`](crate::cluster) and [`splat`](crate::splat) by
-/// the distances between points. [`surface`](crate::surface) needs none, and has fewer errors.
+/// The settings of [`hpr`](crate::hpr) and [`splat`](crate::splat) by the distances between points.
+/// [`surface`](crate::surface) needs none, and has fewer errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AutoSettings {
     /// Half the side of a point's square, in units of the positions.
@@ -50,11 +49,11 @@ impl AutoSettings {
         SplatOptions { radius: Radius::Same(self.radius), bias, filter: Filter::Max, slopes: true }
     }
 
-    /// The kernel of hidden point removal from an eye.
-    pub fn kernel(&self, points: &[DVec3], eye: DVec3) -> Kernel {
+    /// The logarithm of the radius of hidden point removal from an eye.
+    pub fn log10_radius(&self, points: &[DVec3], eye: DVec3) -> f64 {
         let farthest = points.iter().fold(0.0, |most: f64, p| most.max(p.distance(eye)));
         let log10_radius = (FLIP * farthest / f64::from(self.radius)).log10().clamp(0.0, 10.0);
-        Kernel::Relative { log10_radius: if log10_radius.is_nan() { LOG_RADIUS } else { log10_radius } }
+        if log10_radius.is_nan() { LOG_RADIUS } else { log10_radius }
     }
 }
 
@@ -70,14 +69,14 @@ mod tests {
         assert!((0.7..1.1).contains(&auto.radius), "{auto:?}");
         assert_eq!(auto.tolerance, auto.radius);
         assert_eq!(auto.splats().bias, Bias::World(auto.tolerance));
-        let kernel = AutoSettings::of_radius(0.5).kernel(&[DVec3::ZERO, DVec3::X], DVec3::X * -124.0);
-        assert_eq!(kernel, Kernel::Relative { log10_radius: 3.0 });
+        let log10 = AutoSettings::of_radius(0.5).log10_radius(&[DVec3::ZERO, DVec3::X], DVec3::X * -124.0);
+        assert_eq!(log10, 3.0);
     }
 
     #[test]
     fn a_cloud_of_one_place_has_settings() {
         let auto = AutoSettings::new(&[Vec3::ONE; 3]).unwrap();
-        assert_eq!(auto.kernel(&[DVec3::ONE], DVec3::ONE), Kernel::Relative { log10_radius: 3.0 });
+        assert_eq!(auto.log10_radius(&[DVec3::ONE], DVec3::ONE), 3.0);
         assert_eq!(auto.splats().check(3), Ok(()));
     }
 }

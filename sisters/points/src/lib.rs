@@ -9,7 +9,6 @@
 //!   and [`visible`] in one call.
 //! - [`hpr`]: hidden point removal: points are turned inside out around the eye, and those on their
 //!   convex hull are visible.
-//! - [`cluster`]: the same for one representative of each cell of a grid or octree.
 //! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it
 //!   are hidden.
 //! - [`spacing`]: the size of these squares from the distances between neighbouring points.
@@ -21,20 +20,18 @@
 //!
 //! None is on by default. These pages show the crate with all of them.
 //!
-//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, COPC, EPT, E57 and surfel
-//!   files in chunks, and writes PLY.
+//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in
+//!   chunks, and writes PLY.
 //! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far
-//!   as a picture needs them; and the module `occluders`: walls estimated from the points, behind
-//!   which these are culled.
-//! - `gpu`: the module `gpu`: the splat operator and surface splatting on the graphics processor.
-//!   It needs the Rust of `casca-stage`.
+//!   as a picture needs them.
+//! - `gpu`: the module `gpu`: surface splatting on the graphics processor. It needs the Rust of
+//!   `casca-stage`.
 
 mod auto;
 #[cfg(feature = "bricks")]
 pub mod bricks;
 mod camera;
 mod cloud;
-pub mod cluster;
 #[cfg(feature = "files")]
 pub mod files;
 #[cfg(feature = "gpu")]
@@ -43,8 +40,6 @@ pub mod hpr;
 pub mod hull;
 mod morton;
 mod numeric;
-#[cfg(feature = "bricks")]
-pub mod occluders;
 #[cfg(test)]
 mod samples;
 pub mod spacing;

@@ -28,14 +28,6 @@ pub(crate) const PLANE_ERROR: f64 = 128.0 * f64::EPSILON;
 /// direction.
 pub(crate) const AT_EYE: f64 = 1e-150;
 
-/// The largest relative difference of one distance computed in two ways: a few roundings, far below
-/// this.
-pub(crate) const DISTANCE_ERROR: f64 = 1e-12;
-
-/// The least distance of an image from the eye, as a fraction of the largest: 2^-100. Below it the
-/// image of a far point under a steep kernel would be rounded to the eye itself.
-pub(crate) const LEAST_IMAGE: f64 = 1.0 / (1_u128 << 100) as f64;
-
 /// Positions in a picture are whole multiples of 1/256 of a pixel, as in graphics processors: sums
 /// of them are exact, so that a square has the same pixels wherever it is computed.
 pub(crate) const SUBPIXELS: u32 = 256;
@@ -71,12 +63,6 @@ pub(crate) fn origin_near(point: DVec3) -> DVec3 {
 pub(crate) fn unit(normal: Vec3) -> Vec3 {
     if normal.is_normalized() { normal } else { normal.as_dvec3().normalize_or_zero().as_vec3() }
 }
-
-/// How far outside of a node of a file's octree its points may lie beside the resolution of their
-/// coordinates, over the side of the octree: roundings of writers that place points in single
-/// precision.
-#[cfg(feature = "files")]
-pub(crate) const NODE_SLACK: f64 = 1e-6;
 
 /// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6
 /// and 1 it had the fewest errors in the streets that `casca-viewer points generate` makes, with

@@ -1,10 +1,9 @@
-//! Radii of squares from the distances between neighbouring points.
+//! The radius of squares from the distances between neighbouring points.
 //!
 //! Tavares 2009, section 5.1.5, has one radius by hand, and suggests the distance of one point to
 //! its nearest neighbour. Here a side is the distance to the sixth nearest, so that squares of
 //! neighbours overlap: a point of an even surface has about six.
 
-use crate::hull::MAX_POINTS;
 use crate::splat::SplatError;
 use glam::Vec3;
 use nabo::{KDTree, NotNan, Point};
@@ -12,7 +11,6 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use std::cmp::Ordering;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// The neighbour whose distance is the side of a square.
 const NEIGHBOUR: u32 = 6;
@@ -27,55 +25,23 @@ const QUERIES: usize = 1 << 14;
 /// Points of which all neighbours can be found in less than a second.
 const FEW: usize = 1 << 19;
 
-/// The boxes that stand for more points than that, one for each bit of a word, and the number of
-/// points in a box.
+/// The boxes that stand for more points than that, and the number of points in a box.
 const BOXES: usize = 64;
 const POINTS_OF_A_BOX: usize = 1 << 14;
 
 /// The points of a sample within a box.
 const NEAREST: usize = 16;
 
-/// Cells along an axis of the grid that finds the boxes of a point: 256 kB, which a core's cache
-/// holds.
-const CELLS: usize = 32;
-
 /// The largest number of points in a box. Those of more are left out: they hold a place that many
 /// points share.
 const MOST_OF_A_BOX: usize = 8 * POINTS_OF_A_BOX;
-
-/// A radius for each point: half the distance to its sixth nearest neighbour. Points at one place
-/// count once and have the same radius. With fewer neighbours it is the farthest that counts; with
-/// none the radius is 0.
-///
-/// For clouds whose density changes. Takes `O(n log n)` on usual inputs, and about 150 bytes for
-/// each point, on all threads.
-///
-/// # Errors
-///
-/// [`SplatError::PointNotFinite`], and [`SplatError::TooMany`] for more than 2^30.
-pub fn radii(points: &[Vec3]) -> Result<Vec<f32>, SplatError> {
-    check(points)?;
-    if points.len() > MAX_POINTS {
-        return Err(SplatError::TooMany { count: points.len() });
-    }
-    let unique = Places::new(points);
-    let groups: Vec<&[u32]> = unique.groups().collect();
-    let places: Vec<Place> = groups.iter().map(|group| Place::new(points[group[0] as usize])).collect();
-    let tree = KDTree::new(&places);
-    let of_places: Vec<f64> = places.par_iter().map(|place| distance(&tree, place)).collect();
-    let mut radii = vec![0.0; points.len()];
-    for (group, distance) in groups.iter().zip(of_places) {
-        group.iter().for_each(|&i| radii[i as usize] = half(distance));
-    }
-    Ok(radii)
-}
 
 /// One radius for all points: half the distance to the sixth nearest neighbour that 95 percent of
 /// points do not exceed; 0 for less than two places.
 ///
 /// For clouds of even density. Of more than half a million points it looks only at those in 64
-/// small boxes around random points, so that it takes three passes over the points and about a
-/// second. The same in every run.
+/// small boxes around random points, so that it takes a pass over the points for each of them.
+/// The same in every run.
 ///
 /// # Errors
 ///
@@ -231,73 +197,18 @@ impl Near {
 
 /// The points in each box; none for boxes with too many.
 fn inside(points: &[Vec3], boxes: &[Near]) -> Vec<Vec<Vec3>> {
-    let low = boxes.iter().map(|b| b.centre - b.reach).fold(Vec3::INFINITY, Vec3::min);
-    let high = boxes.iter().map(|b| b.centre + b.reach).fold(Vec3::NEG_INFINITY, Vec3::max);
-    let scale = CELLS as f32 / (high - low);
-    let cell = |p: Vec3| ((p - low) * scale).to_array().map(|x| (x as usize).min(CELLS - 1));
-    let index = |[x, y, z]: [usize; 3]| (z * CELLS + y) * CELLS + x;
-    // The boxes of each cell, a bit for each.
-    let mut cells = vec![0_u64; CELLS.pow(3)];
-    for (b, near) in boxes.iter().enumerate() {
-        let (from, to) = (cell(near.centre - near.reach), cell(near.centre + near.reach));
-        for z in from[2]..=to[2] {
-            for y in from[1]..=to[1] {
-                (from[0]..=to[0]).for_each(|x| cells[index([x, y, z])] |= 1 << b);
-            }
-        }
-    }
-    let counts: Vec<AtomicUsize> = boxes.iter().map(|_| AtomicUsize::new(0)).collect();
-    let found = points.par_chunks(1 << 16).map(|points| {
-        let mut found: Vec<(usize, Vec3)> = Vec::new();
-        for &p in points {
-            let mut bits = cells[index(cell(p))];
-            while bits != 0 {
-                let b = bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                let holds = boxes[b].room(p) >= 0.0 && counts[b].load(Relaxed) <= MOST_OF_A_BOX;
-                if holds && counts[b].fetch_add(1, Relaxed) < MOST_OF_A_BOX {
-                    found.push((b, p));
-                }
-            }
-        }
-        found
-    });
-    let mut inside = vec![Vec::new(); boxes.len()];
-    for (b, p) in found.collect::<Vec<_>>().into_iter().flatten() {
-        if counts[b].load(Relaxed) <= MOST_OF_A_BOX {
-            inside[b].push(p);
-        }
-    }
-    inside
+    let of_box = |near: &Near| {
+        let inside: Vec<Vec3> =
+            points.iter().copied().filter(|&p| near.room(p) >= 0.0).take(MOST_OF_A_BOX + 1).collect();
+        if inside.len() > MOST_OF_A_BOX { Vec::new() } else { inside }
+    };
+    boxes.par_iter().map(of_box).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::{cases, sphere};
-    use proptest::prelude::*;
-
-    proptest! {
-        #![proptest_config(cases(200))]
-
-        #[test]
-        fn radii_are_those_of_sorted_distances(
-            points in prop::collection::vec(prop::array::uniform3(prop_oneof![-3..3_i8, -120..120_i8]), 0..60),
-            scale in prop_oneof![Just(1.0), Just(1e-38), Just(2e36_f32)],
-        ) {
-            let points: Vec<Vec3> = points.into_iter().map(|p| Vec3::from(p.map(f32::from)) * scale).collect();
-            let radii = radii(&points).unwrap();
-            for (p, radius) in points.iter().zip(radii) {
-                let mut others: Vec<Vec3> = points.iter().copied().filter(|q| q != p).collect();
-                others.sort_by(compare);
-                others.dedup();
-                let mut distances: Vec<f64> = others.iter().map(|q| q.as_dvec3().distance(p.as_dvec3())).collect();
-                distances.sort_by(f64::total_cmp);
-                let expected = distances.get(5).or(distances.last()).map_or(0.0, |d| d / 2.0);
-                prop_assert!((f64::from(radius) - expected).abs() <= 1e-6 * expected + 1e-45, "{} {}", radius, expected);
-            }
-        }
-    }
+    use crate::samples::sphere;
 
     fn square(side: usize) -> Vec<Vec3> {
         (0..side * side).map(|i| Vec3::new((i % side) as f32, (i / side) as f32, 0.0)).collect()
@@ -309,9 +220,10 @@ mod tests {
         assert_eq!(automatic_radius(&square(100)), Ok(0.5_f32.sqrt()));
         assert_eq!(automatic_radius(&square(800)), Ok(0.5_f32.sqrt()));
         let points: Vec<Vec3> = sphere(FEW + 9).iter().map(|p| p.as_vec3()).collect();
-        let mut all = radii(&points).unwrap();
+        let everywhere = Near { centre: Vec3::ZERO, reach: f32::INFINITY };
+        let mut all = everywhere.distances(&points, points.len(), &mut Pcg64Mcg::seed_from_u64(1));
         let at = (all.len() as f64 * PART) as usize;
-        let expected = *all.select_nth_unstable_by(at, f32::total_cmp).1;
+        let expected = half(*all.select_nth_unstable_by(at, f64::total_cmp).1);
         let found = automatic_radius(&points).unwrap();
         assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
     }
@@ -322,7 +234,7 @@ mod tests {
             |n: usize, count: usize| (0..n).map(|i| Vec3::splat((i % count) as f32)).collect::<Vec<_>>();
         assert_eq!(automatic_radius(&[]), Ok(0.0));
         assert_eq!(automatic_radius(&places(FEW + 1, 1)), Ok(0.0));
-        assert_eq!(radii(&places(100_000, 2)).unwrap()[99_999], 0.75_f32.sqrt());
+        assert_eq!(automatic_radius(&places(100_000, 2)), Ok(0.75_f32.sqrt()));
         assert!(automatic_radius(&places(FEW + 1, 20)).unwrap() > 1.0);
         // Half of the points are at one place, as the invalid pixels of a depth camera are.
         let mut points = square(800);
@@ -332,6 +244,6 @@ mod tests {
         // Floats beside each other, between which a tree of floats finds no middle.
         let beside =
             |i: usize| Vec3::new(f32::from_bits(0x3f80_0000 + (i % 2) as u32), 0.0, i as f32 * 1e-12);
-        assert!(radii(&(0..1000).map(beside).collect::<Vec<_>>()).is_ok());
+        assert!(automatic_radius(&(0..1000).map(beside).collect::<Vec<_>>()).is_ok());
     }
 }

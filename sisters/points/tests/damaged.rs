@@ -5,13 +5,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use casca_points::PointCloud;
 use casca_points::bricks::{Bricks, Loader, Want};
-use casca_points::files::{FileError, Levels, Selection, read_selected_source, read_source};
+use casca_points::files::{FileError, read_source};
 use peak_alloc::PeakAlloc;
 
 #[path = "../../../tests/damage/mod.rs"]
 mod damage;
 mod files;
-mod octrees;
 
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
@@ -72,21 +71,6 @@ fn damaged_clouds_are_read_or_refused() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let read = &mut |bytes: &[u8]| drop(parse(bytes));
     damage::survive(&HEAP, "clouds", &files::all(), 4000, &files::mend, read);
-}
-
-#[test]
-fn damaged_octrees_are_read_or_refused() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let files = [octrees::copc(&octrees::TREE, false), octrees::copc(&octrees::TREE, true)];
-    let corners = Some([glam::DVec3::ZERO, glam::DVec3::splat(3.0)]);
-    let wanted = [(Levels::To(2), None), (Levels::Spacing(0.3), None), (Levels::All, corners)];
-    let mut part = wanted.iter().cycle();
-    damage::survive(&HEAP, "octrees", &files, 4000, &|_| (), &mut |bytes| {
-        let &(levels, within) = part.next().expect("a cycle");
-        let source = Cursor::new(bytes.to_vec());
-        let each = |_| Ok::<_, FileError>(());
-        let _ = read_selected_source(source, "test".into(), &Selection { levels, within }, 4096, each);
-    });
 }
 
 #[test]

@@ -5,7 +5,6 @@ mod large;
 mod operators;
 mod options;
 mod panes;
-mod part;
 mod run;
 mod view;
 mod visible;

@@ -6,26 +6,20 @@ use std::time::Duration;
 
 use bitvec::vec::BitVec;
 use casca_points::PointCloud;
-use casca_points::cluster::{Clustering, Passes, visible_clusters};
-use casca_points::gpu::{GpuPoints, SplatOperator};
-use casca_points::hpr::{self, Kernel};
+use casca_points::files::{self, Report};
 use casca_points::surface::Surface;
-use casca_points::{AutoSettings, Camera, MAX_SIDE, cluster, splat};
-use casca_stage::gpu::Gpu;
+use casca_points::{AutoSettings, Camera, MAX_SIDE, hpr, splat};
 use casca_stage::timing::Instant;
 use clap::{Args, ValueEnum};
 use glam::{DVec3, Quat, Vec3};
 
 use crate::common::{number, point};
 use crate::points::house;
-use crate::points::part::Part;
 
 /// The distance between the house's points, in metres: so large that rooms show through the walls.
 const HOUSE_SPACING: f32 = 0.055;
 /// Where the house is seen from, and the place that is looked at.
 const HOUSE_VIEW: [Vec3; 2] = [Vec3::new(4.6, 3.4, 13.6), Vec3::new(0.0, 3.1, 0.0)];
-/// Points of a leaf of clusters.
-const LEAF: u32 = 8;
 
 /// A way to find the visible points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -34,8 +28,6 @@ pub enum Operator {
     Discs,
     /// Hidden point removal by a convex hull
     Hpr,
-    /// The same for the cells of an octree
-    Clusters,
     /// Squares in a depth image
     Splat,
 }
@@ -66,8 +58,6 @@ pub struct Look {
     /// The distance between the points of the house in metres, 0.02 to 1
     #[arg(long, default_value_t = HOUSE_SPACING, value_parser = |text: &str| number(text, 0.02..=1.0f32))]
     pub spacing: f32,
-    #[command(flatten)]
-    pub part: Part,
 }
 
 /// A cloud with y upwards, and the way that it is looked at.
@@ -94,7 +84,10 @@ impl Look {
     /// Reads the cloud of a file; without one it is a house.
     pub fn open(&self, file: Option<&Path>) -> Result<Looked, Box<dyn Error>> {
         let (cloud, warnings) = match file {
-            Some(path) => self.part.read(path)?,
+            Some(path) => {
+                let (cloud, report) = files::read(path)?;
+                (cloud, warned(report))
+            }
             None => (house::scan(self.spacing), Vec::new()),
         };
         if cloud.is_empty() {
@@ -148,39 +141,18 @@ impl Looked {
         Ok(Camera::look_at(eye, target, Vec3::Y, self.fov, size, 1e-4 * far, far)?)
     }
 
-    /// The points that a camera sees, and the time that it took to find them. With a device,
-    /// squares are drawn on it.
-    pub fn visible(
-        &self,
-        operator: Operator,
-        camera: &Camera,
-        gpu: Option<&Gpu>,
-    ) -> Result<(BitVec, Duration), Box<dyn Error>> {
+    /// The points that a camera sees, and the time that it took to find them.
+    pub fn visible(&self, operator: Operator, camera: &Camera) -> Result<(BitVec, Duration), Box<dyn Error>> {
         let auto = AutoSettings::of_radius(self.radius);
-        let options = auto.splats();
         let start = Instant::now();
-        let visible = match (operator, gpu) {
-            (Operator::Discs, _) => Surface::new(&self.turned())?.visible(camera.eye().as_dvec3())?,
-            (Operator::Splat, None) => splat::visible_points(&self.positions, camera, &options)?.visible,
-            (Operator::Splat, Some(gpu)) => {
-                let (on_device, points) = (SplatOperator::new(gpu), GpuPoints::new(gpu, &self.positions)?);
-                let start = Instant::now();
-                let visible = on_device.visible_points(gpu, &points, camera, &options)?;
-                return Ok((visible, start.elapsed()));
-            }
-            (Operator::Hpr | Operator::Clusters, _) => {
+        let visible = match operator {
+            Operator::Discs => Surface::new(&self.turned())?.visible(camera.eye().as_dvec3())?,
+            Operator::Splat => splat::visible_points(&self.positions, camera, &auto.splats())?.visible,
+            Operator::Hpr => {
                 let points: Vec<DVec3> = self.positions.iter().map(|p| p.as_dvec3()).collect();
                 let eye = camera.eye().as_dvec3();
-                let kernel = match self.log10_radius {
-                    Some(log10_radius) => Kernel::Relative { log10_radius },
-                    None => auto.kernel(&points, eye),
-                };
-                if operator == Operator::Hpr {
-                    hpr::visible_points(&points, eye, kernel)?
-                } else {
-                    let leaves = Clustering::Octree { max_points: LEAF };
-                    visible_clusters(&points, eye, kernel, leaves, cluster::Radius::Rescaled, Passes::One)?
-                }
+                let log10_radius = self.log10_radius.unwrap_or_else(|| auto.log10_radius(&points, eye));
+                hpr::visible_points(&points, eye, log10_radius)?
             }
         };
         Ok((visible, start.elapsed()))
@@ -191,6 +163,12 @@ impl Looked {
         let (positions, normals) = (self.positions.clone(), self.normals.clone());
         PointCloud { positions, normals, ..Default::default() }
     }
+}
+
+/// Says on standard error what is wrong with a file.
+pub fn warned(report: Report) -> Vec<String> {
+    report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    report.warnings
 }
 
 /// A length or speed.

@@ -17,7 +17,7 @@ use crate::points::visible::Visible;
 #[derive(Debug, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true, args_conflicts_with_subcommands = true,
-    mut_arg("file", |file| file.help("A PLY, LAS, LAZ, COPC, E57 or surfel file, or a folder of EPT [default: a scan of a house, made by rules]"))
+    mut_arg("file", |file| file.help("A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]"))
 )]
 pub struct Options {
     #[command(subcommand)]
@@ -28,7 +28,7 @@ pub struct Options {
     #[command(flatten)]
     pub(super) look: Look,
     /// The panes, comma-separated
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "points,hpr,clusters,splat,surface")]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "points,discs,hpr,splat,surface")]
     pub(super) panes: Vec<Content>,
 }
 
@@ -53,8 +53,6 @@ mod tests {
             ("--radius -1", "from 0 to"),
             ("--spacing NaN", "from 0.02 to 1"),
             ("--log10-radius inf", "expected a number"),
-            ("bricks a b --point-spacing nan", "above 0"),
-            ("visible --out x --level 1 --point-spacing 1", "cannot be used with"),
             ("walk x --height nan", "expected a number"),
             ("--fov 180", "from 1 to 170"),
             ("--headless --panes everything", "possible values: points"),

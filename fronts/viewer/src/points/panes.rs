@@ -7,7 +7,7 @@ use casca_points::Camera;
 use casca_points::gpu::{Pane, Style, Surfel, SurfelRenderer, Surfels};
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Color32, FontId, Pos2, Rect};
-use casca_stage::gpu::{Gpu, IS_PAGE};
+use casca_stage::gpu::Gpu;
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::{Color, TextureFormat};
 use clap::ValueEnum;
@@ -37,8 +37,6 @@ pub enum Content {
     Discs,
     /// Those that hidden point removal leaves
     Hpr,
-    /// Those that clusters leave
-    Clusters,
     /// Those that the splat operator leaves
     Splat,
     /// The surface, by surface splatting
@@ -51,7 +49,6 @@ impl Content {
             Self::Points | Self::Surface => None,
             Self::Discs => Some(Operator::Discs),
             Self::Hpr => Some(Operator::Hpr),
-            Self::Clusters => Some(Operator::Clusters),
             Self::Splat => Some(Operator::Splat),
         }
     }
@@ -103,8 +100,7 @@ impl Panes {
         let mut lines = Vec::new();
         for &content in &self.contents {
             let found = match content.operator() {
-                // A page cannot wait for what a device finds.
-                Some(operator) => Some(looked.visible(operator, camera, Some(gpu).filter(|_| !IS_PAGE))?),
+                Some(operator) => Some(looked.visible(operator, camera)?),
                 None => None,
             };
             let (visible, time) = found.unzip();
@@ -119,7 +115,6 @@ impl Panes {
                 Content::Points => format!("all {count} points"),
                 Content::Discs => format!("rays between discs: {count} points"),
                 Content::Hpr => format!("hidden point removal: {count} points"),
-                Content::Clusters => format!("by clusters: {count} points"),
                 Content::Splat => format!("splat operator: {count} points"),
                 Content::Surface => "all points, drawn as a surface".to_owned(),
             };

@@ -5,7 +5,6 @@ use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
 use casca_points::files::PlyWriter;
-use casca_stage::gpu::Gpu;
 use casca_stage::window::Done;
 use clap::Args;
 
@@ -15,8 +14,7 @@ use crate::points::operators::{Look, Operator, parse_size};
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Visible {
-    /// A PLY, LAS, LAZ, COPC, E57 or surfel file, or a folder of EPT [default: a scan of a house,
-    /// made by rules]
+    /// A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]
     file: Option<PathBuf>,
     #[command(flatten)]
     look: Look,
@@ -26,9 +24,6 @@ pub struct Visible {
     /// The picture of the splat operator: points outside of it are not visible
     #[arg(long, default_value = "1024x768", value_parser = parse_size)]
     size: (u32, u32),
-    /// Finds them on the graphics processor, with the operator splat
-    #[arg(long)]
-    gpu: bool,
     /// The file to write
     #[arg(long)]
     out: PathBuf,
@@ -38,8 +33,7 @@ impl Visible {
     pub fn run(&self) -> Done {
         let looked = self.look.open(self.file.as_deref())?;
         let camera = looked.camera(looked.eye, looked.target, self.size)?;
-        let gpu = if self.gpu { Some(Gpu::headless(false)?) } else { None };
-        let (visible, time) = looked.visible(self.operator, &camera, gpu.as_ref())?;
+        let (visible, time) = looked.visible(self.operator, &camera)?;
         let some = looked.cloud.subset(&visible);
         let named = |e: io::Error| format!("cannot write {}: {e}", self.out.display());
         let file = File::create(&self.out).map_err(named)?;

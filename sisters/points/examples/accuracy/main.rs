@@ -1,38 +1,31 @@
 //! Errors of the operators beside rays at the triangles that points are samples of.
 //!
 //! ```sh
-//! cargo run --release -p casca-points --example accuracy -- KIND POINTS SPREAD NOISE SEED FOLDER causes
+//! cargo run --release -p casca-points --example accuracy -- KIND POINTS SPREAD NOISE SEED
 //! ```
 //!
 //! For each scene: false visible and false hidden points over the truly visible ones, in percent,
-//! of three eyes together. All words may be left out from the right: `KIND` is `tuned`,
-//! `held-out`, `fresh` or `fences` of other gaps, `SPREAD` is `even` or `random`, `NOISE` is its
-//! standard deviation over the side of the square that a point stands for. The defaults of
-//! `surface` were chosen on the scenes called tuned, of seed 3, with even points; the others tell
-//! how well they hold, the fresh ones best. With a `FOLDER`, `.glb` files of it are sampled in the
-//! place of generated scenes. The last word `causes` sorts the wrong answers of `surface` by their
-//! causes; give `""` as the folder for generated scenes.
+//! of three eyes together. All words may be left out from the right: `KIND` is `tuned` or
+//! `held-out`, `SPREAD` is `even` or `random`, `NOISE` is its standard deviation over the side of
+//! the square that a point stands for. The defaults of `surface` were chosen on the scenes called
+//! tuned, of seed 3, with even points; the others tell how well they hold.
 //!
 //! With `scans-` before a kind, points are the first hits of rays from scanners, as many as
 //! `SPREAD` says (4), and `surface` is judged without and with the places of these.
+//!
+//! The word `thesis` alone repeats the experiments of Tavares 2009.
 
-mod causes;
-mod files;
-mod fresh;
-mod limit;
 mod scans;
 mod scenes;
+mod thesis;
 mod truth;
 
 use std::error::Error;
-use std::path::Path;
 use std::time::Instant;
 
 use bitvec::vec::BitVec;
-use casca_points::hpr;
 use casca_points::surface::Surface;
-use casca_points::{AutoSettings, Camera, PointCloud, splat};
-use causes::{Causes, Edges};
+use casca_points::{AutoSettings, Camera, PointCloud, hpr, splat};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -89,37 +82,30 @@ fn by_splats(points: &[Vec3], eye: Vec3, auto: &AutoSettings) -> Result<Vec<Opti
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().collect();
     let word = |i: usize| args.get(i).map_or("", String::as_str);
+    if word(1) == "thesis" {
+        return thesis::print();
+    }
     let points: usize = word(2).parse().unwrap_or(30_000);
     let spread = if word(3) == "random" { Spread::Random } else { Spread::Even };
     let noise: f32 = word(4).parse().unwrap_or(0.0);
     let seed: u64 = word(5).parse().unwrap_or(3);
-    let (kind, scanned) = match word(1).strip_prefix("scans-") {
-        Some(kind) => (kind, true),
-        None => (word(1), false),
-    };
-    let all = match (kind, word(6)) {
-        (_, folder) if !folder.is_empty() => files::scenes(Path::new(folder))?,
-        ("held-out", _) => scenes::held_out(seed),
-        ("fresh", _) => fresh::scenes(seed),
-        ("fences", _) => scenes::fences(seed),
-        _ => scenes::tuned(seed),
-    };
-    if scanned {
+    let all = if word(1).ends_with("held-out") { scenes::held_out(seed) } else { scenes::tuned(seed) };
+    if word(1).starts_with("scans-") {
         return scans::print(&all, points, word(3).parse().unwrap_or(4), noise);
     }
     println!(
         "{points} points, {spread:?}, noise {noise}, seed {seed}: errors (false visible + false hidden) in percent"
     );
     println!(
-        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | discs by hand, radius     | ms build, eye, hpr"
+        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | ms build, eye, hpr"
     );
     for scene in &all {
-        row(scene, points, spread, noise, word(7) == "causes")?;
+        row(scene, points, spread, noise)?;
     }
     Ok(())
 }
 
-fn row(scene: &Scene, points: usize, spread: Spread, noise: f32, causes: bool) -> Result<(), Box<dyn Error>> {
+fn row(scene: &Scene, points: usize, spread: Spread, noise: f32) -> Result<(), Box<dyn Error>> {
     let samples = sample(scene, points, spread, 11);
     let mut gauss = gauss();
     let mut moved = |p: &Vec3| *p + Vec3::new(gauss(), gauss(), gauss()) * noise * samples.spacing;
@@ -133,42 +119,20 @@ fn row(scene: &Scene, points: usize, spread: Spread, noise: f32, causes: bool) -
     let auto = AutoSettings::new(&bare.positions)?;
     let places: Vec<_> = bare.positions.iter().map(|p| p.as_dvec3()).collect();
     let mut sums = [Counts::default(); 4];
-    let edges = Edges::new(scene);
-    let mut reasons = [Causes::default(), Causes::default()];
-    let normals = [&given, &estimated].map(|surface| surface.normals().collect::<Vec<_>>());
-    let truths: Vec<BitVec> = scene.eyes.iter().map(|&eye| seen(scene, &samples, eye)).collect();
-    for (&eye, truth) in scene.eyes.iter().zip(&truths) {
-        let place = eye.as_dvec3();
+    for &eye in &scene.eyes {
+        let (truth, place) = (&seen(scene, &samples, eye), eye.as_dvec3());
         count(&mut sums[0], truth, given.visible(place)?.iter().by_vals().map(Some));
         let start = Instant::now();
         count(&mut sums[1], truth, estimated.visible(place)?.iter().by_vals().map(Some));
         times[1] += start.elapsed().as_secs_f64() * 1e3 / scene.eyes.len() as f64;
-        for (k, surface) in [&given, &estimated].into_iter().enumerate().filter(|_| causes) {
-            let answers = surface.answers(place)?;
-            reasons[k].add((&edges, &samples, eye), &normals[k], truth, &answers);
-        }
         let start = Instant::now();
-        count(
-            &mut sums[2],
-            truth,
-            hpr::visible_points(&places, place, auto.kernel(&places, place))?.iter().by_vals().map(Some),
-        );
+        let found = hpr::visible_points(&places, place, auto.log10_radius(&places, place))?;
         times[2] += start.elapsed().as_secs_f64() * 1e3 / scene.eyes.len() as f64;
+        count(&mut sums[2], truth, found.iter().by_vals().map(Some));
         count(&mut sums[3], truth, by_splats(&bare.positions, eye, &auto)?.into_iter());
     }
-    let cells: Vec<String> = sums.into_iter().map(text).collect();
-    let [build, one, hpr] = times;
-    let (limit, radius) = limit::best(scene, &samples, &truths);
-    println!(
-        "{:16} {:7.0} | {} | {} {radius:4.2} | {build:.0}, {one:.0}, {hpr:.0}",
-        scene.name,
-        sums[0][0] / scene.eyes.len() as f64,
-        cells.join(" | "),
-        text(limit)
-    );
-    if causes {
-        reasons[0].print("given", &normals[0], &samples);
-        reasons[1].print("estimated", &normals[1], &samples);
-    }
+    let (visible, [build, one, hpr]) = (sums[0][0] / scene.eyes.len() as f64, times);
+    let cells = sums.map(text).join(" | ");
+    println!("{:16} {visible:7.0} | {cells} | {build:.0}, {one:.0}, {hpr:.0}", scene.name);
     Ok(())
 }

@@ -60,7 +60,7 @@ pub fn samples(
     scanners: usize,
     mut noise: impl FnMut() -> f32,
 ) -> (Samples, PointCloud) {
-    let mesh = Mesh::new(scene);
+    let mesh = Mesh::new(&scene.triangles);
     let mut places = places(scene, &mesh);
     places.truncate(scanners);
     let trial: usize = places.iter().map(|&place| scan(&mesh, place, TRIAL).len()).sum();

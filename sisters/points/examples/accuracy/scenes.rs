@@ -7,11 +7,11 @@ use rand_pcg::Pcg64Mcg;
 use std::f32::consts::{PI, TAU};
 
 /// Triangles of which twice the area is less, in square metres, are lines.
-pub const LEAST_CROSS: f32 = 1e-12;
+const LEAST_CROSS: f32 = 1e-12;
 
 /// Triangles, and eyes that look at them.
 pub struct Scene {
-    pub name: String,
+    pub name: &'static str,
     pub triangles: Vec<[Vec3; 3]>,
     pub eyes: Vec<Vec3>,
 }
@@ -19,7 +19,7 @@ pub struct Scene {
 /// The scenes that defaults were chosen on, and those that they were not.
 pub fn tuned(seed: u64) -> Vec<Scene> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    vec![boards(&mut random), fence(&mut random, 48), castle(), kitchen(&mut random), solids()]
+    vec![boards(&mut random), fence(&mut random), castle(), kitchen(&mut random), solids()]
 }
 
 pub fn held_out(seed: u64) -> Vec<Scene> {
@@ -29,15 +29,15 @@ pub fn held_out(seed: u64) -> Vec<Scene> {
 
 /// Triangles that grow.
 #[derive(Default)]
-pub struct Build(Vec<[Vec3; 3]>);
+struct Build(Vec<[Vec3; 3]>);
 
 impl Build {
-    pub fn quad(&mut self, [a, b, c, d]: [Vec3; 4]) {
+    fn quad(&mut self, [a, b, c, d]: [Vec3; 4]) {
         self.0.extend([[a, b, c], [a, c, d]]);
     }
 
     /// A box with half sides, turned about its middle.
-    pub fn turned(&mut self, middle: Vec3, half: Vec3, turn: Quat) {
+    fn turned(&mut self, middle: Vec3, half: Vec3, turn: Quat) {
         for axis in 0..3 {
             for side in [-1.0_f32, 1.0] {
                 let [mut n, mut u, mut v] = [Vec3::ZERO; 3];
@@ -50,12 +50,12 @@ impl Build {
         }
     }
 
-    pub fn cuboid(&mut self, low: Vec3, high: Vec3) {
+    fn cuboid(&mut self, low: Vec3, high: Vec3) {
         self.turned((low + high) / 2.0, (high - low) / 2.0, Quat::IDENTITY);
     }
 
     /// A closed tube of changing radius around a line.
-    pub fn tube(&mut self, [from, to]: [Vec3; 2], [r, s]: [f32; 2], sides: usize) {
+    fn tube(&mut self, [from, to]: [Vec3; 2], [r, s]: [f32; 2], sides: usize) {
         let axis = (to - from).normalize();
         let (u, v) = axis.any_orthonormal_pair();
         let at = |i: usize, middle: Vec3, r: f32| {
@@ -71,7 +71,7 @@ impl Build {
     }
 
     /// A surface of two parameters from 0 to 1, with its fronts where `du x dv` points.
-    pub fn patch(&mut self, steps: [usize; 2], at: impl Fn(f32, f32) -> Vec3) {
+    fn patch(&mut self, steps: [usize; 2], at: impl Fn(f32, f32) -> Vec3) {
         let corner = |i: usize, j: usize| at(i as f32 / steps[0] as f32, j as f32 / steps[1] as f32);
         for i in 0..steps[0] {
             for j in 0..steps[1] {
@@ -80,20 +80,16 @@ impl Build {
         }
     }
 
-    pub fn ball(&mut self, middle: Vec3, r: f32) {
+    fn ball(&mut self, middle: Vec3, r: f32) {
         self.patch([32, 16], |u, v| {
             let ((sin, cos), (y, x)) = ((PI * (v - 0.5)).sin_cos(), (TAU * u).sin_cos());
             middle + r * vec3(cos * x, cos * y, sin)
         });
     }
 
-    pub fn scene(self, name: &str, eyes: &[Vec3]) -> Scene {
+    fn scene(self, name: &'static str, eyes: &[Vec3]) -> Scene {
         let whole = |t: &&[Vec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length() > LEAST_CROSS;
-        Scene {
-            name: name.into(),
-            triangles: self.0.iter().filter(whole).copied().collect(),
-            eyes: eyes.to_vec(),
-        }
+        Scene { name, triangles: self.0.iter().filter(whole).copied().collect(), eyes: eyes.to_vec() }
     }
 }
 
@@ -124,20 +120,11 @@ fn boards(random: &mut Pcg64Mcg) -> Scene {
     build.scene("thin boards", &[vec3(5.0, 2.0, 4.0), vec3(-6.0, 0.5, 1.0), vec3(0.5, 5.0, -3.0)])
 }
 
-/// Fences with gaps of 1, 2 and 4 spacings of 30,000 points.
-pub fn fences(seed: u64) -> Vec<Scene> {
-    let of = |(name, planks)| {
-        let scene = fence(&mut Pcg64Mcg::seed_from_u64(seed), planks);
-        Scene { name: format!("gaps of {name}"), ..scene }
-    };
-    [("1", 48), ("2", 35), ("4", 22)].map(of).into()
-}
-
-fn fence(random: &mut Pcg64Mcg, planks: usize) -> Scene {
+fn fence(random: &mut Pcg64Mcg) -> Scene {
     let mut build = Build::default();
     build.cuboid(vec3(-4.0, -0.2, -3.0), vec3(4.0, 0.0, 3.0));
-    for i in 0..planks {
-        let x = -3.8 + 7.6 * i as f32 / (planks - 1) as f32;
+    for i in 0..48 {
+        let x = -3.8 + 7.6 * i as f32 / 47.0;
         let high = 1.1 + random.random_range(-0.05..0.05);
         build.cuboid(vec3(x - 0.045, 0.0, -0.012), vec3(x + 0.045, high, 0.012));
     }

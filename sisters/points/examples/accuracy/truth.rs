@@ -94,14 +94,14 @@ pub struct Hit {
 }
 
 impl<'a> Mesh<'a> {
-    pub fn new(scene: &'a Scene) -> Self {
+    pub fn new(triangles: &'a [[Vec3; 3]]) -> Self {
         let bounds = |t: &[Vec3; 3]| {
             let [a, b, c] = t.map(Vec3A::from);
             Aabb { min: a.min(b).min(c) - GROWN, max: a.max(b).max(c) + GROWN }
         };
-        let bounds: Vec<Aabb> = scene.triangles.iter().map(bounds).collect();
+        let bounds: Vec<Aabb> = triangles.iter().map(bounds).collect();
         let tree = build_bvh2(&bounds, BvhBuildParams::medium_build(), &mut Duration::default());
-        Self { triangles: &scene.triangles, tree }
+        Self { triangles, tree }
     }
 
     pub fn normal(&self, triangle: u32) -> Vec3 {
@@ -129,13 +129,13 @@ impl<'a> Mesh<'a> {
     }
 
     /// Whether a triangle that is not the point's own is between it and an eye.
-    fn hides(&self, point: Vec3, own: u32, eye: Vec3) -> bool {
+    pub fn hides(&self, point: Vec3, eye: Vec3, own: impl Fn(u32) -> bool) -> bool {
         let (from, step) = (eye.as_dvec3(), (point - eye).as_dvec3());
         let ray = Ray::new(eye.into(), (point - eye).into(), 0.0, 1.0);
         let mut hidden = false;
         self.tree.ray_traverse_miss(ray, |_, i| {
             let i = self.tree.primitive_indices[i];
-            hidden |= i != own && crosses(from, step, self.triangle(i)).is_some_and(|far| far < 1.0 - END);
+            hidden |= !own(i) && crosses(from, step, self.triangle(i)).is_some_and(|far| far < 1.0 - END);
             if hidden { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         hidden
@@ -144,8 +144,8 @@ impl<'a> Mesh<'a> {
 
 /// Whether `eye` sees each point: no triangle but its own is between them.
 pub fn seen(scene: &Scene, samples: &Samples, eye: Vec3) -> BitVec {
-    let mesh = Mesh::new(scene);
-    let is_seen = |i: usize| !mesh.hides(samples.points[i], samples.triangle[i], eye);
+    let mesh = Mesh::new(&scene.triangles);
+    let is_seen = |i: usize| !mesh.hides(samples.points[i], eye, |own| own == samples.triangle[i]);
     let seen: Vec<bool> = (0..samples.points.len()).into_par_iter().map(is_seen).collect();
     seen.into_iter().collect()
 }

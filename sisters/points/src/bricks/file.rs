@@ -237,21 +237,9 @@ impl Bricks {
     /// # Errors
     /// Those of [`Scene::insert`]; the bricks before the error are inserted.
     pub fn insert_into(&self, scene: &mut Scene) -> Result<Vec<ObjectId>, casca::Error> {
-        self.insert_grown(scene, 0.0)
-    }
-
-    /// As [`Bricks::insert_into`], with bounds that reach farther by `margin` to each side; one
-    /// that is not positive counts as 0. With [occluders](crate::occluders) estimated from the
-    /// points, the margin keeps a wall from hiding its own points.
-    ///
-    /// # Errors
-    /// As [`Bricks::insert_into`].
-    pub fn insert_grown(&self, scene: &mut Scene, margin: f32) -> Result<Vec<ObjectId>, casca::Error> {
-        let margin = Vec3::splat(margin.max(0.0));
         scene.reserve(self.len());
-        let bounds = |brick: &Brick| Aabb::new(brick.bounds.min - margin, brick.bounds.max + margin);
         let objects = self.index.iter().zip(0_u64..);
-        objects.map(|(brick, i)| scene.insert(ObjectDesc::fixed(bounds(brick)).user_data(i))).collect()
+        objects.map(|(brick, i)| scene.insert(ObjectDesc::fixed(brick.bounds).user_data(i))).collect()
     }
 
     /// The points that a picture needs of some bricks, in the given order, which should be from
@@ -279,26 +267,6 @@ impl Bricks {
         let level = brick.counts.iter().rposition(|&n| u64::from(n) * 4 <= u64::from(points)).unwrap_or(0);
         let area = f64::from(brick.counts[level]) / f64::from(points.max(1));
         (brick.edge() * (-(level as f64)).exp2() * area.sqrt()) as f32
-    }
-
-    /// The spacing of all points of a brick, of which a share of all points lies in bricks that are
-    /// as dense or denser. 0 without points.
-    pub(crate) fn usual_spacing(&self, share: f64) -> f32 {
-        let spacing = |i: u32| (self.spacing(i, u32::MAX), self.index[i as usize].all());
-        let mut all: Vec<(f32, u32)> = (0..self.len() as u32).map(spacing).collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut left = share * self.header.points as f64;
-        let usual = all.iter().find(|(_, points)| {
-            left -= f64::from(*points);
-            left <= 0.0
-        });
-        usual.map_or(0.0, |(spacing, _)| *spacing)
-    }
-
-    /// Reads all points of a brick that is in the file.
-    pub(crate) fn positions(&self, brick: u32) -> Result<impl Iterator<Item = Vec3>, BrickError> {
-        let points = self.read(brick, 0..self.index[brick as usize].all())?;
-        Ok(points.into_iter().map(|p| p.position))
     }
 
     #[cfg(test)]

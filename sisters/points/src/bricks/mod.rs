@@ -1,5 +1,5 @@
 //! Clouds larger than memory, cut into bricks that a [`casca::Scene`] culls as objects, between
-//! walls that the application inserts, or [occluders](crate::occluders) estimated from the points.
+//! walls that the application inserts.
 //!
 //! A file of bricks is built out of core by a [`Builder`]. [`Bricks`] opens it: the index is in
 //! memory, 64 bytes for each brick; the points, 16 bytes each and 20 with normals, stay in the

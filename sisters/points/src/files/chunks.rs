@@ -3,32 +3,28 @@
 //! Not by its `LasZipDecompressor`: that panics where a table of chunks is too short, and loses the
 //! points before a fault.
 
-use std::io::{BufRead, Seek, SeekFrom};
+use std::io::{Seek, SeekFrom};
 use std::thread;
 use std::vec::IntoIter;
 
 use laz::laszip::ChunkTable;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 
-use super::guarded::{PANICKED, guarded, plain};
 use super::head::{Head, Packed};
 use super::layers::{Layers, STACK};
-use super::records::{room, wanted};
+use super::lidar::{room, wanted};
+use super::sink::Source;
+use super::{PANICKED, guarded, plain};
 
 /// Bytes of the first point of a chunk, at least: it is not compressed.
 const LEAST_RECORD: u64 = 20;
 
-/// A place that points can be read from, also a borrowed one.
-pub(super) trait Place: BufRead + Seek + Send + Sync {}
-
-impl<T: BufRead + Seek + Send + Sync> Place for T {}
-
 /// Points and bytes of a chunk.
 type Entry = (u64, u64);
 
-/// The points of a file, or of one chunk, in their order.
-pub(super) struct Chunks<'a, S: Place + 'a> {
-    decoder: Box<dyn RecordDecompressor<Layers<S>> + Send + Sync + 'a>,
+/// The points of a file, in their order.
+pub(super) struct Chunks<S: Source> {
+    decoder: Box<dyn RecordDecompressor<Layers<S>> + Send + Sync>,
     packed: Packed,
     /// Bytes of a point.
     record: usize,
@@ -45,49 +41,24 @@ pub(super) struct Gap {
     pub points: u64,
 }
 
-impl<'a, S: Place + 'a> Chunks<'a, S> {
+impl<S: Source> Chunks<S> {
     /// Of a file, whose source is at its points.
     pub fn new(mut source: S, head: &Head, packed: &Packed) -> Result<Self, String> {
         let is_one = packed.is_one_chunk;
         let table = if is_one { None } else { table(&mut source, head, packed) };
         let first = if is_one { head.start } else { head.start + 8 };
         source.seek(SeekFrom::Start(first)).map_err(plain)?;
-        let mut chunks = Self::at(source, head, packed, head.length)?;
-        (chunks.table, chunks.next) = (table.map(Vec::into_iter), first);
-        if packed.vlr.uses_variable_size_chunks() && !is_one && !chunks.is_layered() && chunks.table.is_none()
-        {
+        let is_layered = packed.vlr.items().first().is_some_and(|item| item.version() > 2);
+        if packed.vlr.uses_variable_size_chunks() && !is_one && !is_layered && table.is_none() {
             return Err("the table of its chunks, whose sizes vary, cannot be read".into());
         }
-        Ok(chunks)
-    }
-
-    /// Of a chunk of so many points, whose source is at its first, in a file that ends somewhere.
-    pub fn of_one(source: S, head: &Head, packed: &Packed, end: u64, points: u64) -> Result<Self, String> {
-        let mut chunks = Self::at(source, head, packed, end)?;
-        chunks.left = points;
-        chunks.restart()?;
-        Ok(chunks)
-    }
-
-    fn at(source: S, head: &Head, packed: &Packed, end: u64) -> Result<Self, String> {
-        let layers = Layers::new(source, &packed.vlr, end);
-        let is_layered = packed.vlr.items().first().is_some_and(|item| item.version() > 2);
+        let layers = Layers::new(source, &packed.vlr, head.length);
         let decoder: Box<dyn RecordDecompressor<Layers<S>> + Send + Sync> = match is_layered {
             true => Box::new(LayeredPointRecordDecompressor::new(layers)),
             false => Box::new(SequentialPointRecordDecompressor::new(layers)),
         };
-        Ok(Self {
-            decoder,
-            packed: packed.clone(),
-            record: head.layout.record,
-            table: None,
-            next: 0,
-            left: 0,
-        })
-    }
-
-    fn is_layered(&self) -> bool {
-        self.packed.vlr.items().first().is_some_and(|item| item.version() > 2)
+        let (packed, record) = (packed.clone(), head.layout.record);
+        Ok(Self { decoder, packed, record, table: table.map(Vec::into_iter), next: first, left: 0 })
     }
 
     /// Records of the next points, at most so many; and why those behind them are missing.
@@ -162,7 +133,7 @@ impl<'a, S: Place + 'a> Chunks<'a, S> {
 ///
 /// Compressed points begin with the offset of the table, or -1 and the file ends with it. Each
 /// chunk has at least a point.
-fn table(source: &mut impl Place, head: &Head, packed: &Packed) -> Option<Vec<Entry>> {
+fn table(source: &mut impl Source, head: &Head, packed: &Packed) -> Option<Vec<Entry>> {
     let mut number = |from: SeekFrom| {
         let mut bytes = [0; 8];
         source.seek(from)?;

@@ -6,9 +6,9 @@ use std::io::{self, Read, SeekFrom};
 use glam::DVec3;
 use laz::LazVlr;
 
-use super::guarded::{guarded, plain};
-use super::records::{Layout, check_items};
+use super::lidar::{Layout, check_items};
 use super::sink::{FileError, Sink, Source};
+use super::{guarded, plain};
 
 /// Bytes of the longest header, that of version 1.4, and of the shortest.
 const LONGEST: usize = 375;
@@ -45,8 +45,6 @@ pub(super) struct Head {
     pub layout: Layout,
     /// How points are compressed.
     pub packed: Option<Packed>,
-    /// The record of a COPC file.
-    pub copc: Option<Vec<u8>>,
 }
 
 /// The record of compressed points.
@@ -120,7 +118,7 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
     let count = count(&bytes, format, sink);
     let stated = u64::from(bytes.u32(96));
     let is_sound = (size..=length).contains(&stated);
-    let mut records = Records { at: size, found: 0, packed: None, copc: None };
+    let mut records = Records { at: size, found: 0, packed: None };
     let promised = bytes.u32(100);
     records.read(source, promised, is_packed, if is_sound { stated } else { length }).map_err(plain)?;
     if records.found < promised {
@@ -162,7 +160,7 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
     source.seek(SeekFrom::Start(start)).map_err(plain)?;
     // The header has the high and the low end of each axis side by side.
     let bounds = [bytes.axes(187, 16), bytes.axes(179, 16)];
-    Ok(Head { count, bounds, start, end, length, layout, packed, copc: records.copc })
+    Ok(Head { count, bounds, start, end, length, layout, packed })
 }
 
 /// The bytes of the header itself. Fields that it has no room for become zero.
@@ -289,12 +287,11 @@ struct Records {
     at: u64,
     found: u32,
     packed: Option<Vec<u8>>,
-    copc: Option<Vec<u8>>,
 }
 
 impl Records {
-    /// Reads those before a byte. Only some are kept; that of compressed points is also sought
-    /// behind the number of records that the header promises.
+    /// Reads those before a byte. Only that of compressed points is kept; it is also sought behind
+    /// the number of records that the header promises.
     fn read(&mut self, source: &mut impl Source, promised: u32, is_packed: bool, end: u64) -> io::Result<()> {
         while self.found < promised || is_packed && self.packed.is_none() {
             let mut head = [0; RECORD as usize];
@@ -308,18 +305,12 @@ impl Records {
             if next > end {
                 break;
             }
-            let is = |user: &[u8], id: u16| head[2..18].starts_with(user) && head[18..20] == id.to_le_bytes();
-            let kept = if is(b"laszip encoded", LazVlr::RECORD_ID) {
-                Some(&mut self.packed)
-            } else if is(b"copc\0", 1) {
-                Some(&mut self.copc)
-            } else {
-                None
-            };
-            if let Some(kept @ None) = kept {
+            let id = LazVlr::RECORD_ID.to_le_bytes();
+            let is_packing = head[2..18].starts_with(b"laszip encoded") && head[18..20] == id;
+            if is_packing && self.packed.is_none() {
                 let mut data = vec![0; size.into()];
                 source.read_exact(&mut data)?;
-                *kept = Some(data);
+                self.packed = Some(data);
             }
             (self.at, self.found) = (next, self.found + 1);
         }

@@ -4,7 +4,7 @@ use std::io::{self, BufRead, Write};
 
 use glam::{DVec3, Vec3};
 
-use super::guarded::plain;
+use super::plain;
 use super::ply_header::{self, Element, Encoding, Field, Kind};
 use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 use super::text::{Lines, number};

@@ -5,8 +5,7 @@ use std::io::{self, BufRead, Seek};
 
 use glam::{DVec3, Vec3};
 
-use super::guarded::plain;
-use super::levels::Selection;
+use super::plain;
 use crate::{PointCloud, UNKNOWN_SCANNER, numeric};
 
 /// Why a file could not be read or written.
@@ -25,18 +24,10 @@ pub enum FileError {
     Header {
         /// The file.
         name: String,
-        /// "PLY", "LAS", "COPC", "EPT", "E57" or "surfel".
+        /// "PLY", "LAS", "E57" or "surfel".
         format: &'static str,
         /// What is wrong.
         cause: String,
-    },
-    /// Levels were wanted of a file that has none.
-    #[error("{name}: {format} files have no levels, only COPC and EPT files do")]
-    NoLevels {
-        /// The file.
-        name: String,
-        /// "PLY", "LAS", "E57" or "surfel".
-        format: &'static str,
     },
     /// A point that does not follow the format, or is missing.
     #[error("{name}, {place}: {cause}")]
@@ -105,19 +96,17 @@ pub struct Report {
 /// Collects points and hands out full chunks.
 pub(super) struct Sink<'a, E> {
     pub name: String,
-    /// The part of the file that is wanted.
-    wanted: Selection,
     most: usize,
     chunk: PointCloud,
     origin: Option<DVec3>,
     /// Points that wait for the origin.
     first: Vec<(Sample, Attributes)>,
-    /// Points that were read, wanted or not, and those that could not be, with the first reason.
+    /// Points that were read, and those that could not be, with the first reason.
     read: u64,
     lost: u64,
     loss: Option<FileError>,
     report: Report,
-    /// The box of the points that were read since it was [`NONE`].
+    /// The box of the points that were read.
     pub extent: [DVec3; 2],
     /// The bits below the byte of a LAS colour, known from the first points that are not black.
     pub colour_shift: Option<u32>,
@@ -125,15 +114,9 @@ pub(super) struct Sink<'a, E> {
 }
 
 impl<'a, E: From<FileError>> Sink<'a, E> {
-    pub fn new(
-        name: String,
-        wanted: Selection,
-        most: usize,
-        each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
-    ) -> Self {
+    pub fn new(name: String, most: usize, each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>) -> Self {
         Self {
             name,
-            wanted,
             most: most.max(1),
             chunk: PointCloud::default(),
             origin: None,
@@ -148,11 +131,6 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
         }
     }
 
-    /// The part of the file that is wanted.
-    pub fn wanted(&self) -> &Selection {
-        &self.wanted
-    }
-
     pub fn push(&mut self, sample: Sample, has: Attributes) -> Result<(), E> {
         self.read += 1;
         if !sample.position.is_finite() {
@@ -161,9 +139,6 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
         }
         let [low, high] = self.extent;
         self.extent = [low.min(sample.position), high.max(sample.position)];
-        if !self.wanted.has(sample.position) {
-            return Ok(());
-        }
         if let Some(origin) = self.origin {
             return self.add(sample, has, origin);
         }
@@ -258,10 +233,6 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
 
     pub fn io(&self, source: io::Error) -> FileError {
         FileError::Io { name: self.name.clone(), source }
-    }
-
-    pub fn no_levels(&self, format: &'static str) -> FileError {
-        FileError::NoLevels { name: self.name.clone(), format }
     }
 
     pub fn header(&self, format: &'static str, cause: impl ToString) -> FileError {

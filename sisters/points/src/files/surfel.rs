@@ -6,8 +6,7 @@ use glam::DVec3;
 use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
 use super::text::{Lines, number};
 
-const NO_COUNT: &str =
-    "it begins with no number of surfels; PLY, LAS, LAZ, COPC, EPT and E57 files are read, too";
+const NO_COUNT: &str = "it begins with no number of surfels; PLY, LAS, LAZ and E57 files are read, too";
 
 pub(super) fn read<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let all = Attributes { colours: true, normals: true, radii: true };

@@ -14,14 +14,6 @@ pub(super) fn unmarked(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes)
 }
 
-/// A source behind its byte-order mark.
-pub(super) fn skip_mark(source: &mut impl BufRead) -> io::Result<()> {
-    if source.fill_buf()?.starts_with(BYTE_ORDER_MARK) {
-        source.consume(BYTE_ORDER_MARK.len());
-    }
-    Ok(())
-}
-
 /// The lines of a text, which end as the first one does: by a carriage return alone, or not.
 pub(super) struct Lines<S> {
     source: S,
@@ -34,7 +26,9 @@ pub(super) struct Lines<S> {
 
 impl<S: BufRead> Lines<S> {
     pub fn new(mut source: S) -> io::Result<Self> {
-        skip_mark(&mut source)?;
+        if source.fill_buf()?.starts_with(BYTE_ORDER_MARK) {
+            source.consume(BYTE_ORDER_MARK.len());
+        }
         let start = source.fill_buf()?;
         let first = start.iter().position(|byte| b"\r\n".contains(byte));
         let alone = |i: usize| start[i] == b'\r' && start.get(i + 1) != Some(&b'\n');

@@ -1,153 +1,15 @@
-//! The splat operator beside the processor's, and pictures of surfels beside analytic ones.
+//! Pictures of surfels beside analytic ones.
 
 use super::*;
 use crate::Camera;
-use crate::samples::{cases, sphere};
-use crate::splat::{self, Bias, Filter, Radius, SplatError, SplatOptions};
+use crate::samples::sphere;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_stage::wgpu::{self, Color};
+use casca_stage::wgpu::Color;
 use glam::Vec3;
-use proptest::prelude::*;
 
 fn floats(points: impl IntoIterator<Item = glam::DVec3>) -> Vec<Vec3> {
     points.into_iter().map(|p| p.as_vec3()).collect()
-}
-
-const FILTERS: [Filter; 4] = [Filter::None, Filter::Max, Filter::PlainMax, Filter::Min];
-
-#[test]
-fn answers_are_those_of_the_processor_bit_by_bit() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let operator = SplatOperator::new(&gpu);
-    let config = cases(60);
-    let mut runner = proptest::test_runner::TestRunner::new(config);
-    let coordinate = || prop_oneof![-1.0..1.0_f32, Just(0.0_f32), -1e-3..1e-3_f32];
-    let cloud = (prop::collection::vec([coordinate(), coordinate(), coordinate()], 0..200), 0..3000_usize);
-    let camera =
-        ([-3.0..3.0_f32, -3.0..3.0_f32, 0.1..3.0_f32], 0.2..2.5_f32, (1..300_u32, 1..200_u32), 1e-3..0.5_f32);
-    let bias = prop_oneof![(0.0..0.2_f32).prop_map(Bias::Window), (0.0..0.3_f32).prop_map(Bias::World)];
-    let radius = prop_oneof![0.0..0.05_f32, 0.0..3.0_f32, Just(0.0_f32)];
-    let options = (0..4_usize, bias, radius, any::<[bool; 2]>(), -10..10_i32);
-    let done = runner.run(
-        &(cloud, camera, options),
-        |((random, even), (eye, fov, size, near), (filter, bias, radius, [each, slopes], scale))| {
-            // The scale of the world moves exponents, and with them the rounding.
-            let scale = 3_f32.powi(scale);
-            let random = random.iter().copied().map(Vec3::from_array);
-            let points: Vec<Vec3> = random.chain(floats(sphere(even))).map(|p| p * scale).collect();
-            let camera = Camera::look_at(
-                Vec3::from(eye) * scale,
-                Vec3::ZERO,
-                Vec3::Y,
-                fov,
-                size,
-                near * scale,
-                20.0 * scale,
-            )
-            .unwrap();
-            let radii: Vec<f32> = (0..points.len()).map(|i| radius * scale * (i % 7) as f32).collect();
-            let radius = if each { Radius::Each(&radii) } else { Radius::Same(radius * scale) };
-            let bias = if let Bias::World(length) = bias { Bias::World(length * scale) } else { bias };
-            let options = SplatOptions { radius, bias, filter: FILTERS[filter], slopes };
-            let expected = splat::visible_points(&points, &camera, &options).unwrap().visible;
-            let uploaded = GpuPoints::new(&gpu, &points).unwrap();
-            for _ in 0..2 {
-                let found = operator.visible_points(&gpu, &uploaded, &camera, &options).unwrap();
-                prop_assert_eq!(
-                    &found,
-                    &expected,
-                    "{} of {} points",
-                    (found.clone() ^ &expected).count_ones(),
-                    points.len()
-                );
-            }
-            Ok(())
-        },
-    );
-    done.unwrap();
-}
-
-#[test]
-fn quotients_of_the_shader_are_rounded_as_those_of_the_processor() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let entry = "@compute @workgroup_size(1) fn quotients(@builtin(workgroup_id) group: vec3u) {
-        limits[group.x] = quotient(points[2u * group.x], points[2u * group.x + 1u]);
-    }";
-    let source = wgpu::ShaderSource::Wgsl([include_str!("splat.wgsl"), entry].concat().into());
-    let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
-    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &shader,
-        entry_point: Some("quotients"),
-        compilation_options: Default::default(),
-        cache: None,
-    });
-    // Mantissas from a sequence that meets all of them, and those at the ends.
-    let mantissa = |i: u32| {
-        if i.is_multiple_of(9) { [0, 1, 0x7f_ffff][i as usize % 3] } else { i.wrapping_mul(0x9e37_79b1) >> 9 }
-    };
-    let float = |i: u32| f32::from_bits((100 + i * 7 % 55) << 23 | mantissa(i));
-    let pairs: Vec<[f32; 2]> = (0..60_000).map(|i| [float(i), float(i * 5 + 1)]).collect();
-    let buffer = |size| gpu.buffer(size, wgpu::BufferUsages::STORAGE).unwrap();
-    let (points, quotients) = (buffer(480_000), buffer(240_000));
-    gpu.queue.write_buffer(&points, 0, bytemuck::cast_slice(&pairs));
-    let entries = [(3, &quotients), (5, &points)]
-        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
-    let layout = &pipeline.get_bind_group_layout(0);
-    let group =
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let mut pass = encoder.begin_compute_pass(&Default::default());
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.dispatch_workgroups(60_000, 1, 1);
-    drop(pass);
-    gpu.queue.submit([encoder.finish()]);
-    let found: Vec<f32> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&quotients).unwrap());
-    for ([a, b], found) in pairs.iter().zip(found) {
-        assert_eq!(found, a / b, "{a} / {b}");
-    }
-}
-
-#[test]
-fn clouds_of_several_buffers_and_none_are_answered() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let operator = SplatOperator::new(&gpu);
-    let camera = Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO, Vec3::Y, 0.8, (640, 480), 0.1, 10.0).unwrap();
-    let options = SplatOptions {
-        radius: Radius::Same(1e-3),
-        bias: Bias::World(0.01),
-        filter: Filter::Max,
-        slopes: false,
-    };
-    // One buffer holds 2^22 points.
-    for count in [0, (1 << 22) + 77] {
-        let points = floats(sphere(count));
-        let uploaded = GpuPoints::new(&gpu, &points).unwrap();
-        let found = operator.visible_points(&gpu, &uploaded, &camera, &options).unwrap();
-        assert!(found == splat::visible_points(&points, &camera, &options).unwrap().visible);
-        assert!(count == 0 || found.count_ones() > count / 4);
-    }
-}
-
-#[test]
-fn errors_name_the_cause() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let bad = [Vec3::ONE, Vec3::NAN];
-    let error = GpuPoints::new(&gpu, &bad).err().unwrap();
-    assert!(matches!(error, GpuSplatError::Splat(SplatError::PointNotFinite { index: 1 })), "{error}");
-    let points = GpuPoints::new(&gpu, &bad[..1]).unwrap();
-    let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 0.8, (640, 480), 0.1, 10.0).unwrap();
-    let options = SplatOptions {
-        radius: Radius::Each(&[]),
-        bias: Bias::World(0.01),
-        filter: Filter::Max,
-        slopes: false,
-    };
-    let error = SplatOperator::new(&gpu).visible_points(&gpu, &points, &camera, &options).unwrap_err();
-    assert!(matches!(error, GpuSplatError::Splat(SplatError::Radii { radii: 0, points: 1 })), "{error}");
 }
 
 const BLUE: [u8; 4] = [0, 0, 200, 255];

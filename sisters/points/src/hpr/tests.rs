@@ -6,7 +6,7 @@ use crate::hull::tests::truth;
 use crate::samples::{cases, coordinate, sphere};
 use proptest::prelude::*;
 
-const SPHERICAL: Kernel = Kernel::Relative { log10_radius: 2.9 };
+const USUAL: f64 = 2.9;
 
 /// Visible points, falsely visible ones, falsely hidden ones.
 #[derive(Debug, PartialEq)]
@@ -16,8 +16,8 @@ struct Errors {
     false_hidden: usize,
 }
 
-fn errors(points: &[DVec3], eye: DVec3, kernel: Kernel, truth: impl Fn(DVec3) -> bool) -> Errors {
-    let found = visible_points(points, eye, kernel).unwrap();
+fn errors(points: &[DVec3], eye: DVec3, log10_radius: f64, truth: impl Fn(DVec3) -> bool) -> Errors {
+    let found = visible_points(points, eye, log10_radius).unwrap();
     let count = |fits: fn(bool, bool) -> bool| {
         points.iter().zip(&found).filter(|(p, found)| fits(truth(**p), **found)).count()
     };
@@ -37,11 +37,9 @@ fn sheet(side: usize, z: f64) -> impl Iterator<Item = DVec3> {
 #[test]
 fn the_near_half_of_a_sphere_is_visible() {
     let (points, eye) = (sphere(20_000), DVec3::new(3.0, 1.0, -2.0));
-    for kernel in [SPHERICAL, Kernel::Absolute { radius: 4000.0 }, Kernel::Exponential { gamma: -0.001 }] {
-        let errors = errors(&points, eye, kernel, |p| p.dot(eye - p) > 0.0);
-        assert!(errors.visible > 7000, "{errors:?}");
-        assert!(errors.false_visible < 200 && errors.false_hidden < 200, "{kernel:?} {errors:?}");
-    }
+    let errors = errors(&points, eye, USUAL, |p| p.dot(eye - p) > 0.0);
+    assert!(errors.visible > 7000, "{errors:?}");
+    assert!(errors.false_visible < 200 && errors.false_hidden < 200, "{errors:?}");
 }
 
 #[test]
@@ -51,8 +49,7 @@ fn a_larger_radius_trades_false_hidden_for_false_visible_points() {
     let wall = sheet(60, 0.0).map(|p| DVec3::new(1.0, p.x, p.y + 1.0));
     let points: Vec<DVec3> = sheet(60, 0.0).chain(wall).chain(sheet(60, -0.5)).collect();
     let (eye, truth) = (DVec3::new(-0.6, 0.02, 3.0), |p: DVec3| p.z >= 0.0);
-    let [small, best, large] =
-        [0.0, 2.5, 6.0].map(|log10_radius| errors(&points, eye, Kernel::Relative { log10_radius }, truth));
+    let [small, best, large] = [0.0, 2.5, 6.0].map(|log10_radius| errors(&points, eye, log10_radius, truth));
     assert!(small.false_hidden > 1000 && small.false_visible == 0, "{small:?}");
     assert!(best.false_hidden + best.false_visible < 100, "{best:?}");
     assert!(large.false_hidden == 0 && large.false_visible > 2000, "{large:?}");
@@ -65,26 +62,29 @@ fn three_sides_of_a_box_are_visible() {
         .chain(sheet(40, 1.0).flat_map(|p| [DVec3::new(p.x, p.z, p.y), -DVec3::new(p.x, p.z, p.y)]))
         .collect();
     let eye = DVec3::new(4.0, 3.0, 5.0);
-    let errors = errors(&points, eye, SPHERICAL, |p| p.max_element() == 1.0);
+    let errors = errors(&points, eye, USUAL, |p| p.max_element() == 1.0);
     assert!(errors.visible > 4000 && errors.false_visible < 120 && errors.false_hidden < 120, "{errors:?}");
 }
 
 #[test]
 fn a_soft_body_has_the_answer_of_whole_numbers_in_each_frame() {
-    let (rest, eye, kernel) = (sphere(2000), DVec3::new(-3.0, 3.0, 3.0), Kernel::Absolute { radius: 3000.0 });
+    let (rest, eye) = (sphere(2000), DVec3::new(-3.0, 3.0, 3.0));
+    // One sphere for all points and for some of them.
+    let log10 =
+        |points: &[DVec3]| (3000.0 / points.iter().map(|p| p.distance(eye)).fold(0.0, f64::max)).log10();
     for frame in 0..150 {
         let time = f64::from(frame) / 8.0;
         let wave = |p: DVec3| 1.0 + 0.3 * (5.0 * p.x + time).sin() * (4.0 * p.y - 2.0 * time).sin();
         let body: Vec<DVec3> = rest.iter().map(|&p| p * wave(p)).collect();
-        let all = visible_points(&body, eye, kernel).unwrap();
+        let all = visible_points(&body, eye, log10(&body)).unwrap();
         assert!((500..1000).contains(&all.count_ones()), "{}", all.count_ones());
         // Whatever is hidden among a few points is hidden among all.
         let some: Vec<usize> = (0..12).map(|i| (frame as usize * 37 + i * 163) % body.len()).collect();
         let few: Vec<DVec3> = some.iter().map(|&i| body[i]).collect();
-        let found = visible_points(&few, eye, kernel).unwrap();
+        let found = visible_points(&few, eye, log10(&few)).unwrap();
         assert!(some.iter().zip(&found).all(|(&i, found)| *found || !all[i]), "frame {frame}");
         let whole = |p: DVec3| (p * f64::from(1 << 28)).round().to_array().map(|x| x as i128);
-        let images = flip::flip(&few, eye, kernel).unwrap();
+        let images = flip(&few, eye, log10(&few)).unwrap();
         let truth = truth(&images.into_iter().chain([DVec3::ZERO]).map(whole).collect::<Vec<_>>());
         assert_eq!(found.iter().by_vals().collect::<Vec<_>>(), truth[..12], "frame {frame}");
     }
@@ -95,34 +95,22 @@ fn points_at_the_eye_on_rays_and_twice_have_defined_answers() {
     let eye = DVec3::new(1.0, 2.0, 3.0);
     let at = |t: f64| eye + DVec3::X * t;
     let points = [eye, at(2.0), at(1.0), at(1.0), at(-4.0), at(-3.0), eye];
-    let visible = visible_points(&points, eye, SPHERICAL).unwrap();
+    let visible = visible_points(&points, eye, USUAL).unwrap();
     assert_eq!(visible.iter().by_vals().collect::<Vec<_>>(), [true, false, true, true, false, true, true]);
-    assert!(visible_points(&[], eye, SPHERICAL).unwrap().is_empty());
-    assert!(visible_points(&[eye; 5], eye, Kernel::Absolute { radius: 0.0 }).unwrap().all());
-    assert!(visible_points(&[at(1.0)], eye, SPHERICAL).unwrap().all());
-}
-
-#[test]
-fn a_steep_kernel_hides_far_points() {
-    let points = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE * 1e4];
-    let visible = visible_points(&points, DVec3::ZERO, Kernel::Exponential { gamma: -100.0 }).unwrap();
-    assert_eq!(visible.iter().by_vals().collect::<Vec<_>>(), [true, true, true, false]);
+    assert!(visible_points(&[], eye, USUAL).unwrap().is_empty());
+    assert!(visible_points(&[eye; 5], eye, USUAL).unwrap().all());
+    assert!(visible_points(&[at(1.0)], eye, USUAL).unwrap().all());
 }
 
 #[test]
 fn errors_name_the_cause() {
-    let ask = |points: &[DVec3], eye, kernel| visible_points(points, eye, kernel).unwrap_err();
+    let ask = |points: &[DVec3], eye, log10| visible_points(points, eye, log10).unwrap_err();
     let far = DVec3::splat(f64::MAX);
-    assert_eq!(ask(&[DVec3::ZERO, DVec3::NAN], DVec3::ONE, SPHERICAL), HprError::PointNotFinite { index: 1 });
-    assert_eq!(ask(&[], DVec3::NAN, SPHERICAL), HprError::EyeNotFinite);
-    assert_eq!(ask(&[DVec3::ZERO, -far], far, SPHERICAL), HprError::TooFar { index: 1 });
-    let log = |log10_radius| Kernel::Relative { log10_radius };
-    assert_eq!(ask(&[], DVec3::ONE, log(-0.1)), HprError::LogRadius { log10_radius: -0.1 });
-    assert!(matches!(ask(&[], DVec3::ONE, log(f64::NAN)), HprError::LogRadius { .. }));
-    let short = Kernel::Absolute { radius: 1.5 };
-    assert_eq!(ask(&[DVec3::X * 2.0], DVec3::ZERO, short), HprError::Radius { radius: 1.5, farthest: 2.0 });
-    for gamma in [0.0, 1.0, f64::NAN, f64::NEG_INFINITY] {
-        assert!(matches!(ask(&[], DVec3::ONE, Kernel::Exponential { gamma }), HprError::Gamma { .. }));
+    assert_eq!(ask(&[DVec3::ZERO, DVec3::NAN], DVec3::ONE, USUAL), HprError::PointNotFinite { index: 1 });
+    assert_eq!(ask(&[], DVec3::NAN, USUAL), HprError::EyeNotFinite);
+    assert_eq!(ask(&[DVec3::ZERO, -far], far, USUAL), HprError::TooFar { index: 1 });
+    for bad in [-0.1, 300.1, f64::NAN] {
+        assert!(matches!(ask(&[], DVec3::ONE, bad), HprError::LogRadius { .. }));
     }
 }
 
@@ -144,16 +132,10 @@ proptest! {
             prop::array::uniform3(double()),
             prop::array::uniform3(coordinate(1.0).prop_map(f64::from)),
         ],
-        value in double(),
-        kind in 0..3,
+        log10_radius in 0.0..300.0,
     ) {
         let points: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
-        let kernel = match kind {
-            0 => Kernel::Relative { log10_radius: value },
-            1 => Kernel::Absolute { radius: value },
-            _ => Kernel::Exponential { gamma: value },
-        };
-        if let Ok(visible) = visible_points(&points, DVec3::from_array(eye), kernel) {
+        if let Ok(visible) = visible_points(&points, DVec3::from_array(eye), log10_radius) {
             prop_assert_eq!(visible.len(), points.len());
             for i in 0..points.len() {
                 prop_assert!(points[i].to_array() != eye || visible[i], "a point at the eye");

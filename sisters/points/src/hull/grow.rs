@@ -1,10 +1,62 @@
 //! The hull grows by one point at a time, the farthest above some face.
 
-use super::mesh::{Face, NONE};
-use crate::numeric::above;
+use crate::numeric::{PLANE_ERROR, above};
 use bitvec::vec::BitVec;
 use glam::DVec3;
 use std::collections::VecDeque;
+
+/// No point, or no face.
+const NONE: u32 = u32::MAX;
+
+/// A triangle of the hull, counterclockwise as seen from outside.
+#[derive(Debug, Clone)]
+struct Face {
+    normal: DVec3,
+    offset: f64,
+    error: f64,
+    /// The height of `far` above the plane.
+    far_height: f64,
+    /// Its corners.
+    corners: [u32; 3],
+    /// The faces across the edges from corner `i` to the next one.
+    neighbours: [u32; 3],
+    /// The first of a list of points above this face; [`NONE`] if there is none.
+    first: u32,
+    /// The point of the list that is farthest from the plane.
+    far: u32,
+    /// The last step at which a point was found to be above (even) or not above (odd) this face;
+    /// [`NONE`] for a removed face.
+    mark: u32,
+}
+
+impl Face {
+    fn new(points: &[DVec3], corners: [u32; 3]) -> Self {
+        let [a, b, c] = corners.map(|i| points[i as usize]);
+        let (ab, ac) = (b - a, c - a);
+        let normal = ab.cross(ac);
+        let error = PLANE_ERROR * ab.abs().max_element() * ac.abs().max_element();
+        let offset = normal.dot(a);
+        let (neighbours, first, far, mark) = ([NONE; 3], NONE, NONE, 0);
+        Self { normal, offset, error, far_height: 0.0, corners, neighbours, first, far, mark }
+    }
+
+    /// Positive if a point is strictly above the plane, zero on it, negative below; the sign is
+    /// exact.
+    #[inline]
+    fn height(&self, points: &[DVec3], p: DVec3) -> f64 {
+        let height = self.normal.dot(p) - self.offset;
+        if height.abs() > self.error {
+            return height;
+        }
+        let [a, b, c] = self.corners.map(|i| points[i as usize]);
+        above(a, b, c, p)
+    }
+
+    /// The edge across which the neighbour is `face`.
+    fn edge_to(&self, face: u32) -> usize {
+        self.neighbours.iter().position(|&n| n == face).unwrap_or(0)
+    }
+}
 
 /// The extreme points of points of which four, the fourth below the first three, are not in a
 /// plane.
@@ -13,10 +65,6 @@ pub(super) fn extreme(points: &[DVec3], simplex: [u32; 4]) -> BitVec {
     hull.grow();
     hull.extreme()
 }
-
-/// With this many new faces a binary search is faster than looking at each. Without it, points on
-/// two circles take quadratic time.
-const LARGE_FAN: usize = 32;
 
 /// This part of the points is added all around before the hull is finished place by place, which is
 /// faster as a place is in the processor's caches. Without it, one place can be finished while its
@@ -124,54 +172,8 @@ impl<'a> Hull<'a> {
 
     /// A fresh face that a point is above, and its height.
     fn face_below(&self, point: DVec3) -> Option<(u32, f64)> {
-        let count = self.fresh.len();
-        if count >= LARGE_FAN {
-            let starts = [0, count / 3, 2 * count / 3];
-            if let Some(found) = starts.into_iter().find_map(|start| self.search_fan(start, point)) {
-                return found;
-            }
-        }
-        self.scan_fan(point)
-    }
-
-    /// The same by looking at each face.
-    fn scan_fan(&self, point: DVec3) -> Option<(u32, f64)> {
         let height = |id: u32| self.faces[id as usize].height(self.points, point);
         self.fresh.iter().map(|&id| (id, height(id))).find(|&(_, height)| height > 0.0)
-    }
-
-    /// The same by a binary search in a fan of fresh faces around a new point, the tip; `None` if
-    /// the point is in the planes of both faces at the first corner, where `start` begins.
-    ///
-    /// A point that is above neither of these two faces is in the wedge between them. Planes
-    /// through the tip, the first corner and each other corner cut the wedge into a sector for each
-    /// face, and a point above no face of its sector is above none.
-    fn search_fan(&self, start: usize, point: DVec3) -> Option<Option<(u32, f64)>> {
-        let count = self.fresh.len();
-        let id = |i: usize| self.fresh[(start + i) % count];
-        let corner =
-            |i: usize, corner: usize| self.points[self.faces[id(i) as usize].corners[corner] as usize];
-        let above_face = |i: usize| {
-            let height = self.faces[id(i) as usize].height(self.points, point);
-            (height, Some((id(i), height)).filter(|_| height > 0.0))
-        };
-        let ((first, found), (last, found_last)) = (above_face(0), above_face(count - 1));
-        if found.or(found_last).is_some() {
-            return Some(found.or(found_last));
-        }
-        if first == 0.0 && last == 0.0 {
-            return None;
-        }
-        let (mut low, mut high) = (1, count - 1);
-        while high - low > 1 {
-            let middle = low.midpoint(high);
-            if above(corner(0, 0), corner(middle, 0), corner(0, 2), point) <= 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(above_face(low).1)
     }
 
     /// Adds a point that is above a face.
@@ -234,8 +236,7 @@ impl<'a> Hull<'a> {
         }
     }
 
-    /// Joins a point to all edges of the border. Many new faces are put in the order in which they
-    /// go around the point.
+    /// Joins a point to all edges of the border.
     fn close(&mut self, p: u32) {
         self.fresh.clear();
         for &Border { from, to, beyond, edge } in &self.border {
@@ -255,13 +256,6 @@ impl<'a> Hull<'a> {
             let after = self.begins[border.to as usize];
             self.faces[id as usize].neighbours[1] = after;
             self.faces[after as usize].neighbours[2] = id;
-        }
-        if self.fresh.len() >= LARGE_FAN {
-            let mut id = self.fresh[0];
-            for at in &mut self.fresh {
-                *at = id;
-                id = self.faces[id as usize].neighbours[1];
-            }
         }
     }
 
@@ -289,47 +283,5 @@ impl<'a> Hull<'a> {
             extreme.set(p as usize, bit);
         }
         extreme
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::hull::start::{Start, find};
-    use crate::hull::tests::circle;
-
-    #[test]
-    fn a_search_in_a_fan_finds_what_a_scan_finds() {
-        let ring = circle().into_iter().map(|[x, y]| DVec3::new(x as f64, y as f64, 0.0));
-        let mut points: Vec<DVec3> = ring.chain([DVec3::Z * -1e4]).collect();
-        points.push(points[0]);
-        let mut moved = points.clone();
-        let tip = points.len() - 1;
-        moved[tip] = DVec3::new(3e3, 4e3, 2e4);
-        let Start::Solid(simplex) = find(&points) else { panic!() };
-        // The tip is at the place of another point until the rest is complete.
-        let mut hull = Hull::new(&points, simplex);
-        hull.grow();
-        hull.points = &moved;
-        let below =
-            hull.faces.iter().position(|face| face.mark != NONE && face.height(&moved, moved[tip]) > 0.0);
-        hull.add(below.unwrap() as u32, tip as u32);
-        assert!(hull.fresh.len() > 300, "{}", hull.fresh.len());
-        // Beyond the tip as seen from the ring, on lines through the tip and on planes through many
-        // corners, or anywhere.
-        let beyond = (0..tip).flat_map(|i| [2.0, 3.0].map(|t| moved[i].lerp(moved[tip], t)));
-        let between = (0..tip).map(|i| moved[i].midpoint(moved[(7 * i + 90) % tip]).lerp(moved[tip], 0.5));
-        // On both sides of each face, of which those at the first corner decide.
-        let faces = hull.fresh.iter().map(|&id| hull.faces[id as usize].corners.map(|i| moved[i as usize]));
-        let near = faces.flat_map(|[a, b, c]| [-1.0, 1.0].map(|z| (a + b + c) / 3.0 + DVec3::Z * z));
-        let grid = (0..1000)
-            .map(|i| (DVec3::new((i % 10) as f64, (i / 10 % 10) as f64, (i / 100) as f64) - 4.5) * 1e4);
-        let mut counts = [0; 2];
-        for point in beyond.chain(between).chain(near).chain(grid) {
-            let scanned = hull.scan_fan(point).is_some();
-            counts[usize::from(scanned)] += 1;
-            assert_eq!(hull.face_below(point).is_some_and(|(_, height)| height > 0.0), scanned, "{point}");
-        }
-        assert!(counts.iter().all(|&count| count > 300), "{counts:?}");
     }
 }

@@ -140,7 +140,7 @@ fn whole_points_of_a_sphere_are_extreme_and_twice_the_same() {
 }
 
 /// Whole points on a circle around the origin, about 300, in their order around it.
-pub(crate) fn circle() -> Vec<[i128; 2]> {
+fn circle() -> Vec<[i128; 2]> {
     // The square of a number whose prime factors are sums of two squares.
     let radius = 5 * 13 * 17 * 29_i128;
     let y = |x: i128| Some((radius * radius - x * x).isqrt()).filter(|y| x * x + y * y == radius * radius);

@@ -38,16 +38,14 @@ impl DepthImage {
         }
         // The largest is infinity if any pixel is without points.
         let mut pooled = self.pooled(|a, b| if a > b { a } else { b });
-        if filter != Filter::PlainMax {
-            let least = (filter == Filter::Min).then(|| self.pooled(|a, b| if a < b { a } else { b }));
-            pooled.par_iter_mut().enumerate().for_each(|(i, depth)| {
-                *depth = match &least {
-                    _ if *depth == f32::INFINITY => self.depths[i],
-                    Some(least) => least[i],
-                    None => *depth,
-                };
-            });
-        }
+        let least = (filter == Filter::Min).then(|| self.pooled(|a, b| if a < b { a } else { b }));
+        pooled.par_iter_mut().enumerate().for_each(|(i, depth)| {
+            *depth = match &least {
+                _ if *depth == f32::INFINITY => self.depths[i],
+                Some(least) => least[i],
+                None => *depth,
+            };
+        });
         Self { width: self.width, depths: pooled }
     }
 

@@ -1,6 +1,5 @@
 //! The parameters of the splat operator.
 
-use crate::hull::MAX_POINTS;
 use rayon::prelude::*;
 
 /// Radii that one thread checks at once.
@@ -44,8 +43,6 @@ pub enum Filter {
     /// beside one without points stays as it is, so that the outer silhouette does not shrink.
     #[default]
     Max,
-    /// The largest depth of 3x3 pixels everywhere; pixels without points are infinitely far.
-    PlainMax,
     /// The smallest depth of 3x3 pixels, except beside pixels without points. The thesis' text asks
     /// for it; it hides more points that are visible.
     Min,
@@ -125,12 +122,6 @@ pub enum SplatError {
         radii: usize,
         /// The number of points.
         points: usize,
-    },
-    /// There are more points than indices.
-    #[error("{count} points are too many: at most {MAX_POINTS}")]
-    TooMany {
-        /// The number of points.
-        count: usize,
     },
     /// A part that is not from 0 to below 1, or a length that is not from 0 to below infinity.
     #[error("the bias is {bias:?}: a part must be at least 0 and below 1, a length at least 0 and finite")]

@@ -68,32 +68,6 @@ pub fn visible(cloud: &PointCloud, eye: DVec3) -> Result<BitVec, SurfaceError> {
 #[derive(Clone)]
 pub struct Surface(Discs);
 
-/// Why a point is visible or hidden.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Answer {
-    /// Nothing is before it.
-    Visible,
-    /// Something is before it, but before few of its neighbours; not with given normals.
-    VisibleAsNeighbours,
-    /// The disc of the point of this number is before it.
-    Behind(usize),
-    /// Its normal points away from the eye, and it lies on a closed body or on the rim of a plate,
-    /// or a scanner saw it and none its back.
-    FacesAway,
-    /// A parallel surface is close before it, as if both were the sides of a plate.
-    FarSideOfPlate,
-    /// Nothing is before it, but most of its neighbours are hidden; not with given normals.
-    HiddenAsNeighbours,
-}
-
-impl Answer {
-    /// Whether the point is visible.
-    pub fn is_visible(&self) -> bool {
-        matches!(self, Self::Visible | Self::VisibleAsNeighbours)
-    }
-}
-
 impl fmt::Debug for Surface {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (points, discs) = (self.0.disc_of.len(), self.0.discs.len());
@@ -129,15 +103,6 @@ impl Surface {
     ///
     /// [`SurfaceError::EyeNotFinite`].
     pub fn visible(&self, eye: DVec3) -> Result<BitVec, SurfaceError> {
-        Ok(self.answers(eye)?.iter().map(Answer::is_visible).collect())
-    }
-
-    /// Why each point is visible from `eye`, or hidden, at the cost of [`visible`](Self::visible).
-    ///
-    /// # Errors
-    ///
-    /// [`SurfaceError::EyeNotFinite`].
-    pub fn answers(&self, eye: DVec3) -> Result<Vec<Answer>, SurfaceError> {
         if !eye.is_finite() {
             return Err(SurfaceError::EyeNotFinite);
         }
@@ -146,15 +111,8 @@ impl Surface {
         // The product may be infinite.
         let scale = self.0.frame.scale;
         let factor = if most * scale > FARTHEST_EYE { FARTHEST_EYE / most } else { scale };
-        let mut answers = self.0.answers(way * factor);
-        let mut points = vec![0; answers.len()];
-        self.0.disc_of.iter().enumerate().for_each(|(i, &disc)| points[disc as usize] = i);
-        for answer in &mut answers {
-            if let Answer::Behind(disc) = answer {
-                *disc = points[*disc];
-            }
-        }
-        Ok(self.0.disc_of.iter().map(|&disc| answers[disc as usize]).collect())
+        let visible = self.0.visible(way * factor);
+        Ok(self.0.disc_of.iter().map(|&disc| visible[disc as usize]).collect())
     }
 
     /// The normals of the discs, one for each point: those of the cloud, or estimates whose sign

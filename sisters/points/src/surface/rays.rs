@@ -1,6 +1,5 @@
 //! Rays between discs.
 
-use super::Answer;
 use super::disc::{Disc, Discs, NOBODY};
 use super::fan::{axes, covers};
 use crate::numeric::ALONG;
@@ -70,48 +69,39 @@ impl Disc {
 }
 
 impl Discs {
-    /// Why each disc can be seen from `eye`, or cannot.
-    pub(super) fn answers(&self, eye: DVec3) -> Vec<Answer> {
-        let first: Vec<Answer> = (0..self.discs.len()).into_par_iter().map(|i| self.answer(eye, i)).collect();
-        let seen = |i: usize| first[i].is_visible();
+    /// Whether each disc can be seen from `eye`.
+    pub(super) fn visible(&self, eye: DVec3) -> Vec<bool> {
+        let first: Vec<bool> = (0..self.discs.len()).into_par_iter().map(|i| self.is_seen(eye, i)).collect();
         let judged = |i: usize| {
             let peers = self.peers[i].iter().filter(|&&j| j != NOBODY);
             let (count, visible) = peers
-                .fold((0, 0), |(count, visible), &j| (count + 1, visible + usize::from(seen(j as usize))));
+                .fold((0, 0), |(count, visible), &j| (count + 1, visible + usize::from(first[j as usize])));
             let share = visible as f32 / count as f32;
-            if count < LEAST_PEERS {
-                first[i]
-            } else if seen(i) {
-                if share >= FEWEST { first[i] } else { Answer::HiddenAsNeighbours }
-            } else if share > MOST {
-                Answer::VisibleAsNeighbours
-            } else {
-                first[i]
+            match first[i] {
+                seen if count < LEAST_PEERS => seen,
+                true => share >= FEWEST,
+                false => share > MOST,
             }
         };
         (0..first.len()).into_par_iter().map(judged).collect()
     }
 
-    fn answer(&self, eye: DVec3, i: usize) -> Answer {
+    /// Whether the ray to a disc is free, and the disc does not face away on a closed body, on the
+    /// rim of a plate or before a scanner that did not see its back, nor is the far side of a plate.
+    fn is_seen(&self, eye: DVec3, i: usize) -> bool {
         let disc = &self.discs[i];
         let start = self.start(eye, i);
         if start == disc.at {
-            return Answer::Visible;
+            return true;
         }
-        if let Some(by) = self.hider(start, i) {
-            return Answer::Behind(by);
+        if self.hider(start, i).is_some() {
+            return false;
         }
-        let away = disc.normal.dot(start - disc.at) < 0.0;
-        if disc.solid && disc.normal.dot(start - disc.at) < -TURNED_AWAY * (start - disc.at).length() {
-            return Answer::FacesAway;
+        let facing = disc.normal.dot(start - disc.at);
+        if disc.solid && facing < -TURNED_AWAY * (start - disc.at).length() {
+            return false;
         }
-        if disc.oriented {
-            if away && self.is_on_body(i) { Answer::FacesAway } else { Answer::Visible }
-        } else if self.is_in_plate(start, i) {
-            Answer::FarSideOfPlate
-        } else {
-            Answer::Visible
-        }
+        if disc.oriented { !(facing < 0.0 && self.is_on_body(i)) } else { !self.is_in_plate(start, i) }
     }
 
     /// Where the ray from an eye to a point starts: at the eye, or nearer.

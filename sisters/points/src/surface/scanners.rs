@@ -154,7 +154,7 @@ fn crossings(discs: &Discs, large: &Discs, i: usize, scanner: DVec3) -> (Vec<Cro
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Answer, Surface, visible};
+    use super::super::{Surface, visible};
     use super::*;
     use glam::Vec3;
 
@@ -196,7 +196,7 @@ mod tests {
         for eye in [ABOVE, DVec3::new(100.0, 0.0, 30.0), DVec3::new(0.0, -100.0, 15.0)] {
             assert!(surface.visible(eye).unwrap().all(), "{eye}");
         }
-        assert!(surface.answers(BELOW).unwrap().iter().all(|answer| *answer == Answer::FacesAway));
+        assert!(!surface.visible(BELOW).unwrap().any());
         // Points whose scanner is not told are seen from both sides.
         let unknown = PointCloud { seen_by: vec![crate::UNKNOWN_SCANNER; 441], ..cloud(&[(0.0, ABOVE)]) };
         assert!(visible(&unknown, BELOW).unwrap().all());
@@ -216,12 +216,11 @@ mod tests {
             seen_by: kept.iter().map(|&i| sheet.seen_by[i]).collect(),
             ..sheet
         };
-        let answers = Surface::new(&holed).unwrap().answers(BELOW).unwrap();
+        let found = visible(&holed, BELOW).unwrap();
         let near_border = |p: &Vec3| in_hole(p) && p.x.abs().max(p.y.abs()) > 3.5;
         let seen = (0..441).filter(|&i| near_border(&holed.positions[i]));
-        let seen: Vec<Answer> =
-            seen.map(|i| answers[i]).filter(|a| !matches!(a, Answer::Behind(_))).collect();
-        assert!(seen.len() > 30 && seen.iter().all(|a| *a == Answer::FacesAway), "{seen:?}");
+        let seen: Vec<bool> = seen.map(|i| found[i]).collect();
+        assert!(seen.len() > 30 && !seen.contains(&true), "{seen:?}");
     }
 
     /// A strip of points before a wall: those of the wall that are not near its shadow.
@@ -281,7 +280,7 @@ mod tests {
         };
         let without = Surface::new(&none).unwrap();
         for eye in [ABOVE, BELOW, DVec3::new(40.0, 3.0, 10.0)] {
-            assert_eq!(surface.answers(eye).unwrap(), without.answers(eye).unwrap(), "{eye}");
+            assert_eq!(surface.visible(eye).unwrap(), without.visible(eye).unwrap(), "{eye}");
         }
     }
 
@@ -289,7 +288,7 @@ mod tests {
     fn places_that_are_not_finite_are_unknown() {
         let cloud = cloud(&[(0.0, DVec3::NAN), (5.0, DVec3::splat(f64::INFINITY)), (9.0, DVec3::MAX)]);
         let bare = PointCloud { scanners: Vec::new(), ..cloud.clone() };
-        let answers = |cloud: &PointCloud| Surface::new(cloud).unwrap().answers(BELOW).unwrap();
+        let answers = |cloud: &PointCloud| visible(cloud, BELOW).unwrap();
         assert_eq!(answers(&cloud), answers(&bare));
     }
 }

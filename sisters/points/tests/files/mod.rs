@@ -10,11 +10,13 @@ use casca_points::bricks::{BuildOptions, Builder};
 use casca_points::files::PlyWriter;
 use glam::{DVec3, Vec3};
 
-const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\nproperty float view\nelement vertex 2\n\
-    property list uchar int ring\nproperty double x\nproperty float y\nproperty float z\nproperty uchar red\n\
-    property uchar green\nproperty uchar blue\nend_header\n45\n2 7 8 5000000.25 0 -3 0 128 255\n0 5000001 0 -4 3 1 0\n";
+pub const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 1\nproperty float view\nelement vertex 3\n\
+    property list uchar int ring\nproperty double x\nproperty float nx\nproperty double y\nproperty float ny\nproperty double z\n\
+    property float nz\nproperty float red\nproperty float green\nproperty float blue\nelement face 1\n\
+    property list uchar int vertex_index\nend_header\n45\n2 7 8 5000000.25 0 -3 0 1 2 1 0.5 0\n0 5000001 0 -4 3 1 0 1 1 1\n\
+    1 5 nan 0 0 0 0 0 0 0 0\n3 0 1 2\n";
 
-const SURFELS: &str = "2\n1 2 3 1 0 0 1 0 0 0.3\n\n3 2 1 0 1 0 0 1 0 0.3\n";
+pub const SURFELS: &str = "2\n1 2 3 1 0 0 1 0 0 0.3\n\n3 2 1 0 1 0 0 1 0 0.3\n";
 
 /// Where the points of LAS files are counted from, in x.
 const FAR: f64 = 4_500_000.0;
@@ -32,7 +34,7 @@ pub fn helix(count: usize) -> PointCloud {
     }
 }
 
-fn ply(cloud: &PointCloud) -> Vec<u8> {
+pub fn ply(cloud: &PointCloud) -> Vec<u8> {
     let mut bytes = Vec::new();
     PlyWriter::write_all(&mut bytes, cloud).expect("a list takes all bytes");
     bytes
@@ -62,12 +64,17 @@ fn ply_with_lists(little: bool) -> Vec<u8> {
 /// The helix in a format of points, written by the crate `las`. From format 6 on, compressed points
 /// lie in layers.
 pub fn las(count: usize, format: u8, extra_bytes: u16, compressed: bool) -> Vec<u8> {
+    las_with_colours(count, format, extra_bytes, compressed, 257)
+}
+
+/// With the bytes of colours multiplied by `scale`.
+pub fn las_with_colours(count: usize, format: u8, extra_bytes: u16, compressed: bool, scale: u16) -> Vec<u8> {
     let mut point_format = las::point::Format::new(format).expect("a known format");
     point_format.is_compressed = compressed;
     point_format.extra_bytes = extra_bytes;
     let cloud = helix(count);
     let points = cloud.world_positions().zip(&cloud.colours).enumerate().map(|(i, (p, c))| {
-        let [red, green, blue] = c.map(|c| u16::from(c) * 257);
+        let [red, green, blue] = c.map(|c| u16::from(c) * scale);
         las::Point {
             x: p.x,
             y: p.y,
@@ -112,7 +119,16 @@ fn las_with(format: las::point::Format, points: impl Iterator<Item = las::Point>
 /// Points of a file that is not compressed, compressed in chunks of so many points.
 pub fn packed(plain: &[u8], format: u8, chunk: u32) -> Vec<u8> {
     let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 0).expect("a known format");
-    let vlr = laz::LazVlrBuilder::new(items).with_fixed_chunk_size(chunk).build();
+    packed_by(plain, laz::LazVlrBuilder::new(items).with_fixed_chunk_size(chunk).build(), &[])
+}
+
+/// In chunks of these numbers of points and one of the others, as COPC files are.
+pub fn packed_in(plain: &[u8], format: u8, chunks: &[usize]) -> Vec<u8> {
+    let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 0).expect("a known format");
+    packed_by(plain, laz::LazVlrBuilder::new(items).with_variable_chunk_size().build(), chunks)
+}
+
+fn packed_by(plain: &[u8], vlr: laz::LazVlr, chunks: &[usize]) -> Vec<u8> {
     let mut record = Vec::new();
     vlr.write_to(&mut record).expect("a list takes all bytes");
     let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| plain[at + i])) as usize;
@@ -130,8 +146,16 @@ pub fn packed(plain: &[u8], format: u8, chunk: u32) -> Vec<u8> {
     file[104] |= 0x80;
     let mut out = Cursor::new(file);
     out.set_position(start);
+    let size = vlr.items_size() as usize;
     let mut packer = laz::LasZipCompressor::new(out, vlr).expect("a known record");
-    packer.compress_many(&plain[points..]).expect("a list takes all bytes");
+    let mut left = &plain[points..];
+    for chunk in chunks {
+        let (now, rest) = left.split_at(chunk * size);
+        packer.compress_many(now).expect("a list takes all bytes");
+        packer.finish_current_chunk().expect("a list takes all bytes");
+        left = rest;
+    }
+    packer.compress_many(left).expect("a list takes all bytes");
     packer.done().expect("a list takes all bytes");
     packer.into_inner().into_inner()
 }
@@ -139,25 +163,38 @@ pub fn packed(plain: &[u8], format: u8, chunk: u32) -> Vec<u8> {
 /// The helix, written by the crate `e57`: coordinates in doubles or in few bits, and an attribute
 /// of no bits.
 pub fn e57(count: usize, doubles: bool) -> Vec<u8> {
-    use e57::{Record, RecordDataType, RecordName, RecordValue};
+    e57_of(count, doubles, &[(None, false)])
+}
+
+/// The helix once for each scan: with a pose that moves it along x, and with the columns of a
+/// scanner beside its rows.
+pub fn e57_of(count: usize, doubles: bool, scans: &[(Option<f64>, bool)]) -> Vec<u8> {
+    use e57::{Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
     let mut bytes = Cursor::new(Vec::new());
     let mut file = e57::E57Writer::new(&mut bytes, "file").expect("a list takes all bytes");
     let scaled = RecordDataType::ScaledInteger { min: -1000, max: 9_999_999, scale: 1.0, offset: 0.0 };
-    let data_type = || if doubles { RecordDataType::F64 } else { scaled.clone() };
+    let data_type = if doubles { RecordDataType::F64 } else { scaled };
+    let value = |c: f64| if doubles { RecordValue::Double(c) } else { RecordValue::ScaledInteger(c as i64) };
     let names = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
-    let mut prototype: Vec<_> =
-        names.into_iter().map(|name| Record { name, data_type: data_type() }).collect();
-    let constant = RecordDataType::Integer { min: 7, max: 7 };
-    prototype.push(Record { name: RecordName::RowIndex, data_type: constant });
-    let mut scan = file.add_pointcloud("scan", prototype).expect("a plain scan");
-    for p in helix(count).world_positions() {
-        let value =
-            |c: f64| if doubles { RecordValue::Double(c) } else { RecordValue::ScaledInteger(c as i64) };
-        let mut values = p.to_array().map(value).to_vec();
-        values.push(RecordValue::Integer(7));
-        scan.add_point(values).expect("a list takes all bytes");
+    for &(pose, columns) in scans {
+        let places = names.clone().into_iter().map(|name| Record { name, data_type: data_type.clone() });
+        let mut prototype: Vec<_> = places.collect();
+        let constant = RecordDataType::Integer { min: 7, max: 7 };
+        prototype.push(Record { name: RecordName::RowIndex, data_type: constant });
+        if columns {
+            let data_type = RecordDataType::Integer { min: 0, max: 255 };
+            prototype.push(Record { name: RecordName::ColumnIndex, data_type });
+        }
+        let mut scan = file.add_pointcloud("scan", prototype).expect("a plain scan");
+        let pose = pose.map(|x| Translation { x, y: 0.0, z: 0.0 });
+        scan.set_transform(pose.map(|translation| Transform { translation, ..Default::default() }));
+        for p in helix(count).world_positions() {
+            let mut values = p.to_array().map(value).to_vec();
+            values.extend([7, 4].map(RecordValue::Integer).into_iter().take(1 + usize::from(columns)));
+            scan.add_point(values).expect("a list takes all bytes");
+        }
+        scan.finalize().expect("a list takes all bytes");
     }
-    scan.finalize().expect("a list takes all bytes");
     file.finalize().expect("a list takes all bytes");
     drop(file);
     bytes.into_inner()
@@ -195,6 +232,7 @@ pub fn all() -> Vec<Vec<u8>> {
         las(40, 10, 0, true),
         packed(&las(40, 3, 0, false), 3, 16),
         packed(&las(40, 7, 0, false), 7, 16),
+        packed_in(&las(40, 7, 0, false), 7, &[9, 1, 20]),
         e57(40, true),
         e57(40, false),
     ]

@@ -4,22 +4,20 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use casca_points::bricks::{BrickError, Bricks, BuildOptions, Builder};
-use casca_points::files::{FileError, read_selected};
+use casca_points::files::{FileError, read_chunks};
 use casca_stage::window::Done;
 use clap::Args;
 
 use crate::points::large::progress::progress;
-use crate::points::part::{Part, warned};
+use crate::points::operators::warned;
 
 /// Cut a file into bricks, which `walk` reads.
 #[derive(Debug, Args)]
 pub struct Cut {
-    /// A PLY, LAS, LAZ, COPC, E57 or surfel file, or a folder of EPT.
+    /// A PLY, LAS, LAZ, E57 or surfel file.
     file: PathBuf,
     /// The file of bricks to write.
     out: PathBuf,
-    #[command(flatten)]
-    part: Part,
     /// The most points of a brick.
     #[arg(long, default_value_t = 65536)]
     points: u32,
@@ -45,7 +43,7 @@ impl Cut {
         let mut builder =
             Builder::create(&self.out, BuildOptions { most_points: self.points, memory, seed: self.seed })?;
         let bar = progress(None, "reading");
-        let report = read_selected::<CutError>(&self.file, &self.part.selection(), 1 << 20, |cloud| {
+        let report = read_chunks::<CutError>(&self.file, 1 << 20, |cloud| {
             bar.inc(cloud.len() as u64);
             Ok(builder.push(&cloud)?)
         })?;

@@ -11,7 +11,6 @@ use bitvec::slice::BitSlice;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, Pvs, Query, Scene, View};
 use casca_points::Camera;
 use casca_points::bricks::{Bricks, Loader, Want};
-use casca_points::occluders::{OccluderOptions, Occluders};
 use casca_points::splat::{Bias, Filter, Radius, SplatOptions, visible_points};
 use casca_stage::window::Done;
 use clap::Args;
@@ -31,11 +30,6 @@ pub struct Walk {
     /// `generate` writes it.
     #[arg(long)]
     walls: Option<PathBuf>,
-    /// Estimates occluders from the points, with cells of so many metres; with none, of 1.25 times
-    /// the distance between points. Openings of three cells and more stay open. Such occluders are
-    /// NOT conservative: what they hide may be visible. With `--walls`, these only serve `--check`.
-    #[arg(long, value_name = "CELL", num_args = 0..=1, default_missing_value = "0", value_parser = length)]
-    estimate: Option<f32>,
     /// The number of frames.
     #[arg(long, default_value_t = 300)]
     frames: u32,
@@ -94,7 +88,11 @@ impl Walk {
         let walls = self.walls.as_deref().map_or(Ok(Vec::new()), |path| read_walls(path, bricks.origin()))?;
         let mut out = io::stdout().lock();
         writeln!(out, "{} points in {} bricks, {} walls", bricks.points(), bricks.len(), walls.len())?;
-        let scene = self.scene(&bricks, &walls, &mut out)?;
+        let mut scene = Scene::new(&GridSpec::fit(bricks.bounds(), bricks.len() + walls.len())?)?;
+        bricks.insert_into(&mut scene)?;
+        for wall in &walls {
+            scene.insert(ObjectDesc::fixed(*wall).occluder(*wall).user_data(u64::MAX))?;
+        }
         let loader = Loader::new(bricks.clone(), self.memory.saturating_mul(1 << 20))?;
         let mut queries = [Query::with_method(Method::Frustum)?, Query::new()];
         let mut rows: Vec<[f64; 9]> = Vec::new();
@@ -123,37 +121,6 @@ impl Walk {
             return Err(error.into());
         }
         Ok(summary(&mut out, &rows)?)
-    }
-
-    /// The bricks, between walls or what is estimated in their place.
-    fn scene(
-        &self,
-        bricks: &Bricks,
-        walls: &[Aabb],
-        out: &mut impl Write,
-    ) -> Result<Scene, Box<dyn std::error::Error>> {
-        let Some(cell) = self.estimate else {
-            let mut scene = Scene::new(&GridSpec::fit(bricks.bounds(), bricks.len() + walls.len())?)?;
-            bricks.insert_into(&mut scene)?;
-            for wall in walls {
-                scene.insert(ObjectDesc::fixed(*wall).occluder(*wall).user_data(u64::MAX))?;
-            }
-            return Ok(scene);
-        };
-        let start = Instant::now();
-        let options = OccluderOptions { resolution: Some(cell), ..OccluderOptions::default() };
-        let found = Occluders::estimate(bricks, &options)?;
-        writeln!(
-            out,
-            "{} occluders estimated from the points in {:.1} s, cells of {:.3} m: not conservative, they may hide visible points",
-            found.boxes.len(),
-            start.elapsed().as_secs_f64(),
-            found.resolution
-        )?;
-        let mut scene = Scene::new(&GridSpec::fit(bricks.bounds(), bricks.len() + found.boxes.len())?)?;
-        bricks.insert_grown(&mut scene, found.margin)?;
-        found.insert_into(&mut scene)?;
-        Ok(scene)
     }
 
     /// The columns of a frame, and the text of its check.
