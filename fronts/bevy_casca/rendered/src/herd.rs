@@ -13,7 +13,7 @@ use bevy_casca_fur::{
 };
 use casca_fur::mesh::Mesh as OwnMesh;
 use casca_fur::strands::Fur;
-use casca_scenes::fur::animals::Animal;
+use casca_fur::scenes::animals::Animal;
 
 use crate::fur::furry;
 use crate::rendered::Rendered;

@@ -7,10 +7,9 @@ mod herd;
 mod levels;
 mod one;
 mod run;
-mod shadows;
 mod shots;
 mod study;
 mod walker;
 mod window;
 
-pub use choices::{Choices as Options, Map};
+pub use choices::Choices as Options;

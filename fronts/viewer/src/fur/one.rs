@@ -153,7 +153,7 @@ pub fn coats(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<
     let mut pictures = Vec::new();
     for (height, density) in COATS {
         let look = Choices { height, density, ..choices.clone() }.look(subject.radius)?;
-        renderer.set_look(gpu, &look)?;
+        renderer.set_look(gpu, &look);
         renderer.cast_shadows(gpu, &list, &sun)?;
         pictures.push(shooter.shoot(&mut renderer, &camera, &list, &sun)?);
     }

@@ -5,7 +5,7 @@ use casca_tools::command_line::{Outcome, make_folder, say};
 
 use crate::common::Failed;
 use crate::fur::choices::Choices;
-use crate::fur::{field, levels, one, shadows, study, window};
+use crate::fur::{field, levels, one, study, window};
 
 impl Choices {
     /// The window.
@@ -30,7 +30,6 @@ impl Choices {
         say(format_args!("drawing on {}", gpu.name));
         if self.study {
             study::study(&gpu, self, &subject)?;
-            shadows::compare(&gpu, &subject)?;
             return Ok(Outcome::Well);
         }
         match (self.field, self.time) {

@@ -130,7 +130,7 @@ impl<'a> Case<'a> {
     }
 
     fn shells(&mut self, shooter: &Shooter, layers: u32, marched: bool) -> Result<Vec<u8>, FurGpuError> {
-        self.renderer.set_look(self.gpu, &Look { marched, ..self.look })?;
+        self.renderer.set_look(self.gpu, &Look { marched, ..self.look });
         let list = one::list(self.subject, layers, false);
         Ok(shooter.shoot(&mut self.renderer, &self.camera, &list, &self.sun)?.pixels)
     }
@@ -147,7 +147,7 @@ impl<'a> Case<'a> {
             &ends,
             TO_SUN.normalize(),
         );
-        self.renderer.set_look(self.gpu, &shining)?;
+        self.renderer.set_look(self.gpu, &shining);
         let list = one::tinted(GAP_LAYERS, ([0.0; 3], [1.0; 3]));
         let shells = shooter.shoot(&mut self.renderer, &self.camera, &list, &self.sun)?.pixels;
         Ok(gaps(&tips, &shells, &sky_pixel()))

@@ -18,7 +18,7 @@ use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
-use crate::fur::choices::{Choices, Map, Subject};
+use crate::fur::choices::{Choices, Subject};
 use crate::fur::field::Stage;
 use crate::fur::one;
 
@@ -33,7 +33,6 @@ const DENSITY: &str = "density";
 const THICKNESS: &str = "thickness";
 const BEND: &str = "bend";
 const PLAIN: &str = "plain shells, as in the thesis";
-const CUBE: &str = "cube map, as in the thesis";
 const SMOOTH: &str = "smooth: twice the size";
 const WALKING: &str = "walk (P)";
 const CULLED: &str = "culled by";
@@ -181,7 +180,7 @@ impl Viewer {
             return Ok(());
         };
         if let Shown::One(_, renderer) = &mut self.shown {
-            renderer.set_look(gpu, &look)?;
+            renderer.set_look(gpu, &look);
         }
         self.sun = None;
         Ok(())
@@ -235,7 +234,6 @@ impl Viewer {
             Dial::number(THICKNESS, choices.thickness, 0.004..=0.05, 0.0),
             Dial::number(BEND, choices.bend, 0.0..=2.0, 0.0),
             Dial::switch(PLAIN, choices.plain),
-            Dial::switch(CUBE, choices.mapping == Map::Cube),
             Dial::switch(SMOOTH, self.smooth),
         ];
         if matches!(self.shown, Shown::Many(..)) {
@@ -266,10 +264,9 @@ impl Viewer {
             THICKNESS => choices.thickness = value as f32,
             BEND => choices.bend = value as f32,
             PLAIN => choices.plain = on,
-            CUBE => choices.mapping = if on { Map::Cube } else { Map::Cells },
             _ => {}
         }
-        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN, CUBE].contains(&dial);
+        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN].contains(&dial);
         let waits = is_held && matches!(self.shown, Shown::Many(..));
         if is_fur && !waits { self.change(gpu, old) } else { Ok(()) }
     }

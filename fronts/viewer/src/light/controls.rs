@@ -1,6 +1,6 @@
 //! What the sliders of the window set.
 
-use casca_scenes::lit::{Light, LightKind};
+use casca_radiosity::lit::{Light, LightKind};
 use casca_stage::dial::Dial;
 use casca_stage::egui::{
     CollapsingHeader, ComboBox, DragValue, Grid, Response, ScrollArea, Slider, SliderClamping, Ui,
@@ -231,7 +231,7 @@ fn sunbeam(height: f32, turn: f32) -> Vec3 {
 mod tests {
     use super::*;
     use crate::common::parsed;
-    use casca_scenes::lit::Kind;
+    use casca_radiosity::lit::Kind;
     use casca_stage::dial::Setting;
     use casca_stage::egui::{Context, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
 

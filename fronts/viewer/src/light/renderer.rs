@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use casca_radiosity::gpu::GpuCache;
 use casca_radiosity::{Cache, Grid, Light, Scene, Statistics, Window};
-use casca_scenes::lit::{self, LitScene};
+use casca_radiosity::lit::{self, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, IS_PAGE};
