@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use casca_fur::gpu::look::Look;
 use casca_fur::mesh::{Image, Mesh};
-use casca_fur::strands::Fur;
 use casca_fur::scenes::animals::{Animal, LEVELS};
-use casca_fur::scenes::{Character, Masks, Species};
 use casca_fur::scenes::import::load_map;
+use casca_fur::scenes::{Character, Masks, Species};
+use casca_fur::strands::Fur;
 use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, value_parser};
 use glam::Vec3;

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
+use casca_radiosity::lit::path::{PathTracer, Quantity};
 use casca_radiosity::lit::{HdrImage, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
@@ -11,7 +12,6 @@ use casca_stage::timing::Clock;
 use casca_tools::command_line::{make_folder, say};
 use casca_tools::image::write_png;
 use casca_tools::pictures::{Tile, sheet};
-use casca_radiosity::lit::path::{PathTracer, Quantity};
 use glam::Vec3;
 
 use crate::light::layer::Layer;

@@ -39,7 +39,6 @@ impl From<&LitScene> for Scene {
             materials: scene.materials.iter().map(material).collect(),
             lights: scene.lights.iter().map(Light::from).collect(),
             sky: Sky::Even(scene.sky),
-            ..Self::default()
         }
     }
 }

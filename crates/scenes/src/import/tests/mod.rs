@@ -7,7 +7,7 @@ use rand::RngExt;
 use super::*;
 use crate::drive::{Driver, grid_for, view_of};
 use crate::random::generator;
-use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape, Sides};
+use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 
 mod accessors;
 mod animation;

@@ -4,9 +4,9 @@
 
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, Sight, View};
 use casca_fur::mesh::{Image, Mesh};
+use casca_fur::scenes::field::{Field, Kind};
 use casca_fur::skin::Weights;
 use casca_fur::visibility::{Furry, PlanOptions, Share, Sight as Seen, plan_sights};
-use casca_fur::scenes::field::{Field, Kind};
 use casca_scenes::world::Camera;
 use glam::Vec3;
 
