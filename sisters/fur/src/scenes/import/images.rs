@@ -9,7 +9,6 @@ use glam::UVec2;
 use gltf::texture::WrappingMode;
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
-use super::refused;
 use casca_scenes::import::Trouble;
 use casca_scenes::import::parts::{Buffers, Known, beside, decoded};
 
@@ -22,6 +21,11 @@ const MOST_SIDE: u32 = 16_384;
 const MOST_BYTES: usize = 1 << 28;
 /// Images that a mesh may have.
 const MOST_IMAGES: usize = 64;
+
+/// What the reader says of fur that is refused.
+pub(in crate::scenes) fn refused(error: crate::Error) -> Trouble {
+    Trouble::Skin(Box::new(error))
+}
 
 /// Reads the images of textures; those that several materials share are read once.
 pub(super) struct Images<'a> {

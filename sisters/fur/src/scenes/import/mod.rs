@@ -20,6 +20,7 @@ mod skins;
 
 use casca_scenes::world::Mesh;
 pub use images::load_map;
+pub(super) use images::refused;
 
 /// A mesh of a file that can grow fur; all lists are by vertex but `materials`.
 #[derive(Debug, Clone)]
@@ -61,11 +62,6 @@ pub struct Rig {
 /// As [`read_coated`].
 pub fn load_coated(path: &Path) -> Result<Coated, ImportError> {
     open(path, |_, bytes, folder| read_coated(bytes, folder))
-}
-
-/// What the reader says of fur that is refused.
-pub(super) fn refused(error: crate::Error) -> Trouble {
-    Trouble::Skin(Box::new(error))
 }
 
 /// Reads what can grow fur: all meshes with the first skin of the file and those that hang from its

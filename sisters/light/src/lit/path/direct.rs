@@ -7,7 +7,8 @@ use rand::RngExt;
 
 use super::emitters::Emitters;
 use super::scatter::{Scatter, turned};
-use super::{BEFORE_LIGHT, Light, PathTracer, Surface};
+use super::{BEFORE_LIGHT, PathTracer, Surface};
+use crate::lit::Light;
 
 impl PathTracer {
     /// Direct light of all lights and of one point of the emitters, scattered at a surface.

@@ -1,6 +1,6 @@
 //! Emissive triangles, as lights.
 
-use super::{LitTriangle, Material};
+use crate::lit::{LitTriangle, Material};
 
 /// The emissive triangles, for choosing points on them with a density in proportion to their
 /// emission.

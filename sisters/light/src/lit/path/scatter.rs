@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use rand::RngExt;
 
-use super::Material;
+use crate::lit::Material;
 use casca_scenes::random::Generator;
 
 /// A surface that is looked at from one direction.
