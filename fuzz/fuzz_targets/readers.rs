@@ -147,7 +147,7 @@ fn template(bytes: &[u8]) {
 }
 
 fn scene(bytes: &[u8]) {
-    let _ = casca_scenes::import::read_lit("fuzz", bytes, None);
+    let _ = casca_scenes::import::read("fuzz", bytes, None);
 }
 
 fn mesh(mut bytes: &[u8]) {

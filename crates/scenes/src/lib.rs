@@ -2,11 +2,9 @@
 //! library's API.
 //!
 //! - [`world`]: test scenes: objects, their motion, a camera path.
-//! - `fur`, behind the feature of that name: furry animals, and fields of them.
 //! - [`generated`]: the procedural scenes, seeded.
 //! - [`import`]: scenes from glTF 2.0 files.
 //! - [`export`]: scenes written as such files.
-//! - [`lit`]: scenes with materials and lights.
 //! - [`drive`]: a test scene put into the library, frame by frame.
 //! - [`measure`]: what benches and the laboratory share.
 //! - [`name`]: a scene on a command line, by its name or file.
@@ -14,11 +12,8 @@
 
 pub mod drive;
 pub mod export;
-#[cfg(feature = "fur")]
-pub mod fur;
 pub mod generated;
 pub mod import;
-pub mod lit;
 pub mod measure;
 pub mod name;
 mod numeric;

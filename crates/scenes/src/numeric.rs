@@ -1,7 +1,7 @@
 //! Every margin and numeric limit of this crate, with its reason.
 
 /// How far from (0, 0, 0, 1) the last row of a matrix may be, in each number: exporters round.
-pub(crate) const AFFINE: f32 = 1e-5;
+pub const AFFINE: f32 = 1e-5;
 /// Rotations of other lengths are mistakes and not roundings.
 pub(crate) const ROTATION_LENGTHS: std::ops::Range<f64> = 1e-3..1e3;
 

@@ -34,6 +34,13 @@ pub fn parse_size(text: &str, sides: RangeInclusive<u32>) -> Result<(u32, u32), 
     Ok((pixels(width)?, pixels(height)?))
 }
 
+/// Linear light, 0 to 1, as a byte of sRGB (IEC 61966-2-1); what is beyond is cut off.
+pub fn srgb(light: f32) -> u8 {
+    let light = light.clamp(0.0, 1.0);
+    let stored = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * stored).round() as u8
+}
+
 /// A picture of four bytes a pixel at half its width and height: each pixel is the mean of four.
 pub fn halved(pixels: &[u8], (width, height): (u32, u32)) -> Vec<u8> {
     let (row, halves) = (width as usize * 4, (width as usize / 2, height as usize / 2));

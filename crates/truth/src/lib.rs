@@ -1,6 +1,6 @@
 //! What casca is judged by. Nothing here is part of the library's API.
 //!
-//! - [`oracle`]: exact visibility, and light by a path tracer, which share no code with the
+//! - [`oracle`]: exact visibility, which shares no code with the
 //!   library.
 //! - [`baselines`]: what engines do today, for comparison.
 //! - [`places`]: coordinates of random tests, half of them from a small lattice.

@@ -122,7 +122,7 @@ fn furry_pictures_are_written_and_errors_name_their_cause() {
 fn fields_of_a_file_look_the_same_when_they_are_culled() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let file = casca_scenes::fur::sample::character_glb(12, 32).unwrap();
+    let file = casca_fur::scenes::sample::character_glb(12, 32).unwrap();
     std::fs::write(folder.join("cat.glb"), file).unwrap();
     // A file whose animal has no skin.
     let still = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"scene":0,"nodes":[{"mesh":0}],

@@ -86,17 +86,6 @@ pub enum Error {
         /// The greatest value allowed.
         most: f64,
     },
-    /// A fur map that cannot hold as many hairs: each hair forbids cells around it.
-    #[error(
-        "the fur map jammed at a coverage of {coverage:.3}, below the density {density:.3}: ask for less, or for a smaller \
-         neighbourhood"
-    )]
-    Jammed {
-        /// The share of texels with a hair when no texel was free any more.
-        coverage: f64,
-        /// The share asked for.
-        density: f64,
-    },
     /// An animal that has to walk and cannot.
     #[error("the animal cannot walk: give a skeleton, and a clip that moves a joint")]
     Still,

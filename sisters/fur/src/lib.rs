@@ -7,7 +7,6 @@
 //! - [`mesh`]: centring, continuous normals, welding, vertex-cache order, images, levels of detail.
 //! - [`strands`]: where strands of fur stand: a rule without texture coordinates and without
 //!   singularities, for shaders and rays.
-//! - [`maps`]: the fur maps of the thesis and their lookups, for comparison.
 //! - [`skin`]: skeletons, clips and poses of animals that move, and bounds that hold them.
 //! - [`shading`]: the light of a strand (Kajiya and Kay 1989).
 //! - [`shader`]: the rule of strands as text for shaders, for other renderers.
@@ -16,17 +15,18 @@
 //!
 //! - `gpu`, behind the feature of that name: shells on the graphics processor, and rays that hit
 //!   the same strands.
-//!
-//! `casca_scenes::fur` generates furry animals and fields of them among walls.
+//! - `scenes`, behind the feature of that name: furry animals and fields of them among walls,
+//!   generated or of glTF files.
 
 mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod maps;
 pub mod mesh;
 mod numeric;
 #[cfg(test)]
 mod samples;
+#[cfg(feature = "scenes")]
+pub mod scenes;
 pub mod shader;
 pub mod shading;
 pub mod skin;

@@ -6,21 +6,9 @@ pub(crate) const MAX_COORDINATE: f32 = 1e9;
 /// The most triangles of a mesh: corners are then numbered by 32 bits.
 pub(crate) const MAX_TRIANGLES: usize = 1 << 29;
 
-/// Normals whose squared distance is below this are one normal: a hundredth of a degree, far above
-/// the rounding of computed unit normals and far below the angles between faces that shading shows.
-pub(crate) const SAME_NORMAL: f64 = 3e-8;
-
 /// A sum of unit normals shorter than this share of their number has no direction: it is the
 /// rounding of normals that cancel.
 pub(crate) const NO_DIRECTION: f64 = 1e-5;
-
-/// The least distance from a ball's surface, relative to its radius, that counts as outside: the
-/// rounding of a circumscribed ball in double precision, with room for badly shaped supports.
-pub(crate) const OUTSIDE_BALL: f64 = 1e-9;
-
-/// The sum of a unit normal and a unit direction shorter than this is rounding: it has no direction
-/// (single precision, three components each off by a few units of 6e-8).
-pub(crate) const NO_SUM: f32 = 1e-6;
 
 /// The longest side of an image, in texels: what graphics processors commonly take.
 pub(crate) const MAX_IMAGE_SIDE: u32 = 16_384;
@@ -67,10 +55,6 @@ pub(crate) const LEAST_LENGTH: f64 = 1e-9;
 /// The search for the root of a strand ends when a step changes its place by less than this share
 /// of its triangle: far below what single precision, in which roots are handed out, can show.
 pub(crate) const SETTLED: f64 = 1e-12;
-
-/// Fur maps of lower densities hold no hair at any size: the density that sets their first distance
-/// is not taken below this, so that it is finite.
-pub(crate) const LEAST_DENSITY: f64 = 1e-9;
 
 /// The most points in a cell. The cost of a lookup grows with it, and four already cover the whole
 /// surface.
@@ -143,10 +127,6 @@ pub(crate) const CLIP_ERROR: f64 = 4e-6;
 
 /// Splines of rotations that come nearer to zero than this may turn by any angle there.
 pub(crate) const LEAST_SPLINE: f64 = 1e-3;
-
-/// Centres at rest of which the best one for a whole clip is taken: those near the deepest one
-/// differ little.
-pub(crate) const CARRIED_CENTERS: usize = 48;
 
 /// Steps of the sun's way through fur: along it the density changes only where strands of a length
 /// end.

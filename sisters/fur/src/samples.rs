@@ -4,7 +4,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::mesh::{Mesh, NormalRule, Vertex, continuous_normals, weld};
+use crate::mesh::{Mesh, Vertex, continuous_normals, weld};
 
 /// Seeded random numbers.
 pub(crate) struct Dice(Pcg64Mcg);
@@ -88,7 +88,7 @@ pub(crate) fn torus_mesh(n: usize) -> Mesh {
 }
 
 fn smooth(mut soup: Vec<Vertex>) -> Mesh {
-    continuous_normals(&mut soup, NormalRule::default()).unwrap();
+    continuous_normals(&mut soup).unwrap();
     weld(&soup, &[]).unwrap()
 }
 

@@ -8,13 +8,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use casca_radiosity::gpu::{Answers, GpuCache, Input, Shading, Surfaces};
+use casca_radiosity::lit::Kind;
+use casca_radiosity::lit::path::PathTracer;
 use casca_radiosity::{Cache, Grid, Scene, Settings};
-use casca_scenes::lit::Kind;
 use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::util::{DeviceExt, TextureDataOrder};
 use casca_stage::wgpu::{self, TextureUsages};
 use casca_tools::image::write_png;
-use casca_truth::oracle::path::PathTracer;
 use glam::Vec3;
 
 /// Rows of a picture of floats are 256 bytes times a whole number: 16 pixels.

@@ -9,11 +9,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use casca_radiosity::lit::load_lit;
+use casca_radiosity::lit::path::{PathTracer, Surface};
+use casca_radiosity::lit::{self, Kind, LightKind, LitObject, LitScene};
 use casca_radiosity::{Cache, Grid, Scene, Settings};
-use casca_scenes::import::load_lit;
-use casca_scenes::lit::{self, Kind, LightKind, LitObject, LitScene};
 use casca_scenes::world::{Camera, Mesh};
-use casca_truth::oracle::path::{PathTracer, Surface};
 use glam::{Affine3A, Vec3};
 
 const SIZE: (usize, usize) = (96, 72);
@@ -130,7 +130,7 @@ fn found(
                 if waiting == 0 {
                     break;
                 }
-                waiting = cache.gather_ring(rays)?;
+                waiting = cache.gather_part((rays, rays), usize::MAX)?;
             }
         }
     }

@@ -5,10 +5,9 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 
-use crate::colours::Materials;
 use crate::direct::{Lamps, Sources, Spot};
 use crate::error::LightError;
-use crate::input::{Light, Object, Scene, Settings, Sky, check_lights};
+use crate::input::{Light, Material, Object, Scene, Settings, Sky, check_lights};
 use crate::lattice::Lattice;
 use crate::numeric::{MOST_LINKS, MOST_RAYS, MOST_STORED};
 use crate::queues::{Unlit, Waiting, Wish};
@@ -125,7 +124,7 @@ pub struct Statistics {
 pub struct Cache {
     pub(crate) settings: Settings,
     pub(crate) objects: Vec<Object>,
-    pub(crate) materials: Materials,
+    pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) sky: Sky,
     pub(crate) skipped: Skipped,
@@ -161,8 +160,7 @@ impl Cache {
         let lattice = Lattice::new(&settings.grid, &settings.windows);
         let mut skipped = Skipped::default();
         let all = surfaces(&scene.objects, &lattice, &mut skipped);
-        let materials = Materials { all: scene.materials.clone(), textures: scene.textures.clone() };
-        let voxels = Voxels::new(lattice, all, &materials)?;
+        let voxels = Voxels::new(lattice, all, &scene.materials)?;
         let states = voxels.states() as usize;
         Ok(Self {
             settings,
@@ -170,8 +168,8 @@ impl Cache {
             lights: scene.lights.clone(),
             sky: scene.sky,
             skipped,
-            lamps: Lamps::new(&voxels, &materials),
-            materials,
+            lamps: Lamps::new(&voxels, &scene.materials),
+            materials: scene.materials.clone(),
             starts: StartTable::new(voxels.states()),
             voxels,
             blocks: vec![Block::default(); states],
@@ -202,17 +200,28 @@ impl Cache {
         (0..self.voxels.states()).for_each(|s| self.want(s, Wish::Asked));
     }
 
-    /// Sends so many rays from each state that waits, and lets the states wait that they hit;
-    /// returns how many states wait now. Later rings are farther from what is seen, and may be
-    /// given fewer rays.
+    /// Sends rays from so many of the states that wait, and lets the states wait that they hit;
+    /// returns how many wait now. States that questions asked for come first and send `rays.0` each.
+    /// When there are none, and each fourth time, those that were hit come, oldest first, and send
+    /// `rays.1`: they are farther from what is seen, and need fewer.
+    ///
+    /// A state sends the same rays whenever its turn comes.
     ///
     /// # Errors
-    /// If no state has so many rays, or too many rays would be stored.
-    pub fn gather_ring(&mut self, rays: u32) -> Result<usize, LightError> {
-        self.check_room(rays, self.waiting.count())?;
-        let ring = self.waiting.take_all();
-        self.gather_states(&ring, rays);
+    /// If no state has so many rays, or too many rays would be stored; then all of them wait on.
+    pub fn gather_part(&mut self, rays: (u32, u32), states: usize) -> Result<usize, LightError> {
+        let most = states.min(self.waiting.count());
+        self.check_room(rays.0, most)?;
+        self.check_room(rays.1, most)?;
+        let (wish, mut part) = self.waiting.take(most);
+        part.sort_unstable();
+        self.gather_states(&part, if wish == Wish::Asked { rays.0 } else { rays.1 });
         Ok(self.waiting.count())
+    }
+
+    /// How many states wait for rays: see [`Cache::gather_part`].
+    pub fn waiting(&self) -> usize {
+        self.waiting.count()
     }
 
     /// Whether so many states may store so many rays each.
@@ -247,15 +256,13 @@ impl Cache {
         self.unlink(ring);
     }
 
-    /// Gathers ring by ring until no state waits. Rays are sent once: they are stored, and need not
-    /// be sent again while nothing moves.
+    /// Gathers until no state waits. Rays are sent once: they are stored, and need not be sent again
+    /// while nothing moves.
     ///
     /// # Errors
-    /// See [`Cache::gather_ring`].
+    /// See [`Cache::gather_part`].
     pub fn gather(&mut self, rays: u32) -> Result<(), LightError> {
-        while self.waiting.count() > 0 {
-            self.gather_ring(rays)?;
-        }
+        while self.gather_part((rays, rays), usize::MAX)? > 0 {}
         Ok(())
     }
 
@@ -288,13 +295,7 @@ impl Cache {
     }
 
     pub(crate) fn sources(&self) -> Sources<'_> {
-        Sources {
-            voxels: &self.voxels,
-            materials: &self.materials,
-            lights: &self.lights,
-            lamps: &self.lamps,
-            settings: &self.settings,
-        }
+        Sources { voxels: &self.voxels, lights: &self.lights, lamps: &self.lamps, settings: &self.settings }
     }
 
     /// Finds the direct light of all gathered states anew, by shadow rays.
@@ -303,6 +304,15 @@ impl Cache {
         self.light(&all);
         self.gathered = all;
         self.unlit.clear();
+    }
+
+    /// As [`Cache::direct`], but for so many states; returns how many have none or an old light
+    /// now. Those that have none come first, and then those whose light is the oldest. It is old
+    /// after [`Cache::set_lights`] or [`Cache::set_objects`].
+    pub fn direct_part(&mut self, states: usize) -> usize {
+        let part = self.unlit.take(states);
+        self.light(&part);
+        self.unlit.count()
     }
 
     /// Finds the direct light of some states.

@@ -7,8 +7,7 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-use crate::colours::{Colour, Materials};
-use crate::input::{Light, Settings};
+use crate::input::{Light, Material, Settings};
 use crate::numeric::{GOLDEN, LIFT};
 use crate::spread::{in_triangle, mix, on_disc, unit};
 use crate::states::mixed;
@@ -18,8 +17,6 @@ use crate::voxels::Voxels;
 #[derive(Debug, Clone, Copy)]
 struct Lamp {
     surface: u32,
-    /// The mean over it; only a device asks, which reads no textures of lamps.
-    #[cfg(feature = "gpu")]
     radiance: Vec3,
     /// Luminance of the radiance.
     bright: f64,
@@ -51,23 +48,15 @@ fn luminance(c: Vec3) -> f64 {
 
 impl Lamps {
     /// The emissive triangles; O(triangles).
-    pub(crate) fn new(voxels: &Voxels, materials: &Materials) -> Self {
+    pub(crate) fn new(voxels: &Voxels, materials: &[Material]) -> Self {
         let (mut all, mut power) = (Vec::new(), 0.0);
-        for (i, s) in voxels.surfaces.iter().enumerate().filter(|(_, s)| materials.emits(s)) {
-            let radiance = materials.over(s, Colour::Emission, || s.polygon());
-            let bright = luminance(radiance);
-            // A texture may be dark here.
-            if bright == 0.0 {
-                continue;
+        for (surface, s) in (0..).zip(&voxels.surfaces) {
+            let material = &materials[s.material as usize];
+            if material.emits() {
+                let (radiance, bright) = (material.emission, luminance(material.emission));
+                power += bright * s.area;
+                all.push(Lamp { surface, radiance, bright, share: power });
             }
-            power += bright * s.area;
-            all.push(Lamp {
-                surface: i as u32,
-                #[cfg(feature = "gpu")]
-                radiance,
-                bright,
-                share: power,
-            });
         }
         all.iter_mut().for_each(|l| l.share /= power);
         Self { all }
@@ -102,8 +91,7 @@ impl Lamps {
             let (lamp, point) = (&self.all[choices[at].lamp], choices[at].point);
             let normal = voxels.facing(lamp.surface, point - spot.at).0;
             if voxels.free(spot.at, point + normal * LIFT) {
-                let surface = &voxels.surfaces[lamp.surface as usize];
-                light += sources.materials.at(surface, point, Colour::Emission) / lamp.bright as f32;
+                light += lamp.radiance / lamp.bright as f32;
             }
         }
         light * (sum / f64::from(rays)) as f32
@@ -184,7 +172,6 @@ fn polygon(spot: &Spot, corners: &[DVec3]) -> f64 {
 /// Everything that shines directly.
 pub(crate) struct Sources<'a> {
     pub(crate) voxels: &'a Voxels,
-    pub(crate) materials: &'a Materials,
     pub(crate) lights: &'a [Light],
     pub(crate) lamps: &'a Lamps,
     pub(crate) settings: &'a Settings,
@@ -234,10 +221,6 @@ impl Sources<'_> {
                 });
                 irradiance * (cosine * share) as f32
             }
-            Light::Rectangle { corner, first, second, radiance } => {
-                let ends = [corner, corner + first, corner + second].map(|p| lattice.cells(p));
-                radiance * self.of_rectangle(ends, spot, rays) as f32
-            }
         }
     }
 
@@ -268,29 +251,5 @@ impl Sources<'_> {
         let metres = distance * cell;
         let irradiance = cosine * share / (metres * metres);
         if irradiance.is_finite() { irradiance as f32 } else { 0.0 }
-    }
-
-    /// The irradiance of a rectangle of unit radiance: that of the whole, times the share that
-    /// points in rows see of it.
-    fn of_rectangle(&self, [corner, first, second]: [DVec3; 3], spot: &Spot, rays: u32) -> f64 {
-        let (u, v) = (first - corner, second - corner);
-        let Some(normal) = u.cross(v).try_normalize() else { return 0.0 };
-        // It shines to one side.
-        if (spot.at - corner).dot(normal) <= 0.0 {
-            return 0.0;
-        }
-        let (mut seen, mut all) = (0.0, 0.0);
-        for i in 0..rays {
-            let along = (f64::from(i) + unit(spot.key, 4)) / f64::from(rays);
-            let across = (f64::from(i) * GOLDEN + unit(spot.key, 5)).fract();
-            let point = corner + u * along + v * across;
-            let weight = small(spot, point, normal);
-            all += weight;
-            if weight > 0.0 && self.voxels.free(spot.at, point) {
-                seen += weight;
-            }
-        }
-        let whole = polygon(spot, &[corner, first, first + v, second]);
-        if all > 0.0 { whole * seen / all } else { 0.0 }
     }
 }

@@ -1,6 +1,10 @@
 //! Why there is no light.
 
-use crate::numeric::{MOST_CELLS, MOST_RAYS, MOST_REFERENCES, MOST_STORED};
+use std::ops::RangeInclusive;
+
+use glam::Vec3;
+
+use crate::numeric::{BRIGHTEST, MOST_CELLS, MOST_RAYS, MOST_REFERENCES, MOST_STORED};
 
 /// Why a scene cannot be lit, or a question cannot be answered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,36 +44,6 @@ pub enum LightError {
         material: u32,
         /// How many there are.
         count: usize,
-    },
-    /// A texture without its texels.
-    #[error("a texture of {width} x {height} texels has {texels}")]
-    Texels {
-        /// Texels of a row.
-        width: u32,
-        /// Rows.
-        height: u32,
-        /// How many are there.
-        texels: usize,
-    },
-    /// A material with a texture that the scene does not have.
-    #[error("material {material} has texture {texture}; there are {count}")]
-    Texture {
-        /// The material.
-        material: usize,
-        /// Its texture.
-        texture: u32,
-        /// How many there are.
-        count: usize,
-    },
-    /// An object with places in textures for some of its triangles.
-    #[error("object {object} has texture coordinates of {coordinates} of its {triangles} triangles")]
-    Coordinates {
-        /// The object.
-        object: usize,
-        /// How many triangles have some.
-        coordinates: usize,
-        /// How many there are.
-        triangles: usize,
     },
     /// A number that is not finite or not in its range.
     #[error("{what} {index}: {value} is not within {low} and {high}")]
@@ -120,4 +94,27 @@ pub enum LightError {
         /// How many there are.
         count: usize,
     },
+}
+
+/// Refuses vectors with a component out of a range.
+pub(crate) fn numbers(
+    what: &'static str,
+    index: usize,
+    v: Vec3,
+    range: RangeInclusive<f32>,
+) -> Result<(), LightError> {
+    let (low, high) = (*range.start(), *range.end());
+    let wrong = v.to_array().into_iter().find(|c| !range.contains(c));
+    wrong.map_or(Ok(()), |value| Err(LightError::Value { what, index, value, low, high }))
+}
+
+/// Refuses light that is negative, too bright or not finite.
+pub(crate) fn bright(what: &'static str, index: usize, v: Vec3) -> Result<(), LightError> {
+    numbers(what, index, v, 0.0..=BRIGHTEST)
+}
+
+/// Refuses vectors that are no direction.
+pub(crate) fn way(what: &'static str, index: usize, v: Vec3) -> Result<(), LightError> {
+    let is_one = v.as_dvec3().try_normalize().is_some() && v.is_finite();
+    if is_one { Ok(()) } else { Err(LightError::Direction { what, index, value: v.to_array() }) }
 }

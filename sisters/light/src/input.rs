@@ -1,10 +1,8 @@
 //! What goes in: triangles, materials, lights, the sky, the grid and the settings.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-use crate::checks::{bright, numbers, way};
-use crate::error::LightError;
-use crate::materials::{Material, Texture, check_materials};
+use crate::error::{LightError, bright, numbers, way};
 use crate::numeric::{ABSURD, FINEST, MOST_CELLS, MOST_RAYS, OUTLIER};
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
@@ -21,15 +19,32 @@ pub struct Triangle {
 pub struct Object {
     /// The triangles. Those that are not finite or have no area are left out and counted.
     pub triangles: Vec<Triangle>,
-    /// Where the corners of each triangle lie in textures; empty if none has any. Triangles without
-    /// coordinates have the mean colour of their texture.
-    pub uv: Vec<[Vec2; 3]>,
 }
 
 impl From<Vec<Triangle>> for Object {
-    /// An object without textures.
     fn from(triangles: Vec<Triangle>) -> Self {
-        Self { triangles, uv: Vec::new() }
+        Self { triangles }
+    }
+}
+
+/// What a surface does to light.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Material {
+    /// The share of light that is scattered diffusely, by channel, 0 to 1: the mean over the surface.
+    pub albedo: Vec3,
+    /// Emitted radiance, in watts per square metre and steradian, by channel.
+    pub emission: Vec3,
+}
+
+impl Material {
+    /// A material of an albedo and an emission.
+    pub const fn new(albedo: Vec3, emission: Vec3) -> Self {
+        Self { albedo, emission }
+    }
+
+    /// Whether its surfaces are lamps.
+    pub(crate) fn emits(&self) -> bool {
+        self.emission.max_element() > 0.0
     }
 }
 
@@ -69,17 +84,6 @@ pub enum Light {
         irradiance: Vec3,
         /// Half the angle that it is seen under, in radians, 0 to 1.5; 0 for sharp shadows.
         half_angle: f32,
-    },
-    /// A parallelogram that shines to one side and hides nothing.
-    Rectangle {
-        /// One corner, in metres.
-        corner: Vec3,
-        /// From it along the first edge; it shines to the side of `first.cross(second)`.
-        first: Vec3,
-        /// From it along the second edge.
-        second: Vec3,
-        /// Radiance, in watts per square metre and steradian.
-        radiance: Vec3,
     },
 }
 
@@ -138,8 +142,6 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// What they are of.
     pub materials: Vec<Material>,
-    /// The textures of materials.
-    pub textures: Vec<Texture>,
     /// Lights that are no surfaces.
     pub lights: Vec<Light>,
     /// The light from outside.
@@ -271,7 +273,10 @@ impl Settings {
 
 impl Scene {
     pub(crate) fn check(&self) -> Result<(), LightError> {
-        check_materials(&self.materials, &self.textures)?;
+        for (index, m) in self.materials.iter().enumerate() {
+            numbers("the albedo of material", index, m.albedo, 0.0..=1.0)?;
+            bright("the emission of material", index, m.emission)?;
+        }
         for (object, o) in self.objects.iter().enumerate() {
             o.check(object, self.materials.len())?;
         }
@@ -282,10 +287,6 @@ impl Scene {
 
 impl Object {
     pub(crate) fn check(&self, object: usize, count: usize) -> Result<(), LightError> {
-        let (coordinates, triangles) = (self.uv.len(), self.triangles.len());
-        if ![0, triangles].contains(&coordinates) {
-            return Err(LightError::Coordinates { object, coordinates, triangles });
-        }
         match self.triangles.iter().position(|t| t.material as usize >= count) {
             None => Ok(()),
             Some(triangle) => {
@@ -333,12 +334,6 @@ pub(crate) fn check_lights(lights: &[Light]) -> Result<(), LightError> {
                 way("the direction of light", index, direction)?;
                 bright("the irradiance of light", index, irradiance)?;
                 numbers("the half angle of light", index, Vec3::splat(half_angle), 0.0..=1.5)?;
-            }
-            Light::Rectangle { corner, first, second, radiance } => {
-                for v in [corner, first, second] {
-                    numbers("the place of light", index, v, most.clone())?;
-                }
-                bright("the radiance of light", index, radiance)?;
             }
         }
     }

@@ -48,7 +48,7 @@
 //! et al. 1988), solved by Gauss and Seidel (Cohen and Greenberg 1985). Direct light of lamps is
 //! taken out and found by resampled shadow rays (Talbot et al. 2005). Answers are means of the
 //! states around, as irradiance caching interpolates them (Ward et al. 1988), each behind a ray of
-//! its own. [`Cache::probe`] and [`Cache::reflection`] send rays that read states.
+//! its own. [`Cache::radiance`] and [`Cache::reflection`] send rays that read states.
 //!
 //! A world larger than a grid has a coarse one and [`Window`]s of finer cells around the eye
 //! ([`Cache::move_windows`]); all cells share one list of states and one tree of triangles.
@@ -61,9 +61,7 @@
 //! time, nor hash order.
 
 mod cache;
-mod checks;
 mod clip;
-mod colours;
 mod direct;
 mod error;
 mod filter;
@@ -72,11 +70,11 @@ mod forest;
 pub mod gpu;
 mod input;
 mod lattice;
-mod materials;
+#[cfg(feature = "lit")]
+pub mod lit;
+mod mirrors;
 mod moves;
 mod numeric;
-mod parts;
-mod probe;
 mod query;
 mod queues;
 mod spread;
@@ -84,14 +82,12 @@ mod states;
 mod surfaces;
 mod tree;
 mod voxels;
-mod walk;
 mod windows;
 
 pub use cache::{Cache, Statistics};
 pub use error::LightError;
-pub use input::{Grid, Light, Object, Scene, Settings, Sky, Triangle, Window};
-pub use materials::{Material, Texture};
+pub use input::{Grid, Light, Material, Object, Scene, Settings, Sky, Triangle, Window};
+pub use mirrors::Seen;
 pub use moves::Moved;
-pub use probe::{Probe, Seen};
 pub use query::Irradiance;
 pub use surfaces::Skipped;

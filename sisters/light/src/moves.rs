@@ -95,34 +95,26 @@ fn is_cell_near(boxes: &[Bounds], lattice: &Lattice, cell: Cell, margin: f64) ->
 }
 
 impl Cache {
-    /// Replaces the triangles of an object, wherever it goes. Rays that can have changed are sent
-    /// again; light stays, and passes bring it up to date. Call [`Cache::gather`],
-    /// [`Cache::direct`] and passes next.
+    /// Replaces the triangles of objects, by their numbers, wherever they go: of all that move in a
+    /// frame at once, since cells are copied once. Of two with one number the last counts. Rays that
+    /// can have changed are sent again; light stays, and passes bring it up to date. Call
+    /// [`Cache::gather`], [`Cache::direct`] and passes next.
     ///
     /// The states then have the same rays as those of a cache that is made anew. Costs a copy of
-    /// the cells, making those anew that the object touches and touched, a look at each stored ray,
+    /// the cells, making those anew that the objects touch and touched, a look at each stored ray,
     /// and the rays that are sent; for an object that moves for the first time, also the tree of
     /// all triangles.
     ///
     /// # Errors
     /// If there is no such object, a triangle names no material, or the triangles touch too many
     /// cells; then nothing changes.
-    pub fn set_object(&mut self, object: usize, new: Object) -> Result<Moved, LightError> {
-        self.set_objects(vec![(object, new)])
-    }
-
-    /// The same for several objects, by their numbers: for all that move in a frame, since cells
-    /// are copied once. Of two with one number the last counts.
-    ///
-    /// # Errors
-    /// As [`Cache::set_object`].
     pub fn set_objects(&mut self, new: Vec<(usize, Object)>) -> Result<Moved, LightError> {
         let count = self.objects.len();
         for (object, new) in &new {
             if *object >= count {
                 return Err(LightError::Object { object: *object, count });
             }
-            new.check(*object, self.materials.all.len())?;
+            new.check(*object, self.materials.len())?;
         }
         let mut objects = self.objects.clone();
         let mut changed = Vec::new();

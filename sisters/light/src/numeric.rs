@@ -232,12 +232,6 @@ pub(crate) const OUTLIER: f32 = 1000.0;
 /// Single precision has steps of 8 m there.
 pub(crate) const ABSURD: f32 = 1e8;
 
-/// Texels that the mean colour of a part of a triangle is of, each of a level that covers its
-/// share.
-///
-/// Bilinear texels of that level overlap, so that sixteen miss none of a part that is not long.
-pub(crate) const TEXEL_SAMPLES: u32 = 16;
-
 /// The least product of the unit normals of linked states: an angle of 26 degrees.
 pub(crate) const LINK_NORMAL: f64 = 0.9;
 

@@ -3,9 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use crate::cache::Cache;
-use crate::checks::{numbers, way};
 use crate::direct::Spot;
-use crate::error::LightError;
+use crate::error::{LightError, numbers, way};
 use crate::lattice::Cell;
 use crate::numeric::{ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH};
 use crate::queues::Wish;

@@ -76,14 +76,6 @@ impl Waiting {
         (wish, taken)
     }
 
-    /// Takes all, in order of their numbers.
-    pub(crate) fn take_all(&mut self) -> Vec<u32> {
-        let mut all = self.take(usize::MAX).1;
-        all.extend(self.take(usize::MAX).1);
-        all.sort_unstable();
-        all
-    }
-
     /// All with their wishes, oldest first.
     pub(crate) fn all(&self) -> impl Iterator<Item = (u32, Wish)> + '_ {
         let hit = self.hit.iter().filter(|s| self.wishes[**s as usize] == Wish::Hit);
@@ -153,9 +145,6 @@ mod tests {
         assert_eq!(waiting.take(9), (Wish::Asked, vec![3]));
         assert_eq!(waiting.take(9), (Wish::Hit, vec![7, 5]));
         assert_eq!((waiting.count(), waiting.take(9)), (0, (Wish::Hit, vec![])));
-        waiting.add(3, Wish::Asked);
-        waiting.add(1, Wish::Hit);
-        assert_eq!((waiting.take_all(), waiting.count()), (vec![1, 3], 0));
     }
 
     #[test]

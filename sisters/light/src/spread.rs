@@ -72,14 +72,6 @@ pub(crate) fn on_disc(i: u32, count: u32, key: u64) -> (f64, f64) {
     (radius * c, radius * s)
 }
 
-/// Unit vectors into all directions, the `i`th of `count`.
-pub(crate) fn on_ball(i: u32, count: u32, key: u64) -> DVec3 {
-    let height = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(count);
-    let radius = (1.0 - height * height).max(0.0).sqrt();
-    let (s, c) = (TAU * (f64::from(i) * GOLDEN + unit(key, 7)).fract()).sin_cos();
-    DVec3::new(radius * c, radius * s, height)
-}
-
 /// The directions that a rough surface mirrors towards a view, as dense as its visible normals
 /// (Heitz 2018), turned by a key.
 pub(crate) struct Lobe {

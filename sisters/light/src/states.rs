@@ -16,8 +16,7 @@ use crate::numeric::{
 };
 use crate::spread::{Hemisphere, mix, unit};
 use crate::surfaces::Surface;
-use crate::voxels::{NONE, Voxels};
-use crate::walk::Hit;
+use crate::voxels::{Hit, NONE, Voxels};
 
 /// A ray that left the grid.
 pub(crate) const SKY: u32 = u32::MAX;

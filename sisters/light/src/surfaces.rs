@@ -1,6 +1,6 @@
 //! The triangles of objects, in cells.
 
-use glam::{DVec2, DVec3, IVec3, Vec2};
+use glam::{DVec3, IVec3};
 
 use crate::clip::{Polygon, inside};
 use crate::input::{Object, Triangle};
@@ -16,40 +16,21 @@ pub(crate) struct Surface {
     pub(crate) area: f64,
     pub(crate) material: u32,
     pub(crate) object: u32,
-    /// Where its corners lie in textures; NaN if nowhere.
-    pub(crate) uv: [Vec2; 3],
 }
 
 impl Surface {
-    pub(crate) fn new(corners: [DVec3; 3], material: u32, object: u32, uv: [Vec2; 3]) -> Option<Self> {
+    pub(crate) fn new(corners: [DVec3; 3], material: u32, object: u32) -> Option<Self> {
         let [a, b, c] = corners;
         let cross = (b - a).cross(c - a);
         let area = 0.5 * cross.length();
         let normal = cross.try_normalize().filter(|_| area > LEAST_AREA && area.is_finite())?;
-        Some(Self { corners, normal, area, material, object, uv })
+        Some(Self { corners, normal, area, material, object })
     }
 
-    /// Whether it is the same triangle. Coordinates that are none are not equal as numbers.
+    /// Whether it is the same triangle.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
-        let bits = |s: &Self| s.uv.map(|p| p.to_array().map(f32::to_bits));
         let kind = |s: &Self| (s.material, s.object);
-        self.corners == other.corners && kind(self) == kind(other) && bits(self) == bits(other)
-    }
-
-    /// Where a point of it lies in textures.
-    pub(crate) fn coordinates(&self, point: DVec3) -> DVec2 {
-        let [a, b, c] = self.corners;
-        // Shares of the area, by Cramer's rule in its plane.
-        let share = |v: DVec3| v.dot(self.normal) / (2.0 * self.area);
-        let (s, t) = (share((point - a).cross(c - a)), share((b - a).cross(point - a)));
-        let [u, v, w] = self.uv.map(|p| p.as_dvec2());
-        u + (v - u) * s + (w - u) * t
-    }
-
-    /// How many texels of a texture of such a size it covers.
-    pub(crate) fn texels(&self, size: DVec2) -> f64 {
-        let [u, v, w] = self.uv.map(|p| p.as_dvec2() * size);
-        0.5 * (v - u).perp_dot(w - u).abs()
+        self.corners == other.corners && kind(self) == kind(other)
     }
 
     /// How far barycentric coordinates on it may be below 0: [`SEAL`] beyond its edges.
@@ -88,20 +69,12 @@ pub struct Skipped {
 pub(crate) fn surfaces(objects: &[Object], lattice: &Lattice, skipped: &mut Skipped) -> Vec<Surface> {
     let mut all = Vec::new();
     for (object, o) in objects.iter().enumerate() {
-        let uv = |i: usize| o.uv.get(i).copied().unwrap_or([Vec2::NAN; 3]);
-        let of = |(i, t)| surface(t, uv(i), object as u32, lattice, skipped);
-        all.extend(o.triangles.iter().enumerate().filter_map(of));
+        all.extend(o.triangles.iter().filter_map(|t| surface(t, object as u32, lattice, skipped)));
     }
     all
 }
 
-fn surface(
-    t: &Triangle,
-    uv: [Vec2; 3],
-    object: u32,
-    lattice: &Lattice,
-    skipped: &mut Skipped,
-) -> Option<Surface> {
+fn surface(t: &Triangle, object: u32, lattice: &Lattice, skipped: &mut Skipped) -> Option<Surface> {
     if !t.corners.iter().all(|p| p.is_finite()) {
         skipped.not_finite += 1;
         return None;
@@ -111,7 +84,7 @@ fn surface(
         skipped.far += 1;
         return None;
     }
-    let Some(surface) = Surface::new(corners, t.material, object, uv) else {
+    let Some(surface) = Surface::new(corners, t.material, object) else {
         skipped.degenerate += 1;
         return None;
     };

@@ -7,9 +7,9 @@
 use glam::{DVec3, Vec3};
 
 use crate::clip::{Polygon, cross, inside, part_of, range, touched};
-use crate::colours::{Colour, Materials};
 use crate::error::LightError;
 use crate::forest::Forest;
+use crate::input::Material;
 use crate::lattice::{Cell, Lattice, Level};
 use crate::numeric::{FLAT, GAP, GROW, LEAST_PART, MOST_REFERENCES, SAME_NORMAL};
 use crate::surfaces::Surface;
@@ -106,8 +106,8 @@ pub(crate) struct Voxels {
 }
 
 /// The kind of entry that a surface belongs to.
-fn bin_of(surface: &Surface, materials: &Materials) -> u8 {
-    let (normal, emits) = (surface.normal, materials.emits(surface));
+fn bin_of(surface: &Surface, materials: &[Material]) -> u8 {
+    let (normal, emits) = (surface.normal, materials[surface.material as usize].emits());
     let axis = normal.abs().max_position();
     (2 * axis) as u8 + u8::from(normal[axis] < 0.0) + 6 * u8::from(emits)
 }
@@ -117,7 +117,7 @@ impl Voxels {
     pub(crate) fn new(
         lattice: Lattice,
         surfaces: Vec<Surface>,
-        materials: &Materials,
+        materials: &[Material],
     ) -> Result<Self, LightError> {
         let tree = Forest::new(&lattice, &surfaces);
         Self::with(lattice, surfaces, tree, materials)
@@ -128,7 +128,7 @@ impl Voxels {
         lattice: Lattice,
         surfaces: Vec<Surface>,
         tree: Forest,
-        materials: &Materials,
+        materials: &[Material],
     ) -> Result<Self, LightError> {
         let mut voxels = Self::empty(lattice, surfaces, tree);
         let mut parts = voxels.parts(materials)?;
@@ -174,7 +174,7 @@ impl Voxels {
         }
     }
 
-    fn parts(&self, materials: &Materials) -> Result<Vec<Part>, LightError> {
+    fn parts(&self, materials: &[Material]) -> Result<Vec<Part>, LightError> {
         let mut parts = Vec::new();
         for (i, surface) in self.surfaces.iter().enumerate() {
             let bin = bin_of(surface, materials);
@@ -206,7 +206,7 @@ impl Voxels {
     }
 
     /// Adds a cell with its parts, which are sorted by bin and surface.
-    fn add_cell(&mut self, parts: &[Part], materials: &Materials) {
+    fn add_cell(&mut self, parts: &[Part], materials: &[Material]) {
         let (first, start) = (self.entries.len(), self.references.len());
         for of_bin in parts.chunk_by(|a, b| a.bin == b.bin) {
             if of_bin[0].bin == u8::MAX {
@@ -239,15 +239,14 @@ impl Voxels {
         self.heads.push(self.entries.len() as u32);
     }
 
-    fn add_entry(&mut self, parts: &[Part], rank: u16, materials: &Materials) {
+    fn add_entry(&mut self, parts: &[Part], rank: u16, materials: &[Material]) {
         let number = self.entries.len() as u32;
         let first = self.members.len() as u32;
         let (mut normal, mut albedo, mut middle, mut area) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
         for p in parts {
             let (surface, share) = (&self.surfaces[p.surface as usize], f64::from(p.area));
             normal += surface.normal * share;
-            let polygon = || self.lattice.part(&surface.polygon(), self.lattice.place(p.cell));
-            albedo += materials.over(surface, Colour::Albedo, polygon).as_dvec3() * share;
+            albedo += materials[surface.material as usize].albedo.as_dvec3() * share;
             middle += p.middle.as_dvec3() * share;
             area += share;
             self.members.push(p.surface);
@@ -321,5 +320,47 @@ impl Voxels {
             + size_of_val(&self.heads[..])
             + size_of_val(&self.masks[..])
             + size_of_val(&self.ranks[..])
+    }
+}
+
+/// Where a ray meets a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hit {
+    /// The distance from the start, in cells.
+    pub(crate) distance: f64,
+    /// The triangle.
+    pub(crate) surface: u32,
+}
+
+/// Rays: the surface that one hits first, and the entry of that surface there.
+impl Voxels {
+    /// The first surface within a reach along a unit direction.
+    pub(crate) fn first(&self, from: DVec3, direction: DVec3, reach: f64) -> Option<Hit> {
+        self.tree.first(from, direction, reach).map(|(distance, surface)| Hit { distance, surface })
+    }
+
+    /// Whether the segment between two points meets no surface.
+    pub(crate) fn free(&self, from: DVec3, to: DVec3) -> bool {
+        self.free_of(from, to, &mut NONE.clone())
+    }
+
+    /// The same for many segments of one point: what blocked the last one is tried first.
+    pub(crate) fn free_of(&self, from: DVec3, to: DVec3, last: &mut u32) -> bool {
+        let way = to - from;
+        let Some(direction) = way.try_normalize() else { return true };
+        let blocker = self.tree.blocker(from, direction, way.length(), *last);
+        *last = blocker.unwrap_or(*last);
+        blocker.is_none()
+    }
+
+    /// The entry of a triangle at a point on it: that of the point's cell, or of a cell next to the
+    /// point. Rounding may put a point into a cell in which hardly anything of the triangle is.
+    pub(crate) fn entry_at(&self, surface: u32, point: DVec3) -> Option<u32> {
+        let of = |c: Cell| {
+            let is_it = |r: &&Reference| r.surface == surface && r.entry != NONE;
+            self.references_of(c).iter().find(is_it).map(|r| r.entry)
+        };
+        let near = || self.lattice.all_at(point).flat_map(|at| self.lattice.around(at));
+        of(self.lattice.at(point)).or_else(|| near().find_map(of))
     }
 }

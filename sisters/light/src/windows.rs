@@ -8,8 +8,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::cache::Cache;
-use crate::checks::numbers;
-use crate::error::LightError;
+use crate::error::{LightError, numbers};
 use crate::lattice::{Lattice, Level};
 use crate::moves::{Bounds, Change, Moved};
 use crate::numeric::WINDOW_REST;

@@ -20,11 +20,11 @@ const FREE_ELEMENTS: usize = 1 << 20;
 const ELEMENTS_OF_A_BYTE: usize = 4;
 
 /// Why an accessor is refused that goes beyond the elements of a file.
-pub(super) const TOO_MUCH: &str = "one too many: the file unfolds to too much";
+pub const TOO_MUCH: &str = "one too many: the file unfolds to too much";
 
 /// Which component types elements may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Components {
+pub enum Components {
     /// Floats only.
     Floats,
     /// Also normalised integers of 8 or 16 bits.
@@ -35,33 +35,34 @@ pub(super) enum Components {
 
 /// All buffers of a file.
 #[derive(Debug)]
-pub(super) struct Buffers {
+pub struct Buffers {
     bytes: Vec<Rc<Vec<u8>>>,
     /// Elements that may still be read.
     left: Cell<usize>,
 }
 
 impl Buffers {
-    pub(super) fn new(bytes: Vec<Rc<Vec<u8>>>) -> Self {
+    /// Those of a file, each with its bytes.
+    pub fn new(bytes: Vec<Rc<Vec<u8>>>) -> Self {
         let all = Self { bytes, left: Cell::new(FREE_ELEMENTS) };
         all.left.set(all.bytes().saturating_mul(ELEMENTS_OF_A_BYTE).saturating_add(FREE_ELEMENTS));
         all
     }
 
     /// How many bytes there are.
-    pub(super) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.bytes.iter().map(|b| b.len()).fold(0, usize::saturating_add)
     }
 
     /// Takes note of elements that need memory; says whether the file may still have them.
-    pub(super) fn spend(&self, count: usize) -> bool {
+    pub fn spend(&self, count: usize) -> bool {
         let left = self.left.get().checked_sub(count);
         self.left.set(left.unwrap_or(0));
         left.is_some()
     }
 
     /// Reads vectors of `N` floats.
-    pub(super) fn floats<const N: usize>(
+    pub fn floats<const N: usize>(
         &self,
         accessor: &Accessor,
         what: &'static str,
@@ -92,7 +93,7 @@ impl Buffers {
     }
 
     /// Reads the indices of a primitive.
-    pub(super) fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, Trouble> {
+    pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, Trouble> {
         let what = "indices";
         let greatest = match accessor.data_type() {
             DataType::U8 => u32::from(u8::MAX),
@@ -112,13 +113,12 @@ impl Buffers {
     }
 
     /// Makes sure that all elements of an accessor are there, whatever they are.
-    pub(super) fn check(&self, accessor: &Accessor, what: &'static str) -> Result<(), Trouble> {
+    pub fn check(&self, accessor: &Accessor, what: &'static str) -> Result<(), Trouble> {
         self.elements(accessor, what, (), |_| ()).map(drop)
     }
 
     /// The bytes of a view.
-    #[cfg(feature = "fur")]
-    pub(super) fn view(&self, view: &View) -> Result<&[u8], Trouble> {
+    pub fn view(&self, view: &View) -> Result<&[u8], Trouble> {
         let found = self.span(view, 0, 1, view.length(), view.length())?;
         Ok(found.unwrap_or(&[]))
     }
@@ -211,7 +211,8 @@ impl Buffers {
     }
 }
 
-pub(super) fn unfit(accessor: &Accessor, what: &'static str, why: &'static str) -> Trouble {
+/// Why an accessor is refused.
+pub fn unfit(accessor: &Accessor, what: &'static str, why: &'static str) -> Trouble {
     Trouble::Accessor { accessor: accessor.index(), what, why }
 }
 

@@ -10,11 +10,7 @@ use super::track::Track;
 
 /// Reads all animations onto their nodes; gives the length of the longest that is used. All play at
 /// once; what two of them animate follows the first.
-pub(super) fn animate(
-    document: &gltf::Document,
-    buffers: &Buffers,
-    nodes: &mut Nodes,
-) -> Result<f32, Trouble> {
+pub fn animate(document: &gltf::Document, buffers: &Buffers, nodes: &mut Nodes) -> Result<f32, Trouble> {
     let mut places = vec![None; document.nodes().len()];
     for (place, node) in nodes.0.iter().enumerate() {
         places[node.index] = Some(place);
@@ -52,9 +48,12 @@ pub(super) fn animate(
 const VALUES: &str = "animation values";
 
 /// The keys of a channel.
-pub(super) enum Keys {
+pub enum Keys {
+    /// Of places.
     Translation(Track<Vec3>),
+    /// Of turns.
     Rotation(Track<Quat>),
+    /// Of sizes.
     Scale(Track<Vec3>),
 }
 
@@ -67,7 +66,7 @@ fn times_end(keys: &Keys) -> f32 {
 }
 
 /// Reads the keys of a channel, which moves, turns or scales its node.
-pub(super) fn keys_of(buffers: &Buffers, channel: &gltf::animation::Channel) -> Result<Keys, Trouble> {
+pub fn keys_of(buffers: &Buffers, channel: &gltf::animation::Channel) -> Result<Keys, Trouble> {
     let sampler = channel.sampler();
     let (output, interpolation) = (sampler.output(), sampler.interpolation());
     let times = times_of(buffers, &sampler.input())?;

@@ -13,10 +13,10 @@ use percent_encoding::percent_decode_str;
 use super::error::Trouble;
 
 /// Files that were read, by their paths without detours: many buffers may name the same.
-pub(super) type Known = HashMap<PathBuf, Rc<Vec<u8>>>;
+pub type Known = HashMap<PathBuf, Rc<Vec<u8>>>;
 
 /// Reads all buffers; each holds at least as many bytes as the file says.
-pub(super) fn buffers_of(
+pub fn buffers_of(
     document: &gltf::Document,
     mut blob: Option<Vec<u8>>,
     folder: Option<&Path>,
@@ -45,7 +45,7 @@ pub(super) fn buffers_of(
 }
 
 /// The bytes of a data URI, from behind its scheme.
-pub(super) fn decoded(rest: &str) -> Result<Vec<u8>, String> {
+pub fn decoded(rest: &str) -> Result<Vec<u8>, String> {
     let (kind, data) = rest.split_once(',').ok_or("its data URI has no comma")?;
     if !kind.to_ascii_lowercase().ends_with(";base64") {
         return Err("its data URI is not in base64, and no other is read".to_owned());
@@ -57,7 +57,7 @@ pub(super) fn decoded(rest: &str) -> Result<Vec<u8>, String> {
 
 /// The bytes of the file at a relative URI, or of that name, which others write unescaped and with
 /// backslashes; no more than the `most` that a buffer needs, for it may have no end.
-pub(super) fn beside(
+pub fn beside(
     folder: Option<&Path>,
     uri: &str,
     most: usize,

@@ -198,7 +198,7 @@ fn grid_of(min: Vec3, max: Vec3) -> Result<GridHint, Trouble> {
 }
 
 /// The scene; warnings may be there already.
-pub(super) fn contents(name: &str, file: &File, warnings: &Warnings) -> Result<World, Trouble> {
+pub fn contents(name: &str, file: &File, warnings: &Warnings) -> Result<World, Trouble> {
     let File { document, buffers, json, .. } = file;
     let mut nodes = nodes_of(&file.document, &file.places)?;
     let clip = animate(document, buffers, &mut nodes)?;

@@ -15,7 +15,7 @@ use super::nodes::Place;
 use super::warnings::Warnings;
 
 /// Coordinates may be integers.
-pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
+pub const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Extensions that a file may require.
 const UNDERSTOOD: [&str; 3] = [QUANTIZATION, INSTANCING, "KHR_animation_pointer"];
 /// What the names of extensions start with that change no geometry, only what it looks like.
@@ -34,21 +34,19 @@ const DRACO: &str = "KHR_draco_mesh_compression";
 const TOLD: usize = 3;
 
 /// A file that was parsed.
-pub(super) struct File<'a> {
+pub struct File<'a> {
     /// The text of the document, as it was.
-    pub(super) json: &'a [u8],
-    pub(super) document: gltf::Document,
-    pub(super) buffers: Buffers,
+    pub json: &'a [u8],
+    /// What it says, mended and checked.
+    pub document: gltf::Document,
+    /// Its bytes.
+    pub buffers: Buffers,
     /// By node: where it says that it is, as exactly as the text does.
-    pub(super) places: Vec<Place>,
+    pub places: Vec<Place>,
 }
 
 /// Parses a file.
-pub(super) fn parse<'a>(
-    bytes: &'a [u8],
-    folder: Option<&Path>,
-    warnings: &Warnings,
-) -> Result<File<'a>, Trouble> {
+pub fn parse<'a>(bytes: &'a [u8], folder: Option<&Path>, warnings: &Warnings) -> Result<File<'a>, Trouble> {
     let (json, binary) = chunks(bytes)?;
     let mut root: Map<String, Value> =
         from_slice(json).map_err(|why| Trouble::Format(format!("its JSON: {why}")))?;

@@ -111,18 +111,10 @@ pub enum Trouble {
         /// The names that there are.
         known: String,
     },
-    /// A skeleton, its weights or its clips are refused.
-    #[cfg(feature = "fur")]
+    /// Coats, a skeleton, its weights or its clips are refused.
     #[error("has fur or a skin that is refused: {0}")]
-    Skin(Box<casca_fur::Error>),
+    Skin(Box<dyn std::error::Error + Send + Sync>),
     /// There is nothing to show.
     #[error("holds no triangles in any node")]
     NoTriangles,
-}
-
-#[cfg(feature = "fur")]
-impl From<casca_fur::Error> for Trouble {
-    fn from(error: casca_fur::Error) -> Self {
-        Self::Skin(Box::new(error))
-    }
 }

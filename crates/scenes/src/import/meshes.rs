@@ -12,12 +12,12 @@ use super::error::Trouble;
 use crate::world::Mesh;
 
 /// Whether primitives of a mode are lines or points.
-pub(super) fn is_loose(mode: Mode) -> bool {
+pub fn is_loose(mode: Mode) -> bool {
     matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
 }
 
 /// By triangle, given by their primitives: the index of the material plus one, 0 for the default.
-pub(super) fn materials_of(mesh: &gltf::Mesh, primitives: &[u32]) -> Vec<u32> {
+pub fn materials_of(mesh: &gltf::Mesh, primitives: &[u32]) -> Vec<u32> {
     let all: Vec<u32> = mesh.primitives().map(|p| p.material().index().map_or(0, |i| i as u32 + 1)).collect();
     primitives.iter().map(|&p| all.get(p as usize).copied().unwrap_or(0)).collect()
 }
@@ -47,7 +47,7 @@ fn each_triangle(
 }
 
 /// Reads meshes; vertex data that several share is read once.
-pub(super) struct Meshes<'a> {
+pub struct Meshes<'a> {
     buffers: &'a Buffers,
     /// What positions may be.
     components: Components,
@@ -55,42 +55,32 @@ pub(super) struct Meshes<'a> {
 }
 
 impl<'a> Meshes<'a> {
-    pub(super) fn new(buffers: &'a Buffers, components: Components) -> Self {
+    /// A reader of the meshes of a file, whose positions are of these components.
+    pub fn new(buffers: &'a Buffers, components: Components) -> Self {
         Self { buffers, components, positions: HashMap::new() }
     }
 
     /// Joins all that is drawn of a mesh, with the vertices that it uses, and says of which
     /// primitive each triangle is; `None` if there is nothing. A line is a triangle without area,
     /// and so is a point.
-    pub(super) fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, (true, false), |_, _| {})
+    pub fn mesh(&mut self, mesh: &gltf::Mesh) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
+        self.joined(mesh, false, |_, _| {})
     }
 
-    /// As [`Meshes::mesh_from`], but primitives share no vertices: they may differ in colour.
-    #[cfg(feature = "fur")]
-    pub(super) fn parted(
+    /// The same for triangles only, where primitives share no vertices, since they may differ in
+    /// colour; `each` is called for each vertex in turn, with its primitive and its number there.
+    pub fn parted(
         &mut self,
         mesh: &gltf::Mesh,
         each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, (false, true), each)
-    }
-
-    /// The same for triangles only; `each` is called for each vertex in turn, with its primitive
-    /// and its number there.
-    #[cfg(feature = "fur")]
-    pub(super) fn mesh_from(
-        &mut self,
-        mesh: &gltf::Mesh,
-        each: impl FnMut(usize, u32),
-    ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
-        self.joined(mesh, (false, false), each)
+        self.joined(mesh, true, each)
     }
 
     fn joined(
         &mut self,
         mesh: &gltf::Mesh,
-        (with_loose, parted): (bool, bool),
+        parted: bool,
         mut each: impl FnMut(usize, u32),
     ) -> Result<Option<(Mesh, Vec<u32>)>, Trouble> {
         let mut joined = Mesh::default();
@@ -100,7 +90,7 @@ impl<'a> Meshes<'a> {
         for primitive in mesh.primitives() {
             let mode = primitive.mode();
             let is_loose = is_loose(mode);
-            if is_loose && !with_loose {
+            if is_loose && parted {
                 continue;
             }
             let Some(accessor) = primitive.get(&gltf::Semantic::Positions) else { continue };
@@ -157,17 +147,17 @@ impl<'a> Meshes<'a> {
     }
 
     /// What a primitive adds to its positions at most, by a morph target.
-    pub(super) fn offsets(&self, accessor: &gltf::Accessor) -> Result<(Vec3, Vec3), Trouble> {
+    pub fn offsets(&self, accessor: &gltf::Accessor) -> Result<(Vec3, Vec3), Trouble> {
         let offsets = self.buffers.floats(accessor, "morph targets", self.components)?;
         let all = offsets.into_iter().map(Vec3::from_array);
         Ok(all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), d| (lo.min(d), hi.max(d))))
     }
 
-    pub(super) fn points(
-        &mut self,
-        accessor: &gltf::Accessor,
-        mesh: usize,
-    ) -> Result<Rc<Vec<Vec3>>, Trouble> {
+    /// The positions of an accessor of a mesh.
+    ///
+    /// # Errors
+    /// Refuses positions that are not finite.
+    pub fn points(&mut self, accessor: &gltf::Accessor, mesh: usize) -> Result<Rc<Vec<Vec3>>, Trouble> {
         if let Some(points) = self.positions.get(&accessor.index()) {
             return Ok(points.clone());
         }

@@ -11,8 +11,7 @@
 //! - **Motion**: a node that an animation moves, itself or by a parent, is dynamic. All
 //!   animations play together from time 0; of those for one property of a node the first
 //!   in the file is used. The greatest speed of an object bounds the way of each of its
-//!   points from any frame to any other. With the feature `fur`, `read_skinned` reads a mesh with
-//!   its skin.
+//!   points from any frame to any other.
 //! - **Path**: the first perspective camera that an animation moves, at 30 frames a
 //!   second, for as long as the longest animation (at most 100,000 frames, and fewer, with a
 //!   warning, where so much moves that a short file would take long); else the first perspective
@@ -67,7 +66,7 @@
 //!
 //! Skins and animated morph targets are dynamic, so that bakes leave them to run time.
 //! [`World::source`](crate::world::World::source) holds the warnings, which tools print.
-//! [`load_lit`] reads the same of materials for the path tracer, by code of its own.
+//! The path tracer of `casca-radiosity` reads the same of materials by code of its own.
 //!
 //! What a scene cannot do without is taken whole or refused. Accessors may share bytes, and may
 //! have none, but a file that unfolds to more than four elements a byte of its buffers and a
@@ -76,27 +75,18 @@
 mod accessors;
 mod animations;
 mod buffers;
-#[cfg(feature = "fur")]
-mod coated;
 mod container;
 mod contents;
 mod deformed;
 mod document;
 mod error;
 mod hides;
-#[cfg(feature = "fur")]
-mod images;
 mod instances;
-#[cfg(feature = "fur")]
-mod join;
-mod looks;
 mod mend;
 mod meshes;
 mod nodes;
 mod origin;
 mod path;
-#[cfg(feature = "fur")]
-mod skins;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -104,20 +94,27 @@ mod warnings;
 
 use std::path::Path;
 
-use crate::lit::LitScene;
 use crate::world::World;
 use contents::contents;
 use document::parse;
 use warnings::Warnings;
 
-#[cfg(feature = "fur")]
-pub use coated::{Coated, Rig, read_coated};
 pub use error::{ImportError, Trouble};
-#[cfg(feature = "fur")]
-pub use images::load_map;
-pub use looks::read_lit;
-#[cfg(feature = "fur")]
-pub use skins::{Skinned, read_skinned};
+
+/// The parts of the reader, for those that read more than casca needs: materials and lights
+/// (`casca-radiosity`), coats and skins (`casca-fur`).
+pub mod parts {
+    pub use super::accessors::{Buffers, Components, unfit};
+    pub use super::animations::{Keys, keys_of};
+    pub use super::buffers::{Known, beside, decoded};
+    pub use super::contents::contents;
+    pub use super::document::{File, QUANTIZATION, parse};
+    pub use super::meshes::{Meshes, materials_of};
+    pub use super::nodes::{Node, Nodes, Place, check_rigid, nodes_of, wrong};
+    pub use super::track::{Track, Tracks};
+    pub use super::warnings::Warnings;
+    pub use crate::numeric::AFFINE;
+}
 
 /// Loads a scene from a `.glb` or `.gltf` file; buffers in other files are looked for from its
 /// folder. Warnings name the file.
@@ -132,24 +129,12 @@ pub fn load(path: &Path) -> Result<World, ImportError> {
     Ok(world)
 }
 
-/// Loads a scene with its materials and lights from such a file; see [`read_lit`].
+/// Opens a file for a reader, which is given the file's name without its ending, its bytes and its
+/// folder.
 ///
 /// # Errors
-/// As [`load`].
-pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
-    open(path, read_lit)
-}
-
-/// Loads what can grow fur from such a file; see [`read_coated`].
-///
-/// # Errors
-/// As [`read_coated`].
-#[cfg(feature = "fur")]
-pub fn load_coated(path: &Path) -> Result<Coated, ImportError> {
-    open(path, |_, bytes, folder| read_coated(bytes, folder))
-}
-
-fn open<T>(
+/// Those of the reader, with the path.
+pub fn open<T>(
     path: &Path,
     read: impl FnOnce(&str, &[u8], Option<&Path>) -> Result<T, Trouble>,
 ) -> Result<T, ImportError> {

@@ -14,14 +14,16 @@ type Pose = (DVec3, DQuat, DVec3);
 /// Where a node is, as exactly as the text of its file says it: the crate `gltf` rounds it to
 /// single precision, which is three centimetres at 500 km.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Place {
+pub enum Place {
+    /// By a matrix.
     Matrix(DMat4),
+    /// By translation, rotation and scale.
     Pose(Pose),
 }
 
 impl Place {
     /// That of a node; what has another form is refused elsewhere.
-    pub(super) fn of(node: &Value) -> Self {
+    pub fn of(node: &Value) -> Self {
         fn numbers<const N: usize>(node: &Value, member: &str) -> Option<[f64; N]> {
             let list = node.get(member)?.as_array()?;
             list.iter().map(Value::as_f64).collect::<Option<Vec<_>>>()?.try_into().ok()
@@ -39,22 +41,26 @@ impl Place {
 
 /// A node: its rest pose, what moves it, and its parent, which comes before it.
 #[derive(Debug, Clone)]
-pub(super) struct Node {
+pub struct Node {
     /// Index in the file.
-    pub(super) index: usize,
-    pub(super) parent: Option<usize>,
-    pub(super) rest: Pose,
+    pub index: usize,
+    /// The place of its parent in the list.
+    pub parent: Option<usize>,
+    /// Where it is without animations, relative to its parent.
+    pub rest: Pose,
     /// Where the file gives a matrix instead of a pose.
-    pub(super) matrix: Option<DAffine3>,
-    pub(super) tracks: Tracks,
+    pub matrix: Option<DAffine3>,
+    /// What moves it.
+    pub tracks: Tracks,
     /// Whether an animation moves it.
-    pub(super) moves: bool,
+    pub moves: bool,
     /// Whether an animation deforms its mesh.
-    pub(super) morphs: bool,
+    pub morphs: bool,
 }
 
 impl Node {
-    pub(super) fn local(&self, time: f32) -> DAffine3 {
+    /// Where it is at a time, relative to its parent.
+    pub fn local(&self, time: f32) -> DAffine3 {
         if let Some(matrix) = self.matrix {
             return matrix;
         }
@@ -72,23 +78,23 @@ impl Node {
 
 /// All nodes, parents first.
 #[derive(Debug, Clone)]
-pub(super) struct Nodes(pub(super) Vec<Node>);
+pub struct Nodes(pub Vec<Node>);
 
 impl Nodes {
     /// Where a node is. Costs its depth.
-    pub(super) fn global(&self, node: usize, time: f32) -> DAffine3 {
+    pub fn global(&self, node: usize, time: f32) -> DAffine3 {
         let mut way: Vec<usize> = std::iter::successors(Some(node), |&n| self.0[n].parent).collect();
         let root = way.pop().unwrap_or(node);
         way.iter().rev().fold(self.0[root].local(time), |at, &n| at * self.0[n].local(time))
     }
 
     /// How many nodes a node hangs from, with itself.
-    pub(super) fn depth(&self, node: usize) -> usize {
+    pub fn depth(&self, node: usize) -> usize {
         std::iter::successors(Some(node), |&n| self.0[n].parent).count()
     }
 
     /// Where all nodes are at a time.
-    pub(super) fn globals(&self, time: f32) -> Vec<DAffine3> {
+    pub fn globals(&self, time: f32) -> Vec<DAffine3> {
         self.inherited(|node, parent: Option<DAffine3>| {
             let local = node.local(time);
             parent.map_or(local, |parent| parent * local)
@@ -96,12 +102,12 @@ impl Nodes {
     }
 
     /// Which nodes move, themselves or with what they hang from.
-    pub(super) fn moving(&self) -> Vec<bool> {
+    pub fn moving(&self) -> Vec<bool> {
         self.inherited(|node, parent| node.moves || parent.unwrap_or(false))
     }
 
     /// What each node makes of itself and of what its parent made, if it has one.
-    pub(super) fn inherited<T: Copy>(&self, mut each: impl FnMut(&Node, Option<T>) -> T) -> Vec<T> {
+    pub fn inherited<T: Copy>(&self, mut each: impl FnMut(&Node, Option<T>) -> T) -> Vec<T> {
         let mut all: Vec<T> = Vec::with_capacity(self.0.len());
         for node in &self.0 {
             let parent = node.parent.map(|parent| all[parent]);
@@ -113,7 +119,7 @@ impl Nodes {
 
 /// The nodes of the scene that is shown: the default one, else the first; all nodes where there are
 /// no scenes.
-pub(super) fn nodes_of(document: &gltf::Document, places: &[Place]) -> Result<Nodes, Trouble> {
+pub fn nodes_of(document: &gltf::Document, places: &[Place]) -> Result<Nodes, Trouble> {
     let all: Vec<gltf::Node> = document.nodes().collect();
     let mut is_child = vec![false; all.len()];
     for node in &all {
@@ -172,19 +178,19 @@ fn pose_of(node: &gltf::Node, place: Place) -> Result<(Pose, Option<DAffine3>), 
 }
 
 /// A rotation with length 1; `None` for what has no length to speak of.
-pub(super) fn unit(rotation: DQuat) -> Option<DQuat> {
+pub fn unit(rotation: DQuat) -> Option<DQuat> {
     let length = rotation.length();
     ROTATION_LENGTHS.contains(&length).then(|| rotation / length)
 }
 
 /// What is wrong with a node.
-pub(super) fn wrong(node: &gltf::Node, why: impl Into<String>) -> Trouble {
+pub fn wrong(node: &gltf::Node, why: impl Into<String>) -> Trouble {
     Trouble::Node { node: node.index(), name: node.name().unwrap_or("").to_owned(), why: why.into() }
 }
 
 /// Whether the object of a node hides others, and whether it is tested. Extras belong to everyone:
 /// a role that is none of these is somebody else's.
-pub(super) fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
+pub fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
     let extras = node.extras().as_ref().and_then(|text| serde_json::from_str::<Value>(text.get()).ok());
     match extras.as_ref().and_then(|extras| extras.get("role")) {
         None => (true, true),
@@ -203,15 +209,14 @@ pub(super) fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
 
 /// Whether a node shows its mesh in another form than its positions give; `morphs` says whether an
 /// animation changes the weights of morph targets.
-pub(super) fn is_deformed(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> bool {
+pub fn is_deformed(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> bool {
     let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
     let has_targets = mesh.primitives().any(|p| p.morph_targets().len() > 0);
     node.skin().is_some() || has_targets && (morphs || weights.iter().any(|&w| w != 0.0))
 }
 
 /// Refuses meshes that are drawn in another form than their positions give.
-#[cfg(feature = "fur")]
-pub(super) fn check_rigid(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> Result<(), Trouble> {
+pub fn check_rigid(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> Result<(), Trouble> {
     match is_deformed(node, mesh, morphs) {
         true if node.skin().is_some() => Err(wrong(node, "has a skin; deformed meshes are not read")),
         true => Err(wrong(node, "has a mesh with morph targets in use; deformed meshes are not read")),

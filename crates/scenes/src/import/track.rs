@@ -3,16 +3,18 @@
 use glam::{DQuat, DVec3};
 use gltf::animation::Interpolation;
 
-/// A key-framed property of a node, as the file has it: `casca_fur::skin::Track` holds keys that
-/// were checked, and is there with the feature `fur` only.
+/// A key-framed property of a node, as the file has it.
 #[derive(Debug, Clone)]
-pub(super) struct Track<T> {
-    pub(super) times: Vec<f32>,
-    pub(super) values: Vec<T>,
-    pub(super) interpolation: Interpolation,
+pub struct Track<T> {
+    /// Seconds, in order.
+    pub times: Vec<f32>,
+    /// One for each time; of splines three, with the tangents before and after.
+    pub values: Vec<T>,
+    /// How values go over into each other.
+    pub interpolation: Interpolation,
 }
 
-pub(super) trait Mix: Copy {
+pub trait Mix: Copy {
     fn mix(a: Self, b: Self, t: f64) -> Self;
     /// The cubic Hermite spline of glTF: values, and tangents times the interval.
     fn spline(a: Self, out: Self, into: Self, b: Self, t: f64, dt: f64) -> Self;
@@ -47,14 +49,15 @@ fn hermite(t: f64, dt: f64) -> [f64; 4] {
 
 impl<T> Track<T> {
     /// The same with other values.
-    pub(super) fn map<U>(self, each: impl Fn(T) -> U) -> Track<U> {
+    pub fn map<U>(self, each: impl Fn(T) -> U) -> Track<U> {
         let values = self.values.into_iter().map(each).collect();
         Track { times: self.times, values, interpolation: self.interpolation }
     }
 }
 
 impl<T: Mix> Track<T> {
-    pub(super) fn at(&self, time: f32) -> Option<T> {
+    /// The value at a time; none without keys.
+    pub fn at(&self, time: f32) -> Option<T> {
         let last = self.times.len().checked_sub(1)?;
         let cubic = self.interpolation == Interpolation::CubicSpline;
         let value = |i: usize| self.values.get(if cubic { 3 * i + 1 } else { i }).copied();
@@ -77,9 +80,13 @@ impl<T: Mix> Track<T> {
     }
 }
 
+/// What moves, turns and scales a node.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Tracks {
-    pub(super) translation: Option<Track<DVec3>>,
-    pub(super) rotation: Option<Track<DQuat>>,
-    pub(super) scale: Option<Track<DVec3>>,
+pub struct Tracks {
+    /// Where it is.
+    pub translation: Option<Track<DVec3>>,
+    /// How it is turned.
+    pub rotation: Option<Track<DQuat>>,
+    /// How large it is.
+    pub scale: Option<Track<DVec3>>,
 }

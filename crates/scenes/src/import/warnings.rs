@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 /// Warnings while a file is read. The same about many places is one line.
 #[derive(Debug, Default)]
-pub(super) struct Warnings(RefCell<Vec<Warning>>);
+pub struct Warnings(RefCell<Vec<Warning>>);
 
 #[derive(Debug)]
 struct Warning {
@@ -15,7 +15,7 @@ struct Warning {
 
 impl Warnings {
     /// Says what is so at a place of the file, such as `node 3 ("hero")`.
-    pub(super) fn add(&self, place: String, what: &str) {
+    pub fn add(&self, place: String, what: &str) {
         let mut all = self.0.borrow_mut();
         match all.iter_mut().find(|w| w.what == what) {
             Some(known) => known.others += 1,
@@ -25,7 +25,7 @@ impl Warnings {
 
     /// A line for each thing said, such as `node 3 ("hero") and 2 more: ...`, in the order of the
     /// file.
-    pub(super) fn lines(&self) -> Vec<String> {
+    pub fn lines(&self) -> Vec<String> {
         let line = |w: &Warning| match w.others {
             0 => format!("{}: {}", w.first, w.what),
             n => format!("{} and {n} more: {}", w.first, w.what),
@@ -35,6 +35,6 @@ impl Warnings {
 }
 
 /// How a node is named in warnings.
-pub(super) fn node_name(node: &gltf::Node) -> String {
+pub fn node_name(node: &gltf::Node) -> String {
     format!("node {} ({:?})", node.index(), node.name().unwrap_or(""))
 }

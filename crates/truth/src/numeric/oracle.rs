@@ -1,4 +1,4 @@
-//! Margins of exact visibility and of the path tracer. They are for double precision unless they
+//! Margins of exact visibility. They are for double precision unless they
 //! say otherwise.
 
 /// The greatest share of its size by which a solid is grown when a ray must miss it by more than
@@ -65,10 +65,3 @@ pub(crate) const RAY_F32: f64 = 1e-5;
 /// The boxes of the hierarchies are widened by this share of the scene, some tens of roundings of
 /// such a ray.
 pub(crate) const BOX_F32: f64 = 4e-6;
-
-/// Rays of light start this far off the surface, as a share of the greatest coordinate: rounding is
-/// less, and nothing in a scene is as thin.
-pub(crate) const OFF: f64 = 1e-8;
-/// Shadow rays end this far before the light, as a share of the way, so that an emitter does not
-/// hide itself.
-pub(crate) const BEFORE_LIGHT: f64 = 1e-7;

@@ -146,7 +146,7 @@ impl Frustum {
     /// The ray through normalised device coordinates (x right, y up, -1 to 1):
     /// its start relative to the eye at depth 0, and its step per metre of
     /// depth. Both are affine in `x` and `y`.
-    pub(super) fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+    pub fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let [rx, ry, _, rw] = self.rows.map(|row| row.normal);
         let middle = rx.cross(ry);
         let scale = 1.0 / middle.dot(self.forward);

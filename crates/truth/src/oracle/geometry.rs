@@ -12,9 +12,22 @@ use casca_scenes::world::{Mesh, Object, Shape, Sides};
 
 /// What a ray can hit, in world space.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Primitive {
-    Sphere { center: DVec3, radius: f64 },
-    Box { min: DVec3, max: DVec3 },
+pub enum Primitive {
+    /// A solid ball.
+    Sphere {
+        /// Its centre.
+        center: DVec3,
+        /// Its radius.
+        radius: f64,
+    },
+    /// A solid box.
+    Box {
+        /// Its least corner.
+        min: DVec3,
+        /// Its greatest corner.
+        max: DVec3,
+    },
+    /// The corners of a triangle.
     Triangle([DVec3; 3]),
 }
 
@@ -33,7 +46,7 @@ impl Primitive {
     }
 
     /// Least and greatest corner of the box around it.
-    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+    pub fn bounds(&self) -> (DVec3, DVec3) {
         match *self {
             Self::Sphere { center, radius } => (center - radius, center + radius),
             Self::Box { min, max } => (min, max),
@@ -54,7 +67,7 @@ impl Primitive {
     /// 1e-9 of their distance, and triangles by 1e-7 in barycentric
     /// coordinates.
     #[inline]
-    pub(super) fn enter(&self, origin: DVec3, step: DVec3, grown: bool) -> Option<f64> {
+    pub fn enter(&self, origin: DVec3, step: DVec3, grown: bool) -> Option<f64> {
         match *self {
             Self::Sphere { center, radius } => {
                 let to_center = center - origin;

@@ -7,20 +7,19 @@
 //! - [`Oracle`] uses both to judge a set of potentially visible objects.
 //! - [`BallOracle`] does so for all eyes in a ball.
 //! - [`Seen`] reads from a file itself what of its objects stops rays.
-//! - [`path`] tells how much light reaches a camera.
+//! - [`tree`] is their hierarchy of what stops rays, which sisters use, too.
 
 mod ball;
 mod files;
 mod frustum;
 mod geometry;
 mod item_buffer;
-pub mod path;
 mod rays;
 mod rims;
 mod sample;
 #[cfg(test)]
 mod tests;
-mod tree;
+pub mod tree;
 
 use glam::DVec3;
 use rayon::prelude::*;

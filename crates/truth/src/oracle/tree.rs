@@ -1,4 +1,4 @@
-//! Bounding volume hierarchies over exact primitives.
+//! Bounding volume hierarchies over exact primitives; the path tracer of `casca-radiosity` uses them.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -12,7 +12,8 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
-use super::geometry::{Primitive, sides_of, stopping};
+pub use super::geometry::Primitive;
+use super::geometry::{sides_of, stopping};
 use crate::numeric::oracle::{BOX_F32, LEAST_SCALE, RAY_F32};
 
 /// Refits of the moving part before it is built anew.
@@ -20,18 +21,21 @@ pub(super) const REFITS: u32 = 8;
 
 /// A primitive and whose it is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
-    pub(super) shape: Primitive,
-    pub(super) object: u32,
-    pub(super) triangle: u32,
+pub struct Part {
+    /// What rays hit.
+    pub shape: Primitive,
+    /// The number of its object.
+    pub object: u32,
+    /// Which of the object's primitives it is.
+    pub triangle: u32,
     /// From where it stops rays, if it is a triangle.
-    pub(super) sides: Sides,
+    pub sides: Sides,
 }
 
 impl Part {
     /// Where it stops a ray: see [`Primitive::enter`].
     #[inline]
-    pub(super) fn enter(&self, origin: DVec3, step: DVec3, grown: bool) -> Option<f64> {
+    pub fn enter(&self, origin: DVec3, step: DVec3, grown: bool) -> Option<f64> {
         let t = self.shape.enter(origin, step, grown)?;
         match (self.sides, &self.shape) {
             (Sides::Front, Primitive::Triangle([a, b, c])) => {
@@ -43,12 +47,12 @@ impl Part {
 }
 
 /// A bounding volume hierarchy over the primitives of some objects.
-pub(super) struct Tree {
+pub struct Tree {
     /// In the order of the leaves.
     pub(super) parts: Vec<Part>,
     pub(super) bvh: Bvh2,
     /// The greatest coordinate.
-    pub(super) scale: f64,
+    pub scale: f64,
     pub(super) refits: u32,
 }
 
@@ -115,7 +119,7 @@ impl Tree {
     }
 
     /// A tree over sound parts.
-    pub(super) fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
+    pub fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
         let scale = scale_of(&parts);
         let boxes: Vec<Aabb> = parts.iter().map(|part| wide_box(&part.shape, scale)).collect();
         let bvh = if boxes.is_empty() { Bvh2::default() } else { hierarchy(&boxes, params) };
@@ -180,13 +184,7 @@ impl Tree {
     }
 
     /// The first part found that `hides` says hides.
-    pub(super) fn any(
-        &self,
-        origin: DVec3,
-        step: DVec3,
-        end: f64,
-        hides: impl Fn(&Part) -> bool,
-    ) -> Option<u32> {
+    pub fn any(&self, origin: DVec3, step: DVec3, end: f64, hides: impl Fn(&Part) -> bool) -> Option<u32> {
         let ray = self.ray(origin, step, end)?;
         let mut found = None;
         self.bvh.ray_traverse_miss(ray, |_, i| {
@@ -201,7 +199,7 @@ impl Tree {
     }
 
     /// The first hit along the ray; `best` is the first so far.
-    pub(super) fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) {
+    pub fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) {
         let Some(ray) = self.ray(origin, step, f64::INFINITY) else { return };
         let length = step.length();
         let shift = (origin - ray.origin.as_dvec3()).length();

@@ -12,8 +12,8 @@ use bevy_casca_fur::{
     ATTRIBUTE_FUR_LENGTH, Coat, FurExtension, FurMaterial, FurSettings, Furry, fur_material,
 };
 use casca_fur::mesh::Mesh as OwnMesh;
+use casca_fur::scenes::animals::Animal;
 use casca_fur::strands::Fur;
-use casca_scenes::fur::animals::Animal;
 
 use crate::fur::furry;
 use crate::rendered::Rendered;

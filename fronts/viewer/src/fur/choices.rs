@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use casca_fur::gpu::look::{Look, Mapping};
+use casca_fur::gpu::look::Look;
 use casca_fur::mesh::{Image, Mesh};
+use casca_fur::scenes::animals::{Animal, LEVELS};
+use casca_fur::scenes::import::load_map;
+use casca_fur::scenes::{Character, Masks, Species};
 use casca_fur::strands::Fur;
-use casca_scenes::fur::animals::{Animal, LEVELS};
-use casca_scenes::fur::{Character, Masks, Species};
-use casca_scenes::import::load_map;
 use casca_tools::command_line::EXIT_CODES;
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, value_parser};
 use glam::Vec3;
 
 use crate::common::{Common, Failed};
@@ -65,9 +65,6 @@ pub struct Choices {
     /// How far tips hang down and lie back, in multiples of the fur's height, 0 to 4
     #[arg(long, default_value_t = 0.7, value_parser = within::<4>)]
     pub bend: f32,
-    /// How fragments find their strands
-    #[arg(long, value_enum, default_value_t = Map::Cells)]
-    pub mapping: Map,
     /// Look up each fragment at the height of its own shell only, as the thesis does; by default it
     /// follows the ray to the next shell
     #[arg(long)]
@@ -81,15 +78,6 @@ pub struct Choices {
     /// Draws pictures larger by this power of two and halves them as often, for smooth edges
     #[arg(long, default_value_t = 1, value_parser = value_parser!(u32).range(0..=3))]
     pub smooth: u32,
-}
-
-/// How fragments find their strands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Map {
-    /// Points in hashed cells
-    Cells,
-    /// The thesis' map on a cube, by normal plus position
-    Cube,
 }
 
 fn within<const MOST: u32>(text: &str) -> Result<f32, String> {
@@ -141,8 +129,7 @@ impl Choices {
     /// # Errors
     /// As [`Choices::fur`].
     pub fn look(&self, radius: f32) -> Result<Look, casca_fur::Error> {
-        let mapping = if self.mapping == Map::Cube { Mapping::CubeMap } else { Mapping::Cells };
-        Ok(Look { mapping, marched: !self.plain, ..Look::new(self.fur(radius)?) })
+        Ok(Look { marched: !self.plain, ..Look::new(self.fur(radius)?) })
     }
 
     /// The mesh that grows fur: of the file, or generated.

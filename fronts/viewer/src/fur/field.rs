@@ -5,10 +5,10 @@ use std::error::Error;
 use crate::fur::herd::{Demand, Herd, Way, camera_at};
 use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
+use casca_fur::scenes::Species;
+use casca_fur::scenes::animals::Animal;
+use casca_fur::scenes::field::{Field, generated};
 use casca_fur::strands::Forces;
-use casca_scenes::fur::Species;
-use casca_scenes::fur::animals::Animal;
-use casca_scenes::fur::field::{Field, Hiding};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
@@ -58,14 +58,11 @@ impl Stage {
             None => Animal::new(choices.seed, 24)?.radius(),
         };
         let look = choices.look(radius)?;
-        let (count, seed, forces) = (count as usize, choices.seed, Forces::default());
-        let own = subject.species.as_ref().map(|species| vec![(Species::clone(species), look.fur)]);
-        let field = match (own, walks) {
-            (Some(own), true) => Field::herd_of_species(count, own, seed, Hiding::Walls, forces)?,
-            (Some(own), false) => Field::of_species(count, own, seed, Hiding::Balls)?,
-            (None, true) => Field::herd(count, SPECIES, seed, Hiding::Walls, forces, |_| Ok(look.fur))?,
-            (None, false) => Field::new(count, SPECIES, seed, Hiding::Balls, |_| Ok(look.fur))?,
+        let species = match &subject.species {
+            Some(own) => vec![(Species::clone(own), look.fur)],
+            None => generated(SPECIES, choices.seed, |_| Ok(look.fur))?,
         };
+        let field = Field::new(count as usize, species, choices.seed, walks.then(Forces::default))?;
         let herd = Herd::new(field)?;
         let mut renderer = Renderer::new(gpu, format, &herd.meshes(), &look)?;
         renderer.haze = 0.012;

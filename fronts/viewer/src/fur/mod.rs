@@ -9,4 +9,4 @@ mod shots;
 mod walker;
 mod window;
 
-pub use choices::{Choices as Options, Map};
+pub use choices::Choices as Options;

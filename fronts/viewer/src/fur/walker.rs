@@ -4,9 +4,9 @@ use std::path::Path;
 
 use casca_fur::gpu::records::DrawList;
 use casca_fur::mesh::Mesh;
+use casca_fur::scenes::CharacterRig;
+use casca_fur::scenes::animals::Rig;
 use casca_fur::skin::{Clip, Ending, Pose, Skeleton, Weights};
-use casca_scenes::fur::CharacterRig;
-use casca_scenes::fur::animals::Rig;
 use glam::Affine3A;
 
 use crate::common::Failed;

@@ -16,7 +16,7 @@ use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
-use crate::fur::choices::{Choices, Map, Subject};
+use crate::fur::choices::{Choices, Subject};
 use crate::fur::field::Stage;
 use crate::fur::one;
 
@@ -31,7 +31,6 @@ const DENSITY: &str = "density";
 const THICKNESS: &str = "thickness";
 const BEND: &str = "bend";
 const PLAIN: &str = "plain shells, as in the thesis";
-const CUBE: &str = "cube map, as in the thesis";
 const SMOOTH: &str = "smooth: twice the size";
 const WALKING: &str = "walk (P)";
 const CULLED: &str = "culled by";
@@ -175,7 +174,7 @@ impl Viewer {
             return Ok(());
         };
         if let Shown::One(_, renderer) = &mut self.shown {
-            renderer.set_look(gpu, &look)?;
+            renderer.set_look(gpu, &look);
         }
         self.sun = None;
         Ok(())
@@ -213,7 +212,6 @@ impl Viewer {
             Dial::number(THICKNESS, choices.thickness, 0.004..=0.05, 0.0),
             Dial::number(BEND, choices.bend, 0.0..=2.0, 0.0),
             Dial::switch(PLAIN, choices.plain),
-            Dial::switch(CUBE, choices.mapping == Map::Cube),
             Dial::switch(SMOOTH, self.smooth),
         ];
         if matches!(self.shown, Shown::Many(..)) {

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use casca_scenes::lit::{Light, LightKind};
+use casca_radiosity::lit::{Light, LightKind};
 use casca_stage::dial::Dial;
 use glam::Vec3;
 
@@ -176,7 +176,7 @@ fn sunbeam(height: f32, turn: f32) -> Vec3 {
 mod tests {
     use super::*;
     use crate::common::parsed;
-    use casca_scenes::lit::Kind;
+    use casca_radiosity::lit::Kind;
     use casca_stage::dial::Setting;
 
     fn controls() -> Controls {

@@ -3,7 +3,8 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_scenes::lit::{HdrImage, LitScene};
+use casca_radiosity::lit::path::{PathTracer, Quantity};
+use casca_radiosity::lit::{HdrImage, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
@@ -11,7 +12,6 @@ use casca_stage::timing::{Clock, Instant};
 use casca_tools::command_line::{make_folder, say};
 use casca_tools::image::write_png;
 use casca_tools::pictures::{Tile, sheet};
-use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::Vec3;
 
 use crate::light::layer::Layer;

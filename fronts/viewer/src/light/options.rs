@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use casca_scenes::lit::MOST_PIXELS;
+use casca_radiosity::lit::MOST_PIXELS;
 use casca_tools::command_line::EXIT_CODES;
 use clap::Args;
 use glam::Vec3;

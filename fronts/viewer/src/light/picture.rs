@@ -3,7 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Input, Mirrors, Shading};
-use casca_scenes::lit::{LitObject, LitScene, Material};
+use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};

@@ -9,8 +9,8 @@ use std::thread::available_parallelism;
 use std::time::Duration;
 
 use casca_radiosity::gpu::GpuCache;
+use casca_radiosity::lit::{self, LitScene};
 use casca_radiosity::{Cache, Grid, Light, Scene, Statistics, Window};
-use casca_scenes::lit::{self, LitScene};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, IS_PAGE};

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use casca_scenes::import::load_lit;
-use casca_scenes::lit::{Falloff, Kind, Light, LightKind, LitObject, LitScene, Material};
+use casca_radiosity::lit::load_lit;
+use casca_radiosity::lit::{Falloff, Kind, Light, LightKind, LitObject, LitScene, Material};
 use casca_scenes::world::{Camera, Mesh};
 use glam::{Affine3A, Quat, Vec3};
 
@@ -66,7 +66,7 @@ impl Start {
             self.scene.lights.push(Light { kind, color: SUN, falloff: Falloff::INVERSE_SQUARE });
         }
         if let Some((eye, target)) = look {
-            self.scene.camera = self.looking(eye, target, casca_scenes::lit::ASPECT);
+            self.scene.camera = self.looking(eye, target, casca_radiosity::lit::ASPECT);
         }
     }
 
@@ -117,7 +117,7 @@ mod tests {
         let (min, max) = start.bounds;
         let own = start.scene.camera.projection;
         for away in [1.0, 10.0, 1e3] {
-            let camera = start.looking(min - (max - min) * away, max, casca_scenes::lit::ASPECT);
+            let camera = start.looking(min - (max - min) * away, max, casca_radiosity::lit::ASPECT);
             assert!((camera.projection.y_axis.y - own.y_axis.y).abs() < 1e-4);
             for corner in [min, max] {
                 let depth = camera.view_projection().project_point3(corner).z;

@@ -3,11 +3,11 @@
 
 use std::time::Duration;
 
-use casca_scenes::lit::Light;
+use casca_radiosity::lit::Light;
+use casca_radiosity::lit::path::{PathTracer, Quantity};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
-use casca_truth::oracle::path::{PathTracer, Quantity};
 use glam::Vec3;
 
 use crate::light::layer::Layer;

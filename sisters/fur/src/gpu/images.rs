@@ -2,6 +2,7 @@
 
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::wgpu::{self, BufferUsages, ShaderStages, TextureFormat};
+use casca_tools::image::srgb;
 use glam::{UVec2, Vec3};
 
 use crate::error::{Error, range};
@@ -172,11 +173,7 @@ fn shrunk(texels: &[u8], from: UVec2, to: UVec2) -> Vec<u8> {
 
 /// Linear light as four bytes of sRGB.
 fn stored(light: Vec3) -> [u8; 4] {
-    let byte = |x: f32| {
-        let stored = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
-        (255.0 * stored).round() as u8
-    };
-    [byte(light.x), byte(light.y), byte(light.z), 255]
+    [srgb(light.x), srgb(light.y), srgb(light.z), 255]
 }
 
 #[cfg(test)]

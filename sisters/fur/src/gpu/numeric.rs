@@ -1,8 +1,5 @@
 //! Constants of the pictures, each with its reason.
 
-/// Texels along a side of the faces of the fur map: what the thesis uses in its last test.
-pub(crate) const MAP_SIDE: u32 = 256;
-
 /// The longest side of an image on the device, in texels. A character that fills a picture of 1,080
 /// rows does not show more.
 pub(crate) const DRAWN_SIDE: u32 = 2048;

@@ -65,11 +65,8 @@ impl OwnPass {
     }
 
     /// As [`Renderer::set_look`].
-    ///
-    /// # Errors
-    /// The fur map cannot hold as many hairs.
-    pub fn set_look(&mut self, gpu: &Gpu, look: &Look) -> Result<(), FurGpuError> {
-        self.renderer.set_look(gpu, look)
+    pub fn set_look(&self, gpu: &Gpu, look: &Look) {
+        self.renderer.set_look(gpu, look);
     }
 
     /// As [`Renderer::set_images`].

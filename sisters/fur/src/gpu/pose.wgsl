@@ -1,7 +1,7 @@
 // Skinned vertices: the twin of `Weights::blend` in casca-fur, and how posed strands lean.
 
 // For each joint of all animals that are posed, the rows of a matrix, from the mesh at rest to object space.
-@group(1) @binding(4) var<storage, read> joints: array<array<vec4f, 3>>;
+@group(1) @binding(2) var<storage, read> joints: array<array<vec4f, 3>>;
 
 /// The blended matrix of a vertex. `pose` is the first joint of the animal and their number; joints that it lacks stay at rest.
 fn blended(pose: vec2u, follows: vec4u, shares: vec4f) -> array<vec4f, 3> {

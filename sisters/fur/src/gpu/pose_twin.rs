@@ -34,7 +34,7 @@ fn place(@builtin(global_invocation_id) id: vec3u) {
 fn place(gpu: &Gpu, joints: &[[[f32; 4]; 3]], given: &[[u32; 16]]) -> Vec<[Vec4; 3]> {
     let given_at = |place, bytes| Given { place, usage: BufferUsages::STORAGE, bytes };
     let buffers =
-        [given_at((0, 0), bytemuck::cast_slice(given)), given_at((1, 4), bytemuck::cast_slice(joints))];
+        [given_at((0, 0), bytemuck::cast_slice(given)), given_at((1, 2), bytemuck::cast_slice(joints))];
     let found = ((0, 1), 48 * given.len());
     let bytes = computed(gpu, [POSE, VERTICES].concat(), &buffers, found, given.len());
     let rows: Vec<[[f32; 4]; 3]> = bytemuck::pod_collect_to_vec(&bytes);

@@ -16,7 +16,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
-use crate::gpu::look::{Look, SKY, SelfShadow, stored};
+use crate::gpu::look::{Look, SKY, stored};
 use crate::gpu::numeric::{SHADOW_LIFT, TUBES, WET, WET_EXPONENT, WIDER};
 
 /// A piece of a strand: a part of a cone, with a ball that fills the joint at its first end. Tips
@@ -86,7 +86,7 @@ impl<'a> Reference<'a> {
         Self { images: images.to_vec(), ..self }
     }
 
-    /// The same with shadows among strands by rays towards the sun, instead of those of the look.
+    /// The same with shadows among strands by rays towards the sun, instead of by depth.
     /// A strand does not shade itself: its light is that of a whole cylinder.
     pub fn with_traced_shadows(self) -> Self {
         Self { traced: true, ..self }
@@ -99,7 +99,7 @@ impl<'a> Reference<'a> {
 
     /// The picture that a camera takes of the object where it is modelled, with `side * side` rays
     /// in each pixel: red, green, blue, opacity, row by row from the top. `to_sun` is a unit
-    /// vector. There is no shadow map; strands shade each other as the look says.
+    /// vector. There is no shadow map; strands shade each other by depth.
     pub fn picture(
         &self,
         camera: &Camera,
@@ -152,7 +152,6 @@ impl<'a> Reference<'a> {
                     height: along * root.share,
                     length: root.share / self.look.fur.share(root.id),
                     to_sun,
-                    factor: sky,
                 });
                 self.look.material.shade_by(color, &strand, sky, lit)
             }
@@ -175,7 +174,6 @@ impl<'a> Reference<'a> {
                     height: 0.0,
                     length,
                     to_sun,
-                    factor: sky,
                 });
                 skin(&self.look.material, color * tint[0], length, &seen, [sky, lit])
             }
@@ -187,10 +185,7 @@ impl<'a> Reference<'a> {
         if self.traced {
             return self.traced_sunlight(f);
         }
-        match self.look.self_shadow {
-            SelfShadow::Height => f.factor,
-            SelfShadow::Depth => self.look.fur.sun_through(f.normal, f.height, f.length, f.to_sun),
-        }
+        self.look.fur.sun_through(f.normal, f.height, f.length, f.to_sun)
     }
 
     /// 1 if nothing is between a point and the sun, else 0.
@@ -233,8 +228,6 @@ struct Fragment {
     /// The length of the coat there, as a share of the same.
     length: f32,
     to_sun: Vec3,
-    /// The factor by height.
-    factor: f32,
 }
 
 /// How much of a coat of a length, as a share of the greatest, covers the skin.

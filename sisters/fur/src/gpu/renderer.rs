@@ -10,7 +10,7 @@ use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::wgpu::{self, BufferUsages, TextureFormat};
 use casca_tools::camera::Camera;
 
-use crate::gpu::bindings::{cube_map, depth_map, frame_group, layouts, look_group};
+use crate::gpu::bindings::{depth_map, frame_group, layouts, look_group};
 use crate::gpu::buffers::{Buffers, Growing};
 use crate::gpu::error::FurGpuError;
 use crate::gpu::images;
@@ -30,9 +30,6 @@ pub struct Renderer {
     layouts: [wgpu::BindGroupLayout; 2],
     frame: wgpu::Buffer,
     look: wgpu::Buffer,
-    map: wgpu::Texture,
-    /// What the map holds: the side of its faces and their texels.
-    faces: (u32, Vec<u8>),
     shadow: wgpu::TextureView,
     /// One of these reads the shadow map, the other draws it.
     frame_groups: [wgpu::BindGroup; 2],
@@ -92,11 +89,8 @@ impl Renderer {
         let frame_groups =
             [&shadow, &depth_map(device, 1)].map(|map| frame_group(device, &layouts[0], &frame, map));
         let look_buffer = gpu.buffer(size_of::<LookRecord>() as u64, BufferUsages::UNIFORM)?;
-        let faces = look.map_faces()?;
-        let map = cube_map(gpu, &faces);
-        let look_group =
-            look_group(device, &layouts[1], &look_buffer, [&records.buffer, &joints.buffer], &map);
-        let mut renderer = Self {
+        let look_group = look_group(device, &layouts[1], [&look_buffer, &records.buffer, &joints.buffer]);
+        let renderer = Self {
             format,
             shells: Kind::EVERY.map(|kind| pipelines.shells(kind, Some(("shell_colour", format)))),
             blocks: pipelines.blocks(Some(("block_colour", format))),
@@ -107,8 +101,6 @@ impl Renderer {
             images_layout,
             frame,
             look: look_buffer,
-            map,
-            faces,
             shadow,
             frame_groups,
             look_group,
@@ -119,7 +111,7 @@ impl Renderer {
             block_records: Growing::new(gpu, BufferUsages::VERTEX)?,
             haze: 0.0,
         };
-        renderer.set_look(gpu, look)?;
+        renderer.set_look(gpu, look);
         Ok(renderer)
     }
 
@@ -129,18 +121,8 @@ impl Renderer {
     }
 
     /// Changes the look of all meshes.
-    ///
-    /// # Errors
-    /// The fur map cannot hold as many hairs.
-    pub fn set_look(&mut self, gpu: &Gpu, look: &Look) -> Result<(), FurGpuError> {
+    pub fn set_look(&self, gpu: &Gpu, look: &Look) {
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look.record()));
-        let map = look.map_faces()?;
-        if self.faces != map {
-            self.map = cube_map(gpu, &map);
-            self.faces = map;
-            self.group_look(gpu);
-        }
-        Ok(())
     }
 
     /// Lets a mesh, by its number, be posed ([`DrawList::pose`]).
@@ -174,11 +156,6 @@ impl Renderer {
         let most = self.meshes.len() as f64 - 1.0;
         let refused = Error::Range { what: "the number of a mesh", value: mesh as f64, least: 0.0, most };
         self.meshes.get_mut(mesh).ok_or(refused)
-    }
-
-    fn group_look(&mut self, gpu: &Gpu) {
-        let storage = [&self.records.buffer, &self.joints.buffer];
-        self.look_group = look_group(&gpu.device, &self.layouts[1], &self.look, storage, &self.map);
     }
 
     /// Draws the shadow map of a list. It holds until the next call: while neither the sun nor
@@ -252,7 +229,8 @@ impl Renderer {
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let moved = self.records.write(gpu, bytemuck::cast_slice(&list.records))?;
         if self.joints.write(gpu, bytemuck::cast_slice(&list.joints))? || moved {
-            self.group_look(gpu);
+            let buffers = [&self.look, &self.records.buffer, &self.joints.buffer];
+            self.look_group = look_group(&gpu.device, &self.layouts[1], buffers);
         }
         self.instances.write(gpu, bytemuck::cast_slice(&list.shells))?;
         self.block_records.write(gpu, bytemuck::cast_slice(&list.blocks))?;

@@ -19,8 +19,6 @@ struct Record {
 
 @group(1) @binding(0) var<uniform> look: Look;
 @group(1) @binding(1) var<storage, read> records: array<Record>;
-@group(1) @binding(2) var map: texture_cube<f32>;
-@group(1) @binding(3) var map_sampler: sampler;
 
 struct Shell {
     @builtin(position) screen: vec4f,
@@ -133,18 +131,7 @@ fn posed_shell_shadow_corner(corner: Corner, @location(4) follows: vec4u, @locat
     return seen_by_sun(corner, posed(corner.which.x, follows, shares));
 }
 
-/// What the thesis' map shows in the direction normal + position, where that has a direction.
-fn mapped(base: vec3f, normal: vec3f, t: f32) -> bool {
-    let sum = normal + normalize(base);
-    let direction = select(normal, sum, dot(sum, sum) > 1e-12);
-    return textureSampleLevel(map, map_sampler, direction, 0.0).r > 0.25 + 0.6 * look.taper * t;
-}
-
 fn strand_here(there: Look, skin: Skin, height: f32, long: f32) -> Seen {
-    if look.mapping == 1u {
-        let t = height / long;
-        return Seen(mapped(skin.base, skin.normal, t), 0.5, t, height, vec3f(0.0), skin.normal);
-    }
     let hit = strand_at(there, skin, height, long);
     // The upper bits give the length: the lower ones are for the colour.
     return Seen(hit.found, f32(hit.id & 255u) / 255.0, hit.along, height, hit.root, skin.normal);
@@ -155,11 +142,8 @@ fn facing(normal: vec3f) -> f32 {
     return saturate((dot(normal, frame.sun.xyz) + look.wrap) / (1.0 + look.wrap));
 }
 
-/// The share of the sun that other strands let through to a height in the mesh at rest; `factor` is that by height.
-fn between_strands(in: Shell, normal: vec3f, height: f32, factor: f32) -> f32 {
-    if look.self_shadow == 0u {
-        return factor;
-    }
+/// The share of the sun that other strands let through to a height in the mesh at rest.
+fn between_strands(in: Shell, normal: vec3f, height: f32) -> f32 {
     let sun = vec3f(dot(frame.sun.xyz, in.x), dot(frame.sun.xyz, in.y), dot(frame.sun.xyz, in.z));
     let there = sun / max(length(sun), 1e-30);
     return sun_through(bent(in.bend), normal, height, in.coat.w, there);
@@ -192,7 +176,7 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
         let skin = mix(1.0, look.dark, smoothstep(0.0, 0.2, in.coat.w));
         let colour = colour_at(in, c, paint, vec3f(0.0)) * records[record].root.rgb;
         let sun = facing(out) * sunlight(lifted);
-        let through = between_strands(in, normal, 0.0, skin);
+        let through = between_strands(in, normal, 0.0);
         // Bald skin, as of eyes and noses, is wet: Blinn's highlight.
         let half = normalize(frame.sun.xyz + normalize(frame.eye.xyz - at));
         let wet = WET * (1.0 - smoothstep(0.0, 0.2, in.coat.w)) * pow(saturate(dot(out, half)), WET_EXPONENT);
@@ -208,7 +192,7 @@ fn shell_colour(in: Shell) -> @location(0) vec4f {
     let along = turned(in, strand_tangent(bent(in.bend), hit.normal, hit.height));
     let to_eye = normalize(frame.eye.xyz - at);
     let sky = mix(look.dark, 1.0, hit.along);
-    let sun = between_strands(in, hit.normal, hit.height, sky) * sunlight(lifted);
+    let sun = between_strands(in, hit.normal, hit.height) * sunlight(lifted);
     return stored(strand_light(colour, along, turned(in, hit.normal), to_eye, sky, sun), at);
 }
 

@@ -20,8 +20,6 @@ struct Look {
     variation: f32,
     per_cell: u32,
     seed: u32,
-    // 0: cells, 1: cube map.
-    mapping: u32,
     // The most steps of a fragment through its slab.
     steps: u32,
     // Between these widths of a pixel strands give way to their mean.
@@ -34,10 +32,6 @@ struct Look {
     diffuse: f32,
     specular: f32,
     vary: f32,
-    // Shadows among strands. 0: a factor by height, 1: by depth.
-    self_shadow: u32,
-    pad: f32,
-    pad2: f32,
 }
 
 struct Strand {

@@ -154,10 +154,12 @@ impl Mesh {
             .unwrap_or(Aabb::new(Vec3::ZERO, Vec3::ZERO))
     }
 
-    /// Bytes of the vertices and indices on the graphics processor, without coats, as
-    /// [`indexed_bytes`].
+    /// Bytes of the vertices and indices on the graphics processor, without coats: 24 for each
+    /// vertex, and for each of three indices of a face 2 below 65,536 vertices, else 4 (thesis,
+    /// section 7.1.1).
     pub fn bytes(&self) -> u64 {
-        indexed_bytes(self.vertices.len() as u64, self.triangles.len() as u64)
+        let (vertices, faces) = (self.vertices.len() as u64, self.triangles.len() as u64);
+        24 * vertices + 3 * faces * if vertices < 65_536 { 2 } else { 4 }
     }
 
     /// The area of all triangles, in square units.
@@ -194,18 +196,6 @@ impl Mesh {
         let fine = |e: &[([u32; 3], [u32; 3], bool)]| e.len() == 2 && e[0].2 != e[1].2 && e[0].0 != e[0].1;
         edges.chunk_by(same).filter(|e| !fine(e)).count()
     }
-}
-
-/// The bytes of an indexed mesh: 24 for each vertex, and for each of three indices of a face 2
-/// bytes below 65,536 vertices, else 4 (thesis, section 7.1.1).
-///
-/// ```
-/// // The first simplified bunny of the thesis, whose table 7.4 has transposed digits: 208.436 kB.
-/// assert_eq!(casca_fur::mesh::indexed_bytes(8_146, 16_301) as f64 / 1024.0, 286.435546875);
-/// ```
-pub fn indexed_bytes(vertices: u64, faces: u64) -> u64 {
-    let index = if vertices < 65_536 { 2 } else { 4 };
-    vertices.saturating_mul(24).saturating_add(faces.saturating_mul(3 * index))
 }
 
 pub(super) fn check_count(triangles: usize) -> Result<(), Error> {

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::center::{Placing, center};
 use super::image::TexCoord;
-use super::normals::{NormalRule, continuous_normals};
+use super::normals::continuous_normals;
 use super::types::{Coat, Mesh, Vertex, check_count};
 use crate::error::Error;
 
@@ -68,76 +68,32 @@ pub fn weld_textured(soup: &[Vertex], coats: &[Coat], coords: &[TexCoord]) -> Re
 ///
 /// # Errors
 /// What these steps refuse, and indices without a position.
-pub fn prepare(
-    positions: &[Vec3],
-    coats: &[Coat],
-    triangles: &[[u32; 3]],
-    rule: NormalRule,
-) -> Result<(Mesh, Placing), Error> {
+pub fn prepare(positions: &[Vec3], coats: &[Coat], triangles: &[[u32; 3]]) -> Result<(Mesh, Placing), Error> {
     let given = positions.iter().map(|&p| Vertex::at(p)).collect();
     let mesh = Mesh::new(given, coats.to_vec(), triangles.to_vec())?;
     let corners = || triangles.as_flattened().iter().map(|&v| v as usize);
     let mut soup: Vec<Vertex> = corners().map(|v| mesh.vertices()[v]).collect();
     let coats: Vec<Coat> = corners().map(|v| mesh.coats()[v]).collect();
     let placing = center(&mut soup)?;
-    continuous_normals(&mut soup, rule)?;
+    continuous_normals(&mut soup)?;
     Ok((weld(&soup, &coats)?.ordered(), placing))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::indexed_bytes;
     use crate::samples::{cube, torus};
 
     #[test]
     fn the_cube_and_the_torus_of_the_thesis() {
-        for rule in [NormalRule::SumDistinct, NormalRule::AngleWeighted] {
-            for (mut soup, size) in [(cube(10.0), (12, 8, 264)), (torus(3.0, 1.0, 24, 8), (384, 192, 6912))] {
-                continuous_normals(&mut soup, rule).unwrap();
-                let mesh = weld(&soup, &[]).unwrap();
-                assert_eq!((mesh.triangles().len(), mesh.vertices().len(), mesh.bytes()), size);
-                assert_eq!(mesh.open_edges(), 0);
-            }
+        for (mut soup, size) in [(cube(10.0), (12, 8, 264)), (torus(3.0, 1.0, 24, 8), (384, 192, 6912))] {
+            continuous_normals(&mut soup).unwrap();
+            let mesh = weld(&soup, &[]).unwrap();
+            assert_eq!((mesh.triangles().len(), mesh.vertices().len(), mesh.bytes()), size);
+            assert_eq!(mesh.open_edges(), 0);
         }
         // With flat normals nothing is shared but within the sides of the cube.
         assert_eq!(weld(&cube(10.0), &[]).unwrap().vertices().len(), 24);
-    }
-
-    #[test]
-    fn the_sizes_of_table_7_4() {
-        // Faces, vertices and kilobytes. The thesis prints 208.436 for the second bunny, with
-        // transposed digits.
-        let rows = [
-            ("cube, torus", vec![(12, 8, 0.258), (384, 192, 6.750)]),
-            (
-                "bunny",
-                vec![
-                    (69_451, 34_834, 1223.361),
-                    (16_301, 8_146, 286.436),
-                    (3_851, 1_887, 66.791),
-                    (948, 453, 16.172),
-                ],
-            ),
-            ("dragon", vec![(871_414, 434_856, 20_403.820), (202_520, 100_207, 4721.883)]),
-            ("dragon", vec![(47_794, 22_982, 818.684), (11_102, 5_203, 186.996)]),
-            ("armadillo", vec![(345_944, 172_974, 8108.109), (83_026, 41_515, 1459.488)]),
-            ("armadillo", vec![(19_926, 9_965, 350.309), (4_782, 2_393, 84.105)]),
-            ("buddha", vec![(1_087_716, 542_612, 25_464.141), (293_232, 144_628, 6826.031)]),
-            ("buddha", vec![(67_240, 32_316, 1151.391), (15_536, 7_102, 257.484)]),
-        ];
-        let mut saved = Vec::new();
-        for (name, faces, unique, kilobytes) in
-            rows.iter().flat_map(|(n, r)| r.iter().map(move |r| (n, r.0, r.1, r.2)))
-        {
-            let bytes = indexed_bytes(unique, faces) as f64;
-            assert!((bytes / 1024.0 - kilobytes).abs() < 1e-3, "{name}: {}", bytes / 1024.0);
-            saved.push(1.0 - bytes / (72 * faces) as f64);
-        }
-        let (best, mean) = (saved.iter().copied().fold(0.0, f64::max), saved.iter().sum::<f64>() / 18.0);
-        println!("bytes saved by indexing: at best {:.1}%, on average {:.1}%", 100.0 * best, 100.0 * mean);
-        assert!(saved.len() == 18 && (best - 0.764).abs() < 1e-3 && (mean - 0.727).abs() < 1e-3);
-        assert_eq!(indexed_bytes(u64::MAX, u64::MAX), u64::MAX);
     }
 
     #[test]
@@ -160,13 +116,12 @@ mod tests {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::ZERO, Vec3::Z, Vec3::Y];
         let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [4, 5, 6]];
         let red = Coat { color: Vec3::X, length: 0.5 };
-        let (mesh, placing) = prepare(&corners, &[red; 7], &faces, NormalRule::default()).unwrap();
+        let (mesh, placing) = prepare(&corners, &[red; 7], &faces).unwrap();
         assert_eq!(
             (mesh.coats(), mesh.open_edges(), placing.center),
             ([red; 4].as_slice(), 0, Vec3::splat(0.5))
         );
-        let refused =
-            |coats: &[Coat], faces: &[[u32; 3]]| prepare(&corners, coats, faces, NormalRule::default()).err();
+        let refused = |coats: &[Coat], faces: &[[u32; 3]]| prepare(&corners, coats, faces).err();
         assert_eq!(refused(&[], &[[0, 1, 7]]), Some(Error::Index { triangle: 0, vertex: 7, vertices: 7 }));
         assert!(matches!(refused(&[red; 6], &faces), Some(Error::Count { .. })));
         assert_eq!(refused(&[], &[]), Some(Error::Empty));

@@ -12,7 +12,7 @@
 //!   are.
 //!
 //! ```
-//! use casca_fur::mesh::{NormalRule, prepare};
+//! use casca_fur::mesh::prepare;
 //! use casca_fur::skin::*;
 //! use casca_fur::strands::Fur;
 //! use glam::{Affine3A, Quat, Vec3};
@@ -20,7 +20,7 @@
 //! # fn main() -> Result<(), casca_fur::Error> {
 //! let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 //! let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-//! let (mesh, placing) = prepare(&corners, &[], &faces, NormalRule::AngleWeighted)?;
+//! let (mesh, placing) = prepare(&corners, &[], &faces)?;
 //! // One joint in the middle, one at the tip that turns by half a turn in a second.
 //! let tip = Joint::at(Some(0), Vec3::Z * 0.5);
 //! let skeleton = Skeleton::new(vec![Joint::at(None, Vec3::ZERO), tip])?;
@@ -50,6 +50,5 @@ pub use bounds::SkinBounds;
 pub use clip::{Channel, Clip};
 pub use pose::{Ending, Pose};
 pub use skeleton::{Joint, Local, Skeleton};
-pub(crate) use stray::{pieces, stray};
 pub use track::{Interpolation, Keyed, Track};
 pub use weights::{PER_VERTEX, Weights};

@@ -2,16 +2,11 @@
 //! object gets.
 //!
 //! Three rules keep the picture whole: the bounds contain the fur ([`furry_object`]); only what
-//! lies inside the base mesh hides others ([`base_occluder`], [`inner_ball`], and [`carried_ball`]
-//! for meshes that move), never the fur, which has gaps; and a budget takes layers before it takes
-//! objects ([`plan`]).
+//! lies inside the base mesh hides others ([`base_occluder`], [`inner_ball`]), never the fur, which
+//! has gaps; and a budget takes layers before it takes objects ([`plan_sights`]).
 
-mod carried;
 mod objects;
 mod plan;
 
-pub use carried::{CarriedBall, carried_ball};
 pub use objects::{base_occluder, furry_object, inflate, inner_ball};
-pub use plan::{
-    Entry, Furry, Plan, PlanOptions, Share, Sight, layers_for, level_for, pixels_of, plan, plan_sights,
-};
+pub use plan::{Furry, PlanOptions, Share, Sight, layers_for, level_for, pixels_of, plan_sights};

@@ -92,7 +92,7 @@ pub fn inner_ball(meshes: &[&Mesh]) -> Result<Option<Sphere>, Error> {
 
 /// Places inside a mesh, deepest first, with their depths, and the margin for rounding. The depths
 /// are above it.
-pub(super) fn deepest(mesh: &Mesh) -> (Vec<(DVec3, f64)>, f64) {
+fn deepest(mesh: &Mesh) -> (Vec<(DVec3, f64)>, f64) {
     let aabb = mesh.aabb();
     let (lo, size) = (aabb.min.as_dvec3(), (aabb.max - aabb.min).as_dvec3());
     let margin = INNER_ROUNDING * (size.length() + aabb.min.abs().max(aabb.max.abs()).as_dvec3().length());
@@ -107,19 +107,13 @@ pub(super) fn deepest(mesh: &Mesh) -> (Vec<(DVec3, f64)>, f64) {
     (centers, margin)
 }
 
-/// How deep a point is inside a closed mesh at rest.
+/// How deep a point is inside a closed mesh at rest: the least distance to a triangle; 0 or less
+/// outside.
 fn depth(mesh: &Mesh, point: DVec3) -> f64 {
-    let at = |v: u32| mesh.vertices()[v as usize].position.as_dvec3();
-    depth_among(mesh.triangles().iter().map(|t| (t.map(at), 0.0)), point)
-}
-
-/// How deep a point is inside a closed surface of triangles, each with a distance that its points
-/// may be elsewhere: the least distance to a triangle, less that; 0 or less outside.
-pub(super) fn depth_among(triangles: impl Iterator<Item = ([DVec3; 3], f64)>, point: DVec3) -> f64 {
     let (mut nearest, mut winding) = (f64::INFINITY, 0.0);
-    for (triangle, stray) in triangles {
-        let [a, b, c] = triangle.map(|p| p - point);
-        nearest = nearest.min(distance(a, b, c) - stray);
+    for triangle in mesh.triangles() {
+        let [a, b, c] = triangle.map(|v| mesh.vertices()[v as usize].position.as_dvec3() - point);
+        nearest = nearest.min(distance(a, b, c));
         // The solid angle of the triangle (van Oosterom & Strackee 1983).
         let (la, lb, lc) = (a.length(), b.length(), c.length());
         let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;

@@ -1,7 +1,5 @@
 //! How many layers each object gets, by its size, by what can be seen of it, and by a budget.
 
-use casca::{DrawItem, ObjectId};
-
 use crate::error::{Error, range};
 use crate::numeric::{FLAT_FUR, LAYER_GAP, MAX_LAYERS, PIXELS_PER_VERTEX};
 
@@ -16,7 +14,7 @@ pub fn pixels_of(length: f32, distance: f32, focal: f32) -> f32 {
 /// stay below two pixels, at most `most`. Fur below half a pixel needs none: the base mesh shows
 /// its colour.
 ///
-/// If only the share `fraction` of the object is seen ([`DrawItem::fraction`]), the root of that
+/// If only the share `fraction` of the object is seen ([`casca::DrawItem::fraction`]), the root of that
 /// share of the layers is enough; a share is an estimate, so that one layer is left. NaN counts as
 /// all.
 pub fn layers_for(height: f32, fraction: f32, most: u32) -> u32 {
@@ -46,7 +44,7 @@ pub struct Furry<'a> {
     pub height: f32,
 }
 
-/// How [`plan`] plans.
+/// How [`plan_sights`] plans.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanOptions {
     /// Pixels under which a length at its own distance appears, as in [`pixels_of`].
@@ -72,74 +70,7 @@ impl Default for PlanOptions {
     }
 }
 
-/// How one object is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Entry {
-    /// The object.
-    pub id: ObjectId,
-    /// Its level of detail: 0 is the finest.
-    pub level: usize,
-    /// Layers of fur above the base mesh; 0 is the base alone.
-    pub layers: u32,
-    /// Its weight: base and layers, each of them its vertices and its pixels.
-    pub weight: f64,
-}
-
-/// How all visible objects are drawn.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Plan {
-    /// What is drawn, in the order of the draw list.
-    pub entries: Vec<Entry>,
-    /// The sum of the weights.
-    pub weight: f64,
-    /// By how much the weight exceeds the budget: above 0 only if the bases alone, at their
-    /// coarsest levels, are more than the budget. **All of them are drawn all the same**: whatever
-    /// can be seen stays.
-    pub excess: f64,
-}
-
-/// Gives each object of a draw list ([`casca::Pvs::draw_list`]: nearest first) its level of detail
-/// and its layers.
-///
-/// Without a budget, layers follow from the projected height of the fur ([`layers_for`]) and levels
-/// from the projected size ([`level_for`]). A budget takes layers from all objects by the same
-/// factor; furry objects keep one layer each. Then the farthest lose this one. If the bases alone
-/// are too much, objects become coarser, the one that appears smallest first, until the bases fit;
-/// no object is dropped, since all of them can be seen, and [`Plan::excess`] says how much is too
-/// much where all are at their coarsest. What is left over of the budget goes to the nearest. The
-/// result depends on nothing but the arguments. Costs some fifty passes over the list if there is a
-/// budget.
-///
-/// # Errors
-/// Refuses options that are negative or NaN.
-pub fn plan<'a>(
-    items: &[DrawItem],
-    furry: impl Fn(ObjectId) -> Furry<'a>,
-    options: &PlanOptions,
-) -> Result<Plan, Error> {
-    let sight = |item: &DrawItem| Sight {
-        furry: furry(item.id),
-        distance: item.distance,
-        size: item.size,
-        fraction: item.fraction,
-    };
-    let sights: Vec<Sight> = items.iter().map(sight).collect();
-    let shares = plan_sights(&sights, options)?;
-    let entry = |(item, share): (&DrawItem, &Share)| Entry {
-        id: item.id,
-        level: share.level,
-        layers: share.layers,
-        weight: share.weight,
-    };
-    let weight = shares.iter().map(|share| share.weight).sum();
-    Ok(Plan {
-        entries: items.iter().zip(&shares).map(entry).collect(),
-        weight,
-        excess: (weight - options.budget).max(0.0),
-    })
-}
-
-/// An object as a picture sees it, for [`plan_sights`]: fields are as in [`DrawItem`].
+/// An object as a picture sees it, for [`plan_sights`]: fields are as in [`casca::DrawItem`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight<'a> {
     /// Its meshes and its fur, which say how much it costs.
@@ -152,19 +83,28 @@ pub struct Sight<'a> {
     pub fraction: f32,
 }
 
-/// How one object of [`plan_sights`] is drawn: as [`Entry`].
+/// How one object of [`plan_sights`] is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     /// Its level of detail: 0 is the finest.
     pub level: usize,
-    /// Layers of fur above the base mesh.
+    /// Layers of fur above the base mesh; 0 is the base alone.
     pub layers: u32,
-    /// Its weight.
+    /// Its weight: base and layers, each of them its vertices and its pixels.
     pub weight: f64,
 }
 
-/// [`plan`] for objects of other renderers, which have no ids here: a share for each, in their
-/// order, nearest first.
+/// Gives each object of a list, nearest first ([`casca::Pvs::draw_list`]), its level of detail and
+/// its layers, in the same order.
+///
+/// Without a budget, layers follow from the projected height of the fur ([`layers_for`]) and levels
+/// from the projected size ([`level_for`]). A budget takes layers from all objects by the same
+/// factor; furry objects keep one layer each. Then the farthest lose this one. If the bases alone
+/// are too much, objects become coarser, the one that appears smallest first, until the bases fit;
+/// **no object is dropped**, since all of them can be seen, so that the sum of weights is above the
+/// budget where all are at their coarsest and still too much. What is left over of the budget goes
+/// to the nearest. The result depends on nothing but the arguments. Costs some fifty passes over the
+/// list if there is a budget.
 ///
 /// # Errors
 /// Refuses options that are negative or NaN.
@@ -280,30 +220,32 @@ fn coarsen_smallest(wishes: &mut [Wish], budget: f64) {
 
 #[cfg(test)]
 mod tests {
-    use casca::{DrawOptions, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
-    use glam::{UVec3, Vec3};
-
     use super::*;
     use crate::samples::dice;
 
-    /// The draw list of some balls in a row: the nearest at distance 1, the next at distance 2, and
-    /// so on.
-    fn list(count: usize) -> Vec<DrawItem> {
-        let spec = GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: UVec3::new(320, 8, 8) };
-        let mut scene = Scene::new(&spec).unwrap();
-        for i in 0..count {
-            scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::X * (2.0 + i as f32), 1.0))).unwrap();
-        }
-        let (mut query, mut items) = (Query::new(), Vec::new());
-        let pvs = query.run(&scene, &View::omnidirectional(Vec3::ZERO).unwrap());
-        pvs.draw_list(&scene, &DrawOptions::default(), &mut items).unwrap();
-        items
-    }
-
     const FURRY: Furry = Furry { vertices: &[4000, 1000, 250], height: 0.1 };
 
+    /// Some balls in a row: the nearest at distance 1, the next at distance 2, and so on.
+    fn list(count: usize) -> Vec<Sight<'static>> {
+        let sight = |i: usize| Sight {
+            furry: FURRY,
+            distance: 1.0 + i as f32,
+            size: 2.0 * (1.0 / (2.0 + i as f32)).asin(),
+            fraction: 1.0,
+        };
+        (0..count).map(sight).collect()
+    }
+
+    fn weight(shares: &[Share]) -> f64 {
+        shares.iter().map(|s| s.weight).sum()
+    }
+
+    fn base(share: &Share) -> f64 {
+        share.weight / f64::from(1 + share.layers)
+    }
+
     #[test]
-    fn layers_follow_height_and_fraction() {
+    fn layers_follow_height_and_fraction_and_levels_size() {
         assert_eq!(
             [0.0, 0.49, 0.5, 3.0, 24.0, 1e9, f32::INFINITY].map(|h| layers_for(h, 1.0, 32)),
             [0, 0, 1, 2, 16, 32, 32]
@@ -314,10 +256,6 @@ mod tests {
         assert_eq!((layers_for(24.0, 1.0, 0), layers_for(1e9, 1.0, u32::MAX)), (0, MAX_LAYERS));
         assert_eq!(pixels_of(0.5, 10.0, 600.0), 30.0);
         assert_eq!((pixels_of(0.5, 0.0, 600.0), pixels_of(0.0, 0.0, 600.0)), (f32::INFINITY, 0.0));
-    }
-
-    #[test]
-    fn levels_follow_size() {
         let levels = [4000, 1000, 250];
         assert_eq!([1e9, 64_000.0, 16_000.0, 4000.0, 0.0].map(|p| level_for(p, &levels)), [0, 0, 1, 2, 2]);
         assert_eq!((level_for(100.0, &[]), level_for(f32::NAN, &levels)), (0, 0));
@@ -325,105 +263,81 @@ mod tests {
 
     #[test]
     fn without_a_budget_everything_gets_what_it_needs() {
-        let items = list(200);
-        let options = PlanOptions::default();
-        let plan = plan(&items, |_| FURRY, &options).unwrap();
-        assert_eq!(plan.excess, 0.0);
-        assert_eq!(
-            plan.entries.iter().map(|e| e.id).collect::<Vec<_>>(),
-            items.iter().map(|i| i.id).collect::<Vec<_>>()
-        );
+        let (sights, options) = (list(200), PlanOptions::default());
+        let plan = plan_sights(&sights, &options).unwrap();
         // Farther objects have fewer layers and coarser meshes.
-        assert!(plan.entries.is_sorted_by(|a, b| a.layers >= b.layers && a.level <= b.level));
-        let (first, last) = (plan.entries[0], plan.entries[199]);
+        assert!(plan.is_sorted_by(|a, b| a.layers >= b.layers && a.level <= b.level));
+        let (first, last) = (plan[0], plan[199]);
         assert_eq!((first.layers, first.level, last.layers, last.level), (32, 0, 0, 2));
-        assert!((plan.weight - plan.entries.iter().map(|e| e.weight).sum::<f64>()).abs() < 1e-6);
         // Hidden parts take layers away.
-        let mut half = items.clone();
-        half.iter_mut().for_each(|i| i.fraction = 0.25);
-        let by_fraction = super::plan(&half, |_| FURRY, &options).unwrap();
-        assert!(by_fraction.entries[0].layers == 21 && by_fraction.weight < 0.5 * plan.weight);
+        let half: Vec<Sight> = sights.iter().map(|s| Sight { fraction: 0.25, ..*s }).collect();
+        let by_fraction = plan_sights(&half, &options).unwrap();
+        assert!(by_fraction[0].layers == 21 && weight(&by_fraction) < 0.5 * weight(&plan));
         let whole = PlanOptions { by_fraction: false, ..options };
-        assert_eq!(super::plan(&half, |_| FURRY, &whole).unwrap(), plan);
+        assert_eq!(plan_sights(&half, &whole).unwrap(), plan);
     }
 
     #[test]
-    fn budgets_take_layers_before_objects() {
-        let items = list(300);
-        let mut random = dice(8);
-        let free = plan(&items, |_| FURRY, &PlanOptions::default()).unwrap();
-        let base = |e: &Entry| e.weight / f64::from(1 + e.layers);
-        let bases: f64 = free.entries.iter().map(base).sum();
-        let furry = |e: &&Entry| e.layers > 0;
-        let one_each = bases
-            + free.entries.iter().filter(furry).map(|e| e.weight / f64::from(1 + e.layers)).sum::<f64>();
-        let least = |e: &Entry| base(e) - f64::from(FURRY.vertices[e.level] - 250);
-        let coarsest: f64 = free.entries.iter().map(least).sum();
+    fn budgets_take_layers_before_levels_and_no_objects() {
+        let (sights, mut random) = (list(300), dice(8));
+        let free = plan_sights(&sights, &PlanOptions::default()).unwrap();
+        let bases: f64 = free.iter().map(base).sum();
+        let one_each = bases + free.iter().filter(|s| s.layers > 0).map(base).sum::<f64>();
+        let least = |s: &Share| base(s) - f64::from(FURRY.vertices[s.level] - 250);
+        let coarsest: f64 = free.iter().map(least).sum();
         for step in 0..60 {
-            let budget = free.weight * (f64::from(step) / 50.0 + 0.01 * random.next());
+            let budget = weight(&free) * (f64::from(step) / 50.0 + 0.01 * random.next());
             let options = PlanOptions { budget, ..PlanOptions::default() };
-            let plan = super::plan(&items, |_| FURRY, &options).unwrap();
-            assert_eq!(plan, super::plan(&items, |_| FURRY, &options).unwrap());
-            // All that can be seen stays, in the order of the list.
-            assert!(plan.entries.iter().map(|e| e.id).eq(items.iter().map(|i| i.id)), "step {step}");
-            assert!(plan.weight <= budget + plan.excess + 1e-6 * budget, "{} above {budget}", plan.weight);
-            assert_eq!(plan.excess > 0.0, coarsest > budget, "step {step}");
-            if plan.excess > 0.0 {
-                assert!(plan.entries.iter().all(|e| e.layers == 0 && e.level == 2), "step {step}");
+            let plan = plan_sights(&sights, &options).unwrap();
+            assert_eq!(plan, plan_sights(&sights, &options).unwrap());
+            let is_over = weight(&plan) > budget * (1.0 + 1e-6);
+            assert_eq!(is_over, coarsest > budget, "step {step}");
+            if is_over {
+                assert!(plan.iter().all(|s| s.layers == 0 && s.level == 2), "step {step}");
             }
             if bases <= budget {
-                assert!(plan.entries.iter().zip(&free.entries).all(|(e, f)| e.level == f.level));
+                assert!(plan.iter().zip(&free).all(|(s, f)| s.level == f.level));
+                assert!(budget >= weight(&free) || weight(&plan) > 0.8 * budget, "step {step}");
             }
-            if budget >= free.weight {
+            if budget >= weight(&free) {
                 assert_eq!(plan, free);
-            } else if bases <= budget {
-                assert!(plan.weight > 0.8 * budget, "{} of {budget}", plan.weight);
             }
             if budget >= one_each {
-                assert!(
-                    plan.entries.iter().zip(&free.entries).all(|(e, f)| e.layers >= f.layers.min(1)),
-                    "step {step}"
-                );
+                assert!(plan.iter().zip(&free).all(|(s, f)| s.layers >= f.layers.min(1)), "step {step}");
             }
         }
     }
 
     #[test]
     fn a_budget_smaller_than_the_skins_keeps_all_skins() {
-        let items = list(50);
-        let free = plan(&items, |_| FURRY, &PlanOptions::default()).unwrap();
-        let base = |e: &Entry| e.weight / f64::from(1 + e.layers);
-        let bases: f64 = free.entries.iter().map(base).sum();
+        let sights = list(50);
+        let free = plan_sights(&sights, &PlanOptions::default()).unwrap();
         // A little too small: the farthest become coarser, the nearest stay as they are.
-        let options = PlanOptions { budget: bases - 800.0, ..PlanOptions::default() };
-        let tight = super::plan(&items, |_| FURRY, &options).unwrap();
-        assert_eq!((tight.entries.len(), tight.excess), (50, 0.0));
-        assert!(tight.weight <= options.budget);
-        let changed: Vec<usize> =
-            (0..50).filter(|&i| tight.entries[i].level != free.entries[i].level).collect();
-        assert!(!changed.is_empty() && changed.iter().all(|&i| tight.entries[i].level == 2));
-        let finer = free.entries.iter().filter(|e| e.level < 2).count();
+        let budget = free.iter().map(base).sum::<f64>() - 800.0;
+        let options = PlanOptions { budget, ..PlanOptions::default() };
+        let tight = plan_sights(&sights, &options).unwrap();
+        assert!(weight(&tight) <= budget);
+        let changed: Vec<usize> = (0..50).filter(|&i| tight[i].level != free[i].level).collect();
+        assert!(!changed.is_empty() && changed.iter().all(|&i| tight[i].level == 2));
+        let finer = free.iter().filter(|s| s.level < 2).count();
         assert!(changed.len() < finer && changed.last() == Some(&(finer - 1)), "{changed:?} of {finer}");
-        // Nothing at all: every skin at its coarsest level, and the plan says that it is too much.
+        // Nothing at all: every skin at its coarsest level.
         let none = PlanOptions { budget: 0.0, ..options };
-        let over = super::plan(&items, |_| FURRY, &none).unwrap();
-        assert!(over.entries.iter().map(|e| e.id).eq(items.iter().map(|i| i.id)));
-        assert!(over.entries.iter().all(|e| (e.level, e.layers) == (2, 0)));
-        assert!(over.excess > 0.0 && over.excess == over.weight);
-        assert_eq!(super::plan(&[], |_| FURRY, &none).unwrap(), Plan::default());
+        let over = plan_sights(&sights, &none).unwrap();
+        assert!(over.len() == 50 && over.iter().all(|s| (s.level, s.layers) == (2, 0)));
+        assert_eq!(plan_sights(&[], &none).unwrap(), []);
     }
 
     #[test]
     fn odd_lists_do_no_harm_and_odd_options_are_refused() {
-        let mut items = list(4);
-        (items[0].distance, items[0].size) = (0.0, f32::INFINITY);
-        (items[1].distance, items[1].size, items[1].fraction) = (f32::NAN, f32::NAN, f32::NAN);
-        items[2].distance = f32::NEG_INFINITY;
+        let mut sights = list(4);
+        sights.iter_mut().for_each(|s| s.furry = Furry { vertices: &[], height: f32::NAN });
+        (sights[0].distance, sights[0].size) = (0.0, f32::INFINITY);
+        (sights[1].distance, sights[1].size, sights[1].fraction) = (f32::NAN, f32::NAN, f32::NAN);
+        sights[2].distance = f32::NEG_INFINITY;
         for budget in [0.0, 1e5, 1e9, f64::INFINITY] {
-            let options = PlanOptions { budget, ..PlanOptions::default() };
-            let plan = plan(&items, |_| Furry { vertices: &[], height: f32::NAN }, &options).unwrap();
-            assert!(plan.entries.len() == 4 && plan.weight.is_finite());
-            assert_eq!(plan.excess, (plan.weight - budget).max(0.0));
+            let plan = plan_sights(&sights, &PlanOptions { budget, ..PlanOptions::default() }).unwrap();
+            assert!(plan.len() == 4 && weight(&plan).is_finite());
         }
         let usual = PlanOptions::default();
         for options in [
@@ -432,7 +346,7 @@ mod tests {
             PlanOptions { budget: f64::NAN, ..usual },
             PlanOptions { pixel_weight: f64::INFINITY, ..usual },
         ] {
-            assert!(matches!(super::plan(&items, |_| FURRY, &options), Err(Error::Range { .. })));
+            assert!(matches!(plan_sights(&sights, &options), Err(Error::Range { .. })));
         }
     }
 }

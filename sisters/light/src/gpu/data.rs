@@ -4,7 +4,6 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::cache::Cache;
-use crate::colours::Colour;
 use crate::input::{Light, Sky};
 use crate::numeric::GRIDS;
 use crate::surfaces::Surface;
@@ -143,13 +142,11 @@ pub(super) fn triangles(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
     cache.voxels.surfaces.iter().map(of).collect()
 }
 
-/// By triangle: the share that it scatters by steradian and its emission, both in the mean over it,
-/// and its normal.
+/// By triangle: the share that it scatters by steradian, its emission, and its normal.
 pub(super) fn skins(cache: &Cache) -> Vec<[[f32; 4]; 3]> {
     let of = |s: &Surface| {
-        let mean = |which| cache.materials.over(s, which, || s.polygon());
-        let (albedo, emission) = (mean(Colour::Albedo), mean(Colour::Emission));
-        [four(albedo / std::f32::consts::PI, 0.0), four(emission, 0.0), four(s.normal.as_vec3(), 0.0)]
+        let m = &cache.materials[s.material as usize];
+        [four(m.albedo / std::f32::consts::PI, 0.0), four(m.emission, 0.0), four(s.normal.as_vec3(), 0.0)]
     };
     cache.voxels.surfaces.iter().map(of).collect()
 }
@@ -218,9 +215,6 @@ fn vectors(cache: &Cache, light: &Light) -> [[f32; 4]; 4] {
         ],
         Light::Sun { direction, irradiance, half_angle } => {
             [four(-unit(direction), 2.0), four(irradiance, half_angle.tan()), none, none]
-        }
-        Light::Rectangle { corner, first, second, radiance } => {
-            [four(cells(corner), 3.0), four(radiance, 0.0), four(first / cell, 0.0), four(second / cell, 0.0)]
         }
     }
 }

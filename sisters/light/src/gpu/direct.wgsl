@@ -51,21 +51,6 @@ fn casca_small(spot: vec3f, normal: vec3f, point: vec3f, facing: vec3f) -> f32 {
     return max(dot(way, normal), 0.0) * abs(dot(way, facing)) / (square * square);
 }
 
-fn casca_rectangle(spot: vec3f, normal: vec3f, corner: vec3f, u: vec3f, v: vec3f, key: u32) -> f32 {
-    let across = cross(u, v);
-    let area = length(across);
-    if area <= 0.0 || dot(spot - corner, across) <= 0.0 { return 0.0; }
-    let rays = casca_counts.light_rays;
-    var light = 0.0;
-    for (var i = 0u; i < rays; i++) {
-        let along = (f32(i) + casca_unit(key, 4u)) / f32(rays);
-        let point = corner + u * along + v * casca_golden(i, casca_unit(key, 5u));
-        let weight = casca_small(spot, normal, point, across / area);
-        if weight > 0.0 && casca_free(spot, point) { light += weight; }
-    }
-    return light * area / f32(rays);
-}
-
 fn casca_light(number: u32, spot: vec3f, normal: vec3f, key: u32) -> vec3f {
     let first = 4u * number;
     let place = casca_sources[first];
@@ -82,12 +67,11 @@ fn casca_light(number: u32, spot: vec3f, normal: vec3f, key: u32) -> vec3f {
             let smooth_share = share * share * (3.0 - 2.0 * share);
             return colour.rgb * smooth_share * casca_ball(spot, normal, place.xyz, colour.w, key);
         }
-        case 2u: {
+        default: {
             let cosine = dot(place.xyz, normal);
             if cosine <= 0.0 { return vec3f(0.0); }
             return colour.rgb * cosine * casca_seen(spot, place.xyz, colour.w, FAR, key);
         }
-        default: { return colour.rgb * casca_rectangle(spot, normal, place.xyz, axis.xyz, rest.xyz, key); }
     }
 }
 

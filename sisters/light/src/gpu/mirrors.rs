@@ -9,8 +9,7 @@ use wgpu::{
 
 use super::shading::{Input, Surfaces, draw, drawn, placed, with_parts};
 use super::{GpuCache, bind, pipeline};
-use crate::checks::numbers;
-use crate::error::LightError;
+use crate::error::{LightError, numbers};
 use crate::numeric::{LEAST_COSINE, LEAST_ROUGH, LEAST_TRIES, MOST_MIRRORED};
 use crate::voxels::NONE;
 
@@ -122,13 +121,12 @@ impl GpuCache {
     ///
     /// The last component is 1 where all rays found light; less by half of the share of rays, as
     /// the lobe weighs them, that hit a surface for which no gathered state stands: 0.5 if all did.
-    /// They bring its emission only, and [`Cache::request_reflection`] asks for its states. It is 0
+    /// They bring its emission only, and [`Cache::request_reflections`] asks for its states. It is 0
     /// where no ray was sent: where nothing was drawn or mirrors, the eye is below the surface, or
     /// a number is not finite.
     ///
     /// It is of the light that [`GpuCache::shade`] shows, and of the direct light and the sky of
-    /// the upload or [`GpuCache::set_direct`]. A surface with a texture has one colour for each
-    /// triangle, the mean over it. A pixel's rays depend on its position alone, so that nothing
+    /// the upload or [`GpuCache::set_direct`]. A pixel's rays depend on its position alone, so that nothing
     /// flickers while the eye stands still; each set of rays differs from the next pixel's, so that
     /// means over pixels tend to the lobe's.
     ///

@@ -16,7 +16,7 @@ fn scene(count: u64) -> (Lattice, Vec<Surface>) {
         if i.is_multiple_of(5) {
             corners.iter_mut().for_each(|c| c.y = middle.y.round());
         }
-        Surface::new(corners, 0, 0, [glam::Vec2::NAN; 3])
+        Surface::new(corners, 0, 0)
     };
     (lattice, (0..count).filter_map(surface).collect())
 }

@@ -1,8 +1,8 @@
 //! The cells after some objects moved: cells that these touch, or touched, are made anew, and all
 //! others are copied. What comes out is what would be made of all triangles.
 
-use crate::colours::Materials;
 use crate::error::LightError;
+use crate::input::Material;
 use crate::numeric::MOST_REFERENCES;
 use crate::surfaces::Surface;
 use crate::voxels::{Entry, NONE, Part, Reference, Voxels, bin_of};
@@ -29,7 +29,7 @@ impl Voxels {
         &self,
         surfaces: Vec<Surface>,
         changed: &[u32],
-        materials: &Materials,
+        materials: &[Material],
     ) -> Result<Self, LightError> {
         let is_changed = |s: &Surface| changed.binary_search(&s.object).is_ok();
         let numbers = renumbered(&self.surfaces, &surfaces, &is_changed);
@@ -81,7 +81,7 @@ impl Voxels {
         slot: Slot,
         references: &[Reference],
         numbers: &[u32],
-        materials: &Materials,
+        materials: &[Material],
         parts: &mut Vec<Part>,
     ) {
         let cell = self.lattice.of_slot(slot);
@@ -101,7 +101,7 @@ impl Voxels {
         (old, dirty): (&[Slot], &[Slot]),
         parts: &[Part],
         numbers: &[u32],
-        materials: &Materials,
+        materials: &[Material],
     ) {
         let lattice = self.lattice;
         let slot_of = |parts: &&[Part]| lattice.slot_of(parts[0].cell);
@@ -149,12 +149,11 @@ impl Voxels {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec2, Vec3};
+    use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::input::{Grid, Window};
     use crate::lattice::Lattice;
-    use crate::materials::Material;
     use crate::spread::unit;
 
     /// Ten objects of triangles of all sizes, some in faces of cells and some outside.
@@ -170,7 +169,7 @@ mod tests {
                 if i % 4 == 0 {
                     corners.iter_mut().for_each(|c| c.x = middle.x.round());
                 }
-                Surface::new(corners, (i % 2) as u32, object, [Vec2::NAN; 3])
+                Surface::new(corners, (i % 2) as u32, object)
             })
         };
         (0..).zip(*turns).flat_map(of).collect()
@@ -183,8 +182,7 @@ mod tests {
         for windows in [[None; 2], [Some(window), None]] {
             let lattice = Lattice::new(&grid, &windows);
             let dark = Material::new(Vec3::splat(0.5), Vec3::ZERO);
-            let materials =
-                Materials { all: vec![dark, Material { emission: Vec3::ONE, ..dark }], textures: vec![] };
+            let materials = [dark, Material { emission: Vec3::ONE, ..dark }];
             let mut turns = [0; 10];
             let mut moved = Voxels::new(lattice, surfaces(&turns), &materials).unwrap();
             for round in 0..12_u64 {

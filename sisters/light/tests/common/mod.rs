@@ -51,7 +51,7 @@ pub fn turned() -> Affine3A {
 /// One object.
 pub fn scene(triangles: Vec<Triangle>, materials: Vec<Material>, lights: Vec<Light>, sky: f32) -> Scene {
     let sky = Sky::Even(Vec3::splat(sky));
-    Scene { objects: vec![triangles.into()], materials, lights, sky, ..Scene::default() }
+    Scene { objects: vec![triangles.into()], materials, lights, sky }
 }
 
 /// A white point light.

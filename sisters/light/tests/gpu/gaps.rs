@@ -38,7 +38,7 @@ fn gaps_have_the_light_that_rays_of_the_processor_find() {
     for (p, n) in points().into_iter().filter(|(p, n)| *n == Vec3::Y && p.y == 0.0) {
         cache.request(p, n).unwrap();
     }
-    cache.gather_ring(64).unwrap();
+    cache.gather_part((64, 64), usize::MAX).unwrap();
     cache.direct();
     cache.converge(SETTLED, MOST_PASSES);
     let light = GpuCache::new(&gpu.device, &cache).unwrap();

@@ -112,7 +112,7 @@ fn the_last_component_tells_the_share_without_states() {
         let at = Vec3::new((i % 32) as f32 + 0.5, 0.0, (i / 32) as f32 + 0.5) / 8.0;
         cache.request(at, Vec3::Y).unwrap();
     }
-    cache.gather_ring(4).unwrap();
+    cache.gather_part((4, 4), usize::MAX).unwrap();
     cache.direct();
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let eye = Vec3::new(3.0, 1.5, 2.0);

@@ -85,7 +85,7 @@ fn other_direct_light_is_sent_with_the_light_that_is_there() {
     let grid = Grid::around(&furnished().objects, 16);
     let mut other = Cache::new(&furnished(), Settings::new(grid)).unwrap();
     other.request(Vec3::new(2.0, 0.0, 3.0), Vec3::Y).unwrap();
-    other.gather_ring(4).unwrap();
+    other.gather_part((4, 4), usize::MAX).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let refused = light.set_direct(&gpu.device, &gpu.queue, &mut encoder, &other);
     assert!(matches!(refused, Err(GpuError::Changed { .. })));

@@ -6,22 +6,19 @@ use rand::RngExt;
 
 use super::*;
 use crate::drive::{Driver, grid_for, view_of};
-use crate::lit::Material;
 use crate::random::generator;
-use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape, Sides};
+use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 
 mod accessors;
 mod animation;
-#[cfg(feature = "fur")]
-mod coated;
 mod far;
 mod files;
 mod instances;
 mod lenient;
-mod lit;
 mod nodes;
-#[cfg(feature = "fur")]
-mod skins;
+mod parts;
+
+use parts::{F32, Parts, bytes_of, glb};
 
 /// A .glb with one triangle and a camera that moves from x = 0 to x = 2 in two seconds.
 fn small_file() -> Vec<u8> {
@@ -50,96 +47,10 @@ fn small_file_with(old: &str, new: &str) -> Vec<u8> {
     glb(&json.replacen(old, new, 1), &bin)
 }
 
-fn glb(json: &str, bin: &[u8]) -> Vec<u8> {
-    let mut json = json.as_bytes().to_vec();
-    while !json.len().is_multiple_of(4) {
-        json.push(b' ');
-    }
-    let mut file = Vec::new();
-    let total = 12 + 8 + json.len() + 8 + bin.len();
-    for word in [0x4654_6c67, 2, total as u32, json.len() as u32, 0x4e4f_534a] {
-        file.extend(word.to_le_bytes());
-    }
-    file.extend(&json);
-    for word in [bin.len() as u32, 0x004e_4942] {
-        file.extend(word.to_le_bytes());
-    }
-    file.extend(bin);
-    file
-}
-
-/// A file in the making: what its accessors read.
-#[derive(Default, Clone)]
-struct Parts {
-    accessors: Vec<String>,
-    views: Vec<String>,
-    bin: Vec<u8>,
-}
-
-const F32: u32 = 5126;
-
 impl Parts {
-    fn view(&mut self, bytes: &[u8]) -> usize {
-        self.views.push(format!(
-            r#"{{"buffer":0,"byteOffset":{},"byteLength":{}}}"#,
-            self.bin.len(),
-            bytes.len()
-        ));
-        self.bin.extend(bytes);
-        while !self.bin.len().is_multiple_of(4) {
-            self.bin.push(0);
-        }
-        self.views.len() - 1
-    }
-
-    /// An accessor; `more` follows its type and count.
-    fn accessor(&mut self, component: u32, kind: &str, count: usize, more: &str) -> usize {
-        self.accessors.push(format!(
-            r#"{{"componentType":{component},"type":"{kind}","count":{count},"min":[0,0,0],"max":[0,0,0],{more}}}"#
-        ));
-        self.accessors.len() - 1
-    }
-
-    fn dense(&mut self, component: u32, kind: &str, bytes: &[u8], more: &str) -> usize {
-        let width = match component {
-            5120 | 5121 => 1,
-            5122 | 5123 => 2,
-            _ => 4,
-        };
-        let size = width
-            * match kind {
-                "SCALAR" => 1,
-                "VEC3" => 3,
-                _ => 4,
-            };
-        let view = self.view(bytes);
-        self.accessor(component, kind, bytes.len() / size, &format!(r#""bufferView":{view}{more}"#))
-    }
-
-    fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
-        self.dense(F32, kind, &bytes_of(values), "")
-    }
-
-    fn json(&self, rest: &str, uri: &str) -> String {
-        format!(
-            r#"{{"asset":{{"version":"2.0"}},"accessors":[{}],"bufferViews":[{}],"buffers":[{{"byteLength":{}{uri}}}],{rest}}}"#,
-            self.accessors.join(","),
-            self.views.join(","),
-            self.bin.len()
-        )
-    }
-
-    fn glb(&self, rest: &str) -> Vec<u8> {
-        glb(&self.json(rest, ""), &self.bin)
-    }
-
     fn read(&self, rest: &str) -> Result<World, Trouble> {
         read("made", &self.glb(rest), None)
     }
-}
-
-fn bytes_of(values: &[f32]) -> Vec<u8> {
-    values.iter().flat_map(|f| f.to_le_bytes()).collect()
 }
 
 /// Corners of a triangle, and one more for a square.
@@ -239,17 +150,6 @@ fn animated(node: usize, path: &str, output: usize, interpolation: &str) -> Stri
     )
 }
 
-/// Two primitives, a white one and a shiny red one that emits, and a lamp that hangs at (0, 2, 0)
-/// and points down.
-const LIT: &str = r#""extensionsUsed":["KHR_lights_punctual","KHR_materials_emissive_strength"],
-    "extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","color":[1,0.5,0],"intensity":4,
-        "spot":{"innerConeAngle":0.2,"outerConeAngle":0.5}}]}},
-    "nodes":[{"mesh":0},{"translation":[0,2,0],"rotation":[-0.70710678,0,0,0.70710678],
-        "extensions":{"KHR_lights_punctual":{"light":0}}}],
-    "meshes":[{"primitives":[{"attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"material":0}]}],
-    "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"metallicFactor":0.5,"roughnessFactor":0.25},
-        "emissiveFactor":[1,1,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":3}}}]"#;
-
 /// Reads a file with random bits flipped. Either way is fine; it must not panic.
 fn flip(file: &[u8], times: usize) {
     let mut random = generator(3, 0);
@@ -260,7 +160,6 @@ fn flip(file: &[u8], times: usize) {
             let at = next(broken.len());
             broken[at] ^= 1 << next(8);
         }
-        // Reads all that `read` does, and more.
-        let _ = read_lit("flipped", &broken, None);
+        let _ = read("flipped", &broken, None);
     }
 }

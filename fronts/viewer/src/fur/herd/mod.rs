@@ -4,9 +4,9 @@
 
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, Sight, View};
 use casca_fur::mesh::{Image, Mesh};
+use casca_fur::scenes::field::{Field, Kind};
 use casca_fur::skin::Weights;
-use casca_fur::visibility::{Furry, PlanOptions, plan};
-use casca_scenes::fur::field::{Field, Hiding, Kind};
+use casca_fur::visibility::{Furry, PlanOptions, Share, Sight as Seen, plan_sights};
 use casca_scenes::world::Camera;
 use glam::Vec3;
 
@@ -246,13 +246,11 @@ impl Herd {
         camera: &Camera,
         demand: &Demand,
     ) -> Result<(Vec<Chosen>, f64), FurGpuError> {
-        // Where the finest meshes hide others, coarser ones would leave gaps.
-        let most = if self.field.hiding() == Hiding::Meshes { 1 } else { usize::MAX };
         let vertices: Vec<Vec<u32>> = self
             .field
             .species()
             .iter()
-            .map(|(kind, _)| kind.levels().iter().take(most).map(|m| m.vertices().len() as u32).collect())
+            .map(|(kind, _)| kind.levels().iter().map(|m| m.vertices().len() as u32).collect())
             .collect();
         let number = |id| match self.field.kind(id) {
             Some(Kind::Animal(animal)) => Some(animal),
@@ -273,14 +271,23 @@ impl Herd {
             most_layers: demand.layers,
             ..PlanOptions::default()
         };
-        let mut made = plan(items, furry, &options)?;
+        let seen = |item: &DrawItem| Seen {
+            furry: furry(item.id),
+            distance: item.distance,
+            size: item.size,
+            fraction: item.fraction,
+        };
+        let sights: Vec<Seen> = items.iter().map(seen).collect();
+        let weight = |shares: &[Share]| shares.iter().map(|share| share.weight).sum::<f64>();
+        let mut made = plan_sights(&sights, &options)?;
+        let mut budget = f64::INFINITY;
         if demand.budget < 1.0 {
-            made =
-                plan(items, furry, &PlanOptions { budget: made.weight * demand.budget.max(0.0), ..options })?;
+            budget = weight(&made) * demand.budget.max(0.0);
+            made = plan_sights(&sights, &PlanOptions { budget, ..options })?;
         }
-        let entries = made.entries.iter();
-        let chosen = entries.filter_map(|e| Some((number(e.id)?, e.level, e.layers)));
-        Ok((chosen.collect(), made.excess))
+        let drawn = items.iter().zip(&made);
+        let chosen = drawn.filter_map(|(item, share)| Some((number(item.id)?, share.level, share.layers)));
+        Ok((chosen.collect(), (weight(&made) - budget).max(0.0)))
     }
 }
 

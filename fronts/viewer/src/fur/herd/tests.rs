@@ -2,11 +2,11 @@ use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::look::Look;
 use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
+use casca_fur::scenes::field::{Field, generated};
+use casca_fur::scenes::import::read_coated;
+use casca_fur::scenes::sample::character_glb;
+use casca_fur::scenes::{Character, Masks, Species};
 use casca_fur::strands::{Forces, Fur};
-use casca_scenes::fur::field::{Field, Hiding};
-use casca_scenes::fur::sample::character_glb;
-use casca_scenes::fur::{Character, Masks, Species};
-use casca_scenes::import::read_coated;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use glam::Vec3;
@@ -19,7 +19,7 @@ const TO_SUN: Vec3 = Vec3::new(0.6, 0.64, 0.48);
 fn pictures_of_what_can_be_seen_are_those_of_everything() {
     let Some(gpu) = Gpu::for_tests() else { return };
     let fur = Fur { spacing: 0.02, ..Fur::for_radius(0.6, 0.1, 0.4).unwrap() };
-    let field = Field::new(24, 1, 5, Hiding::Balls, |_| Ok(fur)).unwrap();
+    let field = Field::new(24, generated(1, 5, |_| Ok(fur)).unwrap(), 5, None).unwrap();
     let mut herd = Herd::new(field).unwrap();
     let mut renderer = Renderer::new(&gpu, COLOUR, &herd.meshes(), &Look::new(fur)).unwrap();
     let canvas = Canvas::new(&gpu, (96, 64));
@@ -56,7 +56,8 @@ fn pictures_of_what_can_be_seen_are_those_of_everything() {
 
 #[test]
 fn species_with_different_furs_are_refused() {
-    let field = Field::new(12, 3, 5, Hiding::Walls, |radius| Fur::for_radius(radius, 0.1, 0.4)).unwrap();
+    let species = generated(3, 5, |radius| Fur::for_radius(radius, 0.1, 0.4)).unwrap();
+    let field = Field::new(12, species, 5, None).unwrap();
     assert!(matches!(Herd::new(field), Err(FurGpuError::Furs)));
 }
 
@@ -72,17 +73,14 @@ impl Walkers {
     /// A herd of generated animals, or of the character of a file.
     fn new(count: usize, seed: u64, own: Option<(Species, Fur)>) -> Option<Self> {
         let gpu = Gpu::for_tests()?;
-        let forces = Forces::default();
-        let (field, fur) = match own {
-            Some((species, fur)) => {
-                let own = vec![(species, fur)];
-                (Field::herd_of_species(count, own, seed, Hiding::Walls, forces).unwrap(), fur)
-            }
+        let (species, fur) = match own {
+            Some((species, fur)) => (vec![(species, fur)], fur),
             None => {
                 let fur = Fur { spacing: 0.02, ..Fur::for_radius(0.6, 0.1, 0.4).unwrap() };
-                (Field::herd(count, 1, seed, Hiding::Balls, forces, |_| Ok(fur)).unwrap(), fur)
+                (generated(1, seed, |_| Ok(fur)).unwrap(), fur)
             }
         };
+        let field = Field::new(count, species, seed, Some(Forces::default())).unwrap();
         let herd = Herd::new(field).unwrap();
         let mut renderer = Renderer::new(&gpu, COLOUR, &herd.meshes(), &Look::new(fur)).unwrap();
         for (i, weights) in herd.weights().enumerate() {

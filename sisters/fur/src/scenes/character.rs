@@ -1,0 +1,133 @@
+//! Characters of one's own: meshes of files that grow fur.
+
+use std::path::Path;
+
+use crate::error::Error;
+use crate::mesh::{Image, Level, Mesh, TexCoord, Vertex, center, continuous_normals, weld_textured};
+use crate::skin::{Clip, Joint, Pose, Skeleton, SkinBounds, Weights};
+use crate::strands::Fur;
+use glam::{Affine3A, Vec3};
+
+use super::import::{Coated, Rig, load_coated, refused};
+use casca_scenes::import::{ImportError, Trouble};
+
+/// Where a character has no fur, or shorter fur than its file says.
+#[derive(Debug, Clone, Default)]
+pub struct Masks {
+    /// Names of materials without fur.
+    pub bald: Vec<String>,
+    /// A map of lengths on `TEXCOORD_0`: its red channel times the length of the file. Parts
+    /// without coordinates keep their length.
+    pub lengths: Option<Image>,
+}
+
+/// A mesh of a file that grows fur, at several levels of detail.
+#[derive(Debug, Clone)]
+pub struct Character {
+    /// The levels, finest first. The centre of the box of the finest is the origin.
+    pub levels: Vec<Level>,
+    /// The images on which their vertices lie.
+    pub images: Vec<Image>,
+    /// The motion, if the file has a skin.
+    pub rig: Option<CharacterRig>,
+}
+
+/// The skeleton, weights and clip that move a character.
+#[derive(Debug, Clone)]
+pub struct CharacterRig {
+    /// The joints; poses take the centred mesh to where the file has it.
+    pub skeleton: Skeleton,
+    /// For each level of detail the weights of its vertices.
+    pub weights: Vec<Weights>,
+    /// The animations that move a joint, with their names, which may be empty.
+    pub clips: Vec<(String, Clip)>,
+}
+
+impl Character {
+    /// The character of a file, with at most this many levels of detail, 1 to 16.
+    ///
+    /// # Errors
+    /// As [`load_coated`] and [`Character::new`].
+    pub fn load(path: &Path, masks: &Masks, levels: usize) -> Result<Self, ImportError> {
+        let made = Self::new(&load_coated(path)?, masks, levels);
+        made.map_err(|why| ImportError { path: path.to_owned(), why })
+    }
+
+    /// Makes a character of what was read: centred, with normals that are the same on both sides of
+    /// each edge, without double vertices, in the order of drawing.
+    ///
+    /// # Errors
+    /// Refuses names of materials that the file does not have, and meshes that the module
+    /// [`mesh`](crate::mesh) refuses.
+    pub fn new(coated: &Coated, masks: &Masks, levels: usize) -> Result<Self, Trouble> {
+        let bald = bald_materials(coated, &masks.bald)?;
+        let corners = || coated.mesh.triangles.as_flattened().iter().map(|&v| v as usize);
+        let mut soup: Vec<Vertex> = corners().map(|v| Vertex::at(coated.mesh.positions[v])).collect();
+        let middle = center(&mut soup).map_err(refused)?.center;
+        continuous_normals(&mut soup).map_err(refused)?;
+        let mut coats: Vec<_> = corners().map(|v| coated.coats[v]).collect();
+        for (corner, (coat, v)) in coats.iter_mut().zip(corners()).enumerate() {
+            if let (Some(map), Some(place)) = (&masks.lengths, coated.places[v]) {
+                coat.length *= map.value(place);
+            }
+            if bald.contains(&coated.materials[corner / 3]) {
+                coat.length = 0.0;
+            }
+        }
+        let coords: Vec<TexCoord> = match coated.images.is_empty() {
+            true => Vec::new(),
+            false => corners().map(|v| coated.tex_coords[v]).collect(),
+        };
+        let mesh = weld_textured(&soup, &coats, &coords).map_err(refused)?.ordered();
+        let levels = mesh.levels(levels).map_err(refused)?;
+        let carried = |rig: &Rig| {
+            let vertices = coated.mesh.positions.iter().map(|&p| Vertex::at(p - middle)).collect();
+            let from = Mesh::new(vertices, Vec::new(), coated.mesh.triangles.clone())?;
+            let weights = levels.iter().map(|level| rig.weights.carried(&from, &level.mesh));
+            let back = Affine3A::from_translation(middle);
+            let moved = |joint: &Joint| Joint { inverse_bind: joint.inverse_bind * back, ..*joint };
+            Ok(CharacterRig {
+                skeleton: Skeleton::new(rig.skeleton.joints().iter().map(moved).collect())?,
+                weights: weights.collect::<Result<_, _>>()?,
+                clips: rig.clips.clone(),
+            })
+        };
+        let rig = coated.rig.as_ref().map(carried).transpose().map_err(refused)?;
+        Ok(Self { levels, images: coated.images.clone(), rig })
+    }
+}
+
+impl CharacterRig {
+    /// From the posed mesh to where it has the size of the mesh at rest and its box, posed at rest,
+    /// has the origin as its centre, whatever the units of the skeleton are; and the lower end of
+    /// that box. `mesh` is the finest level.
+    ///
+    /// # Errors
+    /// The weights are not those of the mesh.
+    pub fn place_at_rest(&self, mesh: &Mesh) -> Result<(Affine3A, f32), Error> {
+        let weights = self.weights.first().ok_or(Error::Empty)?;
+        let bald = Fur { height: 0.0, ..Fur::for_radius(1.0, 0.0, 0.1)? };
+        let posed = SkinBounds::new(mesh, weights)?.posed(&Pose::rest(&self.skeleton), &bald);
+        let (size, wanted) = (posed.max - posed.min, mesh.aabb().max - mesh.aabb().min);
+        let least = f32::MIN_POSITIVE;
+        let scale = wanted.length().max(least) / size.length().max(least);
+        let place = Affine3A::from_scale(Vec3::splat(scale)) * Affine3A::from_translation(-posed.center());
+        Ok((place, -0.5 * scale * size.y))
+    }
+}
+
+/// The numbers of materials with these names.
+fn bald_materials(coated: &Coated, names: &[String]) -> Result<Vec<u32>, Trouble> {
+    let mut found = Vec::new();
+    for name in names {
+        let of_name = (0..).zip(&coated.names).filter(|(_, known)| *known == name && !name.is_empty());
+        let before = found.len();
+        found.extend(of_name.map(|(number, _)| number));
+        if found.len() == before {
+            let mut known: Vec<&str> = coated.names.iter().map(String::as_str).collect();
+            known.retain(|name| !name.is_empty());
+            return Err(Trouble::Material { name: name.clone(), known: known.join(", ") });
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,210 @@
+//! Primitives with their colours, joined to one mesh.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use crate::mesh::{Coat, Image, TexCoord};
+use crate::skin::PER_VERTEX;
+use glam::{Affine3A, Mat2, Vec2, Vec3};
+use gltf::Semantic;
+use gltf::accessor::{DataType, Dimensions};
+
+use super::images::Images;
+use casca_scenes::import::Trouble;
+use casca_scenes::import::parts::{Buffers, Components, Meshes, materials_of, unfit};
+use casca_scenes::world::Mesh;
+
+/// The colour of fur whose file says nothing about colours: brown, linear.
+const PLAIN: Vec3 = Vec3::new(0.36, 0.21, 0.10);
+
+/// The attribute with the length of fur, without its underscore.
+const LENGTH: &str = "FURLENGTH";
+
+/// The joints that a vertex follows, and their shares.
+pub(super) type Follower = ([u32; PER_VERTEX], [f32; PER_VERTEX]);
+
+/// The joined parts; all by vertex but the mesh and the materials.
+#[derive(Default)]
+pub(super) struct Made {
+    pub(super) mesh: Mesh,
+    pub(super) coats: Vec<Coat>,
+    pub(super) tex_coords: Vec<TexCoord>,
+    pub(super) places: Vec<Option<Vec2>>,
+    /// By triangle.
+    pub(super) materials: Vec<u32>,
+    /// Only of vertices that follow something.
+    pub(super) followers: Vec<Follower>,
+}
+
+/// The vertices of a primitive.
+struct Look {
+    coats: Vec<Coat>,
+    tex_coords: Vec<TexCoord>,
+    places: Vec<Option<Vec2>>,
+}
+
+/// Joins meshes.
+pub(super) struct Join<'a> {
+    reader: Meshes<'a>,
+    images: Images<'a>,
+    buffers: &'a Buffers,
+    /// The number that stands for no material.
+    plain: u32,
+    made: Made,
+    /// By index of the mesh and the primitive.
+    known: HashMap<(usize, usize), Look>,
+}
+
+impl<'a> Join<'a> {
+    pub(super) fn new(
+        document: &gltf::Document,
+        buffers: &'a Buffers,
+        positions: Components,
+        folder: Option<&'a Path>,
+    ) -> Self {
+        Self {
+            reader: Meshes::new(buffers, positions),
+            images: Images::new(buffers, folder),
+            buffers,
+            plain: document.materials().count() as u32,
+            made: Made::default(),
+            known: HashMap::new(),
+        }
+    }
+
+    /// The joined parts, and the images that they need.
+    pub(super) fn done(self) -> (Made, Vec<Image>) {
+        (self.made, self.images.read)
+    }
+
+    /// Adds a mesh under a transform; `follows` says what a vertex of a primitive follows.
+    pub(super) fn add(
+        &mut self,
+        mesh: &gltf::Mesh,
+        at: Affine3A,
+        follows: &dyn Fn((usize, usize)) -> Result<Option<Follower>, Trouble>,
+    ) -> Result<(), Trouble> {
+        let mut sources = Vec::new();
+        let each = |primitive: usize, vertex: u32| sources.push((primitive, vertex as usize));
+        let Some((part, primitives)) = self.reader.parted(mesh, each)? else { return Ok(()) };
+        // Nodes may show one mesh often.
+        if !self.buffers.spend(part.positions.len() + part.triangles.len()) {
+            return Err(Trouble::TooManyVertices(mesh.index()));
+        }
+        let used: HashSet<usize> = sources.iter().map(|source| source.0).collect();
+        for primitive in mesh.primitives() {
+            let key = (mesh.index(), primitive.index());
+            if used.contains(&primitive.index()) && !self.known.contains_key(&key) {
+                let look = self.look(mesh.index(), &primitive)?;
+                self.known.insert(key, look);
+            }
+        }
+        let made = &mut self.made;
+        let first = made.mesh.positions.len() as u32;
+        for (&position, source) in part.positions.iter().zip(&sources) {
+            let position = at.transform_point3(position);
+            if !position.is_finite() {
+                return Err(Trouble::NotFinite(format!("a position of mesh {}", mesh.index())));
+            }
+            made.mesh.positions.push(position);
+            // Each primitive with a vertex was looked at, and as many colours were read.
+            let look = &self.known[&(mesh.index(), source.0)];
+            made.coats.push(look.coats[source.1]);
+            made.tex_coords.push(look.tex_coords[source.1]);
+            made.places.push(look.places[source.1]);
+            made.followers.extend(follows(*source)?);
+        }
+        // A mirrored mesh would be inside out.
+        let order = if at.matrix3.determinant() < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
+        made.mesh.triangles.extend(part.triangles.iter().map(|t| order.map(|i| first + t[i])));
+        let plain = self.plain;
+        let materials = materials_of(mesh, &primitives);
+        made.materials.extend(materials.iter().map(|&m| m.checked_sub(1).unwrap_or(plain)));
+        Ok(())
+    }
+
+    /// The colours of a primitive.
+    fn look(&mut self, mesh: usize, primitive: &gltf::Primitive) -> Result<Look, Trouble> {
+        let count = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
+        let finite = |values: &[f32], what: &str| match values.iter().all(|x| x.is_finite()) {
+            true => Ok(()),
+            false => Err(Trouble::NotFinite(format!("a {what} of mesh {mesh}"))),
+        };
+        let colors = match primitive.get(&Semantic::Colors(0)) {
+            None => None,
+            Some(accessor) => Some(self.colors(&accessor, count)?),
+        };
+        let lengths = match primitive.get(&Semantic::Extras(LENGTH.to_owned())) {
+            None => None,
+            Some(accessor) => Some(self.attribute::<1>(&accessor, "lengths of fur", count)?.into_flattened()),
+        };
+        finite(colors.as_deref().unwrap_or(&[]).as_flattened(), "colour")?;
+        finite(lengths.as_deref().unwrap_or(&[]), "length")?;
+        let material = primitive.material();
+        let [r, g, b, _] = material.pbr_metallic_roughness().base_color_factor();
+        finite(&[r, g, b], "base colour")?;
+        let plain = material.index().is_none() && colors.is_none();
+        let base = if plain { PLAIN } else { Vec3::new(r, g, b) };
+        let share = |x: f32| x.clamp(0.0, 1.0);
+        let coat = |v: usize| {
+            let [r, g, b, alpha] = colors.as_ref().map_or([1.0; 4], |colors| colors[v]);
+            let length = lengths.as_ref().map_or(alpha, |lengths| lengths[v]);
+            let color = (base * Vec3::new(share(r), share(g), share(b))).clamp(Vec3::ZERO, Vec3::ONE);
+            Coat { color, length: share(length) }
+        };
+        let coats = (0..count).map(coat).collect();
+        let places = self.coordinates(primitive, 0, count)?;
+        let mut tex_coords = vec![TexCoord::default(); count];
+        if let Some(info) = material.pbr_metallic_roughness().base_color_texture() {
+            let moved = info.texture_transform();
+            let set = moved.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
+            // A part without coordinates has the colour of its corner in all viewers.
+            let uvs = self.coordinates(primitive, set, count)?.unwrap_or_else(|| vec![Vec2::ZERO; count]);
+            let image = Some(self.images.number(&info.texture())?);
+            let turn = moved.as_ref().map_or(Mat2::IDENTITY, |t| {
+                Mat2::from_angle(-t.rotation()) * Mat2::from_diagonal(Vec2::from_array(t.scale()))
+            });
+            let offset = moved.map_or(Vec2::ZERO, |t| Vec2::from_array(t.offset()));
+            tex_coords = uvs.iter().map(|&uv| TexCoord { uv: turn * uv + offset, image }).collect();
+        }
+        let places = places.map_or(vec![None; count], |places| places.into_iter().map(Some).collect());
+        Ok(Look { coats, tex_coords, places })
+    }
+
+    fn colors(&self, accessor: &gltf::Accessor, count: usize) -> Result<Vec<[f32; 4]>, Trouble> {
+        match accessor.dimensions() {
+            Dimensions::Vec3 => {
+                let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+                Ok(self.attribute::<3>(accessor, "colours", count)?.into_iter().map(opaque).collect())
+            }
+            _ => self.attribute::<4>(accessor, "colours", count),
+        }
+    }
+
+    fn coordinates(
+        &self,
+        primitive: &gltf::Primitive,
+        set: u32,
+        count: usize,
+    ) -> Result<Option<Vec<Vec2>>, Trouble> {
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(None) };
+        let read = self.attribute::<2>(&accessor, "texture coordinates", count)?;
+        Ok(Some(read.into_iter().map(Vec2::from_array).collect()))
+    }
+
+    /// Floats, or normalised integers without sign; one for each vertex.
+    fn attribute<const N: usize>(
+        &self,
+        accessor: &gltf::Accessor,
+        what: &'static str,
+        count: usize,
+    ) -> Result<Vec<[f32; N]>, Trouble> {
+        if !matches!(accessor.data_type(), DataType::F32 | DataType::U8 | DataType::U16) {
+            return Err(unfit(accessor, what, "of a type that is not read"));
+        }
+        if accessor.count() != count {
+            return Err(unfit(accessor, what, "not as long as the positions"));
+        }
+        self.buffers.floats(accessor, what, Components::Normalized)
+    }
+}

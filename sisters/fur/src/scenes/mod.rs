@@ -1,0 +1,13 @@
+//! Furry animals, and fields of them among walls: made from a seed, or of glTF files.
+
+pub mod animals;
+mod character;
+pub mod field;
+mod gait;
+pub mod import;
+pub mod sample;
+mod species;
+mod walk;
+
+pub use character::{Character, CharacterRig, Masks};
+pub use species::Species;

@@ -1,0 +1,152 @@
+//! Scenes of glTF files, with their materials and lights.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{Affine3A, DVec3, Quat, Vec3};
+use gltf::khr_lights_punctual::Kind;
+use gltf::material::AlphaMode;
+
+use casca_scenes::import::parts::{File, Warnings, contents, materials_of, nodes_of, parse};
+use casca_scenes::import::{ImportError, Trouble, open};
+use casca_scenes::world::{Mesh, Motion, Object, Shape, Sides, World};
+
+use super::{ASPECT, Falloff, Light, LightKind, LitObject, LitScene, Material};
+
+/// Share of light that surfaces other than metals reflect head-on.
+const DIELECTRIC: f32 = 0.04;
+
+/// Loads a scene with its materials and lights from a `.glb` or `.gltf` file; see [`read_lit`].
+///
+/// # Errors
+/// As [`casca_scenes::import::load`].
+pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
+    open(path, read_lit)
+}
+
+/// Reads a scene with its materials and lights from the bytes of a glTF file, as
+/// [`casca_scenes::import::read`] does. What moves stands where it is at frame 0.
+///
+/// - The colour of a material is its base colour without textures. Its diffuse part is what metals
+///   leave of it; its specular part is 0.04, and its colour for metals; its gloss is one minus its
+///   roughness.
+/// - Lights are those of `KHR_lights_punctual`, where the file says; their units are taken as
+///   radiometric. A file without lights and without emission gets a sun and a sky.
+///
+/// # Errors
+/// As [`casca_scenes::import::load`].
+pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitScene, Trouble> {
+    let warnings = Warnings::default();
+    let file = parse(bytes, folder, &warnings)?;
+    let world = contents(name, &file, &warnings)?;
+    let mut scene = bare(&world);
+    scene.materials = vec![Material { sides: Sides::Front, ..Material::matt(Vec3::ONE) }];
+    scene.materials.extend(file.document.materials().map(|m| material_of(&m)));
+    let nodes: Vec<gltf::Node> = file.document.nodes().collect();
+    // Objects share them as they share meshes.
+    let mut known: HashMap<(usize, *const u32), Arc<[u32]>> = HashMap::new();
+    for (object, part) in scene.objects.iter_mut().zip(&world.source.parts) {
+        // A box around what is deformed is no surface.
+        let Some(mesh) = nodes[part.node].mesh() else { continue };
+        let shared = known.entry((mesh.index(), part.primitives.as_ptr()));
+        object.materials = shared.or_insert_with(|| materials_of(&mesh, &part.primitives).into()).clone();
+    }
+    let lights = lights_of(&file, world.source.origin)?;
+    let mut used = known.values().flat_map(|materials| materials.iter());
+    if !lights.is_empty() || used.any(|&m| scene.materials[m as usize].emits()) {
+        scene.lights = lights;
+        scene.sky = Vec3::ZERO;
+    }
+    Ok(scene)
+}
+
+fn material_of(material: &gltf::Material) -> Material {
+    let pbr = material.pbr_metallic_roughness();
+    let [r, g, b, _] = pbr.base_color_factor();
+    let share = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
+    let color = Vec3::new(share(r), share(g), share(b));
+    let metal = share(pbr.metallic_factor());
+    let specular = Vec3::splat(DIELECTRIC * (1.0 - metal)) + color * metal;
+    // A matt surface has no highlight that voxels could show.
+    let gloss = 1.0 - share(pbr.roughness_factor());
+    let specular = if gloss > 0.0 { specular } else { Vec3::ZERO };
+    let strength = material.emissive_strength().unwrap_or(1.0);
+    let emission = Vec3::from_array(material.emissive_factor()) * strength;
+    let emission = if emission.is_finite() { emission.max(Vec3::ZERO) } else { Vec3::ZERO };
+    let albedo = (color * (1.0 - metal)).min(Vec3::ONE - specular);
+    // Read here, too: the path tracer is the truth of what the importer lets hide.
+    let passes = |name: &str, factor: &str| {
+        let value = material.extension_value(name).and_then(|v| v[factor].as_f64());
+        value.is_some_and(|factor| factor != 0.0)
+    };
+    let sides = match material.alpha_mode() {
+        AlphaMode::Mask | AlphaMode::Blend => Sides::Neither,
+        _ if passes("KHR_materials_transmission", "transmissionFactor")
+            || passes("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor") =>
+        {
+            Sides::Neither
+        }
+        _ if material.double_sided() => Sides::Both,
+        _ => Sides::Front,
+    };
+    Material { albedo, specular, gloss, emission, sides }
+}
+
+/// The lights of the nodes that are shown, at rest.
+fn lights_of(file: &File, origin: DVec3) -> Result<Vec<Light>, Trouble> {
+    let nodes = nodes_of(&file.document, &file.places)?;
+    let mut lights = Vec::new();
+    for (node, place) in nodes.0.iter().zip(nodes.globals(0.0)) {
+        let Some(light) = file.document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
+        let position = (place.translation - origin).as_vec3();
+        let direction = place.transform_vector3(DVec3::NEG_Z).as_vec3();
+        let kind = match light.kind() {
+            Kind::Directional => LightKind::Directional { direction, half_angle: 0.0 },
+            Kind::Point => LightKind::Point { position, radius: 0.0 },
+            Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
+                LightKind::Spot { position, direction, radius: 0.0, inner, outer }
+            }
+        };
+        let color = Vec3::from_array(light.color()) * light.intensity();
+        lights.push(Light { kind, color, falloff: Falloff::INVERSE_SQUARE });
+    }
+    Ok(lights)
+}
+
+/// How often the triangles of a sphere are cut into four: 1,280 triangles.
+const BALL_CUTS: u32 = 3;
+
+/// A world without materials, under a sun and a pale sky.
+fn bare(world: &World) -> LitScene {
+    let ball = Arc::new(Mesh::ball(BALL_CUTS));
+    let object = |object: &Object| {
+        let (mesh, transform) = mesh_of(&object.shape, &ball);
+        let moves = object.motion != Motion::Static;
+        LitObject { name: object.name.clone(), materials: Arc::default(), mesh, transform, moves }
+    };
+    LitScene {
+        name: world.name.clone(),
+        objects: world.objects.iter().map(object).collect(),
+        materials: Vec::new(),
+        lights: vec![Light {
+            kind: LightKind::Directional { direction: Vec3::new(0.35, -1.0, 0.25), half_angle: 0.0 },
+            color: Vec3::new(3.0, 2.8, 2.5),
+            falloff: Falloff::INVERSE_SQUARE,
+        }],
+        sky: Vec3::new(0.3, 0.36, 0.45),
+        camera: world.camera(0, ASPECT),
+    }
+}
+
+/// The triangles of a shape, and where they are.
+fn mesh_of(shape: &Shape, ball: &Arc<Mesh>) -> (Arc<Mesh>, Affine3A) {
+    match shape {
+        Shape::Sphere { center, radius } => {
+            let size = Vec3::splat(*radius);
+            (ball.clone(), Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, *center))
+        }
+        Shape::Box { min, max } => (Arc::new(Mesh::cuboid(*min, *max)), Affine3A::IDENTITY),
+        Shape::Mesh { mesh, transform } => (mesh.clone(), *transform),
+    }
+}

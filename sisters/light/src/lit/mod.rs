@@ -1,0 +1,206 @@
+//! Lit scenes for tests and for programs that show light: triangles with materials, lights and a
+//! camera.
+//!
+//! - [`Kind`]: generated scenes, such as the Cornell box and a white furnace.
+//! - [`load_lit`]: a glTF file with its materials and lights.
+//! - [`path`]: what light reaches a camera, by a path tracer: the truth beside the cache.
+//!
+//! Units are metres and linear RGB. Surfaces are flat: each triangle has one normal and one
+//! material, and looks the same from both sides, unless light passes it from its back. Textures are
+//! not read: a material has its base colour everywhere. Panes are left out: light passes them
+//! untinted and unbent, and they mirror nothing.
+
+mod file;
+mod image;
+mod light;
+pub mod path;
+mod radiosity;
+mod scenes;
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use glam::{Affine3A, DVec3, Vec3};
+
+use casca_scenes::world::{Camera, Mesh, Sides, turn_of};
+
+pub use file::{load_lit, read_lit};
+pub use image::{HdrImage, ImageError, MOST_PIXELS};
+pub use light::{Falloff, Incident, Light, LightKind};
+pub use scenes::Kind;
+
+/// The exponent of a lobe is 2 to the power of this times the gloss plus 1.
+const SHARPEST: f64 = 11.0;
+
+/// How a surface reflects and emits light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Share of light that is reflected diffusely (Lambert), 0 to 1 by channel.
+    pub albedo: Vec3,
+    /// Share of light that is reflected around the mirror direction when looked at head-on, 0 to 1
+    /// by channel; 0 for matt surfaces. The sum of `albedo` and `specular` is at most 1.
+    pub specular: Vec3,
+    /// How sharp reflections are, from 0 (matt) to 1 (a mirror).
+    pub gloss: f32,
+    /// Radiance that the surface emits to both sides, 0 or more.
+    pub emission: Vec3,
+    /// From which sides it is seen, and stops what looks at it; from others there is nothing.
+    pub sides: Sides,
+}
+
+impl Material {
+    /// A matt surface that emits nothing.
+    pub const fn matt(albedo: Vec3) -> Self {
+        let (specular, emission) = (Vec3::ZERO, Vec3::ZERO);
+        Self { albedo, specular, gloss: 0.0, emission, sides: Sides::Both }
+    }
+
+    /// A black surface that emits.
+    pub const fn emitter(emission: Vec3) -> Self {
+        Self { emission, ..Self::matt(Vec3::ZERO) }
+    }
+
+    /// The same with all values in range. Colours that are not finite become black, a gloss that is
+    /// not becomes 0.
+    pub fn sound(&self) -> Self {
+        let finite = |v: Vec3| if v.is_finite() { v.max(Vec3::ZERO) } else { Vec3::ZERO };
+        let specular = finite(self.specular).min(Vec3::ONE);
+        let gloss = if self.gloss.is_finite() { self.gloss.clamp(0.0, 1.0) } else { 0.0 };
+        let albedo = finite(self.albedo).min(Vec3::ONE - specular);
+        Self { albedo, specular, gloss, emission: finite(self.emission), sides: self.sides }
+    }
+
+    /// The exponent of the lobe around the mirror direction: 2 for a gloss of 0, 4096 for one of 1.
+    pub fn exponent(&self) -> f64 {
+        (SHARPEST * f64::from(self.gloss) + 1.0).exp2()
+    }
+
+    /// Whether it emits light.
+    pub fn emits(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+}
+
+/// An object: a mesh with a material for each triangle.
+#[derive(Debug, Clone)]
+pub struct LitObject {
+    /// A name for messages; may be empty.
+    pub name: String,
+    /// The mesh in object space.
+    pub mesh: Arc<Mesh>,
+    /// By triangle of the mesh: an index into [`LitScene::materials`].
+    pub materials: Arc<[u32]>,
+    /// Object space to world space.
+    pub transform: Affine3A,
+    /// Whether it may move.
+    pub moves: bool,
+}
+
+impl LitObject {
+    /// Its triangles in world space, as those of an object of this number in a scene with these
+    /// materials; without those that [`LitScene::triangles`] leaves out.
+    pub fn triangles<'a>(
+        &'a self,
+        number: u32,
+        materials: &'a [Material],
+    ) -> impl Iterator<Item = LitTriangle> + 'a {
+        let pairs = self.mesh.triangles.iter().zip(self.materials.iter());
+        let mirrors = turn_of(&self.transform) < 0.0;
+        pairs.filter_map(move |(corners, &material)| {
+            let mut corners = corners_of(&self.mesh, corners)?.map(|p| self.transform.transform_point3(p));
+            if mirrors {
+                corners.swap(1, 2);
+            }
+            let stops = materials.get(material as usize).is_some_and(|m| m.sides != Sides::Neither);
+            let is_sound = corners.iter().all(|p| p.is_finite()) && stops;
+            is_sound.then_some(LitTriangle { corners, material, object: number })
+        })
+    }
+}
+
+/// A triangle in world space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LitTriangle {
+    /// Its corners, counter-clockwise seen from the front.
+    pub corners: [Vec3; 3],
+    /// Index into [`LitScene::materials`].
+    pub material: u32,
+    /// Index into [`LitScene::objects`].
+    pub object: u32,
+}
+
+impl LitTriangle {
+    /// Twice the area times the unit normal of the front.
+    pub fn cross(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a)
+    }
+}
+
+/// A scene with materials and lights.
+#[derive(Debug, Clone)]
+pub struct LitScene {
+    /// A name for files and captions.
+    pub name: String,
+    /// All objects.
+    pub objects: Vec<LitObject>,
+    /// All materials.
+    pub materials: Vec<Material>,
+    /// Lights that are no surfaces.
+    pub lights: Vec<Light>,
+    /// Radiance that comes from all directions where nothing is hit.
+    pub sky: Vec3,
+    /// Where pictures are taken from; its matrices are for pictures [`ASPECT`] times as wide as
+    /// high.
+    pub camera: Camera,
+}
+
+/// See [`LitScene::bounds`]. The sky's box of a large outdoor scene is less far away.
+pub const STRAY: f64 = 1000.0;
+
+/// See [`LitScene::bounds`]: coordinates of single precision are 8 m apart there, in metres.
+pub const FARTHEST: f32 = 1e8;
+
+/// Width over height of the pictures that the camera of a [`LitScene`] is for.
+pub const ASPECT: f32 = 4.0 / 3.0;
+
+impl LitScene {
+    /// All triangles in world space, object by object. Those that have a corner that is not finite,
+    /// or a material that does not exist or stops no light, are left out. O(triangles).
+    pub fn triangles(&self) -> Vec<LitTriangle> {
+        let objects = (0..).zip(&self.objects);
+        objects.flat_map(|(i, o)| o.triangles(i, &self.materials)).collect()
+    }
+
+    /// The least and the greatest corner of all triangles but strays; both 0 if there are none.
+    ///
+    /// A stray is more than [`STRAY`] times as far from the middle as most triangles, or beyond
+    /// [`FARTHEST`]: one of them would leave a grid no cells for the others.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let mut all = self.triangles();
+        all.retain(|t| t.corners.iter().all(|p| p.abs().max_element() < FARTHEST));
+        let along = |axis: usize| all.iter().map(|t| f64::from(t.corners[0][axis])).collect::<Vec<_>>();
+        let middle = DVec3::from_array([0, 1, 2].map(|axis| median(&mut along(axis))));
+        let reach = |t: &LitTriangle| {
+            t.corners.map(|p| p.as_dvec3().distance(middle)).into_iter().fold(0.0, f64::max)
+        };
+        let most = STRAY * median(&mut all.iter().map(reach).collect::<Vec<_>>());
+        let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let corners = all.iter().filter(|t| reach(t) <= most).flat_map(|t| t.corners);
+        let (min, max) = corners.fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)));
+        if min.x <= max.x { (min, max) } else { (Vec3::ZERO, Vec3::ZERO) }
+    }
+}
+
+/// The middle one of some numbers; 0 if there are none.
+fn median(numbers: &mut [f64]) -> f64 {
+    numbers.sort_unstable_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
+}
+
+fn corners_of(mesh: &Mesh, triangle: &[u32; 3]) -> Option<[Vec3; 3]> {
+    let at = |v: u32| mesh.positions.get(v as usize).copied();
+    Some([at(triangle[0])?, at(triangle[1])?, at(triangle[2])?])
+}

@@ -1,0 +1,281 @@
+//! A path tracer: the light that reaches a camera in a [`LitScene`], by exact rays in f64 and
+//! seeded chance.
+//!
+//! Kajiya, *The Rendering Equation* (1986), with next event estimation for lights and emissive
+//! triangles, and multiple importance sampling by the balance heuristic for the latter (Veach &
+//! Guibas 1995). Light is sorted by how often it was scattered on its way, so that direct light and
+//! each bounce can be looked at on their own. All rays go through the centres of pixels. Results do
+//! not depend on the number of threads.
+//!
+//! Rays go on through panes and through the backs of single-sided sheets, as a camera sees them:
+//! what looks at such a back gets the light behind it.
+
+mod direct;
+mod emitters;
+mod scatter;
+#[cfg(test)]
+mod tests;
+
+use std::ops::RangeInclusive;
+
+use glam::{DVec2, DVec3};
+use obvhs::BvhBuildParams;
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::{HdrImage, ImageError, Light, LitScene, LitTriangle, Material};
+use casca_scenes::random::{Generator, generator, spread};
+use casca_scenes::world::Camera;
+use casca_truth::oracle::Frustum;
+use casca_truth::oracle::tree::{Part, Primitive, Tree};
+use emitters::Emitters;
+use scatter::{Scatter, around};
+
+/// What is added to the greatest coordinate of a scene, so that one at the origin has a size.
+const LEAST_SCALE: f64 = 1e-3;
+/// Rays of light start this far off the surface, as a share of the greatest coordinate: rounding is
+/// less, and nothing in a scene is as thin.
+const OFF: f64 = 1e-8;
+/// Shadow rays end this far before the light, as a share of the way, so that an emitter does not
+/// hide itself.
+const BEFORE_LIGHT: f64 = 1e-7;
+/// Samples that a pixel has at most.
+const MOST_SAMPLES: u32 = 1 << 20;
+/// How often light is scattered at most.
+const MOST_ORDERS: u32 = 256;
+
+/// A quantity that is asked for at the surface that a pixel shows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Quantity {
+    /// The radiance that was scattered this many times on its way to the camera: 0 for emitters
+    /// that are looked at, 1 for direct light, 2 for the first indirect bounce, 3 for the second.
+    /// At most 256.
+    Radiance(RangeInclusive<u32>),
+    /// The cosine-weighted share of directions above the surface in which nothing is hit within
+    /// this many metres.
+    Ambient(f32),
+    /// The share of a light, by its number, that is not hidden; 0 for surfaces that face away, and
+    /// where nothing is hit.
+    Shadow(usize),
+}
+
+/// A picture by chance, and how sure it is.
+#[derive(Debug, Clone)]
+pub struct Render {
+    /// The mean of the samples.
+    pub image: HdrImage,
+    /// By pixel and channel: the standard error of that mean, estimated from the samples.
+    pub error: HdrImage,
+}
+
+/// A point of a surface that a ray hits.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface {
+    /// The point.
+    pub point: DVec3,
+    /// Unit normal on the side that the ray came from.
+    pub normal: DVec3,
+    /// Index into [`LitScene::materials`].
+    pub material: usize,
+}
+
+/// Traces paths in one scene.
+pub struct PathTracer {
+    /// Its parts have the numbers of triangles as objects.
+    tree: Tree,
+    triangles: Vec<LitTriangle>,
+    materials: Vec<Material>,
+    lights: Vec<Light>,
+    emitters: Emitters,
+    sky: DVec3,
+}
+
+impl PathTracer {
+    /// Builds the hierarchy. Material values out of range are brought into it; O(n log n) for n
+    /// triangles.
+    pub fn new(scene: &LitScene) -> Self {
+        let triangles = scene.triangles();
+        let materials: Vec<Material> = scene.materials.iter().map(Material::sound).collect();
+        let part = |(i, t): (usize, &LitTriangle)| Part {
+            shape: Primitive::Triangle(t.corners.map(|p| p.as_dvec3())),
+            object: i as u32,
+            triangle: 0,
+            sides: materials[t.material as usize].sides,
+        };
+        let parts = triangles.iter().enumerate().map(part).collect();
+        let sky = if scene.sky.is_finite() { scene.sky.as_dvec3().max(DVec3::ZERO) } else { DVec3::ZERO };
+        Self {
+            tree: Tree::of(parts, BvhBuildParams::medium_build()),
+            emitters: Emitters::new(&triangles, &materials),
+            triangles,
+            materials,
+            lights: scene.lights.clone(),
+            sky,
+        }
+    }
+
+    /// The first surface along a ray.
+    pub fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Surface> {
+        let mut best = None;
+        self.tree.first(origin, direction, &mut best);
+        let (number, t) = best?;
+        let triangle = &self.triangles[number as usize];
+        let [a, b, c] = triangle.corners.map(|p| p.as_dvec3());
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        Some(Surface { point: origin + direction * t, normal, material: triangle.material as usize })
+    }
+
+    /// The surfaces that the centres of pixels show, row by row from the top.
+    ///
+    /// # Errors
+    /// [`ImageError::Size`].
+    pub fn surfaces(
+        &self,
+        camera: &Camera,
+        (width, height): (usize, usize),
+    ) -> Result<Vec<Option<Surface>>, ImageError> {
+        HdrImage::new(width, height, Vec::new())?;
+        let pixels = (0..width * height).into_par_iter();
+        Ok(pixels.map(|i| self.seen(&Frustum::new(camera), i, (width, height)).0).collect())
+    }
+
+    /// What a pixel shows, and from which direction.
+    fn seen(&self, frustum: &Frustum, i: usize, (width, height): (usize, usize)) -> (Option<Surface>, DVec3) {
+        let place = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let [x, y] = (place / DVec2::new(width as f64, height as f64) * 2.0 - 1.0).to_array();
+        let (start, step) = frustum.ray(x, -y);
+        (self.hit(frustum.eye() + start, step), step)
+    }
+
+    /// A picture of `size` (width, height) pixels; `samples` a pixel, 1 to 2^20, are more for less
+    /// noise. Costs pixels times samples times the orders of scattering.
+    ///
+    /// # Errors
+    /// [`ImageError::Size`].
+    pub fn render(
+        &self,
+        camera: &Camera,
+        size: (usize, usize),
+        quantity: &Quantity,
+        samples: u32,
+        seed: u64,
+    ) -> Result<Render, ImageError> {
+        let (width, height) = size;
+        let black = HdrImage::new(width, height, Vec::new())?;
+        let frustum = Frustum::new(camera);
+        let pixels = (0..black.pixels().len()).into_par_iter().map(|i| {
+            let (surface, step) = self.seen(&frustum, i, size);
+            // A generator of its own, so that threads do not matter.
+            let mut random = generator(seed, spread(i as u64 + 1));
+            mean(samples, || self.sample(surface, step, quantity, &mut random))
+        });
+        let (means, errors): (Vec<_>, Vec<_>) = pixels.collect::<Vec<_>>().into_iter().unzip();
+        Ok(Render {
+            image: HdrImage::new(width, height, means)?,
+            error: HdrImage::new(width, height, errors)?,
+        })
+    }
+
+    fn sample(
+        &self,
+        seen: Option<Surface>,
+        step: DVec3,
+        quantity: &Quantity,
+        random: &mut Generator,
+    ) -> DVec3 {
+        match (quantity, seen) {
+            (Quantity::Radiance(orders), seen) => {
+                self.radiance(seen, step.normalize_or_zero(), orders, random)
+            }
+            (Quantity::Ambient(_), None) => DVec3::ONE,
+            (Quantity::Shadow(_), None) => DVec3::ZERO,
+            (Quantity::Ambient(reach), Some(at)) => {
+                let way = around(at.normal, 0.0, random.random(), random.random());
+                let way = way * f64::from(*reach).min(self.far(at.point));
+                DVec3::splat(if self.hides(&at, way, 1.0) { 0.0 } else { 1.0 })
+            }
+            (Quantity::Shadow(light), Some(at)) => {
+                let Some(light) = self.lights.get(*light) else { return DVec3::ZERO };
+                DVec3::splat(match self.towards(light, &at, random) {
+                    Some((way, ..)) if !self.hides(&at, way, 1.0 - BEFORE_LIGHT) => 1.0,
+                    _ => 0.0,
+                })
+            }
+        }
+    }
+
+    /// Whether anything lies on the way from a surface.
+    fn hides(&self, at: &Surface, way: DVec3, end: f64) -> bool {
+        let start = self.off(at);
+        let blocks = |part: &Part| part.enter(start, way, true).is_some_and(|t| t < end);
+        self.tree.any(start, way, end, blocks).is_some()
+    }
+
+    /// A distance from a point beyond which there is nothing.
+    fn far(&self, point: DVec3) -> f64 {
+        4.0 * self.tree.scale + point.length() + 1.0
+    }
+
+    /// A point just above a surface.
+    fn off(&self, at: &Surface) -> DVec3 {
+        at.point + at.normal * (OFF * (self.tree.scale + LEAST_SCALE))
+    }
+
+    /// The light of some orders that arrives against a unit direction from a surface, or from the
+    /// sky.
+    fn radiance(
+        &self,
+        seen: Option<Surface>,
+        mut direction: DVec3,
+        orders: &RangeInclusive<u32>,
+        random: &mut Generator,
+    ) -> DVec3 {
+        let (mut light, mut weight) = (DVec3::ZERO, DVec3::ONE);
+        let last = (*orders.end()).min(MOST_ORDERS);
+        // The density of the direction that led here; none for the camera.
+        let mut density = None;
+        let mut next = seen;
+        for order in 0..=last {
+            let Some(at) = next else {
+                if orders.contains(&order) {
+                    light += weight * self.sky;
+                }
+                break;
+            };
+            let material = &self.materials[at.material];
+            if orders.contains(&order) && material.emits() {
+                light += weight * material.emission.as_dvec3() * self.share(&at, direction, density);
+            }
+            if order == last {
+                break;
+            }
+            let scatter = Scatter::new(material, at.normal, direction);
+            if orders.contains(&(order + 1)) {
+                light += weight * self.next_event(&at, &scatter, random);
+            }
+            let Some((way, factor)) = scatter.sample(random) else { break };
+            density = Some((scatter.density(way), at.point));
+            weight *= factor;
+            direction = way;
+            next = self.hit(self.off(&at), way);
+        }
+        light
+    }
+}
+
+/// Mean and standard error of samples.
+fn mean(samples: u32, mut sample: impl FnMut() -> DVec3) -> (glam::Vec3, glam::Vec3) {
+    let samples = samples.clamp(1, MOST_SAMPLES);
+    let n = f64::from(samples);
+    let (mut mean, mut squares) = (DVec3::ZERO, DVec3::ZERO);
+    // Welford's sums do not cancel.
+    for k in 1..=samples {
+        let value = sample();
+        let step = value - mean;
+        mean += step / f64::from(k);
+        squares += step * (value - mean);
+    }
+    let variance = squares / (n * (n - 1.0).max(1.0));
+    (mean.as_vec3(), variance.map(f64::sqrt).as_vec3())
+}

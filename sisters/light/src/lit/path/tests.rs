@@ -1,0 +1,443 @@
+//! Against closed forms.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use proptest::prelude::*;
+
+use super::emitters::area;
+use super::*;
+use crate::lit::{Falloff, Kind, LightKind, LitObject};
+use casca_scenes::random::generator;
+use casca_scenes::world::Mesh;
+use casca_truth::cases;
+
+/// A scene of meshes, each of one material, without light.
+fn scene(parts: Vec<(Mesh, Material)>) -> LitScene {
+    let mut scene = Kind::Plane.build();
+    (scene.objects, scene.materials, scene.lights) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, (mesh, material)) in parts.into_iter().enumerate() {
+        let materials = vec![i as u32; mesh.triangles.len()].into();
+        let (mesh, transform) = (Arc::new(mesh), Affine3A::IDENTITY);
+        scene.objects.push(LitObject { name: String::new(), mesh, materials, transform, moves: false });
+        scene.materials.push(material);
+    }
+    scene
+}
+
+fn quad(corners: [Vec3; 4]) -> Mesh {
+    Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() }
+}
+
+/// The square of 2 `half` metres at a height.
+fn square(height: f32, half: f32) -> Mesh {
+    let at = |x: f32, z: f32| Vec3::new(x * half, height, z * half);
+    quad([at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
+}
+
+const WHITE: Material = Material::matt(Vec3::ONE);
+
+/// The radiance of an order that leaves the surface straight above or below `point` along the way
+/// to it, and its standard error.
+fn look(
+    tracer: &PathTracer,
+    from: DVec3,
+    to: DVec3,
+    orders: RangeInclusive<u32>,
+    samples: u32,
+) -> (f64, f64) {
+    let direction = (to - from).normalize();
+    let seen = tracer.hit(from, direction);
+    let mut random = generator(7, 0);
+    let (mean, error) = mean(samples, || tracer.radiance(seen, direction, &orders, &mut random));
+    (f64::from(mean.x), f64::from(error.x))
+}
+
+fn near(found: f64, truth: f64, error: f64) {
+    assert!((found - truth).abs() <= error, "{found} instead of {truth}, {error} allowed");
+}
+
+#[test]
+fn in_a_furnace_every_order_has_its_share_of_the_emission() {
+    let walls = Material { albedo: Vec3::splat(0.5), emission: Vec3::splat(2.0), ..WHITE };
+    let tracer = PathTracer::new(&scene(vec![
+        (Mesh::cuboid(Vec3::ZERO, Vec3::new(2.0, 1.0, 1.5)), walls),
+        (Mesh::cuboid(Vec3::splat(0.3), Vec3::splat(0.6)), walls),
+    ]));
+    for target in [DVec3::new(1.7, 0.01, 0.02), DVec3::new(0.45, 0.6, 0.45), DVec3::new(1.0, 1.0, 1.0)] {
+        for order in 0..5 {
+            let truth = 2.0 * 0.5f64.powi(order);
+            let (found, error) =
+                look(&tracer, DVec3::new(1.1, 0.7, 0.7), target, order as u32..=order as u32, 4000);
+            assert!(error < 0.03 * truth, "{error}");
+            near(found, truth, 5.0 * error + 1e-6);
+        }
+        // All orders: E / (1 - albedo).
+        let (found, error) = look(&tracer, DVec3::new(1.1, 0.7, 0.7), target, 0..=40, 2000);
+        near(found, 4.0, 5.0 * error);
+    }
+    // A surface that reflects all of it under a sky that is as bright everywhere cannot be told
+    // from the sky.
+    let mut open = scene(vec![(Mesh::ball(2), WHITE)]);
+    open.sky = Vec3::splat(3.0);
+    let image = PathTracer::new(&open)
+        .render(&open.camera, (16, 12), &Quantity::Radiance(0..=1), 4, 1)
+        .unwrap()
+        .image;
+    assert!(image.pixels().iter().all(|p| (*p - open.sky).abs().max_element() < 1e-5));
+}
+
+#[test]
+fn a_light_over_a_plane_shines_as_its_closed_form_says() {
+    let mut plane = scene(vec![(square(0.0, 5.0), Material::matt(Vec3::splat(0.5)))]);
+    let position = Vec3::new(0.5, 2.0, 0.25);
+    plane.lights = vec![Light::point(position, Vec3::splat(10.0))];
+    // A ball of light with all of it above the horizon gives as much as its centre; it is chosen by
+    // chance.
+    let ball = |radius| LightKind::Point { position, radius };
+    for (radius, samples) in [(0.0, 1), (0.5, 20_000)] {
+        plane.lights[0].kind = ball(radius);
+        let tracer = PathTracer::new(&plane);
+        for x in [-3.0, 0.0, 2.0] {
+            let to = DVec3::new(x, 0.0, 1.0);
+            let way = position.as_dvec3() - to;
+            let truth = 0.5 / PI * 10.0 * way.y / way.length().powi(3);
+            let (found, error) = look(&tracer, DVec3::new(0.0, 1.0, 0.0), to, 1..=1, samples);
+            near(found, truth, 5.0 * error + 1e-6 * truth);
+            assert!(radius == 0.0 || error > 0.0);
+        }
+    }
+    // The sun, and nothing of it below the plane.
+    let kind = LightKind::Directional { direction: Vec3::new(0.0, -3.0, 4.0), half_angle: 0.1 };
+    plane.lights[0] = Light { kind, color: Vec3::splat(2.0), falloff: Falloff::INVERSE_SQUARE };
+    let tracer = PathTracer::new(&plane);
+    let (found, error) = look(&tracer, DVec3::Y, DVec3::X, 1..=1, 5000);
+    near(found, 0.5 / PI * 2.0 * 0.6, 5.0 * error);
+    assert_eq!(look(&tracer, DVec3::NEG_Y, DVec3::X, 0..=3, 50).0, 0.0);
+}
+
+/// Lambert's formula (1760) for the irradiance by a polygon of radiance 1 that lies above the
+/// horizon.
+fn lambert(corners: &[DVec3], point: DVec3, normal: DVec3) -> f64 {
+    let units: Vec<DVec3> = corners.iter().map(|c| (*c - point).normalize()).collect();
+    let sum: f64 = (0..units.len())
+        .map(|i| {
+            let (a, b) = (units[i], units[(i + 1) % units.len()]);
+            a.angle_between(b) * a.cross(b).normalize().dot(normal)
+        })
+        .sum();
+    sum.abs() / 2.0
+}
+
+proptest! {
+    #![proptest_config(cases(12))]
+
+    #[test]
+    fn rectangles_give_the_irradiance_of_lamberts_formula(
+        height in 0.2..3.0f32, half in 0.1..2.0f32, x in -2.0..2.0f64, z in -2.0..2.0f64, tilt in -0.7..0.7f32,
+    ) {
+        let lamp = glam::Quat::from_rotation_x(tilt);
+        let corners: Vec<Vec3> = square(0.0, half).positions.iter().map(|&p| lamp * p + Vec3::Y * height).collect();
+        prop_assume!(corners.iter().all(|c| c.y > 0.05));
+        let lamp = quad(std::array::from_fn(|i| corners[i]));
+        let tracer = PathTracer::new(&scene(vec![(square(0.0, 4.0), WHITE), (lamp, Material::emitter(Vec3::splat(3.0)))]));
+        let to = DVec3::new(x, 0.0, z);
+        let seen = tracer.hit(to + DVec3::Y * 0.02, DVec3::NEG_Y);
+        let mut random = generator(3, 0);
+        let (found, error) = mean(3000, || tracer.radiance(seen, DVec3::NEG_Y, &(1..=1), &mut random));
+        let doubles: Vec<DVec3> = corners.iter().map(|c| c.as_dvec3()).collect();
+        let truth = 3.0 * lambert(&doubles, to, DVec3::Y) / PI;
+        let error = f64::from(error.x);
+        prop_assert!(error < 0.1 * truth + 1e-3, "{error} of {truth}");
+        prop_assert!((f64::from(found.x) - truth).abs() <= 5.0 * error + 1e-5 * truth, "{} instead of {truth}, {error}", found.x);
+    }
+}
+
+#[test]
+fn parallel_squares_have_the_form_factor_of_its_closed_form() {
+    for distance in [0.5, 1.0, 3.0] {
+        let tracer = PathTracer::new(&scene(vec![
+            (square(0.0, 0.5), WHITE),
+            (square(distance as f32, 0.5), Material::emitter(Vec3::ONE)),
+        ]));
+        // Of two unit squares, with x = 1 / distance (Howell, C-11).
+        let x: f64 = 1.0 / distance;
+        let root = (1.0 + x * x).sqrt();
+        let truth = 2.0 / (PI * x * x)
+            * (((1.0 + x * x).powi(2) / (1.0 + 2.0 * x * x)).sqrt().ln()
+                + 2.0 * x * root * (x / root).atan()
+                - 2.0 * x * x.atan());
+        let n = 12;
+        let mut sum = 0.0;
+        for i in 0..n * n {
+            let place = |k: i32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
+            let to = DVec3::new(place(i % n), 0.0, place(i / n));
+            sum += look(&tracer, to + DVec3::Y * 0.01, to, 1..=1, 100).0;
+        }
+        near(sum / f64::from(n * n), truth, 0.01 * truth);
+    }
+}
+
+#[test]
+fn a_closed_room_keeps_its_energy_until_it_is_absorbed() {
+    let albedo = 0.6;
+    let mut room = scene(vec![(
+        Mesh::cuboid(Vec3::ZERO, Vec3::new(3.0, 1.0, 2.0)),
+        Material::matt(Vec3::splat(albedo)),
+    )]);
+    let lamps = |room: &LitScene| PathTracer::new(room).triangles.iter().map(|t| t.material).sum::<u32>();
+    let ball = LightKind::Point { position: Vec3::new(1.4, 0.5, 1.1), radius: 0.2 };
+    let light = Light { kind: ball, color: Vec3::splat(2.0), falloff: Falloff::INVERSE_SQUARE };
+    // Lights alone, a wall that emits alone, and both.
+    for (lit, emits) in [(true, false), (false, true), (true, true)] {
+        room.lights = if lit { vec![light] } else { Vec::new() };
+        let emission = Vec3::splat(if emits { 5.0 } else { 0.0 });
+        room.materials.truncate(1);
+        room.materials.push(Material { emission, ..room.materials[0] });
+        room.objects[0].materials = (0..12).map(|i| u32::from(i / 2 == 3)).collect();
+        assert_eq!(lamps(&room), 2);
+        let tracer = PathTracer::new(&room);
+        let areas: Vec<f64> = tracer.triangles.iter().map(area).collect();
+        // Radiance times area. All flux of a light of intensity I, 4 pi I, falls on the walls,
+        // which make a radiance of 1 / pi of it.
+        let emitted: f64 = tracer.triangles.iter().zip(&areas).map(|(t, a)| f64::from(t.material) * a).sum();
+        let emitted = emitted * f64::from(emission.x) + if lit { 4.0 * 2.0 } else { 0.0 };
+        for order in 1..4u32 {
+            let mut random = generator(9, 0);
+            let mut total = 0.0;
+            for (t, area) in tracer.triangles.iter().zip(&areas) {
+                let [a, b, c] = t.corners.map(|p| p.as_dvec3());
+                let mut spot = || {
+                    let (root, v) = (random.random::<f64>().sqrt(), random.random::<f64>());
+                    let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
+                    // Boxes look outwards.
+                    let at = Surface {
+                        point,
+                        normal: -t.cross().as_dvec3().normalize(),
+                        material: t.material as usize,
+                    };
+                    tracer.radiance(Some(at), -at.normal, &(order..=order), &mut random)
+                };
+                total += area * f64::from(mean(3000, &mut spot).0.x);
+            }
+            let truth = emitted * f64::from(albedo).powi(order as i32);
+            near(total, truth, 0.02 * truth);
+        }
+    }
+}
+
+#[test]
+fn lights_and_emitters_together_shine_as_the_sum_of_their_closed_forms() {
+    let lamp = square(2.0, 0.7);
+    let corners: Vec<DVec3> = lamp.positions.iter().map(|p| p.as_dvec3()).collect();
+    let floor = |gloss| match gloss {
+        0.0 => Material::matt(Vec3::splat(0.5)),
+        _ => Material { specular: Vec3::splat(0.3), gloss, ..Material::matt(Vec3::splat(0.5)) },
+    };
+    let lit = |gloss: f32, emission: f32, intensity: f32| {
+        let emitter = Material::emitter(Vec3::splat(emission));
+        let mut all = scene(vec![(square(0.0, 5.0), floor(gloss)), (lamp.clone(), emitter)]);
+        // Two lights below the lamp: one of them is a ball.
+        let at = |position, radius| LightKind::Point { position, radius };
+        let kinds = [at(Vec3::new(0.5, 1.0, 0.25), 0.0), at(Vec3::new(-1.0, 1.5, 0.0), 0.3)];
+        let light = |kind| Light { kind, color: Vec3::splat(intensity), falloff: Falloff::INVERSE_SQUARE };
+        all.lights = kinds.map(light).to_vec();
+        PathTracer::new(&all)
+    };
+    for x in [-1.5, 0.0, 2.0] {
+        let (from, to) = (DVec3::new(x + 0.4, 0.5, 0.2), DVec3::new(x, 0.0, 0.5));
+        let (found, error) = look(&lit(0.0, 3.0, 4.0), from, to, 1..=1, 20_000);
+        let by = |position: DVec3| 4.0 * position.y / (position - to).length().powi(3);
+        let lights = by(DVec3::new(0.5, 1.0, 0.25)) + by(DVec3::new(-1.0, 1.5, 0.0));
+        let truth = 0.5 / PI * (3.0 * lambert(&corners, to, DVec3::Y) + lights);
+        assert!(error < 0.01 * truth, "{error} of {truth}");
+        near(found, truth, 5.0 * error);
+        // A glossy floor has no closed form: the parts add up.
+        for gloss in [0.3, 0.8] {
+            let parts = [(3.0, 4.0), (3.0, 0.0), (0.0, 4.0)];
+            let [both, lamp, lights] = parts.map(|(l, p)| look(&lit(gloss, l, p), from, to, 1..=2, 20_000));
+            near(both.0, lamp.0 + lights.0, 5.0 * (both.1 + lamp.1 + lights.1));
+        }
+    }
+}
+
+#[test]
+fn what_is_in_the_shade_gets_nothing_of_a_light() {
+    let black = Material::matt(Vec3::ZERO);
+    let mut shaded = scene(vec![(square(0.0, 5.0), WHITE), (square(1.0, 0.5), black)]);
+    let position = Vec3::new(0.0, 2.0, 0.0);
+    for radius in [0.0, 0.2] {
+        let light = LightKind::Point { position, radius };
+        shaded.lights = vec![Light { kind: light, color: Vec3::ONE, falloff: Falloff::INVERSE_SQUARE }];
+        let tracer = PathTracer::new(&shaded);
+        let on_floor = |x: f64| look(&tracer, DVec3::new(x, 0.5, 0.2), DVec3::new(x, 0.0, 0.2), 1..=1, 2000);
+        assert_eq!([on_floor(0.0).0, on_floor(0.7).0], [0.0; 2]);
+        let (found, error) = on_floor(2.0);
+        near(found, 2.0 / (4.0f64 + 4.0 + 0.04).powf(1.5) / PI, 5.0 * error + 1e-6);
+    }
+}
+
+#[test]
+fn a_ceiling_takes_its_form_factor_of_the_sky_and_of_the_open_share() {
+    let ceiling = square(1.0, 0.7);
+    let corners: Vec<DVec3> = ceiling.positions.iter().map(|p| p.as_dvec3()).collect();
+    let grey = Material::matt(Vec3::splat(0.5));
+    let mut room = scene(vec![(square(0.0, 5.0), grey), (ceiling, Material::matt(Vec3::ZERO))]);
+    room.sky = Vec3::splat(3.0);
+    let tracer = PathTracer::new(&room);
+    for x in [0.0, 0.8, 2.0] {
+        let to = DVec3::new(x, 0.0, 0.3);
+        let open = 1.0 - lambert(&corners, to, DVec3::Y) / PI;
+        let from = to + DVec3::Y * 0.5;
+        let (found, error) = look(&tracer, from, to, 1..=1, 10_000);
+        near(found, 0.5 * 3.0 * open, 5.0 * error);
+        let (seen, mut random) = (tracer.hit(from, DVec3::NEG_Y), generator(4, 0));
+        let all = Quantity::Ambient(f32::INFINITY);
+        let (found, error) = mean(10_000, || tracer.sample(seen, DVec3::NEG_Y, &all, &mut random));
+        near(found.x.into(), open, 5.0 * f64::from(error.x));
+    }
+}
+
+#[test]
+fn glossy_surfaces_lose_light_but_make_none() {
+    for gloss in [0.0, 0.4, 0.9] {
+        let shiny = Material { specular: Vec3::ONE, gloss, ..Material::matt(Vec3::ZERO) };
+        let mut open = scene(vec![(square(0.0, 4.0), shiny)]);
+        open.sky = Vec3::ONE;
+        let tracer = PathTracer::new(&open);
+        for (from, least) in [(DVec3::Y, 0.98), (DVec3::new(0.0, 1.0, 4.0), 0.1)] {
+            let (found, error) = look(&tracer, from, DVec3::ZERO, 1..=1, 4000);
+            // With exponent 2 a third of the lobe's factor n + 2 over n + 1 is lost to the cosine,
+            // head-on.
+            let least = if gloss == 0.0 { 0.5 * least } else { least };
+            assert!(found <= 1.0 + 5.0 * error && found > least, "{gloss}: {found} +- {error}");
+        }
+        // A lamp in the mirror direction: found by its points as well as by scattered rays.
+        let mut lit =
+            scene(vec![(square(0.0, 4.0), shiny), (square(1.0, 0.8), Material::emitter(Vec3::ONE))]);
+        lit.sky = Vec3::ZERO;
+        let (found, error) =
+            look(&PathTracer::new(&lit), DVec3::new(0.0, 0.5, 0.0), DVec3::ZERO, 1..=1, 20_000);
+        // The lobe around straight up, over the square, in cells.
+        let exponent = (11.0 * f64::from(gloss) + 1.0).exp2();
+        let n = 1000;
+        let place = |k: i32| 1.6 * ((f64::from(k) + 0.5) / f64::from(n) - 0.5);
+        let cell = (1.6 / f64::from(n)).powi(2);
+        let cells = (0..n * n).map(|i| DVec3::new(place(i % n), 1.0, place(i / n)).length_squared());
+        let truth: f64 = cells
+            .map(|s| (exponent + 2.0) / (2.0 * PI) * s.sqrt().recip().powf(exponent + 2.0) / s * cell)
+            .sum();
+        near(found, truth, 5.0 * error + 1e-3);
+    }
+}
+
+#[test]
+fn open_share_and_shadows_follow_their_geometry() {
+    let wall = quad([Vec3::ZERO, Vec3::Y * 100.0, Vec3::new(0.0, 100.0, 200.0), Vec3::Z * 200.0]);
+    let mut corner = scene(vec![(square(0.0, 100.0), WHITE), (wall, WHITE)]);
+    corner.camera =
+        Camera::look_at(Vec3::new(0.05, 1.0, 100.0), Vec3::new(0.001, 0.0, 100.0), 0.01, 1.0, 0.1, 10.0);
+    let ask = |scene: &LitScene, quantity| {
+        let tracer = PathTracer::new(scene);
+        let render = tracer.render(&scene.camera, (3, 3), &quantity, 4000, 5).unwrap();
+        (f64::from(render.image.pixels()[4].x), f64::from(render.error.pixels()[4].x))
+    };
+    // Beside a wall half of the directions are open; within a short reach all are.
+    let (found, error) = ask(&corner, Quantity::Ambient(f32::INFINITY));
+    near(found, 0.5, 5.0 * error + 0.01);
+    assert_eq!(ask(&corner, Quantity::Ambient(1e-4)).0, 1.0);
+    // The plane alone is open.
+    corner.objects.pop();
+    assert_eq!(ask(&corner, Quantity::Ambient(f32::INFINITY)).0, 1.0);
+    // An edge before the middle of a ball of light hides half of it.
+    let light = LightKind::Point { position: Vec3::new(0.001, 3.0, 100.0), radius: 0.5 };
+    corner.lights = vec![Light { kind: light, color: Vec3::ONE, falloff: Falloff::INVERSE_SQUARE }];
+    assert_eq!(ask(&corner, Quantity::Shadow(0)).0, 1.0);
+    assert_eq!(ask(&corner, Quantity::Shadow(1)).0, 0.0);
+    let shade = quad([
+        Vec3::new(0.001, 1.5, 99.0),
+        Vec3::new(0.001, 1.5, 101.0),
+        Vec3::new(9.0, 1.5, 101.0),
+        Vec3::new(9.0, 1.5, 99.0),
+    ]);
+    let mut shaded = scene(vec![(square(0.0, 100.0), WHITE), (shade, WHITE)]);
+    (shaded.camera, shaded.lights) = (corner.camera, corner.lights);
+    shaded.camera.eye.y = 1.0;
+    let (found, error) = ask(&shaded, Quantity::Shadow(0));
+    near(found, 0.5, 5.0 * error + 0.01);
+}
+
+#[test]
+fn pictures_do_not_depend_on_threads_but_on_the_seed() {
+    let scene = Kind::Cornell.build();
+    let tracer = PathTracer::new(&scene);
+    let picture = |seed| tracer.render(&scene.camera, (12, 9), &Quantity::Radiance(0..=3), 8, seed).unwrap();
+    let here = picture(1).image;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(pool.install(|| picture(1)).image, here);
+    assert_ne!(picture(2).image, here);
+    // The red wall is on the left, the green one on the right.
+    let row = &here.pixels()[4 * 12..5 * 12];
+    assert!(row[2].x > 2.0 * row[2].y && row[9].y > 1.5 * row[9].x, "{row:?}");
+}
+
+#[test]
+fn broken_input_gives_errors_or_darkness() {
+    let mut broken = Kind::Cornell.build();
+    let size = |w, h| PathTracer::new(&broken).render(&broken.camera, (w, h), &Quantity::Ambient(1.0), 1, 1);
+    assert_eq!(size(0, 5).unwrap_err(), ImageError::Size { width: 0, height: 5 });
+    assert!(size(usize::MAX, 2).unwrap_err().to_string().contains("must be 1 to"));
+    for m in &mut broken.materials {
+        (m.albedo, m.emission, m.gloss) = (Vec3::splat(f32::NAN), Vec3::splat(f32::INFINITY), f32::NAN);
+    }
+    broken.sky = Vec3::NAN;
+    broken.lights = vec![Light::point(Vec3::NAN, Vec3::ONE), Light::point(Vec3::ONE, Vec3::NAN)];
+    let black = |scene: &LitScene| {
+        let tracer = PathTracer::new(scene);
+        let render = tracer.render(&scene.camera, (4, 3), &Quantity::Radiance(0..=u32::MAX), 1, 1).unwrap();
+        assert!(render.image.pixels().iter().all(|p| *p == Vec3::ZERO));
+    };
+    black(&broken);
+    broken.camera.eye = Vec3::NAN;
+    black(&broken);
+    broken.objects.clear();
+    black(&broken);
+}
+
+#[test]
+fn light_passes_panes_and_the_backs_of_single_sided_sheets() {
+    let sides = |sides| Material { sides, ..Material::matt(Vec3::ZERO) };
+    let lamp = |sides| Material { sides, ..Material::emitter(Vec3::ONE) };
+    // A floor, a sheet over it whose front looks up, and a light over both.
+    let lit = |sheet: Material, over: Option<Material>| {
+        let mut all = scene(vec![(square(0.0, 5.0), WHITE), (square(1.0, 2.0), sheet)]);
+        if let Some(over) = over {
+            let lamp = scene(vec![(square(2.0, 1.0), over)]);
+            all.objects
+                .extend(lamp.objects.into_iter().map(|o| LitObject { materials: vec![2; 2].into(), ..o }));
+            all.materials.push(over);
+        } else {
+            all.lights = vec![Light::point(Vec3::new(0.0, 2.0, 0.0), Vec3::ONE)];
+        }
+        let tracer = PathTracer::new(&all);
+        look(&tracer, DVec3::new(0.0, 0.5, 0.2), DVec3::new(0.0, 0.0, 0.2), 1..=1, 200).0
+    };
+    use casca_scenes::world::Sides::{Both, Front, Neither};
+    // What looks at the back of a sheet sees the light behind it.
+    assert_eq!(lit(sides(Both), None), 0.0);
+    assert!(lit(sides(Front), None) > 0.0 && lit(sides(Front), None) == lit(sides(Neither), None));
+    assert!(lit(sides(Front), Some(lamp(Both))) > 0.0);
+    assert!(lit(sides(Neither), Some(lamp(Both))) > 0.0);
+    assert_eq!(lit(sides(Neither), Some(lamp(Front))), 0.0);
+    // From below, the sheet shows its back: the light above is seen through it.
+    let mut all = scene(vec![(square(1.0, 2.0), sides(Front)), (square(2.0, 1.0), lamp(Both))]);
+    all.sky = Vec3::ZERO;
+    let through = |all: &LitScene, y: f64, to: f64| {
+        PathTracer::new(all).hit(DVec3::new(0.3, y, 0.2), DVec3::new(0.0, to, 0.0)).map(|s| s.material)
+    };
+    assert_eq!((through(&all, 0.0, 1.0), through(&all, 1.5, -1.0)), (Some(1), Some(0)));
+    // A mirror does not turn the front of an object: the same sheet, upside down.
+    all.objects[0].transform = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+    assert_eq!((through(&all, -2.0, 1.0), through(&all, 0.0, -1.0)), (Some(0), None));
+}

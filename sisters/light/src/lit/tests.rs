@@ -1,0 +1,99 @@
+use glam::{Affine3A, Vec3};
+
+use super::*;
+
+#[test]
+fn generated_scenes_are_whole_and_found_by_name() {
+    for kind in Kind::ALL {
+        let scene = kind.build();
+        assert_eq!((kind.name().parse(), scene.name.as_str()), (Ok(kind), kind.name()));
+        let count: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
+        assert_eq!(scene.triangles().len(), count, "{}", kind.name());
+        for m in &scene.materials {
+            assert!((m.albedo + m.specular).max_element() <= 1.0 && m.albedo.min_element() >= 0.0);
+        }
+        // The camera looks at something.
+        let (min, max) = scene.bounds();
+        let lit = scene.lights.iter().any(|l| l.incident((min + max) / 2.0).is_some());
+        assert!(lit || scene.materials.iter().any(Material::emits));
+        let middle = scene.camera.view_projection().project_point3((min + max) / 2.0);
+        assert!(middle.x.abs() < 1.0 && middle.y.abs() < 1.0, "{}: {middle}", kind.name());
+    }
+    assert_eq!(Kind::Cornell.build().triangles().len(), 36);
+    assert_eq!(Kind::Plane.build().triangles().len(), 24);
+    assert!("house".parse::<Kind>().unwrap_err().contains("cornell-point"));
+}
+
+#[test]
+fn the_faces_of_the_cornell_box_look_inwards_and_those_of_its_blocks_outwards() {
+    let scene = Kind::Cornell.build();
+    let centre = Vec3::new(2.76, 2.74, 2.8);
+    for t in scene.triangles() {
+        let name = &scene.objects[t.object as usize].name;
+        if !name.contains("block") {
+            assert!(t.cross().dot(centre - t.corners[0]) > 0.0, "{name}");
+        }
+    }
+    for o in scene.objects.iter().filter(|o| o.name.contains("block")) {
+        assert!(o.mesh.is_closed(), "{}", o.name);
+    }
+}
+
+#[test]
+fn broken_triangles_are_left_out() {
+    let mut scene = Kind::Plane.build();
+    let broken = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::NAN],
+        triangles: vec![[0, 1, 2], [0, 1, 9]],
+        ..Mesh::default()
+    };
+    let mut object = scene.objects[0].clone();
+    (object.mesh, object.materials) = (Arc::new(broken), vec![0, 0].into());
+    scene.objects.push(object.clone());
+    object.mesh = scene.objects[0].mesh.clone();
+    object.materials = vec![77; 12].into();
+    scene.objects.push(object);
+    assert_eq!(scene.triangles().len(), 24);
+    let known = scene.bounds();
+    for far in [1e5, 1e30, -3e38] {
+        let mut stray = scene.objects[0].clone();
+        stray.transform = Affine3A::from_translation(Vec3::splat(far));
+        let mut with_it = scene.clone();
+        with_it.objects.push(stray);
+        assert_eq!(with_it.bounds(), known, "{far}");
+    }
+    scene.objects.clear();
+    assert_eq!(scene.bounds(), (Vec3::ZERO, Vec3::ZERO));
+}
+
+#[test]
+fn lights_shine_as_their_formulas_say() {
+    let near = |a: f32, b: f32| assert!((a - b).abs() <= 1e-5 * b.abs().max(1.0), "{a} {b}");
+    let point = Light::point(Vec3::Y * 2.0, Vec3::splat(8.0)).incident(Vec3::ZERO).unwrap();
+    near(point.irradiance.x, 2.0);
+    near(point.distance, 2.0);
+    assert_eq!((point.direction, point.cos_half_angle), (Vec3::Y, 1.0));
+    let spot = |degrees: f32| {
+        let kind = LightKind::Spot {
+            position: Vec3::ZERO,
+            direction: Vec3::NEG_Y * 3.0,
+            radius: 0.5,
+            inner: 0.3,
+            outer: 0.6,
+        };
+        let falloff = Falloff { constant: 1.0, linear: 1.0, quadratic: 0.0 };
+        let light = Light { kind, color: Vec3::ONE, falloff };
+        light.incident(Vec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0))
+    };
+    near(spot(10.0).unwrap().irradiance.x, 0.5);
+    near(spot(10.0).unwrap().cos_half_angle, 0.75f32.sqrt());
+    assert!(spot(25.0).unwrap().irradiance.x < 0.5);
+    assert_eq!(spot(40.0), None);
+    for bad in [Vec3::NAN, Vec3::ZERO, Vec3::INFINITY] {
+        let kind = LightKind::Directional { direction: bad, half_angle: 0.1 };
+        let light = Light { kind, color: Vec3::ONE, falloff: Falloff::INVERSE_SQUARE };
+        assert_eq!(light.incident(Vec3::ZERO), None);
+        let kind = LightKind::Point { position: bad, radius: 0.0 };
+        assert_eq!(Light { kind, ..light }.incident(Vec3::ZERO), None);
+    }
+}

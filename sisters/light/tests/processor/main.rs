@@ -1,0 +1,15 @@
+//! The cache on the processor: beside closed forms, behind walls, after moves, and on bad input.
+
+mod closed;
+#[path = "../common/mod.rs"]
+mod common;
+#[cfg(feature = "lit")]
+mod file;
+mod lattice;
+mod moves;
+mod open;
+mod parts;
+mod smooth;
+mod sound;
+mod walls;
+mod windows;

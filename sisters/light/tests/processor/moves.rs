@@ -1,0 +1,266 @@
+//! What moves: the same rays as in a cache that is made anew, and few of them sent again.
+
+use crate::common::{cuboid, indirect, lamp, lit, matt, placed, room, scene, sheet, turned};
+use casca_radiosity::{Cache, Grid, Object, Scene, Settings, Sky, Window};
+use glam::{Affine3A, Vec3 as V};
+
+/// Passes end with the first that changes less than this share of the light, far below the 5% that
+/// tests allow, and after so many.
+const SETTLED: f64 = 1e-5;
+const MOST_PASSES: u32 = 60;
+
+/// Two rooms with a door between them, which is object 1, and a box on the floor, which is object 2.
+fn house(open: f32, at: V) -> Scene {
+    let mut walls = room(V::ZERO, V::new(8.0, 3.0, 4.0), 0);
+    // A wall across, but for a gap of a metre at its end.
+    walls.extend(cuboid(V::new(3.9, 0.0, 0.0), V::new(4.1, 3.0, 3.0), 0));
+    let door = cuboid(V::new(3.95, 0.0, 3.0 - open), V::new(4.05, 3.0, 4.0 - open), 0);
+    let chest = cuboid(at, at + V::new(0.6, 0.5, 0.7), 0);
+    let objects = [walls, door, chest].map(Object::from).into();
+    let lights = vec![lamp(V::new(2.0, 2.2, 1.9), 10.0)];
+    Scene { objects, ..scene(vec![], vec![matt(0.6)], lights, 0.0) }
+}
+
+fn grid(scene: &Scene, cells: u32) -> Settings {
+    Settings::new(Grid { min: V::ZERO, max: V::new(8.0, 3.0, 4.0), ..Grid::around(&scene.objects, cells) })
+}
+
+fn gathered(scene: &Scene) -> Cache {
+    let mut cache = Cache::new(scene, grid(scene, 40)).unwrap();
+    cache.request_all();
+    cache.gather(24).unwrap();
+    cache
+}
+
+/// Light after the same passes from the dark, as bits, at many points.
+fn light(cache: &mut Cache) -> Vec<[u32; 3]> {
+    cache.darken();
+    cache.direct();
+    cache.darken();
+    (0..4).for_each(|_| _ = cache.pass());
+    let mut all = Vec::new();
+    for i in 0..400 {
+        let (u, v) = (i as f32 / 400.0, (i as f32 * 0.618).fract());
+        for (point, normal) in [(V::new(8.0 * u, 0.0, 4.0 * v), V::Y), (V::new(8.0 * u, 3.0, 4.0 * v), -V::Y)]
+        {
+            let found = cache.irradiance(point, normal).unwrap();
+            all.push((found.indirect + found.direct).to_array().map(f32::to_bits));
+        }
+    }
+    all
+}
+
+#[test]
+fn what_moved_is_as_if_made_anew() {
+    let places = [V::new(1.0, 0.0, 2.0), V::new(1.3, 0.0, 2.1), V::new(6.0, 0.9, 1.0), V::new(2.0, 0.0, 3.3)];
+    let mut cache = gathered(&house(0.0, places[0]));
+    light(&mut cache);
+    for (i, place) in places.into_iter().enumerate() {
+        let scene = house(0.0, place);
+        let moved = cache.set_objects(vec![(2, scene.objects[2].clone())]).unwrap();
+        cache.request_all();
+        cache.gather(24).unwrap();
+        let mut anew = gathered(&scene);
+        println!("{moved:?}");
+        // Triangles without textures were once no triangles that stay.
+        assert!(moved.kept > 20 * moved.dropped, "{i}: {moved:?}");
+        assert!(moved.sent < moved.rays / 10, "{i}: {moved:?}");
+        assert_eq!(cache.statistics().rays, anew.statistics().rays, "{i}");
+        assert_eq!(cache.statistics().dark_rays, anew.statistics().dark_rays, "{i}");
+        assert_eq!(light(&mut cache), light(&mut anew), "{i}");
+    }
+}
+
+#[test]
+fn a_door_lets_light_in_and_keeps_it_out() {
+    let place = V::new(1.0, 0.0, 2.0);
+    let mut cache = gathered(&house(0.0, place));
+    cache.direct();
+    (0..8).for_each(|_| _ = cache.pass());
+    let far = |cache: &Cache| indirect(cache, V::new(6.0, 0.0, 2.0), V::Y);
+    assert_eq!(far(&cache), 0.0);
+    for (open, is_lit) in [(0.9, true), (0.0, false), (0.9, true)] {
+        let scene = house(open, place);
+        let moved = cache.set_objects(vec![(1, scene.objects[1].clone())]).unwrap();
+        cache.request_all();
+        cache.gather(24).unwrap();
+        cache.direct();
+        (0..8).for_each(|_| _ = cache.pass());
+        println!("door {open}: {moved:?}, {}", far(&cache));
+        let mut anew = gathered(&scene);
+        anew.direct();
+        anew.converge(SETTLED, MOST_PASSES);
+        if is_lit {
+            let truth = far(&anew);
+            assert!(truth > 0.01 && (far(&cache) / truth - 1.0).abs() < 0.05, "{}, {truth}", far(&cache));
+        } else {
+            // Light that was there dies by the albedo, pass by pass; no new light comes.
+            let before = far(&cache);
+            (0..30).for_each(|_| _ = cache.pass());
+            assert!(before < 0.05 && far(&cache) < 1e-4 * before.max(1e-9), "{before}, {}", far(&cache));
+        }
+        assert_eq!(light(&mut cache), light(&mut anew));
+    }
+}
+
+#[test]
+fn objects_may_change_their_number_of_triangles() {
+    let scene = house(0.3, V::new(1.0, 0.0, 2.0));
+    let mut cache = gathered(&scene);
+    let mut other = scene.clone();
+    other.objects[1].triangles.truncate(3);
+    other.objects[2].triangles.clear();
+    for object in [1, 2] {
+        cache.set_objects(vec![(object, other.objects[object].clone())]).unwrap();
+    }
+    cache.request_all();
+    cache.gather(24).unwrap();
+    assert_eq!(light(&mut cache), light(&mut gathered(&other)));
+    // And comes back.
+    for object in [2, 1] {
+        cache.set_objects(vec![(object, scene.objects[object].clone())]).unwrap();
+    }
+    cache.request_all();
+    cache.gather(24).unwrap();
+    assert_eq!(light(&mut cache), light(&mut gathered(&scene)));
+}
+
+#[test]
+fn lights_that_move_need_no_rays() {
+    let scene = house(0.5, V::new(1.0, 0.0, 2.0));
+    let mut cache = gathered(&scene);
+    cache.direct();
+    cache.converge(SETTLED, MOST_PASSES);
+    let rays = cache.statistics().rays;
+    let other = vec![lamp(V::new(6.0, 1.0, 2.0), 10.0)];
+    cache.set_lights(&other).unwrap();
+    let mut anew = gathered(&Scene { lights: other, ..scene });
+    assert_eq!(light(&mut cache), light(&mut anew));
+    assert_eq!(cache.statistics().rays, rays);
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let scene = house(0.5, V::new(1.0, 0.0, 2.0));
+    let of = |threads| {
+        let mut cache = Cache::new(&scene, Settings { threads, ..grid(&scene, 40) }).unwrap();
+        cache.request_all();
+        cache.gather(8).unwrap();
+        light(&mut cache)
+    };
+    let one = of(1);
+    assert!(one == of(2) && one == of(7));
+}
+
+#[test]
+fn the_order_of_requests_does_not_matter() {
+    let scene = house(0.5, V::new(1.0, 0.0, 2.0));
+    let points: Vec<V> = (0..30).map(|i| V::new(0.2 + 0.25 * i as f32, 0.0, 1.7)).collect();
+    let of = |points: Vec<V>| {
+        let mut cache = Cache::new(&scene, grid(&scene, 40)).unwrap();
+        points.into_iter().for_each(|p| cache.request(p, V::Y).unwrap());
+        cache.gather(16).unwrap();
+        light(&mut cache)
+    };
+    let backwards = points.iter().rev().copied().collect();
+    assert_eq!(of(points), of(backwards));
+}
+
+#[test]
+fn a_turned_scene_has_the_same_light() {
+    let floor = sheet(V::new(-2.0, 0.0, -2.0), V::Z * 4.0, V::X * 4.0, 0);
+    let post = cuboid(V::new(-0.3, 0.0, -0.3), V::new(0.3, 1.5, 0.3), 0);
+    let all = [floor, post].concat();
+    let at = |place: Affine3A| {
+        let cache = lit(&scene(placed(&all, place), vec![matt(0.5)], vec![], 1.0), 32, 256, 8);
+        let ask = |x: f32| {
+            let point = place.transform_point3(V::new(x, 0.0, 0.1));
+            indirect(&cache, point, place.transform_vector3(V::Y))
+        };
+        // Nearer than a cell to the post, answers blur.
+        [0.5, 0.7, 1.0, 1.7].map(ask)
+    };
+    let (a, b) = (at(Affine3A::IDENTITY), at(turned()));
+    for (a, b) in a.into_iter().zip(b) {
+        assert!((a / b - 1.0).abs() < 0.05, "{a} and {b}");
+    }
+    assert_eq!(Sky::Even(V::ONE).radiance(V::Y), V::ONE);
+}
+
+#[test]
+fn light_stays_while_something_moves_in_each_frame() {
+    let place = |frame: u32| V::new(1.0 + 0.05 * frame as f32, 0.0, 1.2);
+    let settled = |frame: u32| {
+        let mut cache = gathered(&house(0.9, place(frame)));
+        cache.direct();
+        cache.converge(SETTLED, MOST_PASSES);
+        cache
+    };
+    let mut cache = settled(0);
+    let points: Vec<V> = (0..40).map(|i| V::new(0.1 + 0.19 * i as f32, 3.0, 0.3 + 0.08 * i as f32)).collect();
+    let mean = |cache: &Cache| points.iter().map(|p| indirect(cache, *p, -V::Y)).sum::<f64>() / 40.0;
+    let mut moved = 0;
+    for frame in 1..=40 {
+        let chest = house(0.9, place(frame)).objects[2].clone();
+        moved += cache.set_objects(vec![(2, chest)]).unwrap().waiting;
+        for i in 0..40 {
+            cache.request(V::new(0.1 + 0.19 * i as f32, 0.0, 2.5), V::Y).unwrap();
+        }
+        cache.gather_part((24, 6), 60).unwrap();
+        cache.direct_part(400);
+        (0..2).for_each(|_| _ = cache.pass());
+        if frame % 10 == 0 {
+            // What moved was dark until rays from it were sent, and its darkness spread: 0.93.
+            let share = mean(&cache) / mean(&settled(frame));
+            println!("{frame}: {share}, {} wait", cache.waiting());
+            assert!((share - 1.0).abs() < 0.02, "{frame}: {share}");
+        }
+    }
+    // All that was hit has had its turn, although something was asked for in each frame.
+    assert!(cache.waiting() < 100 && moved > 1000, "{} {moved}", cache.waiting());
+}
+
+/// The house full of boxes that are turned, so that most hits are read from what stands in.
+fn cluttered(open: f32, at: V) -> Scene {
+    let mut scene = house(open, at);
+    for i in 0..60 {
+        let random = |k: i32| ((i * 7 + k) as f32 * 0.618_034).fract();
+        let size = V::new(0.1 + 0.5 * random(1), 0.05 + 0.3 * random(2), 0.1 + 0.4 * random(3));
+        let place = V::new(7.6 * random(4), 2.2 * random(5) * random(6), 3.6 * random(0));
+        let turn = Affine3A::from_translation(place) * turned();
+        scene.objects[0].triangles.extend(placed(&cuboid(V::ZERO, size, 0), turn));
+    }
+    scene
+}
+
+/// Random moves of the door and of the chest, in cells of one size and with windows around the
+/// chest's room and in the wall.
+#[test]
+fn many_moves_are_as_if_made_anew() {
+    let window = |x, half, finer| Some(Window { middle: V::new(x, 1.0, 2.0), half, finer });
+    let all = [[None; 2], [window(2.0, 1.2, 4), None], [window(4.0, 1.4, 2), window(3.5, 0.6, 2)]];
+    for (number, windows) in all.into_iter().enumerate() {
+        let made = |scene: &Scene| {
+            let mut cache = Cache::new(scene, Settings { windows, ..grid(scene, 20) }).unwrap();
+            cache.request_all();
+            cache.gather(12).unwrap();
+            cache
+        };
+        let random = |i: usize| (((i + 10 * number) as f32 + 0.5) * 0.618_034).fract();
+        let mut cache = made(&cluttered(0.3, V::new(1.0, 0.0, 2.0)));
+        for i in 0..5 {
+            let at =
+                V::new(0.2 + 6.8 * random(3 * i), 1.2 * random(3 * i + 1), 0.2 + 2.6 * random(3 * i + 2));
+            let scene = cluttered(random(7 * i), at);
+            let objects = [1, 2].map(|o| (o, scene.objects[o].clone()));
+            // One alone, and both.
+            cache.set_objects(objects[i % 2..].to_vec()).unwrap();
+            cache.set_objects(objects.to_vec()).unwrap();
+            cache.request_all();
+            cache.gather(12).unwrap();
+            let mut anew = made(&scene);
+            assert_eq!(cache.statistics().dark_rays, anew.statistics().dark_rays, "{number} {i}");
+            assert_eq!(light(&mut cache), light(&mut anew), "{number} {i}");
+        }
+    }
+}

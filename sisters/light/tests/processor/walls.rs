@@ -1,0 +1,73 @@
+//! Light does not cross walls.
+
+use crate::common::{cuboid, indirect, lamp, leak, lit, matt, rooms, scene, sealed, sheet, total, turned};
+use casca_radiosity::{Scene, Triangle};
+use glam::{Affine3A, Vec3};
+
+#[test]
+fn a_sealed_room_beside_a_lit_one_is_dark() {
+    for place in [Affine3A::IDENTITY, turned()] {
+        for thickness in [0.0, 0.02, 0.2] {
+            let (mean, most) = leak(thickness, 32, 32, place);
+            println!("{thickness} {mean:e} {most:e}");
+            assert!(mean < 1e-6, "{thickness}: {mean}, {most}");
+        }
+    }
+}
+
+#[test]
+fn walls_in_faces_of_cells_stop_light() {
+    // Of 8 cells on 8 metres, so that all walls lie in faces.
+    let mut all = cuboid(Vec3::ZERO, Vec3::new(8.0, 4.0, 4.0), 0);
+    all.extend(sheet(Vec3::new(4.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 4.0, 0));
+    let scene = scene(all, vec![matt(0.8)], vec![lamp(Vec3::new(2.5, 2.0, 1.7), 5.0)], 0.0);
+    let cache = lit(&scene, 8, 64, 8);
+    for (x, z) in [(4.001, 0.5), (4.2, 3.0), (6.0, 2.0), (7.9, 0.1)] {
+        assert_eq!(total(&cache, Vec3::new(x, 0.0, z), Vec3::Y), 0.0);
+        assert!(total(&cache, Vec3::new(8.0 - x, 0.0, z), Vec3::Y) > 0.1);
+    }
+    assert_eq!(total(&cache, Vec3::new(4.0, 1.0, 1.0), Vec3::X), 0.0);
+    assert!(total(&cache, Vec3::new(4.0, 1.0, 1.0), -Vec3::X) > 0.1);
+}
+
+#[test]
+fn a_sealed_box_under_the_sky_is_dark() {
+    for place in [Affine3A::IDENTITY, turned()] {
+        for thickness in [0.0, 0.02, 0.3] {
+            assert_eq!(sealed(thickness, 24, 64, place), 0.0, "{thickness}");
+        }
+    }
+}
+
+#[test]
+fn a_slanted_roof_near_the_floor_stops_light() {
+    // Starts of rays just above the floor must not be above the roof.
+    let mut all = sheet(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 8.0, 0);
+    let (a, b, c, d) =
+        (Vec3::ZERO, Vec3::new(0.0, 0.0, 4.0), Vec3::new(8.0, 0.3, 4.0), Vec3::new(8.0, 0.3, 0.0));
+    all.extend([[a, b, c], [a, c, d]].map(|corners| Triangle { corners, material: 0 }));
+    // The ends are closed.
+    all.extend(sheet(Vec3::new(8.0, 0.0, 0.0), Vec3::Y * 0.3, Vec3::Z * 4.0, 0));
+    for z in [0.0, 4.0] {
+        let corners = [Vec3::new(0.0, 0.0, z), Vec3::new(8.0, 0.0, z), Vec3::new(8.0, 0.3, z)];
+        all.push(Triangle { corners, material: 0 });
+    }
+    let scene = scene(all, vec![matt(0.9)], vec![], 1.0);
+    let cache = lit(&scene, 32, 64, 4);
+    for i in 0..60 {
+        let point = Vec3::new(0.05 + 7.9 * i as f32 / 60.0, 0.0, 2.0);
+        assert_eq!(indirect(&cache, point, Vec3::Y), 0.0, "{point}");
+    }
+}
+
+#[test]
+fn an_open_door_lets_light_through() {
+    // The wall of two rooms, but for its last metre.
+    let mut all = rooms(0.0);
+    all.truncate(all.len() - 2);
+    all.extend(sheet(Vec3::new(0.0, 0.0, -2.1), Vec3::Y * 3.0, Vec3::Z * 3.2, 0));
+    let lights = vec![lamp(Vec3::new(-2.0, 2.0, 0.3), 10.0)];
+    let scene = Scene { objects: vec![all.into()], ..scene(vec![], vec![matt(0.7)], lights, 0.0) };
+    let cache = lit(&scene, 32, 32, 8);
+    assert!(indirect(&cache, Vec3::new(2.0, 0.0, 0.0), Vec3::Y) > 0.1);
+}
