@@ -1,4 +1,5 @@
-//! Meshes: what preparing and streaming them costs. For queries, see `casca-lab tradeoff`.
+//! Meshes: what preparing and streaming them costs. For queries, see
+//! `casca-lab report --only tradeoff`.
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 //! beside an array of boxes that is written and tested against the frustum. Prints nanoseconds an
 //! object at the end.
 //!
-//! `cargo bench --bench movers`; with trees, and with hidden objects that go unreported:
+//! `cargo bench --bench movers`; with a tree, and with hidden objects that go unreported:
 //! `casca-lab report`, "Upkeep of moving objects".
 
 use std::hint::black_box;

@@ -2,7 +2,7 @@
 //! the end.
 //!
 //! `cargo bench --bench point`; speed against accuracy, and against other methods:
-//! `casca-lab tradeoff`.
+//! `casca-lab report --only tradeoff`.
 
 use std::time::Duration;
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, Section, write};
+use casca_lab::experiments::{EXPERIMENTS, Lab, Section, write};
 
-const MOST_LINES: usize = 300;
+const MOST_WORDS: usize = 2500;
 
 /// The targets of all links to files in a Markdown text.
 fn links(text: &str) -> BTreeSet<&str> {
@@ -16,16 +16,10 @@ fn links(text: &str) -> BTreeSet<&str> {
 /// Checks a report and the folder beside it.
 fn check(report: &Path) {
     let text = std::fs::read_to_string(report).unwrap();
-    let lines = text.lines().count();
-    assert!(lines <= MOST_LINES, "{} has {lines} lines", report.display());
+    let words = text.split_whitespace().count();
+    assert!(words <= MOST_WORDS, "{} has {words} words", report.display());
     let place = report.parent().unwrap();
-    let mut links: BTreeSet<String> = links(&text).into_iter().map(str::to_owned).collect();
-    for page in links.clone().iter().filter(|link| link.ends_with(".md")) {
-        let text = std::fs::read_to_string(place.join(page)).unwrap();
-        assert!(!text.contains("NaN"), "a finding is not a number");
-        let of_page = self::links(&text).into_iter().filter_map(|link| link.strip_prefix("./"));
-        links.extend(of_page.map(|link| format!("report/{link}")));
-    }
+    let links = links(&text);
     for link in &links {
         assert!(place.join(link).exists(), "{link} is linked, but missing");
     }
@@ -33,7 +27,6 @@ fn check(report: &Path) {
         let name = format!("report/{}", file.unwrap().file_name().to_string_lossy());
         assert!(links.contains(name.as_str()), "{name} is not linked");
     }
-    assert!(links.iter().any(|l| l.ends_with(".svg")) && links.iter().any(|l| l.ends_with(".csv")));
     assert!(!text.contains("NaN"), "a finding is not a number");
 }
 
@@ -126,7 +119,7 @@ fn a_quick_run_makes_a_short_and_complete_report() {
     let lab = Lab { quick: true, seed: 1, files: Vec::new(), folder, progress: &|_: &str| () };
     let sections: Vec<Section> = EXPERIMENTS.iter().map(|(_, run)| run(&lab).unwrap()).collect();
     let report = place.join("report.md");
-    write(&report, HEAD, &lab, &sections, "cargo run", "Seed 1.").unwrap();
+    write(&report, &lab, &sections, "cargo run", "Seed 1.").unwrap();
     check(&report);
     std::fs::remove_dir_all(&place).unwrap();
 }

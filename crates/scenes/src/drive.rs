@@ -29,18 +29,6 @@ pub struct Driver {
 /// Outlines of patches may leave those of static triangles by this share of a cell.
 const TOLERANCE: f32 = 1.0 / 60.0;
 
-/// How static objects that share a mesh are put into the library. Objects that move are always
-/// instances.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Sharing {
-    /// As instances of one prepared mesh, as a game does it. Transforms that stretch it a lot make
-    /// a mesh of its own.
-    #[default]
-    Instances,
-    /// Each as a mesh of its own, in world space.
-    Own,
-}
-
 /// A mesh as prepared: what it is tested by, and what of it hides.
 #[derive(Clone)]
 struct Prepared {
@@ -66,13 +54,14 @@ struct Shaper {
     /// that no other mesh gets the same address.
     prepared: HashMap<Key, (Arc<Mesh>, Prepared)>,
     users: HashMap<*const Mesh, Users>,
-    sharing: Sharing,
     how: MeshOptions,
     cache: Option<Arc<MeshCache>>,
 }
 
-/// Instances are at most this many times as long as wide, seen from their mesh: trees and rocks of
-/// a game are, but not walls made of a unit cube.
+/// Static objects that share a mesh are instances of it, as in a game, but for transforms that
+/// stretch it a lot; objects that move always are instances. These are at most this many times
+/// as long as wide, seen from their mesh: trees and rocks of a game are, but not walls made of a
+/// unit cube.
 const STRETCH: f32 = 4.0;
 
 /// The same for meshes that hide from their front: casca takes those in an instance only where all
@@ -90,7 +79,7 @@ fn scales(transform: &Affine3A) -> (f32, f32) {
 }
 
 impl Shaper {
-    fn new(grid: &GridSpec, objects: &[Object], sharing: Sharing) -> Self {
+    fn new(grid: &GridSpec, objects: &[Object]) -> Self {
         let mut users: HashMap<*const Mesh, Users> = HashMap::new();
         for object in objects {
             if let Shape::Mesh { mesh, transform } = &object.shape {
@@ -100,7 +89,7 @@ impl Shaper {
             }
         }
         let how = MeshOptions::default().tolerance(grid.cell * TOLERANCE);
-        Self { prepared: HashMap::new(), users, sharing, how, cache: None }
+        Self { prepared: HashMap::new(), users, how, cache: None }
     }
 
     /// Whether an object is an instance of its mesh.
@@ -108,7 +97,7 @@ impl Shaper {
         let shared = self.users.get(&Arc::as_ptr(mesh)).is_some_and(|users| users.count > 1);
         let (least, most) = scales(transform);
         let alike = most <= least * if mesh.sides.is_empty() { STRETCH } else { STRETCH_OF_FRONTS };
-        object.motion != Motion::Static || self.sharing == Sharing::Instances && shared && alike
+        object.motion != Motion::Static || shared && alike
     }
 
     /// The mesh of instances, prepared when it is first asked for.
@@ -256,16 +245,8 @@ impl Driver {
         cache: Option<Arc<MeshCache>>,
         progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
-        let shaper = Shaper { cache, ..Shaper::new(grid, &world.objects, Sharing::default()) };
+        let shaper = Shaper { cache, ..Shaper::new(grid, &world.objects) };
         Self::insert(&world.objects, shaper, grid, |_, desc| desc, progress)
-    }
-
-    /// As [`Driver::new`], with a choice about shared meshes.
-    ///
-    /// # Errors
-    /// As [`Driver::new`].
-    pub fn sharing(world: &World, grid: &GridSpec, sharing: Sharing) -> Result<Self, Error> {
-        Self::insert(&world.objects, Shaper::new(grid, &world.objects, sharing), grid, |_, desc| desc, |_| ())
     }
 
     /// Inserts objects with what `adapt` makes of their descriptions; `progress` as above.
@@ -278,7 +259,7 @@ impl Driver {
         adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
         progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
-        let shaper = Shaper::new(grid, objects, Sharing::default());
+        let shaper = Shaper::new(grid, objects);
         Self::insert(objects, shaper, grid, adapt, progress)
     }
 
@@ -350,15 +331,14 @@ mod tests {
 
     #[test]
     fn static_objects_share_a_mesh_unless_it_is_stretched() {
-        let shared = |kind, sharing| {
+        let shared = |kind| {
             let world = build(kind, &SceneOptions { scale: 0.1, ..SceneOptions::default() });
-            let driver = Driver::sharing(&world, &grid_for(&world.grid, None).unwrap(), sharing).unwrap();
+            let driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
             let objects = driver.scene.iter().filter(|o| matches!(o.1.motion(), casca::Motion::Static));
             objects.filter(|o| matches!(o.1.bounds(), Bounds::Instance(_))).count()
         };
-        assert_eq!(shared(SceneKind::SpheresMeshes, Sharing::Own), 0);
-        assert_eq!(shared(SceneKind::SpheresMeshes, Sharing::Instances), 480, "balls of any size");
-        let small = shared(SceneKind::CityMeshes, Sharing::Instances);
+        assert_eq!(shared(SceneKind::SpheresMeshes), 480, "balls of any size");
+        let small = shared(SceneKind::CityMeshes);
         assert!((50..300).contains(&small), "small things are, buildings are not: {small}");
     }
 }

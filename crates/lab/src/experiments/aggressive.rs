@@ -5,7 +5,6 @@ use casca::{AggressiveOpacity, Method, Query};
 use super::walker::{Walker, item_buffer};
 use super::worlds::{Place, places};
 use super::{Lab, LabError, Section, Table, median};
-use crate::pictures::{Axis, Line, lines, palette};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::SceneKind;
 use casca_scenes::measure::timed;
@@ -118,7 +117,7 @@ fn triangles(object: &Object) -> usize {
 /// cells.
 ///
 /// # Errors
-/// If a scene cannot be read, or a picture not be written.
+/// If a scene cannot be read.
 pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
     let mut section = Section::new("Aggressive mode: cells that are mostly solid");
     let mut table = Table::new("aggressive", &COLUMNS);
@@ -149,16 +148,13 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
         names => format!(" {}: {why}.", names.join(", ")),
     };
     section.text(format!(
-        "The thesis' \"approximate PVS by an opacity threshold\": for `cell`, static cells that are filled to a share count as \
-         opaque (`Query::run_aggressive`). It is not conservative, and off unless called by that name. A pixel is lost if \
-         an exact item buffer shows an object there that the PVS lacks. Means over {frames} frames of each walk.{}{}",
+        "The thesis' \"approximate PVS by an opacity threshold\": for `cell`, static cells that are filled \
+         to a share count as opaque (`Query::run_aggressive`). It is not conservative. A pixel is lost if an \
+         item buffer shows an object there that the PVS lacks. Means over {frames} frames of each \
+         walk.{}{}",
         left_out(&large, "left out for the number of triangles"),
-        left_out(&spared, "nothing to gain, for there are no static closed solids to fill cells"),
+        left_out(&spared, "nothing to gain, for no static closed solids fill cells"),
     ));
-    let file = "aggressive.svg";
-    let title = finding(&found);
-    draw(lab, file, &title, &found)?;
-    section.picture(file, &title);
     section.table(summary(&found));
     section.rows("All thresholds as CSV", table);
     Ok(section)
@@ -183,21 +179,6 @@ impl Scene {
     /// The tightest set without a lost pixel.
     fn lossless(&self) -> Option<&Step> {
         self.steps.iter().filter(|s| s.lost == 0.0).min_by(|a, b| a.ratio.total_cmp(&b.ratio))
-    }
-}
-
-/// The greatest gain without a lost pixel.
-fn finding(scenes: &[Scene]) -> String {
-    let gains = scenes.iter().filter_map(|s| Some((s, s.steps.first()?, s.lossless()?)));
-    let best = gains.max_by(|a, b| (a.1.ratio / a.2.ratio).total_cmp(&(b.1.ratio / b.2.ratio)));
-    match best {
-        Some((scene, exact, Step { share: Some(share), ratio, .. })) => format!(
-            "Cells that are {:.0}% full pass for opaque without a lost pixel on {}, and PVS/visible falls from {:.2} to {ratio:.2}",
-            share * 100.0,
-            scene.name,
-            exact.ratio
-        ),
-        _ => "No threshold makes the set smaller without losing pixels".to_owned(),
     }
 }
 
@@ -227,17 +208,4 @@ fn summary(scenes: &[Scene]) -> Table {
         ]);
     }
     table
-}
-
-fn draw(lab: &Lab, file: &str, title: &str, scenes: &[Scene]) -> Result<(), LabError> {
-    let line = |(i, scene): (usize, &Scene)| {
-        let mut points: Vec<(f64, f64)> = scene.steps.iter().map(|s| (s.ratio, s.lost)).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Line::new(scene.name.clone(), palette::other(i), points)
-    };
-    let all: Vec<Line> = scenes.iter().enumerate().map(line).collect();
-    let subtitle = "Pixels lost against the size of the set, from whole opaque cells (right) to cells that are a fifth full (left).";
-    let x = Axis { label: "PVS/visible (1 is exact)".to_owned(), log: false, holds: vec![1.0] };
-    lines(&lab.folder.join(file), title, subtitle, (&x, &Axis::linear("pixels lost, %")), &all)?;
-    Ok(())
 }

@@ -8,17 +8,6 @@ pub type LabError = Box<dyn std::error::Error + Send + Sync>;
 /// Pictures are this many times as wide as high.
 pub(crate) const ASPECT: f32 = 16.0 / 9.0;
 
-/// How far an experiment goes, where a run that takes minutes is not all.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Effort {
-    /// A smoke run, whose figures mean nothing.
-    Quick,
-    /// A run of minutes.
-    Short,
-    /// All sizes: takes long, or some GB of memory.
-    Full,
-}
-
 /// What experiments are told.
 pub struct Lab<'a> {
     /// Takes less of everything, for a smoke run; the figures are of no use then.

@@ -2,18 +2,18 @@
 
 /// What one setting costs and gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cost {
+pub(super) struct Cost {
     /// Milliseconds of a frame.
-    pub ms: f64,
+    pub(super) ms: f64,
     /// Objects found visible over objects that are.
-    pub ratio: f64,
+    pub(super) ratio: f64,
     /// Whether it lost nothing visible.
-    pub safe: bool,
+    pub(super) safe: bool,
 }
 
 /// Which settings are on the front: they lost nothing, and no other one that lost nothing is as
 /// good in one respect and better in the other.
-pub fn front(costs: &[Cost]) -> Vec<bool> {
+pub(super) fn front(costs: &[Cost]) -> Vec<bool> {
     let beats = |a: &Cost, b: &Cost| {
         a.safe && a.ms <= b.ms && a.ratio <= b.ratio && (a.ms < b.ms || a.ratio < b.ratio)
     };
@@ -22,7 +22,7 @@ pub fn front(costs: &[Cost]) -> Vec<bool> {
 
 /// How far a setting is from the front: the least share by which it would have to improve in time
 /// or in accuracy for no setting that lost nothing to be better in both. 0 is on the front.
-pub fn distance(of: &Cost, costs: &[Cost]) -> f64 {
+pub(super) fn distance(of: &Cost, costs: &[Cost]) -> f64 {
     let worse = |o: &Cost| (of.ms / o.ms).min(of.ratio / o.ratio) - 1.0;
     costs.iter().filter(|o| o.safe).map(worse).filter(|d| d.is_finite()).fold(0.0, f64::max)
 }

@@ -6,7 +6,6 @@
 
 mod against;
 mod aggressive;
-mod buffer;
 mod coherence;
 mod contender;
 mod context;
@@ -28,13 +27,11 @@ mod worlds;
 
 pub use against::against;
 pub use aggressive::aggressive;
-pub use contender::{Contender, FrameInput};
+use contender::{Contender, FrameInput};
 pub(crate) use context::ASPECT;
-pub use context::{Effort, Lab, LabError};
-pub(crate) use figures::grouped;
-pub use figures::{median, p99};
-pub use front::{Cost, distance, front};
-pub use report::{HEAD, ReportError, write};
+pub use context::{Lab, LabError};
+pub(crate) use figures::{grouped, median, p99};
+pub use report::{ReportError, write};
 pub use scaling::scaling;
 pub use section::{Block, Section, Table};
 pub use shadows::shadows;

@@ -9,9 +9,6 @@ pub struct Section {
     pub title: String,
     /// The text, tables and pictures under it.
     pub blocks: Vec<Block>,
-    /// Whether a report of several sections has a page for it, and only its first paragraph on the
-    /// front page.
-    pub own_page: bool,
 }
 
 /// A piece of a section.
@@ -23,8 +20,6 @@ pub enum Block {
     Table(Table),
     /// A table that is only written as CSV: the words of its link, and the table.
     Rows(String, Table),
-    /// An item of a list, with its rows as CSV.
-    Item(String, Table),
     /// A picture in the folder of the lab.
     Picture {
         /// The file's name.
@@ -49,7 +44,7 @@ impl Block {
     /// Its table, if it has one.
     pub fn as_table(&self) -> Option<&Table> {
         match self {
-            Self::Table(table) | Self::Rows(_, table) | Self::Item(_, table) => Some(table),
+            Self::Table(table) | Self::Rows(_, table) => Some(table),
             Self::Text(_) | Self::Picture { .. } => None,
         }
     }
@@ -58,12 +53,7 @@ impl Block {
 impl Section {
     /// A section without content.
     pub fn new(title: &str) -> Self {
-        Self { title: title.to_owned(), blocks: Vec::new(), own_page: false }
-    }
-
-    /// A section without content that gets a page of its own in reports of several sections.
-    pub fn on_its_own_page(title: &str) -> Self {
-        Self { own_page: true, ..Self::new(title) }
+        Self { title: title.to_owned(), blocks: Vec::new() }
     }
 
     /// Adds paragraphs.
@@ -79,11 +69,6 @@ impl Section {
     /// Adds a link to a table that is only written as CSV.
     pub fn rows(&mut self, words: &str, table: Table) {
         self.blocks.push(Block::Rows(words.to_owned(), table));
-    }
-
-    /// Adds an item of a list, with its rows as CSV.
-    pub fn item(&mut self, text: impl Into<String>, table: Table) {
-        self.blocks.push(Block::Item(text.into(), table));
     }
 
     /// Adds a picture of the lab's folder.
@@ -118,23 +103,6 @@ impl Table {
         out
     }
 
-    /// As text in columns of even width, numbers to the right, for a terminal.
-    pub fn aligned(&self) -> String {
-        let rows = || std::iter::once(&self.columns).chain(&self.rows);
-        let width = |i: usize| rows().filter_map(|r| r.get(i)).map(|c| c.chars().count()).max().unwrap_or(0);
-        let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
-        let mut out = String::new();
-        for row in rows() {
-            let cells =
-                row.iter().zip(&widths).enumerate().map(|(i, (cell, &width))| match self.is_number(i) {
-                    true => format!("{cell:>width$}"),
-                    false => format!("{cell:<width$}"),
-                });
-            let _ = writeln!(out, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end());
-        }
-        out
-    }
-
     /// Whether a column has numbers only.
     fn is_number(&self, column: usize) -> bool {
         self.rows.iter().all(|r| r.get(column).is_some_and(|c| c.is_empty() || c.parse::<f64>().is_ok()))
@@ -164,7 +132,6 @@ mod tests {
         let mut t = Table::new("t", &["method", "ms"]);
         t.row(["a|b, \"c\"".to_owned(), "1.5".to_owned()]);
         assert_eq!(t.markdown(), "| method | ms |\n|---|---:|\n| a\\|b, \"c\" | 1.5 |\n");
-        assert_eq!(t.aligned(), "  method     ms\n  a|b, \"c\"  1.5\n");
         assert_eq!(t.csv(), "method,ms\n\"a|b, \"\"c\"\"\",1.5\n");
     }
 }

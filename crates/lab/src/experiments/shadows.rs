@@ -87,13 +87,14 @@ pub fn shadows(lab: &Lab) -> Result<Section, LabError> {
     let shares = totals.iter().map(|(lit, cast)| share(*cast, *lit));
     let (least, most) = shares.fold((f64::INFINITY, 0.0f64), |(lo, hi), s| (lo.min(s), hi.max(s)));
     section.text(format!(
-        "`Query::shadow_casters` finds the objects that may cast a shadow onto anything in the camera's PVS and view, \
-         without those that stand in the shadow of others. A shadow map with these alone shows the same visible shadows \
-         (`tests/shadows` compares that with exact rays). **It needs {least:.0}% to {most:.0}% of the objects that \
-         the sun sees of the whole scene**, which a shadow map has to draw without knowing the camera. The sun's light \
-         goes along ({}, {}, {}); means and medians over {frames} frames of each walk.",
+        "`Query::shadow_casters` finds the objects that may cast a shadow onto anything in the camera's PVS \
+         and view, without those that stand in the shadow of others. A shadow map with these alone shows the \
+         same visible shadows (`tests/shadows` compares that with exact rays). **It needs {least:.0}% to \
+         {most:.0}% of the objects that the sun sees of the whole scene**, which a shadow map has to draw \
+         without knowing the camera. The sun's light goes along ({}, {}, {}); means and medians over \
+         {frames} frames of each walk.",
         SUN.x, SUN.y, SUN.z
     ));
-    section.table(table);
+    section.rows("All scenes as CSV", table);
     Ok(section)
 }

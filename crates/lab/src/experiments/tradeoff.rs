@@ -11,27 +11,27 @@ use casca_scenes::world::World;
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
-pub struct Sampling {
+struct Sampling {
     /// Frames of a walk, evenly spread.
-    pub frames: usize,
+    frames: usize,
     /// Times each frame is measured; the least counts.
-    pub repeats: usize,
+    repeats: usize,
     /// Pixels in a row of the item buffer that says what is visible.
-    pub width: usize,
+    width: usize,
 }
 
 /// What was measured on one scene.
 #[derive(Debug, Clone)]
-pub struct SceneTradeoff {
+struct SceneTradeoff {
     /// The scene's name.
-    pub scene: String,
+    scene: String,
     /// Mean numbers of objects in the frustum, and of visible ones.
-    pub in_frustum: f64,
+    in_frustum: f64,
     /// Objects of which the item buffer shows a pixel.
-    pub visible: f64,
+    visible: f64,
     /// The settings measured; the first is the automatic one: all defaults, in the grid of
     /// [`GridSpec::fit`].
-    pub points: Vec<TradeoffPoint>,
+    points: Vec<TradeoffPoint>,
 }
 
 /// What the automatic settings are called.
@@ -78,15 +78,8 @@ fn entries(world: &World) -> Result<Vec<Entry>, LabError> {
     Ok(entries)
 }
 
-/// Measures all methods on one world. `progress` is told the frames done.
-///
-/// # Errors
-/// If the library refuses the world.
-pub fn measure(
-    world: World,
-    sampling: &Sampling,
-    mut progress: impl FnMut(usize),
-) -> Result<SceneTradeoff, LabError> {
+/// Measures all methods on one world.
+fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError> {
     let mut entries = entries(&world)?;
     let region = Aabb::new(world.grid.min, world.grid.max);
     let fitted = GridSpec::fit(region, world.objects.len())?;
@@ -112,7 +105,6 @@ pub fn measure(
         visible_sum += visible.len();
         frustum_sum += frame.in_frustum.iter().filter(|&&i| walker.world.objects[i].tested).count();
         done += 1;
-        progress(done);
         Ok(())
     })?;
     let per_frame = |n: usize| n as f64 / frames.max(1) as f64;
@@ -155,14 +147,14 @@ impl SceneTradeoff {
     }
 
     /// How far the automatic settings are from the Pareto front: see [`distance`].
-    pub fn automatic_distance(&self) -> f64 {
+    fn automatic_distance(&self) -> f64 {
         let costs = self.costs();
         costs.first().map_or(0.0, |own| distance(own, &costs))
     }
 
     /// How much slower the automatic settings are than the fastest measured without losses that are
     /// as tight, as a share.
-    pub fn automatic_slowness(&self) -> f64 {
+    fn automatic_slowness(&self) -> f64 {
         let Some(own) = self.points.first() else { return 0.0 };
         let as_tight = self.points.iter().filter(|p| p.lost == 0.0 && p.ratio <= own.ratio);
         as_tight.map(|p| own.ms / p.ms - 1.0).filter(|s| s.is_finite()).fold(0.0, f64::max)
@@ -178,7 +170,7 @@ impl SceneTradeoff {
 }
 
 /// The table of all points measured.
-pub fn table(scenes: &[SceneTradeoff]) -> Table {
+fn table(scenes: &[SceneTradeoff]) -> Table {
     let mut table = Table::new(
         "tradeoff",
         &["scene", "method", "setting", "ms", "PVS", "PVS/visible", "lost in a frame", "on the front"],
@@ -200,15 +192,6 @@ pub fn table(scenes: &[SceneTradeoff]) -> Table {
     table
 }
 
-/// Draws the chart of all points measured, as an SVG.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn chart(path: &std::path::Path, scenes: &[SceneTradeoff]) -> Result<(), LabError> {
-    let points: Vec<TradeoffPoint> = scenes.iter().flat_map(|s| s.points.clone()).collect();
-    Ok(draw(path, "Speed against accuracy, one thread", &points)?)
-}
-
 /// Costs of drawing an object for which settings are recommended, in microseconds.
 const DRAWING: [f64; 3] = [1.0, 10.0, 100.0];
 
@@ -220,36 +203,36 @@ const DRAWING: [f64; 3] = [1.0, 10.0, 100.0];
 pub fn tradeoff(lab: &Lab) -> Result<Section, LabError> {
     let sampling = Sampling { frames: lab.pick(30, 2), repeats: lab.pick(3, 1), width: lab.pick(2560, 320) };
     let mut scenes = Vec::new();
-    let mut kinds = Vec::new();
     for place in lab.pick(places(lab), vec![Place::Built(casca_scenes::generated::SceneKind::Rooms)]) {
         let world = place.open(lab)?;
         (lab.progress)(&world.name);
-        kinds.push(place.kind());
-        scenes.push(measure(world, &sampling, |_| ())?);
+        scenes.push(measure(world, &sampling)?);
     }
     let mut section = Section::new("Speed against accuracy");
     section.text(format!(
-        "Every method at several settings, on one thread: the median time of a query over {} frames of each walk (the least \
-         of {} runs). An object counts as visible if one of {} rays across the picture, and as many in proportion down \
-         it, hits it. `hzb` and `rays` get the objects in the frustum for nothing. `point, automatic` is the result \
-         without choosing anything: default settings in the grid of `GridSpec::fit`.",
-        sampling.frames, sampling.repeats, sampling.width
+        "Every method at several settings: the median time of a query over {} frames of each walk (the least \
+         of {} runs). An object counts as visible if one of {} rays across the picture, and as many in \
+         proportion down it, hits it. `hzb` and `rays` get the objects in the frustum for nothing. `point, \
+         automatic` has default settings in the grid of `GridSpec::fit`. {}",
+        sampling.frames,
+        sampling.repeats,
+        sampling.width,
+        automatic_words(&scenes)
     ));
     let file = "tradeoff.svg";
-    chart(&lab.folder.join(file), &scenes)?;
+    let points: Vec<TradeoffPoint> = scenes.iter().flat_map(|s| s.points.clone()).collect();
+    draw(&lab.folder.join(file), "Speed against accuracy, one thread", &points)?;
     section.picture(
         file,
         "Time of a query against the size of the PVS, for every method and setting on each scene",
     );
     section.rows("All points as CSV", table(&scenes));
-    section.text(format!("### The automatic settings\n\n{}", automatic_words(&scenes)));
-    section.table(automatic_table(&scenes));
+    section.rows("The automatic settings as CSV", automatic_table(&scenes));
     section.text(
-        "### Recommended settings\n\nA tighter set is worth its time if drawing costs more. For an object that takes 1, 10 or \
-         100 us to draw, the lossless setting that makes query and drawing together the fastest, with its time and PVS/visible \
-         (`160 px, 64/0`: 160 pixels on a side, `refine_squares` 64, `refine_patches` 0):",
+        "A tighter set is worth its time if drawing costs more. Recommended are, for an object that takes 1, \
+         10 or 100 us to draw, the lossless settings that make query and drawing together the fastest.",
     );
-    section.table(recommended_table(&scenes, &kinds));
+    section.rows("Recommended settings as CSV", recommended_table(&scenes));
     Ok(section)
 }
 
@@ -260,14 +243,15 @@ fn automatic_words(scenes: &[SceneTradeoff]) -> String {
     let slowest = scenes.iter().max_by(|a, b| a.automatic_slowness().total_cmp(&b.automatic_slowness()));
     let slowest = slowest.map_or(String::new(), |s| {
         format!(
-            " By time alone they are up to {:.0}% slower than the fastest lossless setting that is as tight ({}).",
+            " By time alone it is up to {:.0}% slower than the fastest lossless setting that is as tight ({}).",
             s.automatic_slowness() * 100.0,
             s.scene
         )
     });
     format!(
-        "They lose visible objects on {} of {} scenes. They are at most {:.1}% behind the best lossless settings: by \
-         so much they would have to become faster or tighter, for no other to be better in both.{slowest}",
+        "It loses visible objects on {} of {} scenes. It is at most {:.1}% behind the best lossless \
+         settings: by so much it would have to become faster or tighter, for no other to be better in \
+         both.{slowest}",
         if lost == 0 { "none".to_owned() } else { lost.to_string() },
         scenes.len(),
         worst * 100.0
@@ -302,10 +286,10 @@ fn automatic_table(scenes: &[SceneTradeoff]) -> Table {
     table
 }
 
-fn recommended_table(scenes: &[SceneTradeoff], kinds: &[String]) -> Table {
-    let columns = ["scene", "kind", "1 us an object", "10 us an object", "100 us an object"];
+fn recommended_table(scenes: &[SceneTradeoff]) -> Table {
+    let columns = ["scene", "1 us an object", "10 us an object", "100 us an object"];
     let mut table = Table::new("tradeoff-recommended", &columns);
-    for (s, kind) in scenes.iter().zip(kinds) {
+    for s in scenes {
         let best = DRAWING.map(|us| {
             let Some(p) = s.best_for(us) else { return String::new() };
             let method = p.method.split([' ', ',']).next().unwrap_or_default();
@@ -313,7 +297,7 @@ fn recommended_table(scenes: &[SceneTradeoff], kinds: &[String]) -> Table {
             format!("{method}, {setting} ({:.2} ms, {:.2})", p.ms, p.ratio)
         });
         let [a, b, c] = best;
-        table.row([s.scene.clone(), kind.clone(), a, b, c]);
+        table.row([s.scene.clone(), a, b, c]);
     }
     table
 }

@@ -21,14 +21,6 @@ pub(super) fn places<'a>(lab: &'a Lab) -> Vec<Place<'a>> {
 }
 
 impl Place<'_> {
-    /// What kind of scene it is, in a few words; files are told by their names.
-    pub(super) fn kind(&self) -> String {
-        match self {
-            Self::Built(kind) => kind.description().to_owned(),
-            Self::File(_) => "triangle meshes".to_owned(),
-        }
-    }
-
     /// Builds or loads it.
     ///
     /// # Errors

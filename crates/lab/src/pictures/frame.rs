@@ -1,12 +1,11 @@
-//! One frame: the objects seen and hidden, and the occlusion buffers behind that.
+//! One frame: the objects seen and hidden.
 
 use std::path::Path;
 
-use casca::internals::OcclusionImage;
 use plotters::style::RGBColor;
 
 use super::PictureError;
-use super::palette::{HIDDEN, LOST, OPEN_PIXEL, QUIET, SPARE, TEXT, VISIBLE};
+use super::palette::{HIDDEN, LOST, QUIET, SPARE, TEXT, VISIBLE};
 use super::raster::Canvas;
 use casca_scenes::world::{Camera, Object, Shape};
 use casca_truth::oracle::{ItemBuffer, NONE};
@@ -146,76 +145,6 @@ fn finding(kept: usize, lost: usize, hidden: usize, spare: usize) -> String {
         _ => format!("{lost} of {} visible objects are lost", kept + lost),
     };
     format!("{visible}, and {hidden} of {} hidden ones are left out", hidden + spare)
-}
-
-/// Draws the occlusion buffers of a query as a PNG: a panel for each side, covered pixels lighter
-/// with distance, open ones in yellow. The finding is its title, and `title` stands below.
-///
-/// # Errors
-/// If the file cannot be written, or there are no buffers.
-pub fn buffers(path: &Path, title: &str, images: &[OcclusionImage]) -> Result<(), PictureError> {
-    if images.is_empty() {
-        return Err(PictureError::at(path)("there are no buffers".to_owned()));
-    }
-    let scale = |i: &OcclusionImage| (560 / i.width.max(i.height).max(1)).max(1);
-    let width = images.iter().map(|i| i.width * scale(i) + 24).sum::<usize>().max(900);
-    let height = images.iter().map(|i| i.height * scale(i)).max().unwrap_or(0) + 160;
-    let mut canvas = Canvas::new(width, height, WHITE);
-    let in_view = || images.iter().flat_map(|i| &i.depth).filter(|d| **d != 0.0);
-    let covered = in_view().filter(|d| d.is_finite()).count() as f64 / in_view().count().max(1) as f64;
-    let finding = format!("Occluders cover {:.0}% of the buffers' pixels in view", covered * 100.0);
-    canvas.text((14.0, 22.0), 26.0, TEXT, &finding);
-    canvas.text((14.0, 52.0), 19.0, QUIET, title);
-    legend(&mut canvas);
-    let mut left = 12;
-    for image in images {
-        let size = scale(image);
-        let far = image.depth.iter().copied().filter(|d| d.is_finite()).fold(1.0f32, f32::max);
-        for (i, &depth) in image.depth.iter().enumerate() {
-            // Rows go up on the face and down on the screen.
-            let (x, y) = (i % image.width, image.height - 1 - i / image.width);
-            canvas.rect((left + x * size, 142 + y * size), (size, size), covering(depth, far));
-        }
-        let label = format!("side towards {}", axis(image.direction));
-        canvas.text((left as f32, 124.0), 18.0, TEXT, &label);
-        left += image.width * size + 24;
-    }
-    canvas.save(path)
-}
-
-/// The axis along which a side lies.
-fn axis(direction: glam::Vec3) -> String {
-    let sign = if direction.max_element() > 0.5 { "+" } else { "-" };
-    format!("{sign}{}", ["x", "y", "z"][direction.abs().max_position()])
-}
-
-/// The colour of a buffer's pixel.
-fn covering(depth: f32, far: f32) -> RGBColor {
-    if depth == 0.0 {
-        return WHITE;
-    }
-    if !depth.is_finite() {
-        return OPEN_PIXEL;
-    }
-    let light = (40.0 + 160.0 * (depth / far).clamp(0.0, 1.0).sqrt()) as u8;
-    RGBColor(light, light, light.saturating_add(20))
-}
-
-fn legend(canvas: &mut Canvas) {
-    let boxed = |canvas: &mut Canvas, x: f32, color: RGBColor| {
-        canvas.rect((x as usize, 74), (34, 20), QUIET);
-        canvas.rect((x as usize + 1, 75), (32, 18), color);
-    };
-    let text = |canvas: &mut Canvas, x: f32, label: &str| canvas.text((x, 84.0), 19.0, TEXT, label);
-    for step in 0..68 {
-        let color = covering(step as f32 + 1.0, 68.0);
-        canvas.rect((14 + step, 74), (1, 20), color);
-    }
-    let x = text(canvas, 92.0, "covered, near to far") + 30.0;
-    boxed(canvas, x, OPEN_PIXEL);
-    let x = text(canvas, x + 44.0, "open: objects here can be seen") + 30.0;
-    boxed(canvas, x, WHITE);
-    text(canvas, x + 44.0, "outside the view");
 }
 
 #[cfg(test)]

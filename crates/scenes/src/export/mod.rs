@@ -8,24 +8,12 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec3, Mat4, Quat, Vec3};
-use gltf::Glb;
-use gltf::binary::Header;
-use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
-use gltf::json::animation::{Channel, Interpolation, Property, Sampler, Target};
-use gltf::json::buffer::View;
-use gltf::json::camera::Perspective;
-use gltf::json::extras::RawValue;
-use gltf::json::material::AlphaMode;
-use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked::Valid;
-use gltf::json::{self, Accessor, Animation, Buffer, Index, Node, Root, Scene, Value};
-use serde_json::json;
-use serde_json::value::to_raw_value;
+use serde_json::{Value, json};
 
 use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, Sides, World};
 use casca_tools::path_error::PathError;
@@ -43,9 +31,6 @@ pub enum ExportError {
     /// The scene is too large for the format.
     #[error("the scene does not fit into a file of 4 GB")]
     TooLarge,
-    /// The document cannot be encoded.
-    #[error("the scene cannot be encoded: {0}")]
-    Encode(#[from] gltf::Error),
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] PathError),
@@ -69,14 +54,14 @@ pub fn glb(world: &mut World) -> Result<Vec<u8>, ExportError> {
     world.set_frame(0);
     let mut writer = Writer::new(world.frames);
     for (i, object) in world.objects.iter().enumerate() {
-        let node = writer.object(i, object)?;
+        writer.object(i, object)?;
         if let Some(positions) = paths.objects.get(&i) {
-            writer.animate(node, Property::Translation, Type::Vec3, positions);
+            writer.animate("translation", "VEC3", positions);
         }
     }
-    let node = writer.camera(&world.camera(0, 1.0));
-    writer.animate(node, Property::Translation, Type::Vec3, &paths.eyes);
-    writer.animate(node, Property::Rotation, Type::Vec4, &paths.turns);
+    writer.camera(&world.camera(0, 1.0));
+    writer.animate("translation", "VEC3", &paths.eyes);
+    writer.animate("rotation", "VEC4", &paths.turns);
     writer.finish(&world.name, world.source.origin)
 }
 
@@ -121,75 +106,100 @@ fn turn(camera: &Camera) -> Quat {
     Quat::from_mat4(&camera.view).conjugate().normalize()
 }
 
-/// A file in the making.
+/// The component types of accessors.
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+
+/// A file in the making: the lists of its document, and its bytes.
 struct Writer {
-    root: Root,
+    accessors: Vec<Value>,
+    views: Vec<Value>,
+    nodes: Vec<Value>,
+    materials: Vec<Value>,
+    made: Vec<Value>,
+    channels: Vec<Value>,
+    samplers: Vec<Value>,
+    lens: Value,
     bytes: Vec<u8>,
-    /// The times of all frames.
-    times: Index<Accessor>,
+    /// The accessor of the times of all frames.
+    times: usize,
     cube: Arc<Mesh>,
     ball: Arc<Mesh>,
     /// Meshes that are written, by their address.
-    meshes: HashMap<*const Mesh, Index<json::Mesh>>,
-    channels: Vec<Channel>,
-    samplers: Vec<Sampler>,
+    meshes: HashMap<*const Mesh, usize>,
+}
+
+/// Adds an item to a list; returns its number.
+fn push(list: &mut Vec<Value>, item: Value) -> usize {
+    list.push(item);
+    list.len() - 1
 }
 
 impl Writer {
     fn new(frames: usize) -> Self {
         let mut writer = Self {
-            root: Root::default(),
+            accessors: Vec::new(),
+            views: Vec::new(),
+            nodes: Vec::new(),
+            materials: Vec::new(),
+            made: Vec::new(),
+            channels: Vec::new(),
+            samplers: Vec::new(),
+            lens: Value::Null,
             bytes: Vec::new(),
-            times: Index::new(0),
+            times: 0,
             cube: Arc::new(Mesh::cuboid(Vec3::ZERO, Vec3::ONE)),
             ball: Arc::new(Mesh::ball(CUTS)),
             meshes: HashMap::new(),
-            channels: Vec::new(),
-            samplers: Vec::new(),
         };
         let times: Vec<f32> = (0..frames).map(|frame| (frame as f64 * FRAME_SECONDS) as f32).collect();
-        writer.times = writer.floats(Type::Scalar, &times);
+        writer.times = writer.floats("SCALAR", &times);
         writer
     }
 
-    /// The node of an object.
-    fn object(&mut self, index: usize, object: &Object) -> Result<Index<Node>, ExportError> {
-        let mut node = Node { name: Some(object.name.clone()), ..Node::default() };
-        node.extras = match (object.occludes, object.tested) {
+    /// Adds the node of an object.
+    fn object(&mut self, index: usize, object: &Object) -> Result<(), ExportError> {
+        let mut node = json!({ "name": object.name });
+        let role = match (object.occludes, object.tested) {
             (true, true) => None,
-            (true, false) => Some(role("occluder")?),
-            (false, _) => Some(role("occludee")?),
+            (true, false) => Some("occluder"),
+            (false, _) => Some("occludee"),
         };
+        if let Some(role) = role {
+            node["extras"] = json!({ "role": role });
+        }
         let origin = origin(&object.shape).to_array();
         let mesh = match &object.shape {
             Shape::Sphere { radius, .. } => {
-                (node.translation, node.scale) = (Some(origin), Some([*radius; 3]));
+                (node["translation"], node["scale"]) =
+                    (json!(origin), json!(Vec3::splat(*radius).to_array()));
                 self.ball.clone()
             }
             Shape::Box { min, max } => {
-                (node.translation, node.scale) = (Some(origin), Some((*max - *min).to_array()));
+                (node["translation"], node["scale"]) = (json!(origin), json!((*max - *min).to_array()));
                 self.cube.clone()
             }
             Shape::Mesh { .. } if object.motion != Motion::Static => {
                 return Err(ExportError::MovingMesh(index));
             }
             Shape::Mesh { mesh, transform } => {
-                node.matrix = Some(Mat4::from(*transform).to_cols_array());
+                node["matrix"] = json!(Mat4::from(*transform).to_cols_array());
                 mesh.clone()
             }
         };
-        node.mesh = Some(self.mesh(&mesh));
-        Ok(self.root.push(node))
+        node["mesh"] = json!(self.mesh(&mesh));
+        self.nodes.push(node);
+        Ok(())
     }
 
     /// A mesh, which is written when it is first asked for.
-    fn mesh(&mut self, mesh: &Arc<Mesh>) -> Index<json::Mesh> {
+    fn mesh(&mut self, mesh: &Arc<Mesh>) -> usize {
         let key = Arc::as_ptr(mesh);
         if let Some(known) = self.meshes.get(&key) {
             return *known;
         }
         let positions: Vec<f32> = mesh.positions.iter().flat_map(|p| p.to_array()).collect();
-        let positions = self.floats(Type::Vec3, &positions);
+        let positions = self.floats("VEC3", &positions);
         // What hides alike is one primitive.
         let mut primitives = Vec::new();
         for sides in [Sides::Both, Sides::Front, Sides::Neither] {
@@ -199,166 +209,106 @@ impl Writer {
                 continue;
             }
             let bytes: Vec<u8> = corners.iter().flat_map(|corner| corner.to_le_bytes()).collect();
-            let corners = self.accessor(ComponentType::U32, Type::Scalar, corners.len(), &bytes);
-            primitives.push(Primitive {
-                attributes: BTreeMap::from([(Valid(Semantic::Positions), positions)]),
-                extensions: None,
-                extras: None,
-                indices: Some(corners),
-                material: Some(self.material(sides)),
-                mode: Valid(Mode::Triangles),
-                targets: None,
+            let indices = self.accessor(U32, "SCALAR", corners.len(), &bytes);
+            let material = json!({
+                "doubleSided": sides == Sides::Both,
+                "alphaMode": if sides == Sides::Neither { "BLEND" } else { "OPAQUE" },
             });
+            let known = self.materials.iter().position(|m| *m == material);
+            let material = known.unwrap_or_else(|| push(&mut self.materials, material));
+            primitives.push(json!({
+                "attributes": { "POSITION": positions }, "indices": indices, "material": material,
+            }));
         }
-        let new = self.root.push(json::Mesh {
-            extensions: None,
-            extras: None,
-            name: None,
-            primitives,
-            weights: None,
-        });
+        let new = push(&mut self.made, json!({ "primitives": primitives }));
         self.meshes.insert(key, new);
         new
     }
 
-    /// The material of what hides so.
-    fn material(&mut self, sides: Sides) -> Index<json::Material> {
-        let wanted = |m: &json::Material| {
-            m.double_sided == (sides == Sides::Both)
-                && (m.alpha_mode == Valid(AlphaMode::Opaque)) == (sides != Sides::Neither)
-        };
-        if let Some(known) = self.root.materials.iter().position(wanted) {
-            return Index::new(known as u32);
-        }
-        let alpha_mode = if sides == Sides::Neither { AlphaMode::Blend } else { AlphaMode::Opaque };
-        self.root.push(json::Material {
-            double_sided: sides == Sides::Both,
-            alpha_mode: Valid(alpha_mode),
-            ..json::Material::default()
-        })
-    }
-
-    /// The node of a perspective camera.
-    fn camera(&mut self, camera: &Camera) -> Index<Node> {
+    /// Adds the node of a perspective camera.
+    fn camera(&mut self, camera: &Camera) {
         // Planes of a matrix with depth 0 to 1, found in double precision: they cancel.
         let projection = camera.projection.as_dmat4();
         let (a, b) = (projection.z_axis.z, projection.w_axis.z);
-        let lens = self.root.push(json::Camera {
-            name: None,
-            orthographic: None,
-            perspective: Some(Perspective {
-                aspect_ratio: None,
-                yfov: (2.0 * (1.0 / projection.y_axis.y).atan()) as f32,
-                zfar: (a != -1.0).then_some((b / (a + 1.0)) as f32),
-                znear: (b / a) as f32,
-                extensions: None,
-                extras: None,
-            }),
-            type_: Valid(json::camera::Type::Perspective),
-            extensions: None,
-            extras: None,
-        });
-        self.root.push(Node { camera: Some(lens), name: Some("camera".to_owned()), ..Node::default() })
+        let yfov = 2.0 * (1.0 / projection.y_axis.y).atan();
+        let mut lens = json!({ "yfov": yfov as f32, "znear": (b / a) as f32 });
+        if a != -1.0 {
+            lens["zfar"] = json!((b / (a + 1.0)) as f32);
+        }
+        self.lens = json!({ "type": "perspective", "perspective": lens });
+        self.nodes.push(json!({ "camera": 0, "name": "camera" }));
     }
 
-    /// Moves a node by one value a frame.
-    fn animate(&mut self, node: Index<Node>, property: Property, kind: Type, values: &[f32]) {
+    /// Moves the last node by one value a frame.
+    fn animate(&mut self, path: &str, kind: &str, values: &[f32]) {
         let output = self.floats(kind, values);
-        let sampler = Sampler {
-            extensions: None,
-            extras: None,
-            input: self.times,
-            interpolation: Valid(Interpolation::Linear),
-            output,
-        };
-        let sampler = Index::push(&mut self.samplers, sampler);
-        let target = Target { extensions: None, extras: None, node, path: Valid(property) };
-        self.channels.push(Channel { sampler, target, extensions: None, extras: None });
+        let sampler = push(&mut self.samplers, json!({ "input": self.times, "output": output }));
+        let target = json!({ "node": self.nodes.len() - 1, "path": path });
+        self.channels.push(json!({ "sampler": sampler, "target": target }));
     }
 
     /// An accessor of floats, with their bounds.
-    fn floats(&mut self, kind: Type, values: &[f32]) -> Index<Accessor> {
-        let width = kind.multiplicity();
-        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-        let accessor = self.accessor(ComponentType::F32, kind, values.len() / width, &bytes);
-        let bound = |pick: fn(f32, f32) -> f32| {
-            let of = |i: usize| values.iter().skip(i).step_by(width).copied().reduce(pick).unwrap_or(0.0);
-            Some(Value::from((0..width).map(of).collect::<Vec<f32>>()))
+    fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
+        let width = match kind {
+            "SCALAR" => 1,
+            "VEC3" => 3,
+            _ => 4,
         };
-        let written = &mut self.root.accessors[accessor.value()];
-        (written.min, written.max) = (bound(f32::min), bound(f32::max));
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let accessor = self.accessor(F32, kind, values.len() / width, &bytes);
+        for (name, pick) in [("min", f32::min as fn(f32, f32) -> f32), ("max", f32::max)] {
+            let of = |i: usize| values.iter().skip(i).step_by(width).copied().reduce(pick).unwrap_or(0.0);
+            self.accessors[accessor][name] = json!((0..width).map(of).collect::<Vec<f32>>());
+        }
         accessor
     }
 
-    fn accessor(
-        &mut self,
-        component: ComponentType,
-        kind: Type,
-        count: usize,
-        bytes: &[u8],
-    ) -> Index<Accessor> {
+    fn accessor(&mut self, component: u32, kind: &str, count: usize, bytes: &[u8]) -> usize {
         // All components have four bytes, so that every part starts at a multiple of four.
-        let start = self.bytes.len();
+        let view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
         self.bytes.extend(bytes);
-        let view = self.root.push(View {
-            buffer: Index::new(0),
-            byte_length: bytes.len().into(),
-            byte_offset: Some(start.into()),
-            byte_stride: None,
-            name: None,
-            target: None,
-            extensions: None,
-            extras: None,
+        let view = push(&mut self.views, view);
+        let accessor = json!({
+            "bufferView": view, "componentType": component, "type": kind, "count": count,
         });
-        self.root.push(Accessor {
-            buffer_view: Some(view),
-            byte_offset: None,
-            count: count.into(),
-            component_type: Valid(GenericComponentType(component)),
-            extensions: None,
-            extras: None,
-            type_: Valid(kind),
-            min: None,
-            max: None,
-            name: None,
-            normalized: false,
-            sparse: None,
-        })
+        push(&mut self.accessors, accessor)
     }
 
     /// The file; `origin` is added to all positions.
     fn finish(mut self, name: &str, origin: DVec3) -> Result<Vec<u8>, ExportError> {
-        self.root.push(Buffer {
-            byte_length: self.bytes.len().into(),
-            name: None,
-            uri: None,
-            extensions: None,
-            extras: None,
-        });
-        self.root.push(Animation {
-            extensions: None,
-            extras: None,
-            channels: self.channels,
-            name: None,
-            samplers: self.samplers,
-        });
-        let mut nodes: Vec<_> = (0..self.root.nodes.len() as u32).map(Index::new).collect();
+        let mut roots: Vec<usize> = (0..self.nodes.len()).collect();
         if origin != DVec3::ZERO {
-            let translation = Some(origin.as_vec3().to_array());
-            nodes = vec![self.root.push(Node { translation, children: Some(nodes), ..Node::default() })];
+            let node = json!({ "translation": origin.as_vec3().to_array(), "children": roots });
+            roots = vec![push(&mut self.nodes, node)];
         }
-        let scene = Scene { extensions: None, extras: None, name: Some(name.to_owned()), nodes };
-        self.root.scene = Some(self.root.push(scene));
-        let json = self.root.to_vec().map_err(gltf::Error::Deserialize)?;
-        // A header of 12 bytes, two chunks with headers of 8, each filled up to a multiple of four.
-        let length = 28 + json.len().next_multiple_of(4) + self.bytes.len().next_multiple_of(4);
-        let length = u32::try_from(length).map_err(|_| ExportError::TooLarge)?;
-        let header = Header { magic: *b"glTF", version: 2, length };
-        Ok(Glb { header, json: json.into(), bin: Some(self.bytes.into()) }.to_vec()?)
+        let document = json!({
+            "asset": { "version": "2.0" },
+            "scene": 0,
+            "scenes": [{ "name": name, "nodes": roots }],
+            "nodes": self.nodes,
+            "cameras": [self.lens],
+            "meshes": self.made,
+            "materials": self.materials,
+            "animations": [{ "channels": self.channels, "samplers": self.samplers }],
+            "accessors": self.accessors,
+            "bufferViews": self.views,
+            "buffers": [{ "byteLength": self.bytes.len() }],
+        });
+        let mut json = document.to_string().into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        // A header of 12 bytes, and two chunks with headers of 8.
+        let length = 28 + json.len() + self.bytes.len();
+        u32::try_from(length).map_err(|_| ExportError::TooLarge)?;
+        let mut file = Vec::with_capacity(length);
+        file.extend(b"glTF");
+        for word in [2, length, json.len()] {
+            file.extend((word as u32).to_le_bytes());
+        }
+        file.extend(b"JSON");
+        file.extend(json);
+        file.extend((self.bytes.len() as u32).to_le_bytes());
+        file.extend(b"BIN\0");
+        file.extend(self.bytes);
+        Ok(file)
     }
-}
-
-/// The extras of a node that names its role.
-fn role(role: &str) -> Result<Box<RawValue>, ExportError> {
-    Ok(to_raw_value(&json!({ "role": role })).map_err(gltf::Error::Deserialize)?)
 }

@@ -131,25 +131,6 @@ impl SceneKind {
         }
     }
 
-    /// What kind of scene it is, in a few words.
-    pub fn description(self) -> &'static str {
-        match self {
-            Self::Spheres | Self::Spheres16 => "clutter of round solids, some of it moving",
-            Self::City | Self::City10 => "streets with many small things",
-            Self::Rooms => "indoors",
-            Self::Forest => "open, thin occluders",
-            Self::Crowd => "100,000 moving objects among walls",
-            Self::Terrain => "rolling ground with trees and houses, all meshes",
-            Self::Town => "modular buildings and 20,000 small things",
-            Self::Rocks => "closed meshes of high curvature",
-            Self::SpheresMeshes => "round meshes, some of them moving",
-            Self::CityMeshes => "streets with many small meshes",
-            Self::Valley => "woods of open cones on rolling ground",
-            Self::Harbour => "stacked containers, cranes, small things",
-            Self::Storeys => "a tower of storeys with stairs and furniture",
-        }
-    }
-
     /// The names of all scenes, with commas between them.
     pub fn names() -> String {
         Self::ALL.map(Self::name).join(", ")

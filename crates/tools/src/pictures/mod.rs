@@ -1,9 +1,8 @@
-//! Charts of lines and bars, and sheets of pictures with captions.
+//! Charts of lines, and sheets of pictures with captions.
 //!
 //! Charts are SVG: the reader's program sets their text. Pictures made of pixels are PNG. All
 //! colours and marks are those of [`palette`].
 
-mod bars;
 mod lines;
 pub mod palette;
 pub mod raster;
@@ -12,7 +11,6 @@ pub mod svg;
 
 use std::path::Path;
 
-pub use bars::{Bar, bars};
 pub use lines::{Axis, Line, lines};
 pub use sheet::{Tile, sheet};
 

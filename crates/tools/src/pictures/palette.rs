@@ -63,9 +63,6 @@ pub const HZB: Style = Style::new(RGBColor(204, 121, 167), Marker::Triangle);
 pub const RAYS: Style = Style::new(RGBColor(213, 94, 0), Marker::Diamond);
 /// Exact visibility.
 pub const EXACT: Style = Style::new(RGBColor(0, 0, 0), Marker::Hexagon);
-/// Numbers that the thesis gives.
-pub const THESIS: Style = Style::new(RGBColor(0, 0, 0), Marker::Wedge);
-
 /// Series that are no methods: scenes, data structures, stages of a frame.
 pub const OTHERS: [Style; 9] = [
     Style::new(RGBColor(136, 34, 85), Marker::Disc),
@@ -121,16 +118,12 @@ pub const OPAQUE_CELL: RGBColor = RGBColor(60, 60, 66);
 pub const HIDDEN_CELL: RGBColor = RGBColor(150, 205, 235);
 /// A cell that may be seen.
 pub const VISIBLE_CELL: RGBColor = RGBColor(250, 238, 150);
-/// A cell with objects in it that the walk did not come to.
-pub const UNVISITED_CELL: RGBColor = RGBColor(205, 205, 205);
 /// A temporal bounding volume.
 pub const VOLUME: RGBColor = RGBColor(175, 60, 130);
 /// The camera.
 pub const CAMERA: RGBColor = RGBColor(213, 94, 0);
 /// Where the camera goes.
 pub const WALK: RGBColor = RGBColor(0, 114, 178);
-/// An open pixel of an occlusion buffer.
-pub const OPEN_PIXEL: RGBColor = RGBColor(240, 228, 66);
 /// Titles and labels.
 pub const TEXT: RGBColor = RGBColor(30, 30, 34);
 /// Words that matter less.
@@ -139,12 +132,6 @@ pub const QUIET: RGBColor = RGBColor(95, 95, 102);
 /// A colour of the palette with an opacity, for pictures that a graphics device draws.
 pub const fn rgba(color: RGBColor, opacity: u8) -> [u8; 4] {
     [color.0, color.1, color.2, opacity]
-}
-
-/// Black or white, whichever stands out against a colour.
-pub fn text_on(color: RGBColor) -> RGBColor {
-    let light = 0.299 * f64::from(color.0) + 0.587 * f64::from(color.1) + 0.114 * f64::from(color.2);
-    if light > 140.0 { RGBColor(0, 0, 0) } else { RGBColor(255, 255, 255) }
 }
 
 #[cfg(test)]

@@ -84,10 +84,6 @@ pub enum Sample {
     Open(Style),
     /// A ring around a mark.
     Ring,
-    /// A filled box.
-    Box(RGBColor),
-    /// The outline of a box.
-    Frame(RGBColor),
 }
 
 /// The head of a chart: its finding, its quantities, and the legend.
@@ -152,12 +148,6 @@ impl Head {
                 Sample::Mark(style) => mark(area, middle, 6, style, true)?,
                 Sample::Open(style) => mark(area, middle, 6, style, false)?,
                 Sample::Ring => area.draw(&Circle::new(middle, 9, TEXT.stroke_width(2)))?,
-                Sample::Box(color) => {
-                    area.draw(&Rectangle::new([(*x, y - 8), (x + 30, y + 8)], color.filled()))?;
-                }
-                Sample::Frame(color) => {
-                    area.draw(&Rectangle::new([(*x, y - 8), (x + 30, y + 8)], color.stroke_width(1)))?;
-                }
             }
             text(area, (x + 40, *y), LABEL, TEXT, HPos::Left, label)?;
         }

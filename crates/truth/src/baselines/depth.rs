@@ -1,7 +1,7 @@
 //! A depth buffer with a level of farthest depths above it.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x8};
+use fearless_simd::{Level, Simd, f32x8};
 
 /// Pixels along each side of a tile.
 pub(super) const TILE: usize = 8;
@@ -13,19 +13,19 @@ struct Tile([[f32; TILE]; TILE]);
 
 /// Pixels from the first ends to the second ones, which are excluded, and the greatest nearness
 /// there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PixelRect {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PixelRect {
     /// Columns.
-    pub x: [u16; 2],
+    pub(super) x: [u16; 2],
     /// Rows.
-    pub y: [u16; 2],
+    pub(super) y: [u16; 2],
     /// 1 / depth.
-    pub near: f32,
+    pub(super) near: f32,
 }
 
 impl PixelRect {
     /// Whether it has no pixel.
-    pub fn is_empty(&self) -> bool {
+    fn is_empty(&self) -> bool {
         self.x[0] >= self.x[1] || self.y[0] >= self.y[1]
     }
 }
@@ -139,7 +139,8 @@ impl DepthPyramid {
         self.far[tile]
     }
 
-    /// As [`DepthPyramid::hides`].
+    /// Whether the buffer is at least as near as a rectangle everywhere: by tiles, and by pixels
+    /// where those leave it open. Without pixels nothing is open.
     #[inline(always)]
     pub(super) fn hides_in<S: Simd>(&mut self, simd: S, rect: &PixelRect) -> bool {
         if rect.is_empty() {
@@ -165,18 +166,6 @@ impl DepthPyramid {
             }
         }
         true
-    }
-
-    /// Whether the buffer is at least as near as a rectangle everywhere: by tiles, and by pixels
-    /// where those leave it open. Without pixels nothing is open.
-    pub fn hides(&mut self, rect: &PixelRect) -> bool {
-        dispatch!(self.level, simd => self.hides_in(simd, rect))
-    }
-
-    /// The same by looking at every pixel.
-    pub fn hides_by_pixels(&self, rect: &PixelRect) -> bool {
-        let ([x0, x1], [y0, y1]) = (rect.x.map(usize::from), rect.y.map(usize::from));
-        (y0..y1).all(|y| (x0..x1).all(|x| self.at(x, y) >= rect.near))
     }
 }
 

@@ -23,7 +23,7 @@ mod screen;
 #[cfg(test)]
 mod tests;
 
-pub use depth::{DepthPyramid, PixelRect};
-pub use hzb::{Hzb, Work};
+pub use depth::DepthPyramid;
+pub use hzb::Hzb;
 pub use nine_rays::NineRays;
 pub use rays::RayBuffer;

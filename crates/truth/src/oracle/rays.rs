@@ -135,17 +135,6 @@ impl RayOracle {
         self.blocker(&segment).is_some()
     }
 
-    /// Whether an occluder hides a point of the mesh `object`. The triangles of the mesh that `own`
-    /// tells hold the point, and do not hide it, nor does a hit in the last 1e-6 of the way.
-    pub fn hides_point(&self, eye: DVec3, point: DVec3, object: usize, own: impl Fn(usize) -> bool) -> bool {
-        let step = point - eye;
-        let own = |part: &Part| part.object as usize == object && own(part.triangle as usize);
-        [&self.fixed, &self.moving].into_iter().any(|tree| {
-            let hides = |part: &Part| part.enter(eye, step, false).is_some_and(|t| t < 1.0 - END);
-            tree.any(eye, step, 1.0, |part| hides(part) && !own(part)).is_some()
-        })
-    }
-
     /// The nearest object a ray enters from outside, and the distance in
     /// units of `direction`; the lower index at equal distance.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<(usize, f64)> {
@@ -168,13 +157,6 @@ impl RayOracle {
     /// grown occluder hides it.
     pub(super) fn surely_sees(&self, origin: DVec3, target: DVec3, own: usize, own_is_mesh: bool) -> bool {
         self.blocker(&sure_segment(origin, target, own, own_is_mesh)).is_none()
-    }
-
-    /// Whether a camera sees a point of space, which is on no object, beyond the doubt of rounding,
-    /// as in [`Self::probe_camera`].
-    pub fn surely_shows(&self, frustum: &Frustum, point: DVec3) -> bool {
-        frustum.surely_contains(point)
-            && self.surely_sees(frustum.start(point), point, u32::MAX as usize, false)
     }
 
     /// Looks from `origin` at points on the surface of each candidate, up to

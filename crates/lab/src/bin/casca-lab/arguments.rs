@@ -1,5 +1,5 @@
 //! Arguments that commands share. What they default to, and what a command says of them, it sets
-//! with [`default_to`] and [`about`].
+//! with [`about`].
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -15,14 +15,9 @@ pub const WIDTHS: RangeInclusive<i64> = 16..=16_384;
 /// Rays to one object, at most.
 pub const MOST_SAMPLES: i64 = 10_000;
 
-/// The default of an argument.
-pub fn default_to(value: &'static str) -> impl FnOnce(Arg) -> Arg {
-    move |argument| argument.required(false).default_value(value)
-}
-
 /// The default of an argument, and what `--help` says about it.
 pub fn about(value: &'static str, help: &'static str) -> impl FnOnce(Arg) -> Arg {
-    move |argument| default_to(value)(argument).help(help)
+    move |argument| argument.required(false).default_value(value).help(help)
 }
 
 /// Arguments of all commands with something random and a progress bar.

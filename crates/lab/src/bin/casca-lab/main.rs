@@ -1,12 +1,11 @@
-//! The command line of casca's test scenes: walks checked against exact visibility, the report,
-//! prepared meshes and levels in files.
+//! The command line of casca's test scenes: walks checked against exact visibility, the report, and
+//! levels in files.
 //!
 //! `cargo run --release -p casca-lab -- walk` needs no further arguments; `-- help` lists the
 //! commands. `report` is built with `--features experiments`.
 
 mod arguments;
 mod level;
-mod prepare;
 mod progress;
 #[cfg(feature = "experiments")]
 mod report;
@@ -44,7 +43,6 @@ enum Command {
     Walk(walk::Options),
     #[cfg(feature = "experiments")]
     Report(report::Options),
-    Prepare(prepare::Options),
     Level(level::Options),
 }
 
@@ -62,7 +60,6 @@ impl Command {
             Self::Walk(options) => walk::run(options),
             #[cfg(feature = "experiments")]
             Self::Report(options) => report::run(options),
-            Self::Prepare(options) => prepare::run(options),
             Self::Level(options) => level::run(options),
         }
     }
@@ -84,7 +81,7 @@ mod tests {
     fn every_command_needs_no_options_and_tells_the_exit_codes() {
         CommandLine::command().debug_assert();
         let more = if cfg!(feature = "experiments") { &["report"][..] } else { &[] };
-        for name in ["walk", "prepare", "level"].iter().chain(more) {
+        for name in ["walk", "level"].iter().chain(more) {
             assert!(CommandLine::try_parse_from(["casca-lab", name]).is_ok(), "{name}");
             let help = CommandLine::try_parse_from(["casca-lab", name, "--help"]).unwrap_err().to_string();
             assert!(help.contains("4  nothing was checked"), "{name}: {help}");

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use casca_lab::experiments::{EXPERIMENTS, HEAD, Lab, LabError, write};
+use casca_lab::experiments::{EXPERIMENTS, Lab, LabError, write};
 use casca_scenes::import;
 use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use clap::Parser;
@@ -89,7 +89,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     let quick = if options.quick { " --quick" } else { "" };
     let command = format!("cargo run --release -p casca-lab --features experiments -- report{quick}");
     let path = out.join("report.md");
-    write(&path, HEAD, &lab, &sections, &command, &settings)?;
+    write(&path, &lab, &sections, &command, &settings)?;
     bar.finish_and_clear();
     say(path.display());
     Ok(Outcome::Well)

@@ -196,16 +196,11 @@ impl Judge {
     }
 }
 
-/// Walks through a scene with this many movers. `progress` is told the frames done.
+/// Walks through a scene with this many movers.
 ///
 /// # Errors
 /// If the library refuses the scene, or a way fails.
-pub fn measure(
-    world: World,
-    movers: usize,
-    sampling: &Sampling,
-    mut progress: impl FnMut(usize),
-) -> Result<WalkScore, LabError> {
+pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkScore, LabError> {
     let stretches = sampling.stretches.max(1);
     let frames = sampling.frames.div_ceil(stretches).max(SETTLE + 1);
     let options = WalkOptions { movers, stretches, frames, seed: sampling.seed };
@@ -243,7 +238,6 @@ pub fn measure(
             let ms = entry.end()?;
             entry.upkeep += if counts { ms } else { 0.0 };
         }
-        progress(number + 1);
     }
     Ok(WalkScore {
         scene: world.name.clone(),

@@ -31,8 +31,6 @@ pub(super) struct Shot {
 /// A small world and the frames seen of it.
 pub(super) struct Case {
     pub(super) name: String,
-    /// Whether the times of the cases that follow are compared with this one's.
-    pub(super) calm: bool,
     pub(super) objects: Vec<Object>,
     pub(super) grid: GridSpec,
     pub(super) shots: Vec<Shot>,
@@ -40,9 +38,6 @@ pub(super) struct Case {
     pub(super) known: Vec<Known>,
     /// Whether moving objects are reported only while they are seen, and when their volumes expire.
     pub(super) unreported: bool,
-    /// Pixels across the picture, or a side of the view cube, for all methods; `None` for their
-    /// usual settings.
-    pub(super) resolution: Option<usize>,
 }
 
 impl Case {
@@ -53,22 +48,7 @@ impl Case {
         grid: GridSpec,
         shots: Vec<Shot>,
     ) -> Self {
-        Self {
-            name: name.into(),
-            calm: false,
-            objects,
-            grid,
-            shots,
-            known: Vec::new(),
-            unreported: false,
-            resolution: None,
-        }
-    }
-
-    /// As the one that the following are compared with.
-    pub(super) fn calm(mut self) -> Self {
-        self.calm = true;
-        self
+        Self { name: name.into(), objects, grid, shots, known: Vec::new(), unreported: false }
     }
 
     /// With points to look at.

@@ -17,7 +17,7 @@ impl Arena<'_> {
         let thick = 4.0 * CELL;
         let mut dice = self.dice(9);
         let mut cases =
-            vec![self.with("mesh wall, 8 x 6 quads", vec![solid("wall", sheet(8, 6, |_, _| true))])?.calm()];
+            vec![self.with("mesh wall, 8 x 6 quads", vec![solid("wall", sheet(8, 6, |_, _| true))])?];
         let mut at = |reach: Vec3| dice.point(-reach, reach).with_z(FRONT);
         // Triangles whose corners lie on a line or in a point; across the wall's place.
         let mut lines = Vec::new();
@@ -126,7 +126,7 @@ impl Arena<'_> {
                 let grid = grid(ARENA[0], ARENA[1], CELL)?;
                 let case =
                     Case::new(format!("eye {away} m off the face of {what}"), objects, grid, still(cameras));
-                cases.push(if away > 1.0 { case.calm() } else { case });
+                cases.push(case);
             }
         }
         Ok(cases)
@@ -143,7 +143,7 @@ impl Arena<'_> {
             .collect();
         let plain = boxes.iter().map(|&(p, s)| solid("box", block(p - s, p + s))).collect();
         let closed = boxes.iter().map(|&(p, s)| solid("mesh", box_mesh(p - s, p + s))).collect();
-        let mut cases = vec![self.with("60 boxes", plain)?.calm(), self.with("60 boxes as meshes", closed)?];
+        let mut cases = vec![self.with("60 boxes", plain)?, self.with("60 boxes as meshes", closed)?];
         let Shape::Mesh { mesh: unit, .. } = box_mesh(Vec3::NEG_ONE, Vec3::ONE) else { return Ok(cases) };
         let turned = |unit: &Arc<Mesh>, i: usize, frame: usize| {
             let (p, s) = boxes[i];

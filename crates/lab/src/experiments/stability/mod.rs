@@ -5,202 +5,139 @@
 
 mod arena;
 mod case;
-mod charts;
 mod degenerate;
 mod gaps;
-mod jitter;
 mod motion;
-mod offset;
 mod places;
-mod resolution;
 mod run;
 mod shapes;
-mod tables;
 #[cfg(test)]
 mod tests;
-mod views;
 mod walks;
 
 use case::Case;
-use run::Finding;
+use run::{CAUSES, Finding, Outcome};
 
-use super::{Lab, LabError, Section, grouped};
+use super::{Lab, LabError, Section, Table};
 
 type Cases = fn(&Lab) -> Result<Vec<Case>, LabError>;
-type Charts = fn(&Lab, &[Finding], &mut Section) -> Result<(), LabError>;
 
-/// Cases of one kind.
-struct Group {
-    /// The stem of its table's name.
-    name: &'static str,
-    title: &'static str,
-    /// The cases, in a sentence or two.
-    text: &'static str,
-    cases: Cases,
-    charts: Option<Charts>,
-}
-
-const fn group(name: &'static str, title: &'static str, text: &'static str, cases: Cases) -> Group {
-    Group { name, title, text, cases, charts: None }
-}
-
-impl Group {
-    const fn drawn(self, charts: Charts) -> Self {
-        Self { charts: Some(charts), ..self }
-    }
-}
-
-const GROUPS: &[Group] = &[
-    group(
-        "jitter",
-        "Camera jitter",
-        "The camera trembles about four places while the world stands still.",
-        jitter::cases,
-    )
-    .drawn(charts::of_jitter),
-    group(
+/// Cases of one kind: their name, and what is awkward about them.
+const GROUPS: &[(&str, &str, Cases)] = &[
+    ("jitter", "cameras that tremble", walks::jitter),
+    (
         "places",
-        "Places of the eye",
-        "The eye is on faces, edges and corners of cells, on and beyond the border of the grid, inside solids, on their \
-         faces, and so close to a wall that the near plane cuts into it.",
+        "eyes on corners of cells, on and beyond the border of the grid, in solids and on their faces",
         places::cases,
     ),
-    group(
-        "offset",
-        "World offset",
-        "The whole world moves up to 1e7 m away from the origin, where single precision has steps of 1 m; exact \
-         visibility is that of the rounded world.",
-        offset::cases,
-    ),
-    group(
+    ("offset", "worlds up to 1e7 m away from the origin, as rounded there", walks::offset),
+    (
         "gaps",
-        "Gaps",
-        "A wall 10 m away has up to 40 slits, from 10 cells wide to a hundredth of a pixel, and an object behind each, \
-         visible by construction. The wall is made of thin boxes, mesh sheets or closed meshes.",
+        "slits down to a hundredth of a pixel, with an object behind each that shows by construction",
         gaps::cases,
-    )
-    .drawn(charts::of_gaps),
-    group(
-        "thin",
-        "Thin walls",
-        "A wall of 12 x 8 m stands before a crowd, from 4 cells thick down to nothing. `cell` hides only by cells \
-         wholly inside solids, so thin walls are of no use to it.",
-        shapes::thin,
     ),
-    group(
-        "grazing",
-        "Grazing walls",
-        "The eye looks along a wall, from 4 m off its face to exactly on its plane; small objects stick to both sides.",
-        degenerate::grazing,
-    ),
-    group(
-        "touching",
-        "Coplanar and touching occluders",
-        "The parts of a wall touch, overlap, coincide or leave 0.1 mm between them; objects lie in its plane, on it and \
-         in it.",
-        shapes::touching,
-    ),
-    group(
-        "nested",
-        "Nested objects",
-        "Objects are their own occluders, coincide with other occluders, or contain each other.",
-        shapes::nested,
-    ),
-    group(
-        "sizes",
-        "Zero-size and scene-size objects",
-        "Points as spheres, boxes and triangles stand before and beside the wall; others contain the whole scene, up to \
-         1e6 m.",
-        shapes::sizes,
-    ),
-    group(
-        "meshes",
-        "Degenerate meshes",
-        "Meshes have triangles without area, needles, repeated and turned triangles, T-junctions, holes, no thickness, or \
-         are inside out or open; closed ones rest and turn.",
-        degenerate::meshes,
-    ),
-    group(
+    ("thin", "walls down to no thickness", shapes::thin),
+    ("grazing", "views along walls", degenerate::grazing),
+    ("touching", "occluders that touch, overlap and coincide", shapes::touching),
+    ("nested", "objects that are their own occluders or hold each other", shapes::nested),
+    ("sizes", "points, and objects that hold the whole scene", shapes::sizes),
+    ("meshes", "degenerate meshes", degenerate::meshes),
+    (
         "motion",
-        "Teleports, broken promises and time",
-        "Camera or objects jump in each frame, outrun their promised speed, or go unreported while hidden; the clock \
-         runs backwards, leaps or stands still.",
+        "jumps, speeds beyond what was promised, and clocks that leap or run backwards",
         motion::cases,
     ),
-    group(
-        "views",
-        "Views",
-        "Angles of view from 179 degrees to a tenth of a degree, pictures ten times as wide as high and the other way \
-         round, extreme near and far planes, reversed depth, and a tilted camera.",
-        views::cases,
-    ),
-    group(
-        "resolution",
-        "Resolution",
-        "All methods have the same number of pixels, from 8 to 2048: across the picture for `hzb` and `rays`, on 90 \
-         degrees for `point`, of the masks for `cell`, which has 64 at least.",
-        resolution::cases,
-    )
-    .drawn(charts::of_resolution),
+    ("views", "angles of view from 179 to 0.1 degrees, extreme planes and pictures", walks::views),
 ];
 
 /// Runs the cases of a group.
-fn findings(lab: &Lab, group: &Group) -> Result<Vec<Finding>, LabError> {
-    (group.cases)(lab)?.iter().map(|case| run::run(lab, case)).collect()
+fn findings(lab: &Lab, cases: Cases) -> Result<Vec<Finding>, LabError> {
+    cases(lab)?.iter().map(|case| run::run(lab, case)).collect()
 }
 
-/// The suite: lost objects, PVS/visible and time of every method in each case, and why objects are
-/// lost.
+/// The suite: the objects that every method loses in each case, and why.
 ///
-/// Writes its charts into the lab's folder. Takes some minutes, a quick run some seconds.
+/// Takes some minutes, a quick run some seconds.
 ///
 /// # Errors
-/// If the library refuses a world, or a picture cannot be written.
+/// If the library refuses a world.
 pub fn stability(lab: &Lab) -> Result<Section, LabError> {
-    let mut section = Section::on_its_own_page("Stability");
+    let mut section = Section::new("Stability");
+    let columns = ["group", "case", "method", "visible", "found", "objects lost", "why objects were lost"];
+    let mut table = Table::new("stability", &columns);
     let mut all = Vec::new();
-    let (mut items, mut pictures) = (Section::new(""), Section::new(""));
-    for group in GROUPS {
-        let found = findings(lab, group)?;
-        items.item(
-            format!("**{}.** {} {}", group.title, group.text, tables::words(&found)),
-            tables::table(&format!("stability-{}", group.name), &found),
-        );
-        if let Some(charts) = group.charts {
-            charts(lab, &found, &mut pictures)?;
-        }
-        // Only numbers are needed from here on.
+    for (name, _, cases) in GROUPS {
+        let found = findings(lab, *cases)?;
+        add_rows(&mut table, name, &found);
         all.extend(found);
     }
-    let all: Vec<&Finding> = all.iter().collect();
-    let lost = |method: &str| match all.iter().filter_map(|f| f.of(method)).map(|o| o.lost).sum() {
-        0 => "none".to_owned(),
-        n => grouped(n),
-    };
-    let known: usize = all.iter().map(|f| f.known - f.refuted).sum();
+    let kinds: Vec<&str> = GROUPS.iter().map(|(_, text, _)| *text).collect();
     section.text(format!(
-        "**Visible objects lost in {} cases: `point` {}, `cell` {}, `hzb` {}, `rays` {}.** An object is lost if \
-         it is left out although it is visible beyond the doubt of rounding: it shows in an item buffer of {}x{} pixels, \
-         is hit by one of {} rays aimed at every object in the frustum, or by a ray to one of {} points that the case was \
-         built to show. `point` and `cell` have default settings, `hzb` has {}x{} pixels and `rays` {}x{}; both get the objects \
-         in the frustum for nothing. A sighting is an object in a frame.",
+        "{} cases: {}. An object is lost if it is left out although it is visible beyond the doubt of \
+         rounding: it shows in an item buffer of {}x{} pixels, or is hit by one of {} rays aimed at every \
+         object in the frustum or by one to a point that the case was built to show. `point` and `cell` have \
+         default settings, `hzb` {}x{} pixels and `rays` {}x{}.",
         all.len(),
-        lost("point"),
-        lost("cell"),
-        lost("hzb"),
-        lost("rays"),
+        kinds.join("; "),
         run::item_width(lab),
         run::rows(run::item_width(lab)),
         run::aimed_rays(lab),
-        grouped(known),
         run::HZB,
         run::rows(run::HZB),
         run::RAYS,
         run::rows(run::RAYS),
     ));
-    section.table(tables::summary(&all));
-    section.blocks.extend(pictures.blocks);
-    section.text("### Cases");
-    section.blocks.extend(items.blocks);
+    section.table(summary(&all));
+    section.rows("All cases as CSV", table);
     Ok(section)
+}
+
+/// Why objects were lost, in a few words.
+fn causes(outcome: &Outcome) -> String {
+    let counts = outcome.causes.iter().zip(CAUSES).filter(|c| *c.0 > 0);
+    let words: Vec<String> = counts.map(|(n, why)| format!("{n} {why}")).collect();
+    words.join("; ")
+}
+
+/// Adds a row for each case of a group and method but the frustum.
+fn add_rows(table: &mut Table, group: &str, findings: &[Finding]) {
+    for finding in findings {
+        for outcome in finding.outcomes.iter().filter(|o| o.method != "frustum") {
+            table.row([
+                group.to_owned(),
+                finding.case.clone(),
+                outcome.method.to_owned(),
+                finding.visible.to_string(),
+                outcome.found.to_string(),
+                outcome.lost.to_string(),
+                causes(outcome),
+            ]);
+        }
+    }
+}
+
+/// One row for each method: how it fared in all cases.
+fn summary(findings: &[Finding]) -> Table {
+    let columns =
+        ["method", "cases", "cases with losses", "objects lost", "of sightings", "worst case", "lost in it"];
+    let mut table = Table::new("stability-summary", &columns);
+    let names: Vec<&str> =
+        findings.first().map_or(Vec::new(), |f| f.outcomes.iter().map(|o| o.method).collect());
+    let sure: usize = findings.iter().map(|f| f.sure).sum();
+    for name in names {
+        let outcomes: Vec<(&str, &Outcome)> =
+            findings.iter().filter_map(|f| Some((f.case.as_str(), f.of(name)?))).collect();
+        let worst = outcomes.iter().max_by_key(|(_, o)| o.lost).filter(|(_, o)| o.lost > 0);
+        let lost: usize = outcomes.iter().map(|(_, o)| o.lost).sum();
+        table.row([
+            name.to_owned(),
+            outcomes.len().to_string(),
+            outcomes.iter().filter(|(_, o)| o.lost > 0).count().to_string(),
+            lost.to_string(),
+            sure.to_string(),
+            worst.map_or("-".to_owned(), |(case, _)| (*case).to_owned()),
+            worst.map_or(0, |(_, o)| o.lost).to_string(),
+        ]);
+    }
+    table
 }

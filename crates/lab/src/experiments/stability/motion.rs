@@ -92,7 +92,7 @@ impl Crowd {
 /// All cases.
 pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
     let walk = Walk::new(SceneKind::Spheres, lab.seed, lab.pick(12, 4))?;
-    let mut cases = vec![walk.case("spheres, a walk").calm()];
+    let mut cases = vec![walk.case("spheres, a walk")];
 
     // The camera jumps to and fro along the walk and looks back every other time.
     let mut jumps = walk.case("spheres, camera jumps each frame");
@@ -131,7 +131,7 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
     let crowd = Crowd::new(lab);
     let step = FRAME_SECONDS;
     let even = |i: usize| i as f64 * step;
-    cases.push(crowd.case("moving crowd", 0.1, 6, even)?.calm());
+    cases.push(crowd.case("moving crowd", 0.1, 6, even)?);
     cases.push(crowd.case("moving crowd, camera jumps each frame", 0.1, 1, even)?);
     cases.push(crowd.case("moving crowd, near plane at 4 m", 4.0, 6, even)?);
     cases.push(crowd.case("moving crowd, reported, time runs backwards", 0.1, 6, |i| 1000.0 - even(i))?);

@@ -40,7 +40,7 @@ fn around_spheres(lab: &Lab, frames: usize) -> Result<Vec<Case>, LabError> {
         ("eye on edges of cells", BVec3::new(true, false, true)),
         ("eye on corners of cells", BVec3::TRUE),
     ];
-    let mut cases = vec![spheres.still("spheres, eye inside cells", spheres.cameras.clone()).calm()];
+    let mut cases = vec![spheres.still("spheres, eye inside cells", spheres.cameras.clone())];
     for (name, axes) in axes {
         cases.push(spheres.still(format!("spheres, {name}"), on_planes(&spheres.cameras, axes, 0.0)));
     }
@@ -85,7 +85,7 @@ fn around_spheres(lab: &Lab, frames: usize) -> Result<Vec<Case>, LabError> {
 /// Eyes in the streets of the city, in its buildings and on their walls.
 fn among_buildings(lab: &Lab, frames: usize) -> Result<Vec<Case>, LabError> {
     let city = Walk::new(SceneKind::City, lab.seed, frames)?;
-    let mut cases = vec![city.still("city, eye in the streets", city.cameras.clone()).calm()];
+    let mut cases = vec![city.still("city, eye in the streets", city.cameras.clone())];
     let buildings: Vec<(Vec3, Vec3)> = city
         .objects
         .iter()

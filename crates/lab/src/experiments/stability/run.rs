@@ -1,12 +1,10 @@
 //! Runs a case with every method and judges what they find.
 
-use std::time::Duration;
-
-use casca::{CellOptions, Method, ObjectDesc, PointOptions};
+use casca::{Method, ObjectDesc};
 use glam::DVec3;
 
 use super::case::{ASPECT, Case};
-use crate::experiments::{Contender, FrameInput, Lab, LabError, median};
+use crate::experiments::{Contender, FrameInput, Lab, LabError};
 use casca_scenes::drive::Driver;
 use casca_scenes::world::{Camera, Motion, Object, Shape};
 use casca_truth::oracle::{FrameVerdict, Frustum, ItemBuffer, Oracle, OracleOptions};
@@ -42,11 +40,10 @@ pub(super) const CAUSES: [&str; 4] = [
 /// What a method made of a case.
 pub(super) struct Outcome {
     pub(super) method: &'static str,
-    pub(super) setting: String,
     /// Whether it promises to lose nothing.
     pub(super) safe: bool,
-    /// Objects found, by frame, ascending.
-    pub(super) found: Vec<Vec<usize>>,
+    /// Objects found, summed over the frames.
+    pub(super) found: usize,
     /// Visible objects that it lacks, summed over the frames.
     pub(super) lost: usize,
     /// Of those, the ones whose known points were in sight.
@@ -55,18 +52,13 @@ pub(super) struct Outcome {
     pub(super) first_lost: Option<(usize, usize)>,
     /// `lost` by its cause.
     pub(super) causes: [usize; 4],
-    /// Median time of a frame in milliseconds.
-    pub(super) ms: f64,
 }
 
 /// A case, and what all methods made of it.
 pub(super) struct Finding {
     pub(super) case: String,
-    pub(super) calm: bool,
-    /// Visible objects by frame, ascending.
-    pub(super) exact: Vec<Vec<usize>>,
-    /// Tested objects in the frustum, summed over the frames.
-    pub(super) in_frustum: usize,
+    /// Visible objects, summed over the frames.
+    pub(super) visible: usize,
     /// Objects visible beyond the doubt of rounding, summed over the frames: those that can be
     /// lost.
     pub(super) sure: usize,
@@ -78,11 +70,6 @@ pub(super) struct Finding {
 }
 
 impl Finding {
-    /// Visible objects, summed over the frames.
-    pub(super) fn visible(&self) -> usize {
-        self.exact.iter().map(Vec::len).sum()
-    }
-
     /// Of a method by its name.
     pub(super) fn of(&self, method: &str) -> Option<&Outcome> {
         self.outcomes.iter().find(|o| o.method == method)
@@ -96,25 +83,15 @@ struct Entrant {
     columns: usize,
 }
 
-/// The methods at the settings of a case; the frustum first, `point` next.
+/// The methods at their usual settings; the frustum first, `point` next.
 fn entrants(case: &Case) -> Result<Vec<Entrant>, LabError> {
-    let (mut points, mut cells) = (PointOptions::default(), CellOptions::default());
-    let (mut point, mut cell) = ("default".to_owned(), "default".to_owned());
-    if let Some(n) = case.resolution {
-        points = points.pixel_degrees((90.0 / n as f32).clamp(0.03, 11.25)).min_pixels(0);
-        cells = cells.mask_resolution(n.clamp(64, 4096).next_power_of_two() as u32);
-        (point, cell) = (format!("{n} pixels a side"), format!("mask {}", cells.mask_resolution));
-    }
-    let casca = |method, setting: String| {
-        Contender::casca(setting, method).map(|contender| Entrant { contender, columns: 0 })
-    };
-    let (hzb, rays) = (case.resolution.unwrap_or(HZB), case.resolution.unwrap_or(RAYS));
+    let casca = |method| Contender::casca("", method).map(|contender| Entrant { contender, columns: 0 });
     Ok(vec![
-        casca(Method::Frustum, String::new())?,
-        casca(Method::Point(points), point)?,
-        casca(Method::Cell(cells), cell)?,
-        Entrant { contender: Contender::hzb(hzb, rows(hzb)), columns: hzb },
-        Entrant { contender: Contender::rays(&case.objects, rays, rows(rays)), columns: rays },
+        casca(Method::Frustum)?,
+        casca(Method::point())?,
+        casca(Method::cell())?,
+        Entrant { contender: Contender::hzb(HZB, rows(HZB)), columns: HZB },
+        Entrant { contender: Contender::rays(&case.objects, RAYS, rows(RAYS)), columns: RAYS },
     ])
 }
 
@@ -189,20 +166,16 @@ fn advance(
 fn unknown(case: &Case, entrants: &[Entrant]) -> Finding {
     let outcome = |Entrant { contender, .. }: &Entrant| Outcome {
         method: contender.method,
-        setting: contender.setting.clone(),
         safe: contender.is_safe(),
-        found: Vec::new(),
+        found: 0,
         lost: 0,
         lost_known: 0,
         first_lost: None,
         causes: [0; 4],
-        ms: 0.0,
     };
     Finding {
         case: case.name.clone(),
-        calm: case.calm,
-        exact: Vec::new(),
-        in_frustum: 0,
+        visible: 0,
         sure: 0,
         known: 0,
         refuted: 0,
@@ -228,34 +201,19 @@ struct Sure {
 }
 
 /// Runs all contenders on a frame, and gives the objects that may be in the frustum.
-fn ask(
-    lab: &Lab,
-    now: &Now,
-    entrants: &mut [Entrant],
-    times: &mut [Vec<f64>],
-    finding: &mut Finding,
-) -> Result<Vec<usize>, LabError> {
+fn ask(now: &Now, entrants: &mut [Entrant], finding: &mut Finding) -> Result<Vec<usize>, LabError> {
     let Now { driver, objects, camera, .. } = *now;
     let mut in_frustum = Vec::new();
     for (k, Entrant { contender, .. }) in entrants.iter_mut().enumerate() {
         let frame = FrameInput { driver, objects, in_frustum: &in_frustum, camera };
-        let mut best = contender.run(&frame)?;
-        let mut spent = best;
-        // Slow methods need no repeats to be measured well.
-        for _ in 1..lab.pick(3, 1) {
-            if spent < Duration::from_millis(40) {
-                let time = contender.run(&frame)?;
-                (best, spent) = (best.min(time), spent + time);
-            }
-        }
-        times[k].push(best.as_secs_f64() * 1e3);
+        contender.run(&frame)?;
         if let (0, Some(query)) = (k, contender.query()) {
             // Objects whose place the library does not know count as seen; the baselines know it.
             in_frustum = (0..objects.len())
                 .filter(|&i| driver.sees(query.pvs(), i) && may_meet(&now.frustum, &objects[i].shape))
                 .collect();
         }
-        finding.outcomes[k].found.push(contender.found().to_vec());
+        finding.outcomes[k].found += contender.found().len();
     }
     Ok(in_frustum)
 }
@@ -293,7 +251,7 @@ fn surely_seen(
     }
     exact.sort_unstable();
     exact.dedup();
-    finding.exact.push(exact);
+    finding.visible += exact.len();
     finding.sure += sure.len();
     sure
 }
@@ -335,14 +293,12 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
     };
     let mut oracle = Oracle::new(&objects, options);
     let mut finding = unknown(case, &entrants);
-    let mut times = vec![Vec::new(); entrants.len()];
     let mut seen = Vec::new();
     for (number, shot) in case.shots.iter().enumerate() {
         let camera = &shot.camera;
         let moved = advance(case, number, &mut objects, &mut driver, &seen)?;
         let now = Now { driver: &driver, objects: &objects, camera, frustum: Frustum::new(camera) };
-        let in_frustum = ask(lab, &now, &mut entrants, &mut times, &mut finding)?;
-        finding.in_frustum += in_frustum.iter().filter(|&&i| objects[i].tested).count();
+        let in_frustum = ask(&now, &mut entrants, &mut finding)?;
         // Nothing is taken for granted: the oracle looks for every object in view.
         let verdict = oracle.frame(&objects, &moved, camera, &|_| false);
         let sure = surely_seen(case, &now, &oracle, verdict, &mut finding);
@@ -355,9 +311,6 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
             seen = (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect();
             driver.scene.end_frame([query.pvs()])?;
         }
-    }
-    for (outcome, times) in finding.outcomes.iter_mut().zip(&mut times) {
-        outcome.ms = median(times);
     }
     Ok(finding)
 }

@@ -10,7 +10,7 @@ use casca_scenes::world::{Object, Shape};
 impl Arena<'_> {
     /// Walls from thick to no thickness at all.
     fn thin(&self) -> Result<Vec<Case>, LabError> {
-        let mut cases = vec![self.with("wall 4 cells thick", vec![solid("wall", wall(4.0 * CELL))])?.calm()];
+        let mut cases = vec![self.with("wall 4 cells thick", vec![solid("wall", wall(4.0 * CELL))])?];
         for (share, what) in [(0.5, "1/2 cell"), (0.1, "1/10 cell"), (1e-3, "1/1000 cell")] {
             let name = format!("wall {what} thick");
             cases.push(self.with(&name, vec![solid("wall", wall(share * CELL))])?);
@@ -45,7 +45,7 @@ impl Arena<'_> {
             Shape::Box { min, max } => box_mesh(min, max),
             other => other,
         };
-        let mut cases = vec![self.with("wall of one box", vec![solid("wall", wall(thick))])?.calm()];
+        let mut cases = vec![self.with("wall of one box", vec![solid("wall", wall(thick))])?];
         cases.push(self.with("wall of 96 boxes that touch", tiles(12, 8, 0.0, &boxes))?);
         cases.push(self.with("wall of 96 closed meshes that touch", tiles(12, 8, 0.0, &closed))?);
         cases.push(self.with("wall of 96 sheets that share edges", tiles(12, 8, 0.0, &flat))?);
@@ -104,7 +104,7 @@ impl Arena<'_> {
         let mut cases = Vec::new();
         let mut objects = room();
         objects.extend(places.iter().enumerate().map(|(i, &p)| glass("pane", shape(i, p, 0.2))));
-        cases.push(self.with("objects that hide nothing", objects)?.with_known(front(1, 1, 0.2)).calm());
+        cases.push(self.with("objects that hide nothing", objects)?.with_known(front(1, 1, 0.2)));
         let mut objects = room();
         objects.extend(places.iter().enumerate().map(|(i, &p)| solid("own", shape(i, p, 0.2))));
         cases.push(self.with("objects equal to their occluder", objects)?.with_known(front(1, 1, 0.2)));
@@ -143,7 +143,7 @@ impl Arena<'_> {
     /// Points, and objects as large as the scene and larger.
     fn sizes(&self) -> Result<Vec<Case>, LabError> {
         let plain = vec![solid("wall", wall(4.0 * CELL))];
-        let mut cases = vec![self.with("objects of usual sizes", plain.clone())?.calm()];
+        let mut cases = vec![self.with("objects of usual sizes", plain.clone())?];
         let mut dice = self.dice(8);
         for (name, size) in
             [("zero-size objects", 0.0), ("objects of 1e-6 m", 1e-6), ("objects of 1e-30 m", 1e-30)]

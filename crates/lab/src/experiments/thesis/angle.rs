@@ -1,13 +1,14 @@
-//! The walk through the frustum against the angle of view (section 4.5, figure 4.6).
+//! The walk through the frustum against the angle of view (section 4.5, figure 4.6). The eye stands
+//! in the middle of one face of the scene and looks inwards through a square opening; at 180 degrees
+//! all of the grid lies before it. First the scene is empty, as in the thesis, then it has 5,000
+//! spheres.
 
 use casca::{Method, Plane, Query, View};
 use glam::{UVec3, Vec3};
 
 use super::super::stage::{Stage, Telling};
 use super::super::{Lab, LabError, Section, Table};
-use super::setting::{COARSE, FINE, Finding, grid, ratio};
-use crate::pictures::palette::{CELL, Marker, POINT, Style, THESIS, method, other};
-use crate::pictures::{Axis, Line, lines};
+use super::setting::{COARSE, FINE, Finding, at, grid, ratio};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Shape, World};
 
@@ -56,24 +57,14 @@ struct Row {
     cells: Vec<(f64, f64)>,
 }
 
-fn at(points: &[(f64, f64)], x: f64) -> f64 {
-    points.iter().find(|p| p.0 == x).map_or(0.0, |p| p.1)
-}
-
 /// The share of the value at 180 degrees that is there at fewer.
 fn share(points: &[(f64, f64)], degrees: f64) -> f64 {
     ratio(at(points, degrees), at(points, 180.0))
 }
 
-/// Points relative to that at 180 degrees.
-fn relative(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    points.iter().map(|p| (p.0, ratio(p.1, at(points, 180.0)))).collect()
-}
-
 pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabError> {
     (lab.progress)("angle of view");
-    let mut angles: Vec<f64> = (0..=lab.pick(36, 9)).map(|i| f64::from(i) * lab.pick(5.0, 20.0)).collect();
-    angles[0] = 1.0;
+    let angles = [20.0, BEND, 180.0];
     let full = build(SceneKind::Spheres, &SceneOptions { seed: lab.seed, ..SceneOptions::default() });
     let mut empty = build(SceneKind::Spheres, &SceneOptions { scale: 0.0, ..SceneOptions::default() });
     empty.objects.clear();
@@ -103,7 +94,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         }
     }
     let rows: Vec<Row> = runs.into_iter().map(|(row, ..)| row).collect();
-    draw(lab, section, &rows)?;
+    section.rows("Angles of view as CSV", table(&rows));
     Ok(findings(&rows))
 }
 
@@ -111,80 +102,16 @@ fn stage(world: &World, dims: UVec3) -> Result<Stage, LabError> {
     Stage::new(world, &grid(world, dims)?, Method::cell(), Telling::Always)
 }
 
-fn draw(lab: &Lab, section: &mut Section, rows: &[Row]) -> Result<(), LabError> {
-    section.text(
-        "### The angle of view (section 4.5)\n\nThe eye stands in the middle of one face of the scene and looks inwards \
-         through a square opening; at 180 degrees all of the grid lies before it. First the scene is empty, as in the thesis, \
-         then it has 5,000 spheres. `point` walks only bricks with objects in them: in an empty scene it does nothing but \
-         clear its buffers.",
-    );
-    let x = Axis::linear("angle of view, degrees");
-    let marked = |style: Style, marker| Style { marker, ..style };
-    let all = [
-        Line::new("cell, empty: time", marked(CELL, Marker::Diamond), relative(&rows[2].time)),
-        Line::new("cell, spheres: time", CELL, relative(&rows[6].time)),
-        Line::new(
-            "cell, spheres: cells walked",
-            marked(other(5), Marker::Triangle),
-            relative(&rows[6].cells),
-        ),
-        Line::new("point, empty: time", marked(POINT, Marker::Star), relative(&rows[3].time)),
-        Line::new("point, spheres: time", POINT, relative(&rows[7].time)),
-        Line::dots("thesis: steep up to about 80 degrees", THESIS, vec![(BEND, share(&rows[6].time, BEND))]),
-    ];
-    let file = "thesis-angle-share.svg";
-    let title = format!(
-        "A query at 80 degrees, where the thesis sees its curve bend, takes {:.0}% of the time at 180 with cell, {:.0}% with \
-         point",
-        share(&rows[6].time, BEND) * 100.0,
-        share(&rows[7].time, BEND) * 100.0
-    );
-    let subtitle = "Values relative to those at 180 degrees, 100x60x100 cells; the title is about the spheres. The thesis gives \
-                    the angle of its bend, but no height.";
-    let y = Axis::linear("share of the value at 180 degrees");
-    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &all)?;
-    section.picture(file, &title);
-    let line = |r: &Row| {
-        let (scene, way) = r.name.split_once(": ").unwrap_or(("", &r.name));
-        let plain = method(way).unwrap_or(CELL);
-        let style = if way.contains("50x30x50") { plain.dashed() } else { plain };
-        // Squares and discs among spheres, other marks in the empty scene.
-        let empty = if way.starts_with("cell") { Marker::Diamond } else { Marker::Star };
-        Line::new(
-            &r.name,
-            if scene == "empty" { Style { marker: empty, ..style } } else { style },
-            r.time.clone(),
-        )
-    };
-    let all: Vec<Line> = rows.iter().filter(|r| !r.name.starts_with("empty: point, 50")).map(line).collect();
-    let file = "thesis-angle-spheres.svg";
-    let title = format!(
-        "Among 5,000 spheres and at 180 degrees, point takes {:.2} ms and cell {:.2} ms",
-        at(&rows[7].time, 180.0),
-        at(&rows[6].time, 180.0)
-    );
-    let subtitle = "Time of a query by the angle of view, empty and among spheres. Dashed: 50x30x50 cells; the title is \
-                    about 100x60x100.";
-    lines(
-        &lab.folder.join(file),
-        &title,
-        subtitle,
-        (&x, &Axis::log("time of a query, ms, least of repeated runs")),
-        &all,
-    )?;
-    section.picture(file, &title);
-    let mut table = Table::new(
-        "thesis-angle",
-        &["scene and way", "ms at 20", "ms at 80", "ms at 180", "share at 80", "cells walked at 180"],
-    );
+fn table(rows: &[Row]) -> Table {
+    let columns =
+        ["scene and way", "ms at 20", "ms at 80", "ms at 180", "share at 80", "cells walked at 180"];
+    let mut table = Table::new("thesis-angle", &columns);
     for r in rows {
-        let ms = |degrees| format!("{:.4}", at(&r.time, degrees));
-        let share = format!("{:.2}", share(&r.time, BEND));
-        let cells = format!("{:.0}", at(&r.cells, 180.0));
-        table.row([r.name.clone(), ms(20.0), ms(BEND), ms(180.0), share, cells]);
+        let times = [20.0, BEND, 180.0].map(|degrees| format!("{:.4}", at(&r.time, degrees)));
+        let last = [format!("{:.2}", share(&r.time, BEND)), format!("{:.0}", at(&r.cells, 180.0))];
+        table.row([r.name.clone()].into_iter().chain(times).chain(last));
     }
-    section.rows("All times as CSV", table);
-    Ok(())
+    table
 }
 
 fn findings(rows: &[Row]) -> Vec<Finding> {
@@ -199,8 +126,9 @@ fn findings(rows: &[Row]) -> Vec<Finding> {
             "4.5, fig. 4.6",
             "Empty scene: time rises steeply up to about 80 degrees, then less.",
             format!(
-                "In an empty scene `cell` walks no more than {:.0} of the cells. Among spheres, 100x60x100, {:.0}% of its time at 180 degrees is \
-                 there at 80, and {:.0}% of the cells walked; below 80 a degree costs {:.1} times as much as above.",
+                "In an empty scene `cell` walks no more than {:.0} of the cells. Among spheres, 100x60x100, \
+                 {:.0}% of its time at 180 degrees is there at 80, and {:.0}% of the cells walked; below 80 \
+                 a degree costs {:.1} times as much as above.",
                 at(&rows[2].cells, 180.0),
                 share(&fine.time, BEND) * 100.0,
                 share(&fine.cells, BEND) * 100.0,
@@ -211,8 +139,8 @@ fn findings(rows: &[Row]) -> Vec<Finding> {
             "4.5",
             "From 50x30x50 to 100x60x100 the grid has 8 times the cells; the cost grows fast.",
             format!(
-                "Among spheres at 180 degrees, `cell` walks {:.1} times the cells in {:.1} times the time; `point` takes {:.1} \
-                 times as long.",
+                "Among spheres at 180 degrees, `cell` walks {:.1} times the cells in {:.1} times the time; \
+                 `point` takes {:.1} times as long.",
                 grown(&coarse.cells, &fine.cells),
                 grown(&coarse.time, &fine.time),
                 grown(&rows[5].time, &rows[7].time)
@@ -261,12 +189,5 @@ mod tests {
             assert!((0..=10).all(|i| center.distance(eye + Vec3::X * i as f32) > *radius));
         }
         assert!(eye.x < world.grid.min.x + 1.0);
-    }
-
-    #[test]
-    fn shares_are_of_the_last_angle() {
-        let points = [(80.0, 3.0), (180.0, 4.0)];
-        assert_eq!(share(&points, 80.0), 0.75);
-        assert_eq!(relative(&points), [(80.0, 0.75), (180.0, 1.0)]);
     }
 }

@@ -1,12 +1,12 @@
-//! Hidden dynamic objects (section 4.2, figure 4.3).
+//! Hidden dynamic objects (section 4.2, figure 4.3): among the 5,000 spheres stands a closed bunker in
+//! which more and more small spheres move; the camera stands still. The time of a frame is upkeep
+//! (clock, reports, feedback) and query.
 
 use casca::{Method, View};
 
 use super::super::stage::{Stage, Telling, frame_of, ms};
-use super::super::{ASPECT, Lab, LabError, Section, Table, grouped, median};
-use super::setting::{COARSE, FINE, Finding, SCREEN, grid, ratio, style};
-use crate::pictures::palette::{CELL, Marker, Style, THESIS as GIVEN, other};
-use crate::pictures::{Axis, Line, lines};
+use super::super::{ASPECT, Lab, LabError, Section, Table, median};
+use super::setting::{COARSE, FINE, Finding, SCREEN, at, grid, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::timed;
@@ -32,12 +32,8 @@ impl Row {
     }
 }
 
-fn at(points: &[(f64, f64)], x: f64) -> f64 {
-    points.iter().find(|p| p.0 == x).map_or(0.0, |p| p.1)
-}
-
 pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabError> {
-    let counts: Vec<usize> = lab.pick(vec![0, 125, 250, 500, 1000, 2000, 5000, 10_000], vec![0, 500, 10_000]);
+    let counts = [0, 500, 10_000];
     let (settle, frames) = (lab.pick(60, 8), lab.pick(31, 3));
     let ways = [
         ("cell, 50x30x50", Method::cell(), COARSE, Telling::OnExpiry),
@@ -91,83 +87,21 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         }
         drawn.push((n, median(&mut drawing)));
     }
-    draw(lab, section, &rows, &drawn, &counts)?;
+    section.rows("Hidden dynamic objects as CSV", table(&rows, &counts));
     Ok(findings(&rows, &drawn))
 }
 
-fn draw(
-    lab: &Lab,
-    section: &mut Section,
-    rows: &[Row],
-    drawn: &[(f64, f64)],
-    counts: &[usize],
-) -> Result<(), LabError> {
-    section.text(
-        "### Hidden dynamic objects (section 4.2)\n\nAmong the 5,000 spheres stands a closed bunker in which more and \
-         more small spheres move; the camera stands still. The time of a frame is upkeep (clock, reports, feedback) and \
-         query. Hidden objects are reported when their bounding volumes expire, as in the thesis, or all in every frame.",
-    );
-    let look = |name: &str| match name.contains("all reported") && name.starts_with("cell") {
-        true => Style { marker: Marker::Hexagon, ..CELL },
-        false => style(name),
-    };
-    let count = Axis { label: "hidden dynamic objects".to_owned(), ..Axis::linear("") };
-    let mut all: Vec<Line> = rows.iter().map(|r| Line::new(r.name, look(r.name), r.frame())).collect();
-    all.push(Line::new("drawing the hidden objects into a depth buffer", other(8), drawn.to_vec()));
-    let file = "thesis-hidden-frame.svg";
-    let last = counts.last().copied().unwrap_or(0) as f64;
-    let growth = |p: Vec<(f64, f64)>| ratio(at(&p, last), at(&p, 0.0));
-    let many = grouped(last as usize);
-    let title = format!(
-        "{many} hidden moving objects make a frame of point {:.2} times as long, one of frustum culling {:.1} times",
-        growth(rows[4].frame()),
-        growth(rows[5].frame())
-    );
-    let subtitle = "Upkeep and query, without drawing the visible objects. Dashed: 50x30x50 cells.";
-    let y = Axis::log("time of a frame, ms, median");
-    lines(&lab.folder.join(file), &title, subtitle, (&count, &y), &all)?;
-    section.picture(file, &title);
-
-    let relative = |r: &Row| {
-        let base = at(&r.upkeep, 500.0);
-        let points = r.upkeep.iter().filter(|p| p.0 > 0.0);
-        Line::new(r.name, look(r.name), points.map(|p| (p.0, ratio(p.1, base))).collect())
-    };
-    let mut all: Vec<Line> = rows.iter().filter(|r| !r.name.starts_with("frustum")).map(relative).collect();
-    let most = THESIS.2 / THESIS.0;
-    all.push(Line::dots(
-        "thesis, 50x30x50 (at 10,000: a whole frame)",
-        GIVEN,
-        vec![(500.0, 1.0), (10_000.0, most)],
-    ));
-    let file = "thesis-hidden-upkeep.svg";
-    let title = format!(
-        "From 500 to {many} hidden objects, upkeep grows {:.1} times if they are reported on expiry, {:.1} times if always",
-        ratio(at(&rows[1].upkeep, last), at(&rows[1].upkeep, 500.0)),
-        ratio(at(&rows[2].upkeep, last), at(&rows[2].upkeep, 500.0))
-    );
-    let subtitle =
-        "Upkeep relative to that of 500 hidden objects; the title is about cell with 100x60x100 cells.";
-    let (x, y) = (Axis::log("hidden dynamic objects"), Axis::log("upkeep / upkeep of 500 objects"));
-    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &all)?;
-    section.picture(file, &title);
-
-    let mut table =
-        Table::new("thesis-hidden", &["way", "hidden objects", "upkeep, ms", "query, ms", "frame, ms"]);
+fn table(rows: &[Row], counts: &[usize]) -> Table {
+    let columns = ["way", "hidden objects", "upkeep, ms", "query, ms", "frame, ms"];
+    let mut table = Table::new("thesis-hidden", &columns);
     for r in rows {
-        for n in [0.0, 500.0, last] {
-            let (u, q) = (at(&r.upkeep, n), at(&r.query, n));
-            table.row([
-                r.name.to_owned(),
-                format!("{n}"),
-                format!("{u:.4}"),
-                format!("{q:.3}"),
-                format!("{:.3}", u + q),
-            ]);
+        for &count in counts {
+            let (u, q) = (at(&r.upkeep, count as f64), at(&r.query, count as f64));
+            let times = [format!("{u:.4}"), format!("{q:.3}"), format!("{:.3}", u + q)];
+            table.row([r.name.to_owned(), count.to_string()].into_iter().chain(times));
         }
     }
-    section.rows("All times as CSV", table);
-    Ok(())
+    table
 }
 
 fn findings(rows: &[Row], drawn: &[(f64, f64)]) -> Vec<Finding> {
@@ -179,9 +113,9 @@ fn findings(rows: &[Row], drawn: &[(f64, f64)]) -> Vec<Finding> {
             place,
             "The depth buffer alone grows linearly with hidden objects; the method stays constant.",
             format!(
-                "From 500 to 10,000 hidden objects the depth buffer's time for them grows {:.1} times. From none to \
-                 10,000, frames with `frustum` take {:.2} times as long, queries of `cell` {:.2}, of `point` {:.2}, and \
-                 whole frames of `point` {:.2} (100x60x100, reported on expiry).",
+                "From 500 to 10,000 hidden objects the depth buffer's time for them grows {:.1} times. From \
+                 none to 10,000, frames with `frustum` take {:.2} times as long, queries of `cell` {:.2}, of \
+                 `point` {:.2}, and whole frames of `point` {:.2} (100x60x100, reported on expiry).",
                 ratio(at(drawn, 10_000.0), at(drawn, 500.0)),
                 growth(&rows[5].frame()),
                 growth(&fine.query),

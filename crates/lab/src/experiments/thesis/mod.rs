@@ -17,20 +17,19 @@ use super::{Lab, LabError, Section, Table};
 /// the angle of view, the resolution of the grid, and a profile.
 ///
 /// # Errors
-/// If a picture cannot be written, or a scene is refused.
+/// If a scene is refused.
 pub fn thesis(lab: &Lab) -> Result<Section, LabError> {
     let mut body = Section::new("");
     let mut findings = Vec::new();
     for experiment in [hidden::run, walk::run, angle::run, resolution::run, profile::run] {
         findings.extend(experiment(lab, &mut body)?);
     }
-    let mut section = Section::on_its_own_page("The thesis' experiments, with today's code");
+    let mut section = Section::new("The thesis' experiments, with today's code");
     section.text(
-        "casca follows a thesis of 2002. Here are the experiments of its chapter 4, on scenes made as it describes them: \
-         clusters of spheres, 4,800 static and 200 that move. Its times come from an Athlon XP at 1.5 GHz with a GeForce2, so \
-         ratios and shapes of curves are compared. Its charts are lost; black marks in ours are the numbers that \
-         its text gives. `cell` is the thesis' kind of visibility. An object is visible if an exact item buffer of \
-         1920x1080 shows a pixel of it.",
+        "The experiments of chapter 4 of the thesis of 2002, on scenes made as it describes them: clusters \
+         of spheres, 4,800 static and 200 that move. Its times come from an Athlon XP at 1.5 GHz with a \
+         GeForce2, so ratios are compared. `cell` is the thesis' kind of visibility. An object is visible if \
+         an item buffer of 1920x1080 shows a pixel of it.",
     );
     let mut table = Table::new("thesis-findings", &["section", "the thesis found", "we find"]);
     for f in findings {

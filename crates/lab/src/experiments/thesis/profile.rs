@@ -1,11 +1,13 @@
-//! Where the time goes (section 4.7).
+//! Where the time goes (section 4.7). Reports and feedback are timed directly. The library has no
+//! clocks inside a query, so its parts are estimates from differences: a step of the walk costs as
+//! much as in the empty scene, a test of an object as much as among objects that hide nothing, and
+//! the rest is occlusion. Rendering the PVS is left out.
 
 use casca::{GridSpec, Method, Query};
 
 use super::super::stage::{Stage, Telling};
 use super::super::{ASPECT, Lab, LabError, Section, Table};
 use super::setting::{Finding, ratio};
-use crate::pictures::{Bar, bars};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{FRAME_SECONDS, World};
@@ -109,7 +111,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
             }
         }
     }
-    draw(lab, section, &totals, frames)?;
+    section.rows("The profile as CSV", table(&totals));
     Ok(findings(&totals, sizes.map(|s| s / frames as f64)))
 }
 
@@ -118,43 +120,15 @@ fn percent(parts: &[f64; 8]) -> [f64; 8] {
     parts.map(|p| ratio(p, sum) * 100.0)
 }
 
-fn draw(lab: &Lab, section: &mut Section, totals: &[[f64; 8]; 2], frames: usize) -> Result<(), LabError> {
-    section.text(format!(
-        "### Where the time goes (section 4.7)\n\n4,800 static and 200 moving spheres, 70 cells along the longest axis, \
-         {frames} frames. Reports and feedback are timed directly. The library has no clocks inside a query, so its parts \
-         are estimates from differences: a step of the walk costs as much as in the empty scene, a test of an object as much \
-         as among objects that hide nothing, and the rest is occlusion. Rendering the PVS is left out."
-    ));
-    let shares = [&THESIS, &percent(&totals[0]), &percent(&totals[1])].map(|s| s.to_vec());
-    let labels = ["thesis, 70x70x70", "here: cell", "here: point"];
-    let all: Vec<Bar> =
-        labels.iter().zip(&shares).map(|(l, s)| Bar { label: (*l).to_owned(), shares: s.clone() }).collect();
-    let file = "thesis-profile.svg";
-    let title = format!(
-        "Upkeep takes {:.0}% of a frame with cell and {:.0}% with point (thesis: 55%); occlusion and refinement \
-         take {:.0}% and {:.0}%",
-        shares[1][0] + shares[1][1],
-        shares[2][0] + shares[2][1],
-        shares[1][3..6].iter().sum::<f64>(),
-        shares[2][3..6].iter().sum::<f64>()
-    );
-    let subtitle = "Shares of a frame by stage, as the thesis gives them and as estimated here.";
-    bars(&lab.folder.join(file), &title, subtitle, "share of a frame, %", &PARTS, &all)?;
-    section.picture(file, &title);
-    let mut table =
-        Table::new("thesis-profile", &["part", "thesis, %", "cell, %", "cell, ms", "point, %", "point, ms"]);
+fn table(totals: &[[f64; 8]; 2]) -> Table {
+    let columns = ["part", "thesis, %", "cell, %", "cell, ms", "point, %", "point, ms"];
+    let mut table = Table::new("thesis-profile", &columns);
+    let shares = totals.map(|t| percent(&t));
     for (i, part) in PARTS.iter().enumerate() {
-        table.row([
-            (*part).to_owned(),
-            format!("{:.1}", THESIS[i]),
-            format!("{:.1}", shares[1][i]),
-            format!("{:.4}", totals[0][i]),
-            format!("{:.1}", shares[2][i]),
-            format!("{:.4}", totals[1][i]),
-        ]);
+        let [cell, point] = [0, 1].map(|m| [format!("{:.1}", shares[m][i]), format!("{:.4}", totals[m][i])]);
+        table.row([(*part).to_owned(), format!("{:.1}", THESIS[i])].into_iter().chain(cell).chain(point));
     }
-    section.rows("All parts as CSV", table);
-    Ok(())
+    table
 }
 
 fn findings(totals: &[[f64; 8]; 2], sizes: [f64; 2]) -> Vec<Finding> {

@@ -1,13 +1,14 @@
-//! Cost and accuracy against the resolution of the grid (section 4.6, figures 4.7 and 4.8).
+//! Cost and accuracy against the resolution of the grid (section 4.6, figures 4.7 and 4.8): the 4,800
+//! static spheres from some viewpoints of the walk, on grids of cubic cells with N of them along the
+//! longest axis. The solution point is the N of the fastest frame: query, and drawing the PVS in
+//! software.
 
 use casca::{Aabb, GridSpec, Method, View};
 
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{ASPECT, Lab, LabError, Section, Table};
-use super::setting::{EXACT, Finding, SCREEN, mean, ratio, style};
-use crate::pictures::palette::{CELL, FRUSTUM, Marker, POINT, Style, THESIS};
-use crate::pictures::{Axis, Line, lines};
+use super::setting::{EXACT, Finding, SCREEN, mean, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::timed;
@@ -43,7 +44,7 @@ struct Point {
     lost: f64,
 }
 
-const METHODS: [(&str, Method); 2] = [("cell", Method::cell()), ("point", Method::point())];
+const METHODS: [Method; 2] = [Method::cell(), Method::point()];
 
 /// The point where a value is least.
 fn best(points: &[Point], value: fn(&Point) -> f64) -> Point {
@@ -64,10 +65,8 @@ fn curve(points: &[Point], value: fn(&Point) -> f64) -> Vec<(f64, f64)> {
 }
 
 pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabError> {
-    let cells: Vec<u32> = lab.pick(
-        vec![10, 15, 20, 25, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150, 160],
-        vec![10, 25, 70, 100, 160],
-    );
+    let cells: Vec<u32> =
+        lab.pick(vec![10, 20, 25, 30, 40, 55, 70, 85, 100, 130, 160], vec![10, 25, 70, 100, 160]);
     let viewpoints: Vec<usize> = lab.pick(vec![15, 45, 75, 105, 135], vec![75]);
     let repeats = lab.pick(5, 2);
     let mut world = build(SceneKind::Spheres, &SceneOptions { seed: lab.seed, ..SceneOptions::default() });
@@ -83,7 +82,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     for &cells in &cells {
         (lab.progress)(&format!("{cells} cells along the longest axis"));
         let grid = GridSpec::with_cells(region, cells)?;
-        for (method, (_, kind)) in METHODS.iter().enumerate() {
+        for (method, kind) in METHODS.iter().enumerate() {
             let stage = Stage::new(&world, &grid, *kind, Telling::Always)?;
             let none = || vec![f64::INFINITY; views.len()];
             runs.push(Run { cells, method, stage, query: none(), drawing: none(), found: none(), lost: 0 });
@@ -121,13 +120,9 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         })
         .collect()
     };
-    let found = Found {
-        methods: [points(0), points(1)],
-        vfc: ratio(mean(&in_frustum), exact),
-        fit: f64::from(fit),
-        exact,
-    };
-    found.draw(lab, section, views.len())?;
+    let found =
+        Found { methods: [points(0), points(1)], vfc: ratio(mean(&in_frustum), exact), fit: f64::from(fit) };
+    section.rows("Resolutions as CSV", found.table());
     Ok(found.findings())
 }
 
@@ -137,22 +132,10 @@ struct Found {
     vfc: f64,
     /// What the library would choose.
     fit: f64,
-    exact: f64,
 }
 
 impl Found {
-    fn draw(&self, lab: &Lab, section: &mut Section, views: usize) -> Result<(), LabError> {
-        let [cell, point] = &self.methods;
-        section.text(format!(
-            "### The resolution of the grid (section 4.6)\n\nThe 4,800 static spheres seen at 55 degrees (the \
-             mean of {views} viewpoints of the walk), on grids of cubic cells with N of them along the \
-             longest axis. The *solution point* is the N of the fastest frame: query, and drawing the PVS in software; for `point`, of \
-             the fastest query. \
-             `GridSpec::fit` chooses N = {}; {:.0} objects are visible.",
-            self.fit, self.exact
-        ));
-        self.draw_cost(lab, section)?;
-        self.draw_accuracy(lab, section)?;
+    fn table(&self) -> Table {
         let columns = [
             "N",
             "cell: query, ms",
@@ -164,89 +147,14 @@ impl Found {
             "visible objects lost",
         ];
         let mut table = Table::new("thesis-resolution", &columns);
+        let [cell, point] = &self.methods;
         for (c, p) in cell.iter().zip(point) {
-            let (query, frame, ratio) = (format!("{:.3}", c.query), c.frame, c.ratio);
-            table.row([
-                format!("{}", c.cells),
-                query,
-                format!("{frame:.2}"),
-                format!("{ratio:.2}"),
-                format!("{:.3}", p.query),
-                format!("{:.2}", p.frame),
-                format!("{:.3}", p.ratio),
-                format!("{}", c.lost + p.lost),
-            ]);
+            let of =
+                |p: &Point| [format!("{:.3}", p.query), format!("{:.2}", p.frame), format!("{:.3}", p.ratio)];
+            let lost = format!("{}", c.lost + p.lost);
+            table.row([format!("{}", c.cells)].into_iter().chain(of(c)).chain(of(p)).chain([lost]));
         }
-        section.rows("All resolutions as CSV", table);
-        Ok(())
-    }
-
-    fn draw_cost(&self, lab: &Lab, section: &mut Section) -> Result<(), LabError> {
-        let [cell, point] = &self.methods;
-        let (frame, query) = (|p: &Point| p.frame, |p: &Point| p.query);
-        let mut all = Vec::new();
-        for ((name, _), points) in METHODS.iter().zip(&self.methods) {
-            all.push(Line::new(format!("{name}: query and drawing"), style(name), curve(points, frame)));
-            all.push(Line::new(format!("{name}: query alone"), style(name).dashed(), curve(points, query)));
-        }
-        let mark = |name: String, style: Style, x: f64, points: &[(f64, f64)]| {
-            Line::dots(name, style, vec![(x, between(points, x))])
-        };
-        let (cells, points) = (curve(cell, frame), curve(point, query));
-        let (slow, fast) = (best(cell, frame), best(point, query));
-        let star = |style: Style| Style { marker: Marker::Star, ..style };
-        all.push(mark("thesis: fastest at about 70".to_owned(), THESIS, THESIS_BEST.0, &cells));
-        all.push(mark(format!("cell: fastest at {}", slow.cells), star(CELL), slow.cells, &cells));
-        all.push(mark(format!("point: fastest at {}", fast.cells), star(POINT), fast.cells, &points));
-        let fit = Style { marker: Marker::Hexagon, ..THESIS };
-        all.push(mark(format!("GridSpec::fit chooses {}", self.fit), fit, self.fit, &points));
-        let file = "thesis-resolution-cost.svg";
-        let times = |points: &[Point]| {
-            let most = points.iter().map(|p| p.query).fold(0.0, f64::max);
-            ratio(most, best(points, |p| p.query).query)
-        };
-        let title = format!(
-            "Over all grids, the slowest query of point takes {:.1} times the fastest, that of cell {:.0} times",
-            times(point),
-            times(cell)
-        );
-        let subtitle = "Time by the number of cells along the longest axis, mean over the viewpoints; drawing is in software.";
-        let x = Axis::linear("N, cells along the longest axis");
-        lines(&lab.folder.join(file), &title, subtitle, (&x, &Axis::log("time, ms")), &all)?;
-        section.picture(file, &title);
-        Ok(())
-    }
-
-    fn draw_accuracy(&self, lab: &Lab, section: &mut Section) -> Result<(), LabError> {
-        let [cell, point] = &self.methods;
-        let ends = |points: &[Point]| {
-            let ratios = || points.iter().map(|p| p.ratio);
-            (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max))
-        };
-        let span = cell.first().zip(cell.last()).map_or((10.0, 160.0), |(a, b)| (a.cells, b.cells));
-        let all = [
-            Line::new("cell", CELL, curve(cell, |p| p.ratio)),
-            Line::new("point", POINT, curve(point, |p| p.ratio)),
-            Line::new("frustum", FRUSTUM, vec![(span.0, self.vfc), (span.1, self.vfc)]),
-            Line::dots("thesis: 3.6 at 70, 3.2 at 100", THESIS, vec![THESIS_BEST, THESIS_FINE]),
-        ];
-        let file = "thesis-resolution-pvs.svg";
-        let ((tight, wide), (least, most)) = (ends(point), ends(cell));
-        let title = format!(
-            "For each visible object, point finds {tight:.2} to {wide:.2} on any grid, cell {most:.1} on the coarsest \
-             and {least:.1} on the finest"
-        );
-        let y = Axis { holds: vec![1.0], ..Axis::log("PVS/visible") };
-        let x = Axis::linear("N, cells along the longest axis");
-        lines(
-            &lab.folder.join(file),
-            &title,
-            "Objects found for each visible one; 1 is exact.",
-            (&x, &y),
-            &all,
-        )?;
-        section.picture(file, &title);
-        Ok(())
+        table
     }
 
     fn findings(&self) -> Vec<Finding> {
@@ -261,8 +169,8 @@ impl Found {
                 "4.6, fig. 4.7",
                 "The fastest frames are at about 70x70x70 cells, the solution point.",
                 format!(
-                    "`cell` is fastest at N = {} (query alone: {}), `point` by its query at {}; `GridSpec::fit` \
-                     chooses {}, where a query of `point` takes {:.2} times the best.",
+                    "`cell` is fastest at N = {} (query alone: {}), `point` by its query at {}; \
+                     `GridSpec::fit` chooses {}, where a query of `point` takes {:.2} times the best.",
                     cell_best.cells,
                     best(cell, query).cells,
                     point_best.cells,

@@ -1,10 +1,9 @@
-//! What the experiments share: sizes of pictures, the grids of the thesis, findings and styles.
+//! What the experiments share: sizes of pictures, the grids of the thesis, and findings.
 
 use casca::GridSpec;
 use glam::UVec3;
 
-use crate::experiments::LabError;
-use crate::pictures::palette::{self, Style};
+use super::super::LabError;
 use casca_scenes::drive::grid_for;
 use casca_scenes::world::World;
 
@@ -29,12 +28,6 @@ impl Finding {
     }
 }
 
-/// The style of a way; dashed on the coarse grid.
-pub(super) fn style(name: &str) -> Style {
-    let style = palette::method(name).unwrap_or(palette::other(8));
-    if name.contains("50x30x50") { style.dashed() } else { style }
-}
-
 pub(super) fn grid(world: &World, dims: UVec3) -> Result<GridSpec, LabError> {
     Ok(grid_for(&world.grid, Some(dims))?)
 }
@@ -46,6 +39,11 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 /// A over b, or 0 where there is no b.
 pub(super) fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
+}
+
+/// The value of a curve at one of its points; 0 elsewhere.
+pub(super) fn at(points: &[(f64, f64)], x: f64) -> f64 {
+    points.iter().find(|p| p.0 == x).map_or(0.0, |p| p.1)
 }
 
 #[cfg(test)]

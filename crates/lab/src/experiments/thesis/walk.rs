@@ -1,14 +1,13 @@
 //! A walk of 150 frames: its cost (section 4.3, figure 4.4) and the PVS against what is visible
-//! (section 4.4, figure 4.5).
+//! (section 4.4, figure 4.5). A frame is upkeep, query and the drawing of the PVS by a software depth
+//! buffer, which stands for the graphics card; the depth buffer alone draws all 5,000 objects.
 
 use casca::Method;
 
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{ASPECT, Lab, LabError, Section, Table, median};
-use super::setting::{COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio, style};
-use crate::pictures::palette::{Marker, Style, THESIS};
-use crate::pictures::{Axis, Line, lines};
+use super::setting::{COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::timed;
@@ -32,11 +31,6 @@ impl Row {
     fn frame(&self) -> Vec<f64> {
         self.upkeep.iter().zip(&self.query).zip(&self.drawing).map(|((u, q), d)| u + q + d).collect()
     }
-}
-
-/// Point by point, a / b.
-fn over(x: &[f64], a: &[f64], b: &[f64]) -> Vec<(f64, f64)> {
-    x.iter().zip(a.iter().zip(b)).map(|(&x, (&a, &b))| (x, ratio(a, b))).collect()
 }
 
 /// Milliseconds of drawing, the least of two.
@@ -67,7 +61,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         stages.push(Stage::new(&world, &grid(&world, dims)?, method, Telling::Always)?);
     }
     let mut hzb = Row { name: "hzb, 1280x720", ..Row::default() };
-    let (mut alone, mut visible, mut at) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut alone, mut visible) = (Vec::new(), Vec::new());
     let mut buffer = ItemBuffer::new(EXACT.0, EXACT.1);
     let mut depth = Hzb::new(SCREEN.0, SCREEN.1);
     for frame in 0..frames {
@@ -100,78 +94,11 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
             hzb.lost += seen.iter().filter(|i| !found.contains(i)).count();
             alone.push(drawn(&mut depth, |d| d.draw_all(objects, 0..objects.len(), &camera)));
             visible.push(seen.len() as f64);
-            at.push(frame as f64);
         }
     }
     rows.push(hzb);
-    cost(lab, section, &rows, &alone, &at)?;
-    accuracy(lab, section, &rows, &visible, &at)?;
     table(section, &rows, &alone, &visible);
     Ok(findings(&rows, &alone, &visible))
-}
-
-fn thesis_dots(at: &[f64], y: f64) -> Vec<(f64, f64)> {
-    let end = at.last().copied().unwrap_or(0.0);
-    (1..=5).map(|i| (end * f64::from(i) / 5.0 - end * 0.1, y)).collect()
-}
-
-/// Marks for the mean that the thesis gives for one of its grids.
-fn given(label: &str, coarse: bool, at: &[f64], y: f64) -> Line {
-    let style = if coarse { THESIS } else { Style { marker: Marker::Star, ..THESIS } };
-    Line::dots(label, style, thesis_dots(at, y))
-}
-
-fn cost(lab: &Lab, section: &mut Section, rows: &[Row], alone: &[f64], at: &[f64]) -> Result<(), LabError> {
-    section.text(
-        "### A walk: cost and accuracy (sections 4.3 and 4.4)\n\nThe observer walks among 4,800 static and 200 moving spheres. A \
-         frame is upkeep, query and the drawing of the PVS by a software depth buffer, which stands for the graphics card. The \
-         depth buffer alone draws all 5,000 objects.",
-    );
-    let line = |r: &Row| Line::new(r.name, style(r.name), over(at, alone, &r.frame()));
-    let mut all: Vec<Line> = rows.iter().map(line).collect();
-    all.push(given("thesis, 50x30x50: mean of about 10", true, at, 10.0));
-    all.push(given("thesis, 100x60x100: mean of about 4", false, at, 4.0));
-    let file = "thesis-walk-cost.svg";
-    let faster = |i: usize| ratio(middle(alone), middle(&rows[i].frame()));
-    let title = format!(
-        "Frames are {:.1} times as fast with point as when all is drawn, {:.1} times with cell, {:.1} with hzb",
-        faster(3),
-        faster(1),
-        faster(5)
-    );
-    let subtitle = "Whole frames, drawn in software. Dashed: 50x30x50 cells.";
-    let (x, y) = (Axis::linear("frame of the walk"), Axis::log("time to draw all / time of a frame"));
-    lines(&lab.folder.join(file), &title, subtitle, (&x, &y), &all)?;
-    section.picture(file, &title);
-    Ok(())
-}
-
-fn accuracy(
-    lab: &Lab,
-    section: &mut Section,
-    rows: &[Row],
-    visible: &[f64],
-    at: &[f64],
-) -> Result<(), LabError> {
-    let line = |r: &Row| Line::new(r.name, style(r.name), over(at, &r.found, visible));
-    let mut all: Vec<Line> = rows.iter().map(line).collect();
-    all.push(given("thesis, 50x30x50: about 6", true, at, 6.0));
-    all.push(given("thesis, 100x60x100: about 2", false, at, 2.0));
-    let file = "thesis-walk-pvs.svg";
-    let ratio_of = |i: usize| ratio(mean(&rows[i].found), mean(visible));
-    let title = format!(
-        "For each visible object, point finds {:.2}, cell {:.2}, hzb {:.2} and frustum culling {:.1}",
-        ratio_of(3),
-        ratio_of(1),
-        ratio_of(5),
-        ratio_of(4)
-    );
-    let subtitle =
-        "Objects found for each visible one, on the same walk; 1 is exact. Dashed: 50x30x50 cells.";
-    let y = Axis { holds: vec![1.0], ..Axis::log("PVS/visible") };
-    lines(&lab.folder.join(file), &title, subtitle, (&Axis::linear("frame of the walk"), &y), &all)?;
-    section.picture(file, &title);
-    Ok(())
 }
 
 /// The times and sets of each way.
@@ -200,7 +127,7 @@ fn table(section: &mut Section, rows: &[Row], alone: &[f64], visible: &[f64]) {
             format!("{:.2}", r.lost as f64 / visible.len().max(1) as f64),
         ]);
     }
-    section.rows("Means of each way as CSV", table);
+    section.rows("The walk as CSV", table);
 }
 
 fn findings(rows: &[Row], alone: &[f64], visible: &[f64]) -> Vec<Finding> {

@@ -1,17 +1,39 @@
-//! What else keeps moving boxes for queries: a linear array, bounding volume hierarchies and an
-//! R*-tree.
+//! What else keeps moving boxes for queries: a linear array and a bounding volume hierarchy.
 
 use std::time::Duration;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4, Vec4Swizzles};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree, SelectionFunction};
 
-use super::frustum::Frustum;
+use casca_scenes::world::Camera;
+
+/// What the test lets through beyond the frustum, in metres: more than it rounds.
+const MARGIN: f32 = 1e-3;
+
+/// The one test of boxes that all structures use: the half-spaces that bound a view, with normals
+/// of length 1 that point inwards.
+pub(super) struct Frustum([Vec4; 6]);
+
+impl Frustum {
+    pub(super) fn of(camera: &Camera) -> Self {
+        let m = camera.view_projection();
+        let (x, y, z, w) = (m.row(0), m.row(1), m.row(2), m.row(3));
+        let planes = [w + x, w - x, w + y, w - y, z, w - z];
+        Self(planes.map(|p| p / p.xyz().length().max(f32::MIN_POSITIVE) + Vec4::W * MARGIN))
+    }
+
+    /// Whether a box may meet the frustum. True for a box wherever it is true for one inside it.
+    pub(super) fn meets(&self, min: Vec3, max: Vec3) -> bool {
+        self.0.iter().all(|p| {
+            let n = p.xyz();
+            let far = Vec3::select(n.cmpge(Vec3::ZERO), max, min);
+            far.x * n.x + far.y * n.y + far.z * n.z + p.w >= 0.0
+        })
+    }
+}
 
 /// Least and greatest corner.
 pub(super) type Box3 = (Vec3, Vec3);
@@ -51,44 +73,33 @@ impl Structure for Linear {
     }
 }
 
-fn aabbs(boxes: &[Box3]) -> Vec<Aabb> {
-    boxes.iter().map(|&(min, max)| Aabb { min: min.into(), max: max.into() }).collect()
-}
-
-/// A bounding volume hierarchy of two children a node.
+/// A bounding volume hierarchy of two children a node, built once, whose boxes are fitted anew in
+/// each update.
 pub(super) struct Bvh {
     bvh: Bvh2,
     boxes: Vec<Box3>,
-    refit: bool,
 }
 
 impl Bvh {
-    /// Built once; its boxes are fitted anew in each update if `refit`, else it is built anew.
-    pub(super) fn new(boxes: &[Box3], refit: bool) -> Self {
-        let params = if refit { BvhBuildParams::medium_build() } else { BvhBuildParams::fastest_build() };
-        Self { bvh: build(boxes, params), boxes: boxes.to_vec(), refit }
+    pub(super) fn new(boxes: &[Box3]) -> Self {
+        let aabbs: Vec<Aabb> =
+            boxes.iter().map(|&(min, max)| Aabb { min: min.into(), max: max.into() }).collect();
+        let bvh = match aabbs.is_empty() {
+            true => Bvh2::default(),
+            false => build_bvh2(&aabbs, BvhBuildParams::medium_build(), &mut Duration::default()),
+        };
+        Self { bvh, boxes: boxes.to_vec() }
     }
-}
-
-fn build(boxes: &[Box3], params: BvhBuildParams) -> Bvh2 {
-    if boxes.is_empty() {
-        return Bvh2::default();
-    }
-    build_bvh2(&aabbs(boxes), params, &mut Duration::default())
 }
 
 impl Structure for Bvh {
     fn name(&self) -> &'static str {
-        if self.refit { "BVH, refit" } else { "BVH, rebuilt" }
+        "BVH, refit"
     }
 
     fn update(&mut self, boxes: &[Box3]) {
         self.boxes.clear();
         self.boxes.extend_from_slice(boxes);
-        if !self.refit {
-            self.bvh = build(boxes, BvhBuildParams::fastest_build());
-            return;
-        }
         let Bvh2 { nodes, primitive_indices, .. } = &mut self.bvh;
         for node in nodes.iter_mut().filter(|n| n.is_leaf()) {
             let from = node.first_index as usize;
@@ -123,51 +134,19 @@ impl Structure for Bvh {
     }
 }
 
-type Entry = GeomWithData<Rectangle<[f32; 3]>, u32>;
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn entry(number: usize, b: Box3) -> Entry {
-    GeomWithData::new(Rectangle::from_corners(b.0.to_array(), b.1.to_array()), number as u32)
-}
-
-/// An R*-tree whose boxes are taken out and put back.
-pub(super) struct RStar {
-    tree: RTree<Entry>,
-    boxes: Vec<Box3>,
-}
-
-impl RStar {
-    pub(super) fn new(boxes: &[Box3]) -> Self {
-        let entries = boxes.iter().enumerate().map(|(i, &b)| entry(i, b)).collect();
-        Self { tree: RTree::bulk_load(entries), boxes: boxes.to_vec() }
-    }
-}
-
-struct Meets<'a>(&'a Frustum);
-
-impl SelectionFunction<Entry> for Meets<'_> {
-    fn should_unpack_parent(&self, envelope: &AABB<[f32; 3]>) -> bool {
-        self.0.meets(envelope.lower().into(), envelope.upper().into())
-    }
-
-    fn should_unpack_leaf(&self, leaf: &Entry) -> bool {
-        self.0.meets(leaf.geom().lower().into(), leaf.geom().upper().into())
-    }
-}
-
-impl Structure for RStar {
-    fn name(&self) -> &'static str {
-        "R*-tree"
-    }
-
-    fn update(&mut self, boxes: &[Box3]) {
-        for (i, (old, &new)) in self.boxes.iter_mut().zip(boxes).enumerate() {
-            self.tree.remove(&entry(i, *old));
-            self.tree.insert(entry(i, new));
-            *old = new;
-        }
-    }
-
-    fn query(&self, frustum: &Frustum, out: &mut Vec<u32>) {
-        out.extend(self.tree.locate_with_selection_function(Meets(frustum)).map(|e| e.data));
+    #[test]
+    fn boxes_meet_the_frustum_or_not() {
+        let f = Frustum::of(&Camera::look_at(Vec3::ZERO, Vec3::X, 90.0, 1.0, 1.0, 100.0));
+        let meets = |x: f32, y: f32, z: f32| {
+            let c = Vec3::new(x, y, z);
+            f.meets(c - 0.5, c + 0.5)
+        };
+        assert!(meets(10.0, 0.0, 0.0) && meets(10.0, 9.9, 0.0) && meets(50.0, 0.0, -50.2));
+        assert!(!meets(-10.0, 0.0, 0.0) && !meets(10.0, 12.0, 0.0) && !meets(101.0, 0.0, 0.0));
+        assert!(!meets(0.2, 0.0, 0.0) && meets(0.6, 0.0, 0.0) && !meets(50.0, 0.0, 52.0));
     }
 }

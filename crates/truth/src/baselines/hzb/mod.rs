@@ -18,19 +18,6 @@ use casca_scenes::world::{Camera, Mesh, Object, Shape};
 /// instead of 320, and below a pixel not at all.
 const COARSE: f32 = 12.0;
 
-/// How much a frame did.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Tests of a box.
-    pub tests: u64,
-    /// Objects drawn.
-    pub objects: u64,
-    /// Triangles of these objects.
-    pub triangles: u64,
-    /// Those whose box on the screen holds the centre of a pixel, without backs of closed meshes.
-    pub on_pixels: u64,
-}
-
 /// The solids, and what drawing needs in between.
 struct Pen {
     fine: Model,
@@ -39,7 +26,6 @@ struct Pen {
     /// Columns, rows and nearness of the vertices of the mesh being drawn; nearness -1 in front of
     /// the near plane.
     projected: Vec<Block>,
-    work: Work,
 }
 
 /// A software occlusion buffer.
@@ -65,7 +51,6 @@ impl Hzb {
                 coarse: model(Mesh::ball(1)),
                 cube: model(Mesh::cuboid(Vec3::ZERO, Vec3::ONE)),
                 projected: Vec::new(),
-                work: Work::default(),
             },
         }
     }
@@ -80,11 +65,6 @@ impl Hzb {
     /// The buffer as the last frame left it.
     pub fn depth(&self) -> &DepthPyramid {
         &self.depth
-    }
-
-    /// How much the last call did.
-    pub fn work(&self) -> Work {
-        self.pen.work
     }
 
     /// Which of the objects given are visible, front to back. Each that occludes is tested and, if
@@ -104,7 +84,6 @@ impl Hzb {
                 let index = in_frustum[number];
                 let object = &objects[index];
                 if object.occludes {
-                    pen.work.tests += 1;
                     if depth.hides_in(simd, &boxes.rects[number]) {
                         continue;
                     }
@@ -112,7 +91,6 @@ impl Hzb {
                 }
                 open.push(number);
             }
-            pen.work.tests += open.len() as u64;
             for number in open {
                 if !depth.hides_in(simd, &boxes.rects[number]) {
                     visible.push(in_frustum[number]);
@@ -135,26 +113,8 @@ impl Hzb {
         });
     }
 
-    /// Which of the objects given the buffer does not hide, as it is.
-    pub fn test(&mut self, objects: &[Object], given: &[usize], camera: &Camera) -> Vec<usize> {
-        let screen = self.begin(objects, given, camera);
-        let Self { depth, boxes, pen, .. } = self;
-        let mut visible = Vec::with_capacity(given.len());
-        pen.work.tests += given.len() as u64;
-        dispatch!(depth.level(), simd => {
-            boxes.project(simd, &screen);
-            for (&index, rect) in given.iter().zip(&boxes.rects) {
-                if !depth.hides_in(simd, rect) {
-                    visible.push(index);
-                }
-            }
-        });
-        visible
-    }
-
     /// Collects the boxes.
     fn begin(&mut self, objects: &[Object], given: &[usize], camera: &Camera) -> Screen {
-        self.pen.work = Work::default();
         self.prepare(objects);
         let models = &mut self.models;
         self.boxes.fill(given.iter().map(|&i| models.bounds(i, &objects[i].shape)));
@@ -173,7 +133,7 @@ impl Pen {
         index: usize,
         shape: &Shape,
     ) {
-        let Self { fine, coarse, cube, projected, work } = self;
+        let Self { fine, coarse, cube, projected } = self;
         let (model, transform): (&Model, Affine3A) = match shape {
             Shape::Sphere { center, radius } => {
                 let distance = center.distance(screen.eye);
@@ -187,11 +147,9 @@ impl Pen {
             Shape::Box { min, max } => (cube, scaled(*max - *min, *min)),
             Shape::Mesh { mesh, transform } => (models.model(index, mesh), *transform),
         };
-        work.objects += 1;
-        work.triangles += model.triangles.len() as u64;
         simd.vectorize(
             #[inline(always)]
-            || work.on_pixels += draw_model(simd, depth, screen, model, &transform, projected),
+            || draw_model(simd, depth, screen, model, &transform, projected),
         );
     }
 }
@@ -200,7 +158,7 @@ fn scaled(size: Vec3, at: Vec3) -> Affine3A {
     Affine3A::from_mat3_translation(glam::Mat3::from_diagonal(size), at)
 }
 
-/// Draws all triangles of a model; returns how many may cover a pixel's centre.
+/// Draws all triangles of a model.
 #[inline(always)]
 fn draw_model<S: Simd>(
     simd: S,
@@ -209,7 +167,7 @@ fn draw_model<S: Simd>(
     model: &Model,
     transform: &Affine3A,
     projected: &mut Vec<Block>,
-) -> u64 {
+) {
     let rows = screen.rows_from(transform);
     let sides = match (model.closed, transform.matrix3.determinant() >= 0.0) {
         (false, _) => Sides::Both,
@@ -217,7 +175,6 @@ fn draw_model<S: Simd>(
         (true, false) => Sides::CounterClockwise,
     };
     let crosses = project(simd, &rows, screen.near, &model.vertices, projected);
-    let mut count = 0;
     let mut clipped = Clipped::default();
     for triangles in model.triangles.chunks(8) {
         let mut corners = Corners::default();
@@ -229,7 +186,7 @@ fn draw_model<S: Simd>(
                 corners.near[k][i & 7] = block[2][lane];
             }
         }
-        count += draw(simd, depth, &corners, sides);
+        draw(simd, depth, &corners, sides);
         if crosses {
             for (i, triangle) in triangles.iter().enumerate() {
                 let behind = (0..3).filter(|&k| corners.near[k][i & 7] < 0.0).count();
@@ -242,16 +199,15 @@ fn draw_model<S: Simd>(
                         screen.near,
                     );
                     if clipped.is_full() {
-                        count += draw(simd, depth, &clipped.take(), sides);
+                        draw(simd, depth, &clipped.take(), sides);
                     }
                 }
             }
         }
     }
     if crosses {
-        count += draw(simd, depth, &clipped.take(), sides);
+        draw(simd, depth, &clipped.take(), sides);
     }
-    u64::from(count)
 }
 
 /// Projects vertices; returns whether one lies in front of the near plane.

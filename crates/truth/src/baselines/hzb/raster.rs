@@ -87,9 +87,9 @@ fn edge<S: Simd>(simd: S, p: Point<S>, q: Point<S>, beyond: f32x8<S>) -> Edge {
     Edge { x: lanes(runs.select(p.0 - 0.5, beyond)), y: lanes(p.1 - 0.5), slope: lanes(slope) }
 }
 
-/// Draws those of eight triangles that cover the centre of a pixel; returns how many may do so.
+/// Draws those of eight triangles that cover the centre of a pixel.
 #[inline(always)]
-pub(super) fn draw<S: Simd>(simd: S, depth: &mut DepthPyramid, corners: &Corners, sides: Sides) -> u32 {
+pub(super) fn draw<S: Simd>(simd: S, depth: &mut DepthPyramid, corners: &Corners, sides: Sides) {
     let [ax, bx, cx] = loaded(simd, &corners.x);
     let [ay, by, cy] = loaded(simd, &corners.y);
     let [an, bn, cn] = loaded(simd, &corners.near);
@@ -114,7 +114,7 @@ pub(super) fn draw<S: Simd>(simd: S, depth: &mut DepthPyramid, corners: &Corners
     let drawn = facing & left.simd_lt(right) & top.simd_lt(bottom) & least.simd_gt(zero);
     let drawn = drawn.to_bitmask();
     if drawn == 0 {
-        return 0;
+        return;
     }
 
     let scale = 1.0 / area;
@@ -148,7 +148,6 @@ pub(super) fn draw<S: Simd>(simd: S, depth: &mut DepthPyramid, corners: &Corners
         fill(simd, depth, &setup, left_over.trailing_zeros() as usize & 7);
         left_over &= left_over - 1;
     }
-    drawn.count_ones()
 }
 
 /// Draws one of eight triangles, tile by tile.

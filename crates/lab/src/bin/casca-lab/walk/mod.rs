@@ -2,32 +2,29 @@
 //! objects of each frame, which are checked against exact visibility.
 
 mod options;
-mod pictures;
 mod session;
 mod summary;
 
 use casca_lab::pictures::chart;
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::world::World;
-use casca_tools::command_line::{Outcome, PathError, try_writing, try_writing_into};
+use casca_tools::command_line::{Outcome, try_writing_into};
 use glam::DVec3;
 use indicatif::ProgressBar;
 
 use crate::Failure;
 use crate::progress;
 pub use options::Options;
-use pictures::PICTURES;
 use session::{Frame, Session};
 use summary::Summary;
 
 /// Losses that are printed one by one.
 const LOSSES_SHOWN: usize = 10;
 
-/// Walks, prints the results, and writes the pictures and the file of results.
+/// Walks, prints the results, and writes the pictures.
 pub fn run(options: &Options) -> Result<Outcome, Failure> {
     // A walk takes minutes: what cannot be written is said before it.
-    try_writing_into(&options.out.out, &PICTURES)?;
-    options.json.as_deref().map_or(Ok(()), try_writing)?;
+    try_writing_into(&options.out.out, &["walk.svg", "frame.png"])?;
     let mut session = Session::new(options, open(options)?)?;
     let frames = walk(options, &mut session)?;
 
@@ -36,10 +33,6 @@ pub fn run(options: &Options) -> Result<Outcome, Failure> {
     chart(&options.out.out.join("walk.svg"), &title, &counts)?;
     let summary = Summary::new(options, &session, frames);
     summary.print();
-    if let Some(file) = &options.json {
-        let text = serde_json::to_vec_pretty(&summary.json())?;
-        std::fs::write(file, text).map_err(PathError::write(file))?;
-    }
     Ok(summary.outcome())
 }
 

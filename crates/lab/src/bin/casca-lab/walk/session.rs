@@ -6,18 +6,21 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{Aabb, GridSpec, Method, Query};
-use casca_lab::pictures::FrameCounts;
+use casca_lab::pictures::{FrameCounts, FramePicture, frame};
 use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_truth::baselines::{Hzb, RayBuffer};
-use casca_truth::oracle::{FrameVerdict, Oracle, OracleOptions, Seen};
-use glam::Vec3;
+use casca_truth::oracle::{FrameVerdict, ItemBuffer, Oracle, OracleOptions, Seen};
 
 use super::options::{ASPECT, GridChoice, MethodName, Options};
-use super::pictures::{Shot, height_of};
 use crate::Failure;
 use crate::progress;
+
+/// The height of a picture.
+fn height_of(width: usize) -> usize {
+    (width as f32 / ASPECT).round() as usize
+}
 
 /// The results of one frame.
 pub struct Frame {
@@ -75,8 +78,6 @@ pub struct Session<'a> {
     oracle: Oracle,
     /// What the oracle is told of the file.
     seen: Seen,
-    /// The eye in each frame.
-    path: Vec<Vec3>,
 }
 
 impl<'a> Session<'a> {
@@ -89,7 +90,7 @@ impl<'a> Session<'a> {
             width: options.width as usize,
             height: height_of(options.width as usize),
             samples_per_object: options.samples as usize,
-            max_candidates: options.candidates as usize,
+            max_candidates: 20_000,
             seed: options.common.seed,
         };
         let seen = Seen::of(&world);
@@ -102,7 +103,6 @@ impl<'a> Session<'a> {
             rival: Rival::of(options.method, &world.objects),
             oracle: Oracle::new(seen.objects(&world.objects), oracle_options),
             seen,
-            path: (0..world.frames).map(|f| world.camera(f, ASPECT).eye).collect(),
             world,
         })
     }
@@ -142,18 +142,13 @@ impl<'a> Session<'a> {
             exact: verdict.exact.len(),
         };
         if number == self.world.frames / 2 {
-            let shot = Shot {
-                options: self.options,
-                world: &self.world,
-                scene: &self.driver.scene,
-                query: &self.query,
-                number,
-                camera,
-                in_frustum: &in_frustum,
-                sees: &sees,
-                path: &self.path,
-            };
-            shot.draw(&view)?;
+            let mut exact = ItemBuffer::new(1280, height_of(1280));
+            exact.render(objects, &camera);
+            let picture =
+                FramePicture { exact: &exact, objects, camera, in_frustum: &in_frustum, sees: &sees };
+            let (name, method) = (&self.world.name, self.options.method.name());
+            let title = format!("{name}, frame {number}: what {method} shows and hides");
+            frame(&self.options.out.out.join("frame.png"), &title, &picture)?;
         }
         let start = ThreadTime::now();
         self.driver.scene.end_frame([self.query.pvs()])?;

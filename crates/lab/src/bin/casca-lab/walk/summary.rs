@@ -5,8 +5,7 @@ use std::time::Duration;
 
 use casca_lab::pictures::FrameCounts;
 use casca_tools::command_line::{Outcome, say};
-use glam::{DVec3, IVec3};
-use serde_json::{Value, json};
+use glam::IVec3;
 
 use super::options::Options;
 use super::session::{Frame, Session};
@@ -15,10 +14,7 @@ use super::session::{Frame, Session};
 pub struct Summary {
     scene: String,
     method: &'static str,
-    seed: u64,
     dims: IVec3,
-    /// What is added to positions for those of the file.
-    origin: DVec3,
     /// Objects that are tested.
     objects: usize,
     setup: Duration,
@@ -57,9 +53,7 @@ impl Summary {
         Self {
             scene: world.name.clone(),
             method: options.method.name(),
-            seed: options.common.seed,
             dims: scene.grid().dims(),
-            origin: world.source.origin,
             objects: world.objects.iter().filter(|o| o.tested).count(),
             setup: session.setup,
             grid_bytes: scene.memory().grid(),
@@ -145,51 +139,6 @@ impl Summary {
         row("scene update, median", format!("{:.0} us", self.update()));
         row("preparation and setup", format!("{:.0} ms", self.setup_ms()));
         row("grid memory", format!("{:.2} MiB", self.grid_bytes as f64 / (1 << 20) as f64));
-        say(format_args!(
-            "\npictures: walk.svg, frame.png, buffers.png and top_view.svg in {}",
-            self.out.display()
-        ));
-    }
-
-    /// All results.
-    pub fn json(&self) -> Value {
-        json!({
-            "scene": self.scene,
-            "method": self.method,
-            "grid": self.dims.to_array(),
-            "seed": self.seed,
-            "objects": self.objects,
-            "frames": self.frames.len(),
-            "mean_frustum": self.mean_frustum,
-            "mean_pvs": self.mean_pvs,
-            "mean_exact": self.mean_exact,
-            "ratio": self.ratio(),
-            "false_negatives": self.losses(),
-            "unconfirmed": self.frames.iter().map(|f| f.verdict.unconfirmed.len()).sum::<usize>(),
-            "oracle_rays": self.rays(),
-            "oracle_pixels": self.pixels(),
-            "median_query_us": self.query(0.5),
-            "p99_query_us": self.query(0.99),
-            "ns_per_visited_cell": self.per_cell(),
-            "median_update_us": self.update(),
-            "setup_ms": self.setup_ms(),
-            "grid_bytes": self.grid_bytes,
-            "lost": self.frames.iter().enumerate().flat_map(|(number, frame)| {
-                frame.verdict.false_negatives.iter().map(move |lost| json!({
-                    "frame": number,
-                    "object": lost.object,
-                    "origin": (lost.origin + self.origin).to_array(),
-                    "target": (lost.target + self.origin).to_array(),
-                }))
-            }).collect::<Vec<_>>(),
-            "per_frame": self.frames.iter().map(|f| json!({
-                "frustum": f.counts.frustum,
-                "pvs": f.counts.pvs,
-                "exact": f.counts.exact,
-                "query_us": micros(f.query),
-                "update_us": micros(f.update),
-                "cells": f.cells,
-            })).collect::<Vec<_>>(),
-        })
+        say(format_args!("\npictures: walk.svg and frame.png in {}", self.out.display()));
     }
 }
