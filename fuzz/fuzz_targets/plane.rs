@@ -1,9 +1,9 @@
 //! Plays arbitrary operations on a scene in the plane, sane and insane, and checks that nothing panics, that refused calls change
-//! nothing, and that no method leaves out an object that a segment from the eye reaches with room to spare.
+//! nothing, and that no query leaves out an object that a segment from the eye reaches with room to spare.
 #![no_main]
 
 use arbitrary::Arbitrary;
-use casca_plane::{Disc, GridSpec, Method, ObjectDesc, ObjectId, Query, Rect, Scene, Segment, Shape, View};
+use casca_plane::{Disc, GridSpec, ObjectDesc, ObjectId, Query, Rect, Scene, Segment, Shape, View};
 use glam::{DVec2, UVec2, Vec2};
 use libfuzzer_sys::fuzz_target;
 
@@ -46,13 +46,11 @@ impl AnyShape {
 
 #[derive(Debug, Arbitrary)]
 enum Op {
-    Insert { shape: AnyShape, occludes: bool, dynamic: bool, speed: Option<Coordinate> },
+    Insert { shape: AnyShape, occludes: bool },
     Update { which: u8, shape: AnyShape },
     Remove { which: u8 },
     UseStale { which: u8, shape: AnyShape },
     Look { eye: Place, sector: Option<(Place, Coordinate)>, range: Option<Coordinate> },
-    Time { to: f64 },
-    EndFrame,
 }
 
 #[derive(Debug, Arbitrary)]
@@ -112,7 +110,7 @@ fn clearance(segment: [DVec2; 2], shape: &Shape) -> f64 {
     }
 }
 
-fn look(scene: &Scene, known: &[Known], view: &View, queries: &mut [Query; 3]) {
+fn look(scene: &Scene, known: &[Known], view: &View, query: &mut Query) {
     let eye = view.eye();
     let sees = |p: DVec2| {
         let way = p - eye;
@@ -127,17 +125,10 @@ fn look(scene: &Scene, known: &[Known], view: &View, queries: &mut [Query; 3]) {
             !own && others.map(|k| clearance([eye, p], &k.shape)).all(|room| room > ROOM)
         })
     };
-    for query in queries {
-        let method = query.method();
-        let pvs = query.run(scene, view);
-        assert!(pvs.iter().all(|id| scene.contains(id)));
-        for object in known {
-            assert!(
-                pvs.contains(object.id) || !visible(object),
-                "{method:?} lacks {:?} from {eye}",
-                object.shape
-            );
-        }
+    let pvs = query.run(scene, view);
+    assert!(pvs.iter().all(|id| scene.contains(id)));
+    for object in known {
+        assert!(pvs.contains(object.id) || !visible(object), "it lacks {:?} from {eye}", object.shape);
     }
 }
 
@@ -148,25 +139,17 @@ fuzz_target!(|play: Play| {
     let _ = Scene::new(&GridSpec { min: min.value(), cell: cell.value(), dims });
     let mut scene =
         Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(24) }).expect("a plain grid");
-    let mut queries =
-        [Method::Sector, Method::Cell, Method::Point].map(|m| Query::with_method(m).expect("a method"));
+    let mut query = Query::new();
     let mut known: Vec<Known> = Vec::new();
     let mut gone: Vec<ObjectId> = Vec::new();
     for op in play.ops.into_iter().take(64) {
         let count = scene.len();
         match op {
-            Op::Insert { shape, occludes, dynamic, speed } => {
+            Op::Insert { shape, occludes } => {
                 let shape = shape.shape();
-                let mut desc = if dynamic {
-                    ObjectDesc::dynamic(shape.clone())
-                } else {
-                    ObjectDesc::fixed(shape.clone())
-                };
+                let mut desc = ObjectDesc::new(shape.clone());
                 if occludes {
                     desc = desc.occluder(shape.clone());
-                }
-                if let (Some(speed), true) = (speed, dynamic) {
-                    desc = desc.max_speed(speed.value());
                 }
                 match scene.insert(desc) {
                     Ok(id) => known.push(Known { id, shape, occludes }),
@@ -201,15 +184,8 @@ fuzz_target!(|play: Play| {
                     None => Ok(view),
                 });
                 if let Ok(view) = view {
-                    look(&scene, &known, &view, &mut queries);
+                    look(&scene, &known, &view, &mut query);
                 }
-            }
-            Op::Time { to } => {
-                let _ = scene.begin_frame(to);
-            }
-            Op::EndFrame => {
-                let [_, cell, point] = &queries;
-                let _ = scene.end_frame([cell.pvs(), point.pvs()]);
             }
             _ => {}
         }

@@ -58,7 +58,6 @@ static KINDS: LazyLock<Vec<Kind>> = LazyLock::new(|| {
         kind("clouds", clouds::all(), clouds::mend, Box::new(cloud)),
         kind("bricks", vec![clouds::bricks(40), clouds::bricks(200)], |_| (), Box::new(bricks)),
         kind("maps", maps::all(), |_| (), Box::new(|bytes| map(bytes, maps::TILESET.as_bytes()))),
-        kind("templates", maps::TEMPLATES.map(|(_, text)| text.into()).into(), |_| (), Box::new(template)),
         kind("tilesets", vec![maps::TILESET.into()], |_| (), Box::new(|bytes| map(&maps::all()[0], bytes))),
         kind("scenes", scenes::all(), scenes::mend, Box::new(scene)),
         kind("meshes", meshes::all(), |file| meshes::mend(file), Box::new(mesh)),
@@ -138,12 +137,6 @@ fn read_sets(bytes: &[u8]) -> Option<()> {
 
 fn map(map: &[u8], tileset: &[u8]) {
     let _ = TmxImport::default().parse(map, |_| Ok(tileset.to_vec()));
-    let _ = TmxImport::default().parse_map(map, |_| Ok(tileset.to_vec()));
-}
-
-fn template(bytes: &[u8]) {
-    let open = |path: &str| Ok(if path.ends_with(".tx") { bytes.to_vec() } else { maps::file(path) });
-    let _ = TmxImport::default().parse_map(maps::made().as_bytes(), open);
 }
 
 fn scene(bytes: &[u8]) {

@@ -593,10 +593,6 @@ typedef struct {
 typedef struct {
     /// sizeof(casca_plane_object).
     size_t size;
-    /// 0, or some of CASCA_MOVES and CASCA_HAS_MAX_SPEED.
-    uint32_t flags;
-    /// With CASCA_HAS_MAX_SPEED, the greatest speed in world units per second.
-    float max_speed;
     /// A number of yours.
     uint64_t user_data;
     /// What is tested for visibility.
@@ -950,14 +946,6 @@ casca_status casca_plane_query_create(casca_plane_query *query);
 
 /// Frees a query in the plane.
 casca_status casca_plane_query_free(casca_plane_query query);
-
-/// Begins a frame at a time in seconds.
-casca_status casca_plane_begin_frame(casca_plane plane, double seconds);
-
-/// Ends a frame with the queries of its viewers, as casca_scene_end_frame.
-casca_status casca_plane_end_frame(casca_plane plane,
-                                   const casca_plane_query *queries,
-                                   size_t count);
 
 /// Finds the objects that a view sees, exactly. count, unless null, gets how many.
 casca_status casca_plane_query_run(casca_plane_query query,

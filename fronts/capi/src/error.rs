@@ -111,7 +111,6 @@ impl From<casca_plane::Error> for Failure {
         use casca_plane::Error;
         let status = match error {
             Error::UnknownObject(_) => casca_status::CASCA_ERROR_UNKNOWN_OBJECT,
-            Error::ForeignPvs => casca_status::CASCA_ERROR_FOREIGN_RESULT,
             Error::SceneFull(_) => casca_status::CASCA_ERROR_FULL,
             _ => casca_status::CASCA_ERROR_INVALID_ARGUMENT,
         };

@@ -9,8 +9,6 @@ use crate::border::{self, Out, grows, plain};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 use crate::scene::{salt, unknown};
-use crate::shape::{CASCA_HAS_MAX_SPEED, CASCA_MOVES};
-use crate::view::check_flags;
 
 pub(crate) static PLANES: Registry<PlaneState> = Registry::new(6);
 
@@ -75,10 +73,6 @@ pub struct casca_plane_grid {
 pub struct casca_plane_object {
     /// sizeof(casca_plane_object).
     pub size: usize,
-    /// 0, or some of CASCA_MOVES and CASCA_HAS_MAX_SPEED.
-    pub flags: u32,
-    /// With CASCA_HAS_MAX_SPEED, the greatest speed in world units per second.
-    pub max_speed: f32,
     /// A number of yours.
     pub user_data: u64,
     /// What is tested for visibility.
@@ -186,15 +180,9 @@ pub unsafe extern "C" fn casca_plane_add(
     call(|| {
         let out = Out::new(id, "id")?;
         let object = border::read(object)?;
-        check_flags(object.flags, CASCA_MOVES | CASCA_HAS_MAX_SPEED, "casca_plane_object.flags")?;
-        let bounds = object.bounds.bounds()?;
-        let moves = object.flags & CASCA_MOVES != 0;
-        let mut desc = if moves { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
+        let mut desc = ObjectDesc::new(object.bounds.bounds()?);
         if let Some(occluder) = object.occluder.get()? {
             desc = desc.occluder(occluder);
-        }
-        if object.flags & CASCA_HAS_MAX_SPEED != 0 {
-            desc = desc.max_speed(object.max_speed);
         }
         let mut state = PLANES.exclusive(plane.handle)?;
         let added = state.scene.insert(desc.user_data(object.user_data))?;

@@ -1,7 +1,7 @@
 //! What can be seen in the plane: queries, visible regions, and tiles.
 
 use ::casca_plane::glam::Vec2;
-use ::casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, Pvs, Query, TilePoint, View};
+use ::casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, Query, TilePoint, View};
 
 use crate::border::{self, Out, OutList, OutSpan, grows};
 use crate::error::{Failure, call, casca_status};
@@ -57,32 +57,6 @@ pub unsafe extern "C" fn casca_plane_query_create(query: *mut casca_plane_query)
 #[unsafe(no_mangle)]
 pub extern "C" fn casca_plane_query_free(query: casca_plane_query) -> casca_status {
     call(|| PLANE_QUERIES.take(query.handle).map(drop))
-}
-
-/// Begins a frame at a time in seconds.
-#[unsafe(no_mangle)]
-pub extern "C" fn casca_plane_begin_frame(plane: casca_plane, seconds: f64) -> casca_status {
-    call(|| {
-        PLANES.exclusive(plane.handle)?.scene.begin_frame(seconds)?;
-        Ok(())
-    })
-}
-
-/// Ends a frame with the queries of its viewers, as casca_scene_end_frame.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn casca_plane_end_frame(
-    plane: casca_plane,
-    queries: *const casca_plane_query,
-    count: usize,
-) -> casca_status {
-    call(|| {
-        let handles = border::span(queries.cast::<u64>(), count, "queries")?;
-        let read = |&handle: &u64| PLANE_QUERIES.shared(handle);
-        let queries = handles.iter().map(read).collect::<Result<Vec<_>, Failure>>()?;
-        let mut state = PLANES.exclusive(plane.handle)?;
-        state.scene.end_frame(queries.iter().map(|viewer: &_| -> &Pvs { viewer.query.pvs() }))?;
-        Ok(())
-    })
 }
 
 /// Finds the objects that a view sees, exactly. count, unless null, gets how many.

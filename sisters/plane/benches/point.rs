@@ -1,15 +1,31 @@
-//! `Method::Point`: the time of a view against the number of walls in the scene and in sight.
+//! The time of a view against the number of walls in the scene and in sight.
 //!
 //! Names are `scene/walls in the scene/pieces of the visible region`.
 
 use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{UVec2, Vec2};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
 
-#[path = "random/mod.rs"]
-mod random;
+/// Random numbers from 0 to 1.
+struct Random(Pcg32);
 
-use random::Random;
+impl Random {
+    fn new(seed: u64) -> Self {
+        Self(Pcg32::seed_from_u64(seed))
+    }
+
+    /// The next one.
+    fn next(&mut self) -> f32 {
+        self.0.random_range(0.0..1.0)
+    }
+
+    /// A point of a square.
+    fn point(&mut self, size: f32) -> Vec2 {
+        Vec2::new(self.next(), self.next()) * size
+    }
+}
 
 const VIEWS: u32 = 8;
 
@@ -22,7 +38,7 @@ fn scene(size: f32) -> Scene {
 
 fn add_wall(scene: &mut Scene, a: Vec2, b: Vec2) {
     let wall = Segment::new(a, b);
-    scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
+    scene.insert(ObjectDesc::new(wall).occluder(wall)).unwrap();
 }
 
 /// Rooms of 8 by 8 units with a door in each wall, and a guard in each room.
@@ -30,7 +46,7 @@ fn floor_plan(walls: u32) -> (Scene, f32) {
     const ROOM: f32 = 8.0;
     let rooms = (walls as f32 / 4.0).sqrt().round() as u32;
     let size = rooms as f32 * ROOM;
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut scene = scene(size);
     for i in 0..rooms * rooms {
         let corner = Vec2::new((i % rooms) as f32, (i / rooms) as f32) * ROOM;
@@ -40,7 +56,7 @@ fn floor_plan(walls: u32) -> (Scene, f32) {
             add_wall(&mut scene, corner + along * (door + 1.0), corner + along * ROOM);
         }
         let guard = Disc::new(corner + 1.0 + random.point(ROOM - 2.0), 0.4);
-        scene.insert(ObjectDesc::dynamic(guard)).unwrap();
+        scene.insert(ObjectDesc::new(guard)).unwrap();
     }
     (scene, size)
 }
@@ -48,7 +64,7 @@ fn floor_plan(walls: u32) -> (Scene, f32) {
 /// Short walls, one for each 16 square units.
 fn field(walls: u32) -> (Scene, f32) {
     let size = (walls as f32 * 16.0).sqrt().round();
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut scene = scene(size);
     for _ in 0..walls {
         let a = random.point(size);
@@ -64,7 +80,7 @@ const POST: f32 = 1e-4;
 /// Posts in rings around the eye, and nothing that hides most of them: everything is in sight.
 fn open(walls: u32) -> (Scene, f32) {
     let size = (walls as f32 * 16.0).sqrt().round();
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut scene = scene(size);
     for _ in 0..walls {
         let a = random.point(size);
@@ -81,7 +97,7 @@ fn views(criterion: &mut Criterion) {
         group.sample_size(10);
         for walls in WALLS {
             let (scene, size) = make(walls);
-            let mut random = Random(4);
+            let mut random = Random::new(4);
             let views: Vec<View> = (0..VIEWS)
                 .map(|_| View::all_round(size * 0.25 + random.point(size * 0.5)).unwrap())
                 .collect();

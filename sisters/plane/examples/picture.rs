@@ -1,5 +1,5 @@
 //! A picture of one view: the visible region of an eye, the tiles that it does not see, the guards
-//! that it sees, and the hidden guards with the hollow circles that stand for them.
+//! that it sees, and the hidden ones.
 //!
 //! ```sh
 //! cargo run --release -p casca-plane --features maps --example picture -- docs/plane.svg
@@ -12,13 +12,12 @@ use casca_plane::maps::{Drawing, HARBOUR};
 use casca_plane::{
     Disc, FieldOfView, FovOptions, GridSpec, ObjectDesc, Query, Scene, TileLayer, TilePoint, View,
 };
-use glam::{IVec2, UVec2, Vec2};
+use glam::{UVec2, Vec2};
 
 /// Pixels of a tile.
 const TILE: f32 = 14.0;
-/// The radius of guards, in tiles, and how far they walk in a second.
+/// The radius of guards, in tiles.
 const RADIUS: f32 = 0.4;
-const SPEED: f32 = 1.5;
 
 const HIDDEN: &str = "#20242e";
 const SEEN: &str = "#3d4658";
@@ -27,7 +26,6 @@ const HIDDEN_WALL: &str = "#59503f";
 const SEEN_WALL: &str = "#e2c896";
 const VISIBLE: &str = "#ff8c1a";
 const CULLED: &str = "#5aa2ff";
-const VOLUME: &str = "#4fae6a";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("name the file for the picture, as in: picture plane.svg")?;
@@ -45,28 +43,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.insert_tiles(&layer)?;
     let mut guards = Vec::new();
     for at in map.guards.into_iter().map(center) {
-        guards.push((at, scene.insert(ObjectDesc::dynamic(Disc::new(at, RADIUS)).max_speed(SPEED))?));
+        guards.push((at, scene.insert(ObjectDesc::new(Disc::new(at, RADIUS)))?));
     }
-    let (view, mut query) = (View::all_round(eye)?, Query::new());
-    for frame in 0..3 {
-        scene.begin_frame(f64::from(frame) / 60.0)?;
-        query.run(&scene, &view);
-        scene.end_frame([query.pvs()])?;
-    }
+    let mut query = Query::new();
+    query.run(&scene, &View::all_round(eye)?);
 
     let mut fov = FieldOfView::new();
     let at = TilePoint::new(eye.x.into(), eye.y.into())?;
     let seen = fov.run(layer.opaque(), at, &FovOptions::default());
 
-    let cell = |(x, y): (u32, u32)| UVec2::new(x, y).as_ivec2();
     let mut svg = Svg::new(dims);
-    svg.squares(seen.cells().filter(|&(x, y)| !layer.opaque().get(x, y)).map(cell), 0.3, SEEN);
+    svg.squares(seen.cells().filter(|&(x, y)| !layer.opaque().get(x, y)), SEEN);
     svg.polygon(&query.polygon(), REGION);
     let (lit, dark): (Vec<_>, Vec<_>) = layer.opaque().bits().cells().partition(|&(x, y)| seen.get(x, y));
-    svg.squares(lit.into_iter().map(cell), 0.3, SEEN_WALL);
-    svg.squares(dark.into_iter().map(cell), 0.3, HIDDEN_WALL);
+    svg.squares(lit.into_iter(), SEEN_WALL);
+    svg.squares(dark.into_iter(), HIDDEN_WALL);
     for &(at, id) in &guards {
-        svg.squares(scene.volume_outline(id)?.into_iter(), 3.0, VOLUME);
         svg.disc(at, RADIUS, if query.pvs().contains(id) { VISIBLE } else { CULLED });
     }
     svg.disc(eye, 0.5, "#d02060");
@@ -87,10 +79,11 @@ impl Svg {
     }
 
     /// Squares inside tiles, smaller by a margin at each side.
-    fn squares(&mut self, tiles: impl Iterator<Item = IVec2>, margin: f32, color: &str) {
-        let side = TILE - 2.0 * margin;
+    fn squares(&mut self, tiles: impl Iterator<Item = (u32, u32)>, color: &str) {
+        const MARGIN: f32 = 0.3;
+        let side = TILE - 2.0 * MARGIN;
         let path: String = tiles
-            .map(|tile| tile.as_vec2() * TILE + margin)
+            .map(|(x, y)| UVec2::new(x, y).as_vec2() * TILE + MARGIN)
             .map(|at| format!("M{} {}h{side}v{side}h-{side}z", at.x, at.y))
             .collect();
         let _ = writeln!(self.0, "<path d=\"{path}\" fill=\"{color}\"/>");

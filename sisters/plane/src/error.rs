@@ -48,20 +48,6 @@ pub enum Error {
         /// How many points were given.
         points: usize,
     },
-    /// A polygon to be split whose sides cross or touch.
-    #[error("the polygon of {corners} corners cannot be split: its sides cross or touch")]
-    NotSimple {
-        /// How many corners it has.
-        corners: usize,
-    },
-    /// A polygon to be split has too many corners.
-    #[error("the polygon cannot be split: it has {corners} corners, and {max} at most are taken")]
-    ManyCorners {
-        /// How many corners it has.
-        corners: usize,
-        /// The limit.
-        max: usize,
-    },
     /// A polyline needs two points at least.
     #[error("a polyline needs 2 points or more, not {points}")]
     ShortPolyline {
@@ -95,12 +81,6 @@ pub enum Error {
     /// The scene holds as many objects as ids can name.
     #[error("the scene is full: it already holds {0} objects")]
     SceneFull(usize),
-    /// A speed for an object that does not move.
-    #[error("a fixed object has no speed: describe it by ObjectDesc::dynamic")]
-    FixedMoves,
-    /// An object that may go unreported needs a promised greatest speed.
-    #[error("an object that is reported on expiry needs a greatest speed: give ObjectDesc::max_speed")]
-    SpeedNeeded,
     /// An occluder that sticks out of its bounds: it would hide more than the object does.
     #[error("the occluder sticks out of the rectangle around its bounds by {} world units", Short(*by))]
     OccluderOutside {
@@ -110,9 +90,6 @@ pub enum Error {
     /// An update without occluder of an object that has one.
     #[error("{0} has an occluder: update it with the occluder, or take that away by Scene::set_occluder")]
     OccluderMissing(ObjectId),
-    /// The result belongs to another scene.
-    #[error("the PVS was computed on another scene")]
-    ForeignPvs,
     /// The words of a grid of bits are not as many as its rows need.
     #[error(
         "{width} by {height} bits take {needed} words of 64 bits, a row beginning with a new one, not {found}"
@@ -126,28 +103,6 @@ pub enum Error {
         found: usize,
         /// How many are needed.
         needed: u64,
-    },
-    /// A door in a tile that the layer does not have.
-    #[error("a door at the tile ({x}, {y}) lies outside of the layer of {width} by {height} tiles")]
-    DoorOutside {
-        /// The column.
-        x: u32,
-        /// The row.
-        y: u32,
-        /// The columns of the layer.
-        width: u32,
-        /// The rows of the layer.
-        height: u32,
-    },
-    /// A door in a tile that blocks already: a rectangle of other tiles may contain it.
-    #[error(
-        "the tile ({x}, {y}) blocks sight already: a door needs a tile that was free when the tiles were inserted"
-    )]
-    DoorInWall {
-        /// The column.
-        x: u32,
-        /// The row.
-        y: u32,
     },
     /// A setting is out of its range.
     #[error("{what} must lie between {} and {}, not {}", Short(*min), Short(*max), Short(*value))]

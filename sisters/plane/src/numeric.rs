@@ -17,11 +17,6 @@ pub(crate) const OCCLUDER_ROUNDING: f64 = 1.0 / (1u64 << 22) as f64;
 /// beside a line that they end on.
 pub(crate) const TOUCH: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Chords of solids err by less than this share of the greatest coordinate of a solid: sixteen
-/// roundings. A chord near the end of a disc errs by more, but is taken this much farther out,
-/// where it is shorter by as much.
-pub(crate) const CHORD: f64 = 1.0 / (1u64 << 48) as f64;
-
 /// Corners of the polygon that stands for a disc lie inside of it by this share of the radius: far
 /// more than the error of a sine.
 pub(crate) const INSIDE_DISC: f64 = 1e-9;
@@ -42,43 +37,6 @@ pub(crate) const TILT: f64 = 4.0 * DIRECTION;
 /// A sector whose half angle is less than this below half a turn is a whole turn: its two sides,
 /// each tilted by [`TILT`], would meet or cross.
 pub(crate) const WHOLE: f64 = 5.0 * DIRECTION;
-
-// The cell method.
-
-/// The region of a view is widened by this many cells.
-///
-/// Far more than the rounding of sums of three products of coordinates up to 2^21 cells (about
-/// 1e-9), far less than a cell.
-pub(crate) const REGION: f64 = 1e-6;
-
-/// A half-plane whose value changes by less than this from cell to cell is not divided by: it is
-/// decided at the ends of the row. Larger slopes give quotients of which [`REGION`] still covers
-/// the rounding.
-pub(crate) const REGION_SLOPE: f64 = 1e-9;
-
-/// Beyond this distance from the grid, in cells, nothing is taken to be hidden: up to twice that,
-/// the sides of a view are less than [`REGION`] beside the place where they should be
-/// ([`DIRECTION`]).
-pub(crate) const FAR_VIEWER: i32 = 1 << 16;
-
-// Volumes.
-
-/// A volume is larger by this many cells than the distances in it need: they are sums of a few
-/// products of coordinates up to 2^14 cells, which are known to 2^-22 of a cell.
-pub(crate) const VOLUME: f64 = 1e-5;
-
-/// The time before which an object that is somewhere `now` has not moved by a distance: seconds
-/// from world units and world units per second. Infinity for an object that does not move.
-///
-/// The distance, the quotient and the sum are each rounded by at most half an ulp, and each result
-/// is taken down by one, so that rounding promises no more time than the distance gives.
-pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
-    if speed > 0.0 {
-        (now + (distance.next_down().max(0.0) / speed).next_down().max(0.0)).next_down()
-    } else {
-        f64::INFINITY
-    }
-}
 
 // Exact visibility from a point.
 
@@ -116,21 +74,6 @@ pub(crate) const CLIPPED: f64 = 1.0 / 8.0;
 /// The cells of a shell are found with this margin, in cells: slopes err by 2^-51 and are
 /// multiplied by 2^25 at most.
 pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;
-
-/// Walls this share farther than the reach of an eye are not touched by it: then the arcsines of
-/// [`REACH_ANGLE`] are known to 1e-11.
-pub(crate) const REACH: f64 = 1e-9;
-
-/// The directions in which a wall hides from all eyes within a reach are fewer at each end by this,
-/// in radians: ten times the errors of arcsines up to 1 - [`REACH`], and of directions.
-pub(crate) const REACH_ANGLE: f64 = 1e-10;
-
-/// Walls that are cut at a direction end this share of the distance behind themselves, and not by
-/// rounding before: thousands of roundings.
-pub(crate) const REACH_BACK: f64 = 1e-12;
-
-/// Ends of walls that are cut are multiples of this, as exact arithmetic asks for.
-pub(crate) const REACH_STEP: f64 = f64::from_bits((1023 - 140) << 52);
 
 // Maps of Tiled.
 

@@ -4,7 +4,7 @@ use std::iter::Copied;
 use std::slice::Iter;
 
 use crate::id::ObjectId;
-use crate::method::Method;
+use crate::scene::Scene;
 use crate::view::View;
 
 /// The work of a query in numbers, the same on every machine. The library has no clock: measure
@@ -14,32 +14,19 @@ use crate::view::View;
 pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
-    /// Cells visited. [`Method::Point`] counts those only that have objects or outlines of volumes.
+    /// Cells visited that have objects.
     pub cells_visited: u64,
-    /// [`Method::Cell`]: how many of them were hidden. Cells on the diagonals through the viewer's
-    /// count twice.
-    pub cells_hidden: u64,
-    /// [`Method::Cell`]: runs of cells that block, or extended occluders, that were used to hide
-    /// others.
-    pub occluders_drawn: u32,
-    /// [`Method::Cell`]: extended occluders that were left out since their angle is small.
-    pub occluders_skipped: u32,
-    /// Temporal bounding volumes that were seen.
-    pub tbvs_revealed: u32,
     /// Objects whose shapes were compared with the view.
     pub objects_tested: u32,
-    /// [`Method::Point`]: sides of occluders that were gathered.
+    /// Sides of occluders that were gathered.
     pub segments: u32,
-    /// [`Method::Point`]: pieces of the visibility polygon, each of which ends at one wall or at
-    /// none.
+    /// Pieces of the visibility polygon, each of which ends at one wall or at none.
     pub pieces: u32,
     /// Whether the eye was inside a solid occluder, which then hides nothing.
     pub eye_in_occluder: bool,
 }
 
-/// The potentially visible set: every object of which any point can be seen. That of
-/// [`Method::Point`] has no other, but for objects that go unreported
-/// ([`crate::Reports::OnExpiry`]): those that may be in sight.
+/// The visible set: every object of which any point can be seen, and no other.
 ///
 /// [`crate::Query::pvs`] lends the one of its last run, and writes the next one over it. A clone
 /// keeps it.
@@ -48,11 +35,8 @@ pub struct Pvs {
     /// The tag of the scene; 0 before the first run.
     pub(crate) scene: u32,
     pub(crate) revision: u64,
-    pub(crate) method: Method,
     pub(crate) view: Option<View>,
     pub(crate) visible: Vec<ObjectId>,
-    /// The hidden objects whose volumes were seen.
-    pub(crate) revealed: Vec<ObjectId>,
     /// By slot: 1 + the place in `visible`, or 0.
     places: Vec<u32>,
     pub(crate) stats: Stats,
@@ -60,8 +44,7 @@ pub struct Pvs {
 
 impl Pvs {
     /// The objects that can be seen, in the order in which the walk found them: by chessboard
-    /// shells from the eye outwards. [`Method::Sector`] gives them in the order of their indices.
-    /// Objects in no cells, and hidden ones that came into sight, may come elsewhere.
+    /// shells from the eye outwards. Objects in no cells come first.
     pub fn visible(&self) -> &[ObjectId] {
         &self.visible
     }
@@ -98,11 +81,6 @@ impl Pvs {
         &self.stats
     }
 
-    /// The method of the query.
-    pub fn method(&self) -> Method {
-        self.method
-    }
-
     /// The view of the query; `None` before the first run.
     pub fn view(&self) -> Option<&View> {
         self.view.as_ref()
@@ -113,9 +91,11 @@ impl Pvs {
         self.revision
     }
 
-    /// Whether it is the result of a query.
-    pub(crate) fn has_run(&self) -> bool {
-        self.scene != 0
+    /// Whether it is the set that a query would find now: no object of the scene came, went or
+    /// changed since, and the view is the same. `false` before the first run.
+    pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
+        let fresh = self.scene == scene.tag() && self.revision == scene.revision();
+        fresh && self.view.as_ref() == Some(view)
     }
 
     /// Empties the set for a scene of `slots` slots.
@@ -124,7 +104,6 @@ impl Pvs {
             self.places[id.index()] = 0;
         }
         self.places.resize(slots, 0);
-        self.revealed.clear();
         self.stats = Stats::default();
     }
 

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::sync::{Mutex, PoisonError};
 
-use casca_plane::tmx::{TmxError, TmxImport, TmxMap, TmxWarning};
+use casca_plane::tmx::{TmxError, TmxImport, TmxMap};
 use casca_plane::{BitGrid, GridSpec, Scene};
 use glam::{UVec2, Vec2};
 use peak_alloc::PeakAlloc;
@@ -23,7 +23,7 @@ static ALONE: Mutex<()> = Mutex::new(());
 
 /// Reads a map, with a tileset beside it.
 fn read(map: &[u8], tileset: &[u8]) -> Result<BitGrid, TmxError> {
-    TmxImport::default().parse(map, |_| Ok(tileset.to_vec()))
+    TmxImport::default().parse(map, |_| Ok(tileset.to_vec())).map(|map| map.walls)
 }
 
 #[test]
@@ -34,51 +34,32 @@ fn damaged_maps_are_read_or_refused() {
     let infinite = maps::map("encoding=\"csv\"", &chunk).replace("infinite=\"0\"", "infinite=\"1\"");
     files.push(infinite.replace("<group", "<group offsetx=\"16\" offsety=\"-32\"").into());
     files.push(maps::TILESET.into());
-    files.extend(maps::TEMPLATES.map(|(_, text)| text.into()));
-    let made = maps::made();
     let mut objects = 0;
     damage::survive(&HEAP, "maps", &files, 6000, &|_| (), &mut |bytes| {
-        // A map, or the tileset or template of one.
-        drop(read(bytes, maps::TILESET.as_bytes()));
+        // A map, or the tileset of one.
         drop(read(&files[0], bytes));
-        drop(TmxImport::default().parse_map(&files[0], |_| Ok(bytes.to_vec())));
-        let with = |path: &str| Ok(if path.ends_with(".tx") { bytes.to_vec() } else { maps::file(path) });
-        let of_templates = TmxImport::default().parse_map(made.as_bytes(), with).unwrap();
-        insert(&of_templates);
-        let Ok(map) = TmxImport::default().parse_map(bytes, |path| Ok(maps::file(path))) else { return };
+        let Ok(map) = TmxImport::default().parse(bytes, |_| Ok(maps::TILESET.into())) else { return };
         objects += insert(&map);
     });
     assert!(objects > 1_000, "{objects}: some maps keep theirs");
 }
 
-/// Puts objects and shapes of tiles into a scene, and gives how many went in.
+/// Puts objects into a scene, and gives how many went in.
 fn insert(map: &TmxMap) -> usize {
     let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(8) }).unwrap();
-    let mut all: Vec<_> =
-        map.objects.iter().map(|object| object.insert(&mut scene, Vec2::ZERO, 1.0)).collect();
-    all.extend(map.tiles.iter().map(|tile| tile.insert(&mut scene, Vec2::ZERO, 1.0, 0)));
-    for placed in all.into_iter().flatten() {
-        assert_eq!(placed.set_closed(&mut scene, false), Ok(()));
-        assert_eq!(placed.set_closed(&mut scene, true), Ok(()));
-    }
+    map.objects.iter().for_each(|object| _ = scene.insert(object.desc()).unwrap());
     scene.len()
 }
 
 /// Reads the objects of a map within the limits, and puts them into a scene.
 fn read_objects(layer: &str, objects: &str, tileset: &str) -> (usize, usize) {
-    read_objects_of(layer, objects, tileset, "")
-}
-
-/// As [`read_objects`], with a template.
-fn read_objects_of(layer: &str, objects: &str, tileset: &str, template: &str) -> (usize, usize) {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let map = maps::map("encoding=\"csv\"", &maps::csv());
     let text = format!("<objectgroup name=\"{layer}\">{objects}</objectgroup></map>");
     let map = map.replace("</map>", &text);
     let mut found = (0, 0);
     damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
-        let open = |path: &str| Ok(if path.ends_with(".tx") { template } else { tileset }.into());
-        let map = TmxImport::default().parse_map(map, open).unwrap();
+        let map = TmxImport::default().parse(map, |_| Ok(tileset.into())).unwrap();
         insert(&map);
         found = (map.objects.len(), map.warnings.len());
     });
@@ -95,90 +76,22 @@ fn objects_cost_what_their_bytes_do() {
         format!("<tileset tilewidth=\"1\" tileheight=\"1\"><tile id=\"0\" class=\"{long}\"/></tileset>");
     assert_eq!(read_objects(&long, &"<object gid=\"5\"/>".repeat(10_000), &tiles), (10_001, 0));
     assert_eq!(read_objects(&long, &"<object gid=\"4444\"/>".repeat(10_000), maps::TILESET), (1, 10_000));
-    // Polygons are split as long as that is cheap.
+    // Polygons of many corners, and many polygons.
     let polygon = |corners: usize| {
         let mut points = String::new();
         (0..corners).for_each(|i| write!(points, "{i},{} ", i * i % 7 + 9).unwrap());
         format!("<object><polygon points=\"{points}{corners},0 0,0\"/></object>")
     };
-    assert_eq!(read_objects("o", &polygon(150_000), maps::TILESET), (2, 1));
+    assert_eq!(read_objects("o", &polygon(150_000), maps::TILESET), (2, 0));
     assert_eq!(read_objects("o", &polygon(254).repeat(600), maps::TILESET), (601, 0));
     // Properties in each other.
     let (open, close) = ("<properties><property name=\"p\" type=\"class\">", "</property></properties>");
     let deep = format!("<object><point/>{}{}</object>", open.repeat(20_000), close.repeat(20_000));
-    assert_eq!(read_objects("o", &deep, maps::TILESET), (2, 1));
+    assert_eq!(read_objects("o", &deep, maps::TILESET), (2, 0));
     // Groups in each other.
     let groups =
         format!("<x/></objectgroup>{}{}<objectgroup>", "<group>".repeat(90_000), "</group>".repeat(90_000));
     assert_eq!(read_objects("o", &groups, maps::TILESET), (1, 0));
-}
-
-/// Small objects of a large template, and templates of templates.
-#[test]
-fn templates_give_what_the_bytes_of_the_map_allow() {
-    let instance = "<object template=\"a.tx\"/>".repeat(40_000);
-    let template = |inner: &str| format!("<template>{inner}</template>");
-    let read = |text: &str| read_objects_of("o", &instance, maps::TILESET, text);
-    let mut properties = String::new();
-    (0..20_000).for_each(|i| write!(properties, "<property name=\"{i}\" value=\"{i}\"/>").unwrap());
-    let large =
-        template(&format!("<object width=\"4\" height=\"4\"><properties>{properties}</properties></object>"));
-    let (objects, warnings) = read(&large);
-    assert_eq!(objects - 1 + warnings, 40_000);
-    // 32 times the bytes of the map, and a MiB, of which the template has 770 kB.
-    assert!((30..60).contains(&objects), "{objects}");
-    let long = "n".repeat(1_000_000);
-    assert!((30..60).contains(&read(&template(&format!("<object name=\"{long}\"><point/></object>"))).0));
-    // Classes are shared, yet counted alike.
-    assert_eq!(read(&template("<object width=\"1\" height=\"1\"/>")), (40_001, 0));
-    for refused in [
-        "<object template=\"a.tx\"/>",
-        "",
-        "<object width=\"-1\"/>",
-        "<object>",
-        "<tileset source=\"t.tsx\"/>",
-    ] {
-        assert_eq!(read(&template(refused)), (1, 40_000), "{refused}");
-    }
-}
-
-/// Many tiles, each with many shapes, that are turned in each way.
-#[test]
-fn shapes_on_tiles_are_kept_as_the_bytes_of_the_map_allow() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let all = 1 << 22;
-    let square = |map: String| map.replace("width=\"4\" height=\"3\"", "width=\"2048\" height=\"2048\"");
-    let shape = "<object type=\"opaque\"><polygon points=\"0,0 4,0 0,4\"/></object>";
-    let read = |map: &str, shapes: usize| {
-        let group = format!("<objectgroup>{}</objectgroup>", shape.repeat(shapes));
-        let tiles =
-            format!("<tileset tilewidth=\"16\" tileheight=\"16\"><tile id=\"0\">{group}</tile></tileset>");
-        let mut found = (0, 0);
-        damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
-            let map = TmxImport::default().parse_map(map, |_| Ok(tiles.clone().into())).unwrap();
-            let [TmxWarning::ManyShapes { layer, count }] = &map.warnings[..] else {
-                panic!("{:?}", map.warnings)
-            };
-            assert_eq!(layer, "ground");
-            found = (map.tiles.len(), *count as usize);
-        });
-        found
-    };
-    // One layer is in a group; it comes first here, and names nothing.
-    let mut map = square(same_tiles(5, all));
-    let (from, to) = (map.find("<group").unwrap(), map.find("</group>").unwrap() + 8);
-    map.replace_range(from..to, "");
-    let left = (1 << 20) + 2 * map.len();
-    assert_eq!(read(&map, 1), (left / 4, all - left / 4));
-    assert_eq!(read(&map, 30_000), (left / 90_001, all - left / 90_001));
-    // Turned in eight ways.
-    let ids: Vec<_> = (0..1000).map(|i: u32| ((i % 8) << 29 | 5).to_string()).collect();
-    let csv = maps::map("encoding=\"csv\"", &ids.join(","))
-        .replace("width=\"4\" height=\"3\"", "width=\"40\" height=\"25\"");
-    let (from, to) = (csv.find("<group").unwrap(), csv.find("</group>").unwrap() + 8);
-    let csv = csv.replace(&csv[from..to], "");
-    let most = ((1 << 20) + 2 * csv.len()) / 60_001;
-    assert_eq!(read(&csv, 20_000), (most, 1000 - most));
 }
 
 /// Reads a map and its tileset within the limits.
@@ -233,7 +146,7 @@ fn numbers_of_parts_are_not_multiplied() {
     assert_eq!(all.count(), 1 << 22);
     // Layers, of which none stays in memory.
     let (from, to) = (map.find("<layer").unwrap(), map.find("</layer>").unwrap() + 8);
-    let layers = map.replace(&map[from..to], &map[from..to].repeat(20));
+    let layers = map.replace(&map[from..to], &map[from..to].repeat(8));
     assert_eq!(result(&layers, maps::TILESET).as_ref(), Ok(&all));
     // Tiles, each of one of many tilesets.
     let mut tilesets = String::new();
@@ -257,7 +170,7 @@ fn warnings_are_not_multiplied() {
     tiles += "</tileset>";
     let mut warnings = 0;
     damage::check(&HEAP, "map", map.as_bytes(), &mut |map| {
-        let found = TmxImport::default().parse_map(map, |_| Ok(tiles.clone().into())).unwrap();
+        let found = TmxImport::default().parse(map, |_| Ok(tiles.clone().into())).unwrap();
         warnings = found.warnings.len();
     });
     assert_eq!(warnings, 2_000);
@@ -275,9 +188,4 @@ fn depth_does_not_matter() {
     assert_eq!(result(&nested("group", "<group>", "</group>"), maps::TILESET), Ok(whole.clone()));
     let (start, end) = ("<properties><property name=\"p\" type=\"class\">", "</property></properties>");
     assert_eq!(result(&nested("objectgroup", start, end), maps::TILESET), Ok(whole.clone()));
-    // A template that is made of itself.
-    let object = plain.replace("<object id=\"1\"", "<object id=\"1\" template=\"t.tsx\"");
-    let template = "<template><object id=\"1\" template=\"t.tsx\"/></template>";
-    assert!(result(&object, template).unwrap_err().contains("no element tileset"));
-    assert_eq!(result(&object, maps::TILESET), Ok(whole));
 }

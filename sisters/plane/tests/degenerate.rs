@@ -1,9 +1,8 @@
 //! Walls that touch, cross and overlap, and eyes on walls, corners and borders: the cases that
-//! `Method::Point` defines.
+//! `Query::run` defines.
 
 use casca_plane::{
-    ConvexPolygon, Disc, Error, GridSpec, Method, ObjectDesc, Polyline, Query, Rect, Scene, Segment, Shape,
-    View,
+    ConvexPolygon, Disc, Error, GridSpec, ObjectDesc, Polyline, Query, Rect, Scene, Segment, Shape, View,
 };
 use glam::{UVec2, Vec2};
 
@@ -24,7 +23,7 @@ fn look(occluders: &[Shape], eye: (f32, f32)) -> Query {
     let spec = GridSpec { min: Vec2::splat(-10.0), cell: 1.0, dims: UVec2::splat(20) };
     let mut scene = Scene::new(&spec).unwrap();
     for shape in occluders {
-        scene.insert(ObjectDesc::fixed(shape.clone()).occluder(shape.clone())).unwrap();
+        scene.insert(ObjectDesc::new(shape.clone()).occluder(shape.clone())).unwrap();
     }
     let mut query = Query::new();
     query.run(&scene, &View::all_round(eye.into()).unwrap());
@@ -174,14 +173,14 @@ fn extreme_input_is_refused_or_answered() {
         let shapes: [Shape; 3] =
             [Segment::new(a, b).into(), Rect::new(a, b).into(), Disc::new(a, b.x).into()];
         for shape in shapes {
-            let finite = scene.insert(ObjectDesc::dynamic(shape.clone()).occluder(shape.clone()));
+            let finite = scene.insert(ObjectDesc::new(shape.clone()).occluder(shape.clone()));
             let whole = a.is_finite() && (b.is_finite() || matches!(shape, Shape::Disc(_)));
             assert!(whole || matches!(finite, Err(Error::NotFinite { .. })), "{shape:?}");
         }
         let _ = ConvexPolygon::new(&[a, b, Vec2::ONE])
-            .map(|p| scene.insert(ObjectDesc::fixed(p.clone()).occluder(p)));
+            .map(|p| scene.insert(ObjectDesc::new(p.clone()).occluder(p)));
         let _ =
-            Polyline::new(&[a, b, Vec2::ONE]).map(|p| scene.insert(ObjectDesc::fixed(p.clone()).occluder(p)));
+            Polyline::new(&[a, b, Vec2::ONE]).map(|p| scene.insert(ObjectDesc::new(p.clone()).occluder(p)));
     }
     assert!(scene.len() > 50);
     for &eye in &points {
@@ -191,12 +190,10 @@ fn extreme_input_is_refused_or_answered() {
         };
         let sector = View::sector(eye, at(1.0, 0.5), 0.7).unwrap();
         for view in [view, sector, view.with_range(2.0).unwrap(), sector.with_range(f32::MAX).unwrap()] {
-            for method in [Method::Point, Method::Sector] {
-                let mut query = Query::with_method(method).unwrap();
-                query.run(&scene, &view);
-                assert!(query.polygon().iter().all(|p| p.is_finite()));
-                assert!(!points.iter().any(|&p| query.sees_point(p) && !p.is_finite()));
-            }
+            let mut query = Query::new();
+            query.run(&scene, &view);
+            assert!(query.polygon().iter().all(|p| p.is_finite()));
+            assert!(!points.iter().any(|&p| query.sees_point(p) && !p.is_finite()));
         }
     }
 }
@@ -206,16 +203,17 @@ fn results_and_ids_of_other_scenes_are_refused() {
     let spec = GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(4) };
     let (mut a, mut b) = (Scene::new(&spec).unwrap(), Scene::new(&spec).unwrap());
     let disc = Disc::new(at(1.0, 1.0), 0.5);
-    let id = a.insert(ObjectDesc::dynamic(disc).occluder(disc)).unwrap();
+    let id = a.insert(ObjectDesc::new(disc).occluder(disc)).unwrap();
     assert_eq!(b.update(id, disc, None), Err(Error::UnknownObject(id)));
     assert_eq!(b.remove(id), Err(Error::UnknownObject(id)));
     assert_eq!(a.update(id, disc, None), Err(Error::OccluderMissing(id)));
-    let mut query = Query::new();
-    assert!(b.end_frame([query.pvs()]).is_ok(), "it never ran");
-    query.run(&a, &View::all_round(Vec2::ZERO).unwrap());
-    assert_eq!(b.end_frame([query.pvs()]), Err(Error::ForeignPvs));
-    assert!(a.end_frame([query.pvs()]).is_ok() && query.pvs().contains(id));
+    let (mut query, view) = (Query::new(), View::all_round(Vec2::ZERO).unwrap());
+    assert!(!query.pvs().is_valid_for(&a, &view), "it never ran");
+    query.run(&a, &view);
+    assert!(query.pvs().is_valid_for(&a, &view) && !query.pvs().is_valid_for(&b, &view));
+    assert!(query.pvs().contains(id));
     a.remove(id).unwrap();
+    assert!(!query.pvs().is_valid_for(&a, &view));
     assert!(query.run(&a, &View::all_round(Vec2::ZERO).unwrap()).is_empty() && !query.pvs().contains(id));
 }
 

@@ -1,4 +1,4 @@
-//! `Method::Point` against exact visibility in rational arithmetic.
+//! Sets and visible regions against exact visibility in rational arithmetic.
 
 mod common;
 mod oracle;
@@ -24,7 +24,7 @@ impl Twin {
     fn new(spec: &GridSpec, objects: &[(Shape, bool)]) -> Self {
         let mut scene = Scene::new(spec).unwrap();
         let ids = objects.iter().map(|(shape, hides)| {
-            let desc = ObjectDesc::fixed(shape.clone());
+            let desc = ObjectDesc::new(shape.clone());
             scene.insert(if *hides { desc.occluder(shape.clone()) } else { desc }).unwrap()
         });
         let ids = ids.collect();

@@ -42,7 +42,6 @@ pub struct Level {
     scene: Scene,
     guards: Vec<Guard>,
     eye: Vec2,
-    frames: u32,
     query: Query,
     fov: FieldOfView,
     /// The tiles that the eye sees.
@@ -80,7 +79,7 @@ impl Level {
         scene.insert_tiles(&layer)?;
         let mut placed = Vec::new();
         for at in map.guards.into_iter().filter(|at| free.contains(at)) {
-            let desc = ObjectDesc::dynamic(Disc::new(middle(at), RADIUS)).max_speed(SPEED);
+            let desc = ObjectDesc::new(Disc::new(middle(at), RADIUS));
             placed.push(Guard { id: scene.insert(desc)?, from: at, to: at, gone: 1.0 });
         }
         let mut level = Self {
@@ -91,7 +90,6 @@ impl Level {
             scene,
             guards: placed,
             eye: middle(start),
-            frames: 0,
             query: Query::new(),
             fov: FieldOfView::new(),
             random,
@@ -152,14 +150,11 @@ impl Level {
             let guard = &self.guards[i];
             self.scene.update(guard.id, Disc::new(guard.at(), RADIUS), None)?;
         }
-        self.frames += 1;
         self.look()
     }
 
     fn look(&mut self) -> Result<(), Failed> {
-        self.scene.begin_frame(f64::from(self.frames) * FRAME_SECONDS)?;
         self.query.run(&self.scene, &View::all_round(self.eye)?);
-        self.scene.end_frame([self.query.pvs()])?;
         let at = TilePoint::new(self.eye.x.into(), self.eye.y.into())?;
         self.seen.clone_from(self.fov.run(self.layer.opaque(), at, &FovOptions::default()));
         Ok(())

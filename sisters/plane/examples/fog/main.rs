@@ -5,7 +5,7 @@
 //! cargo run --release -p casca-plane --features maps --example fog
 //! cargo run --release -p casca-plane --features maps --example fog -- --map rooms --seed 7
 //! cargo run --release -p casca-plane --features maps --example fog -- --gif fog.gif
-//! cargo run --release -p casca-plane --features maps,tiled,ldtk --example fog -- FILE   # .tmx, .ldtk, or letters
+//! cargo run --release -p casca-plane --features maps,tiled --example fog -- FILE   # .tmx, or letters
 //! ```
 //!
 //! Keys: the arrows, or `w` `a` `s` `d`, move and open doors; space opens and closes the doors
@@ -83,7 +83,7 @@ fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
         file if std::path::Path::new(file).exists() => Drawing::open(file)?,
         other => {
             return Err(format!(
-                "{other} is no map: there are harbour, rooms, caves, fields, and files (.tmx, .ldtk, letters)"
+                "{other} is no map: there are harbour, rooms, caves, fields, and files (.tmx, letters)"
             )
             .into());
         }

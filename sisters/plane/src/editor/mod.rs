@@ -1,13 +1,21 @@
-//! Parts that maps of all editors share: which objects hide, and how they get into scenes.
+//! What names in maps of editors say: what hides.
 
 pub(crate) mod names;
-mod placed;
-mod role;
 
 pub use names::MapNames;
 pub(crate) use names::{Inventory, Rule, Says, nothing_blocks, obstacles_block, truth};
-pub use placed::Placed;
-pub use role::Role;
+
+/// Whether an object of a map hides what is behind it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Role {
+    /// It hides nothing.
+    #[default]
+    Plain,
+    /// It hides.
+    Wall,
+    /// It hides until it is opened.
+    Door,
+}
 
 /// Tiles of a rectangle around all layers, for each tile that a file names, at most. Else two tiles
 /// far apart would take any memory.

@@ -49,9 +49,8 @@ const OBSTACLES: [&str; 21] = [
     "barrier",
 ];
 
-/// The names that say what hides, of layers, properties, classes, tags, entities and values of
-/// IntGrid layers. Capitals, blanks, `_`, `-` and a number at the end of a name in a map do not
-/// count: `Walls 2` is `walls`. A property or field says no with `false`, and it says yes with
+/// The names that say what hides, of layers, properties and classes. Capitals, blanks, `_`, `-` and a number at the end of a name in a map do not
+/// count: `Walls 2` is `walls`. A property says no with `false`, and it says yes with
 /// `true`, `yes`, `on` and numbers but 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MapNames {
@@ -139,7 +138,6 @@ impl Says {
     }
 
     /// Whether it is a wall, be it a door or not.
-    #[cfg(feature = "tiled")]
     pub fn is_wall(self) -> bool {
         self.0[0] == Some(true)
     }
@@ -226,11 +224,11 @@ fn quoted(names: &[String]) -> String {
 }
 
 /// Says that nothing blocks, what is there, and what to do.
-pub(crate) fn nothing_blocks([layers, others]: [&[String]; 2], words: &str) -> String {
+pub(crate) fn nothing_blocks([layers, others]: [&[String]; 2]) -> String {
     let [layers, others] = [layers, others].map(quoted);
     format!(
-        "nothing blocks sight. Layers: {layers}. {words}: {others}. What hides are layers named \"walls\", and what \
-         has the name, the class or the tag \"wall\" or a property \"opaque\" that is true"
+        "nothing blocks sight. Layers: {layers}. Properties and classes: {others}. What hides are layers named \"walls\", and what \
+         has the class \"wall\" or a property \"opaque\" that is true"
     )
 }
 

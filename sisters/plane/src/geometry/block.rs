@@ -27,9 +27,4 @@ impl Block {
     pub(crate) fn contains(&self, p: DVec2) -> bool {
         p.cmpge(self.min).all() && p.cmple(self.max).all()
     }
-
-    /// Whether it has more than borders in common with another.
-    pub(crate) fn overlaps(&self, other: &Self) -> bool {
-        self.min.cmplt(other.max).all() && self.max.cmpgt(other.min).all()
-    }
 }

@@ -2,7 +2,7 @@
 
 pub(crate) mod block;
 mod disc;
-#[cfg(any(feature = "ldtk", feature = "tiled"))]
+#[cfg(feature = "tiled")]
 pub(crate) mod ellipse;
 pub(crate) mod expansion;
 pub(crate) mod polygon;
@@ -10,7 +10,6 @@ mod polyline;
 mod rect;
 mod segment;
 pub(crate) mod shape;
-pub(crate) mod split;
 
 pub use disc::{DISC_SIDES, Disc};
 pub use polygon::ConvexPolygon;
@@ -18,7 +17,6 @@ pub use polyline::Polyline;
 pub use rect::Rect;
 pub use segment::Segment;
 pub use shape::Shape;
-pub use split::MAX_SPLIT_CORNERS;
 
 use glam::DVec2;
 use robust::{Coord, orient2d};

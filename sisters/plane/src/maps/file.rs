@@ -1,4 +1,4 @@
-//! Maps from files: drawings, maps of Tiled and projects of LDtk.
+//! Maps from files: drawings and maps of Tiled.
 
 use std::path::Path;
 
@@ -28,18 +28,15 @@ const TILES_FOR_A_LETTER: usize = 4;
 #[derive(Debug, PartialEq)]
 enum Kind {
     Tiled,
-    Ldtk,
     Drawing,
 }
 
 impl Drawing {
-    /// The map in a file: a map of Tiled (`.tmx`, with the feature `tiled`), the first level of a
-    /// project of LDtk in which something hides (`.ldtk`, with the feature `ldtk`), or a drawing
-    /// with letters. The contents decide, and not the name.
+    /// The map in a file: a map of Tiled (`.tmx`, with the feature `tiled`), or a
+    /// drawing with letters. The contents decide, and not the name.
     ///
     /// In maps of Tiled, objects of the class or name `guard` are guards, and one `start`, `player`
-    /// or `spawn` is where the walk begins; in projects of LDtk entities of these names. Walls that
-    /// are no tiles are left out, with a warning.
+    /// or `spawn` is where the walk begins. Walls that are no tiles are left out, with a warning.
     ///
     /// # Errors
     /// A file that cannot be read or is none of these.
@@ -50,7 +47,6 @@ impl Drawing {
         let folder = path.parent().unwrap_or(Path::new(""));
         let found = kind(&bytes).and_then(|(kind, text)| match kind {
             Kind::Tiled => tiled(&bytes, folder),
-            Kind::Ldtk => ldtk(&bytes, folder),
             Kind::Drawing => drawn(&text),
         });
         found.map_err(failed)
@@ -63,7 +59,7 @@ fn kind(bytes: &[u8]) -> Result<(Kind, String), String> {
     let (text, _) = text(bytes);
     let is_control = |c: char| c.is_ascii_control() && !c.is_ascii_whitespace();
     if text.contains(is_control) {
-        return Err(format!("it is no text, so it is no map: maps are .tmx, .ldtk, or {LETTERS}"));
+        return Err(format!("it is no text, so it is no map: maps are .tmx, or {LETTERS}"));
     }
     let start = text.trim_start();
     let has = |name: &str| start.contains(&format!("\"{name}\""));
@@ -77,14 +73,13 @@ fn kind(bytes: &[u8]) -> Result<(Kind, String), String> {
                 Err(format!("it is XML, but no map of Tiled: its element is {:.40}", other.unwrap_or("none")))
             }
         },
-        Some('{') if has("defs") && (has("levels") || has("worlds")) => Ok((Kind::Ldtk, String::new())),
         Some('{') if has("tilewidth") || has("tiledversion") => {
             Err("it is a map of Tiled in JSON: save it as .tmx (File, Export As)".into())
         }
         Some('{') if has("layerInstances") => {
-            Err("it is a level of LDtk in a file of its own: open the project (.ldtk) that names it".into())
+            Err("it is a project or a level of LDtk: let LDtk save Tiled files, too, and open these".into())
         }
-        Some('{') => Err("it is JSON, but no project of LDtk".into()),
+        Some('{') => Err("it is JSON, but maps are .tmx files or drawn with letters".into()),
         _ => {
             let shown = || start.chars().filter(|c| !c.is_whitespace());
             let (all, walls) = (shown().count(), shown().filter(|&c| c == '#').count());
@@ -128,7 +123,7 @@ fn drawn(text: &str) -> Result<Drawing, String> {
     Ok(drawing)
 }
 
-#[cfg(any(feature = "tiled", feature = "ldtk"))]
+#[cfg(feature = "tiled")]
 impl Drawing {
     /// Takes what stands on a tile that is no wall: a door, or a guard or a start by one of its
     /// names. `false` if there is no such tile.
@@ -154,17 +149,14 @@ fn tiled(bytes: &[u8], folder: &Path) -> Result<Drawing, String> {
     use crate::editor::Role;
     use crate::tmx::TmxImport;
 
-    let map = TmxImport::default().parse_map(bytes, |path| file(&folder.join(path)));
+    let map = TmxImport::default().parse(bytes, |path| file(&folder.join(path)));
     let map = map.map_err(|why| why.to_string())?;
     let warnings = map.warnings.iter().map(ToString::to_string).collect();
     let mut drawing = Drawing { walls: map.walls, warnings, ..Drawing::default() };
     let origin = map.origin.as_i64vec2();
-    for tile in map.tiles.iter().filter(|tile| tile.role == Role::Door) {
-        drawing.place((tile.place.floor().as_i64vec2() - origin).to_array(), true, &[]);
-    }
-    let mut others = map.tiles.iter().filter(|tile| tile.role == Role::Wall).count();
+    let mut others = 0;
     for object in &map.objects {
-        let around = object.shape.bounds();
+        let around = object.bounds.block();
         let tile = ((around.min + around.max) / 2.0).floor().as_i64vec2() - origin;
         others += usize::from(object.role == Role::Wall);
         drawing.place(tile.to_array(), object.role == Role::Door, &[&object.class, &object.name]);
@@ -173,42 +165,7 @@ fn tiled(bytes: &[u8], folder: &Path) -> Result<Drawing, String> {
     Ok(drawing)
 }
 
-#[cfg(feature = "ldtk")]
-fn ldtk(bytes: &[u8], folder: &Path) -> Result<Drawing, String> {
-    use crate::editor::Role;
-    use crate::ldtk::LdtkImport;
-
-    let levels = LdtkImport::default().parse(bytes, |path| file(&folder.join(path)));
-    let levels = levels.map_err(|why| why.to_string())?;
-    let Some(level) = levels.iter().find(|level| level.tile.is_some()).or(levels.first()) else {
-        return Err("the project has no level".into());
-    };
-    let tile = level.tile.unwrap_or(LDTK_TILE);
-    let mut drawing = Drawing { walls: level.walls.clone(), ..Drawing::default() };
-    if level.tile.is_none() {
-        let [width, height] = level.size.map(|side| side.div_ceil(tile).min(LONGEST));
-        drawing.walls = crate::bits::BitGrid::new(width, height);
-    }
-    let name = |warning: &_| format!("the level {}: {warning}", level.name);
-    drawing.warnings.extend(level.warnings.iter().map(name));
-    let mut others = 0;
-    for entity in &level.entities {
-        let middle = (entity.rect.min + entity.rect.max) / (2.0 * tile as f32);
-        others += usize::from(entity.role == Role::Wall);
-        drawing.place(middle.floor().as_i64vec2().to_array(), entity.role == Role::Door, &[&entity.name]);
-    }
-    drawing.leave_out(others);
-    Ok(drawing)
-}
-
-/// The side of a tile in pixels, and the most tiles along a side, of levels in which nothing
-/// blocks.
-#[cfg(feature = "ldtk")]
-const LDTK_TILE: u32 = 16;
-#[cfg(feature = "ldtk")]
-const LONGEST: u32 = 4096;
-
-#[cfg(any(feature = "tiled", feature = "ldtk"))]
+#[cfg(feature = "tiled")]
 impl Drawing {
     /// Warns of walls that are no tiles.
     fn leave_out(&mut self, others: usize) {
@@ -222,9 +179,4 @@ impl Drawing {
 #[cfg(not(feature = "tiled"))]
 fn tiled(_: &[u8], _: &Path) -> Result<Drawing, String> {
     Err("it is a map of Tiled: build casca-plane with the feature tiled".into())
-}
-
-#[cfg(not(feature = "ldtk"))]
-fn ldtk(_: &[u8], _: &Path) -> Result<Drawing, String> {
-    Err("it is a project of LDtk: build casca-plane with the feature ldtk".into())
 }

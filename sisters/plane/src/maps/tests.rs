@@ -78,9 +78,9 @@ fn files_that_are_no_maps_are_refused_by_their_contents() {
         ),
         (b"<!DOCTYPE html>\n<html></html>", "its element is html"),
         (b"\xef\xbb\xbf<tileset name=\"t\"/>", "a tileset or a template of Tiled"),
-        (b"{\"a\": 1}", "JSON, but no project of LDtk"),
+        (b"{\"a\": 1}", "JSON, but maps are .tmx"),
         (b"{\"tiledversion\": \"1.10\", \"layers\": []}", "save it as .tmx"),
-        (b"{\"identifier\": \"L\", \"layerInstances\": []}", "open the project (.ldtk)"),
+        (b"{\"identifier\": \"L\", \"layerInstances\": []}", "a project or a level of LDtk"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no text"),
         (b"1,1,1,1\n1,0,0,1\n", "hardly a wall"),
         (prose.as_bytes(), "hardly a wall"),
@@ -133,24 +133,6 @@ fn maps_of_tiled_are_drawings_by_their_contents() {
     );
     let none = opened(text.replace("\"walls\"", "\"roof\"").replace("opaque", "hard").as_bytes()).unwrap();
     assert!(none.walls.count() == 0, "{:?}", none.warnings);
-}
-
-#[cfg(feature = "ldtk")]
-#[test]
-fn projects_of_ldtk_are_drawings_by_their_contents() {
-    let project = |layer: &str| {
-        format!(
-            "\u{feff}{{\"defs\": {{}}, \"levels\": [{{\"identifier\": \"A\", \"pxWid\": 32, \"pxHei\": 16, \"layerInstances\": [\
-             {{\"__identifier\": \"{layer}\", \"__cWid\": 2, \"__cHei\": 1, \"__gridSize\": 16, \"layerDefUid\": 1, \
-             \"intGridCsv\": [1, 0]}}]}}]}}"
-        )
-    };
-    let found = opened(project("Walls").as_bytes()).unwrap();
-    assert_eq!((found.walls.cells().collect::<Vec<_>>(), found.warnings), (vec![(0, 0)], vec![]));
-    let found = opened(project("Grass").as_bytes()).unwrap();
-    assert_eq!((found.walls.width(), found.walls.count()), (2, 0));
-    let last = found.warnings.last().unwrap();
-    assert!(last.contains("the level A: nothing blocks sight") && last.contains("\"Grass\""), "{last}");
 }
 
 #[test]

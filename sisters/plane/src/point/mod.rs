@@ -1,4 +1,4 @@
-//! Exact visibility from a point: [`Method::Point`](crate::Method::Point).
+//! Exact visibility from a point.
 //!
 //! 1. [`walk`]: the cells around the eye are walked in chessboard shells, front to back (thesis,
 //!    section 3.3.3). The objects in them are found, and the sides of their occluders. Walls close
@@ -22,7 +22,6 @@ mod covers;
 mod envelope;
 mod layers;
 mod outline;
-mod reach;
 mod region;
 mod shells;
 mod target;
@@ -57,9 +56,6 @@ pub(crate) struct Sight {
     shown: Vec<bool>,
     /// A block around the grid, the objects and the eye, with room for a cell.
     extent: Option<Block>,
-    /// The sectors of all eyes within a reach, as one without walls; what else is told about the
-    /// region is told for all directions then.
-    gate: Option<Box<Sight>>,
 }
 
 impl Sight {
@@ -71,13 +67,11 @@ impl Sight {
         self.envelope.build(&around, &arcs, &self.walk.blocked);
         pvs.stats.segments = self.walk.walls.len() as u32;
         pvs.stats.pieces = self.envelope.steps.len() as u32;
-        pvs.revealed.extend(self.walk.revealed.iter().map(|&slot| scene.id(slot)));
-        pvs.stats.tbvs_revealed = pvs.revealed.len() as u32;
         mark_shown(&mut self.shown, &self.walk, &self.envelope, view);
         // Blocks around the pieces cost as much as to compare something with each.
         let rest = self.walk.found.iter().zip(&self.shown).filter(|(_, shown)| !**shown);
         let rest = rest.filter_map(|(&slot, _)| scene.object(slot));
-        let share: f64 = rest.map(|object| share_of_turn(circle.eye, &object.place().block())).sum();
+        let share: f64 = rest.map(|object| share_of_turn(circle.eye, &object.bounds.block())).sum();
         self.bounds.clear();
         if share > 1.0 {
             self.bounds.build(&around, self.envelope.pieces());
@@ -85,33 +79,11 @@ impl Sight {
         let region = self.region(view, &circle);
         for (&slot, &shown) in self.walk.found.iter().zip(&self.shown) {
             pvs.stats.objects_tested += 1;
-            let meets = |object: &Object| object.is_lost() || self.meets(&region, object.place());
+            let meets = |object: &Object| region.meets(&object.bounds);
             if shown || scene.object(slot).is_some_and(meets) {
                 pvs.push(scene.id(slot));
             }
         }
-    }
-
-    /// Finds the objects in the view, as if nothing hid them.
-    pub(crate) fn run_without_occluders(&mut self, scene: &Scene, view: &View, pvs: &mut Pvs) {
-        let circle = self.open(scene, view);
-        let region = self.region(view, &circle);
-        for (slot, object) in scene.living().filter(|(_, object)| object.layers & view.layers() != 0) {
-            pvs.stats.objects_tested += 1;
-            if object.is_lost() || self.meets(&region, object.place()) {
-                pvs.push(scene.id(slot));
-            }
-        }
-    }
-
-    /// Takes the whole view as the visible region.
-    pub(crate) fn open(&mut self, scene: &Scene, view: &View) -> Circle {
-        let (circle, arcs) = self.start(scene, view);
-        self.walk.clear();
-        let around = Around::new(&circle, &[]);
-        self.envelope.build(&around, &arcs, &[]);
-        self.bounds.build(&around, self.envelope.pieces());
-        circle
     }
 
     fn start(&mut self, scene: &Scene, view: &View) -> (Circle, Arcs) {
@@ -125,46 +97,35 @@ impl Sight {
         });
         let room = scene.grid().cell_size();
         self.extent = Some(Block { min: min - room, max: max + room });
-        let arcs = match view.sides().filter(|_| view.reach() == 0.0) {
+        let arcs = match view.sides() {
             Some([first, last]) => arcs::between(&circle, first, last).collect(),
             None => arcs::whole(&circle),
         };
-        self.gate = view.gate().map(|view| {
-            let mut gate = self.gate.take().unwrap_or_default();
-            gate.open(scene, &view);
-            gate
-        });
         (circle, arcs)
-    }
-
-    /// Whether a shape meets the region, and the sector of some eye.
-    fn meets(&self, region: &Region, shape: &Shape) -> bool {
-        region.meets(shape) && self.gate.as_ref().is_none_or(|gate| gate.sees(shape))
     }
 
     fn region<'a>(&'a self, view: &View, circle: &'a Circle) -> Region<'a> {
         let around = Around::new(circle, &self.walk.walls);
-        Region::new(around, &self.envelope, &self.bounds, view.farthest())
+        Region::new(around, &self.envelope, &self.bounds, view.range())
     }
 
     /// Whether a point belongs to the visible region; `false` before the first run.
     pub(crate) fn sees_point(&self, point: DVec2) -> bool {
         point.is_finite()
             && self.view.as_ref().is_some_and(|(view, circle)| self.region(view, circle).contains(point))
-            && self.gate.as_ref().is_none_or(|gate| gate.sees_point(point))
     }
 
     /// Whether a shape meets the visible region; `false` before the first run.
     pub(crate) fn sees(&self, shape: &Shape) -> bool {
-        self.view.as_ref().is_some_and(|(view, circle)| self.meets(&self.region(view, circle), shape))
+        self.view.as_ref().is_some_and(|(view, circle)| self.region(view, circle).meets(shape))
     }
 
     /// The corners of the visible region.
     pub(crate) fn polygon(&self) -> Vec<Vec2> {
         match (&self.view, &self.extent) {
             (Some((view, circle)), Some(extent)) => {
-                let whole = view.direction().is_none() || view.reach() > 0.0;
-                outline::polygon(&self.region(view, circle), whole, view.farthest(), extent)
+                let whole = view.direction().is_none();
+                outline::polygon(&self.region(view, circle), whole, view.range(), extent)
             }
             _ => Vec::new(),
         }
@@ -176,7 +137,7 @@ impl Sight {
 fn mark_shown(shown: &mut Vec<bool>, walk: &Walk, envelope: &Envelope, view: &View) {
     shown.clear();
     shown.resize(walk.found.len(), false);
-    if view.range().is_some() || view.gate().is_some() {
+    if view.range().is_some() {
         return;
     }
     for step in &envelope.steps {

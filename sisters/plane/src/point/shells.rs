@@ -2,8 +2,8 @@
 
 use glam::{DVec2, IVec2};
 
+use crate::cross::CrossBits;
 use crate::grid::Grid;
-use crate::matrix::CrossBits;
 use crate::numeric::SHELL;
 use crate::point::arcs::Arc;
 
@@ -25,9 +25,6 @@ pub(crate) struct Shells<'a> {
     /// The least corner of that cell.
     corner: DVec2,
 }
-
-/// Marks of the cells to visit: those that are in one of two sets.
-pub(crate) type Marks<'a> = [&'a CrossBits; 2];
 
 impl<'a> Shells<'a> {
     /// The shells around an eye; `None` if it is too far away from the grid.
@@ -72,7 +69,7 @@ impl<'a> Shells<'a> {
     /// rounded outwards. The arcs are sorted by quarter and direction, and disjoint. Each cell
     /// comes once, but those on the axes may come twice. Costs the lesser of the numbers of cells
     /// and arcs, times its logarithm, and a word for each 64 cells.
-    pub(crate) fn cells(&self, shell: i32, arcs: &[Arc], marks: Marks, visit: &mut impl FnMut(IVec2)) {
+    pub(crate) fn cells(&self, shell: i32, arcs: &[Arc], marks: &CrossBits, visit: &mut impl FnMut(IVec2)) {
         let mut rest = arcs;
         for quarter in 0..4u8 {
             let (own, others) = rest.split_at(rest.partition_point(|arc| arc.quarter == quarter));
@@ -101,7 +98,7 @@ impl<'a> Quarter<'a> {
         Self { shells, shell, signs, place }
     }
 
-    fn cells(&self, arcs: &[Arc], marks: Marks, visit: &mut impl FnMut(IVec2)) {
+    fn cells(&self, arcs: &[Arc], marks: &CrossBits, visit: &mut impl FnMut(IVec2)) {
         let turned = self.signs.x != self.signs.y;
         // In the order from the axis of x to that of y.
         let arc = |i: usize| {
@@ -146,7 +143,7 @@ impl<'a> Quarter<'a> {
     }
 
     /// The first marked cell of the grid from a number on, up to the last of the quarter.
-    fn next(&self, marks: Marks, number: i32) -> Option<i32> {
+    fn next(&self, marks: &CrossBits, number: i32) -> Option<i32> {
         let (shell, end) = (self.shell, 2 * self.shell);
         let up = || {
             let along = self.next_along(marks, 0, [number, shell])?;
@@ -161,20 +158,20 @@ impl<'a> Quarter<'a> {
 
     /// The first marked cell of the grid that is a shell away along an axis, and from one distance
     /// to another along the other, as its distance.
-    fn next_along(&self, marks: Marks, axis: usize, [from, to]: [i32; 2]) -> Option<i32> {
+    fn next_along(&self, marks: &CrossBits, axis: usize, [from, to]: [i32; 2]) -> Option<i32> {
         let (other, Shells { cell: eye, grid, .. }) = (1 - axis, self.shells);
         let at = eye[axis] + self.signs[axis] * self.shell;
         if at < 0 || at >= grid.dims()[axis] || from < 0 {
             return None;
         }
         let place = |distance: i32| eye[other] + self.signs[other] * distance;
-        let lines = marks.map(|bits| bits.line(axis, at as u32));
+        let line = marks.line(axis, at as u32);
         let last = grid.dims()[other] - 1;
         let (first, end) = (place(from), place(to));
         let found = if first <= end {
-            next_up(lines, first.max(0), end.min(last))
+            next_up(line, first.max(0), end.min(last))
         } else {
-            next_down(lines, first.min(last), end.max(0))
+            next_down(line, first.min(last), end.max(0))
         };
         found.map(|found| (found - eye[other]) * self.signs[other])
     }
@@ -209,40 +206,36 @@ impl<'a> Quarter<'a> {
     }
 }
 
-/// The first set bit of two lines from one place up to another.
-fn next_up(lines: [&[u64]; 2], from: i32, to: i32) -> Option<i32> {
+/// The first set bit of a line from one place up to another.
+fn next_up(line: &[u64], from: i32, to: i32) -> Option<i32> {
     if from > to {
         return None;
     }
     let (mut at, last) = (from / WORD, to / WORD);
-    let mut word = word(lines, at) & u64::MAX << (from % WORD);
+    let mut word = line[at as usize] & u64::MAX << (from % WORD);
     while word == 0 {
         if at == last {
             return None;
         }
         at += 1;
-        word = self::word(lines, at);
+        word = line[at as usize];
     }
     Some(at * WORD + word.trailing_zeros() as i32).filter(|&found| found <= to)
 }
 
-/// The first set bit of two lines from one place down to another.
-fn next_down(lines: [&[u64]; 2], from: i32, to: i32) -> Option<i32> {
+/// The first set bit of a line from one place down to another.
+fn next_down(line: &[u64], from: i32, to: i32) -> Option<i32> {
     if from < to {
         return None;
     }
     let (mut at, last) = (from / WORD, to / WORD);
-    let mut word = word(lines, at) & u64::MAX >> (WORD - 1 - from % WORD);
+    let mut word = line[at as usize] & u64::MAX >> (WORD - 1 - from % WORD);
     while word == 0 {
         if at == last {
             return None;
         }
         at -= 1;
-        word = self::word(lines, at);
+        word = line[at as usize];
     }
     Some(at * WORD + WORD - 1 - word.leading_zeros() as i32).filter(|&found| found >= to)
-}
-
-fn word(lines: [&[u64]; 2], at: i32) -> u64 {
-    lines[0][at as usize] | lines[1][at as usize]
 }

@@ -82,7 +82,7 @@ fn keys_and_exact_arithmetic_answer_the_same() {
         let eye = if round % 3 == 0 { Vec2::ZERO } else { point(Kind::Anywhere, Vec2::ZERO, &mut random) };
         for _ in 0..random.random_range(1..60) {
             let shape = shape(kind, eye, &mut random);
-            let desc = ObjectDesc::fixed(shape.clone());
+            let desc = ObjectDesc::new(shape.clone());
             let hides = random.random_range(0..4) > 0;
             // Discs of no size at huge places are refused.
             let _ = scene.insert(if hides { desc.occluder(shape) } else { desc });

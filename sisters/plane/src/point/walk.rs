@@ -8,7 +8,6 @@ use crate::geometry::Shape;
 use crate::point::arcs::{Arc, Circle};
 use crate::point::blocked;
 use crate::point::covers::Covers;
-use crate::point::reach::Reach;
 use crate::point::shells::Shells;
 use crate::point::wall::{NOBODY, Wall};
 use crate::pvs::Stats;
@@ -27,15 +26,9 @@ pub(crate) struct Walk {
     pub(crate) found: Vec<Slot>,
     /// The sides of their occluders.
     pub(crate) walls: Vec<Wall>,
-    /// The slots of the hidden objects among them.
-    pub(crate) revealed: Vec<Slot>,
     /// The directions into solids whose border the eye is on.
     pub(crate) blocked: Vec<Arc>,
     covers: Covers,
-    /// The layers of the view.
-    layers: u64,
-    /// How far its eyes may be from the middle one.
-    reach: f64,
     /// By slot: the last walk that found it.
     marks: Vec<u32>,
     number: u32,
@@ -46,7 +39,6 @@ impl Walk {
     pub(crate) fn clear(&mut self) {
         self.found.clear();
         self.walls.clear();
-        self.revealed.clear();
         self.blocked.clear();
     }
 
@@ -61,11 +53,8 @@ impl Walk {
     ) {
         self.clear();
         self.mark_nothing(scene.slot_count());
-        (self.layers, self.reach) = (view.layers(), view.reach());
         let eye = circle.eye;
-        let always = scene.outer().iter().chain(scene.lost());
-        always.for_each(|&slot| self.find(slot, scene, circle, stats));
-        scene.volumes_around(scene.grid().cell_of(eye), |slot| self.find(slot, scene, circle, stats));
+        scene.outer().iter().for_each(|&slot| self.find(slot, scene, circle, stats));
         let Some(shells) = Shells::new(scene.grid(), eye) else {
             return scene.living().for_each(|(slot, _)| self.find(slot, scene, circle, stats));
         };
@@ -73,8 +62,8 @@ impl Walk {
         let cell = scene.grid().cell_size();
         let (first, last) = shells.numbers();
         // The nearest points of a shell are one cell less away than its number says.
-        let end = view.farthest().map_or(f64::INFINITY, |range| range / cell + 2.0);
-        let marks = [scene.lists().occupied(), scene.volumes().bits()];
+        let end = view.range().map_or(f64::INFINITY, |range| range / cell + 2.0);
+        let marks = scene.lists().occupied();
         let (mut noticed, mut closing, mut check) = (0, true, scene.len() / MOST_LEFT);
         for shell in first..=last {
             if f64::from(shell) > end || self.covers.open().is_empty() {
@@ -130,8 +119,7 @@ impl Walk {
     /// Finds the objects in a cell.
     fn visit(&mut self, scene: &Scene, cell: IVec2, circle: &Circle, stats: &mut Stats) {
         stats.cells_visited += 1;
-        let slots = scene.lists().get(cell).iter().chain(scene.volumes().at(cell));
-        slots.for_each(|&slot| self.find(slot, scene, circle, stats));
+        scene.lists().get(cell).iter().for_each(|&slot| self.find(slot, scene, circle, stats));
     }
 
     /// Takes notice of an object, once, and of its occluder.
@@ -140,21 +128,11 @@ impl Walk {
         if std::mem::replace(mark, self.number) == self.number {
             return;
         }
-        let Some(object) = scene.object(slot).filter(|object| object.layers & self.layers != 0) else {
-            return;
-        };
+        let Some(object) = scene.object(slot) else { return };
         self.found.push(slot);
-        if object.is_hidden() {
-            self.revealed.push(slot);
-        }
-        let Some(occluder) = object.occluder.as_ref().filter(|_| object.is_certain()) else { return };
+        let Some(occluder) = &object.occluder else { return };
         let owner = if object.bounds == *occluder { self.found.len() as u32 - 1 } else { NOBODY };
-        if self.reach > 0.0 {
-            let (eye, walls) = (circle.eye, &mut self.walls);
-            let reach = Reach { scene, eye, reach: self.reach, layers: self.layers };
-            let add = |a, b| walls.extend(Wall::new(eye, a, b, owner));
-            stats.eye_in_occluder |= reach.walls(slot, occluder, add);
-        } else if occluder.surrounds(circle.eye) {
+        if occluder.surrounds(circle.eye) {
             stats.eye_in_occluder = true;
         } else {
             self.add(occluder, owner, circle);

@@ -1,15 +1,11 @@
-//! Queries: the memory of one view, and the methods that find its PVS.
+//! Queries: the memory of one view, and its last result.
 
 mod region;
-mod valid;
 
 use glam::Vec2;
 
-use crate::bits::BitGrid;
-use crate::cell::{self, CellOptions, CellScratch};
 use crate::error::Error;
 use crate::geometry::Shape;
-use crate::method::Method;
 use crate::point::Sight;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
@@ -23,77 +19,50 @@ pub use region::visible_region;
 /// frame. Any number of queries can run on one scene at the same time, each in its own thread.
 #[derive(Debug, Clone, Default)]
 pub struct Query {
-    method: Method,
     pvs: Pvs,
-    cell_options: CellOptions,
-    cell: CellScratch,
     sight: Sight,
 }
 
 impl Query {
-    /// A query by the default method, [`Method::Point`].
+    /// A query that never ran.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A query by the method given.
+    /// Finds the objects that can be seen from the eye: all of them, and no others. The result
+    /// stays in the query ([`Query::pvs`]).
     ///
-    /// # Errors
-    /// [`Error::Setting`] if one of its options is out of its range.
-    pub fn with_method(method: Method) -> Result<Self, Error> {
-        Ok(Self { method, ..Self::default() })
-    }
-
-    /// The method.
-    pub fn method(&self) -> Method {
-        self.method
-    }
-
-    /// Finds the objects that a view can see. The result stays in the query ([`Query::pvs`]).
+    /// Occluders are closed sets. A point is visible if it lies in the closure of the set of points
+    /// that a set of directions of positive angle reaches. So
+    /// - rays that only graze do not count, and two walls that touch in a point let nothing
+    ///   through;
+    /// - the border of the visible region belongs to it: a wall is visible, and an object behind it
+    ///   that touches it where it is visible;
+    /// - a wall through the eye hides nothing, as it covers no angle; along it one sees both of its
+    ///   sides;
+    /// - from the border of a solid one sees nothing in the directions into it; on the seam between
+    ///   two solids, nothing at all;
+    /// - a solid that surrounds the eye hides nothing ([`crate::Stats::eye_in_occluder`]).
+    ///
+    /// Comparisons are exact for all finite coordinates. Only discs are rounded: as occluders to
+    /// the polygon inside ([`crate::Disc::polygon`]), as bounds outwards by about 1e-14 of their
+    /// coordinates, as is the end of a range.
+    ///
+    /// Costs the cells and objects in sight, and for the n sides of occluders found there O(n log
+    /// n) comparisons, even if they cross. An eye more than 2^24 cells away from the grid costs all
+    /// objects. The walk follows the thesis (section 3.3.3); the nearest sides are found as by
+    /// Hershberger 1989 ("Finding the upper envelope of n line segments in O(n log n) time").
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
         let pvs = &mut self.pvs;
         pvs.reset(scene.slot_count());
-        (pvs.scene, pvs.revision) = (scene.tag(), scene.revision());
-        (pvs.method, pvs.view) = (self.method, Some(*view));
-        match self.method {
-            Method::Cell => {
-                self.sight.open(scene, view);
-                cell::run(scene, view, &self.cell_options, &self.sight, &mut self.cell, pvs);
-            }
-            Method::Sector => self.sight.run_without_occluders(scene, view, pvs),
-            Method::Point => self.sight.run(scene, view, pvs),
-        }
+        (pvs.scene, pvs.revision, pvs.view) = (scene.tag(), scene.revision(), Some(*view));
+        self.sight.run(scene, view, pvs);
         pvs
     }
 
-    /// The options of [`Method::Cell`].
-    pub fn cell_options(&self) -> CellOptions {
-        self.cell_options
-    }
-
-    /// Changes the options of [`Method::Cell`] from the next run on.
-    ///
-    /// # Errors
-    /// [`Error::Setting`] if one of them is out of its range. The query then keeps the old ones.
-    pub fn set_cell_options(&mut self, options: CellOptions) -> Result<(), Error> {
-        options.check()?;
-        self.cell_options = options;
-        Ok(())
-    }
-
-    /// The cells of the grid that the last run of [`Method::Cell`] found in sight: each cell of
-    /// which a point of the eye's cell sees a point inside the view, and a few more; with a
-    /// [reach](View::with_reach), of any cell that the eye may be in. `None` if the last run was by
-    /// another method, or on another scene. Costs all cells of the grid, for each cell of the eye.
-    pub fn seen_cells(&self, scene: &Scene) -> Option<BitGrid> {
-        let ran = self.pvs.method == Method::Cell && self.pvs.scene == scene.tag();
-        ran.then(|| self.cell.seen_cells(scene))
-    }
-
     /// Whether a point can be seen by the view of the last run: whether it belongs to the visible
-    /// region, as [`Method::Point`] defines it. After a run of another method that is the whole
-    /// view. Exact, but for the end of a range. `false` before the first run, and for points that
-    /// are not finite. Costs the logarithm of the number of sides in sight.
+    /// region, as [`Query::run`] defines it. Exact, but for the end of a range. `false` before the
+    /// first run, and for points that are not finite. Costs the logarithm of the number of sides in sight.
     pub fn sees_point(&self, point: Vec2) -> bool {
         self.sight.sees_point(point.as_dvec2())
     }
@@ -126,7 +95,7 @@ impl Query {
     /// # fn main() -> Result<(), casca_plane::Error> {
     /// let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(8) })?;
     /// let wall = Segment::new(Vec2::new(2.0, 4.0), Vec2::new(6.0, 4.0));
-    /// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+    /// scene.insert(ObjectDesc::new(wall).occluder(wall))?;
     /// let mut query = Query::new();
     /// query.run(&scene, &View::sector(Vec2::new(4.0, 2.0), Vec2::Y, 0.5)?);
     /// assert!(query.sees_point(Vec2::new(4.0, 4.0)) && !query.sees_point(Vec2::new(4.0, 4.1)));

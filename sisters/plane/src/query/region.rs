@@ -5,7 +5,6 @@ use glam::Vec2;
 use crate::error::{Error, finite2};
 use crate::geometry::{Rect, Segment};
 use crate::grid::GridSpec;
-use crate::method::Method;
 use crate::object::ObjectDesc;
 use crate::query::Query;
 use crate::scene::Scene;
@@ -58,9 +57,9 @@ pub fn visible_region(walls: &[Segment], eye: Vec2, range: f32) -> Result<Vec<Ve
     let grid = GridSpec::covering(Rect::new((min - room).max(-end), (max + room).min(end)), cell)?;
     let mut scene = Scene::new(&grid)?;
     for &wall in walls {
-        scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
+        scene.insert(ObjectDesc::new(wall).occluder(wall))?;
     }
-    let mut query = Query::with_method(Method::Point)?;
+    let mut query = Query::new();
     query.run(&scene, &view);
     Ok(query.polygon())
 }

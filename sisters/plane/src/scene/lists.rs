@@ -4,9 +4,9 @@ use casca_slots::Slot;
 use glam::IVec2;
 use smallvec::SmallVec;
 
+use crate::cross::CrossBits;
 use crate::geometry::Shape;
 use crate::grid::Grid;
-use crate::matrix::CrossBits;
 use crate::raster::touched;
 
 /// Cells of a block along each axis.

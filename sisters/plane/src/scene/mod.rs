@@ -1,52 +1,26 @@
-//! The scene: objects, lists of them by cell, and the frame loop.
+//! The scene: objects, and lists of them by cell.
 //!
 //! Every object is stored in a [`Slot`]. Objects inside the grid are in the lists of the cells that
 //! they touch ([`lists`]). Those that leave the grid, or touch more cells than a query would skip
 //! by them, are in the list `outer`, which every query looks at.
-//!
-//! The matrices of the thesis (section 3.1): Os has the cells inside static occluders, and O those
-//! and the cells inside dynamic ones ([`crate::matrix`]), or inside several together ([`fill`]); I
-//! is the lists; T has the outlines of the volumes that stand for hidden dynamic objects
-//! ([`crate::volume`], [`state`]). H belongs to a query ([`crate::cell`]).
-//!
-//! A frame: [`Scene::begin_frame`] sets the clock and tells which objects are due for a report; the
-//! application moves objects; queries read the scene; [`Scene::end_frame`] takes their results, and
-//! puts dynamic objects that no view saw into volumes.
 
-mod doors;
-mod edit;
-mod fill;
-mod frame;
-mod hiding;
 pub(crate) mod lists;
-mod object;
-mod state;
 mod tiles;
 
-use casca_slots::{ExpiryQueue, Slot, SlotSet, Slots};
-use glam::IVec2;
+use casca_slots::{Slot, Slots};
 
 use crate::error::Error;
 use crate::geometry::Shape;
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
-use crate::matrix::{CrossBits, Opacity};
-use crate::object::Motion;
+use crate::object::{ObjectDesc, check_pair};
+use crate::raster::touched;
 use crate::scene::lists::CellLists;
-use crate::volume::Volumes;
-
-pub use doors::TileDoor;
-pub use frame::FrameReport;
-pub(crate) use object::Object;
 
 /// Objects in a regular grid, shared read-only by any number of queries.
 ///
-/// A frame: [`Scene::begin_frame`] with the time, [`Scene::update`] for the objects that moved,
-/// queries, and [`Scene::end_frame`] with their results.
-///
 /// A clone is another scene. It knows the ids of all objects that it was made with, but not the ids
-/// that the original gives out later, nor the other way round. Each refuses a [`crate::Pvs`] that
-/// was found on the other.
+/// that the original gives out later, nor the other way round.
 ///
 /// ```
 /// use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};
@@ -55,9 +29,9 @@ pub(crate) use object::Object;
 /// # fn main() -> Result<(), casca_plane::Error> {
 /// let mut scene = Scene::new(&GridSpec { min: Vec2::ZERO, cell: 1.0, dims: UVec2::splat(32) })?;
 /// let wall = Segment::new(Vec2::new(8.0, 1.0), Vec2::new(8.0, 31.0));
-/// let wall = scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
-/// let near = scene.insert(ObjectDesc::fixed(Disc::new(Vec2::new(4.0, 16.0), 1.0)))?;
-/// let far = scene.insert(ObjectDesc::fixed(Disc::new(Vec2::new(12.0, 16.0), 1.0)))?;
+/// let wall = scene.insert(ObjectDesc::new(wall).occluder(wall))?;
+/// let near = scene.insert(ObjectDesc::new(Disc::new(Vec2::new(4.0, 16.0), 1.0)))?;
+/// let far = scene.insert(ObjectDesc::new(Disc::new(Vec2::new(12.0, 16.0), 1.0)))?;
 /// let mut query = Query::new();
 /// let pvs = query.run(&scene, &View::all_round(Vec2::new(2.5, 16.5))?);
 /// assert!(pvs.contains(wall) && pvs.contains(near) && !pvs.contains(far));
@@ -71,62 +45,163 @@ pub struct Scene {
     lists: CellLists,
     /// The slots of objects that are in no cells, as they are too large or leave the grid.
     outer: Vec<Slot>,
-    /// Os: the cells that static occluders fill.
-    fixed: Opacity,
-    /// The cells that listed dynamic occluders add to make O.
-    moving: Opacity,
-    /// The cells that solids of both kinds cover together, and none alone when they were decided.
-    joined: CrossBits,
-    volumes: Volumes,
-    /// Dynamic objects in the lists of cells, or too large for them.
-    listed: SlotSet,
-    /// How many of them are reported on expiry.
-    listed_on_expiry: u32,
-    /// Objects that every query counts as visible, since their place is unknown.
-    lost: SlotSet,
-    expiries: ExpiryQueue,
-    /// Cells of the viewers of the last frame.
-    viewers: Vec<IVec2>,
-    /// Number of the frame, counted by [`Scene::begin_frame`].
-    frame: u64,
-    /// Volumes drawn since the last frame ended.
-    drawn: usize,
-    /// Memory used again: the objects in sight, a bit for each slot.
-    seen: Vec<u64>,
-    /// The clock, in seconds.
-    now: f64,
     /// Changes with every change of the objects.
     revision: u64,
 }
 
+/// An object in its slot.
+#[derive(Debug, Clone)]
+pub(crate) struct Object {
+    pub(crate) bounds: Shape,
+    pub(crate) occluder: Option<Shape>,
+    user_data: u64,
+    /// 1 + its place in the list of objects that are in no cells, or 0.
+    outer: u32,
+}
+
 impl Scene {
-    /// An empty scene on a grid. Costs a byte for each cell.
+    /// An empty scene on a grid. Costs half a byte for each cell.
     ///
     /// # Errors
     /// As [`Grid::new`].
     pub fn new(spec: &GridSpec) -> Result<Self, Error> {
         let grid = Grid::new(spec)?;
-        let dims = grid.dims().as_uvec2();
-        Ok(Self {
-            grid,
-            slots: Slots::new(),
-            lists: CellLists::new(&grid),
-            outer: Vec::new(),
-            fixed: Opacity::new(dims),
-            moving: Opacity::new(dims),
-            joined: CrossBits::new(dims),
-            volumes: Volumes::new(&grid),
-            listed: SlotSet::default(),
-            listed_on_expiry: 0,
-            lost: SlotSet::default(),
-            expiries: ExpiryQueue::default(),
-            viewers: Vec::new(),
-            frame: 1,
-            drawn: 0,
-            seen: Vec::new(),
-            now: 0.0,
-            revision: 0,
-        })
+        let (slots, lists) = (Slots::new(), CellLists::new(&grid));
+        Ok(Self { grid, slots, lists, outer: Vec::new(), revision: 0 })
+    }
+
+    /// Adds an object. Costs the cells that its bounds touch: four bytes each, and 1.5 kB for each
+    /// 8x8 cells that were empty. An object that touches the border of the grid or leaves it, or
+    /// touches more cells than twice the number around the grid, is looked at in every query
+    /// instead.
+    ///
+    /// # Errors
+    /// Refuses shapes that are not finite or inverted, or have a negative radius, occluders that
+    /// stick out of the rectangle around their bounds by more than a thousandth of its diagonal,
+    /// and more than 2^31 objects.
+    pub fn insert(&mut self, desc: ObjectDesc) -> Result<ObjectId, Error> {
+        let ObjectDesc { bounds, occluder, user_data } = desc;
+        check_pair(&bounds, occluder.as_ref())?;
+        let object = Object { bounds, occluder, user_data, outer: 0 };
+        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
+        self.revision += 1;
+        self.list(slot);
+        Ok(self.id(slot))
+    }
+
+    /// Moves an object or changes its shape: all of it, in world units. Costs the cells that it
+    /// touched and touches.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, shapes as [`Scene::insert`], and an update
+    /// without occluder of an object that has one (see [`Scene::set_occluder`]).
+    pub fn update(
+        &mut self,
+        id: ObjectId,
+        bounds: impl Into<Shape>,
+        occluder: Option<Shape>,
+    ) -> Result<(), Error> {
+        let bounds = bounds.into();
+        check_pair(&bounds, occluder.as_ref())?;
+        if occluder.is_none() && self.find(id)?.occluder.is_some() {
+            return Err(Error::OccluderMissing(id));
+        }
+        self.find(id)?;
+        self.unlist(id.slot());
+        if let Some(object) = self.slots.get_mut(id.slot()) {
+            (object.bounds, object.occluder) = (bounds, occluder);
+        }
+        self.list(id.slot());
+        self.revision += 1;
+        Ok(())
+    }
+
+    /// Gives an object another occluder, or takes away the one that it has, as for a door that
+    /// opens. Its bounds stay. Costs nothing else.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene, and shapes as [`Scene::insert`].
+    pub fn set_occluder(&mut self, id: ObjectId, occluder: Option<Shape>) -> Result<(), Error> {
+        check_pair(self.bounds(id)?, occluder.as_ref())?;
+        if let Some(object) = self.slots.get_mut(id.slot()) {
+            object.occluder = occluder;
+        }
+        self.revision += 1;
+        Ok(())
+    }
+
+    /// Gives an object another number: see [`Scene::user_data`]. Results keep holding.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
+        self.find(id)?;
+        if let Some(object) = self.slots.get_mut(id.slot()) {
+            object.user_data = user_data;
+        }
+        Ok(())
+    }
+
+    /// Takes an object out. Costs the cells that it touches, and the other objects in them.
+    ///
+    /// # Errors
+    /// Refuses an id that names no object of this scene.
+    pub fn remove(&mut self, id: ObjectId) -> Result<(), Error> {
+        self.find(id)?;
+        self.unlist(id.slot());
+        self.slots.remove(id.slot());
+        self.revision += 1;
+        Ok(())
+    }
+
+    /// Takes all objects out. Their ids are refused from now on; the grid stays.
+    pub fn clear(&mut self) {
+        let living: Vec<Slot> = self.slots.iter().map(|(slot, _)| slot).collect();
+        // In reverse, so that the slots are given out again in their order.
+        for slot in living.into_iter().rev() {
+            self.unlist(slot);
+            self.slots.remove(slot);
+        }
+        self.revision += 1;
+    }
+
+    /// Enters an object into the lists of its cells, or into the list of those that are in none.
+    fn list(&mut self, slot: Slot) {
+        let Some(object) = self.slots.get(slot) else { return };
+        if !self.is_outer(&object.bounds) {
+            return self.lists.insert(slot, &object.bounds, &self.grid);
+        }
+        self.outer.push(slot);
+        let place = self.outer.len() as u32;
+        self.slots.get_mut(slot).into_iter().for_each(|object| object.outer = place);
+    }
+
+    /// Undoes [`Scene::list`].
+    fn unlist(&mut self, slot: Slot) {
+        let Some(object) = self.slots.get_mut(slot) else { return };
+        let Some(place) = std::mem::take(&mut object.outer).checked_sub(1) else {
+            return self.lists.remove(slot, &object.bounds, &self.grid);
+        };
+        self.outer.swap_remove(place as usize);
+        // Another object may have taken its place.
+        if let Some(&other) = self.outer.get(place as usize)
+            && let Some(other) = self.slots.get_mut(other)
+        {
+            other.outer = place + 1;
+        }
+    }
+
+    /// Whether a shape is in no lists of cells: it leaves the grid, or touches more cells than
+    /// twice the number around the grid.
+    fn is_outer(&self, bounds: &Shape) -> bool {
+        let (grid, block) = (&self.grid, bounds.block());
+        if !grid.surrounds(block.min, block.max) {
+            return true;
+        }
+        let most = 4 * (grid.dims().x + grid.dims().y) as u64;
+        let mut cells = 0;
+        touched(bounds, grid, &mut |_, xs| cells += xs.count() as u64);
+        cells > most
     }
 
     /// The grid.
@@ -151,7 +226,7 @@ impl Scene {
 
     /// The ids of all objects, in the order of their indices. Costs all slots.
     pub fn ids(&self) -> impl Iterator<Item = ObjectId> {
-        self.living().map(|(slot, _)| self.id(slot))
+        self.slots.iter().map(|(slot, _)| self.id(slot))
     }
 
     /// The bounds of an object.
@@ -170,14 +245,6 @@ impl Scene {
         Ok(self.find(id)?.occluder.as_ref())
     }
 
-    /// Whether an object moves, and how fast.
-    ///
-    /// # Errors
-    /// Refuses an id that names no object of this scene.
-    pub fn motion(&self, id: ObjectId) -> Result<Motion, Error> {
-        Ok(self.find(id)?.motion)
-    }
-
     /// The number that the application gave to an object.
     ///
     /// # Errors
@@ -186,54 +253,15 @@ impl Scene {
         Ok(self.find(id)?.user_data)
     }
 
-    /// The layers that an object is on, a bit for each: see [`crate::ObjectDesc::layers`].
-    ///
-    /// # Errors
-    /// Refuses an id that names no object of this scene.
-    pub fn layers(&self, id: ObjectId) -> Result<u64, Error> {
-        Ok(self.find(id)?.layers)
-    }
-
-    /// The time of the last [`Scene::begin_frame`], in seconds; 0 before the first.
-    pub fn now(&self) -> f64 {
-        self.now
-    }
-
     /// Changes whenever an object came, went or changed. Results that were found at another
     /// revision may not hold any more.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// I: the objects that touch each cell.
+    /// The objects that touch each cell.
     pub(crate) fn lists(&self) -> &CellLists {
         &self.lists
-    }
-
-    /// Os and the rest of O: the cells that occluders fill, alone or together.
-    pub(crate) fn opacity(&self) -> [&CrossBits; 3] {
-        [self.fixed.bits(), self.moving.bits(), &self.joined]
-    }
-
-    /// T: the temporal bounding volumes.
-    pub(crate) fn volumes(&self) -> &Volumes {
-        &self.volumes
-    }
-
-    /// Calls `found` with the hidden objects in whose volume an eye in a cell may be: the outline
-    /// does not stand for them. For a cell outside of the grid these are all, as outlines end at
-    /// the border.
-    pub(crate) fn volumes_around(&self, cell: IVec2, mut found: impl FnMut(Slot)) {
-        if self.grid.contains(cell) {
-            self.volumes.holding(cell, found);
-        } else {
-            self.living().filter(|(_, object)| object.is_hidden()).for_each(|(slot, _)| found(slot));
-        }
-    }
-
-    /// The objects whose place is unknown.
-    pub(crate) fn lost(&self) -> &[Slot] {
-        self.lost.as_slice()
     }
 
     /// The objects that are in no cells, as they are too large or leave the grid: every query looks
@@ -263,7 +291,7 @@ impl Scene {
     }
 
     /// The object that an id names.
-    pub(crate) fn find(&self, id: ObjectId) -> Result<&Object, Error> {
+    fn find(&self, id: ObjectId) -> Result<&Object, Error> {
         self.slots.find(id.0).ok_or(Error::UnknownObject(id))
     }
 

@@ -22,10 +22,9 @@ impl Scene {
     /// rectangle of such tiles. Gives their ids. Corners of tiles are rounded to single precision,
     /// all tiles at a corner alike, so that no gaps open.
     ///
-    /// For [`Method::Cell`](crate::Method::Cell), cells that lie wholly inside the rectangles are
-    /// opaque, also if several of them and other solids cover them together. Tiles that open and
-    /// close are left free in the layer, and added as doors afterwards ([`Scene::insert_door`]).
-    /// Costs the cells that the tiles touch.
+    /// Tiles that open and close are left free in the layer, and added as objects of their own,
+    /// which get and lose their occluder ([`Scene::set_occluder`]). Costs the cells that the tiles
+    /// touch.
     ///
     /// # Errors
     /// As [`Scene::insert`]; then none is added.
@@ -36,7 +35,7 @@ impl Scene {
             blocks.iter().map(|block| Rect::new(corner(block.x, block.y), corner(block.end, block.top)));
         let mut ids = Vec::with_capacity(blocks.len());
         for rect in rects {
-            match self.insert(ObjectDesc::fixed(rect).occluder(rect)) {
+            match self.insert(ObjectDesc::new(rect).occluder(rect)) {
                 Ok(id) => ids.push(id),
                 Err(error) => {
                     ids.into_iter().try_for_each(|id| self.remove(id))?;
@@ -78,10 +77,7 @@ fn blocks(bits: &BitGrid) -> Vec<Block> {
 
 #[cfg(test)]
 mod tests {
-    use glam::{IVec2, UVec2, Vec2};
-
     use super::*;
-    use crate::grid::GridSpec;
 
     fn bits(rows: &[&str]) -> BitGrid {
         let mut bits = BitGrid::new(rows[0].len() as u32, rows.len() as u32);
@@ -112,23 +108,5 @@ mod tests {
         for empty in [BitGrid::default(), BitGrid::new(0, u32::MAX), BitGrid::new(u32::MAX, 0)] {
             assert!(blocks(&empty).is_empty());
         }
-    }
-
-    #[test]
-    fn tiles_on_cells_make_them_opaque() {
-        let spec = GridSpec { min: Vec2::splat(-2.0), cell: 0.5, dims: UVec2::splat(12) };
-        let mut scene = Scene::new(&spec).unwrap();
-        let tiles = bits(&["#.#", "###", "..#"]);
-        let layer = TileLayer::new(Vec2::new(-1.0, -1.5), 0.5, tiles.clone()).unwrap();
-        let ids = scene.insert_tiles(&layer).unwrap();
-        assert_eq!(ids.len(), scene.len());
-        let [fixed, ..] = scene.opacity();
-        for cell in (0..144).map(|i| IVec2::new(i % 12, i / 12)) {
-            let tile = cell - IVec2::new(2, 1);
-            let opaque = tile.cmpge(IVec2::ZERO).all() && tiles.get(tile.x as u32, tile.y as u32);
-            assert_eq!(fixed.get(cell.x as u32, cell.y as u32), opaque, "{cell}");
-        }
-        ids.into_iter().for_each(|id| scene.remove(id).unwrap());
-        assert_eq!(scene.opacity()[0].cells().count(), 0);
     }
 }

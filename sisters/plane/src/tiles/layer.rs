@@ -5,7 +5,6 @@ use glam::{DVec2, Vec2};
 use crate::bits::BitGrid;
 use crate::geometry::Rect;
 use crate::tiles::error::{TileError, finite, positive, within};
-use crate::tiles::faces::TileFace;
 use crate::tiles::opaque::OpaqueTiles;
 use crate::tiles::point::TilePoint;
 
@@ -100,10 +99,5 @@ impl TileLayer {
     pub fn bounds(&self) -> Rect {
         let max = self.corner(self.opaque.width(), self.opaque.height());
         Rect::new(self.origin, max.as_vec2())
-    }
-
-    /// The ends of a face, in the scene.
-    pub fn ends(&self, face: TileFace) -> [DVec2; 2] {
-        face.ends().map(|end| self.corner(end.x, end.y))
     }
 }

@@ -1,12 +1,10 @@
 //! Visibility on maps of square tiles.
 //!
 //! In the order of imports: [`TilePoint`] and [`FovOptions`] say who looks, and how far;
-//! [`OpaqueTiles`] what blocks; [`FieldOfView`] finds the tiles that are seen, and [`VisibleFaces`]
-//! the sides of walls, [`SymmetricFov`] the tiles that see each other by their centres; [`Fog`]
-//! remembers them; [`TileLayer`] places tiles in a scene.
+//! [`OpaqueTiles`] what blocks; [`FieldOfView`] finds the tiles that are seen; [`Fog`] remembers
+//! them; [`TileLayer`] places tiles in a scene.
 
 mod error;
-mod faces;
 mod fog;
 mod fov;
 mod layer;
@@ -18,16 +16,13 @@ mod point;
 mod ray;
 mod scan;
 mod sweep;
-mod symmetric;
 mod tile_sweep;
 mod transpose;
 
 pub use error::TileError;
-pub use faces::{Side, TileFace, VisibleFaces};
 pub use fog::{Fog, TileState};
 pub use fov::FieldOfView;
 pub use layer::TileLayer;
 pub use opaque::OpaqueTiles;
 pub use options::FovOptions;
 pub use point::TilePoint;
-pub use symmetric::SymmetricFov;

@@ -22,11 +22,6 @@ pub enum TmxError {
         /// The reason.
         why: Box<TmxError>,
     },
-    /// The map has no fixed size.
-    #[error(
-        "the map is infinite: read it by read_map, or give it a size in the editor (Map, Map Properties, Infinite)"
-    )]
-    Infinite,
     /// Layers or chunks lie so far apart, or so far away, that hardly a tile of the rectangle
     /// around them is theirs.
     #[error("the layers are spread over {width} by {height} tiles, but have {tiles} only")]

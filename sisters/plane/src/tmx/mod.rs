@@ -1,5 +1,5 @@
 //! Maps of the editor [Tiled](https://www.mapeditor.org) (`.tmx` files): which of their tiles block
-//! sight, the shapes that tilesets draw on them, and the objects that are drawn over them.
+//! sight, and the objects that are drawn over them.
 //!
 //! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers
 //! of tiles and of objects, also those in groups. Memory is reserved in proportion to the bytes of
@@ -25,18 +25,10 @@
 
 mod data;
 mod error;
-mod files;
-mod layer;
-mod map;
-mod objects;
+mod object;
 mod parts;
-mod paths;
-mod picture;
-mod read;
-mod space;
 #[cfg(test)]
 mod tests;
-mod tile;
 mod tileset;
 mod warning;
 mod xml;
@@ -44,22 +36,58 @@ mod xml;
 use std::collections::HashMap;
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
+
+use glam::IVec2;
 
 use crate::bits::BitGrid;
-use crate::editor::{Inventory, MapNames, Role, Rule, Says};
+use crate::editor::{FARTHEST, Inventory, MOST_EMPTY, MapNames, Role, Rule, Says};
 use crate::files::{file, text};
-use data::Data;
+use crate::tiles::{TileError, TileLayer};
 pub use error::TmxError;
-use files::Files;
-pub use map::TmxMap;
-pub use objects::{TmxFault, TmxObject, TmxShape, TmxValue};
-pub use tile::TmxTile;
-use tileset::{Tilesets, properties};
+use object::ObjectLayer;
+pub use object::TmxObject;
+use parts::{Extent, Frame, Part, Space, damaged, layer_name};
+use tileset::{Files, Open, TILE, Tilesets, properties};
 pub use warning::TmxWarning;
 use xml::{Element, Xml};
 
 /// Tiles along a side of a map, at most: the editor makes no larger ones.
 const LONGEST_SIDE: u32 = 1 << 20;
+
+/// Tiles of a rectangle around all layers that is never too large: 2 MiB.
+const SMALL: u64 = 1 << 24;
+
+/// What of a map blocks sight, its objects, and warnings: see [`TmxImport::read`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TmxMap {
+    /// The tiles that block.
+    pub walls: BitGrid,
+    /// The column and the row, as the editor counts them, of the tile `(0, 0)` of `walls`.
+    pub origin: IVec2,
+    /// The objects of all layers, in the order of the file, in tiles as the editor counts them.
+    /// Texts and objects of templates are left out.
+    pub objects: Vec<TmxObject>,
+    /// What was passed over. Nothing of it blocks sight, but objects as the warning says.
+    pub warnings: Vec<TmxWarning>,
+}
+
+impl TmxMap {
+    /// The tiles that block, for a scene in which a tile is a world unit wide and the tile `(0, 0)`,
+    /// as the editor counts, has its least corner at the origin. Copies the tiles.
+    ///
+    /// # Errors
+    /// As [`TileLayer::new`].
+    pub fn tile_layer(&self) -> Result<TileLayer, TileError> {
+        TileLayer::new(self.origin.as_vec2(), 1.0, self.walls.clone())
+    }
+
+    /// Whether anything has one of these roles; tiles that block are walls.
+    fn has(&self, roles: &[Role]) -> bool {
+        self.walls.count() > 0 && roles.contains(&Role::Wall)
+            || self.objects.iter().any(|object| roles.contains(&object.role))
+    }
+}
 
 /// Reads maps. What blocks sight in them is said by names, each in one of these places:
 ///
@@ -67,15 +95,17 @@ const LONGEST_SIDE: u32 = 1 << 20;
 /// |---|---|
 /// | a layer or a group of layers, or its class | all tiles and objects in it |
 /// | a property of a layer or a group, if it is true | all tiles and objects in it |
-/// | a property of a tile that is true | the tile, and objects with its picture |
-/// | a class of a tile | the shapes drawn on it, or else the tile; objects with its picture |
+/// | a property of a tile that is true, or its class | the tile, and objects with its picture |
 /// | a class of an object, or a property of it that is true | the object |
 ///
 /// Properties of an object count before its class, this before its tile, this before its layer; the
 /// class of a tile counts for objects without one. A property that is false takes the role away
 /// that the next ones would give. In a layer of walls all tiles hide. What is both is a door. Names
-/// of doors make doors of objects, and of shapes that tilesets draw on tiles; tiles of layers are
-/// no doors.
+/// of doors make doors of objects; tiles of layers are no doors.
+///
+/// Shapes that tilesets draw on their tiles ("Tile Collision Editor") are not read. As they may be
+/// smaller than the tile, the class of such a tile does not make it hide, and nothing does if one
+/// of the shapes is a door; there is a warning.
 ///
 /// ```no_run
 /// use casca_plane::tmx::TmxImport;
@@ -84,7 +114,7 @@ const LONGEST_SIDE: u32 = 1 << 20;
 /// # fn main() -> Result<(), casca_plane::tmx::TmxError> {
 /// let names = MapNames { walls: vec!["hedge".into(), "rock".into()], ..MapNames::default() };
 /// let import = TmxImport { names };
-/// let walls = OpaqueTiles::new(import.read("level_1.tmx")?);
+/// let walls = OpaqueTiles::new(import.read("level_1.tmx")?.walls);
 /// # let _ = walls;
 /// # Ok(())
 /// # }
@@ -96,18 +126,42 @@ pub struct TmxImport {
 }
 
 impl TmxImport {
-    /// The tiles of a file that block sight, column and row as in the editor; shifts of layers do
-    /// not count. [`Self::read_map`] reads more, and warns of parts that it passed over. Tilesets
-    /// in files of their own are looked for from the folder of the map.
+    /// Reads the map in a file. Tilesets in files of their own are looked for from its folder.
     ///
-    /// Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip or not at all. The
-    /// cost is linear in the bytes of the files and the number of tiles.
+    /// The walls are those of a rectangle around all layers of tiles, which may begin left of or
+    /// above the map. Tiles may be stored as text (CSV) or in base64, compressed by zlib, gzip or
+    /// not at all. Tiles that no tileset has, and layers that are shifted by parts of a tile, block
+    /// nothing, and there is a warning for them. Objects are read from all layers; the shifts of
+    /// layers and groups count, by parts of tiles, too. Costs the bytes of the files and the tiles.
+    ///
+    /// ```no_run
+    /// use casca_plane::tmx::TmxImport;
+    /// use casca_plane::{GridSpec, Scene};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let map = TmxImport::default().read("world.tmx")?;
+    /// map.warnings.iter().for_each(|warning| eprintln!("world.tmx: {warning}"));
+    /// let layer = map.tile_layer()?;
+    /// let mut scene = Scene::new(&GridSpec::covering(layer.bounds(), layer.tile_size())?)?;
+    /// scene.insert_tiles(&layer)?;
+    /// for object in &map.objects {
+    ///     scene.insert(object.desc())?;
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
     ///
     /// # Errors
-    /// A file that is missing or damaged, an infinite map, one of hexagons, one whose tiles are
-    /// stored in another way.
-    pub fn read(&self, path: impl AsRef<Path>) -> Result<BitGrid, TmxError> {
-        opened(path.as_ref(), |map, open| self.parse(map, open))
+    /// A file that is missing or damaged, a map of hexagons, one whose tiles are stored in another
+    /// way. [`TmxError::Spread`] if the rectangle would have more than 2^24 tiles and four times as
+    /// many as all layers together.
+    pub fn read(&self, path: impl AsRef<Path>) -> Result<TmxMap, TmxError> {
+        let path = path.as_ref();
+        let named = || path.display().to_string();
+        let map = file(path).map_err(|why| TmxError::File { file: named(), why })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        self.parse(&map, |source| file(&folder.join(source)))
+            .map_err(|why| TmxError::In { file: named(), why: Box::new(why) })
     }
 
     /// As [`Self::read`], from the bytes of a map. `open` gives the bytes of a tileset in a file of
@@ -119,26 +173,97 @@ impl TmxImport {
         &self,
         map: &[u8],
         open: impl FnMut(&str) -> io::Result<Vec<u8>>,
-    ) -> Result<BitGrid, TmxError> {
-        let (map, mut open) = (&text(map).0, once(open));
-        let read = |rule: &Rule| self.grid(map, &mut open, rule);
-        self.names.read(read, |walls| walls.count() > 0, |_, _| ())
+    ) -> Result<TmxMap, TmxError> {
+        let ((map, is_odd), mut open) = (text(map), once(open));
+        let read = |rule: &Rule| self.map(&map, &mut open, rule);
+        let warn = |rule: &Rule, (found, inventory): &mut (TmxMap, Inventory)| {
+            let names = std::mem::take(inventory).walls(rule);
+            found.warnings.push(TmxWarning::Obstacles { names });
+        };
+        let has_walls = |(found, _): &(TmxMap, Inventory)| found.has(&[Role::Wall]);
+        let (mut found, inventory) = self.names.read(read, has_walls, warn)?;
+        if is_odd {
+            found.warnings.push(TmxWarning::Encoding { file: "the map".into() });
+        }
+        if !found.has(&[Role::Wall, Role::Door]) {
+            let [layers, names] = inventory.lists();
+            found.warnings.push(TmxWarning::NothingBlocks { layers, names });
+        }
+        Ok(found)
     }
 
-    fn grid(&self, map: &str, open: files::Open<'_>, rule: &Rule) -> Result<BitGrid, TmxError> {
+    /// Reads a map by a rule, with what might have said that something blocks.
+    fn map(&self, map: &str, open: Open<'_>, rule: &Rule) -> Result<(TmxMap, Inventory), TmxError> {
+        let mut files = Files::new(open, rule);
+        let (mut extent, mut inventory) = (Extent::NONE, Inventory::default());
+        let frame = self.frame(map)?;
+        // First the parts, whose texts are long enough for them; then their tiles.
+        let tilesets = self.walk(map, &mut files, &mut |xml, layer, _, place| {
+            let (name, offset) = (layer_name(xml, layer)?, frame.offset(place.shift));
+            inventory.add_layer(&name);
+            if is_objects(layer) {
+                return xml.skip(layer);
+            }
+            frame.parts(xml, layer, &mut |xml, part, data, text| {
+                data.check(text, part.tiles()).map_err(|why| damaged(xml, &name, why))?;
+                if let Some(offset) = offset {
+                    extent.add(&Part { x: part.x + offset[0], y: part.y + offset[1], ..part });
+                }
+                Ok(())
+            })
+        })?;
+        let mut found = TmxMap::default();
+        for (first, tile, [property, kind]) in tilesets.wrong() {
+            found.warnings.push(TmxWarning::PropertyType { first, tile, property, kind });
+        }
+        tilesets.names().for_each(|names| inventory.extend(names));
+        if extent.tiles > 0 {
+            let size = [0, 1].map(|axis| (extent.most[axis] - extent.least[axis]) as u64);
+            let tiles = size[0].saturating_mul(size[1]);
+            let far = extent.least.iter().chain(&extent.most).any(|at| at.abs() > FARTHEST);
+            if far || tiles > SMALL.max(extent.tiles.saturating_mul(MOST_EMPTY)) {
+                return Err(TmxError::Spread { width: size[0], height: size[1], tiles: extent.tiles });
+            }
+            found.walls = BitGrid::new(size[0] as u32, size[1] as u32);
+            found.origin = IVec2::new(extent.least[0] as i32, extent.least[1] as i32);
+        }
+        self.walk(map, &mut files, &mut |xml, layer, tilesets, place| {
+            if !is_objects(layer) {
+                return tiles(xml, layer, (&frame, &extent, place), tilesets, &mut found);
+            }
+            let name: Arc<str> = layer_name(xml, layer)?.into();
+            let (space, shift, role) = (&frame.space, place.shift, place.role);
+            let layer = ObjectLayer { space, tilesets, rule, name: name.clone(), shift, role };
+            let (objects, warnings) = (&mut found.objects, &mut found.warnings);
+            let count = layer.read(xml, objects, &mut inventory, &mut |id, why| {
+                warnings.push(TmxWarning::Object { id, layer: name.clone(), why });
+            })?;
+            if count > 0 {
+                warnings.push(TmxWarning::Templates { layer: name.to_string(), count });
+            }
+            Ok(())
+        })?;
+        if !extent.any && found.warnings.is_empty() && found.objects.is_empty() {
+            return Err(TmxError::NoTiles);
+        }
+        found.warnings.extend(files.odd.into_iter().map(|file| TmxWarning::Encoding { file }));
+        Ok((found, inventory))
+    }
+
+    fn frame(&self, map: &str) -> Result<Frame, TmxError> {
         let mut xml = Xml::new(map, "the map");
         let root = xml.root("map")?;
-        if xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1") {
-            return Err(TmxError::Infinite);
+        let orientation = xml.required(&root, "orientation")?.into_owned();
+        if !["orthogonal", "isometric"].contains(&&*orientation) {
+            return Err(TmxError::Orientation(orientation));
         }
-        orientation(&xml, &root)?;
-        let size = self.size(&xml, &root)?;
-        let (mut files, mut opaque) = (Files::new(open, rule), None);
-        self.walk(map, &mut files, &mut |xml, layer, _, tilesets, place| match is_objects(layer) {
-            true => xml.skip(layer),
-            false => self.layer(xml, layer, (size, place), tilesets, &mut opaque),
-        })?;
-        opaque.ok_or(TmxError::NoTiles)
+        let infinite = xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1");
+        let size = if infinite { (0, 0) } else { self.size(&xml, &root)? };
+        let tile = [xml.number(&root, "tilewidth")?, xml.number(&root, "tileheight")?].map(f64::from);
+        if tile.contains(&0.0) {
+            return Err(xml.damaged("tiles of no size"));
+        }
+        Ok(Frame { size, infinite, space: Space { isometric: orientation == "isometric", tile } })
     }
 
     /// Reads the tilesets of a map, and hands out its layers of tiles and of objects with those
@@ -147,7 +272,7 @@ impl TmxImport {
         let mut xml = Xml::new(map, "the map");
         xml.root("map")?;
         let mut tilesets = Tilesets::default();
-        let mut groups = vec![Place { shift: [0.0; 2], visible: true, role: None }];
+        let mut groups = vec![Place { shift: [0.0; 2], role: None }];
         while let Some(&place) = groups.last() {
             let Some(child) = xml.child()? else {
                 // The end of a group, or of the map.
@@ -156,10 +281,10 @@ impl TmxImport {
             };
             match child.local_name().as_ref() {
                 b"group" => groups.push(place.inner(&xml, &child, files.rule)?),
-                b"tileset" => files.tileset(&mut xml, &child, "", &mut tilesets)?,
+                b"tileset" => files.tileset(&mut xml, &child, &mut tilesets)?,
                 b"layer" | b"objectgroup" => {
                     let place = place.inner(&xml, &child, files.rule)?;
-                    take(&mut xml, &child, files, &tilesets, place)?;
+                    take(&mut xml, &child, &tilesets, place)?;
                 }
                 _ => xml.skip(&child)?,
             }
@@ -176,49 +301,53 @@ impl TmxImport {
                 .damaged(format!("{width} by {height} tiles: at most {LONGEST_SIDE} along a side are read"))),
         }
     }
+}
 
-    /// Adds the tiles of a layer that block, from behind its start.
-    fn layer(
-        &self,
-        xml: &mut Xml<'_>,
-        layer: &Element<'_>,
-        ((width, height), place): ((u32, u32), Place),
-        tilesets: &Tilesets,
-        opaque: &mut Option<BitGrid>,
-    ) -> Result<(), TmxError> {
-        let name = xml.attribute(layer, "name")?.unwrap_or_default().into_owned();
-        let (found_width, found_height) = (xml.number(layer, "width")?, xml.number(layer, "height")?);
-        if (found_width, found_height) != (width, height) {
-            return Err(TmxError::Dimensions { layer: name, found_width, found_height, width, height });
-        }
-        let count = u64::from(width) * u64::from(height);
-        let all = place.role == Some(Role::Wall);
-        let mut has_data = count == 0;
-        while let Some(child) = xml.child()? {
-            if child.local_name().as_ref() != b"data" {
-                xml.skip(&child)?;
-                continue;
+/// Reads the tiles of a layer, from behind its start.
+fn tiles(
+    xml: &mut Xml<'_>,
+    layer: &Element<'_>,
+    (frame, extent, place): (&Frame, &Extent, Place),
+    tilesets: &Tilesets,
+    found: &mut TmxMap,
+) -> Result<(), TmxError> {
+    let name = layer_name(xml, layer)?;
+    let offset = frame.offset(place.shift);
+    let (mut missing, mut drawn, mut unknown) = (0, 0, None);
+    frame.parts(xml, layer, &mut |xml, part, data, text| {
+        let take = &mut |index: u64, id: u32| {
+            if id & TILE == 0 {
+                return;
             }
-            let data = Data::new(xml, &child)?;
-            let text = xml.text()?;
-            let fail = |why| xml.damaged(format!("the layer {name:?}: {why}"));
-            // Before memory is reserved: a header may promise any number.
-            data.check(&text, count).map_err(fail)?;
-            let opaque = opaque.get_or_insert_with(|| BitGrid::new(width, height));
-            let add = &mut |index: u64, id: u32| {
-                if tilesets.blocks(id, all) {
-                    opaque.set((index % u64::from(width)) as u32, (index / u64::from(width)) as u32, true);
-                }
+            let Some((set, number)) = tilesets.find(id) else {
+                unknown.get_or_insert((id & TILE, 0)).1 += 1;
+                return;
             };
-            _ = data.decode(&text, count, add).map_err(fail)?;
-            has_data = true;
-        }
-        if !has_data {
-            return Err(xml.damaged(format!("the layer {name:?} has no tiles")));
-        }
-        opaque.get_or_insert_with(|| BitGrid::new(width, height));
+            drawn += u64::from(set.has_shapes(number));
+            if let (Some(offset), true) = (offset, set.blocks(number, place.role == Some(Role::Wall))) {
+                let width = u64::from(part.width);
+                let x = part.x + (index % width) as i64 + offset[0] - extent.least[0];
+                let y = part.y + (index / width) as i64 + offset[1] - extent.least[1];
+                found.walls.set(x as u32, y as u32, true);
+            }
+        };
+        missing += data.decode(text, part.tiles(), take).map_err(|why| damaged(xml, &name, why))?;
         Ok(())
+    })?;
+    if missing > 0 {
+        found.warnings.push(TmxWarning::Commas { layer: name.clone(), count: missing });
     }
+    if offset.is_none() {
+        let [x, y] = frame.space.tiles(place.shift);
+        found.warnings.push(TmxWarning::Offset { layer: name.clone(), x, y });
+    }
+    if let Some((id, count)) = unknown {
+        found.warnings.push(TmxWarning::UnknownTiles { layer: name.clone(), id, count });
+    }
+    if drawn > 0 {
+        found.warnings.push(TmxWarning::DrawnShapes { layer: name, count: drawn });
+    }
+    Ok(())
 }
 
 /// Where a layer is, its groups included.
@@ -226,8 +355,6 @@ impl TmxImport {
 struct Place {
     /// Its shift in pixels.
     shift: [f64; 2],
-    /// Whether it is switched on.
-    visible: bool,
     /// The role that it gives to what is in it, if it gives one.
     role: Option<Role>,
 }
@@ -236,7 +363,6 @@ impl Place {
     /// The place of a layer or a group in this one, at its start.
     fn inner(self, xml: &Xml<'_>, layer: &Element<'_>, rule: &Rule) -> Result<Self, TmxError> {
         let [x, y] = [xml.decimal(layer, "offsetx")?, xml.decimal(layer, "offsety")?];
-        let hidden = xml.attribute(layer, "visible")?.is_some_and(|visible| visible == "0");
         let shift = [self.shift[0] + x, self.shift[1] + y];
         let mut says = Says::default();
         // The properties stand before all else.
@@ -251,7 +377,7 @@ impl Place {
             let named = xml.attribute(layer, name)?;
             role = role.or_else(|| rule.role(&named.unwrap_or_default()));
         }
-        Ok(Self { shift, visible: self.visible && !hidden, role: role.or(self.role) })
+        Ok(Self { shift, role: role.or(self.role) })
     }
 }
 
@@ -265,32 +391,10 @@ fn once(mut open: impl FnMut(&str) -> io::Result<Vec<u8>>) -> impl FnMut(&str) -
     }
 }
 
-/// Reads a map that a path names, and the files beside it.
-fn opened<M>(
-    path: &Path,
-    read: impl FnOnce(&[u8], &mut dyn FnMut(&str) -> io::Result<Vec<u8>>) -> Result<M, TmxError>,
-) -> Result<M, TmxError> {
-    let named = || path.display().to_string();
-    let map = file(path).map_err(|why| TmxError::File { file: named(), why })?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    read(&map, &mut |source| file(&folder.join(source)))
-        .map_err(|why| TmxError::In { file: named(), why: Box::new(why) })
-}
-
 /// Takes a layer, from behind its start, with the tilesets before it and its place.
-type TakeLayer<'t> =
-    &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &mut Files<'_>, &Tilesets, Place) -> Result<(), TmxError>;
+type TakeLayer<'t> = &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets, Place) -> Result<(), TmxError>;
 
 /// Whether a layer is one of objects.
 fn is_objects(layer: &Element<'_>) -> bool {
     layer.local_name().as_ref() == b"objectgroup"
-}
-
-/// Refuses maps whose tiles are no squares in rows and columns.
-fn orientation(xml: &Xml<'_>, map: &Element<'_>) -> Result<String, TmxError> {
-    let orientation = xml.required(map, "orientation")?.into_owned();
-    match ["orthogonal", "isometric"].contains(&&*orientation) {
-        true => Ok(orientation),
-        false => Err(TmxError::Orientation(orientation)),
-    }
 }

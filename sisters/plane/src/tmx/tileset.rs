@@ -1,15 +1,14 @@
-//! Which tiles of tilesets block sight, the pictures of tiles, and the shapes drawn on them.
+//! Which tiles of tilesets block sight, and the files of tilesets.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use super::TmxError;
-use super::objects::Drawn;
-use super::paths::joined;
-use super::picture::{Picture, Style};
 use super::xml::{Element, Xml};
 use crate::editor::{Inventory, Role, Rule, Says, truth};
+use crate::files::text;
 
 /// What a tileset says of its tiles.
 #[derive(Debug, Default)]
@@ -20,10 +19,8 @@ pub(super) struct Opaque {
     classes: BTreeMap<u32, (Arc<str>, Option<Role>)>,
     /// The names of properties and classes.
     pub names: Inventory,
-    /// The shapes that are drawn on tiles, in the order of the file.
-    drawn: BTreeMap<u32, Vec<Drawn>>,
-    /// How pictures lie in cells.
-    style: Style,
+    /// The tiles on which shapes are drawn, with the roles that these give.
+    drawn: BTreeMap<u32, Says>,
     /// The size of all pictures in pixels, or of single ones.
     size: [f64; 2],
     sizes: BTreeMap<u32, [f64; 2]>,
@@ -63,26 +60,15 @@ impl Alignment {
 
 impl Opaque {
     /// Reads a tileset, from behind its start. The number of tiles that it promises takes no
-    /// memory: those without properties are not listed in a file. `folder` is that from which its
-    /// paths count.
-    pub fn read(
-        xml: &mut Xml<'_>,
-        tileset: &Element<'_>,
-        folder: &str,
-        rule: &Rule,
-    ) -> Result<Self, TmxError> {
+    /// memory: those without properties are not listed in a file.
+    pub fn read(xml: &mut Xml<'_>, tileset: &Element<'_>, rule: &Rule) -> Result<Self, TmxError> {
         let count = xml.attribute(tileset, "tilecount")?.and_then(|count| count.trim().parse().ok());
         let alignment = xml.attribute(tileset, "objectalignment")?.and_then(|name| Alignment::named(&name));
         let size = size(xml, tileset, ["tilewidth", "tileheight"])?;
-        let style = Style::new(xml, tileset)?;
-        let mut found = Self { count, alignment, size, style, ..Self::default() };
+        let mut found = Self { count, alignment, size, ..Self::default() };
         while let Some(child) = xml.child()? {
             match child.local_name().as_ref() {
-                b"tile" => found.tile(xml, &child, folder, rule)?,
-                b"tileoffset" | b"grid" => {
-                    found.style.add(xml, &child)?;
-                    xml.skip(&child)?;
-                }
+                b"tile" => found.tile(xml, &child, rule)?,
                 _ => xml.skip(&child)?,
             }
         }
@@ -90,13 +76,7 @@ impl Opaque {
     }
 
     /// Reads a tile, from behind its start.
-    fn tile(
-        &mut self,
-        xml: &mut Xml<'_>,
-        tile: &Element<'_>,
-        folder: &str,
-        rule: &Rule,
-    ) -> Result<(), TmxError> {
+    fn tile(&mut self, xml: &mut Xml<'_>, tile: &Element<'_>, rule: &Rule) -> Result<(), TmxError> {
         let id = xml.number(tile, "id")?;
         if self.count.is_some_and(|count| id >= count) {
             self.listed.insert(id);
@@ -119,8 +99,9 @@ impl Opaque {
                     self.says.insert(id, says);
                 }
                 b"objectgroup" => {
-                    let drawn = Drawn::read(xml, |path| joined(folder, path))?;
-                    self.drawn.insert(id, drawn);
+                    if let Some(drawn) = drawn(xml, rule)? {
+                        self.drawn.insert(id, drawn);
+                    }
                 }
                 b"image" => {
                     let all = size(xml, &child, ["width", "height"])?;
@@ -140,10 +121,19 @@ impl Opaque {
         says.or(class.into())
     }
 
-    /// Whether a tile says that it blocks in its whole cell: by its properties, or by its class if
-    /// no shapes are drawn on it that would hide instead.
-    pub fn blocks(&self, tile: u32) -> bool {
-        self.says(tile, self.drawn(tile).is_empty()).is_wall()
+    /// Whether a tile blocks in its whole cell, on a layer that makes walls of `all` or on another
+    /// one. Its class says so only if no shapes are drawn on it: these may be smaller than the
+    /// cell. Nor does it block if one of them is a door.
+    pub fn blocks(&self, tile: u32, all: bool) -> bool {
+        let drawn = self.drawn.get(&tile);
+        let has_door = drawn.is_some_and(|says| says.role() == Some(Role::Door));
+        !has_door && (all || self.says(tile, drawn.is_none()).is_wall())
+    }
+
+    /// Whether shapes are drawn on a tile that would hide if they were read.
+    pub fn has_shapes(&self, tile: u32) -> bool {
+        let hides = |says: &Says| says.or(self.says(tile, true)).role().unwrap_or_default() != Role::Plain;
+        self.drawn.get(&tile).is_some_and(hides)
     }
 
     /// The class of a tile.
@@ -154,16 +144,6 @@ impl Opaque {
     /// The size of a tile's picture, and the point of it that an object names.
     pub fn picture(&self, tile: u32) -> (Option<Alignment>, [f64; 2]) {
         (self.alignment, self.sizes.get(&tile).copied().unwrap_or(self.size))
-    }
-
-    /// The shapes that are drawn on a tile.
-    pub fn drawn(&self, tile: u32) -> &[Drawn] {
-        self.drawn.get(&tile).map_or(&[], Vec::as_slice)
-    }
-
-    /// The picture of a tile as layers show it.
-    pub fn on_layers(&self, tile: u32) -> Picture {
-        Picture { size: self.picture(tile).1, style: self.style }
     }
 
     /// Whether it has a tile.
@@ -180,6 +160,35 @@ fn size(xml: &Xml<'_>, element: &Element<'_>, names: [&str; 2]) -> Result<[f64; 
         *length = found.map_or(0.0, f64::from);
     }
     Ok(size)
+}
+
+/// What the shapes that are drawn on a tile say of themselves, from behind the start of their
+/// group. `None` if there are none.
+fn drawn(xml: &mut Xml<'_>, rule: &Rule) -> Result<Option<Says>, TmxError> {
+    let mut all = None;
+    while let Some(child) = xml.child()? {
+        if child.local_name().as_ref() != b"object" {
+            xml.skip(&child)?;
+            continue;
+        }
+        let all = all.get_or_insert_with(Says::default);
+        let names = [xml.attribute(&child, "type")?, xml.attribute(&child, "class")?];
+        let roles = names.iter().flatten().filter_map(|name| rule.role(name));
+        roles.for_each(|role| all.add(role, true));
+        while let Some(part) = xml.child()? {
+            match part.local_name().as_ref() {
+                b"properties" => {
+                    let says = properties(xml, rule, &mut Inventory::default(), |_, _| ())?;
+                    says.role()
+                        .filter(|role| *role != Role::Plain)
+                        .into_iter()
+                        .for_each(|r| all.add(r, true));
+                }
+                _ => xml.skip(&part)?,
+            }
+        }
+    }
+    Ok(all)
 }
 
 /// What a list of properties says, from behind its start. `wrong` is told the name and the type of
@@ -223,20 +232,13 @@ pub(super) const TILE: u32 = 0x1fff_ffff;
 pub(super) struct Tilesets {
     /// With the number of their first tiles in the map, which ascend.
     all: Vec<(u32, Rc<Opaque>)>,
-    /// The least of these numbers for each tileset: a search would be quadratic.
-    firsts: HashMap<*const Opaque, u32>,
 }
 
 impl Tilesets {
     /// Adds a tileset.
     pub fn push(&mut self, first: u32, tiles: Rc<Opaque>) {
         // A tile is of the last tileset in the file that begins at or before it.
-        while let Some((other, last)) = self.all.pop_if(|(other, _)| *other >= first) {
-            if self.firsts.get(&Rc::as_ptr(&last)) == Some(&other) {
-                self.firsts.remove(&Rc::as_ptr(&last));
-            }
-        }
-        self.firsts.entry(Rc::as_ptr(&tiles)).or_insert(first);
+        while self.all.pop_if(|(other, _)| *other >= first).is_some() {}
         self.all.push((first, tiles));
     }
 
@@ -248,26 +250,18 @@ impl Tilesets {
     }
 
     /// Whether a tile blocks, of a layer of which `all` do or those that say so.
+    #[cfg(test)]
     pub fn blocks(&self, id: u32, all: bool) -> bool {
         let id = id & TILE;
         // 0 is no tile.
-        self.of(id).is_some_and(|(first, set)| id != 0 && (all || set.blocks(id - first)))
+        self.of(id).is_some_and(|(first, set)| id != 0 && set.blocks(id - first, all))
     }
 
     /// The tileset of a tile, and the tile's number in it; `None` if there is no such tile.
-    pub fn find(&self, id: u32) -> Option<(&Rc<Opaque>, u32)> {
+    pub fn find(&self, id: u32) -> Option<(&Opaque, u32)> {
         let (first, set) = self.of(id & TILE)?;
         let number = (id & TILE) - first;
-        set.has(number).then_some((set, number))
-    }
-
-    /// The id of a tile that other tilesets call `other`, whose upper bits turn it, by its tileset
-    /// and its number there; `None` without this tileset.
-    pub fn id(&self, set: &Rc<Opaque>, number: u32, other: u32) -> Option<u32> {
-        let id = self.firsts.get(&Rc::as_ptr(set))?.checked_add(number)?;
-        // Another tileset may begin between.
-        let own = self.find(id).is_some_and(|(found, _)| Rc::ptr_eq(found, set));
-        own.then_some(id | other & !TILE)
+        set.has(number).then_some((&**set, number))
     }
 
     /// The tilesets with their first tiles. One that the map names often comes once.
@@ -286,5 +280,58 @@ impl Tilesets {
     /// The names of properties and classes of each tileset.
     pub fn names(&self) -> impl Iterator<Item = &Inventory> {
         self.once().map(|(_, set)| &set.names)
+    }
+}
+
+/// Opens a file by the path that the map has for it.
+pub(super) type Open<'f> = &'f mut dyn FnMut(&str) -> io::Result<Vec<u8>>;
+
+/// The files of tilesets: each is read once.
+pub(super) struct Files<'f> {
+    open: Open<'f>,
+    pub rule: &'f Rule,
+    /// Those of an encoding that was guessed.
+    pub odd: Vec<String>,
+    tilesets: HashMap<String, Rc<Opaque>>,
+}
+
+impl<'f> Files<'f> {
+    pub fn new(open: Open<'f>, rule: &'f Rule) -> Self {
+        Self { open, rule, odd: Vec::new(), tilesets: HashMap::new() }
+    }
+
+    /// Adds a tileset, from behind its start: one in the map, or one in a file of its own.
+    pub fn tileset(
+        &mut self,
+        xml: &mut Xml<'_>,
+        element: &Element<'_>,
+        into: &mut Tilesets,
+    ) -> Result<(), TmxError> {
+        let first = xml.number(element, "firstgid")?;
+        let tiles = match xml.attribute(element, "source")? {
+            Some(source) => {
+                xml.skip(element)?;
+                self.external(&source)?
+            }
+            None => Rc::new(Opaque::read(xml, element, self.rule)?),
+        };
+        into.push(first, tiles);
+        Ok(())
+    }
+
+    fn external(&mut self, source: &str) -> Result<Rc<Opaque>, TmxError> {
+        if let Some(tiles) = self.tilesets.get(source) {
+            return Ok(tiles.clone());
+        }
+        let bytes = (self.open)(source).map_err(|why| TmxError::File { file: source.to_owned(), why })?;
+        let (text, is_odd) = text(&bytes);
+        if is_odd {
+            self.odd.push(source.to_owned());
+        }
+        let mut xml = Xml::new(&text, source);
+        let root = xml.root("tileset")?;
+        let tiles = Rc::new(Opaque::read(&mut xml, &root, self.rule)?);
+        self.tilesets.insert(source.to_owned(), tiles.clone());
+        Ok(tiles)
     }
 }

@@ -1,9 +1,9 @@
 //! Faults of a map that is read all the same.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use super::objects::TmxFault;
 use crate::editor::{nothing_blocks, obstacles_block};
 
 /// A part of a map that was passed over, so that it blocks no sight, or a fault of an object.
@@ -54,11 +54,10 @@ pub enum TmxWarning {
     /// A file is neither UTF-8 nor UTF-16, and does not say that it is Latin-1, as which it was
     /// read.
     Encoding {
-        /// "the map", or the path of a tileset or template as the map has it.
+        /// "the map", or the path of a tileset as the map has it.
         file: String,
     },
-    /// A layer is shifted by a part of a tile: its tiles lie on no others, and hide by the shapes
-    /// only that their tilesets draw on them.
+    /// A layer is shifted by a part of a tile: its tiles lie on no others, and hide nothing.
     Offset {
         /// The name of the layer.
         layer: String,
@@ -67,24 +66,19 @@ pub enum TmxWarning {
         /// By how many tiles down.
         y: f64,
     },
-    /// Something is amiss with an object that a tileset draws on a tile. There is one warning,
-    /// wherever the tile stands.
-    TileObject {
-        /// The first tile of the tileset, as the map counts.
-        first: u32,
-        /// The number of the tile in the tileset.
-        tile: u32,
-        /// The number of the object on the tile; 0 if the file gives none.
-        id: u32,
-        /// The fault.
-        fault: TmxFault,
-    },
-    /// Tiles before these brought more shapes than are kept: see
-    /// [`TmxMap::tiles`](super::TmxMap::tiles). Those of these tiles are left out.
-    ManyShapes {
+    /// Tiles of a layer would hide by the shapes that their tilesets draw on them ("Tile Collision
+    /// Editor"). These are not read, and hide nothing.
+    DrawnShapes {
         /// The name of the layer.
         layer: String,
-        /// How many tiles of the layer they are.
+        /// How many tiles there are of this kind.
+        count: u64,
+    },
+    /// Objects of a layer are made of templates. These are not read, and hide nothing.
+    Templates {
+        /// The name of the layer.
+        layer: String,
+        /// How many objects there are of this kind.
         count: u64,
     },
     /// Something is amiss with an object.
@@ -93,8 +87,8 @@ pub enum TmxWarning {
         id: u32,
         /// The name of its layer.
         layer: Arc<str>,
-        /// The fault.
-        fault: TmxFault,
+        /// What is amiss, and whether it is left out. Texts from the file are cut to 40 characters.
+        why: Cow<'static, str>,
     },
 }
 
@@ -109,9 +103,7 @@ impl fmt::Display for TmxWarning {
                 "tile {tile} of the tileset from {first} on has a property {property}, of the type {kind}, that is \
                  neither true nor false"
             ),
-            Self::NothingBlocks { layers, names } => {
-                f.write_str(&nothing_blocks([layers, names], "Properties and classes"))
-            }
+            Self::NothingBlocks { layers, names } => f.write_str(&nothing_blocks([layers, names])),
             Self::Obstacles { names } => f.write_str(&obstacles_block(names)),
             Self::Commas { layer, count } => {
                 write!(f, "the layer {layer:?} has {count} commas without a number: no tile is read there")
@@ -123,16 +115,16 @@ impl fmt::Display for TmxWarning {
             Self::Offset { layer, x, y } => {
                 write!(f, "the layer {layer:?} is shifted by {x} and {y} tiles: only whole tiles are read")
             }
-            Self::TileObject { first, tile, id, fault } => {
-                write!(f, "the object {id} on tile {tile} of the tileset from {first} on: {fault}")
-            }
-            Self::ManyShapes { layer, count } => {
-                write!(
-                    f,
-                    "the layer {layer:?} has {count} tiles whose shapes are left out: the map has too many"
-                )
-            }
-            Self::Object { id, layer, fault } => write!(f, "the object {id} of the layer {layer:?}: {fault}"),
+            Self::DrawnShapes { layer, count } => write!(
+                f,
+                "the layer {layer:?} has {count} tiles that are walls or doors by shapes drawn on them: these hide nothing \
+                 (give the tile a property \"opaque\", or draw an object)"
+            ),
+            Self::Templates { layer, count } => write!(
+                f,
+                "the layer {layer:?} has {count} objects of templates, which are not read (Detach in the editor)"
+            ),
+            Self::Object { id, layer, why } => write!(f, "the object {id} of the layer {layer:?}: {why}"),
         }
     }
 }

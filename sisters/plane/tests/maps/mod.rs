@@ -77,75 +77,17 @@ const OBJECTS: &str = "<group offsetx=\"8\" visible=\"0\"><objectgroup id=\"5\" 
     <property name=\"m\" type=\"bool\" value=\"false\"/></properties></property></properties></object>\
     </objectgroup></group>";
 
-/// Templates by their paths: one with a tile of its own tileset, which the map has too, and one
-/// with a polygon.
-pub const TEMPLATES: [(&str, &str); 2] = [
-    (
-        "parts/stone.tx",
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<template><tileset firstgid=\"3\" source=\"../t.tsx\"/><object \
-         name=\"stone\" type=\"rock\" gid=\"2147483652\" width=\"32\" height=\"16\" visible=\"0\"><properties><property \
-         name=\"weight\" type=\"int\" value=\"7\"/><property name=\"kept\" value=\"yes\"/></properties></object></template>",
-    ),
-    (
-        "parts/hut.tx",
-        "<template><object name=\"hut\" type=\"opaque\" x=\"900\" y=\"900\"><polygon points=\"0,0 16,0 16,16\"/></object>\
-         </template>",
-    ),
-];
-
-/// Objects that are made of templates, in a layer: as they are, and with parts of their own.
-const MADE: &str = "<objectgroup id=\"6\" name=\"made\"><object id=\"20\" template=\"parts/stone.tx\" x=\"16\" y=\"32\"/>\
-    <object id=\"21\" template=\"parts/stone.tx\" name=\"pebble\" type=\"door\" x=\"16\" y=\"32\" width=\"8\" height=\"4\" \
-    visible=\"1\"><properties><property name=\"weight\" type=\"int\" value=\"1\"/></properties></object><object id=\"22\" \
-    template=\"parts/stone.tx\" gid=\"2\" x=\"48\" y=\"16\"/><object id=\"23\" template=\"parts/hut.tx\" x=\"32\" y=\"16\"/>\
-    <object id=\"24\" template=\"parts/hut.tx\" x=\"32\" y=\"16\" width=\"32\" height=\"16\"><ellipse/></object>\
-    </objectgroup>";
-
-/// A map with objects that are made of templates.
-pub fn made() -> String {
-    map("encoding=\"csv\"", &csv()).replace("\n</map>", &format!("\n{MADE}</map>"))
-}
-
-/// Shapes that a tileset draws on a tile: walls and a door.
-const DRAWN: &str = "<tile id=\"0\"><objectgroup draworder=\"index\" id=\"2\"><object id=\"1\" type=\"opaque\" x=\"1\" y=\"2\" \
-    width=\"9\" height=\"3\" rotation=\"10\"/><object id=\"2\" class=\"door\" x=\"2.5\" y=\"4\" width=\"5\" height=\"7\"><ellipse/>\
-    </object><object id=\"3\" type=\"opaque\" x=\"8\" y=\"8\"><polygon points=\"0,0 7,1.5 2,6\"/></object><object id=\"4\" \
-    type=\"opaque\" x=\"3\" y=\"1\"><polyline points=\"0,0 4,1 4,7\"/></object></objectgroup></tile>";
-
-/// A map with shapes on the tile 1, which comes twice, once turned.
-pub fn drawn() -> String {
-    let text = map("encoding=\"csv\"", &csv());
-    let image = "<image source=\"s.png\" width=\"32\" height=\"32\"/>";
-    let with_style = format!("<tileoffset x=\"2\" y=\"-1\"/>{image}{DRAWN}");
-    text.replace(image, &with_style).replace("8,\n", "3758096385,\n")
-}
-
-/// The file of a path that maps name: a template, or the tileset.
-pub fn file(path: &str) -> Vec<u8> {
-    let template = TEMPLATES.iter().find(|(name, _)| *name == path);
-    template.map_or(TILESET, |(_, text)| text).into()
-}
-
 /// A map with objects of all kinds.
 pub fn objects() -> String {
     map("encoding=\"csv\"", &csv()).replace("\n</map>", &format!("\n{OBJECTS}</map>"))
 }
 
-/// Maps of each encoding, one with objects, one with objects of templates, and one with shapes on
-/// tiles.
+/// Maps of each encoding, and one with objects.
 pub fn all() -> Vec<Vec<u8>> {
     let packed = |compression: &str| {
         let attributes = format!("encoding=\"base64\" compression=\"{compression}\"");
         map(attributes.replace(" compression=\"\"", "").as_str(), &base64(compression)).into_bytes()
     };
     let plain = map("encoding=\"csv\"", &csv()).into_bytes();
-    vec![
-        plain,
-        packed(""),
-        packed("zlib"),
-        packed("gzip"),
-        objects().into_bytes(),
-        made().into_bytes(),
-        drawn().into_bytes(),
-    ]
+    vec![plain, packed(""), packed("zlib"), packed("gzip"), objects().into_bytes()]
 }

@@ -1,6 +1,6 @@
 //! Fields of view of all eyes in a tile: against single eyes, and against all lines in whole numbers.
 
-#[path = "../../src/cell/tests/exact.rs"]
+#[path = "../common/exact.rs"]
 mod exact;
 
 use std::collections::BTreeSet;

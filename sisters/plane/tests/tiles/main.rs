@@ -2,7 +2,6 @@
 
 #[path = "../common/cases.rs"]
 mod cases;
-mod faces;
 mod fog;
 mod fov;
 mod from_tile;

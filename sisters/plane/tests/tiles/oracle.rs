@@ -19,15 +19,6 @@ pub struct Oracle<'a> {
     pub eye: [i128; 2],
 }
 
-/// Where a ray goes.
-#[derive(Debug, Default)]
-pub struct Path {
-    /// The tiles of the map that it crosses, with the opaque one that it ends at.
-    pub tiles: Vec<(u32, u32)>,
-    /// If it ends at an opaque tile: the axis along which it enters that, unless it starts there.
-    pub end: Option<Option<usize>>,
-}
-
 fn cross(a: Direction, b: Direction) -> i128 {
     a[0] * b[1] - a[1] * b[0]
 }
@@ -59,11 +50,6 @@ impl Oracle<'_> {
     /// The tiles of the map that a ray crosses, with the opaque one that it ends at. It must meet
     /// no corner.
     pub fn tiles_along(&self, direction: Direction) -> Vec<(u32, u32)> {
-        self.path(direction).tiles
-    }
-
-    /// Follows a ray, which must meet no corner, to the opaque tile that it ends at.
-    pub fn path(&self, direction: Direction) -> Path {
         let mut tile = [0, 1].map(|axis| {
             let on_border = self.eye[axis].rem_euclid(UNIT) == 0;
             self.eye[axis].div_euclid(UNIT) - i128::from(on_border && direction[axis] < 0)
@@ -71,8 +57,7 @@ impl Oracle<'_> {
         let inside = self.eye.iter().all(|at| at.rem_euclid(UNIT) != 0);
         let size = [i128::from(self.opaque.width()), i128::from(self.opaque.height())];
         let step = direction.map(i128::signum);
-        let mut path = Path::default();
-        let mut entered = None;
+        let (mut tiles, mut entered) = (Vec::new(), false);
         // Beyond the map, in the direction of the ray, is nothing more.
         while !(0..2).any(|axis| match step[axis] {
             1 => tile[axis] >= size[axis],
@@ -81,9 +66,8 @@ impl Oracle<'_> {
         }) {
             if (0..2).all(|axis| (0..size[axis]).contains(&tile[axis])) {
                 let (x, y) = (tile[0] as u32, tile[1] as u32);
-                path.tiles.push((x, y));
-                if self.opaque.get(x, y) && !(inside && entered.is_none()) {
-                    path.end = Some(entered);
+                tiles.push((x, y));
+                if self.opaque.get(x, y) && !(inside && !entered) {
                     break;
                 }
             }
@@ -99,9 +83,9 @@ impl Oracle<'_> {
                 _ => usize::from(to[1] * direction[0].abs() < to[0] * direction[1].abs()),
             };
             tile[axis] += step[axis];
-            entered = Some(axis);
+            entered = true;
         }
-        path
+        tiles
     }
 
     /// The tiles that are seen.

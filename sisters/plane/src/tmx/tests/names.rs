@@ -23,15 +23,12 @@ fn property(name: &str, kind: &str, value: &str) -> String {
 }
 
 fn read(text: &str) -> TmxMap {
-    TmxImport::default().parse_map(text.as_bytes(), |path| panic!("{path}")).unwrap()
+    TmxImport::default().parse(text.as_bytes(), |path| panic!("{path}")).unwrap()
 }
 
-/// The tiles that block, both ways of reading agreeing on them.
+/// The tiles that block.
 fn walls(text: &str) -> Vec<u32> {
-    let found: Vec<u32> = read(text).walls.cells().map(|(x, _)| x).collect();
-    let plain = TmxImport::default().parse(text.as_bytes(), |path| panic!("{path}")).unwrap();
-    assert_eq!(plain.cells().map(|(x, _)| x).collect::<Vec<_>>(), found, "{text}");
-    found
+    read(text).walls.cells().map(|(x, _)| x).collect()
 }
 
 #[test]
@@ -80,6 +77,30 @@ fn tiles_block_by_class_and_by_properties_of_all_types() {
     }
 }
 
+/// Shapes that are smaller than their tile do not make all of it hide.
+#[test]
+fn tiles_with_shapes_hide_by_their_properties_only_and_not_with_doors() {
+    let tile = |attributes: &str, inner: &str, shape: &str| {
+        let group = format!("<objectgroup><object {shape} width=\"2\" height=\"9\"/></objectgroup>");
+        format!("<tile id=\"1\" {attributes}>{inner}{group}</tile>")
+    };
+    let opaque = property("opaque", "type=\"bool\"", "true");
+    for (one, hides, warns) in [
+        (tile("class=\"Wall\"", "", ""), false, true),
+        (tile("", "", "type=\"wall\""), false, true),
+        (tile("", &opaque, ""), true, true),
+        (tile("", &opaque, "class=\"door\""), false, true),
+        (tile("", "", "type=\"grass\""), false, false),
+    ] {
+        let text = map_of(&one, &layer("name=\"a\"", "", "1,2,0,2"));
+        assert_eq!(walls(&text), if hides { vec![1, 3] } else { vec![] }, "{one}");
+        let warning = TmxWarning::DrawnShapes { layer: "a".into(), count: 2 };
+        assert_eq!(read(&text).warnings.contains(&warning), warns, "{one}");
+        let all = map_of(&one, &layer("name=\"walls\"", "", "1,2,0,2"));
+        assert_eq!(walls(&all), if one.contains("door") { vec![0] } else { vec![0, 1, 3] }, "{one}");
+    }
+}
+
 #[test]
 fn objects_take_roles_by_class_property_tile_and_layer_in_any_case() {
     let role = |layer: &str, attributes: &str, inner: &str| {
@@ -111,7 +132,7 @@ fn what_blocks_the_way_hides_only_where_nothing_is_a_wall_and_not_without_a_word
     let both = layer("name=\"Walls\"", "", "1,0,0,0") + &water;
     assert_eq!((walls(&map_of("", &both)), read(&map_of("", &both)).warnings), (vec![0], vec![]));
     let never = MapNames { obstacles: Vec::new(), ..MapNames::default() };
-    let found = TmxImport { names: never }.parse_map(map_of("", &water).as_bytes(), |path| panic!("{path}"));
+    let found = TmxImport { names: never }.parse(map_of("", &water).as_bytes(), |path| panic!("{path}"));
     let found = found.unwrap();
     assert!(found.walls.count() == 0 && matches!(found.warnings[..], [TmxWarning::NothingBlocks { .. }]));
     let own = MapNames { walls: vec!["Tile Layer 1".into()], ..MapNames::default() };
@@ -120,7 +141,7 @@ fn what_blocks_the_way_hides_only_where_nothing_is_a_wall_and_not_without_a_word
         &(layer("name=\"Tile Layer 1\"", "", "1,0,0,0") + &layer("name=\"Tile Layer 2\"", "", "0,1,0,0")),
     );
     let found = TmxImport { names: own }.parse(text.as_bytes(), |path| panic!("{path}")).unwrap();
-    assert_eq!(found.cells().collect::<Vec<_>>(), [(0, 0)]);
+    assert_eq!(found.walls.cells().collect::<Vec<_>>(), [(0, 0)]);
 }
 
 #[test]
@@ -177,7 +198,7 @@ fn lists_with_blank_lines_missing_numbers_and_all_line_ends_are_read() {
     // Lines are counted whatever ends them.
     for end in ["\n", "\r\n", "\r"] {
         let text = format!(
-            "<map orientation=\"orthogonal\"{end} width=\"1\" height=\"1\">{end}{end}<tileset/></map>"
+            "<map orientation=\"orthogonal\"{end} width=\"1\" height=\"1\" tilewidth=\"9\" tileheight=\"9\">{end}{end}<tileset/></map>"
         );
         let why = TmxImport::default().parse(text.as_bytes(), |_| unreachable!()).unwrap_err().to_string();
         assert!(why.starts_with("the map, line 4: "), "{end:?}: {why}");
@@ -189,7 +210,7 @@ fn maps_in_all_encodings_are_read() {
     let text = map_of("", &layer("name=\"W\u{e4}nde\"", "", "1,0,2,0"));
     let names = MapNames { walls: vec!["W\u{c4}NDE".into()], ..MapNames::default() };
     let read =
-        |bytes: &[u8]| TmxImport { names: names.clone() }.parse_map(bytes, |path| panic!("{path}")).unwrap();
+        |bytes: &[u8]| TmxImport { names: names.clone() }.parse(bytes, |path| panic!("{path}")).unwrap();
     let latin = |text: &str| text.chars().map(|c| c as u8).collect::<Vec<u8>>();
     let wide = |unit: fn(u16) -> [u8; 2]| {
         let text = text.replace("UTF-8", "UTF-16");
@@ -217,12 +238,8 @@ fn errors_of_files_name_the_file() {
         ("<map orientation=\"orthogonal\" width=\"x\" height=\"1\"/>", "the map, line 1: width=\"x\""),
     ] {
         std::fs::write(&path, text).unwrap();
-        for why in
-            [TmxImport::default().read(&path).unwrap_err(), TmxImport::default().read_map(&path).unwrap_err()]
-        {
-            let why = why.to_string();
-            assert!(why.starts_with(&format!("{}: ", path.display())) && why.contains(said), "{why}");
-        }
+        let why = TmxImport::default().read(&path).unwrap_err().to_string();
+        assert!(why.starts_with(&format!("{}: ", path.display())) && why.contains(said), "{why}");
     }
     std::fs::remove_file(&path).unwrap();
 }

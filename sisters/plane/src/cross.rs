@@ -18,10 +18,6 @@ impl CrossBits {
         Self { lines: [BitGrid::new(dims.y, dims.x), BitGrid::new(dims.x, dims.y)] }
     }
 
-    pub(crate) fn get(&self, x: u32, y: u32) -> bool {
-        self.lines[1].get(x, y)
-    }
-
     /// Cells outside of the grid stay clear.
     pub(crate) fn set(&mut self, x: u32, y: u32, value: bool) {
         self.lines[0].set(y, x, value);
@@ -31,21 +27,5 @@ impl CrossBits {
     /// The cells at one place of an axis: the column at an x for axis 0, the row at a y for axis 1.
     pub(crate) fn line(&self, axis: usize, at: u32) -> &[u64] {
         self.lines[axis].row(at)
-    }
-
-    /// As [`Self::line`], to be changed: only the copy that this axis reads.
-    pub(crate) fn line_mut(&mut self, axis: usize, at: u32) -> &mut [u64] {
-        self.lines[axis].row_mut(at)
-    }
-
-    /// The bit of a cell in the copy that an axis reads.
-    pub(crate) fn get_along(&self, axis: usize, x: u32, y: u32) -> bool {
-        if axis == 0 { self.lines[0].get(y, x) } else { self.lines[1].get(x, y) }
-    }
-
-    /// The cells whose bits are set, by rows.
-    #[cfg(test)]
-    pub(crate) fn cells(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.lines[1].cells()
     }
 }

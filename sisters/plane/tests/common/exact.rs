@@ -17,7 +17,7 @@ fn corners(cell: IVec2) -> [IVec2; 4] {
 
 /// Whether some point of one cell sees some point of another past opaque cells. Those two block
 /// nothing themselves.
-pub(super) fn is_visible(opaque: &[IVec2], from: IVec2, to: IVec2) -> bool {
+pub fn is_visible(opaque: &[IVec2], from: IVec2, to: IVec2) -> bool {
     let (lo, hi) = (from.min(to), from.max(to));
     // A way between the cells stays in the block around both, and passes each of its cells between
     // them.

@@ -20,7 +20,7 @@
 use glam::{IVec2, Vec2Swizzles as _};
 
 /// Each cell of a circle of at least radius 0 once, relative to its middle.
-pub(super) fn circle(radius: i32) -> impl Iterator<Item = IVec2> {
+pub fn circle(radius: i32) -> impl Iterator<Item = IVec2> {
     let wide = i64::from(radius.max(0));
     let top = move |x: i64| rounded_root(wide * wide - x * x);
     let eighth = (0..).map(move |x| (x, top(x))).take_while(|&(x, y)| x <= y);
