@@ -1,7 +1,6 @@
 //! Dense sets of lines with ambient occlusion, in a window or into pictures, and the time of each
 //! stage.
 
-mod behind;
 mod context;
 mod headless;
 mod legend;

@@ -19,7 +19,7 @@ use glam::Quat;
 
 use crate::common::Failed;
 use crate::lines::headless::BACKGROUND;
-use crate::lines::options::{Options, behind_lines};
+use crate::lines::options::Options;
 use crate::lines::source::Source;
 
 /// Times that a frame is drawn; the least time counts, since other programs only add to it.
@@ -54,11 +54,11 @@ pub fn print(options: &Options, source: &Source) -> Done {
     }
 }
 
-pub(super) struct Bench<'a> {
-    pub(super) gpu: &'a Gpu,
-    pub(super) options: &'a Options,
-    pub(super) source: &'a Source,
-    pub(super) context: Vec<GpuContext>,
+struct Bench<'a> {
+    gpu: &'a Gpu,
+    options: &'a Options,
+    source: &'a Source,
+    context: Vec<GpuContext>,
     set: LineSet,
 }
 
@@ -100,7 +100,6 @@ impl Bench<'_> {
     ) -> Result<(Stages, Covered, Seen), Failed> {
         // What stays from other frames is forgotten, so that each repeat does the same.
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
-        renderer.cull_lines(behind_lines(culling.is_some() || self.options.cull));
         let canvas = Canvas::new(self.gpu, (view.size()[0], view.size()[1]));
         let mut least = Stages::new();
         let mut seen = Seen::all(lines.bundles().len());
@@ -110,7 +109,7 @@ impl Bench<'_> {
             lines.forget();
             if let Some(culling) = &mut culling {
                 let start = Instant::now();
-                seen = culling.look(view, settings.reach(view)?)?;
+                seen = culling.look(view, settings.reach(view))?;
                 clock.add("query", start.elapsed());
             }
             renderer.update(self.gpu, view, (lines, &seen), &self.context, &mut clock)?;
@@ -151,7 +150,6 @@ impl Bench<'_> {
         let Covered { pixels, lines: shown } = covered;
         say(format_args!("{:>16} {frame:9.2}, {pixels} pixels covered by {shown} parts of lines", "frame"));
         self.turning(settings, &lines)?;
-        self.behind(settings, &lines)?;
         if self.options.brief {
             return Ok(());
         }
@@ -177,9 +175,9 @@ impl Bench<'_> {
             let set = LineSet::new(self.set.iter().take(some).map(|line| line.iter().copied()))?;
             let lines = GpuLines::new(self.gpu, &set, &settings)?;
             let (stages, ..) = self.frame((&view, settings), &lines, None)?;
-            by_vertices.push((lines.vertices() as f64, of(&stages, &["columns", "nearest lines"])));
+            by_vertices.push((lines.vertices() as f64, of(&stages, &["nearest lines"])));
         }
-        print_series("columns and nearest lines by vertices", &by_vertices);
+        print_series("nearest lines by vertices", &by_vertices);
         Ok(())
     }
 
@@ -187,7 +185,6 @@ impl Bench<'_> {
     fn turning(&self, settings: Settings, lines: &GpuLines) -> Done {
         let size = <[u32; 2]>::from(self.options.common.drawing.size);
         let mut renderer = Renderer::new(self.gpu, COLOUR, settings)?;
-        renderer.cull_lines(behind_lines(self.options.cull));
         let seen = Seen::all(lines.bundles().len());
         let [eye, middle] = self.source.start(self.options, size, 0)?;
         lines.forget();
@@ -219,35 +216,31 @@ impl Bench<'_> {
         let lines = GpuLines::new(self.gpu, &self.set, &settings)?;
         let mut culling = Culling::new(lines.bundles(), &self.source.context)?;
         let (mut all, mut culled) = (Stages::new(), Stages::new());
-        let (mut drawn, mut read) = (0, 0);
+        let mut drawn = 0;
         let side = self.options.rooms.unwrap_or(1);
         let rooms = ROOMS.min(side * side);
         for i in 0..rooms {
             let view = self.view(1.0, i * side * side / rooms)?;
-            // Rays need the tubes that the lines were copied for.
-            let of_view = self.source.settings(self.options, &view);
-            let settings = if settings.by_rays() { settings } else { of_view };
+            // With the tubes that the lines were copied for.
             all.extend(self.frame((&view, settings), &lines, None)?.0);
             let (stages, _, seen) = self.frame((&view, settings), &lines, Some(&mut culling))?;
             culled.extend(stages);
             drawn += seen.drawn.len();
-            read += seen.read.len();
         }
         let mean = |n: usize| n as f64 / f64::from(rooms);
         let bundles = lines.bundles().len();
         let vertices = |n: usize| mean(n) / bundles.max(1) as f64 * lines.vertices() as f64;
         let triangles = || self.source.context.iter().map(|c| c.mesh().triangles.len()).sum::<usize>();
         say(format_args!("means of the views from {rooms} rooms, with {} triangles", triangles()));
-        say(format_args!("bundles: {bundles}; drawn {:.0}, in columns {:.0}", mean(drawn), mean(read)));
-        say(format_args!("vertices, about: drawn {:.0}, in columns {:.0}", vertices(drawn), vertices(read)));
-        let alone =
-            ["query", "columns", "context", "nearest lines", "picture"].map(|name| (name, vec![name]));
+        say(format_args!("bundles: {bundles}; drawn {:.0}", mean(drawn)));
+        say(format_args!("vertices, about: drawn {:.0}", vertices(drawn)));
+        let alone = ["query", "context", "nearest lines", "picture"].map(|name| (name, vec![name]));
         for (name, names) in alone.into_iter().chain([("occlusion", OCCLUSION.to_vec())]) {
             let ms = |stages: &Stages| of(stages, &names) / f64::from(rooms);
             say(format_args!("{name:>14} {:9.2} without culling {:9.2} with", ms(&all), ms(&culled)));
         }
         let sum = |stages: &Stages| stages.iter().map(|s| s.1).sum::<f64>();
-        let lines = ["query", "columns", "nearest lines"];
+        let lines = ["query", "nearest lines"];
         say(format_args!(
             "the frame takes {:.2} of the time without culling; the passes over lines {:.2}",
             sum(&culled) / sum(&all),
