@@ -1,10 +1,10 @@
 //! The nearest line in each pixel: its position and tangent (Benevides 2015, section 3.1).
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use crate::sets::LineSet;
-use crate::slabs::{Part, Placed, walk};
 use crate::view::View;
+use crate::walk::{Placed, walk};
 
 /// The nearest point of a line in a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,8 +32,8 @@ impl LineBuffer {
     /// nearest.
     ///
     /// Time: proportional to the vertices and to the pixels that lines cross. Memory: 36 bytes a
-    /// pixel; while it is made, as much again, about 80 bytes a vertex, and 4 bytes for each row of
-    /// tiles that a segment crosses.
+    /// pixel; while it is made, as much again, about 80 bytes a vertex, and 4 bytes for each eight
+    /// rows that a segment crosses.
     pub fn new(lines: &LineSet, view: &View) -> Self {
         let placed = Placed::new(lines, view);
         let (tangents, lengths) = (lines.tangents(), lines.arc_lengths());
@@ -46,7 +46,9 @@ impl LineBuffer {
                 let [a, b] = [segment.a as usize, segment.b as usize];
                 walk(view, ends, &rows, |x, y, part| {
                     let pixel = &mut band[(y - rows.start) as usize * width + x as usize];
-                    let (position, t) = nearest(ends, part);
+                    // The middle of the part.
+                    let t = (part.from + part.to) / 2.0;
+                    let (position, t) = ((ends[0] + (ends[1] - ends[0]) * t).as_vec3(), t as f32);
                     if pixel.is_some_and(|old| old.position.z >= position.z) {
                         return;
                     }
@@ -77,12 +79,6 @@ impl LineBuffer {
     }
 }
 
-/// The middle of a part of a segment, and where it is between the ends.
-fn nearest([a, b]: [DVec3; 2], part: Part) -> (Vec3, f32) {
-    let t = (part.from + part.to) / 2.0;
-    ((a + (b - a) * t).as_vec3(), t as f32)
-}
-
 #[cfg(test)]
 mod tests {
     use glam::vec3;
@@ -111,12 +107,6 @@ mod tests {
             let steps = view.pixel(view.to_eye(vec3(1.0, 0.1, 0.0)).as_vec3()).map_or(64, |p| p[0] + 1);
             assert!(buffer.covered() >= 100 && steps > 48, "{}", buffer.covered());
         }
-    }
-
-    #[test]
-    fn a_pixel_takes_the_bytes_that_the_documentation_names() {
-        assert_eq!(size_of::<Option<Fragment>>(), 36);
-        assert_eq!(size_of::<crate::samples::Sample>(), 12);
     }
 
     #[test]

@@ -7,7 +7,6 @@
 
 #[cfg(test)]
 mod tests;
-mod update;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -17,7 +16,6 @@ use rayon::prelude::*;
 use crate::directions::coded;
 use crate::numeric::{CELL_IN_MARGINS, CELL_ROUNDING, LENGTH_IN_CELLS, MOST_IN_ROW, SEGMENTS_IN_CELL};
 use crate::sets::LineSet;
-pub use update::Change;
 
 /// Instead of a direction: no segment of the line is there. It is the code of none.
 pub const NONE: u32 = 0x8000_8000;
@@ -34,12 +32,6 @@ pub struct Cells {
     /// Where the list of each cell starts in `lists`; one more for the end of the last.
     starts: Vec<u32>,
     lists: Vec<u32>,
-    /// The number of each segment in `ends`, in the order of lines.
-    numbers: Vec<u32>,
-    /// Where the segments of each line start in `numbers`, and where those of the last end.
-    firsts: Vec<u32>,
-    /// The names in `lists` when the grid was made.
-    first_names: usize,
 }
 
 impl Cells {
@@ -47,30 +39,17 @@ impl Cells {
     /// Dots and other segments without length are left out. A margin that is negative or not a
     /// number counts as 0.
     ///
-    /// Time: n log n for n segments. Memory: 36 bytes a segment, 4 bytes for each cell that names
-    /// it, about 10, 4 bytes a line, and 4 bytes a cell, of which there are 2 a segment; while it
-    /// is made, 40 bytes a segment and 4 bytes a cell more.
+    /// Time: n log n for n segments. Memory: 32 bytes a segment, 4 bytes for each cell that names
+    /// it, about 10, and 4 bytes a cell, of which there are 2 a segment; while it is made, 40 bytes
+    /// a segment and 4 bytes a cell more.
     pub fn new(lines: &LineSet, margin: f32) -> Self {
         let margin = if margin > 0.0 && margin.is_finite() { margin } else { 0.0 };
-        let Segments { ends, neighbours, firsts } = segments(lines.iter());
+        let (ends, neighbours) = segments(lines);
         let (origin, side, dims) = shape(&ends, lines.bounds(), f64::from(margin));
-        let (starts, lists, numbers) = (Vec::new(), Vec::new(), Vec::new());
-        let mut grid = Self {
-            ends,
-            neighbours,
-            margin,
-            origin,
-            side,
-            dims,
-            starts,
-            lists,
-            numbers,
-            firsts,
-            first_names: 0,
-        };
+        let (starts, lists) = (Vec::new(), Vec::new());
+        let mut grid = Self { ends, neighbours, margin, origin, side, dims, starts, lists };
         grid.order();
         grid.fill();
-        grid.first_names = grid.lists.len();
         grid
     }
 
@@ -83,10 +62,6 @@ impl Cells {
         let mut keyed: Vec<[u32; 2]> =
             self.ends.par_iter().map(cell).zip(0..self.ends.len() as u32).map(<[u32; 2]>::from).collect();
         keyed.par_sort_unstable();
-        self.numbers = vec![0; keyed.len()];
-        for (number, [_, old]) in keyed.iter().enumerate() {
-            self.numbers[*old as usize] = number as u32;
-        }
         self.ends = keyed.iter().map(|[_, old]| self.ends[*old as usize]).collect();
         self.neighbours = keyed.iter().map(|[_, old]| self.neighbours[*old as usize]).collect();
     }
@@ -209,35 +184,24 @@ impl Cells {
     }
 }
 
-/// Segments in the order of their lines.
-struct Segments {
-    ends: Vec<[Vec3; 2]>,
-    /// The directions of their neighbours.
-    neighbours: Vec<[u32; 2]>,
-    /// Where those of each line start, and where those of the last end.
-    firsts: Vec<u32>,
-}
-
-/// All segments of lines that have a length.
-fn segments<'a>(lines: impl Iterator<Item = &'a [Vec3]>) -> Segments {
-    let mut made = Segments { ends: Vec::new(), neighbours: Vec::new(), firsts: vec![0] };
+/// All segments of lines that have a length, and the directions of their neighbours.
+fn segments(lines: &LineSet) -> (Vec<[Vec3; 2]>, Vec<[u32; 2]>) {
+    let (mut ends, mut neighbours): (Vec<[Vec3; 2]>, Vec<[u32; 2]>) = (Vec::new(), Vec::new());
     // An eighth: sums of the huge coordinates do not overflow.
     let way = |[a, b]: [Vec3; 2]| coded(b * 0.125 - a * 0.125);
-    for line in lines {
-        let first = made.ends.len();
+    for line in lines.iter() {
+        let first = ends.len();
         for pair in line.windows(2).filter(|pair| pair[0] != pair[1]) {
             let now = [pair[0], pair[1]];
             let mut before = NONE;
-            if let (Some(&[c, d]), Some([_, after])) = (made.ends[first..].last(), made.neighbours.last_mut())
-            {
+            if let (Some(&[c, d]), Some([_, after])) = (ends[first..].last(), neighbours.last_mut()) {
                 (before, *after) = (way([d, c]), way(now));
             }
-            made.ends.push(now);
-            made.neighbours.push([before, NONE]);
+            ends.push(now);
+            neighbours.push([before, NONE]);
         }
-        made.firsts.push(made.ends.len() as u32);
     }
-    made
+    (ends, neighbours)
 }
 
 /// The least corner, the side of a cell and the cells in each direction.

@@ -18,34 +18,9 @@ pub const PARALLEL: f32 = 1e-6;
 /// towards the eye that is normal to it: single precision would give noise.
 pub const ALONG_VIEW: f32 = 1e-4;
 
-/// The share of a solid angle that must be known for an estimate: below it one column would speak
-/// for a whole hemisphere.
-pub const LEAST_KNOWN: f32 = 1e-3;
-
-/// The mean sine of the angle between a line and a ray, if all directions are alike: pi / 4.
-pub const MEAN_SINE: f32 = std::f32::consts::FRAC_PI_4;
-
-/// Parts of the disc of samples, see [`crate::occlusion::sector_of`]. Lines on one side do not hide
-/// light from the other: each part is a medium of its own. More parts would hold too few samples
-/// each.
-pub const SECTORS: usize = 8;
-
-/// The slices that share one sum of lengths in a column: with one sum for a whole column, what lies
-/// far off blurs what is near; one for each slice would take four times the memory of this.
-pub const GROUP: u32 = 16;
-
 /// The room, as a share of the greatest coordinate, that a view gives to a set whose vertices are
 /// all one point.
 pub const DOT_ROOM: f64 = 1e-3;
-
-/// The part of the greatest coordinate by which rounding may add to the error of simplified lines:
-/// distances are some roundings of 2^-53. It is 2^24 times finer than coordinates are, so that a
-/// tolerance of 0 still drops vertices of straight lines.
-pub const SIMPLIFY_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
-
-/// The share of the range of numbers and colours by which simplified lines may be wrong, unless
-/// they are told another: 4 of 255, hardly to be seen.
-pub const VALUE_TOLERANCE: f32 = 1.0 / 64.0;
 
 /// Segments of lines for each cell of a grid for rays, if they were spread evenly and short. Fewer
 /// make rays cross more cells, more make them test more segments.
@@ -62,15 +37,6 @@ pub const LENGTH_IN_CELLS: f64 = 4.0;
 /// The greatest number of cells in a row of a grid for rays: coordinates have 10 bits before the
 /// point then, and 14 behind it.
 pub const MOST_IN_ROW: f64 = 1024.0;
-
-/// The names in the lists of cells after lines moved, in those of a grid that was made for lines:
-/// of more, the grid no longer suits the lines, and rays test too many segments.
-pub const MOST_NAMES: usize = 2;
-
-/// The share of the vertices that may move before all is made anew: of 10% that lie together in
-/// dense sets an update and its frame take 0.1 to 0.9 of the time of that, of 10% that are spread
-/// 0.7 to 1.4, as few values of places stay; of 25% in one set, 1.3 and 1.7.
-pub const MOST_MOVED: f64 = 0.1;
 
 /// The part of a cell's side by which single precision may move a ray: some units of 2^-14.
 pub const CELL_ROUNDING: f32 = 1.0 / 1024.0;
@@ -90,6 +56,10 @@ pub const MOST_MARGIN_IN_TUBES: f32 = 9.0;
 /// Rays of a receiver, unless it is told another number: a quarter more noise than 32 in three
 /// quarters of their time.
 pub const USUAL_RAYS: u32 = 24;
+
+/// The way along a line, as a share of the radius, from one set of rays to the next: noise moves
+/// with the line, and has as many sets as there are in a hemisphere.
+pub const SET_STEP: f32 = 1.0 / 8.0;
 
 /// The way from place to place along a line, as a share of the radius: fine enough for threads that
 /// go over and under each other.
@@ -136,20 +106,4 @@ pub fn hash(a: u32, b: u32) -> u32 {
         (word >> 22) ^ word
     };
     permuted(a ^ permuted(b))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::hash;
-
-    #[test]
-    fn hashes_of_neighbours_are_spread_evenly() {
-        let mut counts = [0; 16];
-        let pairs = (0..64).flat_map(|y| (0..64).map(move |x| (x, y)));
-        pairs.for_each(|(x, y)| counts[(hash(x, y) % 16) as usize] += 1);
-        // 256 in each on average; the root of the variance is 16.
-        assert!(counts.iter().all(|n| (192..320).contains(n)), "{counts:?}");
-        let same = (0..4096).filter(|&i| hash(i, 7) % 16 == hash(i + 1, 7) % 16).count();
-        assert!((160..360).contains(&same), "{same}");
-    }
 }

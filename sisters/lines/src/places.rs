@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::directions::coded;
 use crate::numeric::MOST_PLACES;
-use crate::sets::{LineSet, arc_lengths_of, tangents_of};
+use crate::sets::{LineSet, arc_lengths_of};
 
 /// Places along the lines of a set. Each line has one at both ends and others at equal ways between
 /// them; a dot has one.
@@ -16,8 +16,6 @@ use crate::sets::{LineSet, arc_lengths_of, tangents_of};
 pub struct Places {
     spans: Vec<Span>,
     tangents: Vec<u32>,
-    /// The way from place to place.
-    step: f64,
 }
 
 /// The places of a line.
@@ -52,8 +50,7 @@ impl Places {
             // No pixel asks for the places of a line without vertices.
             spans.push(Span { vertex: first, last_vertex: vertex.max(first + 1) - 1, place: 0, steps: 0 });
         }
-        let whole: f64 = spans.iter().filter(|s| is_line(s)).map(long).sum();
-        let step = fitting(step, whole, lines.len());
+        let step = Self::step_for(lines, step);
         let mut count = 0;
         for span in &mut spans {
             span.place = count;
@@ -63,51 +60,19 @@ impl Places {
         let vertices = lines.tangents();
         let of = |span: &Span| tangents(span, &lengths, &vertices);
         let tangents = spans.par_iter().flat_map_iter(of).collect();
-        Self { spans, tangents, step }
+        Self { spans, tangents }
     }
 
     /// The way from place to place, in units of the scene, that [`Self::new`] takes: `step`, or a
     /// longer one where the set has too many lines for it.
     ///
-    /// Time and memory: proportional to the vertices.
+    /// Time: proportional to the vertices.
     pub fn step_for(lines: &LineSet, step: f32) -> f64 {
-        let lengths = lines.arc_lengths();
-        let last =
-            |line: usize| lines.range(line).filter(|range| !range.is_empty()).map(|range| range.end - 1);
-        let whole = (0..lines.len()).filter_map(last).map(|vertex| f64::from(lengths[vertex])).sum();
-        fitting(step, whole, lines.len())
-    }
-
-    /// Puts the places of some lines to where these are in `lines`. Their numbers stay, so that
-    /// places of a line that grew are farther apart. `false`, and some lines may be moved, if a
-    /// line has another number of vertices, or should have less than half or more than twice as
-    /// many places: then places must be made anew.
-    ///
-    /// Time: proportional to the vertices and places of the moved lines.
-    #[must_use]
-    pub fn update(&mut self, lines: &LineSet, moved: &[u32]) -> bool {
-        for &line in moved {
-            let span = self.spans.get(line as usize).copied();
-            let (Some(span), Some(range)) = (span, lines.range(line as usize)) else { return false };
-            let last = range.end.saturating_sub(1);
-            if range.start != span.vertex as usize || last.max(range.start) != span.last_vertex as usize {
-                return false;
-            }
-            let vertices = &lines.points()[range];
-            if vertices.is_empty() {
-                continue;
-            }
-            let lengths: Vec<f32> = arc_lengths_of(vertices).collect();
-            let steps = f64::from(lengths.last().copied().unwrap_or_default()) / self.step;
-            let now = f64::from(span.steps);
-            if span.steps > 0 && !(steps.ceil().max(1.0) / 2.0..=2.0 * steps.ceil().max(1.0)).contains(&now) {
-                return false;
-            }
-            let alone = Span { vertex: 0, last_vertex: span.last_vertex - span.vertex, ..span };
-            let made = tangents(&alone, &lengths, &tangents_of(vertices).collect::<Vec<_>>());
-            self.tangents[span.place as usize..][..made.len()].copy_from_slice(&made);
-        }
-        true
+        let ends = lines.iter().filter_map(|line| arc_lengths_of(line).last());
+        let whole: f64 = ends.map(f64::from).sum();
+        // Two places of each line in any case.
+        let room = f64::from(MOST_PLACES) - 2.0 * lines.len() as f64;
+        f64::from(step).max(whole / room.max(1.0)).max(f64::MIN_POSITIVE)
     }
 
     /// The number of places.
@@ -151,11 +116,4 @@ pub(crate) fn segment(lengths: &[f32], span: &Span, number: u32) -> (u32, f32) {
     let way = line[next] - line[next - 1];
     let share = if way > 0.0 { ((along - line[next - 1]) / way).clamp(0.0, 1.0) } else { 0.0 };
     (span.vertex + next as u32 - 1, share)
-}
-
-/// The least way from place to place on lines of a length in all that there is room for.
-fn fitting(step: f32, whole: f64, lines: usize) -> f64 {
-    // Two places of each line in any case.
-    let room = f64::from(MOST_PLACES) - 2.0 * lines as f64;
-    f64::from(step).max(whole / room.max(1.0)).max(f64::MIN_POSITIVE)
 }

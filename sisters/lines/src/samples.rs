@@ -1,24 +1,20 @@
-//! Blue-noise points in discs, for the columns around a receiver (Benevides 2015, section 3.3.2).
-//!
-//! The points of a set come from three discs of radii 0.2, 0.5 and 1, a third each, so that they
-//! are denser in the middle, where the lines are that darken most. Points of one disc keep apart:
-//! Mitchell 1991, "Spectrally optimal sampling for distribution ray tracing" (best candidates).
+//! Sets of points in the unit disc, for directions around a receiver: spirals for rays, and blue
+//! noise for the columns of the thesis (Benevides 2015, section 3.3.2).
 
 use glam::Vec2;
 
 use crate::sets::random::{Random, hash};
 
-/// The radii of the discs.
-pub const RADII: [f32; 3] = [0.2, 0.5, 1.0];
+/// The radii of the discs of blue noise.
+const RADII: [f32; 3] = [0.2, 0.5, 1.0];
+/// Candidates for each of its points.
+const CANDIDATES: usize = 12;
 
 /// The greatest number of points of a set.
 pub const MOST_SAMPLES: u32 = 4096;
 /// The greatest number of points of all sets: best candidates take a time that grows with the
 /// square of a set.
 pub const MOST_POINTS: u32 = 16_384;
-
-/// Candidates for each point.
-const CANDIDATES: usize = 12;
 
 /// Why sets were refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -32,74 +28,60 @@ pub struct SampleError {
     pub sets: u32,
 }
 
-/// A point in the unit disc.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// The point.
-    pub at: Vec2,
-    /// The area of the disc that it stands for: the inverse of the density of all points here.
-    /// Those of a set add up to about pi.
-    pub area: f32,
-}
-
 /// Some sets of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleSets {
-    samples: Vec<Sample>,
+    points: Vec<Vec2>,
     sets: usize,
 }
 
 impl SampleSets {
-    /// Makes `sets` sets of `samples` points. Time: 2 `sets * samples^2` distances. Memory: 12
-    /// bytes a point.
+    /// `sets` sets of `samples` points that fill the disc evenly: spirals of Vogel (1979, "A better
+    /// way to construct the sunflower head"), each turned by a seeded angle. Time and memory:
+    /// proportional to the points.
     ///
     /// # Errors
-    /// If one of them is 0, or there are too many.
-    pub fn new(samples: u32, sets: u32, seed: u64) -> Result<Self, SampleError> {
-        let many = samples > MOST_SAMPLES || samples.saturating_mul(sets) > MOST_POINTS;
-        if samples == 0 || sets == 0 || many {
-            return Err(SampleError { samples, sets });
-        }
-        // The outermost disc has points in any case.
-        let counts = [samples / 3, (samples + 1) / 3, samples.div_ceil(3)].map(|n| n as usize);
-        let set = |number: u32| {
-            let mut random = Random::new(hash(seed) ^ u64::from(number));
-            let discs = RADII.iter().zip(counts).map(|(&r, n)| (r, disc(n, &mut random)));
-            discs.flat_map(|(r, points)| points.into_iter().map(move |p| p * r)).collect::<Vec<_>>()
-        };
-        let density = |p: Vec2| -> f32 {
-            let of = |(&r, &n): (&f32, &usize)| match p.length() < r {
-                true => n as f32 / (std::f32::consts::PI * r * r),
-                false => 0.0,
-            };
-            RADII.iter().zip(&counts).map(of).sum()
-        };
-        let samples = (0..sets).flat_map(set).map(|at| Sample { at, area: 1.0 / density(at) }).collect();
-        Ok(Self { samples, sets: sets as usize })
-    }
-
-    /// Makes `sets` sets of `samples` points that fill one disc evenly, for rays: spirals of Vogel
-    /// (1979, "A better way to construct the sunflower head"), each turned by a seeded angle. Time
-    /// and memory: proportional to the points.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
+    /// If one of the numbers is 0, or there are too many points.
     pub fn spirals(samples: u32, sets: u32, seed: u64) -> Result<Self, SampleError> {
-        let many = samples > MOST_SAMPLES || samples.saturating_mul(sets) > MOST_POINTS;
-        if samples == 0 || sets == 0 || many {
-            return Err(SampleError { samples, sets });
-        }
         let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-        let area = std::f32::consts::PI / samples as f32;
-        let set = |number: u32| {
-            let turn = Random::new(hash(seed) ^ u64::from(number)).within(0.0, std::f64::consts::TAU);
-            (0..samples).map(move |i| {
+        Self::new([samples, sets], seed, |random| {
+            let turn = random.within(0.0, std::f64::consts::TAU);
+            let point = |i: u32| {
                 let radius = ((f64::from(i) + 0.5) / f64::from(samples)).sqrt();
                 let (sine, cosine) = (turn + golden * f64::from(i)).sin_cos();
-                Sample { at: Vec2::new((radius * cosine) as f32, (radius * sine) as f32), area }
-            })
-        };
-        Ok(Self { samples: (0..sets).flat_map(set).collect(), sets: sets as usize })
+                Vec2::new((radius * cosine) as f32, (radius * sine) as f32)
+            };
+            (0..samples).map(point).collect()
+        })
+    }
+
+    /// Sets of points of three discs of the radii 0.2, 0.5 and 1, a third each, so that they are
+    /// denser in the middle, where the lines are that darken most. Points of one disc keep apart
+    /// (best candidates of Mitchell 1991, "Spectrally optimal sampling for distribution ray
+    /// tracing"). Time: 2 `sets * samples^2` distances.
+    ///
+    /// # Errors
+    /// As [`Self::spirals`].
+    pub fn discs(samples: u32, sets: u32, seed: u64) -> Result<Self, SampleError> {
+        Self::new([samples, sets], seed, |random| {
+            // The outermost disc has points in any case.
+            let counts = [samples / 3, (samples + 1) / 3, samples.div_ceil(3)];
+            let discs = RADII.into_iter().zip(counts);
+            discs.flat_map(|(r, n)| disc(n as usize, random).into_iter().map(move |p| p * r)).collect()
+        })
+    }
+
+    fn new(
+        [samples, sets]: [u32; 2],
+        seed: u64,
+        set: impl Fn(&mut Random) -> Vec<Vec2>,
+    ) -> Result<Self, SampleError> {
+        let many = samples > MOST_SAMPLES || samples.saturating_mul(sets) > MOST_POINTS;
+        if samples == 0 || sets == 0 || many {
+            return Err(SampleError { samples, sets });
+        }
+        let points = (0..sets).flat_map(|number| set(&mut Random::new(hash(seed) ^ u64::from(number))));
+        Ok(Self { points: points.collect(), sets: sets as usize })
     }
 
     /// The number of sets.
@@ -108,14 +90,14 @@ impl SampleSets {
     }
 
     /// The points of all sets, one set after the other.
-    pub fn all(&self) -> &[Sample] {
-        &self.samples
+    pub fn all(&self) -> &[Vec2] {
+        &self.points
     }
 
     /// The points of a set; sets repeat.
-    pub fn set(&self, number: usize) -> &[Sample] {
-        let size = self.samples.len() / self.sets;
-        &self.samples[number % self.sets * size..][..size]
+    pub fn set(&self, number: usize) -> &[Vec2] {
+        let size = self.points.len() / self.sets;
+        &self.points[number % self.sets * size..][..size]
     }
 }
 
@@ -147,30 +129,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sets_fill_three_discs_evenly_and_their_areas_add_up_to_the_disc() {
-        let sets = SampleSets::new(150, 8, 3).unwrap();
-        for i in 0..sets.count() {
-            let set = sets.set(i);
-            let within = |r: f32| set.iter().filter(|s| s.at.length() < r).count();
+    fn sets_fill_their_discs_evenly_and_wrong_numbers_are_refused() {
+        let sets = SampleSets::discs(150, 8, 3).unwrap();
+        let within = |set: &[Vec2], r: f32| set.iter().filter(|p| p.length() < r).count();
+        for set in (0..sets.count()).map(|i| sets.set(i)) {
             // 50 of the smallest disc, and by area 16% and 4% of the others: 50 + 8 + 2, and 50 +
             // 50 + 12.5.
-            assert!((52..68).contains(&within(0.2)) && (104..122).contains(&within(0.5)), "{}", within(0.5));
-            let area: f32 = set.iter().map(|s| s.area).sum();
-            assert!((area - std::f32::consts::PI).abs() < 0.35, "{area}");
+            let counts = [within(set, 0.2), within(set, 0.5)];
+            assert!((52..68).contains(&counts[0]) && (104..122).contains(&counts[1]), "{counts:?}");
             // Random points of this density come as near as 0.003 to each other.
             let outer = &set[100..];
-            let apart = |i: usize| {
-                let others = outer.iter().enumerate().filter(|(j, _)| *j != i);
-                others.map(|(_, q)| q.at.distance(outer[i].at)).fold(f32::INFINITY, f32::min)
-            };
-            let nearest = (0..outer.len()).map(apart).fold(f32::INFINITY, f32::min);
-            assert!(nearest > 0.05, "{nearest}");
+            let pairs = (1..outer.len()).flat_map(|i| (0..i).map(move |j| outer[i].distance(outer[j])));
+            assert!(pairs.fold(f32::INFINITY, f32::min) > 0.05);
         }
-        assert_eq!(sets, SampleSets::new(150, 8, 3).unwrap());
+        assert_eq!(sets, SampleSets::discs(150, 8, 3).unwrap());
         assert_ne!(sets.set(0), sets.set(1));
-        for (samples, count) in [(0, 1), (1, 0), (5000, 1), (4096, 5), (u32::MAX, u32::MAX)] {
-            assert_eq!(SampleSets::new(samples, count, 1), Err(SampleError { samples, sets: count }));
+        let spiral = SampleSets::spirals(400, 2, 1).unwrap();
+        assert!((98..=102).contains(&within(spiral.set(1), 0.5)) && spiral.set(0) != spiral.set(1));
+        for make in [SampleSets::discs, SampleSets::spirals] {
+            for (samples, count) in [(0, 1), (1, 0), (5000, 1), (4096, 5), (u32::MAX, u32::MAX)] {
+                assert_eq!(make(samples, count, 1), Err(SampleError { samples, sets: count }));
+            }
+            assert_eq!(make(1, 1, 1).unwrap().set(7).len(), 1);
         }
-        assert_eq!(SampleSets::new(1, 1, 1).unwrap().set(7).len(), 1);
     }
 }

@@ -1,4 +1,4 @@
-//! The configuration and the numbers of property tests.
+//! The configuration and the numbers of tests.
 
 use glam::Vec3;
 use proptest::prelude::*;
@@ -33,4 +33,9 @@ pub fn cases(n: u32) -> proptest::test_runner::Config {
         failure_persistence: None,
         ..proptest::test_runner::Config::default()
     }
+}
+
+/// The root of the mean square of differences.
+pub fn rmse(a: &[f32], b: &[f32]) -> f32 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>() / a.len() as f32).sqrt()
 }

@@ -164,18 +164,6 @@ impl View {
         Self::new(DMat4::from(self.eye_from_world), self.lens, self.depths, [width, height])
     }
 
-    /// The same view in columns of about `side` x `side` pixels, in as few rows and columns as
-    /// cover the picture; 0 is taken as 1.
-    ///
-    /// # Errors
-    /// None for views that were made by another function of this type.
-    pub fn with_columns(&self, side: u32) -> Result<Self, ViewError> {
-        let [width, height] = self.size.map(u64::from);
-        let rows = height.div_ceil(u64::from(side.max(1)));
-        let size = [(width * rows).div_ceil(height), rows].map(|s| s as u32);
-        Self::new(DMat4::from(self.eye_from_world), self.lens, self.depths, size)
-    }
-
     /// The picture moved by so many pixels to the right and downwards over the scene.
     pub fn moved_by_pixels(&self, x: f64, y: f64) -> Self {
         let step = match self.lens {
@@ -306,25 +294,6 @@ mod tests {
         for place in [Vec3::ZERO, Vec3::splat(1e-20), Vec3::splat(1e20)] {
             let view = View::around([place; 2], Vec3::Z, None, [9, 9]).unwrap();
             assert_eq!(view.pixel(view.to_eye(place).as_vec3()), Some([4, 4]));
-        }
-    }
-
-    #[test]
-    fn columns_of_any_side_cover_the_picture() {
-        for (size, side, columns) in [
-            ([980, 700], 64, [16, 11]),
-            ([20, 720], 64, [1, 12]),
-            ([64, 48], 2, [32, 24]),
-            ([9, 5], 0, [9, 5]),
-        ] {
-            let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, Some(0.5), size).unwrap();
-            let grid = view.with_columns(side).unwrap();
-            assert_eq!(grid.size(), columns);
-            let [x, y] = size.map(|s| f64::from(s) * 0.4999 * view.pixel_size(1.0));
-            for corner in [[x, y], [-x, y], [x, -y], [-x, -y]] {
-                let eye = DVec3::new(corner[0], corner[1], -1.0).as_vec3();
-                assert!(view.pixel(eye).is_some() && grid.pixel(eye).is_some(), "{size:?} {corner:?}");
-            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! Meshes among the lines, from files.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use casca_lines::mesh::Mesh;
 use casca_lines::sets::files::open_mesh;
@@ -9,20 +9,6 @@ use casca_scenes::world::Shape;
 use glam::Vec3A;
 
 use crate::common::Failed;
-
-/// Where a mesh comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ContextName {
-    /// The surface of the generated set.
-    Own,
-    /// A file.
-    File(PathBuf),
-}
-
-/// A name of the command line.
-pub fn parse_context(text: &str) -> Result<ContextName, String> {
-    Ok(if text == "own" { ContextName::Own } else { ContextName::File(text.into()) })
-}
 
 /// The triangles of a file: those of all objects of glTF, or of OBJ or PLY.
 pub fn open(path: &Path) -> Result<Mesh, Failed> {

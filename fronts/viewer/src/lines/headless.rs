@@ -3,7 +3,6 @@
 use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::renderer::Renderer;
 use casca_lines::gpu::set::GpuLines;
-use casca_lines::gpu::settings::Settings;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::COLOUR;
 use casca_stage::panel::Panel;
@@ -16,21 +15,15 @@ use glam::Vec3;
 
 use crate::common::counted;
 use crate::lines::legend;
-use crate::lines::options::{Options, behind_lines};
+use crate::lines::options::Options;
 use crate::lines::source::Source;
 
 /// Behind lines.
 pub const BACKGROUND: Vec3 = Vec3::splat(1.0);
 
 /// The bundles of lines, and those that were needed.
-pub fn bundles(lines: &GpuLines, seen: &Seen, settings: &Settings) -> String {
-    let all = counted(lines.bundles().len(), ["bundle", "bundles"]);
-    let drawn = seen.drawn.len();
-    // Rays read their cells, which hold all lines.
-    match settings.by_rays() {
-        true => format!("{drawn} of {all} drawn"),
-        false => format!("{drawn} of {all} drawn and {} in columns", seen.read.len()),
-    }
+pub fn bundles(lines: &GpuLines, seen: &Seen) -> String {
+    format!("{} of {} drawn", seen.drawn.len(), counted(lines.bundles().len(), ["bundle", "bundles"]))
 }
 
 /// Draws the pictures that the command line asks for.
@@ -44,11 +37,8 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     let (lines, legend) = source.on_device(&gpu, &set, &settings)?;
     let mut panel = Panel::new(&gpu, COLOUR);
     let mut renderer = Renderer::new(&gpu, COLOUR, settings)?;
-    renderer.cull_lines(behind_lines(options.cull));
     let seen = match options.cull {
-        true => {
-            Culling::new(lines.bundles(), &source.context)?.look(&view, renderer.settings().reach(&view)?)?
-        }
+        true => Culling::new(lines.bundles(), &source.context)?.look(&view, settings.reach(&view))?,
         false => Seen::all(lines.bundles().len()),
     };
     let context = source.context_on_device(&gpu)?;
@@ -57,7 +47,7 @@ pub fn pictures(options: &Options, source: &Source) -> Done {
     make_folder(&folder)?;
     let all = counted(set.len(), ["line", "lines"]);
     let vertices = counted(lines.vertices(), ["vertex", "vertices"]);
-    say(format_args!("{all} with {vertices}, {}, on {}", bundles(&lines, &seen, &settings), gpu.name));
+    say(format_args!("{all} with {vertices}, {}, on {}", bundles(&lines, &seen), gpu.name));
     for look in &options.look {
         let (target, strength) = (canvas.picture(), options.factor);
         renderer.paint(&gpu, &target, look.look(), strength, BACKGROUND, &mut Clock::off())?;

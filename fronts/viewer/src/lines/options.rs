@@ -1,7 +1,8 @@
 //! The command line.
 
+use std::path::PathBuf;
+
 use casca_lines::gpu::antialiasing::Antialiasing;
-use casca_lines::gpu::hidden::LineCulling;
 use casca_lines::gpu::numeric::MOST_THICK;
 use casca_lines::gpu::renderer::Look;
 use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
@@ -11,13 +12,11 @@ use casca_lines::sets::LineSet;
 use casca_lines::sets::colour::Colouring;
 use casca_lines::sets::generate::Family;
 use casca_lines::sets::region::Region;
-use casca_lines::slabs::Slices;
 use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
 use crate::common::Common;
-use crate::lines::context::{ContextName, parse_context};
 
 /// The radius of the thesis' hemispheres, as a share of the extent of the scene.
 const RADIUS: f32 = 0.13;
@@ -74,16 +73,10 @@ pub struct Options {
     /// No lines that cross this region. May be given several times
     #[arg(long, value_name = "REGION")]
     pub exclude: Vec<Region>,
-    /// A mesh that hides lines, and is drawn: a file (.obj, .ply, .glb or .gltf), or "own": the
-    /// ground of the set "reservoir", the ball of "pompom". May be given several times
-    #[arg(long, value_name = "MESH", value_parser = parse_context)]
-    pub context: Vec<ContextName>,
-    /// Drops vertices of lines where the lines then stay within so many pixels, at the middle of
-    /// the depths of the first view, and the numbers and colours of vertices within 1/64 of their
-    /// range [default without a number: 0.25]
-    #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
-        default_missing_value = "0.25", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
-    pub simplify: Option<f32>,
+    /// A mesh that hides lines, and is drawn: a file (.obj, .ply, .glb or .gltf). May be given
+    /// several times
+    #[arg(long, value_name = "FILE")]
+    pub context: Vec<PathBuf>,
     /// The direction that the set is seen from
     #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
     pub from: Vec3,
@@ -99,8 +92,7 @@ pub struct Options {
     /// The radius of the occlusion, as a share of the extent
     #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| parse_within(t, 0.001, 1.0))]
     pub radius: f32,
-    /// The rays of a side of a place, or the rays or samples of a pixel [default: 12 of a side, 24
-    /// rays, or 150 samples of the other estimators]
+    /// The rays of a side of a place, or of a pixel [default: 12 of a side, 24 of a pixel]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
     /// The occlusion is multiplied by this
@@ -109,21 +101,14 @@ pub struct Options {
     /// How the lines around a pixel become an occlusion
     #[arg(long, value_enum, default_value = "auto")]
     pub estimator: Way,
-    /// The radius of the tubes that lines are taken for, in pixels, by the estimators "places",
-    /// "rays" and "depth"
+    /// The radius of the tubes that lines are taken for, in pixels
     #[arg(long, default_value = "0.5", value_parser = |t: &str| parse_within(t, 0.01, 100.0))]
     pub tube: f32,
     /// Smooth lines of so many pixels, 1 to 16, by four samples a pixel
     #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
         default_missing_value = "1", value_parser = |t: &str| parse_within(t, 1.0, MOST_THICK))]
     pub antialias: Option<f32>,
-    /// Pixels along the side of a column, for all estimators but "places" and "rays"
-    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub coarse: u32,
-    /// Slices of a column, 128 or 256, for all estimators but "places" and "rays"
-    #[arg(long, default_value = "256", value_parser = parse_slices)]
-    pub slices: Slices,
-    /// Leaves out lines that walls, meshes and nearer lines hide; the picture stays the same
+    /// Leaves out lines that walls and meshes hide; the picture stays the same
     #[arg(long)]
     pub cull: bool,
     /// The pictures that --headless draws, comma-separated
@@ -149,15 +134,6 @@ pub enum Way {
     Places,
     /// The share of rays that tubes stop, from each pixel, through a grid of the lines
     Rays,
-    /// The light that tubes stop, by columns of slices; its mean hardly changes with the size of
-    /// the columns
-    Depth,
-    /// The thesis' mean of ratios, with its factor of 4
-    Thesis,
-    /// The thesis' ratio of sums, with a factor of 4
-    Ratio,
-    /// 1 - exp(-10 x) of the mean of ratios x
-    Extinction,
 }
 
 /// Pictures by their names.
@@ -197,12 +173,11 @@ impl Options {
         self.antialias.map_or(Antialiasing::None, |thickness| Antialiasing::Four { thickness })
     }
 
-    /// The rays or samples of a pixel.
+    /// The rays of a pixel or of a side of a place.
     pub fn samples(&self) -> u32 {
         self.samples.unwrap_or(match self.estimator {
             Way::Places => USUAL_SIDE_RAYS,
             Way::Auto | Way::Rays => USUAL_RAYS,
-            _ => 150,
         })
     }
 }
@@ -235,10 +210,6 @@ impl Way {
         match self {
             Self::Places => Estimator::places(radius, line_radius),
             Self::Auto | Self::Rays => Estimator::Rays { line_radius },
-            Self::Depth => Estimator::OpticalDepth { line_radius },
-            Self::Thesis => Estimator::MeanOfRatios { factor: 4.0 },
-            Self::Ratio => Estimator::RatioOfSums { factor: 4.0 },
-            Self::Extinction => Estimator::Extinction { k: 10.0 },
         }
     }
 }
@@ -282,14 +253,6 @@ fn parse_range(text: &str) -> Result<[f32; 2], String> {
     }
 }
 
-fn parse_slices(text: &str) -> Result<Slices, String> {
-    match text {
-        "128" => Ok(Slices::S128),
-        "256" => Ok(Slices::S256),
-        _ => Err("columns have 128 or 256 slices".to_owned()),
-    }
-}
-
 fn parse_within(text: &str, low: f32, high: f32) -> Result<f32, String> {
     let number = text.parse().ok().filter(|n| (low..=high).contains(n));
     number.ok_or_else(|| format!("expected a number from {low} to {high}"))
@@ -308,11 +271,6 @@ fn parse_direction(text: &str) -> Result<Vec3, String> {
     let direction = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok()).map(Vec3::from_array);
     let direction = direction.and_then(Vec3::try_normalize);
     direction.ok_or_else(|| "expected a direction such as 0.5,0.6,1".to_owned())
-}
-
-/// Which lines behind others are left out, with culling and without.
-pub fn behind_lines(cull: bool) -> LineCulling {
-    if cull { LineCulling::Large } else { LineCulling::Never }
 }
 
 #[cfg(test)]
@@ -338,8 +296,8 @@ mod tests {
         let [few, many] = [4.2e6, 1.7e7].map(|long| usual.estimator.for_lines(&line(long), &places));
         assert_eq!([few, many], [Way::Auto, Way::Rays]);
         assert_eq!(Way::Places.for_lines(&line(1.7e7), &places), Way::Places);
-        let depth = options(&["--estimator", "depth"]).estimator;
-        assert_eq!([false, true].map(|m| depth.in_window(m)), [Way::Depth; 2]);
+        let rays = options(&["--estimator", "rays"]).estimator;
+        assert_eq!([false, true].map(|m| rays.in_window(m)), [Way::Rays; 2]);
     }
 
     #[test]
@@ -350,14 +308,6 @@ mod tests {
         assert_eq!(usual.antialiasing(), Antialiasing::SMOOTH);
         assert_eq!(usual.common.file.unwrap().to_str(), Some("lines.obj"));
         assert_eq!(options(&["--antialias=2.5"]).antialias, Some(2.5));
-    }
-
-    #[test]
-    fn lines_are_whole_unless_a_tolerance_is_asked_for() {
-        assert_eq!(options(&[]).simplify, None);
-        let usual = options(&["--simplify", "lines.obj"]);
-        assert_eq!((usual.simplify, usual.common.file.unwrap().to_str()), (Some(0.25), Some("lines.obj")));
-        assert_eq!(options(&["--simplify=2"]).simplify, Some(2.0));
     }
 
     #[test]

@@ -6,24 +6,19 @@ use casca_lines::gpu::context::{Context, GREY, GpuContext};
 use casca_lines::gpu::numeric::FARTHEST;
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::gpu::settings::Settings;
-use casca_lines::mesh::Mesh;
 use casca_lines::occlusion::AoOptions;
 use casca_lines::sets::colour::{Colouring, Legend};
 use casca_lines::sets::generate::Recipe;
 use casca_lines::sets::random::Random;
 use casca_lines::sets::region::Region;
 use casca_lines::sets::rooms::House;
-use casca_lines::sets::simplify::Tolerance;
 use casca_lines::sets::{LineSet, files};
 use casca_lines::view::{Lens, View, ViewError};
 use casca_stage::gpu::Gpu;
-use casca_stage::timing::Instant;
-use casca_stage::window::Done;
-use casca_tools::command_line::say;
 use glam::{Vec3, vec3};
 
 use crate::common::Failed;
-use crate::lines::context::{self, ContextName};
+use crate::lines::context;
 use crate::lines::options::Options;
 
 /// Lines of a room, unless the command line says otherwise.
@@ -52,11 +47,9 @@ pub struct Source {
     /// The regions that generated lines must cross, and those that they must not.
     regions: [Vec<Region>; 2],
     colouring: Colouring,
-    /// How far lines may be from where they were, if vertices are dropped.
-    simplify: Option<Tolerance>,
     /// The bounds at time 0, and some room for the motion.
     pub bounds: [Vec3; 2],
-    /// The meshes and walls that hide lines, at the time of the command line.
+    /// The meshes and walls that hide lines.
     pub context: Vec<Context>,
 }
 
@@ -86,7 +79,6 @@ impl Source {
             seed: options.seed,
             regions: [options.include.clone(), options.exclude.clone()],
             colouring: options.colouring(),
-            simplify: None,
             bounds: [Vec3::ZERO; 2],
             context: Vec::new(),
         };
@@ -104,45 +96,13 @@ impl Source {
         if let Kind::Rooms(side, _) = source.kind {
             source.context.push(Context::of_boxes(&House::new(side, 0, source.seed, 0.0)?.walls));
         }
-        for what in &options.context {
-            source.context.push(Context::new(source.mesh(what, options.at)?, GREY)?);
+        for path in &options.context {
+            source.context.push(Context::new(context::open(path)?, GREY)?);
         }
         let corners = || source.context.iter().flat_map(|c| &c.mesh().positions);
         source.bounds = corners().fold(source.bounds, |[min, max], c| [min.min(*c), max.max(*c)]);
         source.check_size()?;
-        source.simplify(options)?;
         Ok(source)
-    }
-
-    /// From now on lines are simplified, if the command line asks for it: those of a file before
-    /// they sway, generated ones at each time.
-    fn simplify(&mut self, options: &Options) -> Done {
-        let Some(pixels) = options.simplify else { return Ok(()) };
-        let (width, height) = options.common.drawing.size;
-        let size = [width, height];
-        let view = self.view(options, self.start(options, size, 0)?, size)?;
-        let [near, far] = view.depths();
-        let tolerance = Tolerance::within(view.pixel_size((near + far) / 2.0) as f32 * pixels);
-        let start = Instant::now();
-        let (old, new) = match &mut self.kind {
-            Kind::File(lines) => {
-                let old = lines.points().len();
-                *lines = lines.simplified(&tolerance);
-                (old, lines.points().len())
-            }
-            _ => {
-                let old = self.at(0.0)?;
-                self.simplify = Some(tolerance);
-                (old.points().len(), old.simplified(&tolerance).points().len())
-            }
-        };
-        say(format_args!(
-            "{}: {new} of {old} vertices stay, within {:.2e} units; simplified in {:.2} s",
-            self.name,
-            tolerance.distance,
-            start.elapsed().as_secs_f64()
-        ));
-        Ok(())
     }
 
     /// Refuses lines that would not be seen.
@@ -162,29 +122,12 @@ impl Source {
             true => lines,
             false => lines.within(&self.regions[0], &self.regions[1]),
         };
-        let lines = match &self.kind {
+        Ok(match &self.kind {
             Kind::Generated(recipe) => chosen(Recipe { time, ..*recipe }.make()?),
             Kind::Rooms(side, lines) => chosen(House::new(*side, *lines, self.seed, time)?.lines),
             Kind::File(lines) if time == 0.0 => lines.clone(),
             Kind::File(lines) => swayed(lines, self.seed, time)?,
-        };
-        Ok(match &self.simplify {
-            Some(tolerance) => lines.simplified(tolerance),
-            None => lines,
         })
-    }
-
-    /// The mesh that an option asks for.
-    fn mesh(&self, what: &ContextName, time: f32) -> Result<Mesh, Failed> {
-        match (what, &self.kind) {
-            (ContextName::File(path), _) => context::open(path),
-            (ContextName::Own, Kind::Generated(recipe)) => {
-                let surface = Recipe { time: f64::from(time), ..*recipe }.surface();
-                surface
-                    .ok_or_else(|| format!("--context own: {} has no surface of its own", self.name).into())
-            }
-            _ => Err("--context own: only generated sets have a surface of their own".into()),
-        }
     }
 
     /// Copies the context to a device.
@@ -223,15 +166,10 @@ impl Source {
         let [near, far] = view.depths();
         let tube = view.pixel_size((near + far) / 2.0) as f32 * options.tube;
         let radius = options.radius * self.extent();
-        let ao = AoOptions {
-            estimator: options.estimator.estimator([radius, tube]),
-            ..AoOptions::rays(radius, tube)
-        };
-        let Options { slices, coarse, .. } = *options;
+        let ao = AoOptions { radius, estimator: options.estimator.estimator([radius, tube]) };
         let samples = options.samples();
-        let antialiasing = options.antialiasing();
-        let sets = sets(samples);
-        Settings { ao, samples, sets, slices, coarse, antialiasing, ..Settings::new(radius, tube) }
+        let (sets, antialiasing) = (sets(samples), options.antialiasing());
+        Settings { ao, samples, sets, antialiasing, ..Settings::new(radius, tube) }
     }
 
     /// Where the eye starts, and the place that it looks at. In a house it is in the room `room`.
@@ -312,24 +250,5 @@ mod tests {
             }
         }
         assert!(parsed::<Options>(&["--fov", "0.5"]).is_err());
-    }
-
-    #[test]
-    fn lines_are_simplified_by_pixels_of_the_first_view() {
-        let set = |words: &[&str]| {
-            let options = parsed::<Options>(words).unwrap();
-            Source::open(&options).unwrap().at(0.0).unwrap()
-        };
-        let words = ["--set", "abc", "--lines", "20", "--simplify=0.25"];
-        let [all, some] = [set(&words[..4]), set(&words)];
-        let fine = set(&[&words[..], &["--size", "5120x2880"]].concat());
-        let counts = [&some, &fine, &all].map(|set| set.points().len());
-        assert!(counts[0] * 3 < counts[1] * 2 && counts[1] < counts[2], "{counts:?}");
-        assert_eq!([all.len(), some.len()], [20; 2]);
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("straight.obj");
-        let vertices: String = (0..9).map(|i| format!("v {i} {i} 0\n")).collect();
-        std::fs::write(&path, format!("{vertices}l 1 2 3 4 5 6 7 8 9\n")).unwrap();
-        assert_eq!(set(&[path.to_str().unwrap(), "--simplify=0"]).points().len(), 2);
     }
 }

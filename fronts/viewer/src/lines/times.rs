@@ -14,7 +14,7 @@ use glam::Quat;
 
 use crate::common::Failed;
 use crate::lines::headless::BACKGROUND;
-use crate::lines::options::{Options, behind_lines};
+use crate::lines::options::Options;
 use crate::lines::source::Source;
 use crate::times::{Stages, table};
 
@@ -100,10 +100,9 @@ impl Bench<'_> {
                 Some(renderer) => renderer,
                 none => none.insert(Renderer::new(self.gpu, COLOUR, *settings)?),
             };
-            renderer.cull_lines(behind_lines(cull));
             let (mut clock, start) = (Clock::on(), Instant::now());
             let seen = match cull {
-                true => culling.look(view, settings.reach(view)?)?,
+                true => culling.look(view, settings.reach(view))?,
                 false => Seen::all(self.lines.bundles().len()),
             };
             clock.add("query", start.elapsed());

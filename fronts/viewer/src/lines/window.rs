@@ -6,7 +6,7 @@ use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::numeric::MOST_THICK;
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
-use casca_lines::occlusion::{AoOptions, Estimator};
+use casca_lines::occlusion::{AoOptions, Estimator, OptionsError};
 use casca_lines::sets::colour::Legend;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
@@ -20,7 +20,7 @@ use glam::Vec3;
 use crate::common::Failed;
 use crate::lines::headless::{BACKGROUND, bundles};
 use crate::lines::legend;
-use crate::lines::options::{Options, Way, behind_lines};
+use crate::lines::options::{Options, Way};
 use crate::lines::source::{Source, sets};
 
 /// The share of the extent that the camera flies in a second.
@@ -179,17 +179,14 @@ impl Viewer {
         let scaled = settings.ao.radius * radius / self.options.radius;
         let thick = |line_radius: f32| line_radius * tube / self.options.tube;
         let estimator = match settings.ao.estimator {
-            Estimator::OpticalDepth { line_radius } => {
-                Estimator::OpticalDepth { line_radius: thick(line_radius) }
-            }
             Estimator::Rays { line_radius } => Estimator::Rays { line_radius: thick(line_radius) },
             Estimator::Places { line_radius, .. } => {
                 self.tube = kept(self.tube, thick(line_radius));
                 Estimator::places(scaled, self.tube)
             }
-            other => other,
+            Estimator::Thesis { .. } => return Err(OptionsError::Source.into()),
         };
-        settings.ao = AoOptions { estimator, radius: scaled, ..settings.ao };
+        settings.ao = AoOptions { estimator, radius: scaled };
         (settings.samples, settings.sets) = (samples, sets(samples));
         settings.antialiasing = self.dials.antialiasing();
         if self.shown != self.seconds || !self.lines.suits(&settings) {
@@ -199,9 +196,8 @@ impl Viewer {
             self.shown = self.seconds;
         }
         self.renderer.set_settings(gpu, settings)?;
-        self.renderer.cull_lines(behind_lines(cull));
         let seen = match cull {
-            true => self.culling.look(&view, settings.reach(&view)?)?,
+            true => self.culling.look(&view, settings.reach(&view))?,
             false => Seen::all(self.lines.bundles().len()),
         };
         self.renderer.update(gpu, &view, (&self.lines, &seen), &self.context, &mut Clock::off())?;
@@ -211,7 +207,7 @@ impl Viewer {
     fn say(&mut self, screen: &Screen, seen: &Seen) {
         self.said = vec![
             format!("{} on {}: {:.0} ms a frame", self.source.name, screen.gpu.name, self.milliseconds),
-            bundles(&self.lines, seen, self.renderer.settings()),
+            bundles(&self.lines, seen),
         ];
         self.said.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
     }

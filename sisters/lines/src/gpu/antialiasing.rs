@@ -60,7 +60,7 @@ impl Antialiasing {
     }
 
     /// How far from the middle of a line the samples that show it may lie, in pixels, beyond the
-    /// pixel that [`Reach`](crate::gpu::lens::Reach) counts with.
+    /// pixel that [`Settings::reach`](crate::gpu::settings::Settings::reach) counts with.
     pub(super) fn beyond(self) -> f64 {
         match self {
             Self::None => 0.0,

@@ -1,16 +1,18 @@
 //! Bundles of lines as objects of a scene, in which context hides them.
 //!
-//! Lines fill a fraction of a pixel, so they hide nothing here: only context does. A pixel
-//! depends on the line that it shows and on the lines that its occlusion reads. Both lie near a
-//! point that the eye sees, as near as [`Reach`] says. A bundle whose bounds, inflated by that
-//! reach, are hidden holds no such line. So a picture without it is the same in every pixel.
+//! Lines fill a fraction of a pixel, so they hide nothing here: only context does. A pixel shows
+//! lines that are at most [`Settings::reach`] away from a point that the eye sees. A bundle whose
+//! bounds, inflated by that reach, are hidden holds no such line. So a picture without it is the
+//! same in every pixel.
+//!
+//! [`Settings::reach`]: crate::gpu::settings::Settings::reach
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene};
 use glam::Vec3;
 
 use crate::gpu::context::Context;
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::lens::{Reach, view_of_scene};
+use crate::gpu::lens::view_of_scene;
 use crate::gpu::set::Bundle;
 use crate::view::View;
 
@@ -22,15 +24,12 @@ const CONTEXT: u64 = u64::MAX;
 pub struct Seen {
     /// Those that a pixel may show.
     pub drawn: Vec<u32>,
-    /// Those that columns must hold: the drawn ones, and those that may darken them.
-    pub read: Vec<u32>,
 }
 
 impl Seen {
     /// All of so many bundles.
     pub fn all(bundles: usize) -> Self {
-        let all: Vec<u32> = (0..bundles as u32).collect();
-        Self { drawn: all.clone(), read: all }
+        Self { drawn: (0..bundles as u32).collect() }
     }
 }
 
@@ -100,26 +99,20 @@ impl Culling {
         Ok(())
     }
 
-    /// The bundles that a view needs. Costs a query; if the reach is another than in the last call,
-    /// also an update of each bundle.
+    /// The bundles that a view needs, if it shows lines so far from what the eye sees. Costs a
+    /// query; if the reach is another than in the last call, also an update of each bundle.
     ///
     /// # Errors
     /// If the scene refuses the view, or bounds with this reach: they must be finite.
-    pub fn look(&mut self, view: &View, reach: Reach) -> Result<Seen, LinesGpuError> {
-        if reach.read != self.inflated {
-            self.place(reach.read)?;
+    pub fn look(&mut self, view: &View, reach: f32) -> Result<Seen, LinesGpuError> {
+        if reach != self.inflated {
+            self.place(reach)?;
         }
         let pvs = self.query.run(&self.scene, &view_of_scene(view)?);
         let bundle = |id| self.scene.user_data(id).ok().and_then(|data| u32::try_from(data).ok());
-        let mut read: Vec<u32> = pvs.iter().filter_map(bundle).collect();
-        read.sort_unstable();
-        let sight = self.query.sight(&self.scene);
-        let may_show = |&&bundle: &&u32| {
-            let bounds = inflate(&self.bounds[bundle as usize], reach.drawn);
-            sight.as_ref().is_none_or(|sight| sight.may_see_box(&bounds))
-        };
-        let drawn = read.iter().filter(may_show).copied().collect();
-        Ok(Seen { drawn, read })
+        let mut drawn: Vec<u32> = pvs.iter().filter_map(bundle).collect();
+        drawn.sort_unstable();
+        Ok(Seen { drawn })
     }
 }
 
@@ -136,17 +129,16 @@ mod tests {
         let bundle = |at: Vec3| Bundle::of_bounds([at, at + 0.1]);
         let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [64, 48]).unwrap();
         let mut culling = Culling::new(&[bundle(Vec3::ZERO), bundle(Vec3::X * 0.5)], &[]).unwrap();
-        let reach = |read: f32| Reach { drawn: 0.01, read };
-        assert_eq!(culling.look(&view, reach(0.1)).unwrap().read, [0, 1]);
+        assert_eq!(culling.look(&view, 0.1).unwrap().drawn, [0, 1]);
         for _ in 0..2 {
-            assert!(culling.look(&view, reach(f32::INFINITY)).is_err());
+            assert!(culling.look(&view, f32::INFINITY).is_err());
         }
-        assert_eq!(culling.look(&view, reach(0.1)).unwrap().read, [0, 1]);
+        assert_eq!(culling.look(&view, 0.1).unwrap().drawn, [0, 1]);
         assert!(culling.follow(&[bundle(Vec3::ZERO), bundle(Vec3::NAN), bundle(Vec3::ONE)]).is_err());
         for _ in 0..2 {
-            assert!(culling.look(&view, reach(0.1)).is_err());
+            assert!(culling.look(&view, 0.1).is_err());
         }
         culling.follow(&[bundle(Vec3::ZERO), bundle(Vec3::X * 0.5), bundle(Vec3::Y * 0.5)]).unwrap();
-        assert_eq!(culling.look(&view, reach(0.1)).unwrap().read, [0, 1, 2]);
+        assert_eq!(culling.look(&view, 0.1).unwrap().drawn, [0, 1, 2]);
     }
 }

@@ -15,23 +15,6 @@ pub enum LinesGpuError {
     /// There is no adapter, no room, the device is lost or refuses commands.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The columns need more memory than the adapter has in one buffer.
-    #[error(
-        "{what} of {width} x {height} columns need {bytes} bytes, and the adapter has {most} in one buffer: \
-         take a smaller picture, coarser columns or fewer slices"
-    )]
-    TooLarge {
-        /// The contents.
-        what: &'static str,
-        /// Columns of the grid.
-        width: u32,
-        /// Rows of the grid.
-        height: u32,
-        /// The bytes needed.
-        bytes: u64,
-        /// The adapter's limit.
-        most: u64,
-    },
     /// The depths of a view are too near to each other.
     #[error(
         "depths from {near} to {far}: single precision needs a range of at least 1/32 of the greatest depth: \
@@ -43,9 +26,6 @@ pub enum LinesGpuError {
         /// The farthest depth.
         far: f64,
     },
-    /// The grid of columns.
-    #[error("columns of {0} pixels: the side of a column is 1 to 64 pixels")]
-    Coarse(u32),
     /// The thickness of smooth lines.
     #[error("lines of {0} pixels: smooth lines are 1 to {MOST_THICK} pixels thick")]
     Thickness(f32),

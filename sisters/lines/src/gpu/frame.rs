@@ -1,7 +1,7 @@
 //! The buffers of a frame.
 
 use bytemuck::{Pod, Zeroable};
-use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::gpu::Gpu;
 use casca_stage::wgpu::{Buffer, BufferUsages};
 
 use crate::gpu::antialiasing::Antialiasing;
@@ -11,7 +11,6 @@ use crate::gpu::lens::GpuLens;
 use crate::gpu::numeric::FARTHEST;
 use crate::gpu::settings::Settings;
 use crate::gpu::sides::Work;
-use crate::slabs::Slices;
 use crate::view::View;
 
 /// `Fragment` of view.wgsl.
@@ -26,12 +25,7 @@ pub(super) struct GpuFragment {
 
 /// The buffers of a frame.
 pub(super) struct Frame {
-    /// That of the picture.
-    pub(super) view: View,
-    pub(super) grid: View,
     kind: Kind,
-    pub(super) bits: Buffer,
-    pub(super) lengths: Buffer,
     /// One for each sample, as in the next two: for each pixel without antialiasing.
     pub(super) nearest: Buffer,
     pub(super) owners: Buffer,
@@ -44,7 +38,6 @@ pub(super) struct Frame {
     pub(super) work: Option<Work>,
     /// That of the samples.
     pub(super) lens: Buffer,
-    pub(super) grid_lens: Buffer,
     /// Those of the lines that were drawn, if they have colours.
     pub(super) colours: Option<Buffer>,
 }
@@ -53,8 +46,6 @@ pub(super) struct Frame {
 #[derive(PartialEq)]
 struct Kind {
     size: [u32; 2],
-    grid: [u32; 2],
-    slices: Slices,
     has_samples: bool,
     has_places: bool,
 }
@@ -72,29 +63,18 @@ impl Frame {
         if near.abs().max(far.abs()) > FARTHEST * (far - near) {
             return Err(LinesGpuError::Depths { near, far });
         }
-        let Settings { slices, antialiasing, .. } = *settings;
-        let grid = settings.grid(view)?;
-        // Rays need no columns.
-        let grid = if settings.by_rays() { grid.with_height(1)? } else { grid };
+        let antialiasing = settings.antialiasing;
         let samples = antialiasing.samples_of(view)?;
-        let kind = Kind {
-            size: view.size(),
-            grid: grid.size(),
-            slices,
-            has_samples: antialiasing.has_samples(),
-            has_places: settings.by_places(),
-        };
+        let (has_samples, has_places) = (antialiasing.has_samples(), settings.by_places());
+        let kind = Kind { size: view.size(), has_samples, has_places };
         if !old.as_ref().is_some_and(|f| f.kind == kind) {
             // The old ones are freed first.
             *old = None;
-            *old = Some(Self::new(gpu, (view, &samples, &grid), antialiasing, kind)?);
+            *old = Some(Self::new(gpu, &samples, antialiasing, kind)?);
         }
         if let Some(frame) = old {
-            (frame.view, frame.grid) = (*view, grid);
-            let thick = antialiasing.half_thickness();
-            let lens = |of: &View, thick: f32| [GpuLens::new(of, slices, thick)];
-            gpu.write(&frame.lens, bytemuck::cast_slice(&lens(&samples, thick)))?;
-            gpu.write(&frame.grid_lens, bytemuck::cast_slice(&lens(&grid, 0.0)))?;
+            let lens = GpuLens::new(&samples, antialiasing.half_thickness());
+            gpu.write(&frame.lens, bytemuck::cast_slice(&[lens]))?;
         }
         Ok(())
     }
@@ -104,33 +84,14 @@ impl Frame {
         self.kind.has_samples
     }
 
-    fn new(
-        gpu: &Gpu,
-        (view, samples, grid): (&View, &View, &View),
-        antialiasing: Antialiasing,
-        kind: Kind,
-    ) -> Result<Self, LinesGpuError> {
+    fn new(gpu: &Gpu, samples: &View, antialiasing: Antialiasing, kind: Kind) -> Result<Self, LinesGpuError> {
         let count = |size: [u32; 2]| size.iter().map(|&s| u64::from(s)).product::<u64>();
         let storage = BufferUsages::STORAGE;
-        let of_columns = |what, bytes: u32| {
-            let bytes = count(kind.grid) * u64::from(bytes);
-            let [width, height] = kind.grid;
-            let large = |most| LinesGpuError::TooLarge { what, width, height, bytes, most };
-            gpu.buffer(bytes, storage).map_err(|e| match e {
-                GpuError::NoRoom { most, .. } => large(most),
-                other => other.into(),
-            })
-        };
         let of_samples = |bytes: u64| gpu.buffer(count(samples.size()) * bytes, storage);
-        let lens = || gpu.buffer(size_of::<GpuLens>() as u64, BufferUsages::UNIFORM);
         let layers = if kind.has_samples { count(kind.size) } else { 1 };
         // As many fragments as samples.
         let work = || Work::new(gpu, count(antialiasing.layers_of(kind.size)));
         Ok(Self {
-            view: *view,
-            grid: *grid,
-            bits: of_columns("the bits", kind.slices.count() / 8)?,
-            lengths: of_columns("the lengths", kind.slices.groups() as u32 * 8)?,
             nearest: of_samples(4)?,
             owners: of_samples(4)?,
             surfaces: Surfaces::new(gpu, samples.size())?,
@@ -138,8 +99,7 @@ impl Frame {
             fragments: of_samples(size_of::<GpuFragment>() as u64)?,
             occlusion: of_samples(4)?,
             work: if kind.has_places { Some(work()?) } else { None },
-            lens: lens()?,
-            grid_lens: lens()?,
+            lens: gpu.buffer(size_of::<GpuLens>() as u64, BufferUsages::UNIFORM)?,
             colours: None,
             kind,
         })

@@ -1,12 +1,8 @@
-//! A view as the shaders take it, as a scene takes it, and how far the occlusion of a pixel
-//! reaches.
+//! A view as the shaders take it, and as a scene takes it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, DVec4};
 
-use crate::gpu::numeric::LENGTH_UNITS;
-use crate::numeric::GROUP;
-use crate::slabs::Slices;
 use crate::view::{Lens, View};
 
 /// A view for shaders: `Lens` of view.wgsl.
@@ -22,19 +18,15 @@ pub(super) struct GpuLens {
     origin: [f32; 3],
     perspective: u32,
     rest: [f32; 3],
-    slices: u32,
+    thick: f32,
     middle: [f32; 2],
     size: [u32; 2],
-    group: u32,
-    groups: u32,
-    units: f32,
-    thick: f32,
 }
 
 impl GpuLens {
     /// The lens of a view. `thick` is half the thickness of lines in its pixels, or 0, as in
     /// view.wgsl.
-    pub(super) fn new(view: &View, slices: Slices, thick: f32) -> Self {
+    pub(super) fn new(view: &View, thick: f32) -> Self {
         let turn = view.eye_from_world().matrix3;
         let origin = view.eye_from_world().inverse().translation;
         let [near, far] = view.depths();
@@ -48,42 +40,10 @@ impl GpuLens {
             origin: origin.as_vec3().to_array(),
             perspective: u32::from(view.is_perspective()),
             rest: (origin - origin.as_vec3().as_dvec3()).as_vec3().to_array(),
-            slices: slices.count(),
+            thick,
             middle: view.size().map(|s| s as f32 / 2.0),
             size: view.size(),
-            group: GROUP,
-            groups: slices.groups() as u32,
-            units: (LENGTH_UNITS / (far - near)) as f32,
-            thick,
         }
-    }
-}
-
-/// How far from a pixel's fragment lines can change the pixel, in units of the scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
-    /// Lines that the pixel may show: the side of a pixel at the farthest depth. A pixel shows a
-    /// line where the ray through its centre meets no wall; the line itself is up to 0.71 pixels
-    /// beside that ray, maybe behind the wall's edge.
-    pub drawn: f32,
-    /// Lines that may darken it. The occlusion reads the columns in a ball of the radius, and of
-    /// each the groups of slices in it: lines there are at most the radius, a column's diagonal and
-    /// the thickness of a group away from the fragment.
-    pub read: f32,
-}
-
-impl Reach {
-    /// Of the pixels of `view` with the columns of `grid`, for an occlusion of a radius.
-    pub fn new(view: &View, grid: &View, radius: f32, slices: Slices) -> Self {
-        let [near, far] = view.depths();
-        let drawn = view.pixel_size(far);
-        let slope = |side: u32| f64::from(side) / 2.0 * view.pixel_size(1.0);
-        let [x, y] = view.size().map(slope);
-        // The way along a ray at a corner of the picture, for each unit of depth.
-        let steep = if view.is_perspective() { (1.0 + x * x + y * y).sqrt() } else { 1.0 };
-        let thick = (far - near) / slices.groups() as f64 * steep;
-        let read = f64::from(radius) + thick + grid.pixel_size(far) * std::f64::consts::SQRT_2 + drawn;
-        Self { drawn: drawn as f32, read: read as f32 }
     }
 }
 

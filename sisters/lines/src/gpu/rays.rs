@@ -4,7 +4,7 @@ use casca_stage::gpu::Gpu;
 use casca_stage::kernel::{Bound, Kernel, among};
 use casca_stage::wgpu::CommandEncoder;
 
-use crate::gpu::grid::{SPLIT, WHOLE};
+use crate::gpu::grid::CELLS;
 use crate::gpu::shader::shader;
 use crate::gpu::sides::Passes;
 
@@ -18,21 +18,12 @@ pub(super) struct Rays {
 }
 
 impl Rays {
-    /// Through cells in one buffer for each array, or through cells that are split into parts.
-    pub(super) fn new(gpu: &Gpu, is_split: bool) -> Self {
-        let (cells, bindings) = match is_split {
-            true => (include_str!("shaders/parts.wgsl"), SPLIT),
-            false => (include_str!("shaders/cells.wgsl"), WHOLE),
-        };
-        let others = concat!(
-            include_str!("shaders/receiver.wgsl"),
-            include_str!("shaders/rays.wgsl"),
-            include_str!("shaders/sides.wgsl")
-        );
-        let module = shader(gpu, "rays", &format!("{cells}{others}"));
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let text = concat!(include_str!("shaders/rays.wgsl"), include_str!("shaders/sides.wgsl"));
+        let module = shader(gpu, "rays", text);
         Self {
-            trace: Kernel::new(gpu, &module, "trace", &[&[0, 12, 15, 16, 17][..], bindings].concat()),
-            places: Passes::new(gpu, &module, bindings),
+            trace: Kernel::new(gpu, &module, "trace", &[&[0, 12, 15, 16, 17][..], &CELLS].concat()),
+            places: Passes::new(gpu, &module),
         }
     }
 

@@ -1,9 +1,9 @@
-//! Columns, nearest lines, occlusion and pictures of a frame.
+//! The nearest lines, the occlusion and the pictures of a frame.
 
 use bytemuck::Pod;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{Gpu, GpuError};
-use casca_stage::kernel::{Bound, Kernel, among, filled};
+use casca_stage::kernel::{Bound, among, filled};
 use casca_stage::timing::Clock;
 use casca_stage::wgpu::{Buffer, BufferUsages, TextureFormat};
 use glam::Vec3;
@@ -13,15 +13,13 @@ use crate::gpu::context::{ContextPass, GpuContext};
 use crate::gpu::culling::Seen;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::frame::{Frame, GpuFragment};
-use crate::gpu::hidden::{Drawn, LineCulling};
-use crate::gpu::nearest::{Nearest, Pixels};
+use crate::gpu::nearest::Nearest;
 use crate::gpu::picture::Picture;
 use crate::gpu::rays::Rays;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
 use crate::gpu::shader::shader;
 use crate::gpu::sides::GpuSides;
-use crate::occlusion::sector_of;
 use crate::samples::SampleSets;
 use crate::view::View;
 
@@ -41,13 +39,9 @@ pub enum Look {
 /// Draws lines.
 pub struct Renderer {
     settings: Settings,
-    columns: Kernel,
     nearest: Nearest,
     context: ContextPass,
-    estimate: Kernel,
     rays: Rays,
-    /// For cells in parts, once there are some.
-    split_rays: Option<Rays>,
     picture: Picture,
     samples: Buffer,
     frame: Option<Frame>,
@@ -59,27 +53,12 @@ impl Renderer {
     /// # Errors
     /// If a setting is out of its range, or the device has no room.
     pub fn new(gpu: &Gpu, format: TextureFormat, settings: Settings) -> Result<Self, LinesGpuError> {
-        let raster = shader(
-            gpu,
-            "raster",
-            concat!(
-                include_str!("shaders/keys.wgsl"),
-                include_str!("shaders/raster.wgsl"),
-                include_str!("shaders/thick.wgsl")
-            ),
-        );
-        let occlusion = shader(
-            gpu,
-            "occlusion",
-            concat!(include_str!("shaders/receiver.wgsl"), include_str!("shaders/occlusion.wgsl")),
-        );
+        let text = concat!(include_str!("shaders/raster.wgsl"), include_str!("shaders/thick.wgsl"));
+        let raster = shader(gpu, "raster", text);
         Ok(Self {
-            columns: Kernel::new(gpu, &raster, "columns", &[0, 2, 3, 4, 5, 6, 7]),
             nearest: Nearest::new(gpu, &raster)?,
             context: ContextPass::new(gpu),
-            estimate: Kernel::new(gpu, &occlusion, "estimate", &[0, 6, 7, 12, 15, 16, 17]),
-            rays: Rays::new(gpu, false),
-            split_rays: None,
+            rays: Rays::new(gpu),
             picture: Picture::new(gpu, format),
             samples: samples(gpu, &settings)?,
             settings,
@@ -97,7 +76,7 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`].
     pub fn set_settings(&mut self, gpu: &Gpu, settings: Settings) -> Result<(), LinesGpuError> {
-        let of_samples = |s: &Settings| (s.samples, s.sets, s.seed, s.by_rays());
+        let of_samples = |s: &Settings| (s.samples, s.sets, s.seed);
         settings.check()?;
         if of_samples(&settings) != of_samples(&self.settings) {
             self.samples = samples(gpu, &settings)?;
@@ -106,17 +85,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether lines that lie wholly behind nearer lines are left out: of large sets, at first.
-    pub fn cull_lines(&mut self, culling: LineCulling) {
-        self.nearest.culling = culling;
-    }
-
-    /// Computes a view of lines: columns of `seen.read` unless rays are taken, the nearest lines of
-    /// `seen.drawn`, and the occlusion. `context` hides lines; it takes no part in the occlusion.
+    /// Computes a view of lines: the nearest lines of `seen`, and the occlusion. `context` hides
+    /// lines; it takes no part in the occlusion.
     ///
     /// Time: proportional to the vertices of the bundles, to the pixels that lines cross, and to
-    /// the pixels with lines times the samples. Memory on the device: 56 bytes a pixel without
-    /// antialiasing; with columns 80 bytes a column with 128 slices, 160 with 256.
+    /// the pixels with lines times the rays. Memory on the device: 56 bytes a pixel without
+    /// antialiasing.
     ///
     /// # Errors
     /// If the device has no room or is lost, a bundle is not there, rays are to meet tubes thicker
@@ -131,69 +105,35 @@ impl Renderer {
         clock: &mut Clock,
     ) -> Result<(), LinesGpuError> {
         Frame::fit(&mut self.frame, gpu, view, &self.settings)?;
-        let antialiasing = self.settings.antialiasing;
-        let (samples, layers) = (antialiasing.samples_of(view)?.size(), antialiasing.layers_of(view.size()));
-        let (read, drawn) = (lines.chunks(&seen.read)?, lines.chunks(&seen.drawn)?);
-        self.nearest.fit(gpu, (lines, &drawn), samples)?;
+        let layers = self.settings.antialiasing.layers_of(view.size());
+        let drawn = lines.chunks(&seen.drawn)?;
         let Some(frame) = &mut self.frame else { return Ok(()) };
         frame.colours = lines.coloured.then(|| lines.colours.clone());
         let frame = &*frame;
         let settings = &self.settings;
         let sides = lines.sides_for(settings)?;
-        let is_split =
-            settings.by_rays() && (lines.cells.is_split() || sides.is_some_and(GpuSides::is_split));
-        if is_split && self.split_rays.is_none() {
-            self.split_rays = Some(Rays::new(gpu, true));
-        }
-        let rays = self.split_rays.as_ref().filter(|_| is_split).unwrap_or(&self.rays);
-        let storage = BufferUsages::STORAGE;
-        let (read_list, drawn_list) = (filled(gpu, &read, storage)?, filled(gpu, &drawn, storage)?);
-        let ao = filled(
-            gpu,
-            &[GpuAo::new(settings, layers, sides.map_or(0, GpuSides::tangents))],
-            BufferUsages::UNIFORM,
-        )?;
-        let set: [Bound<'_>; 3] = [(2, &lines.vertices), (3, &lines.segments), (4, &lines.order)];
-        if !settings.by_rays() {
-            clock.stage(gpu, "columns", |encoder| {
-                [&frame.bits, &frame.lengths].into_iter().for_each(|b| encoder.clear_buffer(b, 0, None));
-                let bound = [(0, &frame.grid_lens), (5, &read_list), (6, &frame.bits), (7, &frame.lengths)];
-                self.columns.run_groups(gpu, encoder, read.len(), &among(&[&set[..], &bound[..]].concat()));
-            })?;
-        }
+        let drawn_list = filled(gpu, &drawn, BufferUsages::STORAGE)?;
+        let ao = GpuAo::new(settings, layers, sides.map_or(0, GpuSides::tangents))?;
+        let ao = filled(gpu, &[ao], BufferUsages::UNIFORM)?;
         clock.stage(gpu, "context", |encoder| {
             self.context.draw(gpu, encoder, (&frame.lens, context), &frame.surfaces);
         })?;
-        let pixels = Pixels {
-            size: view.size(),
-            has_samples: antialiasing.has_samples(),
-            lens: &frame.lens,
-            nearest: &frame.nearest,
-            owners: &frame.owners,
-            layers: &frame.layers,
-            fragments: &frame.fragments,
-            surfaces: &frame.surfaces,
-        };
         clock.stage(gpu, "nearest lines", |encoder| {
-            self.nearest.run(gpu, encoder, (lines, &drawn, &drawn_list), &pixels);
+            let chunks = (lines, &drawn_list, drawn.len());
+            self.nearest.run(gpu, encoder, chunks, (frame, view.size()));
         })?;
         let receivers: [Bound<'_>; 4] =
             [(12, &frame.fragments), (15, &self.samples), (16, &ao), (17, &frame.occlusion)];
         let seen: [Bound<'_>; 2] = [(0, &frame.lens), (2, &lines.vertices)];
         let bound = [&receivers[..], &seen[..], &lines.cells.bound()[..]].concat();
-        if let (Some(sides), Some(work)) = (sides, &frame.work) {
-            rays.places.run(gpu, (sides, work), settings, (&bound, layers), clock)?;
-            return Ok(());
-        }
-        clock.stage(gpu, "occlusion", |encoder| {
-            if settings.by_rays() {
-                rays.of_pixels(gpu, encoder, layers, &bound);
-            } else {
-                let bound: [Bound<'_>; 3] = [(0, &frame.grid_lens), (6, &frame.bits), (7, &frame.lengths)];
-                let bound = [&receivers[..], &bound[..]].concat();
-                self.estimate.run_pixels(gpu, encoder, layers, &among(&bound));
+        match (sides, &frame.work) {
+            (Some(sides), Some(work)) => {
+                self.rays.places.run(gpu, (sides, work), settings, (&bound, layers), clock)?
             }
-        })?;
+            _ => clock.stage(gpu, "occlusion", |encoder| {
+                self.rays.of_pixels(gpu, encoder, layers, &bound);
+            })?,
+        }
         Ok(())
     }
 
@@ -237,24 +177,6 @@ impl Renderer {
         Ok(())
     }
 
-    /// The words of all columns, row by row: bit 0 of the first is the nearest slice.
-    ///
-    /// # Errors
-    /// As [`Gpu::read_buffer`].
-    pub fn read_columns(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        self.read(gpu, |frame| &frame.bits)
-    }
-
-    /// The length in each group of slices of each column, row by row, in units of the scene.
-    ///
-    /// # Errors
-    /// As [`Gpu::read_buffer`].
-    pub fn read_lengths(&self, gpu: &Gpu) -> Result<Vec<f64>, GpuError> {
-        let words: Vec<u64> = self.read(gpu, |frame| &frame.lengths)?;
-        let range = self.frame.as_ref().map_or(0.0, |f| f.grid.depths()[1] - f.grid.depths()[0]);
-        Ok(words.into_iter().map(|w| w as f64 * range / crate::gpu::numeric::LENGTH_UNITS).collect())
-    }
-
     /// The nearest line of each pixel, row by row, as [`crate::buffers::LineBuffer`] has it. With
     /// antialiasing four layers follow each other: the line that the first sample of a pixel shows,
     /// then up to three others.
@@ -278,14 +200,6 @@ impl Renderer {
         self.read(gpu, |frame| &frame.occlusion)
     }
 
-    /// How much was drawn of the last view.
-    ///
-    /// # Errors
-    /// As [`Gpu::read_buffer`].
-    pub fn read_drawn(&self, gpu: &Gpu) -> Result<Drawn, GpuError> {
-        self.nearest.drawn(gpu)
-    }
-
     /// The values of places that the last frame computed; 0 with other estimators.
     ///
     /// # Errors
@@ -303,9 +217,7 @@ impl Renderer {
 
 fn samples(gpu: &Gpu, settings: &Settings) -> Result<Buffer, LinesGpuError> {
     settings.check()?;
-    let make = if settings.by_rays() { SampleSets::spirals } else { SampleSets::new };
-    let sets = make(settings.samples, settings.sets, settings.seed)?;
-    let all = (0..sets.count()).flat_map(|i| sets.set(i));
-    let flat: Vec<[f32; 4]> = all.map(|s| [s.at.x, s.at.y, s.area, sector_of(s) as f32]).collect();
+    let sets = SampleSets::spirals(settings.samples, settings.sets, settings.seed)?;
+    let flat: Vec<[f32; 2]> = sets.all().iter().map(|p| p.to_array()).collect();
     Ok(filled(gpu, &flat, BufferUsages::STORAGE)?)
 }

@@ -1,6 +1,7 @@
 //! Lines in the memory of a device, in bundles.
 
 use casca_stage::gpu::Gpu;
+use casca_stage::kernel::filled;
 use casca_stage::wgpu::{Buffer, BufferUsages};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -8,16 +9,16 @@ use rayon::prelude::*;
 use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::grid::GpuCells;
-use crate::gpu::numeric::CHUNK;
 use crate::gpu::settings::Settings;
 use crate::gpu::sides::GpuSides;
 use crate::occlusion::{Estimator, OptionsError};
 use crate::places::Places;
 use crate::sets::LineSet;
-use casca_stage::kernel::filled;
 
 /// Segments of a bundle: enough that the objects of a scene are few, so few that a bundle is small.
 pub const BUNDLE: u32 = 256;
+/// Segments of a workgroup.
+const CHUNK: u32 = 64;
 /// The bit of a segment without length in the number of its vertex.
 const DOT: u32 = 1 << 31;
 /// Cells along a side of the grid whose order bundles follow.
@@ -48,8 +49,6 @@ pub struct GpuLines {
     pub(super) tangents: Buffer,
     pub(super) segments: Buffer,
     pub(super) order: Buffer,
-    /// The least and the greatest corner of each chunk of segments.
-    pub(super) corners: Buffer,
     pub(super) cells: GpuCells,
     /// For each segment the colours of its ends and the ways along its line to them.
     pub(super) colours: Buffer,
@@ -60,97 +59,53 @@ pub struct GpuLines {
     vertex_count: usize,
 }
 
-/// The data of lines on a device that the processor keeps.
-pub(super) struct Host {
-    pub(super) cells: Cells,
-    pub(super) places: Option<Places>,
-    /// The vertices at the ends of each segment, in the order of lines.
-    pub(super) segments: Vec<[u32; 2]>,
-    /// The segments in the order of bundles.
-    pub(super) order: Vec<u32>,
-}
-
-impl Host {
-    fn new(lines: &LineSet, settings: &Settings) -> Self {
-        let points = lines.points();
-        let segments: Vec<[u32; 2]> = lines.segments().map(|s| [s.a, s.b]).collect();
-        let ends: Vec<[Vec3; 2]> = segments.iter().map(|s| s.map(|v| points[v as usize])).collect();
-        let places = match settings.ao.estimator {
-            Estimator::Places { step, .. } => Some(Places::new(lines, step)),
-            _ => None,
-        };
-        let order = near_order(&ends, lines.bounds());
-        Self { cells: Cells::new(lines, settings.margin()), places, segments, order }
-    }
-
-    /// The least and the greatest corner of some segments in the order of bundles.
-    pub(super) fn bounds(&self, lines: &LineSet, from: usize, most: u32) -> [Vec3; 2] {
-        let members = &self.order[from..self.order.len().min(from + most as usize)];
-        let ends = members.iter().flat_map(|&s| self.segments[s as usize]);
-        let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        ends.map(|v| lines.points()[v as usize]).fold(start, |[min, max], p| [min.min(p), max.max(p)])
-    }
-}
-
 impl GpuLines {
     /// Copies lines to the device and puts segments that lie near each other into bundles of
     /// [`BUNDLE`], and into the [`Cells`] that settings need. With [`Estimator::Places`] it also
     /// puts places along them.
     ///
-    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex, 12.5 a
+    /// Time: n log n for n segments on all cores. Memory on the device: 32 bytes a vertex, 12 a
     /// segment, and as much as the cells take; 16 bytes a line and 22 a place.
-    ///
-    /// Lists of cells and segments may be larger than a buffer that the adapter binds: six and two
-    /// times as large, then they lie in parts. Vertices must fit into one buffer of 16 bytes each.
     ///
     /// [`Estimator::Places`]: crate::occlusion::Estimator::Places
     ///
     /// # Errors
     /// The device has no room.
     pub fn new(gpu: &Gpu, lines: &LineSet, settings: &Settings) -> Result<Self, LinesGpuError> {
-        Ok(Self::with_host(gpu, lines, settings)?.0)
-    }
-
-    /// The same, and what the processor knows of them.
-    pub(super) fn with_host(
-        gpu: &Gpu,
-        lines: &LineSet,
-        settings: &Settings,
-    ) -> Result<(Self, Host), LinesGpuError> {
-        let host = Host::new(lines, settings);
+        let points = lines.points();
         let vertices: Vec<[f32; 4]> =
-            lines.points().iter().zip(lines.arc_lengths()).map(|(p, along)| with(p, along)).collect();
+            points.iter().zip(lines.arc_lengths()).map(|(p, along)| with(p, along)).collect();
         let tangents: Vec<[f32; 4]> = lines.tangents().iter().map(|t| with(t, 0.0)).collect();
         let segments: Vec<[u32; 2]> =
             lines.segments().map(|s| [s.a | if s.a == s.b { DOT } else { 0 }, s.line]).collect();
-        let starts = |most: u32| (0..host.order.len()).step_by(most as usize);
-        let chunks = starts(CHUNK).flat_map(|at| host.bounds(lines, at, CHUNK));
-        let corners: Vec<[f32; 4]> = chunks.map(|corner| with(&corner, 0.0)).collect();
-        let bundle = |at: usize| Bundle {
-            bounds: host.bounds(lines, at, BUNDLE),
-            first: at as u32,
-            segments: BUNDLE.min((host.order.len() - at) as u32),
+        let ends: Vec<[Vec3; 2]> = lines.segments().map(|s| [s.a, s.b].map(|v| points[v as usize])).collect();
+        let order = near_order(&ends, lines.bounds());
+        let bundle = |(i, members): (usize, &[u32])| {
+            let all = members.iter().flat_map(|&s| ends[s as usize]);
+            let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+            let bounds = all.fold(start, |[min, max], p| [min.min(p), max.max(p)]);
+            Bundle { bounds, first: i as u32 * BUNDLE, segments: members.len() as u32 }
         };
-        let sides = match (&host.places, settings.ao.estimator) {
-            (Some(places), Estimator::Places { step, .. }) => Some(GpuSides::new(gpu, places, step)?),
+        let bundles = order.chunks(BUNDLE as usize).enumerate().map(bundle).collect();
+        let sides = match settings.ao.estimator {
+            Estimator::Places { step, .. } => Some(GpuSides::new(gpu, &Places::new(lines, step), step)?),
             _ => None,
         };
+        let cells = Cells::new(lines, settings.ao.margin());
         let usage = BufferUsages::STORAGE;
-        let made = Self {
+        Ok(Self {
             vertices: filled(gpu, &vertices, usage)?,
             tangents: filled(gpu, &tangents, usage)?,
             segments: filled(gpu, &segments, usage)?,
-            order: filled(gpu, &host.order, usage)?,
-            corners: filled(gpu, &corners, usage)?,
-            cells: GpuCells::new(gpu, &host.cells)?,
+            order: filled(gpu, &order, usage)?,
+            cells: GpuCells::new(gpu, &cells)?,
             colours: filled(gpu, &[[0u32; 4]], usage)?,
             coloured: false,
             sides,
-            margin: host.cells.margin(),
-            bundles: starts(BUNDLE).map(bundle).collect(),
-            vertex_count: lines.points().len(),
-        };
-        Ok((made, host))
+            margin: cells.margin(),
+            bundles,
+            vertex_count: points.len(),
+        })
     }
 
     /// Paints the lines in these colours, bytes of sRGB for each vertex of the set that was copied;
@@ -187,23 +142,13 @@ impl GpuLines {
         Ok(())
     }
 
-    /// Bundles whose bounds are others now.
-    pub(super) fn bundles_mut(&mut self) -> &mut [Bundle] {
-        &mut self.bundles
-    }
-
     /// The bundles.
     pub fn bundles(&self) -> &[Bundle] {
         &self.bundles
     }
 
-    /// The margin of the cells.
-    pub fn margin(&self) -> f32 {
-        self.margin
-    }
-
     /// Whether the cells and places suit settings: their margin and step are within a factor of 2
-    /// of the best ones, or the settings need none.
+    /// of the best ones.
     pub fn suits(&self, settings: &Settings) -> bool {
         let near = |now: f32, best: f32| (best / 2.0..=best * 2.0).contains(&now);
         let places = match (settings.ao.estimator, &self.sides) {
@@ -211,17 +156,13 @@ impl GpuLines {
             (Estimator::Places { .. }, None) => false,
             _ => true,
         };
-        places && (!settings.by_rays() || near(self.margin, settings.margin()))
+        places && near(self.margin, settings.ao.margin())
     }
 
     /// The values of places that settings take, if they take some; or why these lines have not what
     /// the settings need.
     pub(super) fn sides_for(&self, settings: &Settings) -> Result<Option<&GpuSides>, LinesGpuError> {
-        let (Estimator::Rays { line_radius: radius } | Estimator::Places { line_radius: radius, .. }) =
-            settings.ao.estimator
-        else {
-            return Ok(None);
-        };
+        let radius = settings.tube()?;
         if radius > self.margin {
             return Err(OptionsError::Margin { radius, margin: self.margin }.into());
         }
@@ -242,12 +183,6 @@ impl GpuLines {
         self.sides.iter().for_each(GpuSides::forget);
     }
 
-    /// The number of chunks of segments.
-    pub(super) fn chunk_count(&self) -> usize {
-        let segments: u32 = self.bundles.iter().map(|bundle| bundle.segments).sum();
-        segments.div_ceil(CHUNK) as usize
-    }
-
     /// The number of vertices.
     pub fn vertices(&self) -> usize {
         self.vertex_count
@@ -255,14 +190,9 @@ impl GpuLines {
 
     /// The memory on the device in bytes.
     pub fn bytes(&self) -> u64 {
-        let own = [&self.vertices, &self.tangents, &self.segments, &self.order, &self.corners];
+        let own = [&self.vertices, &self.tangents, &self.segments, &self.order];
         let own: u64 = own.map(Buffer::size).iter().sum();
         own + self.cells.bytes() + self.sides.as_ref().map_or(0, GpuSides::bytes)
-    }
-
-    /// The numbers of all bundles.
-    pub fn all(&self) -> Vec<u32> {
-        (0..self.bundles.len() as u32).collect()
     }
 
     /// The workgroups of some bundles: the first segment and the number of segments of each.
@@ -279,7 +209,7 @@ impl GpuLines {
 }
 
 /// A vector as shaders read it, with a number behind it.
-pub(super) fn with(v: &Vec3, w: f32) -> [f32; 4] {
+fn with(v: &Vec3, w: f32) -> [f32; 4] {
     [v.x, v.y, v.z, w]
 }
 

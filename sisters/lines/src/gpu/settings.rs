@@ -4,125 +4,74 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::antialiasing::Antialiasing;
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::lens::Reach;
 use crate::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
-use crate::occlusion::{AoOptions, BasePlane, Estimator, SetChoice};
-use crate::slabs::Slices;
+use crate::occlusion::{AoOptions, Estimator, OptionsError};
 use crate::view::View;
 
 /// What is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// The occlusion.
+    /// The occlusion, by rays or places.
     pub ao: AoOptions,
-    /// Samples or rays of a set. The thesis takes 150.
+    /// Rays of a pixel, or of a side of a place.
     pub samples: u32,
-    /// Sets of samples.
+    /// Sets of their directions.
     pub sets: u32,
-    /// Seed of the samples.
+    /// Seed of the sets.
     pub seed: u64,
-    /// Slices of a column.
-    pub slices: Slices,
-    /// Pixels along the side of a column, 1 to 64.
-    pub coarse: u32,
     /// Whether borders of lines are smooth.
     pub antialiasing: Antialiasing,
 }
 
 impl Settings {
-    /// The best estimator for tubes of a radius: [`USUAL_RAYS`] rays. Where lines stand still and
-    /// the view moves, [`Self::of_places`] costs a tenth.
+    /// [`USUAL_RAYS`] rays from pixels, at tubes of a radius. Where lines stand still and the view
+    /// moves, [`Self::of_places`] costs a tenth.
     pub fn new(radius: f32, line_radius: f32) -> Self {
-        Self {
-            ao: AoOptions::rays(radius, line_radius),
-            samples: USUAL_RAYS,
-            ..Self::of_columns(radius, line_radius)
-        }
+        let ao = AoOptions::rays(radius, line_radius);
+        Self { ao, samples: USUAL_RAYS, sets: 16, seed: 1, antialiasing: Antialiasing::None }
     }
 
     /// Rays from places along the lines: [`USUAL_SIDE_RAYS`] of a side of a place.
     pub fn of_places(radius: f32, line_radius: f32) -> Self {
-        Self {
-            ao: AoOptions::places(radius, line_radius),
-            samples: USUAL_SIDE_RAYS,
-            ..Self::of_columns(radius, line_radius)
-        }
+        let ao = AoOptions::places(radius, line_radius);
+        Self { ao, samples: USUAL_SIDE_RAYS, ..Self::new(radius, line_radius) }
     }
 
-    /// The best estimator of columns for tubes of a radius, with 150 samples and 256 slices in
-    /// columns of 2 x 2 pixels.
-    pub fn of_columns(radius: f32, line_radius: f32) -> Self {
-        let ao = AoOptions::new(radius, line_radius);
-        Self {
-            ao,
-            samples: 150,
-            sets: 16,
-            seed: 1,
-            slices: Slices::S256,
-            coarse: 2,
-            antialiasing: Antialiasing::None,
-        }
-    }
-
-    /// Whether rays through cells are taken, instead of columns: from pixels or from places.
-    pub fn by_rays(&self) -> bool {
-        matches!(self.ao.estimator, Estimator::Rays { .. } | Estimator::Places { .. })
-    }
-
-    /// Whether these rays are sent from places along the lines.
-    pub fn by_places(&self) -> bool {
+    /// Whether rays are sent from places along the lines.
+    pub(super) fn by_places(&self) -> bool {
         matches!(self.ao.estimator, Estimator::Places { .. })
     }
 
-    /// The margin of the cells of lines that suits the tubes that rays meet; 0 without rays.
-    pub fn margin(&self) -> f32 {
-        self.ao.margin()
+    /// How far from the middle of a pixel, in units of the scene, lines can be that it shows: the
+    /// side of a pixel at the farthest depth. A pixel shows a line where the ray through its centre
+    /// meets no wall; the line itself is up to 0.71 pixels beside that ray, maybe behind the wall's
+    /// edge. Rays need no reach: their cells hold all lines.
+    pub fn reach(&self, view: &View) -> f32 {
+        let pixel = view.pixel_size(view.depths()[1]);
+        (pixel * (1.0 + self.antialiasing.beyond())) as f32
     }
 
-    /// The view of the columns of a view.
-    ///
-    /// # Errors
-    /// If the side of a column is out of its range.
-    pub fn grid(&self, view: &View) -> Result<View, LinesGpuError> {
-        match self.coarse {
-            1 => Ok(*view),
-            side @ 2..=64 => Ok(view.with_columns(side)?),
-            side => Err(LinesGpuError::Coarse(side)),
+    /// The radius of the tubes.
+    pub(super) fn tube(&self) -> Result<f32, OptionsError> {
+        match self.ao.estimator {
+            Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } => Ok(line_radius),
+            Estimator::Thesis { .. } => Err(OptionsError::Source),
         }
-    }
-
-    /// How far from a pixel's fragment lines can change the pixel.
-    ///
-    /// # Errors
-    /// As [`Self::grid`].
-    pub fn reach(&self, view: &View) -> Result<Reach, LinesGpuError> {
-        let mut reach = Reach::new(view, &self.grid(view)?, self.ao.radius, self.slices);
-        let beyond = (view.pixel_size(view.depths()[1]) * self.antialiasing.beyond()) as f32;
-        (reach.drawn, reach.read) = (reach.drawn + beyond, reach.read + beyond);
-        // Cells hold all lines in any case.
-        Ok(if self.by_rays() { Reach { read: reach.drawn, ..reach } } else { reach })
     }
 
     pub(super) fn check(&self) -> Result<(), LinesGpuError> {
+        self.tube()?;
         self.ao.check()?;
-        self.antialiasing.check()?;
-        if !(1..=64).contains(&self.coarse) {
-            return Err(LinesGpuError::Coarse(self.coarse));
-        }
-        Ok(())
+        self.antialiasing.check()
     }
 }
 
-/// `Ao` of occlusion.wgsl.
+/// `Ao` of rays.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct GpuAo {
     radius: f32,
-    value: f32,
-    step: f32,
-    estimator: u32,
-    flags: u32,
-    choice: u32,
+    tube: f32,
     sets: u32,
     samples: u32,
     size: [u32; 2],
@@ -132,37 +81,8 @@ pub(super) struct GpuAo {
 
 impl GpuAo {
     /// For a picture of a size; the tangents of places begin at a place of their buffer.
-    pub(super) fn new(settings: &Settings, size: [u32; 2], tangents: u32) -> Self {
-        let ao = &settings.ao;
-        let (estimator, value) = match ao.estimator {
-            Estimator::MeanOfRatios { factor } => (0, factor),
-            Estimator::RatioOfSums { factor } => (1, factor),
-            Estimator::Extinction { k } => (2, k),
-            Estimator::OpticalDepth { line_radius } => (3, line_radius),
-            Estimator::Rays { line_radius } => (4, line_radius),
-            Estimator::Places { line_radius, .. } => (5, line_radius),
-        };
-        let (choice, step) = match ao.choice {
-            SetChoice::One => (0, 1.0),
-            SetChoice::Screen => (1, 1.0),
-            SetChoice::Surface { step } => (2, step),
-        };
-        let flag = |on: bool, bit: u32| u32::from(on) * bit;
-        let flags =
-            flag(ao.by_distance, 1) | flag(ao.by_angle, 2) | flag(ao.plane == BasePlane::ThesisSign, 4);
-        let Settings { sets, samples, .. } = *settings;
-        Self {
-            radius: ao.radius,
-            value,
-            step,
-            estimator,
-            flags,
-            choice,
-            sets,
-            samples,
-            size,
-            tangents,
-            padding: 0,
-        }
+    pub(super) fn new(settings: &Settings, size: [u32; 2], tangents: u32) -> Result<Self, OptionsError> {
+        let Settings { sets, samples, ao, .. } = *settings;
+        Ok(Self { radius: ao.radius, tube: settings.tube()?, sets, samples, size, tangents, padding: 0 })
     }
 }

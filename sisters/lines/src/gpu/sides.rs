@@ -1,14 +1,13 @@
 //! The occlusion on the sides of places along lines, which stays on the device from frame to frame.
 
-use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::kernel::{Bound, Kernel, among, filled};
 use casca_stage::timing::Clock;
-use casca_stage::wgpu::{Buffer, BufferUsages, CommandEncoder, ShaderModule};
+use casca_stage::wgpu::{Buffer, BufferUsages, ShaderModule};
 
-use crate::gpu::grid::{GpuCells, write_ranges};
+use crate::gpu::grid::CELLS;
 use crate::gpu::settings::Settings;
 use crate::numeric::SIDES;
 use crate::occlusion::Estimator;
@@ -16,8 +15,6 @@ use crate::places::Places;
 
 /// Numbers before the list of work, as in sides.wgsl.
 const WORK: u64 = 4;
-/// Motions between two frames that are looked at one by one; after more all values are forgotten.
-const MOST_MOTIONS: usize = 8;
 
 /// The values of the places of a set.
 pub(super) struct GpuSides {
@@ -30,15 +27,6 @@ pub(super) struct GpuSides {
     asked: Buffer,
     /// The settings for which the values on the device were computed.
     known: Mutex<Option<Known>>,
-    /// Motions since the last frame.
-    motions: Mutex<Vec<Motion>>,
-}
-
-/// Lines that moved: where they were and where they are.
-struct Motion {
-    cells: GpuCells,
-    /// Their own places.
-    places: Vec<Range<u64>>,
 }
 
 /// The settings that values depend on.
@@ -61,40 +49,7 @@ impl GpuSides {
             values: gpu.buffer(bytes(8), BufferUsages::STORAGE)?,
             asked: gpu.buffer(bytes(1), BufferUsages::STORAGE)?,
             known: Mutex::new(None),
-            motions: Mutex::new(Vec::new()),
         })
-    }
-
-    /// Some lines moved, and their places are where `places` has them. `cells` hold the moved lines
-    /// where they were and where they are, with the margin of those of all lines. The next frame
-    /// forgets the values of their places and those whose rays meet what `cells` hold.
-    pub(super) fn follow(
-        &self,
-        gpu: &Gpu,
-        (places, moved): (&Places, &[u32]),
-        cells: GpuCells,
-    ) -> Result<(), GpuError> {
-        let spans = moved.iter().filter_map(|&line| places.spans().get(line as usize));
-        let own: Vec<Range<usize>> =
-            spans.map(|s| s.place as usize..(s.place + s.steps + 1) as usize).collect();
-        let tangents: Vec<u32> = own.iter().flat_map(|r| &places.tangents()[r.clone()]).copied().collect();
-        let first = self.tangents as usize;
-        let rows: Vec<Range<usize>> = own.iter().map(|r| r.start + first..r.end + first).collect();
-        write_ranges(gpu, &self.places, &rows, &tangents)?;
-        let mut motions = self.motions.lock().unwrap_or_else(PoisonError::into_inner);
-        motions.push(Motion { cells, places: own.iter().map(|r| r.start as u64..r.end as u64).collect() });
-        if motions.len() > MOST_MOTIONS {
-            motions.clear();
-            drop(motions);
-            self.forget();
-        }
-        Ok(())
-    }
-
-    /// Whether cells of lines that moved are in parts.
-    pub(super) fn is_split(&self) -> bool {
-        let motions = self.motions.lock().unwrap_or_else(PoisonError::into_inner);
-        motions.iter().any(|motion| motion.cells.is_split())
     }
 
     /// The number of places.
@@ -131,18 +86,6 @@ impl GpuSides {
     }
 }
 
-/// Empties the values of some places.
-fn clear(sides: &GpuSides, places: &Range<u64>, encoder: &mut CommandEncoder) {
-    // Two places share a word of bits: the one beside is forgotten with them.
-    let (from, to) = (places.start / 2 * 2, places.end.next_multiple_of(2));
-    let each = u64::from(SIDES);
-    for (buffer, from, to) in
-        [(&sides.asked, from * each / 8, to * each / 8), (&sides.values, from * each, to * each)]
-    {
-        encoder.clear_buffer(buffer, from, Some(to.min(buffer.size()) - from));
-    }
-}
-
 /// The list of values that a frame computes.
 pub(super) struct Work {
     list: Buffer,
@@ -168,7 +111,6 @@ impl Work {
 
 /// The passes.
 pub(super) struct Passes {
-    doubt: Kernel,
     ask: Kernel,
     count: Kernel,
     trace: Kernel,
@@ -176,14 +118,12 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    /// The passes of rays through cells with these bindings.
-    pub(super) fn new(gpu: &Gpu, module: &ShaderModule, cells: &[u32]) -> Self {
-        let through = |own: &[u32]| [own, cells].concat();
+    pub(super) fn new(gpu: &Gpu, module: &ShaderModule) -> Self {
+        let trace = [&[2, 15, 16, 23, 24, 26][..], &CELLS].concat();
         Self {
-            doubt: Kernel::new(gpu, module, "doubt", &through(&[2, 15, 16, 23, 24, 25])),
             ask: Kernel::new(gpu, module, "ask", &[0, 2, 12, 16, 23, 25, 26]),
             count: Kernel::new(gpu, module, "count", &[26, 27]),
-            trace: Kernel::new(gpu, module, "trace_sides", &through(&[2, 15, 16, 23, 24, 26])),
+            trace: Kernel::new(gpu, module, "trace_sides", &trace),
             shade: Kernel::new(gpu, module, "shade", &[0, 2, 12, 16, 17, 23, 24]),
         }
     }
@@ -207,18 +147,10 @@ impl Passes {
         ];
         let all = [bound, &own[..]].concat();
         let lookup = among(&all);
-        let motions = std::mem::take(&mut *sides.motions.lock().unwrap_or_else(PoisonError::into_inner));
         let asked = clock.stage(gpu, "places asked for", |encoder| {
             if sides.is_new(settings) {
                 encoder.clear_buffer(&sides.values, 0, None);
                 encoder.clear_buffer(&sides.asked, 0, None);
-            } else {
-                for Motion { cells, places } in &motions {
-                    places.iter().for_each(|places| clear(sides, places, encoder));
-                    let here = [&cells.bound()[..], &all[..]].concat();
-                    let groups = (u64::from(sides.count) * u64::from(SIDES)).div_ceil(64) as usize;
-                    self.doubt.run_groups(gpu, encoder, groups, &among(&here));
-                }
             }
             encoder.clear_buffer(&work.list, 0, Some(WORK * 4));
             self.ask.run_pixels(gpu, encoder, size, &lookup);

@@ -1,165 +1,91 @@
-//! The occlusion by columns of slices.
+//! The occlusion by columns of slices, as in the thesis' table 3.1: the mean of the columns' shares
+//! of set slices, weighted by angle and distance, times a factor.
+//!
+//! The share is proportional to the width of a column and the depth of a slice, so that the result
+//! fades with a finer grid and with zoom: rays replaced it. It is here for comparison.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-use super::options::{AoOptions, Estimator};
-use super::prism::{Hemisphere, Prism};
-use crate::numeric::{GROUP, LEAST_KNOWN, LEAST_SINE, MEAN_SINE, SECTORS};
-use crate::samples::Sample;
-use crate::slabs::{SlabGrid, mask};
+use super::hemisphere::Hemisphere;
+use crate::numeric::{LEAST_SINE, PARALLEL};
+use crate::slabs::SlabGrid;
 
-/// The columns that an estimate counts in.
-pub(super) struct Columns<'a> {
-    pub(super) grid: &'a SlabGrid,
-    pub(super) options: &'a AoOptions,
+/// A column in the hemisphere. Its points are `start + t * step` from the receiver, for `t` from
+/// `from` to `to`; `t` is a depth, counted from that of `start`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prism {
+    /// The sampled point of the disc, from the receiver.
+    pub(super) start: Vec3,
+    /// The motion along the column for each unit of depth.
+    pub(super) step: Vec3,
+    pub(super) from: f32,
+    pub(super) to: f32,
 }
 
-impl Columns<'_> {
-    /// The occlusion of a hemisphere, not yet clamped.
-    pub(super) fn at(&self, above: &Hemisphere, tangent: Vec3, set: &[Sample]) -> f32 {
-        match self.options.estimator {
-            Estimator::MeanOfRatios { factor } => self.shares(above, tangent, set).mean() * factor,
-            Estimator::RatioOfSums { factor } => self.shares(above, tangent, set).ratio() * factor,
-            Estimator::Extinction { k } => 1.0 - (-k * self.shares(above, tangent, set).mean()).exp(),
-            Estimator::OpticalDepth { line_radius } => self.stopped(above, set, line_radius),
-            Estimator::Rays { .. } | Estimator::Places { .. } => 0.0,
-        }
-    }
-
-    /// The prism of a sample, its column, and the range of its depths; `None` where there is
-    /// nothing or nothing is known.
-    fn prism(&self, above: &Hemisphere, sample: &Sample) -> Option<(Prism, [u32; 2], [f64; 2])> {
-        let prism = above.prism(sample.at, self.options.plane, 0.0)?;
-        let column = self.grid.view().pixel(above.place(prism.start))?;
-        Some((prism, column, above.depths(&prism)))
-    }
-
-    /// The set slices of the columns and all slices, weighted as the thesis does.
-    fn shares(&self, above: &Hemisphere, tangent: Vec3, set: &[Sample]) -> Shares {
-        let mut shares = Shares::default();
-        for sample in set {
-            let Some((prism, [x, y], depths)) = self.prism(above, sample) else { continue };
-            let count = self.grid.count(x, y, depths);
-            if count.total == 0 {
-                continue;
+impl Prism {
+    /// The column through a sample of the disc of a hemisphere; `None` where it lies outside.
+    pub(super) fn new(above: &Hemisphere, sample: Vec2) -> Option<Self> {
+        let start = above.across[0] * sample.x + above.across[1] * sample.y;
+        let step = match above.perspective {
+            true => {
+                let place = above.place(start);
+                place / -place.z
             }
-            let ends = [prism.at(prism.from), prism.at(prism.to)];
-            let (mut near, mut sine) = (1.0, [1.0; 2]);
-            if self.options.by_distance {
-                // In radii: the thesis' units would make the result depend on the size of the
-                // scene.
-                let mean = (ends[0].length() + ends[1].length()) / 2.0;
-                near = 1.0 / (mean * mean);
-            }
-            if self.options.by_angle {
-                sine = ends.map(|e| tangent.cross(e.normalize_or_zero()).length());
-            }
-            let (mean_sine, first_sine) = ((sine[0] + sine[1]) / 2.0, sine[0].max(LEAST_SINE));
-            let (on, total) = (count.on as f32, count.total as f32);
-            shares.ratios += on * mean_sine * near / (total * first_sine);
-            shares.columns += 1.0;
-            shares.on += on * mean_sine * near;
-            shares.total += total * mean_sine * near;
-        }
-        shares
-    }
-
-    /// The share of cosine-weighted rays that tubes of a radius stop.
-    fn stopped(&self, above: &Hemisphere, set: &[Sample], line_radius: f32) -> f32 {
-        let mut sectors = [Sector::default(); SECTORS];
-        let mut all = 0.0;
-        let view = self.grid.view();
-        let [near, far] = view.depths();
-        // All lengths are in radii from here on.
-        let radius = f64::from(above.radius);
-        let side = |depth: f64| (view.pixel_size(depth) / radius) as f32;
-        let slice = ((far - near) / (f64::from(self.grid.slices().count()) * radius)) as f32;
-        let pixel = side(f64::from(-above.middle.z));
-        let pole = above.pole.abs();
-        // Half of a cell in the direction of the pole: cells that the base plane cuts may hold the
-        // receiver's own line. They are taken as unknown: the cells above them stand for them, too.
-        let lift = (pixel * (pole.x + pole.y) + slice * pole.z) / 2.0;
-        for sample in set {
-            let Some(prism) = above.prism(sample.at, self.options.plane, lift) else { continue };
-            let weight = prism.weight(above.pole) * sample.area;
-            all += weight;
-            let Some([x, y]) = view.pixel(above.place(prism.start)) else { continue };
-            let Some(slices) = self.grid.slices_in(above.depths(&prism)) else { continue };
-            let sector = &mut sectors[sector_of(sample)];
-            sector.weight += weight;
-            let base = above.base(&prism);
-            let lines = self.in_column([x, y], slices, |depth| {
-                let from = prism.at(((depth - base) / radius) as f32);
-                let (height, distance, side) = (above.pole.dot(from), from.length(), side(depth));
-                let inside = height > lift && distance < 1.0;
-                if inside { height / (std::f32::consts::PI * distance.powi(3) * side * side) } else { 0.0 }
-            });
-            sector.stopped += sample.area * (lines / radius) as f32;
-        }
-        let known: f32 = sectors.iter().map(|s| s.weight).sum();
-        if known <= all * LEAST_KNOWN {
-            return 0.0;
-        }
-        let hidden = |s: &Sector| {
-            let width = (2.0 * f64::from(line_radius) / radius) as f32;
-            let depth = width * MEAN_SINE * s.stopped / s.weight;
-            if s.weight > 0.0 { s.weight * (1.0 - (-depth).exp()) } else { 0.0 }
+            false => Vec3::NEG_Z,
         };
-        sectors.iter().map(hidden).sum::<f32>() / known
-    }
-
-    /// The sum over the set slices of a column of the length of lines in each times a weight of its
-    /// depth. The length of a group of slices is spread evenly over those that are set.
-    fn in_column(&self, [x, y]: [u32; 2], [first, last]: [u32; 2], weight: impl Fn(f64) -> f32) -> f64 {
-        let (column, lengths) = (self.grid.column(x, y), self.grid.lengths(x, y));
-        let mut sum = 0.0;
-        for (group, &length) in (first / GROUP..=last / GROUP).zip(&lengths[(first / GROUP) as usize..]) {
-            let (word, at) = (column[(group * GROUP / 128) as usize], group * GROUP % 128);
-            let on = (word & mask(at, at + GROUP - 1, 0)).count_ones();
-            let mut left = word & mask(at, at + GROUP - 1, 0) & mask(first, last, group * GROUP / 128);
-            let mut weights = 0.0;
-            while left != 0 {
-                weights += weight(self.grid.slice_depth(group * GROUP / 128 * 128 + left.trailing_zeros()));
-                left &= left - 1;
-            }
-            if weights > 0.0 {
-                sum += f64::from(length) * f64::from(weights) / f64::from(on);
-            }
+        let (a, b) = (step.length_squared(), step.dot(start));
+        let root = b * b - a * (start.length_squared() - 1.0);
+        if root.is_nan() || root <= 0.0 {
+            return None;
         }
-        sum
+        let (mut from, mut to) = ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a);
+        let (height, slope) = (above.pole.dot(start), above.pole.dot(step));
+        if slope.abs() < PARALLEL {
+            return (height >= 0.0).then_some(Self { start, step, from, to });
+        }
+        // The thesis' equation 3.17 has the other sign, which mirrors the hemisphere in depth. The
+        // pole may turn away from the viewer in perspective: the column then enters the hemisphere
+        // through its base.
+        let crossing = -height / slope;
+        if slope < 0.0 {
+            to = to.min(crossing)
+        } else {
+            from = from.max(crossing)
+        }
+        (from < to).then_some(Self { start, step, from, to })
+    }
+
+    /// A point of the column, from the receiver.
+    pub(super) fn at(&self, t: f32) -> Vec3 {
+        self.start + self.step * t
+    }
+
+    /// The range of depths, in units of the scene.
+    fn depths(&self, above: &Hemisphere) -> [f64; 2] {
+        let radius = f64::from(above.radius);
+        let base = -f64::from(above.middle.z) - f64::from(self.start.z) * radius;
+        [self.from, self.to].map(|t| base + f64::from(t) * radius)
     }
 }
 
-/// Sums over the columns of a part.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sector {
-    /// The share of the directions times the way in them.
-    weight: f32,
-    /// The length of the lines, weighted likewise.
-    stopped: f32,
-}
-
-/// Sums over the columns of a hemisphere.
-#[derive(Debug, Default)]
-struct Shares {
-    ratios: f32,
-    columns: f32,
-    on: f32,
-    total: f32,
-}
-
-impl Shares {
-    fn mean(&self) -> f32 {
-        if self.columns > 0.0 { self.ratios / self.columns } else { 0.0 }
+/// The occlusion of a hemisphere, not yet clamped, by the columns that a set of samples chooses.
+/// Columns outside of the picture are not known, and left out.
+pub(super) fn share(grid: &SlabGrid, above: &Hemisphere, tangent: Vec3, set: &[Vec2], factor: f32) -> f32 {
+    let (mut ratios, mut columns) = (0.0, 0.0);
+    for &sample in set {
+        let Some(prism) = Prism::new(above, sample) else { continue };
+        let Some([x, y]) = grid.view().pixel(above.place(prism.start)) else { continue };
+        let [on, all] = grid.count(x, y, prism.depths(above));
+        if all == 0 {
+            continue;
+        }
+        let ends = [prism.at(prism.from), prism.at(prism.to)];
+        // In radii: the thesis' units would make the result depend on the size of the scene.
+        let distance = (ends[0].length() + ends[1].length()) / 2.0;
+        let sine = ends.map(|e| tangent.cross(e.normalize_or_zero()).length());
+        let sines = (sine[0] + sine[1]) / 2.0 / sine[0].max(LEAST_SINE);
+        ratios += on as f32 / all as f32 * sines / (distance * distance);
+        columns += 1.0;
     }
-
-    fn ratio(&self) -> f32 {
-        if self.total > 0.0 { self.on / self.total } else { 0.0 }
-    }
-}
-
-/// The part of the disc that a sample lies in: an eighth of the circle.
-pub fn sector_of(sample: &Sample) -> usize {
-    let p = sample.at;
-    usize::from(p.x > 0.0) + 2 * usize::from(p.y > 0.0) + 4 * usize::from(p.x.abs() > p.y.abs())
+    if columns > 0.0 { ratios / columns * factor } else { 0.0 }
 }

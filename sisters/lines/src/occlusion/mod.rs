@@ -3,21 +3,14 @@
 //! The hemisphere of a radius R has its base tangent to the line and its pole turned to the viewer.
 //! [`Estimator::Rays`] sends rays from it through [`Cells`]: nothing depends on columns, views or
 //! pixels, so that few rays are near the truth and a moved picture stays the same.
+//! [`Estimator::Places`] keeps what rays from places along the lines found, for all views.
 //!
-//! All other estimators count in columns.
-//! Samples of a disc choose columns of a [`SlabGrid`]; each is clipped to the hemisphere, and its
-//! set slices are counted. What the counts become is the [`Estimator`]'s matter.
-//!
-//! The thesis multiplies the share of set slices by a factor. That share is proportional to the
-//! width of a column and the thickness of a slice, so its result fades with a finer grid.
-//! [`Estimator::OpticalDepth`] asks instead how far light gets: lines of a radius r and a length L
-//! in a volume V hide 2 r L sin(angle) / V of a ray for each unit of its way, and a share exp(-sum)
-//! of the rays passes. L comes from the columns' lengths, so nothing depends on the grid but the
-//! noise.
+//! [`Estimator::Thesis`] is the method of the source, for comparison: samples of a disc choose
+//! columns of a [`SlabGrid`], each is clipped to the hemisphere, and its set slices are counted.
 
 mod columns;
+mod hemisphere;
 mod options;
-mod prism;
 mod rays;
 mod sides;
 #[cfg(test)]
@@ -27,14 +20,12 @@ use rayon::prelude::*;
 
 use crate::buffers::{Fragment, LineBuffer};
 use crate::cells::Cells;
-use crate::numeric::hash;
+use crate::numeric::{SET_STEP, hash};
 use crate::samples::SampleSets;
 use crate::slabs::SlabGrid;
 use crate::view::View;
-use columns::Columns;
-pub use columns::sector_of;
-pub use options::{AoOptions, BasePlane, Estimator, OptionsError, SetChoice};
-use prism::Hemisphere;
+use hemisphere::Hemisphere;
+pub use options::{AoOptions, Estimator, OptionsError};
 pub use sides::Sides;
 
 /// An estimate of the occlusion at points of lines: 0 in the open, 1 where nothing gets through.
@@ -53,20 +44,20 @@ enum Through<'a> {
 }
 
 impl<'a> Occlusion<'a> {
-    /// The grid may have other pixels than the picture, but must be made for the same eye and
-    /// direction.
+    /// By the thesis' columns, for receivers of the view of the grid; `samples` are best those of
+    /// [`SampleSets::discs`].
     ///
     /// # Errors
-    /// If an option is out of its range, or the estimator is [`Estimator::Rays`].
-    pub fn new(
+    /// If an option is out of its range, or the estimator is another than [`Estimator::Thesis`].
+    pub fn by_columns(
         grid: &'a SlabGrid,
         samples: &'a SampleSets,
         options: AoOptions,
     ) -> Result<Self, OptionsError> {
         options.check()?;
         match options.estimator {
-            Estimator::Rays { .. } | Estimator::Places { .. } => Err(OptionsError::Source),
-            _ => Ok(Self { through: Through::Columns(grid, samples), options }),
+            Estimator::Thesis { .. } => Ok(Self { through: Through::Columns(grid, samples), options }),
+            _ => Err(OptionsError::Source),
         }
     }
 
@@ -108,15 +99,18 @@ impl<'a> Occlusion<'a> {
         buffer.fragments().par_iter().enumerate().map(at).collect()
     }
 
-    /// The number of the set of samples that a fragment takes; 0 where places have their own.
+    /// The number of the set of samples that a fragment takes. The thesis chooses it by the pixel,
+    /// so that noise stands still on the screen while lines move under it; rays by the line and the
+    /// way along it. Places have their own, and it is 0.
     pub fn set_of(&self, fragment: &Fragment, pixel: [u32; 2]) -> usize {
-        let (Through::Columns(_, samples) | Through::Cells(_, _, samples)) = self.through else { return 0 };
-        let key = match self.options.choice {
-            SetChoice::One => return 0,
-            SetChoice::Screen => hash(pixel[0], pixel[1]),
-            SetChoice::Surface { step } => hash(fragment.line, (fragment.along / step) as u32),
-        };
-        key as usize % samples.count()
+        match self.through {
+            Through::Columns(_, samples) => hash(pixel[0], pixel[1]) as usize % samples.count(),
+            Through::Cells(_, _, samples) => {
+                let step = (fragment.along / (self.options.radius * SET_STEP)) as u32;
+                hash(fragment.line, step) as usize % samples.count()
+            }
+            Through::Places(..) => 0,
+        }
     }
 
     /// The occlusion at a fragment, by a set of samples.
@@ -132,15 +126,15 @@ impl<'a> Occlusion<'a> {
             (Through::Cells(cells, view, samples), Estimator::Rays { line_radius }) => {
                 rays::stopped(cells, view, &above, fragment.tangent, (samples.set(set), line_radius))
             }
-            (Through::Columns(grid, samples), _) => {
-                Columns { grid, options: &self.options }.at(&above, fragment.tangent, samples.set(set))
+            (Through::Columns(grid, samples), Estimator::Thesis { factor }) => {
+                columns::share(grid, &above, fragment.tangent, samples.set(set), factor)
             }
             (Through::Places(sides, view), _) => {
                 let pole = view.eye_from_world().matrix3.transpose() * above.pole.as_dvec3();
                 sides.at(fragment.line, fragment.along, pole.as_vec3())
             }
             // Refused when this was made.
-            (Through::Cells(..), _) => 0.0,
+            _ => 0.0,
         };
         if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 }
     }

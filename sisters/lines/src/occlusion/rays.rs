@@ -8,13 +8,12 @@
 #[cfg(test)]
 mod tests;
 
-use glam::{UVec3, Vec3};
+use glam::{UVec3, Vec2, Vec3};
 
-use super::prism::Hemisphere;
+use super::hemisphere::Hemisphere;
 use crate::cells::{Cells, NONE};
 use crate::directions::decoded;
 use crate::numeric::{LEAST_WAY, RAY_LIFT, RAY_PARALLEL, STOPPED};
-use crate::samples::Sample;
 use crate::view::View;
 
 /// The share of the rays of a set that tubes of a radius in units of the scene stop. A point of the
@@ -24,7 +23,7 @@ pub(super) fn stopped(
     view: &View,
     above: &Hemisphere,
     tangent: Vec3,
-    (set, line_radius): (&[Sample], f32),
+    (set, line_radius): (&[Vec2], f32),
 ) -> f32 {
     let across = (tangent - above.pole * tangent.dot(above.pole)).try_normalize().unwrap_or(above.across[0]);
     let to_world = view.eye_from_world().matrix3.transpose();
@@ -65,11 +64,11 @@ impl<'a> Rays<'a> {
 
     /// The share that is stopped of the rays of a set, in a frame of the world whose last direction
     /// is the pole. Each is as wide as its share of the hemisphere times `wide`.
-    pub(super) fn stopped(self, [x, y, z]: [Vec3; 3], set: &[Sample], wide: f32) -> f32 {
+    pub(super) fn stopped(self, [x, y, z]: [Vec3; 3], set: &[Vec2], wide: f32) -> f32 {
         let rays = Self { spread: wide / (set.len() as f32).sqrt(), ..self };
-        let hidden = |sample: &Sample| {
-            let up = (1.0 - sample.at.length_squared()).max(0.0).sqrt();
-            1.0 - rays.passed(x * sample.at.x + y * sample.at.y + z * up)
+        let hidden = |at: &Vec2| {
+            let up = (1.0 - at.length_squared()).max(0.0).sqrt();
+            1.0 - rays.passed(x * at.x + y * at.y + z * up)
         };
         set.iter().map(hidden).sum::<f32>() / set.len() as f32
     }

@@ -100,11 +100,6 @@ impl<'a> Sides<'a> {
         [near[0], near[1], far[0], far[1]]
     }
 
-    /// The number of values that were computed.
-    pub fn computed(&self) -> usize {
-        self.values.iter().flatten().filter(|value| value.load(Ordering::Relaxed) > 0).count()
-    }
-
     fn value(&self, line: u32, place: u32, side: u32) -> f32 {
         let Some(known) = self.values.get(place as usize).map(|sides| &sides[side as usize]) else {
             return 0.0;

@@ -33,28 +33,12 @@ fn there_are_never_too_many_places_whatever_the_step() {
             assert!(places.count() <= MOST_PLACES, "{step}: {}", places.count());
             let last = places.spans().last().unwrap();
             assert_eq!(last.place + last.steps + 1, places.count());
-            assert_eq!(Places::step_for(some, step), places.step);
         }
     }
     let long = LineSet::new([vec![], vec![Vec3::ONE], vec![Vec3::ZERO, Vec3::X * 2e7]]).unwrap();
     assert_eq!(Places::step_for(&long, 3.0), 3.0);
     let step = Places::step_for(&long, 0.1);
-    assert!(step > 2.38 && step < 2.39 && step == Places::new(&long, 0.1).step, "{step}");
+    assert!(step > 2.38 && step < 2.39, "{step}");
     assert_eq!(Places::new(&LineSet::default(), 1.0).count(), 0);
     assert_eq!(Places::new(&LineSet::new([[], []] as [[Vec3; 0]; 2]).unwrap(), 1.0).count(), 2);
-}
-
-#[test]
-fn places_follow_their_lines_until_these_have_too_few_or_too_many() {
-    let line = |x: f32, y: f32| vec![vec3(0.0, 0.0, 0.0), vec3(x, 0.0, 0.0), vec3(x, y, 0.0)];
-    let set = |x: f32, y: f32| LineSet::new([vec![Vec3::ONE], line(x, y), vec![], line(1.0, 1.0)]).unwrap();
-    let places = Places::new(&set(3.0, 4.0), 0.5);
-    let mut same = places.clone();
-    assert!(same.update(&set(4.0, 3.0), &[0, 1, 2, 3]) && same.spans() == places.spans());
-    assert!(same.tangents() == Places::new(&set(4.0, 3.0), 0.5).tangents() && same != places);
-    let update = |x: f32, moved: &[u32]| places.clone().update(&set(x, 4.0), moved);
-    assert!(update(9.9, &[1]) && update(0.0, &[1]) && update(99.0, &[3]));
-    assert!(!update(10.1, &[1]) && !update(3.0, &[9]));
-    assert!(!places.clone().update(&set(0.0, 2.9), &[1]), "14 ways where 6 are enough");
-    assert!(!places.clone().update(&LineSet::new([line(3.0, 4.0)]).unwrap(), &[0]));
 }

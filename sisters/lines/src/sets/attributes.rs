@@ -4,8 +4,6 @@ use std::ops::Range;
 
 /// The group of a line that is in none.
 pub const NO_GROUP: u32 = u32::MAX;
-/// The colour of vertices that were given none.
-const GREY: [u8; 3] = [160; 3];
 
 /// Whether values belong to vertices or lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,33 +86,6 @@ impl Attributes {
         }
     }
 
-    /// Values that are not known, for vertices and lines that were added.
-    pub(super) fn fill(&mut self, vertices: usize, lines: usize) {
-        for scalars in &mut self.scalars {
-            let wanted = if scalars.of == Of::Vertices { vertices } else { lines };
-            scalars.values.resize(wanted, f32::NAN);
-        }
-        if let Some(colours) = &mut self.colours {
-            colours.resize(vertices, GREY);
-        }
-        if let Some(groups) = &mut self.groups {
-            groups.of.resize(lines, NO_GROUP);
-        }
-    }
-
-    /// Those of the same lines with some of their vertices, ascending.
-    pub(super) fn of_vertices(&self, kept: &[u32]) -> Self {
-        let scalars = |s: &Scalars| match s.of {
-            Of::Vertices => Scalars { values: pick(&s.values, kept), name: s.name.clone(), of: s.of },
-            Of::Lines => s.clone(),
-        };
-        Self {
-            scalars: self.scalars.iter().map(scalars).collect(),
-            colours: self.colours.as_ref().map(|all| pick(all, kept)),
-            groups: self.groups.clone(),
-        }
-    }
-
     /// Those of some lines, by their numbers and the vertices of each.
     pub(super) fn chosen(&self, lines: &[(usize, Range<usize>)]) -> Self {
         let of_vertices = || lines.iter().flat_map(|(_, vertices)| vertices.clone());
@@ -135,8 +106,4 @@ impl Attributes {
             groups: self.groups.as_ref().map(groups),
         }
     }
-}
-
-fn pick<T: Copy>(all: &[T], kept: &[u32]) -> Vec<T> {
-    kept.iter().map(|&v| all[v as usize]).collect()
 }

@@ -173,18 +173,9 @@ impl Recipe {
         };
         let flat = self.path(start.extend(height), 3.0 / f64::from(self.vertices.max(1)), flow, ends);
         // Layers are warped, and lie flat: y is up.
-        flat.into_iter().map(|p| DVec3::new(p.x, p.z + bulge(p.truncate(), layer, time), p.y)).collect()
+        let bulge = |p: DVec3| 0.08 * (2.0 * p.x + layer * 9.0).sin() * (3.0 * p.y + time * 0.3).cos();
+        flat.into_iter().map(|p| DVec3::new(p.x, p.z + bulge(p), p.y)).collect()
     }
-}
-
-/// The height of the ground of a layer, 0 to 1, of a reservoir.
-pub(super) fn ground(p: DVec2, layer: f64, time: f64) -> f64 {
-    -0.3 + 0.6 * layer + bulge(p, layer, time)
-}
-
-/// How layers are warped.
-fn bulge(p: DVec2, layer: f64, time: f64) -> f64 {
-    0.08 * (2.0 * p.x + layer * 9.0).sin() * (3.0 * p.y + time * 0.3).cos()
 }
 
 fn spiral(random: &mut Random, time: f64) -> impl Fn(f64) -> DVec3 + use<> {

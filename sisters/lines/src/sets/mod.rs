@@ -4,7 +4,6 @@
 //! - [`attributes`]: numbers of vertices and lines, colours and groups.
 //! - [`colour`]: colours by direction, numbers or groups.
 //! - [`region`]: boxes and spheres that lines are chosen by.
-//! - [`simplify`]: lines with fewer vertices, within a tolerance.
 //! - [`generate`]: seeded sets that move with a time.
 //! - [`files`]: text, OBJ, PLY, TCK, TRK, VTK, HAIR; with the feature `formats` VTP and TRX.
 //! - [`rooms`]: a house with a set in each of its rooms.
@@ -18,8 +17,6 @@ pub mod random;
 pub mod region;
 pub mod rooms;
 mod set;
-pub mod simplify;
-mod surfaces;
 
+pub(crate) use set::arc_lengths_of;
 pub use set::{LineError, LineSet, MOST_VERTICES, Segment};
-pub(crate) use set::{arc_lengths_of, tangents_of};

@@ -49,11 +49,11 @@ impl LineSet {
         Ok(set)
     }
 
-    /// Adds a line. Its numbers are not known, and it is in no group.
+    /// Adds a line to a set without attributes.
     ///
     /// # Errors
     /// As [`Self::new`]; the set is as it was then.
-    pub fn push(&mut self, line: impl IntoIterator<Item = Vec3>) -> Result<(), LineError> {
+    pub(crate) fn push(&mut self, line: impl IntoIterator<Item = Vec3>) -> Result<(), LineError> {
         let from = self.points.len();
         for point in line {
             let why = match self.points.len() < MOST_VERTICES {
@@ -68,8 +68,6 @@ impl LineSet {
             self.points.push(point);
         }
         self.starts.push(self.points.len() as u32);
-        let (vertices, lines) = (self.points.len(), self.len());
-        self.attributes.fill(vertices, lines);
         Ok(())
     }
 
@@ -99,18 +97,6 @@ impl LineSet {
             starts.push(points.len() as u32);
         }
         Self { attributes: self.attributes.chosen(&kept), points, starts }
-    }
-
-    /// The same lines with some of their vertices: for each line the numbers of those, ascending.
-    pub(super) fn of_vertices(&self, kept: &[Vec<u32>]) -> Self {
-        let ends = kept.iter().scan(0, |end, line| {
-            *end += line.len() as u32;
-            Some(*end)
-        });
-        let starts = std::iter::once(0).chain(ends).collect();
-        let vertices = kept.concat();
-        let points = vertices.iter().map(|&v| self.points[v as usize]).collect();
-        Self { attributes: self.attributes.of_vertices(&vertices), points, starts }
     }
 
     /// The same lines with each vertex moved.
@@ -180,7 +166,7 @@ impl LineSet {
 }
 
 /// The unit tangent at each vertex of a line.
-pub(crate) fn tangents_of(line: &[Vec3]) -> impl Iterator<Item = Vec3> {
+fn tangents_of(line: &[Vec3]) -> impl Iterator<Item = Vec3> {
     (0..line.len()).map(|i| {
         let (before, after) = (line[i.saturating_sub(1)], line[(i + 1).min(line.len() - 1)]);
         (after.as_dvec3() - before.as_dvec3()).normalize_or_zero().as_vec3()
@@ -234,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn attributes_follow_chosen_moved_and_added_lines_and_wrong_counts_are_refused() {
+    fn attributes_follow_chosen_and_moved_lines_and_wrong_counts_are_refused() {
         let set = LineSet::new([vec![Vec3::ZERO, Vec3::X], vec![], vec![Vec3::Y]]).unwrap();
         let scalars = |of, values: &[f32]| Scalars { name: "s".into(), of, values: values.to_vec() };
         let all = Attributes {
@@ -243,7 +229,7 @@ mod tests {
             groups: Some(Groups { names: vec!["left".into()], of: vec![NO_GROUP, NO_GROUP, 0] }),
         };
         let set = set.with_attributes(all.clone()).unwrap();
-        let mut last = set.moved(|p| p * 2.0).unwrap().chosen(|line, points| line == 2 && points.len() == 1);
+        let last = set.moved(|p| p * 2.0).unwrap().chosen(|line, points| line == 2 && points.len() == 1);
         assert_eq!(last.points(), [Vec3::Y * 2.0]);
         let wanted = Attributes {
             scalars: vec![scalars(Of::Vertices, &[3.0]), scalars(Of::Lines, &[9.0])],
@@ -251,12 +237,6 @@ mod tests {
             groups: Some(Groups { names: vec!["left".into()], of: vec![0] }),
         };
         assert_eq!(*last.attributes(), wanted);
-        last.push([Vec3::ONE, Vec3::ZERO]).unwrap();
-        let added = last.attributes();
-        assert_eq!(added.scalars[0].values[0], 3.0);
-        assert!(added.scalars[0].values[1..].iter().all(|v| v.is_nan()));
-        assert_eq!(added.groups.as_ref().unwrap().of, [0, NO_GROUP]);
-        assert!(added.check(3, 2).is_ok());
         let short = Attributes { scalars: vec![scalars(Of::Lines, &[1.0])], ..Default::default() };
         assert!(set.clone().with_attributes(short).is_err());
         let foreign = Groups { names: vec!["left".into()], of: vec![0, 1, 0] };

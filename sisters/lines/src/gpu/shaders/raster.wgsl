@@ -1,4 +1,4 @@
-// Lines into columns, and the nearest line in each pixel. The walk is that of sisters/lines/src/slabs/walk.rs, in single precision.
+// The nearest line in each pixel. The walk is that of sisters/lines/src/walk.rs, in single precision.
 
 @group(0) @binding(1) var<uniform> choosing: u32;
 @group(0) @binding(2) var<storage, read> vertices: array<vec4f>;
@@ -6,9 +6,6 @@
 @group(0) @binding(4) var<storage, read> order: array<u32>;
 // The first segment of a chunk in `order`, and their number.
 @group(0) @binding(5) var<storage, read> chunks: array<vec2u>;
-@group(0) @binding(6) var<storage, read_write> bits: array<atomic<u32>>;
-// The length in each group of each column, low and high words.
-@group(0) @binding(7) var<storage, read_write> lengths: array<atomic<u32>>;
 // The greatest inverted depth, and the greatest inverted number of a segment at it: 0 is nothing.
 @group(0) @binding(8) var<storage, read_write> nearest: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> owners: array<atomic<u32>>;
@@ -16,8 +13,6 @@
 @group(0) @binding(10) var surfaces: texture_2d<f32>;
 @group(0) @binding(11) var<storage, read> tangents: array<vec4f>;
 @group(0) @binding(12) var<storage, read_write> fragments: array<Fragment>;
-// Whether a pixel shows a segment of a chunk.
-@group(0) @binding(41) var<storage, read_write> shown: array<atomic<u32>>;
 
 const FAR_AWAY: f32 = 3e38;
 const DOT: u32 = 0x80000000u;
@@ -122,83 +117,29 @@ fn segment_of(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return order[chunks[number].x + local];
 }
 
-fn set_slices(column: u32, first: u32, last: u32) {
-    let words = lens.slices / 32u;
-    for (var i = first / 32u; i <= last / 32u; i++) {
-        let low = max(first, i * 32u) - i * 32u;
-        let high = min(last, i * 32u + 31u) - i * 32u;
-        atomicOr(&bits[column * words + i], (NONE << low) & (NONE >> (31u - high)));
-    }
-}
-
-fn add_length(column: u32, group: u32, share: f32) {
-    let added = u32(clamp(share * lens.units + 0.5, 0.0, 4e9));
-    let at = 2u * (column * lens.groups + group);
-    let before = atomicAdd(&lengths[at], added);
-    if before + added < before {
-        atomicAdd(&lengths[at + 1u], 1u);
-    }
-}
-
-@compute @workgroup_size(64)
-fn columns(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let segment = segment_of(group, groups, local);
-    if segment == NONE { return; }
-    var w = start(segment);
-    let long = long_of(w.a - w.b);
-    let per_depth = f32(lens.slices) / (lens.far - lens.near);
-    while w.alive {
-        let over = measure(&w);
-        let column = pixel_number(vec2u(w.at));
-        let depths = -vec2f(mix(w.a.z, w.b.z, w.begin), mix(w.a.z, w.b.z, w.to));
-        let low = min(depths.x, depths.y);
-        let high = max(depths.x, depths.y);
-        let first = slice_of(low);
-        let last = slice_of(high);
-        set_slices(column, first, last);
-        let part = long * (w.to - w.begin);
-        let g_first = first / lens.group;
-        let g_last = last / lens.group;
-        let slices = (vec2f(low, high) - lens.near) * per_depth;
-        for (var g = g_first; g <= g_last; g++) {
-            let inside = min(slices.y, f32((g + 1u) * lens.group)) - max(slices.x, f32(g * lens.group));
-            add_length(column, g, select(part * clamp(inside / (slices.y - slices.x), 0.0, 1.0), part, g_first == g_last));
-        }
-        advance(&w, over);
-    }
-}
-
 // Runs twice: depths first, then the segments at them. One entry serves both, so that both round alike.
 @compute @workgroup_size(64)
 fn draw(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let segment = segment_of(group, groups, local);
     if segment == NONE { return; }
     var w = start(segment);
-    var found = false;
     while w.alive {
         let over = measure(&w);
         let pixel = pixel_number(vec2u(w.at));
         let depth = -mix(w.a.z, w.b.z, (w.begin + w.to) * 0.5);
-        if depth <= textureLoad(surfaces, w.at, 0).x && is_nearest(pixel, depth, segment) { found = true; }
+        if depth <= textureLoad(surfaces, w.at, 0).x { choose(pixel, depth, segment); }
         advance(&w, over);
     }
-    if found { show_chunk(group, groups); }
 }
 
 // Enters a depth in the first run, and a segment that is at the nearest one in the second.
-fn is_nearest(pixel: u32, depth: f32, segment: u32) -> bool {
+fn choose(pixel: u32, depth: f32, segment: u32) {
     let key = key_of(depth);
     if choosing == 0u {
         atomicMax(&nearest[pixel], key);
-        return false;
+    } else if atomicLoad(&nearest[pixel]) == key {
+        atomicMax(&owners[pixel], ~segment);
     }
-    if atomicLoad(&nearest[pixel]) != key { return false; }
-    atomicMax(&owners[pixel], ~segment);
-    return true;
-}
-
-fn show_chunk(group: vec3u, groups: vec3u) {
-    atomicStore(&shown[chunks[group.y * groups.x + group.x].x / CHUNK], 1u);
 }
 
 @compute @workgroup_size(8, 8)

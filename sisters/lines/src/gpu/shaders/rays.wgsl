@@ -1,17 +1,66 @@
 // The occlusion by rays through cells: sisters/lines/src/occlusion/rays.rs has the same on the processor. Lengths are in units of the radius.
 
+struct Ao {
+    radius: f32,
+    // The radius of a tube.
+    tube: f32,
+    sets: u32,
+    samples: u32,
+    // The size of the picture.
+    size: vec2u,
+    // Where the tangents of places begin in their buffer.
+    tangents: u32,
+    padding: u32,
+}
+
+@group(0) @binding(12) var<storage, read> fragments: array<Fragment>;
+// Points of the disc.
+@group(0) @binding(15) var<storage, read> samples: array<vec2f>;
+@group(0) @binding(16) var<uniform> ao: Ao;
+@group(0) @binding(17) var<storage, read_write> occlusion: array<f32>;
+
+// As `numeric::hash` of casca-lines.
+fn permuted(value: u32) -> u32 {
+    let state = value * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+fn hash(a: u32, b: u32) -> u32 {
+    return permuted(a ^ permuted(b));
+}
+
+fn set_of(fragment: Fragment) -> u32 {
+    return hash(fragment.line, u32(clamp(fragment.along / (ao.radius * SET_STEP), 0.0, 4294967040.0))) % ao.sets;
+}
+
+struct Hemisphere {
+    pole: vec3f,
+    across: vec3f,
+}
+
+fn hemisphere(fragment: Fragment) -> Hemisphere {
+    let away = away_at(fragment.position);
+    let flat = vec3f(1.0, 0.0, 0.0) - away * away.x;
+    let long = length(flat);
+    let across = select(vec3f(0.0, 1.0, 0.0), flat / max(long, 1e-30), long > 1e-30);
+    return Hemisphere(pole_of(fragment.tangent, away), across);
+}
+
 struct Grid {
     origin: vec3f,
     side: f32,
     dims: vec3u,
     margin: f32,
-    // As in parts.wgsl.
-    part: u32,
 }
 
 @group(0) @binding(19) var<uniform> grid: Grid;
 // Where the list of each cell starts.
 @group(0) @binding(20) var<storage, read> starts: array<u32>;
+// The numbers of segments in the lists.
+@group(0) @binding(21) var<storage, read> lists: array<u32>;
+// The two ends of each segment: three coordinates, and the code of the direction in which its line leads on from there.
+@group(0) @binding(22) var<storage, read> ends: array<vec4u>;
 // Instead of a direction: the line ends.
 const LINE_ENDS: u32 = 0x80008000u;
 
@@ -80,9 +129,9 @@ fn beside(ray: Ray, part: vec2f, cell: u32) -> f32 {
     let widest = ray.tube + min(ray.soft, part.y * ray.spread);
     let reach = widest * widest;
     for (var i = starts[cell]; i < starts[cell + 1u]; i++) {
-        let row = named(i) * 2u;
-        let first = end_of(row);
-        let last = end_of(row + 1u);
+        let row = lists[i] * 2u;
+        let first = ends[row];
+        let last = ends[row + 1u];
         let a = bitcast<vec3f>(first.xyz);
         let to_a = (a - ray.start) / ao.radius;
         let axis = (bitcast<vec3f>(last.xyz) - a) / ao.radius;
@@ -162,7 +211,7 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: v
     let pixel = at.y * ao.size.x + at.x;
     var hidden = 0.0;
     if is_inside {
-        hidden = traced(fragments[pixel], at, local % LANES);
+        hidden = traced(fragments[pixel], local % LANES);
     }
     sums[local] = hidden;
     workgroupBarrier();
@@ -176,7 +225,7 @@ fn trace(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: v
 }
 
 // How much is stopped of every eighth ray of a receiver, from the one numbered `lane` on.
-fn traced(fragment: Fragment, at: vec2u, lane: u32) -> f32 {
+fn traced(fragment: Fragment, lane: u32) -> f32 {
     var hidden = 0.0;
     if fragment.line != NONE && !(lens.perspective == 1u && fragment.position.z >= 0.0) {
         let above = hemisphere(fragment);
@@ -185,13 +234,13 @@ fn traced(fragment: Fragment, at: vec2u, lane: u32) -> f32 {
         let across = select(above.across, flat / max(long, 1e-30), long > 1e-30);
         let upwards = cross(above.pole, across);
         var ray: Ray;
-        ray.start = lens.origin + (lens.rest + to_world(fragment.position)) + to_world(above.pole) * (ao.value * RAY_LIFT);
-        ray.tube = ao.value / ao.radius;
-        ray.soft = max(grid.margin - ao.value, 0.0) / ao.radius;
+        ray.start = lens.origin + (lens.rest + to_world(fragment.position)) + to_world(above.pole) * (ao.tube * RAY_LIFT);
+        ray.tube = ao.tube / ao.radius;
+        ray.soft = max(grid.margin - ao.tube, 0.0) / ao.radius;
         ray.spread = 1.0 / sqrt(f32(ao.samples));
-        let chosen = set_of(fragment, at);
+        let chosen = set_of(fragment);
         for (var i = lane; i < ao.samples; i += LANES) {
-            let place = samples[chosen * ao.samples + i].xy;
+            let place = samples[chosen * ao.samples + i];
             let way = across * place.x + upwards * place.y + above.pole * sqrt(max(1.0 - dot(place, place), 0.0));
             ray.way = to_world(way);
             hidden += 1.0 - passed(ray);

@@ -152,16 +152,16 @@ fn side_of(value: u32) -> Side {
     let angle = f32(number) * (TURN / f32(SIDES));
     side.pole = axes[0] * cos(angle) + axes[1] * sin(angle);
     side.upwards = cross(side.pole, side.along);
-    side.ray.start = middle_of(place) + side.pole * (ao.value * RAY_LIFT);
-    side.ray.tube = ao.value / ao.radius;
-    side.ray.soft = max(grid.margin - ao.value, 0.0) / ao.radius;
+    side.ray.start = middle_of(place) + side.pole * (ao.tube * RAY_LIFT);
+    side.ray.tube = ao.tube / ao.radius;
+    side.ray.soft = max(grid.margin - ao.tube, 0.0) / ao.radius;
     side.ray.spread = SIDE_SPREAD / sqrt(f32(ao.samples));
     side.chosen = hash(place, number) % ao.sets;
     return side;
 }
 
 fn ray_of(side: Side, i: u32) -> Ray {
-    let at = samples[side.chosen * ao.samples + i].xy;
+    let at = samples[side.chosen * ao.samples + i];
     var ray = side.ray;
     ray.way = side.along * at.x + side.upwards * at.y + side.pole * sqrt(max(1.0 - dot(at, at), 0.0));
     return ray;
@@ -173,23 +173,6 @@ fn traced_side(value: u32, lane: u32) -> f32 {
     var hidden = 0.0;
     for (var i = lane; i < ao.samples; i += SIDE_LANES) { hidden += 1.0 - passed(ray_of(side, i)); }
     return hidden;
-}
-
-// Forgets the values of which a ray meets what the cells hold: lines that moved, where they were and where they are.
-@compute @workgroup_size(64)
-fn doubt(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
-    let value = (group.y * ROW + group.x) * 64u + local;
-    if value >= arrayLength(&values) * 4u { return; }
-    let bit = 1u << (value % 32u);
-    if (atomicLoad(&asked[value / 32u]) & bit) == 0u { return; }
-    let side = side_of(value);
-    for (var i = 0u; i < ao.samples; i++) {
-        if passed(ray_of(side, i)) < 1.0 {
-            atomicAnd(&asked[value / 32u], ~bit);
-            atomicAnd(&values[value / 4u], ~(255u << (8u * (value % 4u))));
-            return;
-        }
-    }
 }
 
 // The rays of the values in the list of work.

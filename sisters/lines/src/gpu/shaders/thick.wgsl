@@ -71,7 +71,6 @@ fn draw_thick(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) grou
     // Samples lie up to a quarter beside the middle of their pixel.
     let half = lens.thick * sqrt(1.0 + slope * slope) + 0.25 * abs(slope) + IN_DOUBT;
     let to = min(i32(floor(max(start.x, end.x) + lens.thick)), most.x);
-    var found = false;
     for (var i = max(i32(floor(min(start.x, end.x) - lens.thick)), 0); i <= to; i++) {
         let middle = start.y + slope * (f32(i) + 0.5 - start.x);
         let last = min(i32(floor(middle + half)), most.y);
@@ -79,12 +78,11 @@ fn draw_thick(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) grou
             let at = select(vec2i(i, j), vec2i(j, i), steep);
             let near = nearest_on(s, place_of(at));
             let depth = -mix(s.a.z, s.b.z, near.x);
-            if near.y <= lens.thick && depth <= textureLoad(surfaces, at, 0).x && is_nearest(pixel_number(vec2u(at)), depth, segment) {
-                found = true;
+            if near.y <= lens.thick && depth <= textureLoad(surfaces, at, 0).x {
+                choose(pixel_number(vec2u(at)), depth, segment);
             }
         }
     }
-    if found { show_chunk(group, groups); }
 }
 
 // The part of a square of side 1 that lies on one side of a straight line, at a distance from its middle: negative if less than half does.

@@ -12,15 +12,10 @@ struct Lens {
     origin: vec3f,
     perspective: u32,
     rest: vec3f,
-    slices: u32,
-    middle: vec2f,
-    size: vec2u,
-    // Slices of a group, groups of a column, and units of length in a unit of the scene.
-    group: u32,
-    groups: u32,
-    units: f32,
     // Half the thickness of lines in pixels; 0 where a line shows in all pixels that it crosses.
     thick: f32,
+    middle: vec2f,
+    size: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> lens: Lens;
@@ -72,12 +67,13 @@ fn pixel_size(depth: f32) -> f32 {
     return select(1.0, depth, lens.perspective == 1u) / lens.scale;
 }
 
-fn slice_of(depth: f32) -> u32 {
-    let at = (depth - lens.near) / (lens.far - lens.near) * f32(lens.slices);
-    return min(u32(max(at, 0.0)), lens.slices - 1u);
-}
-
 // The number of a pixel in buffers.
 fn pixel_number(at: vec2u) -> u32 {
     return at.y * lens.size.x + at.x;
+}
+
+// An order of depths as whole numbers, the nearest greatest.
+fn key_of(depth: f32) -> u32 {
+    let b = bitcast<u32>(depth);
+    return select(~(b | 0x80000000u), b, (b & 0x80000000u) != 0u);
 }

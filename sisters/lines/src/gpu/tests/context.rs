@@ -1,5 +1,7 @@
 //! Meshes among the lines hide lines, in the picture and in the scene of bundles.
 
+use std::f32::consts::{PI, TAU};
+
 use super::*;
 use crate::buffers::Fragment;
 use crate::gpu::context::{Context, GREY};
@@ -9,12 +11,20 @@ use crate::view::Lens;
 
 /// A ball with bumps: closed, not convex.
 fn bumpy(radius: f32) -> Mesh {
-    let mut mesh = Recipe::new(Family::PomPom, 1).surface().unwrap();
-    for p in &mut mesh.positions {
-        let n = p.normalize();
-        *p = n * radius * (0.85 + 0.15 * (7.0 * n.x).sin() * (5.0 * n.y).cos() * (6.0 * n.z).cos());
-    }
-    mesh
+    const SIDES: u32 = 96;
+    let place = |i: u32| {
+        let (sine, cosine) = ((i % SIDES) as f32 / SIDES as f32 * TAU).sin_cos();
+        let (out, up) = ((i / SIDES) as f32 / SIDES as f32 * PI).sin_cos();
+        let n = vec3(out * cosine, up, out * sine);
+        n * radius * (0.85 + 0.15 * (7.0 * n.x).sin() * (5.0 * n.y).cos() * (6.0 * n.z).cos())
+    };
+    let square = |i: u32| {
+        let (ring, side, next) = (i / SIDES * SIDES, i % SIDES, (i + 1) % SIDES);
+        [ring + side, ring + next, ring + SIDES + next, ring + SIDES + side]
+    };
+    let squares: Vec<[u32; 4]> = (0..SIDES * SIDES).map(square).collect();
+    let places = (0..SIDES * (SIDES + 1)).map(place).collect();
+    Mesh::of_polygons(places, squares.iter().map(|s| &s[..]))
 }
 
 #[test]
@@ -60,12 +70,15 @@ fn pictures_with_and_without_bundles_behind_meshes_are_the_same_in_every_pixel()
     let Some(gpu) = Gpu::for_tests() else { return };
     let recipe = Recipe { lines: 400, ..Recipe::new(Family::Abc, 3) };
     let lines = GpuLines::new(&gpu, &recipe.make().unwrap(), &of_margin(0.04)).unwrap();
-    let ground = Recipe::new(Family::Reservoir, 1).surface().unwrap();
+    let squares = Mesh::of_polygons(
+        [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, z)| vec3(x, 0.2 * x, z)).to_vec(),
+        [&[0, 1, 2, 3][..]],
+    );
     let canvas = Canvas::new(&gpu, (160, 120));
     let everything = Seen::all(lines.bundles().len());
     let mut renderer =
         Renderer::new(&gpu, COLOUR, Settings { samples: 8, ..Settings::new(0.2, 0.01) }).unwrap();
-    for (mesh, least) in [(bumpy(0.9), 0.15), (ground, 0.15)] {
+    for mesh in [bumpy(0.9), squares] {
         let context = [Context::new(mesh, GREY).unwrap()];
         let mut culling = Culling::new(lines.bundles(), &context).unwrap();
         let context = context.map(|c| GpuContext::new(&gpu, &c).unwrap());
@@ -76,7 +89,7 @@ fn pictures_with_and_without_bundles_behind_meshes_are_the_same_in_every_pixel()
         for (eye, near) in all {
             for lens in [Lens::Perspective { fov_y: 0.9 }, Lens::Orthographic { half_height: 1.3 }] {
                 let view = View::look_at([eye, Vec3::ZERO, Vec3::Y], lens, [near, 5.0], [160, 120]).unwrap();
-                let seen = culling.look(&view, renderer.settings().reach(&view).unwrap()).unwrap();
+                let seen = culling.look(&view, renderer.settings().reach(&view)).unwrap();
                 let mut shot = |seen: &Seen| {
                     let picture = picture((&gpu, &canvas), &mut renderer, &view, (&lines, seen), &context);
                     (renderer.read_fragments(&gpu).unwrap(), picture)
@@ -89,7 +102,7 @@ fn pictures_with_and_without_bundles_behind_meshes_are_the_same_in_every_pixel()
         }
         let share = 1.0 - drawn as f64 / (10 * everything.drawn.len()) as f64;
         println!("{share:.2} of the bundles hidden");
-        assert!(share > least, "{share}");
+        assert!(share > 0.15, "{share}");
     }
 }
 
@@ -108,7 +121,7 @@ fn meshes_that_hide_nothing_or_cannot_are_refused_or_harmless() {
     let [view, _] = views(lines.bounds());
     let mut culling = Culling::new(on_device.bundles(), &none).unwrap();
     let with = Settings::new(0.3, 0.01);
-    let seen = culling.look(&view, with.reach(&view).unwrap()).unwrap();
+    let seen = culling.look(&view, with.reach(&view)).unwrap();
     assert_eq!(seen, Seen::all(on_device.bundles().len()));
     let none = none.map(|c| GpuContext::new(&gpu, &c).unwrap());
     let mut renderer = Renderer::new(&gpu, COLOUR, with).unwrap();

@@ -1,13 +1,10 @@
-//! The shaders beside the processor's version and exact clipping, and pictures with and without
-//! culling.
+//! The shaders beside the processor's version, and pictures with and without culling.
 
-mod columns;
+mod colours;
 mod context;
 mod culled;
-mod hidden;
-mod moving;
+mod nearest;
 mod occlusion;
-mod parts;
 mod places;
 mod smooth;
 mod values;
@@ -27,7 +24,6 @@ use crate::occlusion::AoOptions;
 use crate::sets::LineSet;
 use crate::sets::generate::{Family, Recipe};
 use crate::sets::random::Random;
-use crate::slabs::Slices;
 use crate::view::View;
 
 const SIZE: [u32; 2] = [64, 48];
@@ -58,7 +54,7 @@ fn views(bounds: [Vec3; 2]) -> [View; 2] {
 }
 
 fn settings(ao: AoOptions) -> Settings {
-    Settings { samples: 60, sets: 4, coarse: 1, slices: Slices::S128, ao, ..Settings::new(0.3, 0.01) }
+    Settings { samples: 60, sets: 4, ao, ..Settings::new(0.3, 0.01) }
 }
 
 /// Settings whose cells have a margin.
@@ -79,11 +75,16 @@ fn picture(
     canvas.read_picture(gpu).unwrap()
 }
 
-/// A frame of all lines without walls.
+/// A frame of all lines without context.
+fn draw(gpu: &Gpu, renderer: &mut Renderer, lines: &GpuLines, view: &View) {
+    let seen = Seen::all(lines.bundles().len());
+    renderer.update(gpu, view, (lines, &seen), &[], &mut Clock::off()).unwrap();
+}
+
+/// The renderer after such a frame.
 fn run(gpu: &Gpu, lines: &LineSet, view: &View, settings: Settings) -> Renderer {
     let on_device = GpuLines::new(gpu, lines, &settings).unwrap();
     let mut renderer = Renderer::new(gpu, COLOUR, settings).unwrap();
-    let seen = Seen::all(on_device.bundles().len());
-    renderer.update(gpu, view, (&on_device, &seen), &[], &mut Clock::off()).unwrap();
+    draw(gpu, &mut renderer, &on_device, view);
     renderer
 }

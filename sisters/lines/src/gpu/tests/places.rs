@@ -6,8 +6,7 @@ use super::*;
 
 /// A frame of all lines, and the values that it computed.
 fn frame(gpu: &Gpu, renderer: &mut Renderer, lines: &GpuLines, view: &View) -> (Vec<f32>, u32) {
-    let seen = Seen::all(lines.bundles().len());
-    renderer.update(gpu, view, (lines, &seen), &[], &mut Clock::off()).unwrap();
+    draw(gpu, renderer, lines, view);
     (renderer.read_occlusion(gpu).unwrap(), renderer.read_computed(gpu).unwrap())
 }
 

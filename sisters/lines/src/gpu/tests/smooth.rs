@@ -4,7 +4,6 @@ use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::gpu::antialiasing::Antialiasing;
-use crate::gpu::hidden::LineCulling;
 
 /// How much larger pictures are that stand for the truth.
 const LARGER: u32 = 8;
@@ -118,14 +117,12 @@ fn samples_show_the_nearest_line_within_half_a_pixel() {
             let at = [i % SIZE[0] as usize, i / SIZE[0] as usize];
             let Some(wanted) = shown(&lines, &view, at) else { continue };
             let layers = || (0..4).filter_map(|layer| fragments[layer * pixels + i]);
-            let mut seen: Vec<u32> = layers().map(|f| f.line).collect();
-            let mut known = Vec::new();
-            seen.retain(|line| {
-                !known.contains(line) && {
-                    known.push(*line);
-                    true
+            let mut seen: Vec<u32> = Vec::new();
+            for line in layers().map(|f| f.line) {
+                if !seen.contains(&line) {
+                    seen.push(line);
                 }
-            });
+            }
             assert_eq!((&seen, nearest.map(|f| f.line)), (&wanted, wanted.first().copied()), "{at:?}");
             // Their places are those of lines that pass by the pixel.
             for fragment in layers() {
@@ -163,12 +160,12 @@ fn area_off(
 ) -> [f64; 2] {
     let settings = Settings { antialiasing, samples: 1, ..Settings::new(0.3, 0.01) };
     let mut renderer = Renderer::new(gpu, COLOUR, settings).unwrap();
-    let (canvas, seen) = (Canvas::new(gpu, SIZE.into()), Seen::all(lines.bundles().len()));
+    let canvas = Canvas::new(gpu, SIZE.into());
     // No place puts samples onto the border of a line: rounding would decide.
     let (mut most, mut squares) = (0.0f64, Vec::new());
     for part in (0..8).map(|i| 0.03 + 0.107 * f64::from(i)) {
         let moved = view.moved_by_pixels(part, part * 0.5);
-        renderer.update(gpu, &moved, (lines, &seen), &[], &mut Clock::off()).unwrap();
+        draw(gpu, &mut renderer, lines, &moved);
         // White lines before black.
         let (target, look) = (canvas.picture(), Look::Occlusion);
         renderer.paint(gpu, &target, look, 0.0, Vec3::ZERO, &mut Clock::off()).unwrap();
@@ -212,48 +209,6 @@ fn lines_of_any_direction_keep_their_width_wherever_they_lie_in_a_pixel() {
     // By samples alone 0.29 and 0.13, 0.12 and 0.12.
     assert!(one[0] < 0.11 && one[1] < 0.08 && thick[0] < 0.06 && thick[1] < 0.08, "{worst:?}");
     assert!(without[0] > 0.4, "{worst:?}");
-}
-
-#[test]
-fn smooth_pictures_change_less_when_the_camera_moves_by_part_of_a_pixel() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    for family in [Family::Spiral, Family::PomPom, Family::Reservoir] {
-        let lines = set(family, 40);
-        let view = views(lines.bounds())[0];
-        let change = |antialiasing| {
-            let [first, moved] = [view, view.moved_by_pixels(0.25, 0.1)]
-                .map(|v| painted(&gpu, &lines, &v, antialiasing, Look::Plain));
-            rmse(&first, &moved)
-        };
-        let [one, four] = [ONE, Antialiasing::SMOOTH].map(change);
-        println!("{family:?}: {one:.4} without, {four:.4} with");
-        assert!(four > 0.0 && four < one * 0.75, "{family:?}: {four} of {one}");
-    }
-}
-
-#[test]
-fn lines_behind_smooth_lines_change_no_pixel_when_they_are_left_out() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let lines = Recipe { lines: 1500, vertices: 40, ..Recipe::new(Family::Abc, 3) }.make().unwrap();
-    let antialiasing = Antialiasing::Four { thickness: 3.0 };
-    let settings = Settings { antialiasing, samples: 1, ..Settings::new(0.01, 0.001) };
-    let on_device = GpuLines::new(&gpu, &lines, &settings).unwrap();
-    let seen = Seen::all(on_device.bundles().len());
-    let mut renderers = [LineCulling::Always, LineCulling::Never].map(|culling| {
-        let mut renderer = Renderer::new(&gpu, COLOUR, settings).unwrap();
-        renderer.cull_lines(culling);
-        renderer
-    });
-    let (mut drawn, mut all) = (0, 0);
-    for view in super::hidden::around([61, 45]) {
-        let [culled, whole] = renderers.each_mut().map(|renderer| {
-            renderer.update(&gpu, &view, (&on_device, &seen), &[], &mut Clock::off()).unwrap();
-            (renderer.read_fragments(&gpu).unwrap(), renderer.read_drawn(&gpu).unwrap().segments)
-        });
-        assert!(culled.0 == whole.0);
-        (drawn, all) = (drawn + culled.1, all + whole.1);
-    }
-    assert!(drawn * 10 < all * 9, "{drawn} of {all}");
 }
 
 #[test]

@@ -1,15 +1,12 @@
 use glam::{DVec3, Vec3, vec3};
 
 use super::*;
-use crate::buffers::{Fragment, LineBuffer};
-use crate::numeric::{MARGIN_IN_TUBES, USUAL_RAYS};
-use crate::occlusion::{AoOptions, Occlusion, OptionsError, SetChoice};
+use crate::buffers::Fragment;
+use crate::occlusion::{AoOptions, Occlusion};
 use crate::samples::SampleSets;
 use crate::sets::LineSet;
-use crate::sets::generate::{Family, Recipe};
 use crate::sets::random::Random;
-use crate::slabs::{SlabGrid, Slices, SpanRule};
-use crate::testing::coordinate;
+use crate::testing::{coordinate, rmse};
 
 fn short_lines(count: u32, long: f64, seed: u64) -> LineSet {
     let mut random = Random::new(seed);
@@ -19,6 +16,13 @@ fn short_lines(count: u32, long: f64, seed: u64) -> LineSet {
         [(middle - way).as_vec3(), (middle + way).as_vec3()]
     }))
     .unwrap()
+}
+
+/// One of 125 receivers of all directions.
+fn receiver(view: &View, i: usize) -> Fragment {
+    let place = vec3((i % 5) as f32, (i / 5 % 5) as f32, (i / 25) as f32) * 0.2 - 0.4;
+    let tangent = vec3((i as f32).sin(), (i as f32 * 1.7).cos(), 0.4).normalize();
+    Fragment { position: view.to_eye(place).as_vec3(), tangent, line: 0, along: 0.0 }
 }
 
 /// The distance of a point from a segment.
@@ -109,13 +113,7 @@ fn splitting_straight_lines_changes_nothing_and_a_bend_is_round_whatever_the_wid
     let values = |lines: &LineSet| -> Vec<f32> {
         let cells = Cells::new(lines, 0.012);
         let occlusion = Occlusion::by_rays(&cells, &view, &samples, AoOptions::rays(0.4, 0.004)).unwrap();
-        let at = |i: usize| {
-            let place = vec3((i % 5) as f32, (i / 5 % 5) as f32, (i / 25) as f32) * 0.2 - 0.4;
-            let tangent = vec3((i as f32).sin(), (i as f32 * 1.7).cos(), 0.4).normalize();
-            let position = view.to_eye(place).as_vec3();
-            occlusion.at(&Fragment { position, tangent, line: 0, along: 0.0 }, i % 8)
-        };
-        (0..125).map(at).collect()
+        (0..125).map(|i| occlusion.at(&receiver(&view, i), i % 8)).collect()
     };
     let (a, b) = (values(&whole), values(&split));
     // A joint that rounding moves to one side or the other, at most.
@@ -149,13 +147,8 @@ fn in_a_fog_of_lines_as_much_is_stopped_as_known_however_wide_rays_are() {
         for rays in [16, 64] {
             let samples = SampleSets::spirals(rays, 8, 1).unwrap();
             let occlusion = Occlusion::by_rays(&cells, &view, &samples, AoOptions::rays(0.4, 0.004)).unwrap();
-            let at = |i: usize, set: usize| {
-                let place = vec3((i % 5) as f32, (i / 5 % 5) as f32, (i / 25) as f32) * 0.2 - 0.4;
-                let tangent = vec3((i as f32).sin(), (i as f32 * 1.7).cos(), 0.4).normalize();
-                let position = view.to_eye(place).as_vec3();
-                occlusion.at(&Fragment { position, tangent, line: 0, along: 0.0 }, set)
-            };
-            all.push((0..1000).map(|i| at(i % 125, i / 125)).sum::<f32>() / 1000.0);
+            let at = |i: usize| occlusion.at(&receiver(&view, i % 125), i / 125);
+            all.push((0..1000).map(at).sum::<f32>() / 1000.0);
         }
     }
     assert!(all.iter().all(|v| (0.94 * truth..1.04 * truth).contains(v)), "{all:?}, wanted {truth}");
@@ -190,51 +183,6 @@ fn a_line_alone_is_open_and_half_of_the_sky_behind_a_wall_is_hidden() {
     assert_eq!(at(&LineSet::new(behind).unwrap(), Vec3::X, 0.03), 0.0);
 }
 
-/// A bundle of strands that lie within two pixels of each other, in a view.
-fn bundle() -> (LineSet, View, f32) {
-    let mut random = Random::new(5);
-    let strand = |_| {
-        let (radius, angle) = (random.unit().sqrt() * 0.15, random.within(0.0, std::f64::consts::TAU));
-        let at = move |i: i32| {
-            let s = f64::from(i) * 0.02;
-            let turn = angle + 3.0 * s;
-            let bend = DVec3::new(s, 0.3 * (3.0 * s).sin(), 0.0);
-            (bend + DVec3::new(0.0, turn.cos(), turn.sin()) * radius).as_vec3()
-        };
-        (-50..=50).map(at).collect::<Vec<_>>()
-    };
-    let lines = LineSet::new((0..120).map(strand)).unwrap();
-    let view = View::around(lines.bounds(), vec3(0.2, 0.4, 1.0), None, [160, 120]).unwrap();
-    let tube = view.pixel_size(1.0) as f32 / 2.0;
-    (lines, view, tube)
-}
-
-fn rmse(a: &[f32], b: &[f32]) -> f32 {
-    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>() / a.len() as f32).sqrt()
-}
-
-#[test]
-fn few_wide_rays_have_little_noise_in_a_bundle_and_thin_ones_more() {
-    let (lines, view, tube) = bundle();
-    let buffer = LineBuffer::new(&lines, &view);
-    let some: Vec<Fragment> = buffer.fragments().iter().flatten().step_by(7).copied().collect();
-    assert!(some.len() > 200);
-    let values = |rays: u32, margin: f32| -> Vec<f32> {
-        let cells = Cells::new(&lines, tube * margin);
-        let samples = SampleSets::spirals(rays, 4, 1).unwrap();
-        let occlusion = Occlusion::by_rays(&cells, &view, &samples, AoOptions::rays(0.26, tube)).unwrap();
-        some.iter().map(|f| occlusion.at(f, occlusion.set_of(f, [0; 2]))).collect()
-    };
-    let truth = values(2000, 1.0);
-    let [wide, thin, many] = [
-        values(USUAL_RAYS, MARGIN_IN_TUBES),
-        values(USUAL_RAYS, 1.0),
-        values(4 * USUAL_RAYS, MARGIN_IN_TUBES),
-    ]
-    .map(|v| rmse(&v, &truth));
-    assert!(wide < 0.045 && many < wide && wide < thin, "{wide} {thin} {many}");
-}
-
 #[test]
 fn margins_of_cells_keep_the_rays_of_thin_tubes_wide_within_bounds() {
     let margin = |tube: f32| AoOptions::rays(2.0, tube).margin();
@@ -242,118 +190,6 @@ fn margins_of_cells_keep_the_rays_of_thin_tubes_wide_within_bounds() {
     for (tube, wanted) in [(0.04, 0.12), (0.02, 0.1), (0.001, 0.009), (0.0, 0.0)] {
         assert!((margin(tube) - wanted).abs() < 1e-6, "{tube}: {}", margin(tube));
         assert_eq!(AoOptions::places(2.0, tube).margin(), margin(tube));
-        assert_eq!(AoOptions::new(2.0, tube).margin(), 0.0);
-    }
-    // The tubes of a picture of six times the size.
-    let (lines, view, tube) = bundle();
-    let (tube, buffer) = (tube / 6.0, LineBuffer::new(&lines, &view));
-    let samples = [2000, USUAL_RAYS].map(|rays| SampleSets::spirals(rays, 1, 1).unwrap());
-    let options = AoOptions::rays(0.26, tube);
-    let values = |samples: &SampleSets, margin: f32| -> Vec<f32> {
-        let cells = Cells::new(&lines, margin);
-        let occlusion = Occlusion::by_rays(&cells, &view, samples, options).unwrap();
-        buffer.fragments().iter().flatten().step_by(7).map(|f| occlusion.at(f, 0)).collect()
-    };
-    let truth = values(&samples[0], tube);
-    let [usual, narrow] =
-        [options.margin(), tube * MARGIN_IN_TUBES].map(|m| rmse(&values(&samples[1], m), &truth));
-    assert!(usual < 0.75 * narrow, "{usual} {narrow}");
-}
-
-#[test]
-fn a_moved_or_slightly_turned_picture_hardly_changes_the_occlusion() {
-    let (lines, view, tube) = bundle();
-    let cells = Cells::new(&lines, tube * MARGIN_IN_TUBES);
-    let samples = SampleSets::spirals(USUAL_RAYS, 16, 1).unwrap();
-    let buffer = LineBuffer::new(&lines, &view);
-    let some: Vec<Fragment> = buffer.fragments().iter().flatten().step_by(7).copied().collect();
-    let values = |view: &View, choice: Option<SetChoice>| -> Vec<f32> {
-        let options = AoOptions::rays(0.26, tube);
-        let options = AoOptions { choice: choice.unwrap_or(options.choice), ..options };
-        let occlusion = Occlusion::by_rays(&cells, view, &samples, options).unwrap();
-        let at = |f: &Fragment| {
-            let position = view.to_eye(world(f)).as_vec3();
-            let tangent = (view.eye_from_world().matrix3 * turned_back(f)).as_vec3();
-            let moved = Fragment { position, tangent, ..*f };
-            occlusion.at(&moved, occlusion.set_of(&moved, view.pixel(position).unwrap_or([0; 2])))
-        };
-        some.iter().map(at).collect()
-    };
-    // The fragments are those of the first view.
-    fn first() -> View {
-        bundle().1
-    }
-    fn world(f: &Fragment) -> Vec3 {
-        first().to_world(f.position).as_vec3()
-    }
-    fn turned_back(f: &Fragment) -> DVec3 {
-        first().eye_from_world().matrix3.transpose() * f.tangent.as_dvec3()
-    }
-    let still = values(&view, None);
-    assert_eq!(still, values(&view, None));
-    let shifted = rmse(&still, &values(&view.moved_by_pixels(1.0, 0.0), None));
-    let turn = glam::DMat4::from_rotation_y(0.2f64.to_radians());
-    let turned = turn * glam::DMat4::from(view.eye_from_world());
-    let turned = View::new(turned, view.lens(), view.depths(), view.size()).unwrap();
-    let turned = rmse(&still, &values(&turned, None));
-    assert!(shifted < 0.002 && turned < 0.01, "{shifted} {turned}");
-    let by_pixel = rmse(
-        &values(&view, Some(SetChoice::Screen)),
-        &values(&view.moved_by_pixels(1.0, 0.0), Some(SetChoice::Screen)),
-    );
-    assert!(by_pixel > 0.01, "{by_pixel}");
-}
-
-#[test]
-fn the_unit_of_length_changes_nothing() {
-    let lines = Recipe { lines: 120, ..Recipe::new(Family::Spiral, 3) }.make().unwrap();
-    let samples = SampleSets::spirals(16, 4, 1).unwrap();
-    for fov_y in [None, Some(0.6)] {
-        let run = |unit: f32| {
-            let lines = LineSet::new(lines.iter().map(|l| l.iter().map(|&p| p * unit))).unwrap();
-            let view = View::around(lines.bounds(), vec3(0.5, 0.6, 1.0), fov_y, [48; 2]).unwrap();
-            let cells = Cells::new(&lines, 0.04 * unit);
-            let options = AoOptions::rays(0.26 * unit, 0.01 * unit);
-            Occlusion::by_rays(&cells, &view, &samples, options).unwrap().of(&LineBuffer::new(&lines, &view))
-        };
-        let usual = run(1.0);
-        assert!(usual.iter().sum::<f32>() > 0.1 * 48.0);
-        for power in [-90, -40, 40, 90] {
-            let other = run(2f32.powi(power));
-            let same = usual.iter().zip(&other).filter(|(a, b)| (*a - *b).abs() < 1e-4).count();
-            assert!(same > 48 * 48 * 99 / 100, "2^{power}, {fov_y:?}: {same} pixels");
-        }
-    }
-}
-
-#[test]
-fn wrong_sources_thick_tubes_and_odd_receivers_give_errors_or_numbers() {
-    let (lines, view, tube) = bundle();
-    let samples = SampleSets::spirals(8, 2, 1).unwrap();
-    let cells = Cells::new(&lines, tube);
-    let rays = |options| Occlusion::by_rays(&cells, &view, &samples, options).map(|_| ()).unwrap_err();
-    assert_eq!(rays(AoOptions::new(0.3, tube)), OptionsError::Source);
-    let thick = rays(AoOptions::rays(0.3, tube * 1.01));
-    assert!(matches!(thick, OptionsError::Margin { .. }), "{thick}");
-    assert!(matches!(rays(AoOptions::rays(0.0, tube)), OptionsError::Radius(_)));
-    assert!(matches!(rays(AoOptions::rays(1.0, f32::NAN)), OptionsError::Estimator(_)));
-    let grid = SlabGrid::of_lines(&lines, &view, Slices::S128, SpanRule::Span);
-    assert_eq!(
-        Occlusion::new(&grid, &samples, AoOptions::rays(0.3, tube)).map(|_| ()),
-        Err(OptionsError::Source)
-    );
-    assert!(SampleSets::spirals(0, 1, 1).is_err() && SampleSets::spirals(4096, 5, 1).is_err());
-    let odd = [f32::NAN, f32::INFINITY, 0.0, 1e30, -1e30, 1e-30, -1e-3];
-    for (radius, line_radius) in [(0.3, 0.0), (0.3, tube), (1e10, tube), (1e-44, tube), (3e38, 0.0)] {
-        let options = AoOptions::rays(radius, line_radius);
-        let occlusion = Occlusion::by_rays(&cells, &view, &samples, options).unwrap();
-        for (x, z, t) in odd.iter().flat_map(|&x| odd.iter().map(move |&z| (x, z, x * z))) {
-            for tangent in [Vec3::ZERO, Vec3::Z, vec3(t, 1.0, z)] {
-                let fragment = Fragment { position: vec3(x, 0.0, z), tangent, line: u32::MAX, along: x };
-                let value = occlusion.at(&fragment, occlusion.set_of(&fragment, [1, 2]));
-                assert!((0.0..=1.0).contains(&value), "{fragment:?}: {value}");
-            }
-        }
     }
 }
 

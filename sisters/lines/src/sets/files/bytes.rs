@@ -13,6 +13,23 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// By a name of PLY, TRX or VTK in lower case. VTK writes its `vtkIdType` with 32 bits.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "float" | "float32" => Self::Float(4),
+            "double" | "float64" => Self::Float(8),
+            "char" | "signed_char" | "int8" => Self::Signed(1),
+            "short" | "int16" => Self::Signed(2),
+            "int" | "int32" | "vtkidtype" => Self::Signed(4),
+            "long" | "int64" | "vtktypeint64" => Self::Signed(8),
+            "uchar" | "unsigned_char" | "uint8" => Self::Unsigned(1),
+            "ushort" | "unsigned_short" | "uint16" => Self::Unsigned(2),
+            "uint" | "unsigned_int" | "uint32" => Self::Unsigned(4),
+            "unsigned_long" | "uint64" | "vtktypeuint64" => Self::Unsigned(8),
+            _ => return None,
+        })
+    }
+
     /// The number of bytes.
     pub(super) fn size(self) -> usize {
         let (Self::Float(size) | Self::Signed(size) | Self::Unsigned(size)) = self;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::bytes::unmarked;
 use super::error::FileError;
-use super::{Format, ply, text};
+use super::{Format, ending, of_file, ply, text};
 use crate::mesh::Mesh;
 
 /// The triangles of a file whose ending is .obj (`v` and `f`) or .ply (`vertex` and `face`);
@@ -13,14 +13,12 @@ use crate::mesh::Mesh;
 /// # Errors
 /// If the file cannot be read, has another ending, or breaks its format.
 pub fn open_mesh(path: &Path) -> Result<Mesh, FileError> {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let format = match ending.as_str() {
+    let format = match &*ending(path) {
         "obj" => Format::Obj,
         "ply" => Format::Ply,
         _ => return Err(FileError::NoMesh(path.to_owned())),
     };
-    let bytes = std::fs::read(path).map_err(|why| FileError::Io { path: path.to_owned(), why })?;
-    read_mesh(&bytes, format).map_err(|why| FileError::In { path: path.to_owned(), why: Box::new(why) })
+    of_file(path, |bytes| read_mesh(bytes, format))
 }
 
 /// The triangles in the bytes of a file of [`Format::Obj`] or [`Format::Ply`].

@@ -63,8 +63,7 @@ pub enum Format {
 /// # Errors
 /// If the file cannot be read, has an unknown ending, or breaks its format.
 pub fn open(path: &Path) -> Result<LineSet, FileError> {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let format = match ending.as_str() {
+    let format = match &*ending(path) {
         "txt" => Format::Text,
         "obj" => Format::Obj,
         "ply" => Format::Ply,
@@ -76,8 +75,18 @@ pub fn open(path: &Path) -> Result<LineSet, FileError> {
         "hair" => Format::Hair,
         _ => return Err(FileError::Unknown(path.to_owned())),
     };
+    of_file(path, |bytes| read(bytes, format))
+}
+
+/// The ending of a file in small letters.
+fn ending(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// What the bytes of a file hold. Errors name it.
+fn of_file<T>(path: &Path, read: impl Fn(&[u8]) -> Result<T, FileError>) -> Result<T, FileError> {
     let bytes = std::fs::read(path).map_err(|why| FileError::Io { path: path.to_owned(), why })?;
-    read(&bytes, format).map_err(|why| FileError::In { path: path.to_owned(), why: Box::new(why) })
+    read(&bytes).map_err(|why| FileError::In { path: path.to_owned(), why: Box::new(why) })
 }
 
 /// The lines in the bytes of a file.

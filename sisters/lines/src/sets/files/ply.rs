@@ -7,22 +7,7 @@ use glam::Vec3;
 
 use super::bytes::{Bytes, Kind, are_words, whole};
 use super::error::{FileError, Lines, Lists, broken, refused};
-use super::words::{Words, line_end, parse, words};
-
-/// The kind of number with a name.
-fn kind_named(name: &str) -> Option<Kind> {
-    Some(match name {
-        "float" | "float32" => Kind::Float(4),
-        "double" | "float64" => Kind::Float(8),
-        "char" | "int8" => Kind::Signed(1),
-        "short" | "int16" => Kind::Signed(2),
-        "int" | "int32" => Kind::Signed(4),
-        "uchar" | "uint8" => Kind::Unsigned(1),
-        "ushort" | "uint16" => Kind::Unsigned(2),
-        "uint" | "uint32" => Kind::Unsigned(4),
-        _ => return None,
-    })
-}
+use super::words::{Scan, words};
 
 struct Property {
     name: String,
@@ -42,14 +27,14 @@ const VERTEX: &str = "the number of a vertex";
 
 /// The numbers of the body, as text or bytes.
 enum Body<'a> {
-    Text(Words<'a>),
+    Text(Scan<'a>),
     Binary(Bytes<'a>),
 }
 
 impl Body<'_> {
     fn number(&mut self, kind: Kind) -> Result<f64, FileError> {
         match self {
-            Self::Text(words) => words.real("a number"),
+            Self::Text(text) => text.real("a number"),
             Self::Binary(file) => file.number(kind),
         }
     }
@@ -66,7 +51,7 @@ impl Body<'_> {
 
     fn fail(&self, why: String) -> FileError {
         match self {
-            Self::Text(words) => broken("line", words.line, why),
+            Self::Text(text) => text.fail(why),
             Self::Binary(file) => broken("byte", file.at, why),
         }
     }
@@ -140,53 +125,52 @@ pub(super) fn lists(bytes: &[u8], wanted: &[&str]) -> Lists {
 }
 
 fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
-    let (mut elements, mut at, mut number): (Vec<Element>, _, _) = (Vec::new(), 0, 0);
-    let (mut binary, line_end) = (None, line_end(bytes));
+    let mut text = Scan::new(bytes, "line");
+    let (mut elements, mut binary): (Vec<Element>, _) = (Vec::new(), None);
     loop {
-        let rest = &bytes[at..];
-        let Some(end) = rest.iter().position(|b| *b == line_end) else {
-            let why = "the header does not end: a line end_header must stand before the numbers";
-            return Err(broken("line", number + 1, why));
-        };
-        (at, number) = (at + end + 1, number + 1);
-        let words = words(&rest[..end]);
-        let fail = |why: &str| broken("line", number, why);
-        let kind = |name: &str| kind_named(name).ok_or_else(|| fail("a property of unknown type"));
-        let mut property = |p: Property| -> Result<(), FileError> {
-            let element = elements.last_mut().ok_or_else(|| fail("a property before the first element"))?;
-            element.properties.push(p);
+        let start = text.at;
+        let words = words(text.line());
+        let fail = |why: &str| text.fail_at(start, why);
+        if start == bytes.len() {
+            return Err(fail("the header does not end: a line end_header must stand before the numbers"));
+        }
+        let mut property = |name: &str, list: Option<&str>, kind: &str| -> Result<(), FileError> {
+            let (kind, length) = (Kind::named(kind), list.map(Kind::named));
+            let (Some(kind), false) = (kind, length == Some(None)) else {
+                return Err(fail("a property of unknown type"));
+            };
+            let Some(element) = elements.last_mut() else {
+                return Err(fail("a property before the first element"));
+            };
+            element.properties.push(Property { name: name.to_owned(), list: length.flatten(), kind });
             Ok(())
         };
         match words[..] {
-            ["ply"] if number == 1 => {}
-            _ if number == 1 => return Err(fail("a PLY file starts with \"ply\"")),
+            ["ply"] if start == 0 => {}
+            _ if start == 0 => return Err(fail("a PLY file starts with \"ply\"")),
             ["format", "ascii", _] => binary = Some(None),
             ["format", "binary_little_endian", _] => binary = Some(Some(false)),
             ["format", "binary_big_endian", _] => binary = Some(Some(true)),
-            ["element", name, count] => elements.push(Element {
-                name: name.to_owned(),
-                count: parse(count, "a number of elements", number)?,
-                properties: Vec::new(),
-            }),
-            ["property", "list", length, of, name] => {
-                property(Property { name: name.to_owned(), list: Some(kind(length)?), kind: kind(of)? })?;
-            }
-            ["property", of, name] => {
-                property(Property { name: name.to_owned(), list: None, kind: kind(of)? })?
-            }
+            ["element", name, count] => match count.parse() {
+                Ok(count) => elements.push(Element { name: name.to_owned(), count, properties: Vec::new() }),
+                Err(_) => return Err(fail("an element without a number of them")),
+            },
+            ["property", "list", length, of, name] => property(name, Some(length), of)?,
+            ["property", of, name] => property(name, None, of)?,
             ["end_header"] => break,
             ["comment" | "obj_info", ..] | [] => {}
             _ => return Err(fail("a statement that PLY does not have")),
         }
     }
-    let body = match binary.ok_or_else(|| broken("line", number, "the header has no format"))? {
-        None => Body::Text(Words::new(&bytes[at..], number + 1)),
-        Some(_) if are_words(&bytes[at..]) => {
+    let body = match binary {
+        None => return Err(text.fail_at(text.at - 1, "the header has no format")),
+        Some(None) => Body::Text(text),
+        Some(_) if are_words(&bytes[text.at..]) => {
             let why =
                 "the numbers are text, but the header says that they are binary: its format must be ascii";
-            return Err(broken("line", number + 1, why));
+            return Err(text.fail(why));
         }
-        Some(big) => Body::Binary(Bytes { bytes, at, big }),
+        Some(Some(big)) => Body::Binary(Bytes { bytes, at: text.at, big }),
     };
     Ok((elements, body))
 }

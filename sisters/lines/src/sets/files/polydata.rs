@@ -1,6 +1,7 @@
 //! The data of VTK files, legacy and XML: points, lines that name them, and arrays of both.
 
 use std::collections::VecDeque;
+use std::iter::repeat_n;
 
 use glam::Vec3;
 
@@ -38,139 +39,98 @@ pub(super) struct Piece {
     pub(super) cell_data: Vec<Array>,
 }
 
-/// A column of values, in the order of vertices or lines.
-enum Column {
-    Scalars(Scalars),
-    Colours(Of, Vec<[u8; 3]>),
-}
-
 /// The lines of the pieces of a file of so many bytes. Arrays that a piece lacks are left out.
 pub(super) fn lines(pieces: Vec<Piece>, bytes: usize) -> Result<LineSet, FileError> {
-    let fail = |why: String| Err(refused(why));
     let surfaces: usize = pieces.iter().map(|p| p.surfaces).sum();
     if surfaces > 0 && pieces.iter().all(|p| p.ends.is_empty()) {
-        return fail(format!("the file has {surfaces} polygons and no lines: only lines are read"));
+        return Err(refused(format!("the file has {surfaces} polygons and no lines: only lines are read")));
     }
     let mut set = LineSet::default();
-    let mut columns: Option<Vec<Column>> = None;
+    let mut all: Option<VecDeque<(Of, Array)>> = None;
     let mut room = bytes.saturating_mul(MOST_SHARED);
     for piece in pieces {
         let mut start = 0;
         for &end in &piece.ends {
             let Some(line) = piece.connectivity.get(start..end as usize) else {
                 let all = piece.connectivity.len();
-                return fail(format!("a line has the points {start} to {end} of {all} in the list"));
+                return Err(refused(format!("a line has the points {start} to {end} of {all} in the list")));
             };
             start = end as usize;
             if let Some(bad) = line.iter().find(|p| **p as usize >= piece.points.len()) {
-                return fail(format!("a line names point {bad} of {}", piece.points.len()));
+                return Err(refused(format!("a line names point {bad} of {}", piece.points.len())));
             }
             set.push(line.iter().map(|p| piece.points[*p as usize]))?;
         }
-        let own = piece.columns(start, &mut room)?;
-        columns = Some(match columns {
-            None => own,
-            Some(before) => joined(before, own),
+        let mut own = piece.of_lines(start, &mut room)?;
+        let Some(before) = &mut all else {
+            all = Some(own);
+            continue;
+        };
+        // Arrays stand in the same order in all pieces; so the first is the one that is looked for.
+        before.retain_mut(|(of, array)| {
+            let is_same = |other: &(Of, Array)| {
+                (other.0, &other.1.name, other.1.components) == (*of, &array.name, array.components)
+            };
+            let found = own.iter().position(is_same).and_then(|at| own.remove(at));
+            found.is_some_and(|(_, other)| {
+                array.values.extend(other.values);
+                true
+            })
         });
     }
     let mut attributes = Attributes::default();
-    let ends: Vec<u32> = set
-        .iter()
-        .scan(0, |end, l| {
-            Some({
-                *end += l.len() as u32;
-                *end
-            })
-        })
-        .collect();
-    for column in columns.unwrap_or_default() {
-        match column {
-            Column::Scalars(scalars) => attributes.scalars.push(scalars),
-            Column::Colours(Of::Vertices, all) => attributes.colours = attributes.colours.or(Some(all)),
-            Column::Colours(Of::Lines, all) => {
-                let lengths = ends.iter().scan(0, |start, end| Some(end - std::mem::replace(start, *end)));
-                let each = all.iter().zip(lengths).flat_map(|(c, n)| std::iter::repeat_n(*c, n as usize));
-                attributes.colours = attributes.colours.or_else(|| Some(each.collect()));
-            }
+    for (of, array) in all.unwrap_or_default() {
+        let n = array.components;
+        if array.bytes && (3..=4).contains(&n) {
+            let colours = array.values.chunks_exact(n).map(|c| [0, 1, 2].map(|i| c[i] as u8));
+            attributes.colours = attributes.colours.or_else(|| {
+                Some(match of {
+                    Of::Vertices => colours.collect(),
+                    Of::Lines => colours.zip(set.iter()).flat_map(|(c, l)| repeat_n(c, l.len())).collect(),
+                })
+            });
+            continue;
+        }
+        for c in 0..n {
+            let name = if n == 1 { array.name.clone() } else { format!("{}.{c}", array.name) };
+            let values = array.values.iter().skip(c).step_by(n).copied().collect();
+            attributes.scalars.push(Scalars { name, of, values });
         }
     }
     Ok(set.with_attributes(attributes)?)
 }
 
-/// Columns that both have, one after the other.
-fn joined(before: Vec<Column>, after: Vec<Column>) -> Vec<Column> {
-    let alike = |a: &Column, b: &Column| match (a, b) {
-        (Column::Scalars(a), Column::Scalars(b)) => a.name == b.name && a.of == b.of,
-        (Column::Colours(a, _), Column::Colours(b, _)) => a == b,
-        _ => false,
-    };
-    let mut after = VecDeque::from(after);
-    // Arrays stand in the same order in all pieces; so the first is the one that is looked for.
-    let join = |mut column: Column| {
-        let at = after.iter().position(|other| alike(&column, other))?;
-        match (&mut column, after.remove(at)?) {
-            (Column::Scalars(a), Column::Scalars(b)) => a.values.extend(b.values),
-            (Column::Colours(_, a), Column::Colours(_, b)) => a.extend(b),
-            _ => {}
-        }
-        Some(column)
-    };
-    before.into_iter().filter_map(join).collect()
-}
-
 impl Piece {
-    /// The columns of its arrays. `used` is the number of vertices of its lines; `room` the values
-    /// of vertices that may still be made.
-    fn columns(self, used: usize, room: &mut usize) -> Result<Vec<Column>, FileError> {
-        let mut columns = Vec::new();
-        for array in &self.point_data {
-            let asked = used.saturating_mul(array.components.min(MOST_COMPONENTS));
-            let Some(left) = room.checked_sub(asked) else {
-                let why = "lines share points so often that their values would fill the memory";
-                return Err(refused(why));
-            };
-            *room = left;
-            let rows = self.connectivity[..used].iter().map(|p| *p as usize);
-            array.columns(self.points.len(), Of::Vertices, rows, &mut columns)?;
-        }
+    /// Its arrays for the vertices of lines, `used` in all, and for the lines, in their order. At
+    /// most `room` values of vertices may still be made. Arrays of many components are left out.
+    fn of_lines(self, used: usize, room: &mut usize) -> Result<VecDeque<(Of, Array)>, FileError> {
         let lines = self.ends.len();
-        let cells = self.vertices.saturating_add(lines).saturating_add(self.surfaces);
-        for array in &self.cell_data {
-            let rows = self.vertices..self.vertices.saturating_add(lines);
-            array.columns(cells, Of::Lines, rows, &mut columns)?;
+        let before = self.vertices.saturating_add(lines);
+        let cells = before.saturating_add(self.surfaces);
+        let of_points = self.point_data.into_iter().map(|array| (Of::Vertices, self.points.len(), array));
+        let of_cells = self.cell_data.into_iter().map(|array| (Of::Lines, cells, array));
+        let mut all = VecDeque::new();
+        for (of, count, array) in of_points.chain(of_cells) {
+            let (n, values) = (array.components, array.values);
+            if values.len() != count.saturating_mul(n) {
+                let (name, values) = (&array.name, values.len());
+                let why = format!("the array {name} has {values} values for {count} points or cells");
+                return Err(refused(why));
+            }
+            if n > MOST_COMPONENTS {
+                continue;
+            }
+            let values = match of {
+                Of::Lines => values[self.vertices * n..before * n].to_vec(),
+                Of::Vertices => {
+                    let why = "lines share points so often that their values would fill the memory";
+                    *room = room.checked_sub(used.saturating_mul(n)).ok_or_else(|| refused(why))?;
+                    let points = self.connectivity[..used].iter().map(|p| *p as usize * n);
+                    points.flat_map(|at| &values[at..at + n]).copied().collect()
+                }
+            };
+            all.push_back((of, Array { values, ..array }));
         }
-        Ok(columns)
-    }
-}
-
-impl Array {
-    /// The columns of some rows of so many.
-    fn columns(
-        &self,
-        count: usize,
-        of: Of,
-        rows: impl Iterator<Item = usize> + Clone,
-        columns: &mut Vec<Column>,
-    ) -> Result<(), FileError> {
-        let n = self.components;
-        if self.values.len() != count.saturating_mul(n) {
-            let (name, values) = (&self.name, self.values.len());
-            let why = format!("the array {name} has {values} values for {count} points or cells");
-            return Err(refused(why));
-        }
-        if self.bytes && (3..=4).contains(&n) {
-            let colour = |r: usize| [0, 1, 2].map(|c| self.values[r * n + c] as u8);
-            columns.push(Column::Colours(of, rows.map(colour).collect()));
-            return Ok(());
-        }
-        if n > MOST_COMPONENTS {
-            return Ok(());
-        }
-        for c in 0..n {
-            let name = if n == 1 { self.name.clone() } else { format!("{}.{c}", self.name) };
-            let values = rows.clone().map(|r| self.values[r * n + c]).collect();
-            columns.push(Column::Scalars(Scalars { name, of, values }));
-        }
-        Ok(())
+        Ok(all)
     }
 }

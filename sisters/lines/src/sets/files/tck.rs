@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::bytes::{Bytes, Kind, are_words};
 use super::error::{FileError, broken};
-use super::words::line_end;
+use super::words::Scan;
 use crate::sets::LineSet;
 
 /// The header: where the numbers start, their bytes, and whether the highest is first.
@@ -56,21 +56,27 @@ fn cut_short(file: &Bytes<'_>, kind: Kind, place: usize) -> FileError {
 }
 
 fn header(bytes: &[u8]) -> Result<Header, FileError> {
-    let (mut offset, mut order, mut at, mut last) = (None, None, 0, 0);
-    let (end, mut ended) = (line_end(bytes), None);
-    for (i, line) in bytes.split(|b| *b == end).enumerate() {
-        let start = at;
-        at += line.len() + 1;
-        let line = String::from_utf8_lossy(line.get(..line.len().min(200)).unwrap_or_default());
-        if i == 0 && line.trim() != "mrtrix tracks" {
+    // The place after the last line that is known.
+    let (mut offset, mut order, mut known) = (None, None, 0);
+    let mut text = Scan::new(bytes, "line");
+    loop {
+        let start = text.at;
+        let line = text.line();
+        let line = String::from_utf8_lossy(&line[..line.len().min(200)]);
+        if start == 0 && line.trim() != "mrtrix tracks" {
             let scalars = line.trim() == "mrtrix track scalars";
             let more = if scalars { "; this one has the scalars of another file" } else { "" };
             return Err(broken("byte", 0, format!("a TCK file starts with \"mrtrix tracks\"{more}")));
         }
+        if start == bytes.len() {
+            let why = "the header does not end: a line END must stand before the numbers";
+            return Err(text.fail_at(known, why));
+        }
         match line.split_once(':').map(|(k, v)| (k.trim(), v.trim())) {
             Some(("file", v)) => {
-                offset = v.strip_prefix('.').and_then(|v| v.trim().parse::<usize>().ok()).map(|v| (v, i + 1));
-                last = i + 1;
+                let named = v.strip_prefix('.').and_then(|v| v.trim().parse::<usize>().ok());
+                offset = named.map(|offset| (offset, start));
+                known = text.at;
             }
             Some(("datatype", name)) => {
                 order = Some(match name.to_ascii_lowercase().as_str() {
@@ -80,27 +86,23 @@ fn header(bytes: &[u8]) -> Result<Header, FileError> {
                     "float64be" => (Kind::Float(8), true),
                     _ => {
                         let read = "Float32LE, Float32BE, Float64LE and Float64BE are read";
-                        return Err(broken("line", i + 1, format!("data of {name}: only {read}")));
+                        return Err(text.fail_at(start, format!("data of {name}: only {read}")));
                     }
                 });
-                last = i + 1;
+                known = text.at;
             }
             None if line.trim() == "END" => {
-                (ended, last) = (Some(start + "END".len()), i);
-                break;
+                let lacks = |what: &str| text.fail_at(start, format!("the header lacks {what}"));
+                let (offset, at) = offset.ok_or_else(|| lacks("\"file: . OFFSET\""))?;
+                let (kind, big) = order.ok_or_else(|| lacks("a datatype"))?;
+                let ended = start + "END".len();
+                if offset < ended {
+                    let why = format!("\"file: . {offset}\" names a byte of the header, which has {ended}");
+                    return Err(text.fail_at(at, why));
+                }
+                return Ok(Header { offset, kind, big });
             }
             _ => {}
         }
     }
-    let Some(ended) = ended else {
-        let why = "the header does not end: a line END must stand before the numbers";
-        return Err(broken("line", last + 1, why));
-    };
-    let (offset, line) = offset.ok_or_else(|| broken("line", last, "the header lacks \"file: . OFFSET\""))?;
-    let (kind, big) = order.ok_or_else(|| broken("line", last, "the header lacks a datatype"))?;
-    if offset < ended {
-        let why = format!("\"file: . {offset}\" names a byte of the header, which has {ended}");
-        return Err(broken("line", line, why));
-    }
-    Ok(Header { offset, kind, big })
 }

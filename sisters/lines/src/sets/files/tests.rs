@@ -35,17 +35,6 @@ fn all_written(lines: &[Vec<Vec3>]) -> Vec<(Format, Vec<u8>, bool)> {
     all
 }
 
-#[test]
-fn files_that_end_in_their_header_are_told_where_they_end() {
-    let lines = [vec![[0.0; 3], [1.0; 3]]];
-    for (format, bytes, header) in
-        [(Format::Hair, formats::hair(&lines), 128), (Format::Trk, formats::trk(&lines, false, None), 996)]
-    {
-        let why = read(&bytes[..40], format).unwrap_err().to_string();
-        assert_eq!(why, format!("byte 40: the file ends before byte {header}"));
-    }
-}
-
 /// A file of lines in a format.
 fn written(lines: &[Vec<Vec3>], format: Format) -> Vec<u8> {
     let coordinates = |p: &Vec3| format!("{} {} {}", p.x, p.y, p.z);
@@ -116,24 +105,6 @@ proptest! {
         }
     }
 
-    #[test]
-    fn mutated_files_give_lines_or_errors(
-        lines in some_lines(), changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
-        cut: prop::sample::Index, digits: bool
-    ) {
-        for (format, mut bytes, _) in all_written(&lines) {
-            for (at, value) in &changes {
-                let at = at.index(bytes.len());
-                // Digits keep text valid further into the file.
-                bytes[at] = if digits { b'0' + value % 10 } else { *value };
-            }
-            bytes.truncate(cut.index(bytes.len() * 2));
-            match read(&bytes, format) {
-                Ok(set) => prop_assert!(set.points().len() <= bytes.len()),
-                Err(why) => prop_assert!(!why.to_string().is_empty()),
-            }
-        }
-    }
 }
 
 #[test]

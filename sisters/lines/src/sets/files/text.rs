@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use super::error::{FileError, Lines, Lists, broken};
-use super::words::{Words, lines, parse, real, words};
+use super::words::{Scan, lines, parse, real, words};
 
 /// The thesis' format: the number of lines, the number of vertices of each, and the vertices.
 pub(super) fn thesis(bytes: &[u8]) -> Lines {
-    let mut file = Words::new(bytes, 1);
+    let mut file = Scan::new(bytes, "line");
     let lines: usize = file.number("the number of lines")?;
     // Each line needs at least a digit and a space: a header cannot ask for more than the file
     // holds.
@@ -15,10 +15,12 @@ pub(super) fn thesis(bytes: &[u8]) -> Lines {
     for _ in 0..lines {
         counts.push(file.number::<usize>("a number of vertices")?);
     }
-    let mut line = |n: usize| (0..n).map(|_| file.point()).collect::<Result<Vec<Vec3>, FileError>>();
+    let mut next = || file.real("a coordinate");
+    let mut point = || Ok::<_, FileError>(Vec3::new(next()?, next()?, next()?));
+    let mut line = |n: usize| (0..n).map(|_| point()).collect::<Result<Vec<Vec3>, FileError>>();
     let all = counts.into_iter().map(&mut line).collect::<Result<_, _>>()?;
-    match file.next() {
-        Some(_) => Err(broken("line", file.line, "the file goes on after the last vertex")),
+    match file.word() {
+        Some(_) => Err(file.fail("the file goes on after the last vertex")),
         None => Ok(all),
     }
 }
@@ -33,24 +35,25 @@ pub(super) fn obj(bytes: &[u8]) -> Lines {
 pub(super) fn lists(bytes: &[u8], statement: &str) -> Lists {
     let (mut points, mut named) = (Vec::new(), Vec::new());
     for (i, line) in lines(bytes).enumerate() {
+        let fail = |why: String| broken("line", i + 1, why);
         let words = words(line);
         match words.split_first() {
             Some((&"v", rest)) => {
-                let [x, y, z] = rest
-                    .first_chunk()
-                    .ok_or_else(|| broken("line", i + 1, "a vertex of less than 3 numbers"))?;
-                let coordinate = |w| real(w, "a coordinate", i + 1);
+                let few = || fail("a vertex of less than 3 numbers".to_owned());
+                let [x, y, z] = rest.first_chunk().ok_or_else(few)?;
+                let coordinate = |w| real(w, "a coordinate").map_err(fail);
                 points.push(Vec3::new(coordinate(x)?, coordinate(y)?, coordinate(z)?));
             }
             Some((name, rest)) if *name == statement => {
                 let vertex = |word: &&str| {
                     // Texture coordinates may follow a slash; negative numbers count from the last
                     // vertex.
-                    let named: i64 = parse(word.split('/').next().unwrap_or(word), "a vertex number", i + 1)?;
+                    let word = word.split('/').next().unwrap_or(word);
+                    let named: i64 = parse(word, "a vertex number").map_err(fail)?;
                     let index = if named < 0 { points.len() as i64 + named } else { named - 1 };
                     let index = usize::try_from(index).ok().filter(|&p| p < points.len());
-                    let none = || broken("line", i + 1, format!("there is no vertex {named}"));
-                    number(index.ok_or_else(none)?, i + 1)
+                    let index = index.ok_or_else(|| fail(format!("there is no vertex {named}")))?;
+                    u32::try_from(index).map_err(|_| fail("more vertices than 32 bits can number".into()))
                 };
                 named.push(rest.iter().map(vertex).collect::<Result<_, _>>()?);
             }
@@ -58,9 +61,4 @@ pub(super) fn lists(bytes: &[u8], statement: &str) -> Lists {
         }
     }
     Ok((points, named))
-}
-
-/// The number of a vertex as 32 bits.
-fn number(index: usize, line: usize) -> Result<u32, FileError> {
-    u32::try_from(index).map_err(|_| broken("line", line, "more vertices than 32 bits can number"))
 }

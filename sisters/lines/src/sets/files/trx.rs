@@ -36,17 +36,7 @@ impl Entry {
         let (rest, kind) = file.rsplit_once('.')?;
         let kind = match kind {
             "float16" => Number::Half,
-            "float32" => Number::Other(Kind::Float(4)),
-            "float64" => Number::Other(Kind::Float(8)),
-            "int8" => Number::Other(Kind::Signed(1)),
-            "int16" => Number::Other(Kind::Signed(2)),
-            "int32" => Number::Other(Kind::Signed(4)),
-            "int64" => Number::Other(Kind::Signed(8)),
-            "uint8" => Number::Other(Kind::Unsigned(1)),
-            "uint16" => Number::Other(Kind::Unsigned(2)),
-            "uint32" => Number::Other(Kind::Unsigned(4)),
-            "uint64" => Number::Other(Kind::Unsigned(8)),
-            _ => return None,
+            other => Number::Other(Kind::named(other)?),
         };
         let (name, components) = match rest.rsplit_once('.').map(|(name, n)| (name, n.parse::<u32>())) {
             Some((name, Ok(components))) => (name, components as usize),

@@ -1,52 +1,77 @@
-//! Words and numbers of texts, with the lines that they stand in.
+//! Words and numbers of texts.
 
 use std::str::FromStr;
 
-use glam::Vec3;
-
 use super::error::{FileError, broken};
 
-/// The words of a text with their line numbers; white space separates.
-pub(super) struct Words<'a> {
-    words: Box<dyn Iterator<Item = (usize, &'a str)> + 'a>,
-    pub(super) line: usize,
+/// A file from a place on, as words that white space separates.
+pub(super) struct Scan<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) at: usize,
+    /// How errors count places: "line" or "byte".
+    unit: &'static str,
+    /// The byte that ends each line of a text before binary numbers, as it ends the first one: a
+    /// carriage return if no line feed follows it.
+    line_end: u8,
 }
 
-impl<'a> Words<'a> {
-    /// Words of lines that are counted from `first`.
-    pub(super) fn new(bytes: &'a [u8], first: usize) -> Self {
-        let lines = lines(bytes).zip(first..);
-        Self {
-            words: Box::new(lines.flat_map(|(l, i)| words(l).into_iter().map(move |w| (i, w)))),
-            line: first,
-        }
+impl<'a> Scan<'a> {
+    pub(super) fn new(bytes: &'a [u8], unit: &'static str) -> Self {
+        let first = bytes.iter().position(|b| matches!(b, b'\r' | b'\n'));
+        let line_end = match first.and_then(|at| bytes.get(at..)) {
+            Some([b'\r', next, ..]) if *next != b'\n' => b'\r',
+            _ => b'\n',
+        };
+        Self { bytes, at: 0, unit, line_end }
     }
 
-    pub(super) fn next(&mut self) -> Option<&'a str> {
-        let (line, word) = self.words.next()?;
-        self.line = line;
-        Some(word)
+    /// An error at this place.
+    pub(super) fn fail(&self, why: impl Into<String>) -> FileError {
+        self.fail_at(self.at, why)
+    }
+
+    pub(super) fn fail_at(&self, at: usize, why: impl Into<String>) -> FileError {
+        let place = if self.unit == "line" { lines(&self.bytes[..at]).count() } else { at };
+        broken(self.unit, place, why)
+    }
+
+    /// The rest of a line.
+    pub(super) fn line(&mut self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let long = rest.iter().position(|b| *b == self.line_end).unwrap_or(rest.len());
+        self.at = (self.at + long + 1).min(self.bytes.len());
+        &rest[..long]
+    }
+
+    pub(super) fn word(&mut self) -> Option<&'a str> {
+        let rest = &self.bytes[self.at..];
+        let start = rest.iter().position(|b| !b.is_ascii_whitespace())?;
+        let long = rest[start..].iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len() - start);
+        self.at += start + long;
+        Some(str::from_utf8(&rest[start..start + long]).unwrap_or("\u{fffd}"))
+    }
+
+    /// The next word, if it stands in this line.
+    pub(super) fn word_of_line(&mut self) -> Option<&'a str> {
+        let rest = &self.bytes[self.at..];
+        let start = rest.iter().position(|b| *b == self.line_end || !matches!(b, b' ' | b'\t' | b'\r'))?;
+        if rest[start] == self.line_end { None } else { self.word() }
+    }
+
+    pub(super) fn name(&mut self, what: &str) -> Result<&'a str, FileError> {
+        self.word().ok_or_else(|| self.fail(format!("the file ends before {what}")))
     }
 
     /// The next word as a number.
     pub(super) fn number<T: FromStr>(&mut self, what: &str) -> Result<T, FileError> {
-        let Some(word) = self.next() else {
-            return Err(broken("line", self.line, format!("the file ends before {what}")));
-        };
-        parse(word, what, self.line)
+        let word = self.name(what)?;
+        parse(word, what).map_err(|why| self.fail(why))
     }
 
     /// The next word as a number with decimals.
     pub(super) fn real<T: FromStr + From<f32>>(&mut self, what: &str) -> Result<T, FileError> {
-        let Some(word) = self.next() else {
-            return Err(broken("line", self.line, format!("the file ends before {what}")));
-        };
-        real(word, what, self.line)
-    }
-
-    pub(super) fn point(&mut self) -> Result<Vec3, FileError> {
-        let mut next = || self.real("a coordinate");
-        Ok(Vec3::new(next()?, next()?, next()?))
+        let word = self.name(what)?;
+        real(word, what).map_err(|why| self.fail(why))
     }
 }
 
@@ -56,16 +81,6 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
     whole.flat_map(|line| line.split(|b| *b == b'\r'))
 }
 
-/// The byte that ends each line of a text before binary numbers, as it ends the first one: a
-/// carriage return if no line feed follows it.
-pub(super) fn line_end(bytes: &[u8]) -> u8 {
-    let first = bytes.iter().position(|b| matches!(b, b'\r' | b'\n'));
-    match first.and_then(|at| bytes.get(at..)) {
-        Some([b'\r', next, ..]) if *next != b'\n' => b'\r',
-        _ => b'\n',
-    }
-}
-
 pub(super) fn words(line: &[u8]) -> Vec<&str> {
     line.split(u8::is_ascii_whitespace)
         .filter(|w| !w.is_empty())
@@ -73,37 +88,30 @@ pub(super) fn words(line: &[u8]) -> Vec<&str> {
         .collect()
 }
 
-pub(super) fn parse<T: FromStr>(word: &str, what: &str, line: usize) -> Result<T, FileError> {
-    word.parse().map_err(|_| broken("line", line, is_not(word, what)))
+pub(super) fn parse<T: FromStr>(word: &str, what: &str) -> Result<T, String> {
+    word.parse().map_err(|_| {
+        let short: String = word.chars().take(20).filter(|c| !c.is_control()).collect();
+        let hint = match word {
+            w if w.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER) => {
+                ": here the file is no text (perhaps its numbers are binary)"
+            }
+            w if w.contains(',') && w.replace(',', ".").parse::<f64>().is_ok() => ": decimals need a point",
+            _ => "",
+        };
+        format!("\"{short}\" is not {what}{hint}")
+    })
 }
 
-/// A number with decimals.
-pub(super) fn real<T: FromStr + From<f32>>(word: &str, what: &str, line: usize) -> Result<T, FileError> {
-    parse(word, what, line).or_else(|why| no_number(word).map(T::from).ok_or(why))
-}
-
-/// What runtimes of C write for numbers that are none and for infinite ones: `-nan(ind)`,
-/// `1.#QNAN`, `-1.#INF`.
-pub(super) fn no_number(word: &str) -> Option<f32> {
-    let size = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
-    match size.as_str() {
-        s if s.starts_with("1.#inf") => {
-            Some(if word.starts_with('-') { -f32::INFINITY } else { f32::INFINITY })
+/// A number with decimals. Runtimes of C write `-nan(ind)`, `1.#QNAN` and `-1.#INF` for numbers that
+/// are none and for infinite ones.
+pub(super) fn real<T: FromStr + From<f32>>(word: &str, what: &str) -> Result<T, String> {
+    parse(word, what).or_else(|why| {
+        let size = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+        match size.as_str() {
+            s if s.starts_with("1.#inf") && word.starts_with('-') => Ok(T::from(f32::NEG_INFINITY)),
+            s if s.starts_with("1.#inf") => Ok(T::from(f32::INFINITY)),
+            s if s.starts_with("nan(") || s.starts_with("1.#") => Ok(T::from(f32::NAN)),
+            _ => Err(why),
         }
-        s if s.starts_with("nan(") || s.starts_with("1.#") => Some(f32::NAN),
-        _ => None,
-    }
-}
-
-/// Says that a word is not what should stand there.
-pub(super) fn is_not(word: &str, what: &str) -> String {
-    let short: String = word.chars().take(20).filter(|c| !c.is_control()).collect();
-    let hint = match word {
-        w if w.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER) => {
-            ": here the file is no text (perhaps its numbers are binary)"
-        }
-        w if w.contains(',') && w.replace(',', ".").parse::<f64>().is_ok() => ": decimals need a point",
-        _ => "",
-    };
-    format!("\"{short}\" is not {what}{hint}")
+    })
 }

@@ -1,12 +1,102 @@
-//! The pass that draws context: its depth and its shade in each pixel.
+//! Context: opaque triangle meshes among the lines, which hide them.
+//!
+//! Meshes are rasterised into a depth of each pixel, so that their number costs no pixel anything.
+//! The same triangles are occluders of the scene of bundles: casca's meshes hide no more than their
+//! triangles do.
 
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use casca::{Aabb, Occluder, TriMesh};
 use casca_stage::gpu::{Gpu, GpuError};
-use casca_stage::kernel::{among, bind};
-use casca_stage::wgpu::{self, Buffer, TextureFormat, TextureUsages, TextureView};
+use casca_stage::kernel::{among, bind, filled};
+use casca_stage::wgpu::{self, Buffer, BufferUsages, TextureFormat, TextureUsages, TextureView};
+use glam::Vec3;
 
-use crate::gpu::context::GpuContext;
-use crate::gpu::context::device::GpuVertex;
+use crate::gpu::error::LinesGpuError;
 use crate::gpu::shader::shader;
+use crate::mesh::Mesh;
+
+/// The colour of walls, bytes of sRGB.
+pub const GREY: [u8; 3] = [158, 163, 173];
+
+/// A mesh in a colour, prepared to hide lines.
+pub struct Context {
+    mesh: Mesh,
+    colour: [u8; 3],
+    occluders: Vec<(Aabb, Occluder)>,
+}
+
+impl Context {
+    /// A mesh, open or closed, in a colour: bytes of sRGB. Time: that of [`TriMesh::new`], one to
+    /// two seconds for a million triangles.
+    ///
+    /// # Errors
+    /// The mesh has no triangles, or positions that are not finite, or it names vertices that are
+    /// not there.
+    pub fn new(mesh: Mesh, colour: [u8; 3]) -> Result<Self, LinesGpuError> {
+        let occluder = TriMesh::new(mesh.positions.clone(), mesh.triangles.clone())?;
+        let corners = mesh.triangles.iter().flatten().map(|&v| mesh.positions[v as usize]);
+        let occluders = Aabb::from_points(corners).map(|bounds| (bounds, Arc::new(occluder).into()));
+        Ok(Self { mesh, colour, occluders: occluders.into_iter().collect() })
+    }
+
+    /// Grey boxes, by their least and greatest corners; each hides alone.
+    pub fn of_boxes(boxes: &[[Vec3; 2]]) -> Self {
+        let solid = |[min, max]: &[Vec3; 2]| (Aabb::new(*min, *max), Aabb::new(*min, *max).into());
+        let occluders = boxes.iter().map(solid).collect();
+        Self { mesh: Mesh::of_boxes(boxes), colour: GREY, occluders }
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The occluders, and their bounds.
+    pub(super) fn occluders(&self) -> &[(Aabb, Occluder)] {
+        &self.occluders
+    }
+}
+
+/// A vertex, as context.wgsl takes it.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GpuVertex {
+    position: [f32; 3],
+    normal: [f32; 3],
+    colour: [u8; 4],
+}
+
+/// A mesh in the memory of a device.
+pub struct GpuContext {
+    vertices: Buffer,
+    corners: Buffer,
+    count: u32,
+}
+
+impl GpuContext {
+    /// Copies a mesh to the device. Memory: 28 bytes a vertex and 12 a triangle.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn new(gpu: &Gpu, context: &Context) -> Result<Self, LinesGpuError> {
+        let mesh = context.mesh();
+        let [r, g, b] = context.colour;
+        let vertex = |(position, normal): (&Vec3, Vec3)| GpuVertex {
+            position: position.to_array(),
+            normal: normal.to_array(),
+            colour: [r, g, b, 255],
+        };
+        let vertices: Vec<GpuVertex> = mesh.positions.iter().zip(mesh.normals()).map(vertex).collect();
+        let corners = mesh.triangles.as_flattened();
+        Ok(Self {
+            vertices: filled(gpu, &vertices, BufferUsages::VERTEX)?,
+            corners: filled(gpu, corners, BufferUsages::INDEX)?,
+            count: corners.len() as u32,
+        })
+    }
+}
 
 /// The depths of eye space, in full.
 const DEPTH: TextureFormat = TextureFormat::R32Float;
@@ -17,7 +107,7 @@ const ORDER: TextureFormat = TextureFormat::Depth32Float;
 const FAR_AWAY: f64 = 3e38;
 
 /// The depth and shade of context in each pixel.
-pub(in crate::gpu) struct Surfaces {
+pub(super) struct Surfaces {
     depth: TextureView,
     shade: TextureView,
     order: TextureView,
@@ -25,7 +115,7 @@ pub(in crate::gpu) struct Surfaces {
 
 impl Surfaces {
     /// Of a size in pixels. Memory on the device: 12 bytes a pixel.
-    pub(in crate::gpu) fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self, GpuError> {
+    pub(super) fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self, GpuError> {
         let most = u64::from(gpu.device.limits().max_texture_dimension_2d);
         let bytes = u64::from(width) * u64::from(height) * 4;
         let no_room = GpuError::NoRoom { bytes, most: most * most * 4 };
@@ -53,7 +143,7 @@ impl Surfaces {
     }
 
     /// The bindings of shaders that read them, and `others`.
-    pub(in crate::gpu) fn with<'a>(
+    pub(super) fn with<'a>(
         &'a self,
         others: impl Fn(u32) -> Option<wgpu::BindingResource<'a>>,
     ) -> impl Fn(u32) -> Option<wgpu::BindingResource<'a>> {
@@ -66,13 +156,13 @@ impl Surfaces {
 }
 
 /// Draws context.
-pub(in crate::gpu) struct ContextPass {
+pub(super) struct ContextPass {
     pipeline: wgpu::RenderPipeline,
 }
 
 impl ContextPass {
-    pub(in crate::gpu) fn new(gpu: &Gpu) -> Self {
-        let module = shader(gpu, "context", include_str!("../shaders/context.wgsl"));
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let module = shader(gpu, "context", include_str!("shaders/context.wgsl"));
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4];
         let buffers = [Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<GpuVertex>() as u64,
@@ -110,7 +200,7 @@ impl ContextPass {
     }
 
     /// Draws meshes through a lens.
-    pub(in crate::gpu) fn draw(
+    pub(super) fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,

@@ -8,8 +8,13 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use crate::sets::{LineSet, Segment};
 use crate::view::View;
+
+/// Rows of pixels that are worked on as one.
+const BAND: u32 = 8;
 
 /// The part of a segment from `from` to `to`, as shares of the way from its first end.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,5 +98,60 @@ pub(crate) fn walk(view: &View, ends: [DVec3; 2], rows: &Range<u32>, mut visit: 
         } else {
             y += step_y;
         }
+    }
+}
+
+/// A set of lines in a view: its vertices in eye space, and its segments by the bands of rows that
+/// they cross. Work that goes band by band over them gives the same result for any number of
+/// threads.
+pub(crate) struct Placed {
+    points: Vec<DVec3>,
+    segments: Vec<Segment>,
+    bands: Vec<Vec<u32>>,
+}
+
+impl Placed {
+    pub(crate) fn new(lines: &LineSet, view: &View) -> Self {
+        let points: Vec<DVec3> = lines.points().par_iter().map(|&p| view.to_eye(p)).collect();
+        let segments: Vec<Segment> = lines.segments().collect();
+        let height = view.size()[1];
+        let rows = |s: &Segment| {
+            let [a, b] = [points[s.a as usize], points[s.b as usize]];
+            let part = clip(view, [a, b], &(0..height))?;
+            let row = |t: f64| {
+                let p = view.project(a + (b - a) * t);
+                ((p.y / p.z) as i64).clamp(0, i64::from(height) - 1) as u32
+            };
+            let (from, to) = (row(part.from), row(part.to));
+            // A row more on both sides: rounding may put the ends of the parts of a segment there.
+            Some(from.min(to).saturating_sub(1)..(from.max(to) + 2).min(height))
+        };
+        let rows: Vec<Option<Range<u32>>> = segments.par_iter().map(rows).collect();
+        let mut bands = vec![Vec::new(); height.div_ceil(BAND) as usize];
+        for (i, rows) in rows.iter().enumerate() {
+            let Some(rows) = rows else { continue };
+            let touched = (rows.start / BAND) as usize..=((rows.end - 1) / BAND) as usize;
+            bands[touched].iter_mut().for_each(|b| b.push(i as u32));
+        }
+        Self { points, segments, bands }
+    }
+
+    pub(crate) fn ends(&self, segment: &Segment) -> [DVec3; 2] {
+        [self.points[segment.a as usize], self.points[segment.b as usize]]
+    }
+
+    /// For each band, in order and in parallel: its rows of pixels and the segments in them.
+    pub(crate) fn bands<T: Send>(
+        &self,
+        view: &View,
+        work: impl Fn(Range<u32>, &mut dyn Iterator<Item = Segment>) -> T + Sync,
+    ) -> Vec<T> {
+        let height = view.size()[1];
+        let band = |(i, segments): (usize, &Vec<u32>)| {
+            let top = i as u32 * BAND;
+            let mut segments = segments.iter().map(|&s| self.segments[s as usize]);
+            work(top..(top + BAND).min(height), &mut segments)
+        };
+        self.bands.par_iter().enumerate().map(band).collect()
     }
 }

@@ -1,25 +1,13 @@
 //! Lines in colours of their vertices.
 
-use casca_stage::canvas::Canvas;
-use casca_stage::gpu::{COLOUR, Gpu};
-use casca_stage::timing::Clock;
-use glam::{Vec3, vec3};
-
-use crate::gpu::culling::Seen;
+use super::*;
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::renderer::{Look, Renderer};
-use crate::gpu::set::GpuLines;
-use crate::gpu::settings::Settings;
-use crate::sets::LineSet;
-use crate::view::{Lens, View};
-
-const SIZE: [u32; 2] = [64, 48];
+use crate::view::Lens;
 
 /// The picture of lines in plain colours, white behind.
 fn plain(gpu: &Gpu, renderer: &mut Renderer, lines: &GpuLines, view: &View) -> Vec<[u8; 4]> {
     let canvas = Canvas::new(gpu, SIZE.into());
-    let seen = Seen::all(lines.bundles().len());
-    renderer.update(gpu, view, (lines, &seen), &[], &mut Clock::off()).unwrap();
+    draw(gpu, renderer, lines, view);
     renderer.paint(gpu, &canvas.picture(), Look::Plain, 1.0, Vec3::ONE, &mut Clock::off()).unwrap();
     canvas.read_picture(gpu).unwrap().as_chunks::<4>().0.to_vec()
 }

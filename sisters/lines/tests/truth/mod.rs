@@ -1,5 +1,6 @@
 //! The occlusion by rays in double precision, tested against each tube near the receiver. It shares
-//! no code with the library: the quadratic equations of a cylinder and of two balls, no grid.
+//! no code with the library: the quadratic equations of a cylinder and of two balls, no grid. The
+//! example `thesis` uses it, too.
 
 use std::f64::consts::TAU;
 
@@ -89,4 +90,15 @@ fn from_origin([a, b]: [DVec3; 2]) -> f64 {
     let square = axis.length_squared();
     let share = if square > 0.0 { (-a.dot(axis) / square).clamp(0.0, 1.0) } else { 0.0 };
     (a + axis * share).length()
+}
+
+/// Pearson correlation, and the root of the mean square of differences.
+pub fn agreement(a: &[f64], b: &[f64]) -> [f64; 2] {
+    let mean = |of: &dyn Fn(f64, f64) -> f64| {
+        a.iter().zip(b).map(|(a, b)| of(*a, *b)).sum::<f64>() / a.len().max(1) as f64
+    };
+    let (ma, mb) = (mean(&|a, _| a), mean(&|_, b| b));
+    let spread = (mean(&|a, _| (a - ma).powi(2)) * mean(&|_, b| (b - mb).powi(2))).sqrt();
+    let pearson = if spread > 0.0 { mean(&|a, b| (a - ma) * (b - mb)) / spread } else { 0.0 };
+    [pearson, mean(&|a, b| (a - b).powi(2)).sqrt()]
 }
