@@ -293,10 +293,9 @@ impl Demo for Viewer {
             THICKNESS => choices.thickness = value as f32,
             BEND => choices.bend = value as f32,
             PLAIN => choices.plain = on,
-            CUBE => choices.mapping = if on { Map::Cube } else { Map::Cells },
             _ => {}
         }
-        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN, CUBE].contains(&dial);
+        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN].contains(&dial);
         let waits = is_held && matches!(self.shown, Shown::Many(..));
         if is_fur && !waits { self.change(&screen.gpu, old) } else { Ok(()) }
     }

@@ -53,9 +53,8 @@ pub fn print(options: &Options, source: &Source) -> Done {
         let views = (0..rooms).map(|i| {
             let eye = source.start(options, size, i * side * side / rooms)?;
             let view = source.view(options, eye, size)?;
-            // Rays need the tubes that the lines were copied for.
-            let of_view = source.settings(options, &view);
-            Ok((view, if settings.by_rays() { settings } else { of_view }))
+            // With the tubes that the lines were copied for.
+            Ok((view, settings))
         });
         let views = views.collect::<Result<Vec<_>, Failed>>()?;
         table(&[
