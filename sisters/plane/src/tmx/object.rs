@@ -186,10 +186,11 @@ impl ObjectLayer<'_> {
             }
             None => turn *= screen,
         }
-        let far = |p: DVec2| !(p.abs().max_element() <= FARTHEST);
+        // Also false for what is not a number.
+        let near = |p: DVec2| p.abs().cmple(DVec2::splat(FARTHEST)).all();
         let place = |p: DVec2| match DVec2::from_array(self.space.tiles((at + turn * p).to_array())) {
-            p if far(p) => Err(left_out(format!("{} and {} tiles are too far away", p.x, p.y))),
-            p => Ok(p.as_vec2()),
+            p if near(p) => Ok(p.as_vec2()),
+            p => Err(left_out(format!("{} and {} tiles are too far away", p.x, p.y))),
         };
         let places = |all: &[DVec2]| all.iter().map(|&p| place(p)).collect::<Result<Vec<Vec2>, Why>>();
         let few = |points: &[DVec2]| left_out(format!("{} points make no such shape", points.len()));

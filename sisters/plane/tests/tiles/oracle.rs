@@ -67,7 +67,7 @@ impl Oracle<'_> {
             if (0..2).all(|axis| (0..size[axis]).contains(&tile[axis])) {
                 let (x, y) = (tile[0] as u32, tile[1] as u32);
                 tiles.push((x, y));
-                if self.opaque.get(x, y) && !(inside && !entered) {
+                if self.opaque.get(x, y) && (entered || !inside) {
                     break;
                 }
             }
