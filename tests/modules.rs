@@ -38,7 +38,33 @@ const ROOTS: [&str; 19] = [
 const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
-const MOST: [(&str, usize); 0] = [];
+const MOST: [(&str, usize); 25] = [
+    ("src", 44650),
+    ("tests", 13650),
+    ("crates/cache", 550),
+    ("crates/lab", 8050),
+    ("crates/scenes", 9250),
+    ("crates/slots", 750),
+    ("crates/tools", 1350),
+    ("crates/truth", 10900),
+    ("sisters/fur", 11200),
+    ("sisters/light", 11400),
+    ("sisters/lines", 10500),
+    ("sisters/plane", 13650),
+    ("sisters/points", 10300),
+    ("fronts/bake", 2750),
+    ("fronts/baked", 1200),
+    ("fronts/bevy_casca", 7600),
+    ("fronts/bevy_casca_fur", 1750),
+    ("fronts/capi", 4500),
+    ("fronts/page", 250),
+    ("fronts/python", 1750),
+    ("fronts/server", 7100),
+    ("fronts/stage", 2200),
+    ("fronts/viewer", 10550),
+    ("fronts/walls", 1250),
+    ("fronts/web", 700),
+];
 
 /// A limit may be this far above what is there.
 const SLACK: usize = 300;

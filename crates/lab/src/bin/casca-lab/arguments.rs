@@ -8,6 +8,9 @@ use casca_cache::MeshCache;
 use casca_tools::command_line::PathError;
 use clap::{Arg, Args};
 
+/// Why a command failed.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+
 /// Frames that can be walked: as many as a file may give.
 pub const FRAMES: RangeInclusive<i64> = 1..=100_000;
 /// Widths of item buffers in pixels. The largest takes 2 GB.

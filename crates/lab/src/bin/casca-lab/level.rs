@@ -5,8 +5,8 @@ use casca_scenes::generated::{self, SceneKind, SceneOptions};
 use casca_tools::command_line::{EXIT_CODES, Outcome, say, try_writing};
 use clap::{Parser, value_parser};
 
-use crate::Failure;
 use crate::arguments::FRAMES;
+use crate::arguments::Failure;
 use crate::arguments::{Out, about};
 
 /// The options.

@@ -17,8 +17,7 @@ use casca_tools::command_line::{EXIT_CODES, Outcome, finish};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Why a command failed.
-type Failure = Box<dyn std::error::Error + Send + Sync>;
+use crate::arguments::Failure;
 
 /// Where the command is that is not always built.
 const MORE: &str = if cfg!(feature = "experiments") {

@@ -12,7 +12,7 @@ use casca_tools::command_line::{Outcome, try_writing_into};
 use glam::DVec3;
 use indicatif::ProgressBar;
 
-use crate::Failure;
+use crate::arguments::Failure;
 use crate::progress;
 pub use options::Options;
 use session::{Frame, Session};

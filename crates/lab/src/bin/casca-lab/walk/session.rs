@@ -14,7 +14,7 @@ use casca_truth::baselines::{Hzb, RayBuffer};
 use casca_truth::oracle::{FrameVerdict, ItemBuffer, Oracle, OracleOptions, Seen};
 
 use super::options::{ASPECT, GridChoice, MethodName, Options};
-use crate::Failure;
+use crate::arguments::Failure;
 use crate::progress;
 
 /// The height of a picture.
