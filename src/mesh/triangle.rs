@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::numeric::mesh::NORMAL;
+
 /// Separating-axis test of a triangle against a closed box widened by `margin`.
 pub(crate) fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), margin: f64) -> bool {
     let center = (min + max) * 0.5;
@@ -13,7 +15,16 @@ pub(crate) fn triangle_meets_box(t: &[DVec3; 3], (min, max): (DVec3, DVec3), mar
         pa.min(pb).min(pc) > radius || pa.max(pb).max(pc) < -radius
     };
     let (ab, bc, ca) = (b - a, c - b, a - c);
-    if [DVec3::X, DVec3::Y, DVec3::Z].into_iter().any(apart) || apart(ab.cross(bc)) {
+    if [DVec3::X, DVec3::Y, DVec3::Z].into_iter().any(apart) {
+        return false;
+    }
+    // Seen from the nearest corner: products with far ones are large, and their roundings, too.
+    let nearest = |[p, q, r]: [DVec3; 3]| p.length_squared() <= q.length_squared().min(r.length_squared());
+    let turns = [[a, b, c], [b, c, a], [c, a, b]];
+    let [p, q, r] = turns.into_iter().find(|&turn| nearest(turn)).unwrap_or(turns[0]);
+    let normal = (q - p).cross(r - p);
+    let doubt = NORMAL * (q - p).length() * (r - p).length() * p.length();
+    if normal.dot(p).abs() > normal.abs().dot(half) + doubt {
         return false;
     }
     ![ab, bc, ca].into_iter().any(|e| {
@@ -52,4 +63,25 @@ pub(crate) fn crossing(t: &[DVec3; 3], axis: usize, point: DVec3) -> Option<(f64
     let along = (normal[u] * (t[0][u] - pu) + normal[v] * (t[0][v] - pv)) / normal[axis] + t[0][axis];
     let (lo, hi) = (t[0].min(t[1]).min(t[2])[axis], t[0].max(t[1]).max(t[2])[axis]);
     Some((if along.is_nan() { lo } else { along.clamp(lo, hi) }, winding))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn boxes_around_points_of_long_narrow_triangles_are_met() {
+        let mut random = Random::new(4);
+        for _ in 0..2000 {
+            let (a, c) = (random.point(10.0), random.point(10.0));
+            let t = [a, random.point(1e7), c];
+            let at = a + (c - a) * random.next() + (t[1] - a) * (random.next() * 1e-6);
+            let room = DVec3::splat(1e-4);
+            for turn in 0..3 {
+                let t = [t[turn], t[(turn + 1) % 3], t[(turn + 2) % 3]];
+                assert!(triangle_meets_box(&t, (at - room, at + room), 0.0), "{t:?} {at}");
+            }
+        }
+    }
 }

@@ -8,6 +8,11 @@
 /// errs by about as much.
 pub(crate) const TRIANGLE: f64 = 1e-12;
 
+/// The distance of a triangle's plane from a point, times the length of its normal, errs by fewer
+/// than 16 roundings of the product of two sides and of the distance of their corner: of a triangle
+/// that is long and narrow, this is more than [`TRIANGLE`] counts.
+pub(crate) const NORMAL: f64 = 16.0 * f64::EPSILON;
+
 /// The slab of a patch is widened by this share of its greatest coordinate: a dot product with a
 /// unit normal errs by fewer than 4 units in the last place, 1e-15.
 pub(crate) const SLAB: f64 = 1e-12;

@@ -12,8 +12,8 @@ use casca_scenes::world::Shape;
 use crate::error::BakeError;
 use crate::find::Finder;
 use crate::journal::Journal;
-use crate::level::Level;
-use crate::places::{Places, eyes_of};
+use crate::level::{Level, eyes_of};
+use crate::places::Places;
 
 /// Told how many cells are done, and of how many; says whether to go on.
 pub type Progress<'a> = dyn FnMut(usize, usize) -> ControlFlow<()> + 'a;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use casca::glam::DVec3;
+use casca::glam::{DVec3, Vec3};
 use casca::{Aabb, Error, Facing, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
 use casca_baked::Cells;
 use casca_scenes::drive::{Driver, grid_for};
@@ -11,7 +11,6 @@ use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
 
 use casca_walls::Walls;
 
-use crate::places::eyes_of;
 use crate::solids::{Boxes, groups};
 use crate::union;
 
@@ -181,4 +180,13 @@ fn bounds_of(shape: &Shape) -> Aabb {
             Aabb::new(min, max)
         }
     }
+}
+
+/// The box of eyes of a cell, rounded outwards to single precision; `None` if there is no such
+/// cell.
+pub fn eyes_of(cells: &Cells, cell: u32) -> Option<Aabb> {
+    let (low, high) = cells.room(cell)?;
+    let down = |v: f64| if f64::from(v as f32) > v { (v as f32).next_down() } else { v as f32 };
+    let up = |v: f64| if f64::from(v as f32) < v { (v as f32).next_up() } else { v as f32 };
+    Some(Aabb::new(Vec3::from_array(low.map(down)), Vec3::from_array(high.map(up))))
 }

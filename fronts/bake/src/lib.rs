@@ -16,6 +16,6 @@ pub use baker::{Baker, Progress, journal_of, write_whole};
 pub use casca_baked::{Baked, Cells, Writer};
 pub use error::BakeError;
 pub use find::Finder;
-pub use level::Level;
+pub use level::{Level, eyes_of};
 pub use merge::{Merger, PartError, merge};
-pub use places::{Places, eyes_of};
+pub use places::Places;

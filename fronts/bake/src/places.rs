@@ -83,15 +83,6 @@ impl Places {
     }
 }
 
-/// The box of eyes of a cell, rounded outwards to single precision; `None` if there is no such
-/// cell.
-pub fn eyes_of(cells: &Cells, cell: u32) -> Option<Aabb> {
-    let (low, high) = cells.room(cell)?;
-    let down = |v: f64| if f64::from(v as f32) > v { (v as f32).next_down() } else { v as f32 };
-    let up = |v: f64| if f64::from(v as f32) < v { (v as f32).next_up() } else { v as f32 };
-    Some(Aabb::new(Vec3::from_array(low.map(down)), Vec3::from_array(high.map(up))))
-}
-
 /// The triangles of an object that face up or, seen from both sides, down.
 fn floors(object: &Object) -> Vec<[Vec3; 3]> {
     let all: Vec<[Vec3; 3]> = match &object.shape {

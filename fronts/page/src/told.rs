@@ -1,8 +1,7 @@
 //! Messages to the page's script, as JSON: objects with a `kind` and the fields of that kind.
 
 use casca_stage::dial::{Dial, Setting};
-use casca_stage::panel::{Entry, Sample};
-use casca_stage::report::Report;
+use casca_stage::report::{Entry, Report, Sample};
 use casca_stage::window::Told;
 use casca_viewer::systems::SYSTEMS;
 use serde_json::{Value, json};

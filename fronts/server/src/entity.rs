@@ -1,12 +1,11 @@
 //! Entities: players, vehicles, doors, whatever a client may or may not be told of.
 
 use casca::{Aabb, Occluder};
-use casca_walls::{Span, Walls};
+use casca_walls::Span;
 
 use crate::error::{ServerError, place, within};
 use crate::id::ClientId;
 use crate::numeric::{EVERYWHERE, FASTEST, ROUNDING, at_least, at_most};
-use crate::roster::{Entity, Thing};
 
 /// The team of clients and entities: a number of the game.
 pub type Team = u32;
@@ -68,31 +67,6 @@ pub(crate) fn check_box(b: &Aabb) -> Result<(), ServerError> {
     place("the bounds of an entity", b.min)?;
     place("the bounds of an entity", b.max)?;
     if b.min.cmple(b.max).all() { Ok(()) } else { Err(ServerError::Inverted("the bounds of an entity")) }
-}
-
-impl Thing for EntityDesc {
-    fn owner(&mut self) -> &mut Option<ClientId> {
-        &mut self.owner
-    }
-
-    fn team(&self) -> Option<Team> {
-        self.team
-    }
-}
-
-impl Entity {
-    /// A box around all places where it may be within `seconds` of the time `now`.
-    pub(crate) fn grown(&self, now: f64, seconds: f64) -> Aabb {
-        let time = seconds + (now - self.time).clamp(0.0, f64::MAX);
-        grown(&self.desc.bounds, f64::from(self.desc.speed) * time)
-    }
-
-    /// The part of a box around it that it can get to.
-    pub(crate) fn reached(&self, walls: &Walls, grown: &Aabb) -> Aabb {
-        let reached = walls.reached(&span_of(&self.desc.bounds), span_of(grown));
-        // All of these are single numbers: ends of boxes, and places of walls.
-        Aabb::new(reached.min.as_vec3(), reached.max.as_vec3())
-    }
 }
 
 /// A box in double precision.

@@ -3,10 +3,12 @@
 
 use std::collections::BTreeMap;
 
+use casca::Aabb;
 use casca_slots::Slots;
+use casca_walls::Walls;
 
 use crate::answer::Answer;
-use crate::entity::Team;
+use crate::entity::{EntityDesc, Team, grown, span_of};
 use crate::error::{ServerError, time};
 use crate::id::{ClientId, EntityId};
 use crate::numeric::STEP;
@@ -66,7 +68,7 @@ impl<C: Party, S> Client<C, S> {
 
 /// An entity as a server knows it.
 #[derive(Debug, Clone)]
-pub struct Entity<E = crate::EntityDesc, O = Option<casca::ObjectId>> {
+pub struct Entity<E = EntityDesc, O = Option<casca::ObjectId>> {
     pub(crate) desc: E,
     /// When it was where it is.
     pub(crate) time: f64,
@@ -85,6 +87,31 @@ impl<E, O> Entity<E, O> {
     /// When it was last reported, in seconds.
     pub fn time(&self) -> f64 {
         self.time
+    }
+}
+
+impl Thing for EntityDesc {
+    fn owner(&mut self) -> &mut Option<ClientId> {
+        &mut self.owner
+    }
+
+    fn team(&self) -> Option<Team> {
+        self.team
+    }
+}
+
+impl Entity {
+    /// A box around all places where it may be within `seconds` of the time `now`.
+    pub(crate) fn grown(&self, now: f64, seconds: f64) -> Aabb {
+        let time = seconds + (now - self.time).clamp(0.0, f64::MAX);
+        grown(&self.desc.bounds, f64::from(self.desc.speed) * time)
+    }
+
+    /// The part of a box around it that it can get to.
+    pub(crate) fn reached(&self, walls: &Walls, grown: &Aabb) -> Aabb {
+        let reached = walls.reached(&span_of(&self.desc.bounds), span_of(grown));
+        // All of these are single numbers: ends of boxes, and places of walls.
+        Aabb::new(reached.min.as_vec3(), reached.max.as_vec3())
     }
 }
 

@@ -8,7 +8,7 @@ use egui::{
 use crate::canvas::Target;
 use crate::dial::{Dial, Setting};
 use crate::gpu::Gpu;
-use crate::report::Report;
+use crate::report::{Entry, Report, Sample};
 use crate::screen::Screen;
 
 /// The colour behind panels that stand alone.
@@ -132,28 +132,6 @@ impl Panel {
         }
         output.textures_delta.clear();
     }
-}
-
-/// How a legend shows a colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sample {
-    /// A filled box.
-    Area,
-    /// A line.
-    Line,
-    /// A line around an area of another colour.
-    Framed([u8; 3]),
-}
-
-/// An entry of a legend.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Entry {
-    /// Red, green, blue, opacity.
-    pub colour: [u8; 4],
-    /// How it is shown.
-    pub sample: Sample,
-    /// Its meaning.
-    pub text: String,
 }
 
 impl Entry {

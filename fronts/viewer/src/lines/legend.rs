@@ -4,7 +4,8 @@ use casca_lines::sets::colour::{Legend, viridis};
 use casca_stage::canvas::Target;
 use casca_stage::egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Ui, vec2};
 use casca_stage::gpu::Gpu;
-use casca_stage::panel::{Entry, Panel, Sample, boxed};
+use casca_stage::panel::{Panel, boxed};
+use casca_stage::report::{Entry, Sample};
 
 /// Points of the bar of numbers.
 const BAR: [f32; 2] = [180.0, 12.0];

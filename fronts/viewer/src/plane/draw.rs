@@ -3,7 +3,8 @@
 use casca_stage::canvas::Target;
 use casca_stage::egui::{Color32, Context, LayerId, Mesh, Painter, Pos2, Rect, Shape};
 use casca_stage::gpu::Gpu;
-use casca_stage::panel::{Entry, Panel, Sample};
+use casca_stage::panel::Panel;
+use casca_stage::report::{Entry, Sample};
 use glam::Vec2;
 
 use crate::plane::level::{Level, RADIUS};

@@ -4,7 +4,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use casca_scenes::world::Camera;
-use casca_stage::panel::Entry;
+use casca_stage::report::Entry;
 use glam::{DVec3, Vec3};
 
 use crate::scene::camera_fit::{Margins, Solid, fitted};

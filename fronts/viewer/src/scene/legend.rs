@@ -1,7 +1,7 @@
 //! The legend: the colours in a picture and their meanings, and no others.
 
 use casca_scenes::world::Camera;
-use casca_stage::panel::{Entry, Sample};
+use casca_stage::report::{Entry, Sample};
 use glam::Vec3;
 
 use crate::scene::camera_fit::in_view;

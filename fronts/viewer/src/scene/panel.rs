@@ -6,8 +6,8 @@ use casca::internals::OcclusionImage;
 use casca_stage::canvas::Target;
 use casca_stage::egui::{self, Align2, Color32, ColorImage, RichText, TextureHandle};
 use casca_stage::gpu::{Gpu, IS_PAGE};
-use casca_stage::panel::{Entry, Panel, boxed, told};
-use casca_stage::report::Report;
+use casca_stage::panel::{Panel, boxed, told};
+use casca_stage::report::{Entry, Report};
 
 use crate::scene::playback::Method;
 

@@ -47,13 +47,10 @@ use crate::tiles::{TileError, TileLayer};
 pub use error::TmxError;
 use object::ObjectLayer;
 pub use object::TmxObject;
-use parts::{Extent, Frame, Part, Space, damaged, layer_name};
+use parts::{Extent, Frame, LONGEST_SIDE, Part, Space, damaged, layer_name};
 use tileset::{Files, Open, TILE, Tilesets, properties};
 pub use warning::TmxWarning;
 use xml::{Element, Xml};
-
-/// Tiles along a side of a map, at most: the editor makes no larger ones.
-const LONGEST_SIDE: u32 = 1 << 20;
 
 /// Tiles of a rectangle around all layers that is never too large: 2 MiB.
 const SMALL: u64 = 1 << 24;

@@ -10,6 +10,9 @@ use super::data::Data;
 use super::xml::{Element, Xml};
 use crate::editor::FARTHEST;
 
+/// Tiles along a side of a map, at most: the editor makes no larger ones.
+pub(super) const LONGEST_SIDE: u32 = 1 << 20;
+
 /// Shifts of layers in tiles that differ by less than this from whole numbers are whole: the editor
 /// writes offsets in decimals.
 const WHOLE: f64 = 1e-6;
@@ -148,10 +151,10 @@ impl Frame {
 
     fn chunk_size(&self, xml: &Xml<'_>, chunk: &Element<'_>) -> Result<(u32, u32), TmxError> {
         let size = (xml.number(chunk, "width")?, xml.number(chunk, "height")?);
-        if size.0.max(size.1) <= super::LONGEST_SIDE {
+        if size.0.max(size.1) <= LONGEST_SIDE {
             return Ok(size);
         }
-        let most = super::LONGEST_SIDE;
+        let most = LONGEST_SIDE;
         Err(xml.damaged(format!(
             "a chunk of {} by {} tiles: at most {most} along a side are read",
             size.0, size.1

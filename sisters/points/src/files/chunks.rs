@@ -7,14 +7,13 @@ use std::io::{Seek, SeekFrom};
 use std::thread;
 use std::vec::IntoIter;
 
+use laz::DecompressionSelection;
 use laz::laszip::ChunkTable;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 
 use super::head::{Head, Packed};
 use super::layers::{Layers, STACK};
-use super::lidar::{room, wanted};
-use super::sink::Source;
-use super::{PANICKED, guarded, plain};
+use super::sink::{PANICKED, Source, guarded, plain};
 
 /// Bytes of the first point of a chunk, at least: it is not compressed.
 const LEAST_RECORD: u64 = 20;
@@ -155,4 +154,21 @@ fn table(source: &mut impl Source, head: &Head, packed: &Packed) -> Option<Vec<E
     let bytes = entries.iter().try_fold(head.start + 8, |sum, entry| sum.checked_add(entry.1));
     let is_sound = bytes == Some(at) && entries.iter().all(|entry| !is_varied || entry.0 > 0);
     (is_sound && !entries.is_empty()).then_some(entries)
+}
+
+/// Points that are decoded at once.
+const BATCH: u64 = 1 << 16;
+/// Bytes of points that are decoded at once, at most: records may have 64 KiB.
+const BATCH_BYTES: u64 = 1 << 22;
+
+/// Bytes for the next of the points that are `left`.
+pub(super) fn room(left: u64, record: usize) -> Vec<u8> {
+    let count = left.min(BATCH).min((BATCH_BYTES / record as u64).max(1));
+    vec![0; count as usize * record]
+}
+
+/// The layers that are decoded, where points lie in layers. On times the decoder would recurse as
+/// often as a file says, and overflow the stack.
+pub(super) fn wanted() -> DecompressionSelection {
+    DecompressionSelection::base().decompress_z().decompress_rgb()
 }

@@ -4,11 +4,9 @@
 use std::io::{self, Read, SeekFrom};
 
 use glam::DVec3;
-use laz::LazVlr;
+use laz::{LazItemRecordBuilder, LazItemType, LazVlr};
 
-use super::lidar::{Layout, check_items};
-use super::sink::{FileError, Sink, Source};
-use super::{guarded, plain};
+use super::sink::{FileError, Sink, Source, guarded, plain};
 
 /// Bytes of the longest header, that of version 1.4, and of the shortest.
 const LONGEST: usize = 375;
@@ -315,5 +313,51 @@ impl Records {
             (self.at, self.found) = (next, self.found + 1);
         }
         Ok(())
+    }
+}
+
+/// Where the parts of a point lie in its record, which begins with three whole numbers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    /// Bytes of a point, at least 12.
+    pub record: usize,
+    /// Where the colour is: three numbers of 16 bits.
+    pub colour: Option<usize>,
+    /// What makes a place of the numbers.
+    pub scale: DVec3,
+    pub offset: DVec3,
+}
+
+/// Bytes of a point behind those of its format, in LAZ: each takes 10 kB in the decoder.
+const MOST_EXTRA_BYTES: u64 = 4096;
+
+/// Checks the parts of compressed points, as the decoder takes memory for each. Gives the bytes of
+/// a point.
+pub(super) fn check_items(vlr: &LazVlr) -> Result<u64, String> {
+    let items = vlr.items();
+    let size: u64 = items.iter().map(|item| u64::from(item.size())).sum();
+    for item in items {
+        let own = LazItemRecordBuilder::new().add_item(item.item_type()).build();
+        if own.iter().any(|own| own.size() != item.size()) {
+            let (kind, size) = (item.item_type(), item.size());
+            return Err(format!("compressed points have {kind:?} of {size} bytes a point"));
+        }
+    }
+    let is_place = |kind: LazItemType| matches!(kind, LazItemType::Point10 | LazItemType::Point14);
+    if !items.first().is_some_and(|item| is_place(item.item_type())) {
+        return Err(format!("compressed points have {size} bytes a point, and do not begin with a place"));
+    }
+    let is_bytes = |kind: LazItemType| matches!(kind, LazItemType::Byte(_) | LazItemType::Byte14(_));
+    let extra: u64 =
+        items.iter().filter(|item| is_bytes(item.item_type())).map(|item| u64::from(item.size())).sum();
+    if extra > MOST_EXTRA_BYTES {
+        return Err(format!(
+            "compressed points have {extra} extra bytes; at most {MOST_EXTRA_BYTES} are read"
+        ));
+    }
+    let kinds = || items.iter().map(|item| u16::from(item.item_type()));
+    match kinds().enumerate().find(|&(i, kind)| kinds().take(i).any(|other| other == kind)) {
+        Some((_, kind)) => Err(format!("compressed points have the item {kind} twice")),
+        None => Ok(size),
     }
 }

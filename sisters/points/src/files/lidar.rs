@@ -2,18 +2,10 @@
 //! reserves memory for them.
 
 use glam::DVec3;
-use laz::{DecompressionSelection, LazItemRecordBuilder, LazItemType, LazVlr};
 
-use super::chunks::{Chunks, Gap};
-use super::head::{self, Head};
+use super::chunks::{Chunks, Gap, room};
+use super::head::{self, Head, Layout};
 use super::sink::{Attributes, FileError, NONE, Sample, Sink, Source};
-
-/// Points that are decoded at once.
-const BATCH: u64 = 1 << 16;
-/// Bytes of points that are decoded at once, at most: records may have 64 KiB.
-const BATCH_BYTES: u64 = 1 << 22;
-/// Bytes of a point behind those of its format, in LAZ: each takes 10 kB in the decoder.
-const MOST_EXTRA_BYTES: u64 = 4096;
 
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let head = &head::open(&mut source, sink)?;
@@ -67,24 +59,6 @@ fn points<E: From<FileError>>(mut source: impl Source, head: &Head, sink: &mut S
     Ok(())
 }
 
-/// Where the parts of a point lie in its record, which begins with three whole numbers.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Layout {
-    /// Bytes of a point, at least 12.
-    pub record: usize,
-    /// Where the colour is: three numbers of 16 bits.
-    pub colour: Option<usize>,
-    /// What makes a place of the numbers.
-    pub scale: DVec3,
-    pub offset: DVec3,
-}
-
-/// Bytes for the next of the points that are `left`.
-pub(super) fn room(left: u64, record: usize) -> Vec<u8> {
-    let count = left.min(BATCH).min((BATCH_BYTES / record as u64).max(1));
-    vec![0; count as usize * record]
-}
-
 /// Gives the points of records to the sink.
 pub(super) fn hand_out<E: From<FileError>>(
     records: &[u8],
@@ -110,41 +84,4 @@ pub(super) fn hand_out<E: From<FileError>>(
         sink.push(Sample { position, colour, ..Sample::NONE }, has)?;
     }
     Ok(())
-}
-
-/// The layers that are decoded, where points lie in layers. On times the decoder would recurse as
-/// often as a file says, and overflow the stack.
-pub(super) fn wanted() -> DecompressionSelection {
-    DecompressionSelection::base().decompress_z().decompress_rgb()
-}
-
-/// Checks the parts of compressed points, as the decoder takes memory for each. Gives the bytes of
-/// a point.
-pub(super) fn check_items(vlr: &LazVlr) -> Result<u64, String> {
-    let items = vlr.items();
-    let size: u64 = items.iter().map(|item| u64::from(item.size())).sum();
-    for item in items {
-        let own = LazItemRecordBuilder::new().add_item(item.item_type()).build();
-        if own.iter().any(|own| own.size() != item.size()) {
-            let (kind, size) = (item.item_type(), item.size());
-            return Err(format!("compressed points have {kind:?} of {size} bytes a point"));
-        }
-    }
-    let is_place = |kind: LazItemType| matches!(kind, LazItemType::Point10 | LazItemType::Point14);
-    if !items.first().is_some_and(|item| is_place(item.item_type())) {
-        return Err(format!("compressed points have {size} bytes a point, and do not begin with a place"));
-    }
-    let is_bytes = |kind: LazItemType| matches!(kind, LazItemType::Byte(_) | LazItemType::Byte14(_));
-    let extra: u64 =
-        items.iter().filter(|item| is_bytes(item.item_type())).map(|item| u64::from(item.size())).sum();
-    if extra > MOST_EXTRA_BYTES {
-        return Err(format!(
-            "compressed points have {extra} extra bytes; at most {MOST_EXTRA_BYTES} are read"
-        ));
-    }
-    let kinds = || items.iter().map(|item| u16::from(item.item_type()));
-    match kinds().enumerate().find(|&(i, kind)| kinds().take(i).any(|other| other == kind)) {
-        Some((_, kind)) => Err(format!("compressed points have the item {kind} twice")),
-        None => Ok(size),
-    }
 }

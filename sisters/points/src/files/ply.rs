@@ -4,9 +4,8 @@ use std::io::{self, BufRead, Write};
 
 use glam::{DVec3, Vec3};
 
-use super::plain;
 use super::ply_header::{self, Element, Encoding, Field, Kind};
-use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
+use super::sink::{Attributes, FileError, Sample, Sink, Source, plain, unit_to_byte};
 use super::text::{Lines, number};
 use crate::PointCloud;
 

@@ -3,7 +3,7 @@
 
 use std::io::BufRead;
 
-use super::plain;
+use super::sink::plain;
 use super::text::Lines;
 
 /// How the elements are written.

@@ -5,8 +5,7 @@ use std::io::SeekFrom;
 use e57::{CartesianCoordinate, E57Reader, PointCloud, RecordDataType};
 use glam::DVec3;
 
-use super::sink::{Attributes, FileError, Sample, Sink, Source, unit_to_byte};
-use super::{guarded, plain};
+use super::sink::{Attributes, FileError, Sample, Sink, Source, guarded, plain, unit_to_byte};
 
 /// Attributes of a point, at most: the standard has 20, and extensions add some.
 const MOST_ATTRIBUTES: usize = 64;

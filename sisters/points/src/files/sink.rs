@@ -2,10 +2,10 @@
 
 use std::fmt::Display;
 use std::io::{self, BufRead, Seek};
+use std::panic::{self, AssertUnwindSafe};
 
 use glam::{DVec3, Vec3};
 
-use super::plain;
 use crate::{PointCloud, UNKNOWN_SCANNER, numeric};
 
 /// Why a file could not be read or written.
@@ -247,4 +247,31 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
 /// A colour of the unit range as a byte.
 pub(super) fn unit_to_byte(value: f64) -> u8 {
     (value * 255.0).round() as u8
+}
+
+/// The longest text of a library that is handed on, in characters: some repeat the file.
+const LONGEST_TEXT: usize = 300;
+
+/// The result of a library. A panic in it, as `laz` has on some broken files, becomes an error.
+pub(super) fn guarded<T, E: ToString>(call: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
+    match panic::catch_unwind(AssertUnwindSafe(call)) {
+        Ok(result) => result.map_err(plain),
+        Err(_) => Err(PANICKED.into()),
+    }
+}
+
+/// What is said of a panic.
+pub(super) const PANICKED: &str = "the bytes make no sense to the decoder, which panicked";
+
+/// What an error says, in plain words and not at length.
+pub(super) fn plain(error: impl ToString) -> String {
+    let mut text = error.to_string();
+    if text.contains("failed to fill whole buffer") {
+        return "the file ends here".into();
+    }
+    if let Some((end, _)) = text.char_indices().nth(LONGEST_TEXT) {
+        text.truncate(end);
+        text.push_str(" ...");
+    }
+    text
 }
