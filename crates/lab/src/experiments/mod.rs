@@ -1,7 +1,7 @@
 //! The laboratory: experiments whose results make up the report, `docs/report.md`.
 //!
 //! Each experiment is a function from a [`Lab`] to a [`Section`]: text, tables and charts.
-//! [`write()`] puts sections together. What is compared goes through a [`Contender`], so that
+//! [`write()`] puts sections together. What is compared goes through a `Contender`, so that
 //! the library and the methods of today's engines are measured by the same code.
 
 mod against;

@@ -183,7 +183,9 @@ fn preparation(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
             let mesh = |o: Object| if let Shape::Mesh { mesh, .. } = o.shape { Some(mesh) } else { None };
             objects.filter_map(mesh).collect()
         }),
-        ("balls of 320 triangles", |n, _| vec![Arc::new(Mesh::ball(2)); n.div_ceil(320)]),
+        ("balls of 320 triangles", |n, _| {
+            std::iter::repeat_n(Arc::new(Mesh::ball(2)), n.div_ceil(320)).collect()
+        }),
         ("soup, one mesh", |n, seed| vec![Arc::new(soup(n, seed))]),
     ];
     for (i, (name, build)) in kinds.into_iter().enumerate() {

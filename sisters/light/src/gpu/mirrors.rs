@@ -135,7 +135,7 @@ impl GpuCache {
     /// # Errors
     /// If there are no or too many rays, or the eye is not finite.
     ///
-    /// [`Cache::request_reflection`]: crate::Cache::request_reflection
+    /// [`Cache::request_reflections`]: crate::Cache::request_reflections
     pub fn mirror(
         &self,
         device: &Device,
