@@ -3,8 +3,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use futures_util::{SinkExt, StreamExt};
+use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch};
+use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
+use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 
 use crate::id::ClientId;
 use crate::net::game::{Command, Link};
@@ -12,16 +16,16 @@ use crate::net::metrics::Metrics;
 use crate::net::options::FrontOptions;
 use crate::net::websocket::{Incoming, Reader, Writer, next_frame, send_frame};
 use crate::session::{Event, Refusal, Session};
-use crate::wire::ToClient;
+use crate::wire::{MOST_FRAME, ToClient, WireError};
 
 /// A message that takes longer to be written ends the connection.
 const WRITE: Duration = Duration::from_secs(2);
 
 /// Pause after a connection could not be accepted: there may be no file descriptors left.
-pub(crate) const PAUSE: Duration = Duration::from_millis(50);
+const PAUSE: Duration = Duration::from_millis(50);
 
 /// How long a last frame may take.
-pub(crate) const FAREWELL: Duration = Duration::from_millis(200);
+const FAREWELL: Duration = Duration::from_millis(200);
 
 /// What all connections share.
 #[derive(Debug, Clone)]
@@ -78,8 +82,52 @@ impl Seat {
     }
 }
 
+/// Takes connections until the server stops, and waits for them to end.
+pub(crate) async fn listen(listener: TcpListener, door: Door) {
+    let mut open = JoinSet::new();
+    loop {
+        let accepted = tokio::select! {
+            accepted = listener.accept() => accepted,
+            Some(_) = open.join_next() => continue,
+            () = door.end() => break,
+        };
+        let Ok((stream, _)) = accepted else {
+            tokio::time::sleep(PAUSE).await;
+            continue;
+        };
+        if let Some(seat) = door.seat() {
+            open.spawn(async move { seat.hold(serve(stream, seat.door())).await });
+        }
+    }
+    drop(listener);
+    while open.join_next().await.is_some() {}
+}
+
+/// A connection, from the handshake to its end.
+async fn serve(stream: TcpStream, door: &Door) -> Result<(), Refusal> {
+    let _ = stream.set_nodelay(true);
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(MOST_FRAME))
+        .max_frame_size(Some(MOST_FRAME))
+        .write_buffer_size(0);
+    let begin = Instant::now();
+    let hello = Duration::from_secs_f64(door.options.limits.hello);
+    let shake = tokio_tungstenite::accept_async_with_config(stream, Some(config));
+    let socket = match timeout(hello, shake).await {
+        Ok(Ok(socket)) => socket,
+        Ok(Err(_)) => return Err(Refusal::Frame(WireError::Short(0))),
+        Err(_) => return Err(Refusal::Idle),
+    };
+    let (mut sink, mut source) = socket.split();
+    let result = converse(&mut source, &mut sink, door, begin).await;
+    if result.is_err_and(|refusal| !matches!(refusal, Refusal::Slow | Refusal::Gone)) {
+        let _ = timeout(FAREWELL, sink.close()).await;
+    }
+    result
+}
+
 /// Reads and writes until one side ends it, and says goodbye.
-pub(crate) async fn converse(
+async fn converse(
     source: &mut Reader,
     outlet: &mut Writer,
     door: &Door,

@@ -22,7 +22,7 @@ use tokio::sync::{Semaphore, mpsc, watch};
 use tokio::task::JoinHandle;
 
 use crate::bots::{Level, LevelError};
-use crate::net::connection::Door;
+use crate::net::connection::{Door, listen};
 use crate::net::game::Game;
 use crate::net::metrics::Metrics;
 
@@ -79,7 +79,7 @@ impl Front {
         let seats = Arc::new(Semaphore::new(options.connections.min(Semaphore::MAX_PERMITS)));
         let door = Door { options, commands, metrics: metrics.clone(), stopped: stopped.clone(), seats };
         let pages = tokio::spawn(http::listen(pages, metrics.clone(), map, stopped));
-        let tasks = vec![pages, tokio::spawn(websocket::listen(listener, door))];
+        let tasks = vec![pages, tokio::spawn(listen(listener, door))];
         tracing::info!(%clients, %http, "listening");
         Ok(Self { clients, http, stop, tasks, game: Some(game), metrics })
     }
