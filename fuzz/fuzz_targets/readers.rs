@@ -104,7 +104,7 @@ fn bricks(bytes: &[u8]) {
 
 /// A file of baked sets.
 fn sets(objects: u32) -> Vec<u8> {
-    let cells = Cells { low: [0.0; 3], size: [1.0; 3], dims: [4, 3, 2] };
+    let cells = Cells { low: [0.0; 3], size: [1.0; 3], dims: [4, 3, 2], origin: [0.0; 3] };
     let mut writer = Writer::new(cells, objects).expect("cells");
     for cell in 0..20 {
         let set: Vec<u32> = (0..objects).filter(|object| (object * 7 + cell / 3) % 5 < 3).collect();
