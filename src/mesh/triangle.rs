@@ -73,10 +73,15 @@ mod tests {
     #[test]
     fn boxes_around_points_of_long_narrow_triangles_are_met() {
         let mut random = Random::new(4);
-        for _ in 0..2000 {
-            let (a, c) = (random.point(10.0), random.point(10.0));
-            let t = [a, random.point(1e7), c];
-            let at = a + (c - a) * random.next() + (t[1] - a) * (random.next() * 1e-6);
+        for round in 0..2000 {
+            // One corner far away, or all three.
+            let far = random.point(1e7);
+            let (b, c) =
+                if round % 2 == 0 { (far, random.point(10.0)) } else { (far, far + random.point(10.0)) };
+            let (at, u, v) = (random.point(10.0), random.next() * 1e-6, random.within(0.1, 0.6));
+            let (u, v) = if round % 2 == 0 { (u, v) } else { (v * 0.5, v) };
+            let a = (at - b * u - c * v) / (1.0 - u - v);
+            let t = [a, b, c];
             let room = DVec3::splat(1e-4);
             for turn in 0..3 {
                 let t = [t[turn], t[(turn + 1) % 3], t[(turn + 2) % 3]];
