@@ -32,9 +32,10 @@ pub enum Method {
     /// taken to be hidden ([`crate::Stats::eye_in_occluder`]). [`crate::Pvs::is_valid_for`] asks
     /// the same of the near plane of another view.
     ///
-    /// Costs the cells in sight, as far as they may contain objects that were not found yet.
-    /// Orthographic views get no occlusion. Where nothing is taken to be hidden, it costs all
-    /// objects of the scene, and no cells. Thesis, section 3.3.
+    /// Costs the cells in sight, as far as they may contain objects that were not found yet, and a
+    /// comparison for each object that moves. The first run of a query on a scene lists all objects
+    /// by cell. Orthographic views get no occlusion. Where nothing is taken to be hidden, a run
+    /// costs all objects of the scene, and no cells. Thesis, section 3.3.
     Cell(CellOptions),
     /// The objects that can be seen from the eye, at pixel precision: the tightest method. Costs
     /// the cells and occluders in sight. Thesis, section 5 (future work).

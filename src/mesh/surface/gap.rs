@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn no_point_moves_farther_than_the_gap() {
-        let mut random = Random::new(7);
+        let mut random = Random::new(1);
         let (mut farthest, mut split, mut moved) = (0.0f64, 0, 0);
         for round in 0..160 {
             let turn =
@@ -354,7 +354,7 @@ mod tests {
             farthest = farthest.max(deviation(&mut random, &made.0, &pairs, gap));
         }
         assert!(farthest <= 1.0 + 1e-6, "{farthest}");
-        assert!(farthest > 0.5 && split > 40 && moved > 100, "{farthest} {split} {moved}");
+        assert!(farthest > 0.6 && split > 40 && moved > 100, "{farthest} {split} {moved}");
     }
 
     #[test]

@@ -150,7 +150,7 @@ impl CellLists {
         if whole.is_empty() { self.cells.tile(brick, axes, at) } else { u64::MAX }
     }
 
-    /// Whether something about pages holds for all cells: that there are no objects.
+    /// Whether some pages have no objects, by a question that is put to the pages of both lists.
     #[inline]
     pub(super) fn none_in(&self, empty: impl Fn(&dyn Pages) -> bool) -> bool {
         empty(self.cells.pages()) && empty(&self.whole)
