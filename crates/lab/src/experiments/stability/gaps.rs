@@ -15,9 +15,9 @@ use casca_scenes::world::{Camera, Shape};
 const CELL: f32 = 0.125;
 /// From the eye to the wall.
 const DISTANCE: f32 = 10.0;
-/// The wall reaches so far from its middle to all sides.
+/// The wall reaches this far from its middle to all sides.
 const REACH: f32 = 14.0;
-/// Slits lie so far from the middle at most.
+/// Slits lie at most this far from the middle.
 const SPREAD: f32 = 8.5;
 const FOV: f32 = 60.0;
 
