@@ -1,6 +1,7 @@
 //! The random numbers of scenes, experiments and exact visibility: all from a seed.
 
-use rand::SeedableRng;
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
 
 /// The generator that all of them use. The same seed gives the same numbers on every machine.
 pub use rand_pcg::Pcg64Mcg as Generator;
@@ -20,10 +21,44 @@ pub fn spread(number: u64) -> u64 {
     number.wrapping_mul(GOLDEN)
 }
 
+/// Random numbers and places from a seed.
+pub struct Dice(Generator);
+
+impl Dice {
+    /// Those of a stream, which may count up as seeds do.
+    pub fn new(seed: u64, stream: u64) -> Self {
+        Self(generator(spread(seed), stream))
+    }
+
+    /// A number from `lo` to `hi`.
+    pub fn range(&mut self, lo: f32, hi: f32) -> f32 {
+        lo + (hi - lo) * self.0.random::<f32>()
+    }
+
+    /// True in this share of all cases.
+    pub fn chance(&mut self, share: f32) -> bool {
+        self.0.random::<f32>() < share
+    }
+
+    /// A point of a box.
+    pub fn point(&mut self, lo: Vec3, hi: Vec3) -> Vec3 {
+        Vec3::new(self.range(lo.x, hi.x), self.range(lo.y, hi.y), self.range(lo.z, hi.z))
+    }
+
+    /// A vector at most 1 long.
+    pub fn ball(&mut self) -> Vec3 {
+        for _ in 0..64 {
+            let v = self.point(Vec3::NEG_ONE, Vec3::ONE);
+            if v.length_squared() <= 1.0 {
+                return v;
+            }
+        }
+        Vec3::ZERO
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use rand::RngExt;
-
     use super::*;
 
     #[test]

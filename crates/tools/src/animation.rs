@@ -12,7 +12,7 @@ use crate::image::PngError;
 
 /// Colours of an animation: flat colours need no more, and the file stays small.
 const COLOURS: usize = 64;
-/// The palette is found from that many frames.
+/// The palette is found from at most this many frames.
 const SAMPLES: usize = 8;
 
 /// Writes frames of four bytes a pixel, all of one size, as an animated PNG that repeats for ever.

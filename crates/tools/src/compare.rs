@@ -20,7 +20,7 @@ impl Shot {
 }
 
 /// The colour of pixels that differ.
-pub const MARK: [u8; 4] = [220, 0, 30, 255];
+const MARK: [u8; 4] = [220, 0, 30, 255];
 
 /// A pale picture with the pixels that differ in red, and some around each.
 pub fn marked(picture: &[u8], differing: &[bool], (width, height): (u32, u32)) -> Vec<u8> {

@@ -34,7 +34,8 @@ pub fn parse_size(text: &str, sides: RangeInclusive<u32>) -> Result<(u32, u32), 
     Ok((pixels(width)?, pixels(height)?))
 }
 
-/// Linear light, 0 to 1, as a byte of sRGB (IEC 61966-2-1); what is beyond is cut off.
+/// Linear light, 0 to 1, as a byte of sRGB (IEC 61966-2-1). Light outside of that range gives
+/// the nearest end of it.
 pub fn srgb(light: f32) -> u8 {
     let light = light.clamp(0.0, 1.0);
     let stored = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };

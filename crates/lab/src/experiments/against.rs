@@ -5,12 +5,10 @@ use casca::{Aabb, GridSpec, Method, PointOptions};
 
 use super::walker::{Walker, item_buffer};
 use super::worlds::Place;
-use super::{Contender, Lab, LabError, Section, Table, median, p99};
+use super::{BUFFER, Contender, Lab, LabError, Section, Table, median, p99};
 use casca_scenes::generated::SceneKind;
 use casca_scenes::world::World;
 
-/// Pixels of the buffer: those that engines use.
-const SIZE: (usize, usize) = (320, 180);
 /// The sets of options that have names, from the fastest to the tightest.
 const PRESETS: [(&str, PointOptions); 3] = [
     ("fast", PointOptions::fast()),
@@ -109,7 +107,7 @@ fn measure(world: World, sampling: &Sampling) -> Result<BufferCost, LabError> {
     let fitted = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
     let mut walker = Walker::new(world)?;
     walker.add(&fitted)?;
-    let mut contenders = vec![Contender::hzb(SIZE.0, SIZE.1)];
+    let mut contenders = vec![Contender::hzb(BUFFER.0, BUFFER.1)];
     for (name, options) in PRESETS {
         contenders.push(Contender::casca(name, Method::Point(options))?);
     }
@@ -121,11 +119,8 @@ fn measure(world: World, sampling: &Sampling) -> Result<BufferCost, LabError> {
         let judges = done % every == every / 2;
         let visible = judges.then(|| walker.visible(frame, &mut exact));
         for (contender, sums) in contenders.iter_mut().zip(&mut sums) {
-            let mut best = f64::INFINITY;
-            for _ in 0..sampling.repeats.max(1) {
-                best = best.min(contender.run(&walker.input(frame, 1))?.as_secs_f64() * 1e3);
-            }
-            sums.add(contender, best, visible.as_deref());
+            let ms = contender.least(&walker.input(frame, 1), sampling.repeats)?;
+            sums.add(contender, ms, visible.as_deref());
         }
         if let Some(visible) = visible {
             visible_sum += visible.len();
@@ -200,8 +195,8 @@ fn comparison(costs: &[BufferCost]) -> String {
          and `hzb` loses visible objects on {losing}.** Each frame of a walk counts with the least of \
          several runs; medians and 99th percentiles (p99) are over the frames. Sets and lost objects are \
          those of a frame, in a part of the frames.",
-        SIZE.0,
-        SIZE.1,
+        BUFFER.0,
+        BUFFER.1,
         costs.len()
     )
 }

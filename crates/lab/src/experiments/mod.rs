@@ -27,7 +27,7 @@ mod worlds;
 
 pub use against::against;
 pub use aggressive::aggressive;
-pub(crate) use contender::{Contender, FrameInput};
+pub(crate) use contender::{BUFFER, Contender, FrameInput};
 pub(crate) use context::ASPECT;
 pub use context::{Lab, LabError};
 pub(crate) use figures::{grouped, median, p99};

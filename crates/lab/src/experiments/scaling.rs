@@ -10,15 +10,12 @@ use rand::RngExt;
 use rayon::ThreadPoolBuilder;
 
 use super::upkeep::Arena;
-use super::{ASPECT, Contender, FrameInput, Lab, LabError, Section, Table, grouped, median, p99};
+use super::{ASPECT, BUFFER, Contender, FrameInput, Lab, LabError, Section, Table, grouped, median, p99};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::{timed, timed_by_wall};
 use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{Animation, Camera, GridHint, Mesh, Motion, Object, Shape, World};
-
-/// Pixels of the buffer: those that engines use.
-const BUFFER: (usize, usize) = (320, 180);
 
 /// What one size costs.
 #[derive(Debug, Clone, Copy)]
@@ -36,8 +33,8 @@ struct Row {
     hzb: [f64; 2],
 }
 
-/// Measures a world from so many views of its walk, in the grid that fits; of so many runs from
-/// each the least counts.
+/// Measures a world from this many views of its walk, in the grid that fits; the least of `repeats`
+/// runs from each counts.
 fn measure(world: &World, views: usize, repeats: usize) -> Result<Row, LabError> {
     let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
     // Several threads prepare meshes.
@@ -269,7 +266,7 @@ impl Animation for Hills {
     }
 }
 
-/// A square of the ground with so many squares of two triangles along each side.
+/// A square of the ground with this many squares of two triangles along each side.
 fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
     let (side, pitch) = (squares + 1, GROUND / (TILES * squares) as f32);
     let vertex = |i: usize| {
@@ -288,7 +285,7 @@ fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
     }
 }
 
-/// Rolling ground of about so many triangles, and boxes on it. The hills are the same for any
+/// Rolling ground of about this many triangles, and boxes on it. The hills are the same for any
 /// number.
 fn ground(triangles: usize, seed: u64) -> World {
     let mut dice = generator(seed, 0x6e0d);

@@ -93,12 +93,7 @@ fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError>
         let count = entries.len();
         for turn in 0..count {
             let entry = &mut entries[(turn + done) % count];
-            let mut best = f64::INFINITY;
-            for _ in 0..sampling.repeats.max(1) {
-                let time = entry.contender.run(&walker.input(frame, entry.grid))?;
-                best = best.min(time.as_secs_f64() * 1e3);
-            }
-            entry.ms.push(best);
+            entry.ms.push(entry.contender.least(&walker.input(frame, entry.grid), sampling.repeats)?);
             entry.found += entry.contender.found().len();
             entry.lost += visible.iter().filter(|&&i| !entry.contender.sees(i)).count();
         }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::dice::Dice;
 use super::motion::Path;
 use super::parts::{beams, object, placed, prism};
+use crate::random::Dice;
 use crate::world::{Mesh, Object};
 
 /// Pieces of furniture and small things on each storey.

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::dice::Dice;
 use super::motion::{Path, Walk};
 use super::noise::Noise;
 use super::options::SceneOptions;
 use super::parts::{object, placed};
+use crate::random::Dice;
 use crate::world::{GridHint, Mesh, Object, World};
 
 pub(super) const SIZE: f32 = 320.0;

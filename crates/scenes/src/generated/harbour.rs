@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::dice::Dice;
 use super::motion::{Path, Sliding, Walk};
 use super::options::SceneOptions;
 use super::parts::{beams, mesh, object, placed, prism, standing_box};
+use crate::random::Dice;
 use crate::world::{GridHint, Mesh, Object, World};
 
 const CONTAINERS: f32 = 900.0;

@@ -24,7 +24,6 @@
 
 mod city;
 mod crowd;
-mod dice;
 mod forest;
 mod furniture;
 mod ground;

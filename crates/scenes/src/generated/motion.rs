@@ -4,8 +4,8 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::dice::Dice;
 use crate::numeric::{SPEED_ROOM, SPEED_ROUNDING};
+use crate::random::Dice;
 use crate::world::{Animation, Camera, FRAME_SECONDS, Motion, Object, Shape};
 
 /// Seconds from the start of the path.

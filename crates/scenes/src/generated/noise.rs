@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::dice::Dice;
+use crate::random::Dice;
 
 /// Values along each side of the lattice; it repeats beyond.
 const SIDE: usize = 16;

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 
-use super::dice::Dice;
 use super::motion::{Path, Walk};
 use super::noise::Noise;
 use super::options::SceneOptions;
 use super::parts::{mesh, object, standing_box};
+use crate::random::Dice;
 use crate::world::{GridHint, Mesh, Shape, World};
 
 const SIZE: f32 = 100.0;

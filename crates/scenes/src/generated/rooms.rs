@@ -5,10 +5,10 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::dice::Dice;
 use super::motion::{Path, Sliding, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
+use crate::random::Dice;
 use crate::world::{GridHint, Object, Shape, World};
 
 const ROOMS: usize = 5;

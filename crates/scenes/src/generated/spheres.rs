@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use super::dice::Dice;
 use super::motion::{Path, Swing, Swinging, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box};
+use crate::random::Dice;
 use crate::world::{GridHint, Object, Shape, World};
 
 const SIZE: Vec3 = Vec3::new(100.0, 60.0, 100.0);

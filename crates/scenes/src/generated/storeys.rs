@@ -5,11 +5,11 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::dice::Dice;
 use super::furniture::Furniture;
 use super::motion::{Path, Sliding, Walk};
 use super::options::SceneOptions;
 use super::parts::{boxes, mesh, object, standing_box};
+use crate::random::Dice;
 use crate::world::{GridHint, Mesh, Object, World};
 
 const STOREYS: usize = 8;

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::dice::Dice;
 use super::ground::{self, Ground, Places};
 use super::options::SceneOptions;
 use super::parts::{mesh, object, placed, prism};
+use crate::random::Dice;
 use crate::world::{Mesh, Object, World};
 
 const TREES: f32 = 320.0;

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec3};
 
 use super::city::{self, BLOCKS, GROUND, PITCH, SIZE, STREET};
-use super::dice::Dice;
 use super::motion::Walk;
 use super::options::SceneOptions;
 use super::parts::{mesh, object, standing_box};
+use crate::random::Dice;
 use crate::world::{GridHint, Mesh, Object, Shape, World};
 
 const HEIGHT: f32 = 40.0;

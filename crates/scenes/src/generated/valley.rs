@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
 
-use super::dice::Dice;
 use super::ground::{self, Ground, Places};
 use super::options::SceneOptions;
 use super::parts::{mesh, object, placed, prism};
+use crate::random::Dice;
 use crate::world::{Mesh, Object, Shape, World};
 
 const TREES: f32 = 2500.0;

@@ -6,8 +6,8 @@ use std::f32::consts::{PI, TAU};
 use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec2, Vec3};
 
-use super::dice::Dice;
 use super::motion::{Path, Swing, Swinging};
+use crate::random::Dice;
 use crate::world::{Animation, Camera, Motion, Object, Shape, World};
 
 /// Seconds between two frames of the walker.

@@ -122,8 +122,6 @@ pub const VISIBLE_CELL: RGBColor = RGBColor(250, 238, 150);
 pub const VOLUME: RGBColor = RGBColor(175, 60, 130);
 /// The camera.
 pub const CAMERA: RGBColor = RGBColor(213, 94, 0);
-/// Where the camera goes.
-pub const WALK: RGBColor = RGBColor(0, 114, 178);
 /// Titles and labels.
 pub const TEXT: RGBColor = RGBColor(30, 30, 34);
 /// Words that matter less.

@@ -11,7 +11,7 @@ use super::PictureError;
 use super::palette::{Marker, QUIET, Style, TEXT};
 
 /// Fonts of the reader's machine; the reader's program sets the text.
-pub const FONT: &str = "Inter, Helvetica, Arial, sans-serif";
+const FONT: &str = "Inter, Helvetica, Arial, sans-serif";
 
 /// The page, or a part of it.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -48,7 +48,7 @@ pub fn font(size: f64) -> FontDesc<'static> {
 }
 
 /// The greatest width that text of this size has in the usual fonts, in pixels.
-pub fn width_of(text: &str, size: f64) -> i32 {
+fn width_of(text: &str, size: f64) -> i32 {
     (text.chars().count() as f64 * size * 0.58).ceil() as i32
 }
 

@@ -54,7 +54,7 @@ pub struct Failure {
 /// Farther away than this, rounding may move an occluder out of its bounds, which is refused.
 const ROUNDED: f32 = 2e5;
 
-/// Whether something is so far away.
+/// Whether a form lies farther away than [`ROUNDED`].
 fn is_rounded(form: &Form) -> bool {
     form.center().abs().max_element() > ROUNDED
 }

@@ -5,9 +5,7 @@ use casca_scenes::generated::{self, SceneKind, SceneOptions};
 use casca_tools::command_line::{EXIT_CODES, Outcome, say, try_writing};
 use clap::{Parser, value_parser};
 
-use crate::arguments::FRAMES;
-use crate::arguments::Failure;
-use crate::arguments::{Out, about};
+use crate::arguments::{FRAMES, Failure, Out, about};
 
 /// The options.
 #[derive(Debug, Parser)]

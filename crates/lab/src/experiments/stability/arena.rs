@@ -2,8 +2,9 @@
 
 use glam::{Quat, Vec3};
 
-use super::case::{ASPECT, Case, Dice, block, box_mesh, glass, grid, mesh, placed, solid, sphere, still};
+use super::case::{ASPECT, Case, block, box_mesh, dice, glass, grid, mesh, placed, solid, sphere, still};
 use crate::experiments::{Lab, LabError};
+use casca_scenes::random::Dice;
 use casca_scenes::world::{Camera, Object, Shape};
 
 /// Of the grid, in metres.
@@ -56,7 +57,7 @@ pub(super) fn sheet(n: u32, m: u32, mut keep: impl FnMut(u32, u32) -> bool) -> S
 
 impl<'a> Arena<'a> {
     pub(super) fn new(lab: &'a Lab) -> Self {
-        let mut dice = Dice::new(lab.seed, 5);
+        let mut dice = dice(lab.seed, 5);
         let base = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 70.0, ASPECT, 0.1, 100.0);
         let cameras = (0..lab.pick(8, 3)).map(|_| {
             let turn = Quat::from_scaled_axis(dice.ball() * 0.15);
@@ -85,6 +86,6 @@ impl<'a> Arena<'a> {
     }
 
     pub(super) fn dice(&self, case: u64) -> Dice {
-        Dice::new(self.lab.seed, case)
+        dice(self.lab.seed, case)
     }
 }

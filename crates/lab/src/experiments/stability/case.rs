@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use casca::{Aabb, GridSpec};
 use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, camera::rh::view::look_to_mat4};
-use rand::RngExt;
 
 pub(super) use crate::experiments::ASPECT;
 use crate::experiments::LabError;
-use casca_scenes::random::{Generator, generator, spread};
+use casca_scenes::random::Dice;
 use casca_scenes::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
 /// A point of an object that the case was built to show; judged beside the points that the oracle
@@ -64,34 +63,9 @@ pub(super) fn still(cameras: impl IntoIterator<Item = Camera>) -> Vec<Shot> {
     cameras.into_iter().enumerate().map(shot).collect()
 }
 
-/// Seeded random numbers.
-pub(super) struct Dice(Generator);
-
-impl Dice {
-    pub(super) fn new(seed: u64, case: u64) -> Self {
-        Self(generator(spread(seed), case.wrapping_mul(0x2545_f491)))
-    }
-
-    /// A number from `lo` to `hi`.
-    pub(super) fn range(&mut self, lo: f32, hi: f32) -> f32 {
-        lo + (hi - lo) * self.0.random::<f32>()
-    }
-
-    /// A point of a box.
-    pub(super) fn point(&mut self, lo: Vec3, hi: Vec3) -> Vec3 {
-        Vec3::new(self.range(lo.x, hi.x), self.range(lo.y, hi.y), self.range(lo.z, hi.z))
-    }
-
-    /// A vector at most 1 long.
-    pub(super) fn ball(&mut self) -> Vec3 {
-        for _ in 0..64 {
-            let v = self.point(Vec3::NEG_ONE, Vec3::ONE);
-            if v.length_squared() <= 1.0 {
-                return v;
-            }
-        }
-        Vec3::ZERO
-    }
+/// The random numbers of a case.
+pub(super) fn dice(seed: u64, case: u64) -> Dice {
+    Dice::new(seed, case.wrapping_mul(0x2545_f491))
 }
 
 /// A static occluder that is tested.

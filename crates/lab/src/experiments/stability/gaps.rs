@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use glam::{DVec3, Quat, Vec3};
 
 use super::case::{
-    ASPECT, Case, Dice, Known, block, glass, grid, hexahedron, placed, quad, solid, sphere, still,
+    ASPECT, Case, Known, block, dice, glass, grid, hexahedron, placed, quad, solid, sphere, still,
 };
 use super::run::HZB;
 use crate::experiments::{Lab, LabError};
@@ -15,9 +15,9 @@ use casca_scenes::world::{Camera, Shape};
 const CELL: f32 = 0.125;
 /// From the eye to the wall.
 const DISTANCE: f32 = 10.0;
-/// The wall reaches so far from its middle to all sides.
+/// The wall reaches this far from its middle to all sides.
 const REACH: f32 = 14.0;
-/// Slits lie so far from the middle at most.
+/// Slits lie at most this far from the middle.
 const SPREAD: f32 = 8.5;
 const FOV: f32 = 60.0;
 
@@ -77,7 +77,7 @@ fn strip(wall: Wall, x0: f32, x1: f32, slit: f32) -> Shape {
 }
 
 fn case(wall: Wall, name: &str, slit: f32, lab: &Lab) -> Result<Case, LabError> {
-    let mut dice = Dice::new(lab.seed, 2);
+    let mut dice = dice(lab.seed, 2);
     let count = (SPREAD / slit).floor().clamp(1.0, 40.0);
     let pitch = 2.0 * SPREAD / count;
     let slits: Vec<f32> = (0..count as usize)

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::case::{ASPECT, Case, Dice, Shot, block, grid, placed, solid, sphere};
+use super::case::{ASPECT, Case, Shot, block, dice, grid, placed, solid, sphere};
 use super::walks::{Walk, shifted};
 use crate::experiments::{Lab, LabError};
 use casca_scenes::generated::SceneKind;
@@ -33,7 +33,7 @@ struct Crowd {
 
 impl Crowd {
     fn new(lab: &Lab) -> Self {
-        let mut dice = Dice::new(lab.seed, 3);
+        let mut dice = dice(lab.seed, 3);
         let mut objects = Vec::new();
         for i in 0..24 {
             let at = dice.point(Vec3::ZERO, SIZE).with_y(0.0);
@@ -60,7 +60,7 @@ impl Crowd {
         stay: usize,
         time: impl Fn(usize) -> f64,
     ) -> Result<Case, LabError> {
-        let mut dice = Dice::new(self.seed, 4);
+        let mut dice = dice(self.seed, 4);
         let mut way = 0.0;
         let mut shots = Vec::new();
         let mut camera = None;
@@ -105,7 +105,7 @@ pub(super) fn cases(lab: &Lab) -> Result<Vec<Case>, LabError> {
     cases.push(jumps);
 
     // Objects appear anywhere, far from where they were; nothing is promised about that.
-    let mut dice = Dice::new(lab.seed, 14);
+    let mut dice = dice(lab.seed, 14);
     let mut beamed = walk.case("spheres, moving objects jump anywhere each frame");
     for shot in &mut beamed.shots {
         for (_, shape) in &mut shot.moves {

@@ -5,7 +5,7 @@ use casca::GridSpec;
 use glam::camera::rh::proj::directx::{perspective, perspective_infinite_reverse};
 use glam::{Mat4, Quat, Vec3};
 
-use super::case::{ASPECT, Case, Dice, Shot, placed, plain, still, through};
+use super::case::{ASPECT, Case, Shot, dice, placed, plain, still, through};
 use crate::experiments::{Lab, LabError};
 use casca_scenes::drive::grid_for;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
@@ -85,7 +85,7 @@ pub(super) fn jitter(lab: &Lab) -> Result<Vec<Case>, LabError> {
         let walk = Walk::new(kind, lab.seed, PLACES)?;
         for amplitude in AMPLITUDES {
             // The same directions at every amplitude.
-            let mut dice = Dice::new(lab.seed, 1);
+            let mut dice = dice(lab.seed, 1);
             let bases = walk.cameras.iter().flat_map(|base| std::iter::repeat_n(base, frames(lab)));
             let cameras: Vec<Camera> = bases
                 .map(|base| {

@@ -14,6 +14,8 @@ use casca_scenes::world::{Shape, World};
 
 /// Where the thesis sees the curve bend, in degrees.
 const BEND: f64 = 80.0;
+/// The angles of view that are measured, in degrees.
+const ANGLES: [f64; 3] = [20.0, BEND, 180.0];
 
 /// What an eye sees that looks along +x through a square opening of this many degrees, 180 at most.
 fn opening(eye: Vec3, degrees: f64) -> Result<View, casca::Error> {
@@ -64,7 +66,6 @@ fn share(points: &[(f64, f64)], degrees: f64) -> f64 {
 
 pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabError> {
     (lab.progress)("angle of view");
-    let angles = [20.0, BEND, 180.0];
     let full = build(SceneKind::Spheres, &SceneOptions { seed: lab.seed, ..SceneOptions::default() });
     let mut empty = build(SceneKind::Spheres, &SceneOptions { scale: 0.0, ..SceneOptions::default() });
     empty.objects.clear();
@@ -80,7 +81,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     }
     // All ways take turns, so that what else the machine does falls on all of them.
     let repeats = lab.pick(7, 3);
-    for &degrees in &angles {
+    for degrees in ANGLES {
         let view = opening(eye, degrees)?;
         let mut least = vec![f64::INFINITY; runs.len()];
         for _ in 0..repeats {
@@ -107,7 +108,7 @@ fn table(rows: &[Row]) -> Table {
         ["scene and way", "ms at 20", "ms at 80", "ms at 180", "share at 80", "cells walked at 180"];
     let mut table = Table::new("thesis-angle", &columns);
     for r in rows {
-        let times = [20.0, BEND, 180.0].map(|degrees| format!("{:.4}", at(&r.time, degrees)));
+        let times = ANGLES.map(|degrees| format!("{:.4}", at(&r.time, degrees)));
         let last = [format!("{:.2}", share(&r.time, BEND)), format!("{:.0}", at(&r.cells, 180.0))];
         table.row([r.name.clone()].into_iter().chain(times).chain(last));
     }

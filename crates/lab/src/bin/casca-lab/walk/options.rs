@@ -6,13 +6,12 @@ use casca_tools::command_line::EXIT_CODES;
 use clap::{Parser, ValueEnum, value_parser};
 use glam::UVec3;
 
-use crate::arguments::{Cached, Common, Out, about};
-use crate::arguments::{FRAMES, MOST_SAMPLES, WIDTHS};
+use crate::arguments::{Cached, Common, FRAMES, MOST_SAMPLES, Out, WIDTHS, about};
 
 /// Width over height of all pictures.
 pub(super) const ASPECT: f32 = 16.0 / 9.0;
 
-/// Cells of a grid. So many take half a minute to fill and 2 GB.
+/// Cells of a grid, at most: they take half a minute to fill, and 2 GB.
 const MOST_CELLS: u64 = 1 << 30;
 
 /// How visibility is decided.
