@@ -10,6 +10,9 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rand_pcg::Pcg64Mcg;
 
 const SIDE: i32 = 256;
+/// Two unit vectors whose sum is shorter than this are opposite, but for rounding: the sum has no
+/// direction.
+const OPPOSITE: f32 = 1e-6;
 
 /// A map of hairs at random texels that repeats without seams (algorithm 4), and the share of texels
 /// with a hair when the goal is reached or no texel is free. Each texel is tried once, in random
@@ -91,7 +94,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     continuous_normals(&mut smooth)?;
     let mesh = weld(&smooth, &[])?;
     let sums = mesh.vertices().iter().map(|v| v.normal + v.position.normalize());
-    let (found, none): (Vec<Vec3>, Vec<Vec3>) = sums.partition(|sum| sum.length() > 1e-6);
+    let (found, none): (Vec<Vec3>, Vec<Vec3>) = sums.partition(|sum| sum.length() > OPPOSITE);
     let shown = found.iter().filter(|&&sum| {
         let (face, [u, v]) = cube_place(sum);
         let texel = |x: f32| (x * (SIDE - 1) as f32) as usize;

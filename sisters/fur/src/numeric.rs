@@ -75,6 +75,10 @@ pub(crate) const MAX_CELLS: f32 = 4_194_304.0;
 /// fall between two triangles.
 pub(crate) const ON_EDGE: f64 = 1e-6;
 
+/// Feet of one point that are nearer to each other than this, in cells, are one: a point above an
+/// edge has a foot on both triangles, which differ by rounding and by [`ON_EDGE`].
+pub(crate) const SAME_FOOT: f64 = 1e-3;
+
 /// The relative error of a vertex that a shader extrudes and transforms in single precision: bounds
 /// grow by it. Extruding takes three products and three sums, a transform four each; 16 units of
 /// 2^-24 cover both with room.

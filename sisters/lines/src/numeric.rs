@@ -22,6 +22,18 @@ pub const ALONG_VIEW: f32 = 1e-4;
 /// all one point.
 pub const DOT_ROOM: f64 = 1e-3;
 
+/// A view around a set shows a ball so many times as wide as the set: nothing touches the border of
+/// the picture.
+pub const AROUND: f64 = 1.02;
+
+/// The least near depth of a view around a set, as a share of the radius of what it shows: in
+/// perspective the near depth must be above 0.
+pub const LEAST_NEAR: f64 = 1e-3;
+
+/// A view whose direction has a vertical component of this or more has no y axis that points up in
+/// the picture: the z axis does, then.
+pub const UPRIGHT: f64 = 0.99;
+
 /// Segments of lines for each cell of a grid for rays, if they were spread evenly and short. Fewer
 /// make rays cross more cells, more make them test more segments.
 pub const SEGMENTS_IN_CELL: f64 = 0.5;

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
 
-use crate::numeric::{DOT_ROOM, NOT_RIGID};
+use crate::numeric::{AROUND, DOT_ROOM, LEAST_NEAR, NOT_RIGID, UPRIGHT};
 
 /// The greatest number of pixels of a view in one direction.
 pub const MOST_PIXELS: u32 = 8192;
@@ -143,14 +143,14 @@ impl View {
         let room = middle.abs().max_element() * DOT_ROOM;
         let radius = [radius, room, DOT_ROOM].into_iter().find(|&r| r > 0.0).unwrap_or(DOT_ROOM);
         let away = from.as_dvec3().try_normalize().ok_or(ViewError::NoDirection)?;
-        let up = if away.y.abs() < 0.99 { DVec3::Y } else { DVec3::Z };
-        let r = radius * 1.02;
+        let up = if away.y.abs() < UPRIGHT { DVec3::Y } else { DVec3::Z };
+        let r = radius * AROUND;
         let aspect = (f64::from(size[0]) / f64::from(size[1].max(1))).min(1.0);
         let (lens, distance) = match fov_y {
             None => (Lens::Orthographic { half_height: r / aspect }, r),
             Some(fov_y) => (Lens::Perspective { fov_y }, r / ((fov_y / 2.0).tan() * aspect).atan().sin()),
         };
-        let least = if fov_y.is_some() { r * 1e-3 } else { -r * 1e-3 };
+        let least = if fov_y.is_some() { r * LEAST_NEAR } else { -r * LEAST_NEAR };
         let depths = [(distance - r).max(least), distance + r];
         Self::towards([middle + away * distance, away, up], lens, depths, size)
     }

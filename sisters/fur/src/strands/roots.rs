@@ -5,7 +5,7 @@ use glam::{DVec3, IVec3, Vec3};
 use super::fur::Fur;
 use crate::error::Error;
 use crate::mesh::{Mesh, TexCoord};
-use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_EDGE_CELLS, MAX_STRANDS, ON_EDGE, SETTLED};
+use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_EDGE_CELLS, MAX_STRANDS, ON_EDGE, SAME_FOOT, SETTLED};
 
 /// A strand of fur on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,7 @@ pub fn roots(mesh: &Mesh, fur: &Fur) -> Result<Vec<Root>, Error> {
     }
     // A point above an edge has a foot on both triangles.
     feet.sort_by_key(|f| (f.cell.to_array(), f.k));
-    let near = 1e-3 * f64::from(fur.spacing);
+    let near = SAME_FOOT * f64::from(fur.spacing);
     let mut roots = Vec::with_capacity(feet.len());
     for same in feet.chunk_by(|a, b| a.cell == b.cell && a.k == b.k) {
         for (i, foot) in same.iter().enumerate() {

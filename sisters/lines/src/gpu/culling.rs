@@ -13,6 +13,7 @@ use glam::Vec3;
 use crate::gpu::context::Context;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::lens::view_of_scene;
+use crate::gpu::numeric::{GRID_ROOM, LEAST_EXTENT};
 use crate::gpu::set::Bundle;
 use crate::view::View;
 
@@ -56,9 +57,11 @@ impl Culling {
         let all = bounds.iter().chain(hiding().map(|(bounds, _)| bounds));
         let joined = all.copied().reduce(|a, b| Aabb::new(a.min.min(b.min), a.max.max(b.max)));
         let region = joined.unwrap_or(Aabb::new(Vec3::ZERO, Vec3::ONE));
-        let size =
-            (region.max - region.min).max_element().max(region.max.abs().max_element() * 1e-3).max(1e-3);
-        let region = inflate(&region, size * 0.01);
+        let size = (region.max - region.min)
+            .max_element()
+            .max(region.max.abs().max_element() * LEAST_EXTENT)
+            .max(LEAST_EXTENT);
+        let region = inflate(&region, size * GRID_ROOM);
         let mut scene = Scene::new(&GridSpec::fit(region, bounds.len() + hiding().count())?)?;
         for (bounds, occluder) in hiding() {
             scene.insert(ObjectDesc::fixed(*bounds).occluder(occluder.clone()).user_data(CONTEXT))?;

@@ -33,6 +33,18 @@ pub const MOST_THICK: f32 = 16.0;
 /// and bends.
 pub const SAMPLES_OFF: f32 = 0.35;
 
+/// The least extent of the grid of a scene of bundles, as a share of the greatest coordinate, and in
+/// units of the scene: bundles and context may all lie at one place.
+pub const LEAST_EXTENT: f32 = 1e-3;
+
+/// The room around bundles and context in the grid of their scene, as a share of the extent:
+/// rounding puts nothing outside.
+pub const GRID_ROOM: f32 = 0.01;
+
+/// A vector that is not longer than this has no direction: what would be divided by its length
+/// would not be finite.
+pub const LEAST_LENGTH: f32 = 1e-30;
+
 /// Constants as the shaders take them.
 pub(super) fn constants() -> String {
     let all = [
@@ -45,6 +57,7 @@ pub(super) fn constants() -> String {
         ("STOPPED", STOPPED),
         ("SIDE_SPREAD", SIDE_SPREAD),
         ("LEAST_NORMAL", LEAST_NORMAL),
+        ("LEAST_LENGTH", LEAST_LENGTH),
         ("SAMPLES_OFF", SAMPLES_OFF),
     ];
     let sides = format!("const SIDES: u32 = {SIDES}u;\n");

@@ -176,7 +176,7 @@ fn fragment_of(segment: u32, a: vec3f, b: vec3f, t: f32) -> Fragment {
     var found: Fragment;
     found.position = mix(a, b, t);
     found.line = segments[segment].y;
-    found.tangent = select(vec3f(0.0), turned / max(long, 1e-30), long > 1e-30);
+    found.tangent = select(vec3f(0.0), turned / max(long, LEAST_LENGTH), long > LEAST_LENGTH);
     found.along = mix(vertices[ends.x].w, vertices[ends.y].w, t);
     return found;
 }

@@ -43,7 +43,7 @@ fn hemisphere(fragment: Fragment) -> Hemisphere {
     let away = away_at(fragment.position);
     let flat = vec3f(1.0, 0.0, 0.0) - away * away.x;
     let long = length(flat);
-    let across = select(vec3f(0.0, 1.0, 0.0), flat / max(long, 1e-30), long > 1e-30);
+    let across = select(vec3f(0.0, 1.0, 0.0), flat / max(long, LEAST_LENGTH), long > LEAST_LENGTH);
     return Hemisphere(pole_of(fragment.tangent, away), across);
 }
 
@@ -231,7 +231,7 @@ fn traced(fragment: Fragment, lane: u32) -> f32 {
         let above = hemisphere(fragment);
         let flat = fragment.tangent - above.pole * dot(fragment.tangent, above.pole);
         let long = length(flat);
-        let across = select(above.across, flat / max(long, 1e-30), long > 1e-30);
+        let across = select(above.across, flat / max(long, LEAST_LENGTH), long > LEAST_LENGTH);
         let upwards = cross(above.pole, across);
         var ray: Ray;
         ray.start = lens.origin + (lens.rest + to_world(fragment.position)) + to_world(above.pole) * (ao.tube * RAY_LIFT);
