@@ -120,7 +120,7 @@ impl<'a> Region<'a> {
     }
 
     /// Whether a segment meets the region.
-    pub(crate) fn meets_segment(&self, a: DVec2, b: DVec2) -> bool {
+    fn meets_segment(&self, a: DVec2, b: DVec2) -> bool {
         match Wall::new(self.around.eye, a, b, NOBODY) {
             Some(target) => self.meets_wall(&target),
             None => self.meets_radial(a, b),
