@@ -71,6 +71,10 @@ pub(crate) const DISTANCE: f64 = 20.0 * f64::EPSILON;
 /// clipped end may hit the wall as far as that from it; flatter rays are not used.
 pub(crate) const CLIPPED: f64 = 1.0 / 8.0;
 
+/// A clipped end is off by less than this many times the rounding of a coordinate: by the diagonal
+/// of both axes, the square root of two.
+pub(crate) const BOTH_AXES: f64 = 2.0;
+
 /// The cells of a shell are found with this margin, in cells: slopes err by 2^-51 and are
 /// multiplied by 2^25 at most.
 pub(crate) const SHELL: f64 = 1.0 / (1u64 << 18) as f64;

@@ -49,9 +49,9 @@ const OBSTACLES: [&str; 21] = [
     "barrier",
 ];
 
-/// The names that say what hides, of layers, properties and classes. Capitals, blanks, `_`, `-` and a number at the end of a name in a map do not
-/// count: `Walls 2` is `walls`. A property says no with `false`, and it says yes with
-/// `true`, `yes`, `on` and numbers but 0.
+/// The names that say what hides, of layers, properties and classes. Capitals, blanks, `_`, `-` and
+/// a number at the end of a name in a map do not count: `Walls 2` is `walls`. A property says yes
+/// with `true`, `yes`, `on` and numbers but 0, and no with `false`, `no`, `off` and 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MapNames {
     /// What blocks sight; at first `opaque`, `wall`, `walls`, `occluder`, `occluders`,
@@ -69,29 +69,6 @@ impl Default for MapNames {
     fn default() -> Self {
         let owned = |all: &[&str]| all.iter().map(|&name| name.to_owned()).collect();
         Self { walls: owned(&WALLS), obstacles: owned(&OBSTACLES), doors: owned(&["door", "doors"]) }
-    }
-}
-
-impl MapNames {
-    /// Reads a map by the names of walls, and once more by those of obstacles if it has no wall so.
-    /// `has_walls` looks for one, `warn` is told that obstacles count.
-    pub(crate) fn read<M, E>(
-        &self,
-        mut read: impl FnMut(&Rule) -> Result<M, E>,
-        has_walls: impl Fn(&M) -> bool,
-        warn: impl FnOnce(&Rule, &mut M),
-    ) -> Result<M, E> {
-        let found = read(&Rule::new(&self.walls, &self.doors))?;
-        if has_walls(&found) || self.obstacles.is_empty() {
-            return Ok(found);
-        }
-        let rule = Rule::new(&self.obstacles, &self.doors);
-        let mut other = read(&rule)?;
-        if !has_walls(&other) {
-            return Ok(found);
-        }
-        warn(&rule, &mut other);
-        Ok(other)
     }
 }
 

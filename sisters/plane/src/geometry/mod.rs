@@ -9,7 +9,7 @@ pub(crate) mod polygon;
 mod polyline;
 mod rect;
 mod segment;
-pub(crate) mod shape;
+mod shape;
 
 pub use disc::{DISC_SIDES, Disc};
 pub use polygon::ConvexPolygon;

@@ -120,7 +120,7 @@ fn turned_to(sides: impl Iterator<Item = (DVec2, DVec2)>, eye: DVec2, mut side: 
 }
 
 /// The sides of a rectangle that have the eye on their outer side: two at most.
-pub(crate) fn front_of_block(block: &Block, eye: DVec2, mut side: impl FnMut(DVec2, DVec2)) {
+fn front_of_block(block: &Block, eye: DVec2, mut side: impl FnMut(DVec2, DVec2)) {
     let Block { min, max } = *block;
     let (right, left) = (DVec2::new(max.x, min.y), DVec2::new(min.x, max.y));
     if eye.y < min.y {

@@ -126,11 +126,11 @@ fn drawn(text: &str) -> Result<Drawing, String> {
 #[cfg(feature = "tiled")]
 impl Drawing {
     /// Takes what stands on a tile that is no wall: a door, or a guard or a start by one of its
-    /// names. `false` if there is no such tile.
-    fn place(&mut self, [x, y]: [i64; 2], is_door: bool, names: &[&str]) -> bool {
-        let [Ok(x), Ok(y)] = [x, y].map(u32::try_from) else { return false };
+    /// names.
+    fn place(&mut self, [x, y]: [i64; 2], is_door: bool, names: &[&str]) {
+        let [Ok(x), Ok(y)] = [x, y].map(u32::try_from) else { return };
         if x >= self.walls.width() || y >= self.walls.height() || self.walls.get(x, y) {
-            return false;
+            return;
         }
         let is =
             |wanted: &[&str]| names.iter().any(|name| wanted.contains(&&*crate::editor::names::plain(name)));
@@ -140,7 +140,6 @@ impl Drawing {
             () if is(&["start", "player", "spawn", "playerstart"]) => self.start = Some((x, y)),
             () => {}
         }
-        true
     }
 }
 
@@ -161,19 +160,11 @@ fn tiled(bytes: &[u8], folder: &Path) -> Result<Drawing, String> {
         others += usize::from(object.role == Role::Wall);
         drawing.place(tile.to_array(), object.role == Role::Door, &[&object.class, &object.name]);
     }
-    drawing.leave_out(others);
-    Ok(drawing)
-}
-
-#[cfg(feature = "tiled")]
-impl Drawing {
-    /// Warns of walls that are no tiles.
-    fn leave_out(&mut self, others: usize) {
-        if others > 0 {
-            self.warnings
-                .push(format!("{others} walls are no whole tiles: they are left out here, and hide nothing"));
-        }
+    if others > 0 {
+        let warning = format!("{others} walls are no whole tiles: they are left out here, and hide nothing");
+        drawing.warnings.push(warning);
     }
+    Ok(drawing)
 }
 
 #[cfg(not(feature = "tiled"))]

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::geometry::block::Block;
 use crate::geometry::orient;
-use crate::numeric::{CLIPPED, ROUNDINGS};
+use crate::numeric::{BOTH_AXES, CLIPPED, ROUNDINGS};
 use crate::point::arcs::{self, Arc, Circle, between};
 use crate::point::shells::Shells;
 use crate::point::wall::Wall;
@@ -153,7 +153,7 @@ fn inside(eye: DVec2, wall: &Wall, shells: &Shells, shell: i32) -> Option<[DVec2
     // A ray to a rounded point hits the wall elsewhere, the farther the flatter it meets the wall.
     let known = |p: DVec2| {
         let ray = p - eye;
-        ray.perp_dot(u).abs() * inset > 2.0 * rounding * ray.length() * u.length()
+        ray.perp_dot(u).abs() * inset > BOTH_AXES * rounding * ray.length() * u.length()
     };
     let from = if first > 0.0 { a + u * first } else { a };
     let to = if last < 1.0 { a + u * last } else { b };

@@ -133,7 +133,7 @@ impl Sight {
 }
 
 /// Marks the objects of which some wall is the nearest somewhere, and all of the object: they are
-/// seen, and need no comparison. A range or a sector may end before them.
+/// seen, and need no comparison. Not with a range, which may end before them.
 fn mark_shown(shown: &mut Vec<bool>, walk: &Walk, envelope: &Envelope, view: &View) {
     shown.clear();
     shown.resize(walk.found.len(), false);

@@ -6,8 +6,6 @@
 
 use glam::DVec2;
 
-use crate::geometry::polygon::ring;
-use crate::geometry::shape::front_of_block;
 use crate::geometry::{Disc, Shape, orient};
 use crate::numeric::DISTANCE;
 use crate::point::arcs::{order, touching};
@@ -122,7 +120,7 @@ impl<'a> Region<'a> {
     }
 
     /// Whether a segment meets the region.
-    pub(crate) fn meets_segment(&self, a: DVec2, b: DVec2) -> bool {
+    fn meets_segment(&self, a: DVec2, b: DVec2) -> bool {
         match Wall::new(self.around.eye, a, b, NOBODY) {
             Some(target) => self.meets_wall(&target),
             None => self.meets_radial(a, b),
@@ -190,21 +188,11 @@ impl<'a> Region<'a> {
         if shape.contains(eye) {
             return !self.is_empty();
         }
-        let mut met = false;
-        let mut side = |a: DVec2, b: DVec2| met = met || self.meets_segment(a, b);
-        match shape {
-            Shape::Disc(disc) => return self.meets_disc(disc),
-            Shape::Rect(rect) => front_of_block(&rect.block(), eye, side),
-            Shape::Polygon(polygon) => {
-                ring(polygon.corners())
-                    .filter(|(a, b)| orient(*a, *b, eye) < 0.0)
-                    .for_each(|(a, b)| side(a, b));
-            }
-            Shape::Segment(s) => side(s.a.as_dvec2(), s.b.as_dvec2()),
-            Shape::Polyline(line) => {
-                return line.segments().any(|s| self.meets_segment(s.a.as_dvec2(), s.b.as_dvec2()));
-            }
+        if let Shape::Disc(disc) = shape {
+            return self.meets_disc(disc);
         }
+        let mut met = false;
+        shape.front_sides(eye, |a, b| met = met || self.meets_segment(a, b));
         met
     }
 }

@@ -145,14 +145,8 @@ impl<'a> Quarter<'a> {
     /// The first marked cell of the grid from a number on, up to the last of the quarter.
     fn next(&self, marks: &CrossBits, number: i32) -> Option<i32> {
         let (shell, end) = (self.shell, 2 * self.shell);
-        let up = || {
-            let along = self.next_along(marks, 0, [number, shell])?;
-            Some(along)
-        };
-        let back = || {
-            let along = self.next_along(marks, 1, [end - number.max(shell + 1), 0])?;
-            Some(end - along)
-        };
+        let up = || self.next_along(marks, 0, [number, shell]);
+        let back = || self.next_along(marks, 1, [end - number.max(shell + 1), 0]).map(|along| end - along);
         (number <= shell).then(up).flatten().or_else(back)
     }
 

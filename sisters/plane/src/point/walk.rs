@@ -36,7 +36,7 @@ pub(crate) struct Walk {
 
 impl Walk {
     /// Forgets the objects and walls of the last walk.
-    pub(crate) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.found.clear();
         self.walls.clear();
         self.blocked.clear();

@@ -62,7 +62,8 @@ impl Query {
 
     /// Whether a point can be seen by the view of the last run: whether it belongs to the visible
     /// region, as [`Query::run`] defines it. Exact, but for the end of a range. `false` before the
-    /// first run, and for points that are not finite. Costs the logarithm of the number of sides in sight.
+    /// first run, and for points that are not finite. Costs the logarithm of the number of sides in
+    /// sight.
     pub fn sees_point(&self, point: Vec2) -> bool {
         self.sight.sees_point(point.as_dvec2())
     }

@@ -103,10 +103,10 @@ impl Scene {
     ) -> Result<(), Error> {
         let bounds = bounds.into();
         check_pair(&bounds, occluder.as_ref())?;
-        if occluder.is_none() && self.find(id)?.occluder.is_some() {
+        let hides = self.find(id)?.occluder.is_some();
+        if hides && occluder.is_none() {
             return Err(Error::OccluderMissing(id));
         }
-        self.find(id)?;
         self.unlist(id.slot());
         if let Some(object) = self.slots.get_mut(id.slot()) {
             (object.bounds, object.occluder) = (bounds, occluder);

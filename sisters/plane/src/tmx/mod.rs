@@ -172,13 +172,16 @@ impl TmxImport {
         open: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<TmxMap, TmxError> {
         let ((map, is_odd), mut open) = (text(map), once(open));
-        let read = |rule: &Rule| self.map(&map, &mut open, rule);
-        let warn = |rule: &Rule, (found, inventory): &mut (TmxMap, Inventory)| {
-            let names = std::mem::take(inventory).walls(rule);
-            found.warnings.push(TmxWarning::Obstacles { names });
-        };
-        let has_walls = |(found, _): &(TmxMap, Inventory)| found.has(&[Role::Wall]);
-        let (mut found, inventory) = self.names.read(read, has_walls, warn)?;
+        let MapNames { walls, obstacles, doors } = &self.names;
+        let (mut found, inventory) = self.map(&map, &mut open, &Rule::new(walls, doors))?;
+        if !found.has(&[Role::Wall]) && !obstacles.is_empty() {
+            let rule = Rule::new(obstacles, doors);
+            let (mut other, names) = self.map(&map, &mut open, &rule)?;
+            if other.has(&[Role::Wall]) {
+                other.warnings.push(TmxWarning::Obstacles { names: names.walls(&rule) });
+                found = other;
+            }
+        }
         if is_odd {
             found.warnings.push(TmxWarning::Encoding { file: "the map".into() });
         }

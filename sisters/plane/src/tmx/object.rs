@@ -10,15 +10,12 @@ use super::TmxError;
 use super::parts::Space;
 use super::tileset::{Alignment, Opaque, Tilesets, properties};
 use super::xml::{Element, Xml};
-use crate::editor::{Inventory, Role, Rule, Says};
+use crate::editor::{FARTHEST, Inventory, Role, Rule, Says};
 use crate::error::Error;
 use crate::geometry::ellipse::ellipse;
 use crate::geometry::{ConvexPolygon, Disc, Polyline, Rect, Segment, Shape};
 use crate::numeric::ROUND;
 use crate::object::ObjectDesc;
-
-/// Coordinates in tiles, at most, as for tiles themselves.
-const FARTHEST: f64 = (1 << 30) as f64;
 
 /// Letters of a file that a reason shows.
 const MOST_LETTERS: usize = 40;
@@ -187,7 +184,7 @@ impl ObjectLayer<'_> {
             None => turn *= screen,
         }
         // Also false for what is not a number.
-        let near = |p: DVec2| p.abs().cmple(DVec2::splat(FARTHEST)).all();
+        let near = |p: DVec2| p.abs().cmple(DVec2::splat(FARTHEST as f64)).all();
         let place = |p: DVec2| match DVec2::from_array(self.space.tiles((at + turn * p).to_array())) {
             p if near(p) => Ok(p.as_vec2()),
             p => Err(left_out(format!("{} and {} tiles are too far away", p.x, p.y))),

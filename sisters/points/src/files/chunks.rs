@@ -169,6 +169,6 @@ pub(super) fn room(left: u64, record: usize) -> Vec<u8> {
 
 /// The layers that are decoded, where points lie in layers. On times the decoder would recurse as
 /// often as a file says, and overflow the stack.
-pub(super) fn wanted() -> DecompressionSelection {
+fn wanted() -> DecompressionSelection {
     DecompressionSelection::base().decompress_z().decompress_rgb()
 }

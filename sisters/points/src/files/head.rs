@@ -333,7 +333,7 @@ const MOST_EXTRA_BYTES: u64 = 4096;
 
 /// Checks the parts of compressed points, as the decoder takes memory for each. Gives the bytes of
 /// a point.
-pub(super) fn check_items(vlr: &LazVlr) -> Result<u64, String> {
+fn check_items(vlr: &LazVlr) -> Result<u64, String> {
     let items = vlr.items();
     let size: u64 = items.iter().map(|item| u64::from(item.size())).sum();
     for item in items {

@@ -60,11 +60,7 @@ fn points<E: From<FileError>>(mut source: impl Source, head: &Head, sink: &mut S
 }
 
 /// Gives the points of records to the sink.
-pub(super) fn hand_out<E: From<FileError>>(
-    records: &[u8],
-    layout: &Layout,
-    sink: &mut Sink<'_, E>,
-) -> Result<(), E> {
+fn hand_out<E: From<FileError>>(records: &[u8], layout: &Layout, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let channels = |record: &[u8], at: usize| {
         [0, 2, 4].map(|channel| u16::from_le_bytes([record[at + channel], record[at + channel + 1]]))
     };
