@@ -2,7 +2,7 @@
 //! that it sees, and the hidden ones.
 //!
 //! ```sh
-//! cargo run --release -p casca-plane --features maps --example picture -- docs/plane.svg
+//! cargo run --release -p casca-plane --features maps --example picture -- ../docs/plane.svg
 //! ```
 
 use std::error::Error;
