@@ -1,6 +1,7 @@
 //! What the queries of a walk through a generated scene cost: instructions by a profiler.
 //!
-//! `valgrind --tool=callgrind --toggle-collect='*walk_cost::walk*' target/profiling/examples/walk_cost SCENE [EVERY]`
+//! `cargo build --release -p casca-scenes --example walk_cost`, then
+//! `valgrind --tool=callgrind --toggle-collect='*walk_cost::walk*' target/release/examples/walk_cost SCENE [EVERY]`
 
 use casca::{Method, PointOptions, Query};
 use casca_scenes::generated::{SceneOptions, build};
