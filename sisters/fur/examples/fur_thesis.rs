@@ -1,5 +1,5 @@
 //! What casca-fur does otherwise than the thesis that it comes from (B. P. Evangelista, UFMG 2009):
-//! its fur maps, its lookups and its normals, in numbers. `thesis [MAP.ppm]` also writes a map.
+//! its fur maps, its lookups and its normals, in numbers. `fur_thesis [MAP.ppm]` also writes a map.
 
 use std::collections::HashSet;
 use std::error::Error;
