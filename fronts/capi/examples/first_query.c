@@ -1,8 +1,8 @@
 /* A first query in C: a wall hides a bird, until the bird flies over it.
  *
- *     cargo build --release -p casca-capi
+ *     cargo build --release --manifest-path fronts/Cargo.toml -p casca-capi
  *     cc -std=c11 -I fronts/capi/include fronts/capi/examples/first_query.c \
- *         target/release/libcasca_c.a -lpthread -ldl -lm -o first_query && ./first_query
+ *         fronts/target/release/libcasca_c.a -lpthread -ldl -lm -o first_query && ./first_query
  */
 #include <casca.h>
 #include <stdio.h>

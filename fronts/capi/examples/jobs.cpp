@@ -1,9 +1,9 @@
 // Several cameras on a job system in C++: threads take cameras from a list and query one scene side
 // by side; between frames one thread edits the scene.
 //
-//     cargo build --release -p casca-capi
+//     cargo build --release --manifest-path fronts/Cargo.toml -p casca-capi
 //     c++ -std=c++17 -O2 -I fronts/capi/include fronts/capi/examples/jobs.cpp
-//         target/release/libcasca_c.a -lpthread -ldl -lm -o jobs && ./jobs
+//         fronts/target/release/libcasca_c.a -lpthread -ldl -lm -o jobs && ./jobs
 #include <atomic>
 #include <casca.hpp>
 #include <cmath>
