@@ -90,8 +90,9 @@ impl Cells {
         let farthest = self.farthest(low).max(self.farthest(high));
         for i in 0..3 {
             let near = self.near(i, farthest);
-            all.low[i] = self.index(i, low[i] - near).unwrap_or(all.low[i]);
-            all.high[i] = self.index(i, high[i] + near).unwrap_or(all.high[i]);
+            // Beyond the grid, up to its border.
+            all.low[i] = self.index(i, low[i] - near).unwrap_or(0);
+            all.high[i] = self.index(i, high[i] + near).unwrap_or(self.dims[i] - 1);
         }
         Some(all)
     }

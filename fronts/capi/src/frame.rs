@@ -6,7 +6,7 @@ use casca::{Aabb, Bounds, Pvs, Sphere};
 use crate::border::{self, OutSpan, OutStruct, grows};
 use crate::error::{Failure, call, casca_status};
 use crate::query::{Camera, QUERIES, casca_query};
-use crate::scene::{SCENES, SceneState, casca_scene};
+use crate::scene::{SCENES, SceneState, casca_scene, edit};
 use crate::view::{self, CASCA_ROW_MAJOR};
 
 /// What casca_scene_end_frame did. Fill it by CASCA_INIT.
@@ -119,9 +119,7 @@ pub unsafe extern "C" fn casca_scene_set_transform(
         view::check_flags(flags, CASCA_ROW_MAJOR, "flags")?;
         let numbers = border::array(transform.cast::<[f32; 16]>(), "transform")?;
         let transform = view::transform(numbers, flags)?;
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.set_transform(id, transform)?)
+        edit(scene, id, |scene, id| scene.set_transform(id, transform))
     })
 }
 
@@ -135,9 +133,7 @@ pub unsafe extern "C" fn casca_scene_translate(
 ) -> casca_status {
     call(|| {
         let offset = border::array(offset.cast::<[f32; 3]>(), "offset")?;
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.translate(id, Vec3::from_array(offset))?)
+        edit(scene, id, |scene, id| scene.translate(id, Vec3::from_array(offset)))
     })
 }
 

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use casca::glam::Vec3;
-use casca::{Aabb, GridSpec, ObjectId, Scene};
+use casca::{Aabb, GridSpec, ObjectId, Occluder, Scene};
 
 use crate::border::{self, Out, OutSpan, OutStruct, grows};
 use crate::error::{Failure, call, casca_status};
@@ -108,6 +108,25 @@ pub(crate) fn unknown(id: u64) -> Failure {
     Failure::new(casca_status::CASCA_ERROR_UNKNOWN_OBJECT, why)
 }
 
+/// Changes an object of a scene.
+pub(crate) fn edit(
+    scene: casca_scene,
+    id: u64,
+    change: impl FnOnce(&mut Scene, ObjectId) -> Result<(), casca::Error>,
+) -> Result<(), Failure> {
+    let mut state = SCENES.exclusive(scene.handle)?;
+    let id = state.find(id)?;
+    Ok(change(&mut state.scene, id)?)
+}
+
+/// An occluder that C gives; none if it is null or has no shape.
+fn read_occluder(occluder: *const casca_shape) -> Result<Option<Occluder>, Failure> {
+    if occluder.is_null() {
+        return Ok(None);
+    }
+    shape::read_shape(occluder, "occluder")?.occluder()
+}
+
 /// Makes an empty scene on a grid. Free it by casca_scene_free.
 ///
 /// Errors: a region that is inverted or not finite, cells that are not positive, too many of them.
@@ -173,11 +192,7 @@ pub extern "C" fn casca_scene_reserve(scene: casca_scene, count: usize) -> casca
 /// Removes an object. Costs the cells that it touches.
 #[unsafe(no_mangle)]
 pub extern "C" fn casca_scene_remove(scene: casca_scene, id: u64) -> casca_status {
-    call(|| {
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.remove(id)?)
-    })
+    call(|| edit(scene, id, Scene::remove))
 }
 
 /// Removes all objects. The scene stays.
@@ -204,13 +219,8 @@ pub unsafe extern "C" fn casca_scene_update(
 ) -> casca_status {
     call(|| {
         let bounds = shape::read_shape(bounds, "bounds")?.bounds()?;
-        let occluder = match occluder.is_null() {
-            true => None,
-            false => shape::read_shape(occluder, "occluder")?.occluder()?,
-        };
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.update(id, bounds, occluder)?)
+        let occluder = read_occluder(occluder)?;
+        edit(scene, id, |scene, id| scene.update(id, bounds, occluder))
     })
 }
 
@@ -224,9 +234,7 @@ pub unsafe extern "C" fn casca_scene_set_bounds(
 ) -> casca_status {
     call(|| {
         let bounds = shape::read_shape(bounds, "bounds")?.bounds()?;
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.set_bounds(id, bounds)?)
+        edit(scene, id, |scene, id| scene.set_bounds(id, bounds))
     })
 }
 
@@ -239,24 +247,15 @@ pub unsafe extern "C" fn casca_scene_set_occluder(
     occluder: *const casca_shape,
 ) -> casca_status {
     call(|| {
-        let occluder = match occluder.is_null() {
-            true => None,
-            false => shape::read_shape(occluder, "occluder")?.occluder()?,
-        };
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.set_occluder(id, occluder)?)
+        let occluder = read_occluder(occluder)?;
+        edit(scene, id, |scene, id| scene.set_occluder(id, occluder))
     })
 }
 
 /// Puts an object on other layers, a bit for each. Here 0 is no layer: no view shows it.
 #[unsafe(no_mangle)]
 pub extern "C" fn casca_scene_set_layers(scene: casca_scene, id: u64, layers: u64) -> casca_status {
-    call(|| {
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.set_layers(id, layers)?)
-    })
+    call(|| edit(scene, id, |scene, id| scene.set_layers(id, layers)))
 }
 
 /// The layers of an object.
@@ -277,11 +276,7 @@ pub unsafe extern "C" fn casca_scene_get_layers(
 /// Gives an object another number of yours.
 #[unsafe(no_mangle)]
 pub extern "C" fn casca_scene_set_user_data(scene: casca_scene, id: u64, user_data: u64) -> casca_status {
-    call(|| {
-        let mut state = SCENES.exclusive(scene.handle)?;
-        let id = state.find(id)?;
-        Ok(state.scene.set_user_data(id, user_data)?)
-    })
+    call(|| edit(scene, id, |scene, id| scene.set_user_data(id, user_data)))
 }
 
 /// Your numbers of count objects, in the order of their ids. Refused as a whole, with nothing

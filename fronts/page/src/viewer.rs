@@ -11,7 +11,7 @@ use web_sys::HtmlCanvasElement;
 
 use crate::told::json_of;
 
-/// Keys that the page can hold or press, by their names in `KeyboardEvent.code`.
+/// Keys that the page can hold, by their names in `KeyboardEvent.code`.
 const KEYS: [(&str, KeyCode); 7] = [
     ("KeyW", KeyCode::KeyW),
     ("KeyA", KeyCode::KeyA),

@@ -13,20 +13,20 @@ use crate::error::{ServerError, time};
 use crate::id::{ClientId, EntityId};
 use crate::numeric::STEP;
 
-/// What is told about a client.
+/// The parts of a client's description that all servers need.
 pub(crate) trait Party {
     fn speed(&self) -> f32;
     fn latency(&self) -> f32;
     fn team(&self) -> Option<Team>;
 }
 
-/// What is told about an entity.
+/// The parts of an entity's description that all servers need.
 pub(crate) trait Thing {
     fn owner(&mut self) -> &mut Option<ClientId>;
     fn team(&self) -> Option<Team>;
 }
 
-/// A client as a server knows it; `own` is what it keeps of what the client sees.
+/// A client, and what a server keeps about it from tick to tick.
 #[derive(Debug, Clone)]
 pub(crate) struct Client<C, S> {
     pub(crate) desc: C,
@@ -37,6 +37,7 @@ pub(crate) struct Client<C, S> {
     /// What it was told of in the tick before.
     before: Vec<EntityId>,
     pub(crate) answer: Answer,
+    /// In space: what it saw last, and from where.
     pub(crate) own: S,
 }
 
@@ -66,7 +67,7 @@ impl<C: Party, S> Client<C, S> {
     }
 }
 
-/// An entity as a server knows it.
+/// An entity, with its last report.
 #[derive(Debug, Clone)]
 pub struct Entity<E = EntityDesc, O = Option<casca::ObjectId>> {
     pub(crate) desc: E,

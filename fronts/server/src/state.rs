@@ -1,4 +1,4 @@
-//! A client as a server knows it, and how it is answered.
+//! A client in space: what its eye may see, and the answer to it.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ pub(crate) struct Place {
     pub(crate) cells: Option<CellBox>,
 }
 
-/// What is kept of what a client sees.
+/// What a server keeps about the eye of a client from tick to tick.
 #[derive(Debug, Clone)]
 pub(crate) struct Eye {
     /// How it moved between the last two reports.

@@ -59,9 +59,9 @@ impl Panel {
         self.paint(gpu, target, output);
     }
 
-    /// Draws what a program says over `target`, with the window's mouse and keys: sliders and
-    /// buttons work. Returns the dial that was turned. The panel must come from [`Panel::on`]. Once
-    /// a frame.
+    /// Draws a report over `target` and gives its sliders and buttons the window's mouse and keys;
+    /// returns the dial that was turned. The panel must come from [`Panel::on`]. Call it once a
+    /// frame.
     pub(crate) fn report(&mut self, screen: &Screen, target: &Target, report: &Report) -> Option<Turned> {
         let (input, mut found) = (screen.input(), None);
         let mut output = self.context.clone().run_ui(input, |ui| {
@@ -169,7 +169,7 @@ const LOGARITHMIC: f64 = 64.0;
 /// Choices among more than this are a list to open.
 const SIDE_BY_SIDE: usize = 5;
 
-/// Shows what a program says: lines, colours, dials, keys. Returns the dial that was turned.
+/// Adds a report: its lines, colours, dials and keys. Returns the dial that was turned.
 pub fn told(ui: &mut egui::Ui, report: &Report) -> Option<Turned> {
     for (number, line) in report.lines.iter().enumerate() {
         let text = RichText::new(line);

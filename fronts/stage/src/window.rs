@@ -165,7 +165,7 @@ enum Shown {
     Demo(Option<Box<Running>>),
 }
 
-/// A program, and the panel with what it says.
+/// A program, and the panel that shows its report.
 struct Running {
     demo: Box<dyn Demo>,
     panel: Panel,

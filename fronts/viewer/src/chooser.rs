@@ -31,8 +31,8 @@ fn button((number, system): (usize, &System)) -> String {
     format!("{}   {}: {}", number + 1, system.name, system.line)
 }
 
-/// Starts what was chosen. Reading and making it takes a moment, so it happens after the words of
-/// the window.
+/// The start of the system that was chosen. Its files are read only in `make`, while the window
+/// shows words: that takes a moment.
 fn started(choice: System) -> Start {
     let make = move |screen: &Screen| {
         let start = choice.start()?;

@@ -16,9 +16,9 @@ use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex};
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
 use casca_scenes::world;
-use casca_tools::camera::Camera as OwnCamera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
+use casca_tools::camera::Camera as OwnCamera;
 
 use crate::rendered::{HEIGHT, Rendered, WIDTH};
 

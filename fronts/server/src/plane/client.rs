@@ -68,7 +68,7 @@ impl Party for PlaneClient {
     }
 }
 
-/// A client as a server knows it.
+/// A client of a map, with its last report and answer.
 pub(crate) type PlaneState = Client<PlaneClient, ()>;
 
 impl PlaneState {

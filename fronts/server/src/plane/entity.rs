@@ -69,7 +69,7 @@ impl Thing for PlaneEntity {
     }
 }
 
-/// An entity as a server knows it.
+/// An entity of a map, with its last report.
 pub(crate) type PlaneBody = Entity<PlaneEntity, ()>;
 
 impl PlaneBody {

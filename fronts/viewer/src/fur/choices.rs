@@ -12,7 +12,7 @@ use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, value_parser};
 use glam::Vec3;
 
-use crate::common::{Common, Failed};
+use crate::common::{Common, Failed, number};
 use crate::fur::walker::Walker;
 
 /// The detail of the generated animal: some 10,000 vertices.
@@ -81,8 +81,7 @@ pub struct Choices {
 }
 
 fn within<const MOST: u32>(text: &str) -> Result<f32, String> {
-    let found = text.parse().ok().filter(|x: &f32| (0.0..=MOST as f32).contains(x));
-    found.ok_or_else(|| format!("expected a number from 0 to {MOST}"))
+    number(text, 0.0..=MOST as f32)
 }
 
 /// A mesh that grows fur: its levels of detail, finest first, centred, with the radius of its box.

@@ -16,7 +16,7 @@ use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
-use crate::common::Common;
+use crate::common::{Common, direction, number};
 
 /// The radius of the thesis' hemispheres, as a share of the extent of the scene.
 const RADIUS: f32 = 0.13;
@@ -84,29 +84,29 @@ pub struct Options {
     #[arg(long, default_value = "40", value_parser = parse_angle)]
     pub fov: f32,
     /// Magnifies the middle of the picture
-    #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.1, 100.0))]
+    #[arg(long, default_value = "1", value_parser = |t: &str| number(t, 0.1..=100.0f32))]
     pub zoom: f32,
     /// The time in seconds: generated sets turn and sway, those of files sway
-    #[arg(long, default_value = "0", value_parser = |t: &str| parse_within(t, -1e6, 1e6))]
+    #[arg(long, default_value = "0", value_parser = |t: &str| number(t, -1e6..=1e6f32))]
     pub at: f32,
     /// The radius of the occlusion, as a share of the extent
-    #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| parse_within(t, 0.001, 1.0))]
+    #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| number(t, 0.001..=1.0f32))]
     pub radius: f32,
     /// The rays of a side of a place, or of a pixel [default: 12 of a side, 24 of a pixel]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
     /// The occlusion is multiplied by this
-    #[arg(long, default_value = "1", value_parser = |t: &str| parse_within(t, 0.0, 100.0))]
+    #[arg(long, default_value = "1", value_parser = |t: &str| number(t, 0.0..=100.0f32))]
     pub factor: f32,
     /// How the lines around a pixel become an occlusion
     #[arg(long, value_enum, default_value = "auto")]
     pub estimator: Way,
     /// The radius of the tubes that lines are taken for, in pixels
-    #[arg(long, default_value = "0.5", value_parser = |t: &str| parse_within(t, 0.01, 100.0))]
+    #[arg(long, default_value = "0.5", value_parser = |t: &str| number(t, 0.01..=100.0f32))]
     pub tube: f32,
     /// Smooth lines of so many pixels, 1 to 16, by four samples a pixel
     #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
-        default_missing_value = "1", value_parser = |t: &str| parse_within(t, 1.0, MOST_THICK))]
+        default_missing_value = "1", value_parser = |t: &str| number(t, 1.0..=MOST_THICK))]
     pub antialias: Option<f32>,
     /// Leaves out lines that walls and meshes hide; the picture stays the same
     #[arg(long)]
@@ -253,24 +253,15 @@ fn parse_range(text: &str) -> Result<[f32; 2], String> {
     }
 }
 
-fn parse_within(text: &str, low: f32, high: f32) -> Result<f32, String> {
-    let number = text.parse().ok().filter(|n| (low..=high).contains(n));
-    number.ok_or_else(|| format!("expected a number from {low} to {high}"))
-}
-
 fn parse_angle(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(0.0) => Ok(0.0),
-        _ => parse_within(text, 1.0, 150.0).map_err(|why| format!("{why}, or 0 for parallel rays")),
+        _ => number(text, 1.0..=150.0).map_err(|why| format!("{why}, or 0 for parallel rays")),
     }
 }
 
 fn parse_direction(text: &str) -> Result<Vec3, String> {
-    let numbers: Option<Vec<f32>> =
-        text.split(',').take(4).map(|n| n.trim().parse().ok().filter(|n: &f32| n.is_finite())).collect();
-    let direction = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok()).map(Vec3::from_array);
-    let direction = direction.and_then(Vec3::try_normalize);
-    direction.ok_or_else(|| "expected a direction such as 0.5,0.6,1".to_owned())
+    direction(text).map_err(|_| "expected a direction such as 0.5,0.6,1".to_owned())
 }
 
 #[cfg(test)]
