@@ -16,7 +16,7 @@ use crate::method::PointOptions;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
 use crate::occlusion::magnify::budget::Budget;
-use crate::occlusion::magnify::{Hand, Magnifier, Patches};
+use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
 use crate::occlusion::refine::Search;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
@@ -65,14 +65,14 @@ const LISTED: usize = 8;
 const COMPARED: u32 = 128;
 
 /// An open pixel and its square.
-type OpenPixel = (i64, i64, Rect);
+type OpenSquare = (i64, i64, Rect);
 
 /// The examination of one target.
 pub(crate) struct Examination<'a, 'p, F> {
     pub(crate) buffers: &'a OcclusionBuffers,
     pub(crate) magnifier: &'a Magnifier,
     pub(crate) hand: &'a mut Hand,
-    pub(crate) patches: &'a Patches<F>,
+    pub(crate) patches: &'a Redrawable<F>,
     pub(crate) effort: Effort,
     pub(crate) budget: &'a mut Budget<'p>,
 }
@@ -99,7 +99,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
 
     fn hides_on_face(&mut self, search: &mut Search, target: &Target, face: usize) -> bool {
         let Some(open) = self.find_open(search, target) else { return false };
-        let mut rest: SmallVec<[OpenPixel; PATCHED]> = SmallVec::new();
+        let mut rest: SmallVec<[OpenSquare; PATCHED]> = SmallVec::new();
         for pixel in open {
             match self.compare(search, target, face, &pixel) {
                 Some(true) => {}
@@ -121,7 +121,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         search: &mut Search,
         target: &Target,
         face: usize,
-        &(x, y, ref rect): &OpenPixel,
+        &(x, y, ref rect): &OpenSquare,
     ) -> Option<bool> {
         let buffer = search.buffer;
         if search.squares == 0 || buffer.patch_may_hide((x, y), search.target.near) {
@@ -145,7 +145,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
     }
 
     /// The pixels that leave the target undecided; `None` if it is seen, or if they are too many.
-    fn find_open(&self, search: &mut Search, target: &Target) -> Option<SmallVec<[OpenPixel; PATCHED]>> {
+    fn find_open(&self, search: &mut Search, target: &Target) -> Option<SmallVec<[OpenSquare; PATCHED]>> {
         if search.middle_is_seen(target) {
             return None;
         }
@@ -173,7 +173,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         search: &mut Search,
         target: &Target,
         face: usize,
-        &(x, y, ref rect): &OpenPixel,
+        &(x, y, ref rect): &OpenSquare,
     ) -> bool {
         let (buffer, on_face) = (search.buffer, search.target);
         let with = (&mut *self.hand, &mut self.budget.patches);
@@ -231,7 +231,7 @@ mod tests {
     fn shared_pixels_hide_only_what_rays_find_behind_occluders() {
         let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
         let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
-        let patches = Patches { drawable: |_: u32| None::<Drawable<'_>> };
+        let patches = Redrawable { drawable: |_: u32| None::<Drawable<'_>> };
         let effort = Effort { squares: 256, depth: 6 };
         let mut random = Random::new(11);
         let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());

@@ -95,14 +95,14 @@ impl Zone {
 
 /// Where a mover is listed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place {
+struct ListPlace {
     /// The index of its zone.
     zone: u32,
     /// Its place in the list, twice, and one more in the list of the others.
     at: u32,
 }
 
-impl Place {
+impl ListPlace {
     const NONE: Self = Self { zone: u32::MAX, at: 0 };
 }
 
@@ -114,7 +114,7 @@ pub(crate) struct Movers {
     free: Vec<u32>,
     by_place: HashMap<IVec3, u32>,
     /// By slot.
-    places: Vec<Place>,
+    places: Vec<ListPlace>,
     /// By slot.
     boxes: Vec<MoverBox>,
 }
@@ -141,7 +141,7 @@ impl Movers {
     ) -> Block {
         let slot = id.slot();
         if self.places.len() <= slot.index() {
-            self.places.resize(slot.index() + 1, Place::NONE);
+            self.places.resize(slot.index() + 1, ListPlace::NONE);
             self.boxes.resize(slot.index() + 1, MoverBox::NONE);
         }
         self.remove(slot);
@@ -154,7 +154,7 @@ impl Movers {
             zone.others.push(slot);
             zone.others.len() as u32 * 2 - 1
         };
-        self.places[slot.index()] = Place { zone: index, at };
+        self.places[slot.index()] = ListPlace { zone: index, at };
         self.boxes[slot.index()] = MoverBox::new(min, max);
         zone.room
     }
@@ -179,7 +179,7 @@ impl Movers {
     /// Takes a mover out of its list; nothing changes for others.
     pub(super) fn remove(&mut self, slot: Slot) {
         let Some(place) = self.places.get_mut(slot.index()) else { return };
-        let Place { zone: index, at } = std::mem::replace(place, Place::NONE);
+        let ListPlace { zone: index, at } = std::mem::replace(place, ListPlace::NONE);
         let Some(zone) = self.zones.get_mut(index as usize) else { return };
         let here = at as usize / 2;
         let moved = if at % 2 == 0 {
@@ -231,7 +231,7 @@ impl Movers {
             + self.zones.iter().map(lists).sum::<usize>()
             + self.by_place.capacity() * size_of::<(IVec3, u32)>()
             + self.free.capacity() * size_of::<u32>()
-            + self.places.capacity() * size_of::<Place>()
+            + self.places.capacity() * size_of::<ListPlace>()
             + self.boxes.capacity() * size_of::<MoverBox>()
     }
 }

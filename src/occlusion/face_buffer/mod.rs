@@ -19,7 +19,7 @@ use crate::occlusion::silhouette::Silhouette;
 
 /// A convex occluder as drawn on one face.
 #[derive(Debug, Clone)]
-pub(crate) struct Drawn {
+pub(crate) struct DrawnSolid {
     pub(crate) silhouette: Silhouette,
     pub(crate) front: Front,
     /// Index into the list of shadows.
@@ -72,7 +72,7 @@ pub(crate) struct FaceBuffer {
     coverage: Coverage,
     occluders: Bins<Listed>,
     patches: WideBins<ListedPatch>,
-    drawn: Vec<Drawn>,
+    drawn: Vec<DrawnSolid>,
     received: Vec<Received>,
 }
 
@@ -170,7 +170,7 @@ impl FaceBuffer {
 
     /// The convex occluder that a list names.
     #[inline]
-    pub(crate) fn drawn(&self, listed: &Listed) -> &Drawn {
+    pub(crate) fn drawn(&self, listed: &Listed) -> &DrawnSolid {
         &self.drawn[listed.drawn as usize]
     }
 

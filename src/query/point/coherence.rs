@@ -22,13 +22,13 @@ use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::magnify::budget::Budget;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::drawables::Source;
 use crate::query::point::occluders::NOBODY;
 use crate::query::point::recall::{Coherence, Recall, Role, Usage};
 use crate::query::point::scratch::{Candidate, PointScratch};
 
-impl<'a> Walk<'a> {
+impl<'a> PointWalk<'a> {
     /// Draws the occluders that were of use in the last run.
     pub(super) fn draw_useful(&mut self) {
         let solids = std::mem::take(&mut self.scratch.coherence.useful_solids);

@@ -6,12 +6,12 @@ use crate::object::Bounds;
 use crate::occlusion::buffers::Verdict;
 use crate::occlusion::examine::{Effort, Examination};
 use crate::occlusion::magnify::budget::{Budget, Purse};
-use crate::occlusion::magnify::{Hand, Magnifier, Patches};
+use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
 use crate::occlusion::target::Target;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::scratch::{Candidate, PointScratch};
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
     pub(super) fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
@@ -137,7 +137,7 @@ impl Walk<'_> {
             let (slot, patch) = self.scratch.patches[id as usize];
             self.drawable(slot, patch)
         };
-        let patches = Patches { drawable };
+        let patches = Redrawable { drawable };
         let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
         let mut hidden = |target: &Target| {
             if effort.squares == 0 && self.options.refine_patches == 0 {

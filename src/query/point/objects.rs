@@ -4,7 +4,7 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::scratch::Candidate;
 
 /// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
@@ -16,7 +16,7 @@ fn sort_key(distance: f64, slot: Slot, place: u32) -> u128 {
     u128::from(order) << 64 | u128::from(slot.get()) << 32 | u128::from(place)
 }
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Lists an object for testing, once in a query: its brick or volume is in sight.
     pub(super) fn find(&mut self, slot: Slot) {
         let object = self.scene.object(slot);

@@ -9,7 +9,7 @@ use crate::numeric::shape::REGION;
 use crate::object::Occluder;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::start::rays_start_in_occluder;
 
 /// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer
@@ -28,7 +28,7 @@ const MOST_GAP: f64 = 3.0;
 /// patches hide what lies inside of shells.
 const SHELLS_ALONE: f64 = 32.0;
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Draws the occluder of an object, or lists its surface for drawing.
     pub(super) fn draw(&mut self, slot: Slot) {
         if !self.view.is_ordered() {
