@@ -12,6 +12,13 @@ use crate::query::point::PointWalk;
 use crate::query::point::scratch::{Candidate, PointScratch};
 
 impl PointWalk<'_> {
+    /// Whether an object that was visible in the last run stays so unless the buffers hide it at
+    /// once.
+    fn stays(&self, candidate: &Candidate) -> bool {
+        let (coherence, slot) = (&self.scratch.coherence, candidate.id.slot());
+        self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
+    }
+
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
     pub(super) fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);

@@ -4,12 +4,12 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
-use crate::mesh::surface::PatchIndex;
+use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::query::point::PointWalk;
 use crate::query::point::drawables::Source;
-use crate::query::point::recall::Role;
+use crate::query::point::recall::{Recall, Role, Usage};
 use crate::query::point::scratch::{DrawnPatch, PointScratch, Waiting};
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing:
@@ -34,6 +34,27 @@ enum AfterPatch {
 }
 
 impl<'a> PointWalk<'a> {
+    /// How a patch takes part in this run, by its place and its number in the scene. Patches that
+    /// wait are listed.
+    pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
+        if !self.coherent {
+            return Role::Fresh;
+        }
+        if self.scratch.drawn.get(number).epoch == self.marks.epoch() {
+            return Role::Drawn;
+        }
+        self.scratch.coherence.patch(slot, patch, number)
+    }
+
+    /// Notes that the parts of a group were looked at.
+    pub(super) fn went_into(&mut self, number: PatchNumber) {
+        if self.coherent {
+            let coherence = &mut self.scratch.coherence;
+            let recall = Recall { run: coherence.run, usage: Usage::Parts };
+            coherence.patches.fill(number..number.after(), recall);
+        }
+    }
+
     /// Lists an object's surface for drawing, by the shell that it begins in.
     pub(super) fn list_surface(&mut self, slot: Slot) {
         if let Some(source) = self.source(slot)
