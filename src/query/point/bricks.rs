@@ -301,7 +301,10 @@ impl PointWalk<'_> {
         }
         // In a loop that does little else, the processor waits for the memory of many objects at
         // once.
-        open.retain(|&slot| scene.object(slot).is_shown(self.view));
+        open.retain(|&slot| {
+            let own = scene.boxes().of(slot);
+            own.is_shown(self.view) || scene.object(slot).is_shown(self.view)
+        });
         for &slot in open.iter() {
             self.find(slot);
         }

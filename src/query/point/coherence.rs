@@ -138,14 +138,14 @@ impl<'a> PointWalk<'a> {
         let mut hidden = hidden.iter();
         candidates.retain(|candidate| {
             let seen = hidden.next() != Some(&true);
-            let slot = candidate.id.slot();
+            let slot = candidate.slot;
             if seen && coherence.hid(slot, candidate.block.as_ref()) {
                 suspicious.push(slot);
             }
             seen
         });
         suspicious.sort_unstable();
-        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot()).is_ok();
+        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.slot).is_ok();
         if !suspicious.is_empty() && self.draw_before(candidates.iter().filter(|c| is_suspicious(c))) {
             self.end_examinations();
             self.begin_examinations();

@@ -15,7 +15,7 @@ impl PointWalk<'_> {
     /// Whether an object that was visible in the last run stays so unless the buffers hide it at
     /// once.
     fn stays(&self, candidate: &Candidate) -> bool {
-        let (coherence, slot) = (&self.scratch.coherence, candidate.id.slot());
+        let (coherence, slot) = (&self.scratch.coherence, candidate.slot);
         self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
     }
 
@@ -29,7 +29,7 @@ impl PointWalk<'_> {
         self.examine_all(&candidates, &mut left);
         if self.coherent {
             self.decide_coherent(&mut candidates, &mut left);
-            candidates.iter().for_each(|candidate| self.pvs.push(candidate.id));
+            candidates.iter().for_each(|candidate| self.pvs.push(self.scene.id(candidate.slot)));
         } else {
             self.push_seen(&candidates);
         }
@@ -45,7 +45,7 @@ impl PointWalk<'_> {
         for (at, candidate) in candidates.iter().enumerate() {
             // One that was not examined is visible.
             if self.scratch.hidden.get(at) != Some(&true) {
-                self.pvs.push(candidate.id);
+                self.pvs.push(self.scene.id(candidate.slot));
             }
         }
         self.stats.occlusion_tests += self.scratch.movers.len() as u32;
@@ -117,17 +117,17 @@ impl PointWalk<'_> {
         (magnifier, hand): (&Magnifier, &mut Hand),
         left: &mut Budget,
     ) -> bool {
-        let &Candidate { id, block: Some(block), is_centered, .. } = candidate else { return false };
+        let &Candidate { slot, block: Some(block), is_centered, .. } = candidate else { return false };
         if self.stays(candidate) {
             return self.hides(&block);
         }
         let middle = (block.min + block.max) * 0.5 - self.scratch.buffers.origin();
         // Most candidates can be seen plainly.
-        if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot()) {
+        if is_centered && self.scratch.buffers.shows_plainly(middle, slot) {
             return false;
         }
-        let bounds = self.scene.object(id.slot()).bounds();
-        self.is_hidden(bounds, id.slot(), (magnifier, hand), left)
+        let bounds = self.scene.object(slot).bounds();
+        self.is_hidden(bounds, slot, (magnifier, hand), left)
     }
 
     /// Whether no point of an object can be seen, with all occluders drawn.

@@ -4,7 +4,7 @@
 //! Their zones are tested then: most are out of sight, hidden, or in the open, with all that is in
 //! them. In the others, most objects are found visible by one pixel: that of the middle of their
 //! box, which lies in them. None of that looks at the object itself, only at its box in the scene's
-//! array ([`crate::scene::Movers`]).
+//! array ([`crate::scene::Scene::boxes`]).
 
 use casca_slots::Slot;
 
@@ -112,7 +112,7 @@ impl PointWalk<'_> {
             if any_overdue && self.marks.is_decided(id.slot()) {
                 continue;
             }
-            let own = scene.movers().box_of(id.slot());
+            let own = scene.boxes().of(id.slot());
             let (min, max) = own.corners();
             let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
             let side = if zone_side == BoxSide::Inside { zone_side } else { planes.side(middle, half) };
@@ -125,7 +125,7 @@ impl PointWalk<'_> {
                 movers.push(ObjectId(id));
             } else {
                 let block = Some(own.block());
-                candidates.push(Candidate { id: ObjectId(id), block, is_centered: true, occludes: false });
+                candidates.push(Candidate { slot: id.slot(), block, is_centered: true, occludes: false });
             }
         }
     }
