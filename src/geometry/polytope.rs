@@ -252,6 +252,11 @@ impl Part<'_> {
         self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64 - self.origin
     }
 
+    /// Its corners, relative to the origin.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = DVec3> {
+        self.vertices.iter().map(|&v| v - self.origin)
+    }
+
     /// The box around it, relative to the origin.
     pub(crate) fn bounds(&self) -> Block {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);

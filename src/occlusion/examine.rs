@@ -12,7 +12,9 @@
 use casca_slots::Slot;
 use smallvec::SmallVec;
 
+use crate::geometry::polytope::Part;
 use crate::method::PointOptions;
+use crate::object::Bounds;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
 use crate::occlusion::magnify::budget::Budget;
@@ -31,6 +33,16 @@ pub(crate) struct Effort {
 }
 
 impl Effort {
+    /// Whether a mesh may well turn out to be hidden: in a box with few open pixels, or in parts
+    /// that have no corner in an open one.
+    pub(crate) fn is_worth(self, buffers: &OcclusionBuffers, bounds: &Bounds) -> bool {
+        let block = buffers.relative(&bounds.block());
+        let most = self.pixels(FEW_OPEN) as u64;
+        let mut is_closed = |part: &Part| part.corners().all(|corner| !buffers.leaves_open(corner));
+        buffers.faces().all(|face| face.few_open(&block, most))
+            || bounds.kind().all_parts(buffers.origin(), &mut is_closed) == Some(true)
+    }
+
     /// The most open pixels of a target on one face, if `most` are for the default squares.
     fn pixels(&self, most: usize) -> usize {
         most.max(most.saturating_mul(self.squares as usize) / SQUARES as usize)
@@ -47,6 +59,11 @@ const PIXELS: usize = 64;
 /// So is one with more open pixels than this where patches of triangles were drawn: to magnify
 /// those costs more.
 const PATCHED: usize = 12;
+
+/// A mesh with `n` open pixels among the `m` of the rectangle around its box turns out to be hidden
+/// about once in `1 + n * n / m` times. Those with a greater `n * n / m` than this are taken to be
+/// visible: it is about what a hidden object is worth, over what an examination costs.
+const FEW_OPEN: usize = 6;
 
 /// These squares for one target, the default, allow it [`PIXELS`] open pixels, and more squares
 /// allow more in proportion. The finer pixels that go with more squares are also more in number for

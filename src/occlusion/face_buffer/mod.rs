@@ -186,6 +186,13 @@ impl FaceBuffer {
         self.hides(&rect.grown(), above(self.face.nearness_of(depth)))
     }
 
+    /// Whether few pixels of the rectangle around a box are open: see [`Coverage::few_open`].
+    pub(crate) fn few_open(&self, block: &Block, most: u64) -> bool {
+        let Some((rect, (depth, _))) = self.face.block(block) else { return true };
+        let near = above(self.face.nearness_of(depth));
+        self.coverage.few_open(&self.window, &self.window.touched_by(&rect), near, most)
+    }
+
     /// The nearness of the nearest point of a box, and the pixels of the rectangle around it;
     /// `None` if the face does not see it, or hides it.
     #[inline]
@@ -219,7 +226,6 @@ impl FaceBuffer {
 
     /// Number of pixels of the window.
     pub(crate) fn pixel_count(&self) -> u64 {
-        let PixelRect { x, y } = self.window.pixels();
-        ((x.1 - x.0) * (y.1 - y.0)) as u64
+        self.window.pixels().count()
     }
 }

@@ -146,20 +146,17 @@ impl PointWalk<'_> {
         };
         let patches = Redrawable { drawable };
         let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
+        let refines = effort.squares > 0 || self.options.refine_patches > 0;
         let mut hidden = |target: &Target| {
-            if effort.squares == 0 && self.options.refine_patches == 0 {
-                buffers.test(target) == Verdict::Hidden
-            } else {
-                examination.hides(target, slot)
-            }
+            if !refines { buffers.test(target) == Verdict::Hidden } else { examination.hides(target, slot) }
         };
         let (origin, direction) = (buffers.origin(), buffers.direction());
         if let Some(middle) = bounds.kind().middle_of_parts() {
             if self.hides(&bounds.block()) {
                 return true;
             }
-            // A quick way to find objects that are plainly in sight.
-            if buffers.shows(middle - origin, slot) {
+            // A quick way to find objects that are plainly in sight, or hardly hidden.
+            if buffers.shows(middle - origin, slot) || refines && !effort.is_worth(buffers, bounds) {
                 return false;
             }
         }
