@@ -163,7 +163,7 @@ impl Polytope {
     /// With `room`, only the directions whose rays keep farther than that from all edges of the
     /// silhouette.
     pub(crate) fn outline(&self, direction: Option<DVec3>, room: &Room) -> Outline {
-        let fronts: Turned = self.faces.iter().map(|face| is_front(face, direction)).collect();
+        let fronts: TurnedFaces = self.faces.iter().map(|face| is_front(face, direction)).collect();
         outline(&self.vertices, &self.edges, &fronts, direction, room)
     }
 }
@@ -177,7 +177,7 @@ fn is_front(face: &HalfSpace, direction: Option<DVec3>) -> bool {
 }
 
 /// For each face, whether it is turned to the eye.
-type Turned = SmallVec<[bool; 32]>;
+type TurnedFaces = SmallVec<[bool; 32]>;
 
 /// The silhouette of a polytope with these corners and edges.
 fn outline(
@@ -252,6 +252,11 @@ impl Part<'_> {
         self.vertices.iter().sum::<DVec3>() / self.vertices.len().max(1) as f64 - self.origin
     }
 
+    /// Its corners, relative to the origin.
+    pub(crate) fn corners(&self) -> impl Iterator<Item = DVec3> {
+        self.vertices.iter().map(|&v| v - self.origin)
+    }
+
     /// The box around it, relative to the origin.
     pub(crate) fn bounds(&self) -> Block {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -268,7 +273,7 @@ impl Part<'_> {
         room: &Room,
     ) -> (SmallVec<[DVec3; 8]>, Outline, SmallVec<[HalfSpace; 3]>) {
         let vertices: SmallVec<[DVec3; 8]> = self.vertices.iter().map(|&v| v - self.origin).collect();
-        let mut turned = Turned::with_capacity(self.faces.len());
+        let mut turned = TurnedFaces::with_capacity(self.faces.len());
         // Memory is taken once, for polytopes of many faces.
         let mut fronts = SmallVec::with_capacity(self.faces.len() / 2);
         for placed in self.faces() {

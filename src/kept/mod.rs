@@ -12,7 +12,7 @@ use crate::pvs::{Pvs, Stats};
 use crate::query::{CameraQuery, Query, Sight, sealed};
 use crate::scene::Scene;
 use crate::view::View;
-use crate::view::motion::Motion;
+use crate::view::motion::EyeMotion;
 
 pub use job::{KeptJob, KeptResult};
 
@@ -128,7 +128,7 @@ pub struct KeptQuery {
     /// The scene as jobs read it.
     snapshots: Snapshots,
     /// The view of the last run, and how the camera came there.
-    last: Option<(View, Option<Motion>)>,
+    last: Option<(View, Option<EyeMotion>)>,
     pvs: Pvs,
     refreshes: u64,
 }
@@ -194,7 +194,7 @@ impl KeptQuery {
     /// that hid something went, it also costs a walk over the bricks in sight and a test of all
     /// volumes. If the result does not hold, it costs a query of the widened view.
     pub fn run(&mut self, scene: &Scene, view: &View) -> &Pvs {
-        let motion = self.last.as_ref().and_then(|(last, _)| Motion::between(last, view));
+        let motion = self.last.as_ref().and_then(|(last, _)| EyeMotion::between(last, view));
         self.last = Some((view.clone(), motion));
         if self.next.as_ref().is_some_and(|next| next.holds(scene, view)) {
             let old = std::mem::replace(&mut self.now, self.next.take());

@@ -21,7 +21,7 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
 use crate::pvs::{Pvs, Stats};
-use crate::query::point::follow::Changes;
+use crate::query::point::follow::StaticChanges;
 use crate::query::point::offered::Offered;
 use crate::query::point::overlay::Overlay;
 use crate::query::point::scratch::PointScratch;
@@ -38,7 +38,7 @@ struct InSight {
 
 /// A dynamic object whose box is in sight before static occluders.
 #[derive(Debug, Clone, Copy)]
-struct Mover {
+struct SeenMover {
     slot: Slot,
     /// Whether its place is known.
     located: bool,
@@ -96,7 +96,7 @@ pub(super) struct Still {
     watch: Watch,
     overlay: Overlay,
     /// Memory used again: the dynamic objects whose boxes a frame may see.
-    movers: Vec<Mover>,
+    movers: Vec<SeenMover>,
 }
 
 /// Whether a result of a widened view holds for a view.
@@ -167,7 +167,7 @@ impl Still {
         }
         let Some(slots) = self.stamp.changed_slots(scene) else { return };
         let changed = |slot: Slot| slots.binary_search(&slot).is_ok();
-        let mut changes = Changes::default();
+        let mut changes = StaticChanges::default();
         let gone = self.stamp.changes(scene).into_iter().flatten();
         let gone = gone.filter(|change| self.offered.has(change.slot()));
         changes.gone.extend(gone.filter_map(|change| change.occluder()));
@@ -215,7 +215,7 @@ impl Still {
                 pvs.push(*id);
             }
         }
-        for &Mover { slot, located } in &movers {
+        for &SeenMover { slot, located } in &movers {
             if !(located && hidden_mover(slot)) {
                 pvs.push(scene.id(slot));
             }
@@ -225,7 +225,7 @@ impl Still {
 
     /// Lists the dynamic objects whose boxes a view may see before static occluders, and reveals
     /// volumes in its sight.
-    fn find_movers(&self, scene: &Scene, view: &View, pvs: &mut Pvs, movers: &mut Vec<Mover>) {
+    fn find_movers(&self, scene: &Scene, view: &View, pvs: &mut Pvs, movers: &mut Vec<SeenMover>) {
         for (slot, _) in scene.movers_outside_volumes().filter(|(_, object)| object.is_shown(view)) {
             movers.extend(self.find_mover(scene, view, slot, &mut pvs.stats));
         }
@@ -240,22 +240,22 @@ impl Still {
     }
 
     /// A dynamic object, if a view may see its box before static occluders where it is now.
-    fn find_mover(&self, scene: &Scene, view: &View, slot: Slot, stats: &mut Stats) -> Option<Mover> {
+    fn find_mover(&self, scene: &Scene, view: &View, slot: Slot, stats: &mut Stats) -> Option<SeenMover> {
         let object = scene.object(slot);
         if scene.is_unlocated(slot) || object.is_hidden_unreported() {
-            return Some(Mover { slot, located: false });
+            return Some(SeenMover { slot, located: false });
         }
         stats.objects_tested += 1;
         if !view.may_see(object.bounds()) {
             return None;
         }
         stats.occlusion_tests += 1;
-        (!self.query.drawn().hides(&object.bounds().block())).then_some(Mover { slot, located: true })
+        (!self.query.drawn().hides(&object.bounds().block())).then_some(SeenMover { slot, located: true })
     }
 
     /// Draws the occluders of dynamic objects over a copy of the buffers.
-    fn draw_movers(&mut self, scene: &Scene, movers: &[Mover]) {
-        let hides = |mover: &&Mover| mover.located && scene.object(mover.slot).occluder().is_some();
+    fn draw_movers(&mut self, scene: &Scene, movers: &[SeenMover]) {
+        let hides = |mover: &&SeenMover| mover.located && scene.object(mover.slot).occluder().is_some();
         let slots = movers.iter().filter(hides).map(|mover| mover.slot);
         self.overlay.draw(self.query.drawn(), scene, &self.view, slots);
     }

@@ -10,7 +10,7 @@ use crate::matrix::bits::{ALL, BitMatrix, Mask, NONE, both, places_of, without};
 
 /// For each cell of a brick, the number of solids beyond the first that make it opaque.
 #[derive(Clone, Default)]
-struct Beyond {
+struct MoreSolids {
     /// Solids that count for every cell.
     whole: u32,
     /// More of them by cell.
@@ -19,7 +19,7 @@ struct Beyond {
     used: Mask,
 }
 
-impl Beyond {
+impl MoreSolids {
     fn cells(&mut self) -> &mut [u32; 512] {
         self.cells.get_or_insert_with(|| Box::new([0; 512]))
     }
@@ -68,7 +68,7 @@ impl Beyond {
 /// The number of solids that make each set cell of a [`BitMatrix`] opaque.
 #[derive(Clone)]
 pub(crate) struct Counts {
-    beyond: Bricks<Beyond>,
+    beyond: Bricks<MoreSolids>,
 }
 
 impl Counts {

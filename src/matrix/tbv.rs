@@ -36,18 +36,18 @@ impl Extent {
 
     /// The hollow rectangle with this extent along the first axis and `up` along the second: bit
     /// 8b+a for the coordinates a and b.
-    fn hollow(self, up: Rows) -> u64 {
+    fn hollow(self, up: TileRows) -> u64 {
         (self.all * up.all) & !(self.inner * up.inner)
     }
 
-    fn rows(self) -> Rows {
-        Rows { all: spread(self.all), inner: spread(self.inner) }
+    fn rows(self) -> TileRows {
+        TileRows { all: spread(self.all), inner: spread(self.inner) }
     }
 }
 
 /// An [`Extent`] along the second axis of a tile: bit 8b for coordinate b.
 #[derive(Clone, Copy)]
-struct Rows {
+struct TileRows {
     all: u64,
     inner: u64,
 }

@@ -87,7 +87,7 @@ pub(super) fn around(points: &[DVec3]) -> Convex {
     let room = PART_ROOM * (largest + size) + f64::MIN_POSITIVE;
     let thin = (PART_THICKNESS * size).max(room);
     let half = half.max(DVec3::splat(thin)) + room;
-    let mut solid = Solid::boxed(&axes, center, half);
+    let mut solid = CutSolid::boxed(&axes, center, half);
     // Where a plane cuts off most, first.
     let mut planes: SmallVec<[(f64, HalfSpace); 20]> = SmallVec::new();
     let directions =
@@ -128,14 +128,14 @@ fn pairs(ring: &[u16]) -> impl Iterator<Item = (u16, u16)> {
 }
 
 /// A convex solid as it is cut.
-struct Solid {
+struct CutSolid {
     /// The corners, and those that were cut off.
     vertices: Vec<DVec3>,
     /// The half-space of each face, and its ring.
     faces: Vec<(HalfSpace, Ring)>,
 }
 
-impl Solid {
+impl CutSolid {
     fn boxed(axes: &DMat3, center: DVec3, half: DVec3) -> Self {
         let corner = |i: usize| {
             let s = |bit: usize| if i >> bit & 1 == 1 { half[bit] } else { -half[bit] };

@@ -12,7 +12,7 @@ use crate::grid::Grid;
 use crate::grid::bricks::{BRICK, Bricks};
 use crate::grid::run::CellRun;
 use crate::heap::in_arc;
-use crate::mesh::raster::{Raster, box_of, margin};
+use crate::mesh::raster::{CellRaster, box_of, margin};
 
 /// The cells of a block that the surface of a mesh touches.
 #[derive(Debug)]
@@ -93,7 +93,7 @@ struct Strip {
 }
 
 /// Neighbouring rows of a slice, the last of them, and their strips.
-struct Rows {
+struct RowStrips {
     y1: i32,
     strips: Range<usize>,
 }
@@ -109,7 +109,7 @@ impl SurfaceCells {
         let (lo, hi) = grid.cover(min, max);
         let (lo, hi) = grid.clip(lo, hi)?;
         let mut bricks: Bricks<[u64; 8]> = Bricks::new(hi - lo + 1);
-        let mut raster = Raster::new(grid, lo, hi);
+        let mut raster = CellRaster::new(grid, lo, hi);
         for t in triangles {
             raster.triangle(&t, |run| {
                 let (x0, x1, y, z) = (run.x0 - lo.x, run.x1 - lo.x, run.y - lo.y, run.z - lo.z);
@@ -220,9 +220,9 @@ impl SurfaceCells {
         let Self { lo, hi, .. } = *self;
         let mut strips: Vec<Strip> = Vec::new();
         let mut runs = self.runs.as_slice();
-        let mut below: Vec<Rows> = Vec::new();
+        let mut below: Vec<RowStrips> = Vec::new();
         for z in lo.z..=hi.z {
-            let mut slice: Vec<Rows> = Vec::new();
+            let mut slice: Vec<RowStrips> = Vec::new();
             let mut y = lo.y;
             while y <= hi.y {
                 let surface = runs.iter().take_while(|r| (r.z, r.y) == (z, y)).count();
@@ -264,7 +264,7 @@ impl SurfaceCells {
                     }
                     runs = &runs[surface..];
                 }
-                let rows = Rows { y1: y - 1, strips: first..strips.len() };
+                let rows = RowStrips { y1: y - 1, strips: first..strips.len() };
                 if let Some(last) = slice.last() {
                     join(&mut strips, last, &rows);
                 }
@@ -313,7 +313,7 @@ fn root(strips: &mut [Strip], mut i: u32) -> u32 {
 }
 
 /// Joins the strips of neighbouring rows that overlap.
-fn join(strips: &mut [Strip], a: &Rows, b: &Rows) {
+fn join(strips: &mut [Strip], a: &RowStrips, b: &RowStrips) {
     let (mut i, mut j) = (a.strips.start, b.strips.start);
     while i < a.strips.end && j < b.strips.end {
         if strips[i].x0 <= strips[j].x1 && strips[j].x0 <= strips[i].x1 {

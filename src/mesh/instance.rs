@@ -41,11 +41,11 @@ use glam::{Affine3A, DVec3, IVec3, Vec3, Vec3A};
 #[derive(Debug, Clone)]
 pub struct Instance {
     /// Apart, so that shapes stay small.
-    inner: Arc<Inner>,
+    inner: Arc<InstanceData>,
 }
 
 #[derive(Debug)]
-struct Inner {
+struct InstanceData {
     mesh: Arc<TriMesh>,
     transform: Affine3A,
     placement: Placement,
@@ -108,7 +108,7 @@ impl Instance {
         let Placement { affine, error, .. } = placement;
         let block = Block::around(vertices().map(|v| affine.transform_point3(v))).grown(error);
         let solids = Solids::default();
-        Ok(Self { inner: Arc::new(Inner { mesh, transform, placement, block, solids }) })
+        Ok(Self { inner: Arc::new(InstanceData { mesh, transform, placement, block, solids }) })
     }
 
     /// The mesh.
@@ -235,7 +235,7 @@ impl Instance {
     /// A convex solid of the mesh as placed, relative to an origin. Its faces pass through the
     /// corner that `choose` takes: the outermost one (the greatest offset) or the innermost one.
     /// `None` if the transform flattens space, or leaves the middle not clearly inside.
-    fn placed(&self, part: &Convex, origin: DVec3, choose: fn(f64, f64) -> f64) -> Option<Placed> {
+    fn placed(&self, part: &Convex, origin: DVec3, choose: fn(f64, f64) -> f64) -> Option<PlacedConvex> {
         let Placement { affine, normals, .. } = self.inner.placement;
         let normals = normals?;
         let mut polytope = part.seen_from(DVec3::ZERO);
@@ -263,12 +263,12 @@ impl Instance {
             }
             depth = depth.min(distance);
         }
-        Some(Placed { polytope, center, depth })
+        Some(PlacedConvex { polytope, center, depth })
     }
 }
 
 /// A convex solid as placed.
-struct Placed {
+struct PlacedConvex {
     polytope: Polytope,
     /// The mean of its corners.
     center: DVec3,
@@ -276,7 +276,7 @@ struct Placed {
     depth: f64,
 }
 
-impl Placed {
+impl PlacedConvex {
     /// The solid, scaled about its center.
     fn scaled(self, scale: f64) -> Polytope {
         let Self { mut polytope, center, .. } = self;
@@ -355,7 +355,7 @@ impl Kind for Instance {
     }
 
     fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
-        out(Arc::as_ptr(&self.inner).cast(), in_arc::<Inner>() + self.inner.solids.memory_bytes());
+        out(Arc::as_ptr(&self.inner).cast(), in_arc::<InstanceData>() + self.inner.solids.memory_bytes());
         self.mesh().shared(out);
     }
 

@@ -21,12 +21,12 @@ const WORTH_CUTTING: f64 = 0.8;
 const INSIDE: f64 = 6.0;
 
 /// What is asked of triangles while they are cut: the sum of the corners of each, and its box.
-struct Extents {
+struct TriangleBoxes {
     sums: Vec<DVec3>,
     boxes: Vec<(Vec3A, Vec3A)>,
 }
 
-impl Extents {
+impl TriangleBoxes {
     fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         let corners = || triangles.iter().map(|t| t.map(|v| positions[v as usize]));
         let around = |[a, b, c]: [Vec3; 3]| {
@@ -41,7 +41,7 @@ impl Extents {
 }
 
 /// A set of triangles with its box: a range of the list that is cut.
-struct Piece {
+struct TriangleRange {
     own: Range<usize>,
     min: Vec3A,
     max: Vec3A,
@@ -49,8 +49,8 @@ struct Piece {
     cost: f64,
 }
 
-impl Piece {
-    fn new(order: &[u32], own: Range<usize>, extents: &Extents) -> Self {
+impl TriangleRange {
+    fn new(order: &[u32], own: Range<usize>, extents: &TriangleBoxes) -> Self {
         let start = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         let (min, max) = order[own.clone()].iter().fold(start, |(min, max), &t| {
             let (low, high) = extents.boxes[t as usize];
@@ -64,16 +64,16 @@ impl Piece {
 
 /// Triangles as they are cut into pieces.
 struct Cutter<'a> {
-    extents: &'a Extents,
+    extents: &'a TriangleBoxes,
     order: Vec<u32>,
     /// Room for the triangles of an upper half.
     upper: Vec<u32>,
-    done: Vec<Piece>,
+    done: Vec<TriangleRange>,
 }
 
 impl Cutter<'_> {
     /// Two halves, cut across the longest side; their triangles keep their order.
-    fn halves(&mut self, whole: &Piece) -> Option<[Piece; 2]> {
+    fn halves(&mut self, whole: &TriangleRange) -> Option<[TriangleRange; 2]> {
         let (min, max) = (Vec3::from(whole.min).as_dvec3(), Vec3::from(whole.max).as_dvec3());
         let axis = (max - min).max_position();
         let middle = 1.5 * (min[axis] + max[axis]);
@@ -91,11 +91,11 @@ impl Cutter<'_> {
         own[low..].copy_from_slice(&self.upper[..high]);
         let cut = whole.own.start + low;
         let halves = [whole.own.start..cut, cut..whole.own.end];
-        (low > 0 && high > 0).then(|| halves.map(|own| Piece::new(&self.order, own, self.extents)))
+        (low > 0 && high > 0).then(|| halves.map(|own| TriangleRange::new(&self.order, own, self.extents)))
     }
 
     /// Appends the pieces that one is best cut into.
-    fn cut(&mut self, whole: Piece, depth: u32) {
+    fn cut(&mut self, whole: TriangleRange, depth: u32) {
         let Some(halves) = (depth > 0).then(|| self.halves(&whole)).flatten() else {
             self.done.push(whole);
             return;
@@ -113,10 +113,10 @@ impl Cutter<'_> {
 
 /// Convex solids that together contain a mesh.
 pub(crate) fn parts(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Convex> {
-    let extents = Extents::new(positions, triangles);
+    let extents = TriangleBoxes::new(positions, triangles);
     let order: Vec<u32> = (0..triangles.len() as u32).collect();
     let upper = vec![0; order.len()];
-    let whole = Piece::new(&order, 0..order.len(), &extents);
+    let whole = TriangleRange::new(&order, 0..order.len(), &extents);
     let mut cutter = Cutter { extents: &extents, order, upper, done: Vec::new() };
     cutter.cut(whole, DEPTH);
     let Cutter { order, mut done, .. } = cutter;

@@ -53,7 +53,7 @@ fn between(polygon: &Polygon, axis: usize, lo: f64, hi: f64) -> Polygon {
 }
 
 /// Turns triangles into rows of the cells of a block.
-pub(crate) struct Raster<'a> {
+pub(crate) struct CellRaster<'a> {
     grid: &'a Grid,
     lo: IVec3,
     hi: IVec3,
@@ -61,7 +61,7 @@ pub(crate) struct Raster<'a> {
     spans: Vec<(f64, f64)>,
 }
 
-impl<'a> Raster<'a> {
+impl<'a> CellRaster<'a> {
     /// For the cells from `lo` to `hi`, both included.
     pub(crate) fn new(grid: &'a Grid, lo: IVec3, hi: IVec3) -> Self {
         Self { grid, lo, hi, spans: Vec::new() }
@@ -165,7 +165,7 @@ mod tests {
     /// Rows of a triangle as cells: each row comes once.
     fn rows(t: &[DVec3; 3], grid: &Grid, lo: IVec3, hi: IVec3) -> BTreeSet<[i32; 3]> {
         let (mut cells, mut seen) = (BTreeSet::new(), BTreeSet::new());
-        Raster::new(grid, lo, hi).triangle(t, |run| {
+        CellRaster::new(grid, lo, hi).triangle(t, |run| {
             assert!(lo.x <= run.x0 && run.x0 <= run.x1 && run.x1 <= hi.x, "{run:?}");
             assert!(seen.insert((run.z, run.y)));
             cells.extend(run.cells().map(|c| c.to_array()));
@@ -266,7 +266,7 @@ mod tests {
         let t =
             [DVec3::new(1.0, 1.0, 1.0), DVec3::new(4095.0, 30.0, 4000.0), DVec3::new(200.0, 4090.0, 4000.0)];
         let (mut runs, mut cells) = (0u64, 0u64);
-        Raster::new(&grid, IVec3::ZERO, grid.dims() - 1).triangle(&t, |run| {
+        CellRaster::new(&grid, IVec3::ZERO, grid.dims() - 1).triangle(&t, |run| {
             runs += 1;
             cells += (run.x1 - run.x0 + 1) as u64;
         });

@@ -25,7 +25,7 @@ const NONE: u32 = u32::MAX;
 
 /// The shells of a mesh.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Shells {
+pub(crate) struct MeshShells {
     /// The solids inside them, the largest first.
     pub(crate) solids: Vec<Convex>,
     /// The share of the area of the mesh that is not of these shells.
@@ -34,7 +34,7 @@ pub(crate) struct Shells {
 
 /// The shells of a mesh. `first` names the first position that is equal to each. Costs the
 /// triangles times the corners of a shell.
-pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> Shells {
+pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u32]) -> MeshShells {
     let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize].as_dvec3());
     let area = |triangles: &[[u32; 3]]| -> f64 {
         triangles.iter().map(corners).map(|[a, b, c]| (b - a).cross(c - a).length()).sum()
@@ -57,12 +57,12 @@ pub(super) fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]], first: &[u
         }
     }
     if shells.is_empty() {
-        return Shells { gap: 1.0, ..Shells::default() };
+        return MeshShells { gap: 1.0, ..MeshShells::default() };
     }
     shells.sort_by(|a, b| b.0.total_cmp(&a.0));
     shells.truncate(MOST);
     let share = shells.iter().map(|shell| shell.1).sum::<f64>() / area(triangles);
-    Shells { solids: shells.into_iter().map(|shell| shell.2).collect(), gap: (1.0 - share).max(0.0) }
+    MeshShells { solids: shells.into_iter().map(|shell| shell.2).collect(), gap: (1.0 - share).max(0.0) }
 }
 
 /// Whether a mesh is searched for shells.
@@ -176,7 +176,7 @@ mod tests {
     use crate::mesh::surface::first_of_equals;
     use crate::random::Random;
 
-    fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]]) -> Shells {
+    fn open_shells(positions: &[Vec3], triangles: &[[u32; 3]]) -> MeshShells {
         super::open_shells(positions, triangles, &first_of_equals(positions))
     }
 
@@ -262,7 +262,7 @@ mod tests {
             positions.extend(p);
             triangles.extend(t.into_iter().map(|t| t.map(|v| v + first)));
         }
-        let Shells { solids: shells, gap } = open_shells(&positions, &triangles);
+        let MeshShells { solids: shells, gap } = open_shells(&positions, &triangles);
         assert_eq!(shells.len(), MOST);
         assert!(gap > 0.2 && gap < 0.3, "four of twelve are left, the smaller ones: {gap}");
         assert!(shells.windows(2).all(|w| w[0].volume() >= w[1].volume()));

@@ -16,7 +16,7 @@ use crate::mesh::inner::{Inner, inner_solid};
 use crate::mesh::parallel;
 use crate::mesh::parts;
 use crate::mesh::preparation::{Facing, MeshOptions, Progress};
-use crate::mesh::shell::{Shells, may_have_shells, open_shells};
+use crate::mesh::shell::{MeshShells, may_have_shells, open_shells};
 use crate::mesh::surface::{Surface, Topology, Welded};
 use crate::shape::convex::Convex;
 
@@ -106,7 +106,7 @@ pub struct TriMesh {
     /// A solid inside the mesh, if that is closed but has no hardly smaller one.
     inner: Option<Inner>,
     /// Solids in convex pieces that are open on one side.
-    shells: Shells,
+    shells: MeshShells,
     pub(crate) middle: DVec3,
     /// Made when it is first asked.
     pub(crate) index: OnceLock<Index>,
@@ -239,7 +239,7 @@ impl TriMesh {
         };
         let shells = match occludes && !closed && !surface.front && may_have_shells(&triangles) {
             true => open_shells(&positions, &triangles, first),
-            false => Shells::default(),
+            false => MeshShells::default(),
         };
         let middle = middle_of(&parts);
         let positions: Arc<[Vec3]> = positions.into();
@@ -345,7 +345,7 @@ impl TriMesh {
 
     /// Solids inside convex pieces that are open on one side: each line through one meets the mesh,
     /// within the hull of that piece.
-    pub(crate) fn shells(&self) -> &Shells {
+    pub(crate) fn shells(&self) -> &MeshShells {
         &self.shells
     }
 

@@ -10,7 +10,7 @@ use crate::object::{ALL_LAYERS, Bounds, Motion, ObjectDesc, Occluder};
 /// A description as it is stored.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "ObjectDesc")]
-struct Fields<'a> {
+struct DescFields<'a> {
     bounds: Cow<'a, Bounds>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     occluder: Option<Cow<'a, Occluder>>,
@@ -30,7 +30,7 @@ fn all_layers() -> u64 {
 impl Serialize for ObjectDesc {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.check().and_then(|()| self.clone().place()).map_err(ser::Error::custom)?;
-        let fields = Fields {
+        let fields = DescFields {
             bounds: Cow::Borrowed(&self.bounds),
             occluder: self.occluder.as_ref().map(Cow::Borrowed),
             motion: self.motion,
@@ -44,8 +44,8 @@ impl Serialize for ObjectDesc {
 
 impl<'de> Deserialize<'de> for ObjectDesc {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Fields { bounds, occluder, motion, user_data, layers, transform } =
-            Fields::deserialize(deserializer)?;
+        let DescFields { bounds, occluder, motion, user_data, layers, transform } =
+            DescFields::deserialize(deserializer)?;
         let occluder = occluder.map(Cow::into_owned);
         let bounds = bounds.into_owned();
         let desc = Self { bounds, occluder, motion, contradicts: false, user_data, layers, transform };

@@ -153,6 +153,30 @@ impl Coverage {
     /// Whether all pixels of a rectangle are covered for targets nowhere nearer than `near`.
     #[inline]
     pub(crate) fn hides(&self, window: &Window, pixels: &PixelRect, near: f32) -> bool {
+        self.open_pixels(window, pixels, near, |open| open == 0)
+    }
+
+    /// Whether few pixels of a rectangle are open for targets nowhere nearer than `near`: their
+    /// number squared is at most `most` times that of all.
+    pub(crate) fn few_open(&self, window: &Window, pixels: &PixelRect, near: f32, most: u64) -> bool {
+        let most = if pixels.is_empty() { 0 } else { most.saturating_mul(pixels.count()) };
+        let mut sum = 0;
+        self.open_pixels(window, pixels, near, |open| {
+            sum += u64::from(open.count_ones());
+            sum * sum <= most
+        })
+    }
+
+    /// Passes the open pixels of a rectangle in each tile to a test, until that fails; whether it
+    /// never did. Tiles without any may be left out.
+    #[inline(always)]
+    fn open_pixels(
+        &self,
+        window: &Window,
+        pixels: &PixelRect,
+        near: f32,
+        mut test: impl FnMut(u64) -> bool,
+    ) -> bool {
         if pixels.is_empty() {
             return true;
         }
@@ -169,7 +193,7 @@ impl Coverage {
                     continue;
                 }
                 let columns = if i == 0 { left } else { u64::MAX } & if i == last { right } else { u64::MAX };
-                if rows & columns & !tile.hidden(near) != 0 {
+                if !test(rows & columns & !tile.hidden(near)) {
                     return false;
                 }
             }
@@ -230,6 +254,27 @@ mod tests {
         coverage.cover(middle, u64::MAX, 0.25);
         assert_eq!(coverage.closed(middle), 0.25);
         assert!(!coverage.is_closed(0.25));
+    }
+
+    #[test]
+    fn open_pixels_are_few_up_to_a_share() {
+        let window = Window::around(&Rect::FACE, 32);
+        let mut coverage = Coverage::default();
+        coverage.clear(16);
+        // 12 of 18 x 12 pixels stay open, in a row across a border of tiles.
+        let pixels = PixelRect { x: (4, 22), y: (6, 18) };
+        for tile in 0..16 {
+            coverage.cover(tile, u64::MAX, 0.5);
+        }
+        for (tx, x) in [(0, 4..8), (1, 0..8)] {
+            let tile = window.tile_index(tx, 1);
+            coverage.open(tile);
+            coverage.cover(tile, !block(x.start, x.end, 3, 4), 0.5);
+        }
+        let few = |near, most| coverage.few_open(&window, &pixels, near, most);
+        assert!(few(0.5, 1) && !few(0.5, 0), "12 * 12 <= 216");
+        assert!(!few(0.6, 215) && few(0.6, 216), "all 216 are open");
+        assert!(coverage.few_open(&window, &PixelRect::EMPTY, 0.5, 0));
     }
 
     #[test]

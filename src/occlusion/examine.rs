@@ -12,11 +12,13 @@
 use casca_slots::Slot;
 use smallvec::SmallVec;
 
+use crate::geometry::polytope::Part;
 use crate::method::PointOptions;
+use crate::object::Bounds;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
 use crate::occlusion::magnify::budget::Budget;
-use crate::occlusion::magnify::{Hand, Magnifier, Patches};
+use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
 use crate::occlusion::refine::Search;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
@@ -31,6 +33,16 @@ pub(crate) struct Effort {
 }
 
 impl Effort {
+    /// Whether a mesh may well turn out to be hidden: in a box with few open pixels, or in parts
+    /// that have no corner in an open one.
+    pub(crate) fn is_worth(self, buffers: &OcclusionBuffers, bounds: &Bounds) -> bool {
+        let block = buffers.relative(&bounds.block());
+        let most = self.pixels(FEW_OPEN) as u64;
+        let mut is_closed = |part: &Part| part.corners().all(|corner| !buffers.leaves_open(corner));
+        buffers.faces().all(|face| face.few_open(&block, most))
+            || bounds.kind().all_parts(buffers.origin(), &mut is_closed) == Some(true)
+    }
+
     /// The most open pixels of a target on one face, if `most` are for the default squares.
     fn pixels(&self, most: usize) -> usize {
         most.max(most.saturating_mul(self.squares as usize) / SQUARES as usize)
@@ -47,6 +59,11 @@ const PIXELS: usize = 64;
 /// So is one with more open pixels than this where patches of triangles were drawn: to magnify
 /// those costs more.
 const PATCHED: usize = 12;
+
+/// A mesh with `n` open pixels among the `m` of the rectangle around its box turns out to be hidden
+/// about once in `1 + n * n / m` times. Those with a greater `n * n / m` than this are taken to be
+/// visible: it is about what a hidden object is worth, over what an examination costs.
+const FEW_OPEN: usize = 6;
 
 /// These squares for one target, the default, allow it [`PIXELS`] open pixels, and more squares
 /// allow more in proportion. The finer pixels that go with more squares are also more in number for
@@ -65,14 +82,14 @@ const LISTED: usize = 8;
 const COMPARED: u32 = 128;
 
 /// An open pixel and its square.
-type OpenPixel = (i64, i64, Rect);
+type OpenSquare = (i64, i64, Rect);
 
 /// The examination of one target.
 pub(crate) struct Examination<'a, 'p, F> {
     pub(crate) buffers: &'a OcclusionBuffers,
     pub(crate) magnifier: &'a Magnifier,
     pub(crate) hand: &'a mut Hand,
-    pub(crate) patches: &'a Patches<F>,
+    pub(crate) patches: &'a Redrawable<F>,
     pub(crate) effort: Effort,
     pub(crate) budget: &'a mut Budget<'p>,
 }
@@ -99,7 +116,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
 
     fn hides_on_face(&mut self, search: &mut Search, target: &Target, face: usize) -> bool {
         let Some(open) = self.find_open(search, target) else { return false };
-        let mut rest: SmallVec<[OpenPixel; PATCHED]> = SmallVec::new();
+        let mut rest: SmallVec<[OpenSquare; PATCHED]> = SmallVec::new();
         for pixel in open {
             match self.compare(search, target, face, &pixel) {
                 Some(true) => {}
@@ -121,7 +138,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         search: &mut Search,
         target: &Target,
         face: usize,
-        &(x, y, ref rect): &OpenPixel,
+        &(x, y, ref rect): &OpenSquare,
     ) -> Option<bool> {
         let buffer = search.buffer;
         if search.squares == 0 || buffer.patch_may_hide((x, y), search.target.near) {
@@ -145,7 +162,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
     }
 
     /// The pixels that leave the target undecided; `None` if it is seen, or if they are too many.
-    fn find_open(&self, search: &mut Search, target: &Target) -> Option<SmallVec<[OpenPixel; PATCHED]>> {
+    fn find_open(&self, search: &mut Search, target: &Target) -> Option<SmallVec<[OpenSquare; PATCHED]>> {
         if search.middle_is_seen(target) {
             return None;
         }
@@ -173,7 +190,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         search: &mut Search,
         target: &Target,
         face: usize,
-        &(x, y, ref rect): &OpenPixel,
+        &(x, y, ref rect): &OpenSquare,
     ) -> bool {
         let (buffer, on_face) = (search.buffer, search.target);
         let with = (&mut *self.hand, &mut self.budget.patches);
@@ -231,7 +248,7 @@ mod tests {
     fn shared_pixels_hide_only_what_rays_find_behind_occluders() {
         let view = View::omnidirectional(glam::Vec3::ZERO).unwrap();
         let pitch = Pitch { pixels: 32.0, least: 0.0, nearest: 1e-3, radius: 40.0, middle: DVec3::ZERO };
-        let patches = Patches { drawable: |_: u32| None::<Drawable<'_>> };
+        let patches = Redrawable { drawable: |_: u32| None::<Drawable<'_>> };
         let effort = Effort { squares: 256, depth: 6 };
         let mut random = Random::new(11);
         let (mut buffers, mut magnifier) = (OcclusionBuffers::default(), Magnifier::default());

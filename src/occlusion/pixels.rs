@@ -20,6 +20,12 @@ impl PixelRect {
         self.x.0 >= self.x.1 || self.y.0 >= self.y.1
     }
 
+    /// Number of pixels of a rectangle that is not empty.
+    #[inline]
+    pub(crate) fn count(&self) -> u64 {
+        ((self.x.1 - self.x.0) * (self.y.1 - self.y.0)) as u64
+    }
+
     /// The smallest rectangle around both.
     #[inline]
     pub(crate) fn join(&self, o: &Self) -> Self {

@@ -13,9 +13,9 @@ use smallvec::SmallVec;
 use crate::numeric::occlusion::below;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face::Rect;
-use crate::occlusion::face_buffer::{Drawn, FaceBuffer, Listed};
+use crate::occlusion::face_buffer::{DrawnSolid, FaceBuffer, Listed};
 use crate::occlusion::pixels::Window;
-use crate::occlusion::silhouette::Crossing;
+use crate::occlusion::silhouette::LocalSilhouette;
 use crate::occlusion::solid::Shadow;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, block};
@@ -31,18 +31,18 @@ const POLYGON: u32 = 3;
 const CANDIDATES: usize = u64::BITS as usize;
 
 /// One occluder that may hide the target in a pixel.
-struct Candidate<'a> {
-    drawn: &'a Drawn,
+struct PixelOccluder<'a> {
+    drawn: &'a DrawnSolid,
     near: f32,
     /// Its silhouette, for squares in the pixel.
-    silhouette: Crossing<'a>,
+    silhouette: LocalSilhouette<'a>,
     /// The space behind its front.
     shadow: &'a Shadow,
     /// Whether all of the target lies there, once that was found out.
     behind: Cell<Option<bool>>,
 }
 
-impl Candidate<'_> {
+impl PixelOccluder<'_> {
     /// Whether all of a target lies behind its front.
     #[inline]
     fn is_before(&self, target: &Target) -> bool {
@@ -56,11 +56,11 @@ impl Candidate<'_> {
 
 /// A pixel in which a target is compared with the occluders that may hide it.
 pub(crate) struct Contest<'a> {
-    candidates: SmallVec<[Candidate<'a>; 4]>,
+    candidates: SmallVec<[PixelOccluder<'a>; 4]>,
     /// The target, on all faces.
     whole: &'a Target,
     /// The target's silhouette, for squares in the pixel.
-    target: Crossing<'a>,
+    target: LocalSilhouette<'a>,
 }
 
 impl Contest<'_> {
@@ -263,7 +263,7 @@ impl<'a> Search<'a> {
                     return None;
                 }
                 let (near, shadow) = (listed.near, buffers.shadow(drawn.solid));
-                candidates.push(Candidate { drawn, near, silhouette, shadow, behind: Cell::new(None) });
+                candidates.push(PixelOccluder { drawn, near, silhouette, shadow, behind: Cell::new(None) });
                 if candidates.len() == CANDIDATES {
                     break;
                 }

@@ -18,7 +18,7 @@ use crate::numeric::shape::CONE_MARGIN;
 use crate::numeric::{greater, lesser};
 use crate::occlusion::face::Linear;
 use crate::occlusion::pixels::{PixelRect, Window, floor, nearest_integer};
-use crate::occlusion::silhouette::{Kind, Silhouette};
+use crate::occlusion::silhouette::{Silhouette, SilhouetteKind};
 use crate::occlusion::tiles::TILE;
 use crate::simd::vectorized;
 
@@ -59,7 +59,7 @@ enum Rounding {
 }
 
 #[derive(Debug)]
-enum Shape {
+enum RowShape {
     Polygon {
         /// Columns are not less than these.
         lower: SmallVec<[Bound; 6]>,
@@ -74,8 +74,8 @@ enum Shape {
 
 /// A shape on a face that is ready to be asked for rows of pixels.
 #[derive(Debug)]
-pub(crate) struct Rows {
-    shape: Shape,
+pub(crate) struct ShapeRows {
+    shape: RowShape,
     /// The pixels outside of which nothing is covered.
     pixels: PixelRect,
     /// Height of the lower border of row 0, and of a row.
@@ -136,18 +136,18 @@ impl TileRow {
     }
 }
 
-impl Rows {
+impl ShapeRows {
     /// The whole pixels inside a silhouette that lies in a rectangle of them; `None` if there are
     /// none for sure.
     pub(crate) fn inside(silhouette: &Silhouette, window: &Window, pixels: &PixelRect) -> Option<Self> {
         let (shape, pixels) = match silhouette.kind() {
-            Kind::Polygon(halves) => polygon(halves, window, pixels, Rounding::Inwards)?,
-            Kind::Conic { s, k, u0, v0, e, .. } => (conic(s, *k, (*u0, *v0), *e, window)?, *pixels),
-            Kind::Everything => return None,
+            SilhouetteKind::Polygon(halves) => polygon(halves, window, pixels, Rounding::Inwards)?,
+            SilhouetteKind::Conic { s, k, u0, v0, e, .. } => (conic(s, *k, (*u0, *v0), *e, window)?, *pixels),
+            SilhouetteKind::Everything => return None,
         };
         let error = match &shape {
-            Shape::Polygon { .. } => 0.0,
-            Shape::Ellipse(conic) | Shape::Hyperbola { conic, .. } => conic.error,
+            RowShape::Polygon { .. } => 0.0,
+            RowShape::Ellipse(conic) | RowShape::Hyperbola { conic, .. } => conic.error,
         };
         Self::new(shape, window, pixels, PIXEL + error + 0.5)
     }
@@ -158,7 +158,7 @@ impl Rows {
         Self::new(shape, window, pixels, -PIXEL - 0.5)
     }
 
-    fn new(shape: Shape, window: &Window, pixels: PixelRect, inset: f64) -> Option<Self> {
+    fn new(shape: RowShape, window: &Window, pixels: PixelRect, inset: f64) -> Option<Self> {
         let (base, step, columns) = (window.border(0), window.step(), window.per_unit() * 2.0);
         (!pixels.is_empty()).then_some(Self { shape, pixels, base, step, columns, inset })
     }
@@ -174,12 +174,12 @@ impl Rows {
         let y = ty * TILE;
         let v = self.base + self.step * y as f64;
         let columns = match &self.shape {
-            Shape::Polygon { lower, upper } => {
+            RowShape::Polygon { lower, upper } => {
                 let rows = ((self.pixels.y.0 - y) as f64, (self.pixels.y.1 - y) as f64);
                 between(lower, upper, y as f64, rows)
             }
-            Shape::Ellipse(conic) => conic.inside(v, self.step),
-            Shape::Hyperbola { conic, right } => conic.beside(*right, v, self.step),
+            RowShape::Ellipse(conic) => conic.inside(v, self.step),
+            RowShape::Hyperbola { conic, right } => conic.beside(*right, v, self.step),
         };
         self.pixels_between(columns, self.inset)
     }
@@ -215,7 +215,7 @@ fn polygon(
     window: &Window,
     pixels: &PixelRect,
     rounding: Rounding,
-) -> Option<(Shape, PixelRect)> {
+) -> Option<(RowShape, PixelRect)> {
     let (step, per_unit, base) = (window.step(), window.per_unit(), window.border(0));
     let (mut lower, mut upper, mut pixels) = (SmallVec::new(), SmallVec::new(), *pixels);
     let inwards = rounding == Rounding::Inwards;
@@ -258,12 +258,12 @@ fn polygon(
             (false, false) => pixels.y.1 = pixels.y.1.min(floor(row + PIXEL) + 1),
         }
     }
-    Some((Shape::Polygon { lower, upper }, pixels))
+    Some((RowShape::Polygon { lower, upper }, pixels))
 }
 
 /// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola, or whose numbers
 /// overflowed.
-fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> Option<Shape> {
+fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> Option<RowShape> {
     let (width, per_unit) = (k - s.a * s.a, window.per_unit());
     let finite = (s.a + s.b + s.c + k + u0 + v0 + e).is_finite() && width.is_finite();
     if !finite || width.abs() <= CONIC_PARABOLA {
@@ -280,7 +280,7 @@ fn conic(s: &Linear, k: f64, (u0, v0): (f64, f64), e: f64, window: &Window) -> O
         scale: per_unit / width.abs(),
         error: CHORD_ROUNDING * per_unit / width.abs(),
     };
-    Some(if width > 0.0 { Shape::Ellipse(conic) } else { Shape::Hyperbola { conic, right: s.a > 0.0 } })
+    Some(if width > 0.0 { RowShape::Ellipse(conic) } else { RowShape::Hyperbola { conic, right: s.a > 0.0 } })
 }
 
 /// The columns between all bounds, for the rows from `y` on; none in rows outside of `rows`, which
@@ -367,7 +367,7 @@ mod tests {
         let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
         let window = Window::around(&Rect::FACE, PIXELS);
         let silhouette = Silhouette::new(outline, &face);
-        let rows = Rows::inside(&silhouette, &window, window.pixels());
+        let rows = ShapeRows::inside(&silhouette, &window, window.pixels());
         let mut covered = 0;
         for ty in 0..PIXELS / TILE {
             let row = rows.as_ref().map(|rows| rows.tile_row(ty));
@@ -397,7 +397,9 @@ mod tests {
                 of[place] = bad;
                 let half = Linear { a: of[0], b: of[1], c: of[2] };
                 assert!(polygon(&[half], &window, window.pixels(), Rounding::Inwards).is_none());
-                assert!(Rows::touching(&[half], &window).is_some_and(|rows| rows.tile_row(0).covers_tile(0)));
+                assert!(
+                    ShapeRows::touching(&[half], &window).is_some_and(|rows| rows.tile_row(0).covers_tile(0))
+                );
                 assert!(conic(&half, 0.5, (0.0, 0.0), 1.0, &window).is_none());
             }
             let s = Linear { a: 0.1, b: 0.2, c: 0.9 };

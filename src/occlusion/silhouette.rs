@@ -17,7 +17,7 @@ use crate::occlusion::tiles::TILE;
 
 /// The kinds of silhouettes.
 #[derive(Debug, Clone)]
-pub(crate) enum Kind {
+pub(crate) enum SilhouetteKind {
     /// `s^2 - k ((u - u0)^2 + (v - v0)^2 + e) >= 0` where `s > 0`.
     Conic {
         s: Linear,
@@ -84,12 +84,12 @@ fn conic_pixels<S: Simd>(
 /// The directions of a face that a convex shape covers.
 #[derive(Debug, Clone)]
 pub(crate) struct Silhouette {
-    kind: Kind,
+    kind: SilhouetteKind,
 }
 
 /// A silhouette for tests of squares in one place, where only some of its half-planes matter.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Crossing<'a> {
+pub(crate) struct LocalSilhouette<'a> {
     silhouette: &'a Silhouette,
     /// The half-planes of a polygon that matter, one bit each. Those from [`CHOSEN`] on all do.
     among: u64,
@@ -98,7 +98,7 @@ pub(crate) struct Crossing<'a> {
 /// Half-planes that are told apart by the bits of a word.
 const CHOSEN: usize = u64::BITS as usize;
 
-impl Crossing<'_> {
+impl LocalSilhouette<'_> {
     /// Whether all of those half-planes of a polygon pass a test.
     #[inline(always)]
     fn all(&self, halves: &[Linear], test: impl Fn(&Linear) -> bool) -> bool {
@@ -122,7 +122,7 @@ impl Crossing<'_> {
     #[inline]
     pub(crate) fn covers(&self, r: &Rect) -> bool {
         match &self.silhouette.kind {
-            Kind::Polygon(halves) => self.all(halves, |half| half.least(r) >= CONE_MARGIN),
+            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.least(r) >= CONE_MARGIN),
             _ => self.silhouette.covers(r),
         }
     }
@@ -131,7 +131,7 @@ impl Crossing<'_> {
     #[inline]
     pub(crate) fn touches(&self, r: &Rect) -> bool {
         match &self.silhouette.kind {
-            Kind::Polygon(halves) => self.all(halves, |half| half.most(r) >= -CONE_MARGIN),
+            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.most(r) >= -CONE_MARGIN),
             _ => self.silhouette.touches(r),
         }
     }
@@ -140,7 +140,7 @@ impl Crossing<'_> {
     #[inline]
     pub(crate) fn holds(&self, u: f64, v: f64) -> bool {
         match &self.silhouette.kind {
-            Kind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= CONE_MARGIN),
+            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= CONE_MARGIN),
             _ => self.silhouette.holds(u, v),
         }
     }
@@ -149,7 +149,7 @@ impl Crossing<'_> {
     #[inline]
     pub(crate) fn may_hold(&self, u: f64, v: f64) -> bool {
         match &self.silhouette.kind {
-            Kind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= -CONE_MARGIN),
+            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= -CONE_MARGIN),
             _ => self.silhouette.may_hold(u, v),
         }
     }
@@ -170,41 +170,48 @@ fn halves(planes: &[HalfSpace], face: &Face) -> SmallVec<[Linear; 8]> {
 impl Silhouette {
     pub(crate) fn new(outline: &Outline, face: &Face) -> Self {
         let kind = match outline {
-            Outline::Everything => Kind::Everything,
+            Outline::Everything => SilhouetteKind::Everything,
             Outline::Sphere { center, radius } => {
                 let (c, distance) = (face.local(*center), center.length());
                 if face.parallel {
                     let r = radius * face.right.length();
                     let s = Linear { a: 0.0, b: 0.0, c: r };
-                    Kind::Conic { s, k: 1.0, u0: c.x, v0: c.y, e: 0.0, sine: 0.0 }
+                    SilhouetteKind::Conic { s, k: 1.0, u0: c.x, v0: c.y, e: 0.0, sine: 0.0 }
                 } else if distance > *radius {
                     let (c, sine) = (c / distance, radius / distance);
                     let s = Linear { a: c.x, b: c.y, c: c.z };
-                    Kind::Conic { s, k: (1.0 - sine) * (1.0 + sine), u0: 0.0, v0: 0.0, e: 1.0, sine }
+                    SilhouetteKind::Conic {
+                        s,
+                        k: (1.0 - sine) * (1.0 + sine),
+                        u0: 0.0,
+                        v0: 0.0,
+                        e: 1.0,
+                        sine,
+                    }
                 } else {
-                    Kind::Everything
+                    SilhouetteKind::Everything
                 }
             }
-            Outline::Cone(planes) => Kind::Polygon(halves(planes, face)),
+            Outline::Cone(planes) => SilhouetteKind::Polygon(halves(planes, face)),
         };
         Self { kind }
     }
 
     /// Whether it is that of a sphere.
     pub(crate) fn is_conic(&self) -> bool {
-        matches!(self.kind, Kind::Conic { .. })
+        matches!(self.kind, SilhouetteKind::Conic { .. })
     }
 
     /// Whether a direction is inside by more than `margin`, in units of the conic or of distance.
     #[inline]
     fn inside(&self, u: f64, v: f64, conic: f64, cone: f64) -> bool {
         match &self.kind {
-            Kind::Conic { s, k, u0, v0, e, .. } => {
+            SilhouetteKind::Conic { s, k, u0, v0, e, .. } => {
                 let (du, dv, at) = (u - u0, v - v0, s.at(u, v));
                 at > 0.0 && at * at - k * (du * du + dv * dv + e) >= conic
             }
-            Kind::Polygon(halves) => halves.iter().all(|half| half.at(u, v) >= cone),
-            Kind::Everything => true,
+            SilhouetteKind::Polygon(halves) => halves.iter().all(|half| half.at(u, v) >= cone),
+            SilhouetteKind::Everything => true,
         }
     }
 
@@ -212,15 +219,15 @@ impl Silhouette {
     #[inline]
     pub(crate) fn covers(&self, r: &Rect) -> bool {
         match &self.kind {
-            Kind::Conic { .. } => r.corners().iter().all(|&(u, v)| self.inside(u, v, CONIC, 0.0)),
-            Kind::Polygon(halves) => halves.iter().all(|half| half.least(r) >= CONE_MARGIN),
-            Kind::Everything => false,
+            SilhouetteKind::Conic { .. } => r.corners().iter().all(|&(u, v)| self.inside(u, v, CONIC, 0.0)),
+            SilhouetteKind::Polygon(halves) => halves.iter().all(|half| half.least(r) >= CONE_MARGIN),
+            SilhouetteKind::Everything => false,
         }
     }
 
     /// Whether a direction is surely covered.
     pub(crate) fn holds(&self, u: f64, v: f64) -> bool {
-        !matches!(self.kind, Kind::Everything) && self.inside(u, v, CONIC, CONE_MARGIN)
+        !matches!(self.kind, SilhouetteKind::Everything) && self.inside(u, v, CONIC, CONE_MARGIN)
     }
 
     /// Whether a direction may be covered.
@@ -233,7 +240,7 @@ impl Silhouette {
     pub(crate) fn touches(&self, r: &Rect) -> bool {
         match &self.kind {
             // The circle of directions around the square against the circle of the sphere.
-            Kind::Conic { s, k, u0, v0, e, sine } => {
+            SilhouetteKind::Conic { s, k, u0, v0, e, sine } => {
                 let (u, v) = ((r.u0 + r.u1) * 0.5, (r.v0 + r.v1) * 0.5);
                 let (hu, hv) = ((r.u1 - r.u0) * 0.5, (r.v1 - r.v0) * 0.5);
                 let squared = hu * hu + hv * hv;
@@ -246,16 +253,18 @@ impl Silhouette {
                 let rest = d - squared;
                 rest <= 0.0 || s.at(u, v) >= (k * rest).sqrt() - sine * squared.sqrt() - CONIC
             }
-            Kind::Polygon(halves) => halves.iter().all(|half| half.most(r) >= -CONE_MARGIN),
-            Kind::Everything => true,
+            SilhouetteKind::Polygon(halves) => halves.iter().all(|half| half.most(r) >= -CONE_MARGIN),
+            SilhouetteKind::Everything => true,
         }
     }
 
     /// The silhouette for tests of squares inside a rectangle, without the half-planes that the
     /// rectangle lies inside of; `None` if the rectangle does not touch it.
     #[inline]
-    pub(crate) fn crossing(&self, r: &Rect) -> Option<Crossing<'_>> {
-        let Kind::Polygon(halves) = &self.kind else { return self.touches(r).then(|| self.whole()) };
+    pub(crate) fn crossing(&self, r: &Rect) -> Option<LocalSilhouette<'_>> {
+        let SilhouetteKind::Polygon(halves) = &self.kind else {
+            return self.touches(r).then(|| self.whole());
+        };
         let mut among = 0;
         for (i, half) in halves.iter().enumerate() {
             if half.most(r) < -CONE_MARGIN {
@@ -265,12 +274,12 @@ impl Silhouette {
                 among |= 1 << i;
             }
         }
-        Some(Crossing { silhouette: self, among })
+        Some(LocalSilhouette { silhouette: self, among })
     }
 
     /// All of it.
-    pub(crate) fn whole(&self) -> Crossing<'_> {
-        Crossing { silhouette: self, among: u64::MAX }
+    pub(crate) fn whole(&self) -> LocalSilhouette<'_> {
+        LocalSilhouette { silhouette: self, among: u64::MAX }
     }
 
     /// The pixels of a tile that are surely covered. The tile's borders between columns and rows
@@ -279,10 +288,12 @@ impl Silhouette {
     pub(crate) fn pixels<S: Simd>(&self, simd: S, us: &Borders, vs: &Borders) -> u64 {
         let tile = Rect { u0: us[0], v0: vs[0], u1: us[us.len() - 1], v1: vs[vs.len() - 1] };
         match &self.kind {
-            Kind::Conic { .. } if !self.touches(&tile) => 0,
-            Kind::Conic { .. } if self.covers(&tile) => u64::MAX,
-            Kind::Conic { s, k, u0, v0, e, .. } => conic_pixels(simd, (s, *k), (*u0, *v0, *e), us, vs),
-            Kind::Polygon(halves) => {
+            SilhouetteKind::Conic { .. } if !self.touches(&tile) => 0,
+            SilhouetteKind::Conic { .. } if self.covers(&tile) => u64::MAX,
+            SilhouetteKind::Conic { s, k, u0, v0, e, .. } => {
+                conic_pixels(simd, (s, *k), (*u0, *v0, *e), us, vs)
+            }
+            SilhouetteKind::Polygon(halves) => {
                 let mut pixels = u64::MAX;
                 for half in halves {
                     if half.most(&tile) < CONE_MARGIN {
@@ -294,14 +305,14 @@ impl Silhouette {
                 }
                 pixels
             }
-            Kind::Everything => 0,
+            SilhouetteKind::Everything => 0,
         }
     }
 
     /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face;
     /// `None` for all others.
     pub(crate) fn conic_rect(&self) -> Option<Rect> {
-        let Kind::Conic { s, u0, v0, e, sine, .. } = &self.kind else { return None };
+        let SilhouetteKind::Conic { s, u0, v0, e, sine, .. } = &self.kind else { return None };
         if *e == 0.0 {
             return Some(Rect { u0: u0 - s.c, v0: v0 - s.c, u1: u0 + s.c, v1: v0 + s.c });
         }
@@ -319,7 +330,7 @@ impl Silhouette {
     }
 
     /// Its equations.
-    pub(crate) fn kind(&self) -> &Kind {
+    pub(crate) fn kind(&self) -> &SilhouetteKind {
         &self.kind
     }
 }

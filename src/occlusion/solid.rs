@@ -35,7 +35,7 @@ pub(crate) struct Solid {
 
 /// The part of a solid that a face sees.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct SeenSolid {
     /// A rectangle around it.
     pub(crate) rect: Rect,
     /// Its least depth, and the greatest depth of the silhouette along the face's axis.
@@ -134,13 +134,13 @@ impl Solid {
     }
 
     /// Its front as a face sees it.
-    pub(crate) fn front(&self, face: &Face, seen: &Seen) -> Front {
+    pub(crate) fn front(&self, face: &Face, seen: &SeenSolid) -> Front {
         let reach = self.block.min.abs().max(self.block.max.abs()).max_element();
         Front::new(face, &self.outline, &self.shadow.planes, seen.far, reach)
     }
 
     /// The part of it that a face sees.
-    pub(crate) fn on_face(&self, face: &Face) -> Option<Seen> {
+    pub(crate) fn on_face(&self, face: &Face) -> Option<SeenSolid> {
         let (rect, (near, far)) = face.block(&self.block)?;
         let (tighter, far) = match &self.outline {
             Outline::Sphere { center, radius } => (
@@ -157,7 +157,7 @@ impl Solid {
             }
         };
         let rect = tighter.map_or(Some(rect), |t| rect.intersect(&t))?;
-        Some(Seen { rect: rect.intersect(&Rect::FACE)?, near, far })
+        Some(SeenSolid { rect: rect.intersect(&Rect::FACE)?, near, far })
     }
 }
 

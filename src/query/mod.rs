@@ -18,7 +18,7 @@ use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::marks::Marks;
-use crate::query::point::follow::Changes;
+use crate::query::point::follow::StaticChanges;
 use crate::query::point::offered::Offered;
 use crate::query::point::scratch::PointScratch;
 use crate::query::receivers::ReceiverScratch;
@@ -195,14 +195,14 @@ impl Query {
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 self.lists.follow(scene);
                 let (marks, lists, scratch) = (&mut self.marks, &self.lists, &mut self.cell);
-                let walk = cell::Walk::new(scene, view, options, pvs, marks, lists, scratch);
+                let walk = cell::CellWalk::new(scene, view, options, pvs, marks, lists, scratch);
                 walk.with_more(more.into_iter().flat_map(|more| more.in_views_of(view.layers())))
                     .with_record(record)
                     .run();
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
-                let walk = point::Walk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
+                let walk = point::PointWalk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
                 #[cfg(feature = "rayon")]
                 let walk = walk.with_parallel(self.parallel);
                 walk.with_receivers(receivers).with_fixed_only(fixed_only).run();
@@ -218,13 +218,20 @@ impl Query {
     /// Brings the buffers of the last run of [`Method::Point`], on static objects only and of the
     /// same view, up to date with changes of those, and fills the set with the objects that came
     /// into sight. Returns the share of the pixels that were opened for it.
-    pub(crate) fn follow(&mut self, scene: &Scene, view: &View, changes: &Changes, offered: &Offered) -> f64 {
+    pub(crate) fn follow(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        changes: &StaticChanges,
+        offered: &Offered,
+    ) -> f64 {
         self.pvs.reset(scene.slot_count());
         let options = match self.method {
             Method::Point(options) => options.unrefined(),
             _ => PointOptions::new().unrefined(),
         };
-        let walk = point::Walk::new(scene, view, &options, &mut self.pvs, &mut self.marks, &mut self.point);
+        let walk =
+            point::PointWalk::new(scene, view, &options, &mut self.pvs, &mut self.marks, &mut self.point);
         walk.with_fixed_only(true).follow(changes, offered)
     }
 

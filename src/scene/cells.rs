@@ -74,6 +74,7 @@ fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
 impl Scene {
     /// Writes an object that is in no matrix into I and O.
     pub(super) fn list(&mut self, slot: Slot) {
+        self.boxes.put(slot, &self.slots[slot]);
         if let Some(zone) = self.zone_to_list(slot, &self.object(slot).bounds) {
             self.list_in_zone(slot, zone);
             return;
@@ -139,8 +140,8 @@ impl Scene {
     fn enter_zone(&mut self, slot: Slot, zone: IVec3) {
         let (object, id) = (&self.slots[slot], self.slots.id(slot));
         let aabb = object.bounds.aabb();
-        let corners = (aabb.min.into(), aabb.max.into());
-        let room = self.movers.insert(&self.grid, (id, zone), corners, object.is_plain());
+        let room = self.movers.insert(&self.grid, (id, zone), object.is_plain());
+        self.boxes.put_mover(slot, aabb.min.into(), aabb.max.into());
         self.rooms.open(id, &room);
     }
 
@@ -215,6 +216,7 @@ impl Scene {
         }
         self.slots[slot].bounds = bounds;
         self.exchange_occluder(slot, occluder);
+        self.boxes.put(slot, &self.slots[slot]);
         if by_zones {
             self.refresh_mover(slot);
         }

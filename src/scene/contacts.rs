@@ -19,7 +19,7 @@ use crate::shape::pieces::{Piece, opaque};
 
 /// The cells of a solid by brick, for bricks that have opaque cells of others in them or beside
 /// them.
-type Near = BTreeMap<[i32; 3], Mask>;
+type NearCells = BTreeMap<[i32; 3], Mask>;
 
 impl Scene {
     /// Marks the cells that a solid will make opaque beside opaque cells of others.
@@ -45,8 +45,8 @@ impl Scene {
     }
 
     /// The cells of a solid that is not in the matrices yet, where others are near.
-    fn cells_near_others(&self, part: OpacityPart, occluder: &Occluder) -> Near {
-        let mut near = Near::new();
+    fn cells_near_others(&self, part: OpacityPart, occluder: &Occluder) -> NearCells {
+        let mut near = NearCells::new();
         let bits = self.opacity.part(part).fixed();
         let around = occluder.block();
         let (lo, hi) = self.grid.cover(around.min, around.max);

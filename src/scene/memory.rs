@@ -42,6 +42,7 @@ impl Scene {
             tbvs: self.volumes.bytes(),
             objects: self.living().map(|(_, object)| object.bytes()).sum::<usize>()
                 + self.slots.bytes()
+                + self.boxes.bytes()
                 + self.members.bytes()
                 + self.rooms.bytes()
                 + self.movers.bytes()

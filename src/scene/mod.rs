@@ -36,6 +36,7 @@
 //! also lists the last changes of static objects and the volumes that are new: results that are
 //! kept ask for these.
 
+mod boxes;
 mod cells;
 mod changes;
 mod contacts;
@@ -91,6 +92,7 @@ use crate::scene::user_data::UserData;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::Moved;
 
+pub(crate) use boxes::{Boxes, ObjectBox};
 pub use frame::{FrameReport, MOST_NEW_VOLUMES};
 pub(crate) use journal::StaticChange;
 pub use memory::MemoryUse;
@@ -164,6 +166,8 @@ pub struct Scene {
     /// I: the objects that touch each cell.
     ids: IdMatrix,
     volumes: Volumes,
+    /// What queries ask of most objects.
+    boxes: Boxes,
     /// Lists of objects.
     members: Membership,
     /// Where objects may go without a change of the matrices.
@@ -208,6 +212,7 @@ impl Scene {
             seams: Seams::default(),
             ids: IdMatrix::new(dims),
             volumes: Volumes::new(&grid),
+            boxes: Boxes::default(),
             members: Membership::default(),
             rooms: Rooms::default(),
             movers: Movers::default(),
@@ -351,6 +356,17 @@ impl Scene {
     #[inline]
     pub(crate) fn is_in_cells(&self, object: &Object) -> bool {
         object.in_cells
+    }
+
+    /// What the boxes of objects tell.
+    #[inline]
+    pub(crate) fn boxes(&self) -> &Boxes {
+        &self.boxes
+    }
+
+    /// Whether the box of an object tells what the object is.
+    pub(crate) fn is_up_to_date(&self, slot: Slot) -> bool {
+        *self.boxes.of(slot) == ObjectBox::of(self.object(slot))
     }
 
     /// The object of a slot, if it contains one.

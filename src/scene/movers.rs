@@ -11,7 +11,7 @@
 //! all objects by cell, these included, for themselves.
 
 use casca_slots::{Id, Slot};
-use glam::{DVec3, IVec3, Vec3A};
+use glam::{DVec3, IVec3};
 use hashbrown::HashMap;
 
 use crate::geometry::Block;
@@ -28,36 +28,6 @@ const MARGIN: i32 = 4;
 const SMALL: f64 = 7.0;
 
 const _: () = assert!(2.0 * MARGIN as f64 > SMALL + 0.5);
-
-/// The box of a mover, which contains its bounds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(C, align(32))]
-pub(crate) struct MoverBox {
-    min: [f32; 4],
-    max: [f32; 4],
-}
-
-impl MoverBox {
-    const NONE: Self = Self { min: [0.0; 4], max: [0.0; 4] };
-
-    fn new(min: Vec3A, max: Vec3A) -> Self {
-        let corner = |v: Vec3A| v.extend(0.0).to_array();
-        Self { min: corner(min), max: corner(max) }
-    }
-
-    /// The two corners.
-    #[inline]
-    pub(crate) fn corners(&self) -> (Vec3A, Vec3A) {
-        (Vec3A::from_slice(&self.min), Vec3A::from_slice(&self.max))
-    }
-
-    /// As a box in double precision.
-    #[inline]
-    pub(crate) fn block(&self) -> Block {
-        let (min, max) = self.corners();
-        Block { min: min.as_dvec3(), max: max.as_dvec3() }
-    }
-}
 
 /// The movers of one zone.
 #[derive(Debug, Clone)]
@@ -95,14 +65,14 @@ impl Zone {
 
 /// Where a mover is listed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place {
+struct ListPlace {
     /// The index of its zone.
     zone: u32,
     /// Its place in the list, twice, and one more in the list of the others.
     at: u32,
 }
 
-impl Place {
+impl ListPlace {
     const NONE: Self = Self { zone: u32::MAX, at: 0 };
 }
 
@@ -114,9 +84,7 @@ pub(crate) struct Movers {
     free: Vec<u32>,
     by_place: HashMap<IVec3, u32>,
     /// By slot.
-    places: Vec<Place>,
-    /// By slot.
-    boxes: Vec<MoverBox>,
+    places: Vec<ListPlace>,
 }
 
 impl Movers {
@@ -132,17 +100,10 @@ impl Movers {
     }
 
     /// Lists a mover, and returns its room. It was not listed.
-    pub(super) fn insert(
-        &mut self,
-        grid: &Grid,
-        (id, zone): (Id, IVec3),
-        (min, max): (Vec3A, Vec3A),
-        plain: bool,
-    ) -> Block {
+    pub(super) fn insert(&mut self, grid: &Grid, (id, zone): (Id, IVec3), plain: bool) -> Block {
         let slot = id.slot();
         if self.places.len() <= slot.index() {
-            self.places.resize(slot.index() + 1, Place::NONE);
-            self.boxes.resize(slot.index() + 1, MoverBox::NONE);
+            self.places.resize(slot.index() + 1, ListPlace::NONE);
         }
         self.remove(slot);
         let index = self.zone_at(grid, zone);
@@ -154,8 +115,7 @@ impl Movers {
             zone.others.push(slot);
             zone.others.len() as u32 * 2 - 1
         };
-        self.places[slot.index()] = Place { zone: index, at };
-        self.boxes[slot.index()] = MoverBox::new(min, max);
+        self.places[slot.index()] = ListPlace { zone: index, at };
         zone.room
     }
 
@@ -179,7 +139,7 @@ impl Movers {
     /// Takes a mover out of its list; nothing changes for others.
     pub(super) fn remove(&mut self, slot: Slot) {
         let Some(place) = self.places.get_mut(slot.index()) else { return };
-        let Place { zone: index, at } = std::mem::replace(place, Place::NONE);
+        let ListPlace { zone: index, at } = std::mem::replace(place, ListPlace::NONE);
         let Some(zone) = self.zones.get_mut(index as usize) else { return };
         let here = at as usize / 2;
         let moved = if at % 2 == 0 {
@@ -198,14 +158,6 @@ impl Movers {
         }
     }
 
-    /// Gives a mover that is listed another box, which lies in its room.
-    #[inline]
-    pub(super) fn replace(&mut self, slot: Slot, min: Vec3A, max: Vec3A) {
-        if let Some(own) = self.boxes.get_mut(slot.index()) {
-            *own = MoverBox::new(min, max);
-        }
-    }
-
     /// Takes all out.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
@@ -217,12 +169,6 @@ impl Movers {
         &self.zones
     }
 
-    /// The box of a mover that is listed.
-    #[inline]
-    pub(crate) fn box_of(&self, slot: Slot) -> &MoverBox {
-        &self.boxes[slot.index()]
-    }
-
     pub(super) fn bytes(&self) -> usize {
         let lists = |zone: &Zone| {
             zone.plain.capacity() * size_of::<Id>() + zone.others.capacity() * size_of::<Slot>()
@@ -231,8 +177,7 @@ impl Movers {
             + self.zones.iter().map(lists).sum::<usize>()
             + self.by_place.capacity() * size_of::<(IVec3, u32)>()
             + self.free.capacity() * size_of::<u32>()
-            + self.places.capacity() * size_of::<Place>()
-            + self.boxes.capacity() * size_of::<MoverBox>()
+            + self.places.capacity() * size_of::<ListPlace>()
     }
 }
 
@@ -281,18 +226,15 @@ mod tests {
                 "{bounds:?}"
             );
             let Some(zone) = zone else { continue };
-            let (min, max) = (bounds.min.as_vec3a(), bounds.max.as_vec3a());
-            let room = movers.insert(&grid, (slots.id(slot), zone), (min, max), step % 2 == 0);
+            let room = movers.insert(&grid, (slots.id(slot), zone), step % 2 == 0);
             assert!(room.contains(&bounds), "{room:?} {bounds:?}");
-            listed.insert(slot, (step % 2 == 0, min, max));
+            listed.insert(slot, (step % 2 == 0, zone));
         }
         let mut found = BTreeMap::new();
         for zone in movers.zones() {
             let plain = zone.plain().iter().map(|id| (id.slot(), true));
             for (slot, plain) in plain.chain(zone.others().iter().map(|&slot| (slot, false))) {
-                let (min, max) = movers.box_of(slot).corners();
-                assert!(zone.room().contains(&movers.box_of(slot).block()));
-                assert!(found.insert(slot, (plain, min, max)).is_none(), "{slot} twice");
+                assert!(found.insert(slot, (plain, zone.at)).is_none(), "{slot} twice");
             }
         }
         assert_eq!(found, listed);

@@ -61,7 +61,7 @@ impl Scene {
             // Where it is in its volume tells a result nothing.
             if !object.is_hidden() {
                 self.changes.changed();
-                self.movers.replace(id.slot(), min, max);
+                self.boxes.put_mover(id.slot(), min, max);
             }
         }
         true
@@ -89,7 +89,8 @@ impl Scene {
         object.moved = self.changes.moved();
         object.bounds = bounds.clone();
         let plain = object.is_plain();
-        let room = self.movers.insert(&self.grid, (id.0, zone), (lower, upper), plain);
+        let room = self.movers.insert(&self.grid, (id.0, zone), plain);
+        self.boxes.put_mover(slot, lower, upper);
         self.rooms.open(id.0, &room);
         self.changes.changed();
         true

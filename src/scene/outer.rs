@@ -26,7 +26,7 @@ pub(crate) struct Bucket {
 
 /// The buckets of one page of bricks.
 #[derive(Debug, Clone)]
-pub(crate) struct Page {
+pub(crate) struct OuterPage {
     /// Contains all boxes; too large after removals, for a while.
     around: Block,
     /// By brick. Ordered, so that results do not depend on a hash.
@@ -42,7 +42,7 @@ impl Bucket {
     }
 }
 
-impl Page {
+impl OuterPage {
     /// A box that contains all boxes.
     pub(crate) fn around(&self) -> &Block {
         &self.around
@@ -56,7 +56,7 @@ impl Page {
 /// The boxes that reach beyond the grid.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Outer {
-    pages: BTreeMap<[i32; 3], Page>,
+    pages: BTreeMap<[i32; 3], OuterPage>,
     /// By slot: its place in its bucket, and its box.
     placed: Vec<(u32, Block)>,
 }
@@ -74,7 +74,7 @@ impl Outer {
     /// Adds a box, and the cells that it touches.
     pub(super) fn insert(&mut self, block: &Block, cells: &CellBox, slot: Slot) {
         let brick = brick_of(cells);
-        let page = || Page { around: *block, buckets: BTreeMap::new(), removed: 0 };
+        let page = || OuterPage { around: *block, buckets: BTreeMap::new(), removed: 0 };
         let page = self.pages.entry((brick >> 3i32).to_array()).or_insert_with(page);
         page.around = union(page.around, *block);
         let bucket = || Bucket { around: *block, slots: Vec::new(), removed: 0 };
@@ -125,12 +125,12 @@ impl Outer {
         self.placed[slot.index()].1
     }
 
-    pub(crate) fn pages(&self) -> impl Iterator<Item = &Page> {
+    pub(crate) fn pages(&self) -> impl Iterator<Item = &OuterPage> {
         self.pages.values()
     }
 
     pub(crate) fn buckets(&self) -> impl Iterator<Item = &Bucket> {
-        self.pages().flat_map(Page::buckets)
+        self.pages().flat_map(OuterPage::buckets)
     }
 
     /// The objects in the buckets that pass a test of their boxes, as do the pages of those.
@@ -148,11 +148,11 @@ impl Outer {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        let page = |page: &Page| {
+        let page = |page: &OuterPage| {
             in_tree::<([i32; 3], Bucket)>(page.buckets.len())
                 + page.buckets().map(|b| b.slots.capacity() * size_of::<Slot>()).sum::<usize>()
         };
-        in_tree::<([i32; 3], Page)>(self.pages.len())
+        in_tree::<([i32; 3], OuterPage)>(self.pages.len())
             + self.pages().map(page).sum::<usize>()
             + self.placed.capacity() * size_of::<(u32, Block)>()
     }

@@ -14,7 +14,7 @@ use crate::geometry::block::{above, below};
 /// Where one object may go. Closed rooms contain nothing.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
-struct Room {
+struct ObjectRoom {
     /// The least corner; not a number if the room is closed.
     min: [f32; 3],
     /// The rest of the id of the object that it is for.
@@ -24,35 +24,35 @@ struct Room {
     store: u32,
 }
 
-impl Room {
+impl ObjectRoom {
     const CLOSED: Self = Self { min: [f32::NAN; 3], generation: 0, max: [f32::NAN; 3], store: 0 };
 }
 
 /// The rooms of a scene, by slot.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Rooms(Vec<Room>);
+pub(super) struct Rooms(Vec<ObjectRoom>);
 
 impl Rooms {
     /// An object may go anywhere in a box from now on, but to its upper sides: a cell begins there.
     pub(super) fn open(&mut self, id: Id, block: &Block) {
         let at = id.slot().index();
         if self.0.len() <= at {
-            self.0.resize(at + 1, Room::CLOSED);
+            self.0.resize(at + 1, ObjectRoom::CLOSED);
         }
         let (min, max) = (block.min.to_array().map(above), block.max.to_array().map(below));
-        self.0[at] = Room { min, generation: id.generation(), max, store: id.store() };
+        self.0[at] = ObjectRoom { min, generation: id.generation(), max, store: id.store() };
     }
 
     /// The next report of the object in a slot may change the matrices.
     pub(super) fn close(&mut self, slot: Slot) {
         if let Some(room) = self.0.get_mut(slot.index()) {
-            *room = Room::CLOSED;
+            *room = ObjectRoom::CLOSED;
         }
     }
 
     /// Closes all.
     pub(super) fn clear(&mut self) {
-        self.0.fill(Room::CLOSED);
+        self.0.fill(ObjectRoom::CLOSED);
     }
 
     /// Whether an id names an object whose room is open and contains a box. No box contains
@@ -65,7 +65,7 @@ impl Rooms {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.0.capacity() * size_of::<Room>()
+        self.0.capacity() * size_of::<ObjectRoom>()
     }
 }
 

@@ -33,7 +33,7 @@ struct Own {
 }
 
 /// Solids with the boxes around them.
-type Near<'a> = SmallVec<[(&'a Occluder, Block); 16]>;
+type NearSolids<'a> = SmallVec<[(&'a Occluder, Block); 16]>;
 
 /// Static solids that are in no lists of cells, because they are too large for these.
 type Large = SmallVec<[Slot; 8]>;
@@ -103,7 +103,7 @@ impl Scene {
     }
 
     /// The other static solids that may touch the part of a brick that lies in a box.
-    fn solids_in(&self, brick: IVec3, own: Own, around: &Block, large: &Large) -> Near<'_> {
+    fn solids_in(&self, brick: IVec3, own: Own, around: &Block, large: &Large) -> NearSolids<'_> {
         let part =
             Block::new(self.grid.range_bounds(brick << 3i32, (brick << 3i32) + 7)).intersection(around);
         let members = self.ids.in_brick(brick).take(MOST_MEMBERS).chain(large.iter().copied());
@@ -123,7 +123,7 @@ impl Scene {
 
     /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill
     /// it.
-    fn solid_with(&self, cell: IVec3, near: &Near, own: Option<&(&Occluder, Block)>) -> bool {
+    fn solid_with(&self, cell: IVec3, near: &NearSolids, own: Option<&(&Occluder, Block)>) -> bool {
         let block = Block::new(self.grid.cell_bounds(cell));
         let others = || near.iter().filter(|(_, b)| b.overlaps(&block)).take(MOST_ASKED);
         let filled: f64 = others().chain(own).map(|(_, b)| b.intersection(&block).volume()).sum();

@@ -85,6 +85,7 @@ impl Scene {
         let listed = matches!(object.state(), State::Listed | State::Overdue);
         if !listed || object.occluder().is_none() {
             self.slots[slot].layers = layers;
+            self.boxes.put(slot, &self.slots[slot]);
             self.refresh_mover(slot);
             return;
         }

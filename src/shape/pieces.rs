@@ -79,7 +79,7 @@ pub(crate) fn touched_where(
     match shape.rows() {
         Some(rows) if volume(lo >> 3i32, hi >> 3i32) > FEW_BRICKS => {
             let asked = Some(asked);
-            Walk { rows, grid, which: Which::Touched, lo, hi, asked, out: &mut out }.pages();
+            PieceWalk { rows, grid, which: Which::Touched, lo, hi, asked, out: &mut out }.pages();
         }
         _ => pieces(shape, grid, Which::Touched, &mut out),
     }
@@ -109,7 +109,7 @@ fn pieces(shape: &impl Parts, grid: &Grid, which: Which, out: &mut dyn FnMut(Pie
         masks.write(shape, grid, which);
         masks.iter().filter(|(_, m)| **m != NONE).for_each(|(b, m)| out(Piece::Brick(b, *m)));
     } else if let Some(rows) = shape.rows() {
-        Walk { rows, grid, which, lo, hi, asked: None, out }.pages();
+        PieceWalk { rows, grid, which, lo, hi, asked: None, out }.pages();
     } else {
         // Pages of the grid are pages here.
         let corner = lo >> 6i32;
@@ -221,7 +221,7 @@ pub(crate) struct Asked<'a> {
 }
 
 /// The way through the pages and bricks of a shape's box.
-struct Walk<'a> {
+struct PieceWalk<'a> {
     rows: &'a dyn Rows,
     grid: &'a Grid,
     which: Which,
@@ -232,7 +232,7 @@ struct Walk<'a> {
     out: &'a mut dyn FnMut(Piece),
 }
 
-impl Walk<'_> {
+impl PieceWalk<'_> {
     /// Whether a block of cells contains none of the shape's cells (`false`), or only those
     /// (`true`).
     fn verdict(&self, lo: IVec3, hi: IVec3) -> Option<bool> {

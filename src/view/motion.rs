@@ -7,13 +7,13 @@ use crate::view::{Origin, View};
 
 /// A step of the eye, and a turn about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Motion {
+pub(crate) struct EyeMotion {
     step: DVec3,
     axis: DVec3,
     angle: f64,
 }
 
-impl Motion {
+impl EyeMotion {
     /// How a camera with an eye moved from one view to the next. Turns about the axis that it looks
     /// along do not count.
     pub(crate) fn between(before: &View, after: &View) -> Option<Self> {
@@ -36,7 +36,7 @@ impl Motion {
 
 impl View {
     /// The view of the same camera after a motion.
-    pub(crate) fn moved(&self, by: &Motion) -> Self {
+    pub(crate) fn moved(&self, by: &EyeMotion) -> Self {
         let Origin::Eye { at, error } = self.origin else { return self.clone() };
         let next = at + by.step;
         // A camera that did not turn has no axis.

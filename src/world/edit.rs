@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::id::ObjectId;
 use crate::object::{Bounds, ObjectDesc, Occluder};
 use crate::world::page::{PageId, check};
-use crate::world::source::Source;
+use crate::world::source::ObjectSource;
 use crate::world::{World, check_place};
 
 impl World {
@@ -33,7 +33,7 @@ impl World {
         at: DVec3,
         page: Option<PageId>,
     ) -> Result<ObjectId, Error> {
-        let source = Source::of(&mut desc, at, page);
+        let source = ObjectSource::of(&mut desc, at, page);
         (desc.bounds, desc.occluder) = source.at(self.origin());
         let id = self.scene.insert_checked(desc)?;
         if self.sources.len() <= id.index() {
@@ -141,7 +141,7 @@ impl World {
     fn change(
         &mut self,
         id: ObjectId,
-        edit: impl FnOnce(&mut Source) -> Result<(), Error>,
+        edit: impl FnOnce(&mut ObjectSource) -> Result<(), Error>,
     ) -> Result<(), Error> {
         self.scene.find(id)?;
         let origin = self.origin();

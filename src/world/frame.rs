@@ -7,7 +7,7 @@ use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::scene::{FrameReport, Scene};
 use crate::world::page::{PageId, PageObjects};
-use crate::world::succession::Next;
+use crate::world::succession::NextScene;
 use crate::world::task::Task;
 use crate::world::{World, check_place};
 
@@ -127,7 +127,7 @@ impl World {
         if self.next.is_none()
             && let Some(window) = self.window.moved(&self.options, page)
         {
-            self.next = Some(Next::new(&self.scene, window, &self.options)?);
+            self.next = Some(NextScene::new(&self.scene, window, &self.options)?);
         }
         self.work_off(budget, frame)?;
         let (scene, sources) = (&self.scene, &self.sources);

@@ -57,10 +57,10 @@ use crate::id::ObjectId;
 use crate::numeric::world::FARTHEST;
 use crate::scene::Scene;
 use crate::view::View;
-use crate::world::source::Source;
-use crate::world::succession::Next;
+use crate::world::source::ObjectSource;
+use crate::world::succession::NextScene;
 use crate::world::task::Task;
-use crate::world::window::Window;
+use crate::world::window::GridWindow;
 
 pub use frame::WorldFrame;
 pub use options::WorldOptions;
@@ -141,12 +141,12 @@ pub use page::{PAGE_CELLS, PageId, PageObjects};
 /// - Meshes become instances in the scene: they fill no cells for [`crate::Method::Cell`].
 pub struct World {
     options: WorldOptions,
-    window: Window,
+    window: GridWindow,
     scene: Scene,
     /// The scene in the coordinates that the window moves to.
-    next: Option<Next>,
+    next: Option<NextScene>,
     /// The objects as described, by slot.
-    sources: Vec<Option<Source>>,
+    sources: Vec<Option<ObjectSource>>,
     /// The objects of the pages that are loaded, wholly or in part.
     pages: BTreeMap<PageId, Vec<ObjectId>>,
     tasks: VecDeque<Task>,
@@ -171,7 +171,7 @@ impl World {
     /// As [`WorldOptions::check`].
     pub fn new(options: WorldOptions) -> Result<Self, Error> {
         options.check()?;
-        let window = Window::around(&options, PageId::default());
+        let window = GridWindow::around(&options, PageId::default());
         Ok(Self {
             scene: Scene::new(&window.spec(&options))?,
             options,
@@ -286,15 +286,15 @@ impl World {
     /// walk over all bricks and objects. Shapes that several objects share count once for each
     /// scene.
     pub fn memory_bytes(&self) -> usize {
-        let scenes = [Some(&self.scene), self.next.as_ref().map(Next::scene), self.retired.as_ref()];
+        let scenes = [Some(&self.scene), self.next.as_ref().map(NextScene::scene), self.retired.as_ref()];
         scenes.into_iter().flatten().map(|scene| scene.memory().total()).sum::<usize>()
-            + self.sources.capacity() * size_of::<Option<Source>>()
+            + self.sources.capacity() * size_of::<Option<ObjectSource>>()
             + self.pages.values().map(|ids| ids.capacity() * size_of::<ObjectId>()).sum::<usize>()
             + self.tasks.iter().map(Task::bytes).sum::<usize>()
     }
 
     /// An object as described.
-    fn source(&self, id: ObjectId) -> Option<&Source> {
+    fn source(&self, id: ObjectId) -> Option<&ObjectSource> {
         self.sources.get(id.index())?.as_ref()
     }
 }

@@ -10,7 +10,7 @@ use crate::world::page::{PageId, check};
 
 /// The shapes of an object relative to a place.
 #[derive(Debug, Clone)]
-pub(super) struct Source {
+pub(super) struct ObjectSource {
     pub(super) bounds: Bounds,
     pub(super) occluder: Option<Occluder>,
     /// From the space of the shapes to that around the place. Apart, since few objects have one.
@@ -24,7 +24,7 @@ pub(super) struct Source {
 /// Bounds that contain everything. Shapes are checked before, so that nothing needs them.
 const EVERYWHERE: Aabb = Aabb { min: glam::Vec3::splat(-f32::MAX), max: glam::Vec3::splat(f32::MAX) };
 
-impl Source {
+impl ObjectSource {
     /// The shapes of an object, which are left in its description without their transform.
     pub(super) fn of(desc: &mut ObjectDesc, place: DVec3, page: Option<PageId>) -> Self {
         let transform = desc.transform.take().map(Box::new);

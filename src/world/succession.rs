@@ -7,15 +7,15 @@ use crate::error::Error;
 use crate::id::ObjectId;
 use crate::scene::Scene;
 use crate::world::options::WorldOptions;
-use crate::world::source::Source;
-use crate::world::window::Window;
+use crate::world::source::ObjectSource;
+use crate::world::window::GridWindow;
 
 /// This many slots without an object cost about as much as a brick.
 const EMPTY_SLOTS: usize = 64;
 
 /// The next scene of a world.
-pub(super) struct Next {
-    window: Window,
+pub(super) struct NextScene {
+    window: GridWindow,
     /// The origin of its coordinates.
     origin: DVec3,
     scene: Scene,
@@ -23,12 +23,12 @@ pub(super) struct Next {
     reached: usize,
 }
 
-impl Next {
+impl NextScene {
     /// Without objects, at the time of the scene before.
     ///
     /// # Errors
     /// As [`Scene::new`].
-    pub(super) fn new(from: &Scene, window: Window, options: &WorldOptions) -> Result<Self, Error> {
+    pub(super) fn new(from: &Scene, window: GridWindow, options: &WorldOptions) -> Result<Self, Error> {
         let (mut scene, origin) = (Scene::new(&window.spec(options))?, window.corner(options));
         scene.set_clock(from);
         Ok(Self { window, origin, scene, reached: 0 })
@@ -43,7 +43,7 @@ impl Next {
     }
 
     /// Takes over more objects, at the cost of about this many bricks; true once none is left.
-    pub(super) fn step(&mut self, from: &Scene, sources: &[Option<Source>], bricks: usize) -> bool {
+    pub(super) fn step(&mut self, from: &Scene, sources: &[Option<ObjectSource>], bricks: usize) -> bool {
         let mut left = bricks.saturating_mul(EMPTY_SLOTS);
         while self.reached < from.slot_count() && left > 0 {
             let slot = Slot::new(self.reached as u32);
@@ -67,20 +67,20 @@ impl Next {
     }
 
     /// An object is new in the scene before.
-    pub(super) fn inserted(&mut self, from: &Scene, id: ObjectId, source: &Source) {
+    pub(super) fn inserted(&mut self, from: &Scene, id: ObjectId, source: &ObjectSource) {
         // Others are reached later.
         if id.index() < self.reached {
             self.take_over(from, id, source);
         }
     }
 
-    fn take_over(&mut self, from: &Scene, id: ObjectId, source: &Source) {
+    fn take_over(&mut self, from: &Scene, id: ObjectId, source: &ObjectSource) {
         let (bounds, occluder) = source.at(self.origin);
         self.scene.take_over(from, id, bounds, occluder);
     }
 
     /// An object was reported in the scene before.
-    pub(super) fn reported(&mut self, id: ObjectId, source: &Source) {
+    pub(super) fn reported(&mut self, id: ObjectId, source: &ObjectSource) {
         if self.scene.contains(id) {
             let (bounds, occluder) = source.at(self.origin);
             self.scene.report_checked(id, bounds, occluder);
@@ -94,7 +94,7 @@ impl Next {
     }
 
     /// The scene and its window, once all objects of the one before were taken over.
-    pub(super) fn finish(mut self, from: &mut Scene) -> (Scene, Window) {
+    pub(super) fn finish(mut self, from: &mut Scene) -> (Scene, GridWindow) {
         self.scene.succeed(from);
         (self.scene, self.window)
     }

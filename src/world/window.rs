@@ -14,13 +14,13 @@ const BORDER: (i32, i32) = (5, 16);
 
 /// Where the grid lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Window {
+pub(super) struct GridWindow {
     /// The page whose least corner is the origin of the scene. Half of the window's pages, rounded
     /// down, lie below it along each axis.
     page: PageId,
 }
 
-impl Window {
+impl GridWindow {
     /// The window with a page in its middle; around page 0 along axes on which it stays.
     pub(super) fn around(options: &WorldOptions, page: PageId) -> Self {
         let still = <[bool; 3]>::from(options.still);
@@ -68,7 +68,7 @@ mod tests {
         for pages in 1..=16 {
             let options =
                 WorldOptions::new(1.0).window(UVec3::splat(pages)).still(BVec3::new(false, true, false));
-            let mut window = Window::around(&options, PageId::default());
+            let mut window = GridWindow::around(&options, PageId::default());
             let (mut eye, mut moves) = (0, 0);
             for _ in 0..100 {
                 eye += 1;

@@ -6,7 +6,7 @@ use crate::derived::shadows::light::{Lamp, join};
 use crate::geometry::Block;
 use crate::numeric::shape::{OCCLUDER_ROUNDING, REGION};
 use crate::pvs::Pvs;
-use crate::query::receivers::{Part, ReceiverScratch};
+use crate::query::receivers::{BoxPart, ReceiverScratch};
 use crate::query::sight::Sight;
 use crate::scene::{Object, Scene};
 
@@ -43,7 +43,7 @@ pub(super) fn find_pieces(
         }
         for block in visible_boxes(object, &sight) {
             let Some(block) = lit(lamps, &block).filter(|block| sight.may_see(block)) else { continue };
-            parts.push(Part { size: size(&block), slot: id.slot(), block });
+            parts.push(BoxPart { size: size(&block), slot: id.slot(), block });
         }
     }
     let mut cuts = 0;
@@ -61,7 +61,7 @@ pub(super) fn find_pieces(
         for half in halves(&part.block, axis) {
             let Some(block) = lit(lamps, &half) else { continue };
             if sight.may_see(&block) && reaches_into(object, &block) {
-                parts.push(Part { size: size(&block), block, ..part });
+                parts.push(BoxPart { size: size(&block), block, ..part });
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::mesh::file::{
     CHECKSUM, FLAGS, HEADER, MAGIC, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum,
 };
 use crate::mesh::surface::{
-    Beyond, EDGE, Patch, PatchIndex, Side, Surface, Topology, first_of_equals, slack,
+    Beyond, EDGE, Patch, PatchIndex, PatchSide, Surface, Topology, first_of_equals, slack,
 };
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::FILE_ROUNDING;
@@ -128,11 +128,11 @@ impl Contents<'_> {
             let (twin, opposite) = (PatchIndex::new(c.u32()?), c.flag(i)?);
             let alone = twin == PatchIndex::NONE;
             c.check(i, !(alone && opposite), "is opposite to no patch")?;
-            c.check(i, alone || twin < Side::MOST, "names a patch that is not there")?;
-            Ok(Side::new(ends, slack, if alone { Beyond::More } else { Beyond::Patch(twin, opposite) }))
+            c.check(i, alone || twin < PatchSide::MOST, "names a patch that is not there")?;
+            Ok(PatchSide::new(ends, slack, if alone { Beyond::More } else { Beyond::Patch(twin, opposite) }))
         })?;
         let patches = self.patches(positions, bounds, &sides)?;
-        let beyond = |s: &Side| {
+        let beyond = |s: &PatchSide| {
             let patch = patches.get(s.twin().index());
             s.twin() != PatchIndex::NONE && patch.is_none_or(|p: &Patch| p.next != s.twin().after())
         };
@@ -166,7 +166,12 @@ impl Contents<'_> {
         Ok(surface)
     }
 
-    fn patches(&mut self, positions: &[Vec3], bounds: Aabb, sides: &[Side]) -> Result<Vec<Patch>, FileError> {
+    fn patches(
+        &mut self,
+        positions: &[Vec3],
+        bounds: Aabb,
+        sides: &[PatchSide],
+    ) -> Result<Vec<Patch>, FileError> {
         let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
         let room = FILE_ROUNDING * largest;
         let mut first = 0u32;

@@ -7,11 +7,11 @@ use crate::error::Error;
 use crate::mesh::lists::Lists;
 use crate::mesh::preparation::Progress;
 use crate::mesh::surface::chain::{Straight, lone_outline, lone_ring};
-use crate::mesh::surface::groups::Border;
+use crate::mesh::surface::groups::SharedBorder;
 use crate::mesh::surface::grow::Patches;
 use crate::mesh::surface::index::PatchIndex;
-use crate::mesh::surface::patch::{Beyond, EDGE, NONE, Patch, Rules, Side, Surface, slack};
-use crate::mesh::surface::tree::{Node, Tree};
+use crate::mesh::surface::patch::{Beyond, EDGE, NONE, Patch, PatchSide, Rules, Surface, slack};
+use crate::mesh::surface::tree::{PatchNode, Tree};
 use crate::mesh::surface::weld::Welded;
 
 /// How many nodes are read ahead.
@@ -126,7 +126,7 @@ pub(crate) fn gather(
     let count = grown.seeds.len();
     let outlines = Lists::new(count, directed(straight));
     let all = |patch: u32| patch;
-    let borders: Vec<Border> =
+    let borders: Vec<SharedBorder> =
         straight.iter().filter_map(|edge| border(mesh, edge, &Beside::new(edge, all))).collect();
     let tree = Tree::new(mesh, grown, borders, rules, &mut progress.part(0.0, 0.6))?;
     let order = tree.in_order();
@@ -177,7 +177,7 @@ pub(crate) fn gather(
                 surface.push_side(mesh, edge, directed & 1 == 1, &beside, patch);
             }
         }
-        let Node { normal, slab: (lo, hi), sine, min, max, .. } = tree.nodes[node as usize];
+        let PatchNode { normal, slab: (lo, hi), sine, min, max, .. } = tree.nodes[node as usize];
         let last = surface.sides.len() as u32;
         let slack = slack(&surface.sides[first as usize..]);
         surface.patches.push(Patch {
@@ -219,7 +219,7 @@ fn read_ahead(
 
 /// The border between the two patches that an edge separates, if they run along it in opposite
 /// directions.
-fn border(mesh: &Welded, edge: &Straight, beside: &Beside) -> Option<Border> {
+fn border(mesh: &Welded, edge: &Straight, beside: &Beside) -> Option<SharedBorder> {
     let &Beside::Two([p, q], true) = beside else { return None };
     let [a, b] = edge.ends.map(|v| mesh.positions[v as usize].as_dvec3());
     Some((p, q, a.distance(b)))
@@ -241,7 +241,7 @@ impl Surface {
     /// Appends the sides of a lone triangle.
     fn push_ring(&mut self, mesh: &Welded, ring: [u32; 3]) {
         let [a, b, c] = ring.map(|v| mesh.names[v as usize]);
-        self.sides.extend([[a, b], [b, c], [c, a]].map(|ends| Side::new(ends, 0.0, Beyond::Open)));
+        self.sides.extend([[a, b], [b, c], [c, a]].map(|ends| PatchSide::new(ends, 0.0, Beyond::Open)));
     }
 
     /// Appends a side of a patch: an edge, passed in its direction or against it.
@@ -258,6 +258,6 @@ impl Surface {
             self.chains.push((self.sides.len() as u32, edge.chain));
         }
         let slack = if edge.slack > 0.0 { (edge.slack as f32).next_up() } else { 0.0 };
-        self.sides.push(Side::new(if against { [b, a] } else { [a, b] }, slack, beyond));
+        self.sides.push(PatchSide::new(if against { [b, a] } else { [a, b] }, slack, beyond));
     }
 }

@@ -3,7 +3,7 @@
 use crate::mesh::surface::patch::NONE;
 
 /// A border between two patches: both of them, and how long it is.
-pub(super) type Border = (u32, u32, f64);
+pub(super) type SharedBorder = (u32, u32, f64);
 
 /// The groups that share borders with each group.
 pub(super) struct Links {
@@ -27,7 +27,7 @@ pub(super) struct Groups {
     /// The group that each one is a part of, or `NONE`.
     whole: Vec<u32>,
     /// The borders between groups that are no parts.
-    borders: Vec<Border>,
+    borders: Vec<SharedBorder>,
     /// Groups from which larger ones may grow, in order: the largest first.
     pub(super) seeds: Vec<(u64, u32)>,
 }
@@ -39,7 +39,7 @@ fn seed(group: u32, area: f64) -> (u64, u32) {
 
 impl Groups {
     /// Patches without groups.
-    pub(super) fn new(borders: Vec<Border>, count: usize, area: impl Fn(u32) -> f64) -> Self {
+    pub(super) fn new(borders: Vec<SharedBorder>, count: usize, area: impl Fn(u32) -> f64) -> Self {
         let mut has_border = vec![false; count];
         for &(a, b, _) in &borders {
             (has_border[a as usize], has_border[b as usize]) = (true, true);

@@ -38,6 +38,6 @@ mod weld;
 pub(crate) use equal::first_of_equals;
 pub(crate) use index::{PatchIndex, PatchNumber};
 pub(crate) use lone::Slab as PatchSlab;
-pub(crate) use patch::{Beyond, EDGE, Outline, Patch, Rules, Side, Surface, slack};
+pub(crate) use patch::{Beyond, EDGE, Patch, PatchOutline, PatchSide, Rules, Surface, slack};
 pub(crate) use position::key;
 pub(crate) use weld::{Topology, Welded};

@@ -6,7 +6,7 @@
 
 use crate::mesh::surface::index::PatchIndex;
 use crate::mesh::surface::lone::{Lone, Record, Stored};
-use crate::mesh::surface::patch::{NONE, Patch, Side, Surface};
+use crate::mesh::surface::patch::{NONE, Patch, PatchSide, Surface};
 
 /// A surface is packed if at least one patch in this many is a triangle: records take room, too.
 const WORTH: usize = 4;
@@ -22,9 +22,9 @@ fn same(a: &Patch, b: &Patch) -> bool {
 }
 
 /// The corners of an outline of three open sides without slack, in order.
-fn ring(sides: &[Side]) -> Option<[u32; 3]> {
+fn ring(sides: &[PatchSide]) -> Option<[u32; 3]> {
     let &[p, q, r] = sides else { return None };
-    let plain = |s: &Side| s.is_open() && s.slack.to_bits() == 0;
+    let plain = |s: &PatchSide| s.is_open() && s.slack.to_bits() == 0;
     let closed = p.ends[1] == q.ends[0] && q.ends[1] == r.ends[0] && r.ends[1] == p.ends[0];
     (closed && sides.iter().all(plain)).then_some([p.ends[0], q.ends[0], r.ends[0]])
 }

@@ -15,12 +15,12 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// A side of a patch's outline: straight, in place of a chain of edges of triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Side {
+pub(crate) struct PatchSide {
     /// Its start and its end: positions of the mesh.
     pub(crate) ends: [u32; 2],
     /// No point of the chain is farther from it.
     pub(crate) slack: f32,
-    /// The patch on the other side with [`Side::OPPOSITE`], or one of the numbers above.
+    /// The patch on the other side with [`PatchSide::OPPOSITE`], or one of the numbers above.
     beyond: u32,
 }
 
@@ -36,7 +36,7 @@ pub(crate) enum Beyond {
     Patch(PatchIndex, bool),
 }
 
-impl Side {
+impl PatchSide {
     /// There are fewer patches than this: triangles have 29 bits.
     const OPPOSITE: u32 = 1 << 30;
     const MORE: u32 = u32::MAX - 1;
@@ -114,7 +114,7 @@ pub(crate) struct Surface {
     pub(crate) triangles: Arc<[[u32; 3]]>,
     /// The sides of patches without parts, in their order; if packed, without those of lone
     /// triangles.
-    pub(crate) sides: Vec<Side>,
+    pub(crate) sides: Vec<PatchSide>,
     /// The outlines of groups, as numbers of sides.
     pub(crate) group_outlines: Vec<u32>,
     /// All patches; the first one contains all others. If packed, those that are neither lone
@@ -153,7 +153,7 @@ pub(crate) struct Rules {
 impl Surface {
     /// Bytes on the heap, without the positions.
     pub(crate) fn bytes(&self) -> usize {
-        self.sides.capacity() * size_of::<Side>()
+        self.sides.capacity() * size_of::<PatchSide>()
             + self.patches.capacity() * size_of::<Patch>()
             + self.records.capacity() * size_of::<Record>()
             + self.boxes.capacity() * size_of::<(Vec3, Vec3)>()
@@ -163,12 +163,12 @@ impl Surface {
 
     /// The start and the end of a side.
     #[inline]
-    pub(crate) fn ends(&self, side: &Side) -> [Vec3; 2] {
+    pub(crate) fn ends(&self, side: &PatchSide) -> [Vec3; 2] {
         side.ends.map(|v| self.positions[v as usize])
     }
 
     /// The sides of patches without parts: the patch, the number of the side and the side.
-    pub(crate) fn leaf_sides(&self) -> impl Iterator<Item = (PatchIndex, u32, Side)> {
+    pub(crate) fn leaf_sides(&self) -> impl Iterator<Item = (PatchIndex, u32, PatchSide)> {
         let leaves = self.places().filter(|&i| self.next(i) == i.after());
         leaves.flat_map(|i| self.outline(i).map(move |(number, side)| (i, number, side)))
     }
@@ -294,7 +294,7 @@ impl Surface {
 
     /// The sides of a patch, with their numbers.
     #[inline]
-    pub(crate) fn outline(&self, patch: PatchIndex) -> Outline<'_> {
+    pub(crate) fn outline(&self, patch: PatchIndex) -> PatchOutline<'_> {
         let (sides, none) = (self.sides.as_slice(), [].as_slice());
         match self.stored(patch) {
             Stored::Patch(at) => {
@@ -304,12 +304,12 @@ impl Surface {
                 } else {
                     none
                 };
-                Outline { sides, group, ring: [0; 3], at: first, last }
+                PatchOutline { sides, group, ring: [0; 3], at: first, last }
             }
-            Stored::Bundle(_) => Outline { sides, group: none, ring: [0; 3], at: 0, last: 0 },
+            Stored::Bundle(_) => PatchOutline { sides, group: none, ring: [0; 3], at: 0, last: 0 },
             Stored::Lone(lone) => {
                 let (ring, at) = (lone.ring(&self.triangles), lone.first_side());
-                Outline { sides: &[], group: none, ring, at, last: at + 3 }
+                PatchOutline { sides: &[], group: none, ring, at, last: at + 3 }
             }
         }
     }
@@ -380,9 +380,9 @@ impl Surface {
 
 /// The sides of a patch with their numbers, in order.
 #[derive(Debug, Clone)]
-pub(crate) struct Outline<'a> {
+pub(crate) struct PatchOutline<'a> {
     /// All sides that are stored; none for a lone triangle.
-    sides: &'a [Side],
+    sides: &'a [PatchSide],
     /// Their numbers, if the patch has parts.
     group: &'a [u32],
     /// The corners of a lone triangle.
@@ -391,8 +391,8 @@ pub(crate) struct Outline<'a> {
     last: u32,
 }
 
-impl Iterator for Outline<'_> {
-    type Item = (u32, Side);
+impl Iterator for PatchOutline<'_> {
+    type Item = (u32, PatchSide);
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
@@ -410,7 +410,7 @@ impl Iterator for Outline<'_> {
         let side = self.sides.get(number as usize).copied().unwrap_or_else(|| {
             let [a, b, c] = self.ring;
             self.ring = [b, c, a];
-            Side::new([a, b], 0.0, Beyond::Open)
+            PatchSide::new([a, b], 0.0, Beyond::Open)
         });
         Some((number, side))
     }
@@ -421,9 +421,9 @@ impl Iterator for Outline<'_> {
     }
 }
 
-impl ExactSizeIterator for Outline<'_> {}
+impl ExactSizeIterator for PatchOutline<'_> {}
 
-impl Outline<'_> {
+impl PatchOutline<'_> {
     /// Passes over all sides of a lone triangle: its corners in order. Nothing is beyond them.
     #[inline]
     pub(crate) fn take_ring(&mut self) -> Option<[u32; 3]> {
@@ -435,6 +435,6 @@ impl Outline<'_> {
 }
 
 /// The greatest slack of sides.
-pub(crate) fn slack(sides: &[Side]) -> f32 {
+pub(crate) fn slack(sides: &[PatchSide]) -> f32 {
     sides.iter().map(|s| s.slack).fold(0.0, f32::max)
 }

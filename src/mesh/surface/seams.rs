@@ -26,7 +26,7 @@ struct Open {
 
 /// A link of an object's side that comes, or goes: object, side, number of the other patch and
 /// whether the two run in opposite directions.
-type Change = (Slot, u32, Option<(PatchNumber, bool)>);
+type LinkChange = (Slot, u32, Option<(PatchNumber, bool)>);
 
 /// Up to this many changes of an object's links are made one by one; more are merged into the list.
 const FEW: usize = 4;
@@ -127,7 +127,7 @@ impl Seams {
     }
 
     /// Changes links; of several changes of one the last counts.
-    fn apply(&mut self, mut changes: Vec<Change>) {
+    fn apply(&mut self, mut changes: Vec<LinkChange>) {
         changes.sort_by_key(|c| (c.0, c.1));
         for own in changes.chunk_by(|a, b| a.0 == b.0) {
             let links = &mut self.places[own[0].0.index()].links;
@@ -190,14 +190,14 @@ impl Seams {
 }
 
 /// Two open sides of different objects run along each other.
-fn link(a: Open, b: Open, changes: &mut Vec<Change>) {
+fn link(a: Open, b: Open, changes: &mut Vec<LinkChange>) {
     if a.slot != b.slot {
         let opposite = a.upwards != b.upwards;
         changes.extend([(a, b), (b, a)].map(|(o, other)| (o.slot, o.side, Some((other.number, opposite)))));
     }
 }
 
-fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<Change>) {
+fn unlink(sides: impl Iterator<Item = Open>, changes: &mut Vec<LinkChange>) {
     changes.extend(sides.map(|o| (o.slot, o.side, None)));
 }
 

@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::mesh::parallel;
 use crate::mesh::preparation::Progress;
 use crate::mesh::surface::facets::Facets;
-use crate::mesh::surface::groups::{Border, Groups};
+use crate::mesh::surface::groups::{Groups, SharedBorder};
 use crate::mesh::surface::grow::{Patches, Seed};
 use crate::mesh::surface::halves::{Item, halve, rank};
 use crate::mesh::surface::lone::sine;
@@ -42,7 +42,7 @@ const SORTED: usize = 2 * BUNDLE + 1;
 const LEVELS: usize = 24;
 
 /// A patch of the tree as it is built.
-pub(super) struct Node {
+pub(super) struct PatchNode {
     /// Its parts: where they start in the list of all, and how many there are.
     parts: (u32, u32),
     /// The patches of triangles in it, likewise; none if it is such a patch.
@@ -56,10 +56,10 @@ pub(super) struct Node {
     area: f64,
 }
 
-impl Node {
+impl PatchNode {
     /// A patch of triangles, or a group of several.
     fn of(facets: &Facets, normal: DVec3, patches: &[u32]) -> Self {
-        let mut extent = Extent::new(normal);
+        let mut extent = Spread::new(normal);
         for &patch in patches {
             extent.add(facets.crosses(patch), facets.points(patch));
         }
@@ -86,7 +86,7 @@ impl Node {
 }
 
 /// How far triangles reach, and how much they are turned from a normal.
-struct Extent {
+struct Spread {
     normal: DVec3,
     /// The least cosine between the normal and triangles.
     cosine: f64,
@@ -96,7 +96,7 @@ struct Extent {
     max: Vec3A,
 }
 
-impl Extent {
+impl Spread {
     fn new(normal: DVec3) -> Self {
         let (slab, min, max) = ((f64::INFINITY, f64::NEG_INFINITY), Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         Self { normal, cosine: 1.0, area: 0.0, slab, min, max }
@@ -120,20 +120,20 @@ impl Extent {
         self.slab = (lo, hi);
     }
 
-    fn node(self) -> Node {
+    fn node(self) -> PatchNode {
         let Self { normal, cosine, area, slab: (lo, hi), min, max } = self;
         let (min, max) = (Vec3::from(min), Vec3::from(max));
         let room = SLAB * f64::from(min.abs().max(max.abs()).max_element());
         let sine = sine(cosine);
         let (none, slab) = ((0, 0), (lo - room, hi + room));
-        Node { parts: none, patches: none, normal, slab, sine, min, max, area }
+        PatchNode { parts: none, patches: none, normal, slab, sine, min, max, area }
     }
 }
 
 /// Patches of triangles, groups of them, groups of groups and bundles of those.
 pub(super) struct Tree {
     /// The patches of triangles first.
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<PatchNode>,
     root: Option<u32>,
     /// The parts of all nodes, and the patches of triangles in them.
     parts: Vec<u32>,
@@ -148,7 +148,7 @@ impl Tree {
     pub(super) fn new(
         mesh: &Welded,
         grown: &Patches,
-        borders: Vec<Border>,
+        borders: Vec<SharedBorder>,
         rules: &Rules,
         progress: &mut Progress,
     ) -> Result<Self, Error> {
@@ -157,7 +157,7 @@ impl Tree {
         let mut nodes = Vec::with_capacity(count + count / 4);
         parallel::extend(&mut nodes, count, |patch| match patch as u32 {
             patch if patch < grown.lone => lone(mesh, grown, patch),
-            patch => Node::of(&facets, grown.normal(patch), &[patch]),
+            patch => PatchNode::of(&facets, grown.normal(patch), &[patch]),
         });
         let mut tree = Self { nodes, root: None, parts: Vec::new(), patches: Vec::new() };
         let mut groups = Groups::new(borders, count, |n| tree.node(n).area);
@@ -183,7 +183,7 @@ impl Tree {
         Item::new(node, self.node(node).middle())
     }
 
-    fn node(&self, node: u32) -> &Node {
+    fn node(&self, node: u32) -> &PatchNode {
         &self.nodes[node as usize]
     }
 
@@ -212,8 +212,8 @@ impl Tree {
         order
     }
 
-    fn push(&mut self, node: Node, patches: &[u32], parts: &[u32]) {
-        let node = Node {
+    fn push(&mut self, node: PatchNode, patches: &[u32], parts: &[u32]) {
+        let node = PatchNode {
             parts: (self.parts.len() as u32, parts.len() as u32),
             patches: (self.patches.len() as u32, patches.len() as u32),
             ..node
@@ -273,7 +273,7 @@ impl Tree {
             patches.extend(parts.iter().flat_map(|p| self.patches(p)).copied());
             let sum: DVec3 = patches.iter().flat_map(|&p| facets.crosses(p)).map(|c| c.0).sum();
             let normal = sum.try_normalize().unwrap_or(first.normal);
-            let node = Node::of(facets, normal, &patches);
+            let node = PatchNode::of(facets, normal, &patches);
             self.push(node, &patches, &parts);
             false
         });
@@ -298,18 +298,18 @@ impl Tree {
             }
             parts.extend(pieces.into_iter().filter_map(|piece| self.bundle(grown, piece)));
         }
-        let bundle = Node::bundle(&parts, &self.nodes);
+        let bundle = PatchNode::bundle(&parts, &self.nodes);
         self.push(bundle, &[], &parts);
         Some(self.nodes.len() as u32 - 1)
     }
 }
 
 /// A patch that is a lone triangle.
-fn lone(mesh: &Welded, grown: &Patches, patch: u32) -> Node {
+fn lone(mesh: &Welded, grown: &Patches, patch: u32) -> PatchNode {
     let seed = grown.seeds[patch as usize];
     let cross = grown.cross(seed);
     let corners = mesh.triangles[seed as usize].map(|v| mesh.positions[v as usize]);
-    let mut extent = Extent::new(grown.normal(patch));
+    let mut extent = Spread::new(grown.normal(patch));
     extent.add(&[(cross, cross.length())], &corners);
     extent.node()
 }

@@ -5,10 +5,10 @@ use fearless_simd::Simd;
 
 use crate::numeric::occlusion::{above, below};
 use crate::occlusion::coverage::Coverage;
-use crate::occlusion::face_buffer::{Drawn, FaceBuffer, Listed};
+use crate::occlusion::face_buffer::{DrawnSolid, FaceBuffer, Listed};
 use crate::occlusion::front::Front;
 use crate::occlusion::pixels::Window;
-use crate::occlusion::rows::{Rows, TileRow};
+use crate::occlusion::rows::{ShapeRows, TileRow};
 use crate::occlusion::solid::Solid;
 use crate::occlusion::tiles::TILE;
 use crate::simd::vectorized;
@@ -25,15 +25,15 @@ impl FaceBuffer {
         let nearest = above(self.face.nearness_of(seen.near));
         let number = self.drawn.len();
         self.occluders.push(&pixels, Listed { drawn: number as u32, near: nearest, rect: seen.rect });
-        self.drawn.push(Drawn {
+        self.drawn.push(DrawnSolid {
             silhouette: solid.silhouette(&self.face),
             front: solid.front(&self.face, &seen),
             solid: index,
             owner,
         });
-        let Drawn { silhouette, front, .. } = &self.drawn[number];
-        let rows = Rows::inside(silhouette, &self.window, &pixels);
-        let cover = |rows: &Rows| vectorized!(simd => cover_rows(simd, &mut self.coverage, &self.window, rows, front, nearest));
+        let DrawnSolid { silhouette, front, .. } = &self.drawn[number];
+        let rows = ShapeRows::inside(silhouette, &self.window, &pixels);
+        let cover = |rows: &ShapeRows| vectorized!(simd => cover_rows(simd, &mut self.coverage, &self.window, rows, front, nearest));
         (true, rows.as_ref().is_some_and(cover))
     }
 }
@@ -45,7 +45,7 @@ fn cover_rows<S: Simd>(
     simd: S,
     coverage: &mut Coverage,
     window: &Window,
-    rows: &Rows,
+    rows: &ShapeRows,
     front: &Front,
     nearest: f32,
 ) -> bool {

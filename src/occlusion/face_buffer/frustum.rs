@@ -6,7 +6,7 @@ use crate::numeric::occlusion::{DIRECTION, MAX_DEPTH, PLANE_ALONG_RAYS};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
-use crate::occlusion::rows::Rows;
+use crate::occlusion::rows::ShapeRows;
 use crate::occlusion::tiles::TILE;
 use crate::view::{Origin, View};
 
@@ -49,7 +49,7 @@ impl FaceBuffer {
     /// Covers the pixels outside the frustum, as if by something at the eye.
     pub(crate) fn cover_outside(&mut self) {
         let (first, count) = (self.window.first_tile(), self.window.tile_count());
-        let rows = Rows::touching(&self.halves, &self.window);
+        let rows = ShapeRows::touching(&self.halves, &self.window);
         for ty in first.1..first.1 + count.1 {
             let start = self.window.tile_index(first.0, ty);
             let row = rows.as_ref().map(|rows| rows.tile_row(ty));

@@ -19,7 +19,7 @@ use crate::occlusion::silhouette::Silhouette;
 
 /// A convex occluder as drawn on one face.
 #[derive(Debug, Clone)]
-pub(crate) struct Drawn {
+pub(crate) struct DrawnSolid {
     pub(crate) silhouette: Silhouette,
     pub(crate) front: Front,
     /// Index into the list of shadows.
@@ -72,7 +72,7 @@ pub(crate) struct FaceBuffer {
     coverage: Coverage,
     occluders: Bins<Listed>,
     patches: WideBins<ListedPatch>,
-    drawn: Vec<Drawn>,
+    drawn: Vec<DrawnSolid>,
     received: Vec<Received>,
 }
 
@@ -170,7 +170,7 @@ impl FaceBuffer {
 
     /// The convex occluder that a list names.
     #[inline]
-    pub(crate) fn drawn(&self, listed: &Listed) -> &Drawn {
+    pub(crate) fn drawn(&self, listed: &Listed) -> &DrawnSolid {
         &self.drawn[listed.drawn as usize]
     }
 
@@ -184,6 +184,13 @@ impl FaceBuffer {
     pub(crate) fn hides_block(&self, block: &Block) -> bool {
         let Some((rect, (depth, _))) = self.face.block(block) else { return true };
         self.hides(&rect.grown(), above(self.face.nearness_of(depth)))
+    }
+
+    /// Whether few pixels of the rectangle around a box are open: see [`Coverage::few_open`].
+    pub(crate) fn few_open(&self, block: &Block, most: u64) -> bool {
+        let Some((rect, (depth, _))) = self.face.block(block) else { return true };
+        let near = above(self.face.nearness_of(depth));
+        self.coverage.few_open(&self.window, &self.window.touched_by(&rect), near, most)
     }
 
     /// The nearness of the nearest point of a box, and the pixels of the rectangle around it;
@@ -219,7 +226,6 @@ impl FaceBuffer {
 
     /// Number of pixels of the window.
     pub(crate) fn pixel_count(&self) -> u64 {
-        let PixelRect { x, y } = self.window.pixels();
-        ((x.1 - x.0) * (y.1 - y.0)) as u64
+        self.window.pixels().count()
     }
 }

@@ -29,9 +29,9 @@ pub(super) fn place_in_group((x, y): (i64, i64)) -> usize {
 /// Something that was found for a target. Threads that look ahead find more than the query asks
 /// for in the end.
 #[derive(Debug, Default)]
-pub(super) struct Asked(AtomicBool);
+pub(super) struct WasAsked(AtomicBool);
 
-impl Asked {
+impl WasAsked {
     pub(super) fn note(&self) {
         // Nothing else follows from it while threads run.
         self.0.store(true, Ordering::Relaxed);
@@ -49,7 +49,7 @@ pub(super) struct FinePixel {
     shades: Shades,
     /// The objects of those that hid more than before.
     used: SmallVec<[Slot; 2]>,
-    asked: Asked,
+    asked: WasAsked,
 }
 
 /// Pixels that lie side by side, some of them magnified.
@@ -72,7 +72,7 @@ pub(super) struct Tiles {
     pub(super) cost: u32,
     /// Whether they were left out.
     pub(super) bare: bool,
-    pub(super) asked: Asked,
+    pub(super) asked: WasAsked,
     pixels: [Filled<FinePixel>; GROUP_TILES],
 }
 
@@ -98,7 +98,7 @@ impl Tiles {
             }
         }
         self.used.clear();
-        (self.cost, self.bare, self.asked) = (0, false, Asked::default());
+        (self.cost, self.bare, self.asked) = (0, false, WasAsked::default());
         self.pixels.iter_mut().for_each(|pixel| drop(pixel.take()));
         pixels
     }
@@ -117,7 +117,7 @@ impl Tiles {
         }
         let pixel = self.pixels[place].get_or_fill(|| {
             let used = SmallVec::new();
-            let mut pixel = FinePixel { tile: *tile, shades: *shades, used, asked: Asked::default() };
+            let mut pixel = FinePixel { tile: *tile, shades: *shades, used, asked: WasAsked::default() };
             vectorized!(simd => pixel.draw(simd, buffer, (fine, solids), at));
             pixel
         });

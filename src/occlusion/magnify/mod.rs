@@ -142,7 +142,7 @@ impl Clone for Hand {
 }
 
 /// The patches that can be drawn again.
-pub(crate) struct Patches<F> {
+pub(crate) struct Redrawable<F> {
     /// Gives a patch by its number in the order of first drawing.
     pub(crate) drawable: F,
 }
@@ -277,7 +277,7 @@ impl Magnifier {
         buffers: &OcclusionBuffers,
         (face, buffer): (usize, &FaceBuffer),
         at: (i64, i64),
-        patches: &Patches<F>,
+        patches: &Redrawable<F>,
         (hand, left): (&mut Hand, &mut Purse),
     ) -> Magnified<'_> {
         let (place, group) = self.group(face, buffer, at, hand);
@@ -326,7 +326,7 @@ impl Hand {
         (face, buffer): (usize, &FaceBuffer),
         (at, pixels): ((i64, i64), PixelRect),
         tiles: &mut Tiles,
-        patches: &Patches<F>,
+        patches: &Redrawable<F>,
         left: &mut Purse,
     ) {
         find_patches(buffer, &pixels, &mut self.found);

@@ -9,7 +9,7 @@ use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::projector::Projector;
-use crate::occlusion::surface::scratch::{FaceScratch, Ids, Seen};
+use crate::occlusion::surface::scratch::{FaceScratch, Ids, SeenPatch};
 use crate::occlusion::surface::sheet::Sheet;
 use crate::occlusion::surface::sides::NO_TWIN;
 use crate::occlusion::surface::viewpoint::Viewpoint;
@@ -101,7 +101,7 @@ fn see<S: Simd>(
             scratch.narrow.push((drawable, near, pixels));
             continue;
         }
-        let seen = Seen {
+        let seen = SeenPatch {
             drawable,
             kept: place,
             parent: scratch.seen.len() as u32,

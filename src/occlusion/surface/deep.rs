@@ -198,7 +198,7 @@ impl DeepSides {
 mod tests {
     use super::*;
     use crate::occlusion::pixels::PixelRect;
-    use crate::occlusion::surface::raster::{Area, Marks};
+    use crate::occlusion::surface::raster::{Area, PixelMarks};
     use crate::random::Random;
     use crate::simd::vectorized;
 
@@ -262,7 +262,8 @@ mod tests {
             let pixels = corners.map(|p| sides.pixel(p));
             for (x, y) in (0..64usize).flat_map(|y| (0..64).map(move |x| (x, y))) {
                 let marks = raster.marks(y / 8 * area.nx as usize + x / 32);
-                let layers = [Marks::OPEN, Marks::SEAM].map(|layer| marks.pixel(layer, y % 8, x % 32));
+                let layers =
+                    [PixelMarks::OPEN, PixelMarks::SEAM].map(|layer| marks.pixel(layer, y % 8, x % 32));
                 if layers[0].0 || layers[1].0 {
                     marked += 1;
                     continue;

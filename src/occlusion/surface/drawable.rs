@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
-use crate::mesh::surface::{Outline, PatchIndex, PatchNumber, Side, Surface};
+use crate::mesh::surface::{PatchIndex, PatchNumber, PatchOutline, PatchSide, Surface};
 
 /// A patch to be drawn, relative to the origin of the rays.
 #[derive(Clone)]
@@ -42,7 +42,7 @@ impl<'a> Drawable<'a> {
     /// The patch beyond a side of its outline, which is given with its number: the number of the
     /// patch, and whether the two run along the side in opposite directions.
     #[inline]
-    pub(crate) fn beyond(&self, number: u32, side: &Side) -> Option<(PatchNumber, bool)> {
+    pub(crate) fn beyond(&self, number: u32, side: &PatchSide) -> Option<(PatchNumber, bool)> {
         beyond(self.number.base(self.patch), self.links, number, side)
     }
 
@@ -60,7 +60,7 @@ impl<'a> Drawable<'a> {
 
     /// The sides of its outline, with their numbers.
     #[inline]
-    pub(crate) fn outline(&self) -> Outline<'a> {
+    pub(crate) fn outline(&self) -> PatchOutline<'a> {
         self.surface.outline(self.patch)
     }
 
@@ -77,7 +77,7 @@ fn beyond(
     base: PatchNumber,
     links: &[(u32, PatchNumber, bool)],
     number: u32,
-    side: &Side,
+    side: &PatchSide,
 ) -> Option<(PatchNumber, bool)> {
     let twin = side.twin();
     if twin != PatchIndex::NONE {

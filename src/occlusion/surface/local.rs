@@ -10,7 +10,7 @@ use fearless_simd::Simd;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::components::farness;
 use crate::occlusion::surface::kept::{Kept, KeptPatches};
-use crate::occlusion::surface::near::{Bounds, Choice, FINER, GROUP, GROUP_PIXELS, draw_edges, scaled};
+use crate::occlusion::surface::near::{Choice, FINER, GROUP, GROUP_PIXELS, GroupBorders, draw_edges, scaled};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{Area, LANES, Raster, Windings, rows_passed};
 use crate::occlusion::surface::scratch::Ids;
@@ -335,10 +335,10 @@ impl Spot<'_> {
         ((self.at.1 - self.projector.first().1) * FINER) as i32
     }
 
-    fn bounds(&self) -> Bounds {
+    fn bounds(&self) -> GroupBorders {
         let (x, y) = self.projector.first();
         let (left, low) = ((self.at.0 - x) as f32, (self.at.1 - y) as f32);
-        Bounds { left, low, right: left + GROUP as f32, high: low + GROUP as f32 }
+        GroupBorders { left, low, right: left + GROUP as f32, high: low + GROUP as f32 }
     }
 
     /// Its finer pixels.

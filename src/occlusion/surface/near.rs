@@ -66,14 +66,14 @@ pub(super) fn scaled(e: &Edges) -> Edges {
 }
 
 /// The borders of a group, counted in pixels as edges are.
-pub(super) struct Bounds {
+pub(super) struct GroupBorders {
     pub(super) left: f32,
     pub(super) right: f32,
     pub(super) low: f32,
     pub(super) high: f32,
 }
 
-impl Bounds {
+impl GroupBorders {
     /// Those of some edges that come near the group, and those that pass it on the left, one bit
     /// each.
     ///
@@ -102,7 +102,7 @@ mod tests {
     use crate::simd::vectorized;
 
     /// Edges with ends in a wide rectangle around a group, some of them flat, steep or short.
-    fn random_edges(random: &mut Random, bounds: &Bounds) -> Edges {
+    fn random_edges(random: &mut Random, bounds: &GroupBorders) -> Edges {
         let mut byte = || (random.next() * 256.0) as u8;
         let plain = byte();
         let seams = plain & byte();
@@ -129,7 +129,7 @@ mod tests {
     fn chosen_edges_leave_the_marks_of_all() {
         let mut random = Random::new(17);
         let first = (40 * FINER, 12 * FINER);
-        let bounds = Bounds { left: 40.0, low: 12.0, right: 44.0, high: 16.0 };
+        let bounds = GroupBorders { left: 40.0, low: 12.0, right: 44.0, high: 16.0 };
         let area = Area { x: first.0, y: first.1, nx: 1, ny: GROUP };
         let (mut raster, mut chosen_only) = (Raster::default(), Raster::default());
         let (mut covered, mut chosen, mut left_of_it) = (0, 0, 0);

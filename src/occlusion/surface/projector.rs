@@ -35,7 +35,7 @@ pub(crate) struct Projector {
 }
 
 /// How the points of a drawable come to the face.
-struct Frame {
+struct FaceFrame {
     /// Subtracted first: the eye, in two parts.
     eye: (Vec3, Vec3),
     /// Rows of the matrix that turns them to the face, and the place of their origin there.
@@ -73,7 +73,7 @@ impl Ends {
 }
 
 /// Sides in coordinates of the face.
-struct Placed<S: Simd> {
+struct PlacedSides<S: Simd> {
     from: [f32x8<S>; 3],
     to: [f32x8<S>; 3],
     slack: f32x8<S>,
@@ -84,7 +84,7 @@ struct Placed<S: Simd> {
 }
 
 /// A rectangle around points, lane by lane.
-struct Extent<S: Simd> {
+struct LaneRect<S: Simd> {
     least: [f32x8<S>; 2],
     most: [f32x8<S>; 2],
     /// The greatest width of an edge, and whether that is known of all of them.
@@ -92,7 +92,7 @@ struct Extent<S: Simd> {
     known: mask32x8<S>,
 }
 
-impl<S: Simd> Extent<S> {
+impl<S: Simd> LaneRect<S> {
     #[inline(always)]
     fn empty(simd: S) -> Self {
         Self {
@@ -104,7 +104,7 @@ impl<S: Simd> Extent<S> {
     }
 }
 
-impl Frame {
+impl FaceFrame {
     /// Moves points to the face, given by their coordinates.
     #[inline(always)]
     fn turn<S: Simd>(&self, simd: S, points: &[Lanes; 3]) -> [f32x8<S>; 3] {
@@ -161,7 +161,7 @@ impl Projector {
     /// How the points of a drawable come to the face. Parallel rays have the depth 1 everywhere,
     /// and lengths in units of the face.
     #[inline(always)]
-    fn frame(&self, d: &Drawable) -> Frame {
+    fn frame(&self, d: &Drawable) -> FaceFrame {
         let origin = self.origin;
         let Face { right, up, forward, parallel } = self.face;
         let axes = DMat3::from_cols(right, up, if parallel { DVec3::ZERO } else { forward }).transpose();
@@ -170,7 +170,7 @@ impl Projector {
         let unit = if parallel { right.length() } else { 1.0 };
         let frame = |eye: (Vec3, Vec3), turn: DMat3, at: DVec3, growth: f64, error: f64| {
             let rows = turn.transpose();
-            Frame {
+            FaceFrame {
                 eye,
                 rows: [rows.x_axis.as_vec3(), rows.y_axis.as_vec3(), rows.z_axis.as_vec3()],
                 at: at.as_vec3(),
@@ -206,7 +206,7 @@ impl Projector {
         out: &mut SeenSides,
     ) -> Option<PixelRect> {
         let frame = self.frame(d);
-        let mut extent = Extent::empty(simd);
+        let mut extent = LaneRect::empty(simd);
         let (mut ends, mut finite) = (Ends::default(), true);
         let mut outline = d.outline();
         while outline.len() > 0 {
@@ -258,7 +258,7 @@ impl Projector {
     /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is
     /// deep enough.
     #[inline(always)]
-    fn tighter<S: Simd>(&self, extent: &Extent<S>, within: PixelRect) -> Option<PixelRect> {
+    fn tighter<S: Simd>(&self, extent: &LaneRect<S>, within: PixelRect) -> Option<PixelRect> {
         if extent.known.to_bitmask() != 0xff {
             return Some(within);
         }
@@ -276,7 +276,7 @@ impl Projector {
 
     /// Moves points to the face.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, f: &Frame, ends: &Ends) -> Placed<S> {
+    fn place<S: Simd>(&self, simd: S, f: &FaceFrame, ends: &Ends) -> PlacedSides<S> {
         let (from, to) = (f.turn(simd, &ends.from), f.turn(simd, &ends.to));
         let slack = f32x8::from_slice(simd, &ends.slack) * f.growth + f.error;
         let zeros = |[x, y, z]: [f32x8<S>; 3]| x * 0.0 + y * 0.0 + z * 0.0;
@@ -284,12 +284,12 @@ impl Projector {
         // One width serves all of the edge, or there is no slack.
         let even = slack.simd_eq(0.0) | (far.simd_le(near * 2.0) & far.simd_gt(slack * 2.0));
         let plain = near.simd_ge(self.limit) & even;
-        Placed { from, to, slack, zero: slack * 0.0 + (zeros(from) + zeros(to)), plain }
+        PlacedSides { from, to, slack, zero: slack * 0.0 + (zeros(from) + zeros(to)), plain }
     }
 
     /// The edges in pixels. Those that leave the range of pixels are no longer plain.
     #[inline(always)]
-    fn edges<S: Simd>(&self, p: &Placed<S>, extent: &mut Extent<S>) -> Edges {
+    fn edges<S: Simd>(&self, p: &PlacedSides<S>, extent: &mut LaneRect<S>) -> Edges {
         let shift = self.middle.0.abs() + self.middle.1.abs();
         let one = f32x8::splat(p.slack.simd, 1.0);
         let (a, b) = (one / p.from[2], one / p.to[2]);
@@ -328,7 +328,7 @@ impl Projector {
 }
 
 /// A side that is not drawn as one edge.
-fn whole_side<S: Simd>(p: &Placed<S>, e: &Edges, group: u32, lane: usize) -> WholeSide {
+fn whole_side<S: Simd>(p: &PlacedSides<S>, e: &Edges, group: u32, lane: usize) -> WholeSide {
     let at = |of: &[f32x8<S>; 3]| DVec3::new(of[0][lane].into(), of[1][lane].into(), of[2][lane].into());
     WholeSide {
         group,

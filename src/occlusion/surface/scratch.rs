@@ -11,7 +11,7 @@ use crate::occlusion::surface::sheet::Joint;
 
 /// A patch as one face sees it.
 #[derive(Debug, Clone)]
-pub(super) struct Seen {
+pub(super) struct SeenPatch {
     /// Index in the batch.
     pub(super) drawable: u32,
     /// Its place among the kept patches of the face.
@@ -30,7 +30,7 @@ pub(super) struct Seen {
 
 /// A patch in the order of drawing, nearest components first: farness of the component, its root,
 /// index of the patch.
-pub(super) type Place = (u32, u32, u32);
+pub(super) type DrawPlace = (u32, u32, u32);
 
 /// The memory for drawing surfaces.
 #[derive(Debug, Clone, Default)]
@@ -45,7 +45,7 @@ pub(crate) struct SurfaceScratch {
 /// The memory for drawing surfaces on one face.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FaceScratch {
-    pub(super) seen: Vec<Seen>,
+    pub(super) seen: Vec<SeenPatch>,
     /// Patches too narrow to be drawn: index in the batch, nearness of the nearest point, pixels.
     pub(super) narrow: Vec<(u32, f32, PixelRect)>,
     pub(super) kept: KeptPatches,
@@ -54,7 +54,7 @@ pub(super) struct FaceScratch {
     places: Vec<(u32, u32)>,
     /// Counts drawings.
     drawing: u32,
-    pub(super) order: Vec<Place>,
+    pub(super) order: Vec<DrawPlace>,
     pub(super) raster: Raster,
     /// The pixels that rims touch, widened by the distance that the eye may go.
     pub(super) rims: Raster,
@@ -134,7 +134,7 @@ impl FaceScratch {
     }
 
     /// Appends a patch by its number in the order of first drawing.
-    pub(super) fn push(&mut self, id: u32, seen: Seen) {
+    pub(super) fn push(&mut self, id: u32, seen: SeenPatch) {
         debug_assert!(self.find(id).is_none(), "patches of a batch share triangles");
         if self.places.len() <= id as usize {
             self.places.resize(id as usize + 1, (0, 0));
@@ -177,7 +177,7 @@ mod tests {
         scratch.begin();
         for i in 0..10 {
             let (pixels, around) = (PixelRect::EMPTY, PixelRect::EMPTY);
-            let seen = Seen { drawable: i, kept: i, parent: i, pixels, near: 1.0, nearest: 1.0, around };
+            let seen = SeenPatch { drawable: i, kept: i, parent: i, pixels, near: 1.0, nearest: 1.0, around };
             scratch.push(i * 2, seen);
         }
         assert_eq!((scratch.find(6), scratch.find(7)), (Some(3), None));

@@ -7,7 +7,7 @@ use fearless_simd::Simd;
 use crate::numeric::occlusion::{above, below};
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::surface::back::Back;
-use crate::occlusion::surface::raster::{Area, COLUMNS, FEW, Marks, Raster, Spans, TILES, tiles};
+use crate::occlusion::surface::raster::{Area, COLUMNS, FEW, PixelMarks, Raster, Spans, TILES, tiles};
 use crate::occlusion::tiles::TILE;
 
 /// A rectangle of tiles of a face, and what covers them.
@@ -28,7 +28,7 @@ pub(super) struct Joint {
     area: Area,
     /// The blocks in use. Others have no marks, whatever they hold.
     spans: Spans,
-    blocks: Vec<Marks>,
+    blocks: Vec<PixelMarks>,
     /// The least nearness of the patches in each tile.
     nears: Vec<[f32; TILES]>,
 }
@@ -39,7 +39,7 @@ impl Joint {
         self.area = area;
         let count = area.block_count();
         if self.blocks.len() < count {
-            self.blocks.resize(count, Marks::default());
+            self.blocks.resize(count, PixelMarks::default());
             self.nears.resize(count, [f32::INFINITY; TILES]);
         }
         let all = self.spans.begin(&area);
@@ -48,7 +48,7 @@ impl Joint {
 
     #[inline(always)]
     fn clear_blocks(&mut self, blocks: Range<usize>) {
-        self.blocks[blocks.clone()].fill(Marks::default());
+        self.blocks[blocks.clone()].fill(PixelMarks::default());
         self.nears[blocks].fill([f32::INFINITY; TILES]);
     }
 
@@ -67,7 +67,7 @@ impl Joint {
 
 /// A block of pixels on a sheet: the place of its first tile, that tile's column and row, and the
 /// range of its tiles that belong to the sheet.
-struct Place {
+struct BlockPlace {
     tile: usize,
     column: i64,
     row: i64,
@@ -78,7 +78,7 @@ struct Place {
 impl Sheet<'_> {
     /// A block of an area; `None` if the sheet has none of its tiles.
     #[inline(always)]
-    fn place(&self, area: &Area, row: i64, column: i64) -> Option<Place> {
+    fn place(&self, area: &Area, row: i64, column: i64) -> Option<BlockPlace> {
         let (x, y) = (area.x / TILE + column * TILES as i64, area.y / TILE + row);
         let (left, low) = (x - self.first.0, y - self.first.1);
         let from = (-left).max(0);
@@ -88,7 +88,7 @@ impl Sheet<'_> {
         }
         // Where the block begins left of the sheet, the sum is right all the same.
         let tile = self.base.wrapping_add_signed((low * self.count.0 + left) as isize);
-        Some(Place { tile, column: x, row: y, from: from as usize, to: to as usize })
+        Some(BlockPlace { tile, column: x, row: y, from: from as usize, to: to as usize })
     }
 
     /// How many blocks of pixels its tiles fill.

@@ -5,7 +5,7 @@ use glam::IVec3;
 
 use crate::grid::bricks::Pages;
 use crate::grid::side::Side;
-use crate::query::cell::Walk;
+use crate::query::cell::CellWalk;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::{PASSED_OVER, SideCells};
 use crate::query::cell::spans::{clear_span, set_span};
@@ -14,7 +14,7 @@ use crate::walk::SideFrustum;
 /// Bands with more rows of pixels than this are looked at row by row.
 const MOST_PIXELS: i64 = 8;
 
-impl Walk<'_> {
+impl CellWalk<'_> {
     /// Prepares the cells of one side of shell `m`; `None` if the frustum reaches no cell of it.
     pub(crate) fn begin_side(&mut self, index: usize, m: i32) -> Option<SideFrustum> {
         let side = Side::ALL[index];

@@ -46,12 +46,12 @@ impl CellBrick {
 
 /// The lists of cells with several objects.
 #[derive(Clone, Default)]
-struct Lists {
+struct SharedCells {
     lists: Vec<SlotList>,
     free: Vec<u32>,
 }
 
-impl Lists {
+impl SharedCells {
     fn make(&mut self, a: Slot, b: Slot) -> u32 {
         let mut list = SlotList::default();
         list.push(a);
@@ -124,12 +124,12 @@ impl Lists {
 #[derive(Clone)]
 pub(super) struct CellIds {
     bricks: Bricks<CellBrick>,
-    lists: Lists,
+    lists: SharedCells,
 }
 
 impl CellIds {
     pub(super) fn new(dims: IVec3) -> Self {
-        Self { bricks: Bricks::new(dims), lists: Lists::default() }
+        Self { bricks: Bricks::new(dims), lists: SharedCells::default() }
     }
 
     /// The pages with cells that have objects.

@@ -8,13 +8,13 @@ use casca_slots::Slot;
 
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
-use crate::query::cell::Walk;
+use crate::query::cell::CellWalk;
 use crate::query::cell::shell_scale::ShellScale;
 
 /// Reading this many words of a mask costs about as much as looking at a slot.
 const WORDS_FOR_A_SLOT: i64 = 16;
 
-impl Walk<'_> {
+impl CellWalk<'_> {
     /// Leaves the sides on which no object may be found beyond shell `m`. Returns whether a side is
     /// left to walk.
     pub(super) fn search_remaining(&mut self, m: i32) -> bool {

@@ -3,7 +3,7 @@
 
 use casca_slots::Slot;
 
-use crate::query::cell::Walk;
+use crate::query::cell::CellWalk;
 
 /// An entry of the list of all that the frustum meets, in the order in which it is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -12,7 +12,7 @@ enum Found {
     Object,
 }
 
-impl Walk<'_> {
+impl CellWalk<'_> {
     /// Finds the volumes and objects in the frustum, in the order of the shells in which their
     /// boxes begin. The cost follows the number of objects, whatever the size of the grid.
     pub(super) fn find_everything(&mut self) {

@@ -21,7 +21,7 @@ use crate::shape::pieces::touched;
 
 /// What an object was listed by.
 #[derive(Clone)]
-struct Listed {
+struct ListedBy {
     id: ObjectId,
     /// The number of its last move then.
     moved: u64,
@@ -36,7 +36,7 @@ pub(crate) struct CellLists {
     /// How many changes of static objects the lists know.
     fixed: u64,
     /// By slot.
-    listed: Vec<Option<Listed>>,
+    listed: Vec<Option<ListedBy>>,
     /// The movers that the scene had.
     movers: Vec<Slot>,
     /// The objects that touch every cell of a brick. They are in no list of a cell.
@@ -88,14 +88,14 @@ impl CellLists {
     fn refresh(&mut self, scene: &Scene, slot: Slot) {
         let now = scene.living_at(slot).filter(|object| object.in_cells());
         let Some(listed) = self.listed.get_mut(slot.index()) else { return };
-        let as_before = |listed: &Listed| {
+        let as_before = |listed: &ListedBy| {
             now.is_some_and(|object| object.last_move() == listed.moved) && scene.id(slot) == listed.id
         };
         if listed.as_ref().map_or(now.is_none(), as_before) {
             return;
         }
         let new =
-            now.map(|o| Listed { id: scene.id(slot), moved: o.last_move(), bounds: o.bounds().clone() });
+            now.map(|o| ListedBy { id: scene.id(slot), moved: o.last_move(), bounds: o.bounds().clone() });
         if let Some(old) = std::mem::replace(listed, new) {
             self.change(scene.grid(), &old.bounds, slot, false);
         }

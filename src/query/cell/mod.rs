@@ -36,10 +36,10 @@ use crate::view::View;
 use crate::walk::{Shells, Start};
 
 /// The matrices of visited and of hidden cells, if they are recorded.
-pub(crate) type Record<'a> = Option<(&'a mut BitMatrix, &'a mut BitMatrix)>;
+pub(crate) type Recorded<'a> = Option<(&'a mut BitMatrix, &'a mut BitMatrix)>;
 
 /// One run of the cell method.
-pub(crate) struct Walk<'a> {
+pub(crate) struct CellWalk<'a> {
     scene: &'a Scene,
     view: &'a View,
     options: &'a CellOptions,
@@ -48,7 +48,7 @@ pub(crate) struct Walk<'a> {
     /// The objects by cell.
     lists: &'a CellLists,
     scratch: &'a mut CellScratch,
-    record: Record<'a>,
+    record: Recorded<'a>,
     /// The shells around the viewer's cell; around the middle of the grid without one.
     shells: Shells,
     /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye
@@ -62,7 +62,7 @@ pub(crate) struct Walk<'a> {
     stats: Stats,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> CellWalk<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
         view: &'a View,
@@ -104,7 +104,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Records the cells visited and hidden.
-    pub(crate) fn with_record(self, record: Record<'a>) -> Self {
+    pub(crate) fn with_record(self, record: Recorded<'a>) -> Self {
         Self { record, ..self }
     }
 

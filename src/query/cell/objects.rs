@@ -6,7 +6,7 @@ use glam::IVec3;
 use crate::grid::cell_box::volume;
 use crate::grid::side::Side;
 use crate::matrix::tbv::TbvMatrix;
-use crate::query::cell::Walk;
+use crate::query::cell::CellWalk;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::shape::Shape;
 
@@ -14,7 +14,7 @@ use crate::shape::Shape;
 /// sight.
 const MAX_PENDING: u64 = 1 << 18;
 
-impl Walk<'_> {
+impl CellWalk<'_> {
     /// Decides the objects in the viewer's own cell, and reveals the volumes around it.
     pub(super) fn first_cell(&mut self) {
         self.stats.cells_visited += 1;

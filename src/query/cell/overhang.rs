@@ -18,7 +18,7 @@ use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::grid::cell_box::{CellBox, volume};
 use crate::numeric::query::EXIT;
-use crate::query::cell::Walk;
+use crate::query::cell::CellWalk;
 
 /// Objects whose points x may lie in more cells than this are decided at once.
 const MOST_EXITS: u64 = 1 << 12;
@@ -59,7 +59,7 @@ fn exits(grid: &Grid, from: &Block, to: &Block) -> Option<impl Iterator<Item = C
     Some(faces)
 }
 
-impl Walk<'_> {
+impl CellWalk<'_> {
     /// Lists the objects that reach beyond the grid by the cells on the border that decide about
     /// those parts. Objects for which no such cells are known are decided. Without `known` cells,
     /// that is all of them.

@@ -3,7 +3,7 @@
 use glam::IVec3;
 
 use crate::grid::side::Side;
-use crate::query::cell::Walk;
+use crate::query::cell::CellWalk;
 use crate::query::cell::scratch::Hit;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::spans::{clear_span, set_span};
@@ -26,13 +26,13 @@ struct SidePass {
 
 /// Cells of a side in the frustum.
 #[derive(Default)]
-struct Counts {
+struct CellCounts {
     total: u64,
     /// Those that are not hidden.
     in_sight: u64,
 }
 
-impl Walk<'_> {
+impl CellWalk<'_> {
     /// Walks one side of shell `m`. Returns the number of its cells in the frustum, and how many of
     /// them are not hidden, both without the parts where the grid contains nothing or the masks
     /// hide all: those are passed over.
@@ -62,7 +62,7 @@ impl Walk<'_> {
             first_word: ((v[axes.col] + c0) >> 6) as usize,
             base: cells.offset as i32 - c0,
         };
-        let mut counts = Counts::default();
+        let mut counts = CellCounts::default();
         for number in 0..cells.bands.len() {
             let (first, last) = Self::rows_of_band(&cells, number);
             let page = (v + side.cell(depth, first, c0)) >> 6i32;
@@ -119,7 +119,7 @@ impl Walk<'_> {
         part: (i32, i32),
         band: &mut [u64],
         scale: &ShellScale,
-        counts: &mut Counts,
+        counts: &mut CellCounts,
     ) -> Option<(i32, i32)> {
         let (base, words) = (pass.base, pass.words);
         let skip = ((self.shells.cell[pass.side.axes.row] + first) & 7) as usize;

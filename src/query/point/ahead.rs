@@ -16,7 +16,7 @@ use smallvec::SmallVec;
 
 use crate::occlusion::magnify::Request;
 use crate::occlusion::magnify::budget::{Budget, Purse};
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::scratch::{Candidate, PointScratch};
 
 /// Candidates that a thread takes at once: some hundred thousand instructions.
@@ -41,7 +41,7 @@ struct Answer {
 /// The first candidate of a portion, and the answers for it.
 type Portion = (usize, Vec<Answer>);
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Looks at candidates by several threads, and accepts answers as far as they hold.
     pub(super) fn share(&mut self, candidates: &[Candidate], left: &mut Budget, hidden: &mut Vec<bool>) {
         let mut alone = ALONE;

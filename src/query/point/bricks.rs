@@ -6,7 +6,7 @@ use glam::{DVec3, IVec3};
 use crate::geometry::Block;
 use crate::grid::bricks::Pages;
 use crate::grid::side::Side;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::walk::{Shells, SideFrustum};
 
 /// A brick with fewer objects yet undecided is not tested itself.
@@ -55,7 +55,7 @@ impl BrickSide<'_> {
     }
 }
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Walks the shells around the eye outwards, until every pixel is closed.
     pub(super) fn in_shells(&mut self, shells: &Shells, eye: DVec3) {
         for m in shells.nearest..=shells.farthest {
@@ -301,7 +301,10 @@ impl Walk<'_> {
         }
         // In a loop that does little else, the processor waits for the memory of many objects at
         // once.
-        open.retain(|&slot| scene.object(slot).is_shown(self.view));
+        open.retain(|&slot| {
+            let own = scene.boxes().of(slot);
+            own.is_shown(self.view) || scene.object(slot).is_shown(self.view)
+        });
         for &slot in open.iter() {
             self.find(slot);
         }

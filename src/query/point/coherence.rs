@@ -18,17 +18,17 @@
 use casca_slots::Slot;
 
 use crate::geometry::Block;
-use crate::mesh::surface::{PatchIndex, PatchNumber};
+use crate::mesh::surface::PatchIndex;
 use crate::occlusion::magnify::budget::Budget;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::drawables::Source;
 use crate::query::point::occluders::NOBODY;
-use crate::query::point::recall::{Coherence, Recall, Role, Usage};
+use crate::query::point::recall::{Coherence, Recall, Usage};
 use crate::query::point::scratch::{Candidate, PointScratch};
 
-impl<'a> Walk<'a> {
+impl<'a> PointWalk<'a> {
     /// Draws the occluders that were of use in the last run.
     pub(super) fn draw_useful(&mut self) {
         let solids = std::mem::take(&mut self.scratch.coherence.useful_solids);
@@ -113,55 +113,6 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Notes for a result that is kept that it may rest on the occluder of an object.
-    fn note_offered(&mut self, slot: Slot) {
-        if self.fixed_only {
-            self.scratch.offered.push(slot);
-        }
-    }
-
-    /// Draws the occluder of an object in sight, unless it waits.
-    pub(super) fn offer(&mut self, slot: Slot) {
-        self.note_offered(slot);
-        let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
-        match role {
-            Role::Fresh | Role::InParts => self.draw(slot),
-            Role::Waits if self.has_patches_beside_solid(slot) => self.list_surface(slot),
-            Role::Waits | Role::Drawn => {}
-        }
-    }
-
-    /// Notes that a solid was drawn, and whether it hid more than before.
-    pub(super) fn drew_solid(&mut self, slot: Slot, changed: bool) {
-        if changed {
-            self.stats.occluders_useful += u32::from(self.scratch.useful.decide(slot));
-        }
-        if self.coherent {
-            self.scratch.coherence.drew_solid(slot, changed);
-        }
-    }
-
-    /// How a patch takes part in this run, by its place and its number in the scene. Patches that
-    /// wait are listed.
-    pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
-        if !self.coherent {
-            return Role::Fresh;
-        }
-        if self.scratch.drawn.get(number).epoch == self.marks.epoch() {
-            return Role::Drawn;
-        }
-        self.scratch.coherence.patch(slot, patch, number)
-    }
-
-    /// Notes that the parts of a group were looked at.
-    pub(super) fn went_into(&mut self, number: PatchNumber) {
-        if self.coherent {
-            let coherence = &mut self.scratch.coherence;
-            let recall = Recall { run: coherence.run, usage: Usage::Parts };
-            coherence.patches.fill(number..number.after(), recall);
-        }
-    }
-
     /// Notes where faces see the patches of a batch that was drawn, and which of them hid more than
     /// before.
     pub(super) fn drew_batch(&mut self, batch: &Batch) {
@@ -179,13 +130,6 @@ impl<'a> Walk<'a> {
         coherence.sights.extend(sights.map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
     }
 
-    /// Whether an object that was visible in the last run stays so unless the buffers hide it at
-    /// once.
-    pub(super) fn stays(&self, candidate: &Candidate) -> bool {
-        let (coherence, slot) = (&self.scratch.coherence, candidate.id.slot());
-        self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
-    }
-
     /// Leaves those candidates that may be seen after the second test. Some are tested once more.
     pub(super) fn decide_coherent(&mut self, candidates: &mut Vec<Candidate>, left: &mut Budget) {
         let mut suspicious = std::mem::take(&mut self.scratch.coherence.suspicious);
@@ -194,14 +138,14 @@ impl<'a> Walk<'a> {
         let mut hidden = hidden.iter();
         candidates.retain(|candidate| {
             let seen = hidden.next() != Some(&true);
-            let slot = candidate.id.slot();
+            let slot = candidate.slot;
             if seen && coherence.hid(slot, candidate.block.as_ref()) {
                 suspicious.push(slot);
             }
             seen
         });
         suspicious.sort_unstable();
-        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.id.slot()).is_ok();
+        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.slot).is_ok();
         if !suspicious.is_empty() && self.draw_before(candidates.iter().filter(|c| is_suspicious(c))) {
             self.end_examinations();
             self.begin_examinations();

@@ -6,12 +6,19 @@ use crate::object::Bounds;
 use crate::occlusion::buffers::Verdict;
 use crate::occlusion::examine::{Effort, Examination};
 use crate::occlusion::magnify::budget::{Budget, Purse};
-use crate::occlusion::magnify::{Hand, Magnifier, Patches};
+use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
 use crate::occlusion::target::Target;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::scratch::{Candidate, PointScratch};
 
-impl Walk<'_> {
+impl PointWalk<'_> {
+    /// Whether an object that was visible in the last run stays so unless the buffers hide it at
+    /// once.
+    fn stays(&self, candidate: &Candidate) -> bool {
+        let (coherence, slot) = (&self.scratch.coherence, candidate.slot);
+        self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
+    }
+
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
     pub(super) fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
@@ -22,7 +29,7 @@ impl Walk<'_> {
         self.examine_all(&candidates, &mut left);
         if self.coherent {
             self.decide_coherent(&mut candidates, &mut left);
-            candidates.iter().for_each(|candidate| self.pvs.push(candidate.id));
+            candidates.iter().for_each(|candidate| self.pvs.push(self.scene.id(candidate.slot)));
         } else {
             self.push_seen(&candidates);
         }
@@ -38,7 +45,7 @@ impl Walk<'_> {
         for (at, candidate) in candidates.iter().enumerate() {
             // One that was not examined is visible.
             if self.scratch.hidden.get(at) != Some(&true) {
-                self.pvs.push(candidate.id);
+                self.pvs.push(self.scene.id(candidate.slot));
             }
         }
         self.stats.occlusion_tests += self.scratch.movers.len() as u32;
@@ -110,17 +117,17 @@ impl Walk<'_> {
         (magnifier, hand): (&Magnifier, &mut Hand),
         left: &mut Budget,
     ) -> bool {
-        let &Candidate { id, block: Some(block), is_centered, .. } = candidate else { return false };
+        let &Candidate { slot, block: Some(block), is_centered, .. } = candidate else { return false };
         if self.stays(candidate) {
             return self.hides(&block);
         }
         let middle = (block.min + block.max) * 0.5 - self.scratch.buffers.origin();
         // Most candidates can be seen plainly.
-        if is_centered && self.scratch.buffers.shows_plainly(middle, id.slot()) {
+        if is_centered && self.scratch.buffers.shows_plainly(middle, slot) {
             return false;
         }
-        let bounds = self.scene.object(id.slot()).bounds();
-        self.is_hidden(bounds, id.slot(), (magnifier, hand), left)
+        let bounds = self.scene.object(slot).bounds();
+        self.is_hidden(bounds, slot, (magnifier, hand), left)
     }
 
     /// Whether no point of an object can be seen, with all occluders drawn.
@@ -137,22 +144,19 @@ impl Walk<'_> {
             let (slot, patch) = self.scratch.patches[id as usize];
             self.drawable(slot, patch)
         };
-        let patches = Patches { drawable };
+        let patches = Redrawable { drawable };
         let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
+        let refines = effort.squares > 0 || self.options.refine_patches > 0;
         let mut hidden = |target: &Target| {
-            if effort.squares == 0 && self.options.refine_patches == 0 {
-                buffers.test(target) == Verdict::Hidden
-            } else {
-                examination.hides(target, slot)
-            }
+            if !refines { buffers.test(target) == Verdict::Hidden } else { examination.hides(target, slot) }
         };
         let (origin, direction) = (buffers.origin(), buffers.direction());
         if let Some(middle) = bounds.kind().middle_of_parts() {
             if self.hides(&bounds.block()) {
                 return true;
             }
-            // A quick way to find objects that are plainly in sight.
-            if buffers.shows(middle - origin, slot) {
+            // A quick way to find objects that are plainly in sight, or hardly hidden.
+            if buffers.shows(middle - origin, slot) || refines && !effort.is_worth(buffers, bounds) {
                 return false;
             }
         }

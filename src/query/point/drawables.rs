@@ -6,12 +6,12 @@ use glam::{DVec3, Vec3};
 use crate::geometry::Block;
 use crate::geometry::placement::Placement;
 use crate::mesh::surface::seams::Place;
-use crate::mesh::surface::{PatchIndex, PatchSlab, Side, Surface};
+use crate::mesh::surface::{PatchIndex, PatchSide, PatchSlab, Surface};
 use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::viewpoint::Viewpoint;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 
 /// The surface of an object.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ pub(super) struct Source<'a> {
 }
 
 /// The slab of a patch in world units.
-struct Slab {
+struct PlacedSlab {
     normal: DVec3,
     lo: f64,
     hi: f64,
@@ -42,7 +42,7 @@ impl Source<'_> {
     }
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PointWalk<'a> {
     /// The surface of an object, if it has one.
     pub(super) fn source(&self, slot: Slot) -> Option<Source<'a>> {
         let scene = self.scene;
@@ -57,7 +57,7 @@ impl<'a> Walk<'a> {
         self.drawable_in(&source, patch, &source.block(patch))
     }
 
-    /// As [`Walk::drawable`], for a patch in a box in world units.
+    /// As [`PointWalk::drawable`], for a patch in a box in world units.
     pub(super) fn drawable_in(
         &self,
         source: &Source<'a>,
@@ -68,7 +68,7 @@ impl<'a> Walk<'a> {
         let buffers = &self.scratch.buffers;
         let eye = buffers.origin();
         let block = buffers.relative(world);
-        let Slab { normal, lo, hi, error, slack } =
+        let PlacedSlab { normal, lo, hi, error, slack } =
             placed_slab(surface.slab(patch), placement, buffers.uncertainty())?;
         let base = normal.dot(eye);
         let room = error + SLAB * (base.abs() + eye.abs().max_element() + lo.abs().max(hi.abs()));
@@ -149,7 +149,7 @@ impl<'a> Walk<'a> {
             Some(placement) => placement.affine.transform_point3(p.as_dvec3()) - origin,
             None => p.as_dvec3() - origin,
         };
-        let is_far = |side: Side| {
+        let is_far = |side: PatchSide| {
             let [a, b] = source.surface.ends(&side).map(end);
             let way = b - a;
             let share = (-a.dot(way) / way.length_squared()).clamp(0.0, 1.0);
@@ -207,10 +207,10 @@ fn is_below_eye(normal: DVec3, slab: (f64, f64), block: &Block, sine: f64) -> bo
 
 /// The slab of a patch as it is placed; `None` if the placement has no normals or leaves the range
 /// of numbers.
-fn placed_slab(patch: PatchSlab, placement: Option<&Placement>, unsure: f64) -> Option<Slab> {
+fn placed_slab(patch: PatchSlab, placement: Option<&Placement>, unsure: f64) -> Option<PlacedSlab> {
     let (mut error, mut slack) = (unsure, f64::from(patch.slack));
     let Some(p) = placement else {
-        return Some(Slab { normal: patch.normal, lo: patch.lo, hi: patch.hi, error, slack });
+        return Some(PlacedSlab { normal: patch.normal, lo: patch.lo, hi: patch.hi, error, slack });
     };
     let turned = p.normals? * patch.normal;
     let length = turned.length();
@@ -223,7 +223,7 @@ fn placed_slab(patch: PatchSlab, placement: Option<&Placement>, unsure: f64) -> 
     }
     error += p.error;
     slack *= p.growth;
-    Some(Slab { normal, lo, hi, error, slack })
+    Some(PlacedSlab { normal, lo, hi, error, slack })
 }
 
 /// A box around a box as it is placed.

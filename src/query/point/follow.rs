@@ -20,12 +20,12 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::method::PointOptions;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::offered::Offered;
 
 /// What a run must be told of the changes since the one before.
 #[derive(Debug, Default)]
-pub(crate) struct Changes {
+pub(crate) struct StaticChanges {
     /// The slots of static objects that came or changed.
     pub(crate) fresh: Vec<Slot>,
     /// The slots of the objects in the set that stayed as they are.
@@ -41,11 +41,11 @@ impl PointOptions {
     }
 }
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Goes on with the buffers of the last run, which was of the same view. `offered` are the
     /// objects that they rest on and that stayed. Fills the set with the objects that are not
     /// known. Returns the share of the pixels that were opened.
-    pub(crate) fn follow(mut self, changes: &Changes, offered: &Offered) -> f64 {
+    pub(crate) fn follow(mut self, changes: &StaticChanges, offered: &Offered) -> f64 {
         changes.known.iter().for_each(|&slot| {
             self.marks.decide(slot);
         });

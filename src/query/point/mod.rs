@@ -43,7 +43,7 @@ use crate::view::{Origin, View};
 use crate::walk::{ShellBegins, Shells, Start};
 
 /// One run of the point method.
-pub(crate) struct Walk<'a> {
+pub(crate) struct PointWalk<'a> {
     scene: &'a Scene,
     view: &'a View,
     options: &'a PointOptions,
@@ -90,7 +90,7 @@ pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
     }
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PointWalk<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
         view: &'a View,

@@ -4,14 +4,14 @@
 //! Their zones are tested then: most are out of sight, hidden, or in the open, with all that is in
 //! them. In the others, most objects are found visible by one pixel: that of the middle of their
 //! box, which lies in them. None of that looks at the object itself, only at its box in the scene's
-//! array ([`crate::scene::Movers`]).
+//! array ([`crate::scene::Scene::boxes`]).
 
 use casca_slots::Slot;
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
-use crate::query::point::Walk;
-use crate::query::point::planes::{Planes, Side};
+use crate::query::point::PointWalk;
+use crate::query::point::planes::{BoxSide, Planes};
 use crate::query::point::scratch::{Candidate, PointScratch};
 use crate::scene::Zone;
 
@@ -25,13 +25,13 @@ enum Outlook {
     Hidden,
     /// All of them are, if views show them.
     Open,
-    /// Each is tested by its box. `Side::Inside` if all are inside the frustum.
-    Mixed(Side),
+    /// Each is tested by its box. `BoxSide::Inside` if all are inside the frustum.
+    Mixed(BoxSide),
     /// The eye is among them: each is tested as other objects are.
     Close,
 }
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Finds the small moving objects that are in sight of all that was drawn. Those that need no
     /// further test are listed apart.
     pub(super) fn find_movers(&mut self) {
@@ -93,7 +93,7 @@ impl Walk<'_> {
         let side = planes.side_of(room);
         if close {
             Outlook::Close
-        } else if worth && side == Side::Inside && scratch.buffers.is_clear_block(room) {
+        } else if worth && side == BoxSide::Inside && scratch.buffers.is_clear_block(room) {
             Outlook::Open
         } else {
             Outlook::Mixed(side)
@@ -102,7 +102,7 @@ impl Walk<'_> {
 
     /// Tests the boxes of objects. Those before all occluders are found visible, those that may lie
     /// behind one are tested with the others.
-    fn test_boxes(&mut self, zone: &Zone, zone_side: Side, planes: &Planes) {
+    fn test_boxes(&mut self, zone: &Zone, zone_side: BoxSide, planes: &Planes) {
         let scene = self.scene;
         let PointScratch { buffers, movers, candidates, .. } = &mut *self.scratch;
         let origin = buffers.origin().as_vec3a();
@@ -112,12 +112,12 @@ impl Walk<'_> {
             if any_overdue && self.marks.is_decided(id.slot()) {
                 continue;
             }
-            let own = scene.movers().box_of(id.slot());
+            let own = scene.boxes().of(id.slot());
             let (min, max) = own.corners();
             let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
-            let side = if zone_side == Side::Inside { zone_side } else { planes.side(middle, half) };
+            let side = if zone_side == BoxSide::Inside { zone_side } else { planes.side(middle, half) };
             let sees = |slot: Slot| self.view.may_see(scene.object(slot).bounds());
-            if side == Side::Outside || side == Side::Crosses && !sees(id.slot()) {
+            if side == BoxSide::Outside || side == BoxSide::Crosses && !sees(id.slot()) {
                 continue;
             }
             self.stats.objects_tested += 1;
@@ -125,7 +125,7 @@ impl Walk<'_> {
                 movers.push(ObjectId(id));
             } else {
                 let block = Some(own.block());
-                candidates.push(Candidate { id: ObjectId(id), block, is_centered: true, occludes: false });
+                candidates.push(Candidate { slot: id.slot(), block, is_centered: true, occludes: false });
             }
         }
     }

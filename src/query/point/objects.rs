@@ -4,8 +4,9 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::scratch::Candidate;
+use crate::scene::ObjectBox;
 
 /// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
 /// numbers are compared without branches.
@@ -16,35 +17,66 @@ fn sort_key(distance: f64, slot: Slot, place: u32) -> u128 {
     u128::from(order) << 64 | u128::from(slot.get()) << 32 | u128::from(place)
 }
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Lists an object for testing, once in a query: its brick or volume is in sight.
     pub(super) fn find(&mut self, slot: Slot) {
-        let object = self.scene.object(slot);
-        let passed_over = self.fixed_only && !object.is_static();
-        if !self.marks.decide(slot) || passed_over || !object.is_shown(self.view) {
+        if !self.marks.decide(slot) {
             return;
         }
-        let id = self.scene.id(slot);
+        let own = *self.scene.boxes().of(slot);
+        if own.is_static() { self.find_static(slot, &own) } else { self.find_asking(slot) }
+    }
+
+    /// Lists an object of which its box tells all.
+    fn find_static(&mut self, slot: Slot, own: &ObjectBox) {
+        let (scene, view) = (self.scene, self.view);
+        debug_assert!(scene.is_up_to_date(slot), "the box of {slot} is old");
+        if !own.is_shown(view) && !scene.object(slot).is_shown(view) {
+            return;
+        }
+        self.stats.objects_tested += 1;
+        let block = own.block();
+        if view.may_see_volume(&block) && (own.is_box() || view.may_see(scene.object(slot).bounds())) {
+            self.list_found(Candidate {
+                slot,
+                block: Some(block),
+                is_centered: own.is_centered(),
+                occludes: own.occludes(),
+            });
+        }
+    }
+
+    /// Lists an object that must be asked itself.
+    fn find_asking(&mut self, slot: Slot) {
+        let object = self.scene.object(slot);
+        let passed_over = self.fixed_only && !object.is_static();
+        if passed_over || !object.is_shown(self.view) {
+            return;
+        }
         if self.scene.is_unlocated(slot) || object.is_hidden_unreported() {
             // It may be anywhere: visible, whatever its old bounds say.
-            let anywhere = Candidate { id, block: None, is_centered: false, occludes: false };
+            let anywhere = Candidate { slot, block: None, is_centered: false, occludes: false };
             self.scratch.candidates.push(anywhere);
             return;
         }
         self.stats.objects_tested += 1;
-        if self.view.may_see(object.bounds()) {
-            let block = object.bounds().block();
-            let distance = self.distance(&block);
-            let scratch = &mut *self.scratch;
-            let place = scratch.objects.len() as u32;
-            scratch.objects.push(Candidate {
-                id,
-                block: Some(block),
-                is_centered: object.bounds().kind().is_centered(),
+        let bounds = object.bounds();
+        if self.view.may_see(bounds) {
+            self.list_found(Candidate {
+                slot,
+                block: Some(bounds.block()),
+                is_centered: bounds.kind().is_centered(),
                 occludes: object.occluder().is_some(),
             });
-            scratch.found.push(sort_key(distance, slot, place));
         }
+    }
+
+    /// Lists an object in the frustum, to be tested in its turn.
+    fn list_found(&mut self, candidate: Candidate) {
+        let distance = candidate.block.map_or(f64::NEG_INFINITY, |block| self.distance(&block));
+        let place = self.scratch.objects.len() as u32;
+        self.scratch.found.push(sort_key(distance, candidate.slot, place));
+        self.scratch.objects.push(candidate);
     }
 
     /// A number by which boxes are sorted from front to back.
@@ -69,7 +101,7 @@ impl Walk<'_> {
             self.stats.occlusion_tests += 1;
             let candidate = self.scratch.objects[place as usize];
             if !candidate.block.is_some_and(|block| self.hides(&block)) {
-                let slot = candidate.id.slot();
+                let slot = candidate.slot;
                 self.scratch.candidates.push(candidate);
                 if !candidate.occludes {
                     continue;

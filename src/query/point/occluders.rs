@@ -9,7 +9,8 @@ use crate::numeric::shape::REGION;
 use crate::object::Occluder;
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::solid::Solid;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
+use crate::query::point::recall::Role;
 use crate::query::start::rays_start_in_occluder;
 
 /// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer
@@ -28,7 +29,35 @@ const MOST_GAP: f64 = 3.0;
 /// patches hide what lies inside of shells.
 const SHELLS_ALONE: f64 = 32.0;
 
-impl Walk<'_> {
+impl PointWalk<'_> {
+    /// Draws the occluder of an object in sight, unless it waits.
+    pub(super) fn offer(&mut self, slot: Slot) {
+        self.note_offered(slot);
+        let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
+        match role {
+            Role::Fresh | Role::InParts => self.draw(slot),
+            Role::Waits if self.has_patches_beside_solid(slot) => self.list_surface(slot),
+            Role::Waits | Role::Drawn => {}
+        }
+    }
+
+    /// Notes for a result that is kept that it may rest on the occluder of an object.
+    pub(super) fn note_offered(&mut self, slot: Slot) {
+        if self.fixed_only {
+            self.scratch.offered.push(slot);
+        }
+    }
+
+    /// Notes that a solid was drawn, and whether it hid more than before.
+    pub(super) fn drew_solid(&mut self, slot: Slot, changed: bool) {
+        if changed {
+            self.stats.occluders_useful += u32::from(self.scratch.useful.decide(slot));
+        }
+        if self.coherent {
+            self.scratch.coherence.drew_solid(slot, changed);
+        }
+    }
+
     /// Draws the occluder of an object, or lists its surface for drawing.
     pub(super) fn draw(&mut self, slot: Slot) {
         if !self.view.is_ordered() {

@@ -6,7 +6,7 @@ use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::pvs::Pvs;
 use crate::query::marks::Marks;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::scratch::PointScratch;
 use crate::scene::Scene;
 use crate::view::View;
@@ -37,7 +37,7 @@ impl Overlay {
         scratch.buffers.copy_coverage(&base.buffers);
         // The lists that refinement asks are not copied.
         let options = PointOptions::new().unrefined();
-        let walk = Walk::new(scene, view, &options, pvs, marks, scratch);
+        let walk = PointWalk::new(scene, view, &options, pvs, marks, scratch);
         *drawn = walk.draw_over(std::iter::once(first).chain(slots));
     }
 

@@ -11,7 +11,7 @@ use crate::view::View;
 
 /// Where a box is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum BoxSide {
     /// Inside of all planes.
     Inside,
     /// Outside of one.
@@ -60,30 +60,30 @@ impl<'v> Planes<'v> {
 
     /// Where a box is; in doubt, it crosses.
     #[inline]
-    pub(super) fn side(&self, middle: Vec3A, half: Vec3A) -> Side {
-        let mut side = Side::Inside;
+    pub(super) fn side(&self, middle: Vec3A, half: Vec3A) -> BoxSide {
+        let mut side = BoxSide::Inside;
         for four in &self.fours {
             let at = four.x * middle.x + four.y * middle.y + four.z * middle.z + four.w;
             let reach = four.x.abs() * half.x + four.y.abs() * half.y + four.z.abs() * half.z + four.margin;
             if at.cmplt(-reach).any() {
-                return Side::Outside;
+                return BoxSide::Outside;
             }
             // Not written the other way round, so that a value that is not a number is doubt.
             if !at.cmpgt(reach).all() {
-                side = Side::Crosses;
+                side = BoxSide::Crosses;
             }
         }
         side
     }
 
     /// Whether a box is inside of all planes, or may cross one; asked in double precision.
-    pub(super) fn side_of(&self, block: &Block) -> Side {
+    pub(super) fn side_of(&self, block: &Block) -> BoxSide {
         let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
         let largest = block.min.abs().max(block.max.abs()).max(DVec3::ZERO).max_element();
         let inside = self.exact.iter().all(|plane| {
             plane.distance(middle) >= plane.normal.abs().dot(half) + 2.0 * plane.margin(largest)
         });
-        if inside { Side::Inside } else { Side::Crosses }
+        if inside { BoxSide::Inside } else { BoxSide::Crosses }
     }
 }
 
@@ -119,9 +119,9 @@ mod tests {
                     let outside = view.planes.iter().any(|p| p.distance(m) < -reach(p));
                     let inside = view.planes.iter().all(|p| p.distance(m) > reach(p));
                     match planes.side(middle, half) {
-                        Side::Inside => assert!(inside),
-                        Side::Outside => assert!(outside),
-                        Side::Crosses => doubtful += usize::from(inside || outside),
+                        BoxSide::Inside => assert!(inside),
+                        BoxSide::Outside => assert!(outside),
+                        BoxSide::Crosses => doubtful += usize::from(inside || outside),
                     }
                 }
             }
@@ -130,6 +130,6 @@ mod tests {
         let everything = View::omnidirectional(Vec3::ZERO).unwrap();
         let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(8) };
         let planes = Planes::new(&everything, &Grid::new(&spec).unwrap());
-        assert_eq!(planes.side(Vec3A::ONE, Vec3A::ONE), Side::Inside);
+        assert_eq!(planes.side(Vec3A::ONE, Vec3A::ONE), BoxSide::Inside);
     }
 }

@@ -31,8 +31,8 @@ pub(super) struct DrawnPatch {
 /// apart in memory.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
-    pub(super) id: ObjectId,
-    /// The box of its bounds; `None` if it may be anywhere.
+    pub(super) slot: Slot,
+    /// A box around its bounds; `None` if it may be anywhere.
     pub(super) block: Option<Block>,
     /// Whether the middle of that box lies in the object.
     pub(super) is_centered: bool,

@@ -4,12 +4,12 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
-use crate::mesh::surface::PatchIndex;
+use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 use crate::query::point::drawables::Source;
-use crate::query::point::recall::Role;
+use crate::query::point::recall::{Recall, Role, Usage};
 use crate::query::point::scratch::{DrawnPatch, PointScratch, Waiting};
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing:
@@ -26,14 +26,35 @@ const THIN: f64 = 0.35;
 const BATCH_SHARE: u64 = 3;
 
 /// How the walk goes on with a patch.
-enum Next {
+enum AfterPatch {
     /// Drawn, or of no use: its parts are not looked at.
     Done,
     /// Its parts are looked at, one by one.
     Parts,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PointWalk<'a> {
+    /// How a patch takes part in this run, by its place and its number in the scene. Patches that
+    /// wait are listed.
+    pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
+        if !self.coherent {
+            return Role::Fresh;
+        }
+        if self.scratch.drawn.get(number).epoch == self.marks.epoch() {
+            return Role::Drawn;
+        }
+        self.scratch.coherence.patch(slot, patch, number)
+    }
+
+    /// Notes that the parts of a group were looked at.
+    pub(super) fn went_into(&mut self, number: PatchNumber) {
+        if self.coherent {
+            let coherence = &mut self.scratch.coherence;
+            let recall = Recall { run: coherence.run, usage: Usage::Parts };
+            coherence.patches.fill(number..number.after(), recall);
+        }
+    }
+
     /// Lists an object's surface for drawing, by the shell that it begins in.
     pub(super) fn list_surface(&mut self, slot: Slot) {
         if let Some(source) = self.source(slot)
@@ -174,13 +195,13 @@ impl<'a> Walk<'a> {
             let next = if shell > m {
                 self.wait(shell, slot, number, number.up_to(surface.next(number)));
                 waits = true;
-                Next::Done
+                AfterPatch::Done
             } else {
                 self.collect_patch(&source, number, &world, role, batch)
             };
             number = match next {
-                Next::Done => surface.next(number),
-                Next::Parts => {
+                AfterPatch::Done => surface.next(number),
+                AfterPatch::Parts => {
                     self.went_into(source.place.base.of(number));
                     number.after()
                 }
@@ -206,18 +227,18 @@ impl<'a> Walk<'a> {
         world: &Block,
         role: Role,
         batch: &mut Batch<'a>,
-    ) -> Next {
+    ) -> AfterPatch {
         let has_parts = source.surface.next(number) > number.after();
         let block = self.scratch.buffers.relative(world);
         if self.is_small(&block, SMALLEST_PATCH) {
-            return Next::Done;
+            return AfterPatch::Done;
         }
         if !batch.see(&self.scratch.buffers, &block) {
-            return Next::Done;
+            return AfterPatch::Done;
         }
         if has_parts && !self.view.may_see_block(world) {
             batch.drop_sights();
-            return Next::Done;
+            return AfterPatch::Done;
         }
         if (role == Role::Fresh || !has_parts)
             && source.surface.has_outline(number)
@@ -227,10 +248,10 @@ impl<'a> Walk<'a> {
             drawable.id = self.scratch.patches.len() as u32;
             self.scratch.patches.push((source.slot, number));
             batch.drawables.push(drawable);
-            return Next::Done;
+            return AfterPatch::Done;
         }
         batch.drop_sights();
-        if has_parts { Next::Parts } else { Next::Done }
+        if has_parts { AfterPatch::Parts } else { AfterPatch::Done }
     }
 
     /// Whether a group hides about as much as its parts do: its slab, or the whole of it, is thin

@@ -5,9 +5,9 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::grid::cell_box::CellBox;
-use crate::query::point::Walk;
+use crate::query::point::PointWalk;
 
-impl Walk<'_> {
+impl PointWalk<'_> {
     /// Reveals the volumes around the eye: their surface is not between the eye and the objects in
     /// them.
     pub(super) fn reveal_around(&mut self, eye: DVec3) {

@@ -12,17 +12,17 @@ use crate::view::View;
 
 /// A state without its numbers; `Gone` for objects that were removed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
+enum StateKind {
     Listed,
     Overdue,
     Hidden,
     Unlocated { volume: bool },
     Gone,
 }
-use Kind::{Gone, Hidden as InVolume, Listed, Overdue, Unlocated};
+use StateKind::{Gone, Hidden as InVolume, Listed, Overdue, Unlocated};
 
-const EXPIRED: Kind = Unlocated { volume: true };
-const REVEALED: Kind = Unlocated { volume: false };
+const EXPIRED: StateKind = Unlocated { volume: true };
+const REVEALED: StateKind = Unlocated { volume: false };
 /// Before the wall, with the eye; behind it; and outside the grid.
 const BEFORE: f32 = 5.5;
 const BEHIND: f32 = 20.0;
@@ -31,7 +31,7 @@ const OUTSIDE: f32 = 40.0;
 const MOMENT: f64 = 1e-6;
 
 /// A wall that parts the grid, and a ball.
-struct World {
+struct WallAndBall {
     scene: Scene,
     ball: ObjectId,
     /// The volume of the ball when it was prepared.
@@ -42,7 +42,7 @@ fn ball(x: f32) -> Sphere {
     Sphere::new(Vec3::new(x, 16.5, 16.5), 0.5)
 }
 
-impl World {
+impl WallAndBall {
     fn new(x: f32, on_expiry: bool) -> Self {
         let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
         let mut scene = Scene::new(&spec).unwrap();
@@ -102,7 +102,7 @@ impl World {
         }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> StateKind {
         match self.scene.find(self.ball).map(|object| object.state()) {
             Err(_) => Gone,
             Ok(State::Listed) if self.scene.is_unlocated(self.ball.slot()) => Overdue,
@@ -119,50 +119,50 @@ impl World {
     }
 }
 
-fn plain_listed() -> World {
-    World::new(BEFORE, false)
+fn plain_listed() -> WallAndBall {
+    WallAndBall::new(BEFORE, false)
 }
 
-fn listed() -> World {
-    World::new(BEFORE, true)
+fn listed() -> WallAndBall {
+    WallAndBall::new(BEFORE, true)
 }
 
-fn overdue() -> World {
+fn overdue() -> WallAndBall {
     listed().begin(1.0)
 }
 
-fn hidden() -> World {
-    World::hidden(true)
+fn hidden() -> WallAndBall {
+    WallAndBall::hidden(true)
 }
 
-fn plain_hidden() -> World {
-    World::hidden(false)
+fn plain_hidden() -> WallAndBall {
+    WallAndBall::hidden(false)
 }
 
 /// A world whose ball could leave its volume at once.
-fn expired_soon() -> World {
+fn expired_soon() -> WallAndBall {
     let world = hidden();
     let wall = world.hiding().tbv.block.max.x as f32;
     world.update(wall - 0.55).begin(0.1)
 }
 
 /// A world in which the next frame after the first came late.
-fn expired_late() -> World {
+fn expired_late() -> WallAndBall {
     hidden().begin(100.0)
 }
 
-fn expired() -> World {
+fn expired() -> WallAndBall {
     let frames = (1..=WORTH_ASKING).map(|frame| frame as f64 * MOMENT);
-    frames.fold(hidden(), World::begin).begin(100.0)
+    frames.fold(hidden(), WallAndBall::begin).begin(100.0)
 }
 
-fn revealed() -> World {
+fn revealed() -> WallAndBall {
     hidden().begin(0.01).seen_from(28.5)
 }
 
 /// A world whose ball was reported nearer to the middle of its volume than before: its expiry is
 /// put off.
-fn put_off() -> World {
+fn put_off() -> WallAndBall {
     let world = hidden();
     let first = world.hiding().expires;
     let world = world.begin(0.5 * first).update(BEHIND - 0.001);
@@ -174,7 +174,7 @@ fn put_off() -> World {
 #[test]
 fn every_call_changes_states_as_the_table_says() {
     /// Name, world before with the state of its ball, the call, and the state after it.
-    type Row = (&'static str, fn() -> World, Kind, fn(World) -> World, Kind);
+    type Row = (&'static str, fn() -> WallAndBall, StateKind, fn(WallAndBall) -> WallAndBall, StateKind);
     let table: [Row; 33] = [
         ("begin: no report yet", listed, Listed, |w| w.begin(1.0), Overdue),
         ("begin: reports when moved", plain_listed, Listed, |w| w.begin(1.0), Listed),
@@ -205,8 +205,14 @@ fn every_call_changes_states_as_the_table_says() {
             Listed,
         ),
         ("update: revealed", revealed, REVEALED, |w| w.update(BEHIND), Listed),
-        ("end: unseen", || World::new(BEHIND, true), Listed, |w| w.seen_from(2.5), InVolume),
-        ("end: unseen, no volume fits", || World::new(OUTSIDE, false), Listed, |w| w.seen_from(2.5), Listed),
+        ("end: unseen", || WallAndBall::new(BEHIND, true), Listed, |w| w.seen_from(2.5), InVolume),
+        (
+            "end: unseen, no volume fits",
+            || WallAndBall::new(OUTSIDE, false),
+            Listed,
+            |w| w.seen_from(2.5),
+            Listed,
+        ),
         ("end: seen", listed, Listed, |w| w.seen_from(2.5), Listed),
         ("end: overdue", overdue, Overdue, |w| w.seen_from(28.5), Overdue),
         ("end: not revealed", hidden, InVolume, |w| w.seen_from(2.5), InVolume),
@@ -240,7 +246,7 @@ fn volumes_are_kept_while_they_serve() {
 #[test]
 fn nothing_is_left_of_a_removed_object() {
     for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
-        let World { scene, .. } = prepare().remove();
+        let WallAndBall { scene, .. } = prepare().remove();
         assert_eq!((scene.id_matrix().entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
         assert!(scene.members.movers().is_empty() && scene.always().is_empty());
         assert!(scene.members.on_expiry().is_empty() && !scene.any_overdue());
@@ -250,7 +256,7 @@ fn nothing_is_left_of_a_removed_object() {
 
 /// Entries of I for the wall alone.
 fn wall_entries() -> usize {
-    World::new(BEFORE, false).remove().scene.id_matrix().entries()
+    WallAndBall::new(BEFORE, false).remove().scene.id_matrix().entries()
 }
 
 #[test]
@@ -270,7 +276,7 @@ fn only_small_objects_rest_after_a_volume_that_did_not_last() {
     for (radius, last) in [(0.5, Listed), (4.0, InVolume)] {
         let ball = Sphere { radius, ..ball(BEHIND) };
         let desc = ObjectDesc::dynamic(ball).max_speed(1.0).reported_on_expiry();
-        let mut world = World::new(BEHIND, true).remove();
+        let mut world = WallAndBall::new(BEHIND, true).remove();
         world.ball = world.scene.insert(desc).unwrap();
         world = world.seen_from(2.5);
         assert_eq!(world.kind(), InVolume);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::geometry::plane::HalfSpace;
-use crate::shape::convex::hull::{NONE, Sides, edges, lowered, triangles};
+use crate::shape::convex::hull::{EdgeNumbers, NONE, edges, lowered, triangles};
 
 /// A closed convex surface.
 pub(crate) struct Closed {
@@ -24,13 +24,13 @@ struct Facet {
 }
 
 #[derive(Default)]
-struct Facets {
+struct HullFacets {
     all: Vec<Facet>,
     triangles: Vec<usize>,
     rings: Vec<usize>,
 }
 
-impl Facets {
+impl HullFacets {
     /// Adds the facet of the triangles and corners from these places on.
     fn close(&mut self, triangles: usize, ring: usize) {
         self.all.push(Facet { triangles: triangles..self.triangles.len(), ring: ring..self.rings.len() });
@@ -56,17 +56,17 @@ impl Facets {
 }
 
 /// The corner after each corner of a ring. Its memory is used again.
-struct Rings {
+struct RingOrder {
     next: Vec<usize>,
 }
 
-impl Rings {
+impl RingOrder {
     /// Appends the corners around a set of triangles, if they bound it in one ring; else changes
     /// nothing.
     fn append(
         &mut self,
         triangles: &[[usize; 3]],
-        sides: &Sides,
+        sides: &EdgeNumbers,
         own: &[usize],
         is_own: impl Fn(u32) -> bool,
         ring: &mut Vec<usize>,
@@ -103,8 +103,8 @@ impl Rings {
 }
 
 /// Joins triangles that lie in one plane to within `flat`.
-fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> Facets {
-    let mut sides = Sides::new(points.len());
+fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> HullFacets {
+    let mut sides = EdgeNumbers::new(points.len());
     for (t, corners) in triangles.iter().enumerate() {
         edges(*corners).into_iter().for_each(|(a, b)| sides.set(a, b, t as u32));
     }
@@ -117,8 +117,8 @@ fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> Facets {
     order.sort_unstable_by(|s, t| t.0.total_cmp(&s.0).then(s.1.cmp(&t.1)));
     // The facet that has taken each triangle.
     let mut taken = vec![NONE; triangles.len()];
-    let mut rings = Rings { next: vec![0; points.len()] };
-    let mut facets = Facets::default();
+    let mut rings = RingOrder { next: vec![0; points.len()] };
+    let mut facets = HullFacets::default();
     for (_, seed) in order {
         if taken[seed] != NONE {
             continue;
@@ -141,7 +141,7 @@ fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> Facets {
             at += 1;
         }
         let is_own = |t: u32| t != NONE && taken[t as usize] == number;
-        let Facets { triangles: own, rings: all, .. } = &mut facets;
+        let HullFacets { triangles: own, rings: all, .. } = &mut facets;
         // One triangle always has a ring.
         if !rings.append(triangles, &sides, &own[first..], is_own, all) {
             own.drain(first + 1..).for_each(|t| taken[t] = NONE);
@@ -157,16 +157,16 @@ fn facets(points: &[DVec3], triangles: &[[usize; 3]], flat: f64) -> Facets {
 pub(crate) fn closed(points: &[DVec3], keep: f64, flat: f64) -> Option<Closed> {
     let triangles = triangles(points, keep)?;
     assembled(points, &triangles, &facets(points, &triangles, flat))
-        .or_else(|| assembled(points, &triangles, &Facets::single(&triangles)))
+        .or_else(|| assembled(points, &triangles, &HullFacets::single(&triangles)))
 }
 
 /// Numbers corners and edges, and lowers each face to the lowest corner of its triangles. A point
 /// outside of the hull lies beyond one of its triangles, as seen from the middle, so it lies beyond
 /// that triangle's face.
-fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &Facets) -> Option<Closed> {
+fn assembled(points: &[DVec3], triangles: &[[usize; 3]], facets: &HullFacets) -> Option<Closed> {
     let mut number = vec![u16::MAX; points.len()];
     let mut vertices: Vec<DVec3> = Vec::new();
-    let mut sides = Sides::new(points.len());
+    let mut sides = EdgeNumbers::new(points.len());
     for (f, facet) in facets.all.iter().enumerate() {
         for (a, b) in facets.ring(facet) {
             if number[a] == u16::MAX {

@@ -20,12 +20,12 @@ pub(crate) fn lowered(least: f64, largest: f64) -> f64 {
 pub(super) const NONE: u32 = u32::MAX;
 
 /// A number for each directed edge between a few points.
-pub(super) struct Sides {
+pub(super) struct EdgeNumbers {
     points: usize,
     numbers: Vec<u32>,
 }
 
-impl Sides {
+impl EdgeNumbers {
     pub(super) fn new(points: usize) -> Self {
         Self { points, numbers: vec![NONE; points * points] }
     }
@@ -104,7 +104,7 @@ impl Triangle {
 
 /// What a point is known to see of a growing hull.
 #[derive(Default)]
-struct Sight {
+struct HullSight {
     /// It was compared with all triangles of lesser numbers.
     compared: usize,
     /// The triangles of those that it sees, with their distances.
@@ -118,15 +118,15 @@ struct Growing<'a> {
     /// The triangles that stay, in order.
     hull: Vec<u32>,
     /// The last triangle at each edge.
-    sides: Sides,
-    sights: Vec<Sight>,
+    sides: EdgeNumbers,
+    sights: Vec<HullSight>,
 }
 
 impl<'a> Growing<'a> {
     fn new(points: &'a [DVec3], first: [[usize; 3]; 4]) -> Self {
-        let sights = std::iter::repeat_with(Sight::default).take(points.len()).collect();
+        let sights = std::iter::repeat_with(HullSight::default).take(points.len()).collect();
         let (triangles, hull) = (Vec::new(), Vec::new());
-        let mut all = Self { points, triangles, hull, sides: Sides::new(points.len()), sights };
+        let mut all = Self { points, triangles, hull, sides: EdgeNumbers::new(points.len()), sights };
         first.into_iter().for_each(|corners| all.push(corners));
         all
     }
@@ -141,7 +141,7 @@ impl<'a> Growing<'a> {
     /// Finds the triangles that a point sees. Returns its distance from them, or 0 if there are
     /// none.
     fn look(&mut self, point: usize) -> f64 {
-        let (p, Sight { compared, seen }) = (self.points[point], &mut self.sights[point]);
+        let (p, HullSight { compared, seen }) = (self.points[point], &mut self.sights[point]);
         seen.retain(|s| self.triangles[s.0 as usize].stays);
         let new = self.hull.partition_point(|&t| (t as usize) < *compared);
         for &t in &self.hull[new..] {

@@ -17,14 +17,14 @@ const MOST_CORNERS: usize = 2 * MAX_CONVEX - 4;
 /// A convex solid as it is stored.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Convex")]
-struct Fields {
+struct ConvexFields {
     vertices: Vec<DVec3>,
     /// See [`Convex::lost`].
     #[serde(default)]
     lost: f64,
 }
 
-impl Fields {
+impl ConvexFields {
     fn solid(self) -> Result<Convex, Error> {
         const WHAT: &str = "a corner of a convex solid";
         if !(4..=MOST_CORNERS).contains(&self.vertices.len()) {
@@ -47,13 +47,13 @@ impl Fields {
 
 impl Serialize for Convex {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Fields { vertices: self.vertices.clone(), lost: self.lost }.serialize(serializer)
+        ConvexFields { vertices: self.vertices.clone(), lost: self.lost }.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Convex {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Fields::deserialize(deserializer)?.solid().map_err(D::Error::custom)
+        ConvexFields::deserialize(deserializer)?.solid().map_err(D::Error::custom)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::numeric::occlusion::{EDGE_FLAT, EDGE_ROUNDING};
 use crate::occlusion::pixels::nearest_integer;
-use crate::occlusion::surface::raster::{Marks, Raster};
+use crate::occlusion::surface::raster::{PixelMarks, Raster};
 
 impl Raster {
     /// Draws an edge of the outline between two points, in pixels. Going up, it makes the winding
@@ -43,9 +43,9 @@ impl Raster {
             (from..to).for_each(|row| self.pass(row, 0, falls));
             return;
         }
-        let layer = if seam { Marks::SEAM } else { Marks::OPEN };
+        let layer = if seam { PixelMarks::SEAM } else { PixelMarks::OPEN };
         if slope.is_nan() || slope.abs() >= EDGE_FLAT {
-            let layer = if from < to { Marks::OPEN } else { layer };
+            let layer = if from < to { PixelMarks::OPEN } else { layer };
             return self.edge_flat((left, x1), falls, layer, (first, last), (from, to));
         }
         let (reach, unsure) = (wide * slope.abs() + wide, unsure * slope.abs() + unsure);
@@ -67,7 +67,7 @@ impl Raster {
                 let hi = nearest_integer(within(at + unsure, right) - 0.5).min(width - 1);
                 let column = nearest_integer(within(at, right));
                 if seam && lo <= hi && (at - f64::from(column)).abs() > 0.5 - unsure {
-                    self.mark(row, lo, hi, Marks::OPEN);
+                    self.mark(row, lo, hi, PixelMarks::OPEN);
                 }
                 if column < width {
                     self.pass(row, column.max(0), falls);

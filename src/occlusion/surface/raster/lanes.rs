@@ -6,12 +6,12 @@ use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
 use crate::numeric::occlusion::{ACROSS_AREA, FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
 use crate::numeric::{greater, lesser};
 use crate::occlusion::surface::raster::edges::{Edges, LANES, Lanes};
-use crate::occlusion::surface::raster::marks::{Marks, Windings, from_column};
+use crate::occlusion::surface::raster::marks::{PixelMarks, Windings, from_column};
 use crate::occlusion::surface::raster::{COLUMNS, Raster};
 
 /// Edges ready to be drawn, from their lower to their upper ends. Columns and rows in whole numbers
 /// are counted from the corner of the area.
-struct Lines {
+struct EdgeLanes {
     /// Column and row of the lower end; of edges nearly parallel to the rows, the first column.
     x: Lanes,
     y: Lanes,
@@ -50,7 +50,7 @@ struct Lines {
     doubted: u8,
 }
 
-impl Lines {
+impl EdgeLanes {
     #[inline(always)]
     fn new<S: Simd>(simd: S, e: &Edges, raster: &Raster, fall: bool) -> Self {
         let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
@@ -124,7 +124,7 @@ impl Raster {
     /// one, or fall.
     #[inline(always)]
     pub(crate) fn edges<S: Simd>(&mut self, simd: S, edges: &Edges, fall: bool) {
-        let lines = Lines::new(simd, edges, self, fall);
+        let lines = EdgeLanes::new(simd, edges, self, fall);
         let mut lanes = lines.inside;
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize % LANES;
@@ -143,7 +143,7 @@ impl Raster {
 
     /// Draws one edge that stays in one block: as [`Raster::line`], with less to ask.
     #[inline(always)]
-    fn line_inside<S: Simd>(&mut self, simd: S, l: &Lines, i: usize) {
+    fn line_inside<S: Simd>(&mut self, simd: S, l: &EdgeLanes, i: usize) {
         let (top, column) = (l.first[i] & !(LANES as i32 - 1), l.low[i] & !(COLUMNS as i32 - 1));
         let (row, from) = ((top / LANES as i32) as usize, (column / COLUMNS as i32) as usize);
         self.take(row, from, (from + 2).min(self.across));
@@ -180,7 +180,7 @@ impl Raster {
     #[inline(always)]
     fn doubt_where<S: Simd>(
         &mut self,
-        l: &Lines,
+        l: &EdgeLanes,
         i: usize,
         (at, is_passed): (f32x8<S>, mask32x8<S>),
         top: i32,
@@ -195,7 +195,7 @@ impl Raster {
 
     /// Draws one edge in those rows of a row of blocks that it touches.
     #[inline(always)]
-    fn line<S: Simd>(&mut self, simd: S, l: &Lines, i: usize, block: usize) {
+    fn line<S: Simd>(&mut self, simd: S, l: &EdgeLanes, i: usize, block: usize) {
         let (top, left) = ((block * LANES) as i32, self.corner.0);
         let rows = i32x8::from_slice(simd, &ROWS) + top;
         let middles = f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32;
@@ -217,7 +217,7 @@ impl Raster {
         }
         let start = block * self.across;
         let (none, falls) = (u32x8::splat(simd, 0), l.falls >> i & 1 == 1);
-        let layer = if l.seams >> i & 1 == 1 { Marks::SEAM } else { Marks::OPEN };
+        let layer = if l.seams >> i & 1 == 1 { PixelMarks::SEAM } else { PixelMarks::OPEN };
         for x in low..=high {
             let Some(marks) = self.blocks.get_mut(start + x as usize) else { break };
             let touched = from_columns(simd, begin - (x << 5)) & !from_columns(simd, end - (x << 5));
@@ -235,7 +235,7 @@ impl Raster {
 
     /// The first and last column that an edge touches in eight rows from one on.
     #[inline(always)]
-    fn columns(&self, l: &Lines, i: usize, top: i32) -> (i32, i32) {
+    fn columns(&self, l: &EdgeLanes, i: usize, top: i32) -> (i32, i32) {
         let at = |row: usize| l.at(i, MIDDLES[row] + (top + self.corner.1) as f32);
         let (a, b) = (at(0), at(LANES - 1));
         let (low, high) = (lesser(a, b) - l.before[i], greater(a, b) + l.after[i]);
@@ -246,13 +246,13 @@ impl Raster {
     /// Marks the pixels of which it is not known on which side of their middles a seam passes: its
     /// two patches may both count them, or neither. The rows are bits, from the row `top` on.
     #[cold]
-    fn doubt(&mut self, l: &Lines, i: usize, rows: u64, top: i32) {
+    fn doubt(&mut self, l: &EdgeLanes, i: usize, rows: u64, top: i32) {
         for k in (0..LANES).filter(|&k| rows >> k & 1 == 1) {
             let at = l.at(i, MIDDLES[k] + (top + self.corner.1) as f32);
             let lo = (nearest(at - l.unsure[i] - 0.5) - self.corner.0).max(0);
             let hi = (nearest(at + l.unsure[i] - 0.5) - self.corner.0).min(self.area.width() - 1);
             if lo <= hi {
-                self.mark(top + k as i32, lo, hi, Marks::OPEN);
+                self.mark(top + k as i32, lo, hi, PixelMarks::OPEN);
             }
         }
     }
@@ -328,7 +328,7 @@ mod tests {
             vectorized!(simd => raster.edges(simd, &edges, false));
         }
         raster.finish();
-        assert_eq!(raster.marks(0), &Marks::default());
+        assert_eq!(raster.marks(0), &PixelMarks::default());
     }
 
     #[test]

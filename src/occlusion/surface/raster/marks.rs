@@ -8,7 +8,7 @@ use crate::occlusion::surface::raster::edges::{LANES, each};
 use crate::occlusion::tiles::TILE;
 
 /// Eight rows of pixels, a word for each; bit i is column i.
-pub(crate) type Rows = [u32; LANES];
+pub(crate) type PixelRows = [u32; LANES];
 
 const _: () = assert!(LANES as i64 == TILE, "a block is one row of tiles");
 
@@ -21,7 +21,7 @@ pub(crate) fn from_column(column: i32) -> u32 {
 
 /// The pixels of a tile's eight rows, tile by tile.
 #[inline(always)]
-pub(crate) fn tiles(rows: &Rows) -> [u64; TILES] {
+pub(crate) fn tiles(rows: &PixelRows) -> [u64; TILES] {
     let bytes = rows.map(u32::to_le_bytes);
     std::array::from_fn(|tile| u64::from_le_bytes(std::array::from_fn(|row| bytes[row][tile])))
 }
@@ -56,9 +56,9 @@ impl Windings {
 /// The pixels of a block by layer: touched by open edges; touched by seams; and the two digits of
 /// the winding number around the middle, modulo four.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Marks([Rows; 4]);
+pub(crate) struct PixelMarks([PixelRows; 4]);
 
-impl Marks {
+impl PixelMarks {
     pub(crate) const OPEN: usize = 0;
     pub(crate) const SEAM: usize = 1;
     /// No marks.
@@ -87,7 +87,7 @@ impl Marks {
         (one ^ rows).store_slice(ones);
     }
 
-    /// As [`Marks::wind`], in one row.
+    /// As [`PixelMarks::wind`], in one row.
     #[inline(always)]
     pub(super) fn wind_row(&mut self, row: usize, pixels: u32, falls: bool) {
         let mut windings = self.windings(row);
@@ -99,7 +99,7 @@ impl Marks {
     #[inline(always)]
     pub(super) fn wind_all(&mut self, passed: Windings, first: usize) {
         let [_, _, ones, twos] = &mut self.0;
-        let spread = |word: u32| -> Rows { each(|k| 0u32.wrapping_sub(word >> (first + k) & 1)) };
+        let spread = |word: u32| -> PixelRows { each(|k| 0u32.wrapping_sub(word >> (first + k) & 1)) };
         let (one, two) = (spread(passed.ones), spread(passed.twos));
         *twos = each(|k| twos[k] ^ two[k] ^ (ones[k] & one[k]));
         *ones = each(|k| ones[k] ^ one[k]);
@@ -122,13 +122,13 @@ impl Marks {
 
     /// The pixels touched by open edges.
     #[inline(always)]
-    pub(crate) fn open(&self) -> &Rows {
+    pub(crate) fn open(&self) -> &PixelRows {
         &self.0[Self::OPEN]
     }
 
     /// The pixels that the outline covers as a whole.
     #[inline(always)]
-    pub(crate) fn covered(&self) -> Rows {
+    pub(crate) fn covered(&self) -> PixelRows {
         let [open, seam, ones, twos] = &self.0;
         each(|k| (ones[k] | twos[k]) & !(open[k] | seam[k]))
     }
@@ -136,7 +136,7 @@ impl Marks {
     /// Of the marks of several patches: the pixels touched by seams only that the patches cover
     /// together. Their winding numbers do not sum to zero.
     #[inline(always)]
-    pub(crate) fn covered_seams(&self) -> Rows {
+    pub(crate) fn covered_seams(&self) -> PixelRows {
         let [open, seam, ones, twos] = &self.0;
         each(|k| seam[k] & (ones[k] | twos[k]) & !open[k])
     }
@@ -145,7 +145,7 @@ impl Marks {
     #[inline(always)]
     pub(crate) fn marked_columns(&self) -> u32 {
         let [open, seam, ones, twos] = &self.0;
-        let any: Rows = each(|k| (open[k] | seam[k]) | (ones[k] | twos[k]));
+        let any: PixelRows = each(|k| (open[k] | seam[k]) | (ones[k] | twos[k]));
         any.iter().fold(0, |all, row| all | row)
     }
 
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn tiles_are_columns_of_bytes() {
-        let rows: Rows = each(|k| 0x0403_0201 * (k as u32 + 1));
+        let rows: PixelRows = each(|k| 0x0403_0201 * (k as u32 + 1));
         let words = tiles(&rows);
         for (tile, word) in words.into_iter().enumerate() {
             for (row, byte) in word.to_le_bytes().into_iter().enumerate() {
@@ -180,7 +180,8 @@ mod tests {
     fn numbers_are_sums_of_steps() {
         let mut random = Random::new(3);
         for _ in 0..200 {
-            let (mut marks, mut other, mut expected) = (Marks::default(), Marks::default(), [[0i32; 32]; 8]);
+            let (mut marks, mut other, mut expected) =
+                (PixelMarks::default(), PixelMarks::default(), [[0i32; 32]; 8]);
             for _ in 0..30 {
                 let mut upto = |n: f64| random.within(0.0, n) as usize;
                 let (row, column, falls) = (upto(8.0), upto(32.0), upto(2.0) == 0);
@@ -194,7 +195,7 @@ mod tests {
                         continue;
                     }
                     1 => {
-                        let rows: Rows = each(|k| if k >= row { whole } else { 0 });
+                        let rows: PixelRows = each(|k| if k >= row { whole } else { 0 });
                         vectorized!(simd => target.wind(u32x8::from_slice(simd, &rows), falls));
                         &mut expected[row..]
                     }
@@ -211,7 +212,7 @@ mod tests {
             marks.add(&other);
             for (row, numbers) in expected.iter().enumerate() {
                 for (column, number) in numbers.iter().enumerate() {
-                    assert_eq!(marks.pixel(Marks::OPEN, row, column), (false, number & 3));
+                    assert_eq!(marks.pixel(PixelMarks::OPEN, row, column), (false, number & 3));
                 }
             }
         }

@@ -35,7 +35,7 @@ use crate::occlusion::surface::raster::marks::from_column;
 pub(crate) use crate::occlusion::surface::raster::area::{Area, COLUMNS, TILES};
 pub(crate) use crate::occlusion::surface::raster::edges::{Edges, LANES, Lanes, each};
 pub(crate) use crate::occlusion::surface::raster::lanes::rows_passed;
-pub(crate) use crate::occlusion::surface::raster::marks::{Marks, Windings, tiles};
+pub(crate) use crate::occlusion::surface::raster::marks::{PixelMarks, Windings, tiles};
 pub(crate) use crate::occlusion::surface::raster::spans::{FEW, Spans};
 
 /// The pixels around one patch.
@@ -48,7 +48,7 @@ pub(crate) struct Raster {
     across: usize,
     /// The blocks in use. Others have no marks, whatever they hold.
     spans: Spans,
-    blocks: Vec<Marks>,
+    blocks: Vec<PixelMarks>,
     /// For each block, the numbers to add to it and to all blocks right of it; a bit for each row.
     carried: Vec<Windings>,
 }
@@ -63,7 +63,7 @@ impl Raster {
         self.across = area.nx as usize;
         let count = area.block_count();
         if self.blocks.len() < count {
-            self.blocks.resize(count, Marks::default());
+            self.blocks.resize(count, PixelMarks::default());
             self.carried.resize(count, Windings::default());
         }
         let all = self.spans.begin(&area);
@@ -73,7 +73,7 @@ impl Raster {
     /// Clears blocks.
     #[inline(always)]
     fn clear(&mut self, blocks: Range<usize>) {
-        self.blocks[blocks.clone()].fill(Marks::default());
+        self.blocks[blocks.clone()].fill(PixelMarks::default());
         self.carried[blocks].fill(Windings::default());
     }
 
@@ -123,8 +123,8 @@ impl Raster {
 
     /// The marks of a block, by its place in the area, row by row.
     #[inline(always)]
-    pub(crate) fn marks(&self, block: usize) -> &Marks {
-        if self.spans.has(block) { &self.blocks[block] } else { &Marks::NONE }
+    pub(crate) fn marks(&self, block: usize) -> &PixelMarks {
+        if self.spans.has(block) { &self.blocks[block] } else { &PixelMarks::NONE }
     }
 
     /// The blocks in use, row by row, as columns: all others have no marks.
@@ -135,7 +135,7 @@ impl Raster {
 
     /// The marks of a block in use.
     #[inline(always)]
-    pub(crate) fn marks_in_use(&self, row: usize, column: usize) -> &Marks {
+    pub(crate) fn marks_in_use(&self, row: usize, column: usize) -> &PixelMarks {
         &self.blocks[row * self.across + column]
     }
 

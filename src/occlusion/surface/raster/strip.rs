@@ -3,7 +3,7 @@
 use crate::numeric::occlusion::{EDGE_FLAT, EDGE_ROUNDING};
 use crate::occlusion::pixels::nearest_integer;
 use crate::occlusion::surface::raster::edge::within;
-use crate::occlusion::surface::raster::{Marks, Raster};
+use crate::occlusion::surface::raster::{PixelMarks, Raster};
 
 impl Raster {
     /// Marks the pixels that come within `across` of the line through two points, given in pixels,
@@ -22,7 +22,7 @@ impl Raster {
         let last = nearest_integer(within(b.1 + around, most_y) - 0.5).min(height - 1);
         // Numbers that overflowed say nothing of where the strip is.
         if (left + right + a.1 + b.1 + across + around).is_nan() {
-            (0..height).for_each(|row| self.mark(row, 0, width - 1, Marks::OPEN));
+            (0..height).for_each(|row| self.mark(row, 0, width - 1, PixelMarks::OPEN));
             return;
         }
         let slope = (b.0 - a.0) / (b.1 - a.1);
@@ -44,7 +44,7 @@ impl Raster {
             }
             let (lo, hi) = (column(lo).max(0), column(hi).min(width - 1));
             if lo <= hi {
-                self.mark(row, lo, hi, Marks::OPEN);
+                self.mark(row, lo, hi, PixelMarks::OPEN);
             }
         }
     }

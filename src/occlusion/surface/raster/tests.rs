@@ -112,7 +112,7 @@ fn pixels_are_marked_as_the_outline_says() {
                 let marks = raster.marks(block);
                 let (left, low) = (x as f64, y as f64);
                 let near = edges(&ring).any(|e| touches(e, left, low, wide));
-                let (marked, own) = marks.pixel(Marks::OPEN, row, column);
+                let (marked, own) = marks.pixel(PixelMarks::OPEN, row, column);
                 assert!(marked || !near, "round {round}: {x} {y} is touched and not marked");
                 if marked {
                     open += 1;
@@ -142,7 +142,7 @@ fn narrow_edges_touch_few_pixels() {
             let border = (2..30).contains(&x)
                 && (2..30).contains(&y)
                 && ([2, 29].contains(&x) || [2, 29].contains(&y));
-            assert_eq!(raster.marks(block).pixel(Marks::OPEN, row, column).0, border, "{by:?} {x} {y}");
+            assert_eq!(raster.marks(block).pixel(PixelMarks::OPEN, row, column).0, border, "{by:?} {x} {y}");
             let inside = (3..29).contains(&x) && (3..29).contains(&y);
             assert_eq!(raster.marks(block).covered()[row] >> column & 1 == 1, inside, "{by:?} {x} {y}");
         }
