@@ -122,7 +122,7 @@ impl Panes {
                 time.map_or(String::new(), |time| format!(", found in {:.0} ms", time.as_secs_f64() * 1e3));
             lines.push(format!("{title}{took}"));
             let (scale, least_pixels) = if is_surface { (1.0, 0.7) } else { (0.0, DOT) };
-            let style = Style { scale, least_pixels, offset: DISC * looked.radius, lit: is_surface };
+            let style = Style { scale, least_pixels, offset: DISC * looked.auto.radius, lit: is_surface };
             self.shown.push(Shown { surfels: Surfels::new(gpu, &surfels)?, style, title });
         }
         Ok(lines)
@@ -168,7 +168,7 @@ pub fn caption(
 fn surfel(looked: &Looked, i: usize, is_surface: bool) -> Surfel {
     let [r, g, b] = looked.cloud.colours.get(i).copied().unwrap_or(GREY);
     let normal = looked.normals.get(i).filter(|_| is_surface).copied().unwrap_or(Vec3::ZERO);
-    let radius = looked.cloud.radii.get(i).copied().unwrap_or(DISC * looked.radius);
+    let radius = looked.cloud.radii.get(i).copied().unwrap_or(DISC * looked.auto.radius);
     Surfel {
         position: looked.positions[i].to_array(),
         radius,
