@@ -294,7 +294,7 @@ mod tests {
             (vec!["--antialias=0.5"], "from 1 to 16"),
             (vec!["--samples", "0"], "1..=4096"),
             (vec!["--from", "0,0,0"], "direction"),
-            (vec!["--from", "1,2"], "direction"),
+            (vec!["--from", "1,2"], "three numbers"),
             (vec!["--size", "0x720"], "from 1 to 8192"),
             (vec!["--look", "photo", "--headless"], "occluded"),
             (vec!["x.obj", "--rooms", "3"], "cannot be used with"),

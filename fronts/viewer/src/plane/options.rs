@@ -5,7 +5,7 @@ use casca_stage::gpu::COLOUR;
 use casca_stage::panel::Panel;
 use casca_stage::window::Start;
 use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
-use clap::{Args, value_parser};
+use clap::Args;
 
 use crate::common::{Common, Failed, Film, Shows};
 use crate::plane::level::Level;
@@ -13,8 +13,6 @@ use crate::plane::{draw, window};
 
 /// The longest side of a map, in tiles: larger ones are no picture.
 const LONGEST: u32 = 512;
-/// Guards on maps that place none.
-const GUARDS: u32 = 14;
 /// Seconds that a picture shows the level after its start, if no frames are given.
 const FRAMES: u32 = 90;
 
@@ -34,9 +32,6 @@ pub struct Options {
     /// A floor plan of rooms with this seed instead of a file
     #[arg(long, conflicts_with = "file")]
     pub rooms: Option<u64>,
-    /// Guards on maps that place none
-    #[arg(long, default_value_t = GUARDS, value_parser = value_parser!(u32).range(0..=1000))]
-    pub guards: u32,
 }
 
 impl Shows for Options {
@@ -45,7 +40,7 @@ impl Shows for Options {
     }
 
     fn start(&self) -> Result<Start, Failed> {
-        Ok(window::start(self.guards, self.level()?))
+        Ok(window::start(self.level()?))
     }
 
     fn work(&self) -> Result<Outcome, Failed> {
@@ -69,10 +64,10 @@ impl Shows for Options {
 impl Options {
     fn level(&self) -> Result<Level, Failed> {
         if let Some(seed) = self.rooms {
-            return Level::floor_plan(seed, self.guards);
+            return Level::floor_plan(seed);
         }
         let Some(path) = &self.common.file else {
-            return Level::new("harbour", Drawing::read(HARBOUR), (1, self.guards));
+            return Level::new("harbour", Drawing::read(HARBOUR), 1);
         };
         let map = Drawing::open(path)?;
         map.warnings.iter().for_each(|warning| eprintln!("warning: {}: {warning}", path.display()));
@@ -82,7 +77,7 @@ impl Options {
             return Err(why.into());
         }
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Level::new(&name, map, (1, self.guards)).map_err(|why| format!("{}: {why}", path.display()).into())
+        Level::new(&name, map, 1).map_err(|why| format!("{}: {why}", path.display()).into())
     }
 }
 
@@ -114,6 +109,5 @@ mod tests {
         let gone = parsed::<Options>(&[place.to_str().unwrap()]).unwrap().start().err().unwrap().to_string();
         assert!(gone.contains("casca-plane"), "{gone}");
         assert!(parsed::<Options>(&["--rooms", "3", "a.txt"]).is_err());
-        assert!(parsed::<Options>(&["--guards", "1001"]).is_err());
     }
 }

@@ -15,16 +15,14 @@ use crate::plane::level::Level;
 /// Tiles that the eye walks in a second.
 const SPEED: f32 = 5.0;
 /// The window.
-pub fn start(guards: u32, level: Level) -> Start {
+pub fn start(level: Level) -> Start {
     Start::new(format!("{} - casca plane", level.name), move |screen: &Screen| {
         let panel = Panel::new(&screen.gpu, screen.format());
-        Ok(Viewer { guards, level, panel, to: Vec2::ZERO, behind: 0.0, paused: false, seed: 0 })
+        Ok(Viewer { level, panel, to: Vec2::ZERO, behind: 0.0, paused: false, seed: 0 })
     })
 }
 
 struct Viewer {
-    /// Guards on floor plans.
-    guards: u32,
     level: Level,
     panel: Panel,
     /// How far the eye is to go in the next frame.
@@ -41,7 +39,7 @@ impl Demo for Viewer {
         dials.switch("pause (Space)", Some(KeyCode::Space), &mut self.paused);
         if dials.button("another floor plan (N)", Some(KeyCode::KeyN)) {
             self.seed += 1;
-            self.level = Level::floor_plan(self.seed, self.guards)?;
+            self.level = Level::floor_plan(self.seed)?;
         }
         Ok(())
     }

@@ -11,10 +11,10 @@ use casca_tools::command_line::{EXIT_CODES, Outcome, say};
 use casca_tools::image::parse_size;
 use clap::{Args, Subcommand};
 
-use crate::common::{Common, Failed, Shows};
+use crate::common::{Common, Failed, Shows, one_of};
 use crate::points::large::{Cut, Generate, Walk};
 use crate::points::operators::{Look, Operator};
-use crate::points::panes::Content;
+use crate::points::panes::{CONTENTS, Content};
 use crate::points::view;
 
 /// Shows all points of a cloud beside those that each operator finds visible, and its surface
@@ -36,7 +36,8 @@ pub struct Options {
     #[command(flatten)]
     pub(super) look: Look,
     /// The panes, comma-separated
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "points,discs,hpr,splat,surface")]
+    #[arg(long, value_delimiter = ',', default_value = "points,discs,hpr,splat,surface",
+        value_parser = |text: &str| one_of(text, &CONTENTS))]
     pub(super) panes: Vec<Content>,
 }
 
@@ -118,7 +119,7 @@ mod tests {
         for (words, expected) in [
             ("--eye 1,x,2", "three numbers"),
             ("--spacing NaN", "from 0.02 to 1"),
-            ("--headless --panes everything", "possible values: points"),
+            ("--headless --panes everything", "expected points, discs"),
             ("visible --operator hpr", "--out"),
             ("--headless walk x", "cannot be used with"),
         ] {

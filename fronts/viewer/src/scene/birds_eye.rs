@@ -14,7 +14,7 @@ use crate::scene::legend::{join, of_marks, of_roles};
 use crate::scene::overlays::Overlays;
 use crate::scene::playback::Frame;
 use crate::scene::renderer::Marks;
-use crate::scene::role::Role;
+use crate::scene::role::{COUNTED, Role};
 
 /// How far down the camera looks, in radians: steep enough to see into streets and rooms.
 const PITCH: f64 = 0.62 * FRAC_PI_2;
@@ -47,7 +47,7 @@ pub fn drawn(
     frame.visible.iter().for_each(|&i| roles[i] = Role::Drawn);
     // Counted before grounds and ceilings are set apart, so that the numbers are those of culling.
     let in_picture = overlays.in_frustum(frame.scene, watcher)?;
-    let counts = Role::COUNTED.map(|role| (role, in_picture.iter().filter(|&&i| roles[i] == role).count()));
+    let counts = COUNTED.map(|(role, ..)| in_picture.iter().filter(|&&i| roles[i] == role).count());
     let grid = frame.scene.grid();
     let extent = (grid.max() - grid.min()).as_vec3();
     for (role, object) in roles.iter_mut().zip(frame.objects) {
@@ -55,7 +55,7 @@ pub fn drawn(
     }
     let shown = (0..roles.len()).filter(|&i| roles[i] != Role::Ceiling);
     let list = frame.geometry.list(frame.objects, shown, &|i| roles[i].colour());
-    let mut legend = of_roles(&counts);
+    let mut legend = of_roles(counts);
     join(&mut legend, of_marks(&marks));
     Ok((list, marks, legend))
 }

@@ -4,7 +4,7 @@ use casca_stage::report::{Entry, Sample};
 
 use crate::scene::overlays::{FRUSTUM, HIDDEN, LOST, VOLUME};
 use crate::scene::renderer::Marks;
-use crate::scene::role::Role;
+use crate::scene::role::COUNTED;
 
 /// The meanings of the colours of marks.
 const MARKS: [([u8; 4], Sample, &str); 4] = [
@@ -30,11 +30,14 @@ pub fn join(legend: &mut Vec<Entry>, more: Vec<Entry>) {
     }
 }
 
-/// Entries for the objects in a view from above, with their numbers.
-pub fn of_roles(counts: &[(Role, usize)]) -> Vec<Entry> {
-    let entries = counts.iter().filter(|(_, count)| *count > 0);
-    let entries = entries.filter_map(|&(role, count)| Some((role, format!("{}: {count}", role.meaning()?))));
-    entries.map(|(role, text)| Entry { colour: role.colour(), sample: Sample::Area, text }).collect()
+/// Entries for the objects in a view from above, with the number in each of [`COUNTED`].
+pub fn of_roles(counts: [usize; COUNTED.len()]) -> Vec<Entry> {
+    let entries = COUNTED.into_iter().zip(counts).filter(|(_, count)| *count > 0);
+    let entry = |((_, colour, meaning), count)| {
+        let text = format!("{meaning}: {count}");
+        Entry { colour, sample: Sample::Area, text }
+    };
+    entries.map(entry).collect()
 }
 
 #[cfg(test)]
@@ -54,8 +57,7 @@ mod tests {
 
     #[test]
     fn only_roles_that_some_object_has_are_named() {
-        let counts = [(Role::Drawn, 26), (Role::Culled, 0), (Role::Lost, 3), (Role::Ground, 1)];
-        let mut legend = of_roles(&counts);
+        let mut legend = of_roles([26, 3, 0, 0]);
         assert_eq!(texts(&legend), ["visible, drawn: 26", "visible, lost: 3"]);
         let mark = |colour, text: &str| Entry { colour, sample: Sample::Line, text: text.to_owned() };
         join(&mut legend, vec![mark(LOST, "lost"), mark(HIDDEN, "hidden")]);
