@@ -15,10 +15,10 @@ use clap::{ArgMatches, Args, Command, FromArgMatches};
 const ABOUT: &str = "Shows what casca and the systems around it find visible: in a window, or in pictures";
 
 fn command() -> Command {
-    let command = Command::new("casca-viewer").about(ABOUT).after_help(EXIT_CODES);
-    let command = command
-        .long_about(format!("{ABOUT}.\n\nWithout a command, a window opens with a list to choose from."));
-    let command = Drawing::augment_args(command).args_conflicts_with_subcommands(true);
+    let long = format!("{ABOUT}.\n\nWithout a command, a window opens with a list to choose from.");
+    // Options come with words of their own, which these replace.
+    let command = Drawing::augment_args(Command::new("casca-viewer")).about(ABOUT).long_about(long);
+    let command = command.after_help(EXIT_CODES).args_conflicts_with_subcommands(true);
     command.subcommands(SYSTEMS.map(|system| (system.options)(Command::new(system.name))))
 }
 
@@ -44,6 +44,7 @@ mod tests {
     fn all_systems_are_commands_and_choices_with_the_same_options() {
         let command = command();
         command.clone().debug_assert();
+        assert_eq!(command.get_about().map(ToString::to_string).as_deref(), Some(ABOUT));
         let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
         assert_eq!(names, SYSTEMS.map(|system| system.name));
         for system in command.get_subcommands() {
