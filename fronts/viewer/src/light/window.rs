@@ -128,8 +128,8 @@ impl Demo for Viewer {
     fn dials(&mut self, dials: &mut Dials, screen: &Screen) -> Done {
         dials.choice("layer", &KEYS, LAYERS.map(|(name, _)| name), &mut self.layer);
         let options = &mut self.options;
-        dials.whole("cells", &mut options.resolution, 16..=256, 8);
-        dials.whole("rays of a surface in a cell", &mut options.rays, 4..=512, 1);
+        let is_other = dials.whole("cells", &mut options.resolution, 16..=256, 8)
+            | dials.whole("rays of a surface in a cell", &mut options.rays, 4..=512, 1);
         dials.number("exposure", &mut options.exposure, EXPOSURES);
         dials.switch("balls move (Space)", Some(KeyCode::Space), &mut self.moving);
         let (mut changed, (min, max)) = (false, self.room.bounds);
@@ -154,7 +154,7 @@ impl Demo for Viewer {
                 }
             }
         }
-        if self.options.settings() != self.renderer.settings() && !dials.is_held() {
+        if is_other && !dials.is_held() && self.options.settings() != self.renderer.settings() {
             return self.remake(screen);
         }
         if changed {
