@@ -8,7 +8,7 @@ use std::path::Path;
 use color_quant::NeuQuant;
 use png::{BlendOp, Compression, DisposeOp, Encoder, Filter};
 
-use crate::image::PngError;
+use crate::command_line::PathError;
 
 /// Colours of an animation: flat colours need no more, and the file stays small.
 const COLOURS: usize = 64;
@@ -26,7 +26,7 @@ pub fn write_animation(
     (width, height): (u32, u32),
     frames: &[Vec<u8>],
     milliseconds: u16,
-) -> Result<(), PngError> {
+) -> Result<(), PathError> {
     let write = || -> Result<(), png::EncodingError> {
         let mut encoder = Encoder::new(BufWriter::new(File::create(path)?), width, height);
         encoder.set_animated(frames.len() as u32, 0)?;
@@ -54,7 +54,7 @@ pub fn write_animation(
         }
         writer.finish()
     };
-    write().map_err(|why| PngError::new(path, why))
+    write().map_err(|why| PathError::write(path)(why.into()))
 }
 
 /// A palette for all frames, with one more entry for pixels that do not change, and the frames in

@@ -4,10 +4,8 @@
 use std::fmt::Display;
 use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-pub use crate::path_error::PathError;
 
 /// What the programs exit with, for their `--help`. Code 2 is given by clap.
 pub const EXIT_CODES: &str = "Exit codes:
@@ -44,6 +42,27 @@ pub fn finish<E: Display>(result: Result<Outcome, E>) -> ExitCode {
         eprintln!("error: {error}");
     }
     ExitCode::from(code(&result))
+}
+
+/// A file or folder that cannot be had.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {act} {}: {why}", path.display())]
+pub struct PathError {
+    act: &'static str,
+    path: PathBuf,
+    why: io::Error,
+}
+
+impl PathError {
+    /// A file that cannot be written.
+    pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        Self::to("write", path)
+    }
+
+    /// A file or folder with which something cannot be done.
+    fn to(act: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |why| Self { act, path: path.to_owned(), why }
+    }
 }
 
 /// Makes a folder and those above it; an empty path is the current one.
@@ -93,8 +112,6 @@ pub fn say(line: impl Display) {
 
 #[cfg(test)]
 mod tests {
-    use std::path::PathBuf;
-
     use super::*;
 
     /// A folder of its own for a test.

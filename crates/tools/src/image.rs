@@ -3,22 +3,9 @@
 use std::fs::File;
 use std::io::BufWriter;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// A picture that cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {why}", path.display())]
-pub struct PngError {
-    path: PathBuf,
-    why: png::EncodingError,
-}
-
-impl PngError {
-    /// The file at `path` was not written.
-    pub(crate) fn new(path: &Path, why: png::EncodingError) -> Self {
-        Self { path: path.to_owned(), why }
-    }
-}
+use crate::command_line::PathError;
 
 /// The size of a picture on a command line, such as `1280x720`: width and height in pixels, each
 /// within `sides`.
@@ -56,21 +43,25 @@ pub fn halved(pixels: &[u8], (width, height): (u32, u32)) -> Vec<u8> {
     small
 }
 
-/// Writes a picture of four bytes a pixel as a PNG.
+/// Writes a picture of four bytes a pixel as a PNG, without its opacity.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_png(path: &Path, (width, height): (u32, u32), pixels: &[u8]) -> Result<(), PngError> {
-    let write = || {
+pub fn write_png(path: &Path, size: (u32, u32), pixels: &[u8]) -> Result<(), PathError> {
+    let opaque: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+    write_rgb(path, size, &opaque)
+}
+
+/// Writes a picture of three bytes a pixel as a PNG.
+pub(crate) fn write_rgb(path: &Path, (width, height): (u32, u32), rgb: &[u8]) -> Result<(), PathError> {
+    let write = || -> Result<(), png::EncodingError> {
         let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
         encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let opaque: Vec<u8> = pixels.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         let mut writer = encoder.write_header()?;
-        writer.write_image_data(&opaque)?;
+        writer.write_image_data(rgb)?;
         writer.finish()
     };
-    write().map_err(|why| PngError::new(path, why))
+    write().map_err(|why| PathError::write(path)(why.into()))
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@
 //! - [`command_line`]: exit codes, folders and files that are tried before the work.
 //! - [`compare`]: two pictures, pixel by pixel.
 //! - [`image`]: sizes, halves and PNG files of pictures.
-//! - [`path_error`]: files and folders that cannot be had.
 //! - `pictures`: charts as SVG, and sheets of pictures; with the feature `charts`.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
@@ -15,6 +14,5 @@ pub mod camera;
 pub mod command_line;
 pub mod compare;
 pub mod image;
-pub mod path_error;
 #[cfg(feature = "charts")]
 pub mod pictures;

@@ -2,8 +2,6 @@
 
 use wgpu::{TextureFormat, TextureUsages};
 
-pub use crate::error::GpuError;
-pub use crate::platform::IS_PAGE;
 use crate::reading::{Reading, waited_for};
 use crate::scope::{Trouble, refused};
 
@@ -15,10 +13,43 @@ pub const ITEMS: TextureFormat = TextureFormat::R32Uint;
 pub const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
 /// Features of the device, as far as the adapter has them.
-const USEFUL: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
-    .union(wgpu::Features::FLOAT32_FILTERABLE)
+const USEFUL: wgpu::Features = wgpu::Features::FLOAT32_FILTERABLE
     .union(wgpu::Features::SHADER_INT64)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
+
+/// Whether this is a page of a browser: there the device answers only after the program has
+/// returned, and the page says what a program shows, which then draws no panels.
+pub const IS_PAGE: bool = cfg!(target_arch = "wasm32");
+
+/// Why nothing can be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    /// The machine has no adapter that serves; with the words of the graphics library.
+    #[error("no graphics adapter: {} is needed; a software one will do", if IS_PAGE { "WebGPU or WebGL 2" } else { "a Vulkan, Metal or Direct3D 12 driver" })]
+    NoAdapter(String),
+    /// The adapter gives no device.
+    #[error("the graphics adapter gives no device: {0}")]
+    NoDevice(String),
+    /// The adapter has no room for a buffer.
+    #[error("the graphics adapter has no room for {bytes} bytes in one buffer (its limit is {most})")]
+    NoRoom {
+        /// The size of the buffer.
+        bytes: u64,
+        /// The largest buffer that shaders can be given.
+        most: u64,
+    },
+    /// The device refused commands.
+    #[error("the graphics device refused {stage}: {why}")]
+    Refused {
+        /// The stage.
+        stage: &'static str,
+        /// The device's words.
+        why: String,
+    },
+    /// A picture cannot be read back.
+    #[error("the picture cannot be read back: {0}")]
+    Read(String),
+}
 
 /// A device and its queue.
 pub struct Gpu {
@@ -41,7 +72,7 @@ impl Gpu {
     /// Says what is missing.
     pub fn headless(software: bool) -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        Self::on(&instance, None, software)
+        pollster::block_on(Self::request(&instance, None, software))
     }
 
     /// The device of a test, without a window. Without an adapter `None`, and a line that says so:
@@ -65,18 +96,6 @@ impl Gpu {
     ///
     /// # Errors
     /// Says what is missing.
-    pub fn on(
-        instance: &wgpu::Instance,
-        surface: Option<&wgpu::Surface<'_>>,
-        software: bool,
-    ) -> Result<Self, GpuError> {
-        pollster::block_on(Self::request(instance, surface, software))
-    }
-
-    /// The same for a page, which must not wait.
-    ///
-    /// # Errors
-    /// As [`Self::on`].
     pub async fn request(
         instance: &wgpu::Instance,
         surface: Option<&wgpu::Surface<'_>>,
@@ -125,7 +144,7 @@ impl Gpu {
         (width.clamp(1, most), height.clamp(1, most))
     }
 
-    /// A texture to draw to and to read back from.
+    /// A texture to draw to, to read back from and to give to shaders.
     pub fn texture(&self, (width, height): (u32, u32), format: TextureFormat) -> wgpu::Texture {
         let (width, height) = self.clamp((width, height));
         self.device.create_texture(&wgpu::TextureDescriptor {
@@ -135,7 +154,9 @@ impl Gpu {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+            usage: TextureUsages::RENDER_ATTACHMENT
+                | TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_SRC,
             view_formats: &[],
         })
     }

@@ -23,8 +23,6 @@
 pub mod canvas;
 #[cfg(feature = "window")]
 pub mod dial;
-#[cfg(feature = "gpu")]
-mod error;
 #[cfg(feature = "window")]
 pub mod fly;
 #[cfg(feature = "gpu")]
@@ -35,8 +33,6 @@ pub mod kernel;
 pub mod page;
 #[cfg(feature = "window")]
 pub mod panel;
-#[cfg(feature = "gpu")]
-mod platform;
 #[cfg(feature = "gpu")]
 pub mod reading;
 #[cfg(feature = "window")]

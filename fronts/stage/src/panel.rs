@@ -6,7 +6,7 @@ use egui::{
 };
 
 use crate::canvas::Target;
-use crate::dial::{Dial, Setting};
+use crate::dial::{Dial, Setting, Turned};
 use crate::gpu::Gpu;
 use crate::report::{Entry, Report, Sample};
 use crate::screen::Screen;
@@ -62,8 +62,8 @@ impl Panel {
     /// Draws a report over `target` and gives its sliders and buttons the window's mouse and keys;
     /// returns the dial that was turned. The panel must come from [`Panel::on`]. Call it once a
     /// frame.
-    pub(crate) fn report(&mut self, screen: &Screen, target: &Target, report: &Report) -> Option<Turned> {
-        let (input, mut found) = (screen.input(), None);
+    pub(crate) fn report(&mut self, screen: &Screen, target: &Target, report: &Report) -> Turned {
+        let (input, mut found) = (screen.input(), Turned::Nothing);
         let mut output = self.context.clone().run_ui(input, |ui| {
             place(ui.ctx(), "report", (Align2::LEFT_TOP, [10.0, 10.0]), true, &mut |ui| {
                 found = told(ui, report);
@@ -153,24 +153,13 @@ impl Entry {
     }
 }
 
-/// A dial that was turned.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Turned {
-    /// Its name.
-    pub name: String,
-    /// What it was turned to.
-    pub value: f64,
-    /// Whether it is still held: for changes that take long, one waits until it is let go.
-    pub is_held: bool,
-}
-
 /// The greatest over the least number of a slider from which on it is logarithmic.
 const LOGARITHMIC: f64 = 64.0;
 /// Choices among more than this are a list to open.
 const SIDE_BY_SIDE: usize = 5;
 
 /// Adds a report: its lines, colours, dials and keys. Returns the dial that was turned.
-pub fn told(ui: &mut egui::Ui, report: &Report) -> Option<Turned> {
+pub fn told(ui: &mut egui::Ui, report: &Report) -> Turned {
     for (number, line) in report.lines.iter().enumerate() {
         let text = RichText::new(line);
         ui.label(if number == 0 { text.strong() } else { text });
@@ -186,11 +175,10 @@ pub fn told(ui: &mut egui::Ui, report: &Report) -> Option<Turned> {
 }
 
 /// Shows dials, and returns the one that was turned.
-fn turned(ui: &mut egui::Ui, dials: &[Dial]) -> Option<Turned> {
-    let mut found = None;
+fn turned(ui: &mut egui::Ui, dials: &[Dial]) -> Turned {
+    let mut found = Turned::Nothing;
     for Dial { name, setting } in dials {
-        let mut turn =
-            |value: f64, is_held: bool| found = Some(Turned { name: name.clone(), value, is_held });
+        let mut turn = |value: f64, is_held| found = Turned::Dial(name.clone(), value, is_held);
         match setting {
             Setting::Number { value, range, step } => {
                 let mut value = *value;

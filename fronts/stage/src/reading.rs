@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use crate::error::GpuError;
+use crate::gpu::GpuError;
 
 /// Bytes that are on their way from the device.
 pub struct Reading {

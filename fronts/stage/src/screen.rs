@@ -28,17 +28,6 @@ const NO_SURFACE: &str = if IS_PAGE {
 /// Nothing, or why the program ends.
 pub type Done = Result<(), Box<dyn Error>>;
 
-/// The window to open.
-#[derive(Debug, Clone, Copy)]
-pub struct WindowOptions {
-    /// Width and height in pixels.
-    pub size: (u32, u32),
-    /// Whether a software adapter draws.
-    pub software: bool,
-    /// The window closes by itself after so many frames, for tests.
-    pub frames: Option<u32>,
-}
-
 /// The window to open, and where.
 #[derive(Debug, Clone)]
 pub(crate) struct Wanted {
@@ -47,14 +36,6 @@ pub(crate) struct Wanted {
     pub(crate) frames: Option<u32>,
     /// Ways to draw that are tried.
     pub(crate) backends: wgpu::Backends,
-}
-
-impl Wanted {
-    pub(crate) fn of(options: &WindowOptions) -> Self {
-        let WindowOptions { size: (width, height), software, frames } = *options;
-        let attributes = Window::default_attributes().with_inner_size(PhysicalSize::new(width, height));
-        Self { attributes, software, frames, backends: wgpu::Backends::all() }
-    }
 }
 
 /// The window as a program sees it.
@@ -117,10 +98,11 @@ impl Screen {
         self.events.borrow_mut().handle_platform_output(&self.window, wishes);
     }
 
-    /// The way that keys and fingers ask for: right, up and forward. W and S, A and D, E and Q;
-    /// longer with Shift.
-    pub fn way(&self) -> Vec3 {
-        way(&self.keys) + Vec3::Z * self.fingers.forward()
+    /// The way that keys and fingers ask for in so many seconds, at a speed of 1: right, up and
+    /// forward. W and S, A and D, E and Q; longer with Shift.
+    pub fn way(&self, seconds: f64) -> Vec3 {
+        // A frame that took longer, such as the first, makes no leap.
+        (way(&self.keys) + Vec3::Z * self.fingers.forward()) * seconds.min(0.1) as f32
     }
 
     pub(crate) async fn new(wanted: Wanted, window: Arc<Window>) -> Result<Self, Box<dyn Error>> {

@@ -4,16 +4,18 @@ use std::error::Error;
 use std::sync::Arc;
 
 use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
 use winit::event::{DeviceEvent, DeviceId, ElementState, MouseButton, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
 use winit::keyboard::{KeyCode, PhysicalKey};
-use winit::window::WindowId;
+use winit::window::{Window, WindowId};
 
 use crate::canvas::Target;
+use crate::dial::{Dials, Turned};
 use crate::gpu::{Gpu, IS_PAGE};
 use crate::panel::Panel;
 use crate::report::Report;
-pub use crate::screen::{Done, Screen, WindowOptions};
+pub use crate::screen::{Done, Screen};
 use crate::screen::{NO_WINDOW, Wanted};
 use crate::timing::Instant;
 
@@ -25,18 +27,18 @@ const TOLD: u32 = 8;
 
 /// A program that draws to a window.
 pub trait Demo {
-    /// A key goes down. Escape is not reported, it closes the window, nor H, which hides its panel,
-    /// nor are keys that the panel takes.
+    /// Lists all that can be set, and sets what was turned: see [`Dials`]. Keys are not given where
+    /// the panel takes them; Escape closes the window, and H hides its panel.
     ///
     /// # Errors
     /// The program ends.
-    fn press(&mut self, key: KeyCode, screen: &Screen) -> Done;
+    fn dials(&mut self, dials: &mut Dials, screen: &Screen) -> Done;
 
     /// The mouse moves with a button down, or a finger, by pixels to the right and down.
     fn turn(&mut self, x: f32, y: f32, screen: &Screen);
 
     /// The window has another size.
-    fn resize(&mut self, screen: &Screen);
+    fn resize(&mut self, _: &Screen) {}
 
     /// Time passes, in seconds since the last call.
     fn step(&mut self, seconds: f64, screen: &Screen);
@@ -47,15 +49,8 @@ pub trait Demo {
     /// The program ends.
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done;
 
-    /// What it says about itself, and what can be set, for the panel of a window or for a page.
+    /// What it says about itself, for the panel of a window or for a page; without the dials.
     fn report(&self, screen: &Screen) -> Report;
-
-    /// Sets a dial of [`Demo::report`] to a number that [`crate::dial::Dial::nearest`] gives. While
-    /// a slider is held, what takes long can wait until it is let go.
-    ///
-    /// # Errors
-    /// The program ends.
-    fn set(&mut self, dial: &str, value: f64, is_held: bool, screen: &Screen) -> Done;
 
     /// Another program to go on with in this window; asked for after each frame.
     fn next(&mut self) -> Option<Start> {
@@ -134,13 +129,16 @@ impl Hands {
     }
 }
 
-/// Opens a window, starts a program in it and stays until it is closed.
+/// Opens a window of a size in pixels, starts a program in it and stays until it is closed, which it
+/// is by itself after so many frames, if that is said. A software adapter draws if it is wanted.
 ///
 /// # Errors
 /// There is no display or no adapter, and those of the program.
-pub fn open(options: &WindowOptions, start: Start) -> Done {
+pub fn open((width, height): (u32, u32), software: bool, frames: Option<u32>, start: Start) -> Done {
     let event_loop = EventLoop::with_user_event().build().map_err(|_| NO_WINDOW)?;
-    let mut program = Program::new(Wanted::of(options), start, event_loop.create_proxy());
+    let attributes = Window::default_attributes().with_inner_size(PhysicalSize::new(width, height));
+    let wanted = Wanted { attributes, software, frames, backends: wgpu::Backends::all() };
+    let mut program = Program::new(wanted, start, event_loop.create_proxy());
     event_loop.run_app(&mut program).map_err(|_| "the window system has ended the program")?;
     program.failed.map_or(Ok(()), Err)
 }
@@ -170,6 +168,13 @@ struct Running {
     demo: Box<dyn Demo>,
     panel: Panel,
     is_hidden: bool,
+}
+
+/// Gives a program what was turned. Returns its report, with its dials.
+fn turned(demo: &mut dyn Demo, turned: Turned, screen: &Screen) -> Result<Report, Box<dyn Error>> {
+    let mut dials = Dials::new(turned);
+    demo.dials(&mut dials, screen)?;
+    Ok(Report { dials: dials.listed, ..demo.report(screen) })
 }
 
 impl Shown {
@@ -223,16 +228,17 @@ impl Shown {
                 let Running { demo, panel, is_hidden } = &mut **running;
                 let seconds = std::mem::replace(&mut screen.last, Instant::now()).elapsed().as_secs_f64();
                 demo.step(seconds, screen);
-                let mut turned = None;
+                let mut found = Turned::Nothing;
                 screen.show(&mut |screen, target| {
                     demo.draw(screen, target)?;
                     if !*is_hidden {
-                        turned = panel.report(screen, target, &demo.report(screen));
+                        let report = turned(&mut **demo, Turned::Nothing, screen)?;
+                        found = panel.report(screen, target, &report);
                     }
                     Ok(())
                 })?;
-                if let Some(dial) = turned {
-                    demo.set(&dial.name, dial.value, dial.is_held, screen)?;
+                if found != Turned::Nothing {
+                    turned(&mut **demo, found, screen)?;
                 }
                 screen.left = screen.left.map(|left| left.saturating_sub(1));
                 if let Some(start) = demo.next() {
@@ -268,7 +274,10 @@ impl Program {
             Shown::Words(start, ..) => listener(Told::Title(&start.title)),
             Shown::Demo(Some(running)) if self.untold == 0 => {
                 self.untold = TOLD;
-                listener(Told::Report(&running.demo.report(screen)));
+                match turned(&mut *running.demo, Turned::Nothing, screen) {
+                    Ok(report) => listener(Told::Report(&report)),
+                    Err(why) => listener(Told::Failed(&why.to_string())),
+                }
             }
             Shown::Demo(_) => self.untold = self.untold.saturating_sub(1),
         }
@@ -283,16 +292,12 @@ impl Program {
             (Order::Hold(key, false), _) => drop(screen.keys.remove(&key)),
             (Order::Hold(key, true), Some(demo)) => {
                 if screen.keys.insert(key) {
-                    demo.press(key, screen)?;
+                    turned(demo, Turned::Key(key), screen)?;
                 }
             }
             (Order::Turn(x, y), Some(demo)) => demo.turn(x, y, screen),
             (Order::Set(name, value), Some(demo)) => {
-                let dials = demo.report(screen).dials;
-                let dial = dials.iter().find(|dial| dial.name == name);
-                if let Some(value) = dial.and_then(|dial| dial.nearest(value)) {
-                    demo.set(&name, value, false, screen)?;
-                }
+                turned(demo, Turned::Dial(name, value, false), screen)?;
             }
             (Order::Start(start), _) => {
                 screen.forget_panels();
@@ -407,7 +412,7 @@ impl ApplicationHandler<Event> for Program {
                 }
                 (PhysicalKey::Code(key), Some(demo)) if !taken && screen.keys.insert(key) => {
                     self.untold = 0;
-                    demo.press(key, screen)
+                    turned(demo, Turned::Key(key), screen).map(|_| ())
                 }
                 _ => Ok(()),
             },

@@ -1,7 +1,7 @@
 //! The window that a start without arguments opens: a list to choose from.
 
 use casca_stage::canvas::Target;
-use casca_stage::dial::Dial;
+use casca_stage::dial::Dials;
 use casca_stage::panel::Panel;
 use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
@@ -26,11 +26,6 @@ struct Chooser {
     chosen: Option<System>,
 }
 
-/// The button of a system.
-fn button((number, system): (usize, &System)) -> String {
-    format!("{}   {}: {}", number + 1, system.name, system.line)
-}
-
 /// The start of the system that was chosen. Its files are read only in `make`, while the window
 /// shows words: that takes a moment.
 fn started(choice: System) -> Start {
@@ -43,15 +38,17 @@ fn started(choice: System) -> Start {
 }
 
 impl Demo for Chooser {
-    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
-        let number = KEYS.iter().position(|k| *k == key);
-        self.chosen = number.and_then(|i| self.choices.get(i)).copied().or(self.chosen);
+    fn dials(&mut self, dials: &mut Dials, _: &Screen) -> Done {
+        for (number, (system, key)) in self.choices.iter().zip(KEYS).enumerate() {
+            let button = format!("{}   {}: {}", number + 1, system.name, system.line);
+            if dials.button(&button, Some(key)) {
+                self.chosen = Some(*system);
+            }
+        }
         Ok(())
     }
 
     fn turn(&mut self, _: f32, _: f32, _: &Screen) {}
-
-    fn resize(&mut self, _: &Screen) {}
 
     fn step(&mut self, _: f64, _: &Screen) {}
 
@@ -67,16 +64,9 @@ impl Demo for Chooser {
         ];
         Report {
             lines: lines.map(str::to_owned).to_vec(),
-            dials: self.choices.iter().enumerate().map(|choice| Dial::button(&button(choice))).collect(),
             keys: "casca-viewer NAME FILE shows a file of yours; --help lists all options.",
             ..Report::default()
         }
-    }
-
-    fn set(&mut self, dial: &str, _: f64, _: bool, _: &Screen) -> Done {
-        let chosen = self.choices.iter().enumerate().find(|choice| button(*choice) == dial);
-        self.chosen = chosen.map(|(_, system)| *system).or(self.chosen);
-        Ok(())
     }
 
     fn next(&mut self) -> Option<Start> {

@@ -2,12 +2,14 @@
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use casca_stage::gpu::Gpu;
-use casca_stage::window::{Start, WindowOptions, open};
-use casca_tools::image::parse_size;
+use casca_stage::canvas::Canvas;
+use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::window::{Start, open};
+use casca_tools::command_line::{Outcome, say};
+use casca_tools::image::{halved, parse_size, write_png};
 use clap::{Args, value_parser};
 use glam::{DVec3, Vec3};
 
@@ -54,8 +56,7 @@ impl Drawing {
     /// # Errors
     /// There is no display or no adapter, and those of what is shown.
     pub fn open(&self, start: Start) -> Result<(), Failed> {
-        let Self { size, frames, software } = *self;
-        open(&WindowOptions { size, software, frames }, start)
+        open(self.size, self.software, self.frames, start)
     }
 
     /// A device for pictures without a window.
@@ -84,6 +85,83 @@ impl Common {
     }
 }
 
+/// A canvas for pictures without a window.
+pub struct Film {
+    /// What is drawn to.
+    pub canvas: Canvas,
+    /// Whether it is twice as wide and as high as its pictures, for smooth edges.
+    is_twice: bool,
+}
+
+impl Film {
+    /// A canvas for pictures of this size; if it is to be twice as large, as far as the device draws
+    /// such pictures.
+    pub fn new(gpu: &Gpu, (width, height): (u32, u32), is_twice: bool) -> Self {
+        let large = (2 * width, 2 * height);
+        let is_twice = is_twice && gpu.clamp(large) == large;
+        Self { canvas: Canvas::new(gpu, if is_twice { large } else { (width, height) }), is_twice }
+    }
+
+    /// Width and height of the pictures.
+    pub fn size(&self) -> (u32, u32) {
+        let (width, height) = self.canvas.size();
+        if self.is_twice { (width / 2, height / 2) } else { (width, height) }
+    }
+
+    /// The picture as it was drawn: red, green, blue, opacity, row by row.
+    ///
+    /// # Errors
+    /// The device is lost.
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
+        let pixels = self.canvas.read_picture(gpu)?;
+        Ok(if self.is_twice { halved(&pixels, self.canvas.size()) } else { pixels })
+    }
+
+    /// Writes the picture as it was drawn into a file, and prints its name.
+    ///
+    /// # Errors
+    /// The device is lost, or the file cannot be written.
+    pub fn save(&self, gpu: &Gpu, path: &Path) -> Result<(), Failed> {
+        write_png(path, self.size(), &self.read(gpu)?)?;
+        say(path.display());
+        Ok(())
+    }
+}
+
+/// The options of a system, which shows what they say.
+pub trait Shows: Args {
+    /// Those that all systems take.
+    fn common(&self) -> &Common;
+
+    /// The window.
+    ///
+    /// # Errors
+    /// What is shown cannot be had.
+    fn start(&self) -> Result<Start, Failed>;
+
+    /// Whether it draws pictures or prints numbers, and opens no window.
+    fn is_windowless(&self) -> bool {
+        self.common().headless
+    }
+
+    /// Does its work without a window; whether all that was to be proved holds.
+    ///
+    /// # Errors
+    /// What is drawn cannot be had or written.
+    fn work(&self) -> Result<Outcome, Failed>;
+
+    /// Opens a window, or works without one.
+    ///
+    /// # Errors
+    /// As [`Self::work`], and there is no display or no adapter.
+    fn run(&self) -> Result<Outcome, Failed> {
+        if self.is_windowless() {
+            return self.work();
+        }
+        self.common().drawing.open(self.start()?).map(|()| Outcome::Well)
+    }
+}
+
 /// Options as some words give them.
 ///
 /// # Errors
@@ -106,15 +184,29 @@ where
     found.ok_or_else(|| format!("expected a number from {} to {}", range.start(), range.end()))
 }
 
-/// Three finite numbers of a command line.
+/// One of several of a command line, by its name.
 ///
 /// # Errors
-/// There are more or fewer, or one is none.
+/// None has this name; says those that there are.
+pub fn one_of<T: Copy>(text: &str, all: &[(&str, T)]) -> Result<T, String> {
+    let found = all.iter().find(|(name, _)| *name == text).map(|(_, one)| *one);
+    found.ok_or_else(|| format!("expected {}", all.iter().map(|one| one.0).collect::<Vec<_>>().join(", ")))
+}
+
+/// The largest coordinate: squares of such distances are finite in single precision.
+const FARTHEST: f64 = 1e15;
+
+/// Three numbers of a command line.
+///
+/// # Errors
+/// There are more or fewer, or one is none or too large.
 pub fn point(text: &str) -> Result<DVec3, String> {
-    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.is_finite());
+    let number = |word: &str| word.trim().parse().ok().filter(|n: &f64| n.abs() <= FARTHEST);
     let numbers = text.split(',').map(number).collect::<Option<Vec<f64>>>();
     let point = numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-    point.map(DVec3::from_array).ok_or_else(|| "expected three numbers such as 1.5,2,-3".to_owned())
+    point
+        .map(DVec3::from_array)
+        .ok_or_else(|| format!("expected three numbers up to {FARTHEST:e}, such as 1.5,2,-3"))
 }
 
 /// A direction of a command line, as long as 1.
@@ -142,7 +234,7 @@ mod tests {
             assert_eq!(number(text, 0.0..=1.0).unwrap_err(), "expected a number from 0 to 1");
         }
         assert_eq!(point("1, 2,-3"), Ok(DVec3::new(1.0, 2.0, -3.0)));
-        for text in ["1,2", "1,2,NaN", "1,x,3", "1,2,3,4", ",,", ""] {
+        for text in ["1,2", "1,2,NaN", "1,2,3e38", "1,x,3", "1,2,3,4", ",,", ""] {
             assert!(point(text).unwrap_err().contains("three numbers"), "{text}");
         }
         assert_eq!(direction("0,-2,0"), Ok(Vec3::NEG_Y));

@@ -10,61 +10,41 @@ use casca_tools::command_line::{EXIT_CODES, Outcome, finish};
 use casca_viewer::chooser;
 use casca_viewer::common::{Drawing, Failed};
 use casca_viewer::systems::SYSTEMS;
-use casca_viewer::{fur, light, lines, plane, points, scene};
-use clap::{Parser, Subcommand};
+use clap::{ArgMatches, Args, Command, FromArgMatches};
 
-#[derive(Debug, Parser)]
-#[command(
-    name = "casca-viewer",
-    about = "Shows what casca and the systems around it find visible: in a window, or in pictures",
-    long_about = "Shows what casca and the systems around it find visible: in a window, or in pictures.\n\nWithout a command, \
-                  a window opens with a list to choose from.",
-    after_help = EXIT_CODES,
-    args_conflicts_with_subcommands = true
-)]
-struct CommandLine {
-    #[command(subcommand)]
-    command: Option<Command>,
-    #[command(flatten)]
-    drawing: Drawing,
+const ABOUT: &str = "Shows what casca and the systems around it find visible: in a window, or in pictures";
+
+fn command() -> Command {
+    let long = format!("{ABOUT}.\n\nWithout a command, a window opens with a list to choose from.");
+    // Options come with words of their own, which these replace.
+    let command = Drawing::augment_args(Command::new("casca-viewer")).about(ABOUT).long_about(long);
+    let command = command.after_help(EXIT_CODES).args_conflicts_with_subcommands(true);
+    command.subcommands(SYSTEMS.map(|system| (system.options)(Command::new(system.name))))
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Scene(Box<scene::Options>),
-    Plane(Box<plane::Options>),
-    Points(Box<points::Options>),
-    Light(Box<light::Options>),
-    Lines(Box<lines::Options>),
-    Fur(Box<fur::Options>),
-}
-
-fn run(line: &CommandLine) -> Result<Outcome, Failed> {
-    match &line.command {
-        Some(Command::Scene(options)) => options.run(),
-        Some(Command::Plane(options)) => options.run(),
-        Some(Command::Points(options)) => options.run(),
-        Some(Command::Light(options)) => options.run(),
-        Some(Command::Lines(options)) => options.run(),
-        Some(Command::Fur(options)) => options.run(),
-        None => line.drawing.open(chooser::start(&SYSTEMS)).map(|()| Outcome::Well),
+fn run(matches: &ArgMatches) -> Result<Outcome, Failed> {
+    let chosen = matches.subcommand().and_then(|(name, options)| {
+        SYSTEMS.into_iter().find(|system| system.name == name).map(|system| (system, options))
+    });
+    match chosen {
+        Some((system, options)) => (system.run)(options),
+        None => Drawing::from_arg_matches(matches)?.open(chooser::start(&SYSTEMS)).map(|()| Outcome::Well),
     }
 }
 
 fn main() -> ExitCode {
-    finish(run(&CommandLine::parse()))
+    finish(run(&command().get_matches()))
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]
     fn all_systems_are_commands_and_choices_with_the_same_options() {
-        let command = CommandLine::command();
+        let command = command();
         command.clone().debug_assert();
+        assert_eq!(command.get_about().map(ToString::to_string).as_deref(), Some(ABOUT));
         let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
         assert_eq!(names, SYSTEMS.map(|system| system.name));
         for system in command.get_subcommands() {
@@ -81,8 +61,8 @@ mod tests {
 
     #[test]
     fn a_wrong_system_is_refused_and_those_that_there_are_are_named() {
-        let said = CommandLine::try_parse_from(["casca-viewer", "hair"]).unwrap_err().to_string();
+        let said = command().try_get_matches_from(["casca-viewer", "hair"]).unwrap_err().to_string();
         assert!(said.contains("hair"), "{said}");
-        assert!(CommandLine::try_parse_from(["casca-viewer", "--size", "0x9"]).is_err());
+        assert!(command().try_get_matches_from(["casca-viewer", "--size", "0x9"]).is_err());
     }
 }

@@ -1,8 +1,10 @@
 //! The systems: their names, and the windows that they open.
 
 use casca_stage::window::Start;
+use casca_tools::command_line::Outcome;
+use clap::{ArgMatches, Command};
 
-use crate::common::{Failed, parsed};
+use crate::common::{Failed, Shows, parsed};
 use crate::{fur, light, lines, plane, points, scene};
 
 /// A system that can be chosen.
@@ -18,55 +20,47 @@ pub struct System {
     words: &'static [&'static str],
     /// What its window shows with some options.
     start: fn(&[&str]) -> Result<Start, Failed>,
+    /// Adds its options to a command.
+    pub options: fn(Command) -> Command,
+    /// Does what options say.
+    pub run: fn(&ArgMatches) -> Result<Outcome, Failed>,
 }
 
 /// All of them, in the order of their keys.
 pub const SYSTEMS: [System; 6] = [
+    System::of::<scene::Options>(
+        "scene",
+        "a city from above: what a camera in the streets sees, and what casca culls",
+    ),
+    System::of::<plane::Options>("plane", "a map from above: what an eye sees, and which guards it can see"),
+    System::of::<points::Options>("points", "the scan of a house: which of its points can be seen from here")
+        .computes(),
     System {
-        name: "scene",
-        line: "a city from above: what a camera in the streets sees, and what casca culls",
-        computes: false,
-        words: &[],
-        start: |words| parsed::<scene::Options>(words)?.start(),
-    },
-    System {
-        name: "plane",
-        line: "a map from above: what an eye sees, and which guards it can see",
-        computes: false,
-        words: &[],
-        start: |words| parsed::<plane::Options>(words)?.start(),
-    },
-    System {
-        name: "points",
-        line: "the scan of a house: which of its points can be seen from here",
-        computes: true,
-        words: &[],
-        start: |words| parsed::<points::Options>(words)?.start(),
-    },
-    System {
-        name: "light",
-        line: "the Cornell box: light that bounces between its walls",
-        computes: true,
         words: &["--balls", "3"],
-        start: |words| parsed::<light::Options>(words)?.start(),
+        ..System::of::<light::Options>("light", "the Cornell box: light that bounces between its walls")
+            .computes()
     },
-    System {
-        name: "lines",
-        line: "thousands of lines: the ones behind are darkened",
-        computes: true,
-        words: &[],
-        start: |words| parsed::<lines::Options>(words)?.start(),
-    },
-    System {
-        name: "fur",
-        line: "a furry animal: strands in layers",
-        computes: true,
-        words: &[],
-        start: |words| parsed::<fur::Options>(words)?.start(),
-    },
+    System::of::<lines::Options>("lines", "thousands of lines: the ones behind are darkened").computes(),
+    System::of::<fur::Options>("fur", "a furry animal: strands in layers").computes(),
 ];
 
 impl System {
+    const fn of<A: Shows>(name: &'static str, line: &'static str) -> Self {
+        Self {
+            name,
+            line,
+            computes: false,
+            words: &[],
+            start: |words| parsed::<A>(words)?.start(),
+            options: A::augment_args,
+            run: |matches| A::from_arg_matches(matches)?.run(),
+        }
+    }
+
+    const fn computes(self) -> Self {
+        Self { computes: true, ..self }
+    }
+
     /// What its window shows if nothing more is said.
     ///
     /// # Errors

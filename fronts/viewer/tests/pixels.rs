@@ -10,13 +10,10 @@ use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_tools::compare::Shot;
-use casca_viewer::scene::birds_eye::{above_frustum, from_above};
 use casca_viewer::scene::draw::{Painter, coloured};
-use casca_viewer::scene::overlays::Overlays;
 use casca_viewer::scene::playback::{Method, Playback};
 use casca_viewer::scene::proof;
-use casca_viewer::scene::renderer::{Marks, Renderer};
-use casca_viewer::scene::role::Role;
+use casca_viewer::scene::renderer::Renderer;
 
 const SIZE: (u32, u32) = (640, 360);
 
@@ -103,43 +100,5 @@ fn a_lost_object_shows() {
             let check = painter.check(&camera, (&playback.geometry, objects), &rest).unwrap();
             assert_eq!(check.lost, [lost]);
         }
-    }
-}
-
-/// From above the frozen camera, each colour that the legend names fills pixels, and numbers add
-/// up.
-#[test]
-fn a_frame_from_above_shows_what_its_legend_names() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    for scene in ["city", "rooms"] {
-        let mut playback = playback(scene);
-        let aspect = SIZE.0 as f32 / SIZE.1 as f32;
-        let camera = playback.path_camera(aspect);
-        let grid = &playback.world.grid;
-        let above = above_frustum(&camera, (grid.min.as_dvec3(), grid.max.as_dvec3()), aspect);
-        let mut renderer = Renderer::new(&gpu, COLOUR, &playback.geometry);
-        let (canvas, mut overlays) = (Canvas::new(&gpu, SIZE), Overlays::default());
-        playback
-            .frame(Method::Point, &camera, &mut |frame| {
-                let seen = from_above(&frame, &mut overlays, (&above, &[]))?;
-                let mut painter = Painter { gpu: &gpu, canvas: &canvas, renderer: &mut renderer };
-                painter.picture(&above, &seen.list, &Marks::default());
-                let drawn = format!("visible, drawn: {}", frame.visible.len());
-                assert!(seen.legend.iter().any(|entry| entry.text == drawn), "{:?}", seen.legend);
-                let pixels = canvas.read_picture(&gpu)?;
-                for role in [Role::Drawn, Role::Culled] {
-                    let named = seen.legend.iter().any(|entry| entry.colour == role.colour());
-                    let [r, g, b, _] = role.colour().map(f32::from);
-                    // Shades keep the proportions of a colour.
-                    let is_shade = |p: &[u8]| {
-                        let [x, y, z] = [p[0], p[1], p[2]].map(f32::from);
-                        x > 40.0 && (y / x - g / r).abs() < 0.04 && (z / x - b / r).abs() < 0.04
-                    };
-                    let count = pixels.chunks_exact(4).filter(|p| is_shade(p)).count();
-                    assert!(named && count > 100, "{scene}, {role:?}: {count} pixels");
-                }
-                Ok(())
-            })
-            .unwrap();
     }
 }

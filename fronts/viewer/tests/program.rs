@@ -39,7 +39,7 @@ fn a_town_is_cut_and_walked_through_and_errors_name_their_file() {
     let folder = folder.path();
     assert_eq!(run(folder, "points generate town.ply --points 2000").0, Some(0));
     assert_eq!(run(folder, "points bricks town.ply town.bricks").0, Some(0));
-    let walk = "points walk town.bricks --walls town.walls --frames 40 --check";
+    let walk = "points walk town.bricks --walls town.walls --frames 40";
     let (code, _, said) = run(folder, walk);
     assert_eq!((code, said.as_str()), (Some(0), ""));
 
@@ -101,30 +101,26 @@ fn furry_pictures_are_written_and_errors_name_their_cause() {
         ("--headless broken.glb", "broken.glb"),
         ("--headless nowhere.glb", "nowhere.glb"),
         ("--headless --density 0", "the density of the fur"),
-        ("--field 3 --headless --thickness 0", "spacing"),
     ] {
         let (code, _, said) = run(folder, &format!("fur {words}"));
         assert!(code == Some(3) && said.contains(part), "{words}: {said}");
     }
-    let (code, _, said) = run(folder, "fur --headless --size 48x32 --smooth 0 --layers 4 --out one");
+    let (code, _, said) = run(folder, "fur --headless --size 48x32 --layers 4 --out one");
     if said.contains("no graphics adapter") {
         return println!("skipped: no adapter");
     }
     assert_eq!(code, Some(0), "{said}");
     assert!(folder.join("one/animal.png").is_file());
     let (code, said, _) =
-        run(folder, "fur --field 6 --headless --size 48x32 --smooth 0 --layers 2 --frames 1 --out field");
+        run(folder, "fur --field 6 --headless --size 48x32 --layers 2 --frames 1 --out field");
     assert!(code == Some(0) && said.matches(" 0 pixels differ").count() == 2, "{said}");
     assert!(folder.join("field/field-0.png").is_file() && folder.join("field/field-0-layered.png").is_file());
 }
 
 #[test]
-fn fields_of_a_file_look_the_same_when_they_are_culled() {
+fn an_open_mesh_without_a_skin_hides_nothing_and_cannot_walk() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let file = casca_fur::scenes::sample::character_glb(12, 32).unwrap();
-    std::fs::write(folder.join("cat.glb"), file).unwrap();
-    // A file whose animal has no skin.
     let still = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"scene":0,"nodes":[{"mesh":0}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
@@ -133,23 +129,12 @@ fn fields_of_a_file_look_the_same_when_they_are_culled() {
     std::fs::write(folder.join("still.gltf"), still).unwrap();
     let (code, _, said) = run(folder, "fur still.gltf --field 3 --walk --headless");
     assert!(code == Some(3) && said.contains("still.gltf: has no mesh with a skin"), "{said}");
-    let rest = "--headless --size 48x32 --smooth 0 --layers 2 --frames 1 --out";
-    let (code, _, said) = run(folder, &format!("fur cat.glb --field 12 --bald eyes {rest} standing"));
-    if said.contains("no graphics adapter") {
+    let words = "fur still.gltf --field 12 --headless --size 48x32 --layers 2 --frames 1 --out still";
+    let (code, said, errors) = run(folder, words);
+    if errors.contains("no graphics adapter") {
         return println!("skipped: no adapter");
     }
-    assert_eq!(code, Some(0), "{said}");
-    let picture = |name: &str| std::fs::read(folder.join(name).join("field-0.png")).unwrap();
-    for (words, name) in [
-        ("fur cat.glb --field 12 --walk", "walking"),
-        // An open mesh hides nothing.
-        ("fur still.gltf --field 12", "still"),
-        ("fur --field 12", "generated"),
-    ] {
-        let (code, said, errors) = run(folder, &format!("{words} {rest} {name}"));
-        assert!(code == Some(0) && said.matches(" 0 pixels differ").count() == 2, "{words}: {said}{errors}");
-        assert!(picture(name) != picture("standing"), "{words}");
-    }
+    assert!(code == Some(0) && said.matches(" 0 pixels differ").count() == 2, "{said}{errors}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use glam::{DVec3, Mat4, Quat, Vec3};
 use serde_json::{Value, json};
 
 use crate::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, Sides, World};
-use casca_tools::path_error::PathError;
+use casca_tools::command_line::PathError;
 
 /// How often the triangles of a ball are cut.
 const CUTS: u32 = 2;

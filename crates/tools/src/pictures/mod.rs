@@ -6,13 +6,12 @@
 mod lines;
 pub mod palette;
 pub mod raster;
-mod sheet;
 pub mod svg;
 
 use std::path::Path;
 
 pub use lines::{Axis, Line, lines};
-pub use sheet::{Tile, sheet};
+pub use raster::{Tile, sheet};
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]

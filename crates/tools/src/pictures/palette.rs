@@ -112,12 +112,6 @@ pub const OUTSIDE: RGBColor = RGBColor(214, 214, 216);
 pub const LIT: RGBColor = RGBColor(240, 228, 66);
 /// The ground, in a view from above.
 pub const GROUND: RGBColor = RGBColor(246, 245, 242);
-/// A cell that hides.
-pub const OPAQUE_CELL: RGBColor = RGBColor(60, 60, 66);
-/// A cell that is hidden.
-pub const HIDDEN_CELL: RGBColor = RGBColor(150, 205, 235);
-/// A cell that may be seen.
-pub const VISIBLE_CELL: RGBColor = RGBColor(250, 238, 150);
 /// A temporal bounding volume.
 pub const VOLUME: RGBColor = RGBColor(175, 60, 130);
 /// The camera.

@@ -1,19 +1,20 @@
-//! The options of the command line, and the fur, camera and files that they stand for.
+//! The command line, what it asks for, done, and the fur that it stands for.
 
 use std::path::PathBuf;
 
 use casca_fur::gpu::look::Look;
 use casca_fur::mesh::{Image, Mesh};
 use casca_fur::scenes::animals::{Animal, LEVELS};
-use casca_fur::scenes::import::load_map;
 use casca_fur::scenes::{Character, Masks, Species};
 use casca_fur::strands::Fur;
-use casca_tools::command_line::EXIT_CODES;
+use casca_stage::window::Start;
+use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
 use clap::{Args, value_parser};
 use glam::Vec3;
 
-use crate::common::{Common, Failed, number};
+use crate::common::{Common, Failed, Shows, number};
 use crate::fur::walker::Walker;
+use crate::fur::{field, one, window};
 
 /// The detail of the generated animal: some 10,000 vertices.
 const DETAIL: u32 = 96;
@@ -41,47 +42,36 @@ pub struct Choices {
     /// Materials of the file without fur, by their names: eyes, claws, a nose
     #[arg(long, value_name = "MATERIAL", value_delimiter = ',', requires = "file")]
     pub bald: Vec<String>,
-    /// A picture (PNG or JPEG) on the first texture coordinates of the file: its red channel makes
-    /// fur shorter, black is bald. The file may give lengths itself, by the attribute _FURLENGTH or
-    /// the alpha of COLOR_0
-    #[arg(long, value_name = "FILE", requires = "file")]
-    pub length_map: Option<PathBuf>,
-    /// The level of detail that is drawn: 0 is the mesh itself, each next one has a quarter of the
-    /// triangles [default: in a window the one for the distance, in files 0]
-    #[arg(long, value_parser = value_parser!(u32).range(0..LEVELS as i64))]
-    pub level: Option<u32>,
     /// Layers above the skin, up to 256
     #[arg(long, default_value_t = 24, value_parser = value_parser!(u32).range(0..=256))]
     pub layers: u32,
     /// Length of the fur as a share of the object's radius, 0 to 1
-    #[arg(long, default_value_t = 0.08, value_parser = within::<1>)]
+    #[arg(long, default_value_t = 0.08, value_parser = share)]
     pub height: f32,
     /// The share of the skin that roots cover, 0.001 to 1
-    #[arg(long, default_value_t = 0.45, value_parser = within::<1>)]
+    #[arg(long, default_value_t = 0.45, value_parser = share)]
     pub density: f32,
-    /// The distance between strands as a share of the radius, up to 1: strands grow thicker with it
-    #[arg(long, default_value_t = 0.011, value_parser = within::<1>)]
+    /// The distance between strands as a share of the radius, up to 1: strands grow thicker with it;
+    /// a slider.
+    #[arg(skip = 0.011_f32)]
     pub thickness: f32,
-    /// How far tips hang down and lie back, in multiples of the fur's height, 0 to 4
-    #[arg(long, default_value_t = 0.7, value_parser = within::<4>)]
+    /// How far tips hang down and lie back, in multiples of the fur's height; a slider.
+    #[arg(skip = 0.7_f32)]
     pub bend: f32,
-    /// Look up each fragment at the height of its own shell only, as the thesis does; by default it
-    /// follows the ray to the next shell
-    #[arg(long)]
+    /// Whether each fragment is looked up at the height of its own shell only, as the thesis does,
+    /// instead of following its ray to the next shell.
+    #[arg(skip)]
     pub plain: bool,
-    /// For layers by visibility: the share of the weight that may be drawn, 0 to 1
-    #[arg(long, default_value_t = 0.5, value_parser = within::<1>)]
+    /// For layers by visibility: the share of the weight that may be drawn, 0 to 1; a slider.
+    #[arg(skip = 0.5_f32)]
     pub budget: f32,
     /// Seed of the animal or the field
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Draws pictures larger by this power of two and halves them as often, for smooth edges
-    #[arg(long, default_value_t = 1, value_parser = value_parser!(u32).range(0..=3))]
-    pub smooth: u32,
 }
 
-fn within<const MOST: u32>(text: &str) -> Result<f32, String> {
-    number(text, 0.0..=MOST as f32)
+fn share(text: &str) -> Result<f32, String> {
+    number(text, 0.0..=1.0)
 }
 
 /// A mesh that grows fur: its levels of detail, finest first, centred, with the radius of its box.
@@ -99,12 +89,34 @@ pub struct Subject {
     pub species: Option<Box<Species>>,
 }
 
-impl Choices {
-    /// Whether files are written or times printed, instead of a window opened.
-    pub fn draws_files(&self) -> bool {
+impl Shows for Choices {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn start(&self) -> Result<Start, Failed> {
+        Ok(window::start(self.clone(), self.subject()?))
+    }
+
+    fn is_windowless(&self) -> bool {
         self.common.headless || self.time
     }
 
+    fn work(&self) -> Result<Outcome, Failed> {
+        let subject = self.subject()?;
+        make_folder(&self.out())?;
+        let gpu = self.common.drawing.device()?;
+        say(format_args!("drawing on {}", gpu.name));
+        match self.field {
+            Some(_) if self.time => field::time(&gpu, self, &subject)?,
+            Some(_) => return field::pictures(&gpu, self, &subject),
+            None => one::pictures(&gpu, self, &subject)?,
+        }
+        Ok(Outcome::Well)
+    }
+}
+
+impl Choices {
     /// The folder for files.
     pub fn out(&self) -> PathBuf {
         self.common.folder("fur")
@@ -144,11 +156,7 @@ impl Choices {
             let (radius, low) = (animal.radius(), animal.aabb().min.y);
             return Ok(Subject { name, levels, images, radius, low, walker, species: None });
         };
-        let lengths = match &self.length_map {
-            None => None,
-            Some(map) => Some(load_map(map).map_err(|e| format!("{}: {e}", map.display()))?),
-        };
-        let masks = Masks { bald: self.bald.clone(), lengths };
+        let masks = Masks { bald: self.bald.clone(), ..Masks::default() };
         let character = Character::load(path, &masks, LEVELS)?;
         let species = self.field.is_some().then(|| Species::of_character(&character));
         let species = species.transpose()?.map(Box::new);
@@ -179,20 +187,15 @@ mod tests {
         for (words, expected) in [
             ("--layers 257", "0..=256"),
             ("--height NaN", "from 0 to 1"),
-            ("--bend inf", "from 0 to 4"),
             ("--field 0", "1..=100000"),
             ("--time", "--field"),
             ("--bald eyes", "required"),
-            ("--level 4", "--level"),
         ] {
             let said = choices(words).expect_err(words);
             assert!(said.contains(expected), "{words}: {said}");
         }
-        for words in ["--density 0", "--thickness 0"] {
-            let said = choices(words).unwrap().look(1.0).expect_err(words).to_string();
-            assert!(said.contains("must be from"), "{words}: {said}");
-        }
-        let fur = choices("--height 0.05 --bend 0").unwrap().fur(2.0).unwrap();
-        assert_eq!((fur.height, fur.bend), (0.1, Vec3::ZERO));
+        let said = choices("--density 0").unwrap().look(1.0).expect_err("no density").to_string();
+        assert!(said.contains("must be from"), "{said}");
+        assert_eq!(choices("--height 0.05").unwrap().fur(2.0).unwrap().height, 0.1);
     }
 }

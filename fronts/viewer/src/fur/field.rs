@@ -14,11 +14,10 @@ use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::timing::{Clock, Instant};
 use casca_tools::command_line::{Outcome, say};
-use casca_tools::image::write_png;
 
+use crate::common::Film;
 use crate::fur::choices::{Choices, Subject};
 use crate::fur::one::TO_SUN;
-use crate::fur::shots::{Picture, Shooter};
 use crate::times;
 
 /// Kinds of generated animals in a field.
@@ -49,9 +48,8 @@ impl Stage {
         format: casca_stage::wgpu::TextureFormat,
         choices: &Choices,
         subject: &Subject,
-        count: u32,
-        walks: bool,
     ) -> Result<Self, Box<dyn Error>> {
+        let (count, walks) = (choices.field.unwrap_or(1), choices.walk);
         // One fur for all species: generated animals are about a unit long.
         let radius = match &subject.species {
             Some(species) => species.radius(),
@@ -98,85 +96,56 @@ fn place(i: usize, n: usize) -> f32 {
 
 /// Draws pictures along the path, and compares those of everything with those of what the frustum
 /// and casca leave: they must be the same.
-pub fn pictures(
-    gpu: &Gpu,
-    choices: &Choices,
-    subject: &Subject,
-    count: u32,
-) -> Result<Outcome, Box<dyn Error>> {
-    let shooter = Shooter::new(gpu, choices.common.drawing.size, choices.smooth);
-    let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, choices.walk)?;
+pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<Outcome, Box<dyn Error>> {
+    let film = Film::new(gpu, choices.common.drawing.size, true);
+    let mut stage = Stage::new(gpu, COLOUR, choices, subject)?;
     let frames = choices.common.drawing.frames.unwrap_or(2) as usize;
     let mut outcome = Outcome::Well;
     for i in 0..frames {
         if choices.walk {
             stage.herd.walk(i as f64 * STEP)?;
         }
-        let camera = camera_at(&stage.herd.field, place(i, frames), shooter.aspect());
+        let camera = camera_at(&stage.herd.field, place(i, frames), film.canvas.aspect());
         let sun = stage.cast_shadows(gpu, &camera)?;
-        let mut everything: Option<Picture> = None;
+        let mut everything: Option<Vec<u8>> = None;
         for way in Way::EVERY {
-            let drawn = stage.herd.look(&camera, &demand(choices, way, shooter.drawn_height()))?;
-            let picture = shooter.shoot(&mut stage.renderer, &camera, &drawn.list, &sun)?;
-            let head = format!(
-                "frame {i}, {:<8} {:>6} animals, {:>7} shells",
-                way.name(),
-                drawn.animals,
-                drawn.list.shells()
-            );
+            let drawn = stage.herd.look(&camera, &demand(choices, way, film.canvas.size().1))?;
+            stage.renderer.draw(gpu, &film.canvas.picture(), &camera, &drawn.list, &sun)?;
+            let pixels = film.read(gpu)?;
+            let (name, shells) = (way.name(), drawn.list.shells());
+            let head = format!("frame {i}, {name:<8} {:>6} animals, {shells:>7} shells", drawn.animals);
             let Some(want) = &everything else {
                 say(head);
-                everything = Some(picture);
+                film.save(gpu, &choices.out().join(format!("field-{i}.png")))?;
+                everything = Some(pixels);
                 continue;
             };
-            let same = |(a, b): &(&[u8], &[u8])| a == b;
-            let pixels = || want.pixels.chunks(4).zip(picture.pixels.chunks(4));
-            let differing = pixels().count() - pixels().filter(same).count();
             if way.is_coarser() {
-                let sum: f64 = want
-                    .pixels
-                    .iter()
-                    .zip(&picture.pixels)
-                    .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2))
-                    .sum();
+                let pairs = want.iter().zip(&pixels);
+                let sum: f64 = pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
                 // A quarter of the bytes is opacity, which never differs.
-                let rmse = (sum / (0.75 * want.pixels.len() as f64)).sqrt() / 255.0;
-                let over = if drawn.excess > 0.0 {
-                    format!(", {:.0} above the budget", drawn.excess)
-                } else {
-                    String::new()
-                };
+                let rmse = (sum / (0.75 * want.len() as f64)).sqrt() / 255.0;
+                let over = Some(drawn.excess).filter(|excess| *excess > 0.0);
+                let over = over.map_or(String::new(), |excess| format!(", {excess:.0} above the budget"));
                 say(format_args!("{head}{over}, RMSE {rmse:.4} from the picture of everything"));
-                write_png(
-                    &choices.out().join(format!("field-{i}-{}.png", way.name())),
-                    picture.size,
-                    &picture.pixels,
-                )?;
-            } else {
-                say(format_args!("{head}, {differing} pixels differ from the picture of everything"));
-                if differing > 0 {
-                    write_png(
-                        &choices.out().join(format!("field-{i}-{}-differs.png", way.name())),
-                        picture.size,
-                        &picture.pixels,
-                    )?;
-                    outcome = Outcome::Lost;
-                }
+                film.save(gpu, &choices.out().join(format!("field-{i}-{name}.png")))?;
+                continue;
             }
-        }
-        if let Some(picture) = everything {
-            let path = choices.out().join(format!("field-{i}.png"));
-            write_png(&path, picture.size, &picture.pixels)?;
-            say(path.display());
+            let differing = want.chunks(4).zip(pixels.chunks(4)).filter(|(a, b)| a != b).count();
+            say(format_args!("{head}, {differing} pixels differ from the picture of everything"));
+            if differing > 0 {
+                film.save(gpu, &choices.out().join(format!("field-{i}-{name}-differs.png")))?;
+                outcome = Outcome::Lost;
+            }
         }
     }
     Ok(outcome)
 }
 
 /// Prints the time of frames along the path by the way of culling. The shadow map is drawn before.
-pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject, count: u32) -> Result<(), Box<dyn Error>> {
+pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
     let canvas = Canvas::new(gpu, choices.common.drawing.size);
-    let mut stage = Stage::new(gpu, COLOUR, choices, subject, count, choices.walk)?;
+    let mut stage = Stage::new(gpu, COLOUR, choices, subject)?;
     let places = choices.common.drawing.frames.unwrap_or(PLACES) as usize;
     let mut frames = Way::EVERY.map(|way| (way.name(), Vec::new()));
     let (mut seconds, mut totals) = (0.0, [(0, 0); Way::EVERY.len()]);
@@ -208,8 +177,10 @@ pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject, count: u32) -> Resu
     }
     let (width, height) = canvas.size();
     say(format_args!(
-        "{count} animals, {width}x{height}, {} layers, on {}; medians of {RUNS} frames at {places} places",
-        choices.layers, gpu.name
+        "{} animals, {width}x{height}, {} layers, on {}; medians of {RUNS} frames at {places} places",
+        stage.herd.field.animals().len(),
+        choices.layers,
+        gpu.name
     ));
     times::table(&frames);
     for ((name, _), (animals, vertices)) in frames.iter().zip(totals) {

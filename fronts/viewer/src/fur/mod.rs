@@ -4,8 +4,6 @@ mod choices;
 mod field;
 mod herd;
 mod one;
-mod run;
-mod shots;
 mod walker;
 mod window;
 

@@ -12,11 +12,10 @@ use casca_scenes::world::Camera;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::wgpu::TextureFormat;
 use casca_tools::command_line::say;
-use casca_tools::image::write_png;
 use glam::{Affine3A, Vec3};
 
+use crate::common::Film;
 use crate::fur::choices::{Choices, Subject};
-use crate::fur::shots::Shooter;
 
 /// Seconds between pictures of what walks.
 const STEP: f64 = 0.25;
@@ -90,13 +89,13 @@ pub fn renderer(
 
 /// Draws the object into a file.
 pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
-    let shooter = Shooter::new(gpu, choices.common.drawing.size, choices.smooth);
+    let film = Film::new(gpu, choices.common.drawing.size, true);
     let mut renderer = renderer(gpu, COLOUR, choices, subject)?;
-    let camera = camera(subject.radius, shooter.aspect());
+    let camera = camera(subject.radius, film.canvas.aspect());
     let sun = sun(subject.radius);
     let frames = subject.walker.as_ref().map_or(1, |_| choices.common.drawing.frames.unwrap_or(2));
     for frame in 0..frames {
-        let mut list = level_list(subject, choices.level.unwrap_or(0), choices.layers);
+        let mut list = level_list(subject, 0, choices.layers);
         let name = match &subject.walker {
             None => format!("{}.png", subject.name),
             Some(walker) => {
@@ -105,12 +104,10 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
             }
         };
         renderer.cast_shadows(gpu, &list, &sun)?;
-        let picture = shooter.shoot(&mut renderer, &camera, &list, &sun)?;
-        let path = choices.out().join(name);
-        write_png(&path, picture.size, &picture.pixels)?;
-        say(path.display());
+        renderer.draw(gpu, &film.canvas.picture(), &camera, &list, &sun)?;
+        film.save(gpu, &choices.out().join(name))?;
     }
-    let mesh = &subject.levels[(choices.level.unwrap_or(0) as usize).min(subject.levels.len() - 1)];
+    let mesh = &subject.levels[0];
     say(format_args!(
         "{} triangles, {} vertices, {} layers",
         mesh.triangles().len(),

@@ -7,7 +7,7 @@ use casca_fur::gpu::records::{DrawList, Sun};
 use casca_fur::gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
-use casca_stage::dial::Dial;
+use casca_stage::dial::Dials;
 use casca_stage::fly::Fly;
 use casca_stage::gpu::{DEPTH, Gpu};
 use casca_stage::report::Report;
@@ -24,18 +24,6 @@ use crate::fur::one;
 const SPEED: f32 = 1.5;
 
 const KEYS: &str = "W A S D, E Q: fly   mouse button: look\nP: walk   H: hides this   Esc: close";
-/// Names of dials.
-const LAYERS: &str = "layers";
-const HEIGHT: &str = "height";
-const DENSITY: &str = "density";
-const THICKNESS: &str = "thickness";
-const BEND: &str = "bend";
-const PLAIN: &str = "plain shells, as in the thesis";
-const SMOOTH: &str = "smooth: twice the size";
-const WALKING: &str = "walk (P)";
-const CULLED: &str = "culled by";
-const BUDGET: &str = "budget";
-
 /// The window.
 pub fn start(choices: Choices, subject: Subject) -> Start {
     let title = match choices.field {
@@ -61,8 +49,6 @@ struct Viewer {
     time: f64,
     /// The level of detail that was drawn last, of one object.
     level: u32,
-    /// Draws at twice the size.
-    smooth: bool,
     large: Option<(Target, TextureBlitter)>,
     /// The shadow map, and the eye that it was drawn for.
     sun: Option<(Sun, Vec3)>,
@@ -74,8 +60,8 @@ impl Viewer {
     fn new(screen: &Screen, choices: Choices, subject: Subject) -> Result<Self, Box<dyn Error>> {
         let (gpu, format) = (&screen.gpu, screen.format());
         let (shown, camera) = match choices.field {
-            Some(count) => {
-                let stage = Stage::new(gpu, format, &choices, &subject, count, choices.walk)?;
+            Some(_) => {
+                let stage = Stage::new(gpu, format, &choices, &subject)?;
                 let camera = camera_at(&stage.herd.field, 0.3, screen.aspect());
                 (Shown::Many(subject, Box::new(stage)), camera)
             }
@@ -88,7 +74,6 @@ impl Viewer {
         Ok(Self {
             fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
             way: if choices.field.is_some() { Way::Visible } else { Way::All },
-            smooth: gpu.adapter.get_info().device_type != wgpu::DeviceType::Cpu,
             walking: choices.walk,
             choices,
             shown,
@@ -122,8 +107,7 @@ impl Viewer {
         let (list, counts): (DrawList, (usize, usize));
         match &mut self.shown {
             Shown::One(subject, renderer) => {
-                let by_distance = || one::level_at(subject, camera, target.size());
-                let level = self.choices.level.unwrap_or_else(by_distance);
+                let level = one::level_at(subject, camera, target.size());
                 if level != self.level {
                     // A level casts its own shadow.
                     (self.level, self.sun) = (level, None);
@@ -164,31 +148,19 @@ impl Viewer {
 
     /// Takes over what sliders changed; values that do not go together are left as they were.
     fn change(&mut self, gpu: &Gpu, old: Choices) -> Result<(), Box<dyn Error>> {
-        let radius = match &self.shown {
-            Shown::One(subject, _) => subject.radius,
-            // As the field was made: bounds hold for its fur only.
-            Shown::Many(..) => return self.rebuild(gpu, old),
+        let choices = &self.choices;
+        let changed = match &mut self.shown {
+            Shown::One(subject, renderer) => {
+                choices.look(subject.radius).map(|look| renderer.set_look(gpu, &look)).is_ok()
+            }
+            // Made anew: the bounds of its animals hold the fur that they have.
+            Shown::Many(subject, stage) => {
+                let made = Stage::new(gpu, stage.renderer.format(), choices, subject);
+                made.map(|made| **stage = made).is_ok()
+            }
         };
-        let Ok(look) = self.choices.look(radius) else {
+        if !changed {
             self.choices = old;
-            return Ok(());
-        };
-        if let Shown::One(_, renderer) = &mut self.shown {
-            renderer.set_look(gpu, &look);
-        }
-        self.sun = None;
-        Ok(())
-    }
-
-    /// Makes the field anew: the bounds of its animals hold the fur that they have.
-    fn rebuild(&mut self, gpu: &Gpu, old: Choices) -> Result<(), Box<dyn Error>> {
-        let (Shown::Many(subject, stage), Some(count)) = (&mut self.shown, self.choices.field) else {
-            return Ok(());
-        };
-        let format = stage.renderer.format();
-        match Stage::new(gpu, format, &self.choices, subject, count, self.choices.walk) {
-            Ok(made) => **stage = made,
-            Err(_) => self.choices = old,
         }
         self.sun = None;
         Ok(())
@@ -202,32 +174,33 @@ impl Viewer {
         };
         format!("{:.1} ms   {animals} objects, {shells} shells{level}", self.milliseconds)
     }
-
-    fn dials(&self) -> Vec<Dial> {
-        let choices = &self.choices;
-        let mut dials = vec![
-            Dial::number(LAYERS, choices.layers, 0.0..=96.0, 1.0),
-            Dial::number(HEIGHT, choices.height, 0.0..=0.3, 0.0),
-            Dial::number(DENSITY, choices.density, 0.02..=1.0, 0.0),
-            Dial::number(THICKNESS, choices.thickness, 0.004..=0.05, 0.0),
-            Dial::number(BEND, choices.bend, 0.0..=2.0, 0.0),
-            Dial::switch(PLAIN, choices.plain),
-            Dial::switch(SMOOTH, self.smooth),
-        ];
-        if matches!(self.shown, Shown::Many(..)) {
-            dials.push(Dial::switch(WALKING, self.walking));
-            let way = Way::EVERY.iter().position(|way| *way == self.way);
-            dials.push(Dial::choice(CULLED, Way::EVERY.map(Way::name), way.unwrap_or(0)));
-            dials.push(Dial::number(BUDGET, choices.budget, 0.05..=1.0, 0.0));
-        }
-        dials
-    }
 }
 
 impl Demo for Viewer {
-    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
-        self.walking ^= key == KeyCode::KeyP;
-        Ok(())
+    /// A field is made anew when the dial is let go.
+    fn dials(&mut self, dials: &mut Dials, screen: &Screen) -> Done {
+        let (old, choices) = (self.choices.clone(), &mut self.choices);
+        if dials.whole("layers", &mut choices.layers, 0..=96, 1) {
+            self.sun = None;
+        }
+        let is_other = dials.number("height", &mut choices.height, 0.0..=0.3)
+            | dials.number("density", &mut choices.density, 0.02..=1.0)
+            | dials.number("thickness", &mut choices.thickness, 0.004..=0.05)
+            | dials.number("bend", &mut choices.bend, 0.0..=2.0)
+            | dials.switch("plain shells, as in the thesis", None, &mut choices.plain);
+        if !matches!(&self.shown, Shown::One(subject, _) if subject.walker.is_none()) {
+            dials.switch("walk (P)", Some(KeyCode::KeyP), &mut self.walking);
+        }
+        if matches!(self.shown, Shown::Many(..)) {
+            let mut way = self.way as usize;
+            dials.choice("culled by", &[], Way::EVERY.map(Way::name), &mut way);
+            self.way = Way::EVERY[way];
+            dials.number("budget", &mut choices.budget, 0.05..=1.0);
+            if is_other && dials.is_held() {
+                return Ok(());
+            }
+        }
+        if is_other { self.change(&screen.gpu, old) } else { Ok(()) }
     }
 
     fn turn(&mut self, x: f32, y: f32, _: &Screen) {
@@ -239,7 +212,7 @@ impl Demo for Viewer {
     }
 
     fn step(&mut self, seconds: f64, screen: &Screen) {
-        self.fly.go(screen.way() * (SPEED * self.radius() * seconds.min(0.1) as f32));
+        self.fly.go(screen.way(seconds) * (SPEED * self.radius()));
         self.milliseconds = 0.9 * self.milliseconds + 0.1 * seconds * 1e3;
         if self.walking {
             self.time += seconds.min(0.1);
@@ -257,7 +230,8 @@ impl Demo for Viewer {
         }
         let (width, height) = screen.size();
         let fits = 2 * width.max(height) <= gpu.device.limits().max_texture_dimension_2d;
-        if self.smooth && fits {
+        // Strands are thinner than a pixel. A processor that draws has no time for this.
+        if fits && gpu.adapter.get_info().device_type != wgpu::DeviceType::Cpu {
             let (large, blitter) = self.large.take().unwrap_or_else(|| twice(gpu, target));
             self.picture(gpu, &large, &camera)?;
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -271,33 +245,7 @@ impl Demo for Viewer {
     }
 
     fn report(&self, _: &Screen) -> Report {
-        Report { lines: vec![self.line()], legend: Vec::new(), dials: self.dials(), keys: KEYS }
-    }
-
-    /// A field is made anew when the dial is let go.
-    fn set(&mut self, dial: &str, value: f64, is_held: bool, screen: &Screen) -> Done {
-        let old = self.choices.clone();
-        let (on, choices) = (value != 0.0, &mut self.choices);
-        match dial {
-            LAYERS => {
-                choices.layers = value as u32;
-                self.sun = None;
-                return Ok(());
-            }
-            SMOOTH => self.smooth = on,
-            WALKING => self.walking = on,
-            CULLED => self.way = Way::EVERY.get(value as usize).copied().unwrap_or(self.way),
-            BUDGET => choices.budget = value as f32,
-            HEIGHT => choices.height = value as f32,
-            DENSITY => choices.density = value as f32,
-            THICKNESS => choices.thickness = value as f32,
-            BEND => choices.bend = value as f32,
-            PLAIN => choices.plain = on,
-            _ => {}
-        }
-        let is_fur = [HEIGHT, DENSITY, THICKNESS, BEND, PLAIN].contains(&dial);
-        let waits = is_held && matches!(self.shown, Shown::Many(..));
-        if is_fur && !waits { self.change(&screen.gpu, old) } else { Ok(()) }
+        Report { lines: vec![self.line()], keys: KEYS, ..Report::default() }
     }
 }
 
@@ -305,19 +253,9 @@ impl Demo for Viewer {
 fn twice(gpu: &Gpu, target: &Target) -> (Target, TextureBlitter) {
     let (width, height) = target.size();
     let format = target.colour.texture().format();
-    let size = wgpu::Extent3d { width: 2 * width, height: 2 * height, depth_or_array_layers: 1 };
-    let colour = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("twice the size"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
+    let [colour, depth] = [format, DEPTH].map(|format| gpu.texture((2 * width, 2 * height), format));
     let blitter = wgpu::util::TextureBlitterBuilder::new(&gpu.device, format)
         .sample_type(wgpu::FilterMode::Linear)
         .build();
-    (Target::new(&colour, &gpu.texture((2 * width, 2 * height), DEPTH)), blitter)
+    (Target::new(&colour, &depth), blitter)
 }

@@ -10,14 +10,13 @@ use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
 use casca_stage::timing::{Clock, Instant};
 use casca_tools::command_line::{make_folder, say};
-use casca_tools::image::write_png;
 use casca_tools::pictures::{Tile, sheet};
 use glam::Vec3;
 
-use crate::light::layer::Layer;
-use crate::light::options::Options;
+use crate::common::Film;
+use crate::light::options::{LAYERS, Layer, Options};
 use crate::light::renderer::Renderer;
-use crate::light::scene::Start;
+use crate::light::scene::Room;
 use crate::times;
 
 /// Times that the path tracer scatters light at most: walls of an albedo of 0.8 keep 1e-6 of it.
@@ -29,21 +28,20 @@ const FRAMES: u32 = 5;
 const SECONDS: f32 = 0.1;
 
 /// Draws layers of a scene into files.
-pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -> Result<(), Box<dyn Error>> {
+pub fn pictures(gpu: &Gpu, start: &Room, options: &Options, layers: &[Layer]) -> Result<(), Box<dyn Error>> {
     let out = options.common.folder("light");
     make_folder(&out)?;
-    let canvas = Canvas::new(gpu, options.common.drawing.size);
+    let film = Film::new(gpu, options.common.drawing.size, false);
+    let canvas = &film.canvas;
     let camera = start.camera(canvas.size());
     let scene = &start.scene;
     let mut renderer = Renderer::new(gpu, scene, options.settings())?;
     renderer.exposure = options.exposure;
     renderer.update(gpu, (&camera, canvas.size()), None, &mut Clock::off())?;
     say(format_args!("{}: {}", scene.name, told(&renderer)));
-    for &layer in layers {
+    for (name, layer) in LAYERS.into_iter().filter(|(_, layer)| layers.contains(layer)) {
         renderer.draw(gpu, &canvas.picture(), &camera, layer, &mut Clock::off())?;
-        let path = out.join(format!("{}-{}.png", scene.name, layer.name()));
-        write_png(&path, canvas.size(), &canvas.read_picture(gpu)?)?;
-        say(path.display());
+        film.save(gpu, &out.join(format!("{}-{name}.png", scene.name)))?;
         if layer == Layer::Picture && options.truth > 0 {
             let light = renderer.read_light(gpu)?.iter().map(|p| Vec3::from_slice(p)).collect();
             let (width, height) = canvas.size();
@@ -56,7 +54,7 @@ pub fn pictures(gpu: &Gpu, start: &Start, options: &Options, layers: &[Layer]) -
 }
 
 /// Prints the time of each stage: of a first picture, and of pictures after the balls have moved.
-pub fn time(gpu: &Gpu, start: &Start, options: &Options) -> Result<(), Box<dyn Error>> {
+pub fn time(gpu: &Gpu, start: &Room, options: &Options) -> Result<(), Box<dyn Error>> {
     let (mut clock, mut begun) = (Clock::on(), Instant::now());
     let mut renderer = Renderer::new(gpu, &start.scene, options.settings())?;
     clock.add("cells", begun.elapsed());

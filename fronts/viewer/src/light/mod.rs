@@ -1,13 +1,10 @@
 //! Light with all of its bounces, by a radiosity cache: in a window or into pictures, and its time.
 
-mod controls;
 mod frame;
 mod headless;
-mod layer;
 mod options;
 mod picture;
 mod renderer;
-mod run;
 mod scene;
 mod window;
 

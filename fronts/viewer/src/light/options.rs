@@ -1,16 +1,18 @@
-//! The command line. All that can be checked without a device is refused here, before anything is
-//! loaded.
+//! The command line, and what it asks for, done. All that can be checked without a device is refused
+//! before anything is loaded.
 
 use std::ops::RangeInclusive;
 
 use casca_radiosity::lit::MOST_PIXELS;
-use casca_tools::command_line::EXIT_CODES;
+use casca_stage::window::Start;
+use casca_tools::command_line::{EXIT_CODES, Outcome, say};
 use clap::Args;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use crate::common::{Common, direction, number, point};
-use crate::light::layer::Layer;
+use crate::common::{Common, Failed, Shows, direction, number, one_of, point};
 use crate::light::renderer::Settings;
+use crate::light::scene::Room;
+use crate::light::{headless, window};
 
 /// Balls that may be added to a scene.
 const BALLS: RangeInclusive<i64> = 0..=1000;
@@ -18,15 +20,37 @@ const BALLS: RangeInclusive<i64> = 0..=1000;
 const SAMPLES: RangeInclusive<i64> = 0..=4096;
 /// Cells along the longest axis, as the library takes them; fewer show nothing.
 const RESOLUTIONS: RangeInclusive<i64> = 8..=512;
-/// Rays of a state, as the library takes them.
-const RAYS: RangeInclusive<i64> = 1..=4096;
 /// Cells from the eye to the end of the window: 512 finer ones, as the library takes them.
 const WINDOWS: RangeInclusive<i64> = 0..=64;
 /// Factors of light on the screen: less or more is black or white in any scene with lights of this
 /// world.
 pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
-/// The largest coordinate of an eye: squares of such distances are still finite.
-const FARTHEST_EYE: f32 = 1e15;
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// All light.
+    Picture,
+    /// What surfaces scatter of light.
+    Albedo,
+    /// Normals, from -1 to 1 as 0 to 1.
+    Normals,
+    /// Emission, and light straight from lights and lamps.
+    Direct,
+    /// Light of the sky and of all bounces.
+    Indirect,
+    /// What surfaces mirror.
+    Mirrored,
+}
+
+/// The layers by their names on command lines and in file names, in their order above.
+pub const LAYERS: [(&str, Layer); 6] = [
+    ("picture", Layer::Picture),
+    ("albedo", Layer::Albedo),
+    ("normals", Layer::Normals),
+    ("direct", Layer::Direct),
+    ("indirect", Layer::Indirect),
+    ("mirrored", Layer::Mirrored),
+];
 
 /// Light with all of its bounces, by a radiosity cache: it crosses no wall
 #[derive(Debug, Clone, Args)]
@@ -42,8 +66,8 @@ pub struct Options {
     /// Cells along the longest axis, 8 to 512
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(RESOLUTIONS))]
     pub resolution: u32,
-    /// Rays of each surface in a cell that the picture reads, 1 to 4096; others send a quarter
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(RAYS))]
+    /// Rays of each surface in a cell that the picture reads, others send a quarter; a slider.
+    #[arg(skip = 64_u32)]
     pub rays: u32,
     /// Cells are four times finer up to so many cells from the eye, up to 64
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(WINDOWS))]
@@ -59,32 +83,60 @@ pub struct Options {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
     pub sun: Option<Vec3>,
     /// Looks from x,y,z
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_eye, requires = "to")]
-    pub from: Option<Vec3>,
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point, requires = "to")]
+    pub from: Option<DVec3>,
     /// Looks to x,y,z
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_eye, requires = "from")]
-    pub to: Option<Vec3>,
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point, requires = "from")]
+    pub to: Option<DVec3>,
     /// Prints the time of each stage: of a first picture, and of those after the balls have moved
     #[arg(long)]
     pub time: bool,
     /// Layers to draw: picture, albedo, normals, direct, indirect, mirrored, or all
-    #[arg(long, value_delimiter = ',', default_value = "picture", requires = "headless")]
-    pub layers: Vec<String>,
+    #[arg(long, value_delimiter = ',', default_value = "picture", requires = "headless",
+        value_parser = |text: &str| if text == "all" { Ok(None) } else { one_of(text, &LAYERS).map(Some) })]
+    pub layers: Vec<Option<Layer>>,
     /// Also draws the layer picture with a path tracer of so many samples a pixel, and compares the
     /// two; up to 4096
     #[arg(long, default_value_t = 0, requires = "headless", value_parser = clap::value_parser!(u32).range(SAMPLES))]
     pub truth: u32,
 }
 
-fn parse_eye(text: &str) -> Result<Vec3, String> {
-    let eye = point(text)?.as_vec3();
-    if eye.abs().max_element() <= FARTHEST_EYE {
-        return Ok(eye);
+impl Shows for Options {
+    fn common(&self) -> &Common {
+        &self.common
     }
-    Err(format!("{text} is too far away: numbers up to {FARTHEST_EYE:e} are possible"))
+
+    fn start(&self) -> Result<Start, Failed> {
+        self.check()?;
+        Ok(window::start(self.open()?, self))
+    }
+
+    fn is_windowless(&self) -> bool {
+        self.common.headless || self.time
+    }
+
+    fn work(&self) -> Result<Outcome, Failed> {
+        let layers = self.check()?;
+        let start = self.open()?;
+        let gpu = self.common.drawing.device()?;
+        say(format_args!("drawing on {}", gpu.name));
+        if self.common.headless {
+            headless::pictures(&gpu, &start, self, &layers)?;
+        }
+        if self.time {
+            headless::time(&gpu, &start, self)?;
+        }
+        Ok(Outcome::Well)
+    }
 }
 
 impl Options {
+    fn open(&self) -> Result<Room, Failed> {
+        let mut start = Room::open(&self.scene(), self.balls)?;
+        start.change(self.sun, self.from.zip(self.to).map(|(from, to)| (from.as_vec3(), to.as_vec3())));
+        Ok(start)
+    }
+
     /// The file or generated scene.
     pub fn scene(&self) -> String {
         self.common.name().unwrap_or_else(|| "cornell".to_owned())
@@ -107,10 +159,9 @@ impl Options {
                 "--from and --to are the same point: the camera looks from one to the other".to_owned()
             );
         }
-        let layers = if self.layers.iter().any(|name| name == "all") {
-            Layer::EVERY.to_vec()
-        } else {
-            self.layers.iter().map(|name| layer(name)).collect::<Result<_, _>>()?
+        let layers = match self.layers.iter().copied().collect::<Option<Vec<Layer>>>() {
+            Some(some) => some,
+            None => LAYERS.map(|(_, layer)| layer).to_vec(),
         };
         if self.truth > 0 && !layers.contains(&Layer::Picture) {
             return Err("--truth compares the layer picture, which is not among --layers: add it".to_owned());
@@ -123,12 +174,6 @@ impl Options {
         }
         Ok(layers)
     }
-}
-
-fn layer(name: &str) -> Result<Layer, String> {
-    let found = Layer::EVERY.into_iter().find(|layer| layer.name() == name);
-    let names = Layer::EVERY.map(Layer::name).join(", ");
-    found.ok_or_else(|| format!("no layer is called {name:?}; there are {names} and all"))
 }
 
 #[cfg(test)]
@@ -150,7 +195,7 @@ mod tests {
             ("--sun 0,-0,1e-30", "no direction"),
             ("--from 1,2,3", "--to"),
             ("--from 1,2,3 --to 1,2,3", "same point"),
-            ("--from 1,2,3e38 --to 1,2,3", "too far away"),
+            ("--from 1,2,3e38 --to 1,2,3", "numbers up to 1e15"),
             ("--headless --layers colour", "indirect"),
             ("--headless --truth 4 --layers albedo", "--layers: add it"),
             ("--headless --truth 4 --size 8192x8192", "too large for --truth"),
@@ -161,7 +206,39 @@ mod tests {
         let words = "hall.glb --sun 0,-2,0 --from 1,2,3 --to -1,2,3 --headless --layers albedo,picture";
         let (options, layers) = read(&words.split(' ').collect::<Vec<_>>()).unwrap();
         assert_eq!(layers, [Layer::Albedo, Layer::Picture]);
-        assert_eq!((options.sun, options.from), (Some(Vec3::NEG_Y), Some(Vec3::new(1.0, 2.0, 3.0))));
-        assert_eq!(read(&["--headless", "--layers", "direct,all"]).unwrap().1, Layer::EVERY);
+        assert_eq!((options.sun, options.from), (Some(Vec3::NEG_Y), Some(DVec3::new(1.0, 2.0, 3.0))));
+        assert_eq!(
+            read(&["--headless", "--layers", "direct,all"]).unwrap().1,
+            LAYERS.map(|(_, layer)| layer)
+        );
+    }
+
+    fn said(words: &[&str]) -> String {
+        parsed::<Options>(words).and_then(|o| o.run().map_err(|e| e.to_string())).expect_err(words[1])
+    }
+
+    #[test]
+    fn scenes_that_cannot_be_had_are_named_before_anything_is_drawn() {
+        let folder = std::env::temp_dir().join(format!("casca-lit-files-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = |name: &str, bytes: &[u8]| {
+            let path = folder.join(name);
+            std::fs::write(&path, bytes).unwrap();
+            path.to_str().unwrap().to_owned()
+        };
+        let empty = br#"{"asset": {"version": "2.0"}}"#;
+        for (scene, word) in [
+            ("no/such.glb".to_owned(), "no/such.glb: cannot be read"),
+            (file("broken.glb", b"glTF, but no more"), "broken.glb: is not a valid"),
+            (file("empty.gltf", empty), "empty.gltf: holds no triangles"),
+            (file("house.obj", b"v 0 0 0"), "neither a .glb or .gltf file nor"),
+            (folder.to_str().unwrap().to_owned(), "neither a .glb or .gltf file nor"),
+            ("house".to_owned(), "cornell-point"),
+            (String::new(), "[FILE]"),
+        ] {
+            let said = said(&["--headless", &scene]);
+            assert!(said.contains(word), "{scene}: {said}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

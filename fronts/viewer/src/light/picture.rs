@@ -7,7 +7,7 @@ use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
-use casca_stage::kernel::filled;
+use casca_stage::kernel::{Kernel, bind, filled};
 use casca_stage::timing::Clock;
 use casca_stage::wgpu::{
     self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureView, VertexFormat,
@@ -16,7 +16,7 @@ use glam::Vec3;
 
 use crate::common::Failed;
 use crate::light::frame::{Frame, SURFACES};
-use crate::light::layer::Layer;
+use crate::light::options::{LAYERS, Layer};
 
 /// Rays of a pixel that mirrors, and of one that no state stands for.
 const MIRROR_RAYS: u32 = 16;
@@ -94,7 +94,7 @@ pub struct Picture {
     /// All light, and that of the sky and of bounces.
     shadings: [Shading; 2],
     gaps: Gaps,
-    compose: wgpu::ComputePipeline,
+    compose: Kernel,
     screen: wgpu::ShaderModule,
     /// For the format of the last target.
     shown: Option<(TextureFormat, wgpu::RenderPipeline)>,
@@ -116,8 +116,7 @@ impl Picture {
     /// # Errors
     /// The adapter has no buffers as large.
     pub fn new(gpu: &Gpu, scene: &LitScene) -> Result<Self, GpuError> {
-        let layers =
-            Layer::EVERY.map(|l| format!("const {}: u32 = {}u;\n", l.name().to_uppercase(), l as u32));
+        let layers = LAYERS.map(|(name, l)| format!("const {}: u32 = {}u;\n", name.to_uppercase(), l as u32));
         let constants = format!(
             "const PI: f32 = {:?};\nconst PULL: f32 = {PULL:?};\nconst BEHIND: f32 = {BEHIND:?};\n{}{}",
             std::f32::consts::PI,
@@ -150,14 +149,7 @@ impl Picture {
                 .map(|answers| Shading::new(&gpu.device, Input::Positions, answers)),
             gaps: Gaps::new(&gpu.device, Input::Positions),
             mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device, Input::Positions)),
-            compose: gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("compose"),
-                layout: None,
-                module: &picture,
-                entry_point: Some("compose"),
-                compilation_options: Default::default(),
-                cache: None,
-            }),
+            compose: Kernel::new(gpu, &picture, "compose", &[0, 1, 2, 3, 4, 5, 6, 7, 8]),
             screen,
             shown: None,
             eye: filled(gpu, &[Eye::zeroed()], BufferUsages::UNIFORM)?,
@@ -229,7 +221,9 @@ impl Picture {
 
     fn draw_surfaces(&self, gpu: &Gpu, encoder: &mut CommandEncoder) {
         let own = [self.eye.as_entire_binding(), self.materials.as_entire_binding()];
-        let group = bound(gpu, &self.surfaces.get_bind_group_layout(0), &own);
+        let group = bind(gpu, &self.surfaces.get_bind_group_layout(0), &[0, 1], &|place| {
+            own.get(place as usize).cloned()
+        });
         let cleared = |view| {
             Some(wgpu::RenderPassColorAttachment {
                 view,
@@ -301,12 +295,7 @@ impl Picture {
             [&frame.lit, &frame.rest, &frame.mirrored, &frame.light].map(BindingResource::TextureView);
         let (eye, materials) = (self.eye.as_entire_binding(), self.materials.as_entire_binding());
         let own = [eye, materials, kinds, places, lit, rest, mirrored, normals, light];
-        let group = bound(gpu, &self.compose.get_bind_group_layout(0), &own);
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.compose);
-        pass.set_bind_group(0, &group, &[]);
-        let (x, y) = frame.size;
-        pass.dispatch_workgroups(x.div_ceil(8), y.div_ceil(8), 1);
+        self.compose.run_pixels(gpu, encoder, frame.size.into(), &|place| own.get(place as usize).cloned());
     }
 
     fn show(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, target: &Target) {
@@ -316,7 +305,8 @@ impl Picture {
         }
         let Some((_, screen)) = &self.shown else { return };
         let own = [self.eye.as_entire_binding(), BindingResource::TextureView(&self.frame.light)];
-        let group = bound(gpu, &screen.get_bind_group_layout(0), &own);
+        let group =
+            bind(gpu, &screen.get_bind_group_layout(0), &[0, 1], &|place| own.get(place as usize).cloned());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &target.colour,
@@ -339,15 +329,6 @@ impl Picture {
         let bytes: Vec<u8> = gpu.read(self.frame.light.texture())?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
-}
-
-/// A bind group of resources in the order of their bindings.
-fn bound(gpu: &Gpu, layout: &wgpu::BindGroupLayout, all: &[BindingResource<'_>]) -> wgpu::BindGroup {
-    let mut entries = Vec::new();
-    for (binding, resource) in (0..).zip(all) {
-        entries.push(wgpu::BindGroupEntry { binding, resource: resource.clone() });
-    }
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
 fn surfaces(gpu: &Gpu, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {

@@ -17,7 +17,7 @@ use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::timing::{Clock, Instant};
 use glam::{Affine3A, Vec2};
 
-use crate::light::layer::Layer;
+use crate::light::options::Layer;
 use crate::light::picture::{Picture, rays, roughness};
 
 /// States that send their rays, or find their direct light, between two looks at the clock.

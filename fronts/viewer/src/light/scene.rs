@@ -15,7 +15,7 @@ const BALL: f32 = 0.04;
 const SUN: Vec3 = Vec3::new(10.5, 10.0, 9.0);
 
 /// A scene and the balls in it.
-pub struct Start {
+pub struct Room {
     /// The scene.
     pub scene: LitScene,
     /// Its least and greatest corner, without balls.
@@ -23,7 +23,7 @@ pub struct Start {
     balls: usize,
 }
 
-impl Start {
+impl Room {
     /// Loads or makes a scene and adds balls.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn cameras_see_the_scene_from_afar_with_its_field_of_view() {
-        let start = Start::open("cornell-point", 0).unwrap();
+        let start = Room::open("cornell-point", 0).unwrap();
         let (min, max) = start.bounds;
         let own = start.scene.camera.projection;
         for away in [1.0, 10.0, 1e3] {

@@ -10,9 +10,9 @@ use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
 use glam::Vec3;
 
-use crate::light::layer::Layer;
+use crate::light::options::{LAYERS, Layer};
 use crate::light::renderer::{Renderer, Settings, Updated};
-use crate::light::scene::Start;
+use crate::light::scene::Room;
 
 const SIZE: (u32, u32) = (48, 36);
 const SETTINGS: Settings = Settings { resolution: 16, rays: 32, window: 0 };
@@ -24,7 +24,7 @@ const NOISE: f32 = 0.03;
 const MOVED: f32 = 0.006;
 
 /// Updates frame by frame until light has settled.
-fn settle(gpu: &Gpu, renderer: &mut Renderer, start: &Start, budget: Duration) -> usize {
+fn settle(gpu: &Gpu, renderer: &mut Renderer, start: &Room, budget: Duration) -> usize {
     let camera = start.camera(SIZE);
     for frame in 1..=MOST_FRAMES {
         let clock = &mut Clock::off();
@@ -35,11 +35,11 @@ fn settle(gpu: &Gpu, renderer: &mut Renderer, start: &Start, budget: Duration) -
     panic!("light has not settled");
 }
 
-fn at_once(gpu: &Gpu, renderer: &mut Renderer, start: &Start) -> Updated {
+fn at_once(gpu: &Gpu, renderer: &mut Renderer, start: &Room) -> Updated {
     renderer.update(gpu, (&start.camera(SIZE), SIZE), None, &mut Clock::off()).unwrap()
 }
 
-fn drawn(gpu: &Gpu, renderer: &mut Renderer, start: &Start, layer: Layer) -> Vec<Vec3> {
+fn drawn(gpu: &Gpu, renderer: &mut Renderer, start: &Room, layer: Layer) -> Vec<Vec3> {
     let canvas = Canvas::new(gpu, SIZE);
     renderer.draw(gpu, &canvas.picture(), &start.camera(SIZE), layer, &mut Clock::off()).unwrap();
     renderer.read_light(gpu).unwrap().iter().map(|p| Vec3::from_slice(p)).collect()
@@ -56,7 +56,7 @@ fn difference(found: &[Vec3], truth: &[Vec3]) -> f32 {
 #[test]
 fn frames_with_a_budget_end_in_the_picture_that_is_made_at_once() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    let start = Start::open("cornell-point", 0).unwrap();
+    let start = Room::open("cornell-point", 0).unwrap();
     let made = || Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     let (mut whole, mut parts) = (made(), made());
     assert!(at_once(&gpu, &mut whole, &start).settled);
@@ -75,7 +75,7 @@ fn frames_with_a_budget_end_in_the_picture_that_is_made_at_once() {
 #[test]
 fn balls_that_moved_are_lit_where_they_are() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    let mut start = Start::open("cornell-point", 3).unwrap();
+    let mut start = Room::open("cornell-point", 3).unwrap();
     let mut moved = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut moved, &start);
     let old = drawn(&gpu, &mut moved, &start, Layer::Picture);
@@ -99,7 +99,7 @@ fn balls_that_moved_are_lit_where_they_are() {
 #[test]
 fn lights_go_out_with_all_of_their_bounces() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    let start = Start::open("cornell-point", 0).unwrap();
+    let start = Room::open("cornell-point", 0).unwrap();
     let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut renderer, &start);
     let lit = drawn(&gpu, &mut renderer, &start, Layer::Picture);
@@ -115,11 +115,11 @@ fn lights_go_out_with_all_of_their_bounces() {
 #[test]
 fn layers_show_what_their_names_say() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    let start = Start::open("cornell-point", 0).unwrap();
+    let start = Room::open("cornell-point", 0).unwrap();
     let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut renderer, &start);
     let [picture, albedo, normals, direct, indirect, mirrored] =
-        Layer::EVERY.map(|layer| drawn(&gpu, &mut renderer, &start, layer));
+        LAYERS.map(|(_, layer)| drawn(&gpu, &mut renderer, &start, layer));
     let middle = (SIZE.1 / 2 * SIZE.0 + SIZE.0 / 2) as usize;
     // The wall at the back faces the camera, and the floor lies below.
     let forward = -start.scene.camera.view.row(2).truncate();
@@ -138,7 +138,7 @@ fn layers_show_what_their_names_say() {
 #[test]
 fn a_mirror_shows_the_room_and_rough_metal_the_mean_of_it() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    let mut start = Start::open("cornell-point", 0).unwrap();
+    let mut start = Room::open("cornell-point", 0).unwrap();
     // Every wall half as bright as one that scatters, and half a mirror.
     for m in &mut start.scene.materials {
         (m.specular, m.gloss) = (Vec3::splat(0.4), 1.0);
@@ -175,7 +175,7 @@ fn edges_of_rooms_are_not_black() {
     let Some(gpu) = Gpu::for_tests() else { return };
     // At this size, middles of pixels lie behind the wall that the floor ends at, and beside a box.
     for (scene, cells) in [("cornell", 16), ("emissive", 16), ("emissive", 32)] {
-        let start = Start::open(scene, 0).unwrap();
+        let start = Room::open(scene, 0).unwrap();
         let (size, settings) = ((320, 240), Settings { resolution: cells, rays: 4, window: 0 });
         let mut renderer = Renderer::new(&gpu, &start.scene, settings).unwrap();
         let camera = start.camera(size);
@@ -191,33 +191,5 @@ fn edges_of_rooms_are_not_black() {
         let black = scattering.iter().filter(|(_, l)| is_black(l)).count();
         println!("{scene}: {black} of {} pixels are black", scattering.len());
         assert!(scattering.len() > 30_000 && black == 0, "{scene}, {cells}: {black}");
-    }
-}
-
-#[test]
-fn a_window_of_finer_cells_follows_the_eye() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let mut start = Start::open("cornell-point", 0).unwrap();
-    let made = |resolution, window| {
-        Renderer::new(&gpu, &start.scene, Settings { resolution, rays: 128, window }).unwrap()
-    };
-    let (mut renderer, mut without, mut fine) = (made(8, 3), made(8, 0), made(32, 0));
-    let mut before = Vec::new();
-    for (eye, to) in
-        [(Vec3::new(0.3, 0.3, 0.2), Vec3::ZERO), (Vec3::new(2.8, 0.5, 0.6), Vec3::new(2.8, 0.0, 0.9))]
-    {
-        start.change(None, Some((eye, to)));
-        assert!(at_once(&gpu, &mut renderer, &start).settled);
-        [&mut without, &mut fine].into_iter().for_each(|r| _ = at_once(&gpu, r, &start));
-        // Other cells than at the last place, and more than without a window.
-        let entries = renderer.statistics().entries;
-        assert!(entries > without.statistics().entries && !before.contains(&entries), "{entries} {before:?}");
-        before.push(entries);
-        let [found, plain, truth] = [&mut renderer, &mut without, &mut fine]
-            .map(|renderer| drawn(&gpu, renderer, &start, Layer::Indirect));
-        let (with, without) = (difference(&found, &truth), difference(&plain, &truth));
-        println!("{entries} entries, {with} and {without} from the picture of fine cells");
-        // What is far away is as coarse as before.
-        assert!(with < 0.9 * without, "{with} {without}");
     }
 }

@@ -3,43 +3,59 @@
 use std::error::Error;
 use std::time::Duration;
 
+use casca_radiosity::lit::{Light, LightKind};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
+use casca_stage::dial::Dials;
 use casca_stage::fly::Fly;
 use casca_stage::report::Report;
 use casca_stage::timing::{Clock, Instant};
-use casca_stage::window::{self, Demo, Done, Screen};
+use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
-use crate::light::controls::Controls;
 use crate::light::headless::told;
-use crate::light::layer::Layer;
-use crate::light::options::Options;
-use crate::light::renderer::{Renderer, Updated};
-use crate::light::scene::Start;
+use crate::light::options::{EXPOSURES, LAYERS, Options};
+use crate::light::renderer::{Renderer, Settings, Updated};
+use crate::light::scene::Room;
 
 /// The share of the scene's length that the camera flies in a second.
 const SPEED: f32 = 0.1;
 /// The processor's time for light in a frame.
 const BUDGET: Duration = Duration::from_millis(40);
 /// Keys of the layers.
-const LAYERS: [KeyCode; 6] =
+const KEYS: [KeyCode; 6] =
     [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
-const KEYS: &str = "W A S D Q E, a mouse button: fly   1-6: layers\nSpace: balls   H: hides all this";
+const HELP: &str = "W A S D Q E, a mouse button: fly   1-6: layers\nSpace: balls   H: hides all this";
+
+/// The strongest that a light can be made, as a factor.
+const STRONGEST: f32 = 10.0;
 
 /// The window.
-pub fn start(start: Start, options: &Options) -> window::Start {
-    let controls = Controls::new(options, &start.scene.lights, start.bounds);
-    let title = format!("{} - casca light", start.scene.name);
-    window::Start::new(title, move |screen| Viewer::new(screen, start, controls))
+pub fn start(room: Room, options: &Options) -> Start {
+    let options = options.clone();
+    Start::new(format!("{} - casca light", room.scene.name), move |screen| Viewer::new(screen, room, options))
+}
+
+/// A light, and how strong it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Lamp {
+    /// The light of the scene, where it was moved to.
+    light: Light,
+    /// A factor of its strength.
+    strength: f32,
 }
 
 struct Viewer {
-    start: Start,
+    room: Room,
     renderer: Renderer,
     fly: Fly,
-    controls: Controls,
+    options: Options,
+    lamps: Vec<Lamp>,
+    /// The place of the layer that is shown.
+    layer: usize,
+    /// Whether the balls move.
+    moving: bool,
     seconds: f32,
     /// Why the last change of a setting was not made, such as a resolution that the adapter cannot
     /// hold.
@@ -49,51 +65,48 @@ struct Viewer {
 }
 
 impl Viewer {
-    fn new(screen: &Screen, start: Start, controls: Controls) -> Result<Self, Box<dyn Error>> {
-        let renderer = Renderer::new(&screen.gpu, &start.scene, controls.settings)?;
-        let camera = start.scene.camera;
+    fn new(screen: &Screen, room: Room, options: Options) -> Result<Self, Box<dyn Error>> {
+        let camera = room.scene.camera;
         Ok(Self {
-            renderer,
+            renderer: Renderer::new(&screen.gpu, &room.scene, options.settings())?,
             fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
-            controls,
+            lamps: room.scene.lights.iter().map(|&light| Lamp { light, strength: 1.0 }).collect(),
+            layer: 0,
+            moving: true,
             seconds: 0.0,
             trouble: String::new(),
             said: Vec::new(),
-            start,
+            options,
+            room,
         })
     }
 
-    fn camera(&self, aspect: f32) -> Camera {
-        self.start.looking(self.fly.eye, self.fly.eye + self.fly.forward(), aspect)
+    /// The lights as they shine.
+    fn lights(&self) -> Vec<Light> {
+        let shines = |lamp: &Lamp| Light { color: lamp.light.color * lamp.strength, ..lamp.light };
+        self.lamps.iter().map(shines).collect()
     }
 
-    /// Does what the controls ask for. The cache is made again when a slider is let go.
-    fn apply(&mut self, screen: &Screen, before: &Controls, is_held: bool) -> Done {
-        if self.controls.settings != self.renderer.settings() && !is_held {
-            return self.remake(screen);
-        }
-        if self.controls.lamps != before.lamps {
-            let set = self.renderer.set_lights(&self.controls.lights());
-            self.trouble = set.err().map_or(String::new(), |why| why.to_string());
-        }
-        Ok(())
+    fn camera(&self, aspect: f32) -> Camera {
+        self.room.looking(self.fly.eye, self.fly.eye + self.fly.forward(), aspect)
     }
 
     /// Makes the cache again with other settings. If it cannot be made, the old one stays.
     fn remake(&mut self, screen: &Screen) -> Done {
-        for (object, place) in self.start.balls_at(self.seconds).collect::<Vec<_>>() {
-            self.start.scene.objects[object].transform = place;
+        for (object, place) in self.room.balls_at(self.seconds).collect::<Vec<_>>() {
+            self.room.scene.objects[object].transform = place;
         }
-        self.start.scene.lights = self.controls.lights();
-        match Renderer::new(&screen.gpu, &self.start.scene, self.controls.settings) {
+        self.room.scene.lights = self.lights();
+        match Renderer::new(&screen.gpu, &self.room.scene, self.options.settings()) {
             Ok(new) => {
                 self.renderer = new;
                 self.trouble.clear();
             }
             Err(why) => {
                 self.trouble = why.to_string();
-                self.controls.settings = self.renderer.settings();
-                self.renderer.set_lights(&self.start.scene.lights)?;
+                let Settings { resolution, rays, .. } = self.renderer.settings();
+                (self.options.resolution, self.options.rays) = (resolution, rays);
+                self.renderer.set_lights(&self.room.scene.lights)?;
             }
         }
         Ok(())
@@ -111,14 +124,42 @@ fn progress(updated: &Updated) -> String {
 }
 
 impl Demo for Viewer {
-    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
-        match key {
-            KeyCode::Space => self.controls.moving ^= true,
-            _ => {
-                if let Some(layer) = LAYERS.iter().position(|k| *k == key) {
-                    self.controls.layer = Layer::EVERY[layer];
+    /// The cache is made again when a slider is let go.
+    fn dials(&mut self, dials: &mut Dials, screen: &Screen) -> Done {
+        dials.choice("layer", &KEYS, LAYERS.map(|(name, _)| name), &mut self.layer);
+        let options = &mut self.options;
+        let is_other = dials.whole("cells", &mut options.resolution, 16..=256, 8)
+            | dials.whole("rays of a surface in a cell", &mut options.rays, 4..=512, 1);
+        dials.number("exposure", &mut options.exposure, EXPOSURES);
+        dials.switch("balls move (Space)", Some(KeyCode::Space), &mut self.moving);
+        let (mut changed, (min, max)) = (false, self.room.bounds);
+        for (number, lamp) in self.lamps.iter_mut().enumerate() {
+            let name = format!("light {}", number + 1);
+            changed |= dials.number(&format!("{name}, strength"), &mut lamp.strength, 0.0..=STRONGEST);
+            match &mut lamp.light.kind {
+                LightKind::Directional { direction, .. } => {
+                    let (mut height, mut turn) = angles(*direction);
+                    let moved = dials.number(&format!("{name}, height"), &mut height, -90.0..=90.0)
+                        | dials.number(&format!("{name}, turn"), &mut turn, -180.0..=180.0);
+                    if moved {
+                        *direction = sunbeam(height, turn);
+                    }
+                    changed |= moved;
+                }
+                LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+                    for (axis, along) in ["x", "y", "z"].into_iter().enumerate() {
+                        let range = min[axis]..=max[axis];
+                        changed |= dials.number(&format!("{name}, {along}"), &mut position[axis], range);
+                    }
                 }
             }
+        }
+        if is_other && !dials.is_held() && self.options.settings() != self.renderer.settings() {
+            return self.remake(screen);
+        }
+        if changed {
+            let set = self.renderer.set_lights(&self.lights());
+            self.trouble = set.err().map_or(String::new(), |why| why.to_string());
         }
         Ok(())
     }
@@ -127,25 +168,19 @@ impl Demo for Viewer {
         self.fly.turn(x, y);
     }
 
-    fn resize(&mut self, _: &Screen) {}
-
     fn step(&mut self, seconds: f64, screen: &Screen) {
-        let seconds = seconds.min(0.1) as f32;
-        let (min, max) = self.start.bounds;
-        let way = screen.way() * (SPEED * (max - min).length() * seconds);
-        if way != Vec3::ZERO {
-            self.fly.go(way);
-        }
-        if self.controls.moving {
-            self.seconds += seconds;
+        let (min, max) = self.room.bounds;
+        self.fly.go(screen.way(seconds) * (SPEED * (max - min).length()));
+        if self.moving {
+            self.seconds += seconds.min(0.1) as f32;
         }
     }
 
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
         let (gpu, start) = (&screen.gpu, Instant::now());
         let camera = self.camera(screen.aspect());
-        if self.controls.moving {
-            let balls: Vec<_> = self.start.balls_at(self.seconds).collect();
+        if self.moving {
+            let balls: Vec<_> = self.room.balls_at(self.seconds).collect();
             self.renderer.move_objects(gpu, &balls)?;
         }
         let view = (&camera, target.size());
@@ -155,8 +190,8 @@ impl Demo for Viewer {
             self.trouble = why.to_string();
             Updated::default()
         });
-        self.renderer.exposure = self.controls.exposure;
-        self.renderer.draw(gpu, target, &camera, self.controls.layer, &mut Clock::off())?;
+        self.renderer.exposure = self.options.exposure;
+        self.renderer.draw(gpu, target, &camera, LAYERS[self.layer].1, &mut Clock::off())?;
         gpu.wait()?;
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
         let numbers = [
@@ -171,12 +206,32 @@ impl Demo for Viewer {
     fn report(&self, _: &Screen) -> Report {
         let mut lines = self.said.clone();
         lines.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
-        Report { lines, legend: Vec::new(), dials: self.controls.dials(), keys: KEYS }
+        Report { lines, keys: HELP, ..Report::default() }
     }
+}
 
-    fn set(&mut self, dial: &str, value: f64, is_held: bool, screen: &Screen) -> Done {
-        let before = self.controls.clone();
-        self.controls.set(dial, value);
-        self.apply(screen, &before, is_held)
+/// How high a sun stands whose light goes along a direction, and how far it is turned from z to x,
+/// in degrees.
+fn angles(direction: Vec3) -> (f32, f32) {
+    let to = -direction.normalize_or(Vec3::NEG_Y);
+    (to.y.clamp(-1.0, 1.0).asin().to_degrees(), to.x.atan2(to.z).to_degrees())
+}
+
+/// Where the light of a sun at such angles goes.
+fn sunbeam(height: f32, turn: f32) -> Vec3 {
+    let ((sin, cos), (x, z)) = (height.to_radians().sin_cos(), turn.to_radians().sin_cos());
+    -Vec3::new(cos * x, sin, cos * z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sun_is_turned_and_turned_back() {
+        for direction in [Vec3::new(0.3, -0.8, 0.2), Vec3::NEG_Y, Vec3::X, Vec3::new(-1.0, 0.5, -1.0)] {
+            let (height, turn) = angles(direction);
+            assert!(sunbeam(height, turn).abs_diff_eq(direction.normalize(), 1e-5), "{direction}");
+        }
     }
 }

@@ -1,54 +1,12 @@
-//! The legend of the colours of lines: a bar with numbers, or names.
+//! The legend of the colours of lines.
 
 use casca_lines::sets::colour::{Legend, viridis};
-use casca_stage::canvas::Target;
-use casca_stage::egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Ui, vec2};
-use casca_stage::gpu::Gpu;
-use casca_stage::panel::{Panel, boxed};
 use casca_stage::report::{Entry, Sample};
 
-/// Points of the bar of numbers.
-const BAR: [f32; 2] = [180.0, 12.0];
-/// Numbers beside the bar.
+/// Numbers of a scale, less one.
 const TICKS: u8 = 4;
 /// The most groups that are named.
 const MOST_GROUPS: usize = 12;
-
-/// Draws the legend into the upper left corner of a picture; nothing if colours mean nothing.
-pub fn draw(panel: &mut Panel, gpu: &Gpu, target: &Target, legend: &Legend) {
-    if *legend != Legend::Own {
-        panel.draw(gpu, target, 1.0, &|context| {
-            boxed(context, "colours", Align2::LEFT_TOP, [8.0, 8.0], &mut |ui| show(ui, legend));
-        });
-    }
-}
-
-/// Adds the legend.
-fn show(ui: &mut Ui, legend: &Legend) {
-    let Legend::Scalar { name, range } = legend else {
-        return entries(legend).iter().for_each(|entry| entry.add(ui));
-    };
-    ui.label(name);
-    let (place, _) = ui.allocate_exact_size(vec2(BAR[0] + 24.0, BAR[1] + 18.0), Sense::hover());
-    let bar = Rect::from_min_size(place.min + vec2(12.0, 0.0), vec2(BAR[0], BAR[1]));
-    for x in 0..BAR[0] as u32 {
-        let [r, g, b] = viridis((x as f32 + 0.5) / BAR[0]);
-        let column = Rect::from_min_size(bar.min + vec2(x as f32, 0.0), vec2(1.0, BAR[1]));
-        ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
-    }
-    let grey = Color32::from_gray(225);
-    for tick in 0..=TICKS {
-        let share = f32::from(tick) / f32::from(TICKS);
-        let x = bar.min.x + share * BAR[0];
-        let mark = Rect::from_min_max(Pos2::new(x - 0.5, bar.max.y), Pos2::new(x + 0.5, bar.max.y + 4.0));
-        ui.painter().rect_filled(mark, 0.0, grey);
-        if tick % 2 == 0 {
-            let at = Pos2::new(x, bar.max.y + 4.0);
-            let text = number(value(*range, share));
-            ui.painter().text(at, Align2::CENTER_TOP, text, FontId::proportional(11.0), grey);
-        }
-    }
-}
 
 /// The colours and their meanings, one by one.
 pub fn entries(legend: &Legend) -> Vec<Entry> {

@@ -1,4 +1,4 @@
-//! The command line.
+//! The command line, and what it asks for, done.
 
 use std::path::PathBuf;
 
@@ -12,11 +12,14 @@ use casca_lines::sets::LineSet;
 use casca_lines::sets::colour::Colouring;
 use casca_lines::sets::generate::Family;
 use casca_lines::sets::region::Region;
-use casca_tools::command_line::EXIT_CODES;
+use casca_stage::window::Start;
+use casca_tools::command_line::{EXIT_CODES, Outcome};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
-use crate::common::{Common, direction, number};
+use crate::common::{Common, Failed, Shows, direction, number, one_of};
+use crate::lines::source::Source;
+use crate::lines::{headless, times, window};
 
 /// The radius of the thesis' hemispheres, as a share of the extent of the scene.
 const RADIUS: f32 = 0.13;
@@ -48,9 +51,6 @@ pub struct Options {
     /// set]
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub lines: Option<u32>,
-    /// The vertices of a generated line [default: what suits the set]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000), conflicts_with = "rooms")]
-    pub vertices: Option<u32>,
     /// Seed of generated sets and motions
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -62,10 +62,6 @@ pub struct Options {
     /// "group"
     #[arg(long, value_name = "WHAT", default_value = "own", value_parser = parse_colour)]
     pub colour: Colouring,
-    /// The numbers of the first and the last colour, for --colour scalar [default: the least and
-    /// the greatest]
-    #[arg(long, value_name = "LOW,HIGH", value_parser = parse_range, allow_hyphen_values = true)]
-    pub range: Option<[f32; 2]>,
     /// Only lines that cross this region: box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,RADIUS. May be
     /// given several times, for lines that cross all of them
     #[arg(long, value_name = "REGION")]
@@ -78,31 +74,25 @@ pub struct Options {
     #[arg(long, value_name = "FILE")]
     pub context: Vec<PathBuf>,
     /// The direction that the set is seen from
-    #[arg(long, default_value = "0.5,0.6,1", value_parser = parse_direction)]
+    #[arg(long, default_value = "0.5,0.6,1", value_parser = direction)]
     pub from: Vec3,
-    /// The vertical angle of the picture in degrees, 1 to 150; 0 for parallel rays
-    #[arg(long, default_value = "40", value_parser = parse_angle)]
-    pub fov: f32,
     /// Magnifies the middle of the picture
     #[arg(long, default_value = "1", value_parser = |t: &str| number(t, 0.1..=100.0f32))]
     pub zoom: f32,
-    /// The time in seconds: generated sets turn and sway, those of files sway
-    #[arg(long, default_value = "0", value_parser = |t: &str| number(t, -1e6..=1e6f32))]
-    pub at: f32,
-    /// The radius of the occlusion, as a share of the extent
-    #[arg(long, default_value_t = RADIUS, value_parser = |t: &str| number(t, 0.001..=1.0f32))]
+    /// The radius of the occlusion, as a share of the extent; a slider.
+    #[arg(skip = RADIUS)]
     pub radius: f32,
     /// The rays of a side of a place, or of a pixel [default: 12 of a side, 24 of a pixel]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
-    /// The occlusion is multiplied by this
-    #[arg(long, default_value = "1", value_parser = |t: &str| number(t, 0.0..=100.0f32))]
+    /// The occlusion is multiplied by this; a slider.
+    #[arg(skip = 1.0_f32)]
     pub factor: f32,
     /// How the lines around a pixel become an occlusion
     #[arg(long, value_enum, default_value = "auto")]
     pub estimator: Way,
-    /// The radius of the tubes that lines are taken for, in pixels
-    #[arg(long, default_value = "0.5", value_parser = |t: &str| number(t, 0.01..=100.0f32))]
+    /// The radius of the tubes that lines are taken for, in pixels; a slider.
+    #[arg(skip = 0.5_f32)]
     pub tube: f32,
     /// Smooth lines of so many pixels, 1 to 16, by four samples a pixel
     #[arg(long, value_name = "PIXELS", num_args = 0..=1, require_equals = true,
@@ -111,15 +101,10 @@ pub struct Options {
     /// Leaves out lines that walls and meshes hide; the picture stays the same
     #[arg(long)]
     pub cull: bool,
-    /// The pictures that --headless draws, comma-separated
-    #[arg(
-        long,
-        value_enum,
-        value_delimiter = ',',
-        default_value = "plain,diffuse,occluded",
-        requires = "headless"
-    )]
-    pub look: Vec<LookName>,
+    /// The pictures that --headless draws, comma-separated: plain, diffuse, occluded, occlusion
+    #[arg(long, value_delimiter = ',', default_value = "plain,diffuse,occluded", requires = "headless",
+        value_parser = |t: &str| one_of(t, &LOOKS))]
+    pub look: Vec<Look>,
     /// Prints the time of each stage of a frame; with --rooms, with and without culling
     #[arg(long, conflicts_with = "headless")]
     pub time: bool,
@@ -136,38 +121,40 @@ pub enum Way {
     Rays,
 }
 
-/// Pictures by their names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LookName {
-    /// Flat colours
-    Plain,
-    /// Lit as tubes
-    Diffuse,
-    /// Lit as tubes and darkened by the occlusion
-    Occluded,
-    /// The occlusion alone
-    Occlusion,
+/// The pictures of lines by their names, in the order of their keys.
+pub const LOOKS: [(&str, Look); 4] = [
+    // Flat colours; lit as tubes; and darkened by the occlusion; the occlusion alone.
+    ("plain", Look::Plain),
+    ("diffuse", Look::Diffuse),
+    ("occluded", Look::Occluded),
+    ("occlusion", Look::Occlusion),
+];
+
+impl Shows for Options {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn start(&self) -> Result<Start, Failed> {
+        Ok(window::start(self.clone(), Source::open(self)?))
+    }
+
+    fn is_windowless(&self) -> bool {
+        self.common.headless || self.time
+    }
+
+    fn work(&self) -> Result<Outcome, Failed> {
+        let source = Source::open(self)?;
+        if self.time {
+            times::print(self, &source)?
+        } else {
+            headless::pictures(self, &source)?
+        };
+        Ok(Outcome::Well)
+    }
 }
 
 impl Options {
-    /// How lines are coloured, with the range of numbers.
-    pub fn colouring(&self) -> Colouring {
-        match &self.colour {
-            Colouring::Scalar { name, .. } => Colouring::Scalar { name: name.clone(), range: self.range },
-            other => other.clone(),
-        }
-    }
-
-    /// Takes another estimator; `samples` that were usual for the old one become those of the new
-    /// one.
-    pub fn follow(&mut self, samples: &mut u32, way: Way) {
-        let is_usual = *samples == self.samples();
-        self.estimator = way;
-        if is_usual {
-            *samples = self.samples();
-        }
-    }
-
     /// Whether borders of lines are smooth.
     pub fn antialiasing(&self) -> Antialiasing {
         self.antialias.map_or(Antialiasing::None, |thickness| Antialiasing::Four { thickness })
@@ -214,20 +201,8 @@ impl Way {
     }
 }
 
-impl LookName {
-    pub fn look(self) -> Look {
-        match self {
-            Self::Plain => Look::Plain,
-            Self::Diffuse => Look::Diffuse,
-            Self::Occluded => Look::Occluded,
-            Self::Occlusion => Look::Occlusion,
-        }
-    }
-}
-
 fn parse_family(text: &str) -> Result<Family, String> {
-    let found = Family::ALL.into_iter().find(|f| f.name() == text);
-    found.ok_or_else(|| format!("no generated set has this name; there are {}", family_names()))
+    one_of(text, &Family::ALL.map(|family| (family.name(), family)))
 }
 
 fn family_names() -> String {
@@ -245,35 +220,15 @@ fn parse_colour(text: &str) -> Result<Colouring, String> {
     }
 }
 
-fn parse_range(text: &str) -> Result<[f32; 2], String> {
-    let numbers = text.split_once(',').map(|(low, high)| [low, high].map(|n| n.trim().parse::<f32>()));
-    match numbers {
-        Some([Ok(low), Ok(high)]) if low.is_finite() && high.is_finite() => Ok([low, high]),
-        _ => Err("expected two numbers such as 0,1".to_owned()),
-    }
-}
-
-fn parse_angle(text: &str) -> Result<f32, String> {
-    match text.parse() {
-        Ok(0.0) => Ok(0.0),
-        _ => number(text, 1.0..=150.0).map_err(|why| format!("{why}, or 0 for parallel rays")),
-    }
-}
-
-fn parse_direction(text: &str) -> Result<Vec3, String> {
-    direction(text).map_err(|_| "expected a direction such as 0.5,0.6,1".to_owned())
-}
-
 #[cfg(test)]
 mod tests {
-    use clap::{Args, Command, FromArgMatches};
+    use clap::Command;
 
     use super::*;
+    use crate::common::parsed;
 
     fn options(words: &[&str]) -> Options {
-        let command = Options::augment_args(Command::new("lines"));
-        let all = std::iter::once(&"lines").chain(words);
-        Options::from_arg_matches(&command.try_get_matches_from(all).unwrap()).unwrap()
+        parsed(words).unwrap()
     }
 
     #[test]
@@ -308,16 +263,59 @@ mod tests {
         assert!(Family::ALL.iter().all(|f| line.contains(f.name())), "{line}");
     }
 
+    fn said(words: &[&str]) -> String {
+        let options = parsed::<Options>(words);
+        options.and_then(|o| o.run().map_err(|e| e.to_string())).expect_err(words[0])
+    }
+
     #[test]
-    fn usual_samples_follow_the_estimator_and_chosen_ones_stay() {
-        for (words, first, start, end) in
-            [(&[][..], 24, 24, USUAL_SIDE_RAYS), (&[], 24, 31, 31), (&["--samples", "40"], 40, 40, 40)]
-        {
-            let mut options = options(words);
-            assert_eq!(options.samples(), first);
-            let mut samples = start;
-            options.follow(&mut samples, Way::Places);
-            assert_eq!((samples, options.estimator), (end, Way::Places));
+    fn wrong_values_and_files_are_named_with_what_is_possible() {
+        let folder = std::env::temp_dir();
+        let file = |name: &str, text: &str| {
+            let path = folder.join(format!("casca-lines-{}-{name}", std::process::id()));
+            std::fs::write(&path, text).unwrap();
+            path.to_str().unwrap().to_owned()
+        };
+        let (broken, empty) = (file("broken.txt", "2\n3 x"), file("empty.obj", "# nothing\n"));
+        // Pictures of these would be empty, or have no depths.
+        let [huge, tiny] = ["1e20", "1e-20"]
+            .map(|far| file(&format!("{far}.obj"), &format!("v {far} 0 0\nv 0 {far} 0\nl 1 2\n")));
+        for (words, part) in [
+            (vec!["--headless", &*huge], "scale the lines"),
+            (vec!["--headless", &*tiny], "1e-20 units wide"),
+            (vec!["--headless", "no/such.obj"], "no/such.obj"),
+            (vec!["--headless", "lines.stl"], ".trk"),
+            (vec!["--headless", &*broken], &*broken),
+            (vec!["--headless", &*empty], "empty.obj: there is no line in this file"),
+            (vec!["--headless", "--lines", "0"], "spiral: there is no line"),
+            (vec!["--headless", "--rooms", "32", "--lines", "1000000"], "vertices"),
+            (vec!["--set", "hair"], "pompom"),
+            (vec!["--zoom", "NaN"], "from 0.1 to 100"),
+            (vec!["--antialias=0.5"], "from 1 to 16"),
+            (vec!["--samples", "0"], "1..=4096"),
+            (vec!["--from", "0,0,0"], "direction"),
+            (vec!["--from", "1,2"], "three numbers"),
+            (vec!["--size", "0x720"], "from 1 to 8192"),
+            (vec!["--look", "photo", "--headless"], "occluded"),
+            (vec!["x.obj", "--rooms", "3"], "cannot be used with"),
+            (vec!["--headless", "--colour", "red"], "scalar=NAME or group"),
+            (
+                vec!["--headless", "--lines", "5", "--colour", "scalar=fa"],
+                "no numbers \"fa\"; they have length",
+            ),
+            (vec!["--headless", "--lines", "5", "--colour", "group"], "in no groups"),
+            (vec!["--headless", "--lines", "5", "--context", "no/such.ply"], "no/such.ply"),
+            (vec!["--headless", "--lines", "5", "--context", "no/such.glb"], "no/such.glb"),
+            (vec!["--headless", "--lines", "5", "--context", "x.stl"], ".obj or .ply"),
+            (vec!["--include", "sphere:0,0,0"], "sphere:X,Y,Z,RADIUS"),
+            (
+                vec!["--headless", "--lines", "5", "--exclude", "sphere:0,0,0,99"],
+                "spiral: --include and --exclude leave no line",
+            ),
+        ] {
+            let said = said(&words);
+            assert!(said.contains(part), "{words:?}: {said}");
         }
+        [broken, empty, huge, tiny].iter().for_each(|path| std::fs::remove_file(path).unwrap());
     }
 }

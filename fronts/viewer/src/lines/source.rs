@@ -6,25 +6,28 @@ use casca_lines::gpu::context::{Context, GREY, GpuContext};
 use casca_lines::gpu::numeric::FARTHEST;
 use casca_lines::gpu::set::GpuLines;
 use casca_lines::gpu::settings::Settings;
+use casca_lines::mesh::Mesh;
 use casca_lines::occlusion::AoOptions;
 use casca_lines::sets::colour::{Colouring, Legend};
 use casca_lines::sets::generate::Recipe;
-use casca_lines::sets::random::Random;
 use casca_lines::sets::region::Region;
 use casca_lines::sets::rooms::House;
 use casca_lines::sets::{LineSet, files};
 use casca_lines::view::{Lens, View, ViewError};
+use casca_scenes::import;
+use casca_scenes::world::Shape;
 use casca_stage::gpu::Gpu;
-use glam::{Vec3, vec3};
+use glam::{Vec3, Vec3A, vec3};
 
 use crate::common::Failed;
-use crate::lines::context;
 use crate::lines::options::Options;
 
 /// Lines of a room, unless the command line says otherwise.
 const ROOM_LINES: u32 = 400;
-/// The greatest shift of a vertex of a file, as a share of the extent.
-const SWAY: f32 = 0.02;
+/// How far vertices of generated sets may sway, and lines be thick, as a share of the extent.
+const ROOM: f32 = 0.07;
+/// The vertical angle of view: 40 degrees.
+const FOV_Y: f64 = 2.0 * std::f64::consts::PI / 9.0;
 /// The least depth in perspective, as a share of the extent.
 const NEAREST: f32 = 2e-3;
 /// The extents of lines, and their greatest distance from the origin: squares of longer and of
@@ -60,7 +63,6 @@ impl Source {
             (Some(path), _) => {
                 let name = path.file_stem().map_or("file".into(), |n| n.to_string_lossy());
                 let all = files::open(Path::new(path))?;
-                // Before they sway: the same lines at all times.
                 (name.into_owned(), Kind::File(all.within(&options.include, &options.exclude)))
             }
             (None, Some(side)) => {
@@ -69,8 +71,7 @@ impl Source {
             (None, None) => {
                 let usual = Recipe::new(options.set, options.seed);
                 let lines = options.lines.unwrap_or(usual.lines);
-                let vertices = options.vertices.unwrap_or(usual.vertices);
-                (options.set.name().to_owned(), Kind::Generated(Recipe { lines, vertices, ..usual }))
+                (options.set.name().to_owned(), Kind::Generated(Recipe { lines, ..usual }))
             }
         };
         let mut source = Self {
@@ -78,7 +79,7 @@ impl Source {
             kind,
             seed: options.seed,
             regions: [options.include.clone(), options.exclude.clone()],
-            colouring: options.colouring(),
+            colouring: options.colour.clone(),
             bounds: [Vec3::ZERO; 2],
             context: Vec::new(),
         };
@@ -97,7 +98,7 @@ impl Source {
             source.context.push(Context::of_boxes(&House::new(side, 0, source.seed, 0.0)?.walls));
         }
         for path in &options.context {
-            source.context.push(Context::new(context::open(path)?, GREY)?);
+            source.context.push(Context::new(open_context(path)?, GREY)?);
         }
         let corners = || source.context.iter().flat_map(|c| &c.mesh().positions);
         source.bounds = corners().fold(source.bounds, |[min, max], c| [min.min(*c), max.max(*c)]);
@@ -116,6 +117,11 @@ impl Source {
         Err(format!("{}: {extent:e} units wide, up to {far:e} from the origin: {why}", self.name).into())
     }
 
+    /// Whether lines are others at other times: those of files stand still.
+    pub fn moves(&self) -> bool {
+        !matches!(self.kind, Kind::File(_))
+    }
+
     /// The lines at a time in seconds.
     pub fn at(&self, time: f64) -> Result<LineSet, Failed> {
         let chosen = |lines: LineSet| match self.regions.iter().all(Vec::is_empty) {
@@ -125,8 +131,7 @@ impl Source {
         Ok(match &self.kind {
             Kind::Generated(recipe) => chosen(Recipe { time, ..*recipe }.make()?),
             Kind::Rooms(side, lines) => chosen(House::new(*side, *lines, self.seed, time)?.lines),
-            Kind::File(lines) if time == 0.0 => lines.clone(),
-            Kind::File(lines) => swayed(lines, self.seed, time)?,
+            Kind::File(lines) => lines.clone(),
         })
     }
 
@@ -177,9 +182,7 @@ impl Source {
         if let Kind::Rooms(side, _) = self.kind {
             return Ok(House::new(side, 0, self.seed, 0.0)?.eye(room % (side * side)));
         }
-        // For parallel rays the distance does not matter.
-        let fov = f64::from(if options.fov > 0.0 { options.fov } else { 40.0 }).to_radians();
-        let around = View::around(self.bounds, options.from, Some(fov), size)?;
+        let around = View::around(self.bounds, options.from, Some(FOV_Y), size)?;
         let eye = around.to_world(Vec3::ZERO).as_vec3();
         Ok([eye, self.bounds[0] * 0.5 + self.bounds[1] * 0.5])
     }
@@ -193,7 +196,7 @@ impl Source {
     ) -> Result<View, ViewError> {
         let forward = (target - eye).normalize_or(Vec3::NEG_Z);
         let up = if forward.y.abs() < 0.999 { Vec3::Y } else { Vec3::Z };
-        let room = self.extent() * (SWAY + 0.05);
+        let room = self.extent() * ROOM;
         let [min, max] = [self.bounds[0] - room, self.bounds[1] + room];
         let corner = |i: u32| {
             let pick = |bit: u32, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
@@ -205,32 +208,34 @@ impl Source {
         let near = near.min(far - far.abs() * 1.05 / FARTHEST);
         let least = f64::from(self.extent() * NEAREST);
         let zoom = f64::from(options.zoom);
-        let (lens, near) = match f64::from(options.fov).to_radians() {
-            0.0 => (Lens::Orthographic { half_height: f64::from((max - min).length()) * 0.5 / zoom }, near),
-            fov => (Lens::Perspective { fov_y: 2.0 * ((fov / 2.0).tan() / zoom).atan() }, near.max(least)),
-        };
+        let lens = Lens::Perspective { fov_y: 2.0 * ((FOV_Y / 2.0).tan() / zoom).atan() };
+        let near = near.max(least);
         View::look_at([eye, eye + forward * self.extent(), up], lens, [near, far.max(near + least)], size)
     }
 }
 
-/// So many sets that making them takes less than a second.
-pub fn sets(samples: u32) -> u32 {
-    (8192 / samples.max(1)).clamp(1, 16)
+/// The triangles of a file: those of all objects of glTF, or of OBJ or PLY.
+fn open_context(path: &Path) -> Result<Mesh, Failed> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    if !ending.is_some_and(|e| e == "glb" || e == "gltf") {
+        return Ok(files::open_mesh(path)?);
+    }
+    let mut all = Mesh::default();
+    let world = import::load(path)?;
+    for object in world.objects {
+        let Shape::Mesh { mesh, mut transform } = object.shape else { continue };
+        // Lines have the coordinates of their files.
+        transform.translation += Vec3A::from(world.source.origin.as_vec3());
+        let first = all.positions.len() as u32;
+        all.positions.extend(mesh.positions.iter().map(|&p| transform.transform_point3(p)));
+        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    Ok(all)
 }
 
-/// Each vertex shifted along a wave that travels in a seeded direction.
-fn swayed(lines: &LineSet, seed: u64, time: f64) -> Result<LineSet, Failed> {
-    let [min, max] = lines.bounds();
-    let extent = (max - min).max_element().max(f32::MIN_POSITIVE);
-    let mut random = Random::new(seed);
-    let mut direction =
-        || Vec3::from_array(std::array::from_fn(|_| random.within(-1.0, 1.0) as f32)).normalize_or(Vec3::X);
-    let (along, shift) = (direction(), direction() * extent * SWAY);
-    let moved = |p: Vec3| {
-        let phase = f64::from((p - min).dot(along) / extent) * 6.0 - time * 1.5;
-        p + shift * phase.sin() as f32
-    };
-    Ok(lines.moved(moved)?)
+/// So many sets that making them takes less than a second.
+fn sets(samples: u32) -> u32 {
+    (8192 / samples.max(1)).clamp(1, 16)
 }
 
 #[cfg(test)]
@@ -240,15 +245,12 @@ mod tests {
 
     #[test]
     fn views_from_afar_have_depths_that_the_renderer_takes() {
-        for angle in ["0", "1", "40"] {
-            let options = parsed::<Options>(&["--lines", "20", "--fov", angle]).unwrap();
-            let source = Source::open(&options).unwrap();
-            for eye in [vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, 1e4), vec3(0.0, 0.0, -1e4)] {
-                let view = source.view(&options, [eye, eye - Vec3::Z], [32, 24]).unwrap();
-                let [near, far] = view.depths();
-                assert!(near.abs().max(far.abs()) < FARTHEST * (far - near), "{angle} {eye}: {near} {far}");
-            }
+        let options = parsed::<Options>(&["--lines", "20"]).unwrap();
+        let source = Source::open(&options).unwrap();
+        for eye in [vec3(0.0, 0.0, 3.0), vec3(0.0, 0.0, 1e4), vec3(0.0, 0.0, -1e4)] {
+            let view = source.view(&options, [eye, eye - Vec3::Z], [32, 24]).unwrap();
+            let [near, far] = view.depths();
+            assert!(near.abs().max(far.abs()) < FARTHEST * (far - near), "{eye}: {near} {far}");
         }
-        assert!(parsed::<Options>(&["--fov", "0.5"]).is_err());
     }
 }

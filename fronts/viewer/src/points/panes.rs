@@ -10,7 +10,6 @@ use casca_stage::egui::{self, Color32, FontId, Pos2, Rect};
 use casca_stage::gpu::Gpu;
 use casca_stage::panel::Panel;
 use casca_stage::wgpu::{Color, TextureFormat};
-use clap::ValueEnum;
 use glam::Vec3;
 
 use crate::points::operators::{Looked, Operator};
@@ -28,31 +27,25 @@ const EXPLANATION: &str = "Points hide nothing: far ones show through the gaps b
 /// The height of a caption's letters, as a share of the height of a pane.
 const LETTERS: f32 = 0.05;
 
-/// The contents of a pane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+/// What a pane shows: all points, those that an operator leaves, or the surface by surface splatting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
-    /// All points
+    /// All points.
     Points,
-    /// Those that rays between discs around points reach
-    Discs,
-    /// Those that hidden point removal leaves
-    Hpr,
-    /// Those that the splat operator leaves
-    Splat,
-    /// The surface, by surface splatting
+    /// Those that an operator leaves.
+    By(Operator),
+    /// The surface, by surface splatting.
     Surface,
 }
 
-impl Content {
-    fn operator(self) -> Option<Operator> {
-        match self {
-            Self::Points | Self::Surface => None,
-            Self::Discs => Some(Operator::Discs),
-            Self::Hpr => Some(Operator::Hpr),
-            Self::Splat => Some(Operator::Splat),
-        }
-    }
-}
+/// The contents of panes by their names.
+pub const CONTENTS: [(&str, Content); 5] = [
+    ("points", Content::Points),
+    ("discs", Content::By(Operator::Discs)),
+    ("hpr", Content::By(Operator::Hpr)),
+    ("splat", Content::By(Operator::Splat)),
+    ("surface", Content::Surface),
+];
 
 /// Discs and a caption.
 struct Shown {
@@ -99,9 +92,9 @@ impl Panes {
         self.shown.clear();
         let mut lines = Vec::new();
         for &content in &self.contents {
-            let found = match content.operator() {
-                Some(operator) => Some(looked.visible(operator, camera)?),
-                None => None,
+            let found = match content {
+                Content::By(operator) => Some(looked.visible(operator, camera)?),
+                Content::Points | Content::Surface => None,
             };
             let (visible, time) = found.unzip();
             let is_surface = content == Content::Surface;
@@ -113,16 +106,16 @@ impl Panes {
             let count = surfels.len();
             let title = match content {
                 Content::Points => format!("all {count} points"),
-                Content::Discs => format!("rays between discs: {count} points"),
-                Content::Hpr => format!("hidden point removal: {count} points"),
-                Content::Splat => format!("splat operator: {count} points"),
+                Content::By(Operator::Discs) => format!("rays between discs: {count} points"),
+                Content::By(Operator::Hpr) => format!("hidden point removal: {count} points"),
+                Content::By(Operator::Splat) => format!("splat operator: {count} points"),
                 Content::Surface => "all points, drawn as a surface".to_owned(),
             };
             let took =
                 time.map_or(String::new(), |time| format!(", found in {:.0} ms", time.as_secs_f64() * 1e3));
             lines.push(format!("{title}{took}"));
             let (scale, least_pixels) = if is_surface { (1.0, 0.7) } else { (0.0, DOT) };
-            let style = Style { scale, least_pixels, offset: DISC * looked.radius, lit: is_surface };
+            let style = Style { scale, least_pixels, offset: DISC * looked.auto.radius, lit: is_surface };
             self.shown.push(Shown { surfels: Surfels::new(gpu, &surfels)?, style, title });
         }
         Ok(lines)
@@ -168,7 +161,7 @@ pub fn caption(
 fn surfel(looked: &Looked, i: usize, is_surface: bool) -> Surfel {
     let [r, g, b] = looked.cloud.colours.get(i).copied().unwrap_or(GREY);
     let normal = looked.normals.get(i).filter(|_| is_surface).copied().unwrap_or(Vec3::ZERO);
-    let radius = looked.cloud.radii.get(i).copied().unwrap_or(DISC * looked.radius);
+    let radius = looked.cloud.radii.get(i).copied().unwrap_or(DISC * looked.auto.radius);
     Surfel {
         position: looked.positions[i].to_array(),
         radius,

@@ -1,18 +1,15 @@
 //! The window, and a picture without one.
 
-use std::error::Error;
-
-use casca_stage::canvas::{Canvas, Target};
-use casca_stage::dial::Dial;
+use casca_stage::canvas::Target;
+use casca_stage::dial::Dials;
 use casca_stage::fly::Fly;
 use casca_stage::gpu::COLOUR;
 use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use casca_tools::command_line::{make_folder, say};
-use casca_tools::image::write_png;
-use glam::Vec3;
 
+use crate::common::Film;
 use crate::points::operators::Looked;
 use crate::points::options::Options;
 use crate::points::panes::{Content, Panes};
@@ -22,25 +19,26 @@ const SPEED: f32 = 0.15;
 
 /// The window.
 pub fn start(looked: Looked, panes: Vec<Content>) -> Start {
-    Start::new(format!("{} - casca points", looked.name), move |screen| Viewer::new(screen, looked, &panes))
+    Start::new(format!("{} - casca points", looked.name), move |screen: &Screen| {
+        let fly = Fly::new(looked.eye, looked.target - looked.eye);
+        let panes = Panes::new(&screen.gpu, screen.format(), &panes);
+        Ok(Viewer { looked, panes, fly, is_old: true, found: Vec::new() })
+    })
 }
 
 /// Draws a picture without a window.
 pub fn picture(options: &Options) -> Done {
     let gpu = options.common.drawing.device()?;
     let looked = options.look.open(options.common.file.as_deref())?;
-    let canvas = Canvas::new(&gpu, options.common.drawing.size);
+    let film = Film::new(&gpu, options.common.drawing.size, false);
     let mut panes = Panes::new(&gpu, COLOUR, &options.panes);
-    let camera = looked.camera(looked.eye, looked.target, panes.size(canvas.size()))?;
+    let camera = looked.camera(looked.eye, looked.target, panes.size(film.size()))?;
     let titles = panes.find(&gpu, &looked, &camera)?;
-    panes.draw(&gpu, &canvas.picture(), &camera, 1.0);
+    panes.draw(&gpu, &film.canvas.picture(), &camera, 1.0);
     let folder = options.common.folder("points");
     make_folder(&folder)?;
-    let path = folder.join(format!("points-{}.png", looked.name));
-    write_png(&path, canvas.size(), &canvas.read_picture(&gpu)?)?;
     titles.iter().for_each(say);
-    say(format_args!("{}, drawn on {}", path.display(), gpu.name));
-    Ok(())
+    film.save(&gpu, &folder.join(format!("points-{}.png", looked.name)))
 }
 
 struct Viewer {
@@ -53,20 +51,9 @@ struct Viewer {
     found: Vec<String>,
 }
 
-/// The name of the dial that finds the visible points anew.
-const FIND: &str = "find the visible points from here (Space)";
-
-impl Viewer {
-    fn new(screen: &Screen, looked: Looked, panes: &[Content]) -> Result<Self, Box<dyn Error>> {
-        let fly = Fly::new(looked.eye, looked.target - looked.eye);
-        let panes = Panes::new(&screen.gpu, screen.format(), panes);
-        Ok(Self { looked, panes, fly, is_old: true, found: Vec::new() })
-    }
-}
-
 impl Demo for Viewer {
-    fn press(&mut self, key: KeyCode, _: &Screen) -> Done {
-        self.is_old |= key == KeyCode::Space;
+    fn dials(&mut self, dials: &mut Dials, _: &Screen) -> Done {
+        self.is_old |= dials.button("find the visible points from here (Space)", Some(KeyCode::Space));
         Ok(())
     }
 
@@ -74,13 +61,8 @@ impl Demo for Viewer {
         self.fly.turn(x, y);
     }
 
-    fn resize(&mut self, _: &Screen) {}
-
     fn step(&mut self, seconds: f64, screen: &Screen) {
-        let way = screen.way() * (SPEED * self.looked.length * seconds.min(0.1) as f32);
-        if way != Vec3::ZERO {
-            self.fly.go(way);
-        }
+        self.fly.go(screen.way(seconds) * (SPEED * self.looked.length));
     }
 
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
@@ -96,11 +78,6 @@ impl Demo for Viewer {
     fn report(&self, _: &Screen) -> Report {
         let lines = self.looked.warnings.iter().chain(&self.found).cloned().collect();
         let keys = "W A S D Q E, a mouse button: fly   H: hides this";
-        Report { lines, legend: Vec::new(), dials: vec![Dial::button(FIND)], keys }
-    }
-
-    fn set(&mut self, dial: &str, _: f64, _: bool, _: &Screen) -> Done {
-        self.is_old |= dial == FIND;
-        Ok(())
+        Report { lines, keys, ..Report::default() }
     }
 }

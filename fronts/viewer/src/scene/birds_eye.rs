@@ -8,11 +8,13 @@ use casca_stage::report::Entry;
 use glam::{DVec3, Vec3};
 
 use crate::scene::camera_fit::{Margins, Solid, fitted};
+use crate::scene::draw::coloured;
 use crate::scene::geometry::DrawList;
-use crate::scene::legend::of_roles;
+use crate::scene::legend::{join, of_marks, of_roles};
 use crate::scene::overlays::Overlays;
 use crate::scene::playback::Frame;
-use crate::scene::role::Role;
+use crate::scene::renderer::Marks;
+use crate::scene::role::{COUNTED, Role};
 
 /// How far down the camera looks, in radians: steep enough to see into streets and rooms.
 const PITCH: f64 = 0.62 * FRAC_PI_2;
@@ -21,39 +23,41 @@ pub const FOV_Y: f32 = 60.0;
 /// It is narrower for the whole scene, so that walls lean less.
 const FOV_Y_WHOLE: f32 = 32.0;
 
-/// A frame from above.
-pub struct FromAbove {
-    /// The objects, to draw.
-    pub list: DrawList,
-    /// The meanings of their colours.
-    pub legend: Vec<Entry>,
-}
-
-/// All objects of a frame in the colours of their roles; `lost` are those that a check found
-/// missing. The legend counts those in the picture of `watcher`.
+/// What is drawn of a frame: objects, marks over them, and the meanings of their colours. `lost` are
+/// the objects that a check found missing. From above all objects have the colours of their roles, and
+/// the legend counts those in the picture of `watcher`; else those that are visible have their own.
 ///
 /// # Errors
 /// As [`Overlays::in_frustum`].
-pub fn from_above(
+pub fn drawn(
     frame: &Frame<'_>,
     overlays: &mut Overlays,
-    (watcher, lost): (&Camera, &[usize]),
-) -> Result<FromAbove, casca::Error> {
+    (watcher, is_above): (&Camera, bool),
+    lost: &[usize],
+) -> Result<(DrawList, Marks, Vec<Entry>), casca::Error> {
+    let marks = overlays.marks(frame, lost)?;
+    if !is_above {
+        let list = coloured(frame.geometry, frame.objects, &frame.visible);
+        let legend = of_marks(&marks);
+        return Ok((list, marks, legend));
+    }
     let mut roles = vec![Role::Outside; frame.objects.len()];
     overlays.culled(frame)?.into_iter().for_each(|i| roles[i] = Role::Culled);
     lost.iter().for_each(|&i| roles[i] = Role::Lost);
     frame.visible.iter().for_each(|&i| roles[i] = Role::Drawn);
     // Counted before grounds and ceilings are set apart, so that the numbers are those of culling.
     let in_picture = overlays.in_frustum(frame.scene, watcher)?;
-    let counts = Role::COUNTED.map(|role| (role, in_picture.iter().filter(|&&i| roles[i] == role).count()));
+    let counts = COUNTED.map(|(role, ..)| in_picture.iter().filter(|&&i| roles[i] == role).count());
     let grid = frame.scene.grid();
     let extent = (grid.max() - grid.min()).as_vec3();
     for (role, object) in roles.iter_mut().zip(frame.objects) {
         *role = Role::of(object, *role, frame.camera.eye, extent);
     }
-    let drawn = (0..roles.len()).filter(|&i| roles[i] != Role::Ceiling);
-    let list = frame.geometry.list(frame.objects, drawn, &|i| roles[i].colour());
-    Ok(FromAbove { list, legend: of_roles(&counts) })
+    let shown = (0..roles.len()).filter(|&i| roles[i] != Role::Ceiling);
+    let list = frame.geometry.list(frame.objects, shown, &|i| roles[i].colour());
+    let mut legend = of_roles(counts);
+    join(&mut legend, of_marks(&marks));
+    Ok((list, marks, legend))
 }
 
 /// A direction, steeply down.
@@ -121,14 +125,6 @@ mod tests {
             assert_inside(&above, [eye.as_dvec3()]);
             assert!(above.eye.y > eye.y, "it is above");
         }
-    }
-
-    #[test]
-    fn places_are_counted_from_the_left_upper_corner() {
-        let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 90.0, 1.0, 0.1, 100.0);
-        let [x, y] = place_in(&camera, Vec3::new(1.0, 1.0, -2.0));
-        assert!((x - 0.75).abs() < 1e-5 && (y - 0.25).abs() < 1e-5, "{x} {y}");
-        assert_eq!(place_in(&camera, Vec3::Z), [-1.0; 2]);
     }
 
     #[test]

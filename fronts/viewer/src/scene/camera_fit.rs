@@ -1,7 +1,7 @@
 //! The part of a scene that a camera sees, and a second camera that has all of it in its picture.
 
 use casca_scenes::world::Camera;
-use glam::{DVec3, DVec4, Vec3};
+use glam::{DVec3, DVec4};
 
 /// Polygons smaller than this share of the scene are rounding.
 const FLAT: f64 = 1e-9;
@@ -132,20 +132,10 @@ pub fn fitted(
     Camera::look_at(eye, eye + forward.as_vec3(), fov_y_degrees, aspect, 2e-3 * reach as f32, far as f32)
 }
 
-/// Whether a convex thing with these corners may be in a camera's picture: not all of them lie
-/// behind one border.
-pub fn in_view(camera: &Camera, corners: &[Vec3]) -> bool {
-    let matrix = camera.view_projection();
-    let behind = corners.iter().fold(0b11111, |all: u8, corner| {
-        let c = matrix * corner.extend(1.0);
-        let outside = [c.w <= 0.0, c.x < -c.w, c.x > c.w, c.y < -c.w, c.y > c.w];
-        all & outside.iter().rev().fold(0, |bits, &bit| bits << 1 | u8::from(bit))
-    });
-    behind == 0
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     const MIN: DVec3 = DVec3::ZERO;
@@ -216,18 +206,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn things_are_in_view_unless_one_border_has_them_all_outside() {
-        let camera = camera(Vec3::ZERO, Vec3::NEG_Z);
-        let ahead = Vec3::new(0.0, 0.0, -5.0);
-        assert!(in_view(&camera, &[ahead]));
-        assert!(!in_view(&camera, &[-ahead]));
-        assert!(
-            in_view(&camera, &[ahead - Vec3::X * 50.0, ahead + Vec3::X * 50.0]),
-            "it crosses the picture"
-        );
-        assert!(!in_view(&camera, &[ahead + Vec3::X * 40.0, ahead + Vec3::X * 50.0]));
     }
 }

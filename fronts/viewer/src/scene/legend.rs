@@ -1,40 +1,24 @@
 //! The legend: the colours in a picture and their meanings, and no others.
 
-use casca_scenes::world::Camera;
 use casca_stage::report::{Entry, Sample};
-use glam::Vec3;
 
-use crate::scene::camera_fit::in_view;
-use crate::scene::overlays::{FRUSTUM, HIDDEN, HIDDEN_CELL, LIT, LOST, OPAQUE_CELL, VISIBLE_CELL, VOLUME};
+use crate::scene::overlays::{FRUSTUM, HIDDEN, LOST, VOLUME};
 use crate::scene::renderer::Marks;
-use crate::scene::role::Role;
+use crate::scene::role::COUNTED;
 
 /// The meanings of the colours of marks.
-const MARKS: [([u8; 4], Sample, &str); 7] = [
+const MARKS: [([u8; 4], Sample, &str); 4] = [
     (LOST, Sample::Line, "visible, but not drawn: lost"),
     (HIDDEN, Sample::Line, "hidden object, culled"),
     (VOLUME, Sample::Line, "volume that a hidden moving object stays in"),
-    (OPAQUE_CELL, Sample::Area, "opaque cell, which hides"),
-    (HIDDEN_CELL, Sample::Area, "hidden cell"),
-    (VISIBLE_CELL, Sample::Area, "cell that may be seen"),
     (FRUSTUM, Sample::Framed([250, 244, 180]), "the camera's frustum"),
 ];
 
-/// Entries for the marks in the picture of a camera.
-pub fn of_marks(marks: &Marks, watcher: &Camera) -> Vec<Entry> {
-    let lines = marks.lines.iter().map(|line| (line.colour, vec![line.start, line.end]));
-    let fills = marks.fills.chunks(3).map(|fill| (fill[0].colour, fill.iter().map(|c| c.position).collect()));
-    let mut shown = [false; MARKS.len()];
-    for (colour, corners) in lines.chain(fills) {
-        let colour = if colour == LIT { FRUSTUM } else { colour };
-        let Some(at) = MARKS.iter().position(|mark| mark.0 == colour).filter(|&at| !shown[at]) else {
-            continue;
-        };
-        let corners: Vec<Vec3> = corners.into_iter().map(Vec3::from).collect();
-        shown[at] = in_view(watcher, &corners);
-    }
-    let shown = MARKS.into_iter().zip(shown).filter(|(_, shown)| *shown);
-    shown.map(|((colour, sample, text), _)| Entry { colour, sample, text: text.to_owned() }).collect()
+/// Entries for the colours of marks.
+pub fn of_marks(marks: &Marks) -> Vec<Entry> {
+    let colours = || marks.lines.iter().map(|line| line.colour).chain(marks.fills.iter().map(|c| c.colour));
+    let shown = MARKS.into_iter().filter(|mark| colours().any(|colour| colour == mark.0));
+    shown.map(|(colour, sample, text)| Entry { colour, sample, text: text.to_owned() }).collect()
 }
 
 /// Adds the entries whose colours are not in a legend yet.
@@ -46,17 +30,19 @@ pub fn join(legend: &mut Vec<Entry>, more: Vec<Entry>) {
     }
 }
 
-/// Entries for the objects in a view from above, with their numbers.
-pub fn of_roles(counts: &[(Role, usize)]) -> Vec<Entry> {
-    let entries = counts.iter().filter(|(_, count)| *count > 0);
-    let entries = entries.filter_map(|&(role, count)| Some((role, format!("{}: {count}", role.meaning()?))));
-    entries.map(|(role, text)| Entry { colour: role.colour(), sample: Sample::Area, text }).collect()
+/// Entries for the objects in a view from above, with the number in each of [`COUNTED`].
+pub fn of_roles(counts: [usize; COUNTED.len()]) -> Vec<Entry> {
+    let entries = COUNTED.into_iter().zip(counts).filter(|(_, count)| *count > 0);
+    let entry = |((_, colour, meaning), count)| {
+        let text = format!("{meaning}: {count}");
+        Entry { colour, sample: Sample::Area, text }
+    };
+    entries.map(entry).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::renderer::Corner;
 
     fn texts(entries: &[Entry]) -> Vec<&str> {
         entries.iter().map(|entry| entry.text.as_str()).collect()
@@ -70,23 +56,8 @@ mod tests {
     }
 
     #[test]
-    fn only_marks_in_the_picture_are_named() {
-        let watcher = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 60.0, 1.0, 0.1, 100.0);
-        let mut marks = Marks::default();
-        assert!(of_marks(&marks, &watcher).is_empty());
-        let ahead = Vec3::NEG_Z * 5.0;
-        marks.line(ahead, ahead + Vec3::Y, 1.0, FRUSTUM);
-        marks.line(-ahead, Vec3::Y - ahead, 1.0, LOST);
-        for position in [ahead, ahead + Vec3::X, ahead + Vec3::Y] {
-            marks.fills.push(Corner { position: position.to_array(), colour: HIDDEN_CELL });
-        }
-        assert_eq!(texts(&of_marks(&marks, &watcher)), ["hidden cell", "the camera's frustum"]);
-    }
-
-    #[test]
     fn only_roles_that_some_object_has_are_named() {
-        let counts = [(Role::Drawn, 26), (Role::Culled, 0), (Role::Lost, 3), (Role::Ground, 1)];
-        let mut legend = of_roles(&counts);
+        let mut legend = of_roles([26, 3, 0, 0]);
         assert_eq!(texts(&legend), ["visible, drawn: 26", "visible, lost: 3"]);
         let mark = |colour, text: &str| Entry { colour, sample: Sample::Line, text: text.to_owned() };
         join(&mut legend, vec![mark(LOST, "lost"), mark(HIDDEN, "hidden")]);

@@ -17,7 +17,6 @@ pub mod playback;
 pub mod proof;
 pub mod renderer;
 pub mod role;
-mod run;
 pub mod window;
 
 pub use options::Options;

@@ -1,13 +1,21 @@
-//! The command line.
+//! The command line, and what it asks for, done.
+
+use std::path::PathBuf;
 
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use casca_scenes::name::SceneName;
-use casca_tools::command_line::EXIT_CODES;
+use casca_stage::window::Start;
+use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
 use clap::Args;
 
-use crate::common::{Common, Failed};
-use crate::scene::overlays::Layer;
-use crate::scene::playback::Method;
+use crate::common::{Common, Failed, Shows, one_of};
+use crate::scene::overlays::{LAYERS, Layer};
+use crate::scene::playback::{METHODS, Method, Playback};
+use crate::scene::window::First;
+use crate::scene::{headless, proof, window};
+
+/// Pictures of a scene, if no other number is given.
+pub const FRAMES: u32 = 5;
 
 /// Draws exactly the objects that casca finds visible
 ///
@@ -23,7 +31,7 @@ pub struct Options {
     #[command(flatten)]
     pub common: Common,
     /// How what is drawn is decided: all, frustum, point or cell
-    #[arg(long, default_value = "point")]
+    #[arg(long, default_value = "point", value_parser = |text: &str| one_of(text, &METHODS))]
     pub method: Method,
     /// Compares pictures of everything with pictures of what point and cell leave; exits with 1 if
     /// they lose a pixel
@@ -36,8 +44,8 @@ pub struct Options {
     /// Also writes the pictures as one animated PNG
     #[arg(long, requires = "headless")]
     pub animation: bool,
-    /// Layers over the pictures, comma-separated: hidden, volumes, cells, buffers, frustum
-    #[arg(long, value_delimiter = ',', value_parser = parse_layer)]
+    /// Layers over the pictures, comma-separated: hidden, volumes, buffers, frustum
+    #[arg(long, value_delimiter = ',', value_parser = |text: &str| one_of(text, &LAYERS))]
     pub layers: Vec<Layer>,
     /// Shows this frame of the path only, standing still
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=100_000), conflicts_with_all = ["animation", "proof"])]
@@ -50,10 +58,53 @@ pub struct Options {
     pub seed: u64,
 }
 
-fn parse_layer(text: &str) -> Result<Layer, String> {
-    let names = ["hidden", "volumes", "cells", "buffers", "frustum"];
-    let found = names.into_iter().zip(Layer::EVERY).find(|(name, _)| *name == text);
-    found.map(|(_, layer)| layer).ok_or_else(|| format!("expected some of {}", names.join(", ")))
+impl Shows for Options {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn start(&self) -> Result<Start, Failed> {
+        let scenes = self.scenes()?;
+        scenes.iter().try_for_each(SceneName::check)?;
+        let first = match (self.at, &self.common.file) {
+            (Some(frame), _) => First::Still(frame as usize),
+            (None, None) => First::Above,
+            (None, Some(_)) => First::Path,
+        };
+        Ok(window::start(scenes, &self.made(), self.method, first))
+    }
+
+    fn is_windowless(&self) -> bool {
+        self.common.headless || self.proof
+    }
+
+    fn work(&self) -> Result<Outcome, Failed> {
+        let drawing = &self.common.drawing;
+        let scenes = self.scenes()?;
+        // A proof takes minutes: what cannot be read or written is said before it.
+        scenes.iter().try_for_each(SceneName::check)?;
+        let out = self.out();
+        make_folder(&out)?;
+        let gpu = drawing.device()?;
+        say(format_args!("drawing on {}", gpu.name));
+        let mut holds = true;
+        for scene in &scenes {
+            let mut playback = Playback::new(scene.open(&self.made())?)?;
+            holds &= if self.proof {
+                let plan = (drawing.size, drawing.frames.unwrap_or(FRAMES) as usize);
+                let rows =
+                    proof::prove(&gpu, &mut playback, plan, &[Method::Point, Method::Cell], Some(&out))?;
+                proof::report(&playback.world.name, playback.world.objects.len(), &rows)
+            } else {
+                headless::pictures(&gpu, &mut playback, self)? == 0
+            };
+        }
+        if !holds {
+            eprintln!("visible objects were lost");
+            return Ok(Outcome::Lost);
+        }
+        Ok(Outcome::Well)
+    }
 }
 
 impl Options {
@@ -69,6 +120,11 @@ impl Options {
         };
         let scene = |name: &str| name.parse().map_err(|why: String| format!("{name:?} is {why}").into());
         names.split(',').map(scene).collect()
+    }
+
+    /// The folder for pictures.
+    pub fn out(&self) -> PathBuf {
+        self.common.folder("viewer")
     }
 
     /// What procedural scenes are made of.
@@ -111,5 +167,17 @@ mod tests {
         assert_eq!(named, [SceneName::Built(SceneKind::Rooms), SceneName::File("a.glb".into())]);
         let all = scenes(&[]).unwrap();
         assert_eq!((all.len(), &all[0]), (SceneKind::SOLIDS.len(), &SceneName::Built(SceneKind::City)));
+    }
+
+    #[test]
+    fn a_missing_scene_or_a_folder_that_is_none_is_named_before_anything_is_drawn() {
+        let place = std::env::temp_dir().join(format!("casca-viewer-{}", std::process::id()));
+        std::fs::write(&place, "no folder").unwrap();
+        let failure = |words: &[&str]| parsed::<Options>(words).unwrap().run().unwrap_err().to_string();
+        let name = place.to_str().unwrap();
+        assert!(failure(&["--headless", "--out", name]).contains(name));
+        assert!(failure(&["--proof", "--out", name]).contains(name));
+        assert!(failure(&["--headless", "city,no/such.glb"]).contains("no/such.glb"));
+        std::fs::remove_file(&place).unwrap();
     }
 }

@@ -1,11 +1,11 @@
 //! What the library knows, drawn over the picture.
 
-use casca::internals::{BitMatrix, QueryInternals, SceneInternals};
+use casca::internals::{OcclusionImage, QueryInternals};
 use casca::{Method, Query, Scene};
 use casca_scenes::drive::view_of;
 use casca_scenes::world::{Camera, Object, Shape};
 use casca_tools::pictures::palette::{self, rgba};
-use glam::{Affine3A, DVec3, DVec4, IVec3, Vec3};
+use glam::{Affine3A, DVec3, DVec4, Vec3};
 
 use crate::scene::camera_fit::Solid;
 use crate::scene::playback::Frame;
@@ -18,40 +18,24 @@ pub enum Layer {
     Hidden,
     /// Temporal bounding volumes.
     Volumes,
-    /// Cells near a horizontal slice through the eye.
-    Cells,
     /// The occlusion buffers.
     Buffers,
     /// The frustum that is culled for.
     Frustum,
 }
 
-impl Layer {
-    /// All of them, in the order of their keys.
-    pub const EVERY: [Self; 5] = [Self::Hidden, Self::Volumes, Self::Cells, Self::Buffers, Self::Frustum];
-
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hidden => "hidden objects",
-            Self::Volumes => "temporal bounding volumes",
-            Self::Cells => "grid cells",
-            Self::Buffers => "occlusion buffers",
-            Self::Frustum => "frustum",
-        }
-    }
-}
+/// The layers by their names, in their order above, which is that of their keys.
+pub const LAYERS: [(&str, Layer); 4] = [
+    ("hidden", Layer::Hidden),
+    ("volumes", Layer::Volumes),
+    ("buffers", Layer::Buffers),
+    ("frustum", Layer::Frustum),
+];
 
 /// The wireframe of a hidden object.
 pub const HIDDEN: [u8; 4] = rgba(palette::HIDDEN, 200);
 /// A temporal bounding volume.
 pub const VOLUME: [u8; 4] = rgba(palette::VOLUME, 220);
-/// A cell that hides.
-pub const OPAQUE_CELL: [u8; 4] = rgba(palette::OPAQUE_CELL, 215);
-/// A cell that is hidden.
-pub const HIDDEN_CELL: [u8; 4] = rgba(palette::HIDDEN_CELL, 120);
-/// A cell that may be seen.
-pub const VISIBLE_CELL: [u8; 4] = rgba(palette::VISIBLE_CELL, 120);
 /// The border of the frustum that is culled for.
 pub const FRUSTUM: [u8; 4] = rgba(palette::CAMERA, 255);
 /// Its section at the height of the eye.
@@ -62,22 +46,22 @@ pub const LOST: [u8; 4] = [220, 0, 30, 255];
 /// Which layers are on, and what they keep.
 #[derive(Default)]
 pub struct Overlays {
-    on: [bool; 5],
+    /// Whether each layer is on.
+    pub on: [bool; 4],
     /// Whether of the frustum only its section at the height of the eye is drawn.
     pub is_frustum_flat: bool,
-    recorder: Option<Query>,
     frustum: Option<Query>,
 }
 
 impl Overlays {
-    /// Whether a layer is on.
-    pub fn is_on(&self, layer: Layer) -> bool {
-        self.on[layer as usize]
+    /// The occlusion buffers, if they are on.
+    pub fn images(&self, frame: &Frame<'_>) -> Vec<OcclusionImage> {
+        if self.is_on(Layer::Buffers) { frame.query.occlusion_images() } else { Vec::new() }
     }
 
-    /// Turns a layer on or off.
-    pub fn toggle(&mut self, layer: Layer) {
-        self.on[layer as usize] ^= true;
+    /// Whether a layer is on.
+    fn is_on(&self, layer: Layer) -> bool {
+        self.on[layer as usize]
     }
 
     /// The marks of all layers that are on, and of objects that were lost.
@@ -87,20 +71,19 @@ impl Overlays {
     pub fn marks(&mut self, frame: &Frame<'_>, lost: &[usize]) -> Result<Marks, casca::Error> {
         let mut marks = Marks::default();
         if self.is_on(Layer::Hidden) {
-            self.hidden(frame, &mut marks)?;
+            for i in self.culled(frame)? {
+                marks.wireframe(&frame.objects[i], 1.0, HIDDEN);
+            }
         }
         if self.is_on(Layer::Volumes) {
             for (lo, hi) in frame.scene.ids().filter_map(|id| frame.scene.tbv(id).ok().flatten()) {
                 marks.cuboid(lo.as_vec3(), hi.as_vec3(), Affine3A::IDENTITY, 1.0, VOLUME);
             }
         }
-        if self.is_on(Layer::Cells) {
-            self.cells(frame, &mut marks)?;
-        }
         if self.is_on(Layer::Frustum) {
             let mut seen = Solid::seen(&frame.camera, frame.scene.grid().min(), frame.scene.grid().max());
             if !self.is_frustum_flat {
-                marks.edges(&seen, 1.0, FRUSTUM);
+                seen.faces.iter().for_each(|face| marks.outline(face, 1.0, FRUSTUM));
             }
             marks.section(&mut seen, f64::from(frame.camera.eye.y));
         }
@@ -108,13 +91,6 @@ impl Overlays {
             marks.wireframe(&frame.objects[i], 3.0, LOST);
         }
         Ok(marks)
-    }
-
-    fn hidden(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        for i in self.culled(frame)? {
-            marks.wireframe(&frame.objects[i], 1.0, HIDDEN);
-        }
-        Ok(())
     }
 
     /// The objects in the frustum that are not drawn, ascending.
@@ -132,45 +108,14 @@ impl Overlays {
     /// # Errors
     /// As [`view_of`] and [`Query::with_method`].
     pub fn in_frustum(&mut self, scene: &Scene, camera: &Camera) -> Result<Vec<usize>, casca::Error> {
-        let query = match self.frustum.take() {
+        let query = match &mut self.frustum {
             Some(query) => query,
-            None => Query::with_method(Method::Frustum)?,
+            none => none.insert(Query::with_method(Method::Frustum)?),
         };
-        let query = self.frustum.insert(query);
         let found = query.run(scene, &view_of(camera)?).visible();
         let mut found: Vec<usize> = found.iter().map(|id| id.index()).collect();
         found.sort_unstable();
         Ok(found)
-    }
-
-    fn cells(&mut self, frame: &Frame<'_>, marks: &mut Marks) -> Result<(), casca::Error> {
-        let query = match self.recorder.take() {
-            Some(query) => query,
-            None => Query::with_method(Method::cell())?,
-        };
-        let query = self.recorder.insert(query);
-        query.record_cells(true);
-        query.run(frame.scene, &view_of(&frame.camera)?);
-        let grid = frame.scene.grid();
-        let level = grid.cell_of(frame.camera.eye.as_dvec3()).y.clamp(0, grid.dims().y - 1);
-        for z in 0..grid.dims().z {
-            for x in 0..grid.dims().x {
-                let cell = IVec3::new(x, level, z);
-                let is_in = |cells: Option<&BitMatrix>| cells.is_some_and(|c| c.get(cell));
-                let colour = if frame.scene.is_opaque(cell) {
-                    OPAQUE_CELL
-                } else if is_in(query.hidden_cells()) {
-                    HIDDEN_CELL
-                } else if is_in(query.visited_cells()) {
-                    VISIBLE_CELL
-                } else {
-                    continue;
-                };
-                let (lo, hi) = grid.cell_bounds(cell);
-                marks.tile(lo.as_vec3(), hi.as_vec3(), colour);
-            }
-        }
-        Ok(())
     }
 }
 
@@ -183,8 +128,8 @@ impl Marks {
     /// The edges of a box under a transform.
     pub fn cuboid(&mut self, lo: Vec3, hi: Vec3, transform: Affine3A, width: f32, colour: [u8; 4]) {
         let corner = |i: usize| {
-            let pick = |axis: usize| if i >> axis & 1 == 0 { lo[axis] } else { hi[axis] };
-            transform.transform_point3(Vec3::new(pick(0), pick(1), pick(2)))
+            let at = Vec3::from_array(std::array::from_fn(|axis| [lo, hi][i >> axis & 1][axis]));
+            transform.transform_point3(at)
         };
         for i in 0..8 {
             for axis in 0..3 {
@@ -219,20 +164,6 @@ impl Marks {
         }
     }
 
-    /// A horizontal tile in the middle of a box, with gaps between neighbours.
-    fn tile(&mut self, lo: Vec3, hi: Vec3, colour: [u8; 4]) {
-        let gap = (hi - lo) * 0.06;
-        let (lo, hi, y) = (lo + gap, hi - gap, (lo.y + hi.y) * 0.5);
-        for (x, z) in [(lo.x, lo.z), (hi.x, lo.z), (hi.x, hi.z), (lo.x, lo.z), (hi.x, hi.z), (lo.x, hi.z)] {
-            self.fills.push(Corner { position: [x, y, z], colour });
-        }
-    }
-
-    /// The edges of a solid.
-    fn edges(&mut self, solid: &Solid, width: f32, colour: [u8; 4]) {
-        solid.faces.iter().for_each(|face| self.outline(face, width, colour));
-    }
-
     /// The border of a polygon.
     fn outline(&mut self, corners: &[DVec3], width: f32, colour: [u8; 4]) {
         for (i, corner) in corners.iter().enumerate() {
@@ -249,10 +180,5 @@ impl Marks {
                 self.fills.push(Corner { position: p.as_vec3().to_array(), colour: LIT });
             }
         }
-    }
-
-    /// Makes all lines wider.
-    pub fn widen(&mut self, factor: f32) {
-        self.lines.iter_mut().for_each(|line| line.width *= factor);
     }
 }

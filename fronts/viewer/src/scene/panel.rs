@@ -9,47 +9,34 @@ use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::panel::{Panel, boxed, told};
 use casca_stage::report::{Entry, Report};
 
-use crate::scene::playback::Method;
+use crate::scene::draw::Check;
+use crate::scene::playback::{Frame, Method};
 
-/// The numbers of a frame.
-pub struct Numbers<'a> {
-    /// Name of the scene.
-    pub scene: &'a str,
-    /// What draws.
-    pub device: &'a str,
-    /// How it was culled.
-    pub method: Method,
-    /// Objects drawn, and all.
-    pub visible: (usize, usize),
-    /// Time of the query, and of drawing.
-    pub times: (Duration, Duration),
-    /// From an item buffer: objects that pixels show, and how many of them were not drawn.
-    pub check: Option<(usize, usize)>,
-}
-
-impl Numbers<'_> {
-    /// What there is to say, line by line.
-    pub fn lines(&self) -> Vec<String> {
-        let (shown, all) = self.visible;
-        let percent = 100.0 * shown as f64 / all.max(1) as f64;
-        let [query, draw] = [self.times.0, self.times.1].map(|t| t.as_secs_f64() * 1e3);
-        let mut lines = vec![
-            format!("{} - {}", self.scene, self.method),
-            format!("drawn  {shown} of {all} objects ({percent:.1} %)"),
-        ];
-        if self.method != Method::All {
-            lines.push(format!("query  {query:.2} ms"));
-        }
-        // In a page nothing tells when a drawing ends: it is the time from frame to frame.
-        let drawing = if IS_PAGE { "frame" } else { "draw " };
-        lines.push(format!("{drawing}  {draw:.2} ms on {}", self.device));
-        if let Some((exact, lost)) = self.check {
-            let ratio = shown as f64 / exact.max(1) as f64;
-            lines.push(format!("visible in pixels  {exact};  drawn / visible  {ratio:.2}"));
-            lines.push(format!("visible objects lost  {lost}"));
-        }
-        lines
+/// The numbers of a frame of the scene called so, line by line: how it was culled, how many of how
+/// many objects are drawn, the time of drawing, and from an item buffer how many objects pixels show
+/// and how many of them were not drawn.
+pub fn numbers(
+    (scene, method): (&str, Method),
+    frame: &Frame<'_>,
+    (device, drawing): (&str, Duration),
+    check: Option<&Check>,
+) -> Vec<String> {
+    let (shown, all) = (frame.visible.len(), frame.objects.len());
+    let percent = 100.0 * shown as f64 / all.max(1) as f64;
+    let [query, draw] = [frame.time, drawing].map(|t| t.as_secs_f64() * 1e3);
+    let mut lines =
+        vec![format!("{scene} - {method}"), format!("drawn  {shown} of {all} objects ({percent:.1} %)")];
+    if method != Method::All {
+        lines.push(format!("query  {query:.2} ms"));
     }
+    // In a page nothing tells when a drawing ends: it is the time from frame to frame.
+    lines.push(format!("{}  {draw:.2} ms on {device}", if IS_PAGE { "frame" } else { "draw " }));
+    if let Some(Check { shown: exact, lost }) = check {
+        let ratio = shown as f64 / exact.len().max(1) as f64;
+        lines.push(format!("visible in pixels  {};  drawn / visible  {ratio:.2}", exact.len()));
+        lines.push(format!("visible objects lost  {}", lost.len()));
+    }
+    lines
 }
 
 /// Draws over a target, where a point is `scale` pixels wide: the occlusion buffers given, a mark at

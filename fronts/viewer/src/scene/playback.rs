@@ -2,7 +2,6 @@
 
 use std::error::Error;
 use std::fmt;
-use std::str::FromStr;
 use std::time::Duration;
 
 use casca::{Query, Scene};
@@ -26,33 +25,13 @@ pub enum Method {
     Cell,
 }
 
-impl Method {
-    /// All of them.
-    pub const EVERY: [Self; 4] = [Self::All, Self::Frustum, Self::Point, Self::Cell];
-
-    /// The next one.
-    pub fn next(self) -> Self {
-        Self::EVERY[(self as usize + 1) % Self::EVERY.len()]
-    }
-}
+/// The methods by their names, in their order above.
+pub const METHODS: [(&str, Method); 4] =
+    [("all", Method::All), ("frustum", Method::Frustum), ("point", Method::Point), ("cell", Method::Cell)];
 
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::All => "all",
-            Self::Frustum => "frustum",
-            Self::Point => "point",
-            Self::Cell => "cell",
-        })
-    }
-}
-
-impl FromStr for Method {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        let found = Self::EVERY.into_iter().find(|m| m.to_string() == name);
-        found.ok_or_else(|| "expected all, frustum, point or cell".to_owned())
+        f.pad(METHODS[*self as usize].0)
     }
 }
 
@@ -65,7 +44,7 @@ pub struct Playback {
     /// What is drawn.
     pub geometry: Geometry,
     /// Frames since the start.
-    ticks: usize,
+    pub ticks: usize,
     point: Query,
     cell: Query,
     frustum: Query,
@@ -117,24 +96,9 @@ impl Playback {
         }
     }
 
-    /// Frames since the start.
-    pub fn ticks(&self) -> usize {
-        self.ticks
-    }
-
     /// The path's camera now.
     pub fn path_camera(&self, aspect: f32) -> Camera {
         self.world.camera(self.path_frame(self.ticks), aspect)
-    }
-
-    /// Sets the clock to a frame.
-    pub fn go_to(&mut self, tick: usize) {
-        self.ticks = tick;
-    }
-
-    /// Moves the clock on by a frame.
-    pub fn advance(&mut self) {
-        self.ticks += 1;
     }
 
     /// Runs the frame loop once: culls for `camera` by `method` and has `draw` draw it.

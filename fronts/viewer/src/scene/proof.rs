@@ -9,11 +9,10 @@
 use std::error::Error;
 use std::path::Path;
 
-use casca_scenes::world::Object;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
 use casca_tools::command_line::make_folder;
-use casca_tools::compare::{Shot, marked};
+use casca_tools::compare::marked;
 use casca_tools::image::write_png;
 
 use crate::scene::draw::{Painter, coloured};
@@ -57,10 +56,10 @@ pub fn prove(
         let mut camera = playback.path_camera(canvas.aspect());
         loop {
             playback.frame(Method::Point, &camera, &mut |_| Ok(()))?;
-            if playback.ticks() >= at {
+            if playback.ticks >= at {
                 break;
             }
-            playback.advance();
+            playback.ticks += 1;
             camera = playback.path_camera(canvas.aspect());
         }
         let sets = playback.compare(methods, &camera)?;
@@ -72,48 +71,31 @@ pub fn prove(
         for (row, set) in rows.iter_mut().zip(&sets) {
             let got = shoot(set)?;
             let differing = want.differing(&got);
-            let count = row.add(&differing, set.len());
-            if count == 0 {
-                continue;
-            }
+            let count = differing.iter().filter(|d| **d).count();
+            row.frames += 1;
+            row.pixels += count;
+            row.bad_frames += usize::from(count > 0);
+            row.drawn += set.len();
+            let Some(first) = differing.iter().position(|d| *d) else { continue };
+            let scene = &playback.world.name;
             if let Some(out) = out {
-                let name = format!("{}-{at:04}-{}-differs.png", playback.world.name, row.method);
+                let name = format!("{scene}-{at:04}-{}-differs.png", row.method);
                 make_folder(out)?;
                 write_png(&out.join(name), canvas.size(), &marked(&want.pixels, &differing, canvas.size()))?;
             }
-            let place = format!("{} frame {at}, {}", playback.world.name, row.method);
-            say_loss(&place, &differing, (&want, &got), objects, canvas.size().0 as usize);
+            let name = |item: u32| objects.get(item as usize).map_or("nothing", |o| o.name.as_str());
+            let (wanted, shown, width) = (want.items[first], got.items[first], canvas.size().0 as usize);
+            eprintln!(
+                "{scene} frame {at}, {}: {count} pixels differ; at ({}, {}) everything shows object {wanted} {:?}, the method {shown} {:?}",
+                row.method,
+                first % width,
+                first / width,
+                name(wanted),
+                name(shown),
+            );
         }
     }
     Ok(rows)
-}
-
-impl Row {
-    /// Adds a frame with the pixels that differ and the number of objects drawn; returns how many
-    /// differ.
-    fn add(&mut self, differing: &[bool], drawn: usize) -> usize {
-        let count = differing.iter().filter(|d| **d).count();
-        self.frames += 1;
-        self.pixels += count;
-        self.bad_frames += usize::from(count > 0);
-        self.drawn += drawn;
-        count
-    }
-}
-
-/// Prints the first pixel that differs.
-fn say_loss(place: &str, differing: &[bool], (want, got): (&Shot, &Shot), objects: &[Object], width: usize) {
-    let Some(p) = differing.iter().position(|d| *d) else { return };
-    let name = |item: u32| objects.get(item as usize).map_or("nothing", |o| o.name.as_str());
-    let (wanted, shown) = (want.items[p], got.items[p]);
-    eprintln!(
-        "{place}: {} pixels differ; at ({}, {}) everything shows object {wanted} {:?}, the method {shown} {:?}",
-        differing.iter().filter(|d| **d).count(),
-        p % width,
-        p / width,
-        name(wanted),
-        name(shown),
-    );
 }
 
 /// Prints what was compared; whether no method lost a pixel.

@@ -22,30 +22,18 @@ pub enum Role {
     Ceiling,
 }
 
-impl Role {
-    /// The roles that culling gives.
-    pub const COUNTED: [Self; 4] = [Self::Drawn, Self::Lost, Self::Culled, Self::Outside];
+/// The roles that culling gives, with their colours and names in legends.
+pub const COUNTED: [(Role, [u8; 4], &str); 4] = [
+    (Role::Drawn, rgba(palette::DRAWN, 255), "visible, drawn"),
+    (Role::Lost, LOST, "visible, lost"),
+    (Role::Culled, rgba(palette::CULLED, 255), "hidden, culled"),
+    (Role::Outside, rgba(palette::OUTSIDE, 255), "outside the frustum"),
+];
 
+impl Role {
     /// The colour of objects in this role.
     pub fn colour(self) -> [u8; 4] {
-        match self {
-            Self::Drawn => rgba(palette::DRAWN, 255),
-            Self::Lost => LOST,
-            Self::Culled => rgba(palette::CULLED, 255),
-            Self::Outside => rgba(palette::OUTSIDE, 255),
-            Self::Ground | Self::Ceiling => rgba(palette::GROUND, 255),
-        }
-    }
-
-    /// Its name in a legend; grounds need none.
-    pub fn meaning(self) -> Option<&'static str> {
-        match self {
-            Self::Drawn => Some("visible, drawn"),
-            Self::Lost => Some("visible, lost"),
-            Self::Culled => Some("hidden, culled"),
-            Self::Outside => Some("outside the frustum"),
-            Self::Ground | Self::Ceiling => None,
-        }
+        COUNTED.iter().find(|known| known.0 == self).map_or(rgba(palette::GROUND, 255), |known| known.1)
     }
 
     /// Wide flat boxes are grounds or ceilings, the others keep the role that culling gave them.

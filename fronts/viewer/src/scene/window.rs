@@ -3,46 +3,34 @@
 use std::error::Error;
 use std::time::Duration;
 
-use casca::internals::QueryInternals;
-use casca_scenes::generated::{SceneKind, SceneOptions};
+use casca_scenes::generated::SceneOptions;
 use casca_scenes::name::SceneName;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object};
 use casca_stage::canvas::{Canvas, Target};
-use casca_stage::dial::Dial;
+use casca_stage::dial::Dials;
 use casca_stage::fly::Fly;
-use casca_stage::gpu::{Gpu, GpuError, IS_PAGE};
+use casca_stage::gpu::{GpuError, IS_PAGE};
 use casca_stage::panel::Panel;
 use casca_stage::report::{Entry, Report};
 use casca_stage::timing::Instant;
-use casca_stage::wgpu::TextureFormat;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
-use crate::scene::birds_eye::{FOV_Y, above_frustum, from_above, place_in};
-use crate::scene::draw::{Begun, Check, Painter, coloured};
+use crate::scene::birds_eye::{FOV_Y, above_frustum, drawn, place_in};
+use crate::scene::draw::{Begun, Check, Painter};
 use crate::scene::geometry::Geometry;
 use crate::scene::headless::haze;
-use crate::scene::legend;
-use crate::scene::overlays::{Layer, Overlays};
-use crate::scene::panel::{self, Numbers};
-use crate::scene::playback::{Method, Playback};
+use crate::scene::overlays::{LAYERS, Layer, Overlays};
+use crate::scene::panel;
+use crate::scene::playback::{METHODS, Method, Playback};
 use crate::scene::renderer::{Output, Renderer};
 
 /// The share of a scene's length that the camera flies in a second.
 const SPEED: f32 = 0.06;
-/// Names of dials.
-const SCENE: &str = "scene";
-const METHOD: &str = "culled by";
-const ABOVE: &str = "look from above (B)";
-const FREEZE: &str = "freeze the culling camera (F)";
-const PAUSE: &str = "pause (Space)";
-const CHECK: &str = "compare every frame with an item buffer (C)";
-const PATH: &str = "back to the path (P)";
-const KEYS: &str = "W A S D Q E fly (Shift: faster), a mouse button: look   M: how it is culled\nN: next scene   1-5: layers   H: hides this   Esc: quit";
+const HELP: &str = "W A S D Q E fly (Shift: faster), a mouse button: look   M: how it is culled\nN: next scene   1-4: layers   H: hides this   Esc: quit";
 /// Keys of the layers.
-const LAYER_KEYS: [KeyCode; 5] =
-    [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5];
+const LAYER_KEYS: [KeyCode; 4] = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4];
 
 /// What a window shows first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +43,7 @@ pub enum First {
     Above,
 }
 
-/// The window.
+/// The window of some scenes, the first one first.
 pub fn start(scenes: Vec<SceneName>, options: &SceneOptions, method: Method, first: First) -> Start {
     let options = *options;
     Start::new("casca", move |screen| {
@@ -63,7 +51,7 @@ pub fn start(scenes: Vec<SceneName>, options: &SceneOptions, method: Method, fir
         match first {
             First::Path => {}
             First::Still(frame) => {
-                viewer.playback.go_to(frame);
+                viewer.playback.ticks = frame;
                 viewer.paused = true;
             }
             First::Above => viewer.look_from_above(screen.aspect()),
@@ -82,9 +70,8 @@ struct Viewer {
     overlays: Overlays,
     method: Method,
     fly: Option<Fly>,
-    frozen: Option<Camera>,
-    /// While it looks from above: how it looked before.
-    before: Option<Before>,
+    /// While it looks from above: the camera that is culled for, and what flew before.
+    below: Option<(Camera, Option<Fly>)>,
     paused: bool,
     /// Where item buffers are drawn, while every frame is checked by one.
     check: Option<Canvas>,
@@ -98,12 +85,6 @@ struct Viewer {
     said: (Vec<String>, Vec<Entry>),
 }
 
-/// The camera that looks, and whether it is culled for.
-struct Before {
-    fly: Option<Fly>,
-    frozen: Option<Camera>,
-}
-
 impl Viewer {
     fn new(
         screen: &Screen,
@@ -111,10 +92,9 @@ impl Viewer {
         options: SceneOptions,
         method: Method,
     ) -> Result<Self, Box<dyn Error>> {
-        let playback =
-            playback_of(scenes.first().unwrap_or(&SceneName::Built(SceneKind::Spheres)), &options)?;
+        let playback = Playback::new(scenes[0].open(&options)?)?;
         Ok(Self {
-            renderer: renderer_of(&screen.gpu, screen.format(), &playback),
+            renderer: Renderer::new(&screen.gpu, screen.format(), &playback.geometry),
             panel: Panel::new(&screen.gpu, screen.format()),
             scenes,
             options,
@@ -123,8 +103,7 @@ impl Viewer {
             overlays: Overlays::default(),
             method,
             fly: None,
-            frozen: None,
-            before: None,
+            below: None,
             paused: false,
             check: None,
             checking: (None, None),
@@ -157,73 +136,59 @@ impl Viewer {
         }
     }
 
-    /// Freezes the culling camera where this one is, or frees it.
-    fn freeze(&mut self, camera: Option<Camera>) {
-        self.frozen = camera;
-        // The frustum shows which camera is frozen.
-        if self.frozen.is_some() != self.overlays.is_on(Layer::Frustum) {
-            self.overlays.toggle(Layer::Frustum);
-        }
-    }
-
     /// Freezes the culling camera and looks at it from above, or returns to the view before that.
     fn look_from_above(&mut self, aspect: f32) {
-        if let Some(Before { fly, frozen }) = self.before.take() {
+        if let Some((_, fly)) = self.below.take() {
             self.fly = fly;
-            self.freeze(frozen);
-            return;
+        } else {
+            let frozen = self.camera(aspect);
+            let grid = &self.playback.world.grid;
+            let above = above_frustum(&frozen, (grid.min.as_dvec3(), grid.max.as_dvec3()), aspect);
+            self.below = Some((frozen, self.fly));
+            self.fly = Some(Fly::new(above.eye, -above.view.row(2).truncate()));
         }
-        let frozen = self.frozen.unwrap_or_else(|| self.camera(aspect));
-        let grid = &self.playback.world.grid;
-        let above = above_frustum(&frozen, (grid.min.as_dvec3(), grid.max.as_dvec3()), aspect);
-        self.before = Some(Before { fly: self.fly, frozen: self.frozen });
-        self.fly = Some(Fly::new(above.eye, -above.view.row(2).truncate()));
-        self.freeze(Some(frozen));
+        // The frustum shows which camera is frozen.
+        self.overlays.on[Layer::Frustum as usize] = self.below.is_some();
     }
 
     /// Turns to another scene.
     fn turn_to(&mut self, scene: usize, screen: &Screen) -> Done {
-        let Some(name) = self.scenes.get(scene) else { return Ok(()) };
-        self.playback = playback_of(name, &self.options)?;
+        self.playback = Playback::new(self.scenes[scene].open(&self.options)?)?;
         self.scene = scene;
         self.checking = (None, None);
-        self.renderer = renderer_of(&screen.gpu, screen.format(), &self.playback);
-        (self.fly, self.before) = (None, None);
-        self.freeze(None);
+        self.renderer = Renderer::new(&screen.gpu, screen.format(), &self.playback.geometry);
+        (self.fly, self.below) = (None, None);
+        self.overlays.on[Layer::Frustum as usize] = false;
         Ok(())
     }
 }
 
 impl Demo for Viewer {
-    fn press(&mut self, key: KeyCode, screen: &Screen) -> Done {
-        match key {
-            KeyCode::KeyF => {
-                let free = self.frozen.is_none().then(|| self.camera(screen.aspect()));
-                if let Some(Before { fly, .. }) = self.before.take() {
-                    self.fly = fly;
-                }
-                self.freeze(free);
+    fn dials(&mut self, dials: &mut Dials, screen: &Screen) -> Done {
+        let (mut scene, mut method) = (self.scene, self.method as usize);
+        let names = self.scenes.iter().map(SceneName::to_string);
+        if dials.choice("scene", &[KeyCode::KeyN], names, &mut scene) {
+            return self.turn_to(scene, screen);
+        }
+        dials.choice("culled by", &[KeyCode::KeyM], METHODS.map(|(name, _)| name), &mut method);
+        self.method = METHODS[method].1;
+        if dials.switch("look from above (B)", Some(KeyCode::KeyB), &mut self.below.is_some()) {
+            self.look_from_above(screen.aspect());
+        }
+        dials.switch("pause (Space)", Some(KeyCode::Space), &mut self.paused);
+        let (compares, mut on) = ("compare every frame with an item buffer (C)", self.check.is_some());
+        if dials.switch(compares, Some(KeyCode::KeyC), &mut on) {
+            self.check = on.then(|| Canvas::new(&screen.gpu, screen.size()));
+            self.checking = (None, None);
+        }
+        if dials.button("back to the path (P)", Some(KeyCode::KeyP)) {
+            if self.below.is_some() {
+                self.look_from_above(screen.aspect());
             }
-            KeyCode::KeyB => self.look_from_above(screen.aspect()),
-            KeyCode::KeyM => self.method = self.method.next(),
-            KeyCode::KeyC => {
-                self.check = self.check.is_none().then(|| Canvas::new(&screen.gpu, screen.size()));
-                self.checking = (None, None);
-            }
-            KeyCode::KeyP => {
-                // The camera that was frozen to be looked at from above goes on.
-                if let Some(Before { frozen, .. }) = self.before.take() {
-                    self.freeze(frozen);
-                }
-                self.fly = None;
-            }
-            KeyCode::Space => self.paused ^= true,
-            KeyCode::KeyN => return self.turn_to((self.scene + 1) % self.scenes.len().max(1), screen),
-            _ => {
-                if let Some(layer) = LAYER_KEYS.iter().position(|k| *k == key) {
-                    self.overlays.toggle(Layer::EVERY[layer]);
-                }
-            }
+            self.fly = None;
+        }
+        for ((name, layer), key) in LAYERS.into_iter().zip(LAYER_KEYS) {
+            dials.switch(name, Some(key), &mut self.overlays.on[layer as usize]);
         }
         Ok(())
     }
@@ -238,7 +203,7 @@ impl Demo for Viewer {
 
     fn step(&mut self, seconds: f64, screen: &Screen) {
         self.between = 0.9 * self.between + 0.1 * seconds;
-        let way = screen.way() * (SPEED * self.reach() * seconds.min(0.1) as f32);
+        let way = screen.way(seconds) * (SPEED * self.reach());
         if way != Vec3::ZERO {
             self.flying(screen.aspect()).go(way);
         }
@@ -246,20 +211,20 @@ impl Demo for Viewer {
         if self.behind >= FRAME_SECONDS {
             self.behind -= FRAME_SECONDS;
             if !self.paused {
-                self.playback.advance();
+                self.playback.ticks += 1;
             }
         }
     }
 
     fn draw(&mut self, screen: &Screen, target: &Target) -> Done {
         let watcher = self.camera(screen.aspect());
-        let culled_for = self.frozen.unwrap_or(watcher);
+        let culled_for = self.below.map_or(watcher, |below| below.0);
         let name = self.playback.world.name.clone();
         let (gpu, scale) = (&screen.gpu, screen.scale());
         // From above the colours have meanings: they must not fade.
-        self.renderer.haze = if self.before.is_some() { 0.0 } else { haze(&self.playback) };
+        self.renderer.haze = if self.below.is_some() { 0.0 } else { haze(&self.playback) };
         let Self { renderer, panel, overlays, check, checking, method, between, said, .. } = self;
-        let is_above = self.before.is_some();
+        let is_above = self.below.is_some();
         self.playback.frame(*method, &culled_for, &mut |frame| {
             let objects = (frame.geometry, frame.objects);
             let found = match check {
@@ -275,70 +240,21 @@ impl Demo for Viewer {
             };
             let start = Instant::now();
             let lost: &[usize] = found.as_ref().map_or(&[], |found| &found.lost);
-            let marks = overlays.marks(&frame, lost)?;
-            let (list, mut legend) = if is_above {
-                let above = from_above(&frame, overlays, (&watcher, lost))?;
-                (above.list, above.legend)
-            } else {
-                (coloured(frame.geometry, frame.objects, &frame.visible), Vec::new())
-            };
-            legend::join(&mut legend, legend::of_marks(&marks, &watcher));
+            let (list, marks, legend) = drawn(&frame, overlays, (&watcher, is_above), lost)?;
             renderer.draw(gpu, Output::Picture, target, &watcher, &list, &marks);
             gpu.wait()?;
-            let numbers = Numbers {
-                scene: &name,
-                device: &gpu.name,
-                method: *method,
-                visible: (frame.visible.len(), frame.objects.len()),
-                times: (
-                    frame.time,
-                    if IS_PAGE { Duration::from_secs_f64(*between) } else { start.elapsed() },
-                ),
-                check: found.as_ref().map(|found| (found.shown.len(), found.lost.len())),
-            };
-            *said = (numbers.lines(), legend);
+            let drawing = if IS_PAGE { Duration::from_secs_f64(*between) } else { start.elapsed() };
+            let lines = panel::numbers((&name, *method), &frame, (&gpu.name, drawing), found.as_ref());
+            *said = (lines, legend);
             let eye = is_above.then(|| place_in(&watcher, culled_for.eye));
-            let images =
-                if overlays.is_on(Layer::Buffers) { frame.query.occlusion_images() } else { Vec::new() };
-            panel::draw(panel, (gpu, target, scale), &images, eye, None);
+            panel::draw(panel, (gpu, target, scale), &overlays.images(&frame), eye, None);
             Ok(())
         })
     }
 
     fn report(&self, _: &Screen) -> Report {
-        let scenes = self.scenes.iter().map(SceneName::to_string);
-        let mut dials = vec![
-            Dial::choice(SCENE, scenes, self.scene),
-            Dial::choice(METHOD, Method::EVERY.map(|method| method.to_string()), self.method as usize),
-            Dial::switch(ABOVE, self.before.is_some()),
-            Dial::switch(FREEZE, self.frozen.is_some()),
-            Dial::switch(PAUSE, self.paused),
-            Dial::switch(CHECK, self.check.is_some()),
-            Dial::button(PATH),
-        ];
-        dials.extend(Layer::EVERY.map(|layer| Dial::switch(layer.name(), self.overlays.is_on(layer))));
         let (lines, legend) = self.said.clone();
-        Report { lines, legend, dials, keys: KEYS }
-    }
-
-    fn set(&mut self, dial: &str, value: f64, _: bool, screen: &Screen) -> Done {
-        let (on, place) = (value != 0.0, value as usize);
-        match dial {
-            SCENE => return self.turn_to(place, screen),
-            METHOD => self.method = Method::EVERY.get(place).copied().unwrap_or(self.method),
-            ABOVE if on != self.before.is_some() => return self.press(KeyCode::KeyB, screen),
-            FREEZE if on != self.frozen.is_some() => return self.press(KeyCode::KeyF, screen),
-            CHECK if on != self.check.is_some() => return self.press(KeyCode::KeyC, screen),
-            PAUSE => self.paused = on,
-            PATH => return self.press(KeyCode::KeyP, screen),
-            name => {
-                let layer = Layer::EVERY.into_iter().find(|layer| layer.name() == name);
-                if let Some(layer) = layer.filter(|layer| on != self.overlays.is_on(*layer)) {
-                    self.overlays.toggle(layer);
-                }
-            }
-        }
-        Ok(())
+        Report { lines, legend, keys: HELP, ..Report::default() }
     }
 }
 
@@ -361,14 +277,4 @@ fn checked_later(
         }
     }
     Ok(last.clone())
-}
-
-fn playback_of(scene: &SceneName, options: &SceneOptions) -> Result<Playback, Box<dyn Error>> {
-    Playback::new(scene.open(options)?)
-}
-
-fn renderer_of(gpu: &Gpu, format: TextureFormat, playback: &Playback) -> Renderer {
-    let mut renderer = Renderer::new(gpu, format, &playback.geometry);
-    renderer.haze = haze(playback);
-    renderer
 }

@@ -1,26 +1,23 @@
 //! The command `walk`.
 
 use std::fs;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use bitvec::slice::BitSlice;
 use casca::{Aabb, GridSpec, Method, ObjectDesc, Pvs, Query, Scene, View};
 use casca_points::Camera;
 use casca_points::bricks::{Bricks, Loader, Want};
 use casca_points::splat::{Bias, Filter, Radius, SplatOptions, visible_points};
 use casca_stage::window::Done;
+use casca_tools::command_line::say;
 use clap::Args;
 use glam::{DVec3, Vec3, vec3};
 
-use crate::common::number;
 use crate::points::large::picture;
-use crate::points::operators::length;
 
-/// Walk through a file of bricks and print, for each frame, the bricks and points that it takes.
+/// Walk through a file of bricks and print the bricks and points that frames take.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Walk {
@@ -30,44 +27,32 @@ pub struct Walk {
     /// `generate` writes it.
     #[arg(long)]
     walls: Option<PathBuf>,
-    /// The number of frames.
+    /// The number of frames
     #[arg(long, default_value_t = 300)]
     frames: u32,
-    /// Metres per second, around a square in the middle of the cloud.
-    #[arg(long, default_value_t = 10.0, value_parser = length)]
-    speed: f32,
-    /// The side of the square, in metres.
-    #[arg(long, default_value_t = 100.0, value_parser = length)]
-    side: f32,
-    /// The height of the eye above the lowest point, in metres.
-    #[arg(long, default_value_t = 1.7, value_parser = |text: &str| number(text, f64::MIN..=f64::MAX))]
-    height: f64,
-    /// The distance between points in the picture of 1280 x 720 pixels.
-    #[arg(long, default_value_t = 1.0, value_parser = length)]
-    pixels: f32,
-    /// Megabytes of memory for loaded points.
-    #[arg(long, default_value_t = 512)]
-    memory: usize,
-    /// Every 20th frame, casts a ray from the eye to each point against the walls and counts the
-    /// splat operator's errors.
-    #[arg(long)]
-    check: bool,
     /// Draws the last frame into a PNG file: the points that are loaded without and with occlusion
     /// culling, from the eye and from above.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Prints the summary only.
-    #[arg(long)]
-    quiet: bool,
 }
 
 /// Frames in a second. A frame that is done earlier waits, so that the loader has the time that it
 /// would have.
 const RATE: f32 = 60.0;
 const SIZE: (u32, u32) = (1280, 720);
+/// Metres per second, around a square in the middle of the cloud, and the side of the square.
+const SPEED: f32 = 10.0;
+const SIDE: f32 = 100.0;
+/// The height of the eye above the lowest point, in metres.
+const HEIGHT: f32 = 1.7;
+/// The distance between points in the picture, in pixels.
+const PIXELS: f32 = 1.0;
+/// Bytes of memory for loaded points.
+const MEMORY: usize = 512 << 20;
 
 /// How far behind squares points count as visible, as in the thesis, beside what surfaces slant: in
-/// a generated town of 4 million points `--check` finds 7.6% of the visible points falsely hidden.
+/// a generated town of 4 million points 7.6% of the visible points are falsely hidden (commit
+/// 787d77b2 has a check by rays).
 const BIAS: Bias = Bias::Window(0.05);
 
 const COLUMNS: [&str; 9] = [
@@ -86,44 +71,34 @@ impl Walk {
     pub fn run(&self) -> Done {
         let bricks = Arc::new(Bricks::open(&self.bricks)?);
         let walls = self.walls.as_deref().map_or(Ok(Vec::new()), |path| read_walls(path, bricks.origin()))?;
-        let mut out = io::stdout().lock();
-        writeln!(out, "{} points in {} bricks, {} walls", bricks.points(), bricks.len(), walls.len())?;
+        say(format_args!("{} points in {} bricks, {} walls", bricks.points(), bricks.len(), walls.len()));
         let mut scene = Scene::new(&GridSpec::fit(bricks.bounds(), bricks.len() + walls.len())?)?;
         bricks.insert_into(&mut scene)?;
         for wall in &walls {
             scene.insert(ObjectDesc::fixed(*wall).occluder(*wall).user_data(u64::MAX))?;
         }
-        let loader = Loader::new(bricks.clone(), self.memory.saturating_mul(1 << 20))?;
+        let loader = Loader::new(bricks.clone(), MEMORY)?;
         let mut queries = [Query::with_method(Method::Frustum)?, Query::new()];
         let mut rows: Vec<[f64; 9]> = Vec::new();
-        if !self.quiet {
-            writeln!(out, "{}", COLUMNS.join(" | "))?;
-        }
         for frame in 0..self.frames {
             let start = Instant::now();
-            let (row, errors) = self.frame(frame, &bricks, &scene, &loader, &mut queries, &walls)?;
-            if let Some(errors) = errors {
-                writeln!(out, "{errors}")?;
-            }
-            if !self.quiet {
-                writeln!(out, "{}", row.map(|value| format!("{value:.2}")).join(" | "))?;
-            }
-            rows.push(row);
+            rows.push(self.frame(frame, &bricks, &scene, &loader, &mut queries)?);
             thread::sleep(Duration::from_secs_f32(1.0 / RATE).saturating_sub(start.elapsed()));
         }
         if let Some(path) = &self.picture {
             let camera = self.camera(self.frames.saturating_sub(1), bricks.bounds())?;
             let wants = self.wants(&bricks, &scene, &camera, &mut queries)?.map(|(wants, _)| wants);
             picture::draw(path, &loader, &camera, &wants)?;
-            writeln!(out, "{}", path.display())?;
+            say(path.display());
         }
         if let Some(error) = loader.take_error() {
             return Err(error.into());
         }
-        Ok(summary(&mut out, &rows)?)
+        summary(&rows);
+        Ok(())
     }
 
-    /// The columns of a frame, and the text of its check.
+    /// The columns of a frame.
     fn frame(
         &self,
         frame: u32,
@@ -131,8 +106,7 @@ impl Walk {
         scene: &Scene,
         loader: &Loader,
         queries: &mut [Query; 2],
-        walls: &[Aabb],
-    ) -> Result<([f64; 9], Option<String>), Box<dyn std::error::Error>> {
+    ) -> Result<[f64; 9], Box<dyn std::error::Error>> {
         let camera = self.camera(frame, bricks.bounds())?;
         let [frustum, point] = self.wants(bricks, scene, &camera, queries)?;
         loader.want(&point.0);
@@ -146,11 +120,9 @@ impl Walk {
         };
         let visible = visible_points(&cloud.positions, &camera, &options)?.visible;
         let refined = start.elapsed();
-        let errors =
-            (self.check && frame % 20 == 19).then(|| check(&cloud.positions, &visible, &camera, walls));
         let points = |wants: &[Want]| wants.iter().map(|want| f64::from(want.points)).sum();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
-        let row = [
+        Ok([
             frustum.0.len() as f64,
             point.0.len() as f64,
             points(&frustum.0),
@@ -160,8 +132,7 @@ impl Walk {
             ms(frustum.1),
             ms(point.1),
             ms(refined),
-        ];
-        Ok((row, errors))
+        ])
     }
 
     /// The bricks that a picture needs by each query, and the time of both.
@@ -175,7 +146,7 @@ impl Walk {
         let view = View::perspective(camera.eye(), camera.view_projection())?;
         let wants = |pvs: &Pvs| {
             let numbers = pvs.iter().filter_map(|id| u32::try_from(scene.user_data(id).ok()?).ok());
-            bricks.wants(numbers, camera, self.pixels)
+            bricks.wants(numbers, camera, PIXELS)
         };
         Ok(queries.each_mut().map(|query| {
             let start = Instant::now();
@@ -187,14 +158,13 @@ impl Walk {
     /// The eye goes around the square; the gaze sweeps 40 degrees to both sides.
     fn camera(&self, frame: u32, bounds: Aabb) -> Result<Camera, casca_points::CameraError> {
         let time = frame as f32 / RATE;
-        let way = time * self.speed / self.side.max(1e-3);
-        let (corner, along) = (way.floor() as i64 % 4, way.fract() * self.side);
+        let way = time * SPEED / SIDE;
+        let (corner, along) = (way.floor() as i64 % 4, way.fract() * SIDE);
         let directions = [Vec3::X, Vec3::Z, -Vec3::X, -Vec3::Z];
         let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z];
         let direction = directions[corner as usize % 4];
         let middle = bounds.center();
-        let start = vec3(middle.x, bounds.min.y + self.height as f32, middle.z)
-            + corners[corner as usize % 4] * self.side;
+        let start = vec3(middle.x, bounds.min.y + HEIGHT, middle.z) + corners[corner as usize % 4] * SIDE;
         let eye = start + direction * along;
         let turn = 0.7 * (time * 1.5).sin();
         let target = eye + direction * turn.cos() + direction.cross(Vec3::Y) * turn.sin();
@@ -202,46 +172,24 @@ impl Walk {
     }
 }
 
-/// Describes the errors of refining among the points of the picture, by brute force.
-fn check(points: &[Vec3], visible: &BitSlice, camera: &Camera, walls: &[Aabb]) -> String {
-    let hidden = |point: Vec3| {
-        let inverse = (point - camera.eye()).recip();
-        walls.iter().any(|wall| {
-            let (a, b) = ((wall.min - camera.eye()) * inverse, (wall.max - camera.eye()) * inverse);
-            a.min(b).max_element().max(0.0) < a.max(b).min_element().min(1.0)
-        })
-    };
-    let mut counts = [[0; 2]; 2];
-    for (i, &point) in points.iter().enumerate().filter(|(_, p)| camera.project(**p).is_some()) {
-        counts[usize::from(hidden(point))][usize::from(visible[i])] += 1;
-    }
-    let [[false_hidden, seen], [unseen, false_visible]] = counts;
-    format!(
-        "check: of {} visible points {false_hidden} are false hidden; of {} hidden ones {false_visible} false visible",
-        false_hidden + seen,
-        unseen + false_visible
-    )
-}
-
 /// Medians and the largest values of all frames, and how far the loader was behind.
-fn summary(out: &mut impl Write, rows: &[[f64; 9]]) -> io::Result<()> {
+fn summary(rows: &[[f64; 9]]) {
     if rows.is_empty() {
-        return Ok(());
+        return;
     }
-    writeln!(out, "{:24} {:>12} {:>12}", format!("{} frames", rows.len()), "median", "largest")?;
+    say(format_args!("{:24} {:>12} {:>12}", format!("{} frames", rows.len()), "median", "largest"));
     for (column, name) in COLUMNS.iter().enumerate() {
         let mut values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
         values.sort_by(f64::total_cmp);
-        writeln!(out, "{name:24} {:>12.2} {:>12.2}", values[values.len() / 2], values[values.len() - 1])?;
+        let (median, largest) = (values[values.len() / 2], values[values.len() - 1]);
+        say(format_args!("{name:24} {median:>12.2} {largest:>12.2}"));
     }
     let sum = |column: usize| rows.iter().map(|row| row[column]).sum::<f64>();
     let late = rows.iter().filter(|row| row[4] < row[3]).count();
-    writeln!(out, "the PVS wants {:.1} % of the points of the frustum", 100.0 * sum(3) / sum(2).max(1.0))?;
-    writeln!(
-        out,
-        "{:.2} % of the wanted points came late, in {late} frames",
-        100.0 * (1.0 - sum(4) / sum(3).max(1.0))
-    )
+    let [wanted, late_points] =
+        [sum(3) / sum(2).max(1.0), 1.0 - sum(4) / sum(3).max(1.0)].map(|share| 100.0 * share);
+    say(format_args!("the PVS wants {wanted:.1} % of the points of the frustum"));
+    say(format_args!("{late_points:.2} % of the wanted points came late, in {late} frames"));
 }
 
 /// Boxes in the coordinates of the bricks.
