@@ -38,11 +38,7 @@
 
 mod bits;
 mod cross;
-#[cfg(feature = "tiled")]
-mod editor;
 mod error;
-#[cfg(any(feature = "maps", feature = "tiled"))]
-mod files;
 mod geometry;
 mod grid;
 mod id;
@@ -61,8 +57,6 @@ pub mod tmx;
 mod view;
 
 pub use bits::BitGrid;
-#[cfg(feature = "tiled")]
-pub use editor::{MapNames, Role};
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
 /// The version of glam whose types these functions take and give.
@@ -74,8 +68,17 @@ pub use object::ObjectDesc;
 pub use pvs::{Pvs, PvsChanges, Stats};
 pub use query::{Query, visible_region};
 pub use scene::Scene;
-pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileError, TileLayer, TilePoint, TileState};
+pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileLayer, TilePoint, TileState};
 pub use view::View;
+
+/// The bytes of a file. Pipes and devices are not opened: they may have no end.
+#[cfg(any(feature = "maps", feature = "tiled"))]
+fn file(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("is no file"));
+    }
+    std::fs::read(path)
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -111,9 +111,9 @@ mod tests {
             assert!(said.contains(word) && said.contains("casca-plane"), "{said}");
         }
         for (text, word) in [
-            ("<?xml version=\"1.0\"?><svg/>", "its element is svg"),
-            ("{\"type\": \"map\", \"tilewidth\": 9}", "save it as .tmx"),
-            ("\u{1}\u{2}", "no text"),
+            ("<?xml version=\"1.0\"?><svg/>", "no element map"),
+            ("{\"type\": \"map\", \"tilewidth\": 9}", "saved as .tmx"),
+            ("\u{1}\u{2}", "no map"),
         ] {
             std::fs::write(&place, text).unwrap();
             let options = parsed::<Options>(&[place.to_str().unwrap()]).unwrap();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, Vec2};
 
-use crate::error::{Error, finite2, not_negative};
+use crate::error::{Error, finite2, within};
 use crate::geometry::block::Block;
 use crate::numeric::{INSIDE_DISC, ON_DISC};
 
@@ -29,7 +29,7 @@ impl Disc {
 
     pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
         finite2(what, self.center)?;
-        not_negative("the radius", self.radius)
+        within("the radius", self.radius.into(), [0.0, f32::MAX.into()]).map(drop)
     }
 
     /// The corners of the polygon by which the disc hides others, counterclockwise. All lie inside

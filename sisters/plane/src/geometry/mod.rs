@@ -2,8 +2,6 @@
 
 pub(crate) mod block;
 mod disc;
-#[cfg(feature = "tiled")]
-pub(crate) mod ellipse;
 pub(crate) mod expansion;
 pub(crate) mod polygon;
 mod polyline;

@@ -27,13 +27,6 @@ pub struct FloorPlan {
     pub doors: Vec<(u32, u32)>,
 }
 
-impl FloorPlan {
-    /// The floor plan that [`crate::maps::MapKind::Rooms`] makes. Its outer wall has no doors.
-    pub fn generate(width: u32, height: u32, seed: u64) -> Self {
-        rooms(width, height, seed)
-    }
-}
-
 /// Free tiles between walls: columns `x..x + width` and rows `y..y + height`.
 struct Rectangle {
     x: u32,
@@ -47,8 +40,9 @@ struct Builder {
     random: Pcg64Mcg,
 }
 
-/// See [`FloorPlan::generate`].
-pub(super) fn rooms(width: u32, height: u32, seed: u64) -> FloorPlan {
+impl FloorPlan {
+    /// The floor plan that [`crate::maps::MapKind::Rooms`] makes. Its outer wall has no doors.
+    pub fn generate(width: u32, height: u32, seed: u64) -> Self {
     let mut walls = BitGrid::new(width, height);
     for y in 0..height {
         walls.set(0, y, true);
@@ -64,6 +58,7 @@ pub(super) fn rooms(width: u32, height: u32, seed: u64) -> FloorPlan {
         builder.split(&rectangle, &mut open);
     }
     builder.plan
+    }
 }
 
 impl Builder {

@@ -1,7 +1,7 @@
 //! Fog of war: the tiles that a group of viewers has seen.
 
 use crate::bits::BitGrid;
-use crate::tiles::error::TileError;
+use crate::error::Error;
 use crate::tiles::fov::FieldOfView;
 use crate::tiles::marks::Marks;
 
@@ -21,7 +21,7 @@ pub enum TileState {
 /// ```
 /// use casca_plane::{FieldOfView, Fog, FovOptions, OpaqueTiles, BitGrid, TilePoint, TileState};
 ///
-/// # fn main() -> Result<(), casca_plane::TileError> {
+/// # fn main() -> Result<(), casca_plane::Error> {
 /// let map = OpaqueTiles::new(BitGrid::new(30, 20));
 /// let (mut fog, mut fov) = (Fog::new(30, 20), FieldOfView::new());
 /// for step in 0..5 {
@@ -72,7 +72,7 @@ impl Fog {
     ///
     /// # Errors
     /// A field of view on a map of other dimensions, or one that has not run yet.
-    pub fn add(&mut self, fov: &FieldOfView) -> Result<(), TileError> {
+    pub fn add(&mut self, fov: &FieldOfView) -> Result<(), Error> {
         let (columns, rows) = fov.bounds();
         self.add_part(fov.seen(), columns, rows)
     }
@@ -81,7 +81,7 @@ impl Fog {
     ///
     /// # Errors
     /// A grid of other dimensions.
-    pub fn add_tiles(&mut self, tiles: &BitGrid) -> Result<(), TileError> {
+    pub fn add_tiles(&mut self, tiles: &BitGrid) -> Result<(), Error> {
         self.add_part(tiles, 0..tiles.width(), 0..tiles.height())
     }
 
@@ -90,11 +90,11 @@ impl Fog {
         tiles: &BitGrid,
         columns: std::ops::Range<u32>,
         rows: std::ops::Range<u32>,
-    ) -> Result<(), TileError> {
+    ) -> Result<(), Error> {
         let (width, height) = (self.ever.width(), self.ever.height());
         if (tiles.width(), tiles.height()) != (width, height) {
             let (found_width, found_height) = (tiles.width(), tiles.height());
-            return Err(TileError::Dimensions { found_width, found_height, width, height });
+            return Err(Error::Dimensions { found_width, found_height, width, height });
         }
         if columns.is_empty() {
             // There may be 2^32 rows of no tiles.

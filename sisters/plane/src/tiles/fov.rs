@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::bits::BitGrid;
-use crate::tiles::error::TileError;
+use crate::error::Error;
 use crate::tiles::marks::Marks;
 use crate::tiles::octant::Octant;
 use crate::tiles::opaque::OpaqueTiles;
@@ -81,10 +81,10 @@ impl FieldOfView {
         x: u32,
         y: u32,
         options: &FovOptions,
-    ) -> Result<&BitGrid, TileError> {
+    ) -> Result<&BitGrid, Error> {
         let (width, height) = (opaque.width(), opaque.height());
         if x >= width || y >= height {
-            return Err(TileError::Outside { x, y, width, height });
+            return Err(Error::Outside { x, y, width, height });
         }
         Ok(self.sweep_all(opaque, Eyes::In([x, y]), options))
     }

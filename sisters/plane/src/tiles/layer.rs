@@ -4,7 +4,7 @@ use glam::{DVec2, Vec2};
 
 use crate::bits::BitGrid;
 use crate::geometry::Rect;
-use crate::tiles::error::{TileError, finite, positive, within};
+use crate::error::{Error, LEAST, finite2, within};
 use crate::tiles::opaque::OpaqueTiles;
 use crate::tiles::point::TilePoint;
 
@@ -17,7 +17,7 @@ use crate::tiles::point::TilePoint;
 /// use casca_plane::{BitGrid, TileLayer};
 /// use glam::Vec2;
 ///
-/// # fn main() -> Result<(), casca_plane::TileError> {
+/// # fn main() -> Result<(), casca_plane::Error> {
 /// let mut layer = TileLayer::new(Vec2::new(-8.0, -8.0), 0.5, BitGrid::new(32, 32))?;
 /// layer.set_tile(16, 17, true)?;
 /// assert_eq!(layer.point(Vec2::new(0.25, 0.25))?.tile(), (16, 16));
@@ -37,14 +37,13 @@ impl TileLayer {
     /// # Errors
     /// An origin or a size that is not finite, a size that is not greater than zero, a layer that
     /// reaches beyond the numbers of single precision.
-    pub fn new(origin: Vec2, tile_size: f32, opaque: BitGrid) -> Result<Self, TileError> {
-        for part in origin.to_array() {
-            finite("the origin of a tile layer", part.into())?;
-        }
-        finite("the size of a tile", positive("the size of a tile", tile_size.into())?)?;
+    pub fn new(origin: Vec2, tile_size: f32, opaque: BitGrid) -> Result<Self, Error> {
+        finite2("the origin of a tile layer", origin)?;
+        let most = f64::from(f32::MAX);
+        within("the size of a tile", tile_size.into(), [LEAST, most])?;
         let layer = Self { origin, tile_size, opaque: OpaqueTiles::new(opaque) };
         for part in layer.corner(layer.opaque.width(), layer.opaque.height()).to_array() {
-            within("the far corner of a tile layer", part, f32::MAX.into())?;
+            within("the far corner of a tile layer", part, [-most, most])?;
         }
         Ok(layer)
     }
@@ -68,10 +67,10 @@ impl TileLayer {
     ///
     /// # Errors
     /// A tile that the layer does not have.
-    pub fn set_tile(&mut self, x: u32, y: u32, opaque: bool) -> Result<(), TileError> {
+    pub fn set_tile(&mut self, x: u32, y: u32, opaque: bool) -> Result<(), Error> {
         let (width, height) = (self.opaque.width(), self.opaque.height());
         if x >= width || y >= height {
-            return Err(TileError::Outside { x, y, width, height });
+            return Err(Error::Outside { x, y, width, height });
         }
         self.opaque.set(x, y, opaque);
         Ok(())
@@ -84,7 +83,7 @@ impl TileLayer {
     ///
     /// # Errors
     /// A position that is not finite, or farther than 2^32 tiles away.
-    pub fn point(&self, position: Vec2) -> Result<TilePoint, TileError> {
+    pub fn point(&self, position: Vec2) -> Result<TilePoint, Error> {
         let tiles = (position.as_dvec2() - self.origin.as_dvec2()) / f64::from(self.tile_size);
         TilePoint::new(tiles.x, tiles.y)
     }

@@ -3,7 +3,7 @@
 use glam::Vec2;
 
 use crate::numeric::tiles::{DIRECTION, SECTOR, TILE};
-use crate::tiles::error::{TileError, finite, positive};
+use crate::error::{Error, LEAST, finite2, within};
 
 /// How far and in which directions a viewer sees.
 ///
@@ -11,7 +11,7 @@ use crate::tiles::error::{TileError, finite, positive};
 /// use casca_plane::FovOptions;
 /// use glam::Vec2;
 ///
-/// # fn main() -> Result<(), casca_plane::TileError> {
+/// # fn main() -> Result<(), casca_plane::Error> {
 /// let guard = FovOptions::default().in_circle(12.0)?.in_sector(Vec2::X, 0.8)?;
 /// # let _ = guard;
 /// # Ok(())
@@ -29,7 +29,7 @@ impl FovOptions {
     ///
     /// # Errors
     /// A radius that is NaN, zero or negative.
-    pub fn in_circle(self, radius: f32) -> Result<Self, TileError> {
+    pub fn in_circle(self, radius: f32) -> Result<Self, Error> {
         Ok(Self { range: Range::new(Norm::Euclidean, radius)?, ..self })
     }
 
@@ -38,7 +38,7 @@ impl FovOptions {
     ///
     /// # Errors
     /// A distance that is NaN, zero or negative.
-    pub fn in_square(self, distance: f32) -> Result<Self, TileError> {
+    pub fn in_square(self, distance: f32) -> Result<Self, Error> {
         Ok(Self { range: Range::new(Norm::Chessboard, distance)?, ..self })
     }
 
@@ -48,7 +48,7 @@ impl FovOptions {
     ///
     /// # Errors
     /// A direction that is zero or not finite; an angle that is NaN, zero or negative.
-    pub fn in_sector(self, direction: Vec2, half_angle: f32) -> Result<Self, TileError> {
+    pub fn in_sector(self, direction: Vec2, half_angle: f32) -> Result<Self, Error> {
         Ok(Self { sector: Sector::new(direction, half_angle)?, ..self })
     }
 }
@@ -69,8 +69,8 @@ pub(super) struct Range {
 }
 
 impl Range {
-    fn new(norm: Norm, radius: f32) -> Result<Option<Self>, TileError> {
-        let units = (positive("the range", radius.into())? * TILE as f64).ceil();
+    fn new(norm: Norm, radius: f32) -> Result<Option<Self>, Error> {
+        let units = (within("the range", radius.into(), [LEAST, f64::INFINITY])? * TILE as f64).ceil();
         Ok((units <= (1u64 << 61) as f64).then_some(Self { norm, radius: units as i64 }))
     }
 
@@ -116,13 +116,14 @@ pub(super) struct Sector {
 }
 
 impl Sector {
-    fn new(direction: Vec2, half_angle: f32) -> Result<Option<Self>, TileError> {
+    fn new(direction: Vec2, half_angle: f32) -> Result<Option<Self>, Error> {
         let what = "the direction of a sector";
-        let (x, y) = (finite(what, direction.x.into())?, finite(what, direction.y.into())?);
-        if (x, y) == (0.0, 0.0) {
-            return Err(TileError::NoDirection { what });
+        finite2(what, direction)?;
+        let [x, y] = direction.as_dvec2().to_array();
+        if direction == Vec2::ZERO {
+            return Err(Error::NoDirection { what });
         }
-        let half = positive("the half angle of a sector", half_angle.into())? + SECTOR;
+        let half = within("the half angle of a sector", half_angle.into(), [LEAST, f64::INFINITY])? + SECTOR;
         if half >= std::f64::consts::PI - SECTOR {
             return Ok(None);
         }

@@ -1,7 +1,7 @@
 //! Exact positions on a map.
 
 use crate::numeric::tiles::{FARTHEST, TILE};
-use crate::tiles::error::{TileError, finite, within};
+use crate::error::{Error, within};
 
 /// A position on a map, in tiles: tile `(x, y)` is the square from `(x, y)` to `(x + 1, y + 1)`.
 ///
@@ -19,9 +19,9 @@ impl TilePoint {
     ///
     /// # Errors
     /// A coordinate that is not finite, or whose magnitude exceeds `2^32` tiles.
-    pub fn new(x: f64, y: f64) -> Result<Self, TileError> {
+    pub fn new(x: f64, y: f64) -> Result<Self, Error> {
         let units = |what, value| {
-            within(what, finite(what, value)?, FARTHEST).map(|v| (v * TILE as f64).round_ties_even() as i64)
+            within(what, value, [-FARTHEST, FARTHEST]).map(|v| (v * TILE as f64).round_ties_even() as i64)
         };
         Ok(Self { units: [units("the x of a position", x)?, units("the y of a position", y)?] })
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use casca_plane::{BitGrid, FieldOfView, Fog, FovOptions, OpaqueTiles, TileError, TileState};
+use casca_plane::{BitGrid, Error, FieldOfView, Fog, FovOptions, OpaqueTiles, TileState};
 use proptest::prelude::*;
 
 use crate::cases::cases;
@@ -55,7 +55,7 @@ proptest! {
 #[test]
 fn fields_of_view_of_other_maps_are_refused() {
     let mut fog = Fog::new(8, 8);
-    let found = TileError::Dimensions { found_width: 0, found_height: 0, width: 8, height: 8 };
+    let found = Error::Dimensions { found_width: 0, found_height: 0, width: 8, height: 8 };
     assert_eq!(fog.add(&FieldOfView::new()), Err(found));
     assert!(fog.add_tiles(&BitGrid::new(8, 9)).is_err() && fog.add_tiles(&BitGrid::new(8, 8)).is_ok());
 }

@@ -5,7 +5,7 @@ mod exact;
 
 use std::collections::BTreeSet;
 
-use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TileError};
+use casca_plane::{BitGrid, Error, FieldOfView, FovOptions, OpaqueTiles};
 use glam::IVec2;
 use proptest::prelude::*;
 
@@ -132,5 +132,5 @@ fn long_walls_and_single_tiles_hide() {
     assert!(seen.contains(&(0, 2)) && seen.contains(&(6, 2)));
     let mut fov = FieldOfView::new();
     let outside = fov.run_from_tile(&OpaqueTiles::new(map), 7, 0, &FovOptions::default());
-    assert_eq!(outside, Err(TileError::Outside { x: 7, y: 0, width: 7, height: 6 }));
+    assert_eq!(outside, Err(Error::Outside { x: 7, y: 0, width: 7, height: 6 }));
 }
