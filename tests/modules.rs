@@ -50,7 +50,7 @@ const MOST: [(&str, usize); 25] = [
     ("sisters/fur", 11200),
     ("sisters/light", 11400),
     ("sisters/lines", 10500),
-    ("sisters/plane", 13650),
+    ("sisters/plane", 11950),
     ("sisters/points", 10300),
     ("fronts/bake", 2750),
     ("fronts/baked", 1200),

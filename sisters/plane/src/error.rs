@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use glam::{UVec2, Vec2};
+use glam::Vec2;
 
-use crate::id::ObjectId;
+use crate::object::ObjectId;
 
 /// Why a call was refused. The scene or query is left as it was.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -45,17 +45,6 @@ pub enum Error {
     ShortPolyline {
         /// How many points were given.
         points: usize,
-    },
-    /// The cell size is not a positive normal number.
-    #[error("the cell size must be a positive normal number, but is {0}")]
-    CellSize(f32),
-    /// The grid has no cells or too many.
-    #[error("a grid needs 1 to {max} cells along each axis, but {dims} were asked for")]
-    GridDims {
-        /// The numbers of cells asked for.
-        dims: UVec2,
-        /// The limit along each axis.
-        max: u32,
     },
     /// The grid lies so far from the origin that its cells cannot be told apart.
     #[error(

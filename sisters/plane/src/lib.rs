@@ -32,29 +32,26 @@
 //!
 //! # Features
 //!
-//! - `serde`: [`BitGrid`], [`GridSpec`] and [`Shape`]s can be stored.
 //! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
 //! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.
 
 mod bits;
-mod cross;
 mod error;
 mod geometry;
 mod grid;
-mod id;
 #[cfg(feature = "maps")]
 pub mod maps;
 mod numeric;
 mod object;
 mod point;
 mod pvs;
-mod query;
 mod raster;
 mod scene;
 mod tiles;
 #[cfg(feature = "tiled")]
 pub mod tmx;
 mod view;
+mod visible;
 
 pub use bits::BitGrid;
 pub use error::Error;
@@ -62,14 +59,14 @@ pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Sha
 /// The version of glam whose types these functions take and give.
 pub use glam;
 
-pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
-pub use id::ObjectId;
-pub use object::ObjectDesc;
+pub use grid::{GridSpec, MAX_CELLS_PER_AXIS};
+pub use object::{ObjectDesc, ObjectId};
+pub use point::Query;
 pub use pvs::{Pvs, PvsChanges, Stats};
-pub use query::{Query, visible_region};
 pub use scene::Scene;
 pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileLayer, TilePoint, TileState};
 pub use view::View;
+pub use visible::visible_region;
 
 /// The bytes of a file. Pipes and devices are not opened: they may have no end.
 #[cfg(any(feature = "maps", feature = "tiled"))]

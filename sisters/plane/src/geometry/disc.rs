@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, Vec2};
 
 use crate::error::{Error, finite2, within};
-use crate::geometry::block::Block;
+use crate::geometry::Block;
 use crate::numeric::{INSIDE_DISC, ON_DISC};
 
 /// Number of sides of the polygon by which a disc hides others.
@@ -13,7 +13,6 @@ pub const DISC_SIDES: usize = 32;
 
 /// A solid disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Disc {
     /// Centre in world units.
     pub center: Vec2,

@@ -92,7 +92,8 @@ impl Drawing {
         let words = shown().filter(|c| c.is_alphanumeric()).count();
         let is_prose = 2 * words > all && LETTERS_OF_A_WALL * walls < all;
         if is_prose || text.trim_start().starts_with('{') || shown().any(|c| c.is_ascii_control()) {
-            let why = "it is no map: those of Tiled are saved as .tmx (not as JSON), and those drawn with letters have walls (#)";
+            let why = "it is no map: those of Tiled are saved as .tmx (not as JSON), and those drawn with \
+                       letters have walls (#)";
             return Err(why.into());
         }
         // Old files end lines with a carriage return alone.

@@ -43,21 +43,21 @@ struct Builder {
 impl FloorPlan {
     /// The floor plan that [`crate::maps::MapKind::Rooms`] makes. Its outer wall has no doors.
     pub fn generate(width: u32, height: u32, seed: u64) -> Self {
-    let mut walls = BitGrid::new(width, height);
-    for y in 0..height {
-        walls.set(0, y, true);
-        walls.set(width.wrapping_sub(1), y, true);
-    }
-    walls.fill(0, 0..width);
-    walls.fill(height.wrapping_sub(1), 0..width);
-    let random = Pcg64Mcg::seed_from_u64(seed);
-    let mut builder = Builder { plan: FloorPlan { walls, doors: Vec::new() }, random };
-    let inner = |size: u32| size.saturating_sub(2);
-    let mut open = vec![Rectangle { x: 1, y: 1, width: inner(width), height: inner(height) }];
-    while let Some(rectangle) = open.pop() {
-        builder.split(&rectangle, &mut open);
-    }
-    builder.plan
+        let mut walls = BitGrid::new(width, height);
+        for y in 0..height {
+            walls.set(0, y, true);
+            walls.set(width.wrapping_sub(1), y, true);
+        }
+        walls.fill(0, 0..width);
+        walls.fill(height.wrapping_sub(1), 0..width);
+        let random = Pcg64Mcg::seed_from_u64(seed);
+        let mut builder = Builder { plan: FloorPlan { walls, doors: Vec::new() }, random };
+        let inner = |size: u32| size.saturating_sub(2);
+        let mut open = vec![Rectangle { x: 1, y: 1, width: inner(width), height: inner(height) }];
+        while let Some(rectangle) = open.pop() {
+            builder.split(&rectangle, &mut open);
+        }
+        builder.plan
     }
 }
 

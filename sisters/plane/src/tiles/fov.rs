@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::bits::BitGrid;
+use crate::bits::{BitGrid, fill};
 use crate::error::Error;
 use crate::tiles::marks::Marks;
 use crate::tiles::octant::Octant;
@@ -10,7 +10,6 @@ use crate::tiles::opaque::OpaqueTiles;
 use crate::tiles::options::FovOptions;
 use crate::tiles::point::TilePoint;
 use crate::tiles::ray::Sink;
-use crate::tiles::scan::fill;
 use crate::tiles::sweep::Sweep;
 use crate::tiles::tile_sweep::TileSweep;
 use crate::tiles::transpose::add_transposed;

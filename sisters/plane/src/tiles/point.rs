@@ -1,7 +1,7 @@
 //! Exact positions on a map.
 
-use crate::numeric::tiles::{FARTHEST, TILE};
 use crate::error::{Error, within};
+use crate::numeric::tiles::{FARTHEST, TILE};
 
 /// A position on a map, in tiles: tile `(x, y)` is the square from `(x, y)` to `(x + 1, y + 1)`.
 ///
@@ -39,12 +39,6 @@ impl TilePoint {
     /// The y of the position, rounded to double precision.
     pub fn y(self) -> f64 {
         self.units[1] as f64 / TILE as f64
-    }
-
-    /// The tile that holds the position: of the tiles that share a border, the one of greater
-    /// coordinates. They may be negative.
-    pub fn tile(self) -> (i64, i64) {
-        (self.units[0].div_euclid(TILE), self.units[1].div_euclid(TILE))
     }
 
     /// The coordinates in units of 1 / [`TILE`].

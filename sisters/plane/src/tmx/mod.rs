@@ -2,8 +2,8 @@
 //! sight, and the objects that are drawn over them.
 //!
 //! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers
-//! of tiles and of objects with a shape, also those in groups. Memory is reserved in proportion to the bytes of
-//! the files and the bits of the result, whatever the files promise.
+//! of tiles and of objects with a shape, also those in groups. Memory is reserved in proportion to
+//! the bytes of the files and the bits of the result, whatever the files promise.
 
 // Not by the crate `tiled` (0.16), which files can make
 // - overflow the stack: 10,000 groups in each other (150 kB), or properties of the type `class`; a
@@ -225,7 +225,8 @@ impl TmxImport {
             let far = extent.least.iter().chain(&extent.most).any(|at| at.abs() > FARTHEST);
             if far || tiles > SMALL.max(extent.tiles.saturating_mul(MOST_EMPTY)) {
                 let ([width, height], tiles) = (size, extent.tiles);
-                let why = format!("its layers are spread over {width} by {height} tiles, but have {tiles} only");
+                let why =
+                    format!("its layers are spread over {width} by {height} tiles, but have {tiles} only");
                 return Err(start.damaged(why));
             }
             found.walls = BitGrid::new(size[0] as u32, size[1] as u32);
@@ -244,8 +245,8 @@ impl TmxImport {
         }
         if found.walls.count() == 0 && found.objects.iter().all(|object| object.role == Role::Plain) {
             found.warnings.push(
-                "nothing blocks sight: what hides are layers named \"walls\", and what has the class \"wall\" or a \
-                 property \"opaque\" that is true (TmxImport::walls takes other names)"
+                "nothing blocks sight: what hides are layers named \"walls\", and what has the class \"wall\" or \
+                 a property \"opaque\" that is true (TmxImport::walls takes other names)"
                     .into(),
             );
         }
@@ -329,8 +330,8 @@ fn tiles(
     }
     if drawn > 0 {
         warn(format!(
-            "has {drawn} tiles that are walls or doors by shapes drawn on them: these hide nothing (give the tile a \
-             property \"opaque\", or draw an object)"
+            "has {drawn} tiles that are walls or doors by shapes drawn on them: these hide nothing (give \
+             the tile a property \"opaque\", or draw an object)"
         ));
     }
     Ok(())

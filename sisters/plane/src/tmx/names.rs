@@ -38,7 +38,8 @@ pub(super) struct Rule([(Role, Vec<String>); 2]);
 
 impl Rule {
     pub fn new(walls: &[String], doors: &[String]) -> Self {
-        let names = |all: &[String]| all.iter().map(|name| plain(name)).filter(|name| !name.is_empty()).collect();
+        let names =
+            |all: &[String]| all.iter().map(|name| plain(name)).filter(|name| !name.is_empty()).collect();
         Self([(Role::Door, names(doors)), (Role::Wall, names(walls))])
     }
 

@@ -76,7 +76,8 @@ impl ObjectLayer<'_> {
         let layer = shortened(&self.name);
         while let Some(child) = xml.child()? {
             let is_object = child.local_name().as_ref() == b"object";
-            let is_passed = xml.attribute(&child, "template")?.is_some() || xml.attribute(&child, "gid")?.is_some();
+            let is_passed =
+                xml.attribute(&child, "template")?.is_some() || xml.attribute(&child, "gid")?.is_some();
             if !is_object || is_passed {
                 passed += u64::from(is_object);
                 xml.skip(&child)?;
@@ -85,8 +86,12 @@ impl ObjectLayer<'_> {
             let id = xml.attribute(&child, "id")?.and_then(|id| id.trim().parse().ok()).unwrap_or(0);
             match self.object(xml, &child, id)? {
                 Ok(object) => {
-                    if object.as_ref().is_some_and(|object| object.role != Role::Plain && object.occluder.is_none()) {
-                        let why = format!("the object {id} of the layer {layer:?} has no size, and hides nothing");
+                    if object
+                        .as_ref()
+                        .is_some_and(|object| object.role != Role::Plain && object.occluder.is_none())
+                    {
+                        let why =
+                            format!("the object {id} of the layer {layer:?} has no size, and hides nothing");
                         found.warnings.push(why);
                     }
                     found.objects.extend(object);
@@ -99,7 +104,8 @@ impl ObjectLayer<'_> {
         }
         if passed > 0 {
             found.warnings.push(format!(
-                "the layer {layer:?} has {passed} objects with pictures or of templates: these are not read, and hide nothing"
+                "the layer {layer:?} has {passed} objects with pictures or of templates: these are not read, and \
+                 hide nothing"
             ));
         }
         Ok(())
@@ -107,7 +113,6 @@ impl ObjectLayer<'_> {
 
     /// Reads an object, from behind its start to behind its end: `None` for a text, or why it is
     /// left out. Errors of the file are around that.
-    #[expect(clippy::type_complexity, reason = "three ends of a reading")]
     fn object(
         &self,
         xml: &mut Xml<'_>,
@@ -180,9 +185,7 @@ impl ObjectLayer<'_> {
             Form::Box | Form::Ellipse if size == DVec2::ZERO => {
                 Ok(both(Disc::new(place(DVec2::ZERO)?, 0.0).into()))
             }
-            Form::Box => {
-                rectangle(places(&[DVec2::ZERO, DVec2::X * size.x, size, DVec2::Y * size.y])?)
-            }
+            Form::Box => rectangle(places(&[DVec2::ZERO, DVec2::X * size.x, size, DVec2::Y * size.y])?),
             Form::Ellipse => {
                 let center = size / 2.0;
                 let axes = [DVec2::X * size.x / 2.0, DVec2::Y * size.y / 2.0];

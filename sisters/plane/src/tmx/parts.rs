@@ -116,7 +116,8 @@ impl Frame {
         let orientation = xml.required(&root, "orientation")?;
         if !["orthogonal", "isometric"].contains(&&*orientation) {
             return Err(xml.damaged(format!(
-                "the map is {orientation}, but only orthogonal and isometric maps have rows and columns of squares"
+                "the map is {orientation}, but only orthogonal and isometric maps have rows and columns of \
+                 squares"
             )));
         }
         let infinite = xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1");

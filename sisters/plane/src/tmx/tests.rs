@@ -161,7 +161,11 @@ fn lists_with_blank_lines_missing_numbers_and_all_line_ends_are_read() {
     // The first tile is 0, which is none.
     for (from, to) in [("\n", ""), (",", ""), ("\n", "\r\n\r\n"), ("\n", "\r"), ("0,", ",")] {
         for end in ["", ",", ",\n\n"] {
-            assert_eq!(read(&(maps::csv().replacen(from, to, usize::MAX) + end)).unwrap(), whole, "{from:?} {to:?}");
+            assert_eq!(
+                read(&(maps::csv().replacen(from, to, usize::MAX) + end)).unwrap(),
+                whole,
+                "{from:?} {to:?}"
+            );
         }
     }
     for tiles in [maps::csv() + ",0,", maps::csv().replace("8,", ""), ",".repeat(13)] {
@@ -197,7 +201,11 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
         firsts.into_iter().zip(&opaque).for_each(|(first, tiles)| tilesets.push(first, tiles.clone()));
         for id in 0..12 {
             let last = (0_u32..).zip(firsts).filter(|&(_, first)| first <= id).last();
-            assert_eq!(tilesets.find(id).is_some_and(|tile| tile.blocks(true)), last.is_some(), "{firsts:?} {id}");
+            assert_eq!(
+                tilesets.find(id).is_some_and(|tile| tile.blocks(true)),
+                last.is_some(),
+                "{firsts:?} {id}"
+            );
             let says_so = last.is_some_and(|(number, first)| id - first == number);
             let found = tilesets.find(id | 0x6000_0000).is_some_and(|tile| tile.blocks(false));
             assert_eq!(found, says_so, "{firsts:?} {id}");

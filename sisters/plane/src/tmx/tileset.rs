@@ -31,7 +31,8 @@ impl Tile {
 
     /// Whether shapes are drawn on it that would hide if they were read.
     pub fn has_shapes(self) -> bool {
-        let hides = |drawn: Says| drawn.or(self.says).or(self.class).role().unwrap_or_default() != Role::Plain;
+        let hides =
+            |drawn: Says| drawn.or(self.says).or(self.class).role().unwrap_or_default() != Role::Plain;
         self.drawn.is_some_and(hides)
     }
 

@@ -91,7 +91,11 @@ fn tiles_with_shapes_hide_by_their_properties_only_and_not_with_doors() {
         let text = map_of(&one, &layer("name=\"a\"", "", "1,2,0,2"));
         assert_eq!(walls(&text), if hides { vec![1, 3] } else { vec![] }, "{one}");
         let said = read(&text).warnings.concat();
-        assert_eq!(said.contains("layer \"a\" has 2 tiles that are walls or doors by shapes"), warns, "{one}");
+        assert_eq!(
+            said.contains("layer \"a\" has 2 tiles that are walls or doors by shapes"),
+            warns,
+            "{one}"
+        );
         let all = map_of(&one, &layer("name=\"walls\"", "", "1,2,0,2"));
         assert_eq!(walls(&all), if one.contains("door") { vec![0] } else { vec![0, 1, 3] }, "{one}");
     }

@@ -5,7 +5,7 @@ use glam::UVec2;
 use super::*;
 use crate::geometry::{Polyline, Segment};
 use crate::grid::GridSpec;
-use crate::query::Query;
+use crate::point::Query;
 use crate::scene::Scene;
 use crate::view::View;
 
