@@ -260,13 +260,17 @@ fn shortened(text: &str) -> String {
     text.chars().take(MOST_LETTERS).collect()
 }
 
+/// Takes a layer, from behind its start, with the tilesets before it and what holds in it.
+type TakeLayer<'t> =
+    &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets<'_>, Above) -> Result<(), TmxError>;
+
 /// Reads the tilesets of a map, and hands out its layers of tiles and of objects with the tilesets
 /// before them and with what their groups and they themselves say of what is in them.
 fn walk(
     mut xml: Xml<'_>,
     tilesets: &mut Tilesets<'_>,
     rule: &Rule,
-    take: &mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets<'_>, Above) -> Result<(), TmxError>,
+    take: TakeLayer<'_>,
 ) -> Result<(), TmxError> {
     xml.root("map")?;
     tilesets.clear();
