@@ -118,12 +118,6 @@ impl From<casca_plane::Error> for Failure {
     }
 }
 
-impl From<casca_plane::TileError> for Failure {
-    fn from(error: casca_plane::TileError) -> Self {
-        Self::argument(error.to_string())
-    }
-}
-
 /// The last failure of a thread, as C reads it.
 #[derive(Default)]
 struct Last {

@@ -65,7 +65,7 @@ pub enum ServerError {
     /// casca-plane refuses a tile or an option.
     #[cfg(feature = "plane")]
     #[error(transparent)]
-    Tiles(#[from] casca_plane::TileError),
+    Tiles(#[from] casca_plane::Error),
     /// The bytes are no file of baked sets.
     #[error(transparent)]
     Baked(#[from] casca_baked::ReadError),

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use casca_plane::maps::MapKind;
-use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TileError, TilePoint};
+use casca_plane::{BitGrid, Error, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
 use casca_server::casca::glam::Vec2;
 use casca_server::plane::{PlaneClient, PlaneEntity, PlaneOptions, PlaneServer};
 use casca_server::{ClientId, EntityId, ServerError};
@@ -467,7 +467,7 @@ fn bad_input_is_refused() {
     assert!(matches!(server.move_entity(entity, at, 0.5), Err(ServerError::Backwards { .. })));
     assert!(matches!(
         server.set_opaque(16, 0, true),
-        Err(ServerError::Tiles(TileError::Outside { x: 16, .. }))
+        Err(ServerError::Tiles(Error::Outside { x: 16, .. }))
     ));
     server.tick(2.0).unwrap();
     assert!(server.tick(1.0).is_err() && server.tick(f64::NAN).is_err());

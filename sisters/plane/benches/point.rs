@@ -8,23 +8,14 @@ use glam::{UVec2, Vec2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-/// Random numbers from 0 to 1.
-struct Random(Pcg32);
+/// A point of a square.
+fn point(random: &mut Pcg32, size: f32) -> Vec2 {
+    Vec2::new(random.random_range(0.0..1.0), random.random_range(0.0..1.0)) * size
+}
 
-impl Random {
-    fn new(seed: u64) -> Self {
-        Self(Pcg32::seed_from_u64(seed))
-    }
-
-    /// The next one.
-    fn next(&mut self) -> f32 {
-        self.0.random_range(0.0..1.0)
-    }
-
-    /// A point of a square.
-    fn point(&mut self, size: f32) -> Vec2 {
-        Vec2::new(self.next(), self.next()) * size
-    }
+/// A step of a length in any direction.
+fn step(random: &mut Pcg32, length: f32) -> Vec2 {
+    Vec2::from_angle(random.random_range(0.0..std::f32::consts::TAU)) * length
 }
 
 const VIEWS: u32 = 8;
@@ -46,16 +37,16 @@ fn floor_plan(walls: u32) -> (Scene, f32) {
     const ROOM: f32 = 8.0;
     let rooms = (walls as f32 / 4.0).sqrt().round() as u32;
     let size = rooms as f32 * ROOM;
-    let mut random = Random::new(1);
+    let mut random = Pcg32::seed_from_u64(1);
     let mut scene = scene(size);
     for i in 0..rooms * rooms {
         let corner = Vec2::new((i % rooms) as f32, (i / rooms) as f32) * ROOM;
         for along in [Vec2::X, Vec2::Y] {
-            let door = 1.0 + random.next() * (ROOM - 3.0);
+            let door = random.random_range(1.0..ROOM - 2.0);
             add_wall(&mut scene, corner, corner + along * door);
             add_wall(&mut scene, corner + along * (door + 1.0), corner + along * ROOM);
         }
-        let guard = Disc::new(corner + 1.0 + random.point(ROOM - 2.0), 0.4);
+        let guard = Disc::new(corner + 1.0 + point(&mut random, ROOM - 2.0), 0.4);
         scene.insert(ObjectDesc::new(guard)).unwrap();
     }
     (scene, size)
@@ -64,11 +55,12 @@ fn floor_plan(walls: u32) -> (Scene, f32) {
 /// Short walls, one for each 16 square units.
 fn field(walls: u32) -> (Scene, f32) {
     let size = (walls as f32 * 16.0).sqrt().round();
-    let mut random = Random::new(2);
+    let mut random = Pcg32::seed_from_u64(2);
     let mut scene = scene(size);
     for _ in 0..walls {
-        let a = random.point(size);
-        let b = a + Vec2::from_angle(random.next() * std::f32::consts::TAU) * (0.2 + random.next());
+        let a = point(&mut random, size);
+        let length = random.random_range(0.2..1.2);
+        let b = a + step(&mut random, length);
         add_wall(&mut scene, a, b.clamp(Vec2::ZERO, Vec2::splat(size)));
     }
     (scene, size)
@@ -80,11 +72,11 @@ const POST: f32 = 1e-4;
 /// Posts in rings around the eye, and nothing that hides most of them: everything is in sight.
 fn open(walls: u32) -> (Scene, f32) {
     let size = (walls as f32 * 16.0).sqrt().round();
-    let mut random = Random::new(3);
+    let mut random = Pcg32::seed_from_u64(3);
     let mut scene = scene(size);
     for _ in 0..walls {
-        let a = random.point(size);
-        add_wall(&mut scene, a, a + Vec2::from_angle(random.next() * std::f32::consts::TAU) * POST);
+        let a = point(&mut random, size);
+        add_wall(&mut scene, a, a + step(&mut random, POST));
     }
     (scene, size)
 }
@@ -97,9 +89,9 @@ fn views(criterion: &mut Criterion) {
         group.sample_size(10);
         for walls in WALLS {
             let (scene, size) = make(walls);
-            let mut random = Random::new(4);
+            let mut random = Pcg32::seed_from_u64(4);
             let views: Vec<View> = (0..VIEWS)
-                .map(|_| View::all_round(size * 0.25 + random.point(size * 0.5)).unwrap())
+                .map(|_| View::all_round(size * 0.25 + point(&mut random, size * 0.5)).unwrap())
                 .collect();
             let mut query = Query::new();
             let pieces: u32 = views.iter().map(|view| query.run(&scene, view).stats().pieces).sum();

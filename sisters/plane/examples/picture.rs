@@ -72,10 +72,12 @@ struct Svg(String);
 impl Svg {
     fn new(dims: UVec2) -> Self {
         let size = dims.as_vec2() * TILE;
-        let mut text =
-            format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\">\n", size.x, size.y);
-        let _ = writeln!(text, "<rect width=\"{}\" height=\"{}\" fill=\"{HIDDEN}\"/>", size.x, size.y);
-        Self(text)
+        Self(format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {x} {y}\">\n\
+             <rect width=\"{x}\" height=\"{y}\" fill=\"{HIDDEN}\"/>\n",
+            x = size.x,
+            y = size.y
+        ))
     }
 
     /// Squares inside tiles, smaller by a margin at each side.

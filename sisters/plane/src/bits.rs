@@ -2,51 +2,24 @@
 
 use std::ops::Range;
 
+use glam::UVec2;
+
 use crate::error::Error;
 
 /// The number of bits of a word.
 const WORD: u32 = u64::BITS;
+const BITS: usize = u64::BITS as usize;
 
 /// A bit for each cell of a grid: rows of 64-bit words, each of which begins with a new word.
 ///
 /// Cells are `(x, y)`, from `(0, 0)`. Cells outside of the grid are clear and stay so.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "Stored", into = "Stored")
-)]
 pub struct BitGrid {
     width: u32,
     height: u32,
     /// Words of a row.
     stride: usize,
     words: Vec<u64>,
-}
-
-/// A grid as files have it.
-#[cfg(feature = "serde")]
-#[derive(serde::Serialize, serde::Deserialize)]
-struct Stored {
-    width: u32,
-    height: u32,
-    words: Vec<u64>,
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<Stored> for BitGrid {
-    type Error = Error;
-
-    fn try_from(Stored { width, height, words }: Stored) -> Result<Self, Error> {
-        Self::from_words(width, height, words)
-    }
-}
-
-#[cfg(feature = "serde")]
-impl From<BitGrid> for Stored {
-    fn from(BitGrid { width, height, words, .. }: BitGrid) -> Self {
-        Self { width, height, words }
-    }
 }
 
 impl BitGrid {
@@ -116,17 +89,7 @@ impl BitGrid {
         if y >= self.height || first >= end {
             return;
         }
-        let row = &mut self.words[y as usize * self.stride..][..self.stride];
-        let (low, high) = ((first / WORD) as usize, ((end - 1) / WORD) as usize);
-        let from = u64::MAX << (first % WORD);
-        let to = u64::MAX >> (WORD - 1 - (end - 1) % WORD);
-        if low == high {
-            row[low] |= from & to;
-            return;
-        }
-        row[low] |= from;
-        row[low + 1..high].fill(u64::MAX);
-        row[high] |= to;
+        fill(self.row_mut(y), first as usize, end as usize);
     }
 
     /// Clears all bits.
@@ -159,20 +122,11 @@ impl BitGrid {
 
     /// The first cell whose bit differs from those of `flip`.
     fn next(&self, x: u32, y: u32, flip: u64) -> u32 {
-        let row = self.row(y);
-        let mut at = (x / WORD) as usize;
-        if x >= self.width || at >= row.len() {
+        if x >= self.width || y >= self.height {
             return self.width;
         }
-        let mut word = (row[at] ^ flip) & u64::MAX << (x % WORD);
-        while word == 0 {
-            at += 1;
-            if at == row.len() {
-                return self.width;
-            }
-            word = row[at] ^ flip;
-        }
-        (at as u32 * WORD + word.trailing_zeros()).min(self.width)
+        let row = self.row(y);
+        first_set(x as usize, self.width as usize, |at| row[at] ^ flip) as u32
     }
 
     /// The number of bits that are set.
@@ -188,6 +142,82 @@ impl BitGrid {
             let next = move |&x: &u32| Some(self.next_set(x + 1, y)).filter(|&x| x < self.width);
             std::iter::successors(first, next).map(move |x| (x, y))
         })
+    }
+}
+
+/// Sets the bits `first..end` of a row. `first < end`, and the row has that many bits.
+#[inline(always)]
+pub(crate) fn fill(words: &mut [u64], first: usize, end: usize) {
+    let (low, high) = (first / BITS, (end - 1) / BITS);
+    let from = u64::MAX << (first % BITS);
+    let to = u64::MAX >> (BITS - 1 - (end - 1) % BITS);
+    if low == high {
+        words[low] |= from & to;
+        return;
+    }
+    words[low] |= from;
+    words[low + 1..high].fill(u64::MAX);
+    words[high] |= to;
+}
+
+/// The first place in `from..end` whose bit is set in the words of a function; `end` if there is
+/// none. `from < end`.
+#[inline(always)]
+pub(crate) fn first_set(from: usize, end: usize, word_at: impl Fn(usize) -> u64) -> usize {
+    let mut at = from / BITS;
+    let mut word = word_at(at) & (u64::MAX << (from % BITS));
+    loop {
+        if word != 0 {
+            return (at * BITS + word.trailing_zeros() as usize).min(end);
+        }
+        at += 1;
+        if at * BITS >= end {
+            return end;
+        }
+        word = word_at(at);
+    }
+}
+
+/// The last place in `from..end` whose bit is set in the words of a function. `from < end`.
+#[inline(always)]
+pub(crate) fn last_set(from: usize, end: usize, word_at: impl Fn(usize) -> u64) -> Option<usize> {
+    let mut at = (end - 1) / BITS;
+    let mut word = word_at(at) & (u64::MAX >> (BITS - 1 - (end - 1) % BITS));
+    loop {
+        if word != 0 {
+            return Some(at * BITS + BITS - 1 - word.leading_zeros() as usize).filter(|&found| found >= from);
+        }
+        if at * BITS <= from {
+            return None;
+        }
+        at -= 1;
+        word = word_at(at);
+    }
+}
+
+/// A bit for each cell, stored twice: the sides of a shell are rows and columns, and each is read
+/// as packed words.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct CrossBits {
+    /// `lines[0]` has the columns of the grid: the cells of equal x. `lines[1]` has its rows.
+    lines: [BitGrid; 2],
+}
+
+impl CrossBits {
+    /// Clear bits. Costs two bits a cell.
+    pub(crate) fn new(dims: UVec2) -> Self {
+        Self { lines: [BitGrid::new(dims.y, dims.x), BitGrid::new(dims.x, dims.y)] }
+    }
+
+    /// Cells outside of the grid stay clear.
+    pub(crate) fn set(&mut self, x: u32, y: u32, value: bool) {
+        self.lines[0].set(y, x, value);
+        self.lines[1].set(x, y, value);
+    }
+
+    /// The cells at one place of an axis: the column at an x for axis 0, the row at a y for axis 1.
+    pub(crate) fn line(&self, axis: usize, at: u32) -> &[u64] {
+        self.lines[axis].row(at)
     }
 }
 
@@ -208,11 +238,6 @@ mod tests {
                 let cells: Vec<_> = (0..width).filter(|x| (first..end).contains(x)).map(|x| (x, 1)).collect();
                 assert_eq!(filled.cells().collect::<Vec<_>>(), cells);
                 assert_eq!(filled.count(), cells.len() as u64);
-                for x in 0..width + 70 {
-                    let from =
-                        |wanted: bool| (x..width).find(|&x| filled.get(x, 1) == wanted).unwrap_or(width);
-                    assert_eq!((filled.next_set(x, 1), filled.next_clear(x, 1)), (from(true), from(false)));
-                }
             }
         }
     }
@@ -250,6 +275,7 @@ mod tests {
         bits.fill(0, 8..99);
         assert_eq!((bits.count(), bits.get(9, 0), bits.get(10, 0), bits.get(0, 7)), (2, true, false, false));
         assert_eq!((bits.row(5), bits.next_set(0, 5), BitGrid::new(0, 0).count()), (&[][..], 10, 0));
+        assert_eq!((bits.next_set(10, 0), bits.next_clear(8, 0), bits.next_clear(99, 0)), (10, 10, 10));
         bits.clear();
         assert_eq!(bits.count(), 0);
     }

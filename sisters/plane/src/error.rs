@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use glam::{UVec2, Vec2};
+use glam::Vec2;
 
-use crate::id::ObjectId;
+use crate::object::ObjectId;
 
 /// Why a call was refused. The scene or query is left as it was.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -34,14 +34,6 @@ pub enum Error {
         /// The argument.
         what: &'static str,
     },
-    /// A length that must not be negative.
-    #[error("{what} must not be negative: {}", Short(*value))]
-    Negative {
-        /// The argument.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
     /// Points whose hull has no area.
     #[error("the convex polygon has no area: its {points} points lie on a line")]
     FlatPolygon {
@@ -53,17 +45,6 @@ pub enum Error {
     ShortPolyline {
         /// How many points were given.
         points: usize,
-    },
-    /// The cell size is not a positive normal number.
-    #[error("the cell size must be a positive normal number, but is {0}")]
-    CellSize(f32),
-    /// The grid has no cells or too many.
-    #[error("a grid needs 1 to {max} cells along each axis, but {dims} were asked for")]
-    GridDims {
-        /// The numbers of cells asked for.
-        dims: UVec2,
-        /// The limit along each axis.
-        max: u32,
     },
     /// The grid lies so far from the origin that its cells cannot be told apart.
     #[error(
@@ -104,10 +85,34 @@ pub enum Error {
         /// How many are needed.
         needed: u64,
     },
-    /// A setting is out of its range.
+    /// A grid of other dimensions than those of the map.
+    #[error("the tiles are {found_width} by {found_height}, but those of the map {width} by {height}")]
+    Dimensions {
+        /// The columns of the grid.
+        found_width: u32,
+        /// The rows of the grid.
+        found_height: u32,
+        /// The columns of the map.
+        width: u32,
+        /// The rows of the map.
+        height: u32,
+    },
+    /// A tile that the grid does not have.
+    #[error("the tile ({x}, {y}) lies outside of the grid of {width} by {height} tiles")]
+    Outside {
+        /// The column.
+        x: u32,
+        /// The row.
+        y: u32,
+        /// The columns of the grid.
+        width: u32,
+        /// The rows of the grid.
+        height: u32,
+    },
+    /// A number is out of its range.
     #[error("{what} must lie between {} and {}, not {}", Short(*min), Short(*max), Short(*value))]
-    Setting {
-        /// The setting.
+    Range {
+        /// The argument.
         what: &'static str,
         /// Its value.
         value: f64,
@@ -123,8 +128,9 @@ struct Short(f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The form for debugging has exponents where there would be many zeros.
         let single = self.0 as f32;
-        if f64::from(single) == self.0 { single.fmt(f) } else { self.0.fmt(f) }
+        if f64::from(single) == self.0 { write!(f, "{single:?}") } else { write!(f, "{:?}", self.0) }
     }
 }
 
@@ -136,13 +142,10 @@ pub(crate) fn finite2(what: &'static str, v: Vec2) -> Result<(), Error> {
     }
 }
 
-/// Refuses a number that is not finite or negative.
-pub(crate) fn not_negative(what: &'static str, v: f32) -> Result<(), Error> {
-    if !v.is_finite() {
-        Err(Error::NotFinite { what, value: v.into() })
-    } else if v < 0.0 {
-        Err(Error::Negative { what, value: v.into() })
-    } else {
-        Ok(())
-    }
+/// The least number of single precision above zero.
+pub(crate) const LEAST: f64 = f32::from_bits(1) as f64;
+
+/// Refuses a number that does not lie between two, or is none.
+pub(crate) fn within(what: &'static str, value: f64, [min, max]: [f64; 2]) -> Result<f64, Error> {
+    if (min..=max).contains(&value) { Ok(value) } else { Err(Error::Range { what, value, min, max }) }
 }

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, IVec2, UVec2, Vec2};
 
-use crate::error::{Error, finite2};
+use crate::error::{Error, finite2, within};
 use crate::geometry::Rect;
 
 /// Greatest number of cells along one axis.
@@ -18,7 +18,6 @@ const FAR_CELLS: f64 = (1u64 << 29) as f64;
 /// The measures of a grid: a corner, the edge length of its square cells and how many of them lie
 /// along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GridSpec {
     /// Least corner in world units.
     pub min: Vec2,
@@ -36,9 +35,7 @@ impl GridSpec {
     /// region that needs more than [`MAX_CELLS_PER_AXIS`] cells along an axis.
     pub fn covering(region: Rect, cell: f32) -> Result<Self, Error> {
         region.check("the region")?;
-        if !(cell.is_normal() && cell > 0.0) {
-            return Err(Error::CellSize(cell));
-        }
+        cell_size(cell)?;
         let extent = region.max.as_dvec2() - region.min.as_dvec2();
         let dims = (extent / f64::from(cell)).ceil().max(DVec2::ONE);
         // Numbers beyond the integers saturate, and are refused below.
@@ -55,7 +52,7 @@ impl GridSpec {
 /// A grid whose lines are exact. Cells have integer coordinates from 0; a cell outside the grid has
 /// coordinates below 0 or from [`Grid::dims`] on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
+pub(crate) struct Grid {
     origin: DVec2,
     cell: f64,
     dims: IVec2,
@@ -72,50 +69,38 @@ impl Grid {
     /// Refuses corners that are not finite, cell sizes that are not positive normal numbers, 0 or
     /// more than [`MAX_CELLS_PER_AXIS`] cells, and corners more than about 2^28 cells from the
     /// origin.
-    pub fn new(spec: &GridSpec) -> Result<Self, Error> {
+    pub(crate) fn new(spec: &GridSpec) -> Result<Self, Error> {
         finite2("the grid's corner", spec.min)?;
-        if !(spec.cell.is_normal() && spec.cell > 0.0) {
-            return Err(Error::CellSize(spec.cell));
-        }
-        if spec.dims.min_element() == 0 || spec.dims.max_element() > MAX_CELLS_PER_AXIS {
-            return Err(Error::GridDims { dims: spec.dims, max: MAX_CELLS_PER_AXIS });
+        let cell = cell_size(spec.cell)?;
+        for cells in spec.dims.to_array() {
+            within("the number of cells along an axis", cells.into(), [1.0, MAX_CELLS_PER_AXIS.into()])?;
         }
         let unit = 2f64.powi((spec.cell.to_bits() >> 23) as i32 - 127 - 23);
         let units = (spec.min.as_dvec2() / unit).floor();
         if units.abs().max_element() > 2f64.powi(51) {
             return Err(Error::GridTooFar { min: spec.min, cell: spec.cell });
         }
-        Ok(Self { origin: units * unit, cell: spec.cell.into(), dims: spec.dims.as_ivec2() })
+        Ok(Self { origin: units * unit, cell, dims: spec.dims.as_ivec2() })
     }
 
     /// Least corner in world units.
-    pub fn min(&self) -> DVec2 {
+    pub(crate) fn min(&self) -> DVec2 {
         self.origin
     }
 
     /// Greatest corner in world units.
-    pub fn max(&self) -> DVec2 {
+    pub(crate) fn max(&self) -> DVec2 {
         self.origin + self.dims.as_dvec2() * self.cell
     }
 
     /// Edge length of a cell.
-    pub fn cell_size(&self) -> f64 {
+    pub(crate) fn cell_size(&self) -> f64 {
         self.cell
     }
 
     /// Cells along each axis.
-    pub fn dims(&self) -> IVec2 {
+    pub(crate) fn dims(&self) -> IVec2 {
         self.dims
-    }
-
-    /// Number of cells.
-    pub fn cells(&self) -> u64 {
-        self.dims.x as u64 * self.dims.y as u64
-    }
-
-    /// Whether the cell is one of the grid's.
-    pub fn contains(&self, cell: IVec2) -> bool {
-        cell.cmpge(IVec2::ZERO).all() && cell.cmplt(self.dims).all()
     }
 
     /// World coordinate of line `i` across `axis`: the lower side of cell `i`.
@@ -124,13 +109,13 @@ impl Grid {
     }
 
     /// The least and the greatest corner of a cell.
-    pub fn cell_bounds(&self, cell: IVec2) -> (DVec2, DVec2) {
+    pub(crate) fn cell_bounds(&self, cell: IVec2) -> (DVec2, DVec2) {
         (self.origin + cell.as_dvec2() * self.cell, self.origin + (cell + 1).as_dvec2() * self.cell)
     }
 
     /// The cell that contains `point`, inside the grid or not; a point on a side belongs to the
     /// upper cell. Coordinates saturate 2^29 cells away.
-    pub fn cell_of(&self, point: DVec2) -> IVec2 {
+    pub(crate) fn cell_of(&self, point: DVec2) -> IVec2 {
         IVec2::new(self.cell_along(0, point.x), self.cell_along(1, point.y))
     }
 
@@ -154,6 +139,11 @@ impl Grid {
     }
 }
 
+/// Refuses a size of cells that is no positive normal number.
+fn cell_size(cell: f32) -> Result<f64, Error> {
+    within("the cell size", cell.into(), [f32::MIN_POSITIVE, f32::MAX].map(f64::from))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,10 +154,10 @@ mod tests {
         let ok = UVec2::splat(4);
         assert!(matches!(spec(Vec2::splat(f32::NAN), 1.0, ok), Err(Error::NotFinite { .. })));
         for cell in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-45] {
-            assert!(matches!(spec(Vec2::ZERO, cell, ok), Err(Error::CellSize(_))), "{cell}");
+            assert!(matches!(spec(Vec2::ZERO, cell, ok), Err(Error::Range { .. })), "{cell}");
         }
-        assert!(matches!(spec(Vec2::ZERO, 1.0, UVec2::new(4, 0)), Err(Error::GridDims { .. })));
-        assert!(matches!(spec(Vec2::ZERO, 1.0, UVec2::MAX), Err(Error::GridDims { .. })));
+        assert!(matches!(spec(Vec2::ZERO, 1.0, UVec2::new(4, 0)), Err(Error::Range { .. })));
+        assert!(matches!(spec(Vec2::ZERO, 1.0, UVec2::MAX), Err(Error::Range { .. })));
         assert!(matches!(spec(Vec2::splat(1e30), 1.0, ok), Err(Error::GridTooFar { .. })));
     }
 

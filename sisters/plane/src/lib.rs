@@ -32,50 +32,50 @@
 //!
 //! # Features
 //!
-//! - `serde`: [`BitGrid`], [`GridSpec`] and [`Shape`]s can be stored.
 //! - `maps`: the module `maps`, with maps from seeds and a small one of a harbour.
 //! - `tiled`: the module `tmx`, which reads maps of the editor Tiled.
 
 mod bits;
-mod cross;
-#[cfg(feature = "tiled")]
-mod editor;
 mod error;
-#[cfg(any(feature = "maps", feature = "tiled"))]
-mod files;
 mod geometry;
 mod grid;
-mod id;
 #[cfg(feature = "maps")]
 pub mod maps;
 mod numeric;
 mod object;
 mod point;
 mod pvs;
-mod query;
 mod raster;
 mod scene;
 mod tiles;
 #[cfg(feature = "tiled")]
 pub mod tmx;
 mod view;
+mod visible;
 
 pub use bits::BitGrid;
-#[cfg(feature = "tiled")]
-pub use editor::{MapNames, Role};
 pub use error::Error;
 pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
 /// The version of glam whose types these functions take and give.
 pub use glam;
 
-pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
-pub use id::ObjectId;
-pub use object::ObjectDesc;
+pub use grid::{GridSpec, MAX_CELLS_PER_AXIS};
+pub use object::{ObjectDesc, ObjectId};
+pub use point::Query;
 pub use pvs::{Pvs, PvsChanges, Stats};
-pub use query::{Query, visible_region};
 pub use scene::Scene;
-pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileError, TileLayer, TilePoint, TileState};
+pub use tiles::{FieldOfView, Fog, FovOptions, OpaqueTiles, TileLayer, TilePoint, TileState};
 pub use view::View;
+pub use visible::visible_region;
+
+/// The bytes of a file. Pipes and devices are not opened: they may have no end.
+#[cfg(any(feature = "maps", feature = "tiled"))]
+fn file(path: &std::path::Path) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("is no file"));
+    }
+    std::fs::read(path)
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -3,23 +3,15 @@
 use std::iter::Copied;
 use std::slice::Iter;
 
-use crate::id::ObjectId;
-use crate::scene::Scene;
-use crate::view::View;
+use crate::object::ObjectId;
 
 /// The work of a query in numbers, the same on every machine. The library has no clock: measure
 /// around [`crate::Query::run`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Stats {
-    /// Chessboard shells walked.
-    pub shells: u32,
-    /// Cells visited that have objects.
-    pub cells_visited: u64,
     /// Objects whose shapes were compared with the view.
     pub objects_tested: u32,
-    /// Sides of occluders that were gathered.
-    pub segments: u32,
     /// Pieces of the visibility polygon, each of which ends at one wall or at none.
     pub pieces: u32,
     /// Whether the eye was inside a solid occluder, which then hides nothing.
@@ -32,11 +24,7 @@ pub struct Stats {
 /// keeps it.
 #[derive(Debug, Clone, Default)]
 pub struct Pvs {
-    /// The tag of the scene; 0 before the first run.
-    pub(crate) scene: u32,
-    pub(crate) revision: u64,
-    pub(crate) view: Option<View>,
-    pub(crate) visible: Vec<ObjectId>,
+    visible: Vec<ObjectId>,
     /// By slot: 1 + the place in `visible`, or 0.
     places: Vec<u32>,
     pub(crate) stats: Stats,
@@ -81,23 +69,6 @@ impl Pvs {
         &self.stats
     }
 
-    /// The view of the query; `None` before the first run.
-    pub fn view(&self) -> Option<&View> {
-        self.view.as_ref()
-    }
-
-    /// The [revision](crate::Scene::revision) of the scene at which it was found.
-    pub fn revision(&self) -> u64 {
-        self.revision
-    }
-
-    /// Whether it is the set that a query would find now: no object of the scene came, went or
-    /// changed since, and the view is the same. `false` before the first run.
-    pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
-        let fresh = self.scene == scene.tag() && self.revision == scene.revision();
-        fresh && self.view.as_ref() == Some(view)
-    }
-
     /// Empties the set for a scene of `slots` slots.
     pub(crate) fn reset(&mut self, slots: usize) {
         for id in self.visible.drain(..) {
@@ -110,16 +81,6 @@ impl Pvs {
     pub(crate) fn push(&mut self, id: ObjectId) {
         self.visible.push(id);
         self.places[id.index()] = self.visible.len() as u32;
-    }
-}
-
-/// The same objects as [`Pvs::iter`].
-impl<'a> IntoIterator for &'a Pvs {
-    type Item = ObjectId;
-    type IntoIter = Copied<Iter<'a, ObjectId>>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
     }
 }
 

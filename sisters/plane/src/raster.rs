@@ -4,9 +4,8 @@ use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
-use crate::geometry::Shape;
-use crate::geometry::block::Block;
 use crate::geometry::polygon::ring;
+use crate::geometry::{Block, Shape};
 use crate::grid::Grid;
 use crate::numeric::TOUCH;
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, Vec2};
 
-use crate::error::{Error, finite2};
+use crate::error::{Error, LEAST, finite2, within};
 use crate::geometry::point_along;
 use crate::numeric::{TILT, WHOLE};
 
@@ -52,10 +52,7 @@ impl View {
         let half_angle = f64::from(half_angle);
         // The nearest number to π in single precision lies above it.
         let most = f64::from(std::f32::consts::PI);
-        if !(0.0..=most).contains(&half_angle) {
-            let what = "the half angle in radians";
-            return Err(Error::Setting { what, value: half_angle, min: 0.0, max: most });
-        }
+        within("the half angle in radians", half_angle, [0.0, most])?;
         let whole = half_angle + WHOLE >= PI;
         Ok(Self { sector: (!whole).then_some(Sector { direction, half_angle }), ..view })
     }
@@ -65,11 +62,8 @@ impl View {
     /// # Errors
     /// Refuses a range that is not a positive number.
     pub fn with_range(self, range: f32) -> Result<Self, Error> {
-        if !(range.is_finite() && range > 0.0) {
-            let (what, max) = ("the range", f32::MAX.into());
-            return Err(Error::Setting { what, value: range.into(), min: f32::MIN_POSITIVE.into(), max });
-        }
-        Ok(Self { range: Some(range.into()), ..self })
+        let range = within("the range", range.into(), [LEAST, f32::MAX.into()])?;
+        Ok(Self { range: Some(range), ..self })
     }
 
     /// The eye in world units.
@@ -136,11 +130,11 @@ mod tests {
         assert!(matches!(View::all_round(Vec2::NAN), Err(Error::NotFinite { .. })));
         assert!(matches!(View::sector(Vec2::ZERO, Vec2::ZERO, 1.0), Err(Error::NoDirection { .. })));
         for half in [-0.1, 3.2, f32::NAN] {
-            assert!(matches!(View::sector(Vec2::ZERO, Vec2::X, half), Err(Error::Setting { .. })), "{half}");
+            assert!(matches!(View::sector(Vec2::ZERO, Vec2::X, half), Err(Error::Range { .. })), "{half}");
         }
         for range in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             let view = View::all_round(Vec2::ZERO).unwrap();
-            assert!(matches!(view.with_range(range), Err(Error::Setting { .. })), "{range}");
+            assert!(matches!(view.with_range(range), Err(Error::Range { .. })), "{range}");
         }
     }
 }

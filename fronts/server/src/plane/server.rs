@@ -107,7 +107,7 @@ impl PlaneServer {
     pub fn set_opaque(&mut self, x: u32, y: u32, opaque: bool) -> Result<(), ServerError> {
         let (width, height) = (self.map.width(), self.map.height());
         if x >= width || y >= height {
-            return Err(casca_plane::TileError::Outside { x, y, width, height }.into());
+            return Err(casca_plane::Error::Outside { x, y, width, height }.into());
         }
         if self.map.get(x, y) != opaque {
             self.map.set(x, y, opaque);

@@ -1,5 +1,6 @@
 //! The walker, the guards, the doors, and the tiles that the walker has seen.
 
+use std::collections::{HashMap, VecDeque};
 use std::error::Error;
 
 use casca_plane::maps::Drawing;
@@ -158,6 +159,35 @@ impl Game {
             }
             _ => self.guards[index].facing = STEPS[self.random.random_range(0..4)],
         }
+    }
+
+    /// The first step on the way to unknown tiles, around guards; none if all that can be reached is
+    /// known.
+    pub fn next_step(&self) -> Option<(i32, i32)> {
+        let guarded = |at: Tile| {
+            let (x, y) = at;
+            self.fog.seen().get(x, y) && self.guards.iter().any(|guard| guard.at == at)
+        };
+        let mut first_steps: HashMap<Tile, (i32, i32)> = HashMap::new();
+        let mut open = VecDeque::from([self.walker]);
+        while let Some(at) = open.pop_front() {
+            let first = first_steps.get(&at).copied();
+            for step in STEPS {
+                let Some(to) = self.beside(at, step) else { continue };
+                let first = first.unwrap_or(step);
+                match self.known(to) {
+                    None if at != self.walker => return Some(first),
+                    // An unknown tile beside the walker lies behind a corner of walls.
+                    None | Some(Kind::Wall) => {}
+                    Some(_) if to == self.walker || guarded(to) || first_steps.contains_key(&to) => {}
+                    Some(_) => {
+                        first_steps.insert(to, first);
+                        open.push_back(to);
+                    }
+                }
+            }
+        }
+        None
     }
 
     /// Finds what the walker and the guards see.

@@ -10,8 +10,6 @@ pub struct Look {
     pub letter: char,
     pub ink: Color,
     pub ground: Color,
-    /// Whether someone stands here, to be drawn as a disc.
-    pub figure: bool,
 }
 
 const UNKNOWN: Color = [12, 12, 16];
@@ -27,7 +25,7 @@ const WATCHED: Color = [120, 84, 90];
 pub fn look(game: &Game, at: Tile) -> Look {
     let state = game.fog.state(at.0, at.1);
     let seen = state == TileState::Seen;
-    let plain = |letter, ink, ground| Look { letter, ink, ground, figure: false };
+    let plain = |letter, ink, ground| Look { letter, ink, ground };
     let mut look = match game.known(at) {
         None => return plain(' ', UNKNOWN, UNKNOWN),
         Some(Kind::Wall) => plain('#', WALL.map(|part| part / 2), WALL),
@@ -46,9 +44,9 @@ pub fn look(game: &Game, at: Tile) -> Look {
     }
     let guard = game.guards.iter().find(|guard| guard.at == at);
     match guard {
-        _ if at == game.walker => Look { letter: '@', ink: WALKER, figure: true, ..look },
-        Some(guard) if guard.alert => Look { letter: 'G', ink: ALERT, figure: true, ..look },
-        Some(_) => Look { letter: 'g', ink: GUARD, figure: true, ..look },
+        _ if at == game.walker => Look { letter: '@', ink: WALKER, ..look },
+        Some(guard) if guard.alert => Look { letter: 'G', ink: ALERT, ..look },
+        Some(_) => Look { letter: 'g', ink: GUARD, ..look },
         None => look,
     }
 }

@@ -3,19 +3,17 @@
 //!
 //! ```sh
 //! cargo run --release -p casca-plane --features maps --example fog
-//! cargo run --release -p casca-plane --features maps --example fog -- --map rooms --seed 7
-//! cargo run --release -p casca-plane --features maps --example fog -- --gif fog.gif
+//! cargo run --release -p casca-plane --features maps --example fog -- rooms
 //! cargo run --release -p casca-plane --features maps,tiled --example fog -- FILE   # .tmx, or letters
+//! cargo run --release -p casca-plane --features maps --example fog -- harbour 240
 //! ```
 //!
 //! Keys: the arrows, or `w` `a` `s` `d`, move and open doors; space opens and closes the doors
-//! around; `x` explores by itself; `q` ends. With `--png FILE` or `--gif FILE` the walker explores
-//! by itself for `--frames` steps, without a terminal.
+//! around; `x` explores by itself; `q` ends. With a number behind the map the walker explores by
+//! itself for so many steps, and prints what it knows then.
 
-mod explore;
 mod game;
 mod look;
-mod pictures;
 mod screen;
 
 use std::error::Error;
@@ -23,62 +21,41 @@ use std::error::Error;
 use casca_plane::maps::{Drawing, FloorPlan, HARBOUR, MapKind};
 
 use crate::game::Game;
+use crate::look::look;
 
-struct Options {
-    map: String,
-    seed: u64,
-    png: Option<String>,
-    gif: Option<String>,
-    frames: u32,
-}
+/// The seed of floor plans, caves and fields, and of where guards go.
+const SEED: u64 = 1;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let options = options()?;
-    let mut game = Game::new(map(&options)?, options.seed)?;
-    if options.png.is_none() && options.gif.is_none() {
-        return screen::play(&mut game);
-    }
-    pictures::record(&mut game, options.frames, options.png.as_deref(), options.gif.as_deref())
-}
-
-fn options() -> Result<Options, Box<dyn Error>> {
-    let mut options = Options { map: "harbour".into(), seed: 1, png: None, gif: None, frames: 240 };
     let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        if !word.starts_with('-') {
-            options.map = word;
-            continue;
-        }
-        let value = words.next().ok_or_else(|| format!("{word} needs a value"))?;
-        match word.as_str() {
-            "--map" => options.map = value,
-            "--seed" => options.seed = value.parse()?,
-            "--png" => options.png = Some(value),
-            "--gif" => options.gif = Some(value),
-            "--frames" => options.frames = value.parse()?,
-            _ => {
-                return Err(
-                    format!("{word} is no option: there are --map, --seed, --png, --gif, --frames").into()
-                );
-            }
-        }
+    let name = words.next().unwrap_or("harbour".into());
+    let mut game = Game::new(map(&name)?, SEED)?;
+    let Some(steps) = words.next() else { return screen::play(&mut game) };
+    for _ in 0..steps.parse::<u32>()? {
+        let Some(step) = game.next_step() else { break };
+        game.step(step);
+        game.end_turn()?;
     }
-    Ok(options)
+    let (width, height) = game.size();
+    for y in 0..height {
+        println!("{}", (0..width).map(|x| look(&game, (x, y)).letter).collect::<String>());
+    }
+    Ok(())
 }
 
-/// The map that the options name, with its doors, guards and start.
-fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
+/// The map of a name or in a file, with its doors, guards and start.
+fn map(name: &str) -> Result<Drawing, Box<dyn Error>> {
     const WIDTH: u32 = 96;
     const HEIGHT: u32 = 54;
-    let drawing = match options.map.as_str() {
+    let drawing = match name {
         "harbour" => Drawing::read(HARBOUR),
         "rooms" => {
-            let plan = FloorPlan::generate(WIDTH, HEIGHT, options.seed);
+            let plan = FloorPlan::generate(WIDTH, HEIGHT, SEED);
             Drawing { walls: plan.walls, doors: plan.doors, ..Drawing::default() }
         }
         "caves" | "fields" => {
-            let kind = if options.map == "caves" { MapKind::Caves } else { MapKind::Fields };
-            Drawing { walls: kind.generate(WIDTH, HEIGHT, options.seed), ..Drawing::default() }
+            let kind = if name == "caves" { MapKind::Caves } else { MapKind::Fields };
+            Drawing { walls: kind.generate(WIDTH, HEIGHT, SEED), ..Drawing::default() }
         }
         file if std::path::Path::new(file).exists() => Drawing::open(file)?,
         other => {
@@ -88,6 +65,6 @@ fn map(options: &Options) -> Result<Drawing, Box<dyn Error>> {
             .into());
         }
     };
-    drawing.warnings.iter().for_each(|warning| eprintln!("{}: {warning}", options.map));
+    drawing.warnings.iter().for_each(|warning| eprintln!("{name}: {warning}"));
     Ok(drawing)
 }

@@ -7,7 +7,6 @@ use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind};
 use ratatui::style::{Color, Style};
 use ratatui::{DefaultTerminal, Frame};
 
-use crate::explore::next_step;
 use crate::game::Game;
 use crate::look::{self, look};
 
@@ -45,7 +44,7 @@ fn turns(game: &mut Game, terminal: &mut DefaultTerminal) -> Result<(), Box<dyn 
             }
         }
         if explores && step.is_none() {
-            step = next_step(game);
+            step = game.next_step();
         }
         if let Some(step) = step {
             game.step(step);

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, Vec2};
 
-use crate::error::{Error, finite2, not_negative};
-use crate::geometry::block::Block;
+use crate::error::{Error, finite2, within};
+use crate::geometry::Block;
 use crate::numeric::{INSIDE_DISC, ON_DISC};
 
 /// Number of sides of the polygon by which a disc hides others.
@@ -13,7 +13,6 @@ pub const DISC_SIDES: usize = 32;
 
 /// A solid disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Disc {
     /// Centre in world units.
     pub center: Vec2,
@@ -29,7 +28,7 @@ impl Disc {
 
     pub(crate) fn check(&self, what: &'static str) -> Result<(), Error> {
         finite2(what, self.center)?;
-        not_negative("the radius", self.radius)
+        within("the radius", self.radius.into(), [0.0, f32::MAX.into()]).map(drop)
     }
 
     /// The corners of the polygon by which the disc hides others, counterclockwise. All lie inside

@@ -5,35 +5,13 @@ use std::sync::Arc;
 use glam::{DVec2, Vec2};
 
 use crate::error::{Error, finite2};
-use crate::geometry::block::Block;
-use crate::geometry::orient;
+use crate::geometry::{Block, orient};
 
 /// A solid convex polygon.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "Vec<Vec2>", into = "Vec<Vec2>")
-)]
 pub struct ConvexPolygon {
     /// Counterclockwise, no three of them on a line.
     corners: Arc<[Vec2]>,
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<Vec<Vec2>> for ConvexPolygon {
-    type Error = Error;
-
-    fn try_from(points: Vec<Vec2>) -> Result<Self, Error> {
-        Self::new(&points)
-    }
-}
-
-#[cfg(feature = "serde")]
-impl From<ConvexPolygon> for Vec<Vec2> {
-    fn from(shape: ConvexPolygon) -> Self {
-        shape.corners.to_vec()
-    }
 }
 
 impl ConvexPolygon {

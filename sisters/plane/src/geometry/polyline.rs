@@ -5,8 +5,7 @@ use std::sync::Arc;
 use glam::{DVec2, Vec2};
 
 use crate::error::{Error, finite2};
-use crate::geometry::Segment;
-use crate::geometry::block::Block;
+use crate::geometry::{Block, Segment};
 
 /// A chain of line segments: walls without thickness. It closes a ring if the last point is the
 /// first; it is hollow even then.
@@ -14,29 +13,8 @@ use crate::geometry::block::Block;
 /// A scene looks at all of its segments as soon as it looks at one. Cut chains that run through
 /// many rooms.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "Vec<Vec2>", into = "Vec<Vec2>")
-)]
 pub struct Polyline {
     points: Arc<[Vec2]>,
-}
-
-#[cfg(feature = "serde")]
-impl TryFrom<Vec<Vec2>> for Polyline {
-    type Error = Error;
-
-    fn try_from(points: Vec<Vec2>) -> Result<Self, Error> {
-        Self::new(&points)
-    }
-}
-
-#[cfg(feature = "serde")]
-impl From<Polyline> for Vec<Vec2> {
-    fn from(shape: Polyline) -> Self {
-        shape.points.to_vec()
-    }
 }
 
 impl Polyline {

@@ -3,13 +3,11 @@
 use glam::DVec2;
 
 use crate::error::Error;
-use crate::geometry::block::Block;
 use crate::geometry::polygon::ring;
-use crate::geometry::{ConvexPolygon, Disc, Polyline, Rect, Segment, orient};
+use crate::geometry::{Block, ConvexPolygon, Disc, Polyline, Rect, Segment, orient};
 
 /// A shape of an object: its bounds, or its occluder.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Shape {
     /// A solid disc.
@@ -24,35 +22,17 @@ pub enum Shape {
     Polyline(Polyline),
 }
 
-impl From<Disc> for Shape {
-    fn from(disc: Disc) -> Self {
-        Self::Disc(disc)
-    }
+macro_rules! from {
+    ($($shape:ident: $variant:ident),*) => {$(
+        impl From<$shape> for Shape {
+            fn from(shape: $shape) -> Self {
+                Self::$variant(shape)
+            }
+        }
+    )*};
 }
 
-impl From<Rect> for Shape {
-    fn from(rect: Rect) -> Self {
-        Self::Rect(rect)
-    }
-}
-
-impl From<ConvexPolygon> for Shape {
-    fn from(polygon: ConvexPolygon) -> Self {
-        Self::Polygon(polygon)
-    }
-}
-
-impl From<Segment> for Shape {
-    fn from(segment: Segment) -> Self {
-        Self::Segment(segment)
-    }
-}
-
-impl From<Polyline> for Shape {
-    fn from(polyline: Polyline) -> Self {
-        Self::Polyline(polyline)
-    }
-}
+from!(Disc: Disc, Rect: Rect, ConvexPolygon: Polygon, Segment: Segment, Polyline: Polyline);
 
 impl Shape {
     /// Refuses shapes that are not finite, inverted or of negative size.

@@ -27,13 +27,6 @@ pub struct FloorPlan {
     pub doors: Vec<(u32, u32)>,
 }
 
-impl FloorPlan {
-    /// The floor plan that [`crate::maps::MapKind::Rooms`] makes. Its outer wall has no doors.
-    pub fn generate(width: u32, height: u32, seed: u64) -> Self {
-        rooms(width, height, seed)
-    }
-}
-
 /// Free tiles between walls: columns `x..x + width` and rows `y..y + height`.
 struct Rectangle {
     x: u32,
@@ -47,23 +40,25 @@ struct Builder {
     random: Pcg64Mcg,
 }
 
-/// See [`FloorPlan::generate`].
-pub(super) fn rooms(width: u32, height: u32, seed: u64) -> FloorPlan {
-    let mut walls = BitGrid::new(width, height);
-    for y in 0..height {
-        walls.set(0, y, true);
-        walls.set(width.wrapping_sub(1), y, true);
+impl FloorPlan {
+    /// The floor plan that [`crate::maps::MapKind::Rooms`] makes. Its outer wall has no doors.
+    pub fn generate(width: u32, height: u32, seed: u64) -> Self {
+        let mut walls = BitGrid::new(width, height);
+        for y in 0..height {
+            walls.set(0, y, true);
+            walls.set(width.wrapping_sub(1), y, true);
+        }
+        walls.fill(0, 0..width);
+        walls.fill(height.wrapping_sub(1), 0..width);
+        let random = Pcg64Mcg::seed_from_u64(seed);
+        let mut builder = Builder { plan: FloorPlan { walls, doors: Vec::new() }, random };
+        let inner = |size: u32| size.saturating_sub(2);
+        let mut open = vec![Rectangle { x: 1, y: 1, width: inner(width), height: inner(height) }];
+        while let Some(rectangle) = open.pop() {
+            builder.split(&rectangle, &mut open);
+        }
+        builder.plan
     }
-    walls.fill(0, 0..width);
-    walls.fill(height.wrapping_sub(1), 0..width);
-    let random = Pcg64Mcg::seed_from_u64(seed);
-    let mut builder = Builder { plan: FloorPlan { walls, doors: Vec::new() }, random };
-    let inner = |size: u32| size.saturating_sub(2);
-    let mut open = vec![Rectangle { x: 1, y: 1, width: inner(width), height: inner(height) }];
-    while let Some(rectangle) = open.pop() {
-        builder.split(&rectangle, &mut open);
-    }
-    builder.plan
 }
 
 impl Builder {

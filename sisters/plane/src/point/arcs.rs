@@ -135,18 +135,7 @@ pub(crate) fn order(eye: DVec2, p: &Ray, q: &Ray) -> Ordering {
 /// Whether keys that are known to `doubt` together tell the order of two directions.
 #[inline]
 pub(crate) fn keys_tell(apart: f64, doubt: f64) -> bool {
-    #[cfg(test)]
-    if EXACTLY.get() {
-        // Farther apart they may be half a turn, which a cross product does not tell.
-        return apart.abs() > 1.0;
-    }
     apart.abs() > doubt
-}
-
-#[cfg(test)]
-thread_local! {
-    /// Tests that compare with exact arithmetic alone set this.
-    pub(crate) static EXACTLY: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
 /// As [`order`], for directions that are as near as rounding.
@@ -198,4 +187,41 @@ pub(crate) fn unite(eye: DVec2, arcs: &mut Vec<Arc>) {
         }
         meet
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg32;
+
+    use super::*;
+
+    /// Keys that differ by less count as near: a rounding or two of single precision.
+    const NEAR: f64 = 1e-7;
+
+    /// The margin of keys is needed and enough: directions that differ by less than a digit of their
+    /// keys are told apart exactly.
+    #[test]
+    fn keys_tell_no_order_that_is_not_so() {
+        let mut random = Pcg32::seed_from_u64(40);
+        let mut near = 0;
+        for _ in 0..200_000 {
+            let mut number = || random.random_range(-1.0f32..1.0) * 2f32.powi(random.random_range(-20..20));
+            let eye = Vec2::new(number(), number());
+            let p = eye + Vec2::new(number(), number());
+            // On almost the same ray.
+            let along = 2f32.powi(random.random_range(-3..3)) * random.random_range(0.9f32..1.1);
+            let q = eye + (p - eye) * along;
+            let [eye, p, q] = [eye, p, q].map(|v| v.as_dvec2());
+            let quarters = [quarter(eye, p), quarter(eye, q)];
+            if quarters[0] != quarters[1] || p == eye || q == eye {
+                continue;
+            }
+            let rays = [p, q].map(|v| Ray::new(eye, v, quarters[0]));
+            assert_eq!(order(eye, &rays[0], &rays[1]), order_exactly(eye, p, q), "{eye} {p} {q}");
+            near += u32::from((rays[0].key - rays[1].key).abs() < NEAR);
+        }
+        assert!(near > 10_000, "{near}");
+    }
 }

@@ -1,8 +1,7 @@
 //! Blocks around many pieces of the visible region, so that a target behind all of them is found
 //! hidden in one comparison.
 
-use crate::geometry::block::Block;
-use crate::geometry::orient;
+use crate::geometry::{Block, orient};
 use crate::point::envelope::{BLOCKED, OPEN, Piece};
 use crate::point::wall::{Around, Wall};
 

@@ -5,8 +5,7 @@
 
 use glam::DVec2;
 
-use crate::geometry::block::Block;
-use crate::geometry::orient;
+use crate::geometry::{Block, orient};
 use crate::numeric::{BOTH_AXES, CLIPPED, ROUNDINGS};
 use crate::point::arcs::{self, Arc, Circle, between};
 use crate::point::shells::Shells;

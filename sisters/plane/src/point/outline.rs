@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, Vec2};
 
-use crate::geometry::block::Block;
+use crate::geometry::Block;
 use crate::point::envelope::{BLOCKED, OPEN, Piece};
 use crate::point::region::Region;
 use crate::point::target::inside_circle;

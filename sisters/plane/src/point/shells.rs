@@ -2,16 +2,13 @@
 
 use glam::{DVec2, IVec2};
 
-use crate::cross::CrossBits;
+use crate::bits::{CrossBits, first_set, last_set};
 use crate::grid::Grid;
 use crate::numeric::SHELL;
 use crate::point::arcs::Arc;
 
 /// Eyes farther from the grid's corner than this many cells along an axis get no walk.
 const FAR: i32 = 1 << 24;
-
-/// Cells of a word of marks.
-const WORD: i32 = u64::BITS as i32;
 
 /// The shells of cells around an eye.
 #[derive(Debug, Clone, Copy)]
@@ -162,12 +159,17 @@ impl<'a> Quarter<'a> {
         let line = marks.line(axis, at as u32);
         let last = grid.dims()[other] - 1;
         let (first, end) = (place(from), place(to));
-        let found = if first <= end {
-            next_up(line, first.max(0), end.min(last))
-        } else {
-            next_down(line, first.min(last), end.max(0))
+        let up = first <= end;
+        let (least, most) = if up { (first.max(0), end.min(last)) } else { (end.max(0), first.min(last)) };
+        if least > most {
+            return None;
+        }
+        let (least, most) = (least as usize, most as usize + 1);
+        let found = match up {
+            true => Some(first_set(least, most, |at| line[at])).filter(|&found| found < most),
+            false => last_set(least, most, |at| line[at]),
         };
-        found.map(|found| (found - eye[other]) * self.signs[other])
+        found.map(|found| (found as i32 - eye[other]) * self.signs[other])
     }
 
     /// The vector from the eye to a point along the axes, and where the column and the row of the
@@ -198,38 +200,4 @@ impl<'a> Quarter<'a> {
         let up = f64::from(number) - SHELL - self.place.y;
         in_row || number <= self.shell && d.y * (near.x + 1.0) >= d.x * up
     }
-}
-
-/// The first set bit of a line from one place up to another.
-fn next_up(line: &[u64], from: i32, to: i32) -> Option<i32> {
-    if from > to {
-        return None;
-    }
-    let (mut at, last) = (from / WORD, to / WORD);
-    let mut word = line[at as usize] & u64::MAX << (from % WORD);
-    while word == 0 {
-        if at == last {
-            return None;
-        }
-        at += 1;
-        word = line[at as usize];
-    }
-    Some(at * WORD + word.trailing_zeros() as i32).filter(|&found| found <= to)
-}
-
-/// The first set bit of a line from one place down to another.
-fn next_down(line: &[u64], from: i32, to: i32) -> Option<i32> {
-    if from < to {
-        return None;
-    }
-    let (mut at, last) = (from / WORD, to / WORD);
-    let mut word = line[at as usize] & u64::MAX >> (WORD - 1 - from % WORD);
-    while word == 0 {
-        if at == last {
-            return None;
-        }
-        at -= 1;
-        word = line[at as usize];
-    }
-    Some(at * WORD + WORD - 1 - word.leading_zeros() as i32).filter(|&found| found >= to)
 }

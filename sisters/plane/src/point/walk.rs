@@ -2,11 +2,10 @@
 //! occluders.
 
 use casca_slots::Slot;
-use glam::IVec2;
+use glam::{DVec2, IVec2};
 
-use crate::geometry::Shape;
-use crate::point::arcs::{Arc, Circle};
-use crate::point::blocked;
+use crate::geometry::{Shape, orient};
+use crate::point::arcs::{Arc, Arcs, Circle, between};
 use crate::point::covers::Covers;
 use crate::point::shells::Shells;
 use crate::point::wall::{NOBODY, Wall};
@@ -69,7 +68,6 @@ impl Walk {
             if f64::from(shell) > end || self.covers.open().is_empty() {
                 break;
             }
-            stats.shells += 1;
             if shell == 0 {
                 self.visit(scene, scene.grid().cell_of(eye), circle, stats);
                 self.covers.block(&self.blocked);
@@ -118,7 +116,6 @@ impl Walk {
 
     /// Finds the objects in a cell.
     fn visit(&mut self, scene: &Scene, cell: IVec2, circle: &Circle, stats: &mut Stats) {
-        stats.cells_visited += 1;
         scene.lists().get(cell).iter().for_each(|&slot| self.find(slot, scene, circle, stats));
     }
 
@@ -141,9 +138,40 @@ impl Walk {
 
     fn add(&mut self, occluder: &Shape, owner: u32, circle: &Circle) {
         if occluder.contains(circle.eye) {
-            self.blocked.extend(blocked::into(occluder, circle));
+            self.blocked.extend(into_solid(occluder, circle));
         }
         let eye = circle.eye;
         occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b, owner)));
     }
+}
+
+/// The directions from an eye on the border of a solid into it; nothing for discs, which hide
+/// nothing from eyes that may be inside.
+fn into_solid(shape: &Shape, circle: &Circle) -> Arcs {
+    match shape {
+        Shape::Rect(rect) if rect.min.cmplt(rect.max).all() => {
+            into_ring(&rect.corners().map(|p| p.as_dvec2()), circle)
+        }
+        Shape::Polygon(polygon) => {
+            let corners: Vec<DVec2> = polygon.corners().iter().map(|p| p.as_dvec2()).collect();
+            into_ring(&corners, circle)
+        }
+        _ => Arcs::new(),
+    }
+}
+
+/// As [`into_solid`], for a convex ring that runs counterclockwise.
+fn into_ring(corners: &[DVec2], circle: &Circle) -> Arcs {
+    let (eye, count) = (circle.eye, corners.len());
+    for i in 0..count {
+        let (before, at, after) = (corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count]);
+        if at == eye {
+            return between(circle, after, before).collect();
+        }
+        let on_side = orient(at, after, eye) == 0.0 && (eye - at).dot(after - eye) > 0.0;
+        if on_side {
+            return between(circle, after, at).collect();
+        }
+    }
+    Arcs::new()
 }

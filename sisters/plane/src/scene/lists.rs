@@ -4,7 +4,7 @@ use casca_slots::Slot;
 use glam::IVec2;
 use smallvec::SmallVec;
 
-use crate::cross::CrossBits;
+use crate::bits::CrossBits;
 use crate::geometry::Shape;
 use crate::grid::Grid;
 use crate::raster::touched;

@@ -12,8 +12,7 @@ use casca_slots::{Slot, Slots};
 use crate::error::Error;
 use crate::geometry::Shape;
 use crate::grid::{Grid, GridSpec};
-use crate::id::ObjectId;
-use crate::object::{ObjectDesc, check_pair};
+use crate::object::{ObjectDesc, ObjectId, check_pair};
 use crate::raster::touched;
 use crate::scene::lists::CellLists;
 
@@ -45,8 +44,6 @@ pub struct Scene {
     lists: CellLists,
     /// The slots of objects that are in no cells, as they are too large or leave the grid.
     outer: Vec<Slot>,
-    /// Changes with every change of the objects.
-    revision: u64,
 }
 
 /// An object in its slot.
@@ -63,11 +60,13 @@ impl Scene {
     /// An empty scene on a grid. Costs half a byte for each cell.
     ///
     /// # Errors
-    /// As [`Grid::new`].
+    /// Refuses a corner that is not finite, a cell size that is not a positive normal number, 0 or
+    /// more than [`MAX_CELLS_PER_AXIS`](crate::MAX_CELLS_PER_AXIS) cells along an axis, and a corner
+    /// more than about 2^28 cells from the origin.
     pub fn new(spec: &GridSpec) -> Result<Self, Error> {
         let grid = Grid::new(spec)?;
         let (slots, lists) = (Slots::new(), CellLists::new(&grid));
-        Ok(Self { grid, slots, lists, outer: Vec::new(), revision: 0 })
+        Ok(Self { grid, slots, lists, outer: Vec::new() })
     }
 
     /// Adds an object. Costs the cells that its bounds touch: four bytes each, and 1.5 kB for each
@@ -84,7 +83,6 @@ impl Scene {
         check_pair(&bounds, occluder.as_ref())?;
         let object = Object { bounds, occluder, user_data, outer: 0 };
         let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
-        self.revision += 1;
         self.list(slot);
         Ok(self.id(slot))
     }
@@ -112,7 +110,6 @@ impl Scene {
             (object.bounds, object.occluder) = (bounds, occluder);
         }
         self.list(id.slot());
-        self.revision += 1;
         Ok(())
     }
 
@@ -126,19 +123,6 @@ impl Scene {
         if let Some(object) = self.slots.get_mut(id.slot()) {
             object.occluder = occluder;
         }
-        self.revision += 1;
-        Ok(())
-    }
-
-    /// Gives an object another number: see [`Scene::user_data`]. Results keep holding.
-    ///
-    /// # Errors
-    /// Refuses an id that names no object of this scene.
-    pub fn set_user_data(&mut self, id: ObjectId, user_data: u64) -> Result<(), Error> {
-        self.find(id)?;
-        if let Some(object) = self.slots.get_mut(id.slot()) {
-            object.user_data = user_data;
-        }
         Ok(())
     }
 
@@ -150,19 +134,7 @@ impl Scene {
         self.find(id)?;
         self.unlist(id.slot());
         self.slots.remove(id.slot());
-        self.revision += 1;
         Ok(())
-    }
-
-    /// Takes all objects out. Their ids are refused from now on; the grid stays.
-    pub fn clear(&mut self) {
-        let living: Vec<Slot> = self.slots.iter().map(|(slot, _)| slot).collect();
-        // In reverse, so that the slots are given out again in their order.
-        for slot in living.into_iter().rev() {
-            self.unlist(slot);
-            self.slots.remove(slot);
-        }
-        self.revision += 1;
     }
 
     /// Enters an object into the lists of its cells, or into the list of those that are in none.
@@ -205,7 +177,7 @@ impl Scene {
     }
 
     /// The grid.
-    pub fn grid(&self) -> &Grid {
+    pub(crate) fn grid(&self) -> &Grid {
         &self.grid
     }
 
@@ -222,11 +194,6 @@ impl Scene {
     /// Whether an id names an object of this scene.
     pub fn contains(&self, id: ObjectId) -> bool {
         self.find(id).is_ok()
-    }
-
-    /// The ids of all objects, in the order of their indices. Costs all slots.
-    pub fn ids(&self) -> impl Iterator<Item = ObjectId> {
-        self.slots.iter().map(|(slot, _)| self.id(slot))
     }
 
     /// The bounds of an object.
@@ -251,12 +218,6 @@ impl Scene {
     /// Refuses an id that names no object of this scene.
     pub fn user_data(&self, id: ObjectId) -> Result<u64, Error> {
         Ok(self.find(id)?.user_data)
-    }
-
-    /// Changes whenever an object came, went or changed. Results that were found at another
-    /// revision may not hold any more.
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     /// The objects that touch each cell.
@@ -293,10 +254,5 @@ impl Scene {
     /// The object that an id names.
     fn find(&self, id: ObjectId) -> Result<&Object, Error> {
         self.slots.find(id.0).ok_or(Error::UnknownObject(id))
-    }
-
-    /// Tells scenes apart.
-    pub(crate) fn tag(&self) -> u32 {
-        self.slots.tag()
     }
 }

@@ -3,8 +3,7 @@
 use crate::bits::BitGrid;
 use crate::error::Error;
 use crate::geometry::Rect;
-use crate::id::ObjectId;
-use crate::object::ObjectDesc;
+use crate::object::{ObjectDesc, ObjectId};
 use crate::scene::Scene;
 use crate::tiles::TileLayer;
 

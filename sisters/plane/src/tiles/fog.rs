@@ -1,7 +1,7 @@
 //! Fog of war: the tiles that a group of viewers has seen.
 
 use crate::bits::BitGrid;
-use crate::tiles::error::TileError;
+use crate::error::Error;
 use crate::tiles::fov::FieldOfView;
 use crate::tiles::marks::Marks;
 
@@ -21,7 +21,7 @@ pub enum TileState {
 /// ```
 /// use casca_plane::{FieldOfView, Fog, FovOptions, OpaqueTiles, BitGrid, TilePoint, TileState};
 ///
-/// # fn main() -> Result<(), casca_plane::TileError> {
+/// # fn main() -> Result<(), casca_plane::Error> {
 /// let map = OpaqueTiles::new(BitGrid::new(30, 20));
 /// let (mut fog, mut fov) = (Fog::new(30, 20), FieldOfView::new());
 /// for step in 0..5 {
@@ -72,33 +72,12 @@ impl Fog {
     ///
     /// # Errors
     /// A field of view on a map of other dimensions, or one that has not run yet.
-    pub fn add(&mut self, fov: &FieldOfView) -> Result<(), TileError> {
-        let (columns, rows) = fov.bounds();
-        self.add_part(fov.seen(), columns, rows)
-    }
-
-    /// Adds tiles that are seen in some other way. Costs a pass over the words of the map.
-    ///
-    /// # Errors
-    /// A grid of other dimensions.
-    pub fn add_tiles(&mut self, tiles: &BitGrid) -> Result<(), TileError> {
-        self.add_part(tiles, 0..tiles.width(), 0..tiles.height())
-    }
-
-    fn add_part(
-        &mut self,
-        tiles: &BitGrid,
-        columns: std::ops::Range<u32>,
-        rows: std::ops::Range<u32>,
-    ) -> Result<(), TileError> {
+    pub fn add(&mut self, fov: &FieldOfView) -> Result<(), Error> {
+        let (tiles, (columns, rows)) = (fov.seen(), fov.bounds());
         let (width, height) = (self.ever.width(), self.ever.height());
         if (tiles.width(), tiles.height()) != (width, height) {
             let (found_width, found_height) = (tiles.width(), tiles.height());
-            return Err(TileError::Dimensions { found_width, found_height, width, height });
-        }
-        if columns.is_empty() {
-            // There may be 2^32 rows of no tiles.
-            return Ok(());
+            return Err(Error::Dimensions { found_width, found_height, width, height });
         }
         let words = columns.start as usize / 64..(columns.end as usize).div_ceil(64);
         for y in rows.clone() {

@@ -2,15 +2,14 @@
 
 use std::ops::Range;
 
-use crate::bits::BitGrid;
-use crate::tiles::error::TileError;
+use crate::bits::{BitGrid, fill};
+use crate::error::Error;
 use crate::tiles::marks::Marks;
 use crate::tiles::octant::Octant;
 use crate::tiles::opaque::OpaqueTiles;
 use crate::tiles::options::FovOptions;
 use crate::tiles::point::TilePoint;
 use crate::tiles::ray::Sink;
-use crate::tiles::scan::fill;
 use crate::tiles::sweep::Sweep;
 use crate::tiles::tile_sweep::TileSweep;
 use crate::tiles::transpose::add_transposed;
@@ -81,10 +80,10 @@ impl FieldOfView {
         x: u32,
         y: u32,
         options: &FovOptions,
-    ) -> Result<&BitGrid, TileError> {
+    ) -> Result<&BitGrid, Error> {
         let (width, height) = (opaque.width(), opaque.height());
         if x >= width || y >= height {
-            return Err(TileError::Outside { x, y, width, height });
+            return Err(Error::Outside { x, y, width, height });
         }
         Ok(self.sweep_all(opaque, Eyes::In([x, y]), options))
     }

@@ -4,7 +4,6 @@
 //! [`OpaqueTiles`] what blocks; [`FieldOfView`] finds the tiles that are seen; [`Fog`] remembers
 //! them; [`TileLayer`] places tiles in a scene.
 
-mod error;
 mod fog;
 mod fov;
 mod layer;
@@ -19,7 +18,6 @@ mod sweep;
 mod tile_sweep;
 mod transpose;
 
-pub use error::TileError;
 pub use fog::{Fog, TileState};
 pub use fov::FieldOfView;
 pub use layer::TileLayer;

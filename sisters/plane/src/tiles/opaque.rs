@@ -53,9 +53,3 @@ impl OpaqueTiles {
         &self.columns
     }
 }
-
-impl From<BitGrid> for OpaqueTiles {
-    fn from(opaque: BitGrid) -> Self {
-        Self::new(opaque)
-    }
-}

@@ -2,8 +2,8 @@
 
 use glam::Vec2;
 
+use crate::error::{Error, LEAST, finite2, within};
 use crate::numeric::tiles::{DIRECTION, SECTOR, TILE};
-use crate::tiles::error::{TileError, finite, positive};
 
 /// How far and in which directions a viewer sees.
 ///
@@ -11,7 +11,7 @@ use crate::tiles::error::{TileError, finite, positive};
 /// use casca_plane::FovOptions;
 /// use glam::Vec2;
 ///
-/// # fn main() -> Result<(), casca_plane::TileError> {
+/// # fn main() -> Result<(), casca_plane::Error> {
 /// let guard = FovOptions::default().in_circle(12.0)?.in_sector(Vec2::X, 0.8)?;
 /// # let _ = guard;
 /// # Ok(())
@@ -29,17 +29,8 @@ impl FovOptions {
     ///
     /// # Errors
     /// A radius that is NaN, zero or negative.
-    pub fn in_circle(self, radius: f32) -> Result<Self, TileError> {
-        Ok(Self { range: Range::new(Norm::Euclidean, radius)?, ..self })
-    }
-
-    /// Only tiles of which some point is nearer to the eye than `distance` tiles, in x as in y: a
-    /// square about the eye. An infinite distance is no limit.
-    ///
-    /// # Errors
-    /// A distance that is NaN, zero or negative.
-    pub fn in_square(self, distance: f32) -> Result<Self, TileError> {
-        Ok(Self { range: Range::new(Norm::Chessboard, distance)?, ..self })
+    pub fn in_circle(self, radius: f32) -> Result<Self, Error> {
+        Ok(Self { range: Range::new(radius)?, ..self })
     }
 
     /// Only directions that differ from `direction` by less than `half_angle`, in radians. An angle
@@ -48,30 +39,22 @@ impl FovOptions {
     ///
     /// # Errors
     /// A direction that is zero or not finite; an angle that is NaN, zero or negative.
-    pub fn in_sector(self, direction: Vec2, half_angle: f32) -> Result<Self, TileError> {
+    pub fn in_sector(self, direction: Vec2, half_angle: f32) -> Result<Self, Error> {
         Ok(Self { sector: Sector::new(direction, half_angle)?, ..self })
     }
-}
-
-/// How distances are measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Norm {
-    Euclidean,
-    Chessboard,
 }
 
 /// A distance from the eye that no tile is as far away as.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
-    norm: Norm,
     /// In units of positions, rounded up, at most 2^61.
     radius: i64,
 }
 
 impl Range {
-    fn new(norm: Norm, radius: f32) -> Result<Option<Self>, TileError> {
-        let units = (positive("the range", radius.into())? * TILE as f64).ceil();
-        Ok((units <= (1u64 << 61) as f64).then_some(Self { norm, radius: units as i64 }))
+    fn new(radius: f32) -> Result<Option<Self>, Error> {
+        let units = (within("the range", radius.into(), [LEAST, f64::INFINITY])? * TILE as f64).ceil();
+        Ok((units <= (1u64 << 61) as f64).then_some(Self { radius: units as i64 }))
     }
 
     /// The column after the last one of a row in which some point inside a tile is in range, right
@@ -85,23 +68,18 @@ impl Range {
         // Tiles from the eye's column on begin this far aside.
         let aside = |column: i64| column * TILE - eye;
         let own = eye.div_euclid(TILE);
-        match self.norm {
-            Norm::Chessboard => Some((eye + self.radius - 1).div_euclid(TILE) + 1),
-            Norm::Euclidean => {
-                let square = |side: i64| i128::from(side) * i128::from(side);
-                let rest = square(self.radius) - square(ahead);
-                let in_range = |column: i64| column <= own || square(aside(column)) < rest;
-                // Off by a column at most; then made exact.
-                let mut end = ((eye as f64 + (rest as f64).sqrt()) / TILE as f64) as i64;
-                while in_range(end) {
-                    end += 1;
-                }
-                while !in_range(end - 1) {
-                    end -= 1;
-                }
-                Some(end)
-            }
+        let square = |side: i64| i128::from(side) * i128::from(side);
+        let rest = square(self.radius) - square(ahead);
+        let in_range = |column: i64| column <= own || square(aside(column)) < rest;
+        // Off by a column at most; then made exact.
+        let mut end = ((eye as f64 + (rest as f64).sqrt()) / TILE as f64) as i64;
+        while in_range(end) {
+            end += 1;
         }
+        while !in_range(end - 1) {
+            end -= 1;
+        }
+        Some(end)
     }
 }
 
@@ -116,13 +94,14 @@ pub(super) struct Sector {
 }
 
 impl Sector {
-    fn new(direction: Vec2, half_angle: f32) -> Result<Option<Self>, TileError> {
+    fn new(direction: Vec2, half_angle: f32) -> Result<Option<Self>, Error> {
         let what = "the direction of a sector";
-        let (x, y) = (finite(what, direction.x.into())?, finite(what, direction.y.into())?);
-        if (x, y) == (0.0, 0.0) {
-            return Err(TileError::NoDirection { what });
+        finite2(what, direction)?;
+        let [x, y] = direction.as_dvec2().to_array();
+        if direction == Vec2::ZERO {
+            return Err(Error::NoDirection { what });
         }
-        let half = positive("the half angle of a sector", half_angle.into())? + SECTOR;
+        let half = within("the half angle of a sector", half_angle.into(), [LEAST, f64::INFINITY])? + SECTOR;
         if half >= std::f64::consts::PI - SECTOR {
             return Ok(None);
         }

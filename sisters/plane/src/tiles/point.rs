@@ -1,7 +1,7 @@
 //! Exact positions on a map.
 
+use crate::error::{Error, within};
 use crate::numeric::tiles::{FARTHEST, TILE};
-use crate::tiles::error::{TileError, finite, within};
 
 /// A position on a map, in tiles: tile `(x, y)` is the square from `(x, y)` to `(x + 1, y + 1)`.
 ///
@@ -19,9 +19,9 @@ impl TilePoint {
     ///
     /// # Errors
     /// A coordinate that is not finite, or whose magnitude exceeds `2^32` tiles.
-    pub fn new(x: f64, y: f64) -> Result<Self, TileError> {
+    pub fn new(x: f64, y: f64) -> Result<Self, Error> {
         let units = |what, value| {
-            within(what, finite(what, value)?, FARTHEST).map(|v| (v * TILE as f64).round_ties_even() as i64)
+            within(what, value, [-FARTHEST, FARTHEST]).map(|v| (v * TILE as f64).round_ties_even() as i64)
         };
         Ok(Self { units: [units("the x of a position", x)?, units("the y of a position", y)?] })
     }
@@ -39,12 +39,6 @@ impl TilePoint {
     /// The y of the position, rounded to double precision.
     pub fn y(self) -> f64 {
         self.units[1] as f64 / TILE as f64
-    }
-
-    /// The tile that holds the position: of the tiles that share a border, the one of greater
-    /// coordinates. They may be negative.
-    pub fn tile(self) -> (i64, i64) {
-        (self.units[0].div_euclid(TILE), self.units[1].div_euclid(TILE))
     }
 
     /// The coordinates in units of 1 / [`TILE`].

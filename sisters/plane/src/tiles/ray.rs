@@ -9,12 +9,6 @@ pub(super) trait Sink {
     fn begin_row(&mut self, row: usize);
     /// The tiles `from..end` are seen. `from < end`.
     fn seen(&mut self, from: usize, end: usize);
-    /// The sides towards the eye's row of the opaque tiles `from..end` are seen. `from < end`.
-    fn near_sides(&mut self, _from: usize, _end: usize) {}
-    /// The side towards the eye's column of an opaque tile is seen.
-    fn inner_side(&mut self, _at: usize) {}
-    /// The eye lies on the border of an opaque tile.
-    fn touched(&mut self, _at: usize) {}
 }
 
 /// A ray from the eye, where it crosses the lower border of a row: at `column + rest / whole`.

@@ -1,17 +1,22 @@
 //! Rows of bits, read a word at a time, from the left or from the right.
 
-/// The number of bits of a word.
-const WORD: usize = u64::BITS as usize;
+use crate::bits::{BitGrid, first_set, last_set};
 
 /// A row of bits as an octant sees it: column 0 is the first one, or the last one if `MIRROR`.
 #[derive(Clone, Copy)]
 pub(super) struct Row<'a, const MIRROR: bool> {
     /// Bits beyond the width are clear.
-    pub words: &'a [u64],
-    pub width: usize,
+    words: &'a [u64],
+    width: usize,
 }
 
-impl<const MIRROR: bool> Row<'_, MIRROR> {
+impl<'a, const MIRROR: bool> Row<'a, MIRROR> {
+    /// A row of some tiles, counted from the last one if `flip_y`.
+    pub fn new(tiles: &'a BitGrid, row: usize, flip_y: bool) -> Self {
+        let y = if flip_y { tiles.height() - 1 - row as u32 } else { row as u32 };
+        Self { words: tiles.row(y), width: tiles.width() as usize }
+    }
+
     /// The first column in `from..end` whose bit is set; `end` if there is none. `from < end <=
     /// width`.
     #[inline(always)]
@@ -30,50 +35,12 @@ impl<const MIRROR: bool> Row<'_, MIRROR> {
     #[inline(always)]
     fn next(self, from: usize, end: usize, word_at: impl Fn(usize) -> u64) -> usize {
         if MIRROR {
-            let (first, last) = (self.width - end, self.width - 1 - from);
-            let mut at = last / WORD;
-            let mut word = word_at(at) & (u64::MAX >> (WORD - 1 - last % WORD));
-            loop {
-                if word != 0 {
-                    let found = at * WORD + (WORD - 1 - word.leading_zeros() as usize);
-                    return (self.width - 1 - found).min(end);
-                }
-                if at * WORD <= first {
-                    return end;
-                }
-                at -= 1;
-                word = word_at(at);
-            }
+            let found = last_set(self.width - end, self.width - from, word_at);
+            found.map_or(end, |found| self.width - 1 - found)
         } else {
-            let mut at = from / WORD;
-            let mut word = word_at(at) & (u64::MAX << (from % WORD));
-            loop {
-                if word != 0 {
-                    return (at * WORD + word.trailing_zeros() as usize).min(end);
-                }
-                at += 1;
-                if at * WORD >= end {
-                    return end;
-                }
-                word = word_at(at);
-            }
+            first_set(from, end, word_at)
         }
     }
-}
-
-/// Sets the bits `first..end` of a row. `first < end`, and the row has that many bits.
-#[inline(always)]
-pub(super) fn fill(words: &mut [u64], first: usize, end: usize) {
-    let (low, high) = (first / WORD, (end - 1) / WORD);
-    let from = u64::MAX << (first % WORD);
-    let to = u64::MAX >> (WORD - 1 - (end - 1) % WORD);
-    if low == high {
-        words[low] |= from & to;
-        return;
-    }
-    words[low] |= from;
-    words[low + 1..high].fill(u64::MAX);
-    words[high] |= to;
 }
 
 #[cfg(test)]
@@ -87,9 +54,9 @@ mod tests {
         for width in [1, 63, 64, 65, 130, 200, 256_usize] {
             let mut words = words;
             for x in width..256 {
-                words[x / WORD] &= !(1 << (x % WORD));
+                words[x / 64] &= !(1 << (x % 64));
             }
-            let bit = |x: usize| words[x / WORD] >> (x % WORD) & 1 == 1;
+            let bit = |x: usize| words[x / 64] >> (x % 64) & 1 == 1;
             for from in 0..width {
                 for end in from + 1..=width {
                     let plain = Row::<false> { words: &words, width };

@@ -17,9 +17,9 @@ use crate::tiles::scan::Row;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sweep {
     /// The free rays of the row at hand, in the order of slopes.
-    pub open: Vec<Beam>,
+    open: Vec<Beam>,
     /// Those of the next row.
-    pub next: Vec<Beam>,
+    next: Vec<Beam>,
 }
 
 /// What stays the same in the rows of an octant.
@@ -32,9 +32,7 @@ struct Frame<'a, const MIRROR: bool> {
 
 impl<const MIRROR: bool> Frame<'_, MIRROR> {
     fn row(&self, row: usize) -> Row<'_, MIRROR> {
-        let height = self.tiles.height();
-        let y = if self.flip_y { height - 1 - row as u32 } else { row as u32 };
-        Row { words: self.tiles.row(y), width: self.tiles.width() as usize }
+        Row::new(self.tiles, row, self.flip_y)
     }
 
     /// The column after the last one of a row that may be seen. `None` if the row and all that
@@ -126,7 +124,6 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
             let inside = self.eye.iter().all(|at| at.rem_euclid(TILE) != 0);
             if !inside && bits.next_set(from, from + 1) == from {
                 sink.seen(from, from + 1);
-                sink.touched(from);
                 return None;
             }
             from += 1;
@@ -137,7 +134,6 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
             return Some((low, high));
         }
         sink.seen(first, blocked + 1);
-        sink.inner_side(blocked);
         (low.column < blocked as i64).then(|| (low, Ray::through(blocked, self.aside(blocked), border)))
     }
 
@@ -180,12 +176,6 @@ impl<const MIRROR: bool> Frame<'_, MIRROR> {
                 let run_end = bits.next_clear(run, reach);
                 // Rays enter the run from below, and its first tile also from the side.
                 sink.seen(from, near_end.clamp(run + 1, run_end));
-                if near_end > run {
-                    sink.near_sides(run, near_end.min(run_end));
-                }
-                if left.column < run as i64 {
-                    sink.inner_side(run);
-                }
                 if left_beyond.column < run as i64 {
                     next.push((left_beyond, Ray::through(run, self.aside(run), ahead + TILE)));
                 }

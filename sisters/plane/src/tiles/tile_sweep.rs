@@ -125,9 +125,7 @@ impl TileSweep {
 
 impl<const MIRROR: bool> Frame<'_, MIRROR> {
     fn bits(&self, row: i64) -> Row<'_, MIRROR> {
-        let height = self.tiles.height();
-        let y = if self.flip_y { height - 1 - row as u32 } else { row as u32 };
-        Row { words: self.tiles.row(y), width: self.tiles.width() as usize }
+        Row::new(self.tiles, row as usize, self.flip_y)
     }
 
     /// The column after the last one of a row that may be seen. `None` if the row and all that

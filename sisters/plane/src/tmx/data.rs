@@ -66,9 +66,8 @@ impl Data {
         }
     }
 
-    /// Hands out the ids of exactly `count` tiles, and says how many numbers are missing between
-    /// commas or behind the last one.
-    pub fn decode(self, text: &str, count: u64, take: Take<'_>) -> Result<u64, String> {
+    /// Hands out the ids of exactly `count` tiles.
+    pub fn decode(self, text: &str, count: u64, take: Take<'_>) -> Result<(), String> {
         if self == Self::Csv {
             return csv(text, count, take);
         }
@@ -79,25 +78,20 @@ impl Data {
             Self::Gzip => binary(GzDecoder::new(bytes.as_slice()), count, take),
             _ => binary(bytes.as_slice(), count, take),
         }
-        .map(|()| 0)
     }
 }
 
-/// Numbers between commas, or in lines of their own.
-fn csv(text: &str, count: u64, take: Take<'_>) -> Result<u64, String> {
-    let (mut read, mut missing) = (0, 0);
-    let mut parts = text.split(',').peekable();
-    while let Some(part) = parts.next() {
-        let mut words = part.split_whitespace().peekable();
-        if words.peek().is_none() {
-            if parts.peek().is_none() {
-                // A comma at the end, or no tile at all.
-                missing += u64::from(text.contains(','));
-                break;
-            }
-            (read, missing) = (read + 1, missing + 1);
+/// Numbers between commas, or in lines of their own. Where one is missing between two commas is no
+/// tile; a comma at the end counts for nothing.
+fn csv(text: &str, count: u64, take: Take<'_>) -> Result<(), String> {
+    let text = text.trim();
+    let text = text.strip_suffix(',').unwrap_or(text);
+    let mut read = 0;
+    for part in text.split(',').filter(|_| !text.is_empty()) {
+        if part.trim().is_empty() {
+            read += 1;
         }
-        for word in words {
+        for word in part.split_whitespace() {
             let id = word.parse().map_err(|why| format!("tile {read}, {word:.40}: {why}"))?;
             if read >= count {
                 return Err(too_many(count));
@@ -108,7 +102,7 @@ fn csv(text: &str, count: u64, take: Take<'_>) -> Result<u64, String> {
     }
     match read.cmp(&count) {
         Ordering::Less => Err(too_few(read, count)),
-        Ordering::Equal => Ok(missing),
+        Ordering::Equal => Ok(()),
         Ordering::Greater => Err(too_many(count)),
     }
 }

@@ -2,8 +2,8 @@
 //! sight, and the objects that are drawn over them.
 //!
 //! Only what that takes is read: tilesets, in the map or in files of their own (`.tsx`), and layers
-//! of tiles and of objects, also those in groups. Memory is reserved in proportion to the bytes of
-//! the files and the bits of the result, whatever the files promise.
+//! of tiles and of objects with a shape, also those in groups. Memory is reserved in proportion to
+//! the bytes of the files and the bits of the result, whatever the files promise.
 
 // Not by the crate `tiled` (0.16), which files can make
 // - overflow the stack: 10,000 groups in each other (150 kB), or properties of the type `class`; a
@@ -24,36 +24,69 @@
 // makes a tile smaller. `tests/damaged.rs` has most of these files.
 
 mod data;
-mod error;
+mod names;
 mod object;
 mod parts;
 #[cfg(test)]
 mod tests;
 mod tileset;
-mod warning;
 mod xml;
 
-use std::collections::HashMap;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::IVec2;
 
+use crate::Error;
 use crate::bits::BitGrid;
-use crate::editor::{FARTHEST, Inventory, MOST_EMPTY, MapNames, Role, Rule, Says};
-use crate::files::{file, text};
-use crate::tiles::{TileError, TileLayer};
-pub use error::TmxError;
+use crate::file;
+use crate::tiles::TileLayer;
+use names::{Rule, Says, WALLS};
 use object::ObjectLayer;
+use parts::{Chunk, Extent, Frame, damaged, layer_name};
+use tileset::{TILE, Tilesets, properties};
+use xml::{Element, Xml, utf8};
+
+pub use names::Role;
+#[cfg(feature = "maps")]
+pub(crate) use names::plain;
 pub use object::TmxObject;
-use parts::{Extent, Frame, LONGEST_SIDE, Part, Space, damaged, layer_name};
-use tileset::{Files, Open, TILE, Tilesets, properties};
-pub use warning::TmxWarning;
-use xml::{Element, Xml};
 
 /// Tiles of a rectangle around all layers that is never too large: 2 MiB.
 const SMALL: u64 = 1 << 24;
+
+/// Tiles of a rectangle around all layers, for each tile that a file names, at most. Else two tiles
+/// far apart would take any memory.
+const MOST_EMPTY: u64 = 4;
+
+/// Coordinates in tiles, at most.
+const FARTHEST: i64 = 1 << 30;
+
+/// Why a map was not read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TmxError {
+    /// The file, or one that it names, cannot be read.
+    #[error("{file} cannot be read: {why}")]
+    File {
+        /// Its path; that of a tileset as the map has it.
+        file: String,
+        /// The reason.
+        why: io::Error,
+    },
+    /// A file is no XML, lacks something, is of a kind that is not read, or its contents do not fit
+    /// together; a layer has fewer tiles than its dimensions say, for example.
+    #[error("{file}, line {line}: {why}")]
+    Damaged {
+        /// The path of the map or "the map", or the path of a tileset as the map has it.
+        file: String,
+        /// The line up to which the file was read, from 1.
+        line: usize,
+        /// What is wrong.
+        why: String,
+    },
+}
 
 /// What of a map blocks sight, its objects, and warnings: see [`TmxImport::read`].
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -63,10 +96,10 @@ pub struct TmxMap {
     /// The column and the row, as the editor counts them, of the tile `(0, 0)` of `walls`.
     pub origin: IVec2,
     /// The objects of all layers, in the order of the file, in tiles as the editor counts them.
-    /// Texts and objects of templates are left out.
+    /// Texts, pictures and objects of templates are left out.
     pub objects: Vec<TmxObject>,
-    /// What was passed over. Nothing of it blocks sight, but objects as the warning says.
-    pub warnings: Vec<TmxWarning>,
+    /// What was passed over, for people. Nothing of it blocks sight, but objects as it says.
+    pub warnings: Vec<String>,
 }
 
 impl TmxMap {
@@ -75,14 +108,8 @@ impl TmxMap {
     ///
     /// # Errors
     /// As [`TileLayer::new`].
-    pub fn tile_layer(&self) -> Result<TileLayer, TileError> {
+    pub fn tile_layer(&self) -> Result<TileLayer, Error> {
         TileLayer::new(self.origin.as_vec2(), 1.0, self.walls.clone())
-    }
-
-    /// Whether anything has one of these roles; tiles that block are walls.
-    fn has(&self, roles: &[Role]) -> bool {
-        self.walls.count() > 0 && roles.contains(&Role::Wall)
-            || self.objects.iter().any(|object| roles.contains(&object.role))
     }
 }
 
@@ -92,34 +119,46 @@ impl TmxMap {
 /// |---|---|
 /// | a layer or a group of layers, or its class | all tiles and objects in it |
 /// | a property of a layer or a group, if it is true | all tiles and objects in it |
-/// | a property of a tile that is true, or its class | the tile, and objects with its picture |
+/// | a property of a tile that is true, or its class | the tile |
 /// | a class of an object, or a property of it that is true | the object |
 ///
-/// Properties of an object count before its class, this before its tile, this before its layer; the
-/// class of a tile counts for objects without one. A property that is false takes the role away
-/// that the next ones would give. In a layer of walls all tiles hide. What is both is a door. Names
-/// of doors make doors of objects; tiles of layers are no doors.
+/// Capitals, blanks, `_`, `-` and a number at the end of a name in a map do not count: `Walls 2` is
+/// `walls`. A property says yes with `true`, `yes`, `on` and numbers but 0, and no with `false`,
+/// `no`, `off` and 0.
+///
+/// Properties of an object count before its class, this before its layer. A property that is false
+/// takes the role away that the next ones would give. In a layer of walls all tiles hide. What is
+/// both is a door. Names of doors make doors of objects; tiles of layers are no doors.
 ///
 /// Shapes that tilesets draw on their tiles ("Tile Collision Editor") are not read. As they may be
 /// smaller than the tile, the class of such a tile does not make it hide, and nothing does if one
 /// of the shapes is a door; there is a warning.
 ///
 /// ```no_run
+/// use casca_plane::OpaqueTiles;
 /// use casca_plane::tmx::TmxImport;
-/// use casca_plane::{MapNames, OpaqueTiles};
 ///
 /// # fn main() -> Result<(), casca_plane::tmx::TmxError> {
-/// let names = MapNames { walls: vec!["hedge".into(), "rock".into()], ..MapNames::default() };
-/// let import = TmxImport { names };
+/// let import = TmxImport { walls: vec!["hedge".into(), "rock".into()], ..TmxImport::default() };
 /// let walls = OpaqueTiles::new(import.read("level_1.tmx")?.walls);
 /// # let _ = walls;
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TmxImport {
-    /// The names that count.
-    pub names: MapNames,
+    /// What blocks sight; at first `opaque`, `wall`, `walls`, `occluder`, `occluders`, `occlusion`,
+    /// and `blocks` or `block` before `sight`, `view`, `vision`, `light` and `los`.
+    pub walls: Vec<String>,
+    /// What hides until it is opened; at first `door` and `doors`.
+    pub doors: Vec<String>,
+}
+
+impl Default for TmxImport {
+    fn default() -> Self {
+        let owned = |all: &[&str]| all.iter().map(|&name| name.to_owned()).collect();
+        Self { walls: owned(&WALLS), doors: owned(&["door", "doors"]) }
+    }
 }
 
 impl TmxImport {
@@ -131,34 +170,16 @@ impl TmxImport {
     /// nothing, and there is a warning for them. Objects are read from all layers; the shifts of
     /// layers and groups count, by parts of tiles, too. Costs the bytes of the files and the tiles.
     ///
-    /// ```no_run
-    /// use casca_plane::tmx::TmxImport;
-    /// use casca_plane::{GridSpec, Scene};
-    ///
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let map = TmxImport::default().read("world.tmx")?;
-    /// map.warnings.iter().for_each(|warning| eprintln!("world.tmx: {warning}"));
-    /// let layer = map.tile_layer()?;
-    /// let mut scene = Scene::new(&GridSpec::covering(layer.bounds(), layer.tile_size())?)?;
-    /// scene.insert_tiles(&layer)?;
-    /// for object in &map.objects {
-    ///     scene.insert(object.desc())?;
-    /// }
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
     /// # Errors
     /// A file that is missing or damaged, a map of hexagons, one whose tiles are stored in another
-    /// way. [`TmxError::Spread`] if the rectangle would have more than 2^24 tiles and four times as
-    /// many as all layers together.
+    /// way, and one whose rectangle would have more than 2^24 tiles and four times as many as all
+    /// layers together.
     pub fn read(&self, path: impl AsRef<Path>) -> Result<TmxMap, TmxError> {
         let path = path.as_ref();
-        let named = || path.display().to_string();
-        let map = file(path).map_err(|why| TmxError::File { file: named(), why })?;
+        let name = path.display().to_string();
+        let map = file(path).map_err(|why| TmxError::File { file: name.clone(), why })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        self.parse(&map, |source| file(&folder.join(source)))
-            .map_err(|why| TmxError::In { file: named(), why: Box::new(why) })
+        self.parse_named(&name, &map, &mut |source| file(&folder.join(source)))
     }
 
     /// As [`Self::read`], from the bytes of a map. `open` gives the bytes of a tileset in a file of
@@ -169,198 +190,168 @@ impl TmxImport {
     pub fn parse(
         &self,
         map: &[u8],
-        open: impl FnMut(&str) -> io::Result<Vec<u8>>,
+        mut open: impl FnMut(&str) -> io::Result<Vec<u8>>,
     ) -> Result<TmxMap, TmxError> {
-        let ((map, is_odd), mut open) = (text(map), once(open));
-        let MapNames { walls, obstacles, doors } = &self.names;
-        let (mut found, inventory) = self.map(&map, &mut open, &Rule::new(walls, doors))?;
-        if !found.has(&[Role::Wall]) && !obstacles.is_empty() {
-            let rule = Rule::new(obstacles, doors);
-            let (mut other, names) = self.map(&map, &mut open, &rule)?;
-            if other.has(&[Role::Wall]) {
-                other.warnings.push(TmxWarning::Obstacles { names: names.walls(&rule) });
-                found = other;
-            }
-        }
-        if is_odd {
-            found.warnings.push(TmxWarning::Encoding { file: "the map".into() });
-        }
-        if !found.has(&[Role::Wall, Role::Door]) {
-            let [layers, names] = inventory.lists();
-            found.warnings.push(TmxWarning::NothingBlocks { layers, names });
-        }
-        Ok(found)
+        self.parse_named("the map", map, &mut open)
     }
 
-    /// Reads a map by a rule, with what might have said that something blocks.
-    fn map(&self, map: &str, open: Open<'_>, rule: &Rule) -> Result<(TmxMap, Inventory), TmxError> {
-        let mut files = Files::new(open, rule);
-        let (mut extent, mut inventory) = (Extent::NONE, Inventory::default());
-        let frame = self.frame(map)?;
-        // First the parts, whose texts are long enough for them; then their tiles.
-        let tilesets = self.walk(map, &mut files, &mut |xml, layer, _, place| {
-            let (name, offset) = (layer_name(xml, layer)?, frame.offset(place.shift));
-            inventory.add_layer(&name);
+    fn parse_named(
+        &self,
+        name: &str,
+        map: &[u8],
+        open: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
+    ) -> Result<TmxMap, TmxError> {
+        let start = Xml::new(utf8(map, name)?, name);
+        let frame = Frame::read(&mut start.again())?;
+        let (rule, mut tilesets) = (Rule::new(&self.walls, &self.doors), Tilesets::new(open));
+        let (mut extent, mut found) = (Extent::NONE, TmxMap::default());
+        // First the chunks, whose texts are long enough for them; then their tiles.
+        walk(start.again(), &mut tilesets, &rule, &mut |xml, layer, _, above| {
             if is_objects(layer) {
                 return xml.skip(layer);
             }
-            frame.parts(xml, layer, &mut |xml, part, data, text| {
-                data.check(text, part.tiles()).map_err(|why| damaged(xml, &name, why))?;
+            let (name, offset) = (layer_name(xml, layer)?, frame.space.whole_tiles(above.shift));
+            frame.chunks(xml, layer, &mut |xml, chunk, data, text| {
+                data.check(text, chunk.tiles()).map_err(|why| damaged(xml, &name, why))?;
                 if let Some(offset) = offset {
-                    extent.add(&Part { x: part.x + offset[0], y: part.y + offset[1], ..part });
+                    extent.add(&Chunk { x: chunk.x + offset[0], y: chunk.y + offset[1], ..chunk });
                 }
                 Ok(())
             })
         })?;
-        let mut found = TmxMap::default();
-        for (first, tile, [property, kind]) in tilesets.wrong() {
-            found.warnings.push(TmxWarning::PropertyType { first, tile, property, kind });
-        }
-        tilesets.names().for_each(|names| inventory.extend(names));
         if extent.tiles > 0 {
             let size = [0, 1].map(|axis| (extent.most[axis] - extent.least[axis]) as u64);
             let tiles = size[0].saturating_mul(size[1]);
             let far = extent.least.iter().chain(&extent.most).any(|at| at.abs() > FARTHEST);
             if far || tiles > SMALL.max(extent.tiles.saturating_mul(MOST_EMPTY)) {
-                return Err(TmxError::Spread { width: size[0], height: size[1], tiles: extent.tiles });
+                let ([width, height], tiles) = (size, extent.tiles);
+                let why =
+                    format!("its layers are spread over {width} by {height} tiles, but have {tiles} only");
+                return Err(start.damaged(why));
             }
             found.walls = BitGrid::new(size[0] as u32, size[1] as u32);
             found.origin = IVec2::new(extent.least[0] as i32, extent.least[1] as i32);
         }
-        self.walk(map, &mut files, &mut |xml, layer, tilesets, place| {
+        walk(start.again(), &mut tilesets, &rule, &mut |xml, layer, tilesets, above| {
             if !is_objects(layer) {
-                return tiles(xml, layer, (&frame, &extent, place), tilesets, &mut found);
+                return tiles(xml, layer, (&frame, &extent, above), tilesets, &mut found);
             }
             let name: Arc<str> = layer_name(xml, layer)?.into();
-            let (space, shift, role) = (&frame.space, place.shift, place.role);
-            let layer = ObjectLayer { space, tilesets, rule, name: name.clone(), shift, role };
-            let (objects, warnings) = (&mut found.objects, &mut found.warnings);
-            let count = layer.read(xml, objects, &mut inventory, &mut |id, why| {
-                warnings.push(TmxWarning::Object { id, layer: name.clone(), why });
-            })?;
-            if count > 0 {
-                warnings.push(TmxWarning::Templates { layer: name.to_string(), count });
-            }
-            Ok(())
+            let layer = ObjectLayer { space: &frame.space, rule: &rule, name, above };
+            layer.read(xml, &mut found)
         })?;
         if !extent.any && found.warnings.is_empty() && found.objects.is_empty() {
-            return Err(TmxError::NoTiles);
+            return Err(start.damaged("it has no layer of tiles and no objects"));
         }
-        found.warnings.extend(files.odd.into_iter().map(|file| TmxWarning::Encoding { file }));
-        Ok((found, inventory))
+        if found.walls.count() == 0 && found.objects.iter().all(|object| object.role == Role::Plain) {
+            found.warnings.push(
+                "nothing blocks sight: what hides are layers named \"walls\", and what has the class \"wall\" or \
+                 a property \"opaque\" that is true (TmxImport::walls takes other names)"
+                    .into(),
+            );
+        }
+        Ok(found)
     }
+}
 
-    fn frame(&self, map: &str) -> Result<Frame, TmxError> {
-        let mut xml = Xml::new(map, "the map");
-        let root = xml.root("map")?;
-        let orientation = xml.required(&root, "orientation")?.into_owned();
-        if !["orthogonal", "isometric"].contains(&&*orientation) {
-            return Err(TmxError::Orientation(orientation));
-        }
-        let infinite = xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1");
-        let size = if infinite { (0, 0) } else { self.size(&xml, &root)? };
-        let tile = [xml.number(&root, "tilewidth")?, xml.number(&root, "tileheight")?].map(f64::from);
-        if tile.contains(&0.0) {
-            return Err(xml.damaged("tiles of no size"));
-        }
-        Ok(Frame { size, infinite, space: Space { isometric: orientation == "isometric", tile } })
-    }
+/// A name from a file as warnings show it.
+fn shortened(text: &str) -> String {
+    const MOST_LETTERS: usize = 40;
+    text.chars().take(MOST_LETTERS).collect()
+}
 
-    /// Reads the tilesets of a map, and hands out its layers of tiles and of objects with those
-    /// before them and with their place.
-    fn walk(&self, map: &str, files: &mut Files<'_>, take: TakeLayer<'_>) -> Result<Tilesets, TmxError> {
-        let mut xml = Xml::new(map, "the map");
-        xml.root("map")?;
-        let mut tilesets = Tilesets::default();
-        let mut groups = vec![Place { shift: [0.0; 2], role: None }];
-        while let Some(&place) = groups.last() {
-            let Some(child) = xml.child()? else {
-                // The end of a group, or of the map.
-                groups.pop();
-                continue;
-            };
-            match child.local_name().as_ref() {
-                b"group" => groups.push(place.inner(&xml, &child, files.rule)?),
-                b"tileset" => files.tileset(&mut xml, &child, &mut tilesets)?,
-                b"layer" | b"objectgroup" => {
-                    let place = place.inner(&xml, &child, files.rule)?;
-                    take(&mut xml, &child, &tilesets, place)?;
-                }
-                _ => xml.skip(&child)?,
+/// Takes a layer, from behind its start, with the tilesets before it and what holds in it.
+type TakeLayer<'t> =
+    &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets<'_>, Above) -> Result<(), TmxError>;
+
+/// Reads the tilesets of a map, and hands out its layers of tiles and of objects with the tilesets
+/// before them and with what their groups and they themselves say of what is in them.
+fn walk(
+    mut xml: Xml<'_>,
+    tilesets: &mut Tilesets<'_>,
+    rule: &Rule,
+    take: TakeLayer<'_>,
+) -> Result<(), TmxError> {
+    xml.root("map")?;
+    tilesets.clear();
+    let mut groups = vec![Above { shift: [0.0; 2], role: None }];
+    while let Some(&above) = groups.last() {
+        let Some(child) = xml.child()? else {
+            // The end of a group, or of the map.
+            groups.pop();
+            continue;
+        };
+        match child.local_name().as_ref() {
+            b"group" => groups.push(above.inner(&xml, &child, rule)?),
+            b"tileset" => tilesets.add(&mut xml, &child, rule)?,
+            b"layer" | b"objectgroup" => {
+                let above = above.inner(&xml, &child, rule)?;
+                take(&mut xml, &child, tilesets, above)?;
             }
-        }
-        Ok(tilesets)
-    }
-
-    /// The columns and rows of a map.
-    fn size(&self, xml: &Xml<'_>, map: &Element<'_>) -> Result<(u32, u32), TmxError> {
-        let (width, height) = (xml.number(map, "width")?, xml.number(map, "height")?);
-        match width.max(height) <= LONGEST_SIDE {
-            true => Ok((width, height)),
-            false => Err(xml
-                .damaged(format!("{width} by {height} tiles: at most {LONGEST_SIDE} along a side are read"))),
+            _ => xml.skip(&child)?,
         }
     }
+    Ok(())
 }
 
 /// Reads the tiles of a layer, from behind its start.
 fn tiles(
     xml: &mut Xml<'_>,
     layer: &Element<'_>,
-    (frame, extent, place): (&Frame, &Extent, Place),
-    tilesets: &Tilesets,
+    (frame, extent, above): (&Frame, &Extent, Above),
+    tilesets: &Tilesets<'_>,
     found: &mut TmxMap,
 ) -> Result<(), TmxError> {
     let name = layer_name(xml, layer)?;
-    let offset = frame.offset(place.shift);
-    let (mut missing, mut drawn, mut unknown) = (0, 0, None);
-    frame.parts(xml, layer, &mut |xml, part, data, text| {
+    let offset = frame.space.whole_tiles(above.shift);
+    let (mut drawn, mut unknown) = (0, None);
+    frame.chunks(xml, layer, &mut |xml, chunk, data, text| {
         let take = &mut |index: u64, id: u32| {
             if id & TILE == 0 {
                 return;
             }
-            let Some((set, number)) = tilesets.find(id) else {
+            let Some(tile) = tilesets.find(id) else {
                 unknown.get_or_insert((id & TILE, 0)).1 += 1;
                 return;
             };
-            drawn += u64::from(set.has_shapes(number));
-            if let (Some(offset), true) = (offset, set.blocks(number, place.role == Some(Role::Wall))) {
-                let width = u64::from(part.width);
-                let x = part.x + (index % width) as i64 + offset[0] - extent.least[0];
-                let y = part.y + (index / width) as i64 + offset[1] - extent.least[1];
+            drawn += u64::from(tile.has_shapes());
+            if let (Some(offset), true) = (offset, tile.blocks(above.role == Some(Role::Wall))) {
+                let width = u64::from(chunk.width);
+                let x = chunk.x + (index % width) as i64 + offset[0] - extent.least[0];
+                let y = chunk.y + (index / width) as i64 + offset[1] - extent.least[1];
                 found.walls.set(x as u32, y as u32, true);
             }
         };
-        missing += data.decode(text, part.tiles(), take).map_err(|why| damaged(xml, &name, why))?;
-        Ok(())
+        data.decode(text, chunk.tiles(), take).map_err(|why| damaged(xml, &name, why))
     })?;
-    if missing > 0 {
-        found.warnings.push(TmxWarning::Commas { layer: name.clone(), count: missing });
-    }
+    let mut warn = |what: String| found.warnings.push(format!("the layer {:?} {what}", shortened(&name)));
     if offset.is_none() {
-        let [x, y] = frame.space.tiles(place.shift);
-        found.warnings.push(TmxWarning::Offset { layer: name.clone(), x, y });
+        let [x, y] = frame.space.tiles(above.shift);
+        warn(format!("is shifted by {x} and {y} tiles: only whole tiles are read"));
     }
     if let Some((id, count)) = unknown {
-        found.warnings.push(TmxWarning::UnknownTiles { layer: name.clone(), id, count });
+        warn(format!("has {count} tiles of no tileset, the first of id {id}"));
     }
     if drawn > 0 {
-        found.warnings.push(TmxWarning::DrawnShapes { layer: name, count: drawn });
+        warn(format!(
+            "has {drawn} tiles that are walls or doors by shapes drawn on them: these hide nothing (give \
+             the tile a property \"opaque\", or draw an object)"
+        ));
     }
     Ok(())
 }
 
-/// Where a layer is, its groups included.
+/// What holds for all in a layer, by itself and its groups.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    /// Its shift in pixels.
+struct Above {
+    /// The shift in pixels.
     shift: [f64; 2],
-    /// The role that it gives to what is in it, if it gives one.
+    /// The role that they give, if they give one.
     role: Option<Role>,
 }
 
-impl Place {
-    /// The place of a layer or a group in this one, at its start.
+impl Above {
+    /// What holds in a layer or a group in this one, at its start.
     fn inner(self, xml: &Xml<'_>, layer: &Element<'_>, rule: &Rule) -> Result<Self, TmxError> {
         let [x, y] = [xml.decimal(layer, "offsetx")?, xml.decimal(layer, "offsety")?];
         let shift = [self.shift[0] + x, self.shift[1] + y];
@@ -370,7 +361,7 @@ impl Place {
             && let Some(child) = inside.child()?
             && child.local_name().as_ref() == b"properties"
         {
-            says = properties(&mut inside, rule, &mut Inventory::default(), |_, _| ())?;
+            says = properties(&mut inside, rule)?;
         }
         let mut role = says.role();
         for name in ["class", "name"] {
@@ -380,19 +371,6 @@ impl Place {
         Ok(Self { shift, role: role.or(self.role) })
     }
 }
-
-/// Opens each file once, and keeps what it gave: a map may be read twice.
-fn once(mut open: impl FnMut(&str) -> io::Result<Vec<u8>>) -> impl FnMut(&str) -> io::Result<Vec<u8>> {
-    let mut known: HashMap<String, Result<Vec<u8>, (io::ErrorKind, String)>> = HashMap::new();
-    move |path| {
-        let found = known.entry(path.to_owned());
-        let found = found.or_insert_with(|| open(path).map_err(|why| (why.kind(), why.to_string())));
-        found.clone().map_err(|(kind, why)| io::Error::new(kind, why))
-    }
-}
-
-/// Takes a layer, from behind its start, with the tilesets before it and its place.
-type TakeLayer<'t> = &'t mut dyn FnMut(&mut Xml<'_>, &Element<'_>, &Tilesets, Place) -> Result<(), TmxError>;
 
 /// Whether a layer is one of objects.
 fn is_objects(layer: &Element<'_>) -> bool {

@@ -1,17 +1,15 @@
-//! Where tiles lie: the pixels of maps, and the parts of layers, which are chunks or all of a layer,
-//! with the rectangle around them.
+//! Where tiles lie: the pixels of maps, and the chunks of layers, with the rectangle around them.
 
 use std::fmt;
 
 use glam::{DMat2, DVec2};
 
-use super::TmxError;
 use super::data::Data;
 use super::xml::{Element, Xml};
-use crate::editor::FARTHEST;
+use super::{FARTHEST, TmxError};
 
 /// Tiles along a side of a map, at most: the editor makes no larger ones.
-pub(super) const LONGEST_SIDE: u32 = 1 << 20;
+const LONGEST_SIDE: u32 = 1 << 20;
 
 /// Shifts of layers in tiles that differ by less than this from whole numbers are whole: the editor
 /// writes offsets in decimals.
@@ -33,6 +31,13 @@ impl Space {
         if self.isometric { [y + x, y - x] } else { [x, y] }
     }
 
+    /// A shift in whole tiles; `None` if it is none.
+    pub fn whole_tiles(&self, shift: [f64; 2]) -> Option<[i64; 2]> {
+        let tiles = self.tiles(shift);
+        let whole = |v: f64| (v - v.round()).abs() < WHOLE && v.abs() <= FARTHEST as f64;
+        tiles.iter().all(|&v| whole(v)).then(|| tiles.map(|v| v.round() as i64))
+    }
+
     /// From coordinates of objects to the screen. Those of isometric maps count along columns and
     /// rows, with the height of a tile for each.
     pub fn screen(&self) -> DMat2 {
@@ -46,16 +51,16 @@ impl Space {
     }
 }
 
-/// Tiles from `x` and `y` on.
+/// Tiles from `x` and `y` on: a part of an infinite layer, or all of another one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
+pub(super) struct Chunk {
     pub x: i64,
     pub y: i64,
     pub width: u32,
     pub height: u32,
 }
 
-impl Part {
+impl Chunk {
     pub fn tiles(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
@@ -64,17 +69,17 @@ impl Part {
 /// The attributes of the map that hold for all layers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
-    pub size: (u32, u32),
-    pub infinite: bool,
+    /// Columns and rows; `None` for infinite maps.
+    size: Option<(u32, u32)>,
     pub space: Space,
 }
 
-/// The rectangle around all parts.
+/// The rectangle around all chunks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
     pub least: [i64; 2],
     pub most: [i64; 2],
-    /// How many tiles the parts have.
+    /// How many tiles the chunks have.
     pub tiles: u64,
     pub any: bool,
 }
@@ -82,12 +87,12 @@ pub(super) struct Extent {
 impl Extent {
     pub const NONE: Self = Self { least: [i64::MAX; 2], most: [i64::MIN; 2], tiles: 0, any: false };
 
-    pub fn add(&mut self, part: &Part) {
+    pub fn add(&mut self, chunk: &Chunk) {
         self.any = true;
-        self.tiles += part.tiles();
-        if part.tiles() > 0 {
-            self.least = [self.least[0].min(part.x), self.least[1].min(part.y)];
-            let end = [part.x + i64::from(part.width), part.y + i64::from(part.height)];
+        self.tiles += chunk.tiles();
+        if chunk.tiles() > 0 {
+            self.least = [self.least[0].min(chunk.x), self.least[1].min(chunk.y)];
+            let end = [chunk.x + i64::from(chunk.width), chunk.y + i64::from(chunk.height)];
             self.most = [self.most[0].max(end[0]), self.most[1].max(end[1])];
         }
     }
@@ -101,26 +106,38 @@ pub(super) fn damaged(xml: &Xml<'_>, layer: &str, why: impl fmt::Display) -> Tmx
     xml.damaged(format!("the layer {layer:?}: {why}"))
 }
 
-/// Takes a part of a layer, how its tiles are stored, and their text.
-pub(super) type Take<'t> = &'t mut dyn FnMut(&Xml<'_>, Part, Data, &str) -> Result<(), TmxError>;
+/// Takes a chunk of a layer, how its tiles are stored, and their text.
+pub(super) type Take<'t> = &'t mut dyn FnMut(&Xml<'_>, Chunk, Data, &str) -> Result<(), TmxError>;
 
 impl Frame {
-    /// A shift in whole tiles; `None` if it is none.
-    pub fn offset(&self, shift: [f64; 2]) -> Option<[i64; 2]> {
-        let tiles = self.space.tiles(shift);
-        let whole = |v: f64| (v - v.round()).abs() < WHOLE && v.abs() <= FARTHEST as f64;
-        tiles.iter().all(|&v| whole(v)).then(|| tiles.map(|v| v.round() as i64))
+    /// Reads the start of a map.
+    pub fn read(xml: &mut Xml<'_>) -> Result<Self, TmxError> {
+        let root = xml.root("map")?;
+        let orientation = xml.required(&root, "orientation")?;
+        if !["orthogonal", "isometric"].contains(&&*orientation) {
+            return Err(xml.damaged(format!(
+                "the map is {orientation}, but only orthogonal and isometric maps have rows and columns of \
+                 squares"
+            )));
+        }
+        let infinite = xml.attribute(&root, "infinite")?.is_some_and(|infinite| infinite == "1");
+        let size = if infinite { None } else { Some(size(xml, &root)?) };
+        let tile = [xml.number::<u32>(&root, "tilewidth")?, xml.number(&root, "tileheight")?].map(f64::from);
+        if tile.contains(&0.0) {
+            return Err(xml.damaged("tiles of no size"));
+        }
+        Ok(Self { size, space: Space { isometric: orientation == "isometric", tile } })
     }
 
-    /// Hands out the parts of a layer, from behind its start: its chunks, or all of it.
-    pub fn parts(&self, xml: &mut Xml<'_>, layer: &Element<'_>, take: Take<'_>) -> Result<(), TmxError> {
+    /// Hands out the chunks of a layer, from behind its start.
+    pub fn chunks(&self, xml: &mut Xml<'_>, layer: &Element<'_>, take: Take<'_>) -> Result<(), TmxError> {
         let name = layer_name(xml, layer)?;
-        let (width, height) = self.size;
-        let mut has_data = self.infinite || width == 0 || height == 0;
-        if !self.infinite {
-            let (found_width, found_height) = (xml.number(layer, "width")?, xml.number(layer, "height")?);
-            if (found_width, found_height) != self.size {
-                return Err(TmxError::Dimensions { layer: name, found_width, found_height, width, height });
+        let mut has_data = self.size.is_none_or(|(width, height)| width == 0 || height == 0);
+        if let Some((width, height)) = self.size {
+            let found: (u32, u32) = (xml.number(layer, "width")?, xml.number(layer, "height")?);
+            if found != (width, height) {
+                let why = format!("{} by {} tiles, but the map has {width} by {height}", found.0, found.1);
+                return Err(damaged(xml, &name, why));
             }
         }
         while let Some(child) = xml.child()? {
@@ -130,9 +147,9 @@ impl Frame {
             }
             let data = Data::new(xml, &child)?;
             has_data = true;
-            if !self.infinite {
+            if let Some((width, height)) = self.size {
                 let text = xml.text()?;
-                take(xml, Part { x: 0, y: 0, width, height }, data, &text)?;
+                take(xml, Chunk { x: 0, y: 0, width, height }, data, &text)?;
                 continue;
             }
             while let Some(chunk) = xml.child()? {
@@ -140,24 +157,22 @@ impl Frame {
                     xml.skip(&chunk)?;
                     continue;
                 }
-                let [x, y] = [xml.integer(&chunk, "x")?, xml.integer(&chunk, "y")?].map(i64::from);
-                let (width, height) = self.chunk_size(xml, &chunk)?;
+                let [x, y] = [xml.number::<i32>(&chunk, "x")?, xml.number(&chunk, "y")?].map(i64::from);
+                let (width, height) = size(xml, &chunk)?;
                 let text = xml.text()?;
-                take(xml, Part { x, y, width, height }, data, &text)?;
+                take(xml, Chunk { x, y, width, height }, data, &text)?;
             }
         }
-        if has_data { Ok(()) } else { Err(xml.damaged(format!("the layer {name:?} has no tiles"))) }
+        if has_data { Ok(()) } else { Err(damaged(xml, &name, "it has no tiles")) }
     }
+}
 
-    fn chunk_size(&self, xml: &Xml<'_>, chunk: &Element<'_>) -> Result<(u32, u32), TmxError> {
-        let size = (xml.number(chunk, "width")?, xml.number(chunk, "height")?);
-        if size.0.max(size.1) <= LONGEST_SIDE {
-            return Ok(size);
-        }
-        let most = LONGEST_SIDE;
-        Err(xml.damaged(format!(
-            "a chunk of {} by {} tiles: at most {most} along a side are read",
-            size.0, size.1
-        )))
+/// The columns and rows of a map or a chunk.
+fn size(xml: &Xml<'_>, element: &Element<'_>) -> Result<(u32, u32), TmxError> {
+    let (width, height): (u32, u32) = (xml.number(element, "width")?, xml.number(element, "height")?);
+    if width.max(height) <= LONGEST_SIDE {
+        return Ok((width, height));
     }
+    let why = format!("{width} by {height} tiles: at most {LONGEST_SIDE} along a side are read");
+    Err(xml.damaged(why))
 }

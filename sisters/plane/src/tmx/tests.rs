@@ -4,9 +4,8 @@ use std::rc::Rc;
 
 use glam::Vec2;
 
-use super::tileset::Opaque;
+use super::tileset::Tileset;
 use super::*;
-use crate::editor::Role;
 use crate::geometry::{Disc, Rect, Shape};
 
 mod compare;
@@ -19,24 +18,16 @@ fn example(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("maps").join(name)
 }
 
-/// The file, changed.
-fn read_changed(change: impl Fn(String) -> String) -> Result<BitGrid, TmxError> {
-    let text = std::fs::read_to_string(example("harbour.tmx")).unwrap();
-    let map = TmxImport::default().parse(change(text).as_bytes(), |source| panic!("{source}"));
-    map.map(|map| map.walls)
-}
-
 /// A map, with a tileset beside it.
-fn parse(map: &str) -> Result<BitGrid, TmxError> {
-    let map = TmxImport::default().parse(map.as_bytes(), |source| match source {
+fn map(text: &str) -> Result<TmxMap, TmxError> {
+    TmxImport::default().parse(text.as_bytes(), |source| match source {
         "t.tsx" => Ok(maps::TILESET.into()),
         _ => Err(io::ErrorKind::NotFound.into()),
-    });
-    map.map(|map| map.walls)
+    })
 }
 
-fn why(map: &str) -> String {
-    parse(map).unwrap_err().to_string()
+fn why(text: &str) -> String {
+    map(text).unwrap_err().to_string()
 }
 
 #[test]
@@ -49,8 +40,8 @@ fn properties_and_layers_block() {
         }
     }
     let count = |name: &str| {
-        let names = MapNames { walls: vec![name.into()], obstacles: Vec::new(), ..MapNames::default() };
-        TmxImport { names }.read(example("harbour.tmx")).unwrap().walls.count()
+        let import = TmxImport { walls: vec![name.into()], ..TmxImport::default() };
+        import.read(example("harbour.tmx")).unwrap().walls.count()
     };
     let (by_property, by_layer) = (count("opaque"), count("walls"));
     assert_eq!(by_property + by_layer, walls.count());
@@ -69,8 +60,8 @@ fn objects_are_those_of_the_drawing() {
             .collect::<Vec<_>>()
     };
     let map = TmxImport::default().read(example("harbour.tmx")).unwrap();
-    assert_eq!(map.warnings, []);
-    let found = |class: &'static str| map.objects.iter().filter(move |object| &*object.class == class);
+    assert!(map.warnings.is_empty());
+    let found = |class: &'static str| map.objects.iter().filter(move |object| object.class == class);
     let doors = found("door").map(|door| (door.role, door.occluder.clone().unwrap()));
     let drawn_doors =
         drawn(b'+').into_iter().map(|at| (Role::Door, Shape::from(Rect::new(at, at + Vec2::ONE))));
@@ -89,39 +80,50 @@ fn objects_are_those_of_the_drawing() {
 fn damaged_files_are_refused() {
     assert!(matches!(TmxImport::default().read(example("none.tmx")), Err(TmxError::File { .. })));
     assert!(matches!(TmxImport::default().read(example("")), Err(TmxError::File { .. })));
-    assert!(read_changed(|text| text).is_ok());
-    let hexagons = |text: String| text.replace("orthogonal", "hexagonal");
-    assert!(matches!(read_changed(hexagons), Err(TmxError::Orientation(_))));
+    let text = std::fs::read_to_string(example("harbour.tmx")).unwrap();
+    assert!(map(&text).is_ok());
+    assert!(why(&text.replace("orthogonal", "hexagonal")).contains("hexagonal"));
     for height in ["37", "35", "2000000000", "-1", "many"] {
-        let other = |text: String| text.replace("height=\"36\"", &format!("height=\"{height}\""));
-        assert!(matches!(read_changed(other), Err(TmxError::Damaged { .. })), "{height}");
+        let other = text.replace("height=\"36\"", &format!("height=\"{height}\""));
+        assert!(matches!(map(&other), Err(TmxError::Damaged { .. })), "{height}");
     }
-    let narrow = |text: String| text.replacen("width=\"72\"", "width=\"71\"", 1);
-    assert!(matches!(read_changed(narrow), Err(TmxError::Dimensions { .. })));
+    let narrow = text.replacen("width=\"72\"", "width=\"71\"", 1);
+    assert!(why(&narrow).contains("72 by 36 tiles, but the map has 71 by 36"));
     for part in 1..8 {
-        let cut = |text: String| text[..text.len() * part / 8].to_string();
-        assert!(matches!(read_changed(cut), Err(TmxError::Damaged { .. })), "{part}");
+        assert!(matches!(map(&text[..text.len() * part / 8]), Err(TmxError::Damaged { .. })), "{part}");
     }
+    // Those of a file name its path.
+    let path = std::env::temp_dir().join(format!("casca-tmx-{}.tmx", std::process::id()));
+    std::fs::write(&path, "<map orientation=\"orthogonal\" width=\"x\" height=\"1\"/>").unwrap();
+    let why = TmxImport::default().read(&path).unwrap_err().to_string();
+    assert!(why.starts_with(&format!("{}, line 1: width=\"x\"", path.display())), "{why}");
+    // The editor saves maps in UTF-8, with a mark or without.
+    std::fs::write(&path, format!("\u{feff}{text}")).unwrap();
+    assert_eq!(TmxImport::default().read(&path).unwrap(), map(&text).unwrap());
+    std::fs::write(&path, b"<map name=\"W\xe4nde\"/>").unwrap();
+    let why = TmxImport::default().read(&path).unwrap_err().to_string();
+    assert!(why.contains("not in UTF-8"), "{why}");
+    std::fs::remove_file(&path).unwrap();
 }
 
 #[test]
 fn tiles_are_read_from_each_encoding_and_tileset() {
-    for map in maps::all() {
-        let opaque = parse(str::from_utf8(&map).unwrap()).unwrap();
+    for file in maps::all() {
+        let text = String::from_utf8(file).unwrap();
+        let opaque = map(&text).unwrap().walls;
         let tiles: Vec<_> = opaque.cells().map(|(x, y)| maps::TILES[(x + 4 * y) as usize]).collect();
         assert_eq!(tiles, [2, 6, 2, 6, 0x8000_0006]);
         // In a layer of walls all tiles block, but not where there is none.
-        let walls = String::from_utf8(map).unwrap().replace("farther", "walls");
-        assert_eq!(parse(&walls).unwrap().count(), 11);
+        assert_eq!(map(&text.replace("farther", "walls")).unwrap().walls.count(), 11);
     }
 }
 
 #[test]
 fn errors_name_the_file_the_line_and_the_cause() {
-    let map = maps::map("encoding=\"csv\"", &maps::csv());
+    let text = maps::map("encoding=\"csv\"", &maps::csv());
     let expect = |from: &str, to: &str, said: &str| {
-        assert!(map.contains(from), "{from}");
-        let why = why(&map.replace(from, to));
+        assert!(text.contains(from), "{from}");
+        let why = why(&text.replace(from, to));
         assert!(why.contains(said), "{why} / {said}");
     };
     expect("t.tsx", "u.tsx", "u.tsx cannot be read");
@@ -134,13 +136,46 @@ fn errors_name_the_file_the_line_and_the_cause() {
     expect("3,\n", "", "too few tiles for its dimensions: about 11 of 12");
     expect("3,\n", "3,3,\n", "more than the 12 tiles");
     expect("<map", "<plan", "no element map");
-    let empty = map.replace("<data", "<date").replace("</data", "</date");
-    assert!(why(&empty).contains("the layer \"ground\" has no tiles"));
+    let empty = text.replace("<data", "<date").replace("</data", "</date");
+    assert!(why(&empty).contains("the layer \"ground\": it has no tiles"));
     let damaged = maps::map("encoding=\"base64\" compression=\"zlib\"", &maps::base64("gzip"));
     assert!(why(&damaged).contains("the layer \"ground\": "), "{}", why(&damaged));
-    let inner = TmxImport::default().parse(map.as_bytes(), |_| Ok(b"<tileset>\n<tile/></tileset>".into()));
+    let inner = TmxImport::default().parse(text.as_bytes(), |_| Ok(b"<tileset>\n<tile/></tileset>".into()));
     let why = inner.unwrap_err().to_string();
     assert!(why.contains("t.tsx, line 2: the element tile has no attribute id"), "{why}");
+    // Lines are counted whatever ends them.
+    for end in ["\n", "\r\n", "\r"] {
+        let text = format!(
+            "<map orientation=\"orthogonal\"{end} width=\"1\" height=\"1\" tilewidth=\"9\" tileheight=\"9\">{end}{end}<tileset/></map>"
+        );
+        let why = self::why(&text);
+        assert!(why.starts_with("the map, line 4: "), "{end:?}: {why}");
+    }
+}
+
+#[test]
+fn lists_with_blank_lines_missing_numbers_and_all_line_ends_are_read() {
+    let text = maps::map("encoding=\"csv\"", &maps::csv());
+    let whole = map(&text).unwrap().walls;
+    let read = |tiles: &str| map(&text.replace(&maps::csv(), tiles)).map(|map| map.walls);
+    // The first tile is 0, which is none.
+    for (from, to) in [("\n", ""), (",", ""), ("\n", "\r\n\r\n"), ("\n", "\r"), ("0,", ",")] {
+        for end in ["", ",", ",\n\n"] {
+            assert_eq!(
+                read(&(maps::csv().replacen(from, to, usize::MAX) + end)).unwrap(),
+                whole,
+                "{from:?} {to:?}"
+            );
+        }
+    }
+    for tiles in [maps::csv() + ",0,", maps::csv().replace("8,", ""), ",".repeat(13)] {
+        assert!(read(&tiles).is_err(), "{tiles}");
+    }
+    // Base64 in lines, without its padding.
+    let base64 = maps::base64("");
+    let lines = base64.trim_end_matches('=').as_bytes().chunks(10).map(|c| str::from_utf8(c).unwrap());
+    let lines = lines.collect::<Vec<_>>().join("\r\n  ");
+    assert_eq!(map(&maps::map("encoding=\"base64\"", &lines)).unwrap().walls, whole);
 }
 
 #[test]
@@ -155,18 +190,25 @@ fn a_tile_is_of_the_last_tileset_that_begins_at_or_before_it() {
             );
             let mut xml = Xml::new(&text, "test");
             let root = xml.root("tileset").unwrap();
-            Rc::new(Opaque::read(&mut xml, &root, &rule).unwrap())
+            Rc::new(Tileset::read(&mut xml, &root, &rule).unwrap())
         })
         .collect();
+    let mut open = |path: &str| panic!("{path}");
+    let mut tilesets = Tilesets::new(&mut open);
     for order in 0..256_u32 {
         let firsts = [0, 2, 4, 6].map(|shift| 1 + 2 * (order >> shift & 3));
-        let mut tilesets = Tilesets::default();
+        tilesets.clear();
         firsts.into_iter().zip(&opaque).for_each(|(first, tiles)| tilesets.push(first, tiles.clone()));
         for id in 0..12 {
-            let last = (0_u32..).zip(firsts).filter(|&(_, first)| first <= id && id > 0).last();
-            assert_eq!(tilesets.blocks(id, true), last.is_some(), "{firsts:?} {id}");
+            let last = (0_u32..).zip(firsts).filter(|&(_, first)| first <= id).last();
+            assert_eq!(
+                tilesets.find(id).is_some_and(|tile| tile.blocks(true)),
+                last.is_some(),
+                "{firsts:?} {id}"
+            );
             let says_so = last.is_some_and(|(number, first)| id - first == number);
-            assert_eq!(tilesets.blocks(id | 0x6000_0000, false), says_so, "{firsts:?} {id}");
+            let found = tilesets.find(id | 0x6000_0000).is_some_and(|tile| tile.blocks(false));
+            assert_eq!(found, says_so, "{firsts:?} {id}");
         }
     }
 }
@@ -182,10 +224,6 @@ fn infinite(chunks: &[[i32; 4]], wall: impl Fn(i32, i32) -> bool) -> String {
     let map = maps::map("encoding=\"csv\"", &chunks);
     map.replace("infinite=\"0\"", "infinite=\"1\"")
         .replace("name=\"farther\"", "name=\"farther\" offsetx=\"0\"")
-}
-
-fn map(text: &str) -> Result<TmxMap, TmxError> {
-    TmxImport::default().parse(text.as_bytes(), |_| Ok(maps::TILESET.into()))
 }
 
 #[test]
@@ -204,9 +242,9 @@ fn chunks_of_infinite_maps_lie_where_they_say() {
 #[test]
 fn spread_chunks_and_damaged_ones_are_refused() {
     let far = infinite(&[[-1_000_000, 0, 1, 1], [1_000_000, 1_000_000, 1, 1]], |_, _| true);
-    assert!(matches!(map(&far), Err(TmxError::Spread { width: 2_000_001, height: 1_000_001, tiles: 4 })));
+    assert!(why(&far).contains("spread over 2000001 by 1000001 tiles, but have 4 only"));
     let edge = infinite(&[[i32::MAX - 3, i32::MIN, 2, 2]], |_, _| true);
-    assert!(matches!(map(&edge), Err(TmxError::Spread { .. })));
+    assert!(why(&edge).contains("spread over"));
     let near = infinite(&[[-2000, 0, 1, 1], [2000, 2000, 1, 1]], |_, _| true);
     assert_eq!(map(&near).unwrap().walls.count(), 2, "as small as any map may be");
     let small = infinite(&[[0, 0, 4, 4]], |_, _| true);
@@ -219,15 +257,13 @@ fn spread_chunks_and_damaged_ones_are_refused() {
         ("tilewidth=\"16\"", "tilewidth=\"0\"", "tiles of no size"),
     ] {
         assert!(small.contains(from), "{from}");
-        let why = map(&small.replacen(from, to, 1)).unwrap_err().to_string();
+        let why = why(&small.replacen(from, to, 1));
         assert!(why.contains(said), "{why} / {said}");
     }
-    let hexagons = small.replace("orthogonal", "hexagonal");
-    assert!(matches!(map(&hexagons), Err(TmxError::Orientation(_))));
     let none = infinite(&[], |_, _| true);
     let found = map(&none).unwrap();
     assert_eq!((found.walls.count(), found.objects.len()), (0, 1), "a map of objects");
-    assert!(matches!(map(&none.replace("objectgroup", "imagelayer")), Err(TmxError::NoTiles)));
+    assert!(why(&none.replace("objectgroup", "imagelayer")).contains("no layer of tiles and no objects"));
 }
 
 #[test]
@@ -253,9 +289,8 @@ fn shifted_layers_lie_elsewhere() {
     // Half a tile: it blocks nothing, and is named.
     let found = map(&shifted("", "offsetx=\"8\"")).unwrap();
     assert_eq!(found.walls, whole);
-    let farther = TmxWarning::Offset { layer: "farther".into(), x: 0.5, y: 0.0 };
-    assert_eq!(found.warnings, [farther]);
-    assert!(found.warnings[0].to_string().contains("shifted by 0.5 and 0 tiles"));
+    let shift = "the layer \"farther\" is shifted by 0.5 and 0 tiles: only whole tiles are read";
+    assert_eq!(found.warnings, [shift]);
     // A tile to the right in the plane is one along each axis of an isometric map.
     let isometric = shifted("", "offsetx=\"16\"").replace("orthogonal", "isometric");
     let found = map(&isometric).unwrap();
@@ -263,32 +298,23 @@ fn shifted_layers_lie_elsewhere() {
 }
 
 #[test]
-fn unknown_tiles_and_types_are_named() {
+fn unknown_tiles_are_named() {
     let text = maps::map("encoding=\"csv\"", &maps::csv());
-    assert_eq!(map(&text).unwrap().warnings, []);
+    assert!(map(&text).unwrap().warnings.is_empty());
     let walls = text.replace("farther", "walls");
     let unknown = |text: &str| map(&text.replace("8,\n", "9,\n").replace("7,\n", "2147483900,\n")).unwrap();
     let found = unknown(&walls);
-    let named = |layer: &str| TmxWarning::UnknownTiles { layer: layer.into(), id: 252, count: 2 };
+    let named = |layer: &str| format!("the layer {layer:?} has 2 tiles of no tileset, the first of id 252");
     assert_eq!(found.warnings, [named("ground"), named("walls")]);
     // They block nothing, even in a layer of walls.
     assert_eq!(found.walls.count(), map(&walls).unwrap().walls.count() - 2);
-    assert!(
-        found.warnings[0].to_string().contains("\"ground\" has 2 tiles of no tileset, the first of id 252")
-    );
     // Also in layers that are shifted by a part of a tile.
     let shifted = unknown(&walls.replace("name=\"ground\"", "name=\"ground\" offsetx=\"3\""));
-    assert!(matches!(&shifted.warnings[..], [TmxWarning::Offset { .. }, first, second]
-        if *first == named("ground") && *second == named("walls")));
-    let typed = text.replacen("type=\"bool\" value=\"true\"", "value=\"maybe\"", 1);
-    let found = map(&typed).unwrap();
-    let (property, kind) = ("opaque".to_string(), "string".to_string());
-    assert_eq!(found.warnings, [TmxWarning::PropertyType { first: 1, tile: 1, property, kind }]);
-    assert!(found.warnings[0].to_string().contains("tile 1 of the tileset from 1 on has a property opaque"));
-    // A tileset of single images lists tiles beyond its number.
+    assert!(matches!(&shifted.warnings[..], [shift, first, second]
+        if shift.contains("shifted") && *first == named("ground") && *second == named("walls")));
+    // A tileset of single images lists tiles beyond its number: 2 and 4 are listed.
     let listed =
         text.replace("tilecount=\"4\"", "tilecount=\"1\"").replace("<tile id=\"2\">", "<tile id=\"3\">");
-    let found = map(&listed).unwrap();
-    let ground = TmxWarning::UnknownTiles { layer: "ground".into(), id: 3, count: 1 };
-    assert_eq!(found.warnings[0], ground, "2 and 4 are listed");
+    let first = &map(&listed).unwrap().warnings[0];
+    assert_eq!(first, "the layer \"ground\" has 1 tiles of no tileset, the first of id 3");
 }

@@ -2,6 +2,8 @@
 //! depth.
 
 use std::borrow::Cow;
+use std::fmt::Display;
+use std::str::FromStr;
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
@@ -10,6 +12,13 @@ use super::TmxError;
 
 /// The start of an element.
 pub(super) type Element<'a> = BytesStart<'a>;
+
+/// The text of a file, without a byte-order mark.
+pub(super) fn utf8<'a>(bytes: &'a [u8], name: &str) -> Result<&'a str, TmxError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let why = "it is not in UTF-8, as which the editor saves maps".to_owned();
+    str::from_utf8(bytes).map_err(|_| TmxError::Damaged { file: name.into(), line: 1, why })
+}
 
 /// A file that is being read.
 pub(super) struct Xml<'a> {
@@ -25,6 +34,11 @@ impl<'a> Xml<'a> {
         // So that each start has an end.
         reader.config_mut().expand_empty_elements = true;
         Self { text, reader, name: name.into() }
+    }
+
+    /// A reader of the same file from its start on.
+    pub fn again(&self) -> Self {
+        Self::new(self.text, &self.name)
     }
 
     /// A reader of the contents of the element whose start was read last, which moves this one by
@@ -128,12 +142,6 @@ impl<'a> Xml<'a> {
         self.attribute(element, name)?.ok_or_else(lacks)
     }
 
-    /// The value of an attribute that must be there, and a number of any sign.
-    pub fn integer(&self, element: &Element<'_>, name: &str) -> Result<i32, TmxError> {
-        let value = self.required(element, name)?;
-        value.trim().parse().map_err(|why| self.damaged(format!("{name}=\"{value:.40}\": {why}")))
-    }
-
     /// The value of an attribute that is a number with decimals; 0 if it is not there.
     pub fn decimal(&self, element: &Element<'_>, name: &str) -> Result<f64, TmxError> {
         let Some(value) = self.attribute(element, name)? else { return Ok(0.0) };
@@ -141,8 +149,8 @@ impl<'a> Xml<'a> {
         number.ok_or_else(|| self.damaged(format!("{name}=\"{value:.40}\" is no finite number")))
     }
 
-    /// The value of an attribute that must be there, and a number.
-    pub fn number(&self, element: &Element<'_>, name: &str) -> Result<u32, TmxError> {
+    /// The value of an attribute that must be there, and a whole number.
+    pub fn number<N: FromStr<Err: Display>>(&self, element: &Element<'_>, name: &str) -> Result<N, TmxError> {
         let value = self.required(element, name)?;
         value.trim().parse().map_err(|why| self.damaged(format!("{name}=\"{value:.40}\": {why}")))
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use casca_plane::{BitGrid, FieldOfView, Fog, FovOptions, OpaqueTiles, TileError, TileState};
+use casca_plane::{BitGrid, Error, FieldOfView, Fog, FovOptions, OpaqueTiles, TileState};
 use proptest::prelude::*;
 
 use crate::cases::cases;
@@ -28,9 +28,9 @@ proptest! {
         for eyes in frames {
             fog.begin_frame();
             let mut seen = BTreeSet::new();
-            for (at, eye) in eyes.into_iter().enumerate() {
+            for eye in eyes {
                 seen.extend(fov.run(&tiles, point(eye), &options).cells());
-                if at % 2 == 0 { fog.add(&fov).unwrap() } else { fog.add_tiles(fov.seen()).unwrap() }
+                fog.add(&fov).unwrap();
             }
             let fresh: Vec<_> = fog.newly_seen().cells().collect();
             prop_assert_eq!(fresh.len(), seen.difference(&ever).count());
@@ -55,17 +55,6 @@ proptest! {
 #[test]
 fn fields_of_view_of_other_maps_are_refused() {
     let mut fog = Fog::new(8, 8);
-    let found = TileError::Dimensions { found_width: 0, found_height: 0, width: 8, height: 8 };
+    let found = Error::Dimensions { found_width: 0, found_height: 0, width: 8, height: 8 };
     assert_eq!(fog.add(&FieldOfView::new()), Err(found));
-    assert!(fog.add_tiles(&BitGrid::new(8, 9)).is_err() && fog.add_tiles(&BitGrid::new(8, 8)).is_ok());
-}
-
-#[test]
-fn maps_of_many_rows_without_tiles_cost_nothing() {
-    let mut fog = Fog::new(0, u32::MAX);
-    for _ in 0..10_000 {
-        assert_eq!(fog.add_tiles(&BitGrid::new(0, u32::MAX)), Ok(()));
-    }
-    fog.begin_frame();
-    assert_eq!(fog.newly_seen().count(), 0);
 }

@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
 use glam::Vec2;
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
 
 use crate::cases::cases;
 use crate::maps::{drawn, map_and_eye, point};
@@ -19,19 +21,6 @@ fn seen(map: &BitGrid, eye: TilePoint, options: &FovOptions) -> BTreeSet<(u32, u
     seen
 }
 
-/// What is hidden in a drawing, with `x` for the tiles that may not be seen and the eye at `@`.
-fn assert_drawn(rows: &[&str]) {
-    let hidden = |x: u32, y: u32| rows[rows.len() - 1 - y as usize].as_bytes()[x as usize];
-    let map = drawn(rows);
-    let tiles = || (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
-    let eye = tiles().find(|&(x, y)| hidden(x, y) == b'@').expect("a drawing has an eye");
-    let seen = seen(&map, TilePoint::center_of(eye.0, eye.1), &FovOptions::default());
-    for (x, y) in tiles() {
-        let wanted = !matches!(hidden(x, y), b'x' | b'X');
-        assert_eq!(seen.contains(&(x, y)), wanted, "tile ({x}, {y}) of {rows:#?}");
-    }
-}
-
 proptest! {
     #![proptest_config(cases(400))]
 
@@ -42,14 +31,11 @@ proptest! {
     }
 
     #[test]
-    fn ranges_take_away_the_tiles_beyond((map, eye) in map_and_eye(), eighths in 1..90_i128, circle: bool) {
+    fn ranges_take_away_the_tiles_beyond((map, eye) in map_and_eye(), eighths in 1..90_i128) {
         let oracle = Oracle { opaque: &map, eye };
-        let radius = eighths as f32 / 8.0;
-        let options = FovOptions::default();
-        let options = if circle { options.in_circle(radius) } else { options.in_square(radius) }.unwrap();
+        let options = FovOptions::default().in_circle(eighths as f32 / 8.0).unwrap();
         let range = eighths * UNIT / 8;
-        let truth: BTreeSet<_> =
-            oracle.seen().into_iter().filter(|&tile| oracle.in_range(tile, range, circle)).collect();
+        let truth: BTreeSet<_> = oracle.seen().into_iter().filter(|&tile| oracle.in_range(tile, range)).collect();
         prop_assert_eq!(seen(&map, point(eye), &options), truth);
     }
 
@@ -97,7 +83,6 @@ proptest! {
         let options = options.in_sector(Vec2::from(direction), half).unwrap_or(options);
         let all = seen(&map, eye, &FovOptions::default());
         prop_assert!(seen(&map, eye, &options).is_subset(&all));
-        prop_assert!(seen(&map, eye, &options.in_square(radius.abs() + 1e-9).unwrap_or(options)).is_subset(&all));
     }
 
     #[test]
@@ -129,32 +114,17 @@ proptest! {
 /// some ray to it.
 #[test]
 fn words_and_long_rows_agree_with_rays() {
-    let mut random = 7_u64;
+    let mut random = Pcg32::seed_from_u64(7);
     for (width, height, stones) in [(70, 90, 160), (200, 66, 900), (130, 64, 2500)] {
         let mut map = BitGrid::new(width, height);
-        let mut next = || {
-            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (random >> 33) as u32
-        };
-        for _ in 0..stones {
-            map.set(next() % width, next() % height, true);
+        let mut tile = || [random.random_range(0..width), random.random_range(0..height)];
+        for [x, y] in (0..stones).map(|_| tile()) {
+            map.set(x, y, true);
         }
-        let eye = [next() % width, next() % height].map(|tile| i128::from(tile) * UNIT + UNIT / 2);
+        let eye = tile().map(|at| i128::from(at) * UNIT + UNIT / 2);
         let oracle = Oracle { opaque: &map, eye };
         assert_eq!(seen(&map, point(eye), &FovOptions::default()), oracle.seen());
     }
-}
-
-#[test]
-fn a_corner_where_two_tiles_touch_lets_nothing_through() {
-    assert_drawn(&["xxxX", "xxx#", "xx#.", "x#..", "#..@"]);
-    assert_drawn(&["xx#", "x#.", "#.@"]);
-}
-
-#[test]
-fn a_wall_hides_all_behind_it() {
-    assert_drawn(&["xxxxx", "#####", ".....", "..@.."]);
-    assert_drawn(&["xxxxxxx", ".xxxxx.", "..xxx..", "...#...", "...@..."]);
 }
 
 #[test]
@@ -201,7 +171,7 @@ fn eyes_far_outside_and_empty_maps() {
 fn options_are_checked() {
     let options = FovOptions::default();
     for radius in [0.0, -1.0, f32::NAN, f32::NEG_INFINITY] {
-        assert!(options.in_circle(radius).is_err() && options.in_square(radius).is_err());
+        assert!(options.in_circle(radius).is_err());
         assert!(options.in_sector(Vec2::X, radius).is_err());
     }
     for direction in [Vec2::ZERO, Vec2::NAN, Vec2::new(f32::INFINITY, 0.0)] {

@@ -1,7 +1,8 @@
 //! Fields of view on tiles against exact visibility.
 
-#[path = "../common/cases.rs"]
 mod cases;
+mod cell;
+mod exact;
 mod fog;
 mod fov;
 mod from_tile;

@@ -1,5 +1,7 @@
 //! Small maps and eyes for tests.
 
+use std::ops::{Range, RangeInclusive};
+
 use casca_plane::{BitGrid, TilePoint};
 use proptest::prelude::*;
 
@@ -16,9 +18,9 @@ pub fn drawn(rows: &[&str]) -> BitGrid {
     tiles
 }
 
-/// Maps of all densities up to 12 by 12 tiles.
-pub fn map() -> impl Strategy<Value = BitGrid> {
-    (1..=12_u32, 1..=12_u32, 0..90_u32).prop_flat_map(|(width, height, density)| {
+/// Maps of some sizes and densities, in percent.
+pub fn maps_of(sizes: RangeInclusive<u32>, density: Range<u32>) -> impl Strategy<Value = BitGrid> {
+    (sizes.clone(), sizes, density).prop_flat_map(|(width, height, density)| {
         let tile = (0..100_u32).prop_map(move |roll| roll < density);
         proptest::collection::vec(tile, (width * height) as usize).prop_map(move |tiles| {
             let mut map = BitGrid::new(width, height);
@@ -28,6 +30,11 @@ pub fn map() -> impl Strategy<Value = BitGrid> {
             map
         })
     })
+}
+
+/// Maps of all densities up to 12 by 12 tiles.
+pub fn map() -> impl Strategy<Value = BitGrid> {
+    maps_of(1..=12, 0..90)
 }
 
 /// A coordinate of an eye, in units, up to two tiles outside of a map: often on borders, in the

@@ -93,16 +93,12 @@ impl Oracle<'_> {
         self.directions(&[]).into_iter().flat_map(|direction| self.tiles_along(direction)).collect()
     }
 
-    /// Whether some point inside a tile is nearer to the eye than a range, in units, by Euclid's
-    /// distance or by that of a chessboard.
-    pub fn in_range(&self, (x, y): (u32, u32), range: i128, circle: bool) -> bool {
+    /// Whether some point inside a tile is nearer to the eye than a range, in units.
+    pub fn in_range(&self, (x, y): (u32, u32), range: i128) -> bool {
         let apart = [0, 1].map(|axis| {
             let low = i128::from([x, y][axis]) * UNIT;
             (low - self.eye[axis]).max(self.eye[axis] - low - UNIT).max(0)
         });
-        match circle {
-            true => apart[0] * apart[0] + apart[1] * apart[1] < range * range,
-            false => apart[0].max(apart[1]) < range,
-        }
+        apart[0] * apart[0] + apart[1] * apart[1] < range * range
     }
 }

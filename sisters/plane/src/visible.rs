@@ -6,7 +6,7 @@ use crate::error::{Error, finite2};
 use crate::geometry::{Rect, Segment};
 use crate::grid::GridSpec;
 use crate::object::ObjectDesc;
-use crate::query::Query;
+use crate::point::Query;
 use crate::scene::Scene;
 use crate::view::View;
 

@@ -4,19 +4,16 @@
 #[allow(dead_code)]
 #[path = "../../examples/cell/caps.rs"]
 mod caps;
-#[path = "../common/cases.rs"]
-mod cases;
 #[path = "../../examples/cell/circle.rs"]
 mod circle;
-#[path = "../common/exact.rs"]
-mod exact;
 
 use caps::{Extension, Walk};
 use casca_plane::BitGrid;
-use cases::cases;
-use exact::is_visible;
 use glam::IVec2;
 use proptest::prelude::*;
+
+use crate::cases::cases;
+use crate::exact::is_visible;
 
 const STRAIGHT: Extension = Extension { l_shaped: false, least_angle: 0.0 };
 const L_SHAPED: Extension = Extension { l_shaped: true, least_angle: 0.0 };
