@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use casca::glam::Vec3;
 use casca::{Aabb, GridSpec, ObjectId, Occluder, Scene};
 
-use crate::border::{self, Out, OutSpan, OutStruct, grows};
+use crate::border::{self, Out, OutSpan, give, give_struct, grows};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 use crate::shape::{self, casca_object, casca_shape};
@@ -136,8 +136,7 @@ pub unsafe extern "C" fn casca_scene_create(
     grid: *const casca_grid,
     scene: *mut casca_scene,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(scene, "scene")?;
+    give(scene, "scene", || {
         let grid = border::read(grid)?;
         let [min, max] = [grid.min, grid.max].map(Vec3::from_array);
         let region = Aabb::new(min, max);
@@ -146,8 +145,7 @@ pub unsafe extern "C" fn casca_scene_create(
             cell => GridSpec::covering(region, cell)?,
         };
         let state = SceneState { scene: Scene::new(&spec)?, salt: salt(), due: Vec::new() };
-        out.set(casca_scene { handle: SCENES.add(state)? });
-        Ok(())
+        Ok(casca_scene { handle: SCENES.add(state)? })
     })
 }
 
@@ -169,13 +167,11 @@ pub unsafe extern "C" fn casca_scene_add(
     object: *const casca_object,
     id: *mut u64,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(id, "id")?;
+    give(id, "id", || {
         let object = shape::read_object(object)?;
         let mut state = SCENES.exclusive(scene.handle)?;
         let added = state.scene.insert(object)?;
-        out.set(state.id(added).unwrap_or_default());
-        Ok(())
+        Ok(state.id(added).unwrap_or_default())
     })
 }
 
@@ -265,11 +261,9 @@ pub unsafe extern "C" fn casca_scene_get_layers(
     id: u64,
     layers: *mut u64,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(layers, "layers")?;
+    give(layers, "layers", || {
         let state = SCENES.shared(scene.handle)?;
-        out.set(state.scene.layers(state.find(id)?)?);
-        Ok(())
+        Ok(state.scene.layers(state.find(id)?)?)
     })
 }
 
@@ -309,10 +303,8 @@ pub unsafe extern "C" fn casca_scene_contains(
     id: u64,
     answer: *mut bool,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(answer, "answer")?;
-        out.set(SCENES.shared(scene.handle)?.find(id).is_ok());
-        Ok(())
+    give(answer, "answer", || {
+        Ok(SCENES.shared(scene.handle)?.find(id).is_ok())
     })
 }
 
@@ -358,10 +350,9 @@ pub unsafe extern "C" fn casca_scene_get_memory(
     scene: casca_scene,
     memory: *mut casca_memory,
 ) -> casca_status {
-    call(|| {
-        let out = OutStruct::new(memory)?;
+    give_struct(memory, || {
         let used = SCENES.shared(scene.handle)?.scene.memory();
-        out.set(&casca_memory {
+        Ok(casca_memory {
             size: 0,
             opacity: used.opacity,
             ids: used.ids,
@@ -369,7 +360,6 @@ pub unsafe extern "C" fn casca_scene_get_memory(
             objects: used.objects,
             shapes: used.shapes,
             total: used.total(),
-        });
-        Ok(())
+        })
     })
 }

@@ -210,7 +210,7 @@ async fn bad_clients_lose_their_connection_and_others_miss_no_tick() {
 async fn a_client_that_does_not_read_is_dropped() {
     let mut options = options();
     (options.queue, options.bots) = (4, 250);
-    options.server = options.server.tick(0.004).walls(false).most_queries(0);
+    options.server = options.server.tick(0.004).walls(false);
     let front = start(options).await;
     // It never reads, until the buffers of the system are full: its own is small.
     let socket = TcpSocket::new_v4().unwrap();

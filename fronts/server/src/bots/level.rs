@@ -12,9 +12,9 @@ use casca_scenes::import::{self, ImportError};
 use casca_scenes::world::{GridHint, Motion, Object, Shape, Source, World};
 use casca_walls::{Span, Walls};
 
-use crate::entity::span_of;
 use crate::error::ServerError;
 use crate::numeric::LEAST_WALL;
+use crate::space::span_of;
 
 /// Frames of the path of a generated scene: many, so that it is smooth.
 const FRAMES: usize = 4000;

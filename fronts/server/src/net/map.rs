@@ -6,7 +6,7 @@ use casca_scenes::world::Shape;
 use serde_json::{Value, json};
 
 use crate::bots::Level;
-use crate::server::VisibilityServer;
+use crate::space::VisibilityServer;
 
 /// Boxes of the level that are drawn, at most: the largest ones.
 const MOST_BOXES: usize = 4000;
@@ -63,7 +63,7 @@ impl Map {
         let entities: Vec<Value> = server
             .entities()
             .map(|(id, entity)| {
-                let (b, owner) = (entity.desc().bounds, entity.desc().owner.map(|owner| owner.key()));
+                let (b, owner) = (entity.bounds, entity.owner.map(|owner| owner.key()));
                 json!({ "key": id.key(), "owner": owner, "box": [b.min.x, b.min.z, b.max.x, b.max.z] })
             })
             .collect();

@@ -11,11 +11,11 @@ use crate::error::ServerError;
 use crate::plane::ground::Tile;
 
 /// Eyes: a tile, and the bits of the radius.
-pub(crate) type Key = (Tile, u32);
+pub type Key = (Tile, u32);
 
 /// Tiles in a part of a map, a bit for each.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Window {
+pub struct Window {
     /// Words of a row.
     words: Range<usize>,
     rows: Range<usize>,
