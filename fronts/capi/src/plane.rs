@@ -197,8 +197,7 @@ pub unsafe extern "C" fn casca_plane_update(
 ) -> casca_status {
     call(|| {
         let bounds = border::array(bounds, "bounds")?.bounds()?;
-        let occluder =
-            if occluder.is_null() { None } else { border::array(occluder, "occluder")?.get()? };
+        let occluder = if occluder.is_null() { None } else { border::array(occluder, "occluder")?.get()? };
         let mut state = PLANES.exclusive(plane.handle)?;
         let id = state.find(id)?;
         Ok(state.scene.update(id, bounds, occluder)?)

@@ -303,9 +303,7 @@ pub unsafe extern "C" fn casca_scene_contains(
     id: u64,
     answer: *mut bool,
 ) -> casca_status {
-    give(answer, "answer", || {
-        Ok(SCENES.shared(scene.handle)?.find(id).is_ok())
-    })
+    give(answer, "answer", || Ok(SCENES.shared(scene.handle)?.find(id).is_ok()))
 }
 
 /// The box around the bounds of an object in world units, rounded outwards: three floats each.

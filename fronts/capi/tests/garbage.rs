@@ -21,8 +21,7 @@ impl Dice {
     fn float(&mut self) -> f32 {
         match self.below(16) {
             0 => f32::from_bits(self.bits() as u32),
-            1 => [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN_POSITIVE, -0.0]
-                [self.below(6)],
+            1 => [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN_POSITIVE, -0.0][self.below(6)],
             2 => 0.0,
             _ => (self.below(4001) as f32 - 2000.0) * 0.01,
         }
@@ -180,13 +179,9 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
             13 => casca_scene_begin_frame(scene, f64::from(dice.float()), &mut count),
             14 => casca_scene_end_frame(scene, &query, 1, null_mut()),
             15..18 => casca_query_run(query, scene, &seen, &mut count),
-            18 => casca_query_may_see_boxes(
-                query,
-                scene,
-                numbers.as_ptr(),
-                dice.below(9),
-                bytes.as_mut_ptr(),
-            ),
+            18 => {
+                casca_query_may_see_boxes(query, scene, numbers.as_ptr(), dice.below(9), bytes.as_mut_ptr())
+            }
             19 => casca_query_is_valid(query, scene, &seen, &mut answer),
             20 => {
                 let mut lamp = init!(casca_light);
@@ -204,8 +199,7 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
                 (desc.flags, desc.gap) = (dice.flags(3), if dice.below(3) == 0 { dice.float() } else { 0.0 });
                 let status = casca_mesh_create(&desc, (&raw mut made).cast());
                 known.meshes.extend((status == casca_status::CASCA_OK).then_some(made));
-                let solid =
-                    casca_solid_create(numbers.as_ptr(), dice.below(17), (&raw mut made).cast());
+                let solid = casca_solid_create(numbers.as_ptr(), dice.below(17), (&raw mut made).cast());
                 known.solids.extend((solid == casca_status::CASCA_OK).then_some(made));
                 if solid == casca_status::CASCA_ERROR_PANIC { solid } else { status }
             }

@@ -100,12 +100,7 @@ fn server(solids: &[Aabb]) -> VisibilityServer {
 }
 
 /// An entity that is seen though its client was not told of it.
-fn late(
-    solids: &[Aabb],
-    eye: &Mover,
-    entities: &[Mover],
-    seed: u64,
-) -> Option<String> {
+fn late(solids: &[Aabb], eye: &Mover, entities: &[Mover], seed: u64) -> Option<String> {
     let mut server = server(solids);
     let client = ClientDesc::new(eye.bounds.min, eye.speed, 0.5);
     let client = server.add_client(client, 0.0).unwrap();

@@ -10,10 +10,10 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use casca_server::VisibilityServer;
 use casca_server::bots::{Level, Match, MatchOptions, Moment};
 use casca_server::casca::glam::Vec3;
 use casca_server::wire::{AnswerFrame, ToClient};
-use casca_server::VisibilityServer;
 use casca_tools::pictures::palette::other;
 use casca_tools::pictures::{Axis, Line, lines};
 use casca_truth::baselines::NineRays;
@@ -123,9 +123,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 fn bytes(server: &VisibilityServer) -> usize {
     let frame = |id| {
         let answer = server.answer(id).ok()?;
-        let bounds = |id: &casca_server::EntityId| {
-            server.entity(*id).ok().map(|entity| (id.key(), entity.bounds))
-        };
+        let bounds =
+            |id: &casca_server::EntityId| server.entity(*id).ok().map(|entity| (id.key(), entity.bounds));
         let new = if answer.is_fresh { &answer.told } else { &answer.new };
         let old = answer.told.iter().filter(|id| new.binary_search(id).is_err());
         let frame = AnswerFrame {

@@ -121,11 +121,6 @@ impl PlaneServer {
         &self.world.map
     }
 
-    /// Bytes that are taken by what eyes see, kept by tile: see [`ServerOptions::memory`].
-    pub fn kept_bytes(&self) -> usize {
-        self.world.sights.bytes()
-    }
-
     /// Lets a tile block sight, or not, from the next tick on: a door, a tree that falls. All that
     /// was found is forgotten if it changed, which costs the next tick some microseconds for each
     /// tile that an eye may be in.

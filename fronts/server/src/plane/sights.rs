@@ -120,11 +120,6 @@ impl Sights {
         self.kept.get(key).map(|(_, window)| window)
     }
 
-    /// Bytes that all takes.
-    pub(crate) fn bytes(&self) -> usize {
-        self.bytes
-    }
-
     /// Forgets all.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
