@@ -135,10 +135,7 @@ impl casca_plane_shape {
             CASCA_PLANE_SEGMENT => Segment::new(a, b).into(),
             CASCA_PLANE_POLYGON => ConvexPolygon::new(&self.points()?)?.into(),
             CASCA_PLANE_POLYLINE => Polyline::new(&self.points()?)?.into(),
-            other => {
-                let why = format!("casca_plane_shape.kind is {other}, which names no kind");
-                return Err(Failure::argument(why));
-            }
+            other => return Err(Failure::unknown("casca_plane_shape.kind", other)),
         }))
     }
 

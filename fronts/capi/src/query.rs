@@ -113,14 +113,6 @@ impl Camera {
         }
     }
 
-    /// Keeps the ids of the last result.
-    fn note(&mut self, state: &SceneState) {
-        let mut found = std::mem::take(&mut self.found);
-        found.clear();
-        found.extend(state.ids(self.pvs().iter()));
-        self.found = found;
-    }
-
     pub(crate) fn sight(&self, state: &SceneState) -> Result<Sight<'_>, Failure> {
         let sight = match &self.way {
             Way::Fresh(query) => CameraQuery::sight(&**query, &state.scene),
@@ -144,10 +136,7 @@ fn point_options(options: &casca_query_options) -> Result<PointOptions, Failure>
         CASCA_PRESET_BALANCED => PointOptions::balanced(),
         CASCA_PRESET_FAST => PointOptions::fast(),
         CASCA_PRESET_TIGHT => PointOptions::tight(),
-        other => {
-            let why = format!("casca_query_options.preset is {other}, which names no preset");
-            return Err(Failure::argument(why));
-        }
+        other => return Err(Failure::unknown("casca_query_options.preset", other)),
     };
     if options.pixel_degrees != 0.0 {
         point = point.pixel_degrees(options.pixel_degrees);
@@ -172,10 +161,7 @@ fn make(options: &casca_query_options) -> Result<Way, Failure> {
             Method::Cell(cell.min_solid_angle(options.min_solid_angle))
         }
         CASCA_METHOD_FRUSTUM => Method::Frustum,
-        other => {
-            let why = format!("casca_query_options.method is {other}, which names no method");
-            return Err(Failure::argument(why));
-        }
+        other => return Err(Failure::unknown("casca_query_options.method", other)),
     };
     let Method::Point(point) = method else {
         return Ok(Way::Fresh(Box::new(Query::with_method(method)?)));
@@ -246,12 +232,14 @@ pub unsafe extern "C" fn casca_query_run(
         let view = view::read(view)?;
         let state = SCENES.shared(scene.handle)?;
         let mut camera = QUERIES.exclusive(query.handle)?;
-        match &mut camera.way {
-            Way::Fresh(query) => _ = query.run(&state.scene, &view),
-            Way::Kept(query) => _ = query.run(&state.scene, &view),
-        }
-        camera.note(&state);
-        out.set(camera.found.len());
+        let Camera { way, found } = &mut *camera;
+        let pvs = match way {
+            Way::Fresh(query) => query.run(&state.scene, &view),
+            Way::Kept(query) => query.run(&state.scene, &view),
+        };
+        found.clear();
+        found.extend(state.ids(pvs.iter()));
+        out.set(found.len());
         Ok(())
     })
 }

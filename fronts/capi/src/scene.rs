@@ -124,7 +124,7 @@ fn read_occluder(occluder: *const casca_shape) -> Result<Option<Occluder>, Failu
     if occluder.is_null() {
         return Ok(None);
     }
-    shape::read_shape(occluder, "occluder")?.occluder()
+    border::array(occluder, "occluder")?.occluder()
 }
 
 /// Makes an empty scene on a grid. Free it by casca_scene_free.
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn casca_scene_update(
     occluder: *const casca_shape,
 ) -> casca_status {
     call(|| {
-        let bounds = shape::read_shape(bounds, "bounds")?.bounds()?;
+        let bounds = border::array(bounds, "bounds")?.bounds()?;
         let occluder = read_occluder(occluder)?;
         edit(scene, id, |scene, id| scene.update(id, bounds, occluder))
     })
@@ -229,7 +229,7 @@ pub unsafe extern "C" fn casca_scene_set_bounds(
     bounds: *const casca_shape,
 ) -> casca_status {
     call(|| {
-        let bounds = shape::read_shape(bounds, "bounds")?.bounds()?;
+        let bounds = border::array(bounds, "bounds")?.bounds()?;
         edit(scene, id, |scene, id| scene.set_bounds(id, bounds))
     })
 }

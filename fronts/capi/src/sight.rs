@@ -49,9 +49,7 @@ impl casca_light {
                 Light::point(Vec3::from_array(self.position), range)
             }
             CASCA_LIGHT_SPOT => Light::spot(view::read(self.view)?),
-            other => {
-                return Err(Failure::argument(format!("casca_light.kind is {other}, which names no kind")));
-            }
+            other => return Err(Failure::unknown("casca_light.kind", other)),
         };
         Ok(if self.layers == 0 { light } else { light.with_layers(self.layers) })
     }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use casca_scenes::world::Shape;
+use casca::Aabb;
 use serde_json::{Value, json};
 
 use crate::bots::Level;
@@ -24,11 +24,7 @@ impl Map {
             .objects
             .iter()
             .map(|object| {
-                let (min, max) = match &object.shape {
-                    Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
-                    Shape::Box { min, max } => (*min, *max),
-                    Shape::Mesh { mesh, transform } => mesh.bounds(transform),
-                };
+                let Aabb { min, max } = casca_bake::bounds_of(&object.shape);
                 [min.x, min.z, max.x, max.z, min.y, max.y]
             })
             .collect();
