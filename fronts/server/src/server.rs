@@ -296,18 +296,18 @@ impl<W: World> Server<W> {
         #[cfg(not(feature = "rayon"))]
         let in_turn = entities.iter();
         let places = |steps: u64| in_turn.clone().map(|(_, entity)| place(entity, steps)).collect();
-        let places: BTreeMap<u64, Vec<W::Place>> =
+        let places: BTreeMap<u64, Vec<W::Reached>> =
             times.into_iter().map(|steps| (steps, places(steps))).collect();
 
         let see = |client: &mut Client<W>| {
             let ((seconds, is_stale), reach) = (client.time_ahead(now, options), client.reach(now, options));
             let Client { desc, kept, answer, .. } = client;
-            let (id, mut sight) = (answer.client, world.look(&desc.eye, reach, kept));
+            let (id, mut look) = (answer.client, world.look(&desc.eye, reach, kept));
             let all = entities.iter().zip(places.get(&steps(seconds)).into_iter().flatten());
             let told = all.filter(|((entity, about), place)| {
                 about.desc.owner == Some(id)
                     || desc.team.is_some() && desc.team == about.side
-                    || W::may_see(&mut sight, entity.slot().index(), place)
+                    || W::may_see(&mut look, entity.slot().index(), place)
                     || hook((id, desc), (*entity, &about.desc))
             });
             let told = told.map(|((entity, _), _)| *entity).collect();

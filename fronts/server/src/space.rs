@@ -32,7 +32,7 @@ pub struct Space {
 
 /// Where an entity may be.
 #[derive(Debug)]
-pub struct Place {
+pub struct Reached {
     span: Span,
     /// The cells of the baked sets that it has points in, if all is known about them.
     cells: Option<CellBox>,
@@ -48,7 +48,7 @@ pub struct Kept {
 
 /// What an eye may see.
 #[derive(Debug)]
-pub struct Sight<'a> {
+pub struct Look<'a> {
     walls: &'a Walls,
     baked: Option<Baked<'a>>,
     eyes: Eyes,
@@ -128,8 +128,8 @@ impl World for Space {
     type Eye = Vec3;
     type Bounds = Aabb;
     type Kept = Kept;
-    type Place = Place;
-    type Sight<'a> = Sight<'a>;
+    type Reached = Reached;
+    type Look<'a> = Look<'a>;
 
     fn check_eye(&self, eye: &Vec3) -> Result<(), ServerError> {
         check_place("the eye of a client", *eye)
@@ -158,27 +158,27 @@ impl World for Space {
     }
 
     /// The part that it can get to of a box around all places within reach.
-    fn place(&self, bounds: &Aabb, reach: f64) -> Place {
+    fn place(&self, bounds: &Aabb, reach: f64) -> Reached {
         let span = self.walls.reached(&span_of(bounds), span_of(&grown(bounds, reach)));
-        Place { span, cells: self.sets().and_then(|sets| cells_of(&sets, &span)) }
+        Reached { span, cells: self.sets().and_then(|sets| cells_of(&sets, &span)) }
     }
 
-    fn look<'a>(&'a self, eye: &Vec3, reach: f64, kept: &'a mut Kept) -> Sight<'a> {
+    fn look<'a>(&'a self, eye: &Vec3, reach: f64, kept: &'a mut Kept) -> Look<'a> {
         let center = eye.as_dvec3();
         let span = Span { min: center - reach, max: center + reach };
         let span = self.walls.reached(&Span { min: center, max: center }, span);
         let baked = self.sets();
         kept.seen_cells.follow(baked.as_ref(), &span);
-        Sight { walls: &self.walls, baked, eyes: Eyes::new(center, reach, span), kept }
+        Look { walls: &self.walls, baked, eyes: Eyes::new(center, reach, span), kept }
     }
 
-    fn may_see(sight: &mut Sight<'_>, slot: usize, place: &Place) -> bool {
-        let Kept { hints, seen_cells } = &mut *sight.kept;
+    fn may_see(look: &mut Look<'_>, slot: usize, place: &Reached) -> bool {
+        let Kept { hints, seen_cells } = &mut *look.kept;
         if hints.len() <= slot {
             hints.resize(slot + 1, 0);
         }
-        sight.baked.is_none_or(|sets| seen_cells.may_see(&sets, place.cells))
-            && !sight.walls.hide(&sight.eyes, &place.span, 0.0, &mut hints[slot])
+        look.baked.is_none_or(|sets| seen_cells.may_see(&sets, place.cells))
+            && !look.walls.hide(&look.eyes, &place.span, 0.0, &mut hints[slot])
     }
 }
 

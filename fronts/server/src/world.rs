@@ -15,9 +15,9 @@ pub trait World: Debug + Sync {
     /// What is kept about the eye of a client from tick to tick.
     type Kept: Debug + Default + Send + 'static;
     /// Where an entity may be.
-    type Place: Send + Sync;
+    type Reached: Send + Sync;
     /// What a client may see.
-    type Sight<'a>
+    type Look<'a>
     where
         Self: 'a;
 
@@ -40,11 +40,11 @@ pub trait World: Debug + Sync {
     ) -> Result<(), ServerError>;
 
     /// Where an entity may be that went `reach` at most.
-    fn place(&self, bounds: &Self::Bounds, reach: f64) -> Self::Place;
+    fn place(&self, bounds: &Self::Bounds, reach: f64) -> Self::Reached;
 
     /// What eyes see that went `reach` at most.
-    fn look<'a>(&'a self, eye: &Self::Eye, reach: f64, kept: &'a mut Self::Kept) -> Self::Sight<'a>;
+    fn look<'a>(&'a self, eye: &Self::Eye, reach: f64, kept: &'a mut Self::Kept) -> Self::Look<'a>;
 
     /// Whether one of these eyes may see a point of an entity, by its slot and place; in doubt, yes.
-    fn may_see(sight: &mut Self::Sight<'_>, slot: usize, place: &Self::Place) -> bool;
+    fn may_see(look: &mut Self::Look<'_>, slot: usize, place: &Self::Reached) -> bool;
 }

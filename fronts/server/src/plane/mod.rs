@@ -163,9 +163,9 @@ impl World for Tiles {
     /// Where the eye may be; `None` if in too many tiles.
     type Kept = Option<Vec<Key>>;
     /// Where an entity may be; `None` if in too many tiles.
-    type Place = Option<Vec<Tile>>;
+    type Reached = Option<Vec<Tile>>;
     /// What all eyes see together; `None` if they may see all.
-    type Sight<'a> = Option<Window>;
+    type Look<'a> = Option<Window>;
 
     fn check_eye(&self, eye: &Vec2) -> Result<(), ServerError> {
         self.check("the eye of a client", *eye)
@@ -197,19 +197,19 @@ impl World for Tiles {
         self.sights.find(&self.map, &all, tick, options.memory)
     }
 
-    fn place(&self, bounds: &Square, reach: f64) -> Self::Place {
+    fn place(&self, bounds: &Square, reach: f64) -> Self::Reached {
         self.ground().taken(bounds.center, bounds.half, reach + MARGIN, MOST_TAKEN)
     }
 
-    fn look<'a>(&'a self, _: &Vec2, _: f64, kept: &'a mut Self::Kept) -> Self::Sight<'a> {
+    fn look<'a>(&'a self, _: &Vec2, _: f64, kept: &'a mut Self::Kept) -> Self::Look<'a> {
         // Who may be in too many tiles sees all, and so does one whose view was not found.
         let windows: Vec<&Window> =
             kept.as_ref()?.iter().map(|key| self.sights.get(key)).collect::<Option<_>>()?;
         Some(Window::union(&windows))
     }
 
-    fn may_see(sight: &mut Self::Sight<'_>, _: usize, place: &Self::Place) -> bool {
-        let (Some(seen), Some(tiles)) = (sight, place) else { return true };
+    fn may_see(look: &mut Self::Look<'_>, _: usize, place: &Self::Reached) -> bool {
+        let (Some(seen), Some(tiles)) = (look, place) else { return true };
         tiles.iter().any(|tile| seen.has(*tile))
     }
 }
