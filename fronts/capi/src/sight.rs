@@ -75,7 +75,8 @@ fn ask<T: border::Plain>(
 /// surely hidden, 1 may be seen. A box that is inverted or not finite may be seen.
 ///
 /// Occluders count as long as nothing moved since the run, for CASCA_METHOD_POINT; else only the
-/// frustum does. Errors: a query that did not run on this scene. Costs a test in the buffers of the run for each box.
+/// frustum does. Errors: a query that did not run on this scene. Costs a comparison with the
+/// occlusion buffers for each box.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_query_may_see_boxes(
     query: casca_query,

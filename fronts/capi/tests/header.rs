@@ -1,6 +1,6 @@
-//! The header is what the sources say, and `symbols.txt` lists its functions, so that none vanishes:
-//! `CASCA_HEADER=write cargo test -p casca-capi --test header` makes the header anew, and adds new
-//! functions to the list. `unsafe` stands in the one room that it belongs to.
+//! The header is what the sources say, and `symbols.txt` lists its functions, so that none
+//! vanishes: `CASCA_HEADER=write cargo test -p casca-capi --test header` makes the header anew, and
+//! adds new functions to the list. `unsafe` stands in the one room that it belongs to.
 
 use std::collections::BTreeSet;
 use std::fs;

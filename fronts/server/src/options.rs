@@ -24,8 +24,8 @@ pub struct ServerOptions {
     pub walls: bool,
     /// On a map, a client whose eye may be in more tiles than that is told of all. Default: 256.
     pub most_tiles: usize,
-    /// On a map, bytes of fields of view that are kept from tick to tick. Those of one tick are kept
-    /// in any case. Default: 64 MiB.
+    /// On a map, bytes of fields of view that are kept from tick to tick. Those of one tick are
+    /// kept in any case. Default: 64 MiB.
     pub memory: usize,
     /// Whether clients of a team are told of what any of them is told of. Default: false.
     pub teams_share: bool,

@@ -181,8 +181,8 @@ impl<W: World> Server<W> {
     /// Moves an entity: at the time `now` it is in `bounds`.
     ///
     /// # Errors
-    /// Refuses an id that names no entity of this server, bounds as [`Server::add_entity`] does, and
-    /// a time before that of the last move.
+    /// Refuses an id that names no entity of this server, bounds as [`Server::add_entity`] does,
+    /// and a time before that of the last move.
     pub fn move_entity(&mut self, id: EntityId, bounds: W::Bounds, now: f64) -> Result<(), ServerError> {
         self.world.check_bounds(&bounds)?;
         let entity = self.entity_mut(id)?;
@@ -256,8 +256,8 @@ impl<W: World> Server<W> {
         self.tick_with(now, |_, _| false)
     }
 
-    /// As [`Server::tick`], where a client is also told of the entities for which `hook` is true: of
-    /// those that it hears, for example. It is asked by several threads, in any order.
+    /// As [`Server::tick`], where a client is also told of the entities for which `hook` is true:
+    /// of those that it hears, for example. It is asked by several threads, in any order.
     ///
     /// # Errors
     /// As [`Server::tick`].

@@ -45,6 +45,7 @@ pub trait World: Debug + Sync {
     /// What eyes see that went `reach` at most.
     fn look<'a>(&'a self, eye: &Self::Eye, reach: f64, kept: &'a mut Self::Kept) -> Self::Look<'a>;
 
-    /// Whether one of these eyes may see a point of an entity, by its slot and place; in doubt, yes.
+    /// Whether one of these eyes may see a point of an entity, by its slot and where it may be; in
+    /// doubt, yes.
     fn may_see(look: &mut Self::Look<'_>, slot: usize, place: &Self::Reached) -> bool;
 }
