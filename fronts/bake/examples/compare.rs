@@ -1,16 +1,16 @@
 //! Sets of cells beside exact visibility and beside bakes by samples, as engines make them.
 //!
-//! `cargo run --release -p casca-bake --features charts --example compare -- SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]`
+//! `cargo run --release -p casca-bake --features charts --example compare -- --help`
 //!
-//! From EYES random eyes in each of CELLS cells, six pictures are cast, and rays at each object that no
-//! eye saw yet. A bake by samples has the objects in the pictures of its first eyes. Seconds are those of
+//! From random eyes in each cell, six pictures are cast, and rays at each object that no eye saw
+//! yet. A bake by samples has the objects in the pictures of its first eyes. Seconds are those of
 //! one thread's clock.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use casca_bake::{Finder, Level, Places, eyes_of};
+use casca_bake::{Finder, Level, Places, bounds_of, eyes_of};
 use casca_scenes::generated::SceneOptions;
 use casca_scenes::measure::ThreadTime;
 use casca_scenes::name::SceneName;
@@ -19,6 +19,7 @@ use casca_scenes::world::{Camera, Motion, Object, Shape};
 use casca_tools::pictures::palette::{POINT, RAYS};
 use casca_tools::pictures::{Axis, Line, lines};
 use casca_truth::oracle::{Oracle, OracleOptions, Seen};
+use clap::Parser;
 use glam::Vec3;
 use rand::RngExt;
 
@@ -44,11 +45,28 @@ fn in_solid(objects: &[Object], place: Vec3) -> bool {
     objects.iter().filter(|o| o.occludes).any(|object| match &object.shape {
         Shape::Sphere { center, radius } => center.distance(place) <= *radius + CLEAR,
         Shape::Box { min, max } => place.cmpge(min - CLEAR).all() && place.cmple(max + CLEAR).all(),
-        Shape::Mesh { mesh, transform } => {
-            let (min, max) = mesh.bounds(transform);
-            mesh.triangles.len() == 12 && mesh.is_closed() && place.cmpge(min).all() && place.cmple(max).all()
+        Shape::Mesh { mesh, .. } => {
+            mesh.triangles.len() == 12 && mesh.is_closed() && bounds_of(&object.shape).contains(place)
         }
     })
+}
+
+#[derive(Parser)]
+struct Arguments {
+    /// A generated scene or a glTF file.
+    scene: String,
+    /// The edge of a cell, in metres.
+    cell: f32,
+    /// The least and the greatest height of an eye over the floor, as 0.2:2.0.
+    height: String,
+    /// How many cells are looked at.
+    cells: usize,
+    /// Eyes in each.
+    eyes: usize,
+    /// The chart.
+    out: PathBuf,
+    /// Most queries a cell, of each bake by casca.
+    queries: Vec<u32>,
 }
 
 struct Tally {
@@ -65,13 +83,9 @@ fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
 }
 
 fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [scene, cell, height, cells, eyes, out, queries @ ..] = &arguments[..] else {
-        return Err("SCENE CELL LEAST:MOST CELLS EYES OUT.svg [QUERIES ...]".into());
-    };
+    let Arguments { scene, cell, height, cells: count, eyes, out, queries } = Arguments::parse();
     let (least, most) = height.split_once(':').ok_or("heights as 0.2:2.0")?;
-    let places = Places { edge: cell.parse()?, height: Some((least.parse()?, most.parse()?)), within: None };
-    let (count, eyes): (usize, usize) = (cells.parse()?, eyes.parse()?);
+    let places = Places { edge: cell, height: Some((least.parse()?, most.parse()?)), within: None };
     let mut world = scene.parse::<SceneName>()?.open(&SceneOptions::default())?;
     let path: Vec<Vec3> = (0..world.frames).map(|frame| world.camera(frame, 1.0).eye).collect();
     let is_static = |object: &Object| object.motion == Motion::Static;
@@ -95,7 +109,6 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     chosen.extend(spread(others, count - chosen.len()));
     println!("{} of {} cells looked at", chosen.len(), all.len());
 
-    let queries: Vec<u32> = queries.iter().map(|q| q.parse()).collect::<Result<_, _>>()?;
     let mut tallies: Vec<Tally> = Vec::new();
     let mut sets: Vec<Vec<Vec<u32>>> = Vec::new();
     for &most in &queries {
@@ -198,7 +211,7 @@ fn compare() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let title =
         format!("{scene}: casca's sets lose nothing and shrink with time; those by samples lose objects");
     lines(
-        Path::new(out),
+        &out,
         &title,
         &format!(
             "cells of {cell} m, {} of them, {eyes} eyes each; below 1 visible objects are missing",

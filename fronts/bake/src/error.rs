@@ -45,25 +45,23 @@ pub enum BakeError {
         "{} was begun with another level or other options: delete it to begin anew", .0.display()
     )]
     OtherJournal(PathBuf),
-    /// A file of sets is damaged or of another version.
+    /// A file cannot be used.
     #[error("{}: {why}", path.display())]
-    Read {
+    Of {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
-        why: casca_baked::ReadError,
+        /// Why not.
+        why: Box<BakeError>,
     },
-    /// Files of parts are not of one bake.
-    #[error("{} has other cells, objects or kinds of sets than the first file", .0.display())]
-    OtherBake(PathBuf),
-    /// Two files have different sets for a cell.
-    #[error("{} has another set for cell {cell} than a file before it", path.display())]
-    Differs {
-        /// The second file.
-        path: PathBuf,
-        /// The cell.
-        cell: u32,
-    },
+    /// The bytes of a file of sets are damaged or of another version.
+    #[error(transparent)]
+    Read(#[from] casca_baked::ReadError),
+    /// A part is of another bake than those before it.
+    #[error("the part has other cells, objects or kinds of sets than those before it")]
+    OtherBake,
+    /// A cell has two sets.
+    #[error("the part has another set for cell {0} than one before it")]
+    Differs(u32),
     /// The sets make no file.
     #[error("the sets cannot be stored: {0}")]
     Write(#[from] casca_baked::WriteError),
@@ -81,5 +79,9 @@ impl BakeError {
         path: &'a std::path::Path,
     ) -> impl FnOnce(std::io::Error) -> Self + use<'a> {
         move |why| Self::File { act, path: path.to_owned(), why }
+    }
+
+    pub(crate) fn of(self, path: &std::path::Path) -> Self {
+        Self::Of { path: path.to_owned(), why: Box::new(self) }
     }
 }

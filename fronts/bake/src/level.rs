@@ -1,18 +1,16 @@
 //! A level made ready for baking.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use casca::glam::{DVec3, Vec3};
-use casca::{Aabb, Error, Facing, MeshOptions, ObjectDesc, ObjectId, Scene, TriMesh};
+use casca::{Aabb, Error, ObjectDesc, ObjectId, Scene};
 use casca_baked::Cells;
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
 
 use casca_walls::Walls;
 
-use crate::solids::{Boxes, groups};
-use crate::union;
+use crate::solids::solids_of;
 
 /// The static objects of a level, and the occluders among them.
 ///
@@ -38,7 +36,7 @@ pub struct Level {
 /// Narrower walls hide too little, in metres, even from parts of a cell.
 const LEAST_WALL: f32 = 0.1;
 
-/// Unions are given this number in the scene, which is none of an object.
+/// Objects that are not asked for have this number in the scene.
 const NOBODY: u64 = u64::MAX;
 
 impl Level {
@@ -74,23 +72,8 @@ impl Level {
         for (id, (&number, object)) in ids.into_iter().zip(numbers.iter().zip(&objects)) {
             scene.set_user_data(id, if object.tested { number as u64 } else { NOBODY })?;
         }
-        let boxes = Boxes::of(&objects);
-        let closed = [&boxes.solid[..], &boxes.of_meshes].concat();
         let walls = Walls::of(&scene, LEAST_WALL, |_| false);
-        // Their faces are walls already.
-        let outsides = [&closed[..], &boxes.from_outside].concat();
-        // What hides from outside only joins walls that do so.
-        let outsides = if boxes.from_outside.is_empty() { Vec::new() } else { groups(&outsides) };
-        let walls_of = groups(&closed).into_iter().map(|group| (group, Facing::Both));
-        for (group, facing) in walls_of.chain(outsides.into_iter().map(|group| (group, Facing::Front))) {
-            let (positions, triangles) = union::surface(&group);
-            let how = MeshOptions::default().facing(facing);
-            let mesh =
-                TriMesh::prepare(positions, triangles, &how, &mut |_| std::ops::ControlFlow::Continue(()));
-            let mesh = Arc::new(mesh?);
-            scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh).user_data(NOBODY))?;
-        }
-        let mut solids = if solid { [closed, boxes.from_outside].concat() } else { boxes.solid };
+        let mut solids = solids_of(&objects, solid);
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
         let room = Aabb::new(hint.min, hint.max);
@@ -171,7 +154,7 @@ impl Level {
 }
 
 /// The box around a shape.
-fn bounds_of(shape: &Shape) -> Aabb {
+pub fn bounds_of(shape: &Shape) -> Aabb {
     match shape {
         Shape::Sphere { center, radius } => Aabb::new(center - *radius, center + *radius),
         Shape::Box { min, max } => Aabb::new(*min, *max),

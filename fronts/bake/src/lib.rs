@@ -10,12 +10,11 @@ mod merge;
 mod part;
 mod places;
 mod solids;
-mod union;
 
 pub use baker::{Baker, Progress, journal_of, write_whole};
-pub use casca_baked::{Baked, Cells, Writer};
+pub use casca_baked::{Baked, Cells, ReadError, Writer};
 pub use error::BakeError;
 pub use find::Finder;
-pub use level::{Level, eyes_of};
-pub use merge::{Merger, PartError, merge};
+pub use level::{Level, bounds_of, eyes_of};
+pub use merge::{Merger, merge};
 pub use places::Places;

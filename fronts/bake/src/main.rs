@@ -156,7 +156,8 @@ impl Bake {
 fn show(file: &Path, at: Option<[f64; 3]>) -> Result<(), BakeError> {
     let read = |why| BakeError::File { act: "read", path: file.to_owned(), why };
     let bytes = std::fs::read(file).map_err(read)?;
-    let baked = Baked::read(&bytes).map_err(|why| BakeError::Read { path: file.to_owned(), why })?;
+    let of = |why: casca_bake::ReadError| BakeError::Of { path: file.to_owned(), why: Box::new(why.into()) };
+    let baked = Baked::read(&bytes).map_err(of)?;
     if let Some(at) = at {
         match baked.set_at(at) {
             None => println!(

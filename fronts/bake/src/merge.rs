@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use casca_baked::{Baked, Cells, WriteError, Writer};
+use casca_baked::{Baked, Cells, Writer};
 
 use crate::error::BakeError;
 
@@ -14,38 +14,23 @@ pub struct Merger {
     writer: Option<(Writer, (Cells, u32, bool, u32))>,
 }
 
-/// Why the sets of a part do not go with those before it.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PartError {
-    /// It is of another bake.
-    #[error("the part has other cells, objects or kinds of sets than those before it")]
-    OtherBake,
-    /// A cell has two sets.
-    #[error("the part has another set for cell {0} than one before it")]
-    Differs(u32),
-    /// The sets make no file.
-    #[error("the sets cannot be stored: {0}")]
-    Write(#[from] WriteError),
-}
-
 impl Merger {
     /// Takes the sets of a part.
     ///
     /// # Errors
     /// The part is of another bake, or has another set for a cell; nothing of it is taken then.
-    pub fn put(&mut self, part: &Baked) -> Result<(), PartError> {
+    pub fn put(&mut self, part: &Baked) -> Result<(), BakeError> {
         let cells = *part.cells();
         let bake = (cells, part.objects(), part.is_cell_to_cell(), part.targets());
         if self.writer.as_ref().is_some_and(|(_, of)| *of != bake) {
-            return Err(PartError::OtherBake);
+            return Err(BakeError::OtherBake);
         }
         let numbers = 0..cells.dims.iter().product();
         let mut new = Writer::like(part)?;
         for (cell, set) in numbers.clone().filter_map(|cell| Some((cell, part.set(cell)?))) {
             let there = self.writer.as_ref().and_then(|(writer, _)| writer.get(cell));
             if there.is_some_and(|there| !set.iter().eq(there.iter().copied())) {
-                return Err(PartError::Differs(cell));
+                return Err(BakeError::Differs(cell));
             }
             new.put(cell, &set.iter().collect::<Vec<_>>())?;
         }
@@ -89,12 +74,8 @@ pub fn merge(files: &[impl AsRef<Path>]) -> Result<Vec<u8>, BakeError> {
     let mut all = Merger::default();
     for path in files.iter().map(AsRef::as_ref) {
         let bytes = std::fs::read(path).map_err(BakeError::file("read", path))?;
-        let baked = Baked::read(&bytes).map_err(|why| BakeError::Read { path: path.to_owned(), why })?;
-        all.put(&baked).map_err(|why| match why {
-            PartError::OtherBake => BakeError::OtherBake(path.to_owned()),
-            PartError::Differs(cell) => BakeError::Differs { path: path.to_owned(), cell },
-            PartError::Write(why) => why.into(),
-        })?;
+        let put = Baked::read(&bytes).map_err(BakeError::from).and_then(|part| all.put(&part));
+        put.map_err(|why| why.of(path))?;
     }
     all.finish()
 }
@@ -117,7 +98,7 @@ mod tests {
         let mut all = Merger::default();
         all.put(&Baked::read(&first).unwrap()).unwrap();
         let refused = all.put(&Baked::read(&other).unwrap());
-        assert!(matches!(refused, Err(PartError::Differs(3))), "{refused:?}");
+        assert!(matches!(refused, Err(BakeError::Differs(3))), "{refused:?}");
         assert_eq!((all.len(), all.finish().unwrap()), (2, first));
     }
 }

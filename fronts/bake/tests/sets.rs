@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use casca::Aabb;
-use casca_bake::{BakeError, Baker, Cells, Finder, Level, Places, eyes_of};
+use casca_bake::{BakeError, Baker, Cells, Finder, Level, Places, bounds_of, eyes_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::random::{Generator, generator};
 use casca_scenes::world::{GridHint, Mesh, Motion, Object, Shape, Sides, World};
@@ -51,11 +51,8 @@ fn in_solid(objects: &[Object], place: Vec3) -> bool {
     objects.iter().filter(|o| o.occludes).any(|object| match &object.shape {
         Shape::Sphere { center, radius } => center.distance(place) <= *radius * (1.0 + CLEAR),
         Shape::Box { min, max } => place.cmpge(min - CLEAR).all() && place.cmple(max + CLEAR).all(),
-        Shape::Mesh { mesh, transform } => {
-            let (min, max) = mesh.bounds(transform);
-            // Last, because it is a pass over all edges.
-            place.cmpge(min).all() && place.cmple(max).all() && mesh.is_closed()
-        }
+        // Last, because it is a pass over all edges.
+        Shape::Mesh { mesh, .. } => bounds_of(&object.shape).contains(place) && mesh.is_closed(),
     })
 }
 

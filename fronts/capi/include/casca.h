@@ -867,7 +867,8 @@ casca_status casca_scene_end_frame(casca_scene scene,
 /// surely hidden, 1 may be seen. A box that is inverted or not finite may be seen.
 ///
 /// Occluders count as long as nothing moved since the run, for CASCA_METHOD_POINT; else only the
-/// frustum does. Errors: a query that did not run on this scene. Costs about 90 ns a box.
+/// frustum does. Errors: a query that did not run on this scene. Costs a comparison with the
+/// occlusion buffers for each box.
 casca_status casca_query_may_see_boxes(casca_query query,
                                        casca_scene scene,
                                        const float *boxes,

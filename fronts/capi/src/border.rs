@@ -7,7 +7,7 @@
 
 use std::mem::MaybeUninit;
 
-use crate::error::{Failure, casca_status};
+use crate::error::{Failure, call, casca_status};
 
 /// Types of which every sequence of bits is a value.
 ///
@@ -211,10 +211,39 @@ impl<T: Copy> Out<T> {
         Ok(Self(to))
     }
 
-    pub(crate) fn set(&self, value: T) {
-        // SAFETY: it was checked for null and alignment, and leads to room for one value.
-        unsafe { self.0.write(value) }
+    /// The same for a result that the caller may not want.
+    pub(crate) fn or_null(to: *mut T, what: &str) -> Result<Self, Failure> {
+        if to.is_null() { Ok(Self(to)) } else { Self::new(to, what) }
     }
+
+    pub(crate) fn set(&self, value: T) {
+        if !self.0.is_null() {
+            // SAFETY: it was checked for alignment, and leads to room for one value.
+            unsafe { self.0.write(value) }
+        }
+    }
+}
+
+/// Runs the body of an exported function that gives one result.
+pub(crate) fn give<T: Copy>(
+    to: *mut T,
+    what: &str,
+    body: impl FnOnce() -> Result<T, Failure>,
+) -> casca_status {
+    call(|| {
+        let out = Out::new(to, what)?;
+        out.set(body()?);
+        Ok(())
+    })
+}
+
+/// The same for a struct, whose field `size` stays the caller's.
+pub(crate) fn give_struct<T: Sized>(to: *mut T, body: impl FnOnce() -> Result<T, Failure>) -> casca_status {
+    call(|| {
+        let out = OutStruct::new(to)?;
+        out.set(&body()?);
+        Ok(())
+    })
 }
 
 /// Room for many results, and for their number.

@@ -65,7 +65,13 @@ impl Failure {
         Self::new(casca_status::CASCA_ERROR_INVALID_ARGUMENT, message)
     }
 
-    /// The same, with the place in a span where it stands.
+    /// A field whose number stands for nothing.
+    pub(crate) fn unknown(field: &str, value: u32) -> Self {
+        let what = field.rsplit('.').next().unwrap_or(field);
+        Self::argument(format!("{field} is {value}, which names no {what}"))
+    }
+
+    /// A failure with the place in a span where it stands.
     pub(crate) fn at(mut self, index: usize) -> Self {
         self.message = format!("element {index}: {}", self.message);
         self

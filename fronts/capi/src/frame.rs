@@ -3,7 +3,7 @@
 use casca::glam::{Affine3A, Vec3};
 use casca::{Aabb, Bounds, Pvs, Sphere};
 
-use crate::border::{self, OutSpan, OutStruct, grows};
+use crate::border::{self, Out, OutSpan, OutStruct, grows};
 use crate::error::{Failure, call, casca_status};
 use crate::query::{Camera, QUERIES, casca_query};
 use crate::scene::{SCENES, SceneState, casca_scene, edit};
@@ -161,13 +161,11 @@ pub unsafe extern "C" fn casca_scene_begin_frame(
     due_count: *mut usize,
 ) -> casca_status {
     call(|| {
-        let out = if due_count.is_null() { None } else { Some(border::Out::new(due_count, "due_count")?) };
+        let out = Out::or_null(due_count, "due_count")?;
         let mut state = SCENES.exclusive(scene.handle)?;
         let due = state.scene.begin_frame(seconds)?;
         let due = state.ids(due.into_iter()).collect::<Vec<u64>>();
-        if let Some(out) = out {
-            out.set(due.len());
-        }
+        out.set(due.len());
         state.due = due;
         Ok(())
     })
@@ -182,10 +180,7 @@ pub unsafe extern "C" fn casca_scene_get_due(
     capacity: usize,
     count: *mut usize,
 ) -> casca_status {
-    call(|| {
-        let out = OutSpan::new(ids, capacity, count, "ids")?;
-        out.set(&SCENES.shared(scene.handle)?.due)
-    })
+    call(|| OutSpan::new(ids, capacity, count, "ids")?.set(&SCENES.shared(scene.handle)?.due))
 }
 
 /// Ends a frame with the queries of its cameras, and of lights whose casters you draw: moving

@@ -2,7 +2,7 @@
 
 use casca::{KeptJob, KeptResult};
 
-use crate::border::Out;
+use crate::border::{Out, give};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 use crate::query::{QUERIES, casca_query};
@@ -38,14 +38,12 @@ pub unsafe extern "C" fn casca_query_prepare(
     view: *const casca_view,
     job: *mut casca_job,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(job, "job")?;
+    give(job, "job", || {
         let view = view::read(view)?;
         let state = SCENES.shared(scene.handle)?;
         let mut camera = QUERIES.exclusive(query.handle)?;
         let made = camera.kept()?.prepare(&state.scene, &view);
-        out.set(casca_job { handle: JOBS.add(Job::Waiting(Box::new(made)))? });
-        Ok(())
+        Ok(casca_job { handle: JOBS.add(Job::Waiting(Box::new(made)))? })
     })
 }
 
@@ -81,7 +79,7 @@ pub unsafe extern "C" fn casca_query_install(
     is_taken: *mut bool,
 ) -> casca_status {
     call(|| {
-        let out = if is_taken.is_null() { None } else { Some(Out::new(is_taken, "is_taken")?) };
+        let out = Out::or_null(is_taken, "is_taken")?;
         let state = SCENES.shared(scene.handle)?;
         let mut camera = QUERIES.exclusive(query.handle)?;
         let kept = camera.kept()?;
@@ -92,9 +90,7 @@ pub unsafe extern "C" fn casca_query_install(
             return Err(Failure::argument("the job was run anew meanwhile"));
         };
         let taken = kept.install(*result, &state.scene);
-        if let Some(out) = out {
-            out.set(taken);
-        }
+        out.set(taken);
         Ok(())
     })
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use casca::glam::Vec3;
 use casca::{Convex, Facing, MeshOptions, TriMesh};
 
-use crate::border::{self, Out, OutSpan, OutStruct, grows};
+use crate::border::{self, OutSpan, give, give_struct, grows};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 
@@ -134,8 +134,7 @@ pub unsafe extern "C" fn casca_mesh_create(
     desc: *const casca_mesh_desc,
     mesh: *mut casca_mesh,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(mesh, "mesh")?;
+    give(mesh, "mesh", || {
         let desc = border::read(desc)?;
         let how = options(&desc)?;
         // Checked before memory is taken for them.
@@ -155,8 +154,7 @@ pub unsafe extern "C" fn casca_mesh_create(
             _ => ControlFlow::Continue(()),
         };
         let made = TriMesh::prepare(positions, triangles, &how, &mut progress)?;
-        out.set(casca_mesh { handle: MESHES.add(Arc::new(made))? });
-        Ok(())
+        Ok(casca_mesh { handle: MESHES.add(Arc::new(made))? })
     })
 }
 
@@ -169,10 +167,9 @@ pub extern "C" fn casca_mesh_free(mesh: casca_mesh) -> casca_status {
 /// What is known of a mesh. Costs a few sums.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_mesh_get_info(mesh: casca_mesh, info: *mut casca_mesh_info) -> casca_status {
-    call(|| {
-        let out = OutStruct::new(info)?;
+    give_struct(info, || {
         let mesh = MESHES.shared(mesh.handle)?;
-        out.set(&casca_mesh_info {
+        Ok(casca_mesh_info {
             size: 0,
             triangles: mesh.triangles().len(),
             positions: mesh.positions().len(),
@@ -181,8 +178,7 @@ pub unsafe extern "C" fn casca_mesh_get_info(mesh: casca_mesh, info: *mut casca_
             occludes: mesh.occludes().into(),
             min: mesh.aabb().min.to_array(),
             max: mesh.aabb().max.to_array(),
-        });
-        Ok(())
+        })
     })
 }
 
@@ -217,11 +213,9 @@ pub unsafe extern "C" fn casca_mesh_load(
     count: usize,
     mesh: *mut casca_mesh,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(mesh, "mesh")?;
+    give(mesh, "mesh", || {
         let read = TriMesh::read(&mut border::span(bytes, count, "bytes")?)?;
-        out.set(casca_mesh { handle: MESHES.add(Arc::new(read))? });
-        Ok(())
+        Ok(casca_mesh { handle: MESHES.add(Arc::new(read))? })
     })
 }
 
@@ -233,12 +227,10 @@ pub unsafe extern "C" fn casca_solid_create(
     count: usize,
     solid: *mut casca_solid,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(solid, "solid")?;
+    give(solid, "solid", || {
         let at = border::span(points.cast::<[f32; 3]>(), count, "points")?;
         let made = Convex::from_points(&self::points(at))?;
-        out.set(casca_solid { handle: SOLIDS.add(Arc::new(made))? });
-        Ok(())
+        Ok(casca_solid { handle: SOLIDS.add(Arc::new(made))? })
     })
 }
 

@@ -5,7 +5,7 @@ use ::casca_plane::{
     ConvexPolygon, Disc, GridSpec, ObjectDesc, ObjectId, Polyline, Rect, Scene, Segment, Shape,
 };
 
-use crate::border::{self, Out, grows, plain};
+use crate::border::{self, give, grows, plain};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 use crate::scene::{salt, unknown};
@@ -135,10 +135,7 @@ impl casca_plane_shape {
             CASCA_PLANE_SEGMENT => Segment::new(a, b).into(),
             CASCA_PLANE_POLYGON => ConvexPolygon::new(&self.points()?)?.into(),
             CASCA_PLANE_POLYLINE => Polyline::new(&self.points()?)?.into(),
-            other => {
-                let why = format!("casca_plane_shape.kind is {other}, which names no kind");
-                return Err(Failure::argument(why));
-            }
+            other => return Err(Failure::unknown("casca_plane_shape.kind", other)),
         }))
     }
 
@@ -153,14 +150,12 @@ pub unsafe extern "C" fn casca_plane_create(
     grid: *const casca_plane_grid,
     plane: *mut casca_plane,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(plane, "plane")?;
+    give(plane, "plane", || {
         let grid = border::read(grid)?;
         let [min, max] = [grid.min, grid.max].map(Vec2::from_array);
         let scene = Scene::new(&GridSpec::covering(Rect::new(min, max), grid.cell)?)?;
         let state = PlaneState { scene, salt: salt(), names: Vec::new() };
-        out.set(casca_plane { handle: PLANES.add(state)? });
-        Ok(())
+        Ok(casca_plane { handle: PLANES.add(state)? })
     })
 }
 
@@ -177,8 +172,7 @@ pub unsafe extern "C" fn casca_plane_add(
     object: *const casca_plane_object,
     id: *mut u64,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(id, "id")?;
+    give(id, "id", || {
         let object = border::read(object)?;
         let mut desc = ObjectDesc::new(object.bounds.bounds()?);
         if let Some(occluder) = object.occluder.get()? {
@@ -186,8 +180,7 @@ pub unsafe extern "C" fn casca_plane_add(
         }
         let mut state = PLANES.exclusive(plane.handle)?;
         let added = state.scene.insert(desc.user_data(object.user_data))?;
-        out.set(state.name(added));
-        Ok(())
+        Ok(state.name(added))
     })
 }
 
@@ -201,10 +194,7 @@ pub unsafe extern "C" fn casca_plane_update(
 ) -> casca_status {
     call(|| {
         let bounds = border::array(bounds, "bounds")?.bounds()?;
-        let occluder = match occluder.is_null() {
-            true => None,
-            false => border::array(occluder, "occluder")?.get()?,
-        };
+        let occluder = if occluder.is_null() { None } else { border::array(occluder, "occluder")?.get()? };
         let mut state = PLANES.exclusive(plane.handle)?;
         let id = state.find(id)?;
         Ok(state.scene.update(id, bounds, occluder)?)
@@ -232,10 +222,8 @@ pub unsafe extern "C" fn casca_plane_get_user_data(
     id: u64,
     user_data: *mut u64,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(user_data, "user_data")?;
+    give(user_data, "user_data", || {
         let state = PLANES.shared(plane.handle)?;
-        out.set(state.scene.user_data(state.find(id)?)?);
-        Ok(())
+        Ok(state.scene.user_data(state.find(id)?)?)
     })
 }

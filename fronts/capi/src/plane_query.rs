@@ -3,7 +3,7 @@
 use ::casca_plane::glam::Vec2;
 use ::casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, Query, TilePoint, View};
 
-use crate::border::{self, Out, OutList, OutSpan, grows};
+use crate::border::{self, Out, OutList, OutSpan, give, grows};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 use crate::plane::{PLANES, casca_plane, casca_plane_shape};
@@ -45,11 +45,9 @@ pub(crate) struct Viewer {
 /// Makes a query in the plane, exact from its eye. Free it by casca_plane_query_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_plane_query_create(query: *mut casca_plane_query) -> casca_status {
-    call(|| {
-        let out = Out::new(query, "query")?;
+    give(query, "query", || {
         let viewer = Viewer { query: Query::new(), found: Vec::new() };
-        out.set(casca_plane_query { handle: PLANE_QUERIES.add(viewer)? });
-        Ok(())
+        Ok(casca_plane_query { handle: PLANE_QUERIES.add(viewer)? })
     })
 }
 
@@ -68,7 +66,7 @@ pub unsafe extern "C" fn casca_plane_query_run(
     count: *mut usize,
 ) -> casca_status {
     call(|| {
-        let out = if count.is_null() { None } else { Some(Out::new(count, "count")?) };
+        let out = Out::or_null(count, "count")?;
         let view = border::read(view)?;
         let [eye, direction] = [view.eye, view.direction].map(Vec2::from_array);
         let mut seen = match view.half_angle {
@@ -83,9 +81,7 @@ pub unsafe extern "C" fn casca_plane_query_run(
         let Viewer { query, found } = &mut *viewer;
         found.clear();
         found.extend(query.run(&state.scene, &seen).iter().filter_map(|object| state.id(object)));
-        if let Some(out) = out {
-            out.set(found.len());
-        }
+        out.set(found.len());
         Ok(())
     })
 }
@@ -98,10 +94,7 @@ pub unsafe extern "C" fn casca_plane_query_get_visible(
     capacity: usize,
     count: *mut usize,
 ) -> casca_status {
-    call(|| {
-        let out = OutSpan::new(ids, capacity, count, "ids")?;
-        out.set(&PLANE_QUERIES.shared(query.handle)?.found)
-    })
+    call(|| OutSpan::new(ids, capacity, count, "ids")?.set(&PLANE_QUERIES.shared(query.handle)?.found))
 }
 
 /// Whether the view of the last run sees each of count points of two floats: answers gets 1 or 0
@@ -129,12 +122,10 @@ pub unsafe extern "C" fn casca_plane_query_sees_shape(
     shape: *const casca_plane_shape,
     answer: *mut bool,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(answer, "answer")?;
+    give(answer, "answer", || {
         let shape = border::array(shape, "shape")?.get()?;
         let shape = shape.ok_or_else(|| Failure::argument("the shape must not be of the kind 0"))?;
-        out.set(PLANE_QUERIES.shared(query.handle)?.query.sees(shape)?);
-        Ok(())
+        Ok(PLANE_QUERIES.shared(query.handle)?.query.sees(shape)?)
     })
 }
 

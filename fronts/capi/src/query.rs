@@ -2,7 +2,7 @@
 
 use casca::{CameraQuery, CellOptions, KeptOptions, KeptQuery, Method, PointOptions, Pvs, Query, Sight};
 
-use crate::border::{self, Out, OutSpan, OutStruct, grows};
+use crate::border::{self, Out, OutSpan, give, give_struct, grows};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 use crate::scene::{SCENES, SceneState, casca_scene};
@@ -113,14 +113,6 @@ impl Camera {
         }
     }
 
-    /// Keeps the ids of the last result.
-    fn note(&mut self, state: &SceneState) {
-        let mut found = std::mem::take(&mut self.found);
-        found.clear();
-        found.extend(state.ids(self.pvs().iter()));
-        self.found = found;
-    }
-
     pub(crate) fn sight(&self, state: &SceneState) -> Result<Sight<'_>, Failure> {
         let sight = match &self.way {
             Way::Fresh(query) => CameraQuery::sight(&**query, &state.scene),
@@ -144,10 +136,7 @@ fn point_options(options: &casca_query_options) -> Result<PointOptions, Failure>
         CASCA_PRESET_BALANCED => PointOptions::balanced(),
         CASCA_PRESET_FAST => PointOptions::fast(),
         CASCA_PRESET_TIGHT => PointOptions::tight(),
-        other => {
-            let why = format!("casca_query_options.preset is {other}, which names no preset");
-            return Err(Failure::argument(why));
-        }
+        other => return Err(Failure::unknown("casca_query_options.preset", other)),
     };
     if options.pixel_degrees != 0.0 {
         point = point.pixel_degrees(options.pixel_degrees);
@@ -172,10 +161,7 @@ fn make(options: &casca_query_options) -> Result<Way, Failure> {
             Method::Cell(cell.min_solid_angle(options.min_solid_angle))
         }
         CASCA_METHOD_FRUSTUM => Method::Frustum,
-        other => {
-            let why = format!("casca_query_options.method is {other}, which names no method");
-            return Err(Failure::argument(why));
-        }
+        other => return Err(Failure::unknown("casca_query_options.method", other)),
     };
     let Method::Point(point) = method else {
         return Ok(Way::Fresh(Box::new(Query::with_method(method)?)));
@@ -204,11 +190,9 @@ pub unsafe extern "C" fn casca_query_create(
     options: *const casca_query_options,
     query: *mut casca_query,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(query, "query")?;
+    give(query, "query", || {
         let way = make(&border::read_or_default(options)?)?;
-        out.set(casca_query { handle: QUERIES.add(Camera { way, found: Vec::new() })? });
-        Ok(())
+        Ok(casca_query { handle: QUERIES.add(Camera { way, found: Vec::new() })? })
     })
 }
 
@@ -244,18 +228,18 @@ pub unsafe extern "C" fn casca_query_run(
     count: *mut usize,
 ) -> casca_status {
     call(|| {
-        let out = if count.is_null() { None } else { Some(Out::new(count, "count")?) };
+        let out = Out::or_null(count, "count")?;
         let view = view::read(view)?;
         let state = SCENES.shared(scene.handle)?;
         let mut camera = QUERIES.exclusive(query.handle)?;
-        match &mut camera.way {
-            Way::Fresh(query) => _ = query.run(&state.scene, &view),
-            Way::Kept(query) => _ = query.run(&state.scene, &view),
-        }
-        camera.note(&state);
-        if let Some(out) = out {
-            out.set(camera.found.len());
-        }
+        let Camera { way, found } = &mut *camera;
+        let pvs = match way {
+            Way::Fresh(query) => query.run(&state.scene, &view),
+            Way::Kept(query) => query.run(&state.scene, &view),
+        };
+        found.clear();
+        found.extend(state.ids(pvs.iter()));
+        out.set(found.len());
         Ok(())
     })
 }
@@ -270,10 +254,7 @@ pub unsafe extern "C" fn casca_query_get_visible(
     capacity: usize,
     count: *mut usize,
 ) -> casca_status {
-    call(|| {
-        let out = OutSpan::new(ids, capacity, count, "ids")?;
-        out.set(&QUERIES.shared(query.handle)?.found)
-    })
+    call(|| OutSpan::new(ids, capacity, count, "ids")?.set(&QUERIES.shared(query.handle)?.found))
 }
 
 /// Writes whether the last run found an object. Costs a look-up.
@@ -284,11 +265,9 @@ pub unsafe extern "C" fn casca_query_contains(
     id: u64,
     answer: *mut bool,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(answer, "answer")?;
+    give(answer, "answer", || {
         let (state, camera) = (SCENES.shared(scene.handle)?, QUERIES.shared(query.handle)?);
-        out.set(camera.pvs().contains(state.find(id)?));
-        Ok(())
+        Ok(camera.pvs().contains(state.find(id)?))
     })
 }
 
@@ -301,26 +280,23 @@ pub unsafe extern "C" fn casca_query_is_valid(
     view: *const casca_view,
     answer: *mut bool,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(answer, "answer")?;
+    give(answer, "answer", || {
         let view = view::read(view)?;
         let (state, camera) = (SCENES.shared(scene.handle)?, QUERIES.shared(query.handle)?);
-        out.set(camera.pvs().is_valid_for(&state.scene, &view));
-        Ok(())
+        Ok(camera.pvs().is_valid_for(&state.scene, &view))
     })
 }
 
 /// The work of the last run.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_query_get_stats(query: casca_query, stats: *mut casca_stats) -> casca_status {
-    call(|| {
-        let out = OutStruct::new(stats)?;
+    give_struct(stats, || {
         let camera = QUERIES.shared(query.handle)?;
         let (of_run, refreshes) = match &camera.way {
             Way::Fresh(query) => (*query.pvs().stats(), 0),
             Way::Kept(query) => (*query.pvs().stats(), query.refreshes()),
         };
-        out.set(&casca_stats {
+        Ok(casca_stats {
             size: 0,
             objects_tested: of_run.objects_tested.into(),
             occlusion_tests: of_run.occlusion_tests.into(),
@@ -329,7 +305,6 @@ pub unsafe extern "C" fn casca_query_get_stats(query: casca_query, stats: *mut c
             bricks_visited: of_run.bricks_visited,
             refreshes,
             eye_in_occluder: of_run.eye_in_occluder.into(),
-        });
-        Ok(())
+        })
     })
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use casca::glam::Vec3;
 use casca::{Aabb, GridSpec, ObjectId, Occluder, Scene};
 
-use crate::border::{self, Out, OutSpan, OutStruct, grows};
+use crate::border::{self, Out, OutSpan, give, give_struct, grows};
 use crate::error::{Failure, call, casca_status};
 use crate::handle::Registry;
 use crate::shape::{self, casca_object, casca_shape};
@@ -124,7 +124,7 @@ fn read_occluder(occluder: *const casca_shape) -> Result<Option<Occluder>, Failu
     if occluder.is_null() {
         return Ok(None);
     }
-    shape::read_shape(occluder, "occluder")?.occluder()
+    border::array(occluder, "occluder")?.occluder()
 }
 
 /// Makes an empty scene on a grid. Free it by casca_scene_free.
@@ -136,8 +136,7 @@ pub unsafe extern "C" fn casca_scene_create(
     grid: *const casca_grid,
     scene: *mut casca_scene,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(scene, "scene")?;
+    give(scene, "scene", || {
         let grid = border::read(grid)?;
         let [min, max] = [grid.min, grid.max].map(Vec3::from_array);
         let region = Aabb::new(min, max);
@@ -146,8 +145,7 @@ pub unsafe extern "C" fn casca_scene_create(
             cell => GridSpec::covering(region, cell)?,
         };
         let state = SceneState { scene: Scene::new(&spec)?, salt: salt(), due: Vec::new() };
-        out.set(casca_scene { handle: SCENES.add(state)? });
-        Ok(())
+        Ok(casca_scene { handle: SCENES.add(state)? })
     })
 }
 
@@ -169,13 +167,11 @@ pub unsafe extern "C" fn casca_scene_add(
     object: *const casca_object,
     id: *mut u64,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(id, "id")?;
+    give(id, "id", || {
         let object = shape::read_object(object)?;
         let mut state = SCENES.exclusive(scene.handle)?;
         let added = state.scene.insert(object)?;
-        out.set(state.id(added).unwrap_or_default());
-        Ok(())
+        Ok(state.id(added).unwrap_or_default())
     })
 }
 
@@ -218,7 +214,7 @@ pub unsafe extern "C" fn casca_scene_update(
     occluder: *const casca_shape,
 ) -> casca_status {
     call(|| {
-        let bounds = shape::read_shape(bounds, "bounds")?.bounds()?;
+        let bounds = border::array(bounds, "bounds")?.bounds()?;
         let occluder = read_occluder(occluder)?;
         edit(scene, id, |scene, id| scene.update(id, bounds, occluder))
     })
@@ -233,7 +229,7 @@ pub unsafe extern "C" fn casca_scene_set_bounds(
     bounds: *const casca_shape,
 ) -> casca_status {
     call(|| {
-        let bounds = shape::read_shape(bounds, "bounds")?.bounds()?;
+        let bounds = border::array(bounds, "bounds")?.bounds()?;
         edit(scene, id, |scene, id| scene.set_bounds(id, bounds))
     })
 }
@@ -265,11 +261,9 @@ pub unsafe extern "C" fn casca_scene_get_layers(
     id: u64,
     layers: *mut u64,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(layers, "layers")?;
+    give(layers, "layers", || {
         let state = SCENES.shared(scene.handle)?;
-        out.set(state.scene.layers(state.find(id)?)?);
-        Ok(())
+        Ok(state.scene.layers(state.find(id)?)?)
     })
 }
 
@@ -309,11 +303,7 @@ pub unsafe extern "C" fn casca_scene_contains(
     id: u64,
     answer: *mut bool,
 ) -> casca_status {
-    call(|| {
-        let out = Out::new(answer, "answer")?;
-        out.set(SCENES.shared(scene.handle)?.find(id).is_ok());
-        Ok(())
-    })
+    give(answer, "answer", || Ok(SCENES.shared(scene.handle)?.find(id).is_ok()))
 }
 
 /// The box around the bounds of an object in world units, rounded outwards: three floats each.
@@ -358,10 +348,9 @@ pub unsafe extern "C" fn casca_scene_get_memory(
     scene: casca_scene,
     memory: *mut casca_memory,
 ) -> casca_status {
-    call(|| {
-        let out = OutStruct::new(memory)?;
+    give_struct(memory, || {
         let used = SCENES.shared(scene.handle)?.scene.memory();
-        out.set(&casca_memory {
+        Ok(casca_memory {
             size: 0,
             opacity: used.opacity,
             ids: used.ids,
@@ -369,7 +358,6 @@ pub unsafe extern "C" fn casca_scene_get_memory(
             objects: used.objects,
             shapes: used.shapes,
             total: used.total(),
-        });
-        Ok(())
+        })
     })
 }

@@ -100,10 +100,6 @@ impl casca_shape {
         Obb::new(center, half, Quat::from_array(self.rotation))
     }
 
-    fn unknown(&self) -> Failure {
-        Failure::argument(format!("casca_shape.kind is {}, which names no kind", self.kind))
-    }
-
     /// The shape as bounds.
     pub(crate) fn bounds(&self) -> Result<Bounds, Failure> {
         match self.kind {
@@ -113,7 +109,7 @@ impl casca_shape {
             CASCA_SHAPE_MESH => Ok(MESHES.shared(self.mesh.handle)?.clone().into()),
             CASCA_SHAPE_SOLID => Err(Failure::argument("a solid serves as occluder, not as bounds")),
             CASCA_SHAPE_NONE => Err(Failure::argument("the bounds must be a shape, but the kind is 0")),
-            _ => Err(self.unknown()),
+            other => Err(Failure::unknown("casca_shape.kind", other)),
         }
     }
 
@@ -126,7 +122,7 @@ impl casca_shape {
             CASCA_SHAPE_TURNED_BOX => self.obb().into(),
             CASCA_SHAPE_SOLID => SOLIDS.shared(self.solid.handle)?.clone().into(),
             CASCA_SHAPE_MESH => MESHES.shared(self.mesh.handle)?.clone().into(),
-            _ => return Err(self.unknown()),
+            other => return Err(Failure::unknown("casca_shape.kind", other)),
         }))
     }
 }
@@ -156,9 +152,4 @@ pub(crate) fn read_object(object: *const casca_object) -> Result<ObjectDesc, Fai
         desc = desc.layers(object.layers);
     }
     Ok(desc.user_data(object.user_data))
-}
-
-/// Reads one shape; the caller's struct has no size of its own.
-pub(crate) fn read_shape(shape: *const casca_shape, what: &str) -> Result<casca_shape, Failure> {
-    border::array(shape, what)
 }

@@ -118,9 +118,7 @@ impl casca_view {
             CASCA_VIEW_OMNIDIRECTIONAL => View::omnidirectional(eye)?,
             CASCA_VIEW_PLANES => View::from_planes(eye, &self.half_spaces()?)?,
             CASCA_VIEW_CELL => View::of_cell(Aabb::new(eye, Vec3::from_array(self.cell_max)))?,
-            other => {
-                return Err(Failure::argument(format!("casca_view.kind is {other}, which names no kind")));
-            }
+            other => return Err(Failure::unknown("casca_view.kind", other)),
         };
         // A reach would take the place of the box.
         let view = match self.kind {

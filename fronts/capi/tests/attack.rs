@@ -6,6 +6,8 @@
 
 #[macro_use]
 mod common;
+#[path = "common/dice.rs"]
+mod dice;
 
 use std::sync::Arc;
 
@@ -15,25 +17,11 @@ use casca_c::*;
 use casca_scenes::world::{Camera, Mesh, Motion, Object, Shape};
 use casca_truth::oracle::{Oracle, OracleOptions};
 use casca_truth::places::coordinate;
+use dice::{Dice, variable};
 
 const SIZE: f32 = 16.0;
 
-/// Numbers from a seed.
-struct Dice(u64);
-
 impl Dice {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
-    }
-
     fn within(&mut self, min: f32, max: f32) -> f32 {
         min + (max - min) * ((self.bits() >> 40) as f32 / (1u64 << 24) as f32)
     }
@@ -84,14 +72,6 @@ impl Dice {
         let projection = proj::directx::perspective(fov, aspect, self.within(0.01, 0.3), 100.0);
         Camera { eye, view: look_to_mat4(eye, forward, up), projection }
     }
-}
-
-/// The faces of a box of one unit, as a mesh that is closed.
-fn cube() -> Mesh {
-    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
-    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
 }
 
 fn prepared(mesh: &Mesh) -> casca_mesh {
@@ -329,13 +309,9 @@ fn play(seed: u64, mesh: &Arc<Mesh>, prepared: casca_mesh) -> (usize, usize) {
     (visible, left_out)
 }
 
-fn variable(name: &str, default: u64) -> u64 {
-    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
-}
-
 #[test]
 fn nothing_visible_is_lost() {
-    let mesh = Arc::new(cube());
+    let mesh = Arc::new(Mesh::cuboid(Vec3::ZERO, Vec3::ONE));
     let prepared = prepared(&mesh);
     let (mut visible, mut left_out) = (0, 0);
     let first = variable("CASCA_SEED", 1).wrapping_mul(1 << 32);

@@ -8,33 +8,20 @@
 
 #[macro_use]
 mod common;
+#[path = "common/dice.rs"]
+mod dice;
 
 use std::ptr::null_mut;
 
 use casca_c::*;
-
-/// Numbers from a seed.
-struct Dice(u64);
+use dice::{Dice, variable};
 
 impl Dice {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.bits() % n
-    }
-
     /// Mostly a number that may be meant, else any float.
     fn float(&mut self) -> f32 {
         match self.below(16) {
             0 => f32::from_bits(self.bits() as u32),
-            1 => [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN_POSITIVE, -0.0]
-                [self.below(6) as usize],
+            1 => [f32::NAN, f32::INFINITY, -f32::INFINITY, f32::MAX, f32::MIN_POSITIVE, -0.0][self.below(6)],
             2 => 0.0,
             _ => (self.below(4001) as f32 - 2000.0) * 0.01,
         }
@@ -46,18 +33,18 @@ impl Dice {
 
     /// One of those that were given out, sometimes any other number.
     fn one_of(&mut self, known: &[u64]) -> u64 {
-        match (known.len() as u64, self.below(12)) {
+        match (known.len(), self.below(12)) {
             (_, 0) => self.bits(),
-            (_, 1) | (0, _) => self.below(3),
-            (n, 2) => known[self.below(n) as usize] ^ 1 << self.below(64),
-            (n, _) => known[self.below(n) as usize],
+            (_, 1) | (0, _) => self.below(3) as u64,
+            (n, 2) => known[self.below(n)] ^ 1 << self.below(64),
+            (n, _) => known[self.below(n)],
         }
     }
 
     fn size(&mut self, size: usize) -> usize {
         match self.below(20) {
             0 => self.bits() as usize,
-            1 => self.below(2 * size as u64) as usize,
+            1 => self.below(2 * size),
             _ => size,
         }
     }
@@ -130,8 +117,8 @@ fn view(dice: &mut Dice, planes: &[f32; 40]) -> casca_view {
         (view.reach, view.turn) = (dice.float(), dice.float());
     }
     view.planes = if dice.below(5) == 0 { std::ptr::null() } else { planes.as_ptr() };
-    view.plane_count = if dice.below(10) == 0 { dice.bits() as usize | 64 } else { dice.below(11) as usize };
-    view.layers = dice.below(4);
+    view.plane_count = if dice.below(10) == 0 { dice.bits() as usize | 64 } else { dice.below(11) };
+    view.layers = dice.below(4) as u64;
     view
 }
 
@@ -178,13 +165,13 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
             6 => casca_scene_update(scene, id, &shape(dice, known), std::ptr::null()),
             7 => casca_scene_set_bounds(scene, id, &shape(dice, known)),
             8 => casca_scene_set_occluder(scene, id, &shape(dice, known)),
-            9 => casca_scene_move_spheres(scene, ids.as_ptr(), numbers.as_ptr(), dice.below(4) as usize),
-            10 => casca_scene_move_boxes(scene, ids.as_ptr(), numbers.as_ptr(), dice.below(4) as usize),
+            9 => casca_scene_move_spheres(scene, ids.as_ptr(), numbers.as_ptr(), dice.below(4)),
+            10 => casca_scene_move_boxes(scene, ids.as_ptr(), numbers.as_ptr(), dice.below(4)),
             11 => casca_scene_set_transforms(
                 scene,
                 ids.as_ptr(),
                 numbers.as_ptr(),
-                dice.below(4) as usize,
+                dice.below(4),
                 dice.flags(1),
             ),
             12 => casca_scene_translate(scene, id, numbers.as_ptr()),
@@ -192,13 +179,9 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
             13 => casca_scene_begin_frame(scene, f64::from(dice.float()), &mut count),
             14 => casca_scene_end_frame(scene, &query, 1, null_mut()),
             15..18 => casca_query_run(query, scene, &seen, &mut count),
-            18 => casca_query_may_see_boxes(
-                query,
-                scene,
-                numbers.as_ptr(),
-                dice.below(9) as usize,
-                bytes.as_mut_ptr(),
-            ),
+            18 => {
+                casca_query_may_see_boxes(query, scene, numbers.as_ptr(), dice.below(9), bytes.as_mut_ptr())
+            }
             19 => casca_query_is_valid(query, scene, &seen, &mut answer),
             20 => {
                 let mut lamp = init!(casca_light);
@@ -211,13 +194,12 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
             21 => {
                 let indices: [u32; 12] = std::array::from_fn(|_| dice.below(17) as u32);
                 let mut desc = init!(casca_mesh_desc);
-                (desc.positions, desc.position_count) = (numbers.as_ptr(), dice.below(17) as usize);
-                (desc.indices, desc.index_count) = (indices.as_ptr(), dice.below(13) as usize);
+                (desc.positions, desc.position_count) = (numbers.as_ptr(), dice.below(17));
+                (desc.indices, desc.index_count) = (indices.as_ptr(), dice.below(13));
                 (desc.flags, desc.gap) = (dice.flags(3), if dice.below(3) == 0 { dice.float() } else { 0.0 });
                 let status = casca_mesh_create(&desc, (&raw mut made).cast());
                 known.meshes.extend((status == casca_status::CASCA_OK).then_some(made));
-                let solid =
-                    casca_solid_create(numbers.as_ptr(), dice.below(17) as usize, (&raw mut made).cast());
+                let solid = casca_solid_create(numbers.as_ptr(), dice.below(17), (&raw mut made).cast());
                 known.solids.extend((solid == casca_status::CASCA_OK).then_some(made));
                 if solid == casca_status::CASCA_ERROR_PANIC { solid } else { status }
             }
@@ -239,10 +221,6 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
             },
         }
     }
-}
-
-fn variable(name: &str, default: u64) -> u64 {
-    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
 #[test]

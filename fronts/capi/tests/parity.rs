@@ -162,14 +162,6 @@ fn casters_and_places_in_sight_are_the_same() {
     assert!(expected.contains(&0) && expected.contains(&1));
 }
 
-#[test]
-fn memory_is_the_same() {
-    let both = Both::new();
-    let mut memory = init!(casca_memory);
-    ok!(casca_scene_get_memory(both.c, &mut memory));
-    assert_eq!(memory.total, both.rust.memory().total());
-}
-
 /// Between the near plane, 10 away, and where depth is 0 if it runs from -1 to 1.
 #[test]
 fn depth_runs_as_the_flags_say() {

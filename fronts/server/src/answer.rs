@@ -24,14 +24,12 @@ pub struct Answer {
     ///
     /// [`ServerOptions::most_age`]: crate::ServerOptions::most_age
     pub is_stale: bool,
-    /// Whether the level was looked at again.
-    pub looked: bool,
 }
 
 impl Answer {
     pub(crate) fn new(client: ClientId) -> Self {
         let (told, new, forgotten) = (Vec::new(), Vec::new(), Vec::new());
-        Self { client, told, new, forgotten, reach: 0.0, is_fresh: true, is_stale: false, looked: false }
+        Self { client, told, new, forgotten, reach: 0.0, is_fresh: true, is_stale: false }
     }
 
     /// Finds what changed since an earlier list.

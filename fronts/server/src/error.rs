@@ -37,9 +37,6 @@ pub enum ServerError {
     /// The entity was removed, or is another server's.
     #[error("{0} is not an entity of this server: it was removed, or is another server's")]
     UnknownEntity(EntityId),
-    /// An entity that hides others may not have a speed: it moves from tick to tick at once.
-    #[error("an entity that hides others must have the speed 0, not {0} m/s")]
-    MovingOccluder(f32),
     /// As many as the options allow.
     #[error("there are {most} {what} already, as many as the options allow")]
     Full {
@@ -72,9 +69,6 @@ pub enum ServerError {
     /// The file holds sets of objects.
     #[error("the file holds sets of objects, not from cell to cell: see casca-bake --cell-to-cell")]
     NotCellToCell,
-    /// casca refuses the level, the occluder or an option.
-    #[error(transparent)]
-    Casca(#[from] casca::Error),
 }
 
 /// A number that must lie in a range.
@@ -84,12 +78,6 @@ pub(crate) fn within(what: &'static str, value: f32, least: f32, most: f32) -> R
     }
     let [value, least, most] = [value, least, most].map(f64::from);
     Err(ServerError::Range { what, value, least, most })
-}
-
-/// A place in space.
-pub(crate) fn place(what: &'static str, place: casca::glam::Vec3) -> Result<(), ServerError> {
-    let most = crate::numeric::FARTHEST;
-    place.to_array().into_iter().try_for_each(|c| within(what, c, -most, most))
 }
 
 /// A time, which must not be before another.

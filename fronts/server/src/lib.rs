@@ -5,9 +5,9 @@
 //! ```
 //! use casca::glam::Vec3;
 //! use casca::{Aabb, GridSpec, ObjectDesc, Scene};
-//! use casca_server::{ClientDesc, EntityDesc, ServerError, ServerOptions, VisibilityServer};
+//! use casca_server::{ClientDesc, EntityDesc, ServerOptions, VisibilityServer};
 //!
-//! # fn main() -> Result<(), ServerError> {
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // A level: a wall across a field.
 //! let field = Aabb::new(Vec3::new(0.0, -2.0, 0.0), Vec3::new(64.0, 8.0, 64.0));
 //! let mut level = Scene::new(&GridSpec::covering(field, 1.0)?)?;
@@ -24,10 +24,10 @@
 //! let friend = server.add_entity(EntityDesc::new(person(30.0, 30.0), 5.0), 0.0)?;
 //! let enemy = server.add_entity(EntityDesc::new(person(30.0, 60.0), 5.0), 0.0)?;
 //!
-//! server.tick(0.0, &())?;
+//! server.tick(0.0)?;
 //! assert_eq!(server.answer(client)?.told, [friend], "the enemy is behind the wall");
 //! server.move_entity(enemy, person(30.0, 35.0), 0.03)?;
-//! server.tick(0.033, &())?;
+//! server.tick(0.033)?;
 //! assert_eq!(server.answer(client)?.new, [enemy]);
 //! # Ok(())
 //! # }
@@ -42,27 +42,21 @@
 //! client's true eye can see: also where they moved since, also when reports were lost meanwhile
 //! (up to [`ServerOptions::most_age`]).
 //!
-//! An answer names an entity if a point of the box of all places where it may be by then may be
-//! seen by an eye anywhere within `speed * (latency + tick + age of the report)` of where it was
-//! reported, before the static objects of the level. That is found by casca's conservative
-//! occlusion buffers ([`casca::View::with_reach`]), so answers err by telling too much.
-//!
 //! # How it is found
 //!
-//! Each client has a [`casca::KeptQuery`] of the level, for all eyes near it. That is asked about
-//! each entity's box, at some hundred nanoseconds each whatever the size of the level, until the
-//! eye used up the room around it. Changes of the level are followed.
+//! An answer names an entity unless one wall of the level hides the box of all places where it may
+//! be by then from all eyes within `speed * (latency + tick + age of the report)` of where the eye
+//! was reported: see [`casca_walls`]. Answers err by telling too much. Sets from cell to cell that
+//! were found ahead of time, if there are some, decide many pairs before: see
+//! [`VisibilityServer::set_baked`].
 //!
 //! # Limits
 //!
-//! - Eyes go through walls within their reach: who stands at a thin wall is told what is behind it.
+//! - Walls are rectangles across an axis. Occluders that are round, turned or slanted hide nothing.
 //! - Who reports nothing is told of more, as if the eye went on for [`ServerOptions::most_age`].
-//! - Entities hide nothing unless they have an occluder, and then must not have a speed: doors.
+//! - Entities hide nothing. A door that is closed is an object of the level: see
+//!   [`VisibilityServer::level_mut`].
 //! - Boxes of entities must hold all that can be seen of them, weapons and effects included.
-//!
-//! Walls decide most pairs without that: see [`casca_walls`]. Sets from cell to cell that were
-//! found ahead of time, if there are some, decide many of these before: see
-//! [`VisibilityServer::set_baked`].
 //!
 //! # Features
 //!
@@ -77,11 +71,8 @@ mod answer;
 mod baked;
 #[cfg(feature = "bots")]
 pub mod bots;
-mod client;
-mod entity;
+mod describe;
 mod error;
-mod gaze;
-mod hook;
 mod id;
 #[cfg(feature = "net")]
 pub mod net;
@@ -89,22 +80,20 @@ mod numeric;
 mod options;
 #[cfg(feature = "plane")]
 pub mod plane;
-mod roster;
 mod server;
 #[cfg(feature = "wire")]
 pub mod session;
-mod state;
+mod space;
 #[cfg(feature = "wire")]
 pub mod wire;
+mod world;
 
 pub use answer::Answer;
 pub use casca;
-pub use client::ClientDesc;
-pub use entity::{EntityDesc, Team};
+pub use describe::{ClientDesc, EntityDesc, Team};
 pub use error::ServerError;
-pub use hook::Hook;
 pub use id::{ClientId, EntityId};
 pub use numeric::{FARTHEST, FASTEST, LONGEST};
 pub use options::ServerOptions;
-pub use roster::Entity;
-pub use server::VisibilityServer;
+pub use server::Server;
+pub use space::{Space, VisibilityServer};

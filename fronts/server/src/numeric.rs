@@ -11,19 +11,11 @@ pub const FASTEST: f32 = 1e5;
 pub const LONGEST: f32 = 60.0;
 
 /// A box that goes on to here on all sides holds all eyes, so that who may be anywhere in it is
-/// told of; it does not grow on, since casca refuses boxes without end.
+/// told of; it does not grow on, so that sums with its corners stay finite.
 pub(crate) const EVERYWHERE: f32 = 1e9;
 
 /// Sums and products of a few numbers in double precision are off by less than this share.
 pub(crate) const ROUNDING: f64 = 1e-12;
-
-/// A new result is found ahead of an eye that moves, by this share of the room that it may use up.
-/// More would leave no room for an eye that turns back.
-pub(crate) const AHEAD: f64 = 0.7;
-
-/// A kept query must reach this much farther than the views that it serves, in metres: it compares
-/// their reaches with a margin of a billionth of them.
-pub(crate) const KEPT_REACH: f32 = 1e-3;
 
 /// Narrower walls hide too little to be asked, in metres: a wall must be as wide as the room that
 /// the eye or the entity has.

@@ -32,9 +32,9 @@ fn field(options: ServerOptions) -> (VisibilityServer, ClientId, Vec<EntityId>) 
 
 /// Where those are, in metres, that the client is told of.
 fn told(server: &mut VisibilityServer, client: ClientId, now: f64) -> Vec<f32> {
-    server.tick(now, &()).unwrap();
+    server.tick(now).unwrap();
     let told = &server.answer(client).unwrap().told;
-    told.iter().map(|id| server.entity(*id).unwrap().desc().bounds.center().x).collect()
+    told.iter().map(|id| server.entity(*id).unwrap().bounds.center().x).collect()
 }
 
 #[test]

@@ -210,7 +210,9 @@ async fn bad_clients_lose_their_connection_and_others_miss_no_tick() {
 async fn a_client_that_does_not_read_is_dropped() {
     let mut options = options();
     (options.queue, options.bots) = (4, 250);
-    options.server = options.server.tick(0.004).walls(false).most_queries(0);
+    // On a busy machine, it would be idle before the buffers are full.
+    options.limits.idle = 600.0;
+    options.server = options.server.tick(0.004).walls(false);
     let front = start(options).await;
     // It never reads, until the buffers of the system are full: its own is small.
     let socket = TcpSocket::new_v4().unwrap();
@@ -247,61 +249,5 @@ async fn the_map_and_the_metrics_are_served_and_nothing_else() {
     assert_eq!(now["clients"].as_array().unwrap().len(), 6);
     assert!(get("GET /etc/passwd").await.starts_with("HTTP/1.1 404"));
     assert!(get("POST /metrics").await.starts_with("HTTP/1.1 405"));
-    front.stop().await;
-}
-
-/// `cargo test --release -p casca-server --features net --test front -- --ignored --nocapture`
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-#[ignore = "needs 2,100 files at the same time, and one or two minutes"]
-async fn a_thousand_connections_are_answered_while_others_rage() {
-    let mut options = options();
-    (options.connections, options.limits.idle) = (1100, 60.0);
-    options.server.most_clients = 1200;
-    options.server = options.server.tick(0.1);
-    let front = start(options).await;
-    let mut good = Vec::new();
-    for _ in 0..1000 {
-        good.push(join(&front).await.0);
-    }
-    let address = front.clients();
-    let rage = tokio::spawn(async move {
-        for i in 0..2000u64 {
-            let Ok(Ok((mut socket, _))) = timeout(LONGEST, connect_async(format!("ws://{address}/"))).await
-            else {
-                continue;
-            };
-            let bytes: Vec<u8> = (0..i % 120).map(|j| (i * 31 + j * 17) as u8).collect();
-            let _ = socket.send(Message::binary(bytes)).await;
-        }
-    });
-    // Each one reads by itself, and misses no tick.
-    let readers: Vec<_> = good
-        .into_iter()
-        .map(|mut socket| {
-            tokio::spawn(async move {
-                let mut last = answer(&mut socket).await.tick;
-                let mut read = 0;
-                for _ in 0..100 {
-                    let next = answer(&mut socket).await.tick;
-                    assert_eq!(next, last + 1);
-                    (last, read) = (next, read + 1);
-                }
-                read
-            })
-        })
-        .collect();
-    let mut read = 0;
-    for reader in readers {
-        read += reader.await.unwrap();
-    }
-    rage.abort();
-    let sum = |name| metric(&front, name);
-    let [ticks, late, seconds] =
-        ["casca_ticks_total", "casca_late_ticks_total", "casca_tick_seconds_sum"].map(sum);
-    println!("{read} answers read; {ticks} ticks, {late} late, {:.1} ms each", seconds / ticks * 1e3);
-    println!(
-        "{}",
-        front.metrics().lines().filter(|l| l.starts_with("casca_dropped")).collect::<Vec<_>>().join("\n")
-    );
     front.stop().await;
 }

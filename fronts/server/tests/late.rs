@@ -1,13 +1,14 @@
 //! Bots run, peek, strafe, jump and lag: what exact rays from a client's true eye see was told.
 
+#[path = "../examples/judge/rays.rs"]
+mod rays;
+
 use std::ops::ControlFlow;
 
-use casca::glam::DVec3;
 use casca_baked::{Baked, Writer};
-use casca_scenes::world::{Motion, Object, Shape};
-use casca_server::ServerOptions;
-use casca_server::bots::{Level, Match, MatchOptions, Moment};
+use casca_server::bots::{Level, Match, MatchOptions};
 use casca_truth::oracle::RayOracle;
+use rays::Truth;
 
 /// What was found in a match.
 #[derive(Debug, Default, PartialEq)]
@@ -19,43 +20,24 @@ struct Verdict {
     pairs: u64,
 }
 
-fn entity(moment: &Moment, i: usize) -> Object {
-    let body = moment.bodies[i];
-    Object {
-        name: String::new(),
-        shape: Shape::Box { min: body.min, max: body.max },
-        motion: Motion::Dynamic { max_speed: 5.0 },
-        occludes: false,
-        tested: true,
-    }
-}
-
 /// Plays a match, and looks at each tick from each eye at all that was not told.
-fn play(level: &Level, options: MatchOptions, ticks: u64, rays: usize) -> Verdict {
+fn play(level: &Level, options: MatchOptions, ticks: u64) -> Verdict {
     let mut game = Match::new(level, options).unwrap();
-    let walls = level.objects.len();
-    let mut objects: Vec<Object> = level.objects.clone();
-    objects.extend((0..options.bots).map(|i| entity(game.now()[0], i)));
-    let moving: Vec<usize> = (walls..objects.len()).collect();
-    let mut oracle = RayOracle::new(&objects);
+    let mut truth = Truth::new(level, game.now()[0]);
     let mut verdict = Verdict::default();
     for tick in 0..ticks {
-        game.answer(|server, now| server.tick(now, &()).map(|_| ())).unwrap().unwrap();
+        game.answer(|server, now| server.tick(now).map(|_| ())).unwrap().unwrap();
         let [begin, end] = game.now();
         // When an answer arrives, and just before the next one does.
         for moment in [begin.clone(), begin.toward(end, 0.999)] {
-            for i in 0..options.bots {
-                objects[walls + i] = entity(&moment, i);
-            }
-            oracle.update(&objects, &moving);
+            truth.set(&moment);
             for (i, told) in game.told().iter().enumerate() {
                 let hidden: Vec<usize> = (0..options.bots).filter(|&j| !told[j] && j != i).collect();
+                let mut seen = vec![false; options.bots];
+                truth.look(moment.eyes[i], &hidden, tick, &mut seen);
                 verdict.pairs += options.bots as u64 - 1;
                 verdict.withheld += hidden.len() as u64;
-                let candidates: Vec<usize> = hidden.iter().map(|j| walls + j).collect();
-                let eye: DVec3 = moment.eyes[i].as_dvec3();
-                let report = oracle.probe(&objects, eye, &candidates, rays, tick, |_| true);
-                verdict.late += report.seen.len() as u64;
+                verdict.late += seen.iter().filter(|seen| **seen).count() as u64;
             }
         }
         game.advance();
@@ -69,7 +51,7 @@ fn options() -> MatchOptions {
 
 #[test]
 fn nothing_is_told_late_in_rooms() {
-    let verdict = play(&Level::rooms().unwrap(), options(), 200, 6);
+    let verdict = play(&Level::rooms().unwrap(), options(), 200);
     assert_eq!(verdict.late, 0, "{verdict:?}");
     let share = verdict.withheld as f64 / verdict.pairs as f64;
     assert!(share > 0.3, "{share} of all pairs are withheld");
@@ -78,9 +60,9 @@ fn nothing_is_told_late_in_rooms() {
 #[test]
 fn lies_about_the_reach_and_the_growth_are_found_out() {
     let level = Level::rooms().unwrap();
-    let still = play(&level, MatchOptions { told: [0.0, 1.0], ..options() }, 200, 6);
+    let still = play(&level, MatchOptions { told: [0.0, 1.0], ..options() }, 200);
     assert!(still.late > 10, "{still:?}");
-    let prompt = play(&level, MatchOptions { told: [1.0, 0.0], ..options() }, 200, 6);
+    let prompt = play(&level, MatchOptions { told: [1.0, 0.0], ..options() }, 200);
     assert!(prompt.late > 0, "{prompt:?}");
 }
 
@@ -89,7 +71,7 @@ fn nothing_is_told_late_by_baked_sets() {
     let mut level = Level::rooms().unwrap();
     let file = level.bake(2.0, 16, 2, &mut |_, _| ControlFlow::Continue(())).unwrap();
     level.baked = Some(file);
-    let verdict = play(&level, MatchOptions { seed: 2, ..options() }, 100, 6);
+    let verdict = play(&level, MatchOptions { seed: 2, ..options() }, 100);
     assert_eq!(verdict.late, 0, "{verdict:?}");
     let share = verdict.withheld as f64 / verdict.pairs as f64;
     assert!(share > 0.3, "{share} of all pairs are withheld");
@@ -99,18 +81,7 @@ fn nothing_is_told_late_by_baked_sets() {
     let cells = (0..baked.objects()).filter(|cell| baked.set(*cell).is_some());
     cells.for_each(|cell| writer.put(cell, &[cell]).unwrap());
     level.baked = Some(writer.finish().unwrap());
-    assert!(play(&level, options(), 20, 6).late > 10);
-}
-
-#[test]
-fn nothing_is_told_late_without_walls_or_without_queries() {
-    let level = Level::rooms().unwrap();
-    for server in [ServerOptions::new().walls(false).most_queries(100), ServerOptions::new().most_queries(0)]
-    {
-        let verdict = play(&level, MatchOptions { server, bots: 12, ..options() }, 60, 6);
-        assert_eq!(verdict.late, 0, "{verdict:?}");
-        assert!(verdict.withheld > 0, "{verdict:?}");
-    }
+    assert!(play(&level, options(), 20).late > 10);
 }
 
 #[test]

@@ -6,8 +6,8 @@ use std::collections::VecDeque;
 use casca_plane::maps::MapKind;
 use casca_plane::{BitGrid, Error, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
 use casca_server::casca::glam::Vec2;
-use casca_server::plane::{PlaneClient, PlaneEntity, PlaneOptions, PlaneServer};
-use casca_server::{ClientId, EntityId, ServerError};
+use casca_server::plane::{PlaneServer, Square};
+use casca_server::{ClientDesc, ClientId, EntityDesc, EntityId, ServerError, ServerOptions};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
@@ -97,6 +97,11 @@ impl Bot {
         tiles_at(map, place).into_iter().any(|tile| !is_opaque(map, tile))
     }
 
+    /// Around its body, with a share of half its side.
+    fn square(&self, share: f32) -> Square {
+        Square::new(vector(self.place), self.half as f32 / PARTS as f32 * share)
+    }
+
     fn jump(&mut self, map: &BitGrid) {
         loop {
             let size = [map.width(), map.height()];
@@ -176,7 +181,7 @@ const TRUE: Truth = Truth { eye_speed: 1.0, speed: 1.0, latency: 1.0, radius: 1.
 
 /// Bots of a map play for some ticks; reports take a quarter of a tick to the server, and answers
 /// half a tick back.
-fn play(map: &BitGrid, seed: u64, ticks: usize, options: PlaneOptions, truth: Truth) -> Verdict {
+fn play(map: &BitGrid, seed: u64, ticks: usize, options: ServerOptions, truth: Truth) -> Verdict {
     const SPEED: f32 = 4.5;
     let bots = |i: u64| {
         let radius = if i.is_multiple_of(3) { 7.5 } else { f32::INFINITY };
@@ -193,9 +198,8 @@ fn play(map: &BitGrid, seed: u64, ticks: usize, options: PlaneOptions, truth: Tr
         .map(|bot| {
             let place = vector(bot.place);
             let client =
-                PlaneClient::new(place, SPEED * truth.eye_speed, latency).radius(bot.radius * truth.radius);
-            let half = bot.half as f32 / PARTS as f32 * truth.half;
-            let entity = PlaneEntity::new(place, SPEED * truth.speed).half(half);
+                ClientDesc::new(place, SPEED * truth.eye_speed, latency).radius(bot.radius * truth.radius);
+            let entity = EntityDesc::new(bot.square(truth.half), SPEED * truth.speed);
             (server.add_client(client, 0.0).unwrap(), server.add_entity(entity, 0.0).unwrap())
         })
         .collect();
@@ -215,7 +219,7 @@ fn play(map: &BitGrid, seed: u64, ticks: usize, options: PlaneOptions, truth: Tr
                 if quarter == 0 || !rng.random_bool(0.1) {
                     server.move_eye(*client, vector(*report), now).unwrap();
                 }
-                server.move_entity(*entity, vector(bot.place), now).unwrap();
+                server.move_entity(*entity, bot.square(truth.half), now).unwrap();
             }
             let answers = server.tick(now).unwrap();
             on_way.push_back((quarter + 2, answers.iter().map(|answer| answer.told.clone()).collect()));
@@ -244,50 +248,6 @@ fn play(map: &BitGrid, seed: u64, ticks: usize, options: PlaneOptions, truth: Tr
     verdict
 }
 
-/// `cargo test --release -p casca-server --test plane -- --ignored --nocapture`
-#[test]
-#[ignore = "takes time, and says how much"]
-fn ticks_take_so_long() {
-    for kind in MapKind::ALL {
-        let map = kind.generate(256, 256, 7);
-        let mut server = PlaneServer::new(OpaqueTiles::new(map.clone()), PlaneOptions::new()).unwrap();
-        let bot = |i| {
-            let rng = SmallRng::seed_from_u64(i);
-            let mut bot = Bot { place: [0, 0], way: [3, 4], rng, radius: 0.0, half: 19 };
-            bot.jump(&map);
-            bot
-        };
-        let mut bots: Vec<Bot> = (0..100).map(bot).collect();
-        let mut ids = Vec::new();
-        for bot in &bots {
-            let (place, half) = (vector(bot.place), bot.half as f32 / PARTS as f32);
-            let client = server.add_client(PlaneClient::new(place, 5.0, 0.1), 0.0).unwrap();
-            let desc = PlaneEntity::new(place, 5.0).half(half).owner(client);
-            ids.push((client, server.add_entity(desc, 0.0).unwrap()));
-        }
-        let (mut times, mut told) = (Vec::new(), 0);
-        for tick in 0..900 {
-            let now = f64::from(tick) / 30.0;
-            for (bot, (client, entity)) in bots.iter_mut().zip(&ids) {
-                bot.step(&map);
-                server.move_eye(*client, vector(bot.place), now).unwrap();
-                server.move_entity(*entity, vector(bot.place), now).unwrap();
-            }
-            let begin = std::time::Instant::now();
-            told += server.tick(now).unwrap().iter().map(|answer| answer.told.len()).sum::<usize>();
-            times.push(begin.elapsed().as_secs_f64() * 1e3);
-        }
-        let (first, rest) = times.split_first_mut().unwrap();
-        rest.sort_by(f64::total_cmp);
-        let [middle, most, worst] =
-            [0.5, 0.99, 1.0].map(|part| rest[((rest.len() - 1) as f64 * part) as usize]);
-        let (name, told, kept) = (kind.name(), told as f64 / 9e4, server.kept_bytes() >> 10);
-        println!(
-            "{name}: first {first:.2} ms, p50 {middle:.2}, p99 {most:.2}, worst {worst:.2}; told {told:.1}; {kept} kB"
-        );
-    }
-}
-
 fn maps() -> Vec<BitGrid> {
     MapKind::ALL.iter().map(|kind| kind.generate(40, 24, 7)).collect()
 }
@@ -296,7 +256,7 @@ fn maps() -> Vec<BitGrid> {
 fn nothing_is_told_late() {
     for (i, map) in maps().iter().enumerate() {
         for (seed, walls_stop) in [(1, true), (2, true), (3, false)] {
-            let options = PlaneOptions::new().tick(1.0 / TICKS as f32).walls_stop(walls_stop);
+            let options = ServerOptions::new().tick(1.0 / TICKS as f32).walls(walls_stop);
             let verdict = play(map, seed, 150, options, TRUE);
             println!("{:?} walls stop: {walls_stop}: {verdict:?}", MapKind::ALL[i]);
             assert_eq!(verdict.late, 0, "{verdict:?}");
@@ -320,7 +280,7 @@ fn what_is_told_wrong_makes_it_late() {
         Truth { half: 0.0, speed: 0.3, ..TRUE },
     ];
     for (i, truth) in wrong.into_iter().enumerate() {
-        let options = PlaneOptions::new().tick(1.0 / TICKS as f32);
+        let options = ServerOptions::new().tick(1.0 / TICKS as f32);
         let late: u64 = (1..5).map(|seed| play(&map, seed, 150, options, truth).late).sum();
         assert!(late > 0, "{i}");
     }
@@ -328,7 +288,7 @@ fn what_is_told_wrong_makes_it_late() {
     // the true tick.
     let slow = Truth { eye_speed: 0.6, speed: 0.6, ..TRUE };
     let late = [0.001, 1.0 / TICKS as f32].map(|tick| -> u64 {
-        let options = PlaneOptions::new().tick(tick);
+        let options = ServerOptions::new().tick(tick);
         (1..5).map(|seed| play(&map, seed, 150, options, slow).late).sum()
     });
     assert!(late[0] > 0 && late[1] == 0, "a tick that is longer than was said: {late:?}");
@@ -339,64 +299,31 @@ fn answers_do_not_depend_on_threads_or_memory() {
     let map = MapKind::Rooms.generate(40, 24, 7);
     let run = |threads: usize, memory: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let options = PlaneOptions::new().tick(1.0 / TICKS as f32).memory(memory);
+        let options = ServerOptions::new().tick(1.0 / TICKS as f32).memory(memory);
         pool.install(|| play(&map, 5, 60, options, TRUE))
     };
     let first = run(1, 64 << 20);
     assert!([(2, 64 << 20), (3, 64 << 20), (2, 0), (1, 5000)].into_iter().all(|(t, m)| run(t, m) == first));
 }
 
+/// An entity that stands at a point.
+fn point(x: f32, y: f32) -> EntityDesc<Square> {
+    EntityDesc::new(Square::new(Vec2::new(x, y), 0.0), 0.0)
+}
+
 /// A map with a wall across, and one client that stands.
 fn wall() -> (PlaneServer, ClientId) {
     let mut walls = BitGrid::new(16, 16);
     walls.fill(8, 0..16);
-    let mut server = PlaneServer::new(OpaqueTiles::new(walls), PlaneOptions::new()).unwrap();
-    let client = server.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 0.0, 0.1).team(1), 0.0).unwrap();
+    let mut server = PlaneServer::new(OpaqueTiles::new(walls), ServerOptions::new()).unwrap();
+    let client = server.add_client(ClientDesc::new(Vec2::new(4.5, 4.5), 0.0, 0.1), 0.0).unwrap();
     (server, client)
-}
-
-#[test]
-fn teams_owners_and_hooks_tell_of_more() {
-    let (mut server, client) = wall();
-    let hidden = Vec2::new(4.5, 12.5);
-    let enemy = server.add_entity(PlaneEntity::new(hidden, 0.0).team(2), 0.0).unwrap();
-    let own = server.add_entity(PlaneEntity::new(hidden, 0.0).owner(client).team(3), 0.0).unwrap();
-    let mate = server.add_entity(PlaneEntity::new(hidden, 0.0).team(1), 0.0).unwrap();
-    server.tick(0.0).unwrap();
-    assert!(server.answer(client).unwrap().is_fresh);
-    assert_eq!(server.answer(client).unwrap().told, [own, mate]);
-    server.tick_with(0.1, |_, (id, _)| id == enemy).unwrap();
-    let answer = server.answer(client).unwrap();
-    assert!(answer.told == [enemy, own, mate] && answer.new == [enemy] && !answer.is_fresh);
-    server.remove_entity(mate).unwrap();
-    server.tick(0.2).unwrap();
-    assert_eq!(server.answer(client).unwrap().forgotten, [enemy, mate]);
-    // Its entity stays without it.
-    let other = server.add_client(PlaneClient::new(hidden, 0.0, 0.1), 0.2).unwrap();
-    server.remove_client(client).unwrap();
-    server.tick(0.3).unwrap();
-    assert_eq!(server.answer(other).unwrap().told, [enemy, own]);
-    assert!(matches!(server.answer(client), Err(ServerError::UnknownClient(_))));
-}
-
-#[test]
-fn teams_share_what_they_see_if_they_may() {
-    for share in [false, true] {
-        let (server, _) = wall();
-        let mut server =
-            PlaneServer::new(server.map().clone(), PlaneOptions::new().teams_share(share)).unwrap();
-        let near = server.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 0.0, 0.1).team(1), 0.0).unwrap();
-        server.add_client(PlaneClient::new(Vec2::new(4.5, 12.5), 0.0, 0.1).team(1), 0.0).unwrap();
-        let enemy = server.add_entity(PlaneEntity::new(Vec2::new(9.5, 12.5), 0.0), 0.0).unwrap();
-        server.tick(0.0).unwrap();
-        assert_eq!(server.answer(near).unwrap().told.contains(&enemy), share);
-    }
 }
 
 #[test]
 fn doors_open_jumps_are_fresh_and_lost_reports_reach_farther() {
     let (mut server, client) = wall();
-    let enemy = server.add_entity(PlaneEntity::new(Vec2::new(4.5, 12.5), 0.0), 0.0).unwrap();
+    let enemy = server.add_entity(point(4.5, 12.5), 0.0).unwrap();
     let mut now = 0.0;
     let mut told = |server: &mut PlaneServer| {
         now += 0.01;
@@ -412,9 +339,9 @@ fn doors_open_jumps_are_fresh_and_lost_reports_reach_farther() {
     server.move_eye(client, Vec2::new(4.5, 15.5), 0.03).unwrap();
     assert_eq!(told(&mut server), (true, true));
     server.tick(5.0).unwrap();
-    assert!(server.answer(client).unwrap().is_stale && server.kept_bytes() > 0);
+    assert!(server.answer(client).unwrap().is_stale);
     // Half a second without a report is half a second of way more.
-    let walker = server.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 2.0, 0.1), 5.0).unwrap();
+    let walker = server.add_client(ClientDesc::new(Vec2::new(4.5, 4.5), 2.0, 0.1), 5.0).unwrap();
     for (now, way) in [(5.0, 0.0), (5.5, 1.0), (8.0, 2.0)] {
         server.tick(now).unwrap();
         let more = server.answer(walker).unwrap().reach - 2.0 * (0.1 + 1.0 / 30.0) - way;
@@ -422,15 +349,15 @@ fn doors_open_jumps_are_fresh_and_lost_reports_reach_farther() {
     }
     // An eye that may be in too many tiles sees all, and so is an entity seen.
     let (mut server, _) = wall();
-    let fast = server.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 1e5, 60.0), 0.0).unwrap();
-    let slow = server.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 0.0, 60.0), 0.0).unwrap();
-    let enemy = server.add_entity(PlaneEntity::new(Vec2::new(4.5, 12.5), 0.0), 0.0).unwrap();
+    let fast = server.add_client(ClientDesc::new(Vec2::new(4.5, 4.5), 1e5, 60.0), 0.0).unwrap();
+    let slow = server.add_client(ClientDesc::new(Vec2::new(4.5, 4.5), 0.0, 60.0), 0.0).unwrap();
+    let enemy = server.add_entity(point(4.5, 12.5), 0.0).unwrap();
     server.tick(0.0).unwrap();
     // 128 tiles of 256 are on its side of the wall.
     assert!(!server.answer(fast).unwrap().told.contains(&enemy));
-    let mut few = PlaneServer::new(server.map().clone(), PlaneOptions::new().most_tiles(127)).unwrap();
-    let fast = few.add_client(PlaneClient::new(Vec2::new(4.5, 4.5), 1e5, 60.0), 0.0).unwrap();
-    let enemy = few.add_entity(PlaneEntity::new(Vec2::new(4.5, 12.5), 0.0), 0.0).unwrap();
+    let mut few = PlaneServer::new(server.map().clone(), ServerOptions::new().most_tiles(127)).unwrap();
+    let fast = few.add_client(ClientDesc::new(Vec2::new(4.5, 4.5), 1e5, 60.0), 0.0).unwrap();
+    let enemy = few.add_entity(point(4.5, 12.5), 0.0).unwrap();
     few.tick(0.0).unwrap();
     assert_eq!(few.answer(fast).unwrap().told, [enemy]);
     assert!(server.answer(slow).is_ok());
@@ -439,39 +366,28 @@ fn doors_open_jumps_are_fresh_and_lost_reports_reach_farther() {
 #[test]
 fn bad_input_is_refused() {
     let (mut server, client) = wall();
-    let entity = server.add_entity(PlaneEntity::new(Vec2::new(1.0, 1.0), 1.0), 1.0).unwrap();
-    let (mut other, _) = wall();
-    let foreign = other.add_entity(PlaneEntity::new(Vec2::new(1.0, 1.0), 1.0), 0.0).unwrap();
+    let entity = server.add_entity(point(1.0, 1.0), 1.0).unwrap();
     for bad in [f32::NAN, f32::INFINITY, -0.1, 16.1, 1e30] {
         let place = Vec2::new(1.0, bad);
         assert!(matches!(server.move_eye(client, place, 1.0), Err(ServerError::OffMap { .. })), "{bad}");
-        assert!(server.move_entity(entity, place, 1.0).is_err());
-        assert!(server.add_client(PlaneClient::new(place, 1.0, 0.1), 1.0).is_err());
-        assert!(server.add_entity(PlaneEntity::new(place, 1.0), 1.0).is_err());
+        assert!(server.move_entity(entity, Square::new(place, 0.0), 1.0).is_err());
+        assert!(server.add_client(ClientDesc::new(place, 1.0, 0.1), 1.0).is_err());
+        assert!(server.add_entity(point(1.0, bad), 1.0).is_err());
     }
     let at = Vec2::new(1.0, 16.0);
     for bad in [f32::NAN, f32::INFINITY, -1.0] {
-        assert!(server.add_client(PlaneClient::new(at, bad, 0.1), 1.0).is_err());
-        assert!(server.add_client(PlaneClient::new(at, 1.0, bad), 1.0).is_err());
-        assert!(server.add_entity(PlaneEntity::new(at, bad), 1.0).is_err());
-        assert!(server.add_entity(PlaneEntity::new(at, 1.0).half(bad), 1.0).is_err());
-        let map = server.map().clone();
-        assert!(PlaneServer::new(map.clone(), PlaneOptions::new().tick(bad)).is_err());
-        assert!(PlaneServer::new(map, PlaneOptions::new().most_age(bad)).is_err());
+        assert!(server.move_entity(entity, Square::new(at, bad), 1.0).is_err());
+        assert!(server.add_entity(EntityDesc::new(Square::new(at, bad), 1.0), 1.0).is_err());
+        let tick = ServerOptions::new().tick(bad);
+        assert!(PlaneServer::new(server.map().clone(), tick).is_err());
     }
     for bad in [f32::NAN, 0.0, -1.0] {
-        assert!(server.add_client(PlaneClient::new(at, 1.0, 0.1).radius(bad), 1.0).is_err());
+        assert!(server.add_client(ClientDesc::new(at, 1.0, 0.1).radius(bad), 1.0).is_err());
     }
-    assert!(PlaneServer::new(OpaqueTiles::new(BitGrid::new(0, 4)), PlaneOptions::new()).is_err());
-    assert!(matches!(server.move_entity(foreign, at, 1.0), Err(ServerError::UnknownEntity(_))));
-    assert!(matches!(server.move_entity(entity, at, 0.5), Err(ServerError::Backwards { .. })));
+    assert!(PlaneServer::new(OpaqueTiles::new(BitGrid::new(0, 4)), ServerOptions::new()).is_err());
     assert!(matches!(
         server.set_opaque(16, 0, true),
         Err(ServerError::Tiles(Error::Outside { x: 16, .. }))
     ));
-    server.tick(2.0).unwrap();
-    assert!(server.tick(1.0).is_err() && server.tick(f64::NAN).is_err());
-    let mut full = PlaneServer::new(server.map().clone(), PlaneOptions::new().most(0, 0)).unwrap();
-    assert!(matches!(full.add_client(PlaneClient::new(at, 1.0, 0.1), 1.0), Err(ServerError::Full { .. })));
-    assert!(matches!(full.add_entity(PlaneEntity::new(at, 1.0), 1.0), Err(ServerError::Full { .. })));
+    assert!(server.tick(2.0).is_ok());
 }

@@ -40,13 +40,13 @@ struct Lattice {
     before: Vec<u32>,
 }
 
-/// Rows of numbers.
-struct Rows<T> {
+/// Numbers, row by row.
+struct Table<T> {
     columns: usize,
     cells: Vec<T>,
 }
 
-impl<T: Copy + Default> Rows<T> {
+impl<T: Copy + Default> Table<T> {
     fn new(columns: usize, rows: usize) -> Self {
         Self { columns, cells: vec![T::default(); columns * rows] }
     }
@@ -66,7 +66,7 @@ impl Region {
         let mut cells: Vec<[usize; 2]> = all.filter(|&at| lattice.is_full(at, at.map(|i| i + 1))).collect();
         let area = |&[u, v]: &[usize; 2]| lattice.length(0, u, u + 1) * lattice.length(1, v, v + 1);
         cells.sort_by(|a, b| area(b).total_cmp(&area(a)));
-        let mut taken = Rows::<bool>::new(columns, rows);
+        let mut taken = Table::<bool>::new(columns, rows);
         let mut found: Vec<Rectangle> = Vec::new();
         for at in cells {
             if found.len() >= MOST_RECTANGLES {
@@ -128,7 +128,7 @@ impl Lattice {
         let mut lattice = Self { lines, before: Vec::new() };
         let covered = lattice.covered(region);
         let [columns, rows] = lattice.size();
-        let mut before = Rows::<u32>::new(columns + 1, rows + 1);
+        let mut before = Table::<u32>::new(columns + 1, rows + 1);
         for v in 0..rows {
             let mut row = 0;
             for u in 0..columns {
@@ -147,10 +147,10 @@ impl Lattice {
     }
 
     /// The cells that are covered.
-    fn covered(&self, region: &Region) -> Rows<bool> {
+    fn covered(&self, region: &Region) -> Table<bool> {
         let [columns, rows] = self.size();
         // Where the triangles of each row start and end.
-        let mut starts = Rows::<i32>::new(columns + 1, rows);
+        let mut starts = Table::<i32>::new(columns + 1, rows);
         // Triangles without an inside cover nothing.
         for t in region.triangles.iter().filter(|t| side_of(t[0], t[1], t[2]) != 0.0) {
             for v in self.rows_of(t) {
@@ -163,7 +163,7 @@ impl Lattice {
                 }
             }
         }
-        let mut covered = Rows::<bool>::new(columns, rows);
+        let mut covered = Table::<bool>::new(columns, rows);
         for v in 0..rows {
             let mut count = 0;
             for u in 0..columns {
@@ -182,7 +182,7 @@ impl Lattice {
     }
 
     /// Takes away the cells through whose inside an edge passes.
-    fn cut(&self, edge: &[[f32; 2]; 2], covered: &mut Rows<bool>) {
+    fn cut(&self, edge: &[[f32; 2]; 2], covered: &mut Table<bool>) {
         // Edges along an axis lie on a line of the lattice.
         if (0..2).any(|axis| edge[0][axis] == edge[1][axis]) {
             return;

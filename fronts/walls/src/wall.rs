@@ -102,11 +102,6 @@ impl Eyes {
         Self { center: span.middle(), reach: f64::INFINITY, span }
     }
 
-    /// How far from its middle an eye may be; infinite for a box.
-    pub fn reach(&self) -> f64 {
-        self.reach
-    }
-
     /// The box in which all of them are.
     pub fn span(&self) -> &Span {
         &self.span

@@ -7,16 +7,14 @@
 #![deny(missing_docs)]
 
 mod arrays;
-mod kept;
 mod mesh;
 mod plane;
 mod query;
 mod scene;
 mod view;
 
-pub use kept::KeptQuery;
 pub use mesh::Mesh;
 pub use plane::{field_of_view, visible_region};
-pub use query::Query;
+pub use query::{KeptQuery, Query};
 pub use scene::Scene;
 pub use view::View;

@@ -10,17 +10,17 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use casca_server::VisibilityServer;
 use casca_server::bots::{Level, Match, MatchOptions, Moment};
 use casca_server::casca::glam::Vec3;
 use casca_server::wire::{AnswerFrame, ToClient};
-use casca_server::{ServerOptions, VisibilityServer};
 use casca_tools::pictures::palette::other;
 use casca_tools::pictures::{Axis, Line, lines};
 use casca_truth::baselines::NineRays;
 use casca_truth::oracle::RayOracle;
 use clap::Parser;
 
-use rays::{Truth, by_rays};
+use rays::Truth;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -31,20 +31,11 @@ struct Arguments {
     /// Ticks that are timed.
     #[arg(long, default_value_t = 600)]
     times: u64,
-    /// Ticks of casca-server alone that rays judge.
-    #[arg(long, default_value_t = 0)]
-    late: u64,
     /// Ticks of all ways that rays judge.
     #[arg(long, default_value_t = 0)]
     beside: u64,
     #[arg(long, default_value_t = 100)]
     bots: usize,
-    #[arg(long, default_value_t = 0)]
-    queries: usize,
-    #[arg(long, default_value_t = 0.5)]
-    room: f32,
-    #[arg(long)]
-    no_walls: bool,
     /// Sets from cell to cell of this edge come first, in metres.
     #[arg(long)]
     bake: Option<f32>,
@@ -57,10 +48,7 @@ struct Arguments {
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::parse();
-    let server =
-        ServerOptions::new().most_queries(arguments.queries).room(arguments.room).walls(!arguments.no_walls);
-    let options =
-        MatchOptions { bots: arguments.bots, seed: arguments.seed, server, ..MatchOptions::default() };
+    let options = MatchOptions { bots: arguments.bots, seed: arguments.seed, ..MatchOptions::default() };
     // By way: the shares told late and withheld of each level, in percent.
     let mut marks: [Vec<(f64, f64)>; WAYS.len()] = Default::default();
     for name in &arguments.levels {
@@ -81,9 +69,6 @@ fn main() -> Result<(), Failure> {
         }
         if arguments.beside > 0 {
             beside(&level, options, arguments.beside, &mut marks)?;
-        }
-        if arguments.late > 0 {
-            late(&level, options, arguments.late)?;
         }
     }
     if let Some(file) = &arguments.chart {
@@ -138,9 +123,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 fn bytes(server: &VisibilityServer) -> usize {
     let frame = |id| {
         let answer = server.answer(id).ok()?;
-        let bounds = |id: &casca_server::EntityId| {
-            server.entity(*id).ok().map(|entity| (id.key(), entity.desc().bounds))
-        };
+        let bounds =
+            |id: &casca_server::EntityId| server.entity(*id).ok().map(|entity| (id.key(), entity.bounds));
         let new = if answer.is_fresh { &answer.told } else { &answer.new };
         let old = answer.told.iter().filter(|id| new.binary_search(id).is_err());
         let frame = AnswerFrame {
@@ -164,37 +148,32 @@ fn memory() -> usize {
 fn times(level: &Level, options: MatchOptions, ticks: u64, threads: usize) -> Result<(), Failure> {
     let before = memory();
     let mut game = Match::new(level, options)?;
-    let (mut all, mut sent, mut queries, mut told) = (Vec::new(), 0, 0, 0);
+    let (mut all, mut sent, mut told) = (Vec::new(), 0, 0);
     for tick in 0..ticks {
         let taken = game.answer(|server, now| {
             let begin = Instant::now();
-            let answers = server.tick(now, &()).map(|answers| {
-                let looked = answers.iter().filter(|answer| answer.looked).count();
-                (looked, answers.iter().map(|answer| answer.told.len()).sum::<usize>())
-            });
-            (begin.elapsed().as_secs_f64() * 1e3, answers)
+            let heard = server.tick(now).map(|all| all.iter().map(|answer| answer.told.len()).sum::<usize>());
+            (begin.elapsed().as_secs_f64() * 1e3, heard)
         })?;
-        let (looked, heard) = taken.1?;
+        let heard = taken.1?;
         // The first tick finds the walls.
         if tick > 0 {
             all.push(taken.0);
-            (queries, told, sent) = (queries + looked, told + heard, sent + bytes(&game.server));
+            (told, sent) = (told + heard, sent + bytes(&game.server));
         }
         game.advance();
     }
     let grown = (memory().saturating_sub(before)) as f64 / options.bots as f64 / 1024.0;
     all.sort_by(f64::total_cmp);
-    let count = all.len() as f64;
-    let clients = count * options.bots as f64;
+    let clients = (all.len() * options.bots) as f64;
     println!(
-        "{}: {threads} threads, {} ticks: p50 {:.2} ms, p99 {:.2} ms, worst {:.2} ms; {:.1} queries a tick; {:.1} told a client; \
+        "{}: {threads} threads, {} ticks: p50 {:.2} ms, p99 {:.2} ms, worst {:.2} ms; {:.1} told a client; \
          {:.0} bytes a client and tick; {grown:.0} kB of memory a client",
         level.name,
         all.len(),
         quantile(&all, 0.5),
         quantile(&all, 0.99),
         quantile(&all, 1.0),
-        queries as f64 / count,
         told as f64 / clients,
         sent as f64 / clients,
     );
@@ -204,43 +183,6 @@ fn times(level: &Level, options: MatchOptions, ticks: u64, threads: usize) -> Re
 /// When an answer arrives, halfway to the next one, and just before it.
 fn moments([begin, end]: [&Moment; 2]) -> [Moment; 3] {
     [begin.clone(), begin.toward(end, 0.5), begin.toward(end, 0.999)]
-}
-
-/// Looks from each eye at all that casca withholds.
-fn late(level: &Level, options: MatchOptions, ticks: u64) -> Result<(), Failure> {
-    let mut game = Match::new(level, options)?;
-    let mut truth = Truth::new(level, game.now()[0]);
-    let (mut late, mut pairs, mut withheld, mut clients) = (0u64, 0u64, 0u64, 0u64);
-    for tick in 0..ticks {
-        game.answer(|server, now| server.tick(now, &()).map(|_| ()))??;
-        let mut seen = vec![vec![false; options.bots]; options.bots];
-        let hidden = |i: usize, told: &[bool]| -> Vec<usize> {
-            (0..options.bots).filter(|&j| !told[j] && j != i).collect()
-        };
-        for moment in moments(game.now()) {
-            truth.set(&moment);
-            for (i, told) in game.told().iter().enumerate() {
-                truth.look(moment.eyes[i], &hidden(i, told), tick, &mut seen[i]);
-            }
-        }
-        for (i, told) in game.told().iter().enumerate() {
-            let here = seen[i].iter().filter(|seen| **seen).count() as u64;
-            if here > 0 && late < 5 {
-                println!("late: tick {tick}, client {i}: {here} at {}", game.now()[0].eyes[i]);
-            }
-            late += here;
-            clients += 1;
-            pairs += options.bots as u64 - 1;
-            withheld += hidden(i, told).len() as u64;
-        }
-        game.advance();
-    }
-    println!(
-        "{}: {clients} client-ticks: {late} late appearances; {:.3} of all pairs withheld",
-        level.name,
-        withheld as f64 / pairs as f64
-    );
-    Ok(())
 }
 
 /// Ways to choose of whom a client is told.
@@ -271,7 +213,7 @@ fn beside(
     let (mut clients, mut seconds) = (0u64, [0.0f64; 3]);
     for tick in 0..ticks {
         let begin = Instant::now();
-        game.answer(|server, now| server.tick(now, &()).map(|_| ()))??;
+        game.answer(|server, now| server.tick(now).map(|_| ()))??;
         seconds[0] += begin.elapsed().as_secs_f64();
         queue.push_back(by_rays(&game, &rays, n, &mut seconds));
         let told = game.told();
@@ -305,6 +247,9 @@ fn beside(
                     any[way] |= seen[i][j] && !is_told[way];
                 }
             }
+            if any[0] {
+                println!("late: tick {tick}, client {i} at {}", game.now()[0].eyes[i]);
+            }
             tallies.iter_mut().zip(any).for_each(|(tally, any)| tally.late_clients += u64::from(any));
         }
         game.advance();
@@ -328,4 +273,31 @@ fn beside(
     let [casca, nine, five] = seconds.map(|s| s * 1e3 / ticks as f64);
     println!("  ms a tick: casca-server {casca:.1}, nine rays {nine:.1}, from five places {five:.1}");
     Ok(())
+}
+
+/// What rays to boxes say from where eyes were reported, by client and bot: from the eye, and from
+/// the middle and the corners of the square that it may be in.
+fn by_rays(game: &Match, rays: &NineRays, n: usize, seconds: &mut [f64; 3]) -> Vec<[bool; 2]> {
+    let server = &game.server;
+    let clients: Vec<_> = server.clients().map(|(id, desc)| (id, *desc)).collect();
+    let boxes: Vec<_> = server.entities().map(|(_, entity)| entity.bounds).collect();
+    let mut told = vec![[false; 2]; n * n];
+    let begin = Instant::now();
+    for (i, (_, desc)) in clients.iter().enumerate() {
+        for (j, b) in boxes.iter().enumerate() {
+            told[i * n + j][0] = rays.sees_box(desc.eye, b.min, b.max);
+        }
+    }
+    seconds[1] += begin.elapsed().as_secs_f64();
+    let begin = Instant::now();
+    for (i, (id, desc)) in clients.iter().enumerate() {
+        let reach = server.answer(*id).map_or(0.0, |answer| answer.reach) as f32;
+        let corner = |x: f32, z: f32| desc.eye + Vec3::new(x, 0.0, z) * reach;
+        let places = [desc.eye, corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
+        for (j, b) in boxes.iter().enumerate() {
+            told[i * n + j][1] = places.iter().any(|&eye| rays.sees_box(eye, b.min, b.max));
+        }
+    }
+    seconds[2] += begin.elapsed().as_secs_f64();
+    told
 }

@@ -115,7 +115,7 @@ fn check(name: &str) -> Result<(), Failure> {
     let occluders = level.scene.len();
     let mut server = VisibilityServer::new(level.scene, ServerOptions::new())?;
     server.add_client(casca_server::ClientDesc::new(level.track.path[0], 5.0, 0.1), 0.0)?;
-    server.tick(0.0, &())?;
+    server.tick(0.0)?;
     let meters: f32 = level.track.path.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
     println!(
         "{}: {} objects, {occluders} occluders, {} walls",

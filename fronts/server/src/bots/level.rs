@@ -5,16 +5,16 @@ use std::path::Path;
 
 use casca::glam::{DVec3, Vec3};
 use casca::{Aabb, Scene};
-use casca_bake::{BakeError, Baker, Cells, Progress};
+use casca_bake::{BakeError, Baker, Cells, Progress, bounds_of};
 use casca_scenes::drive::{Driver, grid_for};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::import::{self, ImportError};
-use casca_scenes::world::{GridHint, Motion, Object, Shape, Source, World};
+use casca_scenes::world::{GridHint, Motion, Object, Source, World};
 use casca_walls::{Span, Walls};
 
-use crate::entity::span_of;
 use crate::error::ServerError;
 use crate::numeric::LEAST_WALL;
+use crate::space::span_of;
 
 /// Frames of the path of a generated scene: many, so that it is smooth.
 const FRAMES: usize = 4000;
@@ -132,7 +132,7 @@ impl Level {
             return Err(LevelError::NoPath(world.name));
         }
         world.objects.retain(|object| {
-            let b = bounds(object);
+            let b = bounds_of(&object.shape);
             let blocks = (b.max - b.min).length() < LARGEST_IN_THE_WAY && is_in_the_way(&b, &path, down);
             object.motion == Motion::Static && !blocks
         });
@@ -219,7 +219,7 @@ impl Track {
 
 /// Whether an object is one of the occluders of the server.
 fn hides(object: &&Object) -> bool {
-    let b = bounds(object);
+    let b = bounds_of(&object.shape);
     object.occludes && (b.max - b.min).length() >= LEAST_OCCLUDER
 }
 
@@ -236,17 +236,6 @@ fn resampled(path: &[Vec3]) -> Vec<Vec3> {
     }
     all.extend(path.last());
     all
-}
-
-fn bounds(object: &Object) -> Aabb {
-    match &object.shape {
-        Shape::Sphere { center, radius } => Aabb::from_center(*center, Vec3::splat(*radius)),
-        Shape::Box { min, max } => Aabb::new(*min, *max),
-        Shape::Mesh { mesh, transform } => {
-            let (min, max) = mesh.bounds(transform);
-            Aabb::new(min, max)
-        }
-    }
 }
 
 /// Whether a bot on the path may touch a box.

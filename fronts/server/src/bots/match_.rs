@@ -10,12 +10,11 @@ use rand::RngExt;
 use super::bot::{Bot, Habits};
 use super::level::Level;
 use crate::answer::Answer;
-use crate::client::ClientDesc;
-use crate::entity::EntityDesc;
+use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
 use crate::id::{ClientId, EntityId};
 use crate::options::ServerOptions;
-use crate::server::VisibilityServer;
+use crate::space::VisibilityServer;
 
 /// What can be chosen about a match.
 #[derive(Debug, Clone, Copy, PartialEq)]

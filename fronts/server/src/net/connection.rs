@@ -3,18 +3,20 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
+use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
+use tokio_tungstenite::tungstenite::{Error, Message};
 
 use crate::id::ClientId;
+use crate::net::FrontOptions;
 use crate::net::game::{Command, Link};
 use crate::net::metrics::Metrics;
-use crate::net::options::FrontOptions;
-use crate::net::websocket::{Incoming, Reader, Writer, next_frame, send_frame};
 use crate::session::{Event, Refusal, Session};
 use crate::wire::{MOST_FRAME, ToClient, WireError};
 
@@ -218,4 +220,33 @@ enum Next {
 
 async fn write(outlet: &mut Writer, frame: Vec<u8>) -> Result<(), Refusal> {
     timeout(WRITE, send_frame(outlet, frame)).await.unwrap_or(Err(Refusal::Slow))
+}
+
+/// Frames from a client, and to it.
+type Reader = SplitStream<WebSocketStream<TcpStream>>;
+type Writer = SplitSink<WebSocketStream<TcpStream>, Message>;
+
+/// What comes from a client: each binary message is a frame.
+enum Incoming {
+    Frame(Vec<u8>),
+    /// A message of the transport, which counts as a frame.
+    Nothing,
+    End,
+    Malformed(WireError),
+}
+
+/// The next frame. A call that is given up loses nothing.
+async fn next_frame(source: &mut Reader) -> Incoming {
+    match source.next().await {
+        Some(Ok(Message::Binary(frame))) => Incoming::Frame(frame.into()),
+        Some(Ok(Message::Ping(_) | Message::Pong(_))) => Incoming::Nothing,
+        Some(Ok(Message::Close(_))) | None | Some(Err(Error::Io(_) | Error::ConnectionClosed)) => {
+            Incoming::End
+        }
+        Some(Ok(_) | Err(_)) => Incoming::Malformed(WireError::Short(0)),
+    }
+}
+
+async fn send_frame(outlet: &mut Writer, frame: Vec<u8>) -> Result<(), Refusal> {
+    outlet.send(Message::binary(frame)).await.map_err(|_| Refusal::Gone)
 }

@@ -9,14 +9,13 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::answer::Answer;
 use crate::bots::{Bot, Habits, Level, Track};
-use crate::client::ClientDesc;
-use crate::entity::EntityDesc;
+use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
 use crate::id::{ClientId, EntityId};
+use crate::net::FrontOptions;
 use crate::net::map::Map;
 use crate::net::metrics::Metrics;
-use crate::net::options::FrontOptions;
-use crate::server::VisibilityServer;
+use crate::space::VisibilityServer;
 use crate::wire::{AnswerFrame, MOST_LISTED, ToClient};
 
 /// The latency of bots, in seconds.
@@ -100,7 +99,7 @@ impl Game {
             game.add(bot.eye, BOT_LATENCY, None, Some(bot), 0.0)?;
         }
         // The first tick finds the walls, so that no report is believed without them.
-        game.server.tick(0.0, &())?;
+        game.server.tick(0.0)?;
         Ok(game)
     }
 
@@ -193,10 +192,9 @@ impl Game {
         self.tick += 1;
         self.move_all(now)?;
         let begin = Instant::now();
-        let answers = self.server.tick(now, &())?;
+        let answers = self.server.tick(now)?;
         self.metrics.tick_seconds.observe(begin.elapsed().as_secs_f64());
         self.metrics.ticks.inc();
-        self.metrics.queries.inc_by(answers.iter().filter(|answer| answer.looked).count() as u64);
         self.metrics.told.set(answers.iter().map(|answer| answer.told.len() as i64).sum());
         self.metrics.clients.set(answers.len() as i64);
         self.metrics.entities.set(self.players.len() as i64);
@@ -257,7 +255,7 @@ impl Game {
     }
 
     fn frame(&self, answer: &Answer) -> AnswerFrame {
-        let bounds = |id: &EntityId| self.server.entity(*id).ok().map(|e| (id.key(), e.desc().bounds));
+        let bounds = |id: &EntityId| self.server.entity(*id).ok().map(|e| (id.key(), e.bounds));
         let new = if answer.is_fresh { &answer.told } else { &answer.new };
         let old = answer.told.iter().filter(|id| new.binary_search(id).is_err());
         AnswerFrame {

@@ -2,11 +2,11 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use casca_scenes::world::Shape;
+use casca::Aabb;
 use serde_json::{Value, json};
 
 use crate::bots::Level;
-use crate::server::VisibilityServer;
+use crate::space::VisibilityServer;
 
 /// Boxes of the level that are drawn, at most: the largest ones.
 const MOST_BOXES: usize = 4000;
@@ -24,11 +24,7 @@ impl Map {
             .objects
             .iter()
             .map(|object| {
-                let (min, max) = match &object.shape {
-                    Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
-                    Shape::Box { min, max } => (*min, *max),
-                    Shape::Mesh { mesh, transform } => mesh.bounds(transform),
-                };
+                let Aabb { min, max } = casca_bake::bounds_of(&object.shape);
                 [min.x, min.z, max.x, max.z, min.y, max.y]
             })
             .collect();
@@ -63,7 +59,7 @@ impl Map {
         let entities: Vec<Value> = server
             .entities()
             .map(|(id, entity)| {
-                let (b, owner) = (entity.desc().bounds, entity.desc().owner.map(|owner| owner.key()));
+                let (b, owner) = (entity.bounds, entity.owner.map(|owner| owner.key()));
                 json!({ "key": id.key(), "owner": owner, "box": [b.min.x, b.min.z, b.max.x, b.max.z] })
             })
             .collect();

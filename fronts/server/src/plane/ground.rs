@@ -5,10 +5,10 @@ use std::ops::Range;
 use casca::glam::Vec2;
 use casca_plane::OpaqueTiles;
 
-use crate::plane::options::MARGIN;
+use crate::plane::MARGIN;
 
 /// A tile, its column first.
-pub(crate) type Tile = (u32, u32);
+pub type Tile = (u32, u32);
 
 /// Tiles of a row or column of `size` that touch what lies from `low` to `high`.
 fn touched(low: f64, high: f64, size: u32) -> Range<u32> {

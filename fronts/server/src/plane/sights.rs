@@ -11,11 +11,11 @@ use crate::error::ServerError;
 use crate::plane::ground::Tile;
 
 /// Eyes: a tile, and the bits of the radius.
-pub(crate) type Key = (Tile, u32);
+pub type Key = (Tile, u32);
 
 /// Tiles in a part of a map, a bit for each.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Window {
+pub struct Window {
     /// Words of a row.
     words: Range<usize>,
     rows: Range<usize>,
@@ -118,11 +118,6 @@ impl Sights {
     /// What some eyes see, if it was found.
     pub(crate) fn get(&self, key: &Key) -> Option<&Window> {
         self.kept.get(key).map(|(_, window)| window)
-    }
-
-    /// Bytes that all takes.
-    pub(crate) fn bytes(&self) -> usize {
-        self.bytes
     }
 
     /// Forgets all.
