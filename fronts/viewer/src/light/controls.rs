@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use casca_radiosity::lit::{Light, LightKind};
+use casca_radiosity::Light;
 use casca_stage::dial::Dial;
 use glam::Vec3;
 
@@ -63,10 +63,7 @@ impl Controls {
 
     /// The lights as they shine.
     pub fn lights(&self) -> Vec<Light> {
-        let shines = |lamp: &Lamp| {
-            let color = if lamp.on { lamp.light.color * lamp.strength } else { Vec3::ZERO };
-            Light { color, ..lamp.light }
-        };
+        let shines = |lamp: &Lamp| lamp.light.scaled(if lamp.on { lamp.strength } else { 0.0 });
         self.lamps.iter().map(shines).collect()
     }
 
@@ -117,10 +114,10 @@ impl Controls {
 
 /// The name of a lamp's dials.
 fn name(number: usize, lamp: &Lamp) -> String {
-    let kind = match lamp.light.kind {
-        LightKind::Directional { .. } => "sun",
-        LightKind::Point { .. } => "point",
-        LightKind::Spot { .. } => "spot",
+    let kind = match lamp.light {
+        Light::Sun { .. } => "sun",
+        Light::Point { .. } => "point",
+        Light::Spot { .. } => "spot",
     };
     format!("light {}: {kind}", number + 1)
 }
@@ -129,12 +126,12 @@ impl Lamp {
     /// Where it is, number by number: a sun's height and turn in degrees, the place of others in
     /// metres.
     fn place(&self, (min, max): (Vec3, Vec3)) -> Vec<(&'static str, f32, RangeInclusive<f64>)> {
-        match self.light.kind {
-            LightKind::Directional { direction, .. } => {
+        match self.light {
+            Light::Sun { direction, .. } => {
                 let (height, turn) = angles(direction);
                 vec![("height", height, -90.0..=90.0), ("turn", turn, -180.0..=180.0)]
             }
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+            Light::Point { position, .. } | Light::Spot { position, .. } => {
                 let axis = |axis: usize| (position[axis], f64::from(min[axis])..=f64::from(max[axis]));
                 let names = ["x", "y", "z"].into_iter().enumerate();
                 names.map(|(i, name)| (name, axis(i).0, axis(i).1)).collect()
@@ -144,13 +141,13 @@ impl Lamp {
 
     /// Sets one of these numbers.
     fn put(&mut self, what: &str, value: f32) {
-        match &mut self.light.kind {
-            LightKind::Directional { direction, .. } => {
+        match &mut self.light {
+            Light::Sun { direction, .. } => {
                 let (height, turn) = angles(*direction);
                 let (height, turn) = if what == "height" { (value, turn) } else { (height, value) };
                 *direction = sunbeam(height, turn);
             }
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+            Light::Point { position, .. } | Light::Spot { position, .. } => {
                 if let Some(axis) = ["x", "y", "z"].iter().position(|name| *name == what) {
                     position[axis] = value;
                 }
@@ -210,11 +207,12 @@ mod tests {
     #[test]
     fn lights_that_are_off_shine_black_and_a_sun_is_turned_and_turned_back() {
         let mut controls = controls();
-        let color = controls.lamps[0].light.color;
+        let shines = |controls: &Controls| controls.lights()[0].incident(Vec3::ONE).map(|i| i.irradiance);
+        let whole = shines(&controls).unwrap();
         controls.lamps[0].strength = 0.5;
-        assert_eq!(controls.lights()[0].color, color * 0.5);
+        assert!(shines(&controls).unwrap().abs_diff_eq(whole * 0.5, 1e-5 * whole.max_element()));
         controls.lamps[0].on = false;
-        assert_eq!(controls.lights()[0].color, Vec3::ZERO);
+        assert_eq!(shines(&controls), None);
         for direction in [Vec3::new(0.3, -0.8, 0.2), Vec3::NEG_Y, Vec3::X, Vec3::new(-1.0, 0.5, -1.0)] {
             let (height, turn) = angles(direction);
             assert!(sunbeam(height, turn).abs_diff_eq(direction.normalize(), 1e-5), "{direction}");

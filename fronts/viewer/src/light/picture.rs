@@ -2,7 +2,7 @@
 //! colours of a screen.
 
 use bytemuck::{Pod, Zeroable};
-use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Input, Mirrors, Shading};
+use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Mirrors, Shading};
 use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
@@ -146,10 +146,9 @@ impl Picture {
         let has_mirrors = sound.iter().any(|m| roughness(m).is_some());
         Ok(Self {
             surfaces: surfaces(gpu, &picture),
-            shadings: [Answers::All, Answers::Indirect]
-                .map(|answers| Shading::new(&gpu.device, Input::Positions, answers)),
-            gaps: Gaps::new(&gpu.device, Input::Positions),
-            mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device, Input::Positions)),
+            shadings: [Answers::All, Answers::Indirect].map(|answers| Shading::new(&gpu.device, answers)),
+            gaps: Gaps::new(&gpu.device),
+            mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device)),
             compose: gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("compose"),
                 layout: None,

@@ -14,7 +14,7 @@ use crate::points::operators::{Look, Operator, parse_size};
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Visible {
-    /// A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]
+    /// A PLY, LAS, LAZ or E57 file [default: a scan of a house, made by rules]
     file: Option<PathBuf>,
     #[command(flatten)]
     look: Look,

@@ -144,7 +144,7 @@ impl Walk {
             filter: Filter::Max,
             slopes: true,
         };
-        let visible = visible_points(&cloud.positions, &camera, &options)?.visible;
+        let visible = visible_points(&cloud.positions, &camera, &options)?;
         let refined = start.elapsed();
         let errors =
             (self.check && frame % 20 == 19).then(|| check(&cloud.positions, &visible, &camera, walls));
