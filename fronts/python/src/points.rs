@@ -57,7 +57,6 @@ pub fn splat_visible<'py>(
             };
             splat::visible_points(&points, &camera, &options)
         })
-        .map_err(refused)?
-        .visible;
+        .map_err(refused)?;
     Ok(PyArray1::from_iter(py, visible.iter().by_vals()))
 }

@@ -385,9 +385,6 @@ fn bad_input_is_refused() {
         assert!(server.add_client(ClientDesc::new(at, 1.0, 0.1).radius(bad), 1.0).is_err());
     }
     assert!(PlaneServer::new(OpaqueTiles::new(BitGrid::new(0, 4)), ServerOptions::new()).is_err());
-    assert!(matches!(
-        server.set_opaque(16, 0, true),
-        Err(ServerError::Tiles(Error::Outside { x: 16, .. }))
-    ));
+    assert!(matches!(server.set_opaque(16, 0, true), Err(ServerError::Tiles(Error::Outside { x: 16, .. }))));
     assert!(server.tick(2.0).is_ok());
 }

@@ -1,5 +1,5 @@
 //! The light that crosses walls: rooms beside a lit one, and boxes under the sky, as the table of
-//! docs/radiosity.md. `leaks [N,..] [RAYS]`.
+//! docs/radiosity.md.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -10,18 +10,18 @@ use glam::Affine3A;
 /// Thicknesses of walls in metres; 0 is a sheet.
 const WALLS: [f32; 6] = [0.0, 0.02, 0.05, 0.1, 0.4, 1.0];
 
+/// Rays of a state.
+const RAYS: u32 = 32;
+
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let sizes = arguments.first().map_or("64,128", |s| s);
-    let rays = arguments.get(1).and_then(|r| r.parse().ok()).unwrap_or(64);
     println!("| N | place | wall | dark room over lit one: mean | most | sealed box over its roof: most |");
     println!("|---|---|---|---|---|---|");
-    for cells in sizes.split(',').filter_map(|n| n.parse().ok()) {
+    for cells in [64, 128] {
         for (name, place) in [("along the axes", Affine3A::IDENTITY), ("turned", turned())] {
             for wall in WALLS {
-                let (mean, most) = leak(wall, cells, rays, place);
+                let (mean, most) = leak(wall, cells, RAYS, place);
                 // A box of 2 metres has room for walls of less than 1.
-                let sealed = sealed(wall.min(0.8), cells, rays, place);
+                let sealed = sealed(wall.min(0.8), cells, RAYS, place);
                 println!("| {cells} | {name} | {wall} m | {mean:.1e} | {most:.1e} | {sealed:.1e} |");
             }
         }

@@ -1,24 +1,26 @@
 //! Light by cones through voxels, as J. Villegas traces it (*Trazado de Conos para el Cálculo de
-//! Iluminación Global empleando Sombreado de Vóxeles*, UCV 2016), beside the path tracer:
-//! `voxel_cones [SCENE or FILE.glb] [N,..] [STEP,..]`.
+//! Iluminación Global empleando Sombreado de Vóxeles*, UCV 2016), beside the path tracer.
 //!
 //! Triangles are put into a cube of cells, which are lit; six chains of smaller cubes hold their
 //! light and opacity as rays along each axis meet them; a pixel follows six cones of 60 degrees.
 //! Errors are RMSE over the mean of the path tracer's picture: of the first and the second bounce,
 //! and of the shadow of the first light by one cone, whose truth is a share from 0 to 1. The first
-//! row has the noise of those pictures in the same unit, which errors contain. In `cornell-point`
-//! it is most of the error: few paths find the bright spot on the ceiling above the lamp. Only lights
-//! count here: emission and sky are taken away from the scene.
+//! row has the noise of those pictures in the same unit, which errors contain. The scene is the
+//! Cornell box with a ball of light in its upper half, so far from the ceiling that paths find what
+//! it lights.
 
 use std::error::Error;
-use std::path::Path;
 
+use casca_radiosity::Light;
 use casca_radiosity::lit::path::{PathTracer, Quantity, Render, Surface};
-use casca_radiosity::lit::{HdrImage, Kind, LightKind, LitScene, load_lit};
+use casca_radiosity::lit::{HdrImage, Kind, LitScene};
 use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
 
 const SIZE: (usize, usize) = (96, 72);
 const SAMPLES: u32 = 256;
+/// Cells along each axis of the cube, and steps of cones.
+const SIZES: [i32; 2] = [32, 64];
+const STEPS: [f32; 4] = [0.1, 0.5, 1.0, 2.5];
 /// Cells between the scene and the side of the cube. Not a whole number: walls along the axes would
 /// lie in the faces of cells.
 const MARGIN: f32 = 2.5;
@@ -188,31 +190,10 @@ fn direct(scene: &LitScene, tracer: &PathTracer, v: &Voxel, off: f32) -> Vec3 {
     lights.sum::<Vec3>() * v.albedo / std::f32::consts::PI
 }
 
-/// The Cornell box with a ball of light in its upper half, so far from the ceiling that paths find
-/// what it lights.
-fn cornell_ball() -> LitScene {
-    let mut scene = LitScene { name: "cornell-ball".to_owned(), ..Kind::CornellPoint.build() };
-    for light in &mut scene.lights {
-        light.kind = LightKind::Point { position: Vec3::new(2.78, 4.0, 2.8), radius: 0.25 };
-    }
-    scene
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let of = |i: usize, default: &str| arguments.get(i).cloned().unwrap_or(default.to_owned());
-    let mut scene = match of(0, "cornell-ball") {
-        name if name == "cornell-ball" => cornell_ball(),
-        file if Path::new(&file).exists() => load_lit(Path::new(&file))?,
-        name => name.parse::<Kind>()?.build(),
-    };
-    if scene.lights.is_empty() {
-        return Err(format!("{} has no lights but surfaces, whose light is not followed", scene.name).into());
-    }
-    scene.materials.iter_mut().for_each(|m| (m.specular, m.emission) = (Vec3::ZERO, Vec3::ZERO));
-    scene.sky = Vec3::ZERO;
-    let sizes = of(1, "32,64").split(',').map(str::parse).collect::<Result<Vec<i32>, _>>()?;
-    let steps = of(2, "0.1,0.5,1,2.5").split(',').map(str::parse).collect::<Result<Vec<f32>, _>>()?;
+    let mut scene = Kind::CornellPoint.build();
+    let intensity = Vec3::new(25.0, 21.0, 11.0);
+    scene.lights = vec![Light::Point { position: Vec3::new(2.78, 4.0, 2.8), intensity, radius: 0.25 }];
     let tracer = PathTracer::new(&scene);
     let truth = |quantity| tracer.render(&scene.camera, SIZE, &quantity, SAMPLES, 1);
     let truths = [truth(Quantity::Radiance(2..=2))?, truth(Quantity::Radiance(3..=3))?];
@@ -232,10 +213,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| N | step | opacity | first bounce | second bounce | shadow |\n|---|---|---|---|---|---|");
     let [first, second, soft] = [noise(&truths[0])?, noise(&truths[1])?, noise(&shadow)?];
     println!("| | | noise of the path tracer | {first:.2} | {second:.2} | {soft:.2} |");
-    for n in sizes {
+    for n in SIZES {
         let mut voxels = Voxels::new(&scene, n);
         let off = 0.01 * voxels.cell;
-        for how in steps.iter().flat_map(|&step| [(step, false), (step, true)]) {
+        for how in STEPS.into_iter().flat_map(|step| [(step, false), (step, true)]) {
             voxels.fill(|_, v| direct(&scene, &tracer, v, off));
             let albedo = |s: &Surface| scene.materials[s.material].albedo;
             let indirect = |voxels: &Voxels, s: &Surface| {

@@ -6,10 +6,10 @@ use std::sync::OnceLock;
 use glam::Vec3;
 
 use crate::direct::{Lamps, Sources, Spot};
-use crate::error::LightError;
+use crate::error::{LightError, some_rays};
 use crate::input::{Light, Material, Object, Scene, Settings, Sky, check_lights};
 use crate::lattice::Lattice;
-use crate::numeric::{MOST_LINKS, MOST_RAYS, MOST_STORED};
+use crate::numeric::{MOST_LINKS, MOST_STORED};
 use crate::queues::{Unlit, Waiting, Wish};
 use crate::spread::mix;
 use crate::states::{Bundle, DARK, Ray, SKY, Start};
@@ -92,28 +92,17 @@ pub(crate) fn in_parallel<T: Sync, R: Send>(
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// The edge of a cell of the grid, in metres.
-    pub cell: f64,
-    /// Cells of the grid along each axis, with one around the box on each side; see
-    /// [`Cache::windows`] for finer ones.
+    /// Cells of the grid along each axis, with one around the box on each side.
     pub dims: [i32; 3],
-    /// Triangles in the grid.
-    pub triangles: usize,
     /// Triangles that were left out or cut.
     pub skipped: Skipped,
-    /// Times that a cell lists a triangle.
-    pub references: usize,
     /// Surfaces in cells; each has two states.
     pub entries: usize,
-    /// Emissive triangles.
-    pub lamps: usize,
     /// States with rays.
     pub gathered: usize,
     /// Stored rays.
     pub rays: usize,
-    /// Those that left the grid.
-    pub sky_rays: usize,
-    /// Those that hit a surface for which no state can stand: they carry no light.
+    /// Those of them that hit a surface for which no state can stand: they carry no light.
     pub dark_rays: usize,
     /// Bytes of the cache.
     pub bytes: usize,
@@ -226,9 +215,7 @@ impl Cache {
 
     /// Whether so many states may store so many rays each.
     pub(crate) fn check_room(&self, rays: u32, states: usize) -> Result<(), LightError> {
-        if !(1..=MOST_RAYS).contains(&rays) {
-            return Err(LightError::Rays { what: "rays", value: rays });
-        }
+        some_rays("rays", rays)?;
         let needed = self.rays.len().saturating_add(states.saturating_mul(rays as usize));
         if needed >= MOST_STORED { Err(LightError::TooManyRays { rays: needed }) } else { Ok(()) }
     }
@@ -390,19 +377,6 @@ impl Cache {
         Ok(())
     }
 
-    /// Replaces the sky. No ray is sent again: call passes.
-    ///
-    /// # Errors
-    /// If it is out of range; then the old one stays.
-    pub fn set_sky(&mut self, sky: Sky) -> Result<(), LightError> {
-        sky.check()?;
-        self.sky = sky;
-        for i in 0..self.gathered.len() {
-            self.sum_sky(self.gathered[i]);
-        }
-        Ok(())
-    }
-
     /// Forgets all indirect light, but no rays: passes start anew.
     pub fn darken(&mut self) {
         self.passes = 0;
@@ -415,7 +389,6 @@ impl Cache {
 
     /// What there is. O(rays).
     pub fn statistics(&self) -> Statistics {
-        let count = |target| self.rays.iter().filter(|r| r.target == target).count();
         let starts = self.starts.0.iter().filter_map(|s| s.get());
         let bytes = self.voxels.bytes()
             + size_of_val(&self.starts.0[..])
@@ -427,17 +400,12 @@ impl Cache {
             + size_of_val(&self.links[..])
             + size_of_val(&self.smoothed[..]);
         Statistics {
-            cell: self.voxels.lattice.cell,
             dims: self.voxels.lattice.dims.to_array(),
-            triangles: self.voxels.surfaces.len(),
             skipped: self.skipped,
-            references: self.voxels.references.len(),
             entries: self.voxels.entries.len(),
-            lamps: self.lamps.count(),
             gathered: self.gathered.len(),
             rays: self.rays.len(),
-            sky_rays: count(SKY),
-            dark_rays: count(DARK),
+            dark_rays: self.rays.iter().filter(|r| r.target == DARK).count(),
             bytes,
         }
     }

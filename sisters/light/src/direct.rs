@@ -62,10 +62,6 @@ impl Lamps {
         Self { all }
     }
 
-    pub(crate) fn count(&self) -> usize {
-        self.all.len()
-    }
-
     /// Each lamp's triangle, mean radiance, luminance and share up to it; and the power of all:
     /// luminance times square cells.
     #[cfg(feature = "gpu")]

@@ -4,15 +4,12 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 
-use crate::numeric::{BRIGHTEST, MOST_CELLS, MOST_RAYS, MOST_REFERENCES, MOST_STORED};
+use crate::numeric::{BRIGHTEST, MOST_RAYS, MOST_REFERENCES, MOST_STORED};
 
 /// Why a scene cannot be lit, or a question cannot be answered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
-    /// A number of cells that no grid has.
-    #[error("a grid of {0} cells along its longest axis: from 1 to {MOST_CELLS} are possible")]
-    Cells(u32),
     /// A box that is empty, or not finite.
     #[error("the grid's box from {min:?} to {max:?} is empty, or not finite")]
     Box {
@@ -69,14 +66,6 @@ pub enum LightError {
         /// The vector.
         value: [f32; 3],
     },
-    /// A number of rays that no state has.
-    #[error("{what} is {value}; from 1 to {MOST_RAYS} are possible")]
-    Rays {
-        /// The setting.
-        what: &'static str,
-        /// Its value.
-        value: u32,
-    },
     /// The surfaces touch too many cells.
     #[error("the triangles touch cells more than {MOST_REFERENCES} times; fewer cells take less")]
     TooManyReferences,
@@ -111,6 +100,11 @@ pub(crate) fn numbers(
 /// Refuses light that is negative, too bright or not finite.
 pub(crate) fn bright(what: &'static str, index: usize, v: Vec3) -> Result<(), LightError> {
     numbers(what, index, v, 0.0..=BRIGHTEST)
+}
+
+/// Refuses numbers of rays that no state or question sends.
+pub(crate) fn some_rays(what: &'static str, rays: u32) -> Result<(), LightError> {
+    numbers(what, 0, Vec3::splat(rays as f32), 1.0..=MOST_RAYS as f32)
 }
 
 /// Refuses vectors that are no direction.

@@ -18,9 +18,15 @@ impl Cache {
     /// most blotches of 64 rays. Answers are of the smoothed light until the next pass, gathering
     /// or move.
     ///
-    /// Costs look-ups, and what [`Cache::link`] costs.
+    /// Costs look-ups, and a short ray for each link of states around which one was gathered or
+    /// something moved since the last call.
     pub fn smooth(&mut self, times: u32) {
-        self.link();
+        let is_missing = |s: &u32| self.links[*s as usize].is_none();
+        let missing: Vec<u32> = self.gathered.iter().copied().filter(is_missing).collect();
+        let found = in_parallel(&missing, self.settings.threads, |&state| self.links_of(state));
+        for (state, links) in missing.into_iter().zip(found) {
+            self.links[state as usize] = Some(links);
+        }
         let mut light: Vec<Vec3> = self.glow.iter().map(|g| g.indirect).collect();
         for _ in 0..times {
             let mean = |&state: &u32| {
@@ -34,24 +40,6 @@ impl Cache {
             self.gathered.iter().zip(means).for_each(|(state, mean)| light[*state as usize] = mean);
         }
         self.smoothed = light;
-    }
-
-    /// Finds the links of gathered states that are not known, by a short ray for each: those of
-    /// states around which one was gathered or something moved since the last call.
-    pub fn link(&mut self) {
-        let is_missing = |s: &u32| self.links[*s as usize].is_none();
-        let missing: Vec<u32> = self.gathered.iter().copied().filter(is_missing).collect();
-        let found = in_parallel(&missing, self.settings.threads, |&state| self.links_of(state));
-        for (state, links) in missing.into_iter().zip(found) {
-            self.links[state as usize] = Some(links);
-        }
-    }
-
-    /// The links of all gathered states, in their order.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn found_links(&self) -> Vec<Links> {
-        let of = |&state: &u32| self.links[state as usize].unwrap_or_else(|| self.links_of(state));
-        in_parallel(&self.gathered, self.settings.threads, of)
     }
 
     /// The nearest gathered states on the surface of one that it sees.

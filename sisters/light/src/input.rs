@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::error::{LightError, bright, numbers, way};
-use crate::numeric::{ABSURD, FINEST, MOST_CELLS, MOST_RAYS, OUTLIER};
+use crate::error::{LightError, bright, numbers, some_rays, way};
+use crate::numeric::{ABSURD, FINEST, MOST_CELLS, OUTLIER};
 
 /// A triangle. Its front is where its corners run counter-clockwise; both sides reflect and emit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,6 +85,22 @@ pub enum Light {
         /// Half the angle that it is seen under, in radians, 0 to 1.5; 0 for sharp shadows.
         half_angle: f32,
     },
+}
+
+impl Light {
+    /// A ball without size.
+    pub const fn point(position: Vec3, intensity: Vec3) -> Self {
+        Self::Point { position, intensity, radius: 0.0 }
+    }
+
+    /// The light, so many times as strong.
+    pub fn scaled(mut self, factor: f32) -> Self {
+        let (Self::Point { intensity: strength, .. }
+        | Self::Spot { intensity: strength, .. }
+        | Self::Sun { irradiance: strength, .. }) = &mut self;
+        *strength *= factor;
+        self
+    }
 }
 
 /// The radiance from directions in which nothing is hit.
@@ -187,9 +203,7 @@ impl Grid {
     }
 
     pub(crate) fn check(&self) -> Result<(), LightError> {
-        if !(1..=MOST_CELLS).contains(&self.cells) {
-            return Err(LightError::Cells(self.cells));
-        }
+        numbers("the cells of grid", 0, Vec3::splat(self.cells as f32), 1.0..=MOST_CELLS as f32)?;
         let size = self.max - self.min;
         let is_sound = self.min.is_finite()
             && size.is_finite()
@@ -266,8 +280,7 @@ impl Settings {
             ("light_rays", self.light_rays),
             ("threads", self.threads),
         ];
-        let wrong = counts.into_iter().find(|(_, value)| !(1..=MOST_RAYS).contains(value));
-        wrong.map_or(Ok(()), |(what, value)| Err(LightError::Rays { what, value }))
+        counts.into_iter().try_for_each(|(what, value)| some_rays(what, value))
     }
 }
 

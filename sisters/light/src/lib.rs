@@ -48,7 +48,7 @@
 //! et al. 1988), solved by Gauss and Seidel (Cohen and Greenberg 1985). Direct light of lamps is
 //! taken out and found by resampled shadow rays (Talbot et al. 2005). Answers are means of the
 //! states around, as irradiance caching interpolates them (Ward et al. 1988), each behind a ray of
-//! its own. [`Cache::radiance`] and [`Cache::reflection`] send rays that read states.
+//! its own. [`Cache::reflection`] sends rays that read states.
 //!
 //! A world larger than a grid has a coarse one and [`Window`]s of finer cells around the eye
 //! ([`Cache::move_windows`]); all cells share one list of states and one tree of triangles.

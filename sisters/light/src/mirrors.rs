@@ -1,8 +1,8 @@
-//! Light in the open: what arrives at a point from a direction, and what a glossy surface mirrors.
+//! Light in the open: what rays meet, and what a glossy surface mirrors.
 //!
 //! All of it is found by rays that read the states which they hit, so that no light crosses walls
-//! here either. Lobes are those of Trowbridge and Reitz (GGX, Walter et al. 2007), sampled by visible
-//! normals (Heitz 2018).
+//! here either. Lobes are those of Trowbridge and Reitz (GGX, Walter et al. 2007), sampled by
+//! visible normals (Heitz 2018).
 
 use std::f32::consts::PI;
 
@@ -10,8 +10,8 @@ use glam::{DVec3, Vec3};
 
 use crate::cache::{Cache, in_parallel};
 use crate::direct::Spot;
-use crate::error::{LightError, numbers, way};
-use crate::numeric::{LEAST_ROUGH, MOST_RAYS};
+use crate::error::{LightError, numbers, some_rays, way};
+use crate::numeric::LEAST_ROUGH;
 use crate::spread::Lobe;
 use crate::states::lifted;
 
@@ -34,25 +34,12 @@ struct Met {
 }
 
 impl Cache {
-    /// The radiance that arrives at a point from a direction, in watts per square metre and
-    /// steradian: emission, and what the surface there scatters. The light that it scatters is
-    /// that of the gathered states around: shadows are as soft as a cell is wide.
-    ///
-    /// For mirrors, and for rays of one's own. Costs a ray, and a question without direct light.
+    /// Asks for the states around what rays meet, each a point and a direction, by all threads,
+    /// and returns the surfaces that they meet. A camera asks so for its picture, and needs no
+    /// picture of positions.
     ///
     /// # Errors
-    /// If a number is not finite, or the direction has no length.
-    pub fn radiance(&self, point: Vec3, direction: Vec3) -> Result<Vec3, LightError> {
-        let (from, direction) = self.open_ray(point, direction)?;
-        Ok(self.along(from, direction))
-    }
-
-    /// Asks for the states that [`Cache::radiance`] will read along rays, each a point and a
-    /// direction, by all threads, and returns the surfaces that they meet. A camera asks so for its
-    /// picture, and needs no picture of positions.
-    ///
-    /// # Errors
-    /// As there; then nothing is asked for.
+    /// If a number is not finite, or a direction has no length; then nothing is asked for.
     pub fn request_radiances(&mut self, rays: &[(Vec3, Vec3)]) -> Result<Vec<Option<Seen>>, LightError> {
         let open = rays.iter().map(|(point, direction)| self.open_ray(*point, *direction));
         let open = open.collect::<Result<Vec<_>, _>>()?;
@@ -140,7 +127,7 @@ impl Cache {
         let spot = self.spot(point, normal)?;
         numbers("the eye of question", 0, eye, -f32::MAX..=f32::MAX)?;
         numbers("the roughness of question", 0, Vec3::splat(roughness), 0.0..=1.0)?;
-        some_rays(rays)?;
+        some_rays("rays", rays)?;
         let Some(view) = (eye.as_dvec3() - point.as_dvec3()).try_normalize() else { return Ok(()) };
         if view.dot(spot.normal) <= 0.0 {
             return Ok(());
@@ -164,17 +151,11 @@ impl Cache {
         Some(Met { surface: hit.surface, point, spot })
     }
 
-    /// The radiance along a ray.
+    /// The radiance along a ray: emission, and what the surface there scatters of the light of the
+    /// gathered states around. So shadows are as soft as a cell is wide.
     fn along(&self, from: DVec3, direction: DVec3) -> Vec3 {
         let Some(met) = self.meets(from, direction) else { return self.sky.radiance(direction.as_vec3()) };
         let material = &self.materials[self.voxels.surfaces[met.surface as usize].material as usize];
         material.emission + material.albedo / PI * self.stored(&met.spot)
-    }
-}
-
-fn some_rays(value: u32) -> Result<(), LightError> {
-    match (1..=MOST_RAYS).contains(&value) {
-        true => Ok(()),
-        false => Err(LightError::Rays { what: "rays", value }),
     }
 }

@@ -50,52 +50,44 @@ impl Surface {
     }
 }
 
-/// Triangles that were left out, or not taken whole.
+/// Triangles that were not taken, or not whole.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Skipped {
-    /// Corners that are not finite.
-    pub not_finite: usize,
-    /// A corner more than 2^30 cells away, where single precision places no plane.
-    pub far: usize,
-    /// No area.
-    pub degenerate: usize,
-    /// Wholly outside of the grid.
-    pub outside: usize,
-    /// Not left out: only the part inside of the grid counts.
+    /// Left out: those with a corner that is not finite or more than 2^30 cells away, where single
+    /// precision places no plane; without an area; and wholly outside of the grid.
+    pub left_out: usize,
+    /// Of which only the part inside of the grid counts.
     pub cut: usize,
 }
 
 /// The triangles of objects that can be lit.
 pub(crate) fn surfaces(objects: &[Object], lattice: &Lattice, skipped: &mut Skipped) -> Vec<Surface> {
     let mut all = Vec::new();
-    for (object, o) in objects.iter().enumerate() {
-        all.extend(o.triangles.iter().filter_map(|t| surface(t, object as u32, lattice, skipped)));
+    for (object, o) in (0..).zip(objects) {
+        for t in &o.triangles {
+            let Some((surface, is_cut)) = surface(t, object, lattice) else {
+                skipped.left_out += 1;
+                continue;
+            };
+            skipped.cut += usize::from(is_cut);
+            all.push(surface);
+        }
     }
     all
 }
 
-fn surface(t: &Triangle, object: u32, lattice: &Lattice, skipped: &mut Skipped) -> Option<Surface> {
-    if !t.corners.iter().all(|p| p.is_finite()) {
-        skipped.not_finite += 1;
-        return None;
-    }
+/// A triangle that can be lit, and whether a part of it lies outside of the grid.
+fn surface(t: &Triangle, object: u32, lattice: &Lattice) -> Option<(Surface, bool)> {
     let corners = t.corners.map(|p| lattice.cells(p));
-    if corners.iter().any(|p| p.abs().max_element() > FARTHEST) {
-        skipped.far += 1;
+    // Not true of NaN.
+    let is_near = |p: &DVec3| p.abs().cmple(DVec3::splat(FARTHEST)).all();
+    if !corners.iter().all(is_near) {
         return None;
     }
-    let Some(surface) = Surface::new(corners, t.material, object) else {
-        skipped.degenerate += 1;
-        return None;
-    };
+    let surface = Surface::new(corners, t.material, object)?;
     let high = lattice.dims.as_dvec3();
     let is_in = |p: &DVec3| p.cmpge(DVec3::ZERO).all() && p.cmple(high).all();
-    if !corners.iter().all(is_in) {
-        if inside(&surface.polygon(), IVec3::ZERO, lattice.dims, 0.0).is_empty() {
-            skipped.outside += 1;
-            return None;
-        }
-        skipped.cut += 1;
-    }
-    Some(surface)
+    let is_cut = !corners.iter().all(is_in);
+    let is_outside = is_cut && inside(&surface.polygon(), IVec3::ZERO, lattice.dims, 0.0).is_empty();
+    (!is_outside).then_some((surface, is_cut))
 }

@@ -78,16 +78,6 @@ impl Cache {
     fn unmoved(&self) -> Moved {
         Moved { waiting: self.waiting(), ..Moved::default() }
     }
-
-    /// The boxes of the grid and of its windows, in metres, and the edges of their cells.
-    pub fn windows(&self) -> Vec<(Vec3, Vec3, f32)> {
-        let lattice = &self.voxels.lattice;
-        let of = |level: &Level| {
-            let (low, high) = level.bounds();
-            (lattice.metres(low), lattice.metres(high), (lattice.cell / level.fine) as f32)
-        };
-        lattice.levels().iter().map(of).collect()
-    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! Katz, Tal & Basri 2007, "Direct Visibility of Point Sets": a point at the distance `r` goes to
 //! the distance `2 R - r` (spherical flipping).
 
-use crate::hull::{HullError, MAX_POINTS, extreme_points};
+use crate::hull::{MAX_POINTS, extreme_points};
 use crate::numeric::{AT_EYE, power_of_two_for};
 use bitvec::vec::BitVec;
 use glam::DVec3;
@@ -49,8 +49,7 @@ pub enum HprError {
 /// through gaps between points. The best value depends on the distance between points.
 ///
 /// A point is visible if its flipped image is an extreme point of the hull of all images and the
-/// eye ([`extreme_points`] has the rules for flat and equal points). The answer is an estimate, and
-/// errs in both directions. The hull is exact for the images, which themselves are rounded to
+/// eye: not within the hull of the others. The answer is an estimate, and errs in both directions. The hull is exact for the images, which themselves are rounded to
 /// doubles.
 ///
 /// Points at the eye are visible, and hide nothing; so are points nearer than 10^-150 of the
@@ -71,10 +70,7 @@ pub fn visible_points(points: &[DVec3], eye: DVec3, log10_radius: f64) -> Result
     }
     let mut flipped = flip(points, eye, log10_radius)?;
     flipped.push(DVec3::ZERO);
-    let mut visible = extreme_points(&flipped).map_err(|error| match error {
-        HullError::NotFinite { index } => HprError::TooFar { index },
-        HullError::TooMany { .. } => HprError::TooMany { count },
-    })?;
+    let mut visible = extreme_points(&flipped);
     visible.truncate(count);
     // The images of points at the eye are at the eye.
     for (index, _) in flipped[..count].iter().enumerate().filter(|(_, p)| **p == DVec3::ZERO) {

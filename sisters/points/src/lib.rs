@@ -12,7 +12,6 @@
 //! - [`splat`]: points are drawn as squares into a depth image of a [`Camera`], and those behind it
 //!   are hidden.
 //! - [`spacing`]: the size of these squares from the distances between neighbouring points.
-//! - [`hull`]: the extreme points of the convex hull of any points, exactly.
 //!
 //! A [`PointCloud`] holds points with their colours, normals and radii.
 //!
@@ -20,8 +19,8 @@
 //!
 //! None is on by default. These pages show the crate with all of them.
 //!
-//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ, E57 and surfel files in
-//!   chunks, and writes PLY.
+//! - `files`: the module `files`, which reads clouds from PLY, LAS, LAZ and E57 files in chunks,
+//!   and writes PLY.
 //! - `bricks`: the module `bricks`: clouds larger than memory, culled by `casca` and loaded as far
 //!   as a picture needs them.
 //! - `gpu`: the module `gpu`: surface splatting on the graphics processor. It needs the Rust of
@@ -37,8 +36,7 @@ pub mod files;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hpr;
-pub mod hull;
-mod morton;
+mod hull;
 mod numeric;
 #[cfg(test)]
 mod samples;

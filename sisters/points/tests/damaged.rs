@@ -78,8 +78,7 @@ fn damaged_bricks_are_read_or_refused() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bricks");
-    let plain = casca_points::PointCloud { normals: Vec::new(), ..files::helix(100) };
-    let files = [files::bricks(40), files::bricks(200), files::bricks(0), files::bricks_of(&plain)];
+    let files = [files::bricks(40), files::bricks(200), files::bricks(0)];
     damage::survive(&HEAP, "bricks", &files, 1000, &|_| (), &mut |bytes| {
         std::fs::write(&path, bytes).unwrap();
         load(&path);

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use casca_points::PointCloud;
 use casca_points::files::{Attributes, FileError, PlyWriter, Report, read, read_source};
-use files::{ASCII, SURFELS, e57, e57_of, helix, las, las_with_colours, ply};
+use files::{ASCII, e57, e57_of, helix, las, las_with_colours, ply};
 use glam::{DVec3, Vec3};
 
 mod files;
@@ -298,13 +298,6 @@ fn clouds_come_back_from_ply() {
 }
 
 #[test]
-fn surfels_are_read() {
-    let (cloud, _) = parse(SURFELS.as_bytes()).unwrap();
-    assert_eq!(cloud.positions, [Vec3::new(1.0, 2.0, 3.0), Vec3::new(3.0, 2.0, 1.0)]);
-    assert_eq!((cloud.colours[1], cloud.normals[1], cloud.radii[1]), ([0, 255, 0], Vec3::Y, 0.3));
-}
-
-#[test]
 fn scans_are_read_to_their_resolution() {
     let expected = helix(300);
     let moved = e57_of(300, true, &[(Some(1.0), false)]);
@@ -376,10 +369,8 @@ fn errors_name_the_place_and_the_cause() {
         let said = cause(bytes);
         assert!(said.starts_with("test") && said.contains(part) && said.len() < 500, "{said} / {part}");
     };
-    expect(b"", "it is empty");
-    expect(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no number of surfels");
-    expect(&SURFELS.as_bytes()[..25], "test, line 4: the file ends after 1 of 2 surfels");
-    expect(SURFELS.replace("3 2 1", "3 2 a").as_bytes(), "line 4: a surfel is ten numbers");
+    expect(b"", "neither a PLY");
+    expect(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "neither a PLY");
     expect(ASCII.replace("5000001", "five").as_bytes(), "line 22, vertex 1 of 3");
     expect(ASCII.replace("element vertex", "element point").as_bytes(), "no element vertex");
     expect(ASCII.replace("double z", "double w").as_bytes(), "vertex has no x, y and z");
@@ -451,10 +442,6 @@ fn a_line_that_is_wrong_is_left_out_with_a_warning() {
     let words = "1 nan 0\n1 -nan(ind) 0\n1 1.#QNAN 0\n1 inf 0\n1 -1.#INF 0\n1 2 3\n";
     let (cloud, report) = reported(text_ply(XYZ, words).as_bytes()).unwrap();
     assert_eq!((cloud.len(), report.skipped, report.warnings.len()), (1, 5, 0));
-    let surfels = format!("{}1 2\n", SURFELS.replace("3 2 1", "3 2,5 -nan(ind)"));
-    let (cloud, report) = reported(format!("\u{feff}{surfels}").replace('\n', "\r").as_bytes()).unwrap();
-    assert_eq!((cloud.len(), report.skipped, report.warnings.len()), (1, 1, 1));
-    assert!(report.warnings[0].contains("line 5 and those behind it follow the 2 surfels"));
 }
 
 #[test]

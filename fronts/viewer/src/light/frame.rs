@@ -3,7 +3,6 @@
 use casca_radiosity::gpu::Surfaces;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::wgpu::{self, TextureFormat, TextureUsages, TextureView};
-use glam::Mat4;
 
 /// The format of places and light.
 pub const FLOATS: TextureFormat = TextureFormat::Rgba32Float;
@@ -67,6 +66,6 @@ impl Frame {
     /// What was drawn of surfaces, for the cache.
     pub fn drawn(&self) -> Surfaces<'_> {
         let [place, normals, _] = &self.surfaces;
-        Surfaces { place, normals, inverse: Mat4::IDENTITY, empty: 1.0 }
+        Surfaces { place, normals }
     }
 }

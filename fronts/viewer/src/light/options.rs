@@ -56,7 +56,7 @@ pub const LAYERS: [(&str, Layer); 6] = [
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf), or cornell, cornell-point, furnace, light-box, plane or emissive [default: cornell]")),
+    mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf), or cornell, cornell-point or emissive [default: cornell]")),
     mut_arg("frames", |frames| frames.help("With --time: times are medians of so many frames (5 if not given); else the window closes after so many"))
 )]
 pub struct Options {

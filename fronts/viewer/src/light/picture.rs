@@ -2,7 +2,7 @@
 //! colours of a screen.
 
 use bytemuck::{Pod, Zeroable};
-use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Input, Mirrors, Shading};
+use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Mirrors, Shading};
 use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
@@ -145,10 +145,9 @@ impl Picture {
         let has_mirrors = sound.iter().any(|m| roughness(m).is_some());
         Ok(Self {
             surfaces: surfaces(gpu, &picture),
-            shadings: [Answers::All, Answers::Indirect]
-                .map(|answers| Shading::new(&gpu.device, Input::Positions, answers)),
-            gaps: Gaps::new(&gpu.device, Input::Positions),
-            mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device, Input::Positions)),
+            shadings: [Answers::All, Answers::Indirect].map(|answers| Shading::new(&gpu.device, answers)),
+            gaps: Gaps::new(&gpu.device),
+            mirrors: has_mirrors.then(|| Mirrors::new(&gpu.device)),
             compose: Kernel::new(gpu, &picture, "compose", &[0, 1, 2, 3, 4, 5, 6, 7, 8]),
             screen,
             shown: None,

@@ -9,7 +9,7 @@ use std::thread::available_parallelism;
 use std::time::Duration;
 
 use casca_radiosity::gpu::GpuCache;
-use casca_radiosity::lit::{self, LitScene};
+use casca_radiosity::lit::LitScene;
 use casca_radiosity::{Cache, Grid, Light, Scene, Statistics, Window};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
@@ -125,8 +125,8 @@ impl Renderer {
     ///
     /// # Errors
     /// A light out of range. The old ones stay then.
-    pub fn set_lights(&mut self, lights: &[lit::Light]) -> Result<(), Box<dyn Error>> {
-        self.cache.set_lights(&lights.iter().map(Light::from).collect::<Vec<_>>())?;
+    pub fn set_lights(&mut self, lights: &[Light]) -> Result<(), Box<dyn Error>> {
+        self.cache.set_lights(lights)?;
         self.updated.settled = false;
         Ok(())
     }
@@ -192,13 +192,9 @@ impl Renderer {
         stage(clock, "passes");
         let waiting = self.cache.waiting();
         self.updated = Updated { waiting, old, settled: is_settled && waiting == 0 && old == 0 };
-        self.cache.link();
-        stage(clock, "links");
-        self.device.renew(&gpu.device, &self.cache)?;
-        self.device.link(&gpu.device, &self.cache)?;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        self.device.smooth(&mut encoder, MEANS);
-        gpu.queue.submit([encoder.finish()]);
+        self.cache.smooth(MEANS);
+        stage(clock, "means");
+        self.device = GpuCache::new(&gpu.device, &self.cache)?;
         stage(clock, "upload");
         Ok(self.updated)
     }

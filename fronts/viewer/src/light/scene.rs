@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use casca_radiosity::lit::load_lit;
-use casca_radiosity::lit::{Falloff, Kind, Light, LightKind, LitObject, LitScene, Material};
+use casca_radiosity::Light;
+use casca_radiosity::lit::{Kind, LitObject, LitScene, Material, load_lit};
 use casca_scenes::world::{Camera, Mesh};
 use glam::{Affine3A, Quat, Vec3};
 
@@ -49,11 +49,9 @@ impl Room {
             start.scene.materials.push(Material::matt(Vec3::from_array(hue)));
             let material = start.scene.materials.len() as u32 - 1;
             start.scene.objects.push(LitObject {
-                name: format!("ball {i}"),
                 materials: vec![material; mesh.triangles.len()].into(),
                 mesh: mesh.clone(),
                 transform: start.ball(i, 0.0),
-                moves: true,
             });
         }
         Ok(start)
@@ -62,8 +60,7 @@ impl Room {
     /// Adds a sun and places the camera, if vectors for them are given.
     pub fn change(&mut self, sun: Option<Vec3>, look: Option<(Vec3, Vec3)>) {
         if let Some(direction) = sun {
-            let kind = LightKind::Directional { direction, half_angle: 0.0 };
-            self.scene.lights.push(Light { kind, color: SUN, falloff: Falloff::INVERSE_SQUARE });
+            self.scene.lights.push(Light::Sun { direction, irradiance: SUN, half_angle: 0.0 });
         }
         if let Some((eye, target)) = look {
             self.scene.camera = self.looking(eye, target, casca_radiosity::lit::ASPECT);

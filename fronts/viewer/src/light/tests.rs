@@ -3,7 +3,6 @@
 
 use std::time::Duration;
 
-use casca_radiosity::lit::Light;
 use casca_radiosity::lit::path::{PathTracer, Quantity};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::Gpu;
@@ -103,7 +102,7 @@ fn lights_go_out_with_all_of_their_bounces() {
     let mut renderer = Renderer::new(&gpu, &start.scene, SETTINGS).unwrap();
     at_once(&gpu, &mut renderer, &start);
     let lit = drawn(&gpu, &mut renderer, &start, Layer::Picture);
-    let black = start.scene.lights.iter().map(|l| Light { color: Vec3::ZERO, ..*l }).collect::<Vec<_>>();
+    let black = start.scene.lights.iter().map(|l| l.scaled(0.0)).collect::<Vec<_>>();
     renderer.set_lights(&black).unwrap();
     settle(&gpu, &mut renderer, &start, Duration::from_millis(20));
     let dark = drawn(&gpu, &mut renderer, &start, Layer::Picture);

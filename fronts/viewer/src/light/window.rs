@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::Duration;
 
-use casca_radiosity::lit::{Light, LightKind};
+use casca_radiosity::Light;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dials;
@@ -83,8 +83,7 @@ impl Viewer {
 
     /// The lights as they shine.
     fn lights(&self) -> Vec<Light> {
-        let shines = |lamp: &Lamp| Light { color: lamp.light.color * lamp.strength, ..lamp.light };
-        self.lamps.iter().map(shines).collect()
+        self.lamps.iter().map(|lamp| lamp.light.scaled(lamp.strength)).collect()
     }
 
     fn camera(&self, aspect: f32) -> Camera {
@@ -136,8 +135,8 @@ impl Demo for Viewer {
         for (number, lamp) in self.lamps.iter_mut().enumerate() {
             let name = format!("light {}", number + 1);
             changed |= dials.number(&format!("{name}, strength"), &mut lamp.strength, 0.0..=STRONGEST);
-            match &mut lamp.light.kind {
-                LightKind::Directional { direction, .. } => {
+            match &mut lamp.light {
+                Light::Sun { direction, .. } => {
                     let (mut height, mut turn) = angles(*direction);
                     let moved = dials.number(&format!("{name}, height"), &mut height, -90.0..=90.0)
                         | dials.number(&format!("{name}, turn"), &mut turn, -180.0..=180.0);
@@ -146,7 +145,7 @@ impl Demo for Viewer {
                     }
                     changed |= moved;
                 }
-                LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
+                Light::Point { position, .. } | Light::Spot { position, .. } => {
                     for (axis, along) in ["x", "y", "z"].into_iter().enumerate() {
                         let range = min[axis]..=max[axis];
                         changed |= dials.number(&format!("{name}, {along}"), &mut position[axis], range);

@@ -130,7 +130,7 @@ impl Looked {
         let start = Instant::now();
         let visible = match operator {
             Operator::Discs => Surface::new(&self.turned())?.visible(camera.eye().as_dvec3())?,
-            Operator::Splat => splat::visible_points(&self.positions, camera, &self.auto.splats())?.visible,
+            Operator::Splat => splat::visible_points(&self.positions, camera, &self.auto.splats())?,
             Operator::Hpr => {
                 let points: Vec<DVec3> = self.positions.iter().map(|p| p.as_dvec3()).collect();
                 let eye = camera.eye().as_dvec3();

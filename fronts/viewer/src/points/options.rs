@@ -25,7 +25,7 @@ use crate::points::view;
 #[derive(Debug, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true, args_conflicts_with_subcommands = true,
-    mut_arg("file", |file| file.help("A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]"))
+    mut_arg("file", |file| file.help("A PLY, LAS, LAZ or E57 file [default: a scan of a house, made by rules]"))
 )]
 pub struct Options {
     #[command(subcommand)]
@@ -79,7 +79,7 @@ impl Shows for Options {
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(super) struct Visible {
-    /// A PLY, LAS, LAZ, E57 or surfel file [default: a scan of a house, made by rules]
+    /// A PLY, LAS, LAZ or E57 file [default: a scan of a house, made by rules]
     file: Option<PathBuf>,
     #[command(flatten)]
     look: Look,

@@ -1,4 +1,4 @@
-//! What the device gets: hits, states, entries and triangles, in single precision.
+//! What the device gets: cells, states, triangles and lights, in single precision.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -10,16 +10,6 @@ use crate::surfaces::Surface;
 
 /// The number of a triangle is split at this power of two.
 pub(super) const LOW: u32 = 1 << 12;
-
-/// The rays of a gathered state.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(super) struct Block {
-    state: u32,
-    first: u32,
-    count: u32,
-    unused: u32,
-}
 
 /// The middle of a state's starts, and the range of these.
 #[repr(C)]
@@ -59,27 +49,6 @@ struct Level {
 /// A vector with a fourth component.
 pub(super) fn four(v: Vec3, last: f32) -> [f32; 4] {
     v.extend(last).to_array()
-}
-
-pub(super) fn blocks(cache: &Cache) -> Vec<Block> {
-    let of = |&state: &u32| {
-        let block = cache.blocks[state as usize];
-        Block { state, first: block.first, count: block.count, unused: 0 }
-    };
-    cache.gathered.iter().map(of).collect()
-}
-
-pub(super) fn hits(cache: &Cache) -> Vec<u32> {
-    cache.rays.iter().map(|r| r.target).collect()
-}
-
-/// By state: what its rays see of the sky, and the share that it scatters by steradian.
-pub(super) fn surfaces(cache: &Cache) -> Vec<[[f32; 4]; 2]> {
-    let of = |(state, glow): (usize, &crate::cache::Glow)| {
-        let albedo = cache.voxels.entries[state / 2].albedo;
-        [four(glow.sky, 0.0), four(albedo / std::f32::consts::PI, 0.0)]
-    };
-    cache.glow.iter().enumerate().map(of).collect()
 }
 
 /// The cells as numbers, and where the parts start.

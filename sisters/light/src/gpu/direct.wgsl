@@ -12,8 +12,8 @@ struct CascaCounts {
 }
 
 // Lights, of four vectors each, and lamps, of two.
-@group(GROUP) @binding(7) var<storage, read> casca_sources: array<vec4f>;
-@group(GROUP) @binding(8) var<uniform> casca_counts: CascaCounts;
+@group(1) @binding(7) var<storage, read> casca_sources: array<vec4f>;
+@group(1) @binding(8) var<uniform> casca_counts: CascaCounts;
 
 // The share of a disc around a way that is seen. `reach` is that of the way in cells.
 fn casca_seen(spot: vec3f, way: vec3f, tangent: f32, reach: f32, key: u32) -> f32 {

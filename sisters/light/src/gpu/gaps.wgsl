@@ -25,7 +25,7 @@ fn gaps(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) in
     var sum = vec3f(0.0);
     if is_in {
         light = textureLoad(before, id, 0);
-        let position = AT(id);
+        let position = textureLoad(place, id, 0);
         let normal = textureLoad(normals, id, 0).xyz;
         if light.w == 0.0 && position.w == 1.0 && dot(normal, normal) > 0.0 {
             let facing = normalize(normal);

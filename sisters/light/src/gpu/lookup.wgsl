@@ -24,15 +24,15 @@ struct CascaGrid {
 // The place of the middle of its starts, their number, and the first of them. None if not gathered.
 struct CascaState { middle: vec3f, first: u32, count: u32 }
 
-@group(GROUP) @binding(0) var<uniform> casca_grid: CascaGrid;
-@group(GROUP) @binding(1) var<storage, read> casca_cells: array<u32>;
+@group(1) @binding(0) var<uniform> casca_grid: CascaGrid;
+@group(1) @binding(1) var<storage, read> casca_cells: array<u32>;
 // The normal, and the area.
-@group(GROUP) @binding(2) var<storage, read> casca_entries: array<vec4f>;
-@group(GROUP) @binding(3) var<storage, read> casca_states: array<CascaState>;
-@group(GROUP) @binding(4) var<storage, read> casca_starts: array<vec4f>;
+@group(1) @binding(2) var<storage, read> casca_entries: array<vec4f>;
+@group(1) @binding(3) var<storage, read> casca_states: array<CascaState>;
+@group(1) @binding(4) var<storage, read> casca_starts: array<vec4f>;
 // A corner and two edges, each with how far a barycentric coordinate may be below 0.
-@group(GROUP) @binding(5) var<storage, read> casca_triangles: array<array<vec4f, 3>>;
-@group(GROUP) @binding(6) var<storage, read> casca_indirect: array<vec4f>;
+@group(1) @binding(5) var<storage, read> casca_triangles: array<array<vec4f, 3>>;
+@group(1) @binding(6) var<storage, read> casca_indirect: array<vec4f>;
 
 // The number of a cell of a level among the occupied ones, or -1.
 fn casca_occupied(size: u32, at: vec3i) -> i32 {

@@ -7,7 +7,7 @@ use wgpu::{
     BindGroupEntry, BindingResource, BufferUsages, CommandEncoder, ComputePipeline, Device, TextureView,
 };
 
-use super::shading::{Input, Surfaces, draw, drawn, placed, with_parts};
+use super::shading::{Surfaces, draw, drawn, shader};
 use super::{GpuCache, bind, pipeline};
 use crate::error::{LightError, numbers};
 use crate::numeric::{LEAST_COSINE, LEAST_ROUGH, LEAST_TRIES, MOST_MIRRORED};
@@ -26,46 +26,34 @@ use crate::voxels::NONE;
 ///
 /// [`Cache::reflection`]: crate::Cache::reflection
 #[derive(Debug)]
-pub struct Mirrors {
-    input: Input,
-    pipeline: ComputePipeline,
-}
+pub struct Mirrors(ComputePipeline);
 
 impl Mirrors {
     /// Compiles it. The device needs eight storage buffers for a shader, as all have by default.
-    pub fn new(device: &Device, input: Input) -> Self {
-        Self { input, pipeline: by_rays(device, input, include_str!("mirrors.wgsl"), "mirrors") }
+    pub fn new(device: &Device) -> Self {
+        Self(by_rays(device, include_str!("mirrors.wgsl"), "mirrors"))
     }
 }
 
 /// A pass of rays. Each reads the states around its hit.
-fn by_rays(device: &Device, input: Input, main: &str, name: &'static str) -> ComputePipeline {
+fn by_rays(device: &Device, main: &str, name: &'static str) -> ComputePipeline {
     let constants = format!(
         "const NONE = {NONE}u;\nconst LEAST_ROUGH: f32 = {LEAST_ROUGH:?};\n\
          const LEAST_COSINE: f32 = {LEAST_COSINE:?};\n"
     );
-    let parts = [
-        &constants,
-        include_str!("lookup.wgsl"),
-        include_str!("spread.wgsl"),
-        include_str!("walk.wgsl"),
-        include_str!("rays.wgsl"),
-        main,
-    ];
-    pipeline(device, placed(input, &with_parts(1, &parts)), name)
+    let parts =
+        [&constants, include_str!("spread.wgsl"), include_str!("walk.wgsl"), include_str!("rays.wgsl"), main];
+    pipeline(device, shader(&parts), name)
 }
 
 /// A pass that sends rays where no state stands for a pixel: see [`GpuCache::fill`].
 #[derive(Debug)]
-pub struct Gaps {
-    input: Input,
-    pipeline: ComputePipeline,
-}
+pub struct Gaps(ComputePipeline);
 
 impl Gaps {
     /// Compiles it. The device needs eight storage buffers for a shader, as all have by default.
-    pub fn new(device: &Device, input: Input) -> Self {
-        Self { input, pipeline: by_rays(device, input, include_str!("gaps.wgsl"), "gaps") }
+    pub fn new(device: &Device) -> Self {
+        Self(by_rays(device, include_str!("gaps.wgsl"), "gaps"))
     }
 }
 
@@ -125,10 +113,9 @@ impl GpuCache {
     /// where no ray was sent: where nothing was drawn or mirrors, the eye is below the surface, or
     /// a number is not finite.
     ///
-    /// It is of the light that [`GpuCache::shade`] shows, and of the direct light and the sky of
-    /// the upload or [`GpuCache::set_direct`]. A pixel's rays depend on its position alone, so that nothing
-    /// flickers while the eye stands still; each set of rays differs from the next pixel's, so that
-    /// means over pixels tend to the lobe's.
+    /// A pixel's rays depend on its position alone, so that nothing flickers while the eye stands
+    /// still; each set of rays differs from the next pixel's, so that means over pixels tend to the
+    /// lobe's.
     ///
     /// Costs for each ray a walk to its hit, and there a look-up with its short rays.
     ///
@@ -147,8 +134,7 @@ impl GpuCache {
     ) -> Result<(), LightError> {
         numbers("the eye", 0, gloss.eye, -f32::MAX..=f32::MAX)?;
         let of = Uniform::new(gloss.eye, checked(gloss.rays)?, self.open_sky);
-        let how = (&mirrors.pipeline, mirrors.input);
-        self.send(device, encoder, how, (surfaces, gloss.roughness, picture), &of);
+        self.send(device, encoder, &mirrors.0, (surfaces, gloss.roughness, picture), &of);
         Ok(())
     }
 
@@ -157,7 +143,7 @@ impl GpuCache {
         &self,
         device: &Device,
         encoder: &mut CommandEncoder,
-        (pipeline, input): (&ComputePipeline, Input),
+        pipeline: &ComputePipeline,
         (surfaces, given, picture): (Surfaces, &TextureView, &TextureView),
         of: &Uniform,
     ) {
@@ -170,11 +156,9 @@ impl GpuCache {
             BindGroupEntry { binding: 4, resource: BindingResource::TextureView(given) },
             BindGroupEntry { binding: 5, resource: uniform.as_entire_binding() },
         ];
-        let group = drawn(device, pipeline, input, surfaces, picture, &more);
-        let layout = pipeline.get_bind_group_layout(1);
-        let mut all: Vec<_> = (0..).zip(self.lookup.iter().chain([self.answers()])).collect();
-        all.extend([(9, &self.direct), (10, &self.skins)]);
-        draw(encoder, pipeline, [&group, &bind(device, &layout, &all)], picture, of.tile);
+        let group = drawn(device, pipeline, surfaces, picture, &more);
+        let all = self.tables().chain([(9, &self.direct), (10, &self.skins)]);
+        draw(encoder, pipeline, [&group, &bind(device, pipeline, all)], picture, of.tile);
     }
 
     /// Fills the gaps of a picture of irradiance that [`GpuCache::shade`] made: where no state
@@ -197,8 +181,7 @@ impl GpuCache {
         (before, picture): (&TextureView, &TextureView),
     ) -> Result<(), LightError> {
         let of = Uniform::new(Vec3::ZERO, checked(rays)?, self.open_sky);
-        let how = (&gaps.pipeline, gaps.input);
-        self.send(device, encoder, how, (surfaces, before, picture), &of);
+        self.send(device, encoder, &gaps.0, (surfaces, before, picture), &of);
         Ok(())
     }
 }

@@ -110,7 +110,7 @@ fn mirrors(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index)
     if is_in {
         let rough = textureLoad(roughness, id, 0).x;
         if exponent(rough) < 255u && rough >= 0.0 {
-            let position = AT(id);
+            let position = textureLoad(place, id, 0);
             let normal = unit_of(textureLoad(normals, id, 0).xyz);
             let eye = unit_of(gloss.eye - position.xyz);
             if position.w == 1.0 && any(normal != vec3f(0.0)) && any(eye != vec3f(0.0)) {

@@ -24,8 +24,8 @@ fn casca_pixel(group: vec2u, index: u32) -> vec2u {
 // What a triangle scatters of its irradiance by steradian, what it emits, and its unit normal.
 struct CascaSkin { share: vec4f, emission: vec4f, normal: vec4f }
 
-@group(GROUP) @binding(9) var<storage, read> casca_stored: array<vec4f>;
-@group(GROUP) @binding(10) var<storage, read> casca_skins: array<CascaSkin>;
+@group(1) @binding(9) var<storage, read> casca_stored: array<vec4f>;
+@group(1) @binding(10) var<storage, read> casca_skins: array<CascaSkin>;
 
 // The light of a state that is averaged, also that of lights and lamps.
 fn casca_held(state: u32) -> vec3f { return casca_indirect[state].rgb + casca_stored[state].rgb; }

@@ -10,9 +10,10 @@ use gltf::material::AlphaMode;
 
 use casca_scenes::import::parts::{File, Warnings, contents, materials_of, nodes_of, parse};
 use casca_scenes::import::{ImportError, Trouble, open};
-use casca_scenes::world::{Mesh, Motion, Object, Shape, Sides, World};
+use casca_scenes::world::{Mesh, Object, Shape, Sides, World};
 
-use super::{ASPECT, Falloff, Light, LightKind, LitObject, LitScene, Material};
+use super::{ASPECT, LitObject, LitScene, Material};
+use crate::Light;
 
 /// Share of light that surfaces other than metals reflect head-on.
 const DIELECTRIC: f32 = 0.04;
@@ -101,15 +102,14 @@ fn lights_of(file: &File, origin: DVec3) -> Result<Vec<Light>, Trouble> {
         let Some(light) = file.document.nodes().nth(node.index).and_then(|n| n.light()) else { continue };
         let position = (place.translation - origin).as_vec3();
         let direction = place.transform_vector3(DVec3::NEG_Z).as_vec3();
-        let kind = match light.kind() {
-            Kind::Directional => LightKind::Directional { direction, half_angle: 0.0 },
-            Kind::Point => LightKind::Point { position, radius: 0.0 },
+        let strength = Vec3::from_array(light.color()) * light.intensity();
+        lights.push(match light.kind() {
+            Kind::Directional => Light::Sun { direction, irradiance: strength, half_angle: 0.0 },
+            Kind::Point => Light::point(position, strength),
             Kind::Spot { inner_cone_angle: inner, outer_cone_angle: outer } => {
-                LightKind::Spot { position, direction, radius: 0.0, inner, outer }
+                Light::Spot { position, direction, intensity: strength, inner, outer, radius: 0.0 }
             }
-        };
-        let color = Vec3::from_array(light.color()) * light.intensity();
-        lights.push(Light { kind, color, falloff: Falloff::INVERSE_SQUARE });
+        });
     }
     Ok(lights)
 }
@@ -121,32 +121,26 @@ const BALL_CUTS: u32 = 3;
 fn bare(world: &World) -> LitScene {
     let ball = Arc::new(Mesh::ball(BALL_CUTS));
     let object = |object: &Object| {
-        let (mesh, transform) = mesh_of(&object.shape, &ball);
-        let moves = object.motion != Motion::Static;
-        LitObject { name: object.name.clone(), materials: Arc::default(), mesh, transform, moves }
+        let (mesh, transform) = match &object.shape {
+            Shape::Sphere { center, radius } => {
+                let size = Vec3::splat(*radius);
+                (ball.clone(), Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, *center))
+            }
+            Shape::Box { min, max } => (Arc::new(Mesh::cuboid(*min, *max)), Affine3A::IDENTITY),
+            Shape::Mesh { mesh, transform } => (mesh.clone(), *transform),
+        };
+        LitObject { materials: Arc::default(), mesh, transform }
     };
     LitScene {
         name: world.name.clone(),
         objects: world.objects.iter().map(object).collect(),
         materials: Vec::new(),
-        lights: vec![Light {
-            kind: LightKind::Directional { direction: Vec3::new(0.35, -1.0, 0.25), half_angle: 0.0 },
-            color: Vec3::new(3.0, 2.8, 2.5),
-            falloff: Falloff::INVERSE_SQUARE,
+        lights: vec![Light::Sun {
+            direction: Vec3::new(0.35, -1.0, 0.25),
+            irradiance: Vec3::new(3.0, 2.8, 2.5),
+            half_angle: 0.0,
         }],
         sky: Vec3::new(0.3, 0.36, 0.45),
         camera: world.camera(0, ASPECT),
-    }
-}
-
-/// The triangles of a shape, and where they are.
-fn mesh_of(shape: &Shape, ball: &Arc<Mesh>) -> (Arc<Mesh>, Affine3A) {
-    match shape {
-        Shape::Sphere { center, radius } => {
-            let size = Vec3::splat(*radius);
-            (ball.clone(), Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, *center))
-        }
-        Shape::Box { min, max } => (Arc::new(Mesh::cuboid(*min, *max)), Affine3A::IDENTITY),
-        Shape::Mesh { mesh, transform } => (mesh.clone(), *transform),
     }
 }

@@ -72,15 +72,6 @@ impl HdrImage {
         Ok((sum / (3 * self.pixels.len()) as f64).sqrt())
     }
 
-    /// The factor by which 19 of 20 pixels are at most 1 in their brightest channel; 1 for a black
-    /// picture.
-    pub fn exposure(&self) -> f32 {
-        let mut brightest: Vec<f32> = self.pixels.iter().map(|p| sound(*p).max_element()).collect();
-        let place = (brightest.len() - 1) * 19 / 20;
-        let (_, &mut value, _) = brightest.select_nth_unstable_by(place, f32::total_cmp);
-        if value > 0.0 { (1.0 / value).min(f32::MAX) } else { 1.0 }
-    }
-
     /// Bytes of sRGB, three a pixel, after a factor; brighter values are cut off.
     pub fn srgb(&self, exposure: f32) -> Vec<u8> {
         self.pixels.iter().flat_map(|p| sound(*p).to_array().map(|c| srgb(c * exposure))).collect()

@@ -1,7 +1,7 @@
 //! Lit scenes for tests and for programs that show light: triangles with materials, lights and a
 //! camera.
 //!
-//! - [`Kind`]: generated scenes, such as the Cornell box and a white furnace.
+//! - [`Kind`]: generated scenes, such as the Cornell box.
 //! - [`load_lit`]: a glTF file with its materials and lights.
 //! - [`path`]: what light reaches a camera, by a path tracer: the truth beside the cache.
 //!
@@ -14,7 +14,6 @@ mod file;
 mod image;
 mod light;
 pub mod path;
-mod radiosity;
 mod scenes;
 
 #[cfg(test)]
@@ -22,13 +21,15 @@ mod tests;
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DVec3, Vec3};
+use glam::{Affine3A, Vec3};
 
 use casca_scenes::world::{Camera, Mesh, Sides, turn_of};
 
+use crate::{Grid, Light, Object, Scene, Sky, Triangle};
+
 pub use file::{load_lit, read_lit};
 pub use image::{HdrImage, ImageError, MOST_PIXELS};
-pub use light::{Falloff, Incident, Light, LightKind};
+pub use light::Incident;
 pub use scenes::Kind;
 
 /// The exponent of a lobe is 2 to the power of this times the gloss plus 1.
@@ -86,16 +87,12 @@ impl Material {
 /// An object: a mesh with a material for each triangle.
 #[derive(Debug, Clone)]
 pub struct LitObject {
-    /// A name for messages; may be empty.
-    pub name: String,
     /// The mesh in object space.
     pub mesh: Arc<Mesh>,
     /// By triangle of the mesh: an index into [`LitScene::materials`].
     pub materials: Arc<[u32]>,
     /// Object space to world space.
     pub transform: Affine3A,
-    /// Whether it may move.
-    pub moves: bool,
 }
 
 impl LitObject {
@@ -118,6 +115,13 @@ impl LitObject {
             is_sound.then_some(LitTriangle { corners, material, object: number })
         })
     }
+
+    /// Its sound triangles where it is now, for a scene with these materials: see
+    /// [`Cache::set_objects`](crate::Cache::set_objects). All stop light from both sides.
+    pub fn lit(&self, materials: &[Material]) -> Object {
+        let triangle = |t: LitTriangle| Triangle { corners: t.corners, material: t.material };
+        self.triangles(0, materials).map(triangle).collect::<Vec<_>>().into()
+    }
 }
 
 /// A triangle in world space.
@@ -136,6 +140,11 @@ impl LitTriangle {
     pub fn cross(&self) -> Vec3 {
         let [a, b, c] = self.corners;
         (b - a).cross(c - a)
+    }
+
+    fn area(&self) -> f64 {
+        let [a, b, c] = self.corners.map(|p| p.as_dvec3());
+        (b - a).cross(c - a).length() / 2.0
     }
 }
 
@@ -157,12 +166,6 @@ pub struct LitScene {
     pub camera: Camera,
 }
 
-/// See [`LitScene::bounds`]. The sky's box of a large outdoor scene is less far away.
-pub const STRAY: f64 = 1000.0;
-
-/// See [`LitScene::bounds`]: coordinates of single precision are 8 m apart there, in metres.
-pub const FARTHEST: f32 = 1e8;
-
 /// Width over height of the pictures that the camera of a [`LitScene`] is for.
 pub const ASPECT: f32 = 4.0 / 3.0;
 
@@ -174,30 +177,27 @@ impl LitScene {
         objects.flat_map(|(i, o)| o.triangles(i, &self.materials)).collect()
     }
 
-    /// The least and the greatest corner of all triangles but strays; both 0 if there are none.
-    ///
-    /// A stray is more than [`STRAY`] times as far from the middle as most triangles, or beyond
-    /// [`FARTHEST`]: one of them would leave a grid no cells for the others.
+    /// The least and the greatest corner of all triangles but those that [`Grid::around`] leaves
+    /// out.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let mut all = self.triangles();
-        all.retain(|t| t.corners.iter().all(|p| p.abs().max_element() < FARTHEST));
-        let along = |axis: usize| all.iter().map(|t| f64::from(t.corners[0][axis])).collect::<Vec<_>>();
-        let middle = DVec3::from_array([0, 1, 2].map(|axis| median(&mut along(axis))));
-        let reach = |t: &LitTriangle| {
-            t.corners.map(|p| p.as_dvec3().distance(middle)).into_iter().fold(0.0, f64::max)
-        };
-        let most = STRAY * median(&mut all.iter().map(reach).collect::<Vec<_>>());
-        let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let corners = all.iter().filter(|t| reach(t) <= most).flat_map(|t| t.corners);
-        let (min, max) = corners.fold(start, |(lo, hi), p| (lo.min(p), hi.max(p)));
-        if min.x <= max.x { (min, max) } else { (Vec3::ZERO, Vec3::ZERO) }
+        let grid = Grid::around(&Scene::from(self).objects, 1);
+        (grid.min, grid.max)
     }
 }
 
-/// The middle one of some numbers; 0 if there are none.
-fn median(numbers: &mut [f64]) -> f64 {
-    numbers.sort_unstable_by(f64::total_cmp);
-    numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
+impl From<&LitScene> for Scene {
+    /// Matt light of all surfaces: what they mirror is left out.
+    ///
+    /// Objects without sound triangles are empty, so that the others keep their numbers.
+    fn from(scene: &LitScene) -> Self {
+        let material = |m: &Material| crate::Material::new(m.sound().albedo, m.sound().emission);
+        Self {
+            objects: scene.objects.iter().map(|o| o.lit(&scene.materials)).collect(),
+            materials: scene.materials.iter().map(material).collect(),
+            lights: scene.lights.clone(),
+            sky: Sky::Even(scene.sky),
+        }
+    }
 }
 
 fn corners_of(mesh: &Mesh, triangle: &[u32; 3]) -> Option<[Vec3; 3]> {

@@ -4,9 +4,10 @@
 use std::str::FromStr;
 use std::sync::Arc;
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Vec3};
 
-use super::{ASPECT, Falloff, Light, LightKind, LitObject, LitScene, Material};
+use super::{ASPECT, LitObject, LitScene, Material};
+use crate::Light;
 use casca_scenes::world::{BOX_TRIANGLES, Camera, Mesh};
 
 /// The generated scenes.
@@ -17,13 +18,6 @@ pub enum Kind {
     Cornell,
     /// The same, lit by a point below the ceiling instead of the patch.
     CornellPoint,
-    /// A closed box whose inside emits a radiance of 1 and reflects nothing. Any surface inside it
-    /// receives that radiance from every direction.
-    Furnace,
-    /// The inside of a white box with edges so round that none darkens, with a spot light.
-    LightBox,
-    /// A plate, and a thin tall block on it that casts a shadow of a ball of light.
-    Plane,
     /// A grey room without light but an orange ball that emits.
     Emissive,
 }
@@ -40,17 +34,13 @@ const PATCH_LIGHT: Vec3 = Vec3::new(18.4, 15.6, 8.0);
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Cornell, Self::CornellPoint, Self::Furnace, Self::LightBox, Self::Plane, Self::Emissive];
+    pub const ALL: [Self; 3] = [Self::Cornell, Self::CornellPoint, Self::Emissive];
 
     /// Its name in file names and on command lines.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cornell => "cornell",
             Self::CornellPoint => "cornell-point",
-            Self::Furnace => "furnace",
-            Self::LightBox => "light-box",
-            Self::Plane => "plane",
             Self::Emissive => "emissive",
         }
     }
@@ -63,7 +53,7 @@ impl Kind {
                 let [[x0, z0], [x1, z1]] = PATCH;
                 let y = CEILING - 0.002;
                 let corners = [[x0, z0], [x1, z0], [x1, z1], [x0, z1]].map(|[x, z]| Vec3::new(x, y, z));
-                add(&mut scene, "light", quad(corners), Material::emitter(PATCH_LIGHT));
+                add(&mut scene, quad(corners), Material::emitter(PATCH_LIGHT));
                 scene
             }
             Self::CornellPoint => {
@@ -75,14 +65,6 @@ impl Kind {
                 scene.lights.push(Light::point(position, color));
                 scene
             }
-            Self::Furnace => {
-                let mut scene = empty(Self::Furnace, Vec3::new(0.3, 0.6, 0.5), Vec3::new(3.6, 2.4, 2.2));
-                let walls = inside_out(Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 3.0, 2.5)));
-                add(&mut scene, "walls", walls, Material::emitter(Vec3::ONE));
-                scene
-            }
-            Self::LightBox => light_box(),
-            Self::Plane => plane(),
             Self::Emissive => emissive(),
         }
     }
@@ -99,10 +81,6 @@ impl FromStr for Kind {
     }
 }
 
-fn empty(kind: Kind, eye: Vec3, target: Vec3) -> LitScene {
-    seen(kind, Camera::look_at(eye, target, 60.0, ASPECT, 0.01, 100.0))
-}
-
 fn seen(kind: Kind, camera: Camera) -> LitScene {
     LitScene {
         name: kind.name().to_owned(),
@@ -115,24 +93,16 @@ fn seen(kind: Kind, camera: Camera) -> LitScene {
 }
 
 /// Adds an object of one material.
-fn add(scene: &mut LitScene, name: &str, mesh: Mesh, material: Material) {
+fn add(scene: &mut LitScene, mesh: Mesh, material: Material) {
     let number = scene.materials.iter().position(|m| *m == material).unwrap_or_else(|| {
         scene.materials.push(material);
         scene.materials.len() - 1
     });
     scene.objects.push(LitObject {
-        name: name.to_owned(),
         materials: vec![number as u32; mesh.triangles.len()].into(),
         mesh: Arc::new(mesh),
         transform: Affine3A::IDENTITY,
-        moves: false,
     });
-}
-
-/// A closed mesh that is looked at from inside.
-fn inside_out(mut mesh: Mesh) -> Mesh {
-    mesh.triangles.iter_mut().for_each(|t| t.reverse());
-    mesh
 }
 
 /// Two triangles; counter-clockwise seen from the front.
@@ -149,19 +119,18 @@ fn cornell() -> LitScene {
     let (w, h, d) = (5.528, CEILING, 5.592);
     let wall = |corners: [[f32; 3]; 4]| quad(corners.map(Vec3::from_array));
     let walls = [
-        ("floor", [[0.0, 0.0, 0.0], [0.0, 0.0, d], [w, 0.0, d], [w, 0.0, 0.0]], WHITE),
-        ("ceiling", [[0.0, h, 0.0], [w, h, 0.0], [w, h, d], [0.0, h, d]], WHITE),
-        ("back wall", [[0.0, 0.0, d], [0.0, h, d], [w, h, d], [w, 0.0, d]], WHITE),
-        ("green wall", [[0.0, 0.0, 0.0], [0.0, h, 0.0], [0.0, h, d], [0.0, 0.0, d]], GREEN),
-        ("red wall", [[w, 0.0, 0.0], [w, 0.0, d], [w, h, d], [w, h, 0.0]], RED),
+        // The floor, the ceiling, and the walls at the back, at the right and at the left.
+        ([[0.0, 0.0, 0.0], [0.0, 0.0, d], [w, 0.0, d], [w, 0.0, 0.0]], WHITE),
+        ([[0.0, h, 0.0], [w, h, 0.0], [w, h, d], [0.0, h, d]], WHITE),
+        ([[0.0, 0.0, d], [0.0, h, d], [w, h, d], [w, 0.0, d]], WHITE),
+        ([[0.0, 0.0, 0.0], [0.0, h, 0.0], [0.0, h, d], [0.0, 0.0, d]], GREEN),
+        ([[w, 0.0, 0.0], [w, 0.0, d], [w, h, d], [w, h, 0.0]], RED),
     ];
-    for (name, corners, material) in walls {
-        add(&mut scene, name, wall(corners), material);
+    for (corners, material) in walls {
+        add(&mut scene, wall(corners), material);
     }
-    let short = block([[130, 65], [82, 225], [240, 272], [290, 114]], 165);
-    let tall = block([[423, 247], [265, 296], [314, 456], [472, 406]], 330);
-    add(&mut scene, "short block", short, WHITE);
-    add(&mut scene, "tall block", tall, WHITE);
+    add(&mut scene, block([[130, 65], [82, 225], [240, 272], [290, 114]], 165), WHITE);
+    add(&mut scene, block([[423, 247], [265, 296], [314, 456], [472, 406]], 330), WHITE);
     scene
 }
 
@@ -175,54 +144,16 @@ fn block(base: [[u16; 2]; 4], height: u16) -> Mesh {
     Mesh { positions, triangles: BOX_TRIANGLES.to_vec(), ..Mesh::default() }
 }
 
-fn light_box() -> LitScene {
-    let mut scene = empty(Kind::LightBox, Vec3::new(-1.5, 0.4, 1.4), Vec3::new(0.6, -0.4, -0.5));
-    let mut inside = Mesh::ball(4);
-    for p in &mut inside.positions {
-        // The unit ball of the 8-norm is a cube with round edges.
-        let norm = p.to_array().iter().map(|c| c.abs().powi(8)).sum::<f32>().powf(1.0 / 8.0);
-        *p = *p / norm * 2.0;
-    }
-    add(&mut scene, "inside", inside_out(inside), Material::matt(Vec3::splat(0.8)));
-    let kind = LightKind::Spot {
-        position: Vec3::new(0.0, 1.8, 0.0),
-        direction: Vec3::NEG_Y,
-        radius: 0.0,
-        inner: 0.5,
-        outer: 0.8,
-    };
-    scene.lights.push(Light { kind, color: Vec3::splat(12.0), falloff: Falloff::INVERSE_SQUARE });
-    scene
-}
-
-fn plane() -> LitScene {
-    let mut scene = empty(Kind::Plane, Vec3::new(2.6, 2.4, 3.4), Vec3::new(-0.2, 0.3, 0.0));
-    let plate = Mesh::cuboid(Vec3::new(-2.0, -0.2, -2.0), Vec3::new(2.0, 0.0, 2.0));
-    add(&mut scene, "plate", plate, WHITE);
-    add(
-        &mut scene,
-        "tall block",
-        Mesh::cuboid(Vec3::new(-1.2, 0.0, -1.0), Vec3::new(-0.9, 2.4, -0.7)),
-        WHITE,
-    );
-    let kind = LightKind::Point { position: Vec3::new(-2.2, 3.0, -2.4), radius: 0.3 };
-    scene.lights.push(Light { kind, color: Vec3::splat(30.0), falloff: Falloff::INVERSE_SQUARE });
-    scene
-}
-
 fn emissive() -> LitScene {
-    let mut scene = empty(Kind::Emissive, Vec3::new(0.3, 1.7, 2.7), Vec3::new(2.4, 0.8, 0.9));
-    let room = inside_out(Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 2.5, 3.0)));
-    add(&mut scene, "room", room, Material::matt(Vec3::splat(0.6)));
-    let place = Affine3A::from_scale_rotation_translation(
-        Vec3::splat(0.35),
-        Quat::IDENTITY,
-        Vec3::new(2.5, 0.9, 1.2),
-    );
-    add(&mut scene, "ball", Mesh::ball(3), Material::emitter(Vec3::new(6.0, 3.0, 0.8)));
-    if let Some(ball) = scene.objects.last_mut() {
-        ball.transform = place;
-    }
-    add(&mut scene, "block", Mesh::cuboid(Vec3::new(1.3, 0.0, 0.5), Vec3::new(1.7, 1.1, 0.9)), WHITE);
+    let (eye, target) = (Vec3::new(0.3, 1.7, 2.7), Vec3::new(2.4, 0.8, 0.9));
+    let mut scene = seen(Kind::Emissive, Camera::look_at(eye, target, 60.0, ASPECT, 0.01, 100.0));
+    let mut room = Mesh::cuboid(Vec3::ZERO, Vec3::new(4.0, 2.5, 3.0));
+    // It is looked at from inside.
+    room.triangles.iter_mut().for_each(|t| t.reverse());
+    add(&mut scene, room, Material::matt(Vec3::splat(0.6)));
+    let mut ball = Mesh::ball(3);
+    ball.positions.iter_mut().for_each(|p| *p = *p * 0.35 + Vec3::new(2.5, 0.9, 1.2));
+    add(&mut scene, ball, Material::emitter(Vec3::new(6.0, 3.0, 0.8)));
+    add(&mut scene, Mesh::cuboid(Vec3::new(1.3, 0.0, 0.5), Vec3::new(1.7, 1.1, 0.9)), WHITE);
     scene
 }

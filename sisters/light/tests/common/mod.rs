@@ -54,6 +54,18 @@ pub fn scene(triangles: Vec<Triangle>, materials: Vec<Material>, lights: Vec<Lig
     Scene { objects: vec![triangles.into()], materials, lights, sky }
 }
 
+/// A sky whose radiance is linear in the height of the direction.
+pub fn linear() -> Sky {
+    let (horizon, zenith) = (Vec3::new(1.0, 2.0, 0.5), Vec3::new(1.5, 0.5, 0.75));
+    Sky::Gradient { up: Vec3::Y * 2.0, zenith, horizon, nadir: 2.0 * horizon - zenith }
+}
+
+/// A floor of 2 metres under that sky.
+pub fn floor() -> Scene {
+    let floor = sheet(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0, 0);
+    Scene { sky: linear(), ..scene(floor, vec![matt(0.5)], vec![], 0.0) }
+}
+
 /// A white point light.
 pub fn lamp(position: Vec3, intensity: f32) -> Light {
     Light::Point { position, intensity: Vec3::splat(intensity), radius: 0.0 }
@@ -61,12 +73,35 @@ pub fn lamp(position: Vec3, intensity: f32) -> Light {
 
 /// All states gathered and lit.
 pub fn lit(scene: &Scene, cells: u32, rays: u32, passes: u32) -> Cache {
-    let mut cache = Cache::new(scene, Settings::new(Grid::around(&scene.objects, cells))).unwrap();
+    let mut cache = gathered(scene, Settings::new(Grid::around(&scene.objects, cells)), rays);
+    (0..passes).for_each(|_| _ = cache.pass());
+    cache
+}
+
+/// A cache with these settings, all states gathered and lit.
+pub fn gathered(scene: &Scene, settings: Settings, rays: u32) -> Cache {
+    let mut cache = Cache::new(scene, settings).unwrap();
     cache.request_all();
     cache.gather(rays).unwrap();
     cache.direct();
-    (0..passes).for_each(|_| _ = cache.pass());
     cache
+}
+
+/// Light after the same passes from the dark, as bits, at so many points of a floor of some metres
+/// along x and z, and of a ceiling.
+pub fn bits(cache: &mut Cache, count: usize, size: Vec3) -> Vec<[u32; 3]> {
+    cache.darken();
+    cache.direct();
+    cache.darken();
+    (0..4).for_each(|_| _ = cache.pass());
+    let of = |i: usize| {
+        let (u, v) = (i as f32 / count as f32, (i as f32 * 0.618).fract());
+        [(0.0, Vec3::Y), (size.y, -Vec3::Y)].map(|(y, normal)| {
+            let found = cache.irradiance(Vec3::new(size.x * u, y, size.z * v), normal).unwrap();
+            (found.indirect + found.direct).to_array().map(f32::to_bits)
+        })
+    };
+    (0..count).flat_map(of).collect()
 }
 
 /// Direct and indirect irradiance together, by the mean of the channels.

@@ -1,181 +1,109 @@
 //! A device, and what tests draw with it.
 
-use casca_radiosity::Scene;
-use casca_radiosity::gpu::{Answers, Gloss, GpuCache, Input, Mirrors, Shading, Surfaces};
+use casca_radiosity::gpu::{Answers, Gloss, GpuCache, Mirrors, Shading, Surfaces};
+use casca_radiosity::{Light, Material, Scene};
 use casca_stage::gpu::Gpu;
-use casca_stage::wgpu;
-use glam::{Mat4, Vec3};
+use casca_stage::wgpu::{self, TextureUsages};
+use glam::Vec3;
 
-use crate::common::{cuboid, lamp, matt, room, scene};
+use crate::common::{cuboid, lamp, matt, room, scene, sheet};
 
-/// Work of one submission.
-pub fn run(gpu: &Gpu, work: impl FnOnce(&mut wgpu::CommandEncoder)) {
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    work(&mut encoder);
-    gpu.queue.submit([encoder.finish()]);
-}
+/// Points lie in rows of so many pixels, so that groups of pixels lie along both axes. Rows of
+/// copies take multiples of 256 bytes.
+const WIDE: usize = 48;
 
-/// What a buffer holds.
-pub fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<[f32; 4]> {
-    bytemuck::pod_collect_to_vec(&gpu.read_buffer(buffer).unwrap())
-}
-
-/// The light of points with normals, by a picture of one row.
-pub fn shaded(gpu: &Gpu, light: &GpuCache, answers: Answers, points: &[(Vec3, Vec3)]) -> Vec<[f32; 4]> {
-    let size = (points.len(), 1);
-    let positions =
-        texture_of(gpu, size, &points.iter().map(|p| p.0.extend(1.0).to_array()).collect::<Vec<_>>());
-    let normals =
-        texture_of(gpu, size, &points.iter().map(|p| p.1.extend(0.0).to_array()).collect::<Vec<_>>());
-    let shading = Shading::new(&gpu.device, Input::Positions, answers);
-    let surfaces = Surfaces { place: &positions, normals: &normals, inverse: Mat4::NAN, empty: 0.0 };
-    picture_of(gpu, size, |encoder, view| light.shade(&gpu.device, encoder, &shading, surfaces, view))
-}
-
-/// A point of a mirroring surface, its normal and the width of its lobe.
-pub type Mirroring = (Vec3, Vec3, f32);
-
-/// What points mirror towards an eye by so many rays, by a picture of one row.
-pub fn mirrored(gpu: &Gpu, light: &GpuCache, points: &[Mirroring], eye: Vec3, rays: u32) -> Vec<[f32; 4]> {
-    let size = (points.len(), 1);
-    let row = |of: &dyn Fn(&Mirroring) -> [f32; 4]| {
-        texture_of(gpu, size, &points.iter().map(of).collect::<Vec<_>>())
-    };
-    let place = row(&|p| p.0.extend(1.0).to_array());
-    let normals = row(&|p| p.1.extend(0.0).to_array());
-    // Other components are read by nobody.
-    let roughness = row(&|p| [p.2, f32::NAN, -1.0, 7.0]);
-    let mirrors = Mirrors::new(&gpu.device, Input::Positions);
-    let surfaces = Surfaces { place: &place, normals: &normals, inverse: Mat4::NAN, empty: 0.0 };
-    let gloss = Gloss { roughness: &roughness, eye, rays };
-    picture_of(gpu, size, |encoder, view| {
-        light.mirror(&gpu.device, encoder, &mirrors, surfaces, gloss, view).unwrap();
-    })
-}
-
-fn descriptor(
-    (width, height): (usize, usize),
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::TextureDescriptor<'static> {
+fn descriptor(count: usize, usage: TextureUsages) -> wgpu::TextureDescriptor<'static> {
+    let (width, height) = (WIDE as u32, count.div_ceil(WIDE) as u32);
     wgpu::TextureDescriptor {
         label: None,
-        size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format,
+        format: wgpu::TextureFormat::Rgba32Float,
         usage,
         view_formats: &[],
     }
 }
 
-/// A texture of four numbers for each pixel.
-pub fn texture_of(gpu: &Gpu, size: (usize, usize), values: &[[f32; 4]]) -> wgpu::TextureView {
+/// A texture of four numbers for each point.
+pub fn texture_of<T>(gpu: &Gpu, points: &[T], of: impl Fn(&T) -> [f32; 4]) -> wgpu::TextureView {
     use wgpu::util::DeviceExt;
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let mut values: Vec<[f32; 4]> = points.iter().map(of).collect();
+    values.resize(values.len().next_multiple_of(WIDE), [0.0; 4]);
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
-        &descriptor(size, wgpu::TextureFormat::Rgba32Float, usage),
+        &descriptor(points.len(), TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST),
         wgpu::util::TextureDataOrder::LayerMajor,
-        bytemuck::cast_slice(values),
+        bytemuck::cast_slice(&values),
     );
     texture.create_view(&Default::default())
 }
 
-/// A depth buffer with these depths, as a pass of the application leaves it.
-pub fn depth_of(gpu: &Gpu, size: (usize, usize), depths: &[f32]) -> wgpu::TextureView {
-    use wgpu::util::DeviceExt;
-    let source = format!(
-        "@group(0) @binding(0) var<storage, read> depths: array<f32>;
-        @vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {{
-            return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-        }}
-        @fragment fn depth(@builtin(position) at: vec4f) -> @builtin(frag_depth) f32 {{
-            return depths[u32(at.y) * {}u + u32(at.x)];
-        }}",
-        size.0
-    );
-    let source = wgpu::ShaderSource::Wgsl(source.into());
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
-    let format = wgpu::TextureFormat::Depth32Float;
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: None,
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("corner"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("depth"),
-            compilation_options: Default::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
-    let buffer = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: None,
-        contents: bytemuck::cast_slice(depths),
-        usage: wgpu::BufferUsages::STORAGE,
-    });
-    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
-    });
-    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-    let view = gpu.device.create_texture(&descriptor(size, format, usage)).create_view(&Default::default());
-    run(gpu, |encoder| {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
-    });
-    view
-}
-
-/// The pixels of a picture that `draw` fills.
+/// The first pixels of a picture that `draw` fills.
 pub fn picture_of(
     gpu: &Gpu,
-    size: (usize, usize),
+    count: usize,
     draw: impl FnOnce(&mut wgpu::CommandEncoder, &wgpu::TextureView),
 ) -> Vec<[f32; 4]> {
-    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
-    let picture = gpu.device.create_texture(&descriptor(size, wgpu::TextureFormat::Rgba32Float, usage));
-    let row = (16 * size.0).next_multiple_of(256);
-    let buffer = gpu.buffer((row * size.1) as u64, wgpu::BufferUsages::COPY_DST).unwrap();
-    run(gpu, |encoder| {
-        draw(encoder, &picture.create_view(&Default::default()));
-        let bytes_per_row = Some(row as u32);
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
-        let target = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-        encoder.copy_texture_to_buffer(picture.as_image_copy(), target, picture.size());
-    });
-    let all = read(gpu, &buffer);
-    all.chunks(row / 16).flat_map(|row| &row[..size.0]).copied().collect()
+    let usage = TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC;
+    let picture = gpu.device.create_texture(&descriptor(count, usage));
+    let row = 16 * WIDE as u32;
+    let buffer = gpu.buffer(u64::from(row * picture.height()), wgpu::BufferUsages::COPY_DST).unwrap();
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    draw(&mut encoder, &picture.create_view(&Default::default()));
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    let target = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(picture.as_image_copy(), target, picture.size());
+    gpu.queue.submit([encoder.finish()]);
+    let mut all: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&buffer).unwrap());
+    all.truncate(count);
+    all
+}
+
+/// The pictures of points and of their normals.
+pub fn drawn(gpu: &Gpu, points: &[(Vec3, Vec3)]) -> [wgpu::TextureView; 2] {
+    let place = texture_of(gpu, points, |p| p.0.extend(1.0).to_array());
+    [place, texture_of(gpu, points, |p| p.1.extend(0.0).to_array())]
+}
+
+/// The light of points with normals.
+pub fn shaded(gpu: &Gpu, light: &GpuCache, answers: Answers, points: &[(Vec3, Vec3)]) -> Vec<[f32; 4]> {
+    let [place, normals] = &drawn(gpu, points);
+    let shading = Shading::new(&gpu.device, answers);
+    picture_of(gpu, points.len(), |encoder, view| {
+        light.shade(&gpu.device, encoder, &shading, Surfaces { place, normals }, view);
+    })
+}
+
+/// A point of a mirroring surface, its normal and the width of its lobe.
+pub type Mirroring = (Vec3, Vec3, f32);
+
+/// What points mirror towards an eye by so many rays.
+pub fn mirrored(gpu: &Gpu, light: &GpuCache, points: &[Mirroring], eye: Vec3, rays: u32) -> Vec<[f32; 4]> {
+    let [place, normals] = &drawn(gpu, &points.iter().map(|p| (p.0, p.1)).collect::<Vec<_>>());
+    // Other components are read by nobody.
+    let roughness = &texture_of(gpu, points, |p| [p.2, f32::NAN, -1.0, 7.0]);
+    let mirrors = Mirrors::new(&gpu.device);
+    picture_of(gpu, points.len(), |encoder, view| {
+        let gloss = Gloss { roughness, eye, rays };
+        light.mirror(&gpu.device, encoder, &mirrors, Surfaces { place, normals }, gloss, view).unwrap();
+    })
+}
+
+/// A long hall with a screen in its middle that has a hole: walls, the screen and the wall at the
+/// far end have a material each.
+pub fn hall(materials: Vec<Material>, lights: Vec<Light>) -> Scene {
+    let mut all = room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
+    all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 1));
+    all.iter_mut().filter(|t| t.corners.iter().all(|p| p.x == 40.0)).for_each(|t| t.material = 2);
+    scene(all, materials, lights, 0.0)
+}
+
+/// Points of the wall at its near end.
+pub fn in_hall() -> Vec<(Vec3, Vec3)> {
+    let at = |i: usize| Vec3::new(0.0, 0.05 * i as f32 + 0.02, (0.618 * i as f32).fract() * 4.0);
+    (0..80).map(|i| (at(i), Vec3::X)).collect()
 }
 
 /// A coloured room with a box in it, under a sky that a hole in the ceiling lets in.

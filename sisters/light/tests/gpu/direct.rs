@@ -1,12 +1,12 @@
-//! Direct light by rays on the device, and pictures from depths.
+//! Direct light by rays on the device.
 
-use casca_radiosity::gpu::{Answers, GpuCache, Input, Shading, Surfaces};
+use casca_radiosity::gpu::{Answers, GpuCache};
 use casca_radiosity::{Cache, Grid, Light, Material, Settings};
 use casca_stage::gpu::Gpu;
-use glam::{Mat4, Vec3, Vec4};
+use glam::Vec3;
 
 use crate::common::{lamp, lit, matt, scene, sheet};
-use crate::device::{furnished, picture_of, points, shaded};
+use crate::device::{furnished, hall, in_hall, points, shaded};
 
 /// Relative differences to the processor's direct light of points: of the sums, and the share of
 /// points that differ by more than a hundredth of the mean.
@@ -86,14 +86,9 @@ fn soft_lights_and_lamps_give_what_they_give_on_the_processor() {
 #[test]
 fn rays_cross_empty_bricks_and_end_at_far_walls() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    // A long hall of 200 cells with a screen in its middle that has a hole.
-    let mut all = crate::common::room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
-    all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 0));
-    let scene = scene(all, vec![matt(0.5)], vec![lamp(Vec3::new(39.0, 2.0, 1.0), 1000.0)], 0.0);
+    let scene = hall(vec![matt(0.5); 3], vec![lamp(Vec3::new(39.0, 2.0, 1.0), 1000.0)]);
     let mut cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, 200))).unwrap();
-    let points: Vec<(Vec3, Vec3)> = (0..80)
-        .map(|i| (Vec3::new(0.0, 0.05 * i as f32 + 0.02, (0.618 * i as f32).fract() * 4.0), Vec3::X))
-        .collect();
+    let points = in_hall();
     points.iter().for_each(|(p, n)| cache.request(*p, *n).unwrap());
     cache.gather_part((4, 4), usize::MAX).unwrap();
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
@@ -131,54 +126,4 @@ fn what_hangs_outside_of_the_grid_hides_nothing() {
         lit += usize::from(known > 0.0);
     }
     assert!(lit > 20 && lit < 180, "{lit}");
-}
-
-#[test]
-fn depths_show_what_positions_show() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let cache = lit(&furnished(), 24, 16, 6);
-    let device = GpuCache::new(&gpu.device, &cache).unwrap();
-    let (width, height) = (24, 16);
-    let eye = Vec3::new(0.4, 2.5, 0.7);
-    let target = Vec3::new(3.0, 0.0, 3.0);
-    let camera = casca_scenes::world::Camera::look_at(eye, target, 57.0, 1.5, 0.1, 20.0);
-    // From depths of 0 to 1 to those of 1 to 0.
-    let turned = Mat4::from_cols(Vec4::X, Vec4::Y, -Vec4::Z, Vec4::new(0.0, 0.0, 1.0, 1.0));
-    for is_reversed in [false, true] {
-        let both = if is_reversed { turned } else { Mat4::IDENTITY } * camera.view_projection();
-        let inverse = both.inverse();
-        let empty = if is_reversed { 0.0 } else { 1.0 };
-        // The floor below each pixel, where it is in the room.
-        let mut points = Vec::new();
-        let mut depths = Vec::new();
-        for i in 0..width * height {
-            let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
-            let near = Vec3::new(2.0 * x / width as f32 - 1.0, 1.0 - 2.0 * y / height as f32, 0.5);
-            let way = (inverse.project_point3(near) - eye).normalize();
-            let point = eye + way * (-eye.y / way.y);
-            let is_shown = way.y < 0.0 && point.x < 4.0 && point.z < 4.0;
-            points.push(is_shown.then_some((point, Vec3::Y)));
-            depths.push(if is_shown { both.project_point3(point).z } else { empty });
-        }
-        let shown: Vec<_> = points.iter().flatten().copied().collect();
-        assert!(shown.len() > 100 && shown.len() < points.len(), "{}", shown.len());
-        let mut known = shaded(&gpu, &device, Answers::Indirect, &shown).into_iter();
-        let shading = Shading::new(&gpu.device, Input::Depth, Answers::Indirect);
-        let depth = crate::device::depth_of(&gpu, (width, height), &depths);
-        let normals =
-            crate::device::texture_of(&gpu, (width, height), &vec![[0.0, 1.0, 0.0, 0.0]; width * height]);
-        let found = picture_of(&gpu, (width, height), |encoder, picture| {
-            let surfaces = Surfaces { place: &depth, normals: &normals, inverse, empty };
-            device.shade(&gpu.device, encoder, &shading, surfaces, picture);
-        });
-        for (point, found) in points.iter().zip(found) {
-            let known = point.and_then(|_| known.next()).unwrap_or([0.0; 4]);
-            // A depth of single precision is off by a millimetre at most.
-            let error = (Vec3::from_slice(&found) - Vec3::from_slice(&known)).length();
-            assert!(
-                error < 0.01 * (1.0 + known[0]) && found[3] == known[3],
-                "{point:?}: {found:?} {known:?}"
-            );
-        }
-    }
 }

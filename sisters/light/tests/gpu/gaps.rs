@@ -1,12 +1,12 @@
 //! Gaps of pictures, filled by rays.
 
-use casca_radiosity::gpu::{Answers, Gaps, GpuCache, Input, Surfaces};
+use casca_radiosity::gpu::{Answers, Gaps, GpuCache, Surfaces};
 use casca_radiosity::{Cache, Grid, Settings};
 use casca_stage::gpu::Gpu;
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 
 use crate::common::{lamp, matt, rooms, scene};
-use crate::device::{furnished, picture_of, points, shaded, texture_of};
+use crate::device::{drawn, furnished, picture_of, points, shaded, texture_of};
 
 /// Passes end with the first that changes less than this share of the light, far below the 3% that
 /// tests allow, and after so many.
@@ -15,15 +15,10 @@ const MOST_PASSES: u32 = 20;
 
 /// Points with normals, of which a picture has been made, after the gaps were filled.
 fn filled(gpu: &Gpu, light: &GpuCache, points: &[(Vec3, Vec3)], rays: u32) -> Vec<[f32; 4]> {
-    let size = (points.len(), 1);
-    let before = texture_of(gpu, size, &shaded(gpu, light, Answers::Indirect, points));
-    let row = |of: &dyn Fn(&(Vec3, Vec3)) -> [f32; 4]| {
-        texture_of(gpu, size, &points.iter().map(of).collect::<Vec<_>>())
-    };
-    let (place, normals) = (row(&|p| p.0.extend(1.0).to_array()), row(&|p| p.1.extend(0.0).to_array()));
-    let surfaces = Surfaces { place: &place, normals: &normals, inverse: Mat4::NAN, empty: 0.0 };
-    let gaps = Gaps::new(&gpu.device, Input::Positions);
-    picture_of(gpu, size, |encoder, view| {
+    let before = texture_of(gpu, &shaded(gpu, light, Answers::Indirect, points), |p| *p);
+    let ([place, normals], gaps) = (&drawn(gpu, points), Gaps::new(&gpu.device));
+    picture_of(gpu, points.len(), |encoder, view| {
+        let surfaces = Surfaces { place, normals };
         light.fill(&gpu.device, encoder, (&gaps, rays), surfaces, (&before, view)).unwrap();
     })
 }
@@ -93,12 +88,11 @@ fn numbers_of_rays_are_checked_and_nothing_is_filled_where_nothing_is_shown() {
     let Some(gpu) = Gpu::for_tests() else { return };
     let cache = Cache::new(&furnished(), Settings::new(Grid::around(&furnished().objects, 8))).unwrap();
     let light = GpuCache::new(&gpu.device, &cache).unwrap();
-    let gaps = Gaps::new(&gpu.device, Input::Positions);
-    let texture = |p: [f32; 4]| texture_of(&gpu, (3, 1), &[p; 3]);
-    let (place, normals, before) =
-        (texture([1.0, 1.0, 1.0, 0.0]), texture([0.0, 1.0, 0.0, 0.0]), texture([0.0; 4]));
-    let surfaces = Surfaces { place: &place, normals: &normals, inverse: Mat4::NAN, empty: 0.0 };
-    let shown = picture_of(&gpu, (3, 1), |encoder, view| {
+    let gaps = Gaps::new(&gpu.device);
+    let [place, normals, before] =
+        [[1.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4]].map(|p| texture_of(&gpu, &[p; 3], |p| *p));
+    let surfaces = Surfaces { place: &place, normals: &normals };
+    let shown = picture_of(&gpu, 3, |encoder, view| {
         for rays in [0, 65, u32::MAX] {
             let wrong = light.fill(&gpu.device, encoder, (&gaps, rays), surfaces, (&before, view));
             assert!(wrong.is_err(), "{rays}");

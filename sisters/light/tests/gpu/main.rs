@@ -7,6 +7,5 @@ mod direct;
 mod gaps;
 mod lobes;
 mod mirrors;
-mod passes;
 mod pictures;
 mod windows;

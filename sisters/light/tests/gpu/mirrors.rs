@@ -1,12 +1,12 @@
 //! What surfaces mirror: walls, lamps and the sky, beside the processor's reflections.
 
-use casca_radiosity::gpu::{Gloss, GpuCache, Input, Mirrors, Surfaces};
-use casca_radiosity::{Cache, Grid, LightError, Material, Scene, Settings, Sky};
+use casca_radiosity::gpu::{Gloss, GpuCache, Mirrors, Surfaces};
+use casca_radiosity::{Cache, Grid, LightError, Material, Settings};
 use casca_stage::gpu::Gpu;
-use glam::{Affine3A, Mat4, Vec3, Vec4};
+use glam::{Affine3A, Vec3};
 
-use crate::common::{lamp, leak_questions, lit, matt, placed, room, rooms, scene, sheet, turned};
-use crate::device::{Mirroring, depth_of, furnished, mirrored, picture_of, points, run, texture_of};
+use crate::common::{floor, lamp, leak_questions, lit, matt, placed, rooms, scene, sheet, turned};
+use crate::device::{Mirroring, furnished, hall, in_hall, mirrored, points, texture_of};
 
 /// Light that differs by more, as a share of the mean or of its own, is that of another wall or of
 /// other states.
@@ -14,19 +14,7 @@ pub const ELSEWHERE: f32 = 1e-3;
 /// Metres from a wall to the nearest point in its fold, and from point to point.
 const FOLD: f32 = 1e-4;
 
-/// A sky whose radiance is linear in the height of the direction.
-pub fn linear() -> Sky {
-    let (horizon, zenith) = (Vec3::new(1.0, 2.0, 0.5), Vec3::new(1.5, 0.5, 0.75));
-    Sky::Gradient { up: Vec3::new(0.0, 2.0, 0.0), zenith, horizon, nadir: 2.0 * horizon - zenith }
-}
-
-/// A floor of 2 metres under that sky.
-pub fn floor() -> Scene {
-    let floor = sheet(Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0, 0);
-    Scene { sky: linear(), ..scene(floor, vec![matt(0.5)], vec![], 0.0) }
-}
-
-/// Points of that floor.
+/// Points of the floor under a linear sky.
 pub fn on_floor(count: usize, rough: f32) -> Vec<Mirroring> {
     let at = |i: usize| {
         let (u, v) = ((i as f32 + 0.5) / count as f32, (i as f32 * 0.618 + 0.3).fract());
@@ -87,7 +75,8 @@ fn mirrors_show_walls_as_on_the_processor() {
     // Some walls turn their backs to the room.
     let mut s = furnished();
     s.objects[0].triangles.iter_mut().step_by(3).for_each(|t| t.corners.swap(0, 1));
-    let cache = lit(&s, 25, 32, 20);
+    let mut cache = lit(&s, 25, 32, 20);
+    cache.smooth(2);
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
     let points: Vec<_> = points().into_iter().map(|(p, n)| (p, n, 0.0)).collect();
     for eye in [Vec3::new(3.1, 1.7, 2.9), Vec3::new(0.3, 0.4, 3.6), Vec3::new(2.0, 2.8, 1.4)] {
@@ -103,17 +92,13 @@ fn mirrors_show_walls_as_on_the_processor() {
 #[test]
 fn mirrored_rays_cross_empty_bricks_and_end_at_the_nearest_wall() {
     let Some(gpu) = Gpu::for_tests() else { return };
-    // A long hall of 200 cells with a screen in its middle that has a hole; each wall glows alike.
-    let mut all = room(Vec3::ZERO, Vec3::new(40.0, 4.0, 4.0), 0);
-    all.extend(sheet(Vec3::new(20.0, 0.0, 0.0), Vec3::Y * 4.0, Vec3::Z * 2.0, 1));
-    all.iter_mut().filter(|t| t.corners.iter().all(|p| p.x == 40.0)).for_each(|t| t.material = 2);
+    // Each wall glows alike.
     let glow = |r, g, b| Material::new(Vec3::splat(0.3), Vec3::new(r, g, b));
     let materials = vec![glow(0.1, 0.0, 0.0), glow(0.0, 0.5, 0.0), glow(0.0, 0.0, 2.0)];
-    let scene = scene(all, materials, vec![], 0.0);
+    let scene = hall(materials, vec![]);
     let cache = Cache::new(&scene, Settings::new(Grid::around(&scene.objects, 200))).unwrap();
     let device = GpuCache::new(&gpu.device, &cache).unwrap();
-    let at = |i: usize| Vec3::new(0.0, 0.05 * i as f32 + 0.02, (0.618 * i as f32).fract() * 4.0);
-    let points: Vec<Mirroring> = (0..80).map(|i| (at(i), Vec3::X, 0.0)).collect();
+    let points: Vec<Mirroring> = in_hall().into_iter().map(|(p, n)| (p, n, 0.0)).collect();
     let mut met = [0; 3];
     for eye in [Vec3::new(30.0, 2.1, 2.4), Vec3::new(3.0, 1.0, 2.9)] {
         for ((p, n, _), found) in points.iter().zip(mirrored(&gpu, &device, &points, eye, 1)) {
@@ -205,9 +190,9 @@ fn an_eye_below_sees_nothing_and_odd_numbers_do_no_harm() {
 fn wrong_numbers_of_rays_and_eyes_are_refused() {
     let Some(gpu) = Gpu::for_tests() else { return };
     let device = GpuCache::new(&gpu.device, &lit(&floor(), 8, 4, 1)).unwrap();
-    let mirrors = Mirrors::new(&gpu.device, Input::Positions);
-    let view = texture_of(&gpu, (1, 1), &[[0.0; 4]]);
-    let surfaces = Surfaces { place: &view, normals: &view, inverse: Mat4::IDENTITY, empty: 0.0 };
+    let mirrors = Mirrors::new(&gpu.device);
+    let view = texture_of(&gpu, &[()], |()| [0.0; 4]);
+    let surfaces = Surfaces { place: &view, normals: &view };
     let refused = |eye, rays| {
         let gloss = Gloss { roughness: &view, eye, rays };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -243,72 +228,4 @@ fn what_is_outside_of_the_grid_is_not_mirrored() {
         }
         assert!(lamps > 20 && lamps < 380, "{lamps}");
     }
-}
-
-#[test]
-fn mirrors_of_depths_are_those_of_positions() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let cache = lit(&floor(), 8, 16, 2);
-    let device = GpuCache::new(&gpu.device, &cache).unwrap();
-    let (width, height) = (20, 12);
-    // Straight from above: a depth of a half is the floor, and what is nearer rises.
-    let inverse = Mat4::from_cols(
-        Vec4::X,
-        Vec4::new(0.0, 0.0, -1.0, 0.0),
-        Vec4::Y * -2.0,
-        Vec4::new(0.0, 1.0, 0.0, 1.0),
-    );
-    let (mut depths, mut points) = (Vec::new(), Vec::new());
-    for i in 0..width * height {
-        let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
-        let depth = if i % 7 == 0 { 1.0 } else { 0.5 - 0.01 * (i % 5) as f32 };
-        let place = Vec3::new(2.0 * x / width as f32 - 1.0, 1.0 - 2.0 * y / height as f32, depth);
-        depths.push(depth);
-        points.push((inverse.project_point3(place), Vec3::Y, 0.0));
-    }
-    let eye = Vec3::new(0.3, 2.0, 0.5);
-    let known = mirrored(&gpu, &device, &points, eye, 1);
-    let place = depth_of(&gpu, (width, height), &depths);
-    let normals = texture_of(&gpu, (width, height), &vec![[0.0, 2.0, 0.0, 0.0]; width * height]);
-    let roughness = texture_of(&gpu, (width, height), &vec![[0.0; 4]; width * height]);
-    let mirrors = Mirrors::new(&gpu.device, Input::Depth);
-    let found = picture_of(&gpu, (width, height), |encoder, picture| {
-        let surfaces = Surfaces { place: &place, normals: &normals, inverse, empty: 1.0 };
-        let gloss = Gloss { roughness: &roughness, eye, rays: 1 };
-        device.mirror(&gpu.device, encoder, &mirrors, surfaces, gloss, picture).unwrap();
-    });
-    for (i, (found, known)) in found.iter().zip(&known).enumerate() {
-        let known = if depths[i] == 1.0 { Vec4::ZERO } else { Vec4::from_array(*known) };
-        assert!((Vec4::from_array(*found) - known).length() < 1e-5, "{i}: {found:?} {known}");
-    }
-}
-
-#[test]
-fn mirrors_show_the_light_of_now() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let mut cache = lit(&furnished(), 25, 16, 12);
-    let mut device = GpuCache::new(&gpu.device, &cache).unwrap();
-    let points: Vec<_> = points().into_iter().map(|(p, n)| (p, n, 0.0)).collect();
-    let eye = Vec3::new(3.1, 1.7, 2.9);
-    // Nine of ten: at edges, rays of single precision meet another wall.
-    let most = |device: &GpuCache, cache: &Cache| {
-        let all = apart(&gpu, device, cache, &points, eye);
-        all[all.len() * 9 / 10]
-    };
-    // Smoothed light, other lights and another sky.
-    device.link(&gpu.device, &cache).unwrap();
-    cache.smooth(2);
-    run(&gpu, |encoder| device.smooth(encoder, 2));
-    assert!(most(&device, &cache) < 1e-3);
-    cache.set_lights(&[lamp(Vec3::new(0.6, 0.4, 3.3), 20.0)]).unwrap();
-    cache.set_sky(linear()).unwrap();
-    cache.direct();
-    cache.converge(1e-7, 200);
-    assert!(most(&device, &cache) > 0.1);
-    run(&gpu, |encoder| {
-        device.set_direct(&gpu.device, &gpu.queue, encoder, &cache).unwrap();
-        device.pass(encoder, 64);
-    });
-    let found = most(&device, &cache);
-    assert!(found < 1e-3, "{found}");
 }

@@ -5,7 +5,7 @@ use casca_radiosity::{Cache, Grid, Scene, Settings, Window};
 use casca_stage::gpu::Gpu;
 use glam::Vec3;
 
-use crate::common::{lamp, leak_questions, matt, on_faces, rooms, scene, wall_questions};
+use crate::common::{gathered, lamp, leak_questions, matt, on_faces, rooms, scene, wall_questions};
 use crate::device::{furnished, mirrored, points, shaded};
 use crate::mirrors::ELSEWHERE;
 
@@ -16,16 +16,9 @@ const MOST_PASSES: u32 = 60;
 
 fn lit(scene: &Scene, cells: u32, windows: [Option<Window>; 2]) -> Cache {
     let settings = Settings { windows, ..Settings::new(Grid::around(&scene.objects, cells)) };
-    let mut cache = Cache::new(scene, settings).unwrap();
-    light(&mut cache);
-    cache
-}
-
-fn light(cache: &mut Cache) {
-    cache.request_all();
-    cache.gather(32).unwrap();
-    cache.direct();
+    let mut cache = gathered(scene, settings, 32);
     cache.converge(SETTLED, MOST_PASSES);
+    cache
 }
 
 #[test]
@@ -41,8 +34,11 @@ fn windows_give_the_light_of_the_processor() {
         // The device follows when windows move.
         let moved = cache.move_windows(Vec3::new(0.5, 1.0, 3.5)).unwrap();
         assert!(moved.dropped > 0);
-        light(&mut cache);
-        device.renew(&gpu.device, &cache).unwrap();
+        cache.request_all();
+        cache.gather(32).unwrap();
+        cache.direct();
+        cache.converge(SETTLED, MOST_PASSES);
+        device = GpuCache::new(&gpu.device, &cache).unwrap();
         same(&gpu, &cache, &device);
     }
 }

@@ -1,6 +1,6 @@
 //! Work in parts ends in the same light.
 
-use crate::common::{cuboid, lamp, matt, room, scene};
+use crate::common::{cuboid, lamp, lit, matt, room, scene};
 use casca_radiosity::{Cache, Grid, LightError, Object, Scene, Settings};
 use glam::Vec3 as V;
 
@@ -14,9 +14,10 @@ fn furnished(boxes: [V; 2]) -> Scene {
 
 const BOXES: [V; 2] = [V::new(1.0, 0.0, 2.0), V::new(2.5, 0.4, 1.0)];
 const RAYS: u32 = 16;
+const CELLS: u32 = 24;
 
 fn made(scene: &Scene) -> Cache {
-    Cache::new(scene, Settings::new(Grid::around(&scene.objects, 24))).unwrap()
+    Cache::new(scene, Settings::new(Grid::around(&scene.objects, CELLS))).unwrap()
 }
 
 /// Light after some passes from the dark, as bits.
@@ -35,10 +36,7 @@ fn light(cache: &mut Cache) -> Vec<[u32; 6]> {
 #[test]
 fn parts_add_up_to_the_light_of_the_whole() {
     let scene = furnished(BOXES);
-    let mut whole = made(&scene);
-    whole.request_all();
-    whole.gather(RAYS).unwrap();
-    whole.direct();
+    let mut whole = lit(&scene, CELLS, RAYS, 0);
     let mut parts = made(&scene);
     parts.request(V::new(2.0, 0.0, 2.0), V::Y).unwrap();
     let mut turns = 0;
@@ -86,13 +84,7 @@ fn states_that_were_asked_for_send_their_rays_first() {
 #[test]
 fn old_light_is_found_anew_in_turn() {
     let scene = furnished(BOXES);
-    let [mut whole, mut parts] = [(); 2].map(|()| {
-        let mut cache = made(&scene);
-        cache.request_all();
-        cache.gather(4).unwrap();
-        cache.direct();
-        cache
-    });
+    let [mut whole, mut parts] = [(); 2].map(|()| lit(&scene, CELLS, 4, 0));
     assert_eq!(parts.direct_part(10), 0, "all have their light");
     let lights = [lamp(V::new(0.7, 0.5, 3.0), 4.0)];
     for cache in [&mut whole, &mut parts] {
@@ -111,39 +103,15 @@ fn old_light_is_found_anew_in_turn() {
 }
 
 #[test]
-fn objects_that_move_together_are_as_if_moved_one_by_one() {
-    let (scene, to) = (furnished(BOXES), furnished([V::new(2.9, 0.0, 3.0), V::new(0.4, 1.4, 0.3)]));
-    let [mut together, mut single] = [(); 2].map(|()| {
-        let mut cache = made(&scene);
-        cache.request_all();
-        cache.gather(RAYS).unwrap();
-        cache
-    });
-    // Of two with one number the last counts.
-    let moves = vec![(2, scene.objects[0].clone()), (1, to.objects[1].clone()), (2, to.objects[2].clone())];
-    together.set_objects(moves).unwrap();
-    for i in [1, 2] {
-        single.set_objects(vec![(i, to.objects[i].clone())]).unwrap();
-    }
-    for cache in [&mut together, &mut single] {
-        cache.request_all();
-        cache.gather(RAYS).unwrap();
-        cache.direct();
-    }
-    assert_eq!(light(&mut together), light(&mut single));
-    let error = together.set_objects(vec![(1, scene.objects[1].clone()), (9, Object::default())]);
-    assert_eq!(error, Err(LightError::Object { object: 9, count: 3 }));
-    assert_eq!(light(&mut together), light(&mut single), "nothing moved");
-    assert_eq!(together.set_objects(Vec::new()).unwrap().sent, 0);
-}
-
-#[test]
 fn rays_without_number_or_too_many_are_refused_and_all_wait_on() {
     let mut cache = made(&furnished(BOXES));
     cache.request_all();
     let waiting = cache.waiting();
     for rays in [(0, 4), (4, 0), (5000, 4), (4, u32::MAX)] {
-        assert!(matches!(cache.gather_part(rays, 10), Err(LightError::Rays { .. })), "{rays:?}");
+        assert!(
+            matches!(cache.gather_part(rays, 10), Err(LightError::Value { what: "rays", .. })),
+            "{rays:?}"
+        );
     }
     for wrong in [(V::NAN, V::Y), (V::ZERO, V::ZERO)] {
         assert!(cache.request_radiances(&[(V::ONE, V::X), wrong]).is_err());

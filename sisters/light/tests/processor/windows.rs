@@ -1,8 +1,8 @@
 //! Windows of finer cells: no leak at their faces, light as of fine cells, and moves.
 
 use crate::common::{
-    cuboid, indirect, lamp, leak_questions, matt, on_faces, placed, room, rooms, scene, sheet, total, turned,
-    wall_questions,
+    bits, cuboid, gathered, indirect, lamp, leak_questions, matt, on_faces, placed, room, rooms, scene,
+    sheet, total, turned, wall_questions,
 };
 use casca_radiosity::{Cache, Grid, LightError, Scene, Settings, Window};
 use glam::{Affine3A, Vec3 as V};
@@ -14,14 +14,6 @@ const MOST_PASSES: u32 = 60;
 
 fn around(scene: &Scene, cells: u32, windows: [Option<Window>; 2]) -> Settings {
     Settings { windows, ..Settings::new(Grid::around(&scene.objects, cells)) }
-}
-
-fn gathered(scene: &Scene, settings: Settings, rays: u32) -> Cache {
-    let mut cache = Cache::new(scene, settings).unwrap();
-    cache.request_all();
-    cache.gather(rays).unwrap();
-    cache.direct();
-    cache
 }
 
 /// Two rooms with a wall in a face of cells, and windows whose faces lie in it, before it and behind
@@ -84,18 +76,8 @@ fn a_window_is_as_good_as_fine_cells_everywhere() {
     assert!(error(&with) < 0.05 && error(&with) < 0.5 * error(&coarse));
 }
 
-/// Bits of the light at points of the floor after the same passes from the dark.
 fn light(cache: &mut Cache) -> Vec<[u32; 3]> {
-    cache.darken();
-    cache.direct();
-    cache.darken();
-    (0..4).for_each(|_| _ = cache.pass());
-    let ask = |i: i32| {
-        let point = V::new(8.0 * (i % 20) as f32 / 20.0 + 0.1, 0.0, 8.0 * (i / 20) as f32 / 20.0 + 0.1);
-        let found = cache.irradiance(point, V::Y).unwrap();
-        (found.indirect + found.direct).to_array().map(f32::to_bits)
-    };
-    (0..400).map(ask).collect()
+    bits(cache, 400, V::new(8.0, 3.0, 8.0))
 }
 
 #[test]
@@ -141,23 +123,6 @@ fn windows_that_moved_are_as_if_made_anew() {
 }
 
 #[test]
-fn the_light_of_a_furnace_does_not_depend_on_windows() {
-    // Albedo 0.5 and walls that emit 1: the radiance is 2.
-    let mut glowing = matt(0.5);
-    glowing.emission = V::ONE;
-    let scene = scene(room(V::ZERO, V::splat(4.0), 0), vec![glowing], vec![], 0.0);
-    let window = Window { middle: V::new(1.0, 2.0, 2.0), half: 1.1, finer: 4 };
-    let mut cache = gathered(&scene, around(&scene, 12, [None, Some(window)]), 32);
-    cache.converge(SETTLED, MOST_PASSES);
-    for z in [0.3, 1.0, 2.05, 3.6] {
-        for x in [0.2, 1.9, 2.05, 2.3, 3.9] {
-            let found = total(&cache, V::new(x, 0.0, z), V::Y) / std::f64::consts::PI;
-            assert!((found - 2.0).abs() < 0.04, "{x} {z}: {found}");
-        }
-    }
-}
-
-#[test]
 fn wrong_windows_are_refused_by_name() {
     let scene = furnished();
     let good = Window { middle: V::ONE, half: 1.0, finer: 4 };
@@ -188,24 +153,6 @@ fn wrong_windows_are_refused_by_name() {
     // Without a window nothing moves.
     let mut cache = Cache::new(&scene, around(&scene, 16, [None; 2])).unwrap();
     assert_eq!(cache.move_windows(V::splat(100.0)).unwrap().kept, 0);
-    assert_eq!(cache.windows().len(), 1);
-}
-
-#[test]
-fn cells_in_a_window_are_there_instead_of_others_and_not_besides() {
-    let floor = sheet(V::new(0.0, 0.1, 0.0), V::Z * 4.0, V::X * 4.0, 0);
-    let scene = scene(floor, vec![matt(0.5)], vec![], 1.0);
-    let grid = Grid { min: V::ZERO, max: V::splat(4.0), cells: 4 };
-    let entries = |windows| {
-        let settings = Settings { windows, ..Settings::new(grid) };
-        Cache::new(&scene, settings).unwrap().statistics().entries
-    };
-    let window = |half| Some(Window { middle: V::new(2.0, 0.5, 2.0), half, finer: 2 });
-    assert_eq!(entries([None; 2]), 16);
-    assert_eq!(entries([window(9.0), None]), 64);
-    // Of 16 cells, four are 16 finer ones, of which four are 16 again.
-    assert_eq!(entries([window(1.0), None]), 12 + 16);
-    assert_eq!(entries([window(1.0), window(0.5)]), 12 + 12 + 16);
 }
 
 /// Beside a wall under the sky, light falls from cell to cell. Two floors in one room of cells of

@@ -24,7 +24,7 @@ pub fn tuned(seed: u64) -> Vec<Scene> {
 
 pub fn held_out(seed: u64) -> Vec<Scene> {
     let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x5eed);
-    vec![tree(&mut random), pipes(&mut random), staircase(), terrain(&mut random), office(&mut random)]
+    vec![tree(&mut random), pipes(&mut random)]
 }
 
 /// Triangles that grow.
@@ -271,69 +271,4 @@ fn pipes(random: &mut Pcg64Mcg) -> Scene {
         build.tube([from, to], [r, r], 16);
     }
     build.scene("pipes", &[vec3(0.5, 1.6, 5.0), vec3(-4.0, 2.0, 2.5), vec3(3.0, 0.6, 3.0)])
-}
-
-fn staircase() -> Scene {
-    let mut build = Build::default();
-    build.cuboid(vec3(-2.0, -0.1, -3.0), vec3(3.0, 0.0, 3.0));
-    build.cuboid(vec3(-2.0, 0.0, -3.0), vec3(-1.85, 3.2, 3.0));
-    for i in 0..14 {
-        let (y, z) = (0.2 * (i + 1) as f32, 2.5 - 0.28 * i as f32);
-        build.cuboid(vec3(-1.6, y - 0.04, z - 0.3), vec3(0.0, y, z));
-        for x in [-1.5, -0.1] {
-            build.tube([vec3(x, y, z - 0.15), vec3(x, y + 0.9, z - 0.15)], [0.015, 0.015], 8);
-        }
-    }
-    for x in [-1.5, -0.1] {
-        build.tube([vec3(x, 1.1, 2.35), vec3(x, 3.7, -1.29)], [0.03, 0.03], 10);
-    }
-    build.scene("staircase", &[vec3(2.5, 1.6, 2.5), vec3(0.5, 1.7, 4.5), vec3(2.6, 1.2, -2.5)])
-}
-
-fn terrain(random: &mut Pcg64Mcg) -> Scene {
-    let height = |x: f32, z: f32| {
-        1.6 * (0.31 * x + 0.5).sin() * (0.27 * z).cos()
-            + 0.6 * (0.9 * x - 0.4 * z).sin()
-            + 0.25 * (1.7 * z + x).cos()
-    };
-    let mut build = Build::default();
-    build.patch([120, 120], |u, v| {
-        let (x, z) = (-12.0 + 24.0 * v, -12.0 + 24.0 * u);
-        vec3(x, height(x, z), z)
-    });
-    for _ in 0..25 {
-        let (x, z) = (random.random_range(-10.0..10.0), random.random_range(-10.0..10.0_f32));
-        build.ball(vec3(x, height(x, z), z), random.random_range(0.3..0.9));
-    }
-    build.scene("terrain", &[vec3(0.0, 4.0, 14.0), vec3(-9.0, 3.5, -9.0), vec3(13.0, 6.0, 2.0)])
-}
-
-/// Desks with screens, chairs, shelves of thin books and papers.
-fn office(random: &mut Pcg64Mcg) -> Scene {
-    let mut build = Build::default();
-    let mut room = Build::default();
-    room.cuboid(vec3(-4.0, 0.0, -3.0), vec3(4.0, 2.8, 3.0));
-    build.0.extend(room.0.iter().map(|&[a, b, c]| [a, c, b]));
-    for i in 0..4 {
-        let at = vec3(-2.6 + 1.7 * i as f32, 0.0, if i % 2 == 0 { -1.2 } else { 0.8 });
-        table(&mut build, random, at);
-        build.turned(
-            at + vec3(0.0, 1.05, 0.1),
-            vec3(0.3, 0.18, 0.015),
-            Quat::from_rotation_y(random.random_range(-0.5..0.5)),
-        );
-    }
-    for level in 0..5 {
-        let y = 0.3 + 0.42 * level as f32;
-        build.cuboid(vec3(-3.6, y, -2.98), vec3(3.6, y + 0.02, -2.7));
-        for i in 0..60 {
-            let x = -3.5 + 7.0 * i as f32 / 60.0;
-            let (w, h) = (random.random_range(0.02..0.1), random.random_range(0.18..0.36));
-            build.cuboid(
-                vec3(x, y + 0.02, -2.95),
-                vec3(x + w, y + 0.02 + h, -2.95 + random.random_range(0.12..0.22)),
-            );
-        }
-    }
-    build.scene("office", &[vec3(3.5, 1.6, 2.5), vec3(-3.5, 1.7, 2.6), vec3(0.0, 1.2, 2.0)])
 }

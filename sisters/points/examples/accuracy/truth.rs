@@ -14,36 +14,26 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::time::Duration;
 
-/// How points are spread.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Spread {
-    /// Each piece of area is as likely as any other.
-    Random,
-    /// The same, but points keep a distance from each other.
-    Even,
-}
-
 /// Samples of a scene.
 pub struct Samples {
     pub points: Vec<Vec3>,
     pub normals: Vec<Vec3>,
     pub triangle: Vec<u32>,
-    /// The side of the square that a point stands for.
-    pub spacing: f32,
 }
 
-pub fn sample(scene: &Scene, count: usize, spread: Spread, seed: u64) -> Samples {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
+/// Samples of triangles: each piece of area is as likely as any other, but points keep a distance
+/// from each other.
+pub fn sample(scene: &Scene, count: usize) -> Samples {
+    let mut random = Pcg64Mcg::seed_from_u64(11);
     let mut sum = 0.0;
     let mut areas = Vec::new();
     for [a, b, c] in &scene.triangles {
         sum += f64::from((b - a).cross(c - a).length()) / 2.0;
         areas.push(sum);
     }
-    let spacing = (sum / count as f64).sqrt() as f32;
-    let distance = 0.75 * spacing;
+    let distance = 0.75 * (sum / count as f64).sqrt() as f32;
     let mut cells: HashMap<[i32; 3], Vec<Vec3>> = HashMap::new();
-    let mut samples = Samples { points: Vec::new(), normals: Vec::new(), triangle: Vec::new(), spacing };
+    let mut samples = Samples { points: Vec::new(), normals: Vec::new(), triangle: Vec::new() };
     for _ in 0..count * 15 {
         if samples.points.len() == count {
             break;
@@ -56,17 +46,15 @@ pub fn sample(scene: &Scene, count: usize, spread: Spread, seed: u64) -> Samples
             (u, v) = (1.0 - u, 1.0 - v);
         }
         let point = a + (b - a) * u + (c - a) * v;
-        if spread == Spread::Even {
-            let cell = (point / distance).floor().as_ivec3();
-            let near = (0..27).any(|i| {
-                let cell = [cell.x + i % 3 - 1, cell.y + i / 3 % 3 - 1, cell.z + i / 9 - 1];
-                cells.get(&cell).is_some_and(|points| points.iter().any(|p| p.distance(point) < distance))
-            });
-            if near {
-                continue;
-            }
-            cells.entry(cell.to_array()).or_default().push(point);
+        let cell = (point / distance).floor().as_ivec3();
+        let near = (0..27).any(|i| {
+            let cell = [cell.x + i % 3 - 1, cell.y + i / 3 % 3 - 1, cell.z + i / 9 - 1];
+            cells.get(&cell).is_some_and(|points| points.iter().any(|p| p.distance(point) < distance))
+        });
+        if near {
+            continue;
         }
+        cells.entry(cell.to_array()).or_default().push(point);
         samples.points.push(point);
         samples.normals.push((b - a).cross(c - a).normalize());
         samples.triangle.push(triangle as u32);
@@ -86,13 +74,6 @@ pub struct Mesh<'a> {
     tree: Bvh2,
 }
 
-/// Where a ray first meets a triangle, and whether it meets its front.
-pub struct Hit {
-    pub at: DVec3,
-    pub triangle: u32,
-    pub front: bool,
-}
-
 impl<'a> Mesh<'a> {
     pub fn new(triangles: &'a [[Vec3; 3]]) -> Self {
         let bounds = |t: &[Vec3; 3]| {
@@ -102,26 +83,6 @@ impl<'a> Mesh<'a> {
         let bounds: Vec<Aabb> = triangles.iter().map(bounds).collect();
         let tree = build_bvh2(&bounds, BvhBuildParams::medium_build(), &mut Duration::default());
         Self { triangles, tree }
-    }
-
-    pub fn normal(&self, triangle: u32) -> Vec3 {
-        let [a, b, c] = self.triangles[triangle as usize];
-        (b - a).cross(c - a).normalize()
-    }
-
-    pub fn first_hit(&self, from: DVec3, direction: DVec3) -> Option<Hit> {
-        let ray = Ray::new(from.as_vec3a(), direction.as_vec3a(), 0.0, f32::INFINITY);
-        let mut first = (f64::INFINITY, 0);
-        self.tree.ray_traverse_miss(ray, |_, i| {
-            let i = self.tree.primitive_indices[i];
-            if let Some(far) = crosses(from, direction, self.triangle(i)) {
-                first = if far < first.0 { (far, i) } else { first };
-            }
-            f32::INFINITY
-        });
-        let (far, triangle) = first;
-        let front = || self.normal(triangle).as_dvec3().dot(direction) < 0.0;
-        far.is_finite().then(|| Hit { at: from + direction * far, triangle, front: front() })
     }
 
     fn triangle(&self, i: u32) -> [DVec3; 3] {

@@ -13,16 +13,14 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use rayon::slice::ParallelSliceMut;
 
-use super::error::BrickError;
+use super::BrickError;
 use super::file::{HEADER, Header, MOST};
 use super::order::{BITS, arrange, code};
-use super::point::{BrickPoint, POINT_WITH_NORMAL, PackedNormal};
+use super::point::{BrickPoint, POINT, PackedNormal};
 use crate::PointCloud;
 
 /// The most runs: each needs an open file.
 const RUNS: u64 = 256;
-/// Bytes of a point in scratch files.
-const RAW: u64 = POINT_WITH_NORMAL;
 /// Bytes of a point while its run is sorted: point and code, twice.
 const SORTED: u64 = 64;
 /// Bytes of the buffers of files.
@@ -56,8 +54,8 @@ impl Drop for Scratch {
     }
 }
 
-/// Builds a file of bricks from points in chunks of any size. Beside the result, which has 16 bytes
-/// a point and 20 with normals, it needs 40 bytes a point on the disk until the end.
+/// Builds a file of bricks from points in chunks of any size. Beside the result, which has 20 bytes
+/// a point, it needs 40 bytes a point on the disk until the end.
 pub struct Builder {
     target: PathBuf,
     options: BuildOptions,
@@ -82,7 +80,8 @@ impl Builder {
     }
 
     /// Adds points. The origin is that of the first cloud. Points without colours are white.
-    /// Normals are kept if a cloud has some, within 0.1 degrees; radii and scanners are not.
+    /// Normals are kept within 0.1 degrees, and zero where there are none; radii and scanners are
+    /// not kept.
     ///
     /// # Errors
     /// Those of the file system; positions that are not finite; colours for some points only.
@@ -91,7 +90,6 @@ impl Builder {
         if self.header.points == 0 {
             self.header.origin = cloud.origin;
         }
-        self.header.normals |= !cloud.normals.is_empty();
         let offset = cloud.origin - self.header.origin;
         for (i, &position) in cloud.positions.iter().enumerate() {
             let position = (offset + position.as_dvec3()).as_vec3();
@@ -136,8 +134,7 @@ impl Builder {
                 break;
             }
             let brick = arrange(&mut points, first, options.seed);
-            let size = header.point() as usize;
-            named(&target, points.iter().try_for_each(|p| out.write_all(&p.to_bytes()[..size])))?;
+            named(&target, points.iter().try_for_each(|p| out.write_all(&p.to_bytes())))?;
             index.extend(brick.to_bytes());
             header.bricks += 1;
             first += points.len() as u64;
@@ -169,7 +166,7 @@ fn named<T>(path: &Path, result: io::Result<T>) -> Result<T, BrickError> {
 
 /// The next point of a file; `None` at its end.
 fn next(file: &mut impl Read) -> io::Result<Option<BrickPoint>> {
-    let mut bytes = [0; RAW as usize];
+    let mut bytes = [0; POINT as usize];
     match file.read_exact(&mut bytes) {
         Ok(()) => Ok(Some(BrickPoint::from_bytes(&bytes))),
         Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
@@ -221,8 +218,8 @@ impl<F: Fn(&BrickPoint) -> u64> Merge<F> {
         let mut merge = Self { runs, heap, ahead, before: None, code };
         for run in 0..points.div_ceil(length) {
             let mut file = File::open(path)?;
-            file.seek(SeekFrom::Start(run * length * RAW))?;
-            merge.runs.push((BufReader::with_capacity(BUFFER, file).take(length * RAW), None));
+            file.seek(SeekFrom::Start(run * length * POINT))?;
+            merge.runs.push((BufReader::with_capacity(BUFFER, file).take(length * POINT), None));
             merge.advance(run as usize)?;
         }
         Ok(merge)

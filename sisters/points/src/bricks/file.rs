@@ -1,12 +1,11 @@
 //! Files of bricks, opened and read.
 //!
 //! All numbers are little-endian. 64 bytes: "CASCABRK", version (u32), levels (u32), origin (3
-//! f64), points (u64), bricks (u64), 0 (u64). Then 16 bytes for each point: position minus origin
-//! (3 f32), red, green, blue, 0. Then 64 bytes for each brick, in the order of their points: least
-//! and greatest corner (6 f32), and the points of each level (10 u32), of which the last is all.
-//!
-//! In version 2 a point has 20 bytes: then follows its normal (u32), three numbers of ten bits with
-//! signs, of which 511 is 1; all of them 0 for none.
+//! f64), points (u64), bricks (u64), 0 (u64). Then 20 bytes for each point: position minus origin
+//! (3 f32), red, green, blue, 0, and its normal (u32), three numbers of ten bits with signs, of which
+//! 511 is 1; all of them 0 for none. Then 64 bytes for each brick, in the order of their points:
+//! least and greatest corner (6 f32), and the points of each level (10 u32), of which the last is
+//! all.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -17,22 +16,21 @@ use std::sync::{Mutex, PoisonError};
 use casca::{Aabb, ObjectDesc, ObjectId, Scene};
 use glam::{DVec3, Vec3};
 
-use super::error::BrickError;
-use super::point::{BrickPoint, POINT, POINT_WITH_NORMAL};
+use super::BrickError;
+use super::point::{BrickPoint, POINT};
 use crate::Camera;
 
 /// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256
 /// cells along its longest edge, and all.
 pub(super) const LEVELS: usize = 10;
-/// The most points of a brick: 4 MiB, 5 with normals.
+/// The most points of a brick: 5 MiB.
 pub(super) const MOST: u32 = 1 << 18;
 /// Bytes of the header, and of each entry of the index.
 pub(super) const HEADER: u64 = 64;
 pub(super) const ENTRY: u64 = 64;
 
 const MAGIC: [u8; 8] = *b"CASCABRK";
-/// The versions of files without normals, and with them.
-const VERSIONS: [u32; 2] = [1, 2];
+const VERSION: u32 = 2;
 
 fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     std::array::from_fn(|i| bytes[at + i])
@@ -48,22 +46,15 @@ pub(super) struct Header {
     pub origin: DVec3,
     pub points: u64,
     pub bricks: u64,
-    /// Whether points have normals.
-    pub normals: bool,
 }
 
 impl Header {
-    /// Bytes of a point.
-    pub fn point(&self) -> u64 {
-        if self.normals { POINT_WITH_NORMAL } else { POINT }
-    }
-
     pub fn to_bytes(self) -> Vec<u8> {
         let origin = self.origin.to_array().map(f64::to_le_bytes);
         let counts = [self.points, self.bricks, 0].map(u64::to_le_bytes);
         [
             &MAGIC[..],
-            &VERSIONS[usize::from(self.normals)].to_le_bytes(),
+            &VERSION.to_le_bytes(),
             &(LEVELS as u32).to_le_bytes(),
             origin.as_flattened(),
             counts.as_flattened(),
@@ -78,9 +69,9 @@ impl Header {
             );
         }
         let [version, levels] = [8, 12].map(|at| u32::from_le_bytes(array(bytes, at)));
-        let Some(normals) = VERSIONS.iter().position(|known| *known == version) else {
-            return Err(format!("its version is {version}, and only {VERSIONS:?} are known"));
-        };
+        if version != VERSION {
+            return Err(format!("its version is {version}, and only {VERSION} is known"));
+        }
         if levels != LEVELS as u32 {
             return Err(format!(
                 "its bricks have {levels} levels of detail, and version {version} has {LEVELS}"
@@ -91,7 +82,7 @@ impl Header {
         if !origin.is_finite() {
             return Err("its origin is not finite".into());
         }
-        Ok(Self { origin, points, bricks, normals: normals > 0 })
+        Ok(Self { origin, points, bricks })
     }
 }
 
@@ -168,7 +159,7 @@ impl Bricks {
         }
         file.read_exact(&mut start).map_err(io)?;
         let header = Header::from_bytes(&start).map_err(&broken)?;
-        let index = header.points.checked_mul(header.point()).and_then(|bytes| bytes.checked_add(HEADER));
+        let index = header.points.checked_mul(POINT).and_then(|bytes| bytes.checked_add(HEADER));
         let end =
             header.bricks.checked_mul(ENTRY).zip(index).and_then(|(bytes, index)| index.checked_add(bytes));
         if end != Some(length) || u32::try_from(header.bricks).is_err() {
@@ -213,11 +204,6 @@ impl Bricks {
     /// The number of points in all bricks.
     pub fn points(&self) -> u64 {
         self.header.points
-    }
-
-    /// Whether points have normals: those of clouds without normals are zero.
-    pub fn has_normals(&self) -> bool {
-        self.header.normals
     }
 
     /// The place that all coordinates are relative to, in those of the source.
@@ -278,14 +264,13 @@ impl Bricks {
     pub(super) fn read(&self, brick: u32, range: Range<u32>) -> Result<Vec<BrickPoint>, BrickError> {
         let io = |source| BrickError::Io { name: self.name.clone(), source };
         let Brick { bounds, first, .. } = self.index[brick as usize];
-        let size = self.header.point();
-        let mut bytes = vec![0; range.len() * size as usize];
+        let mut bytes = vec![0; range.len() * POINT as usize];
         {
             let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-            file.seek(SeekFrom::Start(HEADER + (first + u64::from(range.start)) * size)).map_err(io)?;
+            file.seek(SeekFrom::Start(HEADER + (first + u64::from(range.start)) * POINT)).map_err(io)?;
             file.read_exact(&mut bytes).map_err(io)?;
         }
-        let points: Vec<_> = bytes.chunks_exact(size as usize).map(BrickPoint::from_bytes).collect();
+        let points: Vec<_> = bytes.chunks_exact(POINT as usize).map(BrickPoint::from_bytes).collect();
         if points.iter().any(|p| !bounds.contains(p.position)) {
             let cause = format!("a point of brick {brick} lies outside its bounds");
             return Err(BrickError::Broken { name: self.name.clone(), cause });

@@ -6,11 +6,9 @@ use std::mem::size_of;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use glam::Vec3;
-
-use super::error::BrickError;
+use super::BrickError;
 use super::file::{Bricks, Want};
-use super::point::{BrickPoint, PackedNormal};
+use super::point::BrickPoint;
 use crate::PointCloud;
 use crate::numeric::SQUARE_OF_SPACING;
 
@@ -61,37 +59,8 @@ struct State {
 
 /// The loaded points of a brick.
 #[derive(Debug, Default)]
-struct Part {
-    points: Vec<(Vec3, [u8; 3])>,
-    /// Empty if the file has none.
-    normals: Vec<PackedNormal>,
-}
-
-impl Part {
-    fn len(&self) -> usize {
-        self.points.len()
-    }
-
-    /// The first points.
-    fn first(&self, count: usize) -> Self {
-        let normals = self.normals.iter().take(count).copied().collect();
-        Self { points: self.points[..count].to_vec(), normals }
-    }
-
-    /// With points that follow.
-    fn with(&self, more: &[BrickPoint], has_normals: bool) -> Self {
-        let points = more.iter().map(|p| (p.position, p.colour));
-        let normals = more.iter().filter(|_| has_normals).map(|p| p.normal);
-        Self {
-            points: self.points.iter().copied().chain(points).collect(),
-            normals: self.normals.iter().copied().chain(normals).collect(),
-        }
-    }
-}
-
-#[derive(Debug, Default)]
 struct Loaded {
-    points: Arc<Part>,
+    points: Arc<[BrickPoint]>,
     /// When the brick was last wanted.
     time: u64,
 }
@@ -102,8 +71,7 @@ impl Loader {
     /// # Errors
     /// If there is no thread to be had.
     pub fn new(bricks: Arc<Bricks>, budget: usize) -> io::Result<Self> {
-        let normal = if bricks.has_normals() { size_of::<PackedNormal>() } else { 0 };
-        let budget = budget / (size_of::<(Vec3, [u8; 3])>() + normal);
+        let budget = budget / size_of::<BrickPoint>();
         let shared = Arc::new(Shared { bricks, budget, state: Mutex::default(), changed: Condvar::new() });
         let worker = shared.clone();
         let thread = thread::Builder::new().name("bricks".into()).spawn(move || worker.work())?;
@@ -163,11 +131,11 @@ impl Loader {
         for (want, points) in parts {
             let count = points.len().min(want.points as usize);
             let radius = SQUARE_OF_SPACING * bricks.spacing(want.brick, count as u32);
-            let first = &points.points[..count];
-            cloud.positions.extend(first.iter().map(|p| p.0));
-            cloud.colours.extend(first.iter().map(|p| p.1));
+            let first = &points[..count];
+            cloud.positions.extend(first.iter().map(|p| p.position));
+            cloud.colours.extend(first.iter().map(|p| p.colour));
             cloud.radii.extend(first.iter().map(|_| radius));
-            cloud.normals.extend(points.normals.iter().take(count).map(|normal| normal.unpacked()));
+            cloud.normals.extend(first.iter().map(|p| p.normal.unpacked()));
         }
         cloud
     }
@@ -237,8 +205,7 @@ impl Shared {
             let start = have.len() as u32;
             let read = self.bricks.read(want.brick, start..want.points);
             // Only this thread loads and drops points, so `have` still holds.
-            let has_normals = self.bricks.has_normals();
-            let points = read.map(|more| Arc::new(have.with(&more, has_normals)));
+            let points = read.map(|more| have.iter().chain(&more).copied().collect::<Arc<[BrickPoint]>>());
             state = self.lock();
             match points {
                 Ok(points) => {
@@ -257,7 +224,7 @@ impl Shared {
 
 impl State {
     /// The next brick of which more points are wanted than are loaded, and these.
-    fn next(&mut self) -> Option<(Want, Arc<Part>)> {
+    fn next(&mut self) -> Option<(Want, Arc<[BrickPoint]>)> {
         while let Some(&want) = self.wants.get(self.next) {
             let have = self.loaded.get(&want.brick).map(|l| l.points.clone()).unwrap_or_default();
             if have.len() < want.points as usize && !self.failed.contains(&want.brick) {
@@ -289,7 +256,7 @@ impl State {
             let points = want.points as usize;
             if loaded.points.len() > points {
                 self.points -= loaded.points.len() - points;
-                loaded.points = Arc::new(loaded.points.first(points));
+                loaded.points = loaded.points[..points].into();
             }
         }
     }

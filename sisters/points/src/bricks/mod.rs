@@ -2,10 +2,9 @@
 //! walls that the application inserts.
 //!
 //! A file of bricks is built out of core by a [`Builder`]. [`Bricks`] opens it: the index is in
-//! memory, 64 bytes for each brick; the points, 16 bytes each and 20 with normals, stay in the
-//! file. The points of a brick are in an order of which every beginning is a coarser level of
-//! detail. A [`Loader`] reads as much of each wanted brick as a picture needs, in a thread of its
-//! own, into a budget of memory.
+//! memory, 64 bytes for each brick; the points, 20 bytes each, stay in the file. The points of a
+//! brick are in an order of which every beginning is a coarser level of detail. A [`Loader`] reads
+//! as much of each wanted brick as a picture needs, in a thread of its own, into a budget of memory.
 //!
 //! ```no_run
 //! use casca_points::bricks::{Bricks, Loader};
@@ -33,7 +32,6 @@
 //! ```
 
 mod build;
-mod error;
 mod file;
 mod loader;
 mod order;
@@ -42,6 +40,37 @@ mod point;
 mod tests;
 
 pub use build::{BuildOptions, Builder};
-pub use error::BrickError;
 pub use file::{Bricks, Want};
 pub use loader::Loader;
+
+/// Why there are no bricks.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BrickError {
+    /// The operating system says why.
+    #[error("{name}: {source}")]
+    Io {
+        /// The file.
+        name: String,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// A file of something else, of another version, cut short or damaged.
+    #[error("{name} is not a valid brick file: {cause}")]
+    Broken {
+        /// The file.
+        name: String,
+        /// What is wrong.
+        cause: String,
+    },
+    /// A point to build bricks from is infinite, not a number, or too far from the first ones for
+    /// single precision.
+    #[error("the position of point {index} is not finite")]
+    NotFinite {
+        /// Its number among all points.
+        index: u64,
+    },
+    /// Points to build bricks from have colours only for some.
+    #[error(transparent)]
+    Length(#[from] crate::LengthError),
+}

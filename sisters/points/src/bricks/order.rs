@@ -11,7 +11,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::file::{Brick, LEVELS};
 use super::point::BrickPoint;
-use crate::morton::morton;
+use crate::numeric::morton;
 
 /// Bits of a coordinate in the codes that bricks are cut by.
 pub(super) const BITS: u32 = 21;

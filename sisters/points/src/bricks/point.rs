@@ -3,9 +3,8 @@
 use crate::numeric::unit;
 use glam::{IVec3, Vec3};
 
-/// Bytes of a point in a file without normals, and with them.
-pub(super) const POINT: u64 = 16;
-pub(super) const POINT_WITH_NORMAL: u64 = 20;
+/// Bytes of a point in a file.
+pub(super) const POINT: u64 = 20;
 
 /// The greatest number of ten bits with a sign.
 const MOST: f32 = 511.0;
@@ -40,11 +39,10 @@ pub(super) struct BrickPoint {
 }
 
 impl BrickPoint {
-    /// The bytes with the normal, which is the last.
-    pub fn to_bytes(self) -> [u8; POINT_WITH_NORMAL as usize] {
+    pub fn to_bytes(self) -> [u8; POINT as usize] {
         let [x, y, z] = self.position.to_array().map(f32::to_le_bytes);
         let [r, g, b] = self.colour;
-        let mut bytes = [0; POINT_WITH_NORMAL as usize];
+        let mut bytes = [0; POINT as usize];
         bytes[..4].copy_from_slice(&x);
         bytes[4..8].copy_from_slice(&y);
         bytes[8..12].copy_from_slice(&z);
@@ -53,14 +51,12 @@ impl BrickPoint {
         bytes
     }
 
-    /// The point of some bytes, with the normal or without it.
     pub fn from_bytes(bytes: &[u8]) -> Self {
         let word = |at: usize| std::array::from_fn(|i| bytes[at + i]);
-        let has_normal = bytes.len() >= POINT_WITH_NORMAL as usize;
         Self {
             position: Vec3::from([0, 4, 8].map(|at| f32::from_le_bytes(word(at)))),
             colour: [bytes[12], bytes[13], bytes[14]],
-            normal: PackedNormal(if has_normal { u32::from_le_bytes(word(16)) } else { 0 }),
+            normal: PackedNormal(u32::from_le_bytes(word(16))),
         }
     }
 }

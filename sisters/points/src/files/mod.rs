@@ -1,5 +1,5 @@
 //! Point clouds from files, in chunks, so that a file may be larger than memory: PLY, LAS, LAZ
-//! (COPC files are such), E57 and surfels; and PLY written.
+//! (COPC files are such) and E57; and PLY written.
 //!
 //! The format is found by the first bytes, not by the name. Counts in headers are checked by
 //! reading, never believed by allocating.
@@ -12,7 +12,6 @@ mod ply;
 mod ply_header;
 mod scans;
 mod sink;
-mod surfel;
 mod text;
 
 use std::fs::File;
@@ -96,7 +95,7 @@ pub fn read_source<E: From<FileError>>(
         [_, _, _, after, ..] if is_ply && after.is_ascii_whitespace() => ply::read(source, &mut sink)?,
         [b'L', b'A', b'S', b'F', ..] => lidar::read(source, &mut sink)?,
         [b'A', b'S', b'T', b'M', ..] => scans::read(source, &mut sink)?,
-        _ => surfel::read(source, &mut sink)?,
+        _ => return Err(FileError::Unknown { name: sink.name }.into()),
     }
     sink.finish()
 }

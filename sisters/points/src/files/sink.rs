@@ -19,12 +19,18 @@ pub enum FileError {
         /// The reason.
         source: io::Error,
     },
+    /// It begins as none of the formats does.
+    #[error("{name} is neither a PLY, nor a LAS, LAZ or E57 file")]
+    Unknown {
+        /// The file.
+        name: String,
+    },
     /// What comes before the points does not follow the format.
     #[error("{name}: broken {format} header: {cause}")]
     Header {
         /// The file.
         name: String,
-        /// "PLY", "LAS", "E57" or "surfel".
+        /// "PLY", "LAS" or "E57".
         format: &'static str,
         /// What is wrong.
         cause: String,

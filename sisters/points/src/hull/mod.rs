@@ -11,30 +11,11 @@ use std::cmp::Ordering;
 use bitvec::vec::BitVec;
 use glam::DVec3;
 
-use crate::morton::morton;
-use crate::numeric::{above, normalized, power_of_two_for, turn};
-
-/// Why there is no hull.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum HullError {
-    /// A coordinate is infinite or not a number.
-    #[error("point {index} has a coordinate that is not finite")]
-    NotFinite {
-        /// The first such point.
-        index: usize,
-    },
-    /// Indices have 32 bits.
-    #[error("{count} points are too many: at most {MAX_POINTS}")]
-    TooMany {
-        /// The number of points.
-        count: usize,
-    },
-}
+use crate::numeric::{above, morton, normalized, power_of_two_for, turn};
 
 /// The largest number of points. Faces are counted with 32 bits, and a hull has up to two for each
 /// point.
-pub const MAX_POINTS: usize = 1 << 30;
+pub(crate) const MAX_POINTS: usize = 1 << 30;
 
 /// A bit for each point: whether it is an extreme point of the convex hull of all.
 ///
@@ -48,16 +29,8 @@ pub const MAX_POINTS: usize = 1 << 30;
 /// those with facets, but quadratic time can be made up, such as by two circles; and about 125 bytes
 /// for each point.
 ///
-/// # Errors
-///
-/// [`HullError`] for coordinates that are not finite, and for more than [`MAX_POINTS`].
-pub fn extreme_points(points: &[DVec3]) -> Result<BitVec, HullError> {
-    if points.len() > MAX_POINTS {
-        return Err(HullError::TooMany { count: points.len() });
-    }
-    if let Some(index) = points.iter().position(|p| !p.is_finite()) {
-        return Err(HullError::NotFinite { index });
-    }
+/// Coordinates must be finite, and points at most [`MAX_POINTS`].
+pub(crate) fn extreme_points(points: &[DVec3]) -> BitVec {
     let largest = points.iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
     let scale = power_of_two_for(largest);
     let order = by_place(points, scale);
@@ -71,7 +44,7 @@ pub fn extreme_points(points: &[DVec3]) -> Result<BitVec, HullError> {
     };
     let mut own = BitVec::repeat(false, extreme.len());
     extreme.iter_ones().for_each(|at| own.set(order[at] as usize, true));
-    Ok(own)
+    own
 }
 
 /// Cells along each axis: codes of three coordinates have 30 bits, which leave 32 for an index.

@@ -5,31 +5,19 @@ use crate::numeric::SUBPIXELS;
 use rayon::prelude::*;
 
 /// The depth of the nearest square in each pixel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DepthImage {
+pub(super) struct DepthImage {
     pub(super) width: usize,
     /// Row by row, from above; infinity where there is no square.
     pub(super) depths: Vec<f32>,
 }
 
 impl DepthImage {
-    /// Width and height in pixels.
-    pub fn size(&self) -> (u32, u32) {
-        (self.width as u32, (self.depths.len() / self.width) as u32)
-    }
-
-    /// The depth of a pixel, by the columns to its left and the rows above it, as
-    /// [`Projected::depth`](crate::Projected::depth); infinity where there is no square, `None`
-    /// outside the picture.
+    /// The depth of a pixel, by the columns to its left and the rows above it; infinity where there
+    /// is no square, `None` outside the picture.
     #[inline(always)]
-    pub fn get(&self, x: u32, y: u32) -> Option<f32> {
+    pub(super) fn get(&self, x: u32, y: u32) -> Option<f32> {
         let x = x as usize;
         if x < self.width { self.depths.get(y as usize * self.width + x).copied() } else { None }
-    }
-
-    /// All depths, row by row from above.
-    pub fn depths(&self) -> &[f32] {
-        &self.depths
     }
 
     pub(super) fn filtered(self, filter: Filter) -> Self {

@@ -8,24 +8,15 @@ mod image;
 mod options;
 mod squares;
 
-pub use image::DepthImage;
 pub use options::{Bias, Filter, Radius, SplatError, SplatOptions};
 
 use crate::camera::Camera;
 use crate::numeric::{SUBPIXELS, to_subpixels};
 use bitvec::vec::BitVec;
 use glam::Vec3;
+use image::DepthImage;
 use rayon::prelude::*;
 use squares::Squares;
-
-/// The answer of the operator.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SplatResult {
-    /// A bit for each point: whether it is visible.
-    pub visible: BitVec,
-    /// The depth image after the filter.
-    pub depth: DepthImage,
-}
 
 /// Points of a block, whose projections are found together by vector instructions.
 const BLOCK: usize = usize::BITS as usize;
@@ -33,7 +24,7 @@ const BLOCK: usize = usize::BITS as usize;
 /// Points of a task of one thread.
 const TASK: usize = 128 * BLOCK;
 
-/// A bit for each point: whether the camera sees it, and the depth image.
+/// A bit for each point: whether the camera sees it.
 ///
 /// An estimate that errs in both directions. Points outside the picture, nearer than the camera's
 /// near depth or beyond the far one are not visible, and hide nothing. Positions in the picture are
@@ -51,7 +42,7 @@ pub fn visible_points(
     points: &[Vec3],
     camera: &Camera,
     options: &SplatOptions,
-) -> Result<SplatResult, SplatError> {
+) -> Result<BitVec, SplatError> {
     options.check(points.len())?;
     let squares = Squares::new(camera.size());
     let finite = points.par_chunks(TASK).enumerate().map(|(task, points)| {
@@ -66,8 +57,7 @@ pub fn visible_points(
         let index = points.iter().position(|p| !p.is_finite()).unwrap_or(0);
         return Err(SplatError::PointNotFinite { index });
     }
-    let depth = squares.into_image().filtered(options.filter);
-    let limits = depth.limits(options.bias, camera.depths().1);
+    let limits = squares.into_image().filtered(options.filter).limits(options.bias, camera.depths().1);
     let words = points.par_chunks(TASK).enumerate().flat_map_iter(|(task, points)| {
         let limits = &limits;
         points.chunks(BLOCK).enumerate().map(move |(block, points)| {
@@ -77,7 +67,7 @@ pub fn visible_points(
     });
     let mut visible = BitVec::from_vec(words.collect());
     visible.truncate(points.len());
-    Ok(SplatResult { visible, depth })
+    Ok(visible)
 }
 
 /// Where points of a block are in the picture.

@@ -1,10 +1,5 @@
 //! The parameters of the splat operator.
 
-use rayon::prelude::*;
-
-/// Radii that one thread checks at once.
-const RADII: usize = 8192;
-
 /// The size of squares: half of a side, in units of the world.
 ///
 /// A square faces the camera, has the depth of its point everywhere, and covers the pixels whose
@@ -80,10 +75,7 @@ impl SplatOptions<'_> {
                 return Err(SplatError::Radii { radii: radii.len(), points: count });
             }
             Radius::Each(radii) => {
-                let all_good = radii
-                    .par_chunks(RADII)
-                    .all(|radii| radii.iter().fold(true, |all, &radius| all & good(radius)));
-                if !all_good && let Some(index) = radii.iter().position(|&radius| !good(radius)) {
+                if let Some(index) = radii.iter().position(|&radius| !good(radius)) {
                     return Err(SplatError::Radius { index, radius: radii[index] });
                 }
             }

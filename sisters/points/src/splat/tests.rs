@@ -114,7 +114,7 @@ proptest! {
         let options = SplatOptions { radius, bias, filter: FILTERS[filter], slopes: false };
         let points: Vec<Vec3> = points.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
         let camera = camera(size, fov_y);
-        let found = visible_points(&points, &camera, &options).unwrap().visible;
+        let found = visible_points(&points, &camera, &options).unwrap();
         prop_assert_eq!(found.len(), points.len());
         for (found, room) in found.iter().zip(rooms(&points, &camera, &options)) {
             // The matrix of the definition rounds window depths otherwise.
@@ -154,50 +154,14 @@ fn answers_do_not_depend_on_the_number_of_threads() {
         pool.install(|| visible_points(&points, &camera((320, 240), 0.6), &options).unwrap())
     });
     assert!(found[0] == found[1] && found[0] == found[2]);
-    assert!((20_000..35_000).contains(&found[0].visible.count_ones()));
-}
-
-/// False visible and false hidden points of a ball in front of a wall.
-fn errors(radius: f32, filter: Filter) -> [usize; 2] {
-    let camera =
-        Camera::look_at(Vec3::new(2.0, 1.0, 9.0), Vec3::ZERO, Vec3::Y, 0.6, (320, 240), 1.0, 20.0).unwrap();
-    let ball = sphere(4000).into_iter().map(|p| p.as_vec3() + Vec3::Z * 2.0);
-    let wall = (0..120 * 120)
-        .map(|i| Vec3::new((i % 120) as f32 * 0.033 - 2.0, (i / 120) as f32 * 0.033 - 2.0, 0.0));
-    let points: Vec<Vec3> = ball.chain(wall).collect();
-    let options =
-        SplatOptions { radius: Radius::Same(radius), bias: Bias::World(0.3), filter, slopes: false };
-    let found = visible_points(&points, &camera, &options).unwrap().visible;
-    let mut errors = [0; 2];
-    for (i, (&p, found)) in points.iter().zip(&found).enumerate() {
-        let (to_eye, to_ball) = (camera.eye() - p, Vec3::Z * 2.0 - p);
-        let along = to_ball.dot(to_eye.normalize());
-        let truth = if i < 4000 {
-            to_eye.dot(-to_ball) > 0.0
-        } else {
-            to_ball.length_squared() - along * along > 1.0
-        };
-        errors[usize::from(truth)] += usize::from(truth != *found);
-    }
-    errors
-}
-
-#[test]
-fn the_max_filter_errs_least_and_the_min_filter_most() {
-    let best = |filter| {
-        let errors = (8..30).map(|i| errors(0.002 * i as f32, filter));
-        errors.min_by_key(|errors| errors.iter().sum::<usize>()).unwrap()
-    };
-    let [none, max, min] = FILTERS.map(|filter| best(filter).iter().sum::<usize>());
-    assert!(max * 10 < none * 9 && none < min && min < 700, "{max} {none} {min}");
+    assert!((20_000..35_000).contains(&found[0].count_ones()));
 }
 
 #[test]
 fn errors_name_the_cause() {
     let find = |radius, bias| {
         let options = SplatOptions { radius, bias, filter: Filter::Max, slopes: false };
-        visible_points(&[Vec3::ZERO; 2], &camera((4, 4), 1.0), &options)
-            .map(|found| found.visible.count_ones())
+        visible_points(&[Vec3::ZERO; 2], &camera((4, 4), 1.0), &options).map(|found| found.count_ones())
     };
     let world = Bias::World(0.0);
     assert_eq!(find(Radius::Same(0.0), world), Ok(2));
@@ -225,7 +189,7 @@ fn errors_of_floor(slopes: bool) -> [f64; 2] {
     let camera = Camera::look_at(eye, eye - Vec3::Z, Vec3::Y, 0.9, (1920, 1080), 0.1, 100.0).unwrap();
     let options =
         SplatOptions { radius: Radius::Same(0.12), bias: Bias::World(0.1), filter: Filter::Max, slopes };
-    let visible = visible_points(&points, &camera, &options).unwrap().visible;
+    let visible = visible_points(&points, &camera, &options).unwrap();
     [true, false].map(|floor| {
         let of = points
             .iter()

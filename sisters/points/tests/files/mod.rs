@@ -16,8 +16,6 @@ pub const ASCII: &str = "ply\nformat ascii 1.0\ncomment by hand\nelement camera 
     property list uchar int vertex_index\nend_header\n45\n2 7 8 5000000.25 0 -3 0 1 2 1 0.5 0\n0 5000001 0 -4 3 1 0 1 1 1\n\
     1 5 nan 0 0 0 0 0 0 0 0\n3 0 1 2\n";
 
-pub const SURFELS: &str = "2\n1 2 3 1 0 0 1 0 0 0.3\n\n3 2 1 0 1 0 0 1 0 0.3\n";
-
 /// Where the points of LAS files are counted from, in x.
 const FAR: f64 = 4_500_000.0;
 
@@ -200,20 +198,15 @@ pub fn e57_of(count: usize, doubles: bool, scans: &[(Option<f64>, bool)]) -> Vec
     bytes.into_inner()
 }
 
-/// A file of bricks, with normals if the cloud has some.
-pub fn bricks_of(cloud: &PointCloud) -> Vec<u8> {
+/// A file of bricks.
+pub fn bricks(count: usize) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bricks");
     let options = BuildOptions { most_points: 50, ..BuildOptions::default() };
     let mut builder = Builder::create(&path, options).expect("a file");
-    builder.push(cloud).expect("finite points");
+    builder.push(&helix(count)).expect("finite points");
     builder.finish(|_, _| ()).expect("a file");
     std::fs::read(&path).expect("a file")
-}
-
-/// A file of bricks.
-pub fn bricks(count: usize) -> Vec<u8> {
-    bricks_of(&helix(count))
 }
 
 /// Files of all formats but bricks.
@@ -223,7 +216,6 @@ pub fn all() -> Vec<Vec<u8>> {
         ply(&helix(40)),
         ply_with_lists(true),
         ply_with_lists(false),
-        SURFELS.into(),
         las(40, 2, 0, false),
         las(40, 2, 5, true),
         las(40, 5, 0, true),

@@ -69,7 +69,7 @@ impl Generate {
 /// Cut a file into bricks, which `walk` reads.
 #[derive(Debug, Args)]
 pub struct Cut {
-    /// A PLY, LAS, LAZ, E57 or surfel file.
+    /// A PLY, LAS, LAZ or E57 file.
     file: PathBuf,
     /// The file of bricks to write.
     out: PathBuf,

@@ -118,7 +118,7 @@ impl Walk {
             filter: Filter::Max,
             slopes: true,
         };
-        let visible = visible_points(&cloud.positions, &camera, &options)?.visible;
+        let visible = visible_points(&cloud.positions, &camera, &options)?;
         let refined = start.elapsed();
         let points = |wants: &[Want]| wants.iter().map(|want| f64::from(want.points)).sum();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;

@@ -5,10 +5,44 @@ use casca_scenes::world::Sides;
 use glam::DVec3;
 use rand::RngExt;
 
-use super::emitters::Emitters;
 use super::scatter::{Scatter, turned};
-use super::{BEFORE_LIGHT, PathTracer, Surface};
-use crate::lit::Light;
+use super::{PathTracer, Surface};
+use crate::Light;
+use crate::lit::{LitTriangle, Material};
+
+/// The emissive triangles, for choosing points on them with a density in proportion to their
+/// emission.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Emitters {
+    numbers: Vec<u32>,
+    /// Area times emission of the triangles up to and with each.
+    sums: Vec<f64>,
+}
+
+impl Emitters {
+    pub(super) fn new(triangles: &[LitTriangle], materials: &[Material]) -> Self {
+        let mut emitters = Self::default();
+        let mut sum = 0.0;
+        for (i, t) in triangles.iter().enumerate() {
+            let power = brightness(&materials[t.material as usize]) * t.area();
+            if power > 0.0 && power.is_finite() {
+                sum += power;
+                emitters.numbers.push(i as u32);
+                emitters.sums.push(sum);
+            }
+        }
+        emitters
+    }
+
+    /// The density, by area, with which points of a material are chosen.
+    fn density(&self, material: &Material) -> f64 {
+        self.sums.last().map_or(0.0, |sum| brightness(material) / sum)
+    }
+}
+
+fn brightness(material: &Material) -> f64 {
+    material.emission.as_dvec3().element_sum()
+}
 
 impl PathTracer {
     /// Direct light of all lights and of one point of the emitters, scattered at a surface.
@@ -17,7 +51,7 @@ impl PathTracer {
         for light in &self.lights {
             let Some((way, direction, irradiance)) = self.towards(light, at, random) else { continue };
             let value = scatter.value(direction) * irradiance;
-            if value.max_element() > 0.0 && !self.hides(at, way, 1.0 - BEFORE_LIGHT) {
+            if value.max_element() > 0.0 && !self.hides(at, way) {
                 sum += value;
             }
         }
@@ -63,7 +97,7 @@ impl PathTracer {
         // A surface that is seen from its front only emits nothing to its back.
         let across = if material.sides == Sides::Front { across } else { across.abs() };
         let (value, by_area) = (scatter.value(direction), self.emitters.density(material));
-        if value.max_element() <= 0.0 || across <= 0.0 || self.hides(at, way, 1.0 - BEFORE_LIGHT) {
+        if value.max_element() <= 0.0 || across <= 0.0 || self.hides(at, way) {
             return None;
         }
         let density = by_area * square / across;

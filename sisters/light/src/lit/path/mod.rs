@@ -11,7 +11,6 @@
 //! what looks at such a back gets the light behind it.
 
 mod direct;
-mod emitters;
 mod scatter;
 #[cfg(test)]
 mod tests;
@@ -20,16 +19,16 @@ use std::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3};
 use obvhs::BvhBuildParams;
-use rand::RngExt;
 use rayon::prelude::*;
 
-use super::{HdrImage, ImageError, Light, LitScene, LitTriangle, Material};
+use super::{HdrImage, ImageError, LitScene, LitTriangle, Material};
+use crate::Light;
 use casca_scenes::random::{Generator, generator, spread};
 use casca_scenes::world::Camera;
 use casca_truth::oracle::Frustum;
 use casca_truth::oracle::tree::{Part, Primitive, Tree};
-use emitters::Emitters;
-use scatter::{Scatter, around};
+use direct::Emitters;
+use scatter::Scatter;
 
 /// What is added to the greatest coordinate of a scene, so that one at the origin has a size.
 const LEAST_SCALE: f64 = 1e-3;
@@ -51,9 +50,6 @@ pub enum Quantity {
     /// that are looked at, 1 for direct light, 2 for the first indirect bounce, 3 for the second.
     /// At most 256.
     Radiance(RangeInclusive<u32>),
-    /// The cosine-weighted share of directions above the surface in which nothing is hit within
-    /// this many metres.
-    Ambient(f32),
     /// The share of a light, by its number, that is not hidden; 0 for surfaces that face away, and
     /// where nothing is hit.
     Shadow(usize),
@@ -184,30 +180,21 @@ impl PathTracer {
         quantity: &Quantity,
         random: &mut Generator,
     ) -> DVec3 {
-        match (quantity, seen) {
-            (Quantity::Radiance(orders), seen) => {
-                self.radiance(seen, step.normalize_or_zero(), orders, random)
-            }
-            (Quantity::Ambient(_), None) => DVec3::ONE,
-            (Quantity::Shadow(_), None) => DVec3::ZERO,
-            (Quantity::Ambient(reach), Some(at)) => {
-                let way = around(at.normal, 0.0, random.random(), random.random());
-                let way = way * f64::from(*reach).min(self.far(at.point));
-                DVec3::splat(if self.hides(&at, way, 1.0) { 0.0 } else { 1.0 })
-            }
-            (Quantity::Shadow(light), Some(at)) => {
-                let Some(light) = self.lights.get(*light) else { return DVec3::ZERO };
-                DVec3::splat(match self.towards(light, &at, random) {
-                    Some((way, ..)) if !self.hides(&at, way, 1.0 - BEFORE_LIGHT) => 1.0,
-                    _ => 0.0,
-                })
+        match quantity {
+            Quantity::Radiance(orders) => self.radiance(seen, step.normalize_or_zero(), orders, random),
+            Quantity::Shadow(light) => {
+                let mut is_seen = |(at, light): (Surface, &Light)| {
+                    self.towards(light, &at, random).is_some_and(|(way, ..)| !self.hides(&at, way))
+                };
+                let both = seen.zip(self.lights.get(*light));
+                if both.is_some_and(&mut is_seen) { DVec3::ONE } else { DVec3::ZERO }
             }
         }
     }
 
-    /// Whether anything lies on the way from a surface.
-    fn hides(&self, at: &Surface, way: DVec3, end: f64) -> bool {
-        let start = self.off(at);
+    /// Whether anything lies on the way from a surface to a light.
+    fn hides(&self, at: &Surface, way: DVec3) -> bool {
+        let (start, end) = (self.off(at), 1.0 - BEFORE_LIGHT);
         let blocks = |part: &Part| part.enter(start, way, true).is_some_and(|t| t < end);
         self.tree.any(start, way, end, blocks).is_some()
     }

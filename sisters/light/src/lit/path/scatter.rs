@@ -71,7 +71,7 @@ impl Scatter {
 
 /// A unit vector around an axis, with a density in proportion to the cosine to it (exponent 0) or
 /// to that power of the cosine.
-pub(super) fn around(axis: DVec3, exponent: f64, a: f64, b: f64) -> DVec3 {
+fn around(axis: DVec3, exponent: f64, a: f64, b: f64) -> DVec3 {
     let cos = a.powf(1.0 / if exponent == 0.0 { 2.0 } else { exponent + 1.0 });
     turned(axis, cos, b)
 }
