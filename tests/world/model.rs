@@ -1,35 +1,7 @@
 //! A model of a world: boxes at places in double precision, and what an eye sees of them. It shares
 //! no code with the library.
 
-use casca_truth::places::coordinate;
-use glam::DVec3;
-
-/// Random numbers from a seed.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as f64 / (1u64 << 31) as f64
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        ((self.next() * n as f64) as usize).min(n - 1)
-    }
-
-    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.next()
-    }
-
-    pub fn point(&mut self, lo: f64, hi: f64) -> DVec3 {
-        let (range, step) = (lo as f32..hi as f32, (hi - lo) as f32 / 8.0);
-        DVec3::from_array([(); 3].map(|()| coordinate(self.next(), range.clone(), step).into()))
-    }
-
-    pub fn chance(&mut self, share: f64) -> bool {
-        self.next() < share
-    }
-}
+use crate::common::*;
 
 /// A box around a place.
 #[derive(Debug, Clone, Copy)]
