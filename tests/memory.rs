@@ -26,15 +26,6 @@ fn insert(scene: &mut Scene, mut desc: impl FnMut(usize) -> ObjectDesc) {
     }
 }
 
-/// Hides all moving objects: the view turns away from everything.
-fn hide(scene: &mut Scene, method: Method) {
-    let mut query = query_by(method);
-    let away = casca::Plane { normal: Vec3::NEG_Y, offset: 1.0 };
-    scene.begin_frame(0.0).unwrap();
-    query.run(scene, &View::from_planes(Vec3::ONE, &[away]).unwrap());
-    scene.end_frame([query.pvs()]).unwrap();
-}
-
 /// Builds a scene and compares the two counts of its bytes.
 fn check(name: &str, build: impl FnOnce(&mut Scene)) {
     let before = ALLOCATOR.current_usage();
@@ -73,7 +64,7 @@ fn a_scene_states_the_bytes_that_an_allocator_counts() {
     });
     check("movers, hidden", |scene| {
         insert(scene, |i| ObjectDesc::dynamic(ball(i)).max_speed(2.0));
-        hide(scene, Method::point());
+        look_away(scene);
     });
     check("movers in lists of cells", |scene| {
         insert(scene, |i| ObjectDesc::dynamic(ball(i)).max_speed(2.0).occluder(ball(i)));
@@ -82,7 +73,7 @@ fn a_scene_states_the_bytes_that_an_allocator_counts() {
     check("movers whose volumes leave the grid", |scene| {
         let floor = |i| Sphere::new(place(i) * Vec3::new(1.0, 0.01, 1.0), 0.4);
         insert(scene, |i| ObjectDesc::dynamic(floor(i)).max_speed(2.0));
-        hide(scene, Method::point());
+        look_away(scene);
     });
     check("instances of one mesh", |scene| {
         let mesh = rock();

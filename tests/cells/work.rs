@@ -164,15 +164,19 @@ fn objects_farther_away_than_cells_can_be_numbered_are_found() {
     }
 }
 
+fn place(random: &mut Random) -> Vec3 {
+    random.place(0.0, 1.0, 0.125)
+}
+
 /// Solids, balls that move and balls that stay, some overhanging the grid, some on another layer.
-fn some_scene(random: &mut Random, size: u32) -> Scene {
+pub fn some_scene(random: &mut Random, size: u32) -> Scene {
     let mut scene = empty(size);
     let largest = random.unit() * 0.4 * size as f32;
     for i in 0..(random.unit() * 120.0) as u32 + 4 {
-        let at = random.place(0.0, 1.0, 0.125) * size as f32;
+        let at = place(random) * size as f32;
         let desc = match i % 5 {
             0 => {
-                let b = Aabb::from_center(at, random.place(0.0, 1.0, 0.125) * largest + 1.0);
+                let b = Aabb::from_center(at, place(random) * largest + 1.0);
                 ObjectDesc::fixed(b).occluder(b)
             }
             1 => {
@@ -181,7 +185,7 @@ fn some_scene(random: &mut Random, size: u32) -> Scene {
             }
             2 => ObjectDesc::dynamic(Sphere::new(at, 0.5)).max_speed(2.0),
             3 => ObjectDesc::dynamic(Sphere::new(at, 0.5)).max_speed(2.0).reported_on_expiry(),
-            _ => ObjectDesc::fixed(Aabb::from_center(at, random.place(0.0, 1.0, 0.125) * 3.0)),
+            _ => ObjectDesc::fixed(Aabb::from_center(at, place(random) * 3.0)),
         };
         scene.insert(if i % 11 == 7 { desc.layers(2) } else { desc }).unwrap();
     }
@@ -193,17 +197,12 @@ fn some_scene(random: &mut Random, size: u32) -> Scene {
     scene
 }
 
-fn some_views(random: &mut Random, size: f32) -> Vec<View> {
+pub fn some_views(random: &mut Random, size: f32) -> Vec<View> {
     let outside = Vec3::new(-0.3 * random.unit(), random.unit(), random.unit()) * size;
     let border = Vec3::new(0.5, random.unit() * size, random.unit() * size);
     let mut views = Vec::new();
-    for eye in [
-        random.place(0.0, 1.0, 0.125) * size,
-        outside,
-        border,
-        random.place(0.0, 1.0, 0.125) * 8.0 - 4.0 + size,
-    ] {
-        let toward = (Vec3::splat(size * 0.5) - eye + random.place(0.0, 1.0, 0.125) * 0.3 * size).normalize();
+    for eye in [place(random) * size, outside, border, place(random) * 8.0 - 4.0 + size] {
+        let toward = (Vec3::splat(size * 0.5) - eye + place(random) * 0.3 * size).normalize();
         let camera = look_to_mat4(eye, toward, Vec3::Y);
         let wide = directx::perspective(0.3 + random.unit(), 1.5, 0.1, 2.0 * size) * camera;
         let flat = directx::orthographic(-0.3 * size, 0.3 * size, -0.2 * size, 0.2 * size, 0.0, 2.0 * size);
@@ -248,9 +247,7 @@ fn walks_that_end_early_find_what_whole_walks_find() {
                     open += 1;
                 }
             }
-            let mut unseen = Query::new();
-            unseen.run(&scene, &around(random.place(0.0, 1.0, 0.125) * size as f32));
-            scene.end_frame([unseen.pvs()]).unwrap();
+            look(&mut scene, &mut Query::new(), &around(place(&mut random) * size as f32));
         }
     }
     println!(

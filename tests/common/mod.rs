@@ -11,6 +11,8 @@ pub use std::collections::BTreeSet;
 pub use std::sync::Arc;
 
 pub use casca::*;
+use casca_scenes::drive::{Driver, grid_for};
+use casca_scenes::world::FRAME_SECONDS;
 pub use casca_truth::cases;
 pub use casca_truth::places::{coordinate, points};
 pub use glam::camera::rh::{proj::directx, view::look_to_mat4};
@@ -22,6 +24,11 @@ pub use proptest::prelude::*;
 /// An empty scene of so many cells along each axis, each of one unit.
 pub fn empty(cells: u32) -> Scene {
     Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(cells) }).unwrap()
+}
+
+/// An empty scene of another size: its least corner, and the edge and number of its cells.
+pub fn sized(min: Vec3, cell: f32, dims: [u32; 3]) -> Scene {
+    Scene::new(&GridSpec { min, cell, dims: dims.into() }).unwrap()
 }
 
 /// What tests insert again and again.
@@ -44,6 +51,31 @@ impl Insert for Scene {
 
 pub fn query_by(method: Method) -> Query {
     Query::with_method(method).unwrap()
+}
+
+/// Runs a query, and ends the frame with its result.
+pub fn look(scene: &mut Scene, query: &mut Query, view: &View) -> FrameReport {
+    query.run(scene, view);
+    scene.end_frame([query.pvs()]).unwrap()
+}
+
+/// Ends a frame in which nobody sees anything: what may be hidden goes into volumes.
+pub fn look_away(scene: &mut Scene) -> FrameReport {
+    let nothing = Plane { normal: Vec3::X, offset: -1e6 };
+    look(scene, &mut Query::new(), &View::from_planes(Vec3::ONE, &[nothing]).unwrap())
+}
+
+/// A scene in the library, in the grid that it asks for.
+pub fn driver(world: &casca_scenes::world::World) -> Driver {
+    Driver::new(world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap()
+}
+
+/// Goes to a frame; what moved.
+pub fn go_to(driver: &mut Driver, world: &mut casca_scenes::world::World, frame: usize) -> Vec<usize> {
+    let moved = world.set_frame(frame);
+    driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
+    driver.update(&world.objects, &moved).unwrap();
+    moved
 }
 
 /// The view of an eye that looks all round.

@@ -7,10 +7,15 @@ pub const SIZE: f32 = 32.0;
 
 /// Whether a box cuts the segment between two points, its surface included.
 pub fn cuts_box(b: &Aabb, from: DVec3, to: DVec3) -> bool {
+    cuts((b.min.as_dvec3(), b.max.as_dvec3()), from, to)
+}
+
+/// The same, of its corners in double precision.
+pub fn cuts((min, max): (DVec3, DVec3), from: DVec3, to: DVec3) -> bool {
     let way = to - from;
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
     for axis in 0..3 {
-        let (lo, hi) = (f64::from(b.min[axis]) - from[axis], f64::from(b.max[axis]) - from[axis]);
+        let (lo, hi) = (min[axis] - from[axis], max[axis] - from[axis]);
         if way[axis] == 0.0 {
             if lo > 0.0 || hi < 0.0 {
                 return false;
@@ -21,6 +26,21 @@ pub fn cuts_box(b: &Aabb, from: DVec3, to: DVec3) -> bool {
         (enter, leave) = (enter.max(x.min(y)), leave.min(x.max(y)));
     }
     enter <= leave
+}
+
+/// Segments through an edge that two triangles share pass both: triangles are larger by this share
+/// of themselves, far more than the rounding of double precision.
+const SHARED: f64 = 1e-9;
+
+/// Whether the segment between two points passes a triangle (Möller & Trumbore 1997).
+pub fn cuts_triangle(&[a, b, c]: &[DVec3; 3], from: DVec3, to: DVec3) -> bool {
+    let (way, e, f) = (to - from, b - a, c - a);
+    let p = way.cross(f);
+    let inverse = 1.0 / e.dot(p);
+    let u = (from - a).dot(p) * inverse;
+    let q = (from - a).cross(e);
+    let (v, t) = (way.dot(q) * inverse, f.dot(q) * inverse);
+    u >= -SHARED && v >= -SHARED && u + v <= 1.0 + SHARED && (0.0..=1.0).contains(&t)
 }
 
 /// A shape as the test knows it: of an occluder, or of an object that is looked for.

@@ -22,8 +22,7 @@ fn a_set_does_not_hold_once_what_is_in_a_revealed_volume_moves() {
         let mut kept = query_by(method);
         let view = around(Vec3::new(30.5, 32.5, 10.5));
         scene.begin_frame(0.0).unwrap();
-        kept.run(&scene, &view);
-        scene.end_frame([kept.pvs()]).unwrap();
+        look(&mut scene, &mut kept, &view);
         scene.begin_frame(0.1).unwrap();
         let pvs = kept.run(&scene, &view);
         assert!(
@@ -77,8 +76,7 @@ fn a_set_does_not_hold_once_an_occluder_in_a_revealed_volume_moves() {
     scene.begin_frame(0.0).unwrap();
     let mut query = Query::new();
     let nothing = casca::Plane { normal: Vec3::X, offset: -1e6 };
-    query.run(&scene, &View::from_planes(away.eye().unwrap().as_vec3(), &[nothing]).unwrap());
-    scene.end_frame([query.pvs()]).unwrap();
+    look(&mut scene, &mut query, &View::from_planes(away.eye().unwrap().as_vec3(), &[nothing]).unwrap());
     assert!(scene.tbv(mover).unwrap().is_some());
     let pvs = query.run(&scene, &view);
     assert!(pvs.contains(mover) && pvs.revealed().contains(&mover) && pvs.contains(hide));

@@ -3,6 +3,7 @@
 
 use casca_truth::places::coordinates;
 
+use crate::common::worlds::cuts_triangle;
 use crate::common::*;
 
 /// Quads along each side of a sheet.
@@ -36,21 +37,6 @@ fn holed(&(middle, width, slope, seed): &Sheet) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (corners, quads.flat_map(|(_, quad)| quad).copied().collect())
 }
 
-/// Rays through an edge that two triangles share count for both: triangles are larger by this share
-/// of themselves, far more than the rounding of double precision.
-const SHARED: f64 = 1e-9;
-
-/// Whether the segment from the origin to a point passes a triangle (Möller & Trumbore 1997).
-fn passes(end: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
-    let (e, f) = (b - a, c - a);
-    let p = end.cross(f);
-    let inverse = 1.0 / e.dot(p);
-    let u = -a.dot(p) * inverse;
-    let q = (-a).cross(e);
-    let (v, t) = (end.dot(q) * inverse, f.dot(q) * inverse);
-    u >= -SHARED && v >= -SHARED && u + v <= 1.0 + SHARED && (0.0..1.0).contains(&t)
-}
-
 /// The objects that a query with wide pixels finds, with this many patches drawn again.
 fn found(scene: &Scene, view: &View, objects: &[ObjectId], patches: u32) -> Vec<bool> {
     let options = PointOptions::new().pixel_degrees(3.0).min_pixels(0).refine_squares(0);
@@ -60,8 +46,7 @@ fn found(scene: &Scene, view: &View, objects: &[ObjectId], patches: u32) -> Vec<
 }
 
 fn check(sheets: &[Sheet], targets: &[(Vec3, f32)]) -> Result<usize, TestCaseError> {
-    let grid = GridSpec { min: Vec3::splat(-20.0), cell: 1.0, dims: UVec3::splat(40) };
-    let mut scene = Scene::new(&grid).unwrap();
+    let mut scene = sized(Vec3::splat(-20.0), 1.0, [40; 3]);
     let mut triangles = Vec::new();
     for sheet in sheets {
         let (corners, indices) = holed(sheet);
@@ -90,7 +75,7 @@ fn check(sheets: &[Sheet], targets: &[(Vec3, f32)]) -> Result<usize, TestCaseErr
             if c.x.abs() > c.w || c.y.abs() > c.w {
                 continue;
             }
-            let hit = triangles.iter().any(|t| passes(point, *t));
+            let hit = triangles.iter().any(|t| cuts_triangle(t, DVec3::ZERO, point));
             prop_assert!(hit, "{b:?} is seen at {point}");
         }
     }

@@ -42,6 +42,24 @@ fn add_targets(world: &mut World, at: Vec3, steps: &[Vec3], frame: Frame, count:
     }
 }
 
+/// What eyes beside that of a view see of a world is in its set.
+fn are_served(
+    world: &World,
+    (method, view): (Method, View),
+    steps: &[Vec3],
+    eye: impl Fn(Vec3) -> Eye,
+    (count, seed): (usize, u64),
+) -> Result<(), TestCaseError> {
+    let mut query = query_by(method);
+    let pvs = query.run(&world.scene, &view);
+    for (step, i) in steps.iter().zip(0..) {
+        let eye = eye(*step);
+        let lost = lost(&world.things, &eye, |id| !pvs.contains(id), count, seed ^ i);
+        prop_assert!(lost.is_none(), "{lost:?} from {eye:?}, {view:?}");
+    }
+    Ok(())
+}
+
 fn reach() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.01), 0.0..0.3f64, 0.0..1.0f64, 0.0..3.0f64]
 }
@@ -66,13 +84,7 @@ proptest! {
         // Far from the origin a matrix may be no camera any more.
         if let Ok(view) = view_of(&eye) {
             let view = view.with_reach(reach as f32).unwrap();
-            let mut query = query_by(methods[0]);
-            let pvs = query.run(&world.scene, &view);
-            for (step, i) in steps.iter().zip(0..) {
-                let eye = moved(&eye, *step);
-                let lost = lost(&world.things, &eye, |id| !pvs.contains(id), 12, seed ^ i);
-                prop_assert!(lost.is_none(), "{lost:?} from {eye:?}, {reach} around {at}");
-            }
+            are_served(&world, (methods[0], view), &steps, |step| moved(&eye, step), (12, seed))?;
         }
     }
 
@@ -93,12 +105,8 @@ proptest! {
         let mut eye = |_| (at + half * random.vector(-1.5, 1.5).as_vec3()).clamp(cell.min, cell.max) - at;
         let steps: Vec<Vec3> = (0..12).map(&mut eye).collect();
         add_targets(&mut world, at, &steps, frame, 12, seed);
-        let mut query = query_by(methods[0]);
-        let pvs = query.run(&world.scene, &View::of_cell(cell).unwrap());
-        for (step, i) in steps.iter().zip(0..) {
-            let lost = lost(&world.things, &Eye::Around(at + *step), |id| !pvs.contains(id), 12, seed ^ i);
-            prop_assert!(lost.is_none(), "{lost:?} from {} in {cell:?}", at + *step);
-        }
+        let view = View::of_cell(cell).unwrap();
+        are_served(&world, (methods[0], view), &steps, |step| Eye::Around(at + step), (12, seed))?;
     }
 }
 
@@ -124,13 +132,9 @@ proptest! {
         let steps = steps(reach, 12, seed);
         add_targets(&mut world, at, &steps, frame, 24, seed);
         let options = PointOptions::default().pixel_degrees(degrees).min_pixels(0);
-        let mut query = query_by(Method::Point(options));
         let view = around(at).with_reach(reach as f32).unwrap();
-        let pvs = query.run(&world.scene, &view);
-        for (step, i) in steps.iter().zip(0..) {
-            let lost = lost(&world.things, &Eye::Around(at + *step), |id| !pvs.contains(id), 6, seed ^ i);
-            prop_assert!(lost.is_none(), "{lost:?} from {} and {reach} around", at + *step);
-        }
+        let method = Method::Point(options);
+        are_served(&world, (method, view), &steps, |step| Eye::Around(at + step), (6, seed))?;
     }
 }
 
@@ -314,34 +318,32 @@ fn panels_of_many_objects_hide_as_one_wall() {
 
 #[test]
 fn sets_grow_with_the_reach() {
-    let mut random = Random(7);
     const REACHES: [f32; 6] = [0.0, 0.01, 0.1, 0.3, 1.0, 3.0];
-    let mut sizes = [0; REACHES.len()];
     let mut query = Query::new();
-    for _ in 0..36 {
-        let mut room = Room::new();
-        for i in 0..24 {
-            let (center, size) = (random.vector(0.0, 2.0 * SIZE), random.vector(1.0, 4.0));
-            let (points, triangles) = match i % 3 {
-                0 => {
+    for (boxes, rounds, solids, balls) in [(true, 40, 40, 100), (false, 12, 24, 80)] {
+        let (mut random, mut sizes) = (Random(7), [0; REACHES.len()]);
+        for _ in 0..rounds {
+            let mut room = Room::new();
+            for i in 0..solids {
+                let (center, size) = (random.vector(0.0, 2.0 * SIZE), random.vector(1.0, 4.0));
+                if boxes {
                     room.scene.solid(Aabb::from_center(center.as_vec3(), size.as_vec3()));
                     continue;
                 }
-                1 => forms::cuboid(),
-                _ => forms::ball(2),
-            };
-            room.wall(points.iter().map(|p| (*p * size + center).as_vec3()).collect(), triangles);
+                let (points, triangles) = if i % 2 == 0 { forms::cuboid() } else { forms::ball(2) };
+                room.wall(points.iter().map(|p| (*p * size + center).as_vec3()).collect(), triangles);
+            }
+            for _ in 0..balls {
+                room.ball(random.vector(0.0, 2.0 * SIZE).as_vec3());
+            }
+            let view = around(random.vector(0.0, 2.0 * SIZE).as_vec3());
+            let plain = query.run(&room.scene, &view).visible().to_vec();
+            for (reach, size) in REACHES.iter().zip(&mut sizes) {
+                let pvs = query.run(&room.scene, &view.clone().with_reach(*reach).unwrap());
+                assert!(*reach > 0.0 || pvs.visible() == plain, "without a reach nothing changes");
+                *size += pvs.len();
+            }
         }
-        for _ in 0..80 {
-            room.ball(random.vector(0.0, 2.0 * SIZE).as_vec3());
-        }
-        let view = around(random.vector(0.0, 2.0 * SIZE).as_vec3());
-        let plain = query.run(&room.scene, &view).visible().to_vec();
-        for (reach, size) in REACHES.iter().zip(&mut sizes) {
-            let pvs = query.run(&room.scene, &view.clone().with_reach(*reach).unwrap());
-            assert!(*reach > 0.0 || pvs.visible() == plain, "without a reach nothing changes");
-            *size += pvs.len();
-        }
+        assert!(sizes.is_sorted() && sizes[5] > sizes[0] * 3 / 2, "{boxes}: {sizes:?}");
     }
-    assert!(sizes.is_sorted() && sizes[5] > sizes[0] * 3 / 2, "{sizes:?}");
 }

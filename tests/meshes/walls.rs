@@ -11,7 +11,7 @@ pub fn panel(x: f32, y: f32, z: f32, size: f32, gap: f32) -> Arc<TriMesh> {
 }
 
 fn level() -> Scene {
-    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(48, 24, 32) }).unwrap()
+    sized(Vec3::ZERO, 1.0, [48, 24, 32])
 }
 
 #[test]

@@ -293,8 +293,7 @@ fn hidden_objects_leave_no_trace_in_the_cells() {
     let mut query = Query::new();
     let view = around(Vec3::new(2.5, 12.5, 12.5));
     for _ in 0..3 {
-        query.run(&scene, &view);
-        scene.end_frame([query.pvs()]).unwrap();
+        look(&mut scene, &mut query, &view);
     }
     assert_eq!(query.pvs().len(), 1);
     assert_eq!((scene.id_matrix().entries(), scene.tbv_matrix().volumes()), (before, 50));

@@ -4,8 +4,7 @@ use crate::common::*;
 
 /// A wall across the grid.
 fn scene() -> Scene {
-    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(128, 16, 128) };
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = sized(Vec3::ZERO, 1.0, [128, 16, 128]);
     scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(128.0, 16.0, 23.0)));
     scene
 }

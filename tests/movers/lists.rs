@@ -210,8 +210,7 @@ fn an_object_that_gets_an_occluder_in_its_volume_is_told_with_it_from_then_on() 
     let id = scene.insert(ObjectDesc::dynamic(block(8.0))).unwrap();
     let mut query = Query::new();
     scene.begin_frame(0.1).unwrap();
-    query.run(&scene, &around(Vec3::new(30.5, 4.5, 4.5)));
-    scene.end_frame([query.pvs()]).unwrap();
+    look(&mut scene, &mut query, &around(Vec3::new(30.5, 4.5, 4.5)));
     assert!(scene.tbv(id).unwrap().is_some(), "the wall hides it");
     scene.update(id, block(8.1), None).unwrap();
     scene.set_occluder(id, Some(block(8.1).into())).unwrap();
@@ -226,16 +225,22 @@ fn an_object_that_gets_an_occluder_in_its_volume_is_told_with_it_from_then_on() 
 fn views_show_movers_on_their_layers_only() {
     let mut scene = new_scene();
     let ball = |x: f32| Sphere::new(Vec3::new(x, 3.0, 3.0), 0.2);
-    let id = scene.insert(ObjectDesc::dynamic(ball(8.0)).layers(0b10)).unwrap();
+    let silent = ObjectDesc::dynamic(ball(8.0)).max_speed(1.0).reported_on_expiry();
+    let ids = [ObjectDesc::dynamic(ball(8.0)), silent].map(|desc| scene.insert(desc.layers(0b10)).unwrap());
     // Some bricks away: near the eye all objects are looked at.
-    let view = around(Vec3::splat(2.5));
-    let shown =
-        |scene: &Scene, layers| Query::new().run(scene, &view.clone().with_layers(layers)).contains(id);
+    let eye = around(Vec3::splat(2.5));
     for (layers, x) in [(0b10, 30.0), (0b01, 30.1), (u64::MAX, 28.2), (0b10, 28.3)] {
-        scene.set_layers(id, layers).unwrap();
-        scene.update(id, ball(x), None).unwrap();
-        for view in [0b01, 0b10, u64::MAX] {
-            assert_eq!(shown(&scene, view), layers & view != 0, "{layers:b} {view:b} {x}");
+        for id in ids {
+            scene.set_layers(id, layers).unwrap();
+            scene.update(id, ball(x), None).unwrap();
+        }
+        for method in [Method::point(), Method::cell(), Method::Frustum] {
+            for view in [0, 0b01, 0b10, u64::MAX] {
+                let mut query = query_by(method);
+                let pvs = query.run(&scene, &eye.clone().with_layers(view));
+                let shown = ids.map(|id| pvs.contains(id));
+                assert_eq!(shown, [layers & view != 0; 2], "{method:?} {layers:b} {view:b} {x}");
+            }
         }
     }
 }

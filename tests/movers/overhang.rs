@@ -113,8 +113,7 @@ proptest! {
 /// A wall across the grid, and boxes that stand behind it, below the floor of the grid by a
 /// distance.
 fn street(below: f32) -> (Scene, Vec<ObjectId>) {
-    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(128, 16, 128) };
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = sized(Vec3::ZERO, 1.0, [128, 16, 128]);
     scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 60.0), Vec3::new(128.0, 16.0, 62.0)));
     let corner = |i: u32| Vec3::new(1.0 + (i % 50) as f32 * 2.5, 0.0, 64.0 + (i / 50) as f32);
     let boxes = (0..2500).map(|i| Aabb::new(corner(i) - Vec3::Y * below, corner(i) + 0.5));
@@ -150,8 +149,7 @@ fn movers_that_reach_out_of_the_grid_a_little_get_volumes() {
     let mut query = Query::new();
     for frame in 0..10 {
         scene.begin_frame(f64::from(frame) * 0.02).unwrap();
-        query.run(&scene, &eye);
-        scene.end_frame([query.pvs()]).unwrap();
+        look(&mut scene, &mut query, &eye);
     }
     let hidden = ids.iter().filter(|id| scene.tbv(**id).unwrap().is_some()).count();
     assert!(hidden > 2400, "{hidden} of 2500 are in volumes");

@@ -60,8 +60,7 @@ fn reports_back_and_forth_keep_one_expiry() {
     let id = scene.insert(ObjectDesc::dynamic(ball(20.0)).max_speed(1.0).reported_on_expiry()).unwrap();
     let mut query = query_by(Method::point());
     scene.begin_frame(0.0).unwrap();
-    query.run(&scene, &view(Method::point()));
-    scene.end_frame([query.pvs()]).unwrap();
+    look(&mut scene, &mut query, &view(Method::point()));
     let (low, high) = scene.tbv(id).unwrap().expect("it is hidden");
     let held = scene.memory().objects;
     for i in 0..100_000u32 {
@@ -71,8 +70,7 @@ fn reports_back_and_forth_keep_one_expiry() {
         scene.begin_frame(f64::from(i) * 1e-7).unwrap();
         scene.update(id, ball(x), None).unwrap();
         if i % 64 == 0 {
-            query.run(&scene, &view(Method::point()));
-            scene.end_frame([query.pvs()]).unwrap();
+            look(&mut scene, &mut query, &view(Method::point()));
         }
     }
     assert!(scene.memory().objects < held + 16_384, "{} and {held}", scene.memory().objects);
@@ -201,8 +199,7 @@ fn an_unreported_object_may_leave_the_grid() {
         let mut query = query_by(method);
         let behind = around(Vec3::new(4.5, 3.5, 16.5));
         scene.begin_frame(0.0).unwrap();
-        query.run(&scene, &behind);
-        scene.end_frame([query.pvs()]).unwrap();
+        look(&mut scene, &mut query, &behind);
         if matches!(method, Method::Frustum) {
             continue;
         }

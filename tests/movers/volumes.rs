@@ -75,8 +75,7 @@ fn frames_end_whatever_is_on_opposite_sides_of_the_world() {
             for frame in 0..3 {
                 scene.begin_frame(f64::from(frame) * 0.1).unwrap();
                 let view = View::from_planes(Vec3::new(eye, 8.0, 8.0), &away).unwrap();
-                query.run(&scene, &view);
-                scene.end_frame([query.pvs()]).unwrap();
+                look(&mut scene, &mut query, &view);
             }
         }
     }
@@ -90,8 +89,7 @@ fn a_flat_object_may_lie_on_the_wall_of_its_volume() {
         let id = scene.insert(ObjectDesc::dynamic(plate(4.5)).max_speed(1.0)).unwrap();
         let past = casca::Plane { normal: Vec3::Z, offset: -20.0 };
         let mut elsewhere = query_by(Method::point());
-        elsewhere.run(&scene, &View::from_planes(Vec3::new(5.5, 18.5, 20.5), &[past]).unwrap());
-        scene.end_frame([elsewhere.pvs()]).unwrap();
+        look(&mut scene, &mut elsewhere, &View::from_planes(Vec3::new(5.5, 18.5, 20.5), &[past]).unwrap());
         let (_, high) = scene.tbv(id).unwrap().expect("nobody looked");
         // Nothing else is in the scene: it is in plain sight from above.
         scene.update(id, plate(high.y as f32), None).unwrap();

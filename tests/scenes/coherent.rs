@@ -1,18 +1,15 @@
 //! Coherent queries: they lose nothing, whatever the camera and the objects do between runs; they
 //! draw less than queries that know nothing of the run before; and their sets are little larger.
 
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::world::{Camera, FRAME_SECONDS, World};
+use casca_scenes::world::{Camera, World};
 use casca_truth::oracle::{Oracle, OracleOptions};
 
+use crate::common::worlds::cuts_triangle;
 use crate::common::*;
 
 const ASPECT: f32 = 16.0 / 9.0;
-
-fn fresh() -> Query {
-    Query::new()
-}
 
 fn coherent() -> Query {
     query_by(Method::Point(PointOptions::default().coherent(true)))
@@ -20,10 +17,6 @@ fn coherent() -> Query {
 
 fn world(kind: SceneKind, scale: f32, frames: usize) -> World {
     build(kind, &SceneOptions { seed: 9, frames, scale, ..Default::default() })
-}
-
-fn driver(world: &World) -> Driver {
-    Driver::new(world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap()
 }
 
 /// A person who walks and looks around: 1.5 m/s and up to 90 degrees a second at 60 frames a
@@ -51,7 +44,7 @@ fn first_runs_and_those_after_a_reset_know_nothing() {
     for (kind, scale) in [(SceneKind::City, 0.5), (SceneKind::Rocks, 0.3), (SceneKind::Town, 0.1)] {
         let world = world(kind, scale, 4);
         let driver = driver(&world);
-        let (mut fresh, mut coherent) = (fresh(), coherent());
+        let (mut fresh, mut coherent) = (Query::new(), coherent());
         for frame in 0..world.frames {
             let view = view_of(&world.camera(frame, ASPECT)).unwrap();
             let expected = fresh.run(&driver.scene, &view).visible().to_vec();
@@ -66,7 +59,7 @@ fn walks_draw_less_and_find_little_more() {
     for (kind, scale) in [(SceneKind::City, 1.0), (SceneKind::Rocks, 0.5), (SceneKind::Town, 0.2)] {
         let world = world(kind, scale, 4);
         let driver = driver(&world);
-        let (mut fresh, mut coherent) = (fresh(), coherent());
+        let (mut fresh, mut coherent) = (Query::new(), coherent());
         let (mut work, mut found) = ([0, 0], [0, 0]);
         for view in walk(&world.camera(1, ASPECT), 40).iter().map(|camera| view_of(camera).unwrap()) {
             for (i, query) in [&mut fresh, &mut coherent].into_iter().enumerate() {
@@ -100,9 +93,7 @@ fn walks_lose_nothing() {
         let near = walk(&world.camera(20, ASPECT), 40);
         let cameras = near.into_iter().chain((0..20).map(|frame| world.camera(frame * 3, ASPECT)));
         for (frame, camera) in cameras.collect::<Vec<_>>().iter().enumerate() {
-            let moved = world.set_frame(frame);
-            driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
-            driver.update(&world.objects, &moved).unwrap();
+            let moved = go_to(&mut driver, &mut world, frame);
             query.run(&driver.scene, &view_of(camera).unwrap());
             if frame % 4 == 3 {
                 let sees = |i: usize| driver.sees(query.pvs(), i);
@@ -146,10 +137,6 @@ fn other_scenes_and_free_slots_are_no_trap() {
     }
 }
 
-/// A segment through the line of a side by less than this, in m^4, passes the triangle: neighbours
-/// leave no gap between them.
-const ON_SIDE: f64 = 1e-9;
-
 /// Rolling ground: `n` squares along each side of 40 m.
 struct Ground {
     mesh: Arc<TriMesh>,
@@ -169,14 +156,7 @@ impl Ground {
 
     /// Whether the segment between two points passes a triangle.
     fn hides(&self, from: DVec3, to: DVec3) -> bool {
-        let way = to - from;
-        self.triangles.iter().any(|&[a, b, c]| {
-            let normal = (b - a).cross(c - a);
-            let t = normal.dot(a - from) / normal.dot(way);
-            let p = from + way * t;
-            let inside = |u: DVec3, v: DVec3| (v - u).cross(p - u).dot(normal) >= -ON_SIDE;
-            (0.0..=1.0).contains(&t) && inside(a, b) && inside(b, c) && inside(c, a)
-        })
+        self.triangles.iter().any(|t| cuts_triangle(t, from, to))
     }
 }
 
@@ -186,8 +166,7 @@ impl Ground {
 #[test]
 fn a_slot_with_another_mesh_is_no_trap() {
     let grounds = [Ground::new(12, 0.5), Ground::new(40, 0.31), Ground::new(24, 0.9)];
-    let mut scene =
-        Scene::new(&GridSpec { min: Vec3::splat(-24.0), cell: 1.0, dims: UVec3::splat(48) }).unwrap();
+    let mut scene = sized(Vec3::splat(-24.0), 1.0, [48; 3]);
     let spot = |i: u32| {
         Vec3::new((i * 7 % 39) as f32 - 19.0, (i % 5) as f32 * 0.5 - 1.0, (i * 11 % 37) as f32 - 18.0)
     };

@@ -29,23 +29,6 @@ fn change() -> impl Strategy<Value = Change> {
     ]
 }
 
-#[test]
-fn views_of_no_layers_see_nothing_not_even_movers_on_all() {
-    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(128, 16, 16) };
-    let mut scene = Scene::new(&spec).unwrap();
-    // In another zone than the eye: near it, all objects are asked for their layers.
-    let ball = Sphere::new(Vec3::new(100.0, 8.0, 4.0), 0.3);
-    let dynamic = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
-    let silent = scene.insert(ObjectDesc::dynamic(ball).max_speed(1.0).reported_on_expiry()).unwrap();
-    let view = around(Vec3::new(8.0, 8.0, 12.0));
-    for method in METHODS.into_iter().rev() {
-        let mut query = query_by(method);
-        let of = |query: &mut Query, layers| query.run(&scene, &view.clone().with_layers(layers)).len();
-        assert_eq!(of(&mut query, 0), 0, "{method:?}");
-        assert_eq!(of(&mut query, 2), 2, "{method:?}: {dynamic} {silent}");
-    }
-}
-
 proptest! {
     #![proptest_config(cases(40))]
 

@@ -1,9 +1,9 @@
 //! The numbers of a query say the same in a fresh query and in one that ran before, and count what
 //! they say.
 
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
-use casca_scenes::world::{FRAME_SECONDS, Mesh};
+use casca_scenes::world::Mesh;
 
 use crate::common::*;
 
@@ -36,11 +36,9 @@ fn queries_that_ran_before_count_as_fresh_ones() {
         (SceneKind::Crowd, 0.02),
     ] {
         let mut world = build(kind, &SceneOptions { seed: 4, frames: 40, scale, ..Default::default() });
-        let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+        let mut driver = driver(&world);
         for frame in (0..world.frames).step_by(8) {
-            let moved = world.set_frame(frame);
-            driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
-            driver.update(&world.objects, &moved).unwrap();
+            go_to(&mut driver, &mut world, frame);
             let camera = world.camera(frame, 1.5);
             let views = [
                 view_of(&camera).unwrap(),

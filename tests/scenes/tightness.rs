@@ -1,7 +1,7 @@
 //! What the cell method proves hidden, the point method finds hidden too, but for what
 //! `Method::Point` says.
 
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::Settled;
 
@@ -104,12 +104,10 @@ fn the_point_method_keeps_nothing_that_the_cell_method_hides() {
     let (mut cell, mut point) = (query_by(Method::cell()), query_by(Method::point()));
     for kind in SceneKind::SOLIDS {
         let mut world = build(kind, &SceneOptions::default());
-        let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+        let mut driver = driver(&world);
         let (mut sizes, mut loose) = ((0, 0), [0, 0]);
         for frame in (0..150).step_by(15) {
-            let moved = world.set_frame(frame);
-            driver.scene.begin_frame(frame as f64 / 30.0).unwrap();
-            driver.update(&world.objects, &moved).unwrap();
+            go_to(&mut driver, &mut world, frame);
             let camera = world.camera(frame, 16.0 / 9.0);
             let exact = view_of(&camera).unwrap();
             let matrix = View::from_view_projection(camera.view_projection()).unwrap();

@@ -1,13 +1,10 @@
 //! No visible object is ever lost: random scenes, motion, removal and views
 //! against exact visibility, which shares no code with the library.
 
-use std::collections::HashSet;
-
 use casca::internals::SceneInternals;
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
-use casca_truth::baselines::{Hzb, RayBuffer};
 use casca_truth::oracle::{Oracle, OracleOptions};
 
 use crate::common::objects::{describe, lost, moved_by, object, shape, shapes_of};
@@ -232,7 +229,7 @@ proptest! {
         cameras in prop::collection::vec(camera(), 1..6),
         method in methods(),
     ) {
-        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 0.8, dims: UVec3::splat(20) }).unwrap();
+        let mut scene = sized(Vec3::ZERO, 0.8, [20; 3]);
         let mut objects = Vec::new();
         let mut ids = Vec::new();
         for ((b, hull), dynamic) in &boxes {
@@ -273,16 +270,14 @@ fn the_procedural_scenes_lose_nothing() {
         let options =
             SceneOptions { seed: 3, frames: 60, scale: if many { 0.1 } else { 1.0 }, ..Default::default() };
         let mut world = build(kind, &options);
-        let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+        let mut driver = driver(&world);
         let mut query = Query::new();
         let options =
             OracleOptions { width: 480, height: 270, samples_per_object: 4, max_candidates: 4000, seed: 3 };
         let mut oracle = Oracle::new(&world.objects, options);
         let (mut pvs_sum, mut exact_sum) = (0, 0);
         for frame in (0..world.frames).step_by(6) {
-            let moved = world.set_frame(frame);
-            driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
-            driver.update(&world.objects, &moved).unwrap();
+            let moved = go_to(&mut driver, &mut world, frame);
             let camera = world.camera(frame, 16.0 / 9.0);
             let pvs = query.run(&driver.scene, &view_of(&camera).unwrap());
             let verdict = oracle.frame(&world.objects, &moved, &camera, &|i| driver.sees(pvs, i));
@@ -296,8 +291,7 @@ fn the_procedural_scenes_lose_nothing() {
 }
 
 /// All scenes, two seeds, and every resolution of the point method against exact
-/// visibility with nearly 8 x 10^8 aimed rays; and what sampled buffers lose in the same frames.
-/// Prints a table.
+/// visibility with hundreds of millions of aimed rays.
 ///
 /// `cargo test --release --test scenes -- --ignored --nocapture long_suite`; `CASCA_SEED` is the
 /// first of two seeds.
@@ -306,18 +300,15 @@ fn the_procedural_scenes_lose_nothing() {
 fn long_suite_of_all_scenes_and_resolutions() {
     const PIXELS: [f32; 5] = [80.0, 160.0, 360.0, 640.0, 1280.0];
     let mut rays = 0;
-    println!("lost in 30 frames: point at {PIXELS:?} pixels a side, hzb 640x360, rays 256x144");
     let first = std::env::var("CASCA_SEED").map_or(1, |v| v.parse().unwrap());
     for kind in SceneKind::ALL {
         for seed in first..first + 2 {
             let mut world = build(kind, &SceneOptions { seed, ..SceneOptions::default() });
-            let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+            let mut driver = driver(&world);
             let mut queries = PIXELS.map(|pixels| {
                 let options = PointOptions::default().pixel_degrees(90.0 / pixels);
                 query_by(Method::Point(options))
             });
-            let mut frustum = query_by(Method::Frustum);
-            let (mut hzb, mut cast) = (Hzb::new(640, 360), RayBuffer::new(&world.objects, 256, 144));
             let options = OracleOptions {
                 width: 960,
                 height: 540,
@@ -326,11 +317,9 @@ fn long_suite_of_all_scenes_and_resolutions() {
                 seed,
             };
             let mut oracle = Oracle::new(&world.objects, options);
-            let mut lost = [0; PIXELS.len() + 2];
+            let mut lost = [0; PIXELS.len()];
             for frame in (0..world.frames).step_by(5) {
-                let mut moved = world.set_frame(frame);
-                driver.scene.begin_frame(frame as f64 * FRAME_SECONDS).unwrap();
-                driver.update(&world.objects, &moved).unwrap();
+                let mut moved = go_to(&mut driver, &mut world, frame);
                 let camera = world.camera(frame, 16.0 / 9.0);
                 let view = view_of(&camera).unwrap();
                 for (query, lost) in queries.iter_mut().zip(&mut lost) {
@@ -340,23 +329,11 @@ fn long_suite_of_all_scenes_and_resolutions() {
                     *lost += verdict.false_negatives.len();
                     rays += verdict.rays;
                 }
-                let pvs = frustum.run(&driver.scene, &view);
-                let within: Vec<usize> = (0..world.objects.len()).filter(|&i| driver.sees(pvs, i)).collect();
-                let sampled = [
-                    hzb.frame(&world.objects, &within, &camera),
-                    cast.frame(&world.objects, &within, &camera),
-                ];
-                for (found, lost) in sampled.into_iter().zip(&mut lost[PIXELS.len()..]) {
-                    let found: HashSet<usize> = found.into_iter().collect();
-                    let verdict = oracle.frame(&world.objects, &[], &camera, &|i| found.contains(&i));
-                    *lost += verdict.false_negatives.len();
-                    rays += verdict.rays;
-                }
                 let seen: Vec<_> = queries.iter().map(Query::pvs).collect();
                 driver.scene.end_frame(seen).unwrap();
             }
             println!("{:<10} seed {seed}: {lost:?}", kind.name());
-            assert!(lost[..PIXELS.len()].iter().all(|&n| n == 0), "{kind:?} {seed}: {lost:?}");
+            assert!(lost.iter().all(|&n| n == 0), "{kind:?} {seed}: {lost:?}");
         }
     }
     println!("{rays} aimed rays");
@@ -365,7 +342,7 @@ fn long_suite_of_all_scenes_and_resolutions() {
 
 #[test]
 fn a_solid_that_the_near_plane_cuts_hides_nothing() {
-    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(32) }).unwrap();
+    let mut scene = sized(Vec3::ZERO, 0.5, [32; 3]);
     let ball = Sphere::new(Vec3::new(5.274932, 4.053323, 5.115905), 4.1894374);
     scene.solid(ball);
     let behind = scene.fixed(Aabb::new(Vec3::new(6.0, 1.0, 2.0), Vec3::new(8.0, 3.0, 4.0)));
@@ -383,8 +360,7 @@ fn a_solid_that_the_near_plane_cuts_hides_nothing() {
 
 #[test]
 fn memory_follows_occupied_cells() {
-    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(1024, 256, 1024) };
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = sized(Vec3::ZERO, 1.0, [1024, 256, 1024]);
     let empty: MemoryUse = scene.memory();
     assert!(empty.total() < 1 << 20, "{empty:?}");
     let mut random = Random(1);
@@ -397,10 +373,8 @@ fn memory_follows_occupied_cells() {
         scene.insert(desc.occluder(ball)).unwrap();
     }
     let all_listed = scene.memory();
-    let mut query = Query::new();
     // Looking away from everything hides all dynamic objects.
-    query.run(&scene, &View::from_planes(Vec3::ONE, &[Plane { normal: Vec3::NEG_Y, offset: 1.0 }]).unwrap());
-    while scene.end_frame([query.pvs()]).unwrap().hidden > 0 {}
+    while look_away(&mut scene).hidden > 0 {}
     let half_hidden = scene.memory();
     println!("all listed {all_listed:?}, half in volumes {half_hidden:?}");
     assert!(scene.tbv_matrix().volumes() > 49_000);
@@ -425,9 +399,6 @@ fn refused_calls_leave_the_scene_as_it_was() {
         assert!(scene.update(id, s, None).is_err());
         assert!(scene.update(id, ball, Some(s.into())).is_err());
     }
-    let inverted = Aabb::new(Vec3::ONE, Vec3::ZERO);
-    let message = scene.insert(ObjectDesc::fixed(inverted)).unwrap_err().to_string();
-    assert!(message.contains("the bounds") && message.contains("inverted"), "{message}");
     assert!(scene.insert(ObjectDesc::dynamic(ball).max_speed(f32::INFINITY)).is_err());
     assert!(scene.insert(ObjectDesc::dynamic(ball).reported_on_expiry()).is_err());
     assert!(scene.begin_frame(f64::NAN).is_err());
@@ -482,7 +453,7 @@ fn reversed_orthographic_depth_needs_a_direction() {
 
 #[test]
 fn long_solids_seen_end_on_cover_no_more_than_their_silhouette() {
-    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 4.0, dims: UVec3::splat(40) }).unwrap();
+    let mut scene = sized(Vec3::ZERO, 4.0, [40; 3]);
     scene.solid(Aabb::new(Vec3::ZERO, Vec3::new(32.0, 32.0, 56.0)));
     // Its back is this far off its front, as the rays see it; beside that a small ball shows.
     let slope = 6.5e-6f32;
@@ -521,11 +492,9 @@ fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
     let low = Sphere::new(Vec3::new(48.0, 48.0, 36.0), 1.0);
     let low = scene.insert(ObjectDesc::dynamic(low).max_speed(20.0)).unwrap();
     let mut query = Query::new();
-    let away = Plane { normal: Vec3::NEG_Y, offset: 1.0 };
     for frame in 0..40 {
         scene.begin_frame(f64::from(frame) * 0.2).unwrap();
-        query.run(&scene, &View::from_planes(Vec3::ONE, &[away]).unwrap());
-        scene.end_frame([query.pvs()]).unwrap();
+        look_away(&mut scene);
     }
     let (lo, hi) = scene.tbv(hidden).unwrap().expect("nobody saw it");
     assert!(hi.z - lo.z > 8.0, "{lo} {hi}");
@@ -544,7 +513,7 @@ fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
 #[test]
 fn near_planes_far_from_the_origin_still_cut() {
     let (corner, x) = (Vec3::new(131_072.0, 0.0, 0.0), 131_082.0);
-    let mut scene = Scene::new(&GridSpec { min: corner, cell: 1.0, dims: UVec3::splat(24) }).unwrap();
+    let mut scene = sized(corner, 1.0, [24; 3]);
     scene.solid(Aabb::new(Vec3::new(x + 0.047, 0.0, 0.0), Vec3::new(x + 2.0, 24.0, 24.0)));
     let behind = scene.fixed(Sphere::new(Vec3::new(x + 6.0, 4.0, 4.0), 1.0));
     let eye = Vec3::new(x, 4.5, 4.5);
@@ -557,8 +526,7 @@ fn near_planes_far_from_the_origin_still_cut() {
 
 #[test]
 fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
-    let grid = GridSpec { min: Vec3::splat(-8.0), cell: 1.0, dims: UVec3::splat(16) };
-    let mut scene = Scene::new(&grid).unwrap();
+    let mut scene = sized(Vec3::splat(-8.0), 1.0, [16; 3]);
     for i in 0..3000u32 {
         // Long enough to be drawn, and too thin to hide another.
         let middle = Vec3::new(0.0, i as f32 / 270.0 - 5.5, (i % 15) as f32 * 0.7 - 5.0);

@@ -122,8 +122,7 @@ fn receivers_of_unknown_place_may_be_shaded_by_all_that_the_light_meets() {
     let away = Plane { normal: Vec3::NEG_X, offset: 1.0 };
     let mut query = Query::new();
     scene.begin_frame(0.0).unwrap();
-    query.run(&scene, &View::from_planes(Vec3::ZERO, &[away]).unwrap());
-    scene.end_frame([query.pvs()]).unwrap();
+    look(&mut scene, &mut query, &View::from_planes(Vec3::ZERO, &[away]).unwrap());
     assert_eq!(scene.begin_frame(1e6).unwrap(), [lost]);
     let found = casters(&scene, &ahead(), Vec3::NEG_Y);
     assert!(found.contains(&lost) && found.contains(&far) && !found.contains(&below), "{found:?}");

@@ -56,7 +56,7 @@ pub const ABOVE: Light = Light::directional(Vec3::NEG_Y);
 
 /// An empty scene of 64x32x64 cells.
 pub fn street() -> Scene {
-    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(64, 32, 64) }).unwrap()
+    sized(Vec3::ZERO, 1.0, [64, 32, 64])
 }
 
 pub fn solid(scene: &mut Scene, min: [f32; 3], max: [f32; 3]) -> ObjectId {

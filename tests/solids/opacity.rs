@@ -20,8 +20,7 @@ fn occluders_that_nobody_reported_leave_no_opaque_cells() {
         let away = Plane { normal: Vec3::NEG_Z, offset: 9.0 };
         let mut query = query_by(method);
         scene.begin_frame(0.0).unwrap();
-        query.run(&scene, &View::from_planes(Vec3::new(11.5, 12.0, 9.5), &[away]).unwrap());
-        scene.end_frame([query.pvs()]).unwrap();
+        look(&mut scene, &mut query, &View::from_planes(Vec3::new(11.5, 12.0, 9.5), &[away]).unwrap());
         let due = scene.begin_frame(1.0).unwrap();
         assert!(movers.iter().all(|id| due.contains(id)));
         for id in movers {

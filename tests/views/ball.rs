@@ -41,9 +41,7 @@ fn chunk(world: &mut World, random: &mut Random, rays: u64, share: f32) -> (Ball
     let mut lost = Vec::new();
     for _ in 0..FRAMES {
         let number = (random.unit() * world.frames as f32) as usize;
-        let moved = world.set_frame(number);
-        driver.scene.begin_frame(number as f64 * FRAME_SECONDS).unwrap();
-        driver.update(&world.objects, &moved).unwrap();
+        let moved = go_to(&mut driver, world, number);
         let camera = world.camera(number, ASPECT);
         let view = view_of(&camera).unwrap();
         driver.scene.end_frame([queries[1].run(&driver.scene, &view)]).unwrap();

@@ -167,8 +167,7 @@ fn eyes_apart_by_what_is_accepted_lose_nothing() {
                 Vec3::new(eye.x + 10.0, wall.0, eye.z - 20.0),
                 Vec3::new(eye.x + 11.0, wall.1, eye.z + 20.0),
             );
-            let spec = GridSpec { min: (eye - 40.0).floor(), cell: 2.0, dims: UVec3::splat(40) };
-            let mut scene = Scene::new(&spec).unwrap();
+            let mut scene = sized((eye - 40.0).floor(), 2.0, [40; 3]);
             scene.solid(wall);
             let mut aimed = Vec::new();
             for i in 0..24 {

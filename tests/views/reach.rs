@@ -4,6 +4,30 @@
 use crate::common::worlds::{Solid, World, camera, point, solid, steps, target};
 use crate::common::*;
 
+/// All that these eyes see, whose half-spaces go with them, is in the set of a view.
+fn are_served(world: &World, view: &View, planes: &[Plane], eyes: &[Vec3]) -> Result<(), TestCaseError> {
+    for method in [Method::point(), Method::Point(PointOptions::fast()), Method::cell(), Method::Frustum] {
+        let mut query = query_by(method);
+        let pvs = query.run(&world.scene, view);
+        prop_assert!(pvs.is_valid_for(&world.scene, view));
+        for eye in eyes.iter().map(|eye| eye.as_dvec3()) {
+            let moved = |p: &Plane| {
+                let normal = p.normal.as_dvec3();
+                (normal, f64::from(p.offset) - normal.dot(eye - view.eye().unwrap()))
+            };
+            for id in world.seen(eye, &planes.iter().map(moved).collect::<Vec<_>>()) {
+                prop_assert!(pvs.contains(id), "{method:?}: {id} from {eye}, {view:?}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Half of an edge of a view cell, which may be flat.
+fn half() -> impl Strategy<Value = f32> {
+    prop_oneof![Just(0.0f32), 0.0f32..0.3, 0.0f32..3.0]
+}
+
 proptest! {
     #![proptest_config(cases(256))]
 
@@ -16,36 +40,11 @@ proptest! {
         reach in prop_oneof![Just(0.01f32), 0.0f32..0.3, 0.0f32..3.0],
         steps in steps(),
     ) {
-        let world = World::new(&solids, &targets);
         let planes = axis.map_or_else(Vec::new, |axis| camera(eye, axis, near));
-        let view = View::from_planes(eye, &planes).unwrap();
-        for method in [Method::point(), Method::Point(PointOptions::fast()), Method::cell(), Method::Frustum] {
-            let mut query = query_by(method);
-            let wide = view.clone().with_reach(reach).unwrap();
-            let pvs = query.run(&world.scene, &wide);
-            prop_assert!(pvs.is_valid_for(&world.scene, &wide));
-            for step in &steps {
-                let step = *step * reach * 0.999;
-                let at = eye + step;
-                let moved: Vec<(DVec3, f64)> = planes.iter().map(|p| {
-                    let normal = p.normal.as_dvec3();
-                    (normal, f64::from(p.offset) - normal.dot((at - eye).as_dvec3()))
-                }).collect();
-                for id in world.seen(at.as_dvec3(), &moved) {
-                    prop_assert!(pvs.contains(id), "{method:?}: {id} from {at}, {reach} around {eye}");
-                }
-            }
-        }
+        let view = View::from_planes(eye, &planes).unwrap().with_reach(reach).unwrap();
+        let eyes: Vec<Vec3> = steps.iter().map(|step| eye + *step * reach * 0.999).collect();
+        are_served(&World::new(&solids, &targets), &view, &planes, &eyes)?;
     }
-}
-
-/// Half of an edge of a view cell, which may be flat.
-fn half() -> impl Strategy<Value = f32> {
-    prop_oneof![Just(0.0f32), 0.0f32..0.3, 0.0f32..3.0]
-}
-
-proptest! {
-    #![proptest_config(cases(256))]
 
     #[test]
     fn all_eyes_of_a_view_cell_are_served(
@@ -55,21 +54,11 @@ proptest! {
         half in prop::array::uniform3(half()).prop_map(Vec3::from),
         steps in prop::collection::vec(prop::array::uniform3(-1.5f32..1.5), 12),
     ) {
-        let world = World::new(&solids, &targets);
         let cell = Aabb::new(middle - half, middle + half);
-        let view = View::of_cell(cell).unwrap();
-        for method in [Method::point(), Method::Point(PointOptions::fast()), Method::cell(), Method::Frustum] {
-            let mut query = query_by(method);
-            let pvs = query.run(&world.scene, &view);
-            prop_assert!(pvs.is_valid_for(&world.scene, &view));
-            for step in &steps {
-                // Most on the sides, some in corners.
-                let at = (middle + half * Vec3::from(*step)).clamp(cell.min, cell.max);
-                for id in world.seen(at.as_dvec3(), &[]) {
-                    prop_assert!(pvs.contains(id), "{method:?}: {id} from {at} in {cell:?}");
-                }
-            }
-        }
+        // Most on the sides, some in corners.
+        let eye = |step: &[f32; 3]| (middle + half * Vec3::from(*step)).clamp(cell.min, cell.max);
+        let eyes: Vec<Vec3> = steps.iter().map(eye).collect();
+        are_served(&World::new(&solids, &targets), &View::of_cell(cell).unwrap(), &[], &eyes)?;
     }
 }
 
@@ -92,8 +81,7 @@ fn what_one_corner_of_a_view_cell_sees_through_a_hole_is_found() {
         let slope = Vec3::new(1.0, 2.4 * next() - 1.2, 2.4 * next() - 1.2);
         let at = |x: f32| corner + slope * (x - corner.x);
         let (low, high) = (at(from).min(at(to)) - wide, at(from).max(at(to)) + wide);
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(40) };
-        let mut scene = Scene::new(&spec).unwrap();
+        let mut scene = sized(Vec3::ZERO, 1.0, [40; 3]);
         let mut ball = |at: Vec3| scene.fixed(Sphere::new(at, 0.05));
         let seen = ball(at(to + 3.0 + 3.0 * next()));
         let behind = ball(Vec3::new(to + 4.0, 36.0, 36.0));

@@ -348,8 +348,7 @@ fn bounded_results_are_valid_for_every_eye_of_the_cell() {
 
 /// A block in the way of a narrow frustum, and a ball behind it.
 fn behind_a_block() -> (Scene, ObjectId, Vec<Plane>) {
-    let grid = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) };
-    let mut scene = Scene::new(&grid).unwrap();
+    let mut scene = sized(Vec3::ZERO, 1.0, [16; 3]);
     scene.solid(Aabb::new(Vec3::new(6.0, 6.0, 5.0), Vec3::new(7.0, 7.0, 6.0)));
     let ball = scene.fixed(Sphere::new(Vec3::new(6.5, 7.03, 9.6), 0.02));
     // From (6.5, 6.5, 2.5) along z, up to slopes of 0.02 across and 0.05 to 0.08 along y.
