@@ -145,10 +145,7 @@ fn an_exact_eye_sees_the_same_with_any_depth() {
         View::perspective_gl(eye, proj::opengl::perspective(1.0, 1.5, 1.8, 60.0) * look),
     ];
     for view in views {
-        let mut query = Query::new();
-        let mut seen = query.run(&scene, &view.unwrap()).visible().to_vec();
-        seen.sort_unstable();
-        assert_eq!(seen, [wall, near]);
+        assert_eq!(sorted(Query::new().run(&scene, &view.unwrap())), [wall, near]);
     }
     let gl = proj::opengl::perspective(1.0, 1.5, 1.8, 60.0) * look;
     assert!(matches!(View::perspective_gl(eye + Vec3::Y, gl), Err(Error::EyeMismatch { .. })));

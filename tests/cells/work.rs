@@ -46,8 +46,7 @@ fn an_eye_inside_a_large_solid_visits_no_cells() {
     assert!(movers.iter().all(|&id| place(id) > place(balls[5]) && place(id) < place(balls[7])));
 
     // A view of one side has what lies there.
-    let camera = directx::perspective(0.8, 1.0, 0.1, 4.0 * SIZE) * look_to_mat4(eye, Vec3::NEG_ONE, Vec3::Y);
-    let pvs = query.run(&scene, &View::perspective(eye, camera).unwrap());
+    let pvs = query.run(&scene, &looking(eye, Vec3::NEG_ONE, [0.8, 1.0, 0.1, 4.0 * SIZE]));
     assert_eq!((pvs.visible(), pvs.revealed()), (&[whole, balls[0]][..], &[][..]));
     assert_eq!(pvs.stats().cells_visited, 0);
 }

@@ -400,9 +400,8 @@ fn jobs_see_the_static_objects_of_the_scene_as_it_is() {
             let done = query.prepare(&scene, &beside(0.0)).run();
             let mut other = kept(0.1, 0.1);
             assert!(other.install(done, &scene));
-            let mut ids = other.run(&scene, &beside(0.0)).visible().to_vec();
+            let ids = sorted(other.run(&scene, &beside(0.0)));
             assert_eq!(other.refreshes(), 0);
-            ids.sort_unstable_by_key(|id| id.index());
             ids
         };
         assert_eq!(set(&mut query), set(&mut kept(0.1, 0.1)), "round {round}");

@@ -534,9 +534,8 @@ fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
         scene.solid(Aabb::new(middle - half, middle + half));
     }
     let eye = Vec3::Z * 10_000.0;
-    let matrix = directx::perspective(0.01, 1.0, 1.0, 20_000.0) * look_to_mat4(eye, Vec3::NEG_Z, Vec3::Y);
     let mut query = Query::new();
-    let pvs = query.run(&scene, &View::perspective(eye, matrix).unwrap());
+    let pvs = query.run(&scene, &looking(eye, Vec3::NEG_Z, [0.01, 1.0, 1.0, 20_000.0]));
     let stats = *pvs.stats();
     assert_eq!(pvs.len(), 3000, "they are far apart");
     // Each direction goes through long lists of occluders, and pays for it.

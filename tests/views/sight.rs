@@ -1,7 +1,5 @@
 //! Questions to the last run of a query, compared with segments cut by boxes.
 
-use glam::camera::rh::{proj::directx::orthographic, view::look_to_mat4};
-
 use crate::common::worlds::{SIZE, Solid, World, cuts_box, hiding, is_free, point, solid};
 use crate::common::*;
 
@@ -102,7 +100,7 @@ fn doubt_means_visible() {
 fn parallel_rays_beyond_the_scene_are_free() {
     let scene = empty(32);
     let look = look_to_mat4(Vec3::new(16.0, 16.0, -20.0), Vec3::Z, Vec3::Y);
-    let matrix = orthographic(-100.0, 100.0, -100.0, 100.0, 0.1, 80.0) * look;
+    let matrix = directx::orthographic(-100.0, 100.0, -100.0, 100.0, 0.1, 80.0) * look;
     let mut query = Query::new();
     query.run(&scene, &View::orthographic(Vec3::Z, matrix).unwrap());
     let sight = query.sight(&scene).unwrap();

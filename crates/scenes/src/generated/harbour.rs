@@ -323,7 +323,6 @@ pub(super) fn build(options: &SceneOptions) -> World {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::Shape;
 
     #[test]
     fn models_are_closed_but_the_hull_lacks_its_deck() {
