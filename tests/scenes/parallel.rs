@@ -3,7 +3,6 @@
 
 use std::cell::RefCell;
 
-use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::common::*;
@@ -69,8 +68,8 @@ fn view(random: &mut Random) -> View {
             View::orthographic(looks, projection * look_to_mat4(eye - looks * 30.0, looks, up)).unwrap()
         }
         x => {
-            let matrix =
-                perspective(random.between(0.5, 1.8), 1.6, 0.1, 100.0) * look_to_mat4(eye, looks, up);
+            let matrix = directx::perspective(random.between(0.5, 1.8), 1.6, 0.1, 100.0)
+                * look_to_mat4(eye, looks, up);
             let view = View::perspective(eye, matrix).unwrap();
             match x {
                 x if x < 0.45 => view.with_reach(0.1).unwrap(),
