@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use casca_scenes::drive::{Driver, fitted_grid, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::import;
-use casca_scenes::world::{FRAME_SECONDS, World};
+use casca_scenes::world::World;
 use casca_truth::oracle::{BallCounts, BallOptions, BallOracle, OracleOptions};
 
 use crate::common::*;
