@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::SceneOptions;
 use super::motion::{Path, Swing, Swinging, Walk};
+use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
 use crate::world::{Shape, World};

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::SceneOptions;
 use super::motion::{Path, Walk};
 use super::noise::Noise;
+use super::options::SceneOptions;
 use super::parts::{object, placed};
 use crate::random::Dice;
 use crate::world::{Mesh, Object, World};

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::SceneOptions;
 use super::motion::{Path, Sliding, Walk};
+use super::options::SceneOptions;
 use super::parts::{beams, mesh, object, placed, prism, standing_box};
 use crate::random::Dice;
 use crate::world::{Mesh, Object, World};

@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::SceneOptions;
+use super::options::SceneOptions;
 use crate::numeric::{SPEED_ROOM, SPEED_ROUNDING};
 use crate::random::Dice;
 use crate::world::{Animation, Camera, FRAME_SECONDS, GridHint, Motion, Object, Shape, Source, World};

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 
-use super::SceneOptions;
 use super::motion::{Path, Walk};
 use super::noise::Noise;
+use super::options::SceneOptions;
 use super::parts::{mesh, object, standing_box};
 use crate::random::Dice;
 use crate::world::{Mesh, Shape, World};

@@ -5,8 +5,8 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::SceneOptions;
 use super::motion::{Path, Sliding, Walk};
+use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
 use crate::world::{Object, Shape, World};

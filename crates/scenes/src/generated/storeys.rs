@@ -5,9 +5,9 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::SceneOptions;
 use super::furniture::Furniture;
 use super::motion::{Path, Sliding, Walk};
+use super::options::SceneOptions;
 use super::parts::{boxes, mesh, object, standing_box};
 use crate::random::Dice;
 use crate::world::{Mesh, Object, World};

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::SceneOptions;
 use super::ground::{self, Ground, Places};
+use super::options::SceneOptions;
 use super::parts::{mesh, object, placed, prism};
 use crate::random::Dice;
 use crate::world::{Mesh, Object, World};

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 
-use super::SceneOptions;
 use super::city::{self, BLOCKS, GROUND, PITCH, SIZE, STREET};
 use super::motion::Walk;
+use super::options::SceneOptions;
 use super::parts::{mesh, object, standing_box};
 use crate::random::Dice;
 use crate::world::{Mesh, Object, Shape, World};
