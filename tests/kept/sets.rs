@@ -157,8 +157,8 @@ fn play(method: Method, steps: Vec<Step>) -> Result<(), TestCaseError> {
             (scene.insert(if i % 2 == 0 { desc.occluder(sphere) } else { desc }).unwrap(), sphere)
         })
         .collect();
-    let views = [Vec3::new(3.5, 12.5, 12.5), Vec3::new(3.5, 3.5, 12.5), Vec3::new(20.5, 12.5, 3.5)]
-        .map(|eye| around(eye));
+    let views =
+        [Vec3::new(3.5, 12.5, 12.5), Vec3::new(3.5, 3.5, 12.5), Vec3::new(20.5, 12.5, 3.5)].map(around);
     let mut kept: [Option<Pvs>; 3] = [None, None, None];
     let mut given: Vec<Pvs> = Vec::new();
     let mut now = 0.0;

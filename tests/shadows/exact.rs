@@ -186,7 +186,7 @@ proptest! {
         let mut driver =
             Driver::with(&objects, &GridSpec { min: Vec3::ZERO, cell, dims }, adapt, |_| ()).unwrap();
         let index: HashMap<ObjectId, usize> = (0..objects.len()).map(|i| (driver.id(i), i)).collect();
-        let [mut query, mut sun] = methods.map(|m| query_by(m));
+        let [mut query, mut sun] = methods.map(query_by);
         let (mut kept, mut kept_sun) = (KeptQuery::new(), sun.clone());
         let (mut several, mut lists) = ([sun.clone(), sun.clone()], Vec::new());
         // What is new counts as seen.

@@ -46,7 +46,7 @@ proptest! {
         let eye = (eye * 16.0).round() / 16.0;
         let offset = Vec3::from_array(offset.map(|v| v as f32)) * 0.5;
         let view = around(eye);
-        let mut queries = methods().map(|method| query_by(method));
+        let mut queries = methods().map(query_by);
         scene.begin_frame(0.0).unwrap();
         // What is hidden goes into volumes.
         queries[0].run(&scene, &view);
