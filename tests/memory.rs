@@ -1,11 +1,11 @@
 //! [`casca::MemoryUse`] against an allocator that counts.
 
-use std::sync::Arc;
+mod common;
 
-use casca::{Aabb, Convex, GridSpec, Instance, Method, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
 use casca_scenes::world::Mesh;
-use glam::{Affine3A, Quat, UVec3, Vec3};
 use peak_alloc::PeakAlloc;
+
+use crate::common::*;
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -13,10 +13,6 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 const COUNT: usize = 20_000;
 /// The part of the counted bytes by which a scene may be wrong: trees and tables are estimated.
 const SHARE: f64 = 0.03;
-
-fn empty() -> Scene {
-    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(256) }).unwrap()
-}
 
 /// Places that differ from each other.
 fn place(i: usize) -> Vec3 {
@@ -30,19 +26,10 @@ fn insert(scene: &mut Scene, mut desc: impl FnMut(usize) -> ObjectDesc) {
     }
 }
 
-/// Hides all moving objects: the view turns away from everything.
-fn hide(scene: &mut Scene, method: Method) {
-    let mut query = Query::with_method(method).unwrap();
-    let away = casca::Plane { normal: Vec3::NEG_Y, offset: 1.0 };
-    scene.begin_frame(0.0).unwrap();
-    query.run(scene, &View::from_planes(Vec3::ONE, &[away]).unwrap());
-    scene.end_frame([query.pvs()]).unwrap();
-}
-
 /// Builds a scene and compares the two counts of its bytes.
 fn check(name: &str, build: impl FnOnce(&mut Scene)) {
     let before = ALLOCATOR.current_usage();
-    let mut scene = empty();
+    let mut scene = empty(256);
     build(&mut scene);
     let counted = ALLOCATOR.current_usage() - before;
     let said = scene.memory();
@@ -59,7 +46,7 @@ fn a_scene_states_the_bytes_that_an_allocator_counts() {
     let turned = |i: usize| Affine3A::from_rotation_translation(Quat::from_rotation_y(i as f32), place(i));
     let rock = || {
         let Mesh { positions, triangles, .. } = Mesh::ball(2);
-        Arc::new(TriMesh::new(positions, triangles).unwrap())
+        mesh(positions, triangles)
     };
     check("balls", |scene| insert(scene, |i| ObjectDesc::fixed(ball(i)).occluder(ball(i))));
     check("boxes that abut", |scene| {
@@ -77,16 +64,16 @@ fn a_scene_states_the_bytes_that_an_allocator_counts() {
     });
     check("movers, hidden", |scene| {
         insert(scene, |i| ObjectDesc::dynamic(ball(i)).max_speed(2.0));
-        hide(scene, Method::point());
+        look_away(scene);
     });
     check("movers in lists of cells", |scene| {
         insert(scene, |i| ObjectDesc::dynamic(ball(i)).max_speed(2.0).occluder(ball(i)));
-        Query::with_method(Method::cell()).unwrap().run(scene, &View::omnidirectional(Vec3::ONE).unwrap());
+        query_by(Method::cell()).run(scene, &around(Vec3::ONE));
     });
     check("movers whose volumes leave the grid", |scene| {
         let floor = |i| Sphere::new(place(i) * Vec3::new(1.0, 0.01, 1.0), 0.4);
         insert(scene, |i| ObjectDesc::dynamic(floor(i)).max_speed(2.0));
-        hide(scene, Method::point());
+        look_away(scene);
     });
     check("instances of one mesh", |scene| {
         let mesh = rock();
@@ -103,7 +90,7 @@ fn a_scene_states_the_bytes_that_an_allocator_counts() {
         insert(scene, |i| {
             let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p + place(i));
             let sides = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]][i % 2..].to_vec();
-            let mesh = Arc::new(TriMesh::new(corners.to_vec(), sides).unwrap());
+            let mesh = mesh(corners.to_vec(), sides);
             ObjectDesc::fixed(mesh.clone()).occluder(mesh)
         });
     });

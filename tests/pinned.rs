@@ -90,17 +90,18 @@ fn meshes(rows: &mut String) {
         let (along, row) = ((i % 6) as f32 * 6.0 + 2.0, (i / 6) as f32 * 9.0 + 6.0);
         let at = |u: f32, y: f32| Vec3::new(along + u, y, row);
         // The lower panel has one corner more on its upper edge than the two above it together.
-        let corners = vec![
-            at(0.0, 0.0),
-            at(5.0, 0.0),
-            at(5.0, 4.0),
-            at(2.0, 4.0),
-            at(0.0, 4.0),
-            at(2.5, 4.0),
-            at(0.0, 9.0),
-            at(2.5, 9.0),
-            at(5.0, 9.0),
+        let corners = [
+            (0.0, 0.0),
+            (5.0, 0.0),
+            (5.0, 4.0),
+            (2.0, 4.0),
+            (0.0, 4.0),
+            (2.5, 4.0),
+            (0.0, 9.0),
+            (2.5, 9.0),
+            (5.0, 9.0),
         ];
+        let corners = corners.map(|(u, y)| at(u, y)).to_vec();
         let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 5, 7], [4, 7, 6], [5, 2, 8], [5, 8, 7]];
         let panel = Arc::new(TriMesh::new(corners, triangles).unwrap());
         scene.insert(ObjectDesc::fixed(panel.clone()).occluder(panel)).unwrap();

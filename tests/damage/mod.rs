@@ -18,39 +18,17 @@ const MOST_TIME: Duration = Duration::from_secs(20);
 const LONGEST: usize = 1 << 20;
 
 /// Numbers that break sums, products and casts.
+#[rustfmt::skip]
 const EXTREMES: [u64; 14] = [
-    0,
-    1,
-    0x7f,
-    0xff,
-    0x7fff,
-    0xffff,
-    0x0100_0000,
-    0x7fff_ffff,
-    0x8000_0000,
-    0xffff_ffff,
-    0x1_0000_0000,
-    0x0fff_ffff_ffff_ffff,
-    0x7fff_ffff_ffff_ffff,
-    u64::MAX,
+    0, 1, 0x7f, 0xff, 0x7fff, 0xffff, 0x0100_0000, 0x7fff_ffff, 0x8000_0000,
+    0xffff_ffff, 0x1_0000_0000, 0x0fff_ffff_ffff_ffff, 0x7fff_ffff_ffff_ffff, u64::MAX,
 ];
 
 /// The same in texts.
+#[rustfmt::skip]
 const WORDS: [&str; 14] = [
-    "0",
-    "-1",
-    "1",
-    "65536",
-    "1000000",
-    "16777216",
-    "2147483647",
-    "4294967295",
-    "4294967296",
-    "99999999999999",
-    "9223372036854775807",
-    "18446744073709551615",
-    "1e308",
-    "nan",
+    "0", "-1", "1", "65536", "1000000", "16777216", "2147483647",
+    "4294967295", "4294967296", "99999999999999", "9223372036854775807", "18446744073709551615", "1e308", "nan",
 ];
 
 /// Numbers that look random, the same in every run (SplitMix64; Steele et al. 2014).

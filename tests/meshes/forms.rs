@@ -2,10 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use casca_truth::places::points;
-use glam::{DQuat, DVec3, Vec3};
-use proptest::prelude::*;
+use casca_scenes::world::Mesh;
 
+use crate::common::*;
 use crate::rays::Random;
 
 #[derive(Debug, Clone, Copy)]
@@ -120,50 +119,16 @@ pub struct Made {
 
 type Parts = (Vec<DVec3>, Vec<[u32; 3]>);
 
+fn parts_of(mesh: Mesh) -> Parts {
+    (mesh.positions.iter().map(|p| p.as_dvec3()).collect(), mesh.triangles)
+}
+
 pub fn cuboid() -> Parts {
-    let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0 - 1.0;
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
-    ((0..8).map(corner).collect(), triangles)
+    parts_of(Mesh::cuboid(Vec3::NEG_ONE, Vec3::ONE))
 }
 
 pub fn ball(splits: u32) -> Parts {
-    let g = (1.0 + 5f64.sqrt()) * 0.5;
-    let mut p: Vec<DVec3> = Vec::new();
-    for (s, t) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
-        p.extend([DVec3::new(0.0, s, t), DVec3::new(s, t, 0.0), DVec3::new(t, 0.0, s)]);
-    }
-    p.iter_mut().for_each(|v| *v = v.normalize());
-    let mut faces = Vec::new();
-    for a in 0..12u32 {
-        for b in a + 1..12 {
-            for c in b + 1..12 {
-                let [u, v, w] = [a, b, c].map(|i| p[i as usize]);
-                let close = |x: DVec3, y: DVec3| x.distance(y) < 1.1;
-                if close(u, v) && close(v, w) && close(w, u) {
-                    let outward = (v - u).cross(w - u).dot(u) > 0.0;
-                    faces.push(if outward { [a, b, c] } else { [a, c, b] });
-                }
-            }
-        }
-    }
-    for _ in 0..splits {
-        let mut finer = Vec::new();
-        for [a, b, c] in faces {
-            let mut middle = |i: u32, j: u32| {
-                let m = (p[i as usize] + p[j as usize]).normalize();
-                let known = p.iter().position(|q| q.distance(m) < 1e-9);
-                known.unwrap_or_else(|| {
-                    p.push(m);
-                    p.len() - 1
-                }) as u32
-            };
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-        faces = finer;
-    }
-    (p, faces)
+    parts_of(Mesh::ball(splits))
 }
 
 /// A sheet of squares, put somewhere by a function of two numbers from -1 to 1.

@@ -1,13 +1,8 @@
 //! Walls with cracks that a mesh closes.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
-use casca::{
-    Aabb, Facing, GridSpec, MeshOptions, Method, ObjectDesc, PointOptions, Query, Scene, TriMesh, View,
-};
-use glam::{DVec3, Quat, UVec3, Vec3};
-
+use crate::common::*;
 use crate::rays::{Random, Triangle};
 
 /// A wall of panels in one mesh: rows are shifted against each other, so that corners meet edges,
@@ -37,12 +32,11 @@ fn prepared((positions, triangles): &(Vec<Vec3>, Vec<[u32; 3]>), how: &MeshOptio
 
 /// The targets that are hidden from an eye.
 fn hidden(mesh: &Arc<TriMesh>, targets: &[Aabb], eye: Vec3) -> Vec<Aabb> {
-    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) };
-    let mut scene = Scene::new(&spec).unwrap();
-    let wall = scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh.clone())).unwrap();
-    let ids: Vec<_> = targets.iter().map(|&b| scene.insert(ObjectDesc::fixed(b)).unwrap()).collect();
-    let mut query = Query::with_method(Method::Point(PointOptions::tight())).unwrap();
-    let pvs = query.run(&scene, &View::omnidirectional(eye).unwrap());
+    let mut scene = sized(Vec3::ZERO, 1.0, [24; 3]);
+    let wall = scene.solid(mesh.clone());
+    let ids: Vec<_> = targets.iter().map(|&b| scene.fixed(b)).collect();
+    let mut query = query_by(Method::Point(PointOptions::tight()));
+    let pvs = query.run(&scene, &around(eye));
     assert!(pvs.contains(wall), "it does not hide itself");
     let hidden = ids.iter().zip(targets).filter(|(id, _)| !pvs.contains(**id));
     hidden.map(|(_, target)| *target).collect()

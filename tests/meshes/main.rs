@@ -1,26 +1,24 @@
 //! Triangle meshes never hide what can be seen: random meshes and views against rays that
 //! share no code with the library.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod forms;
 mod gaps;
+mod magnified;
 mod rays;
 mod reach;
 mod solids;
 mod walls;
+mod work;
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
-use casca::{
-    Aabb, Bounds, CellOptions, Facing, GridSpec, Instance, MeshOptions, Method, ObjectDesc, ObjectId,
-    Occluder, PointOptions, Query, Scene, TriMesh, View,
-};
 use casca_scenes::world::Camera;
-use casca_truth::cases;
-use glam::camera::rh::{proj::directx, view::look_to_mat4};
-use glam::{Affine3A, DAffine3, DVec3, Mat3A, Quat, UVec3, Vec3, Vec3A};
-use proptest::prelude::*;
+use glam::{Mat3A, Vec3A};
 
+use crate::common::*;
 use forms::{Made, Recipe, places, recipe};
 use rays::{Blocker, Eye, Random, Triangle};
 
@@ -88,8 +86,10 @@ fn turn() -> impl Strategy<Value = Turn> {
             s
         });
     let scales = prop_oneof![3 => one, 2 => same, 3 => any, 2 => mirrored, 1 => flat];
-    (prop::array::uniform3(-1.0..1.0f32), 0.0..6.3f32, scales, prop::array::uniform3(-3.0..3.0f32))
-        .prop_map(|(axis, angle, scales, shift)| Turn { axis, angle, scales, shift })
+    let any = (prop::array::uniform3(-1.0..1.0f32), 0.0..6.3f32, scales, prop::array::uniform3(-3.0..3.0f32))
+        .prop_map(|(axis, angle, scales, shift)| Turn { axis, angle, scales, shift });
+    // Instances where their meshes are, too.
+    prop_oneof![3 => any, 1 => Just(Turn { axis: [0.0; 3], angle: 0.0, scales: [1.0; 3], shift: [0.0; 3] })]
 }
 
 fn solid() -> impl Strategy<Value = Solid> {
@@ -395,7 +395,7 @@ fn world(solids: &[Solid], frame: Frame, cells: u32) -> World {
 }
 
 proptest! {
-    #![proptest_config(cases(160))]
+    #![proptest_config(cases(240))]
 
     #[test]
     fn meshes_lose_nothing(
@@ -409,10 +409,10 @@ proptest! {
         let World { mut scene, mut things, meshes, made } = world(&solids, frame, cells);
         let eye = eye_at(&looks[0].stand, &things, solids.len(), frame);
         for (min, max) in targets(eye, &things, &made, frame, 60, seed) {
-            let id = scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
+            let id = scene.fixed(Aabb::new(min, max));
             things.push(Thing { id, tested: Tested::Box(min, max), blocker: None });
         }
-        let mut queries = methods.map(|method| (method, Query::with_method(method).unwrap()));
+        let mut queries = methods.map(|method| (method, query_by(method)));
         for (number, look) in looks.iter().enumerate() {
             scene.begin_frame(number as f64 / 30.0).unwrap();
             if number > 0 {
@@ -435,82 +435,5 @@ proptest! {
             }
             scene.end_frame([queries[0].1.pvs()]).unwrap();
         }
-    }
-
-    #[test]
-    fn instances_where_they_are_do_as_their_meshes(
-        recipes in prop::collection::vec((recipe(), any::<bool>()), 1..5),
-        look in look(),
-        seed in any::<u64>(),
-    ) {
-        let frame = Frame { scale: 1.0, offset: 0.0 };
-        let solids: Vec<Solid> = recipes.into_iter().map(|(recipe, front)| Solid {
-            recipe,
-            how: (None, None, None, front),
-            boxed: false,
-            occludes: true,
-            moves: None,
-        }).collect();
-        let World { mut scene, mut things, meshes, made } = world(&solids, frame, 16);
-        let mut other = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
-        let mut ids = Vec::new();
-        for mesh in &meshes {
-            let instance = Instance::new(mesh.clone(), Affine3A::IDENTITY).unwrap();
-            ids.push(other.insert(ObjectDesc::fixed(instance.clone()).occluder(instance)).unwrap());
-        }
-        let at = eye_at(&look.stand, &things, solids.len(), frame);
-        for (min, max) in targets(at, &things, &made, frame, 100, seed) {
-            let id = scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
-            ids.push(other.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap());
-            things.push(Thing { id, tested: Tested::Box(min, max), blocker: None });
-        }
-        let eye = eye_of(&look, at, frame);
-        let view = view_of(&eye).unwrap();
-        let (mut one, mut two) = (Query::new(), Query::new());
-        let (one, two) = (one.run(&scene, &view), two.run(&other, &view));
-        let places: Vec<Thing> = things.iter().zip(&ids).map(|(t, &id)| Thing {
-            id,
-            tested: match &t.tested {
-                Tested::Box(a, b) => Tested::Box(*a, *b),
-                Tested::Triangles(t) => Tested::Triangles(t.clone()),
-            },
-            blocker: t.blocker.clone(),
-        }).collect();
-        let lost = lost(&places, &eye, |id| !two.contains(id), 40, seed);
-        prop_assert!(lost.is_none(), "{lost:?} from {eye:?}");
-        let differ = things.iter().zip(&ids).filter(|(t, id)| one.contains(t.id) != two.contains(**id)).count();
-        // On a surface neither is sure of much.
-        let on_surface = matches!(look.stand, Stand::On(.., 0.0));
-        let alike = on_surface || differ * 5 <= things.len().max(20);
-        prop_assert!(alike, "{differ} of {}: {} and {}", things.len(), one.len(), two.len());
-    }
-}
-
-proptest! {
-    #![proptest_config(cases(160))]
-
-    #[test]
-    fn surfaces_drawn_in_many_batches_lose_nothing(
-        n in 6..24u32, rough in any::<u64>(), share in 0.02..0.3f64, angle in 0.0..80.0f32,
-        size in 3.0..8.0f64, axis in prop::array::uniform3(-1.0..1.0f64), turn in 0.0..6.0f64,
-        degrees in 0.5..11.0f32, eye in places(0.0..16.0), seed in any::<u64>(),
-        cells in prop_oneof![Just(64u32), Just(128)], least in prop_oneof![Just(0.0), Just(0.05)],
-    ) {
-        let recipe = Recipe { form: forms::Form::Terrain(n), center: [8.0; 3], size: [size; 3], axis, angle: turn,
-            damage: vec![forms::Damage::Holes(share)], seed: rough };
-        let frame = Frame { scale: 1.0, offset: 0.0 };
-        let solids = vec![Solid { recipe, how: (Some(0.0), Some(least), Some(angle), false), boxed: false, occludes: true, moves: None }];
-        let World { mut scene, mut things, made, .. } = world(&solids, frame, cells);
-        let at = Vec3::from_array(eye.map(|v| v as f32));
-        for (min, max) in targets(at, &things, &made, frame, 300, seed) {
-            let id = scene.insert(ObjectDesc::fixed(Aabb::new(min, max))).unwrap();
-            things.push(Thing { id, tested: Tested::Box(min, max), blocker: None });
-        }
-        let options = PointOptions::default().pixel_degrees(degrees).min_pixels(0);
-        let mut query = Query::with_method(Method::Point(options)).unwrap();
-        let view = View::omnidirectional(at).unwrap();
-        let pvs = query.run(&scene, &view);
-        let lost = lost(&things, &Eye::Around(at), |id| !pvs.contains(id), 6, seed);
-        prop_assert!(lost.is_none(), "{lost:?}");
     }
 }

@@ -1,8 +1,8 @@
 //! Rays against triangles, by the signs of triple products: in doubt, a triangle blocks.
 
 use casca_scenes::world::Camera;
-use casca_truth::places::coordinate;
-use glam::{DMat4, DVec3, DVec4, Vec3};
+
+use crate::common::*;
 
 pub type Triangle = [DVec3; 3];
 

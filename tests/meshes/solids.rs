@@ -3,11 +3,8 @@
 use std::ops::ControlFlow;
 
 use casca::internals::Shape;
-use casca::{Grid, GridSpec, TriMesh};
-use casca_truth::cases;
-use glam::{DVec3, IVec3, UVec3, Vec3};
-use proptest::prelude::*;
 
+use crate::common::*;
 use crate::forms::{Form, Recipe, recipe};
 use crate::rays::{Random, Triangle};
 

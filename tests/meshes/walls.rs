@@ -1,55 +1,17 @@
 //! Walls of panels that are objects of their own.
 
-use std::sync::Arc;
-
-use casca::{
-    Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, PointOptions, Query, Scene, Sphere, TriMesh, View,
-};
-use glam::{Affine3A, UVec3, Vec3};
-
+use crate::common::*;
 use crate::rays::Random;
 
 /// A panel of a wall across z: a few triangles, with the corners it shares with its neighbours.
-fn panel(x: f32, y: f32, z: f32, size: f32, gap: f32) -> Arc<TriMesh> {
-    let corner = |i: usize, j: usize| {
-        let inset = |k: usize| [gap, 0.0, -gap][k];
-        Vec3::new(x + size * i as f32 * 0.5 + inset(i), y + size * j as f32 * 0.5 + inset(j), z)
-    };
-    let positions: Vec<Vec3> = (0..9).map(|k| corner(k % 3, k / 3)).collect();
-    let squares = [0u32, 1, 3, 4];
-    let triangles = squares.iter().flat_map(|&a| [[a, a + 1, a + 4], [a, a + 4, a + 3]]).collect();
-    Arc::new(TriMesh::new(positions, triangles).unwrap())
+pub fn panel(x: f32, y: f32, z: f32, size: f32, gap: f32) -> Arc<TriMesh> {
+    let place = |i: u32| size * i as f32 * 0.5 + [gap, 0.0, -gap][i as usize];
+    let (corners, triangles) = sheet(2, 2, |i, j| Vec3::new(x + place(i), y + place(j), z));
+    mesh(corners, triangles)
 }
 
-fn empty() -> Scene {
-    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(48, 24, 32) }).unwrap()
-}
-
-/// The objects seen behind a wall of panels with gaps.
-fn seen_behind(gap: f32) -> usize {
-    let mut scene = empty();
-    for i in 0..24 {
-        for j in 0..12 {
-            let mesh = panel(2.0 * i as f32, 2.0 * j as f32, 16.0, 2.0, gap);
-            scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
-        }
-    }
-    let mut row = Vec::new();
-    for i in 0..60 {
-        let low = Vec3::new(9.0 + 0.5 * i as f32, 12.0 - 0.1, 20.0);
-        row.push(scene.insert(ObjectDesc::fixed(Aabb::new(low, low + Vec3::new(0.2, 0.2, 0.2)))).unwrap());
-    }
-    let options = PointOptions::default().pixel_degrees(1.0).min_pixels(0);
-    let mut query = Query::with_method(Method::Point(options)).unwrap();
-    let pvs = query.run(&scene, &View::omnidirectional(Vec3::new(24.1, 12.2, 6.0)).unwrap());
-    row.iter().filter(|&&id| pvs.contains(id)).count()
-}
-
-#[test]
-fn panels_that_meet_leave_no_seams() {
-    assert_eq!(seen_behind(0.0), 0);
-    let apart = seen_behind(0.01);
-    assert!(apart > 10, "{apart}");
+fn level() -> Scene {
+    sized(Vec3::ZERO, 1.0, [48, 24, 32])
 }
 
 #[test]
@@ -59,10 +21,8 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
         .map(|i| (2.0 * (i % 24) as f32, 2.0 * (i / 24 % 12) as f32, 4.0 + 4.0 * (i / 288) as f32))
         .collect();
     let meshes: Vec<Arc<TriMesh>> = places.iter().map(|&(x, y, z)| panel(x, y, z, 2.0, 0.0)).collect();
-    let insert = |scene: &mut Scene, i: usize| {
-        scene.insert(ObjectDesc::fixed(meshes[i].clone()).occluder(meshes[i].clone())).unwrap()
-    };
-    let mut scene = empty();
+    let insert = |scene: &mut Scene, i: usize| scene.solid(meshes[i].clone());
+    let mut scene = level();
     let mut ids: Vec<Option<ObjectId>> = vec![None; meshes.len()];
     let mut query = Query::new();
     for frame in 0..12 {
@@ -75,12 +35,12 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
                 None => ids[i] = Some(insert(&mut scene, i)),
             }
         }
-        let mut fresh = empty();
+        let mut fresh = level();
         let new: Vec<Option<ObjectId>> =
             (0..meshes.len()).map(|i| ids[i].map(|_| insert(&mut fresh, i))).collect();
         for _ in 0..2 {
             let eye = random.place(0.0, 24.0).as_vec3();
-            let view = View::omnidirectional(eye).unwrap();
+            let view = around(eye);
             let seen: Vec<bool> = {
                 let pvs = query.run(&scene, &view);
                 ids.iter().map(|id| id.is_some_and(|id| pvs.contains(id))).collect()
@@ -96,17 +56,10 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
 
 /// A crumpled sheet of `2 n^2` triangles, across the z axis at `z`.
 fn crumpled(n: u32, z: f32) -> Arc<TriMesh> {
-    let at = |i: u32, j: u32| {
-        let bump = if (i + j).is_multiple_of(2) { 0.4 } else { -0.4 };
-        Vec3::new(4.0 + 8.0 * i as f32 / n as f32, 4.0 + 8.0 * j as f32 / n as f32, z + bump)
-    };
-    let positions = (0..=n).flat_map(|j| (0..=n).map(move |i| at(i, j))).collect();
-    let quad = |i: u32, j: u32| {
-        let a = j * (n + 1) + i;
-        [[a, a + 1, a + n + 1], [a + 1, a + n + 2, a + n + 1]]
-    };
-    let triangles = (0..n).flat_map(|j| (0..n).flat_map(move |i| quad(i, j))).collect();
-    Arc::new(TriMesh::new(positions, triangles).unwrap())
+    let at = |i: u32| 4.0 + 8.0 * i as f32 / n as f32;
+    let (corners, triangles) =
+        sheet(n, n, |i, j| Vec3::new(at(i), at(j), z + if (i + j).is_multiple_of(2) { 0.4 } else { -0.4 }));
+    mesh(corners, triangles)
 }
 
 #[test]
@@ -114,16 +67,16 @@ fn what_moves_may_change_its_mesh() {
     let (small, large, wall) = (crumpled(2, 6.0), crumpled(9, 6.0), crumpled(6, 10.0));
     let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) };
     let fixed = |scene: &mut Scene| {
-        scene.insert(ObjectDesc::fixed(wall.clone()).occluder(wall.clone())).unwrap();
+        scene.solid(wall.clone());
         for i in 0..60u8 {
             let at = Vec3::new(4.5 + f32::from(i % 8), 4.5 + f32::from(i / 8), 13.0);
-            scene.insert(ObjectDesc::fixed(Sphere::new(at, 0.1))).unwrap();
+            scene.fixed(Sphere::new(at, 0.1));
         }
     };
     let instance = |mesh: &Arc<TriMesh>, x: f32| {
         Instance::new(mesh.clone(), Affine3A::from_translation(Vec3::X * x)).unwrap()
     };
-    let view = View::omnidirectional(Vec3::new(8.3, 8.2, 1.1)).unwrap();
+    let view = around(Vec3::new(8.3, 8.2, 1.1));
     let mut scene = Scene::new(&spec).unwrap();
     fixed(&mut scene);
     let ball = Sphere::new(Vec3::splat(8.0), 0.5);

@@ -1,10 +1,6 @@
 //! The sun on small scenes: which objects are casters, and which are not.
 
-use std::sync::Arc;
-
-use casca::{Aabb, Error, Light, ObjectDesc, Plane, Query, Sphere, TriMesh, View};
-use glam::Vec3;
-
+use crate::common::*;
 use crate::scenes::{ABOVE, ahead, casters, solid, street};
 
 #[test]
@@ -46,8 +42,7 @@ fn casters_are_those_whose_shadow_may_be_seen() {
 fn what_lies_behind_all_receivers_casts_nothing_on_them() {
     let mut scene = street();
     // None hides another; only depth along the light tells them apart.
-    let mut ball =
-        |y: f32| scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(32.0, y, 30.0), 1.5))).unwrap();
+    let mut ball = |y: f32| scene.fixed(Sphere::new(Vec3::new(32.0, y, 30.0), 1.5));
     let (above, seen, below) = (ball(25.0), ball(4.0), ball(0.9));
     let plane = |y: f32, way: f32| Plane { normal: Vec3::Y * way, offset: -y * way };
     let eye = Vec3::new(32.0, 5.0, 50.0);
@@ -59,7 +54,7 @@ fn what_lies_behind_all_receivers_casts_nothing_on_them() {
     assert_eq!(casters(&scene, &view, Vec3::Y), [below, seen]);
     // Across, the others are beside the rays.
     assert_eq!(casters(&scene, &view, Vec3::X), [seen]);
-    let mut all = casters(&scene, &View::omnidirectional(eye).unwrap(), Vec3::NEG_Y);
+    let mut all = casters(&scene, &around(eye), Vec3::NEG_Y);
     all.sort_unstable();
     assert_eq!(all, [above, seen, below]);
 }
@@ -70,9 +65,8 @@ fn casters_may_lie_deeper_than_the_nearest_point_of_a_receiver() {
     // A slope, and a ball close above its lower end.
     let corners = [[31.0, 5.9, 30.0], [31.0, 5.9, 31.9], [32.9, 4.0, 31.9], [32.9, 4.0, 30.0]];
     let slope = TriMesh::new(corners.map(Vec3::from).to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
-    let slope = scene.insert(ObjectDesc::fixed(Arc::new(slope))).unwrap();
-    let ball = Sphere::new(Vec3::new(32.8, 4.35, 31.0), 0.05);
-    let ball = scene.insert(ObjectDesc::fixed(ball).occluder(ball)).unwrap();
+    let slope = scene.fixed(Arc::new(slope));
+    let ball = scene.solid(Sphere::new(Vec3::new(32.8, 4.35, 31.0), 0.05));
     // Below the ball, the shadow is in sight.
     let ceiling = Plane { normal: Vec3::NEG_Y, offset: 4.2 };
     let view = View::from_planes(Vec3::new(40.0, 4.1, 31.0), &[ceiling]).unwrap();
@@ -128,8 +122,7 @@ fn receivers_of_unknown_place_may_be_shaded_by_all_that_the_light_meets() {
     let away = Plane { normal: Vec3::NEG_X, offset: 1.0 };
     let mut query = Query::new();
     scene.begin_frame(0.0).unwrap();
-    query.run(&scene, &View::from_planes(Vec3::ZERO, &[away]).unwrap());
-    scene.end_frame([query.pvs()]).unwrap();
+    look(&mut scene, &mut query, &View::from_planes(Vec3::ZERO, &[away]).unwrap());
     assert_eq!(scene.begin_frame(1e6).unwrap(), [lost]);
     let found = casters(&scene, &ahead(), Vec3::NEG_Y);
     assert!(found.contains(&lost) && found.contains(&far) && !found.contains(&below), "{found:?}");
@@ -166,11 +159,10 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
     assert!(!sun.pvs().is_valid_for(&scene, &nothing));
 
     // Huge bounds are taken.
-    let huge = scene.insert(ObjectDesc::fixed(huge)).unwrap();
-    let everywhere = Aabb::new(Vec3::splat(f32::MIN), Vec3::splat(f32::MAX));
-    let everywhere = scene.insert(ObjectDesc::fixed(everywhere)).unwrap();
+    let huge = scene.fixed(huge);
+    let everywhere = scene.fixed(Aabb::new(Vec3::splat(f32::MIN), Vec3::splat(f32::MAX)));
     for light in [Vec3::NEG_Y, Vec3::new(0.3, -1.0, 0.2), Vec3::splat(f32::MAX)] {
-        for view in [ahead(), View::omnidirectional(Vec3::splat(3.0)).unwrap()] {
+        for view in [ahead(), around(Vec3::splat(3.0))] {
             let found = casters(&scene, &view, light);
             assert!([ground, huge, everywhere].iter().all(|id| found.contains(id)), "{found:?}");
         }
@@ -183,7 +175,6 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
     sun.shadow_casters(&scene, &camera, &ABOVE, &mut out).unwrap();
     assert!(out.is_empty());
     // The light's view of a point has no width.
-    let point = Sphere::new(Vec3::new(32.0, 4.0, 30.0), 0.0);
-    let point = scene.insert(ObjectDesc::fixed(point)).unwrap();
+    let point = scene.fixed(Sphere::new(Vec3::new(32.0, 4.0, 30.0), 0.0));
     assert_eq!(casters(&scene, &ahead(), Vec3::NEG_Y), [point]);
 }

@@ -3,18 +3,13 @@
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 
-use casca::{
-    CameraQuery, GridSpec, KeptQuery, Light, Method, ObjectDesc, ObjectId, PointOptions, Query, View,
-};
 use casca_scenes::drive::Driver;
-use casca_scenes::world::{Camera, Motion, Object, Shape};
-use casca_truth::cases;
+use casca_scenes::world::{Camera, Motion, Object};
 use casca_truth::oracle::RayOracle;
-use glam::camera::rh::{proj::directx, view::look_to_mat4};
-use glam::{Affine3A, DVec3, UVec3, Vec3};
-use proptest::prelude::*;
 
-use crate::scenes::{SILENT, SIZE, SPEED, direction, object, vector};
+use crate::common::objects::moved_by;
+use crate::common::*;
+use crate::scenes::{SILENT, SIZE, SPEED, object, place, way};
 
 /// Seconds between frames.
 const STEP: f64 = 0.25;
@@ -24,8 +19,7 @@ const FAR: f64 = 200.0;
 
 /// A camera, perspective or orthographic.
 fn camera() -> impl Strategy<Value = (Camera, bool)> {
-    let eye = prop_oneof![5 => vector(0.0..SIZE), 1 => vector(-SIZE..2.0 * SIZE)];
-    (eye, direction(), 15.0..120.0f32, 0.4..2.5f32, prop::bool::weighted(0.8)).prop_map(
+    (place(), way(), 15.0..120.0f32, 0.4..2.5f32, prop::bool::weighted(0.8)).prop_map(
         |(eye, forward, fov, aspect, perspective)| {
             let up = if forward.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
             let (w, h) = (fov * 0.1 * aspect, fov * 0.1);
@@ -61,10 +55,9 @@ fn mask() -> impl Strategy<Value = u64> {
 
 fn lamp() -> impl Strategy<Value = Lamp> {
     let range = prop_oneof![2 => 1.0..30.0f32, 1 => Just(f32::INFINITY)];
-    let at = prop_oneof![5 => vector(0.0..SIZE), 1 => vector(-SIZE..2.0 * SIZE)];
     let shine = prop_oneof![
-        2 => direction().prop_map(Shine::Sun),
-        2 => (at, range).prop_map(|(at, range)| Shine::Bulb { at, range }),
+        2 => way().prop_map(Shine::Sun),
+        2 => (place(), range).prop_map(|(at, range)| Shine::Bulb { at, range }),
         2 => (camera(), prop::bool::weighted(0.7))
             .prop_map(|((camera, perspective), exact_eye)| Shine::Spot { camera, perspective, exact_eye }),
     ];
@@ -126,17 +119,6 @@ fn methods() -> impl Strategy<Value = Method> {
         Method::Point(PointOptions::default().pixel_degrees(90.0 / pixels).refine_squares(squares))
     });
     prop_oneof![1 => Just(Method::cell()), 1 => Just(Method::Frustum), 6 => point]
-}
-
-fn moved_by(shape: &Shape, by: Vec3) -> Shape {
-    match shape {
-        Shape::Sphere { center, radius } => Shape::Sphere { center: *center + by, radius: *radius },
-        Shape::Box { min, max } => Shape::Box { min: *min + by, max: *max + by },
-        Shape::Mesh { mesh, transform } => {
-            let transform = Affine3A::from_translation(by) * *transform;
-            Shape::Mesh { mesh: mesh.clone(), transform }
-        }
-    }
 }
 
 /// The rays of those objects that `blocks` says block.
@@ -204,7 +186,7 @@ proptest! {
         let mut driver =
             Driver::with(&objects, &GridSpec { min: Vec3::ZERO, cell, dims }, adapt, |_| ()).unwrap();
         let index: HashMap<ObjectId, usize> = (0..objects.len()).map(|i| (driver.id(i), i)).collect();
-        let [mut query, mut sun] = methods.map(|m| Query::with_method(m).unwrap());
+        let [mut query, mut sun] = methods.map(query_by);
         let (mut kept, mut kept_sun) = (KeptQuery::new(), sun.clone());
         let (mut several, mut lists) = ([sun.clone(), sun.clone()], Vec::new());
         // What is new counts as seen.

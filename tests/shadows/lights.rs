@@ -1,9 +1,6 @@
 //! Point and spot lights on small scenes.
 
-use casca::{Error, Light, Method, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
-use glam::camera::rh::{proj::directx, view::look_to_mat4};
-use glam::{Mat4, Vec3};
-
+use crate::common::*;
 use crate::scenes::{ahead, solid, street};
 
 const LAMP: Vec3 = Vec3::new(32.0, 10.0, 36.0);
@@ -13,7 +10,7 @@ fn casters(scene: &Scene, light: &Light) -> Vec<ObjectId> {
     camera.run(scene, &ahead());
     let [point, cell, frustum] = [Method::point(), Method::cell(), Method::Frustum].map(|method| {
         let mut out = Vec::new();
-        Query::with_method(method).unwrap().shadow_casters(scene, &camera, light, &mut out).unwrap();
+        query_by(method).shadow_casters(scene, &camera, light, &mut out).unwrap();
         out
     });
     // The others only miss that some casters stand in the shadow of others.
@@ -35,7 +32,7 @@ fn downwards(near: f32) -> Mat4 {
 
 fn ball(scene: &mut Scene, at: [f32; 3], radius: f32) -> ObjectId {
     let ball = Sphere::new(at.into(), radius);
-    scene.insert(ObjectDesc::fixed(ball).occluder(ball)).unwrap()
+    scene.solid(ball)
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! Places that the camera does not see receive no shadows, so that a large ground does not make
 //! everything a caster.
 
-use casca::{Light, Method, ObjectId, Query, Scene};
-use glam::Vec3;
-
+use crate::common::*;
 use crate::scenes::{ABOVE, ahead, solid, street};
 
 /// A ground with a wall across the view, crates behind the wall, and a tower behind them.
@@ -27,7 +25,7 @@ fn walled() -> Walled {
 
 impl Walled {
     fn casters(&self, camera: &Query, sun: Method, light: &Light) -> Vec<ObjectId> {
-        let (mut sun, mut out) = (Query::with_method(sun).unwrap(), Vec::new());
+        let (mut sun, mut out) = (query_by(sun), Vec::new());
         sun.shadow_casters(&self.scene, camera, light, &mut out).unwrap();
         out
     }
@@ -65,7 +63,7 @@ fn a_large_ground_does_not_make_everything_a_caster() {
 #[test]
 fn other_methods_and_old_results_mask_nothing() {
     let mut walled = walled();
-    let mut camera = Query::with_method(Method::Frustum).unwrap();
+    let mut camera = query_by(Method::Frustum);
     camera.run(&walled.scene, &ahead());
     let all = walled.crates.len();
     assert_eq!(walled.crates_in(&walled.casters(&camera, Method::point(), &ABOVE)), all);

@@ -1,13 +1,9 @@
 //! The scenes of the tests.
 
-use std::sync::Arc;
-
-use casca::{Aabb, GridSpec, Light, ObjectDesc, ObjectId, Query, Scene, View};
 use casca_scenes::world::{Mesh, Motion, Object, Shape};
-use casca_truth::places::points;
-use glam::camera::rh::{proj::directx, view::look_to_mat4};
-use glam::{Affine3A, EulerRot, Quat, UVec3, Vec3};
-use proptest::prelude::*;
+
+use crate::common::objects::shape;
+use crate::common::*;
 
 /// Random objects lie in a cube of this size, or near it.
 pub const SIZE: f32 = 16.0;
@@ -18,25 +14,17 @@ pub const SPEED: f32 = 3.0;
 /// The name of objects that are reported on expiry only.
 pub const SILENT: &str = "silent";
 
-pub fn vector(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
-    points(range, 1.0)
-}
-
-pub fn direction() -> impl Strategy<Value = Vec3> {
-    let any = vector(-1.0..1.0).prop_map(|d| d.normalize_or(Vec3::X));
+/// Directions, often along an axis.
+pub fn way() -> impl Strategy<Value = Vec3> {
     let axis = (0..6usize).prop_map(|i| if i % 2 == 0 { Vec3::AXES[i / 2] } else { -Vec3::AXES[i / 2] });
-    prop_oneof![3 => any, 1 => axis]
+    prop_oneof![3 => direction(), 1 => axis]
 }
 
-fn shape() -> impl Strategy<Value = Shape> {
-    let place = || prop_oneof![6 => vector(0.0..SIZE), 1 => vector(-SIZE..2.0 * SIZE)];
-    let sphere = (place(), 0.1..3.0f32).prop_map(|(center, radius)| Shape::Sphere { center, radius });
-    let free = (place(), vector(0.0..5.0)).prop_map(|(min, size)| Shape::Box { min, max: min + size });
-    // Such boxes share faces.
-    let on_cells = (prop::array::uniform3(-1..15i8), prop::array::uniform3(1..6i8)).prop_map(|(p, s)| {
-        let min = Vec3::from_array(p.map(f32::from));
-        Shape::Box { min, max: min + Vec3::from_array(s.map(f32::from)) }
-    });
+pub fn place() -> impl Strategy<Value = Vec3> + Clone {
+    prop_oneof![6 => vector(0.0..SIZE), 1 => vector(-SIZE..2.0 * SIZE)]
+}
+
+fn some_shape() -> impl Strategy<Value = Shape> {
     let slab = (0..3usize, 0..16i8).prop_map(|(axis, at)| {
         let (mut min, mut max) = (Vec3::ZERO, Vec3::splat(SIZE));
         (min[axis], max[axis]) = (f32::from(at), f32::from(at) + 1.0);
@@ -50,11 +38,11 @@ fn shape() -> impl Strategy<Value = Shape> {
         let transform = Affine3A::from_scale_rotation_translation(Vec3::splat(size), turn, at);
         Shape::Mesh { mesh: Arc::new(Mesh { positions, triangles, ..Mesh::default() }), transform }
     });
-    prop_oneof![3 => sphere, 3 => free, 3 => on_cells, 1 => slab, 2 => mesh]
+    prop_oneof![9 => shape(place()), 1 => slab, 2 => mesh]
 }
 
 pub fn object() -> impl Strategy<Value = Object> {
-    (shape(), 0..5u8, prop::bool::weighted(0.8)).prop_map(|(shape, kind, occludes)| Object {
+    (some_shape(), 0..5u8, prop::bool::weighted(0.8)).prop_map(|(shape, kind, occludes)| Object {
         name: if kind == 0 { SILENT.into() } else { String::new() },
         shape,
         motion: if kind < 3 { Motion::Dynamic { max_speed: SPEED } } else { Motion::Static },
@@ -68,19 +56,18 @@ pub const ABOVE: Light = Light::directional(Vec3::NEG_Y);
 
 /// An empty scene of 64x32x64 cells.
 pub fn street() -> Scene {
-    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(64, 32, 64) }).unwrap()
+    sized(Vec3::ZERO, 1.0, [64, 32, 64])
 }
 
 pub fn solid(scene: &mut Scene, min: [f32; 3], max: [f32; 3]) -> ObjectId {
     let b = Aabb::new(min.into(), max.into());
-    scene.insert(ObjectDesc::fixed(b).occluder(b)).unwrap()
+    scene.solid(b)
 }
 
 /// Looks along -z from (32, 4, 50), as far as 40.
 pub fn ahead() -> View {
     let eye = Vec3::new(32.0, 4.0, 50.0);
-    let matrix = directx::perspective(0.8, 1.5, 0.1, 40.0) * look_to_mat4(eye, Vec3::NEG_Z, Vec3::Y);
-    View::perspective(eye, matrix).unwrap()
+    looking(eye, Vec3::NEG_Z, [0.8, 1.5, 0.1, 40.0])
 }
 
 pub fn casters(scene: &Scene, view: &View, light: Vec3) -> Vec<ObjectId> {

@@ -1,17 +1,10 @@
 //! Random operations on worlds, frame by frame, against rays through a model.
 
-use std::collections::BTreeSet;
-use std::sync::Arc;
-
-use casca::{
-    Aabb, CellOptions, Instance, KeptOptions, KeptQuery, Method, ObjectDesc, ObjectId, PageId, PageObjects,
-    PointOptions, Pvs, Query, TriMesh, View, World, WorldOptions,
-};
 use casca_scenes::world::Mesh;
-use casca_truth::cases;
-use glam::{Affine3A, BVec3, DVec3, UVec3, Vec3};
+use glam::BVec3;
 
-use crate::model::{Random, Solid, seen};
+use crate::common::*;
+use crate::model::{Solid, seen};
 
 const CELL: f32 = 1.0 / 16.0;
 /// The edge length of a page.
@@ -51,7 +44,7 @@ const STEP: f64 = 0.1;
 
 fn cube() -> Arc<TriMesh> {
     let cube = Mesh::cuboid(Vec3::splat(-0.5), Vec3::splat(0.5));
-    Arc::new(TriMesh::new(cube.positions, cube.triangles).unwrap())
+    mesh(cube.positions, cube.triangles)
 }
 
 impl Player {
@@ -216,12 +209,12 @@ impl Player {
     }
 
     fn play(mut self, frames: usize) -> Self {
-        let point = |options| Query::with_method(Method::Point(options)).unwrap();
+        let point = |options| query_by(Method::Point(options));
         let mut queries = [
             ("point", point(PointOptions::new())),
             ("coherent", point(PointOptions::new().coherent(true))),
-            ("frustum", Query::with_method(Method::Frustum).unwrap()),
-            ("cell", Query::with_method(Method::Cell(CellOptions::new())).unwrap()),
+            ("frustum", query_by(Method::Frustum)),
+            ("cell", query_by(Method::Cell(CellOptions::new()))),
         ];
         let mut kept = KeptQuery::with_options(KeptOptions::new().reach(0.5)).unwrap();
         let mut shown: Vec<ObjectId> = Vec::new();
@@ -241,7 +234,7 @@ impl Player {
             let ids = self.ids();
             let solids: Vec<Solid> = ids.iter().map(|&(i, _)| self.solids[i]).collect();
             let seen = seen(&solids, self.eye, &mut self.random);
-            let view = self.world.view(self.eye, &View::omnidirectional(Vec3::ZERO).unwrap()).unwrap();
+            let view = self.world.view(self.eye, &around(Vec3::ZERO)).unwrap();
             // The walk through single cells takes longer than all others together.
             let asked = if frame % 5 == 0 { 4 } else { 3 };
             for (name, query) in &mut queries[..asked] {

@@ -1,12 +1,8 @@
 //! Calls one by one: ids, old results, errors, budgets, and other threads.
 
-use std::collections::BTreeSet;
+use glam::BVec3;
 
-use casca::{
-    Aabb, Error, KeptQuery, Method, ObjectDesc, ObjectId, PageId, PageObjects, Pvs, Query, Sphere, View,
-    World, WorldOptions,
-};
-use glam::{Affine3A, BVec3, DVec3, UVec3, Vec3};
+use crate::common::*;
 
 /// Pages of 512 m.
 fn options(budget: usize) -> WorldOptions {
@@ -21,12 +17,12 @@ fn ball(x: f32, y: f32, z: f32) -> ObjectDesc {
     ObjectDesc::fixed(Sphere::new(Vec3::new(x, y, z), 1.0))
 }
 
-fn around(world: &World, eye: DVec3) -> View {
-    world.view(eye, &View::omnidirectional(Vec3::ZERO).unwrap()).unwrap()
+fn view_at(world: &World, eye: DVec3) -> View {
+    world.view(eye, &around(Vec3::ZERO)).unwrap()
 }
 
 fn see(world: &World, eye: DVec3) -> Pvs {
-    Query::new().run(world.scene(), &around(world, eye)).clone()
+    Query::new().run(world.scene(), &view_at(world, eye)).clone()
 }
 
 #[test]
@@ -77,7 +73,7 @@ fn results_from_before_a_shift_are_refused_as_those_of_another_scene() {
     let id = world.insert(ObjectDesc::dynamic(Sphere::new(Vec3::ZERO, 1.0)), eye + DVec3::X * 9.0).unwrap();
     let mut query = Query::new();
     let mut kept = KeptQuery::new();
-    let view = around(&world, eye);
+    let view = view_at(&world, eye);
     let old = query.run(world.scene(), &view).clone();
     kept.run(world.scene(), &view);
     let job = kept.prepare(world.scene(), &view);
@@ -86,7 +82,7 @@ fn results_from_before_a_shift_are_refused_as_those_of_another_scene() {
     eye.x += 1500.0;
     assert!(world.begin_frame(1.0, eye).unwrap().shifted);
     assert_eq!(world.origin(), DVec3::new(1536.0, 0.0, 0.0));
-    let now = around(&world, eye);
+    let now = view_at(&world, eye);
     assert!(!old.is_valid_for(world.scene(), &view) && !old.is_valid_for(world.scene(), &now));
     assert!(!query.sight(world.scene()).unwrap().has_occlusion());
     assert!(!kept.is_valid_for(world.scene(), &view) && !kept.is_valid_for(world.scene(), &now));
@@ -159,7 +155,7 @@ fn a_window_that_moves_in_steps_keeps_everything_in_sight() {
         shifts += usize::from(report.shifted);
         steps += usize::from(world.is_shifting());
         at_once += usize::from(report.shifted && !world.is_shifting() && steps == 0);
-        let pvs = query.run(world.scene(), &around(&world, eye));
+        let pvs = query.run(world.scene(), &view_at(&world, eye));
         for (i, [wall, before, behind]) in ids.iter().enumerate() {
             let x = 200.0 * i as f64 - eye.x;
             // The eye is between the wall of its stretch and the one before.
@@ -228,7 +224,7 @@ fn movers_reported_on_expiry_are_due_after_a_shift_and_count_as_visible_until_th
     let mut frame = |world: &mut World, now: f64, eye: DVec3, told: Option<DVec3>| {
         let report = world.begin_frame(now, eye).unwrap();
         told.into_iter().for_each(|at| world.set_place(bird, at).unwrap());
-        let contains = query.run(world.scene(), &around(world, eye)).contains(bird);
+        let contains = query.run(world.scene(), &view_at(world, eye)).contains(bird);
         world.end_frame([query.pvs()]).unwrap();
         (report, contains)
     };
@@ -274,7 +270,7 @@ fn pages_are_prepared_and_results_found_on_other_threads() {
             }
             let eye = eye + DVec3::X * 20.0 * f64::from(frame);
             world.begin_frame(f64::from(frame), eye).unwrap();
-            let view = around(&world, eye);
+            let view = view_at(&world, eye);
             // A job reads a copy while the world goes on.
             let job = kept.prepare(world.scene(), &view);
             let job = scope.spawn(move || job.run());
@@ -317,12 +313,12 @@ fn what_makes_no_sense_is_refused_and_changes_nothing() {
     let end = DVec3::new((1u64 << 36) as f64, 100.0, -((1u64 << 36) as f64));
     world.settle(end).unwrap();
     assert!(see(&world, end).contains(id));
-    assert!(world.view(end * 1e30, &View::omnidirectional(Vec3::ZERO).unwrap()).is_err());
+    assert!(world.view(end * 1e30, &around(Vec3::ZERO)).is_err());
     let b = world.scene_box(end - 0.3, end + 0.3).unwrap();
     assert!(b.contains((end - world.origin()).as_vec3()) && (b.max - b.min).max_element() < 0.7);
     world.remove(id).unwrap();
     assert_eq!(world.set_place(id, end), Err(Error::UnknownObject(id)));
-    let mut frustum = Query::with_method(Method::Frustum).unwrap();
-    assert!(frustum.run(world.scene(), &around(&world, end)).is_empty());
+    let mut frustum = query_by(Method::Frustum);
+    assert!(frustum.run(world.scene(), &view_at(&world, end)).is_empty());
     assert!(format!("{world:?}").contains("World") && world.memory_bytes() > 0);
 }

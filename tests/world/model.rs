@@ -1,35 +1,8 @@
 //! A model of a world: boxes at places in double precision, and what an eye sees of them. It shares
 //! no code with the library.
 
-use casca_truth::places::coordinate;
-use glam::DVec3;
-
-/// Random numbers from a seed.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as f64 / (1u64 << 31) as f64
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        ((self.next() * n as f64) as usize).min(n - 1)
-    }
-
-    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.next()
-    }
-
-    pub fn point(&mut self, lo: f64, hi: f64) -> DVec3 {
-        let (range, step) = (lo as f32..hi as f32, (hi - lo) as f32 / 8.0);
-        DVec3::from_array([(); 3].map(|()| coordinate(self.next(), range.clone(), step).into()))
-    }
-
-    pub fn chance(&mut self, share: f64) -> bool {
-        self.next() < share
-    }
-}
+use crate::common::worlds::cuts;
+use crate::common::*;
 
 /// A box around a place.
 #[derive(Debug, Clone, Copy)]
@@ -59,23 +32,6 @@ impl Solid {
     }
 }
 
-/// Whether a box that is grown a little cuts the segment from the origin to a point.
-fn cuts((min, max): (DVec3, DVec3), to: DVec3) -> bool {
-    let (mut enter, mut leave) = (0.0f64, 1.0f64);
-    for axis in 0..3 {
-        let (lo, hi) = (min[axis] - DOUBT, max[axis] + DOUBT);
-        if to[axis] == 0.0 {
-            if lo > 0.0 || hi < 0.0 {
-                return false;
-            }
-            continue;
-        }
-        let (x, y) = (lo / to[axis], hi / to[axis]);
-        (enter, leave) = (enter.max(x.min(y)), leave.min(x.max(y)));
-    }
-    enter <= leave
-}
-
 /// Of these boxes, those of which the eye surely sees one of 27 points, or one of some random ones.
 /// A box that surely contains the eye hides nothing, if it is no mesh; one whose face the eye may
 /// lie on hides everything.
@@ -85,11 +41,12 @@ pub fn seen(solids: &[Solid], eye: DVec3, random: &mut Random) -> Vec<bool> {
         min.cmplt(DVec3::splat(-DEEP)).all() && max.cmpgt(DVec3::splat(DEEP)).all()
     };
     let hides = |i: &usize| solids[*i].hides && (solids[*i].mesh || !holds_eye(&boxes[*i]));
+    let wide = |(min, max): (DVec3, DVec3)| (min - DOUBT, max + DOUBT);
     let hiding: Vec<usize> = (0..solids.len()).filter(hides).collect();
     (0..solids.len())
         .map(|i| {
             let (min, max) = boxes[i];
-            let free = |p: DVec3| !hiding.iter().any(|&o| o != i && cuts(boxes[o], p));
+            let free = |p: DVec3| !hiding.iter().any(|&o| o != i && cuts(wide(boxes[o]), DVec3::ZERO, p));
             let grid = (0..27).map(|n| DVec3::new((n % 3) as f64, (n / 3 % 3) as f64, (n / 9) as f64) * 0.5);
             let more: Vec<DVec3> = (0..8).map(|_| random.point(0.0, 1.0)).collect();
             // What hides a point of its far side hides its near one: its own box need not be asked.

@@ -1,14 +1,8 @@
 //! Places in single precision: bounds contain the shape at its place, and it contains the occluder.
 
-use std::sync::Arc;
+use glam::BVec3;
 
-use casca::{
-    Aabb, Bounds, Convex, Obb, ObjectDesc, ObjectId, Occluder, PageId, PageObjects, Query, Sphere, View,
-    World, WorldOptions,
-};
-use glam::{BVec3, DVec3, Quat, UVec3, Vec3};
-
-use crate::model::Random;
+use crate::common::*;
 
 /// All places and corners are multiples of this and below 2^25, so that their sums are exact.
 const DIGIT: f64 = 1.0 / (1u64 << 22) as f64;
@@ -160,7 +154,7 @@ fn an_eye_far_from_the_origin_sees_through_a_slit() {
             world.insert(ball, eye + DVec3::new(30.0, 0.0, z)).unwrap()
         };
         let (seen, hidden) = (ball(&mut world, 0.0), ball(&mut world, 1.0));
-        let around = View::omnidirectional(Vec3::ZERO).unwrap();
+        let around = around(Vec3::ZERO);
         let view = world.view(eye, &around).unwrap();
         assert_eq!(view.eye(), Some(eye - world.origin()));
         let mut query = Query::new();

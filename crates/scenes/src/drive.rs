@@ -217,6 +217,14 @@ pub fn grid_for(hint: &GridHint, dims: Option<UVec3>) -> Result<GridSpec, Error>
     }
 }
 
+/// The grid that casca recommends for the region and the number of objects of a scene.
+///
+/// # Errors
+/// As [`GridSpec::fit`].
+pub fn fitted_grid(world: &World) -> Result<GridSpec, Error> {
+    GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())
+}
+
 /// The view of a camera.
 ///
 /// # Errors

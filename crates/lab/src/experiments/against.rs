@@ -1,11 +1,12 @@
 //! The default method against a vectorised occlusion buffer, as engines ship it, and its presets
 //! beside each other, on all scenes.
 
-use casca::{Aabb, GridSpec, Method, PointOptions};
+use casca::{Method, PointOptions};
 
 use super::walker::{Walker, item_buffer};
 use super::worlds::Place;
 use super::{BUFFER, Contender, Lab, LabError, Section, Table, median, p99};
+use casca_scenes::drive::fitted_grid;
 use casca_scenes::generated::SceneKind;
 use casca_scenes::world::World;
 
@@ -55,7 +56,7 @@ struct BufferCost {
     in_frustum: f64,
     /// Objects of which the item buffer shows a pixel.
     visible: f64,
-    /// The point method in the grid of [`GridSpec::fit`], with each of [`PRESETS`].
+    /// The point method in the grid of [`fitted_grid`], with each of [`PRESETS`].
     presets: [Score; PRESETS.len()],
     /// The buffer.
     buffer: Score,
@@ -104,7 +105,7 @@ impl Sums {
 
 /// Measures a world.
 fn measure(world: World, sampling: &Sampling) -> Result<BufferCost, LabError> {
-    let fitted = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
+    let fitted = fitted_grid(&world)?;
     let mut walker = Walker::new(world)?;
     walker.add(&fitted)?;
     let mut contenders = vec![Contender::hzb(BUFFER.0, BUFFER.1)];

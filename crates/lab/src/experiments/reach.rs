@@ -1,11 +1,11 @@
 //! How far an eye may go before its set is too large: `View::with_reach` on every scene, beside all
 //! that such eyes see.
 
-use casca::{Aabb, GridSpec, Method, Query, View};
+use casca::{Method, Query, View};
 
 use super::worlds::Place;
 use super::{ASPECT, Lab, LabError, Section, Table, grouped, median};
-use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::drive::{Driver, fitted_grid, view_of};
 use casca_scenes::generated::SceneKind;
 use casca_scenes::measure::timed;
 use casca_scenes::world::{FRAME_SECONDS, World};
@@ -80,7 +80,7 @@ impl Score {
 
 fn measure(mut world: World, sampling: &Sampling) -> Result<Score, LabError> {
     world.set_frame(0);
-    let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
+    let grid = fitted_grid(&world)?;
     let mut driver = Driver::new(&world, &grid, |_| ())?;
     let (mut query, mut frustum) = (Query::new(), Query::with_method(Method::Frustum)?);
     let mut seen = Seen::of(&world);

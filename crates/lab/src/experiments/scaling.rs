@@ -4,14 +4,14 @@ use std::f32::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use casca::{Aabb, GridSpec, MeshOptions, Method, Query, TriMesh};
+use casca::{MeshOptions, Method, Query, TriMesh};
 use glam::{Affine3A, Vec2, Vec3};
 use rand::RngExt;
 use rayon::ThreadPoolBuilder;
 
 use super::upkeep::Arena;
 use super::{ASPECT, BUFFER, Contender, FrameInput, Lab, LabError, Section, Table, grouped, median, p99};
-use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::drive::{Driver, fitted_grid, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::{timed, timed_by_wall};
 use casca_scenes::random::{Generator, generator};
@@ -36,7 +36,7 @@ struct Row {
 /// Measures a world from this many views of its walk, in the grid that fits; the least of `repeats`
 /// runs from each counts.
 fn measure(world: &World, views: usize, repeats: usize) -> Result<Row, LabError> {
-    let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
+    let grid = fitted_grid(world)?;
     // Several threads prepare meshes.
     let (driver, setup) = timed_by_wall(|| Driver::new(world, &grid, |_| ()));
     let driver = driver?;

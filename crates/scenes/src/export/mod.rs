@@ -281,7 +281,7 @@ impl Writer {
             let node = json!({ "translation": origin.as_vec3().to_array(), "children": roots });
             roots = vec![push(&mut self.nodes, node)];
         }
-        let document = json!({
+        let mut document = json!({
             "asset": { "version": "2.0" },
             "scene": 0,
             "scenes": [{ "name": name, "nodes": roots }],
@@ -294,6 +294,10 @@ impl Writer {
             "bufferViews": self.views,
             "buffers": [{ "byteLength": self.bytes.len() }],
         });
+        // Lists in glTF are not empty.
+        if let Some(members) = document.as_object_mut() {
+            members.retain(|_, list| list.as_array().is_none_or(|list| !list.is_empty()));
+        }
         let mut json = document.to_string().into_bytes();
         json.resize(json.len().next_multiple_of(4), b' ');
         // A header of 12 bytes, and two chunks with headers of 8.

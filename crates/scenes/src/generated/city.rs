@@ -9,7 +9,7 @@ use super::motion::{Path, Sliding, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Object, Shape, World};
+use crate::world::{Object, Shape, World};
 
 pub(super) const SIZE: f32 = 200.0;
 const HEIGHT: f32 = 40.0;
@@ -110,20 +110,6 @@ pub(super) fn build(options: &SceneOptions) -> World {
     blocks(&mut dice, &mut objects);
     small_things(&mut dice, (SMALL * options.scale) as usize, &mut objects);
     let sliding = cars(&mut dice, &mut objects);
-    World {
-        source: Default::default(),
-        name: "city".to_owned(),
-        objects,
-        grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging: Vec::new(),
-            sliding,
-            path: path(),
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.5,
-            far: 400.0,
-        }),
-    }
+    let walk = Walk { sliding, glance: 0.5, ..Walk::along(path(), options) };
+    walk.through("city", objects, [Vec3::ZERO, Vec3::new(SIZE, HEIGHT, SIZE)], 1.0)
 }

@@ -6,7 +6,7 @@ use super::motion::{Path, Swing, Swinging, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Shape, World};
+use crate::world::{Shape, World};
 
 const SIZE: f32 = 256.0;
 const HEIGHT: f32 = 16.0;
@@ -23,13 +23,7 @@ fn path() -> Path {
     // Lanes run along multiples of the pitch; those at the border lie half outside.
     let lane = |i: usize| (i as f32 * PITCH).clamp(1.2, SIZE - 1.2);
     let at = |(x, z): (usize, usize)| Vec3::new(lane(x), GROUND + 1.7, lane(z));
-    let mut corners = vec![at(stops[0])];
-    for w in stops.windows(3) {
-        let [a, b, c] = [at(w[0]), at(w[1]), at(w[2])];
-        corners.extend([b + (a - b).normalize() * 2.0, b, b + (c - b).normalize() * 2.0]);
-    }
-    corners.push(at(stops[stops.len() - 1]));
-    Path::new(&corners)
+    Path::close_to(&stops.map(at), 2.0)
 }
 
 pub(super) fn build(options: &SceneOptions) -> World {
@@ -83,20 +77,6 @@ pub(super) fn build(options: &SceneOptions) -> World {
         let reach = Vec3::new(dice.range(0.05, 0.4), 0.0, dice.range(0.05, 0.4));
         swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 1.5)));
     }
-    World {
-        source: Default::default(),
-        name: "crowd".to_owned(),
-        objects,
-        grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging,
-            sliding: Vec::new(),
-            path: path(),
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.7,
-            far: 400.0,
-        }),
-    }
+    let walk = Walk { swinging, glance: 0.7, ..Walk::along(path(), options) };
+    walk.through("crowd", objects, [Vec3::ZERO, Vec3::new(SIZE, HEIGHT, SIZE)], 1.0)
 }

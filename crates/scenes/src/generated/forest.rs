@@ -6,7 +6,7 @@ use super::motion::{Path, Swing, Swinging, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Object, Shape, World};
+use crate::world::{Object, Shape, World};
 
 const SIZE: f32 = 120.0;
 const HEIGHT: f32 = 20.0;
@@ -64,20 +64,6 @@ pub(super) fn build(options: &SceneOptions) -> World {
         let reach = Vec3::new(dice.range(0.5, 3.0), 0.0, dice.range(0.5, 3.0));
         swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 3.0)));
     }
-    World {
-        source: Default::default(),
-        name: "forest".to_owned(),
-        objects,
-        grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging,
-            sliding: Vec::new(),
-            path,
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.6,
-            far: 250.0,
-        }),
-    }
+    let walk = Walk { swinging, far: 250.0, ..Walk::along(path, options) };
+    walk.through("forest", objects, [Vec3::ZERO, Vec3::new(SIZE, HEIGHT, SIZE)], 1.0)
 }

@@ -140,16 +140,3 @@ impl<'a> Furniture<'a> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn furniture_is_closed_and_the_tops_of_tables_are_where_things_stand() {
-        let models = models();
-        assert!(models.iter().all(|m| m.mesh.is_closed()));
-        let top = models[0].mesh.positions.iter().map(|p| p.y).fold(f32::MIN, f32::max);
-        assert!(models[0].name == "table" && (top - TABLE).abs() < 1e-4, "{top} m");
-    }
-}

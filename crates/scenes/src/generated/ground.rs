@@ -10,7 +10,7 @@ use super::noise::Noise;
 use super::options::SceneOptions;
 use super::parts::{object, placed};
 use crate::random::Dice;
-use crate::world::{GridHint, Mesh, Object, World};
+use crate::world::{Mesh, Object, World};
 
 pub(super) const SIZE: f32 = 320.0;
 /// Squares along each side, of two triangles each.
@@ -150,22 +150,8 @@ pub(super) fn small_things(dice: &mut Dice, places: &Places, count: usize, objec
 
 /// A scene on the ground in which nothing moves but the walker.
 pub(super) fn world(name: &str, objects: Vec<Object>, path: Path, options: &SceneOptions) -> World {
-    World {
-        source: Default::default(),
-        name: name.to_owned(),
-        objects,
-        grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE, 56.0, SIZE), cell: 2.0 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging: Vec::new(),
-            sliding: Vec::new(),
-            path,
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.6,
-            far: 500.0,
-        }),
-    }
+    let walk = Walk { far: 500.0, ..Walk::along(path, options) };
+    walk.through(name, objects, [Vec3::ZERO, Vec3::new(SIZE, 56.0, SIZE)], 2.0)
 }
 
 #[cfg(test)]

@@ -4,9 +4,10 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
+use super::options::SceneOptions;
 use crate::numeric::{SPEED_ROOM, SPEED_ROUNDING};
 use crate::random::Dice;
-use crate::world::{Animation, Camera, FRAME_SECONDS, Motion, Object, Shape};
+use crate::world::{Animation, Camera, FRAME_SECONDS, GridHint, Motion, Object, Shape, Source, World};
 
 /// Seconds from the start of the path.
 pub(super) fn seconds(frame: usize) -> f32 {
@@ -136,6 +137,26 @@ pub(super) struct Walk {
     /// How far the walker looks to the sides, in radians.
     pub(super) glance: f32,
     pub(super) far: f32,
+}
+
+impl Walk {
+    /// A walk on which nothing moves, with a lens of 60 degrees that shows 400 m.
+    pub(super) fn along(path: Path, options: &SceneOptions) -> Self {
+        let (swinging, sliding) = (Vec::new(), Vec::new());
+        Self { swinging, sliding, path, frames: options.frames, fov_y: 60.0, glance: 0.6, far: 400.0 }
+    }
+
+    /// The scene that it goes through, in a box of cells.
+    pub(super) fn through(self, name: &str, objects: Vec<Object>, [min, max]: [Vec3; 2], cell: f32) -> World {
+        World {
+            source: Source::default(),
+            name: name.to_owned(),
+            objects,
+            grid: GridHint { min, max, cell },
+            frames: self.frames,
+            animation: Box::new(self),
+        }
+    }
 }
 
 /// An object that goes to and fro along a line, slowing down at its ends.

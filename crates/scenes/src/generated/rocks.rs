@@ -11,7 +11,7 @@ use super::noise::Noise;
 use super::options::SceneOptions;
 use super::parts::{mesh, object, standing_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Mesh, Shape, World};
+use crate::world::{Mesh, Shape, World};
 
 const SIZE: f32 = 100.0;
 const HEIGHT: f32 = 20.0;
@@ -71,22 +71,8 @@ pub(super) fn build(options: &SceneOptions) -> World {
         thing.occludes = dice.chance(0.5);
         objects.push(thing);
     }
-    World {
-        source: Default::default(),
-        name: "rocks".to_owned(),
-        objects,
-        grid: GridHint { min: Vec3::new(0.0, -2.0, 0.0), max: Vec3::new(SIZE, HEIGHT, SIZE), cell: 1.0 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging: Vec::new(),
-            sliding: Vec::new(),
-            path,
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.6,
-            far: 250.0,
-        }),
-    }
+    let walk = Walk { far: 250.0, ..Walk::along(path, options) };
+    walk.through("rocks", objects, [Vec3::new(0.0, -2.0, 0.0), Vec3::new(SIZE, HEIGHT, SIZE)], 1.0)
 }
 
 #[cfg(test)]

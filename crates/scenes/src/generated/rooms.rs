@@ -9,7 +9,7 @@ use super::motion::{Path, Sliding, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Object, Shape, World};
+use crate::world::{Object, Shape, World};
 
 const ROOMS: usize = 5;
 const PITCH: f32 = 8.0;
@@ -129,22 +129,8 @@ pub(super) fn build(options: &SceneOptions) -> World {
     let sliding = inner_walls(&mut dice, &mut objects);
     furniture(&mut dice, options.scale, &samples, &mut objects);
     let max = Vec3::new(SIZE, CEILING + 0.2, SIZE);
-    World {
-        source: Default::default(),
-        name: "rooms".to_owned(),
-        objects,
-        // Two cells are a little thinner than a wall, so that every wall holds a
-        // whole layer of them wherever it stands.
-        grid: GridHint { min: Vec3::ZERO, max, cell: 0.0999 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging: Vec::new(),
-            sliding,
-            path,
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.7,
-            far: 100.0,
-        }),
-    }
+    let walk = Walk { sliding, glance: 0.7, far: 100.0, ..Walk::along(path, options) };
+    // Two cells are a little thinner than a wall, so that every wall holds a
+    // whole layer of them wherever it stands.
+    walk.through("rooms", objects, [Vec3::ZERO, max], 0.0999)
 }

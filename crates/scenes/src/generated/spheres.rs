@@ -6,7 +6,7 @@ use super::motion::{Path, Swing, Swinging, Walk};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Object, Shape, World};
+use crate::world::{Object, Shape, World};
 
 const SIZE: Vec3 = Vec3::new(100.0, 60.0, 100.0);
 const STATIC: f32 = 4800.0;
@@ -124,20 +124,6 @@ pub(super) fn build(options: &SceneOptions) -> World {
         let density = STATIC * options.scale;
         (min, max) = beyond_walls(&mut dice, [min, max], extra, density, &mut objects);
     }
-    World {
-        source: Default::default(),
-        name: "spheres".to_owned(),
-        objects,
-        grid: GridHint { min, max, cell: 1.0 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging,
-            sliding: Vec::new(),
-            path,
-            frames: options.frames,
-            fov_y: 55.0,
-            glance: 0.6,
-            far: 300.0,
-        }),
-    }
+    let walk = Walk { swinging, fov_y: 55.0, far: 300.0, ..Walk::along(path, options) };
+    walk.through("spheres", objects, [min, max], 1.0)
 }

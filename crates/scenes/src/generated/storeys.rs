@@ -10,7 +10,7 @@ use super::motion::{Path, Sliding, Walk};
 use super::options::SceneOptions;
 use super::parts::{boxes, mesh, object, standing_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Mesh, Object, World};
+use crate::world::{Mesh, Object, World};
 
 const STOREYS: usize = 8;
 const SIZE: Vec2 = Vec2::new(28.0, 20.0);
@@ -247,79 +247,23 @@ pub(super) fn build(options: &SceneOptions) -> World {
     }
     let sliding = people(&mut dice, &mut objects);
     let top = STOREYS as f32 * HEIGHT;
-    World {
-        source: Default::default(),
-        name: "storeys".to_owned(),
+    let walk = Walk { sliding, far: 100.0, ..Walk::along(path, options) };
+    walk.through(
+        "storeys",
         objects,
-        grid: GridHint {
-            min: Vec3::new(-0.5, -0.5, -0.5),
-            max: Vec3::new(SIZE.x + 0.5, top + 0.5, SIZE.y + 0.5),
-            cell: 0.2,
-        },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging: Vec::new(),
-            sliding,
-            path,
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.6,
-            far: 100.0,
-        }),
-    }
+        [Vec3::new(-0.5, -0.5, -0.5), Vec3::new(SIZE.x + 0.5, top + 0.5, SIZE.y + 0.5)],
+        0.2,
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::Shape;
 
     #[test]
     fn walls_slabs_and_stairs_are_closed() {
         assert!(walls().iter().all(|wall| wall.mesh(HEIGHT).is_closed()));
         let stairs = [flight(0.0, false), landing(0.0), flight(0.0, true)];
         assert!(stairs.iter().chain(&[slab(0.0, false), slab(HEIGHT, true)]).all(Mesh::is_closed));
-    }
-
-    #[test]
-    fn stairs_rise_evenly_from_floor_to_floor() {
-        let tops = |mesh: Mesh| {
-            mesh.positions
-                .chunks(8)
-                .map(|corners| corners.iter().map(|p| p.y).fold(f32::MIN, f32::max))
-                .collect::<Vec<_>>()
-        };
-        let floor = 2.0 * HEIGHT;
-        let flights = [flight(floor, false), landing(floor), flight(floor, true), slab(floor + HEIGHT, true)];
-        let mut heights: Vec<f32> = flights.into_iter().flat_map(tops).collect();
-        heights.dedup();
-        assert_eq!(heights.len(), 2 * STEPS);
-        let mut last = floor;
-        for height in heights {
-            assert!((height - last - RISE).abs() < 1e-4, "from {last} m to {height} m");
-            last = height;
-        }
-    }
-
-    #[test]
-    fn the_eye_is_at_a_walkers_height_above_floors_and_steps() {
-        let world = build(&SceneOptions { frames: 1000, ..SceneOptions::default() });
-        // The least and greatest corners of all boxes that can be walked on.
-        let mut parts = Vec::new();
-        for o in world.objects.iter().filter(|o| ["slab", "flight", "landing"].contains(&o.name.as_str())) {
-            let Shape::Mesh { mesh, .. } = &o.shape else { panic!("{} is a mesh", o.name) };
-            parts.extend(mesh.positions.chunks(8).map(|corners| (corners[0], corners[7])));
-        }
-        let mut highest = 0f32;
-        for frame in 0..world.frames {
-            let eye = world.camera(frame, 1.5).eye;
-            let below = |(lo, hi): &&(Vec3, Vec3)| {
-                lo.x <= eye.x && eye.x <= hi.x && lo.z <= eye.z && eye.z <= hi.z && hi.y <= eye.y
-            };
-            let ground = parts.iter().filter(below).map(|(_, hi)| hi.y).fold(f32::MIN, f32::max);
-            assert!((eye.y - ground - EYE).abs() < 0.6 * RISE, "frame {frame}: {eye} over {ground}");
-            highest = highest.max(ground);
-        }
-        assert!((highest - WALKED as f32 * HEIGHT).abs() < 1e-4, "{highest} m");
     }
 }

@@ -10,7 +10,7 @@ use super::motion::Walk;
 use super::options::SceneOptions;
 use super::parts::{mesh, object, standing_box};
 use crate::random::Dice;
-use crate::world::{GridHint, Mesh, Object, Shape, World};
+use crate::world::{Mesh, Object, Shape, World};
 
 const HEIGHT: f32 = 40.0;
 /// Length of a side of a building.
@@ -168,22 +168,8 @@ pub(super) fn build(options: &SceneOptions) -> World {
         };
         objects.push(small_thing(&mut dice, &ball, base));
     }
-    World {
-        source: Default::default(),
-        name: "town".to_owned(),
-        objects,
-        grid: GridHint { min: Vec3::ZERO, max: Vec3::new(SIZE + 2.0, HEIGHT, SIZE + 2.0), cell: 1.0 },
-        frames: options.frames,
-        animation: Box::new(Walk {
-            swinging: Vec::new(),
-            sliding: Vec::new(),
-            path: city::path(),
-            frames: options.frames,
-            fov_y: 60.0,
-            glance: 0.5,
-            far: 400.0,
-        }),
-    }
+    let walk = Walk { glance: 0.5, ..Walk::along(city::path(), options) };
+    walk.through("town", objects, [Vec3::ZERO, Vec3::new(SIZE + 2.0, HEIGHT, SIZE + 2.0)], 1.0)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::error::Trouble;
 use crate::world::Mesh;
 
 /// Whether primitives of a mode are lines or points.
-pub fn is_loose(mode: Mode) -> bool {
+pub(super) fn is_loose(mode: Mode) -> bool {
     matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
 }
 
@@ -147,7 +147,7 @@ impl<'a> Meshes<'a> {
     }
 
     /// What a primitive adds to its positions at most, by a morph target.
-    pub fn offsets(&self, accessor: &gltf::Accessor) -> Result<(Vec3, Vec3), Trouble> {
+    pub(super) fn offsets(&self, accessor: &gltf::Accessor) -> Result<(Vec3, Vec3), Trouble> {
         let offsets = self.buffers.floats(accessor, "morph targets", self.components)?;
         let all = offsets.into_iter().map(Vec3::from_array);
         Ok(all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), d| (lo.min(d), hi.max(d))))

@@ -110,8 +110,8 @@ pub mod parts {
     pub use super::contents::contents;
     pub use super::document::{File, QUANTIZATION, parse};
     pub use super::meshes::{Meshes, materials_of};
-    pub use super::nodes::{Node, Nodes, Place, check_rigid, nodes_of, wrong};
-    pub use super::track::{Track, Tracks};
+    pub use super::nodes::{Node, Nodes, check_rigid, nodes_of, wrong};
+    pub use super::track::Track;
     pub use super::warnings::Warnings;
     pub use crate::numeric::AFFINE;
 }

@@ -178,7 +178,7 @@ fn pose_of(node: &gltf::Node, place: Place) -> Result<(Pose, Option<DAffine3>), 
 }
 
 /// A rotation with length 1; `None` for what has no length to speak of.
-pub fn unit(rotation: DQuat) -> Option<DQuat> {
+pub(super) fn unit(rotation: DQuat) -> Option<DQuat> {
     let length = rotation.length();
     ROTATION_LENGTHS.contains(&length).then(|| rotation / length)
 }
@@ -190,7 +190,7 @@ pub fn wrong(node: &gltf::Node, why: impl Into<String>) -> Trouble {
 
 /// Whether the object of a node hides others, and whether it is tested. Extras belong to everyone:
 /// a role that is none of these is somebody else's.
-pub fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
+pub(super) fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
     let extras = node.extras().as_ref().and_then(|text| serde_json::from_str::<Value>(text.get()).ok());
     match extras.as_ref().and_then(|extras| extras.get("role")) {
         None => (true, true),
@@ -209,7 +209,7 @@ pub fn role_of(node: &gltf::Node, warnings: &Warnings) -> (bool, bool) {
 
 /// Whether a node shows its mesh in another form than its positions give; `morphs` says whether an
 /// animation changes the weights of morph targets.
-pub fn is_deformed(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> bool {
+pub(super) fn is_deformed(node: &gltf::Node, mesh: &gltf::Mesh, morphs: bool) -> bool {
     let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
     let has_targets = mesh.primitives().any(|p| p.morph_targets().len() > 0);
     node.skin().is_some() || has_targets && (morphs || weights.iter().any(|&w| w != 0.0))

@@ -35,6 +35,6 @@ impl Warnings {
 }
 
 /// How a node is named in warnings.
-pub fn node_name(node: &gltf::Node) -> String {
+pub(super) fn node_name(node: &gltf::Node) -> String {
     format!("node {} ({:?})", node.index(), node.name().unwrap_or(""))
 }

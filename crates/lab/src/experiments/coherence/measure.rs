@@ -1,11 +1,11 @@
 //! A walk, with all ways side by side.
 
-use casca::{Aabb, GridSpec, Method, Query, View};
+use casca::{Method, Query, View};
 
 use super::super::walker::item_buffer;
 use super::super::{ASPECT, LabError, median, p99};
 use super::ways::{Way, ways};
-use casca_scenes::drive::{Driver, view_of};
+use casca_scenes::drive::{Driver, fitted_grid, view_of};
 use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
 use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, World};
@@ -205,7 +205,7 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
     let frames = sampling.frames.div_ceil(stretches).max(SETTLE + 1);
     let options = WalkOptions { movers, stretches, frames, seed: sampling.seed };
     let mut world = walking(world, ASPECT, &options);
-    let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?;
+    let grid = fitted_grid(&world)?;
     let driver = Driver::new(&world, &grid, |_| ())?;
     let mut entries = Vec::new();
     for way in ways()? {

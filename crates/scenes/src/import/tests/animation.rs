@@ -16,8 +16,7 @@ fn animations_interpolate_as_asked() {
         ("STEP", [(0, 0.0), (14, 0.0), (15, 1.0), (29, 1.0), (30, 2.0), (45, 2.0)]),
         ("LINEAR", [(0, 0.0), (3, 0.2), (15, 1.0), (24, 1.6), (30, 2.0), (45, 1.0)]),
     ] {
-        let mut world =
-            parts.read(&moved(&format!("[{}]", animated(0, "translation", values, interpolation)))).unwrap();
+        let mut world = parts.animated(0, "translation", values, interpolation).unwrap();
         for (frame, x) in expected {
             let found = origin(&mut world, frame).x - 3.0;
             assert!((found - x).abs() < 1e-4, "{interpolation} {frame}: {found}");
@@ -26,30 +25,23 @@ fn animations_interpolate_as_asked() {
     // A spline with tangents of 0: halfway between two keys the mean, a quarter on 5/32 of the way.
     let key = |x: f32| [0.0, 0.0, 0.0, x, 0.0, 0.0, 0.0, 0.0, 0.0];
     let spline = parts.floats("VEC3", &[key(0.0), key(0.0), key(0.0), key(32.0)].concat());
-    let mut world =
-        parts.read(&moved(&format!("[{}]", animated(0, "translation", spline, "CUBICSPLINE")))).unwrap();
+    let mut world = parts.animated(0, "translation", spline, "CUBICSPLINE").unwrap();
     assert!((origin(&mut world, 45).x - 19.0).abs() < 1e-3);
     let quarter = origin(&mut world, 37).x - 3.0;
     let t = 7.0f32 / 30.0;
     assert!((quarter - 32.0 * (3.0 * t * t - 2.0 * t * t * t)).abs() < 1e-3, "{quarter}");
     says(
-        parts.read(&moved(&format!("[{}]", animated(0, "translation", values, "CUBICSPLINE")))),
+        parts.animated(0, "translation", values, "CUBICSPLINE"),
         &["accessor 2 (animation values)", "not as long"],
     );
     let mut parts = timed();
     parts.accessors[1] = parts.accessors[1].replace(r#""count":4"#, r#""count":1"#);
     parts.floats("VEC3", &[f32::NAN, 0.0, 0.0]);
-    says(
-        parts.read(&moved(&format!("[{}]", animated(0, "scale", 2, "STEP")))),
-        &["accessor 2", "not finite"],
-    );
+    says(parts.animated(0, "scale", 2, "STEP"), &["accessor 2", "not finite"]);
     let mut parts = triangle();
     parts.floats("SCALAR", &[1.0, 0.5]);
     parts.floats("VEC3", &[0.0; 6]);
-    says(
-        parts.read(&moved(&format!("[{}]", animated(0, "scale", 2, "STEP")))),
-        &["(animation times)", "order"],
-    );
+    says(parts.animated(0, "scale", 2, "STEP"), &["(animation times)", "order"]);
 }
 
 #[test]
@@ -61,24 +53,17 @@ fn normalized_rotations_turn_nodes() {
     let bytes = parts.dense(5120, "VEC4", &bytes, r#","normalized":true"#);
     let raw = parts.dense(5122, "VEC4", &rotation_bytes(&turns), "");
     for (output, within) in [(shorts, 1e-3), (bytes, 0.05)] {
-        let mut world =
-            parts.read(&moved(&format!("[{}]", animated(0, "rotation", output, "LINEAR")))).unwrap();
+        let mut world = parts.animated(0, "rotation", output, "LINEAR").unwrap();
         for (frame, angle) in [(0, 0.0f32), (15, 90.0), (20, 120.0), (30, 180.0), (45, 225.0)] {
             let expected = Quat::from_rotation_z(angle.to_radians()) * (Vec3::X * 3.0);
             let found = origin(&mut world, frame);
             assert!(found.distance(expected) < within, "{frame}: {found} is not {expected}");
         }
     }
-    says(
-        parts.read(&moved(&format!("[{}]", animated(0, "rotation", raw, "LINEAR")))),
-        &["(animation values)", "type"],
-    );
-    says(
-        parts.read(&moved(&format!("[{}]", animated(0, "translation", shorts, "LINEAR")))),
-        &["(animation values)", "type"],
-    );
+    says(parts.animated(0, "rotation", raw, "LINEAR"), &["(animation values)", "type"]);
+    says(parts.animated(0, "translation", shorts, "LINEAR"), &["(animation values)", "type"]);
     let none = parts.floats("VEC4", &[0.0; 16]);
-    says(parts.read(&moved(&format!("[{}]", animated(0, "rotation", none, "STEP")))), &["rotation of no"]);
+    says(parts.animated(0, "rotation", none, "STEP"), &["rotation of no"]);
 }
 
 #[test]
@@ -141,7 +126,7 @@ fn speeds_bound_every_point_and_bounds_hold_all_frames() {
     }
     // What is animated but stays has no speed.
     let still = parts.floats("VEC3", &[2.0; 12]);
-    let world = parts.read(&moved(&format!("[{}]", animated(0, "translation", still, "LINEAR")))).unwrap();
+    let world = parts.animated(0, "translation", still, "LINEAR").unwrap();
     assert_eq!(world.objects[0].motion, Motion::Dynamic { max_speed: 0.0 });
 }
 

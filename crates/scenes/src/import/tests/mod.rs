@@ -51,6 +51,11 @@ impl Parts {
     fn read(&self, rest: &str) -> Result<World, Trouble> {
         read("made", &self.glb(rest), None)
     }
+
+    /// The mesh of accessor 0 on a node that an animation moves.
+    fn animated(&self, node: usize, path: &str, output: usize, how: &str) -> Result<World, Trouble> {
+        self.read(&moved(&format!("[{}]", animated(node, path, output, how))))
+    }
 }
 
 /// Corners of a triangle, and one more for a square.

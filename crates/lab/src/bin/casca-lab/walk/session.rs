@@ -5,9 +5,9 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use casca::{Aabb, GridSpec, Method, Query};
+use casca::{Method, Query};
 use casca_lab::pictures::{FrameCounts, FramePicture, frame};
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::{Driver, fitted_grid, grid_for, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_truth::baselines::{Hzb, RayBuffer};
@@ -160,9 +160,7 @@ impl<'a> Session<'a> {
 /// The library's scene with all objects of the world, in the grid that is asked for.
 fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
     let grid = match options.grid {
-        Some(GridChoice::Fit) => {
-            GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())?
-        }
+        Some(GridChoice::Fit) => fitted_grid(world)?,
         Some(GridChoice::Dims(dims)) => grid_for(&world.grid, Some(dims))?,
         None => grid_for(&world.grid, None)?,
     };

@@ -1,0 +1,11 @@
+//! Views: where their eyes are, and what any of the eyes that they stand for sees.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod ball;
+mod eye;
+mod reach;
+mod sight;
+mod turn;
+mod view_cell;
