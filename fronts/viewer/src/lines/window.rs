@@ -6,7 +6,7 @@ use casca_lines::gpu::culling::{Culling, Seen};
 use casca_lines::gpu::numeric::MOST_THICK;
 use casca_lines::gpu::renderer::{Look, Renderer};
 use casca_lines::gpu::set::GpuLines;
-use casca_lines::occlusion::{AoOptions, Estimator, OptionsError};
+use casca_lines::occlusion::{AoOptions, Estimator};
 use casca_lines::sets::colour::Legend;
 use casca_stage::canvas::Target;
 use casca_stage::dial::Dial;
@@ -184,7 +184,6 @@ impl Viewer {
                 self.tube = kept(self.tube, thick(line_radius));
                 Estimator::places(scaled, self.tube)
             }
-            Estimator::Thesis { .. } => return Err(OptionsError::Source.into()),
         };
         settings.ao = AoOptions { estimator, radius: scaled };
         (settings.samples, settings.sets) = (samples, sets(samples));

@@ -8,7 +8,7 @@ use casca_lines::sets::files::Format;
 mod formats;
 
 /// All formats.
-pub const FORMATS: [Format; 9] = [
+pub const FORMATS: [Format; 7] = [
     Format::Text,
     Format::Obj,
     Format::Ply,
@@ -16,8 +16,6 @@ pub const FORMATS: [Format; 9] = [
     Format::Trk,
     Format::Hair,
     Format::Vtk,
-    Format::Vtp,
-    Format::Trx,
 ];
 
 const TEXT: &str = "2\n3 1\n0 0 0\n1 0 0\n1 4 0.5\n7 7 7\n";
@@ -51,11 +49,6 @@ pub fn all() -> Vec<(Format, Vec<u8>)> {
         all.push((Format::Tck, formats::tck(&lines, a, b)));
         all.push((Format::Trk, formats::trk(&lines, a, b.then_some((matrix, b"RPI")))));
         all.push((Format::Vtk, formats::vtk(&lines, a, b)));
-        all.push((Format::Trx, formats::trx(&lines, a, b)));
-        use formats::Numbers::*;
-        for numbers in [Ascii, Inline, AppendedText, AppendedRaw] {
-            all.push((Format::Vtp, formats::vtp(&lines, numbers, a, b)));
-        }
     }
     all
 }
