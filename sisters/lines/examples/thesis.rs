@@ -131,8 +131,8 @@ impl<'a> Thesis<'a> {
             }
             let Some(pixel) = self.view.pixel(place).filter(|_| from < to) else { continue };
             let radius = f64::from(self.radius);
-            let depths = [from, to]
-                .map(|t| -f64::from(at.position.z) + (f64::from(t) - f64::from(start.z)) * radius);
+            let depths =
+                [from, to].map(|t| -f64::from(at.position.z) + (f64::from(t) - f64::from(start.z)) * radius);
             let Some(share) = self.share(pixel, depths) else { continue };
             let ends = [from, to].map(|t| start + step * t);
             // In radii: the thesis' units would make the result depend on the size of the scene.

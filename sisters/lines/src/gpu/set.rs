@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::grid::GpuCells;
+use crate::gpu::rays::GpuCells;
 use crate::gpu::settings::Settings;
 use crate::gpu::sides::GpuSides;
 use crate::occlusion::{Estimator, OptionsError};

@@ -8,15 +8,8 @@ use casca_lines::sets::files::Format;
 mod formats;
 
 /// All formats.
-pub const FORMATS: [Format; 7] = [
-    Format::Text,
-    Format::Obj,
-    Format::Ply,
-    Format::Tck,
-    Format::Trk,
-    Format::Hair,
-    Format::Vtk,
-];
+pub const FORMATS: [Format; 7] =
+    [Format::Text, Format::Obj, Format::Ply, Format::Tck, Format::Trk, Format::Hair, Format::Vtk];
 
 const TEXT: &str = "2\n3 1\n0 0 0\n1 0 0\n1 4 0.5\n7 7 7\n";
 const OBJ: &str = "# lines\nv 0 0 0\nv 1 0 0\nv 1 4 0.5\nvn 0 0 1\nl 1 2 3\nl -1 -2\n";

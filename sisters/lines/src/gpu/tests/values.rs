@@ -1,8 +1,6 @@
 //! Empty sets and bad values.
 
 use super::*;
-use crate::gpu::context::Context;
-use crate::gpu::culling::Culling;
 use crate::gpu::error::LinesGpuError;
 use crate::view::Lens;
 

@@ -8,7 +8,6 @@ use crate::sets::attributes::Of;
 use crate::testing::cases;
 
 #[path = "../../../tests/files/formats.rs"]
-#[allow(dead_code)]
 mod formats;
 mod people;
 mod tractograms;
