@@ -19,7 +19,7 @@ enum Engine {
     Kept(Box<KeptQuery>),
     /// The same, with results that another thread finds: one job after the other, each of which is
     /// done when the next frame begins.
-    Aside(Box<KeptQuery>, Option<KeptJob>, Option<KeptResult>),
+    Aside(Box<KeptQuery>, Option<Box<KeptJob>>, Option<Box<KeptResult>>),
 }
 
 impl Way {
@@ -30,10 +30,10 @@ impl Way {
             Engine::Kept(query) => _ = query.run(scene, view),
             Engine::Aside(query, job, found) => {
                 if let Some(found) = found.take() {
-                    query.install(found, scene);
+                    query.install(*found, scene);
                 }
                 query.run(scene, view);
-                *job = Some(query.prepare(scene, view));
+                *job = Some(Box::new(query.prepare(scene, view)));
             }
         }
     }
@@ -41,7 +41,7 @@ impl Way {
     /// Does the work of another thread until the next frame; its time is not measured.
     pub fn work_aside(&mut self) {
         if let Engine::Aside(_, job, found) = &mut self.engine {
-            *found = job.take().map(KeptJob::run);
+            *found = job.take().map(|job| Box::new(job.run()));
         }
     }
 
