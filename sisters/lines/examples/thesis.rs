@@ -1,24 +1,23 @@
 //! The method of the thesis (Benevides, PUC-Rio 2015) beside the rays and the places that replaced
 //! it, on generated sets like those of the thesis: how near the occlusion comes to 400 rays in
-//! double precision, how much it changes when the picture moves, and its time by the number of
-//! samples. Prints the tables of the README.
+//! double precision, and how much it changes when the picture moves. Prints the tables of the
+//! README.
 //!
 //! `cargo run --release -p casca-lines --example thesis -- [receivers, 300 if none are given]`
 
 use std::error::Error;
-use std::time::Instant;
 
-use casca_lines::buffers::{Fragment, LineBuffer};
+use casca_lines::buffers::{Fragment, nearest_lines};
 use casca_lines::cells::Cells;
-use casca_lines::glam::{DMat4, Vec3};
-use casca_lines::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
+use casca_lines::glam::{DMat4, Vec2, Vec3};
+use casca_lines::numeric::{ALONG_VIEW, USUAL_RAYS, USUAL_SIDE_RAYS, hash};
 use casca_lines::occlusion::{AoOptions, Occlusion, Sides};
 use casca_lines::samples::SampleSets;
-use casca_lines::sets::LineSet;
 use casca_lines::sets::generate::{Family, Recipe};
-use casca_lines::sets::random::Random;
-use casca_lines::slabs::SlabGrid;
+use casca_lines::sets::random::{self, Random};
+use casca_lines::sets::{LineSet, Segment};
 use casca_lines::view::View;
+use casca_lines::walk::walk;
 use rayon::prelude::*;
 use truth::{Tubes, agreement};
 
@@ -30,16 +29,160 @@ const SIZE: [u32; 2] = [480, 360];
 const RADIUS: f32 = 0.13;
 /// The square root of the rays of the truth.
 const RAYS: u32 = 20;
-/// The samples of the thesis, and its numbers of them whose time it takes.
-const SAMPLES: u32 = 150;
-const NUMBERS: [u32; 8] = [8, 16, 32, 64, 96, 128, 150, 256];
 const SETS: u32 = 16;
+
+/// The thesis' slices of a column, samples, and factor.
+const SLICES: u32 = 128;
+const SAMPLES: u32 = 150;
+const FACTOR: f32 = 4.0;
+/// The radii of the discs of its samples, a third in each: they are denser in the middle, where the
+/// lines are that darken most.
+const RADII: [f32; 3] = [0.2, 0.5, 1.0];
+/// Candidates for each of its samples.
+const CANDIDATES: usize = 12;
+/// The least sine of an angle to the tangent that the ratio of sines divides by: it keeps a single
+/// column, whose far end lies on the line's own direction, from outweighing all others.
+const LEAST_SINE: f32 = 1e-3;
+/// A base plane whose normal has a component along the column below this is parallel to it: the
+/// crossing would lie thousands of radii away, so that the column is wholly above the plane or
+/// wholly below.
+const PARALLEL: f32 = 1e-6;
+
+/// The thesis' method: a column of 128 bits along the view behind each pixel (Eisemann and Décoret
+/// 2008, "Single-pass GPU solid voxelization for real-time applications"), in which a line sets all
+/// slices from the depth where it enters the column to that where it leaves it.
+struct Thesis<'a> {
+    view: &'a View,
+    columns: Vec<u128>,
+    sets: Vec<Vec<Vec2>>,
+    radius: f32,
+}
+
+impl<'a> Thesis<'a> {
+    fn new(lines: &LineSet, view: &'a View, radius: f32) -> Self {
+        let set = |number: u32| {
+            let mut random = Random::new(random::hash(1) ^ u64::from(number));
+            RADII.iter().flat_map(|r| disc(SAMPLES / 3, &mut random).into_iter().map(|p| p * *r)).collect()
+        };
+        let [width, height] = SIZE.map(|s| s as usize);
+        let sets = (0..SETS).map(set).collect();
+        let mut all = Self { view, columns: vec![0; width * height], sets, radius };
+        for Segment { a, b, .. } in lines.segments() {
+            let ends = [a, b].map(|v| view.to_eye(lines.points()[v as usize]));
+            walk(view, ends, |[x, y], part| {
+                let [from, to] = part.map(|t| all.slice_of(-(ends[0].z + (ends[1].z - ends[0].z) * t)));
+                all.columns[y as usize * width + x as usize] |= mask(from.min(to), from.max(to));
+            });
+        }
+        all
+    }
+
+    /// The slice of a depth, clamped to those that there are.
+    fn slice_of(&self, depth: f64) -> u32 {
+        let [near, far] = self.view.depths();
+        // Conversion saturates.
+        (((depth - near) / (far - near) * f64::from(SLICES)) as u32).min(SLICES - 1)
+    }
+
+    /// The share of set slices in a range of depths of a column; none outside of the view's depths.
+    fn share(&self, [x, y]: [u32; 2], [from, to]: [f64; 2]) -> Option<f32> {
+        let [near, far] = self.view.depths();
+        let is_inside = from <= to && from <= far && to >= near;
+        let [first, last] = [from, to].map(|depth| self.slice_of(depth));
+        let column = self.columns[(y * SIZE[0] + x) as usize];
+        let on = (column & mask(first, last)).count_ones();
+        is_inside.then(|| on as f32 / (last - first + 1) as f32)
+    }
+
+    /// The occlusion of the hemisphere around a point of a line (table 3.1): the mean of the shares
+    /// of the columns through samples of a disc across the view, weighted by angle and distance.
+    /// Lengths are in radii of the hemisphere. Columns outside of the picture are left out.
+    fn at(&self, [x, y]: [u32; 2], at: &Fragment) -> f32 {
+        let away = self.view.away(at.position);
+        let pole = -away - at.tangent * at.tangent.dot(-away);
+        let pole = if pole.length() > ALONG_VIEW { pole.normalize() } else { -away };
+        let right = (Vec3::X - away * away.x).normalize_or(Vec3::Y);
+        let across = [right, right.cross(away)];
+        let (mut ratios, mut columns) = (0.0, 0.0);
+        // Noise stands still on the screen.
+        for sample in &self.sets[hash(x, y) as usize % self.sets.len()] {
+            // The column has the points `start + t * step`; t is a depth, counted from the start.
+            let start = across[0] * sample.x + across[1] * sample.y;
+            let place = at.position + start * self.radius;
+            let step = place / -place.z;
+            let (a, b) = (step.length_squared(), step.dot(start));
+            let root = b * b - a * (start.length_squared() - 1.0);
+            if root.is_nan() || root <= 0.0 {
+                continue;
+            }
+            let (mut from, mut to) = ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a);
+            let (height, slope) = (pole.dot(start), pole.dot(step));
+            if slope.abs() < PARALLEL {
+                if height < 0.0 {
+                    continue;
+                }
+            } else if slope < 0.0 {
+                // The thesis' equation 3.17 has the other sign, which mirrors the hemisphere in depth.
+                to = to.min(-height / slope);
+            } else {
+                // The pole may turn away from the viewer in perspective: the column then enters the
+                // hemisphere through its base.
+                from = from.max(-height / slope);
+            }
+            let Some(pixel) = self.view.pixel(place).filter(|_| from < to) else { continue };
+            let radius = f64::from(self.radius);
+            let depths =
+                [from, to].map(|t| -f64::from(at.position.z) + (f64::from(t) - f64::from(start.z)) * radius);
+            let Some(share) = self.share(pixel, depths) else { continue };
+            let ends = [from, to].map(|t| start + step * t);
+            // In radii: the thesis' units would make the result depend on the size of the scene.
+            let distance = (ends[0].length() + ends[1].length()) / 2.0;
+            let sine = ends.map(|e| at.tangent.cross(e.normalize_or_zero()).length());
+            let sines = (sine[0] + sine[1]) / 2.0 / sine[0].max(LEAST_SINE);
+            ratios += share * sines / (distance * distance);
+            columns += 1.0;
+        }
+        if columns > 0.0 { (ratios / columns * FACTOR).clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
+/// The slices `first` to `last`, both inclusive.
+fn mask(first: u32, last: u32) -> u128 {
+    (u128::MAX << first) & (u128::MAX >> (SLICES - 1 - last))
+}
+
+/// Points of the unit disc that keep apart (best candidates of Mitchell 1991, "Spectrally optimal
+/// sampling for distribution ray tracing").
+fn disc(count: u32, random: &mut Random) -> Vec<Vec2> {
+    let mut points: Vec<Vec2> = Vec::new();
+    let mut candidate = || loop {
+        let p = Vec2::new(random.within(-1.0, 1.0) as f32, random.within(-1.0, 1.0) as f32);
+        if p.length() < 0.999 {
+            return p;
+        }
+    };
+    for _ in 0..count {
+        let mut best = (candidate(), -1.0);
+        for _ in 0..CANDIDATES {
+            let p = candidate();
+            let apart = points.iter().map(|q| q.distance_squared(p)).fold(f32::INFINITY, f32::min);
+            if apart > best.1 {
+                best = (p, apart);
+            }
+        }
+        points.push(best.0);
+    }
+    points
+}
+
+/// A pixel that shows a line, and its nearest point.
+type Receiver = ([u32; 2], Fragment);
 
 /// A set in a view, with some of the pixels that show a line.
 struct Case {
     lines: LineSet,
     view: View,
-    receivers: Vec<([u32; 2], Fragment)>,
+    receivers: Vec<Receiver>,
     radius: f32,
     /// Half of a pixel, in the middle of the depths.
     tube: f32,
@@ -50,11 +193,12 @@ impl Case {
         let lines = Recipe::new(family, 1).make()?;
         let view = View::around(lines.bounds(), Vec3::new(0.5, 0.6, 1.0), Some(40f64.to_radians()), SIZE)?;
         let place = |i: usize| [i as u32 % SIZE[0], i as u32 / SIZE[0]];
-        let buffer = LineBuffer::new(&lines, &view);
-        let shown = buffer.fragments().iter().enumerate().filter_map(|(i, f)| Some((place(i), (*f)?)));
+        let nearest = nearest_lines(&lines, &view);
+        let shown: Vec<Receiver> =
+            nearest.iter().enumerate().filter_map(|(i, f)| Some((place(i), (*f)?))).collect();
         // Steps that share no factor with the picture's width.
-        let step = (buffer.covered() / most.max(1)).max(1) | 1;
-        let receivers = shown.step_by(step).collect();
+        let step = (shown.len() / most.max(1)).max(1) | 1;
+        let receivers = shown.into_iter().step_by(step).collect();
         let ([min, max], [near, far]) = (lines.bounds(), view.depths());
         let radius = RADIUS * (max - min).max_element();
         let tube = view.pixel_size((near + far) / 2.0) as f32 / 2.0;
@@ -64,59 +208,41 @@ impl Case {
     /// The occlusion by rays in double precision.
     fn truth(&self) -> Vec<f64> {
         let tubes = Tubes::new(&self.lines, f64::from(self.tube));
-        let one = |(i, (_, f)): (usize, &([u32; 2], Fragment))| {
+        let one = |(i, (_, f)): (usize, &Receiver)| {
             tubes.occlusion(&self.view, f, f64::from(self.radius), RAYS, &mut Random::new(i as u64))
         };
         self.receivers.par_iter().enumerate().map(one).collect()
     }
 
-    /// By the thesis' columns, and microseconds a pixel on one thread.
-    fn thesis(&self, view: &View, receivers: &[([u32; 2], Fragment)], samples: u32) -> (Vec<f64>, f64) {
-        let grid = SlabGrid::of_lines(&self.lines, view);
-        let sets = SampleSets::discs(samples, SETS, 1).expect("sets");
-        let options = AoOptions::thesis(self.radius);
-        values(Occlusion::by_columns(&grid, &sets, options).expect("options"), receivers)
-    }
-
-    fn rays(&self, view: &View, receivers: &[([u32; 2], Fragment)]) -> (Vec<f64>, f64) {
+    /// By the thesis' columns, rays and places.
+    fn estimates(&self, view: &View, receivers: &[Receiver]) -> [Vec<f64>; 3] {
+        let thesis = Thesis::new(&self.lines, view, self.radius);
+        let thesis = receivers.iter().map(|(pixel, f)| f64::from(thesis.at(*pixel, f))).collect();
+        let values = |by: Occlusion<'_>| receivers.iter().map(|(_, f)| f64::from(by.at(f))).collect();
         let options = AoOptions::rays(self.radius, self.tube);
         let cells = Cells::new(&self.lines, options.margin());
         let sets = SampleSets::spirals(USUAL_RAYS, SETS, 1).expect("sets");
-        values(Occlusion::by_rays(&cells, view, &sets, options).expect("options"), receivers)
-    }
-
-    fn places(&self, view: &View, receivers: &[([u32; 2], Fragment)]) -> (Vec<f64>, f64) {
+        let rays = values(Occlusion::by_rays(&cells, view, &sets, options).expect("options"));
         let options = AoOptions::places(self.radius, self.tube);
-        let cells = Cells::new(&self.lines, options.margin());
         let sets = SampleSets::spirals(USUAL_SIDE_RAYS, SETS, 1).expect("sets");
         let sides = Sides::new(&self.lines, &cells, &sets, options).expect("options");
-        values(Occlusion::by_places(&sides, view), receivers)
+        [thesis, rays, values(Occlusion::by_places(&sides, view))]
     }
 
     /// The root of the mean square change of each method at the same places of lines, when the
     /// picture moves.
     fn change(&self, view: &View) -> [f64; 3] {
         let by = view.eye_from_world() * self.view.eye_from_world().inverse();
-        let moved = |(_, f): &([u32; 2], Fragment)| {
+        let moved = |(_, f): &Receiver| {
             let position = by.transform_point3(f.position.as_dvec3()).as_vec3();
             let tangent = (by.matrix3 * f.tangent.as_dvec3()).as_vec3();
             Some((view.pixel(position)?, Fragment { position, tangent, ..*f }))
         };
         let pairs = self.receivers.iter().filter_map(|old| Some((*old, moved(old)?)));
         let (old, new): (Vec<_>, Vec<_>) = pairs.unzip();
-        let thesis = [(&self.view, &old), (view, &new)].map(|(view, at)| self.thesis(view, at, SAMPLES).0);
-        let rays = [(&self.view, &old), (view, &new)].map(|(view, at)| self.rays(view, at).0);
-        let places = [(&self.view, &old), (view, &new)].map(|(view, at)| self.places(view, at).0);
-        [thesis, rays, places].map(|[old, new]| agreement(&old, &new)[1])
+        let (old, new) = (self.estimates(&self.view, &old), self.estimates(view, &new));
+        std::array::from_fn(|i| agreement(&old[i], &new[i])[1])
     }
-}
-
-/// The occlusion at receivers, and microseconds for each.
-fn values(by: Occlusion<'_>, receivers: &[([u32; 2], Fragment)]) -> (Vec<f64>, f64) {
-    let start = Instant::now();
-    let at = |(pixel, f): &([u32; 2], Fragment)| f64::from(by.at(f, by.set_of(f, *pixel)));
-    let all: Vec<f64> = receivers.iter().map(at).collect();
-    (all, start.elapsed().as_secs_f64() * 1e6 / receivers.len().max(1) as f64)
 }
 
 /// The factor of least error, as the thesis' users set theirs by eye.
@@ -141,13 +267,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     for (family, case) in &cases {
         let wanted = case.truth();
-        let thesis = case.thesis(&case.view, &case.receivers, SAMPLES).0;
+        let [thesis, rays, places] = case.estimates(&case.view, &case.receivers);
         let factor = fitted(&thesis, &wanted);
         let scaled: Vec<f64> = thesis.iter().map(|v| (v * factor).min(1.0)).collect();
-        let [rays, places] =
-            [case.rays(&case.view, &case.receivers).0, case.places(&case.view, &case.receivers).0];
         let cell = |found: &[f64]| agreement(found, &wanted).map(|v| format!("{v:.3}")).join(", ");
-        let fit = format!("{} ({:.1})", cell(&scaled), 4.0 * factor);
+        let fit = format!("{} ({:.1})", cell(&scaled), f64::from(FACTOR) * factor);
         println!("| {} | {} | {fit} | {} | {} |", family.name(), cell(&thesis), cell(&rays), cell(&places));
     }
     println!("\nRMS change at the same places of lines: thesis, rays, places\n");
@@ -159,14 +283,5 @@ fn main() -> Result<(), Box<dyn Error>> {
             .map(|view| case.change(&view).map(|v| format!("{v:.3}")).join(", "));
         println!("| {} | {} |", family.name(), cells.join(" | "));
     }
-    let (_, spiral) = &cases[0];
-    println!("\nMicroseconds a pixel of the spiral, one thread; the thesis' by its samples:\n");
-    let least = |run: &dyn Fn() -> f64| (0..3).map(|_| run()).fold(f64::INFINITY, f64::min);
-    for samples in NUMBERS {
-        let time = least(&|| spiral.thesis(&spiral.view, &spiral.receivers, samples).1);
-        println!("{samples:4} samples {time:8.2}");
-    }
-    let rays = least(&|| spiral.rays(&spiral.view, &spiral.receivers).1);
-    println!("{USUAL_RAYS:4} rays    {rays:8.2}");
     Ok(())
 }

@@ -2,17 +2,16 @@
 //! cross, nobody can tell which is in front; darkening lines by the lines around them shows it.
 //!
 //! After L. de P. B. Benevides, *Oclusão de ambiente para renderização de linhas* (ambient
-//! occlusion for the rendering of lines; master's thesis, PUC-Rio 2015); by rays through a grid of
-//! the lines, and by the thesis' columns of slices for comparison. Lines may move in every frame.
+//! occlusion for the rendering of lines; master's thesis, PUC-Rio 2015), but by rays through a grid
+//! of the lines; the example `thesis` has the columns of the source. Lines may move in every frame.
 //!
 //! - [`sets`]: sets of polylines, seeded generators, files, colours, and regions.
 //! - [`view`]: orthographic and perspective views.
-//! - [`buffers`]: the nearest line in each pixel.
+//! - [`buffers`]: the nearest line in each pixel; [`walk`]: the pixels that a segment crosses.
 //! - [`cells`]: a grid of the world that names the segments near each cell, for rays.
 //! - [`places`] and [`directions`]: places along lines for rays that serve all views, and
 //!   directions in 32 bits.
-//! - [`slabs`]: the thesis' grid of bits along the view.
-//! - [`samples`]: points in the unit disc, for directions of rays and columns.
+//! - [`samples`]: points in the unit disc, for directions of rays.
 //! - [`occlusion`]: how much of the hemisphere above a line other lines hide.
 //! - [`mesh`]: triangle meshes among the lines.
 //! - [`numeric`]: all margins and constants of the estimate, for twins on other processors.
@@ -32,11 +31,10 @@ pub mod occlusion;
 pub mod places;
 pub mod samples;
 pub mod sets;
-pub mod slabs;
 #[cfg(test)]
 mod testing;
 pub mod view;
-mod walk;
+pub mod walk;
 
 /// The version of glam whose types these functions take and give.
 pub use glam;

@@ -5,15 +5,6 @@
 /// its transpose: matrices built in single precision do, by some roundings.
 pub const NOT_RIGID: f64 = 1e-4;
 
-/// The least sine of an angle to the tangent that the thesis' ratio of sines divides by: it keeps a
-/// single prism, whose far end lies on the line's own direction, from outweighing all others.
-pub const LEAST_SINE: f32 = 1e-3;
-
-/// A base plane whose normal has a component along the column below this is parallel to it: the
-/// crossing would lie thousands of radii away, so that the column is wholly above the plane or
-/// wholly below.
-pub const PARALLEL: f32 = 1e-6;
-
 /// A tangent this close to the direction of view (the sine of the angle) leaves no direction
 /// towards the eye that is normal to it: single precision would give noise.
 pub const ALONG_VIEW: f32 = 1e-4;

@@ -5,88 +5,67 @@
 //! column for each step along the longer axis; here each column that a segment crosses is visited,
 //! so that the parts of a segment are contiguous and their lengths add up.
 
-use std::ops::Range;
-
 use glam::DVec3;
-use rayon::prelude::*;
 
-use crate::sets::{LineSet, Segment};
 use crate::view::View;
 
-/// Rows of pixels that are worked on as one.
-const BAND: u32 = 8;
-
-/// The part of a segment from `from` to `to`, as shares of the way from its first end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Part {
-    pub(crate) from: f64,
-    pub(crate) to: f64,
-}
-
-/// The part of a segment of eye space in the view's depths and in some rows of its picture (Liang
-/// and Barsky 1984). A segment on the border of two rows is in the lower one only, but at the
-/// bottom of the picture.
-pub(crate) fn clip(view: &View, [a, b]: [DVec3; 2], rows: &Range<u32>) -> Option<Part> {
+/// The part of a segment in the view's depths and in its picture (Liang and Barsky 1984), as two
+/// shares of the way from its first end to its second.
+fn clip(view: &View, [a, b]: [DVec3; 2]) -> Option<[f64; 2]> {
     let [near, far] = view.depths();
     let (pa, pb) = (view.project(a), view.project(b));
-    let (width, top, bottom) = (f64::from(view.size()[0]), f64::from(rows.start), f64::from(rows.end));
+    let [width, height] = view.size().map(f64::from);
     let sides = [
         (-a.z - near, -b.z - near),
         (far + a.z, far + b.z),
         (pa.x, pb.x),
         (width * pa.z - pa.x, width * pb.z - pb.x),
-        (pa.y - top * pa.z, pb.y - top * pb.z),
-        (bottom * pa.z - pa.y, bottom * pb.z - pb.y),
+        (pa.y, pb.y),
+        (height * pa.z - pa.y, height * pb.z - pb.y),
     ];
-    let below = |(at_a, at_b): (f64, f64)| at_a <= 0.0 && at_b <= 0.0;
-    if rows.end < view.size()[1] && below(sides[5]) {
-        return None;
-    }
-    let mut part = Part { from: 0.0, to: 1.0 };
+    let [mut from, mut to] = [0.0f64, 1.0];
     for (at_a, at_b) in sides {
         if at_a < 0.0 && at_b < 0.0 {
             return None;
         }
         if at_a < 0.0 {
-            part.from = part.from.max(at_a / (at_a - at_b));
+            from = from.max(at_a / (at_a - at_b));
         } else if at_b < 0.0 {
-            part.to = part.to.min(at_a / (at_a - at_b));
+            to = to.min(at_a / (at_a - at_b));
         }
     }
-    (part.from <= part.to).then_some(part)
+    (from <= to).then_some([from, to])
 }
 
-/// Calls `visit` with column, row and part for each column that a segment of eye space crosses, in
-/// order; only `rows`.
-pub(crate) fn walk(view: &View, ends: [DVec3; 2], rows: &Range<u32>, mut visit: impl FnMut(u32, u32, Part)) {
-    let Some(part) = clip(view, ends, rows) else { return };
+/// Calls `visit` with each pixel whose column a segment of eye space crosses, in order, and the
+/// part of the segment in it: two shares of the way from its first end to its second.
+pub fn walk(view: &View, ends: [DVec3; 2], mut visit: impl FnMut([u32; 2], [f64; 2])) {
+    let Some([from, to]) = clip(view, ends) else { return };
     let [pa, pb] = ends.map(|e| view.project(e));
     let at = |t: f64| pa + (pb - pa) * t;
-    let (first, last) = (at(part.from), at(part.to));
-    let pixel = |value: f64, w: f64, range: &Range<u32>| {
-        ((value / w) as i64).clamp(i64::from(range.start), i64::from(range.end) - 1)
-    };
-    let columns = 0..view.size()[0];
-    let (mut x, mut y) = (pixel(first.x, first.z, &columns), pixel(first.y, first.z, rows));
-    let (end_x, end_y) = (pixel(last.x, last.z, &columns), pixel(last.y, last.z, rows));
+    let (first, last) = (at(from), at(to));
+    let [width, height] = view.size().map(i64::from);
+    let pixel = |value: f64, w: f64, size: i64| ((value / w) as i64).clamp(0, size - 1);
+    let (mut x, mut y) = (pixel(first.x, first.z, width), pixel(first.y, first.z, height));
+    let (end_x, end_y) = (pixel(last.x, last.z, width), pixel(last.y, last.z, height));
     let (step_x, step_y) = ((end_x - x).signum(), (end_y - y).signum());
     // Where the segment crosses the border x / w = c.
-    let crossing = |c: i64, step: i64, at: i64, end: i64, from: [f64; 2], to: [f64; 2]| {
-        if at == end {
+    let crossing = |c: i64, step: i64, end: i64, from: [f64; 2], to: [f64; 2]| {
+        if c == end {
             return f64::INFINITY;
         }
         let border = (c + i64::from(step > 0)) as f64;
         let (start, stop) = (from[0] - border * from[1], to[0] - border * to[1]);
         start / (start - stop)
     };
-    let mut t = part.from;
+    let mut t = from;
     loop {
-        let over_x = crossing(x, step_x, x, end_x, [pa.x, pa.z], [pb.x, pb.z]);
-        let over_y = crossing(y, step_y, y, end_y, [pa.y, pa.z], [pb.y, pb.z]);
+        let over_x = crossing(x, step_x, end_x, [pa.x, pa.z], [pb.x, pb.z]);
+        let over_y = crossing(y, step_y, end_y, [pa.y, pa.z], [pb.y, pb.z]);
         let done = x == end_x && y == end_y;
         // Rounding must not let a part run backwards.
-        let next = if done { part.to } else { over_x.min(over_y).clamp(t, part.to) };
-        visit(x as u32, y as u32, Part { from: t, to: next });
+        let next = if done { to } else { over_x.min(over_y).clamp(t, to) };
+        visit([x as u32, y as u32], [t, next]);
         if done {
             return;
         }
@@ -101,57 +80,82 @@ pub(crate) fn walk(view: &View, ends: [DVec3; 2], rows: &Range<u32>, mut visit: 
     }
 }
 
-/// A set of lines in a view: its vertices in eye space, and its segments by the bands of rows that
-/// they cross. Work that goes band by band over them gives the same result for any number of
-/// threads.
-pub(crate) struct Placed {
-    points: Vec<DVec3>,
-    segments: Vec<Segment>,
-    bands: Vec<Vec<u32>>,
-}
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
 
-impl Placed {
-    pub(crate) fn new(lines: &LineSet, view: &View) -> Self {
-        let points: Vec<DVec3> = lines.points().par_iter().map(|&p| view.to_eye(p)).collect();
-        let segments: Vec<Segment> = lines.segments().collect();
-        let height = view.size()[1];
-        let rows = |s: &Segment| {
-            let [a, b] = [points[s.a as usize], points[s.b as usize]];
-            let part = clip(view, [a, b], &(0..height))?;
-            let row = |t: f64| {
-                let p = view.project(a + (b - a) * t);
-                ((p.y / p.z) as i64).clamp(0, i64::from(height) - 1) as u32
-            };
-            let (from, to) = (row(part.from), row(part.to));
-            // A row more on both sides: rounding may put the ends of the parts of a segment there.
-            Some(from.min(to).saturating_sub(1)..(from.max(to) + 2).min(height))
-        };
-        let rows: Vec<Option<Range<u32>>> = segments.par_iter().map(rows).collect();
-        let mut bands = vec![Vec::new(); height.div_ceil(BAND) as usize];
-        for (i, rows) in rows.iter().enumerate() {
-            let Some(rows) = rows else { continue };
-            let touched = (rows.start / BAND) as usize..=((rows.end - 1) / BAND) as usize;
-            bands[touched].iter_mut().for_each(|b| b.push(i as u32));
+    use glam::{Vec3, vec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::buffers::nearest_lines;
+    use crate::sets::LineSet;
+    use crate::testing::{cases, places};
+    use crate::view::Lens;
+
+    /// The least and the greatest share of the way of points all along a segment, by the column in
+    /// which they lie; those so near to a border that rounding decides are left out.
+    fn marched(view: &View, [a, b]: [DVec3; 2]) -> BTreeMap<[u32; 2], [f64; 2]> {
+        let [near, far] = view.depths();
+        let mut found = BTreeMap::new();
+        let [width, height] = view.size().map(f64::from);
+        for t in (0..=40_000).map(|i| f64::from(i) / 40_000.0) {
+            let p = a.lerp(b, t);
+            let place = view.project(p);
+            let (x, y) = (place.x / place.z, place.y / place.z);
+            let shown = |v: f64, most: f64| v > 0.0 && v < most && (v - v.round()).abs() > 1e-6;
+            if place.z > 0.0 && shown(x, width) && shown(y, height) && -p.z > near && -p.z < far {
+                let part: &mut [f64; 2] = found.entry([x as u32, y as u32]).or_insert([t; 2]);
+                part[1] = t;
+            }
         }
-        Self { points, segments, bands }
+        found
     }
 
-    pub(crate) fn ends(&self, segment: &Segment) -> [DVec3; 2] {
-        [self.points[segment.a as usize], self.points[segment.b as usize]]
-    }
+    proptest! {
+        #![proptest_config(cases(48))]
 
-    /// For each band, in order and in parallel: its rows of pixels and the segments in them.
-    pub(crate) fn bands<T: Send>(
-        &self,
-        view: &View,
-        work: impl Fn(Range<u32>, &mut dyn Iterator<Item = Segment>) -> T + Sync,
-    ) -> Vec<T> {
-        let height = view.size()[1];
-        let band = |(i, segments): (usize, &Vec<u32>)| {
-            let top = i as u32 * BAND;
-            let mut segments = segments.iter().map(|&s| self.segments[s as usize]);
-            work(top..(top + BAND).min(height), &mut segments)
-        };
-        self.bands.par_iter().enumerate().map(band).collect()
+        #[test]
+        fn a_segment_visits_the_columns_of_its_points_and_leaves_no_gaps(
+            a in places(2.0), b in places(2.0), perspective: bool
+        ) {
+            let view = View::around(
+                [-Vec3::ONE, Vec3::ONE], vec3(0.3, 0.4, 1.0), perspective.then_some(0.7), [24, 17],
+            ).unwrap();
+            let ends = [a, b].map(|p| view.to_eye(p));
+            let mut visited = Vec::new();
+            walk(&view, ends, |pixel, part| visited.push((pixel, part)));
+            let found = marched(&view, ends);
+            for (pixel, [from, to]) in &found {
+                let part = visited.iter().find(|(at, _)| at == pixel);
+                prop_assert!(part.is_some(), "column {:?} is missing", pixel);
+                let [first, last] = part.unwrap().1;
+                prop_assert!(first <= from + 1e-6 && last >= to - 1e-6, "{:?}: {} {}", pixel, first, last);
+            }
+            prop_assert!(visited.len() <= found.len() + 4);
+            prop_assert!(visited.iter().all(|(_, [from, to])| from <= to));
+            prop_assert!(visited.windows(2).all(|w| w[0].1[1] == w[1].1[0]), "the parts leave a gap");
+        }
+
+        #[test]
+        fn absurd_lines_and_views_end(
+            points in proptest::collection::vec(any::<[f32; 3]>(), 0..9), size: [u32; 2], depths: [f64; 2],
+            value: f64, perspective: bool
+        ) {
+            let finite = points.iter().map(|p| Vec3::from_array(*p)).filter(|p| p.is_finite());
+            let lines = LineSet::new([finite.collect::<Vec<_>>()]).unwrap();
+            let lens = match perspective {
+                true => Lens::Perspective { fov_y: value },
+                false => Lens::Orthographic { half_height: value },
+            };
+            for (lens, depths) in [(lens, depths), (Lens::Perspective { fov_y: 1.0 }, [1e-3, 1e30])] {
+                let size = [size[0] % 3000, size[1] % 300];
+                let eye = [Vec3::Z, Vec3::ZERO, Vec3::Y];
+                let Ok(view) = View::look_at(eye, lens, depths, size) else { continue };
+                let nearest = nearest_lines(&lines, &view);
+                let mut found = nearest.iter().flatten();
+                prop_assert!(found.all(|f| f.position.is_finite() && f.tangent.is_finite()));
+            }
+        }
     }
 }

@@ -3,8 +3,8 @@
 
 use casca::{Method, PointOptions};
 
+use super::Place;
 use super::walker::{Walker, item_buffer};
-use super::worlds::Place;
 use super::{BUFFER, Contender, Lab, LabError, Section, Table, median, p99};
 use casca_scenes::drive::fitted_grid;
 use casca_scenes::generated::SceneKind;

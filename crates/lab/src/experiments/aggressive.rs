@@ -3,11 +3,9 @@
 use casca::{AggressiveOpacity, Method, Query};
 
 use super::walker::{Walker, item_buffer};
-use super::worlds::{Place, places};
-use super::{Lab, LabError, Section, Table, median};
+use super::{Lab, LabError, Place, Section, Table, places};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::SceneKind;
-use casca_scenes::measure::timed;
 use casca_scenes::world::{Object, Shape};
 use casca_truth::oracle::NONE;
 
@@ -18,33 +16,19 @@ const SHARES: [f32; 7] = [0.95, 0.85, 0.75, 0.6, 0.5, 0.35, 0.2];
 /// its triangles.
 const MOST_TRIANGLES: usize = 100_000;
 
-/// The results of a threshold, summed over frames.
-#[derive(Default)]
-struct Sum {
-    cells: u64,
-    ms: Vec<f64>,
+/// A threshold on a walk: the share from which on cells count as opaque, or none, and sums over
+/// frames.
+struct Step {
+    opacity: Option<AggressiveOpacity>,
     found: usize,
-    lost: usize,
-    pixels: u64,
+    /// Pixels of objects that the set lacks.
+    lost: u64,
 }
 
-/// The heads of the table of all thresholds.
-const COLUMNS: [&str; 8] = [
-    "scene",
-    "opaque from",
-    "cells added",
-    "ms",
-    "PVS",
-    "PVS/visible",
-    "objects lost in a frame",
-    "pixels lost, %",
-];
-
-/// A walk with all thresholds.
+/// A walk with all thresholds, from exact to the lowest share.
 struct Walked {
     name: String,
-    /// From which share on cells counted as opaque, and what came of it.
-    sums: Vec<(Option<AggressiveOpacity>, Sum)>,
+    steps: Vec<Step>,
     /// Objects visible, and pixels, summed over frames.
     visible: usize,
     pixels: u64,
@@ -57,53 +41,26 @@ fn walk(lab: &Lab, frames: usize, mut walker: Walker) -> Result<Option<Walked>, 
         return Ok(None);
     }
     let opacities = std::iter::once(None).chain(made.into_iter().map(Some));
-    let mut sums: Vec<_> = opacities.map(|opacity| (opacity, Sum::default())).collect();
+    let mut steps: Vec<Step> = opacities.map(|opacity| Step { opacity, found: 0, lost: 0 }).collect();
     let mut query = Query::with_method(Method::cell())?;
     let mut exact = item_buffer(lab.pick(1920, 320));
-    let (mut visible_sum, mut pixels) = (0usize, 0u64);
+    let (mut visible, mut pixels) = (0, 0);
     walker.walk::<LabError>(frames, |walker, _, frame| {
-        let visible = walker.visible(frame, &mut exact);
-        visible_sum += visible.len();
+        visible += walker.visible(frame, &mut exact).len();
         pixels += exact.items().len() as u64;
         let (driver, view) = (walker.driver(0), view_of(&frame.camera)?);
-        for (opacity, sum) in &mut sums {
-            let (pvs, time) = timed(|| match opacity {
-                None => Ok(query.run(&driver.scene, &view)),
-                Some(opacity) => query.run_aggressive(&driver.scene, &view, opacity),
-            });
-            let pvs = pvs?;
-            sum.cells = opacity.as_ref().map_or(0, |o| o.cells().count() as u64);
-            sum.ms.push(time.as_secs_f64() * 1e3);
-            sum.found += driver.count(pvs, &walker.world.objects);
-            sum.lost += visible.iter().filter(|&&i| !driver.sees(pvs, i)).count();
+        for step in &mut steps {
+            let pvs = match &step.opacity {
+                None => query.run(&driver.scene, &view),
+                Some(opacity) => query.run_aggressive(&driver.scene, &view, opacity)?,
+            };
+            step.found += driver.count(pvs, &walker.world.objects);
             let lost = exact.items().iter().filter(|&&i| i != NONE && !driver.sees(pvs, i as usize));
-            sum.pixels += lost.count() as u64;
+            step.lost += lost.count() as u64;
         }
         Ok(())
     })?;
-    Ok(Some(Walked { name: walker.world.name.clone(), sums, visible: visible_sum, pixels }))
-}
-
-/// The thresholds of a walk, and their rows.
-fn steps(walked: Walked, frames: usize, table: &mut Table) -> Scene {
-    let mut steps = Vec::new();
-    for (opacity, mut sum) in walked.sums {
-        let ratio = sum.found as f64 / walked.visible.max(1) as f64;
-        let lost = sum.pixels as f64 / walked.pixels.max(1) as f64 * 100.0;
-        let share = opacity.as_ref().map(AggressiveOpacity::share);
-        steps.push(Step { share, ratio, lost });
-        table.row([
-            walked.name.clone(),
-            share.map_or("whole cells".to_owned(), |share| format!("{:.0}%", share * 100.0)),
-            sum.cells.to_string(),
-            format!("{:.3}", median(&mut sum.ms)),
-            format!("{:.1}", sum.found as f64 / frames as f64),
-            format!("{ratio:.3}"),
-            format!("{:.2}", sum.lost as f64 / frames as f64),
-            format!("{lost:.3}"),
-        ]);
-    }
-    Scene { name: walked.name, steps }
+    Ok(Some(Walked { name: walker.world.name.clone(), steps, visible, pixels }))
 }
 
 fn triangles(object: &Object) -> usize {
@@ -120,7 +77,6 @@ fn triangles(object: &Object) -> usize {
 /// If a scene cannot be read.
 pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
     let mut section = Section::new("Aggressive mode: cells that are mostly solid");
-    let mut table = Table::new("aggressive", &COLUMNS);
     let frames = lab.pick(30, 2);
     let mut found = Vec::new();
     let (mut spared, mut large) = (Vec::new(), Vec::new());
@@ -139,7 +95,7 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
             continue;
         }
         match walk(lab, frames, Walker::new(world)?)? {
-            Some(walked) => found.push(steps(walked, frames, &mut table)),
+            Some(walked) => found.push(walked),
             None => spared.push(name),
         }
     }
@@ -156,33 +112,10 @@ pub fn aggressive(lab: &Lab) -> Result<Section, LabError> {
         left_out(&spared, "nothing to gain, for no static closed solids fill cells"),
     ));
     section.table(summary(&found));
-    section.rows("All thresholds as CSV", table);
     Ok(section)
 }
 
-/// A threshold on a scene: the share from which cells count as opaque, or none; PVS/visible;
-/// percent of pixels lost.
-#[derive(Debug, Clone, Copy)]
-struct Step {
-    share: Option<f32>,
-    ratio: f64,
-    lost: f64,
-}
-
-/// The thresholds of a scene, from exact to the lowest share.
-struct Scene {
-    name: String,
-    steps: Vec<Step>,
-}
-
-impl Scene {
-    /// The tightest set without a lost pixel.
-    fn lossless(&self) -> Option<&Step> {
-        self.steps.iter().filter(|s| s.lost == 0.0).min_by(|a, b| a.ratio.total_cmp(&b.ratio))
-    }
-}
-
-fn summary(scenes: &[Scene]) -> Table {
+fn summary(walks: &[Walked]) -> Table {
     let columns = [
         "scene",
         "PVS/visible, exact",
@@ -192,19 +125,20 @@ fn summary(scenes: &[Scene]) -> Table {
         "pixels lost there, %",
     ];
     let mut table = Table::new("aggressive-summary", &columns);
-    for scene in scenes {
-        let (Some(exact), Some(least), Some(last)) =
-            (scene.steps.first(), scene.lossless(), scene.steps.last())
+    for walked in walks {
+        let ratio = |step: &Step| step.found as f64 / walked.visible.max(1) as f64;
+        let lossless = walked.steps.iter().filter(|s| s.lost == 0).min_by_key(|s| s.found);
+        let (Some(exact), Some(least), Some(last)) = (walked.steps.first(), lossless, walked.steps.last())
         else {
             continue;
         };
         table.row([
-            scene.name.clone(),
-            format!("{:.2}", exact.ratio),
-            format!("{:.2}", least.ratio),
-            least.share.map_or("100".to_owned(), |s| format!("{:.0}", s * 100.0)),
-            format!("{:.2}", last.ratio),
-            format!("{:.3}", last.lost),
+            walked.name.clone(),
+            format!("{:.2}", ratio(exact)),
+            format!("{:.2}", ratio(least)),
+            least.opacity.as_ref().map_or("100".to_owned(), |o| format!("{:.0}", o.share() * 100.0)),
+            format!("{:.2}", ratio(last)),
+            format!("{:.3}", last.lost as f64 / walked.pixels.max(1) as f64 * 100.0),
         ]);
     }
     table

@@ -3,8 +3,7 @@
 
 use casca::{Method, Query, View};
 
-use super::worlds::Place;
-use super::{ASPECT, Lab, LabError, Section, Table, grouped, median};
+use super::{ASPECT, Lab, LabError, Place, Section, Table, grouped, median};
 use casca_scenes::drive::{Driver, fitted_grid, view_of};
 use casca_scenes::generated::SceneKind;
 use casca_scenes::measure::timed;

@@ -4,8 +4,7 @@ use casca::{Light, Method, Query, View};
 use glam::{Mat4, Vec3, camera};
 
 use super::walker::Walker;
-use super::worlds::{Place, places};
-use super::{Lab, LabError, Section, Table, median};
+use super::{Lab, LabError, Place, Section, Table, median, places};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::SceneKind;
 use casca_scenes::measure::timed;

@@ -129,10 +129,9 @@ impl Stage {
         least
     }
 
-    /// Runs another query on the scene; returns the least milliseconds of this many runs.
-    pub(super) fn ask(&self, query: &mut Query, view: &View, times: usize) -> f64 {
-        let runs = (0..times.max(1)).map(|_| ms(timed(|| query.run(&self.driver.scene, view)).1));
-        runs.fold(f64::INFINITY, f64::min)
+    /// Runs another query on the scene; returns the milliseconds that took.
+    pub(super) fn ask(&self, query: &mut Query, view: &View) -> f64 {
+        ms(timed(|| query.run(&self.driver.scene, view)).1)
     }
 
     /// Feeds the last result back; returns the milliseconds that took.
@@ -153,11 +152,6 @@ impl Stage {
     /// The objects of the world in the last result, in its order.
     pub(super) fn found(&self) -> impl Iterator<Item = usize> + '_ {
         self.query.pvs().visible().iter().map(|id| self.objects[id.index()])
-    }
-
-    /// The query, for its options and statistics.
-    pub(super) fn query(&self) -> &Query {
-        &self.query
     }
 }
 

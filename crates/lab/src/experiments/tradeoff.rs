@@ -2,10 +2,8 @@
 
 use casca::{Aabb, CellOptions, GridSpec, Method, PointOptions};
 
-use super::front::{Cost, distance, front};
 use super::walker::{Walker, item_buffer};
-use super::worlds::{Place, places};
-use super::{Contender, Lab, LabError, Section, Table, median};
+use super::{Contender, Lab, LabError, Place, Section, Table, median, places};
 use crate::pictures::{TradeoffPoint, tradeoff as draw};
 use casca_scenes::world::World;
 
@@ -20,14 +18,39 @@ struct Sampling {
     width: usize,
 }
 
+/// What one setting costs and gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cost {
+    /// Milliseconds of a frame.
+    ms: f64,
+    /// Objects found visible over objects that are.
+    ratio: f64,
+    /// Whether it lost nothing visible.
+    safe: bool,
+}
+
+/// Which settings are on the front: they lost nothing, and no other one that lost nothing is as
+/// good in one respect and better in the other.
+fn front(costs: &[Cost]) -> Vec<bool> {
+    let beats = |a: &Cost, b: &Cost| {
+        a.safe && a.ms <= b.ms && a.ratio <= b.ratio && (a.ms < b.ms || a.ratio < b.ratio)
+    };
+    costs.iter().map(|c| c.safe && !costs.iter().any(|o| beats(o, c))).collect()
+}
+
+/// How far a setting is from the front: the least share by which it would have to improve in time
+/// or in accuracy for no setting that lost nothing to be better in both. 0 is on the front.
+fn distance(of: &Cost, costs: &[Cost]) -> f64 {
+    let worse = |o: &Cost| (of.ms / o.ms).min(of.ratio / o.ratio) - 1.0;
+    costs.iter().filter(|o| o.safe).map(worse).filter(|d| d.is_finite()).fold(0.0, f64::max)
+}
+
 /// What was measured on one scene.
 #[derive(Debug, Clone)]
 struct SceneTradeoff {
     /// The scene's name.
     scene: String,
-    /// Mean numbers of objects in the frustum, and of visible ones.
-    in_frustum: f64,
-    /// Objects of which the item buffer shows a pixel.
+    /// Objects of which the item buffer shows a pixel: the mean.
     visible: f64,
     /// The settings measured; the first is the automatic one: all defaults, in the grid of
     /// [`GridSpec::fit`].
@@ -86,7 +109,7 @@ fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError>
     let mut walker = Walker::new(world)?;
     walker.add(&fitted)?;
     let mut exact = item_buffer(sampling.width);
-    let (mut visible_sum, mut frustum_sum, mut done) = (0usize, 0usize, 0);
+    let (mut visible_sum, mut done) = (0usize, 0);
     let frames = walker.walk::<LabError>(sampling.frames, |walker, _, frame| {
         let visible = walker.visible(frame, &mut exact);
         // Each frame starts with another one, so that none is always the one after the item buffer.
@@ -98,7 +121,6 @@ fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError>
             entry.lost += visible.iter().filter(|&&i| !entry.contender.sees(i)).count();
         }
         visible_sum += visible.len();
-        frustum_sum += frame.in_frustum.iter().filter(|&&i| walker.world.objects[i].tested).count();
         done += 1;
         Ok(())
     })?;
@@ -129,7 +151,6 @@ fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError>
     });
     Ok(SceneTradeoff {
         scene: walker.world.name.clone(),
-        in_frustum: per_frame(frustum_sum),
         visible: per_frame(visible_sum),
         points: points.collect(),
     })
@@ -153,14 +174,6 @@ impl SceneTradeoff {
         let Some(own) = self.points.first() else { return 0.0 };
         let as_tight = self.points.iter().filter(|p| p.lost == 0.0 && p.ratio <= own.ratio);
         as_tight.map(|p| own.ms / p.ms - 1.0).filter(|s| s.is_finite()).fold(0.0, f64::max)
-    }
-
-    /// The settings that lost nothing and make query and drawing together the fastest, if drawing
-    /// an object takes this many microseconds.
-    fn best_for(&self, draw_us: f64) -> Option<&TradeoffPoint> {
-        let total = |p: &TradeoffPoint| p.ms + p.ratio * self.visible * draw_us * 1e-3;
-        let safe = self.points.iter().filter(|p| p.lost == 0.0);
-        safe.min_by(|a, b| total(a).total_cmp(&total(b)))
     }
 }
 
@@ -187,11 +200,7 @@ fn table(scenes: &[SceneTradeoff]) -> Table {
     table
 }
 
-/// Costs of drawing an object for which settings are recommended, in microseconds.
-const DRAWING: [f64; 3] = [1.0, 10.0, 100.0];
-
-/// All methods and settings on all scenes, with the Pareto front, and what settings that
-/// recommends.
+/// All methods and settings on all scenes, with the Pareto front.
 ///
 /// # Errors
 /// If a scene cannot be read, or a picture not be written.
@@ -222,12 +231,6 @@ pub fn tradeoff(lab: &Lab) -> Result<Section, LabError> {
         "Time of a query against the size of the PVS, for every method and setting on each scene",
     );
     section.rows("All points as CSV", table(&scenes));
-    section.rows("The automatic settings as CSV", automatic_table(&scenes));
-    section.text(
-        "A tighter set is worth its time if drawing costs more. Recommended are, for an object that takes 1, \
-         10 or 100 us to draw, the lossless settings that make query and drawing together the fastest.",
-    );
-    section.rows("Recommended settings as CSV", recommended_table(&scenes));
     Ok(section)
 }
 
@@ -253,46 +256,30 @@ fn automatic_words(scenes: &[SceneTradeoff]) -> String {
     )
 }
 
-fn automatic_table(scenes: &[SceneTradeoff]) -> Table {
-    let columns = [
-        "scene",
-        "in the frustum",
-        "visible",
-        "automatic, ms",
-        "PVS/visible",
-        "lost in a frame",
-        "behind the best by, %",
-        "slower than the fastest as tight by, %",
-    ];
-    let mut table = Table::new("tradeoff-automatic", &columns);
-    for s in scenes {
-        let Some(own) = s.points.first() else { continue };
-        table.row([
-            s.scene.clone(),
-            format!("{:.0}", s.in_frustum),
-            format!("{:.1}", s.visible),
-            format!("{:.2}", own.ms),
-            format!("{:.3}", own.ratio),
-            format!("{:.2}", own.lost),
-            format!("{:.1}", s.automatic_distance() * 100.0),
-            format!("{:.0}", s.automatic_slowness() * 100.0),
-        ]);
-    }
-    table
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn recommended_table(scenes: &[SceneTradeoff]) -> Table {
-    let columns = ["scene", "1 us an object", "10 us an object", "100 us an object"];
-    let mut table = Table::new("tradeoff-recommended", &columns);
-    for s in scenes {
-        let best = DRAWING.map(|us| {
-            let Some(p) = s.best_for(us) else { return String::new() };
-            let method = p.method.split([' ', ',']).next().unwrap_or_default();
-            let setting = p.setting.replace(" a side, refined", ",");
-            format!("{method}, {setting} ({:.2} ms, {:.2})", p.ms, p.ratio)
-        });
-        let [a, b, c] = best;
-        table.row([s.scene.clone(), a, b, c]);
+    fn cost(ms: f64, ratio: f64, safe: bool) -> Cost {
+        Cost { ms, ratio, safe }
     }
-    table
+
+    #[test]
+    fn the_front_holds_what_nothing_safe_beats() {
+        let all = [
+            cost(1.0, 2.0, true),
+            cost(2.0, 1.5, true),
+            cost(2.0, 1.6, true),
+            cost(0.5, 1.0, false),
+            cost(4.0, 1.5, true),
+        ];
+        assert_eq!(front(&all), [true, true, false, false, false]);
+        assert_eq!(distance(&all[0], &all), 0.0);
+        assert!((distance(&all[2], &all) - 0.0).abs() < 1e-12, "as fast as the best");
+        // Twice as slow at the same accuracy: no faster, so accuracy would have to improve from
+        // 1.5.
+        assert!((distance(&all[4], &all)).abs() < 1e-12);
+        let worse = cost(2.2, 1.8, true);
+        assert!((distance(&worse, &all) - 0.1).abs() < 1e-12);
+    }
 }

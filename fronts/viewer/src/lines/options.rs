@@ -38,7 +38,7 @@ const MOST_APART: f64 = 2.0;
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
     mut_arg("set", |set| set.help(format!("A generated set: {}", family_names()))),
-    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk, .trx, .vtk, .vtp or .hair"))
+    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk, .vtk or .hair"))
 )]
 pub struct Options {
     /// What all systems take.

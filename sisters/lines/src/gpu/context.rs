@@ -14,7 +14,7 @@ use casca_stage::wgpu::{self, Buffer, BufferUsages, TextureFormat, TextureUsages
 use glam::Vec3;
 
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::shader::shader;
+use crate::gpu::lens::shader;
 use crate::mesh::Mesh;
 
 /// The colour of walls, bytes of sRGB.

@@ -1,8 +1,12 @@
-//! A view as the shaders take it, and as a scene takes it.
+//! A view as the shaders take it, with the part that all of them have in common, and as a scene
+//! takes it. A binding has the same number in all shaders.
 
 use bytemuck::{Pod, Zeroable};
+use casca_stage::gpu::Gpu;
+use casca_stage::wgpu;
 use glam::{DMat4, DVec3, DVec4};
 
+use crate::gpu::numeric::constants;
 use crate::view::{Lens, View};
 
 /// A view for shaders: `Lens` of view.wgsl.
@@ -72,4 +76,13 @@ pub fn view_of_scene(view: &View) -> Result<casca::View, casca::Error> {
             casca::View::orthographic(forward.as_vec3(), matrix(lens))
         }
     }
+}
+
+/// The part that all shaders have in common.
+const COMMON: &str = include_str!("shaders/view.wgsl");
+
+/// A shader, with the part that all have in common.
+pub(super) fn shader(gpu: &Gpu, name: &str, text: &str) -> wgpu::ShaderModule {
+    let source = wgpu::ShaderSource::Wgsl(format!("{}{COMMON}{text}", constants()).into());
+    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
 }

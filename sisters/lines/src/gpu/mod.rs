@@ -8,7 +8,7 @@
 //! - [`context`]: meshes among the lines, which hide them.
 //! - [`settings`]: what is computed.
 //! - [`antialiasing`]: smooth borders of lines.
-//! - `grid`: the cells of lines on the device; `rays`: the passes of rays through them.
+//! - `rays`: the cells of lines on the device, and the passes of rays through them.
 //! - `sides`: the occlusion at places along lines, which stays from frame to frame.
 //! - [`renderer`]: nearest lines, occlusion, pictures.
 //!
@@ -20,7 +20,6 @@ pub mod context;
 pub mod culling;
 pub mod error;
 mod frame;
-mod grid;
 pub mod lens;
 mod nearest;
 pub mod numeric;
@@ -29,7 +28,6 @@ mod rays;
 pub mod renderer;
 pub mod set;
 pub mod settings;
-mod shader;
 mod sides;
 #[cfg(test)]
 mod tests;

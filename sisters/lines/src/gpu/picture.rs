@@ -6,7 +6,7 @@ use casca_stage::kernel::{Lookup, bind};
 use casca_stage::wgpu::{self, TextureFormat};
 use glam::Vec3;
 
-use crate::gpu::shader::shader;
+use crate::gpu::lens::shader;
 
 const BINDINGS: [&[u32]; 2] = [&[0, 9, 10, 12, 13, 17, 18, 23], &[0, 9, 10, 12, 13, 17, 18, 23, 28]];
 

@@ -1,12 +1,60 @@
-//! The passes of rays through cells.
+//! Cells of lines in the memory of a device, and the passes of rays through them.
 
-use casca_stage::gpu::Gpu;
-use casca_stage::kernel::{Bound, Kernel, among};
-use casca_stage::wgpu::CommandEncoder;
+use bytemuck::{Pod, Zeroable};
+use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::kernel::{Bound, Kernel, among, filled};
+use casca_stage::wgpu::{Buffer, BufferUsages, CommandEncoder};
+use glam::Vec3;
 
-use crate::gpu::grid::CELLS;
-use crate::gpu::shader::shader;
-use crate::gpu::sides::Passes;
+use crate::cells::Cells;
+use crate::gpu::lens::shader;
+use crate::gpu::sides::{CELLS, Passes};
+
+/// `Grid` of rays.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GpuGrid {
+    origin: [f32; 3],
+    side: f32,
+    dims: [u32; 3],
+    margin: f32,
+}
+
+/// Cells on a device.
+pub(super) struct GpuCells {
+    grid: Buffer,
+    starts: Buffer,
+    lists: Buffer,
+    ends: Buffer,
+}
+
+impl GpuCells {
+    pub(super) fn new(gpu: &Gpu, cells: &Cells) -> Result<Self, GpuError> {
+        // The two ends of a segment, each with the direction in which its line leads on.
+        let row = |(ends, beside): (&[Vec3; 2], &[u32; 2])| {
+            [0, 1].map(|i| [ends[i].x.to_bits(), ends[i].y.to_bits(), ends[i].z.to_bits(), beside[i]])
+        };
+        let rows: Vec<[[u32; 4]; 2]> = cells.ends().iter().zip(cells.neighbours()).map(row).collect();
+        let (origin, dims) = (cells.origin().to_array(), cells.dims().to_array());
+        let grid = GpuGrid { origin, side: cells.side(), dims, margin: cells.margin() };
+        Ok(Self {
+            grid: filled(gpu, &[grid], BufferUsages::UNIFORM)?,
+            starts: filled(gpu, cells.starts(), BufferUsages::STORAGE)?,
+            lists: filled(gpu, cells.lists(), BufferUsages::STORAGE)?,
+            ends: filled(gpu, &rows, BufferUsages::STORAGE)?,
+        })
+    }
+
+    /// The buffers that passes of rays bind.
+    pub(super) fn bound(&self) -> [Bound<'_>; 4] {
+        [(19, &self.grid), (20, &self.starts), (21, &self.lists), (22, &self.ends)]
+    }
+
+    /// The memory on the device in bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        [&self.starts, &self.lists, &self.ends].map(Buffer::size).iter().sum()
+    }
+}
 
 /// The pixels of a workgroup, as in rays.wgsl.
 const TILE: [u32; 2] = [4, 2];

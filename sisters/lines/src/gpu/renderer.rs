@@ -13,12 +13,12 @@ use crate::gpu::context::{ContextPass, GpuContext};
 use crate::gpu::culling::Seen;
 use crate::gpu::error::LinesGpuError;
 use crate::gpu::frame::{Frame, GpuFragment};
+use crate::gpu::lens::shader;
 use crate::gpu::nearest::Nearest;
 use crate::gpu::picture::Picture;
 use crate::gpu::rays::Rays;
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::{GpuAo, Settings};
-use crate::gpu::shader::shader;
 use crate::gpu::sides::GpuSides;
 use crate::samples::SampleSets;
 use crate::view::View;
@@ -113,7 +113,7 @@ impl Renderer {
         let settings = &self.settings;
         let sides = lines.sides_for(settings)?;
         let drawn_list = filled(gpu, &drawn, BufferUsages::STORAGE)?;
-        let ao = GpuAo::new(settings, layers, sides.map_or(0, GpuSides::tangents))?;
+        let ao = GpuAo::new(settings, layers, sides.map_or(0, GpuSides::tangents));
         let ao = filled(gpu, &[ao], BufferUsages::UNIFORM)?;
         clock.stage(gpu, "context", |encoder| {
             self.context.draw(gpu, encoder, (&frame.lens, context), &frame.surfaces);
@@ -177,9 +177,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// The nearest line of each pixel, row by row, as [`crate::buffers::LineBuffer`] has it. With
-    /// antialiasing four layers follow each other: the line that the first sample of a pixel shows,
-    /// then up to three others.
+    /// The nearest line of each pixel, row by row, as [`crate::buffers::nearest_lines`] finds it.
+    /// With antialiasing four layers follow each other: the line that the first sample of a pixel
+    /// shows, then up to three others.
     ///
     /// # Errors
     /// As [`Gpu::read_buffer`].

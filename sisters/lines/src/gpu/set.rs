@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::cells::Cells;
 use crate::gpu::error::LinesGpuError;
-use crate::gpu::grid::GpuCells;
+use crate::gpu::rays::GpuCells;
 use crate::gpu::settings::Settings;
 use crate::gpu::sides::GpuSides;
 use crate::occlusion::{Estimator, OptionsError};
@@ -162,7 +162,7 @@ impl GpuLines {
     /// The values of places that settings take, if they take some; or why these lines have not what
     /// the settings need.
     pub(super) fn sides_for(&self, settings: &Settings) -> Result<Option<&GpuSides>, LinesGpuError> {
-        let radius = settings.tube()?;
+        let radius = settings.ao.estimator.line_radius();
         if radius > self.margin {
             return Err(OptionsError::Margin { radius, margin: self.margin }.into());
         }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::gpu::antialiasing::Antialiasing;
 use crate::gpu::error::LinesGpuError;
 use crate::numeric::{USUAL_RAYS, USUAL_SIDE_RAYS};
-use crate::occlusion::{AoOptions, Estimator, OptionsError};
+use crate::occlusion::{AoOptions, Estimator};
 use crate::view::View;
 
 /// What is computed.
@@ -51,16 +51,7 @@ impl Settings {
         (pixel * (1.0 + self.antialiasing.beyond())) as f32
     }
 
-    /// The radius of the tubes.
-    pub(super) fn tube(&self) -> Result<f32, OptionsError> {
-        match self.ao.estimator {
-            Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } => Ok(line_radius),
-            Estimator::Thesis { .. } => Err(OptionsError::Source),
-        }
-    }
-
     pub(super) fn check(&self) -> Result<(), LinesGpuError> {
-        self.tube()?;
         self.ao.check()?;
         self.antialiasing.check()
     }
@@ -81,8 +72,9 @@ pub(super) struct GpuAo {
 
 impl GpuAo {
     /// For a picture of a size; the tangents of places begin at a place of their buffer.
-    pub(super) fn new(settings: &Settings, size: [u32; 2], tangents: u32) -> Result<Self, OptionsError> {
+    pub(super) fn new(settings: &Settings, size: [u32; 2], tangents: u32) -> Self {
         let Settings { sets, samples, ao, .. } = *settings;
-        Ok(Self { radius: ao.radius, tube: settings.tube()?, sets, samples, size, tangents, padding: 0 })
+        let tube = ao.estimator.line_radius();
+        Self { radius: ao.radius, tube, sets, samples, size, tangents, padding: 0 }
     }
 }

@@ -7,12 +7,13 @@ use casca_stage::kernel::{Bound, Kernel, among, filled};
 use casca_stage::timing::Clock;
 use casca_stage::wgpu::{Buffer, BufferUsages, ShaderModule};
 
-use crate::gpu::grid::CELLS;
 use crate::gpu::settings::Settings;
 use crate::numeric::SIDES;
 use crate::occlusion::Estimator;
 use crate::places::Places;
 
+/// The bindings of cells, as in rays.wgsl.
+pub(super) const CELLS: [u32; 4] = [19, 20, 21, 22];
 /// Numbers before the list of work, as in sides.wgsl.
 const WORK: u64 = 4;
 

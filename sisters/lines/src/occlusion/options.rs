@@ -1,21 +1,14 @@
 //! What an estimate is told.
 
+use crate::cells::Cells;
 use crate::numeric::{MARGIN_IN_RADII, MARGIN_IN_TUBES, MOST_MARGIN_IN_TUBES, PLACE_STEP};
 
 /// How the lines around a receiver become an occlusion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Estimator {
-    /// The thesis' own: the mean of the columns' shares of set slices, times a factor. For
-    /// comparison, on the processor only.
-    Thesis {
-        /// The thesis uses 4.
-        factor: f32,
-    },
     /// The share of cosine-weighted rays that tubes of a radius stop, by rays through [`Cells`]. A
     /// ray has the width of its share of the hemisphere, up to the margin of the cells: tubes stop
     /// it by the share of that width, so that few rays give little noise.
-    ///
-    /// [`Cells`]: crate::cells::Cells
     Rays {
         /// The radius of the tubes, in units of the scene.
         line_radius: f32,
@@ -37,6 +30,12 @@ impl Estimator {
     pub fn places(radius: f32, line_radius: f32) -> Self {
         Self::Places { line_radius, step: (radius * PLACE_STEP).max(line_radius * 2.0) }
     }
+
+    /// The radius of the tubes, in units of the scene.
+    pub fn line_radius(self) -> f32 {
+        let (Self::Rays { line_radius } | Self::Places { line_radius, .. }) = self;
+        line_radius
+    }
 }
 
 /// What an estimate is told.
@@ -55,10 +54,10 @@ pub enum OptionsError {
     /// The radius of the hemisphere.
     #[error("a radius of {0}: it must be greater than 0 and finite")]
     Radius(f32),
-    /// The factor or line radius of the estimator.
-    #[error("an estimator with {0}: it must be 0 or more and finite")]
-    Estimator(f32),
-    /// Rays need cells, places need their sides, and the thesis' method needs columns.
+    /// The line radius of the estimator.
+    #[error("tubes of the radius {0}: it must be 0 or more and finite")]
+    LineRadius(f32),
+    /// Rays need cells, and places need their sides.
     #[error("another estimator than the one that these lines were prepared for")]
     Source,
     /// Cells do not name all tubes that rays meet.
@@ -82,21 +81,11 @@ impl AoOptions {
         Self { radius, estimator: Estimator::places(radius, line_radius) }
     }
 
-    /// The thesis' own method with its factor.
-    pub fn thesis(radius: f32) -> Self {
-        Self { radius, estimator: Estimator::Thesis { factor: 4.0 } }
-    }
-
     /// The margin of the cells that suits rays, in units of the scene: a share of the radius within
-    /// bounds in tubes. 0 without rays.
+    /// bounds in tubes.
     pub fn margin(&self) -> f32 {
-        match self.estimator {
-            Estimator::Thesis { .. } => 0.0,
-            Estimator::Rays { line_radius } | Estimator::Places { line_radius, .. } => (self.radius
-                * MARGIN_IN_RADII)
-                .max(line_radius * MARGIN_IN_TUBES)
-                .min(line_radius * MOST_MARGIN_IN_TUBES),
-        }
+        let tube = self.estimator.line_radius();
+        (self.radius * MARGIN_IN_RADII).max(tube * MARGIN_IN_TUBES).min(tube * MOST_MARGIN_IN_TUBES)
     }
 
     /// Whether all values are in their ranges.
@@ -107,9 +96,14 @@ impl AoOptions {
         if !(self.radius > 0.0 && self.radius.is_finite()) {
             return Err(OptionsError::Radius(self.radius));
         }
-        let (Estimator::Thesis { factor: value }
-        | Estimator::Rays { line_radius: value }
-        | Estimator::Places { line_radius: value, .. }) = self.estimator;
-        if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(OptionsError::Estimator(value)) }
+        let tube = self.estimator.line_radius();
+        if tube >= 0.0 && tube.is_finite() { Ok(()) } else { Err(OptionsError::LineRadius(tube)) }
+    }
+
+    /// Whether all values are in their ranges, and the cells name all tubes that rays meet.
+    pub(super) fn check_with(&self, cells: &Cells) -> Result<(), OptionsError> {
+        self.check()?;
+        let (radius, margin) = (self.estimator.line_radius(), cells.margin());
+        if radius > margin { Err(OptionsError::Margin { radius, margin }) } else { Ok(()) }
     }
 }

@@ -10,11 +10,40 @@ mod tests;
 
 use glam::{UVec3, Vec2, Vec3};
 
-use super::hemisphere::Hemisphere;
+use crate::buffers::Fragment;
 use crate::cells::{Cells, NONE};
 use crate::directions::decoded;
-use crate::numeric::{LEAST_WAY, RAY_LIFT, RAY_PARALLEL, STOPPED};
+use crate::numeric::{ALONG_VIEW, LEAST_WAY, RAY_LIFT, RAY_PARALLEL, STOPPED};
 use crate::view::View;
+
+/// The hemisphere around a point of a line (Benevides 2015, section 3.3.1): its base is tangent to
+/// the line, its pole is turned to the viewer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hemisphere {
+    /// The receiver in eye space, in units of the scene.
+    middle: Vec3,
+    pub(super) pole: Vec3,
+    /// In units of the scene.
+    radius: f32,
+    /// A direction normal to the direction of view, for lines without a tangent.
+    across: Vec3,
+}
+
+impl Hemisphere {
+    /// `None` for a receiver at or behind the eye of a perspective view.
+    pub(super) fn new(at: &Fragment, radius: f32, view: &View) -> Option<Self> {
+        if !at.position.is_finite() || (view.is_perspective() && at.position.z >= 0.0) {
+            return None;
+        }
+        let away = view.away(at.position);
+        let pole = -away - at.tangent * at.tangent.dot(-away);
+        // A line along the view: every direction is normal to it but the one to the eye, which
+        // shows best.
+        let pole = if pole.length() > ALONG_VIEW { pole.normalize() } else { -away };
+        let across = (Vec3::X - away * away.x).normalize_or(Vec3::Y);
+        Some(Self { middle: at.position, pole, radius, across })
+    }
+}
 
 /// The share of the rays of a set that tubes of a radius in units of the scene stop. A point of the
 /// disc is a direction: evenly spread points are cosine-weighted ones.
@@ -25,7 +54,7 @@ pub(super) fn stopped(
     tangent: Vec3,
     (set, line_radius): (&[Vec2], f32),
 ) -> f32 {
-    let across = (tangent - above.pole * tangent.dot(above.pole)).try_normalize().unwrap_or(above.across[0]);
+    let across = (tangent - above.pole * tangent.dot(above.pole)).try_normalize().unwrap_or(above.across);
     let to_world = view.eye_from_world().matrix3.transpose();
     let [x, y, z] =
         [across, above.pole.cross(across), above.pole].map(|v| (to_world * v.as_dvec3()).as_vec3());

@@ -32,7 +32,6 @@ pub struct Sides<'a> {
     places: Places,
     lengths: Vec<f32>,
     options: AoOptions,
-    line_radius: f32,
     /// One more than the share of 255; 0 before it is computed.
     values: Vec<[AtomicU16; SIDES as usize]>,
 }
@@ -41,7 +40,7 @@ pub struct Sides<'a> {
 pub(super) type Part = (u32, u32, f32);
 
 impl<'a> Sides<'a> {
-    /// For lines and their cells; `samples` are best those of [`SampleSets::spirals`].
+    /// For lines and their cells.
     ///
     /// Memory: 36 bytes a place, 16 a line and 4 a vertex.
     ///
@@ -54,18 +53,12 @@ impl<'a> Sides<'a> {
         samples: &'a SampleSets,
         options: AoOptions,
     ) -> Result<Self, OptionsError> {
-        options.check()?;
-        let Estimator::Places { line_radius, step } = options.estimator else {
-            return Err(OptionsError::Source);
-        };
-        let margin = cells.margin();
-        if line_radius > margin {
-            return Err(OptionsError::Margin { radius: line_radius, margin });
-        }
+        options.check_with(cells)?;
+        let Estimator::Places { step, .. } = options.estimator else { return Err(OptionsError::Source) };
         let places = Places::new(lines, step);
         let values = (0..places.count()).map(|_| Default::default()).collect();
         let lengths = lines.arc_lengths();
-        Ok(Self { lines, cells, samples, places, lengths, options, line_radius, values })
+        Ok(Self { lines, cells, samples, places, lengths, options, values })
     }
 
     /// The options of the estimate.
@@ -123,8 +116,9 @@ impl<'a> Sides<'a> {
         let (x, y) = along.any_orthonormal_pair();
         let (sine, cosine) = (side as f32 * (TAU / SIDES as f32)).sin_cos();
         let pole = x * cosine + y * sine;
-        let set = self.samples.set(hash(place, side) as usize % self.samples.count());
-        let rays = Rays::new(self.cells, [self.options.radius, self.line_radius], a.lerp(b, share), pole);
+        let set = self.samples.set(hash(place, side) as usize);
+        let AoOptions { radius, estimator } = self.options;
+        let rays = Rays::new(self.cells, [radius, estimator.line_radius()], a.lerp(b, share), pole);
         rays.stopped([along, pole.cross(along), pole], set, SIDE_SPREAD)
     }
 }

@@ -5,7 +5,7 @@
 //! - [`colour`]: colours by direction, numbers or groups.
 //! - [`region`]: boxes and spheres that lines are chosen by.
 //! - [`generate`]: seeded sets that move with a time.
-//! - [`files`]: text, OBJ, PLY, TCK, TRK, VTK, HAIR; with the feature `formats` VTP and TRX.
+//! - [`files`]: text, OBJ, PLY, TCK, TRK, VTK, HAIR.
 //! - [`rooms`]: a house with a set in each of its rooms.
 //! - [`random`]: the seeded numbers behind them.
 

@@ -127,11 +127,6 @@ impl LineSet {
         &self.points
     }
 
-    /// Where the vertices of a line are in [`Self::points`]; `None` if there is no such line.
-    pub fn range(&self, line: usize) -> Option<std::ops::Range<usize>> {
-        Some(*self.starts.get(line)? as usize..*self.starts.get(line + 1)? as usize)
-    }
-
     /// The vertices of each line.
     pub fn iter(&self) -> impl Iterator<Item = &[Vec3]> {
         self.starts.windows(2).map(|w| &self.points[w[0] as usize..w[1] as usize])

@@ -8,17 +8,8 @@ use casca_lines::sets::files::Format;
 mod formats;
 
 /// All formats.
-pub const FORMATS: [Format; 9] = [
-    Format::Text,
-    Format::Obj,
-    Format::Ply,
-    Format::Tck,
-    Format::Trk,
-    Format::Hair,
-    Format::Vtk,
-    Format::Vtp,
-    Format::Trx,
-];
+pub const FORMATS: [Format; 7] =
+    [Format::Text, Format::Obj, Format::Ply, Format::Tck, Format::Trk, Format::Hair, Format::Vtk];
 
 const TEXT: &str = "2\n3 1\n0 0 0\n1 0 0\n1 4 0.5\n7 7 7\n";
 const OBJ: &str = "# lines\nv 0 0 0\nv 1 0 0\nv 1 4 0.5\nvn 0 0 1\nl 1 2 3\nl -1 -2\n";
@@ -51,11 +42,6 @@ pub fn all() -> Vec<(Format, Vec<u8>)> {
         all.push((Format::Tck, formats::tck(&lines, a, b)));
         all.push((Format::Trk, formats::trk(&lines, a, b.then_some((matrix, b"RPI")))));
         all.push((Format::Vtk, formats::vtk(&lines, a, b)));
-        all.push((Format::Trx, formats::trx(&lines, a, b)));
-        use formats::Numbers::*;
-        for numbers in [Ascii, Inline, AppendedText, AppendedRaw] {
-            all.push((Format::Vtp, formats::vtp(&lines, numbers, a, b)));
-        }
     }
     all
 }

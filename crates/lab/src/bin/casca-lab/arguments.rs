@@ -1,12 +1,12 @@
-//! Arguments that commands share. What they default to, and what a command says of them, it sets
-//! with [`about`].
+//! Arguments and progress bars that commands share.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use casca_cache::MeshCache;
 use casca_tools::command_line::PathError;
-use clap::{Arg, Args};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
 
 /// Why a command failed.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
@@ -17,11 +17,6 @@ pub const FRAMES: RangeInclusive<i64> = 1..=100_000;
 pub const WIDTHS: RangeInclusive<i64> = 16..=16_384;
 /// Rays to one object, at most.
 pub const MOST_SAMPLES: i64 = 10_000;
-
-/// The default of an argument, and what `--help` says about it.
-pub fn about(value: &'static str, help: &'static str) -> impl FnOnce(Arg) -> Arg {
-    move |argument| argument.required(false).default_value(value).help(help)
-}
 
 /// Arguments of all commands with something random and a progress bar.
 #[derive(Debug, Clone, Args)]
@@ -58,10 +53,27 @@ impl Cached {
     }
 }
 
-/// Where results go.
-#[derive(Debug, Clone, Args)]
-pub struct Out {
-    /// Where the results go
-    #[arg(long)]
-    pub out: PathBuf,
+/// A bar with a label that counts up to `total` of what `unit` names.
+pub fn bar(quiet: bool, total: usize, label: &str, unit: &str) -> ProgressBar {
+    let template = format!("{{msg}} {{bar:40}} {unit} {{pos}} of {{len}}, {{eta}} left");
+    start(quiet, ProgressBar::new(total as u64), &template).with_message(label.to_owned())
+}
+
+/// The time that has passed and a message, with a sign that work goes on.
+#[cfg(feature = "experiments")]
+pub fn spinner(quiet: bool) -> ProgressBar {
+    let spinner = start(quiet, ProgressBar::new_spinner(), "{spinner} {elapsed} {prefix}: {wide_msg}");
+    spinner.enable_steady_tick(std::time::Duration::from_millis(200));
+    spinner
+}
+
+/// A bar in a style, if it is to be seen.
+fn start(quiet: bool, bar: ProgressBar, template: &str) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }

@@ -6,7 +6,6 @@
 
 mod arguments;
 mod level;
-mod progress;
 #[cfg(feature = "experiments")]
 mod report;
 mod walk;

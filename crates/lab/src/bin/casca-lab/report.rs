@@ -8,9 +8,9 @@ use casca_lab::experiments::{EXPERIMENTS, Lab, LabError, write};
 use casca_scenes::import;
 use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say, try_writing_into};
 use clap::Parser;
+use clap::builder::PossibleValuesParser;
 
-use crate::arguments::Common;
-use crate::progress;
+use crate::arguments::{Common, spinner};
 
 /// The options.
 #[derive(Debug, Parser)]
@@ -20,7 +20,11 @@ pub struct Options {
     #[arg(long)]
     quick: bool,
     /// Experiments to run, by their names [default: all]
-    #[arg(long, value_delimiter = ',', value_parser = parse_experiment)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_parser = PossibleValuesParser::new(EXPERIMENTS.iter().map(|e| e.0))
+    )]
     only: Vec<String>,
     /// glTF files that join the procedural scenes [default: those in ../shared/scenes, where they
     /// are]
@@ -34,17 +38,8 @@ pub struct Options {
     common: Common,
 }
 
-fn parse_experiment(name: &str) -> Result<String, String> {
-    let mut names = EXPERIMENTS.iter().map(|(name, _)| *name);
-    if names.any(|n| n == name) {
-        return Ok(name.to_owned());
-    }
-    let names: Vec<&str> = EXPERIMENTS.iter().map(|(name, _)| *name).collect();
-    Err(format!("expected some of {}", names.join(", ")))
-}
-
 /// The glTF files of a folder, in order of their names.
-pub fn files_in(folder: &str) -> Vec<PathBuf> {
+fn files_in(folder: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<PathBuf> =
         entries.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "glb")).collect();
@@ -63,7 +58,7 @@ pub fn run(options: &Options) -> Result<Outcome, LabError> {
     files.iter().try_for_each(|file: &PathBuf| import::load(file).map(|_| ()))?;
     try_writing_into(&out, &["report.md"])?;
     make_folder(&folder)?;
-    let bar = progress::spinner(options.common.quiet);
+    let bar = spinner(options.common.quiet);
     let progress = |what: &str| bar.set_message(what.to_owned());
     let lab = Lab { quick: options.quick, seed: options.common.seed, files, folder, progress: &progress };
     // Time that passes: most experiments use several threads.

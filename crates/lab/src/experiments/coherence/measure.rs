@@ -3,7 +3,7 @@
 use casca::{Method, Query, View};
 
 use super::super::walker::item_buffer;
-use super::super::{ASPECT, LabError, median, p99};
+use super::super::{ASPECT, LabError, p99};
 use super::ways::{Way, ways};
 use casca_scenes::drive::{Driver, fitted_grid, view_of};
 use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
@@ -32,43 +32,15 @@ pub struct Sampling {
 /// in them.
 const SETTLE: usize = 5;
 
-/// Milliseconds of a frame, or their ratios to those of another way.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct FrameTime {
-    /// The mean.
-    pub mean: f64,
-    /// The median.
-    pub median: f64,
-    /// The 99th percentile.
-    pub p99: f64,
-}
-
-impl FrameTime {
-    fn of(values: &mut [f64]) -> Self {
-        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        Self { mean, median: median(values), p99: p99(values) }
-    }
-
-    /// How many times those of another way.
-    pub fn over(&self, other: &Self) -> Self {
-        let ratio = |a: f64, b: f64| a / b.max(f64::MIN_POSITIVE);
-        Self {
-            mean: ratio(self.mean, other.mean),
-            median: ratio(self.median, other.median),
-            p99: ratio(self.p99, other.p99),
-        }
-    }
-}
-
 /// What a way did on a walk.
 #[derive(Debug, Clone, Default)]
 pub struct WayScore {
     /// Its name.
     pub name: String,
-    /// Milliseconds of a frame.
-    pub ms: FrameTime,
-    /// Mean milliseconds to tell its scene about a frame: clock, movers and result.
-    pub upkeep: f64,
+    /// Milliseconds of a frame: the mean.
+    pub mean: f64,
+    /// The 99th percentile.
+    pub p99: f64,
     /// Objects found and in the frustum, the mean of the frames that are judged.
     pub found: f64,
     /// Visible objects that were missing, in all frames that are judged.
@@ -92,45 +64,31 @@ pub struct WalkScore {
 
 /// A way with its scene, and sums over frames.
 struct Entry {
-    way: Box<dyn Way>,
+    way: Way,
     driver: Driver,
     ms: Vec<f64>,
-    upkeep: f64,
     found: usize,
     wrong: usize,
 }
 
 impl Entry {
-    fn tell(&mut self, world: &World, moved: &[usize], now: f64) -> Result<(), LabError> {
+    /// Runs a frame up to its answer, and returns the milliseconds that took.
+    fn frame(&mut self, world: &World, moved: &[usize], now: f64, view: &View) -> Result<f64, LabError> {
         self.driver.scene.begin_frame(now)?;
-        Ok(self.driver.update(&world.objects, moved)?)
-    }
-
-    /// Runs a frame up to its answer.
-    fn frame(&mut self, world: &World, moved: &[usize], now: f64, view: &View) -> Result<[f64; 2], LabError> {
-        let (told, upkeep) = timed(|| self.tell(world, moved, now));
-        told?;
-        let (answered, time) = timed(|| self.way.frame(&self.driver.scene, view));
-        answered?;
-        Ok([time, upkeep].map(|t| t.as_secs_f64() * 1e3))
+        self.driver.update(&world.objects, moved)?;
+        let ((), time) = timed(|| self.way.frame(&self.driver.scene, view));
+        Ok(time.as_secs_f64() * 1e3)
     }
 
     fn sees(&self, object: usize) -> bool {
         self.driver.sees(self.way.pvs(), object)
     }
 
-    /// Ends a frame, and returns the milliseconds that took.
-    fn end(&mut self) -> Result<f64, LabError> {
-        let (ended, time) = timed(|| self.driver.scene.end_frame([self.way.pvs()]));
-        ended?;
-        Ok(time.as_secs_f64() * 1e3)
-    }
-
-    fn score(mut self, frames: usize, judged: usize) -> WayScore {
+    fn score(mut self, judged: usize) -> WayScore {
         WayScore {
-            name: self.way.name(),
-            ms: FrameTime::of(&mut self.ms),
-            upkeep: self.upkeep / frames.max(1) as f64,
+            name: self.way.name,
+            mean: self.ms.iter().sum::<f64>() / self.ms.len().max(1) as f64,
+            p99: p99(&mut self.ms),
             found: self.found as f64 / judged.max(1) as f64,
             wrong: self.wrong,
         }
@@ -210,24 +168,22 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
     let mut entries = Vec::new();
     for way in ways()? {
         let (driver, ms) = (driver.clone(), Vec::new());
-        entries.push(Entry { way, driver, ms, upkeep: 0.0, found: 0, wrong: 0 });
+        entries.push(Entry { way, driver, ms, found: 0, wrong: 0 });
     }
-    let (mut judge, mut timed_frames) = (Judge::new(&world, sampling)?, 0);
+    let mut judge = Judge::new(&world, sampling)?;
     for number in 0..world.frames {
         let moved = world.set_frame(number);
         let camera = world.camera(number, ASPECT);
         let view: View = view_of(&camera)?;
         judge.note(&moved);
         let counts = options.since_jump(number) >= SETTLE;
-        timed_frames += usize::from(counts);
         let count = entries.len();
         // Each frame starts with another way, so that none is always the one after the judgement.
         for turn in 0..count {
             let entry = &mut entries[(turn + number) % count];
-            let [ms, upkeep] = entry.frame(&world, &moved, number as f64 * WALK_SECONDS, &view)?;
+            let ms = entry.frame(&world, &moved, number as f64 * WALK_SECONDS, &view)?;
             if counts {
                 entry.ms.push(ms);
-                entry.upkeep += upkeep;
             }
         }
         if number.is_multiple_of(sampling.judge.max(1)) {
@@ -235,8 +191,7 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
         }
         for entry in &mut entries {
             entry.way.work_aside();
-            let ms = entry.end()?;
-            entry.upkeep += if counts { ms } else { 0.0 };
+            entry.driver.scene.end_frame([entry.way.pvs()])?;
         }
     }
     Ok(WalkScore {
@@ -244,6 +199,6 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
         movers,
         judged: judge.frames,
         visible: judge.visible as f64 / judge.frames.max(1) as f64,
-        ways: entries.into_iter().map(|e| e.score(timed_frames, judge.frames)).collect(),
+        ways: entries.into_iter().map(|e| e.score(judge.frames)).collect(),
     })
 }

@@ -8,7 +8,7 @@ use super::arena::{ARENA, Arena, CELL, FRONT, HALF, sheet};
 use super::case::{
     ASPECT, Case, Shot, block, box_mesh, glass, grid, mesh, placed, quad, solid, sphere, still,
 };
-use crate::experiments::{Lab, LabError};
+use crate::experiments::LabError;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 
 impl Arena<'_> {
@@ -94,7 +94,7 @@ impl Arena<'_> {
     }
 
     /// Eyes close to the plane of a long wall, looking along it.
-    fn grazing(&self) -> Result<Vec<Case>, LabError> {
+    pub(super) fn grazing(&self) -> Result<Vec<Case>, LabError> {
         let base = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 70.0, ASPECT, 0.01, 100.0);
         let mut dice = self.dice(11);
         let turns: Vec<(Vec3, Quat)> = (0..self.lab.pick(8, 3))
@@ -132,8 +132,8 @@ impl Arena<'_> {
         Ok(cases)
     }
 
-    /// Meshes in place of boxes, at rest and turning.
-    fn meshes(&self) -> Result<Vec<Case>, LabError> {
+    /// Degenerate occluders, and meshes in place of boxes, at rest and turning.
+    pub(super) fn meshes(&self) -> Result<Vec<Case>, LabError> {
         let mut dice = self.dice(13);
         let boxes: Vec<(Vec3, Vec3)> = (0..60)
             .map(|_| {
@@ -143,7 +143,8 @@ impl Arena<'_> {
             .collect();
         let plain = boxes.iter().map(|&(p, s)| solid("box", block(p - s, p + s))).collect();
         let closed = boxes.iter().map(|&(p, s)| solid("mesh", box_mesh(p - s, p + s))).collect();
-        let mut cases = vec![self.with("60 boxes", plain)?, self.with("60 boxes as meshes", closed)?];
+        let mut cases = self.degenerate()?;
+        cases.extend([self.with("60 boxes", plain)?, self.with("60 boxes as meshes", closed)?]);
         let Shape::Mesh { mesh: unit, .. } = box_mesh(Vec3::NEG_ONE, Vec3::ONE) else { return Ok(cases) };
         let turned = |unit: &Arc<Mesh>, i: usize, frame: usize| {
             let (p, s) = boxes[i];
@@ -167,17 +168,4 @@ impl Arena<'_> {
         cases.push(Case { shots: shots.collect(), ..case });
         Ok(cases)
     }
-}
-
-/// Views along walls.
-pub(super) fn grazing(lab: &Lab) -> Result<Vec<Case>, LabError> {
-    Arena::new(lab).grazing()
-}
-
-/// Degenerate occluders, and meshes in place of boxes.
-pub(super) fn meshes(lab: &Lab) -> Result<Vec<Case>, LabError> {
-    let arena = Arena::new(lab);
-    let mut cases = arena.degenerate()?;
-    cases.extend(arena.meshes()?);
-    Ok(cases)
 }

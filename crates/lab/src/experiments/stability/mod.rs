@@ -15,6 +15,7 @@ mod shapes;
 mod tests;
 mod walks;
 
+use arena::Arena;
 use case::Case;
 use run::{CAUSES, Finding, Outcome};
 
@@ -36,12 +37,12 @@ const GROUPS: &[(&str, &str, Cases)] = &[
         "slits down to a hundredth of a pixel, with an object behind each that shows by construction",
         gaps::cases,
     ),
-    ("thin", "walls down to no thickness", shapes::thin),
-    ("grazing", "views along walls", degenerate::grazing),
-    ("touching", "occluders that touch, overlap and coincide", shapes::touching),
-    ("nested", "objects that are their own occluders or hold each other", shapes::nested),
-    ("sizes", "points, and objects that hold the whole scene", shapes::sizes),
-    ("meshes", "degenerate meshes", degenerate::meshes),
+    ("thin", "walls down to no thickness", |lab| Arena::new(lab).thin()),
+    ("grazing", "views along walls", |lab| Arena::new(lab).grazing()),
+    ("touching", "occluders that touch, overlap and coincide", |lab| Arena::new(lab).touching()),
+    ("nested", "objects that are their own occluders or hold each other", |lab| Arena::new(lab).nested()),
+    ("sizes", "points, and objects that hold the whole scene", |lab| Arena::new(lab).sizes()),
+    ("meshes", "degenerate meshes", |lab| Arena::new(lab).meshes()),
     (
         "motion",
         "jumps, speeds beyond what was promised, and clocks that leap or run backwards",

@@ -4,12 +4,12 @@ use glam::Vec3;
 
 use super::arena::{ARENA, Arena, CELL, FRONT, HALF, brick, sheet, wall};
 use super::case::{Case, Known, block, box_mesh, glass, mesh, quad, solid, sphere};
-use crate::experiments::{Lab, LabError};
+use crate::experiments::LabError;
 use casca_scenes::world::{Object, Shape};
 
 impl Arena<'_> {
     /// Walls from thick to no thickness at all.
-    fn thin(&self) -> Result<Vec<Case>, LabError> {
+    pub(super) fn thin(&self) -> Result<Vec<Case>, LabError> {
         let mut cases = vec![self.with("wall 4 cells thick", vec![solid("wall", wall(4.0 * CELL))])?];
         for (share, what) in [(0.5, "1/2 cell"), (0.1, "1/10 cell"), (1e-3, "1/1000 cell")] {
             let name = format!("wall {what} thick");
@@ -26,7 +26,7 @@ impl Arena<'_> {
     }
 
     /// Solids that share faces, planes or all of their surface.
-    fn touching(&self) -> Result<Vec<Case>, LabError> {
+    pub(super) fn touching(&self) -> Result<Vec<Case>, LabError> {
         let thick = 4.0 * CELL;
         let tiles = |n: usize, m: usize, gap: f32, make: &dyn Fn((f32, f32), (f32, f32)) -> Shape| {
             let span = |k: usize, of: usize| {
@@ -75,7 +75,7 @@ impl Arena<'_> {
     }
 
     /// Objects that coincide with occluders or hold each other.
-    fn nested(&self) -> Result<Vec<Case>, LabError> {
+    pub(super) fn nested(&self) -> Result<Vec<Case>, LabError> {
         let mut dice = self.dice(7);
         // Before the wall, none before another.
         let places: Vec<Vec3> = (0..24)
@@ -141,7 +141,7 @@ impl Arena<'_> {
     }
 
     /// Points, and objects as large as the scene and larger.
-    fn sizes(&self) -> Result<Vec<Case>, LabError> {
+    pub(super) fn sizes(&self) -> Result<Vec<Case>, LabError> {
         let plain = vec![solid("wall", wall(4.0 * CELL))];
         let mut cases = vec![self.with("objects of usual sizes", plain.clone())?];
         let mut dice = self.dice(8);
@@ -194,24 +194,4 @@ impl Arena<'_> {
         cases.push(self.with("occluders 1e6 m wide", objects)?);
         Ok(cases)
     }
-}
-
-/// Walls thinner than a cell.
-pub(super) fn thin(lab: &Lab) -> Result<Vec<Case>, LabError> {
-    Arena::new(lab).thin()
-}
-
-/// Coplanar and touching occluders.
-pub(super) fn touching(lab: &Lab) -> Result<Vec<Case>, LabError> {
-    Arena::new(lab).touching()
-}
-
-/// Objects equal to occluders, and nested ones.
-pub(super) fn nested(lab: &Lab) -> Result<Vec<Case>, LabError> {
-    Arena::new(lab).nested()
-}
-
-/// Zero-size and scene-size objects.
-pub(super) fn sizes(lab: &Lab) -> Result<Vec<Case>, LabError> {
-    Arena::new(lab).sizes()
 }

@@ -19,11 +19,6 @@ use super::{Lab, LabError, Section, Table};
 /// # Errors
 /// If a scene is refused.
 pub fn thesis(lab: &Lab) -> Result<Section, LabError> {
-    let mut body = Section::new("");
-    let mut findings = Vec::new();
-    for experiment in [hidden::run, walk::run, angle::run, resolution::run, profile::run] {
-        findings.extend(experiment(lab, &mut body)?);
-    }
     let mut section = Section::new("The thesis' experiments, with today's code");
     section.text(
         "The experiments of chapter 4 of the thesis of 2002, on scenes made as it describes them: clusters \
@@ -32,10 +27,11 @@ pub fn thesis(lab: &Lab) -> Result<Section, LabError> {
          an item buffer of 1920x1080 shows a pixel of it.",
     );
     let mut table = Table::new("thesis-findings", &["section", "the thesis found", "we find"]);
-    for f in findings {
-        table.row([f.place.to_owned(), f.thesis, f.here]);
+    for experiment in [hidden::run, walk::run, angle::run, resolution::run, profile::run] {
+        for (place, thesis, here) in experiment(lab)? {
+            table.row([place.to_owned(), thesis, here]);
+        }
     }
     section.table(table);
-    section.blocks.extend(body.blocks);
     Ok(section)
 }

@@ -7,7 +7,7 @@ use casca::{Aabb, GridSpec, Method, View};
 
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
-use super::super::{ASPECT, Lab, LabError, Section, Table};
+use super::super::{ASPECT, Lab, LabError};
 use super::setting::{EXACT, Finding, SCREEN, mean, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
@@ -15,12 +15,6 @@ use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, Motion};
 use casca_truth::baselines::Hzb;
 use casca_truth::oracle::ItemBuffer;
-
-/// The thesis' solution point, its PVS/visible there and at 100, and the resolution below which
-/// it hides nothing.
-const THESIS_BEST: (f64, f64) = (70.0, 3.6);
-const THESIS_FINE: (f64, f64) = (100.0, 3.2);
-const THESIS_COARSE: f64 = 25.0;
 
 /// A method on a grid of `cells` along the longest axis; milliseconds and objects of each
 /// viewpoint.
@@ -31,7 +25,6 @@ struct Run {
     query: Vec<f64>,
     drawing: Vec<f64>,
     found: Vec<f64>,
-    lost: usize,
 }
 
 /// A point on the curves of one method.
@@ -41,7 +34,6 @@ struct Point {
     query: f64,
     frame: f64,
     ratio: f64,
-    lost: f64,
 }
 
 const METHODS: [Method; 2] = [Method::cell(), Method::point()];
@@ -64,7 +56,7 @@ fn curve(points: &[Point], value: fn(&Point) -> f64) -> Vec<(f64, f64)> {
     points.iter().map(|p| (p.cells, value(p))).collect()
 }
 
-pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabError> {
+pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
     let cells: Vec<u32> =
         lab.pick(vec![10, 20, 25, 30, 40, 55, 70, 85, 100, 130, 160], vec![10, 25, 70, 100, 160]);
     let viewpoints: Vec<usize> = lab.pick(vec![15, 45, 75, 105, 135], vec![75]);
@@ -76,8 +68,8 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
     let cameras: Vec<Camera> = viewpoints.iter().map(|&f| world.camera(f, ASPECT)).collect();
     let views: Vec<View> = cameras.iter().map(view_of).collect::<Result<_, _>>()?;
     let mut buffer = ItemBuffer::new(EXACT.0, EXACT.1);
-    let visible: Vec<Vec<usize>> =
-        cameras.iter().map(|c| visible_in(&mut buffer, &world.objects, c)).collect();
+    let visible: Vec<f64> =
+        cameras.iter().map(|c| visible_in(&mut buffer, &world.objects, c).len() as f64).collect();
     let mut runs = Vec::new();
     for &cells in &cells {
         (lab.progress)(&format!("{cells} cells along the longest axis"));
@@ -85,7 +77,7 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
         for (method, kind) in METHODS.iter().enumerate() {
             let stage = Stage::new(&world, &grid, *kind, Telling::Always)?;
             let none = || vec![f64::INFINITY; views.len()];
-            runs.push(Run { cells, method, stage, query: none(), drawing: none(), found: none(), lost: 0 });
+            runs.push(Run { cells, method, stage, query: none(), drawing: none(), found: none() });
         }
     }
     let mut frustum =
@@ -102,13 +94,10 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
                 let ((), drawing) = timed(|| depth.draw_all(&world.objects, r.stage.found(), &cameras[v]));
                 r.drawing[v] = r.drawing[v].min(ms(drawing));
                 r.found[v] = r.stage.found().count() as f64;
-                if round == 0 {
-                    r.lost += visible[v].iter().filter(|&&i| !r.stage.sees(i)).count();
-                }
             }
         }
     }
-    let exact = mean(&visible.iter().map(|v| v.len() as f64).collect::<Vec<_>>());
+    let exact = mean(&visible);
     let points = |method: usize| -> Vec<Point> {
         let runs = runs.iter().filter(|r| r.method == method);
         runs.map(|r| Point {
@@ -116,97 +105,49 @@ pub(super) fn run(lab: &Lab, section: &mut Section) -> Result<Vec<Finding>, LabE
             query: mean(&r.query),
             frame: mean(&r.query) + mean(&r.drawing),
             ratio: ratio(mean(&r.found), exact),
-            lost: r.lost as f64 / views.len() as f64,
         })
         .collect()
     };
-    let found =
-        Found { methods: [points(0), points(1)], vfc: ratio(mean(&in_frustum), exact), fit: f64::from(fit) };
-    section.rows("Resolutions as CSV", found.table());
-    Ok(found.findings())
-}
-
-struct Found {
-    methods: [Vec<Point>; 2],
-    /// Objects in the frustum over objects visible.
-    vfc: f64,
-    /// What the library would choose.
-    fit: f64,
-}
-
-impl Found {
-    fn table(&self) -> Table {
-        let columns = [
-            "N",
-            "cell: query, ms",
-            "cell: frame, ms",
-            "cell: PVS/visible",
-            "point: query, ms",
-            "point: frame, ms",
-            "point: PVS/visible",
-            "visible objects lost",
-        ];
-        let mut table = Table::new("thesis-resolution", &columns);
-        let [cell, point] = &self.methods;
-        for (c, p) in cell.iter().zip(point) {
-            let of =
-                |p: &Point| [format!("{:.3}", p.query), format!("{:.2}", p.frame), format!("{:.3}", p.ratio)];
-            let lost = format!("{}", c.lost + p.lost);
-            table.row([format!("{}", c.cells)].into_iter().chain(of(c)).chain(of(p)).chain([lost]));
-        }
-        table
-    }
-
-    fn findings(&self) -> Vec<Finding> {
-        let [cell, point] = &self.methods;
-        let (frame, query) = (|p: &Point| p.frame, |p: &Point| p.query);
-        let (cell_best, point_best) = (best(cell, frame), best(point, query));
-        let at = |n: f64| between(&curve(cell, |p| p.ratio), n);
-        // As good as frustum culling: within a hundredth of it.
-        let useless = cell.iter().take_while(|p| p.ratio > 0.99 * self.vfc).last();
-        vec![
-            Finding::new(
-                "4.6, fig. 4.7",
-                "The fastest frames are at about 70x70x70 cells, the solution point.",
-                format!(
-                    "`cell` is fastest at N = {} (query alone: {}), `point` by its query at {}; \
-                     `GridSpec::fit` chooses {}, where a query of `point` takes {:.2} times the best.",
-                    cell_best.cells,
-                    best(cell, query).cells,
-                    point_best.cells,
-                    self.fit,
-                    ratio(between(&curve(point, query), self.fit), point_best.query)
-                ),
+    let (cell, point) = (points(0), points(1));
+    // Objects in the frustum over objects visible.
+    let in_frustum = ratio(mean(&in_frustum), exact);
+    let (cell_best, point_best) = (best(&cell, |p| p.frame), best(&point, |p| p.query));
+    let at = |n: f64| between(&curve(&cell, |p| p.ratio), n);
+    // As good as frustum culling: within a hundredth of it.
+    let useless = cell.iter().take_while(|p| p.ratio > 0.99 * in_frustum).last();
+    Ok(vec![
+        (
+            "4.6, fig. 4.7",
+            "The fastest frames are at about 70x70x70 cells, the solution point.".to_owned(),
+            format!(
+                "`cell` is fastest at N = {} (query alone: {}), `point` by its query at {}; `GridSpec::fit` \
+                 chooses {fit}, where a query of `point` takes {:.2} times the best.",
+                cell_best.cells,
+                best(&cell, |p| p.query).cells,
+                point_best.cells,
+                ratio(between(&curve(&point, |p| p.query), f64::from(fit)), point_best.query)
             ),
-            Finding::new(
-                "4.6, fig. 4.8",
-                format!(
-                    "PVS/visible {} at N = {}, {} at {}.",
-                    THESIS_BEST.1, THESIS_BEST.0, THESIS_FINE.1, THESIS_FINE.0
-                ),
-                format!(
-                    "`cell` {:.2} at 70, {:.2} at 100; `point` {:.2} to {:.2} over all N.",
-                    at(THESIS_BEST.0),
-                    at(THESIS_FINE.0),
-                    point.iter().map(|p| p.ratio).fold(f64::INFINITY, f64::min),
-                    point.iter().map(|p| p.ratio).fold(0.0, f64::max)
-                ),
+        ),
+        (
+            "4.6, fig. 4.8",
+            "PVS/visible 3.6 at N = 70, 3.2 at 100.".to_owned(),
+            format!(
+                "`cell` {:.2} at 70, {:.2} at 100; `point` {:.2} to {:.2} over all N.",
+                at(70.0),
+                at(100.0),
+                point.iter().map(|p| p.ratio).fold(f64::INFINITY, f64::min),
+                point.iter().map(|p| p.ratio).fold(0.0, f64::max)
             ),
-            Finding::new(
-                "4.6, fig. 4.8",
-                format!("Below N = {THESIS_COARSE} no better than frustum culling."),
-                match useless {
-                    Some(p) => {
-                        format!("`cell` is no better than `frustum` (within 1%) up to N = {}.", p.cells)
-                    }
-                    None => format!(
-                        "`cell` is better than `frustum` at every N from {} on.",
-                        cell.first().map_or(0.0, |p| p.cells)
-                    ),
-                },
-            ),
-        ]
-    }
+        ),
+        (
+            "4.6, fig. 4.8",
+            "Below N = 25 no better than frustum culling.".to_owned(),
+            match useless {
+                Some(p) => format!("`cell` is no better than `frustum` (within 1%) up to N = {}.", p.cells),
+                None => format!("`cell` is better than `frustum` at every N from {} on.", cell[0].cells),
+            },
+        ),
+    ])
 }
 
 #[cfg(test)]
@@ -218,13 +159,5 @@ mod tests {
         let curve = [(10.0, 1.0), (20.0, 3.0)];
         assert_eq!([5.0, 10.0, 15.0, 20.0, 30.0].map(|x| between(&curve, x)), [1.0, 1.0, 2.0, 3.0, 3.0]);
         assert_eq!(between(&[], 1.0), 0.0);
-    }
-
-    #[test]
-    fn the_best_point_has_the_least_value() {
-        let point = |cells, frame| Point { cells, frame, ..Point::default() };
-        let points = [point(10.0, 3.0), point(70.0, 1.0), point(160.0, 2.0)];
-        assert_eq!(best(&points, |p| p.frame).cells, 70.0);
-        assert_eq!(best(&[], |p| p.frame).cells, 0.0);
     }
 }

@@ -26,6 +26,10 @@ const WAYS: [(&str, Method, Telling); 4] = [
     ("casca frustum", Method::Frustum, Telling::Always),
 ];
 
+/// The linear array and the default method among the rows of an arena.
+const LINEAR: usize = 0;
+const POINT: usize = 2;
+
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
 struct Sampling {
@@ -44,7 +48,6 @@ struct Sampling {
 #[derive(Debug, Clone)]
 struct Row {
     name: &'static str,
-    arena: Arena,
     /// Medians in milliseconds.
     update: f64,
     query: f64,
@@ -53,12 +56,6 @@ struct Row {
     visible: f64,
     /// Visible objects that were not returned, in all judged frames.
     lost: usize,
-}
-
-impl Row {
-    fn sum(&self) -> f64 {
-        self.update + self.query
-    }
 }
 
 /// What is measured of a structure, frame by frame.
@@ -183,7 +180,6 @@ fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<
     let names = structures.iter().map(|s| s.name()).chain(WAYS.map(|w| w.0));
     let rows = names.zip(records).map(|(name, mut r)| Row {
         name,
-        arena,
         update: median(&mut r.update),
         query: median(&mut r.query),
         returned: r.returned as f64 / r.judged.max(1) as f64,
@@ -193,40 +189,24 @@ fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<
     Ok(rows.collect())
 }
 
-fn kind(arena: &Arena) -> String {
-    let place = if arena.hidden { "hidden" } else { "visible" };
-    format!("{place}, {}", if arena.fast { "fast" } else { "slow" })
-}
-
 /// Measures upkeep and query of moving objects in the library and in other structures.
 ///
 /// # Errors
 /// If a structure finds other boxes in the frustum than a linear array, or a scene is refused.
 pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
-    let counts = lab.pick(vec![1000, 10_000, 100_000], vec![300, 2000]);
-    let mut rows = Vec::new();
-    for &count in &counts {
-        for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
-            let sampling = Sampling {
-                // In the open, only the objects outside the frustum get volumes.
-                settle: lab.pick(
-                    if !hidden {
-                        3
-                    } else if count > 50_000 {
-                        // Each frame puts this many into volumes.
-                        15 + usize::div_ceil(count, MOST_NEW_VOLUMES)
-                    } else {
-                        40
-                    },
-                    4,
-                ),
-                steady: lab.pick(45, 1),
-                frames: lab.pick(9, 3),
-                judged: lab.pick(2, 1),
-                width: lab.pick(1920, 960),
-            };
-            rows.extend(measure(Arena { count, hidden, fast, seed: lab.seed }, sampling, lab.progress)?);
-        }
+    let count = lab.pick(100_000, 2000);
+    let mut arenas = Vec::new();
+    for (hidden, fast) in [(true, false), (true, true), (false, false), (false, true)] {
+        let sampling = Sampling {
+            // A frame puts at most `MOST_NEW_VOLUMES` objects into volumes; in the open, only those
+            // outside the frustum get one.
+            settle: lab.pick(if hidden { 15 + usize::div_ceil(count, MOST_NEW_VOLUMES) } else { 3 }, 4),
+            steady: lab.pick(45, 1),
+            frames: lab.pick(9, 3),
+            judged: lab.pick(2, 1),
+            width: lab.pick(1920, 960),
+        };
+        arenas.push(measure(Arena { count, hidden, fast, seed: lab.seed }, sampling, lab.progress)?);
     }
     let mut section = Section::new("Upkeep of moving objects, against trees and arrays");
     section.text(
@@ -237,85 +217,38 @@ pub fn upkeep(lab: &Lab) -> Result<Section, LabError> {
          objects are not hidden. Its *update* is the clock, all reports and the feedback of the result; *on \
          expiry*, hidden objects are reported only when asked for. Medians over frames.",
     );
-    let last = counts.last().copied().unwrap_or(0);
-    summary(&mut section, &rows, last);
-    let lost: usize = rows.iter().map(|r| r.lost).sum();
+    section.table(summary(count, &arenas));
+    let lost: usize = arenas.iter().flatten().map(|r| r.lost).sum();
     section.text(match lost {
         0 => "No visible object is missing from any result, in all frames compared.".to_owned(),
         n => format!("{n} visible objects are missing from results, in all frames compared."),
     });
-    section.rows("All rows as CSV", whole(&rows));
     Ok(section)
 }
 
-fn find<'a>(rows: &'a [Row], name: &str, like: &Arena) -> Option<&'a Row> {
-    rows.iter().find(|r| r.name == name && r.arena == *like)
-}
-
-/// The largest count: update + query, by structure and arena.
-fn summary(section: &mut Section, rows: &[Row], count: usize) {
-    let arenas: Vec<Arena> =
-        rows.iter().filter(|r| r.arena.count == count && r.name == WAYS[0].0).map(|r| r.arena).collect();
-    let mut columns = vec![format!("{} moving objects: update + query, ms", grouped(count))];
-    columns.extend(arenas.iter().map(kind));
-    let names: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let mut table = Table::new("upkeep-summary", &names);
-    let Some(first) = arenas.first() else { return };
-    for row in rows.iter().filter(|r| r.arena == *first) {
-        let cells = arenas.iter().map(|a| {
-            find(rows, row.name, a)
-                .map_or(String::new(), |r| format!("{:.2} + {:.2} = {:.2}", r.update, r.query, r.sum()))
-        });
-        table.row(std::iter::once(row.name.to_owned()).chain(cells));
-    }
-    let cells = |value: fn(&Row) -> f64, name: &'static str| {
-        arenas
-            .iter()
-            .map(move |a| find(rows, name, a).map_or(String::new(), |r| format!("{:.0}", value(r))))
-            .collect::<Vec<_>>()
+/// Update + query, by structure and arena.
+fn summary(count: usize, arenas: &[Vec<Row>]) -> Table {
+    let first = format!("{} moving objects: update + query, ms", grouped(count));
+    let columns = [&*first, "hidden, slow", "hidden, fast", "visible, slow", "visible, fast"];
+    let mut table = Table::new("upkeep-summary", &columns);
+    let mut add = |name: &str, cell: &dyn Fn(&[Row]) -> String| {
+        table.row(std::iter::once(name.to_owned()).chain(arenas.iter().map(|rows| cell(rows))));
     };
-    for (title, name) in
-        [("objects in the frustum", "linear array"), ("objects in the PVS of point", WAYS[0].0)]
-    {
-        table.row(std::iter::once(title.to_owned()).chain(cells(|r| r.returned, name)));
+    for (i, row) in arenas[0].iter().enumerate() {
+        add(row.name, &|rows| {
+            let Row { update, query, .. } = &rows[i];
+            format!("{update:.2} + {query:.2} = {:.2}", update + query)
+        });
     }
-    table.row(std::iter::once("exactly visible".to_owned()).chain(cells(|r| r.visible, WAYS[0].0)));
-    section.table(table);
-}
-
-fn whole(rows: &[Row]) -> Table {
-    let columns = [
-        "objects",
-        "arena",
-        "structure",
-        "update, ms",
-        "query, ms",
-        "sum, ms",
-        "objects returned",
-        "exactly visible",
-        "visible lost",
-    ];
-    let mut table = Table::new("upkeep", &columns);
-    for r in rows {
-        table.row([
-            format!("{}", r.arena.count),
-            kind(&r.arena),
-            r.name.to_owned(),
-            format!("{:.4}", r.update),
-            format!("{:.4}", r.query),
-            format!("{:.4}", r.sum()),
-            format!("{:.1}", r.returned),
-            format!("{:.1}", r.visible),
-            format!("{}", r.lost),
-        ]);
-    }
+    add("objects in the frustum", &|rows| format!("{:.0}", rows[LINEAR].returned));
+    add("objects in the PVS of point", &|rows| format!("{:.0}", rows[POINT].returned));
+    add("exactly visible", &|rows| format!("{:.0}", rows[POINT].visible));
     table
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     const SMALL: Sampling = Sampling { settle: 5, steady: 2, frames: 4, judged: 4, width: 640 };
 
@@ -325,46 +258,14 @@ mod tests {
             let arena = Arena { count: 400, hidden, fast, seed: 5 };
             let rows = measure(arena, SMALL, &|_| ()).expect("structures agree");
             assert_eq!(rows.len(), 2 + WAYS.len());
-            let linear = find(&rows, "linear array", &arena).unwrap();
+            let [linear, point] = [LINEAR, POINT].map(|i| &rows[i]);
+            assert_eq!([linear.name, point.name], ["linear array", "casca point"]);
             assert!(linear.returned > 50.0 && linear.visible > 0.0, "{linear:?}");
             for row in &rows {
                 assert_eq!(row.lost, 0, "{row:?}");
                 assert!(row.returned + 1e-9 >= row.visible, "{row:?}");
             }
-            let point = find(&rows, "casca point", &arena).unwrap();
             assert_eq!(point.returned < 0.5 * linear.returned, hidden, "{point:?}");
-        }
-    }
-
-    #[test]
-    fn structures_follow_boxes_that_grow_jump_and_leave_the_hall() {
-        let world = Arena { count: 50, hidden: false, fast: false, seed: 1 }.build();
-        let mut now = boxes(&world.objects);
-        let camera = world.camera(0, 1.0);
-        let frustum = Frustum::of(&camera);
-        let mut all: [Box<dyn Structure>; 2] = [Box::new(Linear::new(&now)), Box::new(Bvh::new(&now))];
-        let jump = |i: usize, round: usize| {
-            let a = (i * 37 + round * 91) as f32;
-            Vec3::new(a.sin() * 90.0 + 64.0, a.cos() * 40.0 + 24.0, (a * 0.7).sin() * 90.0 + 64.0)
-        };
-        for round in 0..20 {
-            for (i, b) in now.iter_mut().enumerate() {
-                let half = 0.1 + ((i + round) % 13) as f32 * 3.0;
-                *b = (jump(i, round) - half, jump(i, round) + half);
-            }
-            let mut expected: Option<Vec<u32>> = None;
-            for structure in &mut all {
-                structure.update(&now);
-                let mut found = Vec::new();
-                structure.query(&frustum, &mut found);
-                found.sort_unstable();
-                match &expected {
-                    None => expected = Some(found),
-                    Some(e) => assert_eq!(*e, found, "{} in round {round}", structure.name()),
-                }
-            }
-            let found = expected.unwrap_or_default().len();
-            assert!(found > 5 && found < 50, "the view tells them apart: {found}");
         }
     }
 }

@@ -14,8 +14,9 @@ use casca_stage::gpu::{COLOUR, Gpu};
 use casca_stage::timing::Clock;
 use glam::{Vec3, vec3};
 
-use crate::gpu::context::GpuContext;
-use crate::gpu::culling::Seen;
+use crate::buffers::Fragment;
+use crate::gpu::context::{Context, GpuContext};
+use crate::gpu::culling::{Culling, Seen};
 use crate::gpu::renderer::{Look, Renderer};
 use crate::gpu::set::GpuLines;
 use crate::gpu::settings::Settings;
@@ -62,17 +63,49 @@ fn of_margin(margin: f32) -> Settings {
     Settings::new(0.3, margin / MARGIN_IN_TUBES)
 }
 
-/// The picture of some bundles among context, with their occlusion.
-fn picture(
-    (gpu, canvas): (&Gpu, &Canvas),
-    renderer: &mut Renderer,
-    view: &View,
-    lines: (&GpuLines, &Seen),
-    context: &[GpuContext],
-) -> Vec<u8> {
-    renderer.update(gpu, view, lines, context, &mut Clock::off()).unwrap();
-    renderer.paint(gpu, &canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, &mut Clock::off()).unwrap();
-    canvas.read_picture(gpu).unwrap()
+/// Pictures of lines among context, with and without culling.
+struct Culled<'a> {
+    gpu: &'a Gpu,
+    canvas: Canvas,
+    renderer: Renderer,
+    lines: GpuLines,
+    culling: Culling,
+    context: Vec<GpuContext>,
+}
+
+impl<'a> Culled<'a> {
+    fn new(gpu: &'a Gpu, lines: &LineSet, context: &[Context], settings: Settings) -> Self {
+        let lines = GpuLines::new(gpu, lines, &of_margin(0.04)).unwrap();
+        Self {
+            gpu,
+            canvas: Canvas::new(gpu, (160, 120)),
+            renderer: Renderer::new(gpu, COLOUR, settings).unwrap(),
+            culling: Culling::new(lines.bundles(), context).unwrap(),
+            lines,
+            context: context.iter().map(|c| GpuContext::new(gpu, c).unwrap()).collect(),
+        }
+    }
+
+    /// The picture of some bundles, with their fragments and occlusion.
+    fn shot(&mut self, view: &View, seen: &Seen) -> (Vec<u8>, Vec<Option<Fragment>>, Vec<f32>) {
+        let (gpu, off) = (self.gpu, &mut Clock::off());
+        self.renderer.update(gpu, view, (&self.lines, seen), &self.context, off).unwrap();
+        self.renderer.paint(gpu, &self.canvas.picture(), Look::Occluded, 1.0, Vec3::ONE, off).unwrap();
+        let picture = self.canvas.read_picture(gpu).unwrap();
+        let fragments = self.renderer.read_fragments(gpu).unwrap();
+        (picture, fragments, self.renderer.read_occlusion(gpu).unwrap())
+    }
+
+    /// Asserts that culling changes no pixel; the bundles drawn with it, and the sum of the
+    /// occlusion.
+    fn changes_nothing(&mut self, view: &View) -> (usize, f32) {
+        let seen = self.culling.look(view, self.renderer.settings().reach(view)).unwrap();
+        let all = self.shot(view, &Seen::all(self.lines.bundles().len()));
+        let culled = self.shot(view, &seen);
+        let lost = all.1.iter().zip(&culled.1).filter(|(a, b)| a != b).count();
+        assert!(all == culled, "{view:?}: {lost} pixels");
+        (seen.drawn.len(), all.2.iter().sum())
+    }
 }
 
 /// A frame of all lines without context.

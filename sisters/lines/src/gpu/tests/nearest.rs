@@ -1,7 +1,7 @@
 //! The nearest lines beside the processor's.
 
 use super::*;
-use crate::buffers::LineBuffer;
+use crate::buffers::nearest_lines;
 
 #[test]
 fn nearest_lines_are_those_of_the_processor() {
@@ -18,8 +18,8 @@ fn nearest_lines_are_those_of_the_processor() {
     for (lines, view) in pairs.chain([(&border, straight)]) {
         let renderer = run(&gpu, lines, &view, Settings::new(0.3, 0.01));
         let found = renderer.read_fragments(&gpu).unwrap();
-        let buffer = LineBuffer::new(lines, &view);
-        for (found, expected) in found.iter().zip(buffer.fragments()) {
+        let nearest = nearest_lines(lines, &view);
+        for (found, expected) in found.iter().zip(&nearest) {
             covered += usize::from(expected.is_some());
             let is_same = match (found, expected) {
                 (None, None) => true,

@@ -48,7 +48,7 @@ fn the_occlusion_is_that_of_the_processor() {
             let (mut off, mut far_off, mut covered, mut sum) = (0.0, 0, 0, 0.0);
             for (found, fragment) in found.iter().zip(&receivers) {
                 let Some(fragment) = fragment else { continue };
-                let expected = occlusion.at(fragment, occlusion.set_of(fragment, [0; 2]));
+                let expected = occlusion.at(fragment);
                 covered += 1;
                 sum += expected;
                 off += (found - expected).abs();

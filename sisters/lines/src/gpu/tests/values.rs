@@ -1,8 +1,6 @@
 //! Empty sets and bad values.
 
 use super::*;
-use crate::gpu::context::Context;
-use crate::gpu::culling::Culling;
 use crate::gpu::error::LinesGpuError;
 use crate::view::Lens;
 
@@ -17,7 +15,6 @@ fn empty_sets_give_empty_pictures_and_bad_values_are_named() {
     let error = |with: Settings| Renderer::new(&gpu, COLOUR, with).err().unwrap().to_string();
     assert!(error(Settings { samples: 0, ..good }).contains("1 or more"));
     assert!(error(settings(AoOptions::rays(f32::NAN, 0.1))).contains("radius"));
-    assert!(error(settings(AoOptions::thesis(0.3))).contains("another estimator"));
     // A picture beyond the limits of the adapter, and the renderer goes on.
     let mut renderer = Renderer::new(&gpu, COLOUR, good).unwrap();
     let lines = GpuLines::new(&gpu, &set(Family::Spiral, 5), &of_margin(0.04)).unwrap();

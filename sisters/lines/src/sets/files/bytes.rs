@@ -13,7 +13,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// By a name of PLY, TRX or VTK in lower case. VTK writes its `vtkIdType` with 32 bits.
+    /// By a name of PLY or VTK in lower case. VTK writes its `vtkIdType` with 32 bits.
     pub(super) fn named(name: &str) -> Option<Self> {
         Some(match name {
             "float" | "float32" => Self::Float(4),

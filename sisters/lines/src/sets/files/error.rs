@@ -19,14 +19,11 @@ pub enum FileError {
         why: std::io::Error,
     },
     /// The ending is that of no format that is read.
-    #[error("{0}: the ending must be .txt, .obj, .ply, .tck, .trk, .trx, .vtk, .vtp or .hair")]
+    #[error("{0}: the ending must be .txt, .obj, .ply, .tck, .trk, .vtk or .hair")]
     Unknown(PathBuf),
     /// The ending is that of no format whose meshes are read.
     #[error("{0}: the ending of a mesh must be .obj or .ply")]
     NoMesh(PathBuf),
-    /// The library was built without the reader.
-    #[error("files of this format are read with the feature \"formats\" only")]
-    Feature,
     /// A file was read, and what it holds was refused.
     #[error("{path}: {why}")]
     In {

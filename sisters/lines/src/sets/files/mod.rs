@@ -1,5 +1,5 @@
-//! Lines from files: the thesis' text format, OBJ, PLY, the tractograms TCK, TRK and TRX, VTK and
-//! HAIR, with the numbers, colours and groups that they have; and triangle meshes from OBJ and PLY.
+//! Lines from files: the thesis' text format, OBJ, PLY, the tractograms TCK and TRK, VTK and HAIR,
+//! with the numbers, colours and groups that they have; and triangle meshes from OBJ and PLY.
 //!
 //! Readers take bytes and need memory in proportion to them, whatever a header promises. Lines may
 //! be of any number of vertices.
@@ -9,19 +9,12 @@ mod error;
 mod hair;
 mod mesh;
 mod ply;
-mod polydata;
 mod tck;
 #[cfg(test)]
 mod tests;
 mod text;
 mod trk;
-#[cfg(feature = "formats")]
-mod trx;
-#[cfg(feature = "formats")]
-mod unpack;
 mod vtk;
-#[cfg(feature = "formats")]
-mod vtp;
 mod words;
 
 use std::path::Path;
@@ -51,11 +44,6 @@ pub enum Format {
     Hair,
     /// VTK's legacy files: the lines of POLYDATA, ASCII or binary.
     Vtk,
-    /// VTK's XML files: the lines of PolyData, with numbers as words, in base64, or after the XML,
-    /// packed by zlib or not. Only with the feature `formats`.
-    Vtp,
-    /// The tractograms of the TRX specification, as an archive. Only with the feature `formats`.
-    Trx,
 }
 
 /// The lines of a file, by its ending.
@@ -70,8 +58,6 @@ pub fn open(path: &Path) -> Result<LineSet, FileError> {
         "tck" => Format::Tck,
         "trk" => Format::Trk,
         "vtk" => Format::Vtk,
-        "vtp" => Format::Vtp,
-        "trx" => Format::Trx,
         "hair" => Format::Hair,
         _ => return Err(FileError::Unknown(path.to_owned())),
     };
@@ -103,12 +89,6 @@ pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
         Format::Tck => tck::read(bytes)?,
         Format::Trk => trk::read(bytes)?,
         Format::Vtk => vtk::read(bytes)?,
-        #[cfg(feature = "formats")]
-        Format::Vtp => vtp::read(bytes)?,
-        #[cfg(feature = "formats")]
-        Format::Trx => trx::read(bytes)?,
-        #[cfg(not(feature = "formats"))]
-        Format::Vtp | Format::Trx => return Err(FileError::Feature),
         Format::Hair => hair::read(bytes)?,
     })
 }

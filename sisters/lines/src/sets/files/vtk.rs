@@ -1,12 +1,113 @@
 //! VTK's legacy files of lines.
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>
 
+use std::iter::repeat_n;
+
+use glam::Vec3;
+
 use super::bytes::{Bytes, Kind, are_words};
-use super::error::FileError;
-use super::polydata::{Array, Piece, lines};
+use super::error::{FileError, refused};
 use super::words::Scan;
 use crate::sets::LineSet;
-use crate::sets::attributes::Of;
+use crate::sets::attributes::{Attributes, Of, Scalars};
+
+/// The greatest number of components that become numbers of their own: a tensor.
+const MOST_COMPONENTS: usize = 9;
+/// The most values of vertices for each byte of a file: lines may share points, and each gets its
+/// values.
+const MOST_SHARED: usize = 8;
+
+/// An array of points or cells.
+struct Array {
+    of: Of,
+    name: String,
+    components: usize,
+    values: Vec<f32>,
+    /// Whether the values are bytes: three or four of them are a colour, as VTK takes them.
+    bytes: bool,
+}
+
+/// The data of a file.
+#[derive(Default)]
+struct PolyData {
+    points: Vec<Vec3>,
+    /// Cells before the lines, which own the first values of cells.
+    vertices: usize,
+    /// Where each line ends in `connectivity`.
+    ends: Vec<u32>,
+    connectivity: Vec<u32>,
+    /// Polygons and strips of triangles.
+    surfaces: usize,
+    arrays: Vec<Array>,
+}
+
+impl PolyData {
+    /// The lines of a file of so many bytes, with their arrays; those of many components are left
+    /// out.
+    fn lines(mut self, bytes: usize) -> Result<LineSet, FileError> {
+        if self.surfaces > 0 && self.ends.is_empty() {
+            let why = format!("the file has {} polygons and no lines: only lines are read", self.surfaces);
+            return Err(refused(why));
+        }
+        let mut set = LineSet::default();
+        let mut used = 0;
+        for &end in &self.ends {
+            let Some(line) = self.connectivity.get(used..end as usize) else {
+                let all = self.connectivity.len();
+                return Err(refused(format!("a line has the points {used} to {end} of {all} in the list")));
+            };
+            used = end as usize;
+            if let Some(bad) = line.iter().find(|p| **p as usize >= self.points.len()) {
+                return Err(refused(format!("a line names point {bad} of {}", self.points.len())));
+            }
+            set.push(line.iter().map(|p| self.points[*p as usize]))?;
+        }
+        let lines = self.vertices..self.vertices.saturating_add(self.ends.len());
+        let cells = lines.end.saturating_add(self.surfaces);
+        let mut room = bytes.saturating_mul(MOST_SHARED);
+        let mut attributes = Attributes::default();
+        // Those of points first: a set is coloured by its first numbers.
+        self.arrays.sort_by_key(|array| array.of == Of::Lines);
+        for Array { of, name, components: n, values, bytes } in self.arrays {
+            let count = if of == Of::Vertices { self.points.len() } else { cells };
+            if values.len() != count.saturating_mul(n) {
+                let values = values.len();
+                let why = format!("the array {name} has {values} values for {count} points or cells");
+                return Err(refused(why));
+            }
+            if n > MOST_COMPONENTS {
+                continue;
+            }
+            let values: Vec<f32> = match of {
+                Of::Lines => values[lines.start * n..lines.end * n].to_vec(),
+                Of::Vertices => {
+                    let why = "lines share points so often that their values would fill the memory";
+                    room = room.checked_sub(used.saturating_mul(n)).ok_or_else(|| refused(why))?;
+                    let points = self.connectivity[..used].iter().map(|p| *p as usize * n);
+                    points.flat_map(|at| &values[at..at + n]).copied().collect()
+                }
+            };
+            if bytes && (3..=4).contains(&n) {
+                let colours = values.chunks_exact(n).map(|c| [0, 1, 2].map(|i| c[i] as u8));
+                attributes.colours = attributes.colours.or_else(|| {
+                    Some(match of {
+                        Of::Vertices => colours.collect(),
+                        Of::Lines => {
+                            colours.zip(set.iter()).flat_map(|(c, l)| repeat_n(c, l.len())).collect()
+                        }
+                    })
+                });
+                continue;
+            }
+            for c in 0..n {
+                let name = if n == 1 { name.clone() } else { format!("{name}.{c}") };
+                let values = values.iter().skip(c).step_by(n).copied().collect();
+                attributes.scalars.push(Scalars { name, of, values });
+            }
+        }
+        Ok(set.with_attributes(attributes)?)
+    }
+}
 
 /// A file from a place on.
 struct File<'a> {
@@ -20,18 +121,18 @@ struct File<'a> {
 pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
     let mut file = File::new(bytes)?;
     // What arrays belong to, and how many rows those have.
-    let (mut piece, mut data) = (Piece::default(), None);
+    let (mut all, mut data) = (PolyData::default(), None);
     while let Some(word) = file.text.word() {
         match word {
             "POINTS" => {
                 let count: usize = file.text.number("a number of points")?;
                 let kind = file.kind()?;
                 let values = file.floats(kind, count.saturating_mul(3))?;
-                piece.points = values.as_chunks::<3>().0.iter().map(|p| (*p).into()).collect();
+                all.points = values.as_chunks::<3>().0.iter().map(|p| (*p).into()).collect();
             }
-            "LINES" => (piece.ends, piece.connectivity) = file.cells()?,
-            "VERTICES" => piece.vertices = file.cells()?.0.len(),
-            "POLYGONS" | "TRIANGLE_STRIPS" => piece.surfaces += file.cells()?.0.len(),
+            "LINES" => (all.ends, all.connectivity) = file.cells()?,
+            "VERTICES" => all.vertices = file.cells()?.0.len(),
+            "POLYGONS" | "TRIANGLE_STRIPS" => all.surfaces += file.cells()?.0.len(),
             "POINT_DATA" => data = Some((Of::Vertices, file.text.number("a number of points")?)),
             "CELL_DATA" => data = Some((Of::Lines, file.text.number("a number of cells")?)),
             "METADATA" => file.pass_metadata(),
@@ -41,17 +142,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
                 file.floats(Kind::Unsigned(1), count.saturating_mul(4))?;
             }
             _ => {
-                let arrays = file.arrays(word, data.map(|(_, count)| count))?;
-                match data {
-                    // Those of the whole file belong to no line.
-                    None => {}
-                    Some((Of::Vertices, _)) => piece.point_data.extend(arrays),
-                    Some((Of::Lines, _)) => piece.cell_data.extend(arrays),
-                }
+                let arrays = file.arrays(word, data)?;
+                // Those of the whole file belong to no line.
+                all.arrays.extend(arrays.into_iter().filter(|_| data.is_some()));
             }
         }
     }
-    lines(vec![piece], bytes.len())
+    all.lines(bytes.len())
 }
 
 impl<'a> File<'a> {
@@ -59,7 +156,7 @@ impl<'a> File<'a> {
     fn new(bytes: &'a [u8]) -> Result<Self, FileError> {
         let mut text = Scan::new(bytes, "byte");
         let Some(version) = text.line().strip_prefix(b"# vtk DataFile Version ") else {
-            let more = if bytes.starts_with(b"<") { "; one of XML has the ending .vtp" } else { "" };
+            let more = if bytes.starts_with(b"<") { "; one of XML must be saved as legacy VTK" } else { "" };
             return Err(text.fail_at(0, format!("a VTK file starts with \"# vtk DataFile Version\"{more}")));
         };
         let version = String::from_utf8_lossy(version);
@@ -160,10 +257,10 @@ impl<'a> File<'a> {
         while self.text.at < self.text.bytes.len() && !self.text.line().trim_ascii().is_empty() {}
     }
 
-    /// The arrays of a section, each of so many rows.
-    fn arrays(&mut self, section: &str, rows: Option<usize>) -> Result<Vec<Array>, FileError> {
+    /// The arrays of a section, with what they belong to and the number of its rows.
+    fn arrays(&mut self, section: &str, data: Option<(Of, usize)>) -> Result<Vec<Array>, FileError> {
         let mut components = match section {
-            "FIELD" => return self.field(),
+            "FIELD" => return self.field(data.map_or(Of::Vertices, |(of, _)| of)),
             "SCALARS" | "GLOBAL_IDS" | "PEDIGREE_IDS" | "EDGE_FLAGS" => 1,
             "VECTORS" | "NORMALS" => 3,
             "TENSORS" => 9,
@@ -171,7 +268,7 @@ impl<'a> File<'a> {
             "TEXTURE_COORDINATES" | "COLOR_SCALARS" => 0,
             _ => return Err(self.text.fail(format!("a section \"{}\" is not read", cut(section)))),
         };
-        let Some(rows) = rows else {
+        let Some((of, rows)) = data else {
             return Err(self.text.fail(format!("{section} must follow POINT_DATA or CELL_DATA")));
         };
         let name = percent(self.text.name("a name")?);
@@ -194,10 +291,10 @@ impl<'a> File<'a> {
         if is_colour && self.ascii {
             values.iter_mut().for_each(|v| *v = (*v * 255.0).round());
         }
-        Ok(vec![Array { name, components, values, bytes: kind == Kind::Unsigned(1) }])
+        Ok(vec![Array { of, name, components, values, bytes: kind == Kind::Unsigned(1) }])
     }
 
-    fn field(&mut self) -> Result<Vec<Array>, FileError> {
+    fn field(&mut self, of: Of) -> Result<Vec<Array>, FileError> {
         self.text.name("a name")?;
         let count: usize = self.text.number("a number of arrays")?;
         let mut arrays = Vec::new();
@@ -211,7 +308,8 @@ impl<'a> File<'a> {
             let rows: usize = self.text.number("a number of rows")?;
             let kind = self.kind()?;
             let values = self.floats(kind, components.saturating_mul(rows))?;
-            arrays.push(Array { name: percent(name), components, values, bytes: kind == Kind::Unsigned(1) });
+            let bytes = kind == Kind::Unsigned(1);
+            arrays.push(Array { of, name: percent(name), components, values, bytes });
         }
         Ok(arrays)
     }

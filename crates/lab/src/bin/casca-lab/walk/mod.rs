@@ -12,8 +12,7 @@ use casca_tools::command_line::{Outcome, try_writing_into};
 use glam::DVec3;
 use indicatif::ProgressBar;
 
-use crate::arguments::Failure;
-use crate::progress;
+use crate::arguments::{Failure, bar};
 pub use options::Options;
 use session::{Frame, Session};
 use summary::Summary;
@@ -24,13 +23,13 @@ const LOSSES_SHOWN: usize = 10;
 /// Walks, prints the results, and writes the pictures.
 pub fn run(options: &Options) -> Result<Outcome, Failure> {
     // A walk takes minutes: what cannot be written is said before it.
-    try_writing_into(&options.out.out, &["walk.svg", "frame.png"])?;
+    try_writing_into(&options.out, &["walk.svg", "frame.png"])?;
     let mut session = Session::new(options, open(options)?)?;
     let frames = walk(options, &mut session)?;
 
     let counts: Vec<_> = frames.iter().map(|frame| frame.counts).collect();
     let title = format!("{}: what the observer can see", session.world.name);
-    chart(&options.out.out.join("walk.svg"), &title, &counts)?;
+    chart(&options.out.join("walk.svg"), &title, &counts)?;
     let summary = Summary::new(options, &session, frames);
     summary.print();
     Ok(summary.outcome())
@@ -48,7 +47,7 @@ fn open(options: &Options) -> Result<World, Failure> {
 
 fn walk(options: &Options, session: &mut Session<'_>) -> Result<Vec<Frame>, Failure> {
     let count = session.world.frames;
-    let bar = progress::bar(options.common.quiet, count, &session.world.name, "frame");
+    let bar = bar(options.common.quiet, count, &session.world.name, "frame");
     let mut frames: Vec<Frame> = Vec::with_capacity(count);
     let mut shown = 0;
     for number in 0..count {

@@ -1,18 +1,16 @@
 //! The options of the command `walk`.
 
-use casca::{MAX_CELLS_PER_AXIS, Method};
+use std::path::PathBuf;
+
+use casca::Method;
 use casca_scenes::name::SceneName;
 use casca_tools::command_line::EXIT_CODES;
 use clap::{Parser, ValueEnum, value_parser};
-use glam::UVec3;
 
-use crate::arguments::{Cached, Common, FRAMES, MOST_SAMPLES, Out, WIDTHS, about};
+use crate::arguments::{Cached, Common, FRAMES, MOST_SAMPLES, WIDTHS};
 
 /// Width over height of all pictures.
 pub(super) const ASPECT: f32 = 16.0 / 9.0;
-
-/// Cells of a grid, at most: they take half a minute to fill, and 2 GB.
-const MOST_CELLS: u64 = 1 << 30;
 
 /// How visibility is decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -23,31 +21,13 @@ pub enum MethodName {
     Cell,
     /// What the eye can see, at pixel precision
     Point,
-    /// For comparison: a rasterised depth buffer, which loses objects
-    Hzb,
-    /// For comparison: a ray-cast depth buffer, which loses objects
-    Rays,
-}
-
-impl MethodName {
-    /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Frustum => "frustum",
-            Self::Cell => "cell",
-            Self::Point => "point",
-            Self::Hzb => "hzb",
-            Self::Rays => "rays",
-        }
-    }
 }
 
 /// The options.
 #[derive(Debug, Parser)]
 #[command(
     about = "Walks through a scene, finds the visible objects of each frame, and proves that none is missing",
-    after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("out", about("target/walk", "Where the pictures go"))
+    after_help = EXIT_CODES, allow_negative_numbers = true
 )]
 pub struct Options {
     /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes,
@@ -58,10 +38,6 @@ pub struct Options {
     /// How visibility is decided
     #[arg(long, value_enum, default_value = "point")]
     pub method: MethodName,
-    /// Cells along x, y and z, such as 100x60x100, or fit: as many as suit the number of objects
-    /// [default: as the scene asks]
-    #[arg(long, value_parser = parse_grid)]
-    pub grid: Option<GridChoice>,
     /// Frames to walk, 1 to 100000 [default: the scene's path, 150 for procedural scenes]
     #[arg(long, value_parser = value_parser!(u32).range(FRAMES))]
     pub frames: Option<u32>,
@@ -73,37 +49,11 @@ pub struct Options {
     pub width: u32,
     #[command(flatten)]
     pub cached: Cached,
-    #[command(flatten)]
-    pub out: Out,
+    /// Where the pictures go
+    #[arg(long, default_value = "target/walk")]
+    pub out: PathBuf,
     #[command(flatten)]
     pub common: Common,
-}
-
-/// The grid that is asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum GridChoice {
-    /// Cells along each axis.
-    Dims(UVec3),
-    /// As many as suit the number of objects.
-    Fit,
-}
-
-fn parse_grid(text: &str) -> Result<GridChoice, String> {
-    if text == "fit" {
-        return Ok(GridChoice::Fit);
-    }
-    let parts: Result<Vec<u32>, _> = text.split('x').map(str::parse).collect();
-    let range = 1..=MAX_CELLS_PER_AXIS;
-    match parts.as_deref() {
-        Ok(&[x, y, z]) if [x, y, z].iter().all(|n| range.contains(n)) => {
-            let cells = [x, y, z].map(u64::from).iter().product::<u64>();
-            let dims = GridChoice::Dims(UVec3::new(x, y, z));
-            (cells <= MOST_CELLS)
-                .then_some(dims)
-                .ok_or_else(|| format!("{cells} cells are more than {MOST_CELLS}"))
-        }
-        _ => Err(format!("expected three numbers from 1 to {MAX_CELLS_PER_AXIS} such as 100x60x100, or fit")),
-    }
 }
 
 fn parse_width(text: &str) -> Result<u32, String> {
@@ -126,7 +76,7 @@ impl Options {
         match self.method {
             MethodName::Frustum => Method::Frustum,
             MethodName::Cell => Method::cell(),
-            _ => Method::point(),
+            MethodName::Point => Method::point(),
         }
     }
 }
@@ -152,10 +102,6 @@ mod tests {
             ("--width -1", "--width"),
             ("--frames 0", "1..=100000"),
             ("--seed -1", "--seed"),
-            ("--grid 0x0x0", "from 1 to 8192"),
-            ("--grid 9999x1x1", "from 1 to 8192"),
-            ("--grid 8192x8192x8192", "549755813888 cells"),
-            ("--grid 1x1", "three numbers"),
             ("--samples 10001", "10000"),
             ("--scene house", "spheres, city"),
             ("--width 0 --samples 0", "nothing would be checked"),
@@ -166,26 +112,18 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_of_each_range_are_taken() {
+    fn the_ends_of_each_range_are_taken_and_the_options_are_sound() {
         for line in [
             "",
             "--width 0",
             "--width 16 --samples 0",
             "--width 16384",
-            "--frames 1",
+            "--frames 1 --seed 18446744073709551615",
             "--frames 100000 --samples 10000",
-            "--grid 1x1x8192 --seed 18446744073709551615",
         ] {
             options(line).expect(line);
         }
-        assert_eq!(options("--grid fit").unwrap().grid, Some(GridChoice::Fit));
-        assert_eq!(options("--grid 3x2x1").unwrap().grid, Some(GridChoice::Dims(UVec3::new(3, 2, 1))));
         assert_eq!(options("").unwrap().query_method(), Method::default());
-    }
-
-    #[test]
-    fn help_tells_the_exit_codes_and_the_options_are_sound() {
         Options::command().debug_assert();
-        assert!(Options::command().render_help().to_string().contains("4  nothing was checked"));
     }
 }

@@ -1,21 +1,18 @@
 //! A walk in progress: the scene, the queries and the exact visibility that they are checked
 //! against.
 
-use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use casca::{Method, Query};
 use casca_lab::pictures::{FrameCounts, FramePicture, frame};
-use casca_scenes::drive::{Driver, fitted_grid, grid_for, view_of};
+use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
-use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
-use casca_truth::baselines::{Hzb, RayBuffer};
+use casca_scenes::world::{FRAME_SECONDS, World};
 use casca_truth::oracle::{FrameVerdict, ItemBuffer, Oracle, OracleOptions, Seen};
 
-use super::options::{ASPECT, GridChoice, MethodName, Options};
-use crate::arguments::Failure;
-use crate::progress;
+use super::options::{ASPECT, Options};
+use crate::arguments::{Failure, bar};
 
 /// The height of a picture.
 fn height_of(width: usize) -> usize {
@@ -36,33 +33,6 @@ pub struct Frame {
     pub verdict: FrameVerdict,
 }
 
-/// A method of today's engines, for comparison.
-enum Rival {
-    Hzb(Hzb),
-    Rays(RayBuffer),
-}
-
-impl Rival {
-    fn of(method: MethodName, objects: &[Object]) -> Option<Self> {
-        match method {
-            MethodName::Hzb => {
-                let mut hzb = Hzb::new(640, height_of(640));
-                hzb.prepare(objects);
-                Some(Self::Hzb(hzb))
-            }
-            MethodName::Rays => Some(Self::Rays(RayBuffer::new(objects, 256, height_of(256)))),
-            _ => None,
-        }
-    }
-
-    fn frame(&mut self, objects: &[Object], in_frustum: &[usize], camera: &Camera) -> Vec<usize> {
-        match self {
-            Self::Hzb(hzb) => hzb.frame(objects, in_frustum, camera),
-            Self::Rays(rays) => rays.frame(objects, in_frustum, camera),
-        }
-    }
-}
-
 /// A walk in progress.
 pub struct Session<'a> {
     /// The scene as it is now.
@@ -74,7 +44,6 @@ pub struct Session<'a> {
     options: &'a Options,
     query: Query,
     frustum: Query,
-    rival: Option<Rival>,
     oracle: Oracle,
     /// What the oracle is told of the file.
     seen: Seen,
@@ -100,7 +69,6 @@ impl<'a> Session<'a> {
             options,
             query: Query::with_method(options.query_method())?,
             frustum: Query::with_method(Method::Frustum)?,
-            rival: Rival::of(options.method, &world.objects),
             oracle: Oracle::new(seen.objects(&world.objects), oracle_options),
             seen,
             world,
@@ -117,7 +85,7 @@ impl<'a> Session<'a> {
         self.driver.scene.begin_frame(number as f64 * FRAME_SECONDS)?;
         self.driver.update(objects, &moved)?;
         let mut update = start.elapsed();
-        let ((), mut query) = timed(|| {
+        let ((), query) = timed(|| {
             self.query.run(&self.driver.scene, &view);
         });
         let pvs = self.query.pvs();
@@ -125,15 +93,7 @@ impl<'a> Session<'a> {
         let in_frustum = self.frustum.run(&self.driver.scene, &view);
         let in_frustum: Vec<usize> =
             (0..objects.len()).filter(|&i| self.driver.sees(in_frustum, i)).collect();
-        let found: Option<HashSet<usize>> = self.rival.as_mut().map(|rival| {
-            let (found, time) = timed(|| rival.frame(objects, &in_frustum, &camera));
-            query = time;
-            found.into_iter().collect()
-        });
-        let sees = |object: usize| match &found {
-            Some(found) => found.contains(&object),
-            None => self.driver.sees(pvs, object),
-        };
+        let sees = |object: usize| self.driver.sees(pvs, object);
         let verdict = self.oracle.frame(self.seen.follow(objects, &moved), &moved, &camera, &sees);
         let tested = |object: &usize| objects[*object].tested;
         let counts = FrameCounts {
@@ -146,9 +106,9 @@ impl<'a> Session<'a> {
             exact.render(objects, &camera);
             let picture =
                 FramePicture { exact: &exact, objects, camera, in_frustum: &in_frustum, sees: &sees };
-            let (name, method) = (&self.world.name, self.options.method.name());
+            let (name, method) = (&self.world.name, self.options.query_method().name());
             let title = format!("{name}, frame {number}: what {method} shows and hides");
-            frame(&self.options.out.out.join("frame.png"), &title, &picture)?;
+            frame(&self.options.out.join("frame.png"), &title, &picture)?;
         }
         let start = ThreadTime::now();
         self.driver.scene.end_frame([self.query.pvs()])?;
@@ -157,15 +117,11 @@ impl<'a> Session<'a> {
     }
 }
 
-/// The library's scene with all objects of the world, in the grid that is asked for.
+/// The library's scene with all objects of the world.
 fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
-    let grid = match options.grid {
-        Some(GridChoice::Fit) => fitted_grid(world)?,
-        Some(GridChoice::Dims(dims)) => grid_for(&world.grid, Some(dims))?,
-        None => grid_for(&world.grid, None)?,
-    };
+    let grid = grid_for(&world.grid, None)?;
     let cache = options.cached.open()?.map(Arc::new);
-    let bar = progress::bar(options.common.quiet, world.objects.len(), "preparing", "object");
+    let bar = bar(options.common.quiet, world.objects.len(), "preparing", "object");
     let driver = Driver::cached(world, &grid, cache, |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     Ok(driver)

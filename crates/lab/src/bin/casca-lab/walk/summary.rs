@@ -1,4 +1,4 @@
-//! The results of a walk as a table and as JSON.
+//! The results of a walk as a table.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -52,12 +52,12 @@ impl Summary {
         let (scene, world) = (&session.driver.scene, &session.world);
         Self {
             scene: world.name.clone(),
-            method: options.method.name(),
+            method: options.query_method().name(),
             dims: scene.grid().dims(),
             objects: world.objects.iter().filter(|o| o.tested).count(),
             setup: session.setup,
             grid_bytes: scene.memory().grid(),
-            out: options.out.out.clone(),
+            out: options.out.clone(),
             mean_frustum: mean_of(|c| c.frustum),
             mean_pvs: mean_of(|c| c.pvs),
             mean_exact: (options.width > 0).then(|| mean_of(|c| c.exact)),
@@ -65,21 +65,13 @@ impl Summary {
         }
     }
 
-    fn rays(&self) -> u64 {
-        self.frames.iter().map(|f| f.verdict.rays).sum()
-    }
-
-    fn pixels(&self) -> u64 {
-        self.frames.iter().map(|f| f.verdict.item_rays).sum()
+    /// Rays and pixels that were looked at.
+    fn proofs(&self) -> u64 {
+        self.frames.iter().map(|f| f.verdict.rays + f.verdict.item_rays).sum()
     }
 
     fn losses(&self) -> usize {
         self.frames.iter().map(|f| f.verdict.false_negatives.len()).sum()
-    }
-
-    /// Objects found over objects visible.
-    fn ratio(&self) -> Option<f64> {
-        self.mean_exact.filter(|exact| *exact > 0.0).map(|exact| self.mean_pvs / exact)
     }
 
     /// A percentile of the times of queries, in microseconds.
@@ -87,28 +79,12 @@ impl Summary {
         percentile(self.frames.iter().map(|f| micros(f.query)), share)
     }
 
-    /// The median time of updates, in microseconds.
-    fn update(&self) -> f64 {
-        percentile(self.frames.iter().map(|f| micros(f.update)), 0.5)
-    }
-
-    fn setup_ms(&self) -> f64 {
-        self.setup.as_secs_f64() * 1e3
-    }
-
-    /// Nanoseconds for each cell that the queries visited; 0 if they visit none.
-    fn per_cell(&self) -> f64 {
-        let cells: u64 = self.frames.iter().map(|f| f.cells).sum();
-        let nanoseconds: f64 = self.frames.iter().map(|f| micros(f.query) * 1e3).sum();
-        if cells > 0 { nanoseconds / cells as f64 } else { 0.0 }
-    }
-
     /// Whether the walk lost something, or could not have noticed.
     pub fn outcome(&self) -> Outcome {
         if self.losses() > 0 {
             return Outcome::Lost;
         }
-        if self.objects == 0 || self.rays() + self.pixels() == 0 {
+        if self.objects == 0 || self.proofs() == 0 {
             eprintln!("nothing was checked: no ray was shot at anything that could be lost");
             return Outcome::NothingChecked;
         }
@@ -128,16 +104,20 @@ impl Summary {
         row("in the frustum (mean)", format!("{:.1}", self.mean_frustum));
         row("PVS (mean)", format!("{:.1}", self.mean_pvs));
         row("exactly visible (mean)", known(self.mean_exact.map(|n| format!("{n:.1}"))));
-        row("PVS / exactly visible", known(self.ratio().map(|n| format!("{n:.3}"))));
+        let ratio = self.mean_exact.filter(|exact| *exact > 0.0).map(|exact| self.mean_pvs / exact);
+        row("PVS / exactly visible", known(ratio.map(|n| format!("{n:.3}"))));
         row("false negatives", self.losses().to_string());
-        row("rays of proof", format!("{:.1} M", (self.rays() + self.pixels()) as f64 / 1e6));
+        row("rays of proof", format!("{:.1} M", self.proofs() as f64 / 1e6));
         row("query time, median", format!("{:.0} us", self.query(0.5)));
         row("query time, 99th percentile", format!("{:.0} us", self.query(0.99)));
-        if self.per_cell() > 0.0 {
-            row("query time per visited cell", format!("{:.2} ns", self.per_cell()));
+        let cells: u64 = self.frames.iter().map(|f| f.cells).sum();
+        if cells > 0 {
+            let nanoseconds: f64 = self.frames.iter().map(|f| micros(f.query) * 1e3).sum();
+            row("query time per visited cell", format!("{:.2} ns", nanoseconds / cells as f64));
         }
-        row("scene update, median", format!("{:.0} us", self.update()));
-        row("preparation and setup", format!("{:.0} ms", self.setup_ms()));
+        let update = percentile(self.frames.iter().map(|f| micros(f.update)), 0.5);
+        row("scene update, median", format!("{update:.0} us"));
+        row("preparation and setup", format!("{:.0} ms", self.setup.as_secs_f64() * 1e3));
         row("grid memory", format!("{:.2} MiB", self.grid_bytes as f64 / (1 << 20) as f64));
         say(format_args!("\npictures: walk.svg and frame.png in {}", self.out.display()));
     }

@@ -90,7 +90,7 @@ fn what_is_not_read_is_said_in_words() {
         (Format::Tck, "mrtrix tracks\ndatatype: Bit\n", "line 2: data of Bit"),
         (Format::Tck, "mrtrix track scalars\n", "the scalars of another file"),
         (Format::Hair, "HAIR\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", "no array of points"),
-        (Format::Vtk, "<VTKFile", "one of XML has the ending .vtp"),
+        (Format::Vtk, "<VTKFile", "one of XML must be saved as legacy VTK"),
         (
             Format::Vtk,
             "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID",
@@ -119,69 +119,5 @@ fn what_is_not_read_is_said_in_words() {
     ] {
         let why = read(text.as_bytes(), format).unwrap_err().to_string();
         assert!(why.contains(said), "{text}: {why}");
-    }
-}
-
-#[cfg(feature = "formats")]
-#[test]
-fn groups_of_trx_and_errors_of_packed_files_are_read() {
-    let lines = [LINE.to_vec(), vec![[9.0; 3]]];
-    let trx = read(&formats::trx(&lines, false, true), Format::Trx).unwrap();
-    let groups = trx.attributes().groups.clone().unwrap();
-    assert_eq!((groups.names, groups.of), (vec!["left".to_owned(), "whole".to_owned()], vec![0, 1]));
-    let half = |bytes: [u8; 6]| {
-        let header = br#"{"NB_VERTICES": 1, "NB_STREAMLINES": 1}"#.to_vec();
-        let files =
-            [("header.json", header), ("offsets.uint32", vec![0; 4]), ("positions.3.float16", bytes.into())];
-        read(&formats::zip(&files, false), Format::Trx)
-    };
-    let one = half([0, 0x3c, 0, 0xc0, 0xff, 0x7b]).unwrap();
-    assert_eq!(
-        (one.points(), one.attributes().groups.as_ref()),
-        (&[Vec3::new(1.0, -2.0, 65504.0)][..], None)
-    );
-    assert!(half([0, 0x7c, 0, 0, 0, 0]).unwrap_err().to_string().contains("not finite"));
-    let fail = |bytes: &[u8], format| read(bytes, format).unwrap_err().to_string();
-    assert!(fail(b"PK", Format::Trx).contains("the ZIP is broken"));
-    assert!(fail(&formats::zip(&[], false), Format::Trx).contains("NB_VERTICES"));
-    let text = String::from_utf8(formats::vtp(&lines, formats::Numbers::Inline, true, false)).unwrap();
-    for (from, to, said) in [
-        ("type=\"PolyData\"", "type=\"ImageData\"", "a VTKFile of ImageData: only PolyData is read"),
-        ("vtkZLibData", "vtkLZ4Data", "packed by vtkLZ4DataCompressor"),
-        ("NumberOfLines=\"2\"", "NumberOfLines=\"0\" NumberOfPolys=\"4\"", "not as many as it says"),
-        ("</Piece>", "</Part>", "the XML is broken"),
-        ("\"UInt32\"", "\"UInt8\"", "UInt32 or UInt64"),
-        ("=\"binary\"", "=\"braille\"", "ascii, binary or appended"),
-    ] {
-        assert!(text.contains(from), "{from}");
-        let why = fail(text.replace(from, to).as_bytes(), Format::Vtp);
-        assert!(why.contains(said), "{why}");
-    }
-}
-
-/// A small file must not unpack to a large one.
-#[cfg(feature = "formats")]
-#[test]
-fn files_that_unpack_to_much_more_than_their_size_are_refused() {
-    use std::io::Write;
-    let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
-    packer.write_all(&vec![0; 16 << 20]).unwrap();
-    let block = packer.finish().unwrap();
-    let header = [1, 16 << 20, 0, block.len() as u32].map(u32::to_le_bytes).concat();
-    let mut file =
-        b"<VTKFile type=\"PolyData\" compressor=\"vtkZLibDataCompressor\"><PolyData><Piece><Points>\
-        <DataArray type=\"UInt8\" format=\"appended\" offset=\"0\"/></Points></Piece></PolyData>\
-        <AppendedData encoding=\"raw\">_"
-            .to_vec();
-    file.extend([header, block].concat());
-    let why = read(&file, Format::Vtp).unwrap_err().to_string();
-    assert!(why.contains("unpacks to more than 64 times its size"), "{why}");
-}
-
-#[cfg(not(feature = "formats"))]
-#[test]
-fn formats_without_their_feature_say_so() {
-    for format in [Format::Vtp, Format::Trx] {
-        assert!(read(b"", format).unwrap_err().to_string().contains("the feature \"formats\""));
     }
 }

@@ -1,7 +1,7 @@
-//! The cell method: against the procedure of the thesis, and under growing
-//! numbers of hidden objects. Prints the ratios of medians at the end.
+//! Queries while hidden objects are added, and the cell method against the procedure of the thesis.
+//! Prints the ratios of medians at the end.
 //!
-//! `cargo bench --bench cell`; accuracy at the same settings: `casca-lab walk`; upkeep:
+//! `cargo bench --bench hidden`; objects beyond walls: `casca-lab report --only scaling`; upkeep:
 //! `casca-lab report --only thesis`.
 
 use std::time::Duration;
@@ -13,12 +13,8 @@ use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::{Settled, median, ratio};
 use criterion::Criterion;
 
-fn settled(hidden_extra: usize) -> Settled {
-    let options = SceneOptions { bunker: true, hidden_extra, ..SceneOptions::default() };
-    let mut world = build(SceneKind::Spheres, &options);
-    world.set_frame(0);
-    Settled::new(&world, Method::cell()).unwrap()
-}
+const METHODS: [(&str, Method); 2] = [("cell", Method::cell()), ("point", Method::point())];
+const HIDDEN: [usize; 3] = [0, 10_000, 50_000];
 
 /// Masks against the thesis' caps, both in all directions.
 fn against_the_thesis(c: &mut Criterion) {
@@ -41,18 +37,25 @@ fn against_the_thesis(c: &mut Criterion) {
     group.finish();
 }
 
-/// The query of the walk while hidden dynamic objects are added.
+/// The queries of a walk while hidden dynamic objects are added.
 fn hidden_objects(c: &mut Criterion) {
-    let scenes = [0, 10_000, 50_000].map(|n| (n, settled(n)));
-    let mut group = c.benchmark_group("walk of 150 queries");
-    group.sample_size(10).measurement_time(Duration::from_secs(7)).warm_up_time(Duration::from_secs(1));
-    for (n, s) in &scenes {
-        let mut query = Query::with_method(Method::cell()).unwrap();
-        group.bench_function(format!("{n} hidden"), |b| {
-            b.iter(|| s.views.iter().map(|v| query.run(&s.driver.scene, v).len()).sum::<usize>());
-        });
+    for (name, method) in METHODS {
+        let mut group = c.benchmark_group(walk(name));
+        group.sample_size(10).measurement_time(Duration::from_secs(7)).warm_up_time(Duration::from_secs(1));
+        for hidden_extra in HIDDEN {
+            let options = SceneOptions { bunker: true, hidden_extra, ..SceneOptions::default() };
+            let mut world = build(SceneKind::Spheres, &options);
+            world.set_frame(0);
+            let settled = Settled::new(&world, method).unwrap();
+            let mut query = Query::with_method(method).unwrap();
+            group.bench_function(hidden_extra.to_string(), |b| b.iter(|| settled.walk(&mut query)));
+        }
+        group.finish();
     }
-    group.finish();
+}
+
+fn walk(method: &str) -> String {
+    format!("{method}, walk of 150 queries")
 }
 
 fn main() {
@@ -60,13 +63,12 @@ fn main() {
     against_the_thesis(&mut criterion);
     hidden_objects(&mut criterion);
     criterion.final_summary();
-    let (thesis, walk) = ("occlusion 100x60x100", "walk of 150 queries");
     println!("\nratios of medians");
-    ratio("caps of the thesis / masks of 256", median(thesis, "caps"), median(thesis, "masks 256"));
-    ratio(
-        "lattice rule over all shells / masks of 256",
-        median(thesis, "lattice"),
-        median(thesis, "masks 256"),
-    );
-    ratio("query with 50,000 hidden / without", median(walk, "50000 hidden"), median(walk, "0 hidden"));
+    let thesis = |name| median("occlusion 100x60x100", name);
+    ratio("caps of the thesis / masks of 256", thesis("caps"), thesis("masks 256"));
+    ratio("lattice rule over all shells / masks of 256", thesis("lattice"), thesis("masks 256"));
+    for (name, _) in METHODS {
+        let [few, _, many] = HIDDEN.map(|n| median(&walk(name), &n.to_string()));
+        ratio(&format!("{name}: query with 50,000 hidden / without"), many, few);
+    }
 }
