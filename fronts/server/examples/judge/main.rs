@@ -16,7 +16,6 @@ use casca_server::wire::{AnswerFrame, ToClient};
 use casca_server::{ServerOptions, VisibilityServer};
 use casca_tools::pictures::palette::other;
 use casca_tools::pictures::{Axis, Line, lines};
-use casca_truth::baselines::NineRays;
 use casca_truth::oracle::RayOracle;
 use clap::Parser;
 
@@ -265,7 +264,7 @@ fn beside(
     let n = options.bots;
     let mut game = Match::new(level, options)?;
     let mut truth = Truth::new(level, game.now()[0]);
-    let rays = NineRays::new(&level.objects);
+    let rays = RayOracle::new(&level.objects);
     let mut tallies = vec![Tally::default(); WAYS.len()];
     let mut queue: VecDeque<Vec<[bool; 2]>> = VecDeque::new();
     let (mut clients, mut seconds) = (0u64, [0.0f64; 3]);

@@ -5,7 +5,6 @@ use std::time::Instant;
 use casca_scenes::world::{Motion, Object, Shape};
 use casca_server::bots::{Level, Match, Moment};
 use casca_server::casca::glam::Vec3;
-use casca_truth::baselines::NineRays;
 use casca_truth::oracle::RayOracle;
 
 /// Rays from an eye to a body, at one moment.
@@ -53,7 +52,7 @@ impl Truth {
 
 /// What rays to boxes say from where eyes were reported, by client and bot: from the eye, and from
 /// the middle and the corners of the square that it may be in.
-pub fn by_rays(game: &Match, rays: &NineRays, n: usize, seconds: &mut [f64; 3]) -> Vec<[bool; 2]> {
+pub fn by_rays(game: &Match, rays: &RayOracle, n: usize, seconds: &mut [f64; 3]) -> Vec<[bool; 2]> {
     let server = &game.server;
     let clients: Vec<_> = server.clients().map(|(id, desc)| (id, *desc)).collect();
     let boxes: Vec<_> = server.entities().map(|(_, entity)| entity.desc().bounds).collect();
@@ -61,7 +60,7 @@ pub fn by_rays(game: &Match, rays: &NineRays, n: usize, seconds: &mut [f64; 3]) 
     let begin = Instant::now();
     for (i, (_, desc)) in clients.iter().enumerate() {
         for (j, b) in boxes.iter().enumerate() {
-            told[i * n + j][0] = rays.sees_box(desc.eye, b.min, b.max);
+            told[i * n + j][0] = rays.nine_rays(desc.eye, b.min, b.max);
         }
     }
     seconds[1] += begin.elapsed().as_secs_f64();
@@ -71,7 +70,7 @@ pub fn by_rays(game: &Match, rays: &NineRays, n: usize, seconds: &mut [f64; 3]) 
         let corner = |x: f32, z: f32| desc.eye + Vec3::new(x, 0.0, z) * reach;
         let places = [desc.eye, corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
         for (j, b) in boxes.iter().enumerate() {
-            told[i * n + j][1] = places.iter().any(|&eye| rays.sees_box(eye, b.min, b.max));
+            told[i * n + j][1] = places.iter().any(|&eye| rays.nine_rays(eye, b.min, b.max));
         }
     }
     seconds[2] += begin.elapsed().as_secs_f64();

@@ -25,8 +25,6 @@ pub enum MethodName {
     Point,
     /// For comparison: a rasterised depth buffer, which loses objects
     Hzb,
-    /// For comparison: a ray-cast depth buffer, which loses objects
-    Rays,
 }
 
 impl MethodName {
@@ -37,7 +35,6 @@ impl MethodName {
             Self::Cell => "cell",
             Self::Point => "point",
             Self::Hzb => "hzb",
-            Self::Rays => "rays",
         }
     }
 }

@@ -10,7 +10,7 @@ use casca_lab::pictures::{FrameCounts, FramePicture, frame};
 use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
-use casca_truth::baselines::{Hzb, RayBuffer};
+use casca_truth::baselines::Hzb;
 use casca_truth::oracle::{FrameVerdict, ItemBuffer, Oracle, OracleOptions, Seen};
 
 use super::options::{ASPECT, GridChoice, MethodName, Options};
@@ -36,33 +36,6 @@ pub struct Frame {
     pub verdict: FrameVerdict,
 }
 
-/// A method of today's engines, for comparison.
-enum Rival {
-    Hzb(Hzb),
-    Rays(RayBuffer),
-}
-
-impl Rival {
-    fn of(method: MethodName, objects: &[Object]) -> Option<Self> {
-        match method {
-            MethodName::Hzb => {
-                let mut hzb = Hzb::new(640, height_of(640));
-                hzb.prepare(objects);
-                Some(Self::Hzb(hzb))
-            }
-            MethodName::Rays => Some(Self::Rays(RayBuffer::new(objects, 256, height_of(256)))),
-            _ => None,
-        }
-    }
-
-    fn frame(&mut self, objects: &[Object], in_frustum: &[usize], camera: &Camera) -> Vec<usize> {
-        match self {
-            Self::Hzb(hzb) => hzb.frame(objects, in_frustum, camera),
-            Self::Rays(rays) => rays.frame(objects, in_frustum, camera),
-        }
-    }
-}
-
 /// A walk in progress.
 pub struct Session<'a> {
     /// The scene as it is now.
@@ -74,7 +47,8 @@ pub struct Session<'a> {
     options: &'a Options,
     query: Query,
     frustum: Query,
-    rival: Option<Rival>,
+    /// A method of today's engines, for comparison.
+    rival: Option<Hzb>,
     oracle: Oracle,
     /// What the oracle is told of the file.
     seen: Seen,
@@ -94,13 +68,18 @@ impl<'a> Session<'a> {
             seed: options.common.seed,
         };
         let seen = Seen::of(&world);
+        let rival = (options.method == MethodName::Hzb).then(|| {
+            let mut hzb = Hzb::new(640, height_of(640));
+            hzb.prepare(&world.objects);
+            hzb
+        });
         Ok(Self {
             driver: driver?,
             setup,
             options,
             query: Query::with_method(options.query_method())?,
             frustum: Query::with_method(Method::Frustum)?,
-            rival: Rival::of(options.method, &world.objects),
+            rival,
             oracle: Oracle::new(seen.objects(&world.objects), oracle_options),
             seen,
             world,
