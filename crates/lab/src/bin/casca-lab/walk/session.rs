@@ -9,7 +9,7 @@ use casca::{Aabb, GridSpec, Method, Query};
 use casca_lab::pictures::{FrameCounts, FramePicture, frame};
 use casca_scenes::drive::{Driver, grid_for, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
-use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
+use casca_scenes::world::{FRAME_SECONDS, World};
 use casca_truth::baselines::Hzb;
 use casca_truth::oracle::{FrameVerdict, ItemBuffer, Oracle, OracleOptions, Seen};
 
