@@ -4,7 +4,7 @@
 #![no_main]
 
 use std::ops::ControlFlow;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock};
 
 use arbitrary::Arbitrary;
 use casca::{
@@ -14,29 +14,30 @@ use casca::{
 use glam::{Affine3A, Mat3, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
 
-/// Bytes before the contents of a file, and after them.
-const HEADER: usize = 20;
-const CHECKSUM: usize = 8;
+#[path = "../../tests/damage/mod.rs"]
+mod damage;
+#[path = "../../tests/damage/meshes.rs"]
+mod meshes;
 
-/// A number as it may stand in a file.
+/// Files to change: small meshes.
+static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(meshes::all);
+
+/// Puts a number near those of meshes into a file, in single or double precision.
 #[derive(Debug, Arbitrary)]
-enum Value {
-    Byte(u8),
-    Short(u16),
-    Word(u32),
-    Long(u64),
-    Near(i16),
-    NearDouble(i16),
-    Single(f32),
-    Double(f64),
-    Copy { from: u32, length: u8 },
+struct Put {
+    at: u32,
+    value: i16,
+    double: bool,
 }
 
-#[derive(Debug, Arbitrary)]
-enum Edit {
-    Put { at: u32, value: Value },
-    Insert { at: u32, bytes: Vec<u8> },
-    Remove { at: u32, length: u8 },
+impl Put {
+    fn into(&self, file: &mut [u8]) {
+        let value = f64::from(self.value) / 1024.0;
+        let bytes =
+            if self.double { value.to_le_bytes().to_vec() } else { (value as f32).to_le_bytes().to_vec() };
+        let at = self.at as usize % file.len().max(1);
+        file.iter_mut().skip(at).zip(bytes).for_each(|(to, from)| *to = from);
+    }
 }
 
 #[derive(Debug, Arbitrary)]
@@ -46,7 +47,9 @@ enum Input {
     Contents(Vec<u8>),
     Changed {
         which: u8,
-        edits: Vec<Edit>,
+        puts: Vec<Put>,
+        /// The numbers that choose damages, and zeros behind them.
+        damages: Option<Vec<u8>>,
     },
     Prepared {
         positions: Vec<[i8; 3]>,
@@ -73,89 +76,6 @@ fn bytes(mesh: &TriMesh) -> Vec<u8> {
     let mut bytes = Vec::new();
     mesh.write(&mut bytes).expect("a list takes all bytes");
     bytes
-}
-
-/// Files to change: small meshes, moved to the middle of the grid.
-fn originals() -> &'static [Vec<u8>] {
-    static FILES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
-    FILES.get_or_init(|| {
-        let square = vec![Vec3::ZERO, Vec3::X * 6.0, Vec3::new(6.0, 6.0, 0.0), Vec3::Y * 6.0];
-        let cube = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 5.0 + 1.0;
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let faces: Vec<[u32; 3]> =
-            quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
-        let cube: Vec<Vec3> = (0..8).map(cube).collect();
-        // A bowl: bent patches, chains of edges, and open sides.
-        let bowl = |x: u32, z: u32| {
-            let (x, z) = (x as f32 - 4.0, z as f32 - 4.0);
-            Vec3::new(x, 0.15 * (x * x + z * z), z)
-        };
-        let bowl: Vec<Vec3> = (0..81).map(|i| bowl(i % 9, i / 9)).collect();
-        let bent =
-            (0..64).map(|i| i / 8 * 9 + i % 8).flat_map(|v| [[v, v + 9, v + 1], [v + 1, v + 9, v + 10]]);
-        let bent: Vec<[u32; 3]> = bent.collect();
-        let mut front = MeshOptions::default();
-        front.facing = Facing::Front;
-        front.tolerance = Some(0.2);
-        let plain = MeshOptions::default();
-        let mut bounds = MeshOptions::default();
-        bounds.occludes = false;
-        let all = [
-            (square, vec![[0, 1, 2], [0, 2, 3]], plain),
-            (cube.clone(), faces.clone(), plain),
-            (cube, faces[3..].to_vec(), front),
-            (bowl.clone(), bent.clone(), plain),
-            (bowl.clone(), bent.clone(), bounds),
-            (bowl, bent, front),
-        ];
-        let prepare = |(p, t, how)| {
-            bytes(&TriMesh::prepare(p, t, &how, &mut |_| ControlFlow::Continue(())).expect("a plain mesh"))
-        };
-        all.into_iter().map(prepare).collect()
-    })
-}
-
-/// Contents as a file.
-fn file(contents: &[u8]) -> Vec<u8> {
-    let mut file = originals()[0][..HEADER - 8].to_vec();
-    file.extend((contents.len() as u64).to_le_bytes());
-    file.extend(contents);
-    let fold = |h: u64, b: &u8| (h ^ u64::from(*b)).wrapping_mul(0x100_0000_01b3);
-    let checksum = file.iter().fold(0xcbf2_9ce4_8422_2325, fold);
-    file.extend(checksum.to_le_bytes());
-    file
-}
-
-fn change(contents: &mut Vec<u8>, edit: &Edit) {
-    let length = contents.len().max(1);
-    let within = |at: u32| at as usize % length;
-    match *edit {
-        Edit::Put { at, ref value } => {
-            let at = within(at);
-            let new = match *value {
-                Value::Byte(v) => vec![v],
-                Value::Short(v) => v.to_le_bytes().to_vec(),
-                Value::Word(v) => v.to_le_bytes().to_vec(),
-                Value::Long(v) => v.to_le_bytes().to_vec(),
-                Value::Near(v) => (f32::from(v) / 1024.0).to_le_bytes().to_vec(),
-                Value::NearDouble(v) => (f64::from(v) / 1024.0).to_le_bytes().to_vec(),
-                Value::Single(v) => v.to_le_bytes().to_vec(),
-                Value::Double(v) => v.to_le_bytes().to_vec(),
-                Value::Copy { from, length } => {
-                    contents.iter().skip(within(from)).take(length.into()).copied().collect()
-                }
-            };
-            contents.iter_mut().skip(at).zip(new).for_each(|(to, from)| *to = from);
-        }
-        Edit::Insert { at, ref bytes } => {
-            let at = within(at).min(contents.len());
-            contents.splice(at..at, bytes.iter().copied());
-        }
-        Edit::Remove { at, length } => {
-            let at = within(at).min(contents.len());
-            contents.drain(at..contents.len().min(at + usize::from(length)));
-        }
-    }
 }
 
 /// Does with a mesh what can be done with one.
@@ -206,13 +126,22 @@ fn use_it(mesh: TriMesh, play: &Play) {
 fuzz_target!(|play: Play| {
     let file = match &play.input {
         Input::Bytes(bytes) => bytes.clone(),
-        Input::Contents(contents) => file(contents),
-        Input::Changed { which, edits } => {
-            let all = originals();
-            let whole = &all[usize::from(*which) % all.len()];
-            let mut contents = whole[HEADER..whole.len() - CHECKSUM].to_vec();
-            edits.iter().take(16).for_each(|edit| change(&mut contents, edit));
-            file(&contents)
+        Input::Contents(contents) => {
+            let mut file = [&FILES[0][..meshes::HEADER], contents, &[0; meshes::CHECKSUM]].concat();
+            meshes::mend(&mut file);
+            file
+        }
+        Input::Changed { which, puts, damages } => {
+            let mut file = FILES[usize::from(*which) % FILES.len()].clone();
+            puts.iter().take(16).for_each(|put| put.into(&mut file[meshes::HEADER..]));
+            if let Some(damages) = damages {
+                let mut bytes = damages.iter();
+                let mut next =
+                    || (0..3).fold(0, |n, _| n << 8 | u64::from(bytes.next().copied().unwrap_or(0)));
+                file = damage::damaged(&file, &FILES, &mut next);
+            }
+            meshes::mend(&mut file);
+            file
         }
         Input::Prepared { positions, any, triangles, tolerance, front } => {
             let mut how = MeshOptions::default();

@@ -3,19 +3,15 @@
 //!
 //! `CASCA_ATTACK_OPS=10000000 cargo test --release --test attack -- --ignored --nocapture plays` plays as
 //! many operations as it says. `CASCA_SEED` is the first seed, `CASCA_ATTACK_FAILURES` how many
-//! failures end the run, and `CASCA_ATTACK_WITHOUT=clones,kept` leaves out habits.
+//! failures end the run.
 
-use casca_truth::attack::{Habits, Run, Tally, long_run, play_seed};
+use casca_truth::attack::{Run, Tally, long_run, play_seed};
 
 use crate::common::*;
 use crate::number;
 
 /// Operations of one case.
 const OPS: usize = 300;
-
-fn habits() -> Habits {
-    Habits::without(&std::env::var("CASCA_ATTACK_WITHOUT").unwrap_or_default())
-}
 
 /// The cases; what fails is reduced by the attack itself.
 fn plays() -> ProptestConfig {
@@ -28,8 +24,8 @@ proptest! {
     #[test]
     fn no_play_loses_what_is_seen(seed in any::<u64>()) {
         let mut tally = Tally::default();
-        if let Err(report) = play_seed(seed, OPS, habits(), &mut tally) {
-            prop_assert!(false, "{}", report.transcript);
+        if let Err(report) = play_seed(seed, OPS, &mut tally) {
+            prop_assert!(false, "{report}");
         }
         prop_assert!(tally.checks > 10, "{} sets were compared", tally.checks);
     }
@@ -41,12 +37,11 @@ fn long() {
     let run = Run {
         seed: number("CASCA_SEED").unwrap_or(1),
         ops: number("CASCA_ATTACK_OPS").unwrap_or(1_000_000),
-        habits: habits(),
         failures: number("CASCA_ATTACK_FAILURES").unwrap_or(1) as usize,
     };
     let (mut told, mut shown) = (0.0, 0);
     let (tally, found) = long_run(run, |tally, found, seconds| {
-        found[shown..].iter().for_each(|report| eprintln!("{}", report.transcript));
+        found[shown..].iter().for_each(|report| eprintln!("{report}"));
         shown = found.len();
         if seconds > told + 5.0 {
             told = seconds;
@@ -55,5 +50,5 @@ fn long() {
         }
     });
     eprintln!("{tally:?}, {} failures", found.len());
-    assert!(found.is_empty(), "{} failures, the first of which is\n{}", found.len(), found[0].transcript);
+    assert!(found.is_empty(), "{} failures, the first of which is\n{}", found.len(), found[0]);
 }

@@ -7,7 +7,7 @@ use casca::{Error, Method, Query};
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::ThreadTime;
 use casca_scenes::world::{Camera, Object};
-use casca_truth::baselines::{Hzb, RayBuffer};
+use casca_truth::baselines::Hzb;
 
 /// Pixels of a depth buffer as engines use it.
 pub const BUFFER: (usize, usize) = (320, 180);
@@ -28,7 +28,6 @@ pub struct FrameInput<'a> {
 enum Engine {
     Casca(Box<Query>),
     Hzb(Box<Hzb>),
-    Rays(Box<RayBuffer>),
 }
 
 /// A method at a setting, the library's or a baseline.
@@ -59,13 +58,6 @@ impl Contender {
         Self::new("hzb", format!("{width}x{height}"), Engine::Hzb(Box::new(Hzb::new(width, height))))
     }
 
-    /// A ray-cast depth buffer of `width` by `height` rays; it keeps the static ones of these
-    /// objects.
-    pub fn rays(objects: &[Object], width: usize, height: usize) -> Self {
-        let engine = Engine::Rays(Box::new(RayBuffer::new(objects, width, height)));
-        Self::new("rays", format!("{width}x{height}"), engine)
-    }
-
     /// Whether it promises that nothing visible is lost.
     pub fn is_safe(&self) -> bool {
         matches!(self.engine, Engine::Casca(_))
@@ -93,7 +85,6 @@ impl Contender {
                 None
             }
             Engine::Hzb(hzb) => Some(hzb.frame(objects, in_frustum, camera)),
-            Engine::Rays(rays) => Some(rays.frame(objects, in_frustum, camera)),
         };
         let time = start.elapsed();
         self.found = match (&self.engine, visible) {

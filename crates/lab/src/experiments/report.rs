@@ -188,8 +188,8 @@ fn markdown(block: &Block, folder: &str) -> String {
 
 const HEAD: &str = "# casca in the laboratory\n\n\
     The methods: `point` (casca's default: what the eye can see), `cell` (casca: what can be seen from anywhere in the eye's \
-    grid cell), `frustum` (no occlusion), `hzb` (a rasterised hierarchical depth buffer, as engines use it) and `rays` (a \
-    ray-cast depth buffer). The PVS is the set of objects that a method finds visible; PVS/visible is its size over the \
+    grid cell), `frustum` (no occlusion) and `hzb` (a rasterised hierarchical depth buffer, as engines use it). \
+    The PVS is the set of objects that a method finds visible; PVS/visible is its size over the \
     number of objects that can be seen: 1 is exact. Times are of one thread.\n";
 
 /// Writes a report, and each table as CSV into the lab's folder, where the pictures are already.

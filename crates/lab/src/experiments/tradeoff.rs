@@ -69,7 +69,7 @@ struct Entry {
     lost: usize,
 }
 
-fn entries(world: &World) -> Result<Vec<Entry>, LabError> {
+fn entries() -> Result<Vec<Entry>, LabError> {
     let mut entries = Vec::new();
     let mut add =
         |contender, grid| entries.push(Entry { contender, grid, ms: Vec::new(), found: 0, lost: 0 });
@@ -95,15 +95,12 @@ fn entries(world: &World) -> Result<Vec<Entry>, LabError> {
     for (w, h) in [(320, 180), (640, 360), (1280, 720), (2560, 1440)] {
         add(Contender::hzb(w, h), 0);
     }
-    for (w, h) in [(128, 72), (256, 144), (512, 288)] {
-        add(Contender::rays(&world.objects, w, h), 0);
-    }
     Ok(entries)
 }
 
 /// Measures all methods on one world.
 fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError> {
-    let mut entries = entries(&world)?;
+    let mut entries = entries()?;
     let region = Aabb::new(world.grid.min, world.grid.max);
     let fitted = GridSpec::fit(region, world.objects.len())?;
     let mut walker = Walker::new(world)?;
@@ -140,7 +137,6 @@ fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError>
             ("point", 1) => "point, automatic".to_owned(),
             ("cell", _) => "cell".to_owned(),
             ("hzb", _) => "hzb".to_owned(),
-            ("rays", _) => "rays".to_owned(),
             (method, _) => method.to_owned(),
         },
         setting: entry.contender.setting.clone(),
@@ -216,7 +212,7 @@ pub fn tradeoff(lab: &Lab) -> Result<Section, LabError> {
     section.text(format!(
         "Every method at several settings: the median time of a query over {} frames of each walk (the least \
          of {} runs). An object counts as visible if one of {} rays across the picture, and as many in \
-         proportion down it, hits it. `hzb` and `rays` get the objects in the frustum for nothing. `point, \
+         proportion down it, hits it. `hzb` gets the objects in the frustum for nothing. `point, \
          automatic` has default settings in the grid of `GridSpec::fit`. {}",
         sampling.frames,
         sampling.repeats,

@@ -86,7 +86,7 @@ fn first_word(method: &str) -> &str {
 
 /// How many settings of each kind of method lost something, in words.
 fn finding(points: &[TradeoffPoint]) -> String {
-    let sampled = |p: &&TradeoffPoint| ["hzb", "rays"].contains(&first_word(&p.method));
+    let sampled = |p: &&TradeoffPoint| first_word(&p.method) == "hzb";
     let (theirs, ours): (Vec<&TradeoffPoint>, Vec<&TradeoffPoint>) = points.iter().partition(sampled);
     let lossy = |of: &[&TradeoffPoint]| of.iter().filter(|p| p.lost > 0.0).count();
     let front = |of: &[&TradeoffPoint]| of.iter().filter(|p| p.front).count();

@@ -19,7 +19,6 @@ impl Dice<'_> {
         Self::Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d)
     }
 
-    /// Whether all bytes are used up.
     pub fn is_over(&self) -> bool {
         matches!(self, Self::Bytes([]))
     }
@@ -60,7 +59,6 @@ impl Dice<'_> {
         f64::from(self.next(4)) / 4_294_967_296.0
     }
 
-    /// A number between two others.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
@@ -76,7 +74,6 @@ impl Dice<'_> {
         self.below(n) == n - 1
     }
 
-    /// One of some things.
     pub fn pick<T: Copy>(&mut self, of: &[T]) -> T {
         of[self.below(of.len() as u32) as usize]
     }

@@ -8,67 +8,19 @@ use glam::{Affine3A, DVec3, Mat3, Quat, Vec3, Vec3A};
 
 use crate::numeric::attack::LEAST_FORM;
 
-/// A solid, or a surface of triangles.
+/// A solid, or a surface of triangles. A `Block` lies along the axes, a `Cut` is one with pieces cut
+/// off: cuts are outward normals, and how far from the middle they are, in lengths of the normal
+/// squared. `by` is how far a cut box or a hull was moved since. A `Mesh` is one of the known meshes
+/// in world space, `Placed` is one under a transform.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Form {
-    /// A ball.
-    Ball {
-        /// Its middle.
-        center: Vec3,
-        /// Its radius.
-        radius: f32,
-    },
-    /// A box along the axes.
-    Block {
-        /// Least corner.
-        min: Vec3,
-        /// Greatest corner.
-        max: Vec3,
-    },
-    /// A turned box.
-    Turned {
-        /// Its middle.
-        center: Vec3,
-        /// Half its edges.
-        half: Vec3,
-        /// From its axes to those of the world.
-        turn: Quat,
-    },
-    /// A box with pieces cut off: an intersection of half-spaces.
-    Cut {
-        /// Least corner.
-        min: Vec3,
-        /// Greatest corner.
-        max: Vec3,
-        /// Outward normals of cuts, and how far from the middle they are, in lengths of the normal
-        /// squared.
-        cuts: Vec<(Vec3, f32)>,
-        /// How far it was moved since.
-        by: DVec3,
-    },
-    /// The hull of points.
-    Hull {
-        /// The points.
-        points: Vec<Vec3>,
-        /// How far it was moved since.
-        by: DVec3,
-    },
-    /// One of the known meshes, in world space.
-    Mesh {
-        /// Which.
-        base: u8,
-        /// Where its origin is.
-        center: Vec3,
-        /// What its coordinates are multiplied by.
-        scale: Vec3,
-    },
-    /// One of the known meshes under a transform.
-    Placed {
-        /// Which.
-        base: u8,
-        /// The transform.
-        transform: Affine3A,
-    },
+    Ball { center: Vec3, radius: f32 },
+    Block { min: Vec3, max: Vec3 },
+    Turned { center: Vec3, half: Vec3, turn: Quat },
+    Cut { min: Vec3, max: Vec3, cuts: Vec<(Vec3, f32)>, by: DVec3 },
+    Hull { points: Vec<Vec3>, by: DVec3 },
+    Mesh { base: u8, center: Vec3, scale: Vec3 },
+    Placed { base: u8, transform: Affine3A },
 }
 
 /// How many meshes are known.
@@ -135,10 +87,6 @@ pub struct Shelf {
 }
 
 impl Shelf {
-    /// Prepares them.
-    ///
-    /// # Errors
-    /// As [`TriMesh::new`].
     pub fn new() -> Result<Self, Error> {
         let prepare = |which| {
             let (positions, triangles) = base(which);
@@ -147,14 +95,12 @@ impl Shelf {
         Ok(Self { meshes: (0..BASES).map(prepare).collect::<Result<_, _>>()? })
     }
 
-    /// One of them.
     pub fn mesh(&self, which: u8) -> Arc<TriMesh> {
         self.meshes[usize::from(which % BASES)].clone()
     }
 }
 
 impl Form {
-    /// Its middle, about.
     pub fn center(&self) -> Vec3 {
         match self {
             Self::Ball { center, .. } | Self::Turned { center, .. } | Self::Mesh { center, .. } => *center,
@@ -210,9 +156,6 @@ impl Form {
     }
 
     /// As bounds, and as an occluder; bounds are `None` where the library has no such bounds.
-    ///
-    /// # Errors
-    /// As the library's constructors.
     pub fn shapes(&self, shelf: &Shelf) -> Result<(Option<Bounds>, Occluder), Error> {
         Ok(match self {
             Self::Ball { center, radius } => {

@@ -6,57 +6,8 @@ use casca::Method;
 use glam::Vec3;
 
 use super::dice::Dice;
-use super::ops::{Config, Due, From, Op, Toward, direction};
+use super::ops::{Config, Due, From, Look, Op, Toward, direction};
 use super::views::{Depth, Limits};
-
-/// Habits that can be left out, for example while a defect that they find is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Habits {
-    /// Scenes are cloned.
-    pub clones: bool,
-    /// Frames pass without an end, or end without results.
-    pub skipped_ends: bool,
-    /// Kept sets are asked whether they hold.
-    pub kept: bool,
-    /// Objects are reported on expiry.
-    pub expiry: bool,
-    /// Objects are inserted, and updated, after a frame's end.
-    pub late: bool,
-    /// Grids lie far from the origin.
-    pub far: bool,
-    /// Objects are put on layers, and views show some.
-    pub layers: bool,
-}
-
-impl Default for Habits {
-    fn default() -> Self {
-        Self {
-            clones: true,
-            skipped_ends: true,
-            kept: true,
-            expiry: true,
-            late: true,
-            far: true,
-            layers: true,
-        }
-    }
-}
-
-impl Habits {
-    /// All but those named, by commas between them.
-    pub fn without(names: &str) -> Self {
-        let is = |name: &str| !names.split(',').any(|n| n.trim() == name);
-        Self {
-            clones: is("clones"),
-            skipped_ends: is("skipped_ends"),
-            kept: is("kept"),
-            expiry: is("expiry"),
-            late: is("late"),
-            far: is("far"),
-            layers: is("layers"),
-        }
-    }
-}
 
 /// Things in a scene, at most.
 const MOST_THINGS: usize = 40;
@@ -66,7 +17,6 @@ pub struct Maker<'a> {
     dice: Dice<'a>,
     /// The scene.
     pub config: Config,
-    habits: Habits,
     /// Boxes that hide.
     walls: Vec<(Vec3, Vec3)>,
     ops: Vec<Op>,
@@ -77,9 +27,9 @@ pub struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     /// Chooses the scene.
-    pub fn new(mut dice: Dice<'a>, habits: Habits) -> Self {
-        let config = Config::new(&mut dice, habits.far);
-        Self { dice, config, habits, walls: Vec::new(), ops: Vec::new(), living: Vec::new(), names: 0 }
+    pub fn new(mut dice: Dice<'a>) -> Self {
+        let config = Config::new(&mut dice);
+        Self { dice, config, walls: Vec::new(), ops: Vec::new(), living: Vec::new(), names: 0 }
     }
 
     /// Makes about as many operations as asked for, fewer where bytes are used up.
@@ -100,15 +50,13 @@ impl<'a> Maker<'a> {
 
     fn frame(&mut self) {
         let mut ran = 0u8;
-        // What is inserted at first is a frame of its own, which must end if all do.
-        let first = self.ops.iter().all(|op| matches!(op, Op::Insert { .. }));
-        if !self.dice.once_in(12) && (self.habits.skipped_ends || !first) {
+        if !self.dice.once_in(12) {
             let dt = match self.dice.below(16) {
                 0 => 0.0,
                 1 => 1e-6,
                 2 | 3 => f64::from(self.dice.between(0.5, 10.0)),
                 4 if self.dice.once_in(3) => -f64::from(self.dice.between(0.0, 3.0)),
-                5 if self.habits.far && self.dice.once_in(8) => self.dice.pick(&[1e6, 1e12, 1e30]),
+                5 if self.dice.once_in(8) => self.dice.pick(&[1e6, 1e12, 1e30]),
                 5..=9 => f64::from(self.dice.between(0.05, 0.5)),
                 _ => 1.0 / 60.0,
             };
@@ -133,24 +81,23 @@ impl<'a> Maker<'a> {
         if self.dice.once_in(4) {
             self.ask();
         }
-        if self.habits.kept && self.dice.once_in(4) {
+        if self.dice.once_in(4) {
             self.stalk(&mut ran);
         }
         let end = match self.dice.below(10) {
-            0 if self.habits.skipped_ends => None,
-            1 if self.habits.skipped_ends => Some((0, 0)),
-            2 if self.habits.skipped_ends => Some((self.dice.below(8) as u8, 0)),
-            2 => Some((ran | self.dice.below(8) as u8, 0)),
+            0 => None,
+            1 => Some((0, 0)),
+            2 => Some((self.dice.below(8) as u8, 0)),
             3 => Some((ran, self.dice.below(16) as u8)),
             _ => Some((ran, 0)),
         };
         if let Some((queries, kept)) = end {
             self.ops.push(Op::End { queries, kept });
-            if self.habits.late && self.dice.once_in(12) {
+            if self.dice.once_in(12) {
                 self.change();
             }
         }
-        if self.habits.expiry && end != Some((0, 0)) && end.is_some() && self.dice.once_in(3) {
+        if end.is_some_and(|end| end != (0, 0)) && self.dice.once_in(3) {
             self.run_out();
         }
         if self.dice.once_in(5) {
@@ -178,7 +125,7 @@ impl<'a> Maker<'a> {
             }
             let (toward, limits, seed) = (Toward::Along(Vec3::X), Limits::Around, self.dice.seed());
             let mask = u64::MAX;
-            self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: false, mask, seed });
+            self.ops.push(Op::Look(Look { query: 0, method, from, toward, limits, keep: false, mask, seed }));
             self.ops.push(Op::End { queries: 1, kept: 0 });
         }
     }
@@ -221,9 +168,9 @@ impl<'a> Maker<'a> {
                 Op::Remove { who }
             }
             16 | 17 => self.insert(),
-            18 | 19 if self.habits.expiry => Op::Leave { who },
+            18 | 19 => Op::Leave { who },
             20 => self.nearer(who),
-            21 if self.habits.layers && self.dice.once_in(2) => {
+            21 if self.dice.once_in(2) => {
                 let mask = self.dice.pick(&[u64::MAX, u64::MAX, u64::MAX, 1, 2, 3, 0]);
                 Op::Layers { who, mask }
             }
@@ -246,7 +193,7 @@ impl<'a> Maker<'a> {
             }
             18 => From::At(self.config.min + direction(&mut self.dice) * self.config.size() * 3.0),
             19 if self.dice.once_in(4) => From::At(self.config.min + direction(&mut self.dice) * 1e5),
-            20 if self.habits.far && self.dice.once_in(2) => From::At(self.beyond()),
+            20 if self.dice.once_in(2) => From::At(self.beyond()),
             _ => From::At(self.place()),
         }
     }
@@ -302,18 +249,23 @@ impl<'a> Maker<'a> {
             _ => Method::point(),
         };
         let (from, toward, limits) = (self.from(), self.toward(), self.limits());
-        let keep = self.habits.kept && self.dice.once_in(3);
+        let keep = self.dice.once_in(3);
         let mask = self.mask();
-        self.ops.push(Op::Look { query, method, from, toward, limits, keep, mask, seed: self.dice.seed() });
+        self.ops.push(Op::Look(Look {
+            query,
+            method,
+            from,
+            toward,
+            limits,
+            keep,
+            mask,
+            seed: self.dice.seed(),
+        }));
     }
 
     /// The layers of a view: mostly all.
     fn mask(&mut self) -> u64 {
-        if self.habits.layers && self.dice.once_in(4) {
-            self.dice.pick(&[1, 2, 3, 4, u64::MAX - 1, 0])
-        } else {
-            u64::MAX
-        }
+        if self.dice.once_in(4) { self.dice.pick(&[1, 2, 3, 4, u64::MAX - 1, 0]) } else { u64::MAX }
     }
 
     /// Keeps a set, moves an object step by step, and asks for the set each time.
@@ -322,7 +274,7 @@ impl<'a> Maker<'a> {
         let method = self.dice.pick(&[Method::point(), Method::cell(), Method::cell(), Method::Frustum]);
         let (toward, limits, seed) = (self.toward(), self.limits(), self.dice.seed());
         let mask = self.mask();
-        self.ops.push(Op::Look { query: 0, method, from, toward, limits, keep: true, mask, seed });
+        self.ops.push(Op::Look(Look { query: 0, method, from, toward, limits, keep: true, mask, seed }));
         *ran |= 1;
         let (who, along) = (self.who(), direction(&mut self.dice));
         for _ in 0..1 + self.dice.below(3) {
@@ -333,20 +285,17 @@ impl<'a> Maker<'a> {
     }
 
     fn ask(&mut self) {
-        if self.habits.kept {
-            let nudge = direction(&mut self.dice) * self.config.cell * self.dice.pick(&[0.0, 0.1, 0.4]);
-            let (toward, limits) = (self.toward(), self.limits());
-            self.ops.push(Op::Ask { nudge, toward, limits, seed: self.dice.seed() });
-        }
+        let nudge = direction(&mut self.dice) * self.config.cell * self.dice.pick(&[0.0, 0.1, 0.4]);
+        let (toward, limits) = (self.toward(), self.limits());
+        self.ops.push(Op::Ask { nudge, toward, limits, seed: self.dice.seed() });
     }
 
     fn rarely(&mut self) {
-        let clones = self.habits.clones;
         let op = match self.dice.below(10) {
-            0 if clones => Op::Clone { go_on_with_it: self.dice.once_in(2) },
-            1 | 2 if clones => Op::Switch,
-            3 if clones => Op::Forget,
-            4 | 5 if clones => Op::Cross,
+            0 => Op::Clone { go_on_with_it: self.dice.once_in(2) },
+            1 | 2 => Op::Switch,
+            3 => Op::Forget,
+            4 | 5 => Op::Cross,
             6 | 7 => Op::Casters {
                 query: self.dice.below(3) as u8,
                 receivers: self.dice.below(3) as u8,

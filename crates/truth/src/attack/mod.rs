@@ -10,21 +10,15 @@
 //! - [`long_run`] plays scene after scene.
 //! - [`grazing`] aims at tiny objects closely past the outlines of occluders.
 
-mod api;
 mod dice;
 mod forms;
 pub mod grazing;
 mod make;
 mod ops;
 mod player;
-mod rays;
 mod run;
+mod solid;
 mod truth;
 mod views;
 
-pub use forms::Form;
-pub use make::Habits;
-pub use ops::{Config, Due, From, Hides, Moves, Op, Toward};
-pub use player::{Failure, Kind};
-pub use run::{Report, Run, Tally, long_run, play, play_bytes, play_seed};
-pub use views::{Depth, Limits};
+pub use run::{Run, Tally, long_run, play_bytes, play_seed};

@@ -13,14 +13,10 @@ const STEPS: f32 = 64.0;
 /// Cells between two planes of the lattice that half of all coordinates lie on.
 const LATTICE: f32 = 2.0;
 
-/// The scene of a play.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// Least corner of the grid.
     pub min: Vec3,
-    /// Edge of a cell.
     pub cell: f32,
-    /// Cells along the axes.
     pub dims: UVec3,
     /// Whether coordinates are multiples of a 64th.
     pub exact: bool,
@@ -31,12 +27,12 @@ pub struct Config {
 }
 
 impl Config {
-    /// A scene by chance; `far` allows ones far from the origin.
-    pub fn new(dice: &mut Dice, far: bool) -> Self {
+    /// A scene by chance, also far from the origin.
+    pub fn new(dice: &mut Dice) -> Self {
         let cell = dice.pick(&[1.0, 0.5, 2.0, 1.0]);
         let mut side = || dice.pick(&[16, 20, 24, 16, 18, 24, 32, 40]);
         let dims = UVec3::new(side(), side(), side());
-        let away = if far { dice.pick(&[0.0, 0.0, 0.0, 0.0, 1e3, 1e5]) } else { 0.0 };
+        let away = dice.pick(&[0.0, 0.0, 0.0, 0.0, 1e3, 1e5]);
         let mut corner = || away * dice.pick(&[1.0, -1.0, 0.0]);
         let min = Vec3::new(corner(), corner(), corner());
         let exact = min != Vec3::ZERO || dice.once_in(3);
@@ -50,12 +46,10 @@ impl Config {
         if self.exact { (p * STEPS).round() / STEPS } else { p }
     }
 
-    /// Edges of the grid.
     pub fn size(&self) -> Vec3 {
         self.dims.as_vec3() * self.cell
     }
 
-    /// A place in the grid.
     pub fn inside(&self, dice: &mut Dice) -> Vec3 {
         let share = Vec3::new(dice.unit(), dice.unit(), dice.unit());
         self.settled(dice, self.min + self.size() * share)
@@ -70,7 +64,6 @@ impl Config {
 /// What an object hides others with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hides {
-    /// Nothing.
     Nothing,
     /// All of its bounds.
     Itself,
@@ -78,14 +71,10 @@ pub enum Hides {
     Inner(u8, u32),
 }
 
-/// How an object moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Moves {
-    /// It is fixed.
     Fixed,
-    /// With no promise.
     Free,
-    /// With a greatest speed.
     Within(f32),
     /// With a greatest speed, reported on expiry.
     OnExpiry(f32),
@@ -93,12 +82,9 @@ pub enum Moves {
     FixedWithin(f32),
 }
 
-/// Where an eye is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum From {
-    /// At one of the cameras.
     Camera(u8),
-    /// At a point.
     At(Vec3),
     /// At the middle of an object, moved by a share of its size.
     Inside(u16, Vec3),
@@ -106,132 +92,68 @@ pub enum From {
     Volume(u16, Vec3),
 }
 
-/// Where it looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Toward {
-    /// At an object.
     Object(u16),
-    /// Along a direction.
     Along(Vec3),
 }
 
 /// Which of the objects due are reported.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Due {
-    /// All.
     All,
-    /// Some, by chance.
     Some,
-    /// None.
     None,
+}
+
+/// A query; `mask` are the layers that its view shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    pub query: u8,
+    pub method: Method,
+    pub from: From,
+    pub toward: Toward,
+    pub limits: Limits,
+    pub keep: bool,
+    pub mask: u64,
+    pub seed: u32,
 }
 
 /// A call on a scene. Each object has a number for a name; calls on objects that do not exist are
 /// passed over.
+///
+/// - `Reshape` changes bounds and occluder, `Uncover` updates without an occluder, `Same` with the
+///   bounds that the scene has already.
+/// - `Drift` moves an unreported object by a share of the way that its promise allows, `Leave` out
+///   of its volume, or as far as it promised. `Nearer` reports a hidden object nearer to a wall of
+///   its volume, by a share of the room that it has.
+/// - `Ask` asks kept sets whether they hold: for their own views, and for others from close by.
+/// - `End` ends the frame with the results of some queries (by bits) and some kept sets.
+/// - `Forget` forgets the other scene, `Cross` uses sets and ids of it.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)]
 pub enum Op {
-    Insert {
-        name: u16,
-        form: Form,
-        hides: Hides,
-        moves: Moves,
-    },
-    Move {
-        who: u16,
-        by: Vec3,
-    },
-    Jump {
-        who: u16,
-        to: Vec3,
-    },
-    /// Changes bounds and occluder.
-    Reshape {
-        who: u16,
-        form: Form,
-        hides: Hides,
-    },
-    /// Updates without an occluder.
-    Uncover {
-        who: u16,
-    },
-    /// Updates with the bounds that the scene has already.
-    Same {
-        who: u16,
-    },
-    Translate {
-        who: u16,
-        by: Vec3,
-    },
-    Remove {
-        who: u16,
-    },
-    /// Puts an object on other layers.
-    Layers {
-        who: u16,
-        mask: u64,
-    },
-    /// Moves an unreported object by a share of the way that its promise allows.
-    Drift {
-        who: u16,
-        along: Vec3,
-        share: f32,
-    },
-    /// Reports a hidden object nearer to a wall of its volume, by a share of the room that it has.
-    Nearer {
-        who: u16,
-        side: u8,
-        share: f32,
-    },
-    /// Moves an unreported object out of its volume, or as far as it promised.
-    Leave {
-        who: u16,
-    },
-    Begin {
-        dt: f64,
-        due: Due,
-        seed: u32,
-    },
-    Look {
-        query: u8,
-        method: Method,
-        from: From,
-        toward: Toward,
-        limits: Limits,
-        keep: bool,
-        /// The layers that the view shows.
-        mask: u64,
-        seed: u32,
-    },
-    /// Asks kept sets whether they hold: for their own views, and for others from close by.
-    Ask {
-        nudge: Vec3,
-        toward: Toward,
-        limits: Limits,
-        seed: u32,
-    },
-    /// Ends the frame with the results of some queries (by bits) and some kept sets.
-    End {
-        queries: u8,
-        kept: u8,
-    },
-    Clone {
-        go_on_with_it: bool,
-    },
+    Insert { name: u16, form: Form, hides: Hides, moves: Moves },
+    Move { who: u16, by: Vec3 },
+    Jump { who: u16, to: Vec3 },
+    Reshape { who: u16, form: Form, hides: Hides },
+    Uncover { who: u16 },
+    Same { who: u16 },
+    Translate { who: u16, by: Vec3 },
+    Remove { who: u16 },
+    Layers { who: u16, mask: u64 },
+    Drift { who: u16, along: Vec3, share: f32 },
+    Nearer { who: u16, side: u8, share: f32 },
+    Leave { who: u16 },
+    Begin { dt: f64, due: Due, seed: u32 },
+    Look(Look),
+    Ask { nudge: Vec3, toward: Toward, limits: Limits, seed: u32 },
+    End { queries: u8, kept: u8 },
+    Clone { go_on_with_it: bool },
     Switch,
-    /// Forgets the other scene.
     Forget,
-    /// Uses sets and ids of the other scene.
     Cross,
-    Casters {
-        query: u8,
-        receivers: u8,
-        light: Vec3,
-    },
-    List {
-        query: u8,
-        least: f32,
-    },
+    Casters { query: u8, receivers: u8, light: Vec3 },
+    List { query: u8, least: f32 },
 }
 
 impl Hides {

@@ -3,16 +3,16 @@
 mod frame;
 mod look;
 
+use casca::internals::SceneInternals;
 use casca::{
     CellOptions, DrawOptions, Error, GridSpec, KeptOptions, KeptQuery, KeptResult, ObjectDesc, PointOptions,
     Pvs, Query, Scene, View,
 };
 use glam::{DVec3, Vec3};
 
-use super::api;
 use super::forms::{Form, Shelf};
-use super::ops::{Config, Hides, Moves, Op};
-use super::rays::Body;
+use super::ops::{Config, Hides, Look, Moves, Op};
+use super::solid::Solid;
 use super::truth::{Effort, Thing};
 use super::views::TrueView;
 
@@ -21,7 +21,6 @@ const KEPT: usize = 4;
 /// Ids of removed objects that are tried again.
 const MOST_GONE: usize = 8;
 
-/// In which way a play failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// A set lacks a visible object.
@@ -36,18 +35,13 @@ pub enum Kind {
     Answer,
     /// Something is left behind in the matrices, or an answer contradicts itself.
     State,
-    /// The library panicked.
     Panic,
 }
 
-/// How a play failed.
 #[derive(Debug, Clone)]
 pub struct Failure {
-    /// In which way.
     pub kind: Kind,
-    /// Index of the operation.
     pub at: usize,
-    /// What happened, in words.
     pub text: String,
 }
 
@@ -90,7 +84,6 @@ struct Kept {
     origin: Origin,
 }
 
-/// Plays operations.
 pub struct Player {
     config: Config,
     shelf: Shelf,
@@ -125,9 +118,6 @@ fn refused(what: &str) -> impl Fn(Error) -> (Kind, String) + use<'_> {
 
 impl Player {
     /// An empty scene. A thorough player looks at more points.
-    ///
-    /// # Errors
-    /// As the library's constructors.
     pub fn new(config: &Config, thorough: bool) -> Result<Self, Error> {
         let scene = Scene::new(&GridSpec { min: config.min, cell: config.cell, dims: config.dims })?;
         let options = |degrees, mask| {
@@ -182,54 +172,48 @@ impl Player {
         }
     }
 
-    /// The index of a thing.
     fn who(&self, who: u16) -> Option<usize> {
         self.worlds[self.active].things.iter().position(|thing| thing.name == who)
     }
 
-    /// Plays one operation.
-    ///
-    /// # Errors
-    /// Says how library and truth disagree.
+    /// Does something with a thing, if it is there.
+    fn with(&mut self, who: u16, play: impl FnOnce(&mut Self, usize) -> Played) -> Played {
+        self.who(who).map_or(Ok(()), |i| play(self, i))
+    }
+
     pub fn play(&mut self, op: &Op) -> Played {
         match op {
             Op::Insert { name, form, hides, moves } => self.insert(*name, form, *hides, *moves),
-            Op::Move { who, by } => self.shift(*who, |_| *by),
-            Op::Jump { who, to } => self.shift(*who, |thing| *to - thing.bounds.center()),
+            Op::Move { who, by } => self.with(*who, |p, i| p.shift(i, *by)),
+            Op::Jump { who, to } => self.with(*who, |p, i| {
+                let by = *to - p.world().things[i].bounds.center();
+                p.shift(i, by)
+            }),
             Op::Reshape { who, form, hides } => {
-                let Some(i) = self.who(*who) else { return Ok(()) };
-                self.tell(i, form.clone(), hides.form(form, &self.config))
+                self.with(*who, |p, i| p.tell(i, form.clone(), hides.form(form, &p.config)))
             }
             Op::Uncover { who } => {
-                let Some(i) = self.who(*who) else { return Ok(()) };
-                let bounds = self.world().things[i].bounds.clone();
-                self.tell(i, bounds, None)
+                self.with(*who, |p, i| p.tell(i, p.worlds[p.active].things[i].bounds.clone(), None))
             }
-            Op::Same { who } => {
-                let Some(i) = self.who(*who) else { return Ok(()) };
-                let thing = &self.world().things[i];
-                let (bounds, occluder) = (thing.bounds.clone(), thing.occluder.clone());
-                self.tell(i, bounds, occluder)
-            }
-            Op::Translate { who, by } => self.translate(*who, *by),
-            Op::Remove { who } => self.remove(*who),
-            Op::Drift { who, along, share } => {
-                let Some(i) = self.who(*who) else { return Ok(()) };
-                let thing = &mut self.world().things[i];
+            Op::Same { who } => self.with(*who, |p, i| {
+                let thing = p.world().things[i].clone();
+                p.tell(i, thing.bounds, thing.occluder)
+            }),
+            Op::Translate { who, by } => self.with(*who, |p, i| p.translate(i, *by)),
+            Op::Remove { who } => self.with(*who, Self::take_out),
+            Op::Drift { who, along, share } => self.with(*who, |p, i| {
+                let thing = &mut p.world().things[i];
                 thing.drift_to(along.as_dvec3() * thing.way * f64::from(*share));
                 Ok(())
-            }
-            Op::Nearer { who, side, share } => {
-                self.who(*who).map_or(Ok(()), |i| self.nearer(i, *side, *share))
-            }
-            Op::Leave { who } => {
-                let Some(i) = self.who(*who) else { return Ok(()) };
-                self.leave(i);
+            }),
+            Op::Nearer { who, side, share } => self.with(*who, |p, i| p.nearer(i, *side, *share)),
+            Op::Leave { who } => self.with(*who, |p, i| {
+                p.leave(i);
                 Ok(())
-            }
+            }),
             Op::Begin { dt, due, seed } => self.begin(*dt, *due, *seed),
-            Op::Layers { who, mask } => self.relayer(*who, *mask),
-            Op::Look { query, method, from, toward, limits, keep, mask, seed } => {
+            Op::Layers { who, mask } => self.with(*who, |p, i| p.relayer(i, *mask)),
+            Op::Look(Look { query, method, from, toward, limits, keep, mask, seed }) => {
                 let eye = self.eye(*from);
                 let Some((view, mut truth)) = self.view(eye, *toward, limits)? else { return Ok(()) };
                 let view = view.with_layers(*mask);
@@ -284,14 +268,14 @@ impl Player {
         }
         let odd = matches!(moves, Moves::FixedWithin(_));
         let id = match self.world().scene.insert(desc) {
-            Ok(_) if odd && api::STRICT => {
+            Ok(_) if odd => {
                 return Err((Kind::Answer, "a greatest speed of something fixed is taken".into()));
             }
             Ok(id) => id,
             Err(_) if odd || is_rounded(form) => return Ok(()),
             Err(error) => return Err(refused("an insertion")(error)),
         };
-        let (body, own_cover) = (Body::new(form), occluder.as_ref().map(Body::new));
+        let (body, own_cover) = (Solid::new(form), occluder.as_ref().map(Solid::new));
         let own = self.worlds.len() == 2;
         self.note(|_| format!("thing {name} is {id}"));
         let world = self.world();
@@ -330,15 +314,12 @@ impl Player {
         Some((bounds?, cover))
     }
 
-    fn shift(&mut self, who: u16, by: impl Fn(&Thing) -> Vec3) -> Played {
-        let Some(i) = self.who(who) else { return Ok(()) };
+    fn shift(&mut self, i: usize, by: Vec3) -> Played {
         let thing = &self.world().things[i];
-        let by = by(thing);
         let (bounds, occluder) = (thing.bounds.moved(by), thing.occluder.as_ref().map(|o| o.moved(by)));
         self.tell(i, bounds, occluder)
     }
 
-    /// Updates an object.
     fn tell(&mut self, i: usize, bounds: Form, occluder: Option<Form>) -> Played {
         let Some((shape, cover)) = self.shapes(&bounds, occluder.as_ref()) else { return Ok(()) };
         let world = self.world();
@@ -353,9 +334,7 @@ impl Player {
             cover => world.scene.update(thing.id, shape, cover),
         };
         match told {
-            Ok(()) if uncovers && api::STRICT => {
-                Err((Kind::Answer, "an occluder is dropped silently".into()))
-            }
+            Ok(()) if uncovers => Err((Kind::Answer, "an occluder is dropped silently".into())),
             Ok(()) => {
                 world.changed |= thing.bounds != bounds || thing.occluder != occluder;
                 thing.told(bounds, occluder);
@@ -370,8 +349,7 @@ impl Player {
         }
     }
 
-    fn translate(&mut self, who: u16, by: Vec3) -> Played {
-        let Some(i) = self.who(who) else { return Ok(()) };
+    fn translate(&mut self, i: usize, by: Vec3) -> Played {
         let world = self.world();
         let thing = &mut world.things[i];
         let mesh = |f: &Form| matches!(f, Form::Mesh { .. });
@@ -389,18 +367,13 @@ impl Player {
         }
     }
 
-    fn relayer(&mut self, who: u16, mask: u64) -> Played {
-        let Some(i) = self.who(who) else { return Ok(()) };
+    fn relayer(&mut self, i: usize, mask: u64) -> Played {
         let world = self.world();
         let thing = &mut world.things[i];
         world.scene.set_layers(thing.id, mask).map_err(refused("a change of layers"))?;
         world.changed |= thing.layers != mask;
         thing.layers = mask;
         Ok(())
-    }
-
-    fn remove(&mut self, who: u16) -> Played {
-        self.who(who).map_or(Ok(()), |i| self.take_out(i))
     }
 
     fn take_out(&mut self, i: usize) -> Played {
@@ -416,18 +389,20 @@ impl Player {
         known.map_or(Ok(()), |id| Err((Kind::State, format!("{id} was removed and is known"))))
     }
 
-    /// Takes everything out.
-    ///
-    /// # Errors
-    /// Says what is left behind.
     pub fn finish(&mut self) -> Played {
         for active in 0..self.worlds.len() {
             self.active = active;
             while !self.world().things.is_empty() {
                 self.take_out(0)?;
             }
-            if let Some(left) = api::leftovers(&self.world().scene) {
-                return Err((Kind::State, format!("an emptied scene holds {left}")));
+            let scene = &self.world().scene;
+            let (entries, volumes) = (scene.id_matrix().entries(), scene.tbv_matrix().volumes());
+            let opaque = (scene.static_opacity().count(), scene.dynamic_opacity().count());
+            if !scene.is_empty() || (entries, volumes) != (0, 0) || opaque != (0, 0) {
+                let (left, text) = (scene.len(), "an emptied scene holds");
+                let text =
+                    format!("{text} {left} objects, {entries} entries, {volumes} volumes, {opaque:?} cells");
+                return Err((Kind::State, text));
             }
         }
         Ok(())

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 use super::dice::Dice;
-use super::make::{Habits, Maker};
+use super::make::Maker;
 use super::ops::{Config, Op};
 use super::player::{Failure, Kind, Player};
 
@@ -24,21 +24,6 @@ pub struct Tally {
     pub checks: u64,
 }
 
-/// A failure, reduced.
-#[derive(Debug, Clone)]
-pub struct Report {
-    /// The scene.
-    pub config: Config,
-    /// The operations that are needed.
-    pub ops: Vec<Op>,
-    /// How it fails.
-    pub failure: Failure,
-    /// After how many operations it came up.
-    pub after: u64,
-    /// For people.
-    pub transcript: String,
-}
-
 /// How long a run plays.
 #[derive(Debug, Clone, Copy)]
 pub struct Run {
@@ -46,26 +31,18 @@ pub struct Run {
     pub seed: u64,
     /// Operations in all.
     pub ops: u64,
-    /// What is played.
-    pub habits: Habits,
     /// Ends after this many failures.
     pub failures: usize,
 }
 
-/// Plays operations from the start; a thorough play looks at more points.
-///
-/// # Errors
-/// Says how library and truth disagree.
-pub fn play(config: &Config, ops: &[Op], thorough: bool, tally: &mut Tally) -> Result<(), Failure> {
-    play_with(config, ops, thorough, tally, &mut None)
-}
-
-fn play_with(
+/// Plays operations from the start; a thorough play looks at more points. `notes` are taken of each
+/// operation, if they are wanted.
+fn play(
     config: &Config,
     ops: &[Op],
     thorough: bool,
     tally: &mut Tally,
-    notes: &mut Option<Vec<Vec<String>>>,
+    mut notes: Option<&mut Vec<Vec<String>>>,
 ) -> Result<(), Failure> {
     let at = Cell::new(0);
     let mut player = match Player::new(config, thorough) {
@@ -101,16 +78,15 @@ fn play_with(
     }
 }
 
-/// Leaves out operations as long as the play fails in the same way. Whole frames stay as they are
-/// where each must have its end: another defect would come up instead.
-fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure, frames: bool) -> (Vec<Op>, Failure) {
+/// Leaves out operations as long as the play fails in the same way.
+fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure) -> (Vec<Op>, Failure) {
     ops.truncate(failure.at + 1);
     let mut tally = Tally::default();
     let mut best = failure;
     let mut replays = 0;
     let mut fails = |ops: &[Op], thorough: bool, kind: Kind| {
         replays += 1;
-        let failed = play(config, ops, thorough, &mut tally).err().filter(|f| f.kind == kind);
+        let failed = play(config, ops, thorough, &mut tally, None).err().filter(|f| f.kind == kind);
         (failed, replays > REPLAYS)
     };
     // More points find the same with less; if they do not, few points must do.
@@ -120,14 +96,8 @@ fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure, frames: bool) -> 
         let (mut i, before) = (0, ops.len());
         while i < ops.len() {
             let part = i..(i + chunk).min(ops.len());
-            let stays = |op: &Op| frames && matches!(op, Op::Begin { .. } | Op::Look { .. } | Op::End { .. });
             let mut fewer = ops.clone();
-            let kept: Vec<Op> = fewer[part.clone()].iter().filter(|op| stays(op)).cloned().collect();
-            if kept.len() == part.len() {
-                i += chunk;
-                continue;
-            }
-            fewer.splice(part, kept);
+            fewer.drain(part);
             let (failed, over) = fails(&fewer, thorough, best.kind);
             if let Some(failed) = failed {
                 fewer.truncate(failed.at + 1);
@@ -149,9 +119,8 @@ fn reduce(config: &Config, mut ops: Vec<Op>, failure: Failure, frames: bool) -> 
 
 fn transcript(config: &Config, ops: &[Op], failure: &Failure) -> String {
     let mut text = format!("{:?}: {}\n{config:?}\n", failure.kind, failure.text);
-    let mut notes = Some(Vec::new());
-    let _ = play_with(config, ops, true, &mut Tally::default(), &mut notes);
-    let notes = notes.unwrap_or_default();
+    let mut notes = Vec::new();
+    let _ = play(config, ops, true, &mut Tally::default(), Some(&mut notes));
     for (i, op) in ops.iter().enumerate() {
         // A `String` takes all that is written.
         let _ = writeln!(text, "{i:3}. {op:?}");
@@ -162,50 +131,49 @@ fn transcript(config: &Config, ops: &[Op], failure: &Failure) -> String {
     text
 }
 
-fn report(config: Config, ops: Vec<Op>, failure: Failure, after: u64, habits: Habits) -> Report {
+/// A failure with the operations that are needed for it, for people.
+fn report(config: &Config, ops: Vec<Op>, failure: Failure) -> String {
     // While it is reduced, a panic comes again and again; its message is in the transcript.
     let silent = (failure.kind == Kind::Panic).then(std::panic::take_hook);
     if silent.is_some() {
         std::panic::set_hook(Box::new(|_| ()));
     }
-    let frames = !habits.skipped_ends && matches!(failure.kind, Kind::Lost | Kind::Held | Kind::Volume);
-    let (ops, failure) = reduce(&config, ops, failure, frames);
-    let transcript = transcript(&config, &ops, &failure);
+    let (ops, failure) = reduce(config, ops, failure);
+    let text = transcript(config, &ops, &failure);
     if let Some(hook) = silent {
         std::panic::set_hook(hook);
     }
-    Report { config, ops, failure, after, transcript }
+    text
 }
 
 /// Plays the scene of a seed, of about as many operations as asked for.
 ///
 /// # Errors
-/// The reduced failure.
-pub fn play_seed(seed: u64, ops: usize, habits: Habits, tally: &mut Tally) -> Result<(), Box<Report>> {
-    let (config, ops) = Maker::new(Dice::new(seed), habits).ops(ops);
-    let played = play(&config, &ops, false, tally);
-    played.map_err(|failure| Box::new(report(config, ops, failure, tally.ops, habits)))
+/// The reduced failure, for people.
+pub fn play_seed(seed: u64, ops: usize, tally: &mut Tally) -> Result<(), String> {
+    let (config, ops) = Maker::new(Dice::new(seed)).ops(ops);
+    let played = play(&config, &ops, false, tally, None);
+    played.map_err(|failure| report(&config, ops, failure))
 }
 
 /// Plays the scene that bytes tell, of up to this many operations.
 ///
 /// # Errors
-/// The reduced failure.
-pub fn play_bytes(bytes: &[u8], ops: usize, habits: Habits) -> Result<(), Box<Report>> {
-    let (config, ops) = Maker::new(Dice::Bytes(bytes), habits).ops(ops);
-    let played = play(&config, &ops, false, &mut Tally::default());
-    played.map_err(|failure| Box::new(report(config, ops, failure, 0, habits)))
+/// The reduced failure, for people.
+pub fn play_bytes(bytes: &[u8], ops: usize) -> Result<(), String> {
+    let (config, ops) = Maker::new(Dice::Bytes(bytes)).ops(ops);
+    let played = play(&config, &ops, false, &mut Tally::default(), None);
+    played.map_err(|failure| report(&config, ops, failure))
 }
 
 /// Plays scene after scene; `progress` is told what was done and found so far, after each.
-pub fn long_run(run: Run, mut progress: impl FnMut(&Tally, &[Report], f64)) -> (Tally, Vec<Report>) {
+pub fn long_run(run: Run, mut progress: impl FnMut(&Tally, &[String], f64)) -> (Tally, Vec<String>) {
     let start = Instant::now();
     let (mut tally, mut found) = (Tally::default(), Vec::new());
     let mut seed = run.seed;
     while tally.ops < run.ops && found.len() < run.failures {
-        if let Err(mut report) = play_seed(seed, SCENE_OPS, run.habits, &mut tally) {
-            report.transcript = format!("seed {seed}, after {} operations\n{}", tally.ops, report.transcript);
-            found.push(*report);
+        if let Err(text) = play_seed(seed, SCENE_OPS, &mut tally) {
+            found.push(format!("seed {seed}, after {} operations\n{text}", tally.ops));
         }
         seed += 1;
         progress(&tally, &found, start.elapsed().as_secs_f64());

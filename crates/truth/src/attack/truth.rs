@@ -6,29 +6,25 @@ use glam::DVec3;
 use super::dice::Dice;
 use super::forms::Form;
 use super::ops::Moves;
-use super::rays::{Body, Sight};
-use super::views::TrueView;
+use super::solid::Solid;
+use super::views::{Sight, TrueView};
 use crate::numeric::attack::KEPT_SPEED;
 
-/// One object.
 #[derive(Debug, Clone)]
 pub struct Thing {
     /// A number for messages, the same in clones.
     pub name: u16,
-    /// Its id in its scene.
     pub id: ObjectId,
     /// What was told last.
     pub bounds: Form,
     /// What was told last.
     pub occluder: Option<Form>,
-    /// Its layers.
     pub layers: u64,
-    /// The promise.
     pub moves: Moves,
     /// Its points, where it was told to be.
-    pub body: Body,
+    pub body: Solid,
     /// What it hides others with, where it was told to be.
-    pub cover: Option<Body>,
+    pub cover: Option<Solid>,
     /// How far it may be from there by now.
     pub way: f64,
     /// How far it is from there.
@@ -43,12 +39,9 @@ pub struct Thing {
     pub own: bool,
 }
 
-/// A visible point.
 #[derive(Debug, Clone)]
 pub struct Sighting {
-    /// Index of the thing.
     pub thing: usize,
-    /// From where to where it is seen.
     pub sight: Sight,
     /// How far the object is from where it was told to be.
     pub drift: DVec3,
@@ -57,7 +50,6 @@ pub struct Sighting {
 /// Effort of a look for lost objects.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// Points of each object.
     pub points: u32,
     /// Places of each object that is not reported.
     pub places: u32,
@@ -71,13 +63,12 @@ impl Thing {
 
     /// Takes up what was told just now.
     pub fn told(&mut self, bounds: Form, occluder: Option<Form>) {
-        self.body = Body::new(&bounds);
-        self.cover = occluder.as_ref().map(Body::new);
+        self.body = Solid::new(&bounds);
+        self.cover = occluder.as_ref().map(Solid::new);
         (self.bounds, self.occluder) = (bounds, occluder);
         (self.way, self.drift, self.owed) = (0.0, DVec3::ZERO, false);
     }
 
-    /// Lets time pass.
     pub fn wait(&mut self, dt: f64) {
         if let Moves::OnExpiry(speed) = self.moves {
             self.way += f64::from(speed) * dt.max(0.0) * KEPT_SPEED;
@@ -97,7 +88,10 @@ fn hidden(things: &[Thing], target: usize, layers: u64, sight: &Sight, last: &mu
         // A solid that hides points of itself is met at a point of itself before.
         i != target
             && things[i].layers & layers != 0
-            && things[i].cover.as_ref().is_some_and(|c| c.hides(things[i].drift, sight))
+            && things[i]
+                .cover
+                .as_ref()
+                .is_some_and(|c| c.hides(sight.from - things[i].drift, sight.to - things[i].drift))
     };
     if *last < things.len() && hides(*last) {
         return true;

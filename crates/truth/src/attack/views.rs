@@ -1,14 +1,12 @@
 //! Views: as the library takes them, and as they truly are.
 
 use casca::{Error, Plane, View};
+use glam::camera::rh::proj::{directx, opengl};
 use glam::camera::rh::view::look_to_mat4;
-use glam::{DMat3, DQuat, DVec3, DVec4, Mat4, Vec3, Vec4};
+use glam::{DMat3, DQuat, DVec3, DVec4, Mat4, Vec3};
 
-use super::api;
-use super::rays::Sight;
 use crate::numeric::attack::{ALONG_PLANE, INSIDE, NO_PLANE, THROUGH_EYE};
 
-/// How depth is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Depth {
     /// 0 at the near plane, 1 at the far one.
@@ -24,42 +22,29 @@ pub enum Depth {
 /// What bounds a view.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Limits {
-    /// Nothing.
     Around,
     /// Planes: a normal each, and how far behind the eye the plane is, in lengths of the normal.
     Planes(Vec<(Vec3, f32)>),
-    /// A perspective matrix.
+    /// A perspective matrix: height in radians, width over height, whether left and right change
+    /// places, and whether the library is told the eye.
     Camera {
-        /// Height of the view in radians.
         fov: f32,
-        /// Width over height.
         aspect: f32,
-        /// Distance of the near plane.
         near: f32,
-        /// Distance of the far plane.
         far: f32,
-        /// Whether left and right change places.
         mirrored: bool,
-        /// How depth is written.
         depth: Depth,
-        /// Whether the library is told the eye.
         exact: bool,
     },
-    /// An orthographic matrix.
+    /// An orthographic matrix: half the height; `near` may be negative. It may be told at which end
+    /// the rays start.
     Parallel {
-        /// Half the height of the view.
         half: f32,
-        /// Width over height.
         aspect: f32,
-        /// Distance of the near plane, also negative.
         near: f32,
-        /// Distance of the far plane.
         far: f32,
-        /// Whether left and right change places.
         mirrored: bool,
-        /// How depth is written.
         depth: Depth,
-        /// Whether the library is told at which end the rays start.
         told: bool,
     },
 }
@@ -67,50 +52,39 @@ pub enum Limits {
 /// A view as it truly is.
 #[derive(Debug, Clone)]
 pub struct TrueView {
-    /// The eye, if there is one.
     pub eye: Option<DVec3>,
-    /// The layers that it shows.
     pub layers: u64,
-    /// The direction of parallel rays.
     direction: DVec3,
     /// Unit normals inwards, offsets, and whether the plane may cut off what is close to the eye.
     planes: Vec<(DVec3, f64, bool)>,
 }
 
+/// A straight line of sight, from where it enters the view.
+#[derive(Debug, Clone, Copy)]
+pub struct Sight {
+    pub from: DVec3,
+    pub to: DVec3,
+}
+
 fn perspective(fov: f32, aspect: f32, near: f32, far: f32, depth: Depth) -> Mat4 {
-    let f = 1.0 / (fov * 0.5).tan();
-    let (a, b) = match depth {
-        Depth::Usual => (far / (near - far), near * far / (near - far)),
-        Depth::Reversed => (near / (far - near), near * far / (far - near)),
-        Depth::Infinite => (-1.0, -near),
-        Depth::Gl => ((far + near) / (near - far), 2.0 * far * near / (near - far)),
-    };
-    Mat4::from_cols(
-        Vec4::new(f / aspect, 0.0, 0.0, 0.0),
-        Vec4::new(0.0, f, 0.0, 0.0),
-        Vec4::new(0.0, 0.0, a, -1.0),
-        Vec4::new(0.0, 0.0, b, 0.0),
-    )
+    match depth {
+        Depth::Usual => directx::perspective(fov, aspect, near, far),
+        Depth::Reversed => directx::perspective(fov, aspect, far, near),
+        Depth::Infinite => directx::perspective_infinite(fov, aspect, near),
+        Depth::Gl => opengl::perspective(fov, aspect, near, far),
+    }
 }
 
 fn orthographic(half: f32, aspect: f32, near: f32, far: f32, depth: Depth) -> Mat4 {
-    let (a, b) = match depth {
-        Depth::Reversed => (1.0 / (far - near), far / (far - near)),
-        Depth::Gl => (2.0 / (near - far), (far + near) / (near - far)),
-        Depth::Usual | Depth::Infinite => (1.0 / (near - far), near / (near - far)),
-    };
-    Mat4::from_cols(
-        Vec4::new(1.0 / (half * aspect), 0.0, 0.0, 0.0),
-        Vec4::new(0.0, 1.0 / half, 0.0, 0.0),
-        Vec4::new(0.0, 0.0, a, 0.0),
-        Vec4::new(0.0, 0.0, b, 1.0),
-    )
+    let across = half * aspect;
+    match depth {
+        Depth::Usual | Depth::Infinite => directx::orthographic(-across, across, -half, half, near, far),
+        Depth::Reversed => directx::orthographic(-across, across, -half, half, far, near),
+        Depth::Gl => opengl::orthographic(-across, across, -half, half, near, far),
+    }
 }
 
 /// The view of an eye that looks along `forward`, for the library and as it truly is.
-///
-/// # Errors
-/// As the library's constructors.
 pub fn look(eye: Vec3, forward: Vec3, limits: &Limits) -> Result<(View, TrueView), Error> {
     let forward = forward.normalize_or(Vec3::X);
     let up = if forward.y.abs() > 0.9 { Vec3::Z } else { Vec3::Y };
@@ -118,9 +92,6 @@ pub fn look(eye: Vec3, forward: Vec3, limits: &Limits) -> Result<(View, TrueView
 }
 
 /// As [`look`], for a direction of length 1, and with the direction that is up in the picture.
-///
-/// # Errors
-/// As the library's constructors.
 pub fn look_upright(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits) -> Result<(View, TrueView), Error> {
     let around = TrueView {
         eye: Some(eye.as_dvec3()),
@@ -153,7 +124,7 @@ pub fn look_upright(eye: Vec3, forward: Vec3, up: Vec3, limits: &Limits) -> Resu
             }
             let view = match (depth, exact) {
                 (Depth::Gl, _) => View::from_view_projection_gl(matrix),
-                (_, true) => api::perspective(eye, matrix),
+                (_, true) => View::perspective(eye, matrix),
                 (_, false) => View::from_view_projection(matrix),
             };
             Ok((view?, truth))
@@ -215,7 +186,6 @@ impl TrueView {
         self.planes.iter().take(4).map(|p| p.0)
     }
 
-    /// The direction of parallel rays.
     pub fn direction(&self) -> DVec3 {
         self.direction
     }
@@ -250,18 +220,14 @@ impl TrueView {
                     }
                 };
                 let cutting = self.planes.iter().filter(|p| p.2);
-                Some(Sight { eye, way, start: cutting.map(cut).fold(0.0, f64::max) })
+                Some(Sight { from: eye + way * cutting.map(cut).fold(0.0, f64::max), to: p })
             }
             None => {
                 // From where the rays enter the half-spaces.
                 let back = |&(n, h, _): &(DVec3, f64, bool)| (n.dot(p) + h) / n.dot(self.direction);
                 let entered = |p: &&(DVec3, f64, bool)| p.0.dot(self.direction) > ALONG_PLANE;
                 let far = self.planes.iter().filter(entered).map(back).fold(f64::INFINITY, f64::min);
-                (far.is_finite() && far > 0.0).then(|| Sight {
-                    eye: p - self.direction * far,
-                    way: self.direction * far,
-                    start: 0.0,
-                })
+                (far.is_finite() && far > 0.0).then(|| Sight { from: p - self.direction * far, to: p })
             }
         }
     }

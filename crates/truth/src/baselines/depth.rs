@@ -73,6 +73,7 @@ impl DepthPyramid {
     }
 
     /// 1 / depth of a pixel; 0 where nothing is.
+    #[cfg(test)]
     pub fn at(&self, x: usize, y: usize) -> f32 {
         self.tiles[y / TILE * self.columns + x / TILE].0[y % TILE][x % TILE]
     }
@@ -100,13 +101,6 @@ impl DepthPyramid {
                 tile.0[bottom..].fill([f32::INFINITY; TILE]);
             }
         }
-    }
-
-    /// Sets a pixel.
-    pub(super) fn set(&mut self, x: usize, y: usize, near: f32) {
-        let tile = y / TILE * self.columns + x / TILE;
-        self.tiles[tile].0[y % TILE][x % TILE] = near;
-        self.stale[tile] = true;
     }
 
     /// The number of a tile.

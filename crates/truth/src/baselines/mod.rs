@@ -6,24 +6,15 @@
 //!   objects tested by their boxes on the way and at the end, against farthest depths of tiles and
 //!   then pixels (Greene, Kass & Miller 1993; as in software occlusion culling of today's engines).
 //!   All in f32 and in vectors.
-//! - [`RayBuffer`]: a low-resolution depth buffer is ray-cast against a bounding volume
-//!   hierarchy, and tests all objects in the same way (as Godot does).
 //!
-//! Both are given the objects inside the frustum; finding those is not part of their time.
-//!
-//! - [`NineRays`]: the question whether a box is in sight, answered by rays to its corners and its
-//!   centre.
+//! It is given the objects inside the frustum; finding those is not part of its time.
 
 mod depth;
 mod hzb;
 mod models;
-mod nine_rays;
-mod rays;
 mod screen;
 #[cfg(test)]
 mod tests;
 
-pub use depth::DepthPyramid;
+use depth::DepthPyramid;
 pub use hzb::Hzb;
-pub use nine_rays::NineRays;
-pub use rays::RayBuffer;

@@ -1,25 +1,9 @@
 //! Margins of the attack. They are for double precision, and share nothing with those of the
 //! oracle: a mistake in one should not hide in the other.
 
-/// Solids that may hide are grown by this share of their size: far more than rounding leaves open.
-pub(crate) const GROW: f64 = 1e-7;
-/// The same as a share of the length of the sight.
-pub(crate) const GROW_DISTANCE: f64 = 1e-9;
-/// The same as a share of the greatest coordinate.
-pub(crate) const GROW_REACH: f64 = 1e-13;
-/// Triangles are grown by this share of their edges.
-pub(crate) const GROW_TRIANGLE: f64 = 1e-7;
-/// Rays that run along a triangle, up to this sine, are taken to be hidden by it: neither answer is
-/// sure.
-pub(crate) const ALONG_TRIANGLE: f64 = 1e-9;
-/// A sight that starts in the skin of a grown solid and leaves it within this many skins is not
-/// hidden by it.
+/// A sight that starts in the skin of a solid, which is what rounding leaves in doubt, and leaves it
+/// within this many skins is not hidden by it.
 pub(crate) const SKINS: f64 = 64.0;
-/// What a sight meets this close to its end, as a share of it, coincides with the target and hides
-/// it.
-pub(crate) const END: f64 = 1e-9;
-/// Points this close to a plane of a hull, as a share of its size, lie on it.
-pub(crate) const ON_HULL: f64 = 1e-11;
 
 /// Objects keep this little below the speed that they promised, so that rounding breaks no promise.
 pub(crate) const KEPT_SPEED: f64 = 1.0 - 1e-9;

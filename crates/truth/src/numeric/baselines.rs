@@ -1,9 +1,6 @@
 //! Margins of the methods of engines. They are in single precision and not conservative, as those
 //! methods are.
 
-/// A ray ends this share of the way before its target, so that a surface on which the target lies
-/// does not hide it.
-pub(crate) const END: f32 = 1e-4;
 /// A box counts as nearer by this share, so that rounding does not hide it behind its own surface.
 pub(crate) const BIAS: f32 = 1e-5;
 /// The near plane of a projection that tells none, in metres.

@@ -28,22 +28,11 @@ pub(crate) const PAST_END: f64 = 1e-9;
 
 /// The least near plane of a perspective view: at the eye itself nothing can be projected.
 pub(crate) const NEAREST: f64 = 1e-9;
-/// Spheres whose rim comes this close to the plane of the eye, as a share of squares, have no range
-/// on the screen.
-pub(crate) const BESIDE_EYE: f64 = 1e-9;
 /// What is within this share of the frustum's border may be outside by a renderer's rounding to
 /// f32.
 pub(crate) const SURELY_INSIDE: f64 = 1e-6;
 /// Shapes are outside of a plane by more than this share of the terms of the test, or may meet it.
 pub(crate) const PLANE: f64 = 1e-9;
-
-/// By how much screen rectangles are widened against rounding, in pixels.
-pub(crate) const RECTANGLE: f64 = 1e-6;
-/// The keys that entries are sorted by are less than their depths by this share: keys are rounded
-/// to f32, and none may come after its first hit.
-pub(crate) const KEY: f64 = 1e-6;
-/// Depths that differ by less are those of one surface.
-pub(crate) const SAME_DEPTH: f64 = 1e-9;
 
 /// A sphere is looked at only from outside by more than this share of its radius: nearer, hardly a
 /// cap is visible.

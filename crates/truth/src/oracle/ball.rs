@@ -5,7 +5,7 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use super::frustum::Frustum;
-use super::rims::{Rim, rims};
+use super::item_buffer::ItemBuffer;
 use super::{FalseNegative, FrameVerdict, Oracle, OracleOptions};
 use crate::numeric::oracle::LEAST_IN_BALL;
 use casca_scenes::random::{Generator, generator};
@@ -107,7 +107,7 @@ impl BallOracle {
         self.seen.clear();
         self.seen.resize(objects.len(), Seen::Never);
         self.camera = Some(*camera);
-        self.oracle.rays.update(objects, moved);
+        self.oracle.update(objects, moved);
         self.eye(objects, camera, true);
         let frustum = Frustum::new(camera);
         self.rims = rims(&self.oracle.buffer, &frustum, RIMS, &mut self.random);
@@ -147,7 +147,7 @@ impl BallOracle {
     /// Looks from an eye at all objects that none has seen yet.
     fn eye(&mut self, objects: &[Object], camera: &Camera, draws: bool) {
         if draws {
-            self.oracle.buffer.render(objects, camera);
+            self.oracle.buffer.draw(&self.oracle.rays, objects, camera);
         }
         let seen = &self.seen;
         let FrameVerdict { rays, item_rays, false_negatives, unconfirmed, .. } =
@@ -234,20 +234,68 @@ fn within(center: Vec3, step: DVec3, reach: f64) -> Vec3 {
     center
 }
 
+/// Depths that differ by a smaller share belong to one surface.
+const STEP: f64 = 0.01;
+
+/// A point at the rim of an occluder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Rim {
+    /// The point, on the occluder.
+    point: DVec3,
+    /// The unit vector across the way to the point, away from the occluder.
+    out: DVec3,
+}
+
+/// Points at rims that an item buffer shows, at most this many. Nearer rims, and those with more
+/// room behind them, come more often: an eye that moves sees more past them.
+fn rims(buffer: &ItemBuffer, frustum: &Frustum, most: usize, random: &mut Generator) -> Vec<Rim> {
+    let (width, items, depths) = (buffer.width(), buffer.items(), buffer.depths());
+    let mut kept: Vec<(f64, usize, usize)> = Vec::new();
+    let mut offer = |a: usize, b: usize| {
+        let (near, far) = if depths[a] < depths[b] { (a, b) } else { (b, a) };
+        if items[a] == items[b] || depths[far] < depths[near] * (1.0 + STEP) {
+            return;
+        }
+        // The greatest keys are a sample with these weights (Efraimidis & Spirakis 2006).
+        let weight = 1.0 / depths[near] - 1.0 / depths[far];
+        let key = random.random::<f64>().ln() / weight;
+        kept.push((key, near, far));
+        if kept.len() >= 4 * most.max(1) {
+            keep(&mut kept, most);
+        }
+    };
+    for pixel in 0..items.len() {
+        if pixel % width + 1 < width {
+            offer(pixel, pixel + 1);
+        }
+        if pixel + width < items.len() {
+            offer(pixel, pixel + width);
+        }
+    }
+    keep(&mut kept, most);
+    let rim = |&(_, near, far): &(f64, usize, usize)| {
+        let (origin, step) = buffer.pixel_ray(frustum, near);
+        let (_, beside) = buffer.pixel_ray(frustum, far);
+        let across = beside - step;
+        let out = (across - step * (across.dot(step) / step.length_squared())).normalize_or_zero();
+        Rim { point: origin + step * (depths[near] - frustum.near()), out }
+    };
+    kept.iter().map(rim).filter(|r| r.out != DVec3::ZERO && r.point.is_finite()).collect()
+}
+
+/// Keeps those with the greatest keys.
+fn keep(kept: &mut Vec<(f64, usize, usize)>, most: usize) {
+    kept.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+    kept.truncate(most);
+}
+
 #[cfg(test)]
 mod tests {
     use glam::Affine3A;
 
+    use super::super::tests::{cuboid, object};
     use super::*;
-    use casca_scenes::world::{Mesh, Motion};
-
-    fn object(shape: Shape) -> Object {
-        Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true }
-    }
-
-    fn cuboid(min: [f32; 3], max: [f32; 3]) -> Object {
-        object(Shape::Box { min: min.into(), max: max.into() })
-    }
+    use casca_scenes::world::Mesh;
 
     fn ball(center: [f32; 3], radius: f32) -> Object {
         object(Shape::Sphere { center: center.into(), radius })

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::numeric::oracle::{BESIDE_EYE, NEAREST, PLANE, SURELY_INSIDE};
+use crate::numeric::oracle::{NEAREST, PLANE, SURELY_INSIDE};
 use casca_scenes::world::Camera;
 
 /// An affine function of a point, given relative to the eye.
@@ -159,31 +159,6 @@ impl Frustum {
         (planes.inverse() * DVec3::new(x * cw - cx, y * cw - cy, 0.0), middle * scale)
     }
 
-    /// Normalised device coordinates of a point relative to the eye that is
-    /// in front of it.
-    pub(super) fn project(&self, relative: DVec3) -> [f64; 2] {
-        let [x, y, _, w] = self.rows;
-        let scale = 1.0 / w.at(relative);
-        [x.at(relative) * scale, y.at(relative) * scale]
-    }
-
-    /// The range of x (`axis` 0) or y (`axis` 1) in normalised device
-    /// coordinates that a sphere covers. None if it reaches behind the eye.
-    pub(super) fn sphere_range(&self, relative: DVec3, radius: f64, axis: usize) -> Option<[f64; 2]> {
-        let (row, w_row) = (self.rows[axis], self.rows[3]);
-        let (x, w) = (row.at(relative), w_row.at(relative));
-        let squared = radius * radius;
-        // Planes at X touch the sphere where (x - X w)^2 = r^2 |row - X w_row|^2.
-        let a = w * w - squared * w_row.normal.length_squared();
-        let b = x * w - squared * row.normal.dot(w_row.normal);
-        let c = x * x - squared * row.normal.length_squared();
-        if w <= 0.0 || a <= BESIDE_EYE * w * w {
-            return None;
-        }
-        let root = (b * b - a * c).max(0.0).sqrt();
-        Some([(b - root) / a, (b + root) / a])
-    }
-
     /// Whether `point` is in the clip volume.
     pub fn contains(&self, point: DVec3) -> bool {
         self.contains_with_margin(point, 0.0)
@@ -208,23 +183,19 @@ impl Frustum {
 
     /// Whether a box may meet the clip volume; false only if it does not (NaN may).
     pub fn may_meet_box(&self, min: DVec3, max: DVec3) -> bool {
-        let center = (min + max) * 0.5 - self.eye;
         let half = (max - min) * 0.5;
-        self.planes().all(|row| {
-            let value = row.at(center);
-            let reach = row.normal.abs().dot(half);
-            let slack = PLANE * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
-            let outside = value + reach < -slack;
-            !outside
-        })
+        self.may_meet((min + max) * 0.5, |normal| normal.abs().dot(half))
     }
 
     /// Whether a sphere may meet the clip volume; false only if it does not (NaN may).
     pub fn may_meet_sphere(&self, center: DVec3, radius: f64) -> bool {
+        self.may_meet(center, |normal| normal.length() * radius)
+    }
+
+    fn may_meet(&self, center: DVec3, reach: impl Fn(DVec3) -> f64) -> bool {
         let center = center - self.eye;
         self.planes().all(|row| {
-            let value = row.at(center);
-            let reach = row.normal.length() * radius;
+            let (value, reach) = (row.at(center), reach(row.normal));
             let slack = PLANE * (row.normal.abs().dot(center.abs()) + reach + row.constant.abs());
             let outside = value + reach < -slack;
             !outside

@@ -45,6 +45,15 @@ impl Primitive {
         }
     }
 
+    /// Whether it is a solid that holds a point.
+    pub(super) fn holds(&self, point: DVec3) -> bool {
+        match *self {
+            Self::Sphere { center, radius } => (point - center).length_squared() < radius * radius,
+            Self::Box { min, max } => min.cmplt(point).all() && point.cmplt(max).all(),
+            Self::Triangle(_) => false,
+        }
+    }
+
     /// Least and greatest corner of the box around it.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match *self {
@@ -164,12 +173,6 @@ pub(super) fn sides_of(shape: &Shape, primitive: u32) -> Sides {
         Shape::Mesh { mesh, .. } => mesh.sides_of(primitive as usize),
         _ => Sides::Both,
     }
-}
-
-/// The primitives of a shape that stop rays.
-pub(super) fn stopping(shape: &Shape) -> impl Iterator<Item = (u32, Sides)> {
-    let all = (0..primitive_count(shape) as u32).map(|i| (i, sides_of(shape, i)));
-    all.filter(|(_, sides)| *sides != Sides::Neither)
 }
 
 /// Number of primitives of a shape.

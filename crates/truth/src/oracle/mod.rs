@@ -15,7 +15,6 @@ mod frustum;
 mod geometry;
 mod item_buffer;
 mod rays;
-mod rims;
 mod sample;
 #[cfg(test)]
 mod tests;
@@ -31,7 +30,6 @@ use geometry::Primitive;
 pub use item_buffer::{ItemBuffer, NONE};
 pub use rays::{ProbeReport, RayOracle, Sighting};
 
-use crate::numeric::oracle::SAME_DEPTH;
 use casca_scenes::world::{Camera, Object, Shape};
 
 /// Pixels of an object through which a sighting is confirmed, at most.
@@ -143,9 +141,14 @@ impl Oracle {
         camera: &Camera,
         pvs: &dyn Fn(usize) -> bool,
     ) -> FrameVerdict {
-        self.rays.update(objects, moved);
-        self.buffer.render(objects, camera);
+        self.update(objects, moved);
+        self.buffer.draw(&self.rays, objects, camera);
         self.judge(objects, camera, true, pvs)
+    }
+
+    fn update(&mut self, objects: &[Object], moved: &[usize]) {
+        self.rays.update(objects, moved);
+        self.buffer.update(objects, moved);
     }
 
     /// Judges the set `pvs` with the objects as they were in the last frame: by the item buffer as
@@ -244,7 +247,10 @@ impl Oracle {
                 }
                 let shape = &objects[object].shape;
                 let is_mesh = matches!(shape, Shape::Mesh { .. });
-                let found = self.pixels_of(objects, frustum, object).into_iter().find_map(|pixel| {
+                let pixels = self.buffer.pixels_of(object);
+                // Spread over all of them.
+                let stride = pixels.len().div_ceil(CONFIRM_PIXELS).max(1);
+                let found = pixels.step_by(stride).find_map(|pixel| {
                     let (origin, step) = self.buffer.pixel_ray(frustum, pixel);
                     let target = origin + step * enter_shape(shape, origin, step)?;
                     (frustum.surely_contains(target)
@@ -254,31 +260,6 @@ impl Oracle {
                 (object, found)
             })
             .collect()
-    }
-
-    /// Some of the pixels that show an object, spread over all of them.
-    fn pixels_of(&self, objects: &[Object], frustum: &Frustum, object: usize) -> Vec<usize> {
-        let Some([x0, y0, x1, y1]) = self.buffer.rectangle(frustum, &objects[object]) else {
-            return Vec::new();
-        };
-        let width = self.buffer.width();
-        let places = (usize::from(y0)..=usize::from(y1))
-            .flat_map(|y| (usize::from(x0)..=usize::from(x1)).map(move |x| y * width + x));
-        let is_whole = !matches!(&objects[object].shape, Shape::Mesh { mesh, .. } if !mesh.sides.is_empty());
-        let shown: Vec<usize> = if objects[object].occludes && is_whole {
-            places.filter(|&pixel| self.buffer.items()[pixel] == object as u32).collect()
-        } else {
-            let (near, shape) = (frustum.near(), &objects[object].shape);
-            places
-                .filter(|&pixel| {
-                    let (origin, step) = self.buffer.pixel_ray(frustum, pixel);
-                    enter_shape(shape, origin, step)
-                        .is_some_and(|t| near + t <= self.buffer.depths()[pixel] + SAME_DEPTH)
-                })
-                .collect()
-        };
-        let stride = shown.len().div_ceil(CONFIRM_PIXELS).max(1);
-        shown.into_iter().step_by(stride).collect()
     }
 }
 

@@ -1,17 +1,15 @@
 //! Exact visibility along rays.
 
-use glam::DVec3;
-use obvhs::BvhBuildParams;
-use obvhs::bvh2::Bvh2;
+use glam::{BVec3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::frustum::{Frustum, Viewpoint};
-use super::geometry::{MeshCache, stopping};
+use super::geometry::{MeshCache, sides_of};
 use super::sample::Sampler;
-use super::tree::{Part, Place, REFITS, Tree};
+use super::tree::{Part, Trees};
 use crate::numeric::oracle::{END, PAST_END};
 use casca_scenes::random::{generator, spread};
-use casca_scenes::world::{Object, Shape};
+use casca_scenes::world::{Object, Shape, Sides};
 
 /// A point of an object that is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,10 +39,7 @@ pub struct ProbeReport {
 /// them, so one that holds the start of a ray does not hide along it. The
 /// boxes of the hierarchy are f32 and widened, so that rounding loses no hit.
 pub struct RayOracle {
-    fixed: Tree,
-    moving: Tree,
-    /// By object: in which tree it is.
-    place: Vec<Place>,
+    pub(super) trees: Trees,
     pub(super) meshes: MeshCache,
 }
 
@@ -73,51 +68,21 @@ impl Segment {
 impl RayOracle {
     /// Builds the hierarchies over all objects that occlude.
     pub fn new(objects: &[Object]) -> Self {
-        let empty = || Tree { parts: Vec::new(), bvh: Bvh2::default(), scale: 0.0, refits: 0 };
-        let mut oracle =
-            Self { fixed: empty(), moving: empty(), place: Vec::new(), meshes: MeshCache::default() };
-        oracle.rebuild(objects);
-        oracle
-    }
-
-    fn rebuild(&mut self, objects: &[Object]) {
-        self.meshes.learn(objects);
-        self.place.clear();
-        self.place.extend(objects.iter().map(Place::of));
-        (self.fixed, self.moving) = rayon::join(
-            || Tree::build(objects, &self.place, Place::Fixed, BvhBuildParams::medium_build()),
-            || Tree::build(objects, &self.place, Place::Moving, BvhBuildParams::fastest_build()),
-        );
+        let mut meshes = MeshCache::default();
+        meshes.learn(objects);
+        let stops = |object: &Object, primitive: u32| {
+            Some(sides_of(&object.shape, primitive)).filter(|s| object.occludes && *s != Sides::Neither)
+        };
+        Self { trees: Trees::new(objects, stops), meshes }
     }
 
     /// Takes up the new shapes of the objects `moved`. When a static object
     /// moved, or objects came, went or changed their kind, all is built anew.
     pub fn update(&mut self, objects: &[Object], moved: &[usize]) {
-        let known = |i: usize| {
-            self.place.get(i).is_some_and(|&place| place != Place::Fixed && place == Place::of(&objects[i]))
-        };
-        if objects.len() != self.place.len() || !moved.iter().all(|&i| known(i)) {
-            self.rebuild(objects);
-            return;
-        }
-        self.meshes.learn(moved.iter().map(|&i| &objects[i]));
-        if moved.iter().all(|&i| self.place[i] == Place::Nowhere) {
-            return;
-        }
-        let mut flags = vec![false; objects.len()];
-        let mut counts = vec![0; objects.len()];
-        for &i in moved {
-            flags[i] = true;
-        }
-        for part in &self.moving.parts {
-            counts[part.object as usize] += 1;
-        }
-        // A new mesh may have other triangles.
-        let same = moved
-            .iter()
-            .all(|&i| self.place[i] == Place::Nowhere || counts[i] == stopping(&objects[i].shape).count());
-        if !same || self.moving.refits >= REFITS || !self.moving.refit(objects, &flags) {
-            self.moving = Tree::build(objects, &self.place, Place::Moving, BvhBuildParams::fastest_build());
+        if self.trees.update(objects, moved) {
+            self.meshes.learn(objects);
+        } else {
+            self.meshes.learn(moved.iter().map(|&i| &objects[i]));
         }
     }
 
@@ -138,19 +103,21 @@ impl RayOracle {
     /// The nearest object a ray enters from outside, and the distance in
     /// units of `direction`; the lower index at equal distance.
     pub fn first_hit(&self, origin: DVec3, direction: DVec3) -> Option<(usize, f64)> {
-        let mut best = None;
-        self.fixed.first(origin, direction, &mut best);
-        self.moving.first(origin, direction, &mut best);
-        best.map(|(object, t)| (object as usize, t))
+        self.trees.first(origin, direction, &mut None).map(|(object, t)| (object as usize, t))
     }
 
-    /// A part that hides the end of the segment: in which tree, and where.
+    /// Whether one of nine rays, to the corners and the centre of a box, reaches its end: how games
+    /// usually ask whether a box is in sight. A box of which only other points are in sight is lost.
+    pub fn nine_rays(&self, eye: Vec3, min: Vec3, max: Vec3) -> bool {
+        let corner = |i: u32| Vec3::select(BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), max, min);
+        let mut ends = (0..8).map(corner).chain([(min + max) * 0.5]);
+        ends.any(|end| !self.occluded(eye.as_dvec3(), end.as_dvec3(), usize::MAX))
+    }
+
+    /// A part that hides the end of the segment.
     fn blocker(&self, segment: &Segment) -> Option<(bool, u32)> {
-        let find = |tree: &Tree| {
-            let end = segment.end.max(segment.own_end);
-            tree.any(segment.origin, segment.step, end, |part| segment.hidden_by(part))
-        };
-        find(&self.fixed).map(|i| (true, i)).or_else(|| find(&self.moving).map(|i| (false, i)))
+        let end = segment.end.max(segment.own_end);
+        self.trees.any(segment.origin, segment.step, end, |part| segment.hidden_by(part))
     }
 
     /// Whether a point of an object is seen from `origin` beyond doubt: no
@@ -248,10 +215,7 @@ impl RayOracle {
             let Some(origin) = start(target) else { continue };
             rays += 1;
             let segment = sure_segment(origin, target, object, is_mesh);
-            if last.is_some_and(|(fixed, i)| {
-                let tree = if fixed { &self.fixed } else { &self.moving };
-                segment.hidden_by(&tree.parts[i as usize])
-            }) {
+            if last.is_some_and(|place| segment.hidden_by(self.trees.part(place))) {
                 continue;
             }
             last = self.blocker(&segment);

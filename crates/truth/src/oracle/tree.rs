@@ -13,11 +13,11 @@ use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
 pub use super::geometry::Primitive;
-use super::geometry::{sides_of, stopping};
+use super::geometry::primitive_count;
 use crate::numeric::oracle::{BOX_F32, LEAST_SCALE, RAY_F32};
 
 /// Refits of the moving part before it is built anew.
-pub(super) const REFITS: u32 = 8;
+const REFITS: u32 = 8;
 
 /// A primitive and whose it is.
 #[derive(Debug, Clone, Copy)]
@@ -49,28 +49,11 @@ impl Part {
 /// A bounding volume hierarchy over the primitives of some objects.
 pub struct Tree {
     /// In the order of the leaves.
-    pub(super) parts: Vec<Part>,
-    pub(super) bvh: Bvh2,
+    parts: Vec<Part>,
+    bvh: Bvh2,
     /// The greatest coordinate.
     pub scale: f64,
-    pub(super) refits: u32,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Place {
-    Nowhere,
-    Fixed,
-    Moving,
-}
-
-impl Place {
-    pub(super) fn of(object: &Object) -> Self {
-        match (object.occludes, object.motion) {
-            (false, _) => Self::Nowhere,
-            (true, Motion::Static) => Self::Fixed,
-            (true, Motion::Dynamic { .. }) => Self::Moving,
-        }
-    }
+    refits: u32,
 }
 
 /// A hierarchy whose leaves hold all boxes that are equal: thousands of them would become a chain,
@@ -102,22 +85,6 @@ fn hierarchy(boxes: &[Aabb], params: BvhBuildParams) -> Bvh2 {
 }
 
 impl Tree {
-    pub(super) fn build(objects: &[Object], place: &[Place], wanted: Place, params: BvhBuildParams) -> Self {
-        let mut parts = Vec::new();
-        for (i, object) in objects.iter().enumerate() {
-            if place[i] != wanted {
-                continue;
-            }
-            for (triangle, sides) in stopping(&object.shape) {
-                let shape = Primitive::of(&object.shape, triangle);
-                if shape.is_sound() {
-                    parts.push(Part { shape, object: i as u32, triangle, sides });
-                }
-            }
-        }
-        Self::of(parts, params)
-    }
-
     /// A tree over sound parts.
     pub fn of(parts: Vec<Part>, params: BvhBuildParams) -> Self {
         let scale = scale_of(&parts);
@@ -127,36 +94,9 @@ impl Tree {
         Self { parts, bvh, scale, refits: 0 }
     }
 
-    /// Takes up new shapes of objects; the order of the tree stays as it is.
-    /// Returns false, with the tree unfit for use, if a shape is unsound.
-    pub(super) fn refit(&mut self, objects: &[Object], moved: &[bool]) -> bool {
-        self.refits += 1;
-        let unsound = self.parts.par_iter_mut().filter(|part| moved[part.object as usize]).map(|part| {
-            let shape = &objects[part.object as usize].shape;
-            (part.shape, part.sides) = (Primitive::of(shape, part.triangle), sides_of(shape, part.triangle));
-            !part.shape.is_sound()
-        });
-        if unsound.reduce(|| false, |a, b| a | b) {
-            return false;
-        }
-        self.scale = scale_of(&self.parts);
-        for node in &mut self.bvh.nodes {
-            if node.is_leaf() {
-                let from = node.first_index as usize;
-                let mut all = Aabb::empty();
-                for part in &self.parts[from..from + node.prim_count as usize] {
-                    all = all.union(&wide_box(&part.shape, self.scale));
-                }
-                node.set_aabb(all);
-            }
-        }
-        self.bvh.refit_all();
-        true
-    }
-
     /// The ray in f32, with a unit direction, and its length. It may start
     /// later than `origin`, where the tree begins.
-    pub(super) fn ray(&self, origin: DVec3, step: DVec3, end: f64) -> Option<Ray> {
+    fn ray(&self, origin: DVec3, step: DVec3, end: f64) -> Option<Ray> {
         let length = step.length();
         let sound = length > 0.0 && length.is_finite() && origin.is_finite();
         if !sound || self.parts.is_empty() {
@@ -184,7 +124,13 @@ impl Tree {
     }
 
     /// The first part found that `hides` says hides.
-    pub fn any(&self, origin: DVec3, step: DVec3, end: f64, hides: impl Fn(&Part) -> bool) -> Option<u32> {
+    pub fn any(
+        &self,
+        origin: DVec3,
+        step: DVec3,
+        end: f64,
+        mut hides: impl FnMut(&Part) -> bool,
+    ) -> Option<u32> {
         let ray = self.ray(origin, step, end)?;
         let mut found = None;
         self.bvh.ray_traverse_miss(ray, |_, i| {
@@ -198,18 +144,20 @@ impl Tree {
         found
     }
 
-    /// The first hit along the ray; `best` is the first so far.
-    pub fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) {
-        let Some(ray) = self.ray(origin, step, f64::INFINITY) else { return };
+    /// The first hit along the ray before `best`, the first so far; which part, if there is one.
+    pub fn first(&self, origin: DVec3, step: DVec3, best: &mut Option<(u32, f64)>) -> Option<u32> {
+        let ray = self.ray(origin, step, best.map_or(f64::INFINITY, |(_, t)| t))?;
         let length = step.length();
         let shift = (origin - ray.origin.as_dvec3()).length();
         let slack = RAY_F32 * (self.scale + LEAST_SCALE);
+        let mut found = None;
         self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
             let part = &self.parts[i];
             if let Some(t) = part.enter(origin, step, false) {
                 let nearer = best.is_none_or(|(object, old)| t < old || (t == old && part.object < object));
                 if nearer {
                     *best = Some((part.object, t));
+                    found = Some(i as u32);
                 }
             }
             // Nothing behind this needs to be looked at.
@@ -217,10 +165,162 @@ impl Tree {
                 ((t * length - shift).max(0.0) * (1.0 + RAY_F32) + slack) as f32
             })
         });
+        found
     }
 }
 
-pub(super) fn scale_of(parts: &[Part]) -> f64 {
+/// Which primitives of an object a hierarchy holds, by their numbers, and from where they stop rays.
+type Which = fn(&Object, u32) -> Option<Sides>;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Nowhere,
+    Fixed,
+    Moving,
+}
+
+/// Hierarchies over primitives of objects: of those that never move, and of those that do.
+pub(super) struct Trees {
+    fixed: Tree,
+    moving: Tree,
+    /// By object: in which tree it is.
+    place: Vec<Place>,
+    which: Which,
+}
+
+fn parts(object: &Object, which: Which) -> impl Iterator<Item = (u32, Sides)> {
+    let all = 0..primitive_count(&object.shape) as u32;
+    all.filter_map(move |i| Some((i, which(object, i)?)))
+}
+
+impl Trees {
+    pub(super) fn new(objects: &[Object], which: Which) -> Self {
+        let place: Vec<Place> = objects.iter().map(|object| Place::of(object, which)).collect();
+        let [fixed, moving] = [(); 2].map(|()| Tree::of(Vec::new(), BvhBuildParams::fastest_build()));
+        let mut trees = Self { fixed, moving, place, which };
+        (trees.fixed, trees.moving) =
+            rayon::join(|| trees.build(objects, Place::Fixed), || trees.build(objects, Place::Moving));
+        trees
+    }
+
+    fn build(&self, objects: &[Object], wanted: Place) -> Tree {
+        let mut found = Vec::new();
+        for (i, object) in objects.iter().enumerate().filter(|(i, _)| self.place[*i] == wanted) {
+            for (triangle, sides) in parts(object, self.which) {
+                let shape = Primitive::of(&object.shape, triangle);
+                if shape.is_sound() {
+                    found.push(Part { shape, object: i as u32, triangle, sides });
+                }
+            }
+        }
+        let is_fixed = wanted == Place::Fixed;
+        let fast = BvhBuildParams::fastest_build();
+        Tree::of(found, if is_fixed { BvhBuildParams::medium_build() } else { fast })
+    }
+
+    /// Takes up the new shapes of the objects `moved`. When a static object
+    /// moved, or objects came, went or changed their kind, all is built anew, and it says so.
+    pub(super) fn update(&mut self, objects: &[Object], moved: &[usize]) -> bool {
+        let known = |i: usize| {
+            self.place
+                .get(i)
+                .is_some_and(|&place| place != Place::Fixed && place == Place::of(&objects[i], self.which))
+        };
+        if objects.len() != self.place.len() || !moved.iter().all(|&i| known(i)) {
+            *self = Self::new(objects, self.which);
+            return true;
+        }
+        if moved.iter().all(|&i| self.place[i] == Place::Nowhere) {
+            return false;
+        }
+        let (mut flags, mut counts) = (vec![false; objects.len()], vec![0; objects.len()]);
+        moved.iter().for_each(|&i| flags[i] = true);
+        self.moving.parts.iter().for_each(|part| counts[part.object as usize] += 1);
+        // A new mesh may have other triangles.
+        let same = moved.iter().all(|&i| counts[i] == parts(&objects[i], self.which).count());
+        if !same || self.moving.refits >= REFITS || !self.refit(objects, &flags) {
+            self.moving = self.build(objects, Place::Moving);
+        }
+        false
+    }
+
+    /// Takes up new shapes of moving objects; the order of the tree stays as it is.
+    /// Returns false, with the tree unfit for use, if a shape is unsound.
+    fn refit(&mut self, objects: &[Object], moved: &[bool]) -> bool {
+        let (tree, which) = (&mut self.moving, self.which);
+        tree.refits += 1;
+        let unsound = tree.parts.par_iter_mut().filter(|part| moved[part.object as usize]).map(|part| {
+            let object = &objects[part.object as usize];
+            part.shape = Primitive::of(&object.shape, part.triangle);
+            // A new mesh may have other triangles that stop rays.
+            which(object, part.triangle).map(|sides| part.sides = sides).is_none() || !part.shape.is_sound()
+        });
+        if unsound.reduce(|| false, |a, b| a | b) {
+            return false;
+        }
+        tree.scale = scale_of(&tree.parts);
+        for node in &mut tree.bvh.nodes {
+            if node.is_leaf() {
+                let from = node.first_index as usize;
+                let mut all = Aabb::empty();
+                for part in &tree.parts[from..from + node.prim_count as usize] {
+                    all = all.union(&wide_box(&part.shape, tree.scale));
+                }
+                node.set_aabb(all);
+            }
+        }
+        tree.bvh.refit_all();
+        true
+    }
+
+    /// The first hit along a ray, and the part; `last` is one that was hit by a ray close by.
+    pub(super) fn first(
+        &self,
+        origin: DVec3,
+        step: DVec3,
+        last: &mut Option<(bool, u32)>,
+    ) -> Option<(u32, f64)> {
+        let mut best = last.and_then(|place| {
+            let part = self.part(place);
+            Some((part.object, part.enter(origin, step, false)?))
+        });
+        for (is_fixed, tree) in [(true, &self.fixed), (false, &self.moving)] {
+            if let Some(i) = tree.first(origin, step, &mut best) {
+                *last = Some((is_fixed, i));
+            }
+        }
+        best
+    }
+
+    /// A part, by whether it is fixed and where in its tree.
+    pub(super) fn part(&self, (is_fixed, i): (bool, u32)) -> &Part {
+        &(if is_fixed { &self.fixed } else { &self.moving }).parts[i as usize]
+    }
+
+    /// A part that `hides` says hides.
+    pub(super) fn any(
+        &self,
+        origin: DVec3,
+        step: DVec3,
+        end: f64,
+        mut hides: impl FnMut(&Part) -> bool,
+    ) -> Option<(bool, u32)> {
+        let fixed = self.fixed.any(origin, step, end, &mut hides).map(|i| (true, i));
+        fixed.or_else(|| self.moving.any(origin, step, end, hides).map(|i| (false, i)))
+    }
+}
+
+impl Place {
+    fn of(object: &Object, which: Which) -> Self {
+        match object.motion {
+            _ if parts(object, which).next().is_none() => Self::Nowhere,
+            Motion::Static => Self::Fixed,
+            Motion::Dynamic { .. } => Self::Moving,
+        }
+    }
+}
+
+fn scale_of(parts: &[Part]) -> f64 {
     parts.iter().fold(0.0, |scale: f64, part| {
         let (min, max) = part.shape.bounds();
         scale.max(min.abs().max_element()).max(max.abs().max_element())
@@ -228,7 +328,7 @@ pub(super) fn scale_of(parts: &[Part]) -> f64 {
 }
 
 /// The box of a primitive, widened against rounding of f32 rays.
-pub(super) fn wide_box(shape: &Primitive, scale: f64) -> Aabb {
+fn wide_box(shape: &Primitive, scale: f64) -> Aabb {
     let (min, max) = shape.bounds();
     let margin = DVec3::splat(BOX_F32 * (scale + LEAST_SCALE));
     Aabb::new((min - margin).as_vec3a(), (max + margin).as_vec3a())

@@ -16,7 +16,6 @@ use casca_server::casca::glam::Vec3;
 use casca_server::wire::{AnswerFrame, ToClient};
 use casca_tools::pictures::palette::other;
 use casca_tools::pictures::{Axis, Line, lines};
-use casca_truth::baselines::NineRays;
 use casca_truth::oracle::RayOracle;
 use clap::Parser;
 
@@ -207,7 +206,7 @@ fn beside(
     let n = options.bots;
     let mut game = Match::new(level, options)?;
     let mut truth = Truth::new(level, game.now()[0]);
-    let rays = NineRays::new(&level.objects);
+    let rays = RayOracle::new(&level.objects);
     let mut tallies = vec![Tally::default(); WAYS.len()];
     let mut queue: VecDeque<Vec<[bool; 2]>> = VecDeque::new();
     let (mut clients, mut seconds) = (0u64, [0.0f64; 3]);
@@ -277,7 +276,7 @@ fn beside(
 
 /// What rays to boxes say from where eyes were reported, by client and bot: from the eye, and from
 /// the middle and the corners of the square that it may be in.
-fn by_rays(game: &Match, rays: &NineRays, n: usize, seconds: &mut [f64; 3]) -> Vec<[bool; 2]> {
+fn by_rays(game: &Match, rays: &RayOracle, n: usize, seconds: &mut [f64; 3]) -> Vec<[bool; 2]> {
     let server = &game.server;
     let clients: Vec<_> = server.clients().map(|(id, desc)| (id, *desc)).collect();
     let boxes: Vec<_> = server.entities().map(|(_, entity)| entity.bounds).collect();
@@ -285,7 +284,7 @@ fn by_rays(game: &Match, rays: &NineRays, n: usize, seconds: &mut [f64; 3]) -> V
     let begin = Instant::now();
     for (i, (_, desc)) in clients.iter().enumerate() {
         for (j, b) in boxes.iter().enumerate() {
-            told[i * n + j][0] = rays.sees_box(desc.eye, b.min, b.max);
+            told[i * n + j][0] = rays.nine_rays(desc.eye, b.min, b.max);
         }
     }
     seconds[1] += begin.elapsed().as_secs_f64();
@@ -295,7 +294,7 @@ fn by_rays(game: &Match, rays: &NineRays, n: usize, seconds: &mut [f64; 3]) -> V
         let corner = |x: f32, z: f32| desc.eye + Vec3::new(x, 0.0, z) * reach;
         let places = [desc.eye, corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
         for (j, b) in boxes.iter().enumerate() {
-            told[i * n + j][1] = places.iter().any(|&eye| rays.sees_box(eye, b.min, b.max));
+            told[i * n + j][1] = places.iter().any(|&eye| rays.nine_rays(eye, b.min, b.max));
         }
     }
     seconds[2] += begin.elapsed().as_secs_f64();

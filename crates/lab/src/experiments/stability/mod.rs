@@ -77,7 +77,7 @@ pub fn stability(lab: &Lab) -> Result<Section, LabError> {
         "{} cases: {}. An object is lost if it is left out although it is visible beyond the doubt of \
          rounding: it shows in an item buffer of {}x{} pixels, or is hit by one of {} rays aimed at every \
          object in the frustum or by one to a point that the case was built to show. `point` and `cell` have \
-         default settings, `hzb` {}x{} pixels and `rays` {}x{}.",
+         default settings and `hzb` {}x{} pixels.",
         all.len(),
         kinds.join("; "),
         run::item_width(lab),
@@ -85,8 +85,6 @@ pub fn stability(lab: &Lab) -> Result<Section, LabError> {
         run::aimed_rays(lab),
         run::HZB,
         run::rows(run::HZB),
-        run::RAYS,
-        run::rows(run::RAYS),
     ));
     section.table(summary(&all));
     section.rows("All cases as CSV", table);

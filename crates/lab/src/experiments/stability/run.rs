@@ -16,8 +16,6 @@ pub(super) fn rows(columns: usize) -> usize {
 
 /// Columns of the baselines' buffers at their usual settings.
 pub(super) const HZB: usize = 640;
-/// As [`HZB`].
-pub(super) const RAYS: usize = 256;
 
 /// Pixels across the item buffer.
 pub(super) fn item_width(lab: &Lab) -> usize {
@@ -84,14 +82,13 @@ struct Entrant {
 }
 
 /// The methods at their usual settings; the frustum first, `point` next.
-fn entrants(case: &Case) -> Result<Vec<Entrant>, LabError> {
+fn entrants() -> Result<Vec<Entrant>, LabError> {
     let casca = |method| Contender::casca("", method).map(|contender| Entrant { contender, columns: 0 });
     Ok(vec![
         casca(Method::Frustum)?,
         casca(Method::point())?,
         casca(Method::cell())?,
         Entrant { contender: Contender::hzb(HZB, rows(HZB)), columns: HZB },
-        Entrant { contender: Contender::rays(&case.objects, RAYS, rows(RAYS)), columns: RAYS },
     ])
 }
 
@@ -283,7 +280,7 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         _ => desc,
     };
     let mut driver = Driver::with(&objects, &case.grid, adapt, |_| ())?;
-    let mut entrants = entrants(case)?;
+    let mut entrants = entrants()?;
     let options = OracleOptions {
         width: item_width(lab),
         height: rows(item_width(lab)),

@@ -42,11 +42,9 @@ fn gaps_lose_nothing_but_samples_do() {
             assert!(finding.known > 0, "{}", finding.case);
             // Most is lost through the narrowest slits, and it lies between the samples.
             if widths[i % widths.len()] < 0.05 {
-                for method in ["hzb", "rays"] {
-                    let outcome = finding.of(method).unwrap();
-                    assert!(outcome.lost_known * 4 > finding.known, "{method}, {}", finding.case);
-                    assert!(outcome.causes[2] * 2 > outcome.lost, "{method}, {}", finding.case);
-                }
+                let outcome = finding.of("hzb").unwrap();
+                assert!(outcome.lost_known * 4 > finding.known, "{}", finding.case);
+                assert!(outcome.causes[2] * 2 > outcome.lost, "{}", finding.case);
             }
         }
     });

@@ -4,7 +4,8 @@ use casca::{Aabb, KeptQuery, Light, Method, ObjectId, PointOptions, Query, View}
 use glam::{DVec3, Vec3};
 
 use super::super::ops::direction;
-use super::solid::{Answer, Start};
+use super::super::solid::Answer;
+use super::rims::Start;
 use super::stage::Stage;
 use super::views::{camera, limits};
 use crate::numeric::attack::{CASTER_ROOM, IN_RANGE};
@@ -26,7 +27,7 @@ pub fn play(mut stage: Stage) -> Stage {
     let up = forward.any_orthonormal_vector();
     let Some(camera) = camera(eye, forward, up, &limits, u64::MAX) else { return stage };
     let walls = 6 + stage.dice.below(12);
-    stage.build(walls, |_| true);
+    (0..walls).for_each(|_| stage.wall(|_| true, false));
     let (unit, middle) = (stage.unit, stage.middle);
     let along = direction(&mut stage.dice);
     let at = middle + direction(&mut stage.dice) * unit * stage.dice.between(2.0, 20.0);

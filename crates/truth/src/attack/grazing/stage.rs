@@ -9,7 +9,8 @@ use glam::{DVec3, UVec3, Vec3};
 
 use super::super::dice::Dice;
 use super::super::ops::direction;
-use super::solid::{Answer, Start};
+use super::super::solid::Answer;
+use super::rims::Start;
 use super::tally::{Lost, Tally};
 use super::walls::{Meshes, Wall, thick};
 
@@ -23,15 +24,10 @@ const CELLS: u32 = 64;
 /// A place closely past an outline, the direction away from it, and the index of the shape.
 pub type Graze = (DVec3, DVec3, usize);
 
-/// A tiny object.
 pub struct Target {
-    /// What the library is told.
     pub bounds: Bounds,
-    /// Its layers.
     pub layers: u64,
-    /// Whether it may move.
     pub dynamic: bool,
-    /// Its id, while it is in the scene.
     pub id: Option<ObjectId>,
 }
 
@@ -44,7 +40,6 @@ pub enum Place {
     Reach,
     /// By a camera that turned as far as it may.
     Turn,
-    /// By one that did both.
     Both,
 }
 
@@ -52,11 +47,8 @@ pub enum Place {
 pub struct Witness {
     /// The target's index; `None` for a point that is asked for alone, and is in single precision.
     pub target: Option<usize>,
-    /// The point.
     pub point: DVec3,
-    /// Where its ray starts.
     pub start: Start,
-    /// What that place is.
     pub place: Place,
     /// Index in [`SHAPES`](super::walls::SHAPES) of the shape that it grazes.
     pub shape: usize,
@@ -66,29 +58,20 @@ pub struct Witness {
     doubt: u64,
 }
 
-/// A wall in a scene.
 pub struct Standing {
-    /// The wall.
     pub wall: Wall,
-    /// Its id, while it is in the scene.
     pub id: Option<ObjectId>,
-    /// Whether it may move.
     pub dynamic: bool,
-    /// Its layers.
     pub layers: u64,
 }
 
-/// A scene with its truth.
 pub struct Stage<'a> {
-    /// Choices.
     pub dice: Dice<'static>,
     seed: u64,
     meshes: &'a Meshes,
-    /// The library's scene.
     pub scene: Scene,
     /// The unit of length.
     pub unit: f32,
-    /// Edge of a cell.
     pub cell: f32,
     /// About where eyes are.
     pub middle: Vec3,
@@ -98,20 +81,14 @@ pub struct Stage<'a> {
     layered: bool,
     /// Whether some of the walls and targets may move.
     moving: bool,
-    /// The occluders.
     pub walls: Vec<Standing>,
-    /// The targets.
     pub targets: Vec<Target>,
-    /// The points looked at.
     pub witnesses: Vec<Witness>,
-    /// What was tried.
     pub tally: Tally,
-    /// What was lost.
     pub lost: Vec<Lost>,
 }
 
 impl<'a> Stage<'a> {
-    /// A scene without objects.
     pub fn new(seed: u64, meshes: &'a Meshes, layered: bool, moving: bool) -> Self {
         let mut dice = Dice::new(seed);
         let unit = dice.pick(&[1.0, 1.0, 1.0, 0.01, 100.0, 1e4]);
@@ -155,7 +132,6 @@ impl<'a> Stage<'a> {
         if step > 0.0 { (p / step).round() * step } else { p }
     }
 
-    /// A place for an eye.
     pub fn eye(&mut self) -> Vec3 {
         let by = direction(&mut self.dice) * self.unit * self.dice.unit();
         if self.step > 0.0 { self.middle } else { self.middle + by }
@@ -166,27 +142,13 @@ impl<'a> Stage<'a> {
         if self.layered { self.dice.pick(&[u64::MAX, u64::MAX, 1, 2, 3, 5]) } else { u64::MAX }
     }
 
-    /// A mask of layers for a view.
     pub fn mask(&mut self) -> u64 {
         if self.layered { self.dice.pick(&[u64::MAX, 1, 2, 4, 6]) } else { u64::MAX }
     }
 
-    /// Puts occluders into the scene, in directions for which `faces` holds.
-    pub fn build(&mut self, count: u32, faces: impl Fn(Vec3) -> bool) {
-        for _ in 0..count {
-            self.wall(&faces, false);
-        }
-    }
-
-    /// Puts thick occluders on cells into the scene.
-    pub fn build_cells(&mut self, count: u32) {
-        for _ in 0..count {
-            self.wall(&|_| true, true);
-        }
-    }
-
-    /// Puts an occluder, or several that belong together, into the scene.
-    pub fn wall(&mut self, faces: &impl Fn(Vec3) -> bool, on_cells: bool) {
+    /// Puts an occluder, or several that belong together, into the scene, in a direction for which
+    /// `faces` holds; `on_cells` asks for thick ones on cells.
+    pub fn wall(&mut self, faces: impl Fn(Vec3) -> bool, on_cells: bool) {
         let dice = &mut self.dice;
         let Some(ahead) = (0..20).map(|_| direction(dice)).find(|d| faces(*d)) else { return };
         let far = 10f32.powf(dice.between(0.35, 1.25));
@@ -226,50 +188,38 @@ impl<'a> Stage<'a> {
         self.walls.push(Standing { wall, id: Some(id), dynamic, layers });
     }
 
-    /// Takes a wall out of the scene, or puts it back.
-    pub fn toggle_wall(&mut self, i: usize) {
-        let standing = &mut self.walls[i];
-        match standing.id.take() {
-            Some(id) => {
-                let _ = self.scene.remove(id);
-            }
-            None => {
-                standing.id =
-                    self.scene.insert(standing.wall.describe(standing.dynamic, standing.layers)).ok();
-            }
-        }
-    }
-
-    /// Takes a target out of the scene, or puts it back.
-    pub fn toggle_target(&mut self, i: usize) {
-        let target = &mut self.targets[i];
-        match target.id.take() {
-            Some(id) => {
-                let _ = self.scene.remove(id);
-            }
-            None => target.id = self.scene.insert(target.describe()).ok(),
+    /// Takes a wall or a target out of the scene, or puts it back.
+    pub fn toggle(&mut self, is_wall: bool, i: usize) {
+        let (walls, targets) = (&mut self.walls, &mut self.targets);
+        let id = if is_wall { &mut walls[i].id } else { &mut targets[i].id };
+        if let Some(id) = id.take() {
+            let _ = self.scene.remove(id);
+        } else if is_wall {
+            walls[i].id = self.scene.insert(walls[i].wall.describe(walls[i].dynamic, walls[i].layers)).ok();
+        } else {
+            targets[i].id = self.scene.insert(targets[i].describe()).ok();
         }
     }
 
     /// Puts a wall or a target on other layers.
     pub fn relayer(&mut self) {
         let layers = self.layers();
-        if self.dice.once_in(2) && !self.walls.is_empty() {
-            let i = self.dice.below(self.walls.len() as u32) as usize;
-            self.walls[i].layers = layers;
-            if let Some(id) = self.walls[i].id {
-                let _ = self.scene.set_layers(id, layers);
-            }
-        } else if !self.targets.is_empty() {
-            let i = self.dice.below(self.targets.len() as u32) as usize;
-            self.targets[i].layers = layers;
-            if let Some(id) = self.targets[i].id {
-                let _ = self.scene.set_layers(id, layers);
-            }
+        let (walls, targets) = (self.walls.len() as u32, self.targets.len() as u32);
+        let (id, old) = if self.dice.once_in(2) && walls > 0 {
+            let wall = &mut self.walls[self.dice.below(walls) as usize];
+            (wall.id, &mut wall.layers)
+        } else if targets > 0 {
+            let target = &mut self.targets[self.dice.below(targets) as usize];
+            (target.id, &mut target.layers)
+        } else {
+            return;
+        };
+        *old = layers;
+        if let Some(id) = id {
+            let _ = self.scene.set_layers(id, layers);
         }
     }
 
-    /// Puts all targets into the scene.
     pub fn insert_targets(&mut self) {
         for target in self.targets.iter_mut().filter(|t| t.id.is_none()) {
             target.id = self.scene.insert(target.describe()).ok();
@@ -278,7 +228,6 @@ impl<'a> Stage<'a> {
 }
 
 impl Target {
-    /// What the library is told.
     pub fn describe(&self) -> ObjectDesc {
         let bounds = self.bounds.clone();
         let desc = if self.dynamic { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };

@@ -5,13 +5,14 @@ use casca::{CameraQuery, KeptOptions, KeptQuery, Method, PointOptions, Query};
 use glam::{DQuat, DVec3, Vec3};
 
 use super::super::ops::direction;
-use super::solid::Start;
+use super::rims::Start;
 use super::stage::{Place, Stage};
 use super::views::{Camera, camera, limits, turned, way};
 use crate::numeric::attack::{LAST_PLACE_F32, WITHIN_TURN_F32};
 
 /// Frames of a scene.
 const FRAMES: u32 = 12;
+const OBJECTS: usize = 400;
 /// Points that are asked for beside the objects.
 const POINTS: usize = 6000;
 
@@ -55,16 +56,12 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     let Some(first) = cameras.first() else { return stage };
     let forward = first.forward;
     let walls = 8 + stage.dice.below(16);
-    stage.build(walls, |d| around || d.dot(forward) > 0.2);
-    for number in 0..400 {
+    (0..walls).for_each(|_| stage.wall(|d| around || d.dot(forward) > 0.2, false));
+    for number in 0..OBJECTS + POINTS {
         let place = number % cameras.len();
         let Camera { eye, truth, .. } = &cameras[place];
-        stage.aim(Start::Eye(*eye), Place::View(place as u8), |p| truth.sight(p).is_some());
-    }
-    for number in 0..POINTS {
-        let place = number % cameras.len();
-        let Camera { eye, truth, .. } = &cameras[place];
-        stage.aim_point(Start::Eye(*eye), Place::View(place as u8), |p| truth.sight(p).is_some());
+        let seen = |p: DVec3| truth.sight(p).is_some();
+        stage.aim(Start::Eye(*eye), Place::View(place as u8), number < OBJECTS, seen);
     }
     stage.insert_targets();
     let options = PointOptions::fast().coherent(true).pixel_degrees(0.5);
@@ -116,14 +113,14 @@ fn change(stage: &mut Stage, forward: Vec3, around: bool) {
         match stage.dice.below(6) {
             0 | 1 if walls > 0 => {
                 let i = stage.dice.below(walls) as usize;
-                stage.toggle_wall(i);
+                stage.toggle(true, i);
             }
-            2 => stage.wall(&|d| around || d.dot(forward) > 0.2, false),
+            2 => stage.wall(|d| around || d.dot(forward) > 0.2, false),
             3 => stage.relayer(),
             _ if targets > 0 => {
                 for _ in 0..10 {
                     let i = stage.dice.below(targets) as usize;
-                    stage.toggle_target(i);
+                    stage.toggle(false, i);
                 }
             }
             _ => {}

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::solid::Answer;
+use super::super::solid::Answer;
 
 /// Answers about points, of one way to ask and one shape.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

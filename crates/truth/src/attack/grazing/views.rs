@@ -1,31 +1,26 @@
-//! Views of one place, and views that stand for many: with a reach, a turn, both.
+//! Views of one place, and views that stand for many: with a reach, a turn, both; a view cell.
+//! Views of parallel rays.
 
-use casca::{Method, PointOptions, Query, View};
+use casca::{CellOptions, Method, PointOptions, Query, View};
 use glam::{DQuat, DVec3, Vec3};
 
 use super::super::dice::Dice;
 use super::super::ops::direction;
-use super::super::views::{Depth, Limits, TrueView, look_upright};
-use super::outermost::outermost;
-use super::solid::Start;
+use super::super::views::{Depth, Limits, TrueView, look, look_upright};
+use super::rims::{Start, outermost};
 use super::stage::{Place, Stage, Witness};
 use super::walls::SHAPES;
 use crate::numeric::attack::{AS_TURNED, WITHIN_TURN};
 
-/// Objects of a scene.
 const OBJECTS: u32 = 400;
 /// Points that are asked for beside the objects.
 const POINTS: u32 = 4000;
 
 /// A camera, as the library takes it and as it is.
 pub struct Camera {
-    /// For the library.
     pub view: View,
-    /// As it is.
     pub truth: TrueView,
-    /// Its eye.
     pub eye: DVec3,
-    /// Where it looks.
     pub forward: Vec3,
 }
 
@@ -94,7 +89,7 @@ pub fn play(mut stage: Stage, around: bool) -> Stage {
     let up = forward.any_orthonormal_vector();
     let Some(base) = camera(eye, forward, up, &limits, mask) else { return stage };
     let walls = 8 + stage.dice.below(24);
-    stage.build(walls, |d| around || d.dot(forward) > 0.2);
+    (0..walls).for_each(|_| stage.wall(|d| around || d.dot(forward) > 0.2, false));
     let reach = f64::from((stage.unit * 10f32.powf(stage.dice.between(-4.0, -0.4))).next_up());
     let angle = 10f64.powf(-3.0 + 2.6 * stage.dice.real());
     for number in 0..OBJECTS + POINTS {
@@ -171,7 +166,7 @@ fn aim(stage: &mut Stage, base: &Camera, eye: DVec3, number: u32, reach: f64, an
     {
         return;
     }
-    if object { stage.aim(start, place, seen) } else { stage.aim_point(start, place, seen) }
+    stage.aim(start, place, object, seen);
 }
 
 /// Aims at an object closely inside a side or a corner of a camera's picture, which went and turned
@@ -205,4 +200,70 @@ fn aside(stage: &mut Stage, base: &Camera, place: Place, (reach, angle): (f64, f
     if turned <= angle * AS_TURNED && seen(point) {
         stage.aim_at(Start::Eye(at), place, (point, normal, SHAPES.len() - 1), object, &seen);
     }
+}
+
+/// Plays a scene with an orthographic view.
+pub fn play_parallel(mut stage: Stage) -> Stage {
+    let (eye, forward, mask) = (stage.eye(), direction(&mut stage.dice), stage.mask());
+    let dice = &mut stage.dice;
+    let limits = Limits::Parallel {
+        half: stage.unit * dice.between(4.0, 20.0),
+        aspect: dice.between(0.7, 1.6),
+        near: stage.unit * -60.0,
+        far: stage.unit * 60.0,
+        mirrored: dice.once_in(4),
+        depth: dice.pick(&[Depth::Usual, Depth::Reversed]),
+        told: true,
+    };
+    let walls = 8 + dice.below(24);
+    let Ok((view, truth)) = look(eye, forward, &limits) else { return stage };
+    let view = view.with_layers(mask);
+    (0..walls).for_each(|_| stage.wall(|_| true, false));
+    let start = Start::Before(truth.direction(), f64::from(stage.unit) * 500.0);
+    for number in 0..OBJECTS + POINTS {
+        stage.aim(start, Place::View(0), number < OBJECTS, |p| truth.sight(p).is_some());
+    }
+    stage.insert_targets();
+    for (_, query) in &mut presets(&mut stage.dice) {
+        let pvs = query.run(&stage.scene, &view).clone();
+        stage.check("parallel", mask, |_| true, &pvs);
+        stage.ask("parallel, sight", mask, |_| true, query);
+    }
+    stage
+}
+
+/// Plays a scene with queries of [`Method::Cell`]: eyes at the corners of a view cell.
+pub fn play_cells(mut stage: Stage) -> Stage {
+    let (eye, mask) = (stage.eye(), stage.mask());
+    let Ok(view) = View::omnidirectional(eye) else { return stage };
+    let view = view.with_layers(mask);
+    let walls = 6 + stage.dice.below(14);
+    (0..walls).for_each(|_| stage.wall(|_| true, true));
+    let grid = stage.scene.grid();
+    let (min, max) = grid.cell_bounds(grid.cell_of(eye.as_dvec3()));
+    for number in 0..1500 {
+        let dice = &mut stage.dice;
+        let mut at = DVec3::from_array(std::array::from_fn(|i| {
+            // The upper border belongs to the next cell.
+            if dice.once_in(2) { min[i] } else { max[i].next_down() }
+        }));
+        match number % 8 {
+            0 => at = eye.as_dvec3(),
+            1 => at = (min + max) * 0.5 + way(dice) * (max - min).min_element() * 0.499,
+            _ => {}
+        }
+        // A set is that of the eyes in no occluder.
+        let outside = stage.walls.iter().all(|w| !w.wall.solid.may_hold(at));
+        if outside && stage.scene.grid().cell_of(at) == stage.scene.grid().cell_of(eye.as_dvec3()) {
+            stage.aim(Start::Eye(at), Place::View(u8::from(at != eye.as_dvec3())), true, |_| true);
+        }
+    }
+    stage.insert_targets();
+    for resolution in [256, 64, 1024] {
+        let method = Method::Cell(CellOptions::new().mask_resolution(resolution));
+        let Ok(mut query) = Query::with_method(method) else { continue };
+        let pvs = query.run(&stage.scene, &view).clone();
+        stage.check("cell", mask, |_| true, &pvs);
+    }
+    stage
 }

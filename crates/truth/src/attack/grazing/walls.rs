@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use casca::{Aabb, Bounds, Error, Instance, ObjectDesc, Occluder, TriMesh};
+use casca_scenes::world::Mesh;
 use glam::{Affine3A, DAffine3, DVec3, Quat, Vec3};
 
 use super::super::dice::Dice;
 use super::super::forms::{BASES, Form, Shelf, base, skew};
 use super::super::ops::{direction, turn};
-use super::solid::Solid;
+use super::super::solid::Solid;
 use crate::numeric::attack::WALL_BOUNDS;
 
 /// Names of shapes, as tallies have them.
@@ -29,35 +30,24 @@ pub const SHAPES: [&str; 12] = [
 
 /// An occluder, and the solid that it truly is.
 pub struct Wall {
-    /// Index in [`SHAPES`].
     pub shape: usize,
-    /// The true solid.
     pub solid: Solid,
-    /// What the library is told.
     pub bounds: Bounds,
-    /// What the library is told.
     pub occluder: Occluder,
-    /// The form, for messages.
     pub text: String,
 }
 
 /// The corners and triangles of a mesh, and the mesh itself.
 type Large = (Vec<Vec3>, Vec<[u32; 3]>, Arc<TriMesh>);
 
-/// Meshes that are prepared once.
 pub struct Meshes {
     shelf: Shelf,
     /// Larger ones: a ball, and a curved sheet.
     large: Vec<Large>,
-    /// A triangle, for targets.
     pub speck: Arc<TriMesh>,
 }
 
 impl Meshes {
-    /// Prepares them.
-    ///
-    /// # Errors
-    /// As [`TriMesh::new`].
     pub fn new() -> Result<Self, Error> {
         let prepared = |(positions, triangles): (Vec<Vec3>, Vec<[u32; 3]>)| {
             let mesh = TriMesh::new(positions.clone(), triangles.clone())?;
@@ -66,35 +56,14 @@ impl Meshes {
         let corners = vec![Vec3::X, Vec3::Y, Vec3::Z];
         Ok(Self {
             shelf: Shelf::new()?,
-            large: [round(6), sheet(6)].into_iter().map(prepared).collect::<Result<_, Error>>()?,
+            large: [ball(), sheet(6)].into_iter().map(prepared).collect::<Result<_, Error>>()?,
             speck: Arc::new(TriMesh::bounds_only(corners, vec![[0, 1, 2]])?),
         })
     }
 }
 
-/// A ball of triangles, closed: a cube whose sides have `n` squares along an edge, made round.
-fn round(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for axis in 0..3 {
-        for sign in [1.0, -1.0] {
-            let first = positions.len() as u32;
-            let normal = Vec3::AXES[axis] * sign;
-            let right = Vec3::AXES[(axis + 1) % 3] * sign;
-            let up = Vec3::AXES[(axis + 2) % 3];
-            for i in 0..=n {
-                for j in 0..=n {
-                    let at = |k: u32| k as f32 / n as f32 * 2.0 - 1.0;
-                    positions.push((normal + right * at(i) + up * at(j)).normalize());
-                }
-            }
-            for i in 0..n {
-                for j in 0..n {
-                    let a = first + i * (n + 1) + j;
-                    triangles.extend([[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]);
-                }
-            }
-        }
-    }
+fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let Mesh { positions, triangles, .. } = Mesh::ball(2);
     (positions, triangles)
 }
 
@@ -130,10 +99,10 @@ fn gap(dice: &mut Dice) -> f32 {
 impl Wall {
     fn of(form: &Form, shape: usize, meshes: &Meshes) -> Option<Self> {
         let (bounds, occluder) = form.shapes(&meshes.shelf).ok()?;
-        let solid = Solid::of(form);
+        let solid = Solid::new(form);
         let bounds = bounds.unwrap_or_else(|| {
             // Rounded outwards.
-            let (min, max) = solid.extent();
+            let (min, max) = solid.extent;
             let room = WALL_BOUNDS * (solid.radius + min.abs().max(max.abs()).max_element());
             Aabb::new((min - room).as_vec3(), (max + room).as_vec3()).into()
         });
@@ -147,7 +116,6 @@ impl Wall {
         Some(Self { shape, solid, bounds: mesh.clone().into(), occluder: mesh.into(), text })
     }
 
-    /// What the library is told.
     pub fn describe(&self, dynamic: bool, layers: u64) -> ObjectDesc {
         let bounds = self.bounds.clone();
         let desc = if dynamic { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };

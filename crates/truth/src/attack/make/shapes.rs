@@ -54,8 +54,7 @@ impl Maker<'_> {
             2 | 3 => Moves::Free,
             4 | 5 => Moves::Within(speed),
             6 if self.dice.once_in(8) => Moves::FixedWithin(speed),
-            _ if self.habits.expiry => Moves::OnExpiry(speed),
-            _ => Moves::Within(speed),
+            _ => Moves::OnExpiry(speed),
         };
         Op::Insert { name: self.name(), form, hides, moves }
     }
@@ -70,7 +69,7 @@ impl Maker<'_> {
 
     /// A place: mostly beyond a wall's border, where things come into sight.
     pub(super) fn place(&mut self) -> Vec3 {
-        if self.habits.far && self.dice.once_in(48) {
+        if self.dice.once_in(48) {
             return self.beyond();
         }
         let (min, size, cell) = (self.config.min, self.config.size(), self.config.cell);

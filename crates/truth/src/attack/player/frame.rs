@@ -3,7 +3,6 @@
 use casca::{DrawOptions, Pvs};
 use glam::{DVec3, Vec3};
 
-use super::super::api;
 use super::super::dice::Dice;
 use super::super::ops::{Due, direction};
 use super::{KEPT, Kind, Origin, Played, Player, World, refused};
@@ -31,8 +30,7 @@ impl Player {
         let p = thing.body.middle;
         let way = if up { (max - p)[axis] - thing.body.radius } else { (min - p)[axis] + thing.body.radius };
         let by = self.config.snap((DVec3::AXES[axis] * way * f64::from(share)).as_vec3());
-        let (bounds, occluder) = (thing.bounds.moved(by), thing.occluder.as_ref().map(|o| o.moved(by)));
-        self.tell(i, bounds, occluder)
+        self.shift(i, by)
     }
 
     /// Moves an unreported object through the wall of its volume that it is nearest to, as far as
@@ -87,9 +85,9 @@ impl Player {
         let world = &self.worlds[self.active];
         for thing in world.things.iter().filter(|t| t.on_expiry() && !t.owed) {
             let Ok(Some((min, max))) = world.scene.tbv(thing.id) else { continue };
-            let (p, half) = (thing.body.middle, thing.body.extent() + thing.way);
-            let out = (min - (p - half)).max(p + half - max).max_element();
-            if out > OUT_OF_VOLUME * (1.0 + p.abs().max_element()) {
+            let (low, high) = thing.body.extent;
+            let out = (min - (low - thing.way)).max(high + thing.way - max).max_element();
+            if out > OUT_OF_VOLUME * (1.0 + thing.body.middle.abs().max_element()) {
                 let (name, bounds, way) = (thing.name, &thing.bounds, thing.way);
                 let text = format!(
                     "thing {name} ({}), {bounds:?}, may have gone {way:.9}, {out:.9} out of its volume from {min} to {max}, and is not due",
@@ -110,8 +108,7 @@ impl Player {
             _ => direction(dice) * self.config.cell * 3.0,
         };
         let by = self.config.snap(thing.drift.as_vec3() + step);
-        let (bounds, occluder) = (thing.bounds.moved(by), thing.occluder.as_ref().map(|o| o.moved(by)));
-        self.tell(i, bounds, occluder)
+        self.shift(i, by)
     }
 
     pub(super) fn end(&mut self, queries: u8, kept: u8) -> Played {
@@ -129,7 +126,7 @@ impl Player {
                 sets.push((true, &kept.pvs));
             }
         }
-        api::end_frame(&mut world.scene, &sets).map_err(refused("the end of a frame"))?;
+        world.scene.end_frame(sets.iter().map(|(_, set)| *set)).map_err(refused("the end of a frame"))?;
         if sets.iter().any(|(ran, _)| *ran) {
             world.ended = true;
             for thing in &mut world.things {
@@ -150,7 +147,7 @@ impl Player {
         let scene = old.scene.clone();
         let mut things = old.things.clone();
         for thing in &mut things {
-            let id = api::id_in_clone(&scene, thing.id);
+            let id = scene.ids().find(|id| id.index() == thing.id.index());
             thing.id = id.ok_or((Kind::State, format!("a clone lacks {}", thing.id)))?;
         }
         let number = self.parting + 1;
@@ -178,7 +175,7 @@ impl Player {
             if set.draw_list(&here.scene, &DrawOptions::default(), &mut Vec::new()).is_ok() {
                 return passed("a set of the other scene is listed");
             }
-            if api::end_frame(&mut here.scene, &[(true, set)]).is_ok() {
+            if here.scene.end_frame([set]).is_ok() {
                 return passed("a frame ends with a set of the other scene");
             }
         }

@@ -3,7 +3,6 @@
 use casca::{Light, Method, View};
 use glam::Vec3;
 
-use super::super::api;
 use super::super::dice::Dice;
 use super::super::ops::{From, Toward};
 use super::super::truth::{Sighting, Thing, find_lost};
@@ -141,17 +140,16 @@ impl Player {
         let world = &self.worlds[self.active];
         let thing = &world.things[lost.thing];
         format!(
-            "{by} lacks thing {} ({}), {:?} {:?}, which is {} from there (it may be {:.9} away) and seen from {} at {} \
-             from a share of {} on; its volume is {:?}, the time {}",
+            "{by} lacks thing {} ({}), {:?} {:?}, which is {} from there (it may be {:.9} away) and seen from {} at {}; \
+             its volume is {:?}, the time {}",
             thing.name,
             thing.id,
             thing.moves,
             thing.bounds,
             lost.drift,
             thing.way,
-            lost.sight.eye,
-            lost.sight.eye + lost.sight.way,
-            lost.sight.start,
+            lost.sight.from,
+            lost.sight.to,
             world.scene.tbv(thing.id),
             world.now,
         )
@@ -210,7 +208,7 @@ impl Player {
                 .map_err(refused("casters"))?;
         }
         *from = Some(origin);
-        api::memory(&world.scene);
+        world.scene.memory();
         Ok(())
     }
 }

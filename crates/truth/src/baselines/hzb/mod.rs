@@ -1,8 +1,6 @@
 //! Rasterised depth, front to back.
 
 mod raster;
-#[cfg(test)]
-mod tests;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch, f32x8};
@@ -63,7 +61,8 @@ impl Hzb {
     }
 
     /// The buffer as the last frame left it.
-    pub fn depth(&self) -> &DepthPyramid {
+    #[cfg(test)]
+    pub(super) fn depth(&self) -> &DepthPyramid {
         &self.depth
     }
 

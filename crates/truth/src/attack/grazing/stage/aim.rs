@@ -5,8 +5,8 @@ use glam::{Affine3A, DMat3, DVec3, Vec3};
 
 use super::super::super::dice::Dice;
 use super::super::super::ops::turn;
-use super::super::outermost::outermost;
-use super::super::solid::{Solid, Start, exact};
+use super::super::super::solid::{Solid, exact};
+use super::super::rims::{Start, outermost};
 use super::{Graze, Place, Stage, Target, Witness};
 use crate::numeric::attack::{LEAST_INSTANCE, ON_BALL, ON_CORNER};
 
@@ -112,23 +112,12 @@ impl Stage<'_> {
         seen
     }
 
-    /// Aims at a tiny object closely past an occluder. Only points for which `inside` holds are
-    /// aimed at.
-    pub fn aim(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
+    /// Aims at a tiny object, or at a point of none, closely past an occluder. Only points for which
+    /// `inside` holds are aimed at.
+    pub fn aim(&mut self, start: Start, place: Place, object: bool, inside: impl Fn(DVec3) -> bool) {
         for _ in 0..TRIES {
             if let Some(past) = self.graze(&start)
-                && self.aim_past(start, place, past, true, &inside)
-            {
-                return;
-            }
-        }
-    }
-
-    /// Aims at a point of no object.
-    pub fn aim_point(&mut self, start: Start, place: Place, inside: impl Fn(DVec3) -> bool) {
-        for _ in 0..TRIES {
-            if let Some(past) = self.graze(&start)
-                && self.aim_past(start, place, past, false, &inside)
+                && self.aim_past(start, place, past, object, &inside)
             {
                 return;
             }

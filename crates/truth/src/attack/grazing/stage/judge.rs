@@ -3,7 +3,7 @@
 use casca::{CameraQuery, Pvs};
 use glam::DVec3;
 
-use super::super::solid::Answer;
+use super::super::super::solid::Answer;
 use super::super::tally::{Count, Lost};
 use super::super::walls::SHAPES;
 use super::{Stage, Target, Witness};

@@ -2,11 +2,45 @@
 
 use glam::DVec3;
 
-use super::super::super::dice::Dice;
-use super::{Body, Edge, Solid, Start};
-use crate::numeric::attack::ALONG_EDGE;
+use super::super::dice::Dice;
+use super::super::solid::{Edge, Solid};
+use crate::numeric::attack::{ALONG_EDGE, LAST_PLACE};
+
+/// Where rays start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// At an eye.
+    Eye(DVec3),
+    /// This far before each point, along a direction of length 1.
+    Before(DVec3, f64),
+}
+
+impl Start {
+    /// The direction of the ray to a point, of any length.
+    pub fn toward(&self, point: DVec3) -> DVec3 {
+        match *self {
+            Self::Eye(eye) => point - eye,
+            Self::Before(along, far) => along * far,
+        }
+    }
+}
+
+/// The eye that is as far as may be from another, in a direction.
+pub fn outermost(eye: DVec3, way: DVec3, reach: f64) -> DVec3 {
+    // Rounding may take it out by a little: some units in the last place are taken off, then more
+    // and more.
+    let shares =
+        std::iter::once(1.0).chain((0..50).map(|i| 1.0 - LAST_PLACE * f64::from(1 << (i / 2)).powi(2)));
+    let places = shares.map(|share| eye + way * (reach * share));
+    places.into_iter().find(|at| (*at - eye).length() <= reach).unwrap_or(eye)
+}
 
 impl Solid {
+    /// Whether it has an outline.
+    pub fn has_rim(&self) -> bool {
+        self.is_ball() || !self.edges.is_empty()
+    }
+
     fn edge(&self, dice: &mut Dice) -> Option<&Edge> {
         (!self.edges.is_empty()).then(|| &self.edges[dice.below(self.edges.len() as u32) as usize])
     }
@@ -22,7 +56,7 @@ impl Solid {
             (sine.abs() < 1.0).then_some(out)
         };
         let (point, aside) = self.rim(&Start::Eye(eye), dice)?;
-        if matches!(self.body, Body::Ball) {
+        if self.is_ball() {
             let ahead = self.middle - eye;
             let aside = (point - eye).reject_from(ahead).try_normalize()?;
             let out = across(ahead, aside, self.radius)?;
@@ -45,7 +79,7 @@ impl Solid {
     /// A point of its outline, as seen from a start, and the direction away from it across the ray,
     /// of length 1.
     pub fn rim(&self, start: &Start, dice: &mut Dice) -> Option<(DVec3, DVec3)> {
-        if matches!(self.body, Body::Ball) {
+        if self.is_ball() {
             let toward = start.toward(self.middle).normalize();
             let (a, b) = toward.any_orthonormal_pair();
             let angle = dice.real() * std::f64::consts::TAU;
