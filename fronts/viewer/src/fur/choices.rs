@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use casca_fur::gpu::look::Look;
 use casca_fur::mesh::{Image, Mesh};
 use casca_fur::scenes::animals::{Animal, LEVELS};
-use casca_fur::scenes::import::load_map;
-use casca_fur::scenes::{Character, Masks, Species};
+use casca_fur::scenes::{Character, Species};
 use casca_fur::strands::Fur;
 use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, value_parser};
@@ -41,11 +40,6 @@ pub struct Choices {
     /// Materials of the file without fur, by their names: eyes, claws, a nose
     #[arg(long, value_name = "MATERIAL", value_delimiter = ',', requires = "file")]
     pub bald: Vec<String>,
-    /// A picture (PNG or JPEG) on the first texture coordinates of the file: its red channel makes
-    /// fur shorter, black is bald. The file may give lengths itself, by the attribute _FURLENGTH or
-    /// the alpha of COLOR_0
-    #[arg(long, value_name = "FILE", requires = "file")]
-    pub length_map: Option<PathBuf>,
     /// The level of detail that is drawn: 0 is the mesh itself, each next one has a quarter of the
     /// triangles [default: in a window the one for the distance, in files 0]
     #[arg(long, value_parser = value_parser!(u32).range(0..LEVELS as i64))]
@@ -144,15 +138,10 @@ impl Choices {
             let (radius, low) = (animal.radius(), animal.aabb().min.y);
             return Ok(Subject { name, levels, images, radius, low, walker, species: None });
         };
-        let lengths = match &self.length_map {
-            None => None,
-            Some(map) => Some(load_map(map).map_err(|e| format!("{}: {e}", map.display()))?),
-        };
-        let masks = Masks { bald: self.bald.clone(), lengths };
-        let character = Character::load(path, &masks, LEVELS)?;
+        let character = Character::load(path, &self.bald, LEVELS)?;
         let species = self.field.is_some().then(|| Species::of_character(&character));
         let species = species.transpose()?.map(Box::new);
-        let levels: Vec<Mesh> = character.levels.into_iter().map(|level| level.mesh).collect();
+        let levels = character.levels;
         let walker = match (self.walk, &character.rig) {
             (false, _) => None,
             (true, None) => return Err(format!("{}: has no mesh with a skin", path.display()).into()),
