@@ -19,12 +19,11 @@ use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::MeshMaterial3d;
 use bevy_transform::components::GlobalTransform;
 use casca_fur::strands::Fur;
-use casca_fur::visibility::{Furry, PlanOptions, Sight, plan_sights};
+use casca_fur::visibility::{PlanOptions, Sight, plan_sights};
 
-use crate::coat::{Coat, Made};
+use crate::coat::{Coat, FurSettings, Made};
 use crate::material::FurMaterial;
 use crate::numeric::LADDER;
-use crate::settings::FurSettings;
 use crate::shells::Skin;
 use crate::sights::{Ball, Eye};
 use crate::store::Store;
@@ -104,7 +103,7 @@ pub(crate) fn grow(growing: Growing) {
     store.begin(&mut events);
     let coats = coats(&mut commands, &animals, &fleeces);
     let eyes: Vec<Eye> = cameras.iter().filter_map(|(c, p, t)| Eye::of(c, p, t)).collect();
-    let plans = settings.enabled && !eyes.is_empty();
+    let plans = !eyes.is_empty();
     let mut wishes = Vec::new();
     for animal in &animals {
         let fleece = coats.get(&animal.entity).and_then(|&coat| fleeces.get(coat).ok());
@@ -205,7 +204,6 @@ fn plan(wishes: &mut [Wish], settings: &FurSettings, eyes: &[Eye]) {
         most_layers: settings.most_layers,
         budget: settings.budget,
         pixel_weight: settings.pixel_weight,
-        by_fraction: false,
     };
     let mut planned: Vec<usize> = (0..wishes.len()).filter(|&i| wishes[i].planned).collect();
     // Nearest first; among equals by their entities, so that results do not depend on tables.
@@ -214,7 +212,8 @@ fn plan(wishes: &mut [Wish], settings: &FurSettings, eyes: &[Eye]) {
         b.sizes.0.total_cmp(&a.sizes.0).then(a.animal.cmp(&b.animal))
     });
     let sight = |i: &usize| Sight {
-        furry: Furry { vertices: &wishes[*i].vertices, height: wishes[*i].height },
+        vertices: &wishes[*i].vertices,
+        height: wishes[*i].height,
         distance: 1.0 / wishes[*i].sizes.0,
         size: wishes[*i].sizes.1,
         fraction: 1.0,

@@ -10,9 +10,9 @@ use bevy_render::RenderApp;
 use bevy_shader::Shader;
 use bevy_transform::TransformSystems;
 
+use crate::coat::FurSettings;
 use crate::grow;
 use crate::material::{FurMaterial, shader};
-use crate::settings::FurSettings;
 use crate::store::Store;
 
 /// Gives entities with [`Furry`](crate::Furry) their fur. Add it after `DefaultPlugins`. In an app

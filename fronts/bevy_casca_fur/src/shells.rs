@@ -176,7 +176,8 @@ pub(crate) fn shells_of(mesh: &Mesh, skin: &Skin, layers: u32, reach: Option<f32
         }
     }
     let normals = floats(mesh, Mesh::ATTRIBUTE_NORMAL).unwrap_or_default();
-    let unit = |&n: &[f32; 3]| Vec3::from_array(n).try_normalize().filter(|_| length(n) > NO_NORMAL);
+    let long = |n: Vec3| n.length() > NO_NORMAL;
+    let unit = |&n: &[f32; 3]| Some(Vec3::from_array(n)).filter(|&n| long(n))?.try_normalize();
     let ups: Vec<Option<Vec3>> = normals.iter().map(unit).collect();
     let lengths = lengths(mesh, vertices as usize).ok().flatten();
     let length_at = |i: usize| lengths.map_or(1.0, |lengths| lengths[i].clamp(0.0, 1.0));
@@ -195,10 +196,6 @@ pub(crate) fn shells_of(mesh: &Mesh, skin: &Skin, layers: u32, reach: Option<f32
         all.set_skinned_mesh_bounds(Some(bounds));
     }
     all
-}
-
-fn length(v: [f32; 3]) -> f32 {
-    Vec3::from_array(v).length()
 }
 
 /// The values of an attribute, one after the other for each layer; none if they are not one for

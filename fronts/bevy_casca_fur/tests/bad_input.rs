@@ -5,7 +5,7 @@ mod common;
 use bevy_asset::{Assets, RenderAssetUsages};
 use bevy_casca_fur::{ATTRIBUTE_FUR_LAYER, ATTRIBUTE_FUR_LENGTH, Unfit, shells as shells_of};
 use bevy_math::{Quat, Vec3};
-use bevy_mesh::{Indices, Mesh, Mesh3d, Meshable, PrimitiveTopology, VertexAttributeValues};
+use bevy_mesh::{Indices, Mesh, Mesh3d, Meshable, PrimitiveTopology};
 use bevy_shape::{Cuboid, Sphere};
 use bevy_transform::components::Transform;
 use casca_fur::glam;
@@ -61,18 +61,16 @@ fn unfit_meshes_have_no_fur_until_they_are_mended() {
         let animal = animal(&mut app, &handle, &fur, Vec3::new(0.0, 0.0, -4.0));
         run(&mut app, 3);
         assert_eq!(layers(&mut app, animal), None, "mesh {i}");
-        app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, good()).unwrap();
-        run(&mut app, 3);
+        let put = |app: &mut bevy_app::App, mesh| {
+            app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, mesh).unwrap();
+            run(app, 3);
+        };
+        put(&mut app, good());
         assert!(layers(&mut app, animal).is_some_and(|(layers, _)| layers > 0), "mesh {i}");
         // Worse again, and gone.
-        app.world_mut()
-            .resource_mut::<Assets<Mesh>>()
-            .insert(&handle, positions(vec![[f32::NAN; 3]; 24]))
-            .unwrap();
-        run(&mut app, 3);
+        put(&mut app, positions(vec![[f32::NAN; 3]; 24]));
         assert_eq!(layers(&mut app, animal), None, "mesh {i}");
-        app.world_mut().resource_mut::<Assets<Mesh>>().insert(&handle, good()).unwrap();
-        run(&mut app, 3);
+        put(&mut app, good());
         app.world_mut().resource_mut::<Assets<Mesh>>().remove(&handle);
         run(&mut app, 3);
         assert_eq!(layers(&mut app, animal), None, "mesh {i}");
@@ -137,10 +135,7 @@ fn all_kinds_of_indices_give_the_same_layers_outermost_first() {
     };
     let long: Vec<u32> = short.iter().map(|&i| i.into()).collect();
     let of = |mesh: &Mesh| -> (Vec<[f32; 3]>, Vec<usize>) {
-        let Some(VertexAttributeValues::Float32x3(marks)) = mesh.attribute(ATTRIBUTE_FUR_LAYER) else {
-            panic!("no layers")
-        };
-        (marks.clone(), mesh.indices().unwrap().iter().collect())
+        (floats(mesh, ATTRIBUTE_FUR_LAYER), mesh.indices().unwrap().iter().collect())
     };
     let (marks, indices) =
         of(&shells_of(&mesh.clone().with_inserted_indices(Indices::U16(short)), 5).unwrap());
@@ -175,12 +170,9 @@ fn bald_skin_and_vertices_without_normals_have_no_length() {
         .with_inserted_attribute(ATTRIBUTE_FUR_LENGTH, lengths)
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
     let all = shells_of(&mesh, 3).unwrap();
-    let Some(VertexAttributeValues::Float32x3(marks)) = all.attribute(ATTRIBUTE_FUR_LAYER) else { panic!() };
-    let found: Vec<f32> = marks[..6].iter().map(|mark| mark[2]).collect();
+    let found: Vec<f32> = floats(&all, ATTRIBUTE_FUR_LAYER)[..6].iter().map(|mark| mark[2]).collect();
     assert_eq!(found, [0.0, 0.25, 0.0, 0.0, 1.0, 1.0]);
-    let Some(VertexAttributeValues::Float32x3(normals)) = all.attribute(Mesh::ATTRIBUTE_NORMAL) else {
-        panic!()
-    };
+    let normals = floats(&all, Mesh::ATTRIBUTE_NORMAL);
     assert!(normals.iter().all(|n| *n == [0.0, 1.0, 0.0]), "normals are of unit length");
 }
 

@@ -1,9 +1,11 @@
 //! A furry ball in a render pass of the application's own, on its own device, with four samples a
 //! pixel and without a window: `cargo run -p casca-fur --features gpu --example own_pass`.
 
+use std::error::Error;
+
 use casca_fur::gpu::look::Look;
-use casca_fur::gpu::own_pass::OwnPass;
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
+use casca_fur::gpu::renderer::Renderer;
 use casca_fur::mesh::{Mesh, Vertex};
 use casca_fur::strands::Fur;
 use casca_stage::gpu::{DEPTH, Gpu};
@@ -16,59 +18,38 @@ const SIZE: (u32, u32) = (320, 240);
 const SAMPLES: u32 = 4;
 const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 
-fn texture(device: &wgpu::Device, format: TextureFormat, samples: u32) -> wgpu::Texture {
-    let copied = if samples == 1 { TextureUsages::COPY_SRC } else { TextureUsages::empty() };
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: SIZE.0, height: SIZE.1, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: samples,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: TextureUsages::RENDER_ATTACHMENT | copied,
-        view_formats: &[],
-    })
-}
-
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // The device of the application. Fur takes clones of its handles.
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let wanted = wgpu::RequestAdapterOptions::default();
-    let Ok(adapter) = pollster::block_on(instance.request_adapter(&wanted)) else {
-        println!("skipped: no adapter");
-        return Ok(());
+/// The picture of a pass of the application, with so many samples over a colour.
+pub fn drawn(
+    gpu: &Gpu,
+    fur: &Renderer,
+    (width, height): (u32, u32),
+    samples: u32,
+    sky: wgpu::Color,
+) -> Result<Vec<u8>, Box<dyn Error>> {
+    let texture = |format, samples| {
+        let copied = if samples == 1 { TextureUsages::COPY_SRC } else { TextureUsages::empty() };
+        gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: samples,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: TextureUsages::RENDER_ATTACHMENT | copied,
+            view_formats: &[],
+        })
     };
-    let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
-    let gpu = Gpu::new(adapter, device.clone(), queue.clone());
-
-    let ball = casca_scenes::world::Mesh::ball(4);
-    let vertices = ball.positions.iter().map(|&p| Vertex { position: p, normal: p }).collect();
-    let meshes = [Mesh::new(vertices, Vec::new(), ball.triangles)?];
-    let look = Look::new(Fur::for_radius(1.0, 0.15, 0.4)?);
-    let mut fur = OwnPass::new(&gpu, FORMAT, SAMPLES, &meshes, &look)?;
-
-    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
-    let camera = Camera::look_at(Vec3::new(0.5, 1.0, 3.2), Vec3::ZERO, 45.0, aspect, 0.1, 20.0);
-    let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [0.3, 0.15, 0.05], tip: [0.9, 0.6, 0.3] };
-    let list = DrawList::new(&[(stand, 24)], Vec::new());
-    let sun = Sun { towards: Vec3::ONE, center: Vec3::ZERO, radius: 2.0, shadows: true };
-    fur.cast_shadows(&gpu, &list, &sun)?;
-    fur.prepare(&gpu, &camera, SIZE.1, &list, &sun)?;
-
-    // The pass of the application.
-    let (colour, depth) = (texture(&device, FORMAT, SAMPLES), texture(&device, DEPTH, SAMPLES));
-    let resolved = texture(&device, FORMAT, 1);
+    let [colour, resolved] = [samples, 1].map(|samples| texture(FORMAT, samples));
+    let depth = texture(DEPTH, samples);
     let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
-    let mut encoder = device.create_command_encoder(&Default::default());
+    let resolve = (samples > 1).then(|| view(&resolved));
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: &view(&colour),
             depth_slice: None,
-            resolve_target: Some(&view(&resolved)),
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
-                store: wgpu::StoreOp::Discard,
-            },
+            resolve_target: resolve.as_ref(),
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(sky), store: wgpu::StoreOp::Store },
         })],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: &view(&depth),
@@ -80,11 +61,37 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }),
         ..Default::default()
     });
-    fur.draw(&mut pass);
+    fur.draw_in(&mut pass);
     drop(pass);
-    queue.submit([encoder.finish()]);
+    gpu.queue.submit([encoder.finish()]);
+    Ok(gpu.read(if samples > 1 { &resolved } else { &colour })?)
+}
 
-    let pixels = gpu.read(&resolved)?;
+fn main() -> Result<(), Box<dyn Error>> {
+    // The device of the application. Fur takes clones of its handles.
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let wanted = wgpu::RequestAdapterOptions::default();
+    let Ok(adapter) = pollster::block_on(instance.request_adapter(&wanted)) else {
+        println!("skipped: no adapter");
+        return Ok(());
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
+    let gpu = Gpu::new(adapter, device, queue);
+
+    let ball = casca_scenes::world::Mesh::ball(4);
+    let vertices = ball.positions.iter().map(|&p| Vertex { position: p, normal: p }).collect();
+    let meshes = [Mesh::new(vertices, Vec::new(), ball.triangles)?];
+    let look = Look::new(Fur::for_radius(1.0, 0.15, 0.4)?);
+    let mut fur = Renderer::for_pass(&gpu, FORMAT, SAMPLES, &meshes, &look)?;
+
+    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+    let camera = Camera::look_at(Vec3::new(0.5, 1.0, 3.2), Vec3::ZERO, 45.0, aspect, 0.1, 20.0);
+    let stand = Stand { mesh: 0, place: Affine3A::IDENTITY, root: [0.3, 0.15, 0.05], tip: [0.9, 0.6, 0.3] };
+    let list = DrawList::new(&[(stand, 24)], Vec::new());
+    let sun = Sun { towards: Vec3::ONE, center: Vec3::ZERO, radius: 2.0, shadows: true };
+    fur.cast_shadows(&gpu, &list, &sun)?;
+    fur.prepare(&gpu, &camera, SIZE.1, &list, &sun)?;
+    let pixels = drawn(&gpu, &fur, SIZE, SAMPLES, wgpu::Color::WHITE)?;
     let shown = pixels.chunks(4).filter(|p| *p != [255; 4]).count();
     println!("{shown} of {} pixels show fur", SIZE.0 * SIZE.1);
     if let Some(path) = std::env::args_os().nth(1) {

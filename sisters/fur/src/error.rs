@@ -27,15 +27,19 @@ pub enum Error {
         /// The length that it must have.
         expected: usize,
     },
-    /// A triangle with a vertex that does not exist.
-    #[error("triangle {triangle} uses vertex {vertex} of {vertices}: indices start at 0")]
-    Index {
-        /// The number of the triangle.
-        triangle: usize,
-        /// The index.
-        vertex: u32,
-        /// How many vertices there are.
-        vertices: usize,
+    /// A vertex or a joint that does not exist.
+    #[error("{what} {of} {does} {number} of {count}: numbers start at 0")]
+    Missing {
+        /// Triangle, vertex or channel.
+        what: &'static str,
+        /// Its number.
+        of: usize,
+        /// What it asks for: uses vertex, follows joint, moves joint.
+        does: &'static str,
+        /// The number that it asks for.
+        number: usize,
+        /// How many there are.
+        count: usize,
     },
     /// A vertex that is not finite or too far away.
     #[error("vertex {vertex} has the {what} {value}: its components must be finite and at most {max}")]
@@ -97,24 +101,6 @@ pub enum Error {
         /// Its parent.
         parent: usize,
     },
-    /// A vertex that follows a joint that does not exist.
-    #[error("vertex {vertex} follows joint {joint} of {joints}: joints are numbered from 0")]
-    Joint {
-        /// The vertex.
-        vertex: usize,
-        /// The joint.
-        joint: u32,
-        /// How many joints there are.
-        joints: usize,
-    },
-    /// A channel for a joint that does not exist.
-    #[error("a channel moves joint {joint} of {joints}: joints are numbered from 0")]
-    Foreign {
-        /// The joint.
-        joint: usize,
-        /// How many joints there are.
-        joints: usize,
-    },
     /// Shares of joints that cannot be scaled to add up to 1.
     #[error(
         "vertex {vertex} follows its joints with the shares {shares:?}: none may be negative, not all may be zero"
@@ -150,16 +136,13 @@ pub enum Error {
 }
 
 impl Error {
-    /// Refuses a number outside of its range; NaN is outside.
-    ///
-    /// # Errors
-    /// [`Error::Range`].
-    pub fn check_range(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), Self> {
-        if (least..=most).contains(&value) { Ok(()) } else { Err(Self::Range { what, value, least, most }) }
+    /// A vertex that follows a joint that its skeleton lacks.
+    pub(crate) fn follows(vertex: usize, joint: usize, joints: usize) -> Self {
+        Self::Missing { what: "vertex", of: vertex, does: "follows joint", number: joint, count: joints }
     }
 }
 
-/// [`Error::check_range`].
+/// Refuses a number outside of its range; NaN is outside.
 pub(crate) fn range(what: &'static str, value: f64, least: f64, most: f64) -> Result<(), Error> {
-    Error::check_range(what, value, least, most)
+    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Range { what, value, least, most }) }
 }

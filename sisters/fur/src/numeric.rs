@@ -119,19 +119,6 @@ pub(crate) const UNIT_QUATERNION: f64 = 1e-2;
 /// units of 2^-24 cover these 28.
 pub(crate) const SKINNING_ERROR: f32 = 2e-6;
 
-/// Pieces of a clip whose bounds are taken one by one: a limb that swings by a radian within a
-/// second then strays by less than 1% of its length from the middle of a piece.
-pub(crate) const CLIP_PIECES: u32 = 64;
-
-/// The error of a joint in single precision at each step down a skeleton, relative to its distance
-/// from the origin: a rotation is rounded with its normalisation and becomes a matrix by about ten
-/// operations, and the product with the parent's takes seven. 67 units of 2^-24, which covers both
-/// poses that are compared.
-pub(crate) const CLIP_ERROR: f64 = 4e-6;
-
-/// Splines of rotations that come nearer to zero than this may turn by any angle there.
-pub(crate) const LEAST_SPLINE: f64 = 1e-3;
-
 /// Steps of the sun's way through fur: along it the density changes only where strands of a length
 /// end.
 pub(crate) const LIGHT_STEPS: u32 = 8;

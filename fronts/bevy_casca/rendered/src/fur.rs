@@ -12,7 +12,7 @@ use casca_fur::gpu::look::{Look, sky_pixel};
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
 use casca_fur::gpu::renderer::Renderer;
-use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex};
+use casca_fur::mesh::{Coat as OwnCoat, Mesh as OwnMesh, Vertex, linear_of};
 use casca_fur::shading::Material;
 use casca_fur::strands::Fur;
 use casca_scenes::world;
@@ -176,9 +176,7 @@ pub fn layers_of(rendered: &mut Rendered) -> Vec<u32> {
 
 /// A byte of the sRGB curve as one of the power that casca-fur uses.
 fn stored_again(byte: u8) -> u8 {
-    let s = f32::from(byte) / 255.0;
-    let linear = if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
-    (linear.powf(1.0 / 2.2) * 255.0).round() as u8
+    (linear_of(byte).powf(1.0 / 2.2) * 255.0).round() as u8
 }
 
 /// A mesh of casca's scenes, with normals.

@@ -89,13 +89,8 @@ impl Herd {
     }
 
     /// The number of animals.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.animals.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.animals.is_empty()
     }
 
     /// An app with the herd, ready for pictures.

@@ -6,7 +6,6 @@ pub mod fur;
 /// Without a window; not in pages.
 #[cfg(not(target_family = "wasm"))]
 pub mod herd;
-pub mod level;
 /// Without a window; not in pages.
 #[cfg(not(target_family = "wasm"))]
 pub mod rendered;

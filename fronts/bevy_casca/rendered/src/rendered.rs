@@ -18,7 +18,6 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::window::ExitCondition;
 use bevy_casca::{CascaPlugin, CascaScene, CascaSettings, standard_materials};
 
-use crate::level::Level;
 use crate::scenes::{Moves, Scene};
 
 pub const WIDTH: u32 = 480;
@@ -30,46 +29,6 @@ const WARM_UP: u32 = 40;
 
 /// A picture is there after some frames, or never.
 const MOST_UPDATES: u32 = 400;
-
-/// What is drawn.
-pub enum Shown {
-    /// A generated scene.
-    Scene(Scene),
-    /// A level from a file.
-    Level(Level),
-}
-
-impl Shown {
-    /// Its name.
-    pub fn name(&self) -> String {
-        match self {
-            Self::Scene(scene) => format!("{scene:?}").to_lowercase(),
-            Self::Level(level) => level.name().to_owned(),
-        }
-    }
-
-    fn fill(&self, world: &mut World) {
-        match self {
-            Self::Scene(scene) => scene.fill(world),
-            Self::Level(level) => level.fill(world),
-        }
-    }
-
-    /// The time of a picture, in seconds.
-    fn time(&self, frame: u32) -> f32 {
-        match self {
-            Self::Scene(scene) => frame as f32 * scene.step(),
-            Self::Level(_) => 0.0,
-        }
-    }
-
-    fn eye(&self, frame: u32) -> Transform {
-        match self {
-            Self::Scene(scene) => scene.eye(self.time(frame)),
-            Self::Level(level) => level.eye(frame),
-        }
-    }
-}
 
 /// An app that renders into pictures.
 pub struct Rendered {
@@ -138,8 +97,8 @@ impl Rendered {
     ///
     /// # Errors
     /// As [`Rendered::with`].
-    pub fn new(shown: &Shown, settings: Option<CascaSettings>) -> Result<Self, String> {
-        let mut rendered = Self::with(settings, |world| shown.fill(world), shown.eye(0))?;
+    pub fn new(scene: Scene, settings: Option<CascaSettings>) -> Result<Self, String> {
+        let mut rendered = Self::with(settings, |world| scene.fill(world), scene.eye(0.0))?;
         for frame in 0.. {
             rendered.app.update();
             let waits = rendered.casca().is_some_and(CascaScene::is_preparing);
@@ -154,13 +113,13 @@ impl Rendered {
     ///
     /// # Errors
     /// If no picture comes.
-    pub fn picture(&mut self, shown: &Shown, frame: u32) -> Result<Vec<u8>, String> {
-        let time = shown.time(frame);
+    pub fn picture(&mut self, scene: Scene, frame: u32) -> Result<Vec<u8>, String> {
+        let time = frame as f32 * scene.step();
         let world = self.app.world_mut();
         let mut movers = world.query::<(&mut Transform, &Moves)>();
         movers.iter_mut(world).for_each(|(mut at, moves)| at.translation = moves.at(time));
         if let Some(mut at) = world.get_mut::<Transform>(self.camera) {
-            *at = shown.eye(frame);
+            *at = scene.eye(time);
         }
         self.capture()
     }

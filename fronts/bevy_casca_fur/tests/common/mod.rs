@@ -8,7 +8,7 @@ use bevy_camera::{Camera, Camera3d, CameraPlugin, ComputedCameraValues, RenderTa
 use bevy_casca_fur::{Coat, FurExtension, FurMaterial, FurPlugin, FurSettings, Furry, fur_material};
 use bevy_ecs::prelude::*;
 use bevy_math::{UVec2, Vec3};
-use bevy_mesh::{Mesh, Mesh3d, MeshPlugin, Meshable};
+use bevy_mesh::{Mesh, Mesh3d, MeshPlugin, MeshVertexAttribute, Meshable, VertexAttributeValues};
 use bevy_pbr::StandardMaterial;
 use bevy_shape::Sphere;
 use bevy_transform::TransformPlugin;
@@ -68,6 +68,19 @@ pub fn layers(app: &mut App, animal: Entity) -> Option<(u32, bool)> {
     let entity = app.world().entity(coat);
     let hidden = entity.get::<Visibility>() == Some(&Visibility::Hidden);
     Some((entity.get::<Coat>()?.layers(), hidden))
+}
+
+/// The same of animals with coats.
+pub fn all_layers(app: &mut App, animals: &[Entity]) -> Vec<(u32, bool)> {
+    animals.iter().map(|&animal| layers(app, animal).unwrap()).collect()
+}
+
+/// The values of an attribute of three floats.
+pub fn floats(mesh: &Mesh, attribute: MeshVertexAttribute) -> Vec<[f32; 3]> {
+    match mesh.attribute(attribute) {
+        Some(VertexAttributeValues::Float32x3(values)) => values.clone(),
+        _ => panic!("no floats"),
+    }
 }
 
 /// The mesh of the coat of an animal.

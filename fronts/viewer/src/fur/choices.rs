@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use casca_fur::gpu::look::Look;
 use casca_fur::mesh::{Image, Mesh};
 use casca_fur::scenes::animals::{Animal, LEVELS};
-use casca_fur::scenes::{Character, Masks, Species};
+use casca_fur::scenes::{Character, Species};
 use casca_fur::strands::Fur;
 use casca_stage::window::Start;
 use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
@@ -156,11 +156,10 @@ impl Choices {
             let (radius, low) = (animal.radius(), animal.aabb().min.y);
             return Ok(Subject { name, levels, images, radius, low, walker, species: None });
         };
-        let masks = Masks { bald: self.bald.clone(), ..Masks::default() };
-        let character = Character::load(path, &masks, LEVELS)?;
+        let character = Character::load(path, &self.bald, LEVELS)?;
         let species = self.field.is_some().then(|| Species::of_character(&character));
         let species = species.transpose()?.map(Box::new);
-        let levels: Vec<Mesh> = character.levels.into_iter().map(|level| level.mesh).collect();
+        let levels = character.levels;
         let walker = match (self.walk, &character.rig) {
             (false, _) => None,
             (true, None) => return Err(format!("{}: has no mesh with a skin", path.display()).into()),

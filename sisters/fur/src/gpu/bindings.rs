@@ -1,35 +1,53 @@
-//! Groups of bindings, and the textures in them.
+//! Groups of bindings, which are numbered from 0, and the textures in them.
 
 use casca_stage::gpu::DEPTH;
-use casca_stage::wgpu::{self, CompareFunction, ShaderStages};
+use casca_stage::wgpu::{
+    self, BindingResource, BindingType, BufferBindingType, ShaderStages, TextureSampleType,
+    TextureViewDimension,
+};
 
-/// The layouts of two groups of bindings: those of a frame, and those of a look.
+pub(super) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
+const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
+
+const fn buffer(ty: BufferBindingType) -> BindingType {
+    BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+pub(super) const fn texture(
+    sample_type: TextureSampleType,
+    view_dimension: TextureViewDimension,
+) -> BindingType {
+    BindingType::Texture { sample_type, view_dimension, multisampled: false }
+}
+
+pub(super) fn layout(
+    device: &wgpu::Device,
+    visibility: ShaderStages,
+    types: &[BindingType],
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+}
+
+pub(super) fn group<'a>(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl IntoIterator<Item = BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+}
+
+/// The layouts of two groups: those of a frame, and those of a look.
 pub(super) fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
-    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: ShaderStages::VERTEX_FRAGMENT,
-        ty,
-        count: None,
-    };
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let depth = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Depth,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
     let frame = [
-        entry(0, buffer(wgpu::BufferBindingType::Uniform)),
-        entry(1, depth),
-        entry(2, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison)),
+        UNIFORM,
+        texture(TextureSampleType::Depth, TextureViewDimension::D2),
+        BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
     ];
-    let look = [
-        entry(0, buffer(wgpu::BufferBindingType::Uniform)),
-        entry(1, buffer(wgpu::BufferBindingType::Storage { read_only: true })),
-        entry(2, buffer(wgpu::BufferBindingType::Storage { read_only: true })),
-    ];
-    [&frame[..], &look[..]].map(|entries| {
-        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
-    })
+    [frame, [UNIFORM, STORAGE, STORAGE]].map(|types| layout(device, ShaderStages::VERTEX_FRAGMENT, &types))
 }
 
 pub(super) fn depth_map(device: &wgpu::Device, side: u32) -> wgpu::TextureView {
@@ -44,37 +62,4 @@ pub(super) fn depth_map(device: &wgpu::Device, side: u32) -> wgpu::TextureView {
         view_formats: &[],
     });
     texture.create_view(&Default::default())
-}
-
-pub(super) fn frame_group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    frame: &wgpu::Buffer,
-    shadow: &wgpu::TextureView,
-) -> wgpu::BindGroup {
-    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        compare: Some(CompareFunction::LessEqual),
-        ..Default::default()
-    });
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: frame.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(shadow) },
-            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&sampler) },
-        ],
-    })
-}
-
-pub(super) fn look_group(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    [look, records, joints]: [&wgpu::Buffer; 3],
-) -> wgpu::BindGroup {
-    let entries = [(0, look), (1, records), (2, joints)]
-        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }

@@ -4,6 +4,7 @@ use crate::mesh::Mesh;
 use crate::skin::Weights;
 use bytemuck::{Pod, Zeroable};
 use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::kernel::filled;
 use casca_stage::wgpu::{self, BufferUsages};
 
 use crate::gpu::error::FurGpuError;
@@ -55,8 +56,8 @@ pub(super) struct Buffers {
 impl Buffers {
     pub(super) fn new(gpu: &Gpu, mesh: &Mesh) -> Result<Self, GpuError> {
         Ok(Self {
-            corners: filled(gpu, bytemuck::cast_slice(&corners_of(mesh)), BufferUsages::VERTEX)?,
-            indices: filled(gpu, bytemuck::cast_slice(mesh.triangles()), BufferUsages::INDEX)?,
+            corners: filled(gpu, &corners_of(mesh), BufferUsages::VERTEX)?,
+            indices: filled(gpu, mesh.triangles(), BufferUsages::INDEX)?,
             count: 3 * mesh.triangles().len() as u32,
             vertices: mesh.vertices().len(),
             followers: None,
@@ -68,13 +69,7 @@ impl Buffers {
         weights.check(self.vertices)?;
         let rows = weights.joints().iter().zip(weights.shares());
         let followers: Vec<Follower> = rows.map(|(&joints, &shares)| Follower { joints, shares }).collect();
-        self.followers = Some(filled(gpu, bytemuck::cast_slice(&followers), BufferUsages::VERTEX)?);
+        self.followers = Some(filled(gpu, &followers, BufferUsages::VERTEX)?);
         Ok(())
     }
-}
-
-fn filled(gpu: &Gpu, data: &[u8], usage: BufferUsages) -> Result<wgpu::Buffer, GpuError> {
-    let buffer = gpu.buffer(data.len() as u64, usage)?;
-    gpu.queue.write_buffer(&buffer, 0, data);
-    Ok(buffer)
 }

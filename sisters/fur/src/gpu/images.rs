@@ -1,41 +1,26 @@
 //! The images of a mesh on the device: layers of one texture, with smaller copies.
 
 use casca_stage::gpu::{Gpu, GpuError};
-use casca_stage::wgpu::{self, BufferUsages, ShaderStages, TextureFormat};
+use casca_stage::kernel::filled;
+use casca_stage::wgpu::{
+    self, BindingResource, BindingType, BufferUsages, ShaderStages, TextureFormat, TextureSampleType,
+    TextureViewDimension,
+};
 use casca_tools::image::srgb;
 use glam::{UVec2, Vec3};
 
 use crate::error::{Error, range};
+use crate::gpu::bindings::{self, UNIFORM, texture};
 use crate::gpu::numeric::{DRAWN_BYTES, DRAWN_SIDE};
 use crate::mesh::{Image, Wrap};
 use crate::numeric::MAX_IMAGES;
 
 /// The layout of the images of a mesh.
 pub(super) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: ShaderStages::FRAGMENT,
-        ty,
-        count: None,
-    };
-    let texture = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: true },
-        view_dimension: wgpu::TextureViewDimension::D2Array,
-        multisampled: false,
-    };
-    let uniform = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("images"),
-        entries: &[
-            entry(0, texture),
-            entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
-            entry(2, uniform),
-        ],
-    })
+    let float = TextureSampleType::Float { filterable: true };
+    let sampler = BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+    let types = [texture(float, TextureViewDimension::D2Array), sampler, UNIFORM];
+    bindings::layout(device, ShaderStages::FRAGMENT, &types)
 }
 
 /// The images of a mesh for the shaders; with none, meshes have the colours of their coats.
@@ -55,7 +40,7 @@ pub(super) fn group(
         texels.extend(chain.concat());
     }
     texels.resize(texels.len().max(4), 255);
-    let texture = device.create_texture_with_data(
+    let drawn = device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {
             label: Some("images"),
@@ -80,9 +65,8 @@ pub(super) fn group(
         *row = [u, v, 0, 0];
     }
     wraps[0][2] = images.len() as u32;
-    let uniform = gpu.buffer(size_of_val(&wraps) as u64, BufferUsages::UNIFORM)?;
-    gpu.queue.write_buffer(&uniform, 0, bytemuck::cast_slice(&wraps));
-    let view = texture.create_view(&wgpu::TextureViewDescriptor {
+    let uniform = filled(gpu, &wraps, BufferUsages::UNIFORM)?;
+    let view = drawn.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     });
@@ -94,15 +78,12 @@ pub(super) fn group(
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..Default::default()
     });
-    Ok(device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("images"),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
-            wgpu::BindGroupEntry { binding: 2, resource: uniform.as_entire_binding() },
-        ],
-    }))
+    let resources = [
+        BindingResource::TextureView(&view),
+        BindingResource::Sampler(&sampler),
+        uniform.as_entire_binding(),
+    ];
+    Ok(bindings::group(device, layout, resources))
 }
 
 /// Refuses more images than a mesh may have.

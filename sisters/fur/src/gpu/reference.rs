@@ -153,7 +153,7 @@ impl<'a> Reference<'a> {
                     length: root.share / self.look.fur.share(root.id),
                     to_sun,
                 });
-                self.look.material.shade_by(color, &strand, sky, lit)
+                self.look.material.shade(color, &strand, sky, lit)
             }
             Part::Skin(i, corners) => {
                 let weights = weights(corners, eye + direction * t);

@@ -1,4 +1,8 @@
-//! Draws furry meshes as shells, their skins, blocks, and the sun's shadow map.
+//! Draws furry meshes as shells, their skins, blocks, and the sun's shadow map: into pictures, or
+//! into a render pass of the application's own, on its own device, with multisampling.
+//!
+//! The application makes its device and wraps it once: [`Gpu::new`]. Each frame calls
+//! [`Renderer::prepare`] before its pass, then [`Renderer::draw_in`] within it.
 
 use std::ops::Range;
 
@@ -6,11 +10,11 @@ use crate::Error;
 use crate::mesh::{Image, Mesh};
 use crate::skin::Weights;
 use casca_stage::canvas::Target;
-use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::wgpu::{self, BufferUsages, TextureFormat};
 use casca_tools::camera::Camera;
 
-use crate::gpu::bindings::{depth_map, frame_group, layouts, look_group};
+use crate::gpu::bindings::{depth_map, group, layouts};
 use crate::gpu::buffers::{Buffers, Growing};
 use crate::gpu::error::FurGpuError;
 use crate::gpu::images;
@@ -42,6 +46,9 @@ pub struct Renderer {
     joints: Growing,
     instances: Growing,
     block_records: Growing,
+    /// What was uploaded last: the shells of each mesh, and the number of blocks.
+    runs: Vec<(usize, Range<u32>)>,
+    walls: u32,
     /// The share of the sky's colour that the air adds, for each unit of the way.
     pub haze: f32,
 }
@@ -55,8 +62,46 @@ impl Renderer {
         Self::with_samples(gpu, format, 1, meshes, look)
     }
 
-    /// The same, for pictures with so many samples a pixel, which the adapter must have.
-    pub(super) fn with_samples(
+    /// A renderer for passes that the application begins.
+    ///
+    /// - **Colour**: one attachment of the given format, which must not convert colours: the
+    ///   shaders write values for screens (a gamma of 2.2). No blending; alpha is 1.
+    /// - **Depth**: one attachment of [`DEPTH`], *reversed*: 1 is near and 0 far, cleared to 0, the
+    ///   greater value wins. The matrices of the [`Camera`] are *not* reversed (depth 0 to 1, as
+    ///   those of casca); the shaders turn their depth around.
+    /// - **Multisampling** smooths outlines of skins and walls. A fragment shades once for each
+    ///   pixel, and a strand takes all its samples or none, so that strands are no smoother than
+    ///   without.
+    /// - **Temporal antialiasing** smooths strands, too: put its jitter into the camera's
+    ///   projection. Hashed alpha hides strands thinner than a pixel by their place on the skin,
+    ///   not by the frame, so that still pictures stay still.
+    ///
+    /// # Errors
+    /// Refuses formats that convert colours (sRGB) and numbers of samples that the adapter does not
+    /// have for this format; a mesh does not fit into the memory of the device.
+    pub fn for_pass(
+        gpu: &Gpu,
+        format: TextureFormat,
+        samples: u32,
+        meshes: &[Mesh],
+        look: &Look,
+    ) -> Result<Self, FurGpuError> {
+        // More than 4 samples need a feature of the device that lifts WebGPU's guarantee.
+        let lifted = wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+        let guaranteed = matches!(samples, 1 | 4) || gpu.device.features().contains(lifted);
+        let able = [format, DEPTH].into_iter().all(|format| {
+            let features = gpu.adapter.get_texture_format_features(format);
+            features.allowed_usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
+                && features.flags.sample_count_supported(samples)
+        });
+        let stores_colour = format.has_color_aspect() && !format.is_srgb();
+        if !(guaranteed && able && stores_colour) {
+            return Err(FurGpuError::Pass { format, samples });
+        }
+        Self::with_samples(gpu, format, samples, meshes, look)
+    }
+
+    fn with_samples(
         gpu: &Gpu,
         format: TextureFormat,
         samples: u32,
@@ -86,10 +131,23 @@ impl Renderer {
         let records = Growing::new(gpu, BufferUsages::STORAGE)?;
         let joints = Growing::new(gpu, BufferUsages::STORAGE)?;
         let shadow = depth_map(device, SHADOW_SIZE);
-        let frame_groups =
-            [&shadow, &depth_map(device, 1)].map(|map| frame_group(device, &layouts[0], &frame, map));
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            ..Default::default()
+        });
+        let frame_groups = [&shadow, &depth_map(device, 1)].map(|map| {
+            let map = wgpu::BindingResource::TextureView(map);
+            let sampler = wgpu::BindingResource::Sampler(&sampler);
+            group(device, &layouts[0], [frame.as_entire_binding(), map, sampler])
+        });
         let look_buffer = gpu.buffer(size_of::<LookRecord>() as u64, BufferUsages::UNIFORM)?;
-        let look_group = look_group(device, &layouts[1], [&look_buffer, &records.buffer, &joints.buffer]);
+        let look_group = group(
+            device,
+            &layouts[1],
+            [&look_buffer, &records.buffer, &joints.buffer].map(|buffer| buffer.as_entire_binding()),
+        );
         let renderer = Self {
             format,
             shells: Kind::EVERY.map(|kind| pipelines.shells(kind, Some(("shell_colour", format)))),
@@ -109,6 +167,8 @@ impl Renderer {
             joints,
             instances: Growing::new(gpu, BufferUsages::VERTEX)?,
             block_records: Growing::new(gpu, BufferUsages::VERTEX)?,
+            runs: Vec::new(),
+            walls: 0,
             haze: 0.0,
         };
         renderer.set_look(gpu, look);
@@ -185,6 +245,29 @@ impl Renderer {
         self.draw_pass(gpu, list, &frame, Some(target))
     }
 
+    /// Uploads what the next [`Renderer::draw_in`] draws, into pictures so many pixels high. It
+    /// holds until the next call, of [`Renderer::draw`] and [`Renderer::cast_shadows`], too; submit
+    /// a pass before the next one is prepared.
+    ///
+    /// # Errors
+    /// The list does not fit into the memory of the device.
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        camera: &Camera,
+        height: u32,
+        list: &DrawList,
+        sun: &Sun,
+    ) -> Result<(), GpuError> {
+        self.upload(gpu, list, &Frame::new(camera, height, sun, (SKY, self.haze)))
+    }
+
+    /// Draws the list of the last [`Renderer::prepare`]; nothing before the first. Sets pipelines,
+    /// its three bind groups, and vertex and index buffers of the pass.
+    pub fn draw_in(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.record(pass, false);
+    }
+
     /// Draws a picture, or the shadow map if there is no target.
     fn draw_pass(
         &mut self,
@@ -218,33 +301,31 @@ impl Renderer {
             }),
             ..Default::default()
         });
-        self.record(&mut pass, (&list.runs, list.blocks.len() as u32), target.is_none());
+        self.record(&mut pass, target.is_none());
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         Ok(())
     }
 
     /// Writes the buffers that the next [`Renderer::record`] reads.
-    pub(super) fn upload(&mut self, gpu: &Gpu, list: &DrawList, frame: &Frame) -> Result<(), GpuError> {
+    fn upload(&mut self, gpu: &Gpu, list: &DrawList, frame: &Frame) -> Result<(), GpuError> {
+        // Nothing is drawn of a list that was refused.
+        (self.runs, self.walls) = (Vec::new(), 0);
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let moved = self.records.write(gpu, bytemuck::cast_slice(&list.records))?;
         if self.joints.write(gpu, bytemuck::cast_slice(&list.joints))? || moved {
             let buffers = [&self.look, &self.records.buffer, &self.joints.buffer];
-            self.look_group = look_group(&gpu.device, &self.layouts[1], buffers);
+            let resources = buffers.map(|buffer| buffer.as_entire_binding());
+            self.look_group = group(&gpu.device, &self.layouts[1], resources);
         }
         self.instances.write(gpu, bytemuck::cast_slice(&list.shells))?;
         self.block_records.write(gpu, bytemuck::cast_slice(&list.blocks))?;
+        (self.runs, self.walls) = (list.runs.clone(), list.blocks.len() as u32);
         Ok(())
     }
 
-    /// Draws the uploaded list into a pass for pictures or for the shadow map: the runs of shells
-    /// of each mesh, and a number of blocks.
-    pub(super) fn record(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        (runs, walls): (&[(usize, Range<u32>)], u32),
-        shadows: bool,
-    ) {
+    /// Draws the uploaded list into a pass for pictures or for the shadow map.
+    fn record(&self, pass: &mut wgpu::RenderPass<'_>, shadows: bool) {
         pass.set_bind_group(0, &self.frame_groups[usize::from(shadows)], &[]);
         pass.set_bind_group(1, &self.look_group, &[]);
         pass.set_bind_group(2, &self.no_images, &[]);
@@ -252,13 +333,13 @@ impl Renderer {
             false => (&self.blocks, &self.shells[..]),
             true => (&self.block_shadows, &self.shell_shadows[..]),
         };
-        if walls > 0 {
+        if self.walls > 0 {
             pass.set_pipeline(blocks);
             pass.set_vertex_buffer(0, self.block_records.buffer.slice(..));
-            pass.draw(0..36, 0..walls);
+            pass.draw(0..36, 0..self.walls);
         }
         pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
-        for (mesh, run) in runs {
+        for (mesh, run) in &self.runs {
             let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
             let kind = Kind { posed: mesh.followers.is_some(), images: mesh.images.is_some() && !shadows };
             pass.set_pipeline(&shells[kind.number()]);

@@ -1,5 +1,13 @@
 // The strand that a fragment of a layer shows, for other renderers, too: `casca_fur::shader` says what it asks for.
 
+// A pixel is at least so wide, in object space: 0, in the eye itself, has no logarithm.
+const LEAST_WIDTH: f32 = 1e-12;
+// A ray climbs at least so fast, in heights of the fur: one that neither rises nor bends leaves its slab far away, and
+// not nowhere.
+const LEAST_CLIMB: f32 = 1e-6;
+// The foot of a ray goes at least so fast along the skin: that of a ray along the normal stays, and has no curve.
+const LEAST_SPEED: f32 = 1e-20;
+
 /// The strand that a fragment shows, if any: its random number, and where on it the fragment is (0 root, 1 tip).
 struct Seen {
     found: bool,
@@ -47,7 +55,7 @@ fn skin_of(base: vec3f, normal: vec3f, c: Change) -> Skin {
 
 /// A random number for a place and a layer, the same for all places of about a pixel: hashed alpha, Wyman and McGuire 2017.
 fn dither(base: vec3f, width: f32, layer: u32) -> vec4u {
-    let cell = vec3i(floor(base / exp2(ceil(log2(max(width, 1e-12))))));
+    let cell = vec3i(floor(base / exp2(ceil(log2(max(width, LEAST_WIDTH))))));
     return hash(vec4u(bitcast<vec3u>(cell), layer));
 }
 
@@ -58,7 +66,7 @@ fn through_slab(rise: f32, bulge: f32, thick: f32) -> f32 {
     if down && square < 0.0 {
         return -2.0 * rise / bulge;
     }
-    return 2.0 * thick / max(abs(rise) + sqrt(max(square, 0.0)), 1e-6);
+    return 2.0 * thick / max(abs(rise) + sqrt(max(square, 0.0)), LEAST_CLIMB);
 }
 
 /// The strand that a ray meets between this shell and the next one: shells seen from the side do not come apart.
@@ -85,8 +93,8 @@ fn along_ray(in: Shell, c: Change, skin: Skin, ray: vec3f) -> Seen {
     // In cells from here on.
     let cell = look.spacing;
     let speed = length(side);
-    let curve = dot(side, turn) / max(speed, 1e-20);
-    let narrowing = curve / max(speed, 1e-20) * look.height;
+    let curve = dot(side, turn) / max(speed, LEAST_SPEED);
+    let narrowing = curve / max(speed, LEAST_SPEED) * look.height;
     var path: Path;
     path.skin = skin;
     path.skin.slope = skin.slope * cell;

@@ -44,14 +44,17 @@ pub struct Image {
     texels: Arc<[u8]>,
 }
 
-/// Linear light for each byte of sRGB (IEC 61966-2-1).
-static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|byte| {
-        let stored = byte as f64 / 255.0;
-        let light = if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) };
-        light as f32
-    })
-});
+/// The linear light of a byte of sRGB (IEC 61966-2-1), 0 to 1.
+pub fn linear_of(byte: u8) -> f32 {
+    static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+        std::array::from_fn(|byte| {
+            let stored = byte as f64 / 255.0;
+            let light = if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) };
+            light as f32
+        })
+    });
+    LINEAR[usize::from(byte)]
+}
 
 impl Image {
     /// An image of four bytes a texel, row by row from the top, and how it goes on along u and v.
@@ -88,21 +91,6 @@ impl Image {
     /// nearness, mixed in linear light. (0, 0) is the corner of the image that is stored first.
     /// White for coordinates that are not finite.
     pub fn color(&self, uv: Vec2) -> Vec3 {
-        self.mean(uv, Self::linear)
-    }
-
-    /// The value at texture coordinates, 0 to 1: that of the red channel, as it is stored. For
-    /// masks, which hold numbers and no light. 1 for coordinates that are not finite.
-    pub fn value(&self, uv: Vec2) -> f32 {
-        self.mean(uv, |texel| Vec3::splat(f32::from(texel[0]) / 255.0)).x.clamp(0.0, 1.0)
-    }
-
-    /// The linear colour of a texel, which has three bytes at least.
-    pub(crate) fn linear(texel: &[u8]) -> Vec3 {
-        Vec3::from_array([0, 1, 2].map(|i| LINEAR[usize::from(texel[i])]))
-    }
-
-    fn mean(&self, uv: Vec2, of: impl Fn(&[u8]) -> Vec3) -> Vec3 {
         if !uv.is_finite() {
             return Vec3::ONE;
         }
@@ -112,10 +100,15 @@ impl Image {
         let texel = |x: f64, y: f64| {
             let column = self.wrap[0].texel(first.x + x, self.size.x);
             let row = self.wrap[1].texel(first.y + y, self.size.y);
-            of(&self.texels[4 * (row * self.size.x as usize + column)..][..4])
+            Self::linear(&self.texels[4 * (row * self.size.x as usize + column)..][..4])
         };
         let row = |y: f64| texel(0.0, y).lerp(texel(1.0, y), part.x);
         row(0.0).lerp(row(1.0), part.y)
+    }
+
+    /// The linear colour of a texel, which has three bytes at least.
+    pub(crate) fn linear(texel: &[u8]) -> Vec3 {
+        Vec3::from_array([0, 1, 2].map(|i| linear_of(texel[i])))
     }
 }
 
@@ -181,9 +174,7 @@ mod tests {
         // sRGB 128 is 21.6% of the light, and not a half.
         assert!((at(0.25, 0.75) - 0.2158605).abs().max_element() < 1e-6);
         assert!((at(0.5, 0.25) - 0.5).abs().max_element() < 1e-6, "half of the light of white");
-        assert!((image.value(Vec2::new(0.25, 0.75)) - 128.0 / 255.0).abs() < 1e-6, "masks are no light");
         assert_eq!(at(f32::NAN, 0.0), Vec3::ONE);
-        assert_eq!(image.value(Vec2::splat(f32::INFINITY)), 1.0);
     }
 
     #[test]

@@ -16,19 +16,10 @@ const KEPT: usize = 6;
 /// Targets that are tried for a level of a closed mesh, until one leaves it closed.
 const TRIES: usize = 16;
 
-/// A level of detail.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Level {
-    /// Its mesh, whose vertices are vertices of the finest one.
-    pub mesh: Mesh,
-    /// About the greatest difference to the finest mesh, in units: of the surface, and of colours
-    /// and lengths as weighed against it.
-    pub error: f32,
-}
-
 impl Mesh {
     /// At most `count` levels of detail, the mesh itself first, each with about a quarter of the
-    /// triangles of the one before; fewer where the mesh cannot become simpler.
+    /// triangles of the one before; fewer where the mesh cannot become simpler. Their vertices are
+    /// vertices of the mesh.
     ///
     /// Edges collapse by quadrics of places, colours of coats, lengths and places on images (Hoppe
     /// 1999, by meshoptimizer). Six vertices on the border of each bald part stay, so that eyes do:
@@ -38,18 +29,18 @@ impl Mesh {
     ///
     /// # Errors
     /// Refuses 0 levels and more than 16.
-    pub fn levels(&self, count: usize) -> Result<Vec<Level>, Error> {
+    pub fn levels(&self, count: usize) -> Result<Vec<Mesh>, Error> {
         range("the number of levels", count as f64, 1.0, 16.0)?;
         let simplifier = Simplifier::new(self);
         let is_closed = self.open_edges() == 0;
-        let mut levels = vec![Level { mesh: self.clone(), error: 0.0 }];
+        let mut levels = vec![self.clone()];
         let mut target = self.triangles().len();
         for _ in 1..count {
             target = (target / COARSER).max(LEAST_LEVEL);
-            let finer = levels.last().map_or(0, |level| level.mesh.triangles().len());
+            let finer = levels.last().map_or(0, |level| level.triangles().len());
             let Some(level) = simplifier.level(target, is_closed) else { break };
             // A level must save a quarter.
-            if 4 * level.mesh.triangles().len() > 3 * finer {
+            if 4 * level.triangles().len() > 3 * finer {
                 break;
             }
             levels.push(level);
@@ -84,14 +75,14 @@ impl<'a> Simplifier<'a> {
     }
 
     /// A level of about so many triangles; `None` if none can be had.
-    fn level(&self, triangles: usize, is_closed: bool) -> Option<Level> {
+    fn level(&self, triangles: usize, is_closed: bool) -> Option<Mesh> {
         let mut target = triangles;
         for _ in 0..TRIES {
             if target >= self.mesh.triangles().len() {
                 return None;
             }
             let level = self.simplified(target)?;
-            if !is_closed || level.mesh.open_edges() == 0 {
+            if !is_closed || level.open_edges() == 0 {
                 return Some(level);
             }
             // Collapses may pinch a mesh; another target takes another way.
@@ -100,10 +91,9 @@ impl<'a> Simplifier<'a> {
         None
     }
 
-    fn simplified(&self, triangles: usize) -> Option<Level> {
+    fn simplified(&self, triangles: usize) -> Option<Mesh> {
         let adapter = VertexDataAdapter::new(&self.positions, 12, 0).ok()?;
         let (c, l, p) = (COLOR_WEIGHT, LENGTH_WEIGHT, PLACE_WEIGHT);
-        let mut error = 0.0;
         let left = meshopt::simplify_with_attributes_and_locks(
             self.mesh.triangles().as_flattened(),
             &adapter,
@@ -114,11 +104,11 @@ impl<'a> Simplifier<'a> {
             3 * triangles,
             MAX_COORDINATE,
             SimplifyOptions::ErrorAbsolute | SimplifyOptions::RegularizeLight,
-            Some(&mut error),
+            None,
         );
         let left = without_fins(left.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect());
         let left = meshopt::optimize_vertex_cache(left.as_flattened(), self.mesh.vertices().len());
-        (!left.is_empty()).then(|| Level { mesh: self.mesh.used(&left), error })
+        (!left.is_empty()).then(|| self.mesh.used(&left))
     }
 }
 

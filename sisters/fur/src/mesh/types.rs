@@ -72,7 +72,9 @@ impl Mesh {
         check_coats(&coats, vertices.len())?;
         for (triangle, corners) in triangles.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices.len()) {
-                return Err(Error::Index { triangle, vertex, vertices: vertices.len() });
+                let (number, count) = (vertex as usize, vertices.len());
+                let (what, of, does) = ("triangle", triangle, "uses vertex");
+                return Err(Error::Missing { what, of, does, number, count });
             }
         }
         for v in &mut vertices {
@@ -140,11 +142,6 @@ impl Mesh {
         let [a, b, c] = corners.map(|v| self.tex_coords.get(v as usize).copied().unwrap_or_default());
         let uv = a.uv * weights[0] + b.uv * weights[1] + c.uv * weights[2];
         TexCoord { uv, image: a.image }
-    }
-
-    /// The positions of all vertices.
-    pub fn positions(&self) -> Vec<Vec3> {
-        self.vertices.iter().map(|v| v.position).collect()
     }
 
     /// The box of the vertices, without fur.

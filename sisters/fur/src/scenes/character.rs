@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::Error;
-use crate::mesh::{Image, Level, Mesh, TexCoord, Vertex, center, continuous_normals, weld_textured};
+use crate::mesh::{Image, Mesh, TexCoord, Vertex, center, continuous_normals, weld};
 use crate::skin::{Clip, Joint, Pose, Skeleton, SkinBounds, Weights};
 use crate::strands::Fur;
 use glam::{Affine3A, Vec3};
@@ -11,21 +11,11 @@ use glam::{Affine3A, Vec3};
 use super::import::{Coated, Rig, load_coated, refused};
 use casca_scenes::import::{ImportError, Trouble};
 
-/// Where a character has no fur, or shorter fur than its file says.
-#[derive(Debug, Clone, Default)]
-pub struct Masks {
-    /// Names of materials without fur.
-    pub bald: Vec<String>,
-    /// A map of lengths on `TEXCOORD_0`: its red channel times the length of the file. Parts
-    /// without coordinates keep their length.
-    pub lengths: Option<Image>,
-}
-
 /// A mesh of a file that grows fur, at several levels of detail.
 #[derive(Debug, Clone)]
 pub struct Character {
     /// The levels, finest first. The centre of the box of the finest is the origin.
-    pub levels: Vec<Level>,
+    pub levels: Vec<Mesh>,
     /// The images on which their vertices lie.
     pub images: Vec<Image>,
     /// The motion, if the file has a skin.
@@ -44,12 +34,13 @@ pub struct CharacterRig {
 }
 
 impl Character {
-    /// The character of a file, with at most this many levels of detail, 1 to 16.
+    /// The character of a file, without fur on some materials, by their names, and with at most
+    /// this many levels of detail, 1 to 16.
     ///
     /// # Errors
     /// As [`load_coated`] and [`Character::new`].
-    pub fn load(path: &Path, masks: &Masks, levels: usize) -> Result<Self, ImportError> {
-        let made = Self::new(&load_coated(path)?, masks, levels);
+    pub fn load(path: &Path, bald: &[String], levels: usize) -> Result<Self, ImportError> {
+        let made = Self::new(&load_coated(path)?, bald, levels);
         made.map_err(|why| ImportError { path: path.to_owned(), why })
     }
 
@@ -59,17 +50,14 @@ impl Character {
     /// # Errors
     /// Refuses names of materials that the file does not have, and meshes that the module
     /// [`mesh`](crate::mesh) refuses.
-    pub fn new(coated: &Coated, masks: &Masks, levels: usize) -> Result<Self, Trouble> {
-        let bald = bald_materials(coated, &masks.bald)?;
+    pub fn new(coated: &Coated, bald: &[String], levels: usize) -> Result<Self, Trouble> {
+        let bald = bald_materials(coated, bald)?;
         let corners = || coated.mesh.triangles.as_flattened().iter().map(|&v| v as usize);
         let mut soup: Vec<Vertex> = corners().map(|v| Vertex::at(coated.mesh.positions[v])).collect();
         let middle = center(&mut soup).map_err(refused)?.center;
         continuous_normals(&mut soup).map_err(refused)?;
         let mut coats: Vec<_> = corners().map(|v| coated.coats[v]).collect();
-        for (corner, (coat, v)) in coats.iter_mut().zip(corners()).enumerate() {
-            if let (Some(map), Some(place)) = (&masks.lengths, coated.places[v]) {
-                coat.length *= map.value(place);
-            }
+        for (corner, coat) in coats.iter_mut().enumerate() {
             if bald.contains(&coated.materials[corner / 3]) {
                 coat.length = 0.0;
             }
@@ -78,12 +66,12 @@ impl Character {
             true => Vec::new(),
             false => corners().map(|v| coated.tex_coords[v]).collect(),
         };
-        let mesh = weld_textured(&soup, &coats, &coords).map_err(refused)?.ordered();
+        let mesh = weld(&soup, &coats, &coords).map_err(refused)?.ordered();
         let levels = mesh.levels(levels).map_err(refused)?;
         let carried = |rig: &Rig| {
             let vertices = coated.mesh.positions.iter().map(|&p| Vertex::at(p - middle)).collect();
             let from = Mesh::new(vertices, Vec::new(), coated.mesh.triangles.clone())?;
-            let weights = levels.iter().map(|level| rig.weights.carried(&from, &level.mesh));
+            let weights = levels.iter().map(|level| rig.weights.carried(&from, level));
             let back = Affine3A::from_translation(middle);
             let moved = |joint: &Joint| Joint { inverse_bind: joint.inverse_bind * back, ..*joint };
             Ok(CharacterRig {

@@ -7,7 +7,6 @@ mod gait;
 pub mod import;
 pub mod sample;
 mod species;
-mod walk;
 
-pub use character::{Character, CharacterRig, Masks};
+pub use character::{Character, CharacterRig};
 pub use species::Species;

@@ -1,9 +1,8 @@
 //! A kind of animal in a field: generated, or of a file.
 
-use crate::error::Error;
+use crate::error::{Error, range};
 use crate::mesh::{Image, Mesh};
 use crate::skin::SkinBounds;
-use crate::strands::{Forces, Fur};
 use casca::Aabb;
 use glam::{Affine3A, Quat, Vec3};
 
@@ -53,7 +52,7 @@ impl Species {
     /// Refuses a character without levels, weights that are not those of its levels, and what
     /// `casca_fur` refuses.
     pub fn of_character(character: &Character) -> Result<Self, Error> {
-        let levels: Vec<Mesh> = character.levels.iter().map(|level| level.mesh.clone()).collect();
+        let levels = character.levels.clone();
         let aabb = levels.first().ok_or(Error::Empty)?.aabb();
         let scale = (aabb.max - aabb.min).max_element().max(f32::MIN_POSITIVE).recip();
         let units = Affine3A::from_scale(Vec3::splat(scale));
@@ -62,7 +61,7 @@ impl Species {
         let (mut rig, mut own) = (None, units);
         if let Some((of, walk)) = moved {
             let count = levels.len() as f64;
-            Error::check_range("the number of levels with weights", of.weights.len() as f64, count, count)?;
+            range("the number of levels with weights", of.weights.len() as f64, count, count)?;
             own = units * of.place_at_rest(&levels[0])?.0;
             // All levels, since weights of other meshes are refused.
             let bounds = levels.iter().zip(&of.weights).map(|(mesh, weights)| SkinBounds::new(mesh, weights));
@@ -110,12 +109,6 @@ impl Species {
 
     pub(super) fn places(&self) -> &Places {
         &self.places
-    }
-
-    /// The bounds for its whole walk, in the space of posed meshes.
-    pub(super) fn bounds_of_walk(&self, fur: &Fur, forces: Forces) -> Result<Aabb, Error> {
-        let rig = self.walker()?;
-        Ok(rig.bounds.over(&rig.skeleton, &rig.walk, &fur.leaning(forces.most)?))
     }
 
     /// The rig of one that has to walk.

@@ -3,10 +3,7 @@
 use casca::Aabb;
 use glam::{Affine3A, Vec3, Vec3A};
 
-use super::clip::Clip;
 use super::pose::Pose;
-use super::skeleton::Skeleton;
-use super::stray::{pieces, stray};
 use super::weights::Weights;
 use crate::error::Error;
 use crate::mesh::Mesh;
@@ -61,46 +58,6 @@ impl SkinBounds {
     ///
     /// A pose that is not finite gives a box that is not finite, which scenes refuse.
     pub fn posed(&self, pose: &Pose, fur: &Fur) -> Aabb {
-        self.image(pose, fur, |_, _| 0.0)
-    }
-
-    /// A box that holds every layer of the fur in all poses of a clip, in the space of the posed
-    /// mesh: animals need no other bounds while they move by it. Costs the keys of the clip, and 64
-    /// times the joints and channels.
-    ///
-    /// It is the union over 64 pieces of the clip. In each, the boxes of [`SkinBounds::posed`] in
-    /// the middle of the piece grow by how far their points stray, as the rotations, scales and
-    /// translations of joints do: evenly between keys, by the speed of splines, or at once.
-    pub fn over(&self, skeleton: &Skeleton, clip: &Clip, fur: &Fur) -> Aabb {
-        let mut all: Option<Aabb> = None;
-        pieces(skeleton, clip, |pose, strays| {
-            let reach = f64::from(fur.reach(self.magnitude));
-            let part = self.image(pose, fur, |joint, aabb| {
-                let corner = |i: usize| {
-                    let pick = |k: usize| if i >> k & 1 == 0 { aabb.min[k] } else { aabb.max[k] };
-                    Vec3::new(pick(0), pick(1), pick(2))
-                };
-                let far =
-                    (0..8).map(|i| stray(strays, skeleton, joint, corner(i), reach)).fold(0.0, f64::max);
-                // Rounded up: a box that is too small could lose a point.
-                (far as f32).next_up()
-            });
-            // NaN of one piece must not vanish.
-            let join = |all: Aabb| match part.min.is_finite() && part.max.is_finite() {
-                true => Aabb::new(all.min.min(part.min), all.max.max(part.max)),
-                false => part,
-            };
-            all = Some(match all {
-                Some(all) if !all.min.is_finite() => all,
-                Some(all) => join(all),
-                None => part,
-            });
-        });
-        all.unwrap_or(Aabb::new(Vec3::NAN, Vec3::NAN))
-    }
-
-    /// The box around the images of the joints' boxes, each wider by its stray.
-    fn image(&self, pose: &Pose, fur: &Fur, wider: impl Fn(usize, &Aabb) -> f32) -> Aabb {
         let reach = Vec3A::splat(fur.reach(self.magnitude));
         let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
         let mut greatest = Vec3A::ZERO;
@@ -113,7 +70,7 @@ impl SkinBounds {
             let size = |v: Vec3A| {
                 m.matrix3.x_axis.abs() * v.x + m.matrix3.y_axis.abs() * v.y + m.matrix3.z_axis.abs() * v.z
             };
-            let (there, wide) = (m.transform_point3a(middle), size(half) + wider(*joint, aabb));
+            let (there, wide) = (m.transform_point3a(middle), size(half));
             sound &= there.is_finite() && wide.is_finite();
             (min, max) = (min.min(there - wide), max.max(there + wide));
             greatest = greatest.max(size(middle.abs() + half) + m.translation.abs());

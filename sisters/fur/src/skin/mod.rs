@@ -8,8 +8,7 @@
 //! - [`Skeleton`] and [`Joint`]: what hangs from what.
 //! - [`Weights`]: which joints a vertex follows.
 //! - [`Track`], [`Clip`]: keyed motion. [`Pose`]: all joints at a time.
-//! - [`SkinBounds`]: a box that holds all layers in a pose or a whole clip, whatever the weights
-//!   are.
+//! - [`SkinBounds`]: a box that holds all layers in a pose, whatever the weights are.
 //!
 //! ```
 //! use casca_fur::mesh::prepare;
@@ -39,16 +38,13 @@
 //! ```
 
 mod bounds;
-mod clip;
 mod pose;
 mod skeleton;
-mod stray;
 mod track;
 mod weights;
 
 pub use bounds::SkinBounds;
-pub use clip::{Channel, Clip};
 pub use pose::{Ending, Pose};
 pub use skeleton::{Joint, Local, Skeleton};
-pub use track::{Interpolation, Keyed, Track};
+pub use track::{Channel, Clip, Interpolation, Keyed, Track};
 pub use weights::{PER_VERTEX, Weights};

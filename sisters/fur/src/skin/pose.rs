@@ -2,8 +2,8 @@
 
 use glam::Affine3A;
 
-use super::clip::{Channel, Clip};
 use super::skeleton::{Local, Skeleton};
+use super::track::{Channel, Clip};
 
 /// How a clip goes on behind its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -65,16 +65,6 @@ impl Pose {
     pub fn matrices(&self) -> &[Affine3A] {
         &self.matrices
     }
-
-    /// Where the joints are, relative to their parents.
-    pub(super) fn locals(&self) -> &[Local] {
-        &self.locals
-    }
-
-    /// Where the joints are.
-    pub fn globals(&self) -> &[Affine3A] {
-        &self.globals
-    }
 }
 
 #[cfg(test)]
@@ -111,6 +101,6 @@ mod tests {
             assert!(hand(&pose).distance(want) < 1e-5, "{time} {ending:?}: {}", hand(&pose));
         }
         let far = Clip::new(vec![(2, turn(1.0))], &skeleton);
-        assert_eq!(far, Err(crate::Error::Foreign { joint: 2, joints: 2 }));
+        assert_eq!(far.unwrap_err().to_string(), "channel 0 moves joint 2 of 2: numbers start at 0");
     }
 }

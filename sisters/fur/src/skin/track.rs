@@ -1,9 +1,10 @@
-//! Keyed values over time.
+//! Keyed values over time, and clips: what moves which joint.
 
-use glam::{DVec4, Quat, Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 
+use super::skeleton::Skeleton;
 use crate::error::{Error, range};
-use crate::numeric::{LEAST_SPLINE, MAX_COORDINATE, UNIT_QUATERNION};
+use crate::numeric::{MAX_COORDINATE, UNIT_QUATERNION};
 
 /// How values between keys are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,19 +31,6 @@ pub trait Keyed: Copy {
     fn sum(terms: [(Self, f32); 4]) -> Self;
     /// The same value without the rounding of files: rotations get the length 1.
     fn settled(self) -> Self;
-    /// A value and a multiple of a tangent, not settled.
-    fn ahead(value: Self, tangent: Self, factor: f32) -> Self;
-    /// How far two values are apart: a distance, or the angle between rotations in radians.
-    fn apart(a: Self, b: Self) -> f64;
-    /// No less than the way of a spline over a part of the time between two keys, 0 to 1, by the
-    /// control points of its Bezier curve; infinite for rotations that come near to zero.
-    fn spline_way(control: [Self; 4], part: [f64; 2]) -> f64;
-}
-
-/// No less than the speed of a cubic Bezier curve, for each unit of its parameter: the derivative
-/// is a mean of three differences of its control points.
-fn speed([a, b, c, d]: [DVec4; 4]) -> f64 {
-    3.0 * (b - a).length().max((c - b).length()).max((d - c).length())
 }
 
 impl Keyed for Vec3 {
@@ -65,18 +53,6 @@ impl Keyed for Vec3 {
     fn settled(self) -> Self {
         self
     }
-
-    fn ahead(value: Self, tangent: Self, factor: f32) -> Self {
-        value + tangent * factor
-    }
-
-    fn apart(a: Self, b: Self) -> f64 {
-        a.as_dvec3().distance(b.as_dvec3())
-    }
-
-    fn spline_way(control: [Self; 4], [from, to]: [f64; 2]) -> f64 {
-        speed(control.map(|p| p.as_dvec3().extend(0.0))) * (to - from)
-    }
 }
 
 impl Keyed for Quat {
@@ -93,8 +69,7 @@ impl Keyed for Quat {
     }
 
     fn sum(terms: [(Self, f32); 4]) -> Self {
-        let sum =
-            terms.into_iter().map(|(value, factor)| glam::Vec4::from(value) * factor).sum::<glam::Vec4>();
+        let sum = terms.into_iter().map(|(value, factor)| Vec4::from(value) * factor).sum::<Vec4>();
         // Keys that cancel each other leave no rotation: the nearer one holds.
         let nearer = if terms[0].1 >= terms[2].1 { terms[0].0 } else { terms[2].0 };
         Quat::from_vec4(sum.try_normalize().unwrap_or(nearer.into()))
@@ -102,28 +77,6 @@ impl Keyed for Quat {
 
     fn settled(self) -> Self {
         self.normalize()
-    }
-
-    fn ahead(value: Self, tangent: Self, factor: f32) -> Self {
-        Quat::from_vec4(Vec4::from(value) + Vec4::from(tangent) * factor)
-    }
-
-    fn apart(a: Self, b: Self) -> f64 {
-        let [a, b] = [a, b].map(|q| Vec4::from(q).as_dvec4().normalize_or_zero());
-        // The same rotation has two signs. Half the chord is the sine of a quarter of the angle.
-        4.0 * (0.5 * (a - b).length().min((a + b).length())).asin()
-    }
-
-    fn spline_way(control: [Self; 4], part: [f64; 2]) -> f64 {
-        let [a, b, c, d] = control.map(|q| Vec4::from(q).as_dvec4());
-        let way = speed([a, b, c, d]) * (part[1] - part[0]);
-        let length = |t: f64| {
-            let [p, q, r] = [a.lerp(b, t), b.lerp(c, t), c.lerp(d, t)];
-            p.lerp(q, t).lerp(q.lerp(r, t), t).length()
-        };
-        // From the nearer end it is at most half the way.
-        let least = length(part[0]).min(length(part[1])) - 0.5 * way;
-        if least < LEAST_SPLINE { f64::INFINITY } else { 2.0 * way / least }
     }
 }
 
@@ -143,17 +96,13 @@ impl<T: Keyed> Track<T> {
     /// # Errors
     /// Refuses no keys, times that are not finite or not in order, another number of values, and
     /// values that are not finite, above 1e9, or rotations that are not of length 1.
-    pub fn new(times: Vec<f32>, values: Vec<T>, interpolation: Interpolation) -> Result<Self, Error> {
+    pub fn new(times: Vec<f32>, mut values: Vec<T>, interpolation: Interpolation) -> Result<Self, Error> {
         if times.is_empty() {
             return Err(Error::Keys { key: 0, why: "is missing: a track needs at least one" });
         }
+        let most = f64::from(MAX_COORDINATE);
         for (key, &time) in times.iter().enumerate() {
-            range(
-                "the time of a key in seconds",
-                time.into(),
-                -f64::from(MAX_COORDINATE),
-                MAX_COORDINATE.into(),
-            )?;
+            range("the time of a key in seconds", time.into(), -most, most)?;
             if key > 0 && times[key - 1] > time {
                 return Err(Error::Keys { key, why: "comes before the key in front of it" });
             }
@@ -163,18 +112,16 @@ impl<T: Keyed> Track<T> {
         if values.len() != expected {
             return Err(Error::Count { what: "values of keys", found: values.len(), expected });
         }
-        for (i, value) in values.iter().enumerate() {
+        for (i, value) in values.iter_mut().enumerate() {
             let is_tangent = per_key == 3 && i % 3 != 1;
             if !(if is_tangent { value.is_finite() } else { value.is_sound() }) {
-                return Err(Error::Keys {
-                    key: i / per_key,
-                    why: "is not finite, too great, or no rotation",
-                });
+                let why = "is not finite, too great, or no rotation";
+                return Err(Error::Keys { key: i / per_key, why });
+            }
+            if !is_tangent {
+                *value = value.settled();
             }
         }
-        let settled =
-            |(i, value): (usize, T)| if per_key == 3 && i % 3 != 1 { value } else { value.settled() };
-        let values = values.into_iter().enumerate().map(settled).collect();
         Ok(Self { times, values, interpolation })
     }
 
@@ -189,16 +136,7 @@ impl<T: Keyed> Track<T> {
         if next == 0 || next == self.times.len() {
             return self.value(next.saturating_sub(1));
         }
-        self.between(next - 1, time)
-    }
-
-    /// The value of a key.
-    fn value(&self, key: usize) -> T {
-        self.values[if self.interpolation == Interpolation::CubicSpline { 3 * key + 1 } else { key }]
-    }
-
-    /// The value behind a key and before the next.
-    fn between(&self, i: usize, time: f32) -> T {
+        let i = next - 1;
         let j = i + 1;
         let dt = self.times[j] - self.times[i];
         let t = if dt > 0.0 { ((time - self.times[i]) / dt).clamp(0.0, 1.0) } else { 0.0 };
@@ -217,49 +155,58 @@ impl<T: Keyed> Track<T> {
         }
     }
 
-    /// No less than how far the value is from that at `middle` at any time of a stretch, ends
-    /// included. Costs two binary searches and the keys in the stretch.
+    /// The value of a key.
+    fn value(&self, key: usize) -> T {
+        self.values[if self.interpolation == Interpolation::CubicSpline { 3 * key + 1 } else { key }]
+    }
+}
+
+/// The translation, rotation or scale of a joint over time. It replaces that at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Channel {
+    /// Its translation.
+    Translation(Track<Vec3>),
+    /// Its rotation.
+    Rotation(Track<Quat>),
+    /// Its scale.
+    Scale(Track<Vec3>),
+}
+
+/// Joints over time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Clip {
+    channels: Vec<(usize, Channel)>,
+    seconds: f32,
+}
+
+impl Clip {
+    /// A clip of channels and the joints that they move; of two for one property of a joint the
+    /// later counts. It lasts from time 0 to its last key.
     ///
-    /// Between two times a and b without a key between them a value is on a way from that at a to
-    /// that at b: one that is w long leads no farther from the middle than half the sum of w and of
-    /// both ends' distances.
-    pub(crate) fn spread(&self, [from, to]: [f32; 2], middle: f32) -> f64 {
-        let center = self.at(middle);
-        let mut most = T::apart(self.at(from), center).max(T::apart(self.at(to), center));
-        let first = self.times.partition_point(|&t| t <= from).saturating_sub(1);
-        for i in first..self.times.len() {
-            if self.times[i] > to {
-                break;
-            }
-            if self.times[i] >= from {
-                most = most.max(T::apart(self.value(i), center));
-            }
-            let Some(&next) = self.times.get(i + 1).filter(|next| **next > from) else { continue };
-            // Cut in the middle, where nothing is apart.
-            let (start, end) = (self.times[i].max(from), next.min(to));
-            let cut = middle.clamp(start, end);
-            most = most.max(self.way(i, [start, cut], center)).max(self.way(i, [cut, end], center));
+    /// # Errors
+    /// Refuses joints that the skeleton lacks.
+    pub fn new(channels: Vec<(usize, Channel)>, skeleton: &Skeleton) -> Result<Self, Error> {
+        let joints = skeleton.joints().len();
+        if let Some(of) = channels.iter().position(|(joint, _)| *joint >= joints) {
+            let (what, does, number) = ("channel", "moves joint", channels[of].0);
+            return Err(Error::Missing { what, of, does, number, count: joints });
         }
-        most
+        let end = |channel: &Channel| match channel {
+            Channel::Translation(track) | Channel::Scale(track) => track.end(),
+            Channel::Rotation(track) => track.end(),
+        };
+        let seconds = channels.iter().map(|(_, channel)| end(channel)).fold(0.0, f32::max);
+        Ok(Self { channels, seconds })
     }
 
-    /// The same behind one key and before the next.
-    fn way(&self, i: usize, [from, to]: [f32; 2], center: T) -> f64 {
-        let [a, b] = [from, to].map(|time| self.between(i, time));
-        let way = match self.interpolation {
-            Interpolation::Step => 0.0,
-            Interpolation::Linear => T::apart(a, b),
-            Interpolation::CubicSpline => {
-                let dt = self.times[i + 1] - self.times[i];
-                let (p, q) = (self.value(i), self.value(i + 1));
-                let (out, into) = (self.values[3 * i + 2], self.values[3 * i + 3]);
-                let control = [p, T::ahead(p, out, dt / 3.0), T::ahead(q, into, -dt / 3.0), q];
-                let part =
-                    [from, to].map(|t| f64::from(t - self.times[i]) / f64::from(dt).max(f64::MIN_POSITIVE));
-                if to > from { T::spline_way(control, part) } else { 0.0 }
-            }
-        };
-        0.5 * (T::apart(a, center) + T::apart(b, center) + way)
+    /// Its channels, and the joints that they move.
+    pub fn channels(&self) -> &[(usize, Channel)] {
+        &self.channels
+    }
+
+    /// How long it lasts, in seconds.
+    pub fn seconds(&self) -> f32 {
+        self.seconds
     }
 }
 

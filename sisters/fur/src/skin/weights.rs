@@ -42,7 +42,7 @@ impl Weights {
             let mut kept = [0; PER_VERTEX];
             for (slot, &joint) in kept.iter_mut().zip(of) {
                 let known = u16::try_from(joint).ok().filter(|&j| usize::from(j) < count);
-                *slot = known.ok_or(Error::Joint { vertex, joint, joints: count })?;
+                *slot = known.ok_or(Error::follows(vertex, joint as usize, count))?;
             }
             let sum: f64 = shares.iter().map(|&s| f64::from(s)).sum();
             // NaN is not at least 0.
@@ -53,16 +53,6 @@ impl Weights {
             made.shares.push(shares.map(|s| (f64::from(s) / sum) as f32));
         }
         Ok(made)
-    }
-
-    /// How many vertices they are for.
-    pub fn len(&self) -> usize {
-        self.joints.len()
-    }
-
-    /// Whether they are for no vertex.
-    pub fn is_empty(&self) -> bool {
-        self.joints.is_empty()
     }
 
     /// The joints of each vertex.
@@ -101,10 +91,10 @@ impl Weights {
 
     /// Refuses another number of vertices.
     pub(crate) fn check(&self, expected: usize) -> Result<(), Error> {
-        if self.len() == expected {
-            return Ok(());
+        match self.joints.len() {
+            found if found == expected => Ok(()),
+            found => Err(Error::Count { what: "weights", found, expected }),
         }
-        Err(Error::Count { what: "weights", found: self.len(), expected })
     }
 
     /// The blended matrix of a vertex, from the mesh at rest to the pose: the twin of what the
@@ -143,7 +133,7 @@ mod tests {
         assert_eq!((weights.joints()[0], weights.shares()[0]), ([1, 0, 0, 0], [0.25, 0.75, 0.0, 0.0]));
         for joint in [2, 65_536, u32::MAX] {
             let refused = Weights::new(&[[0; 4], [0, joint, 0, 0]], &[[1.0; 4]; 2], &two);
-            assert_eq!(refused, Err(Error::Joint { vertex: 1, joint, joints: 2 }));
+            assert_eq!(refused, Err(Error::follows(1, joint as usize, 2)));
         }
         for shares in [[0.0; 4], [f32::NAN, 1.0, 0.0, 0.0], [2.0, -1.0, 0.0, 0.0], [f32::INFINITY; 4]] {
             let refused = Weights::new(&[[0; 4]], &[shares], &two);
@@ -163,9 +153,9 @@ mod tests {
         let joints: Vec<[u32; 4]> =
             mesh.vertices().iter().map(|_| [(random.next() * 5.0) as u32; 4]).collect();
         let weights = Weights::new(&joints, &vec![[1.0; 4]; joints.len()], &skeleton(5)).unwrap();
-        let simple = mesh.simplified(200).unwrap().0;
+        let simple = mesh.simplified(200).unwrap();
         let carried = weights.carried(&mesh, &simple).unwrap();
-        assert_eq!(carried.len(), simple.vertices().len());
+        assert_eq!(carried.joints().len(), simple.vertices().len());
         for (vertex, joints) in simple.vertices().iter().zip(carried.joints()) {
             let of = mesh.vertices().iter().position(|v| v.position == vertex.position).unwrap();
             assert_eq!(*joints, weights.joints()[of]);

@@ -1,15 +1,14 @@
-//! The parameters of fur, and the strand at a point.
+//! The parameters of fur, the strand at a point, and how much of the sun passes through.
 
 use std::f32::consts::PI;
 
 use glam::{IVec3, Vec3};
 
-use super::hash::{hash, unit};
 use super::skin::Skin;
 use crate::error::{Error, range};
 use crate::numeric::{
-    CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, LEAST_LENGTH, MAX_CELLS, MAX_COORDINATE, MAX_PER_CELL,
-    MAX_RADIUS,
+    CELLS_ON_RADIUS, EXTRUSION_ERROR, HALF_SLAB, LEAST_DIVISOR, LEAST_LENGTH, LEAST_RISE, LIGHT_STEPS,
+    MAX_CELLS, MAX_COORDINATE, MAX_PER_CELL, MAX_RADIUS,
 };
 
 /// The fur of an object. All lengths are in its object space.
@@ -59,40 +58,20 @@ impl Fur {
     pub fn for_radius(radius: f32, height: f32, density: f32) -> Result<Self, Error> {
         range("the radius of the mesh", radius.into(), LEAST_LENGTH, MAX_COORDINATE.into())?;
         range("the height of the fur as a share of the radius", height.into(), 0.0, 1.0)?;
-        let fur = Self {
+        range("the density of the fur", density.into(), 0.001, 1.0)?;
+        // density = per_cell / 2 * pi * radius²
+        let thick = |per_cell: u32| (2.0 * density / (PI * per_cell as f32)).sqrt();
+        let per_cell = (1..MAX_PER_CELL).find(|&n| thick(n) <= MAX_RADIUS).unwrap_or(MAX_PER_CELL);
+        Ok(Self {
             height: height * radius,
             bend: Vec3::ZERO,
             spacing: radius / CELLS_ON_RADIUS,
-            per_cell: 1,
-            radius: MAX_RADIUS,
+            per_cell,
+            radius: thick(per_cell),
             taper: 0.8,
             variation: 0.3,
             seed: 1,
-        };
-        fur.with_density(density)
-    }
-
-    /// The same fur with another density: sets the radius of strands, and more points for each cell
-    /// if strands would be too wide.
-    ///
-    /// # Errors
-    /// Refuses densities outside of 0.001 to 1.
-    pub fn with_density(mut self, density: f32) -> Result<Self, Error> {
-        range("the density of the fur", density.into(), 0.001, 1.0)?;
-        self.per_cell = self.per_cell.clamp(1, MAX_PER_CELL);
-        loop {
-            // density = per_cell / 2 * pi * radius²
-            self.radius = (2.0 * density / (PI * self.per_cell as f32)).sqrt();
-            if self.radius <= MAX_RADIUS {
-                return Ok(self);
-            }
-            self.per_cell += 1;
-        }
-    }
-
-    /// The share of the skin that roots cover, if they did not overlap.
-    pub fn density(&self) -> f32 {
-        0.5 * self.per_cell as f32 * PI * self.radius * self.radius
+        })
     }
 
     /// Strands on a square unit of any surface.
@@ -217,6 +196,59 @@ impl Fur {
         ]);
         (Vec3::new(unit(x), unit(y), unit(z)), id)
     }
+
+    /// The mean share of sunlight that reaches a height in a coat of a length on flat skin with a
+    /// unit normal: 1 above the coat. Both are shares of the greatest height, 0 to 1; `to_sun` is a
+    /// unit vector.
+    ///
+    /// Beer's law: strands stand at random, and a ray that passes a layer meets as many as stand in
+    /// the area that their diameters sweep. A ray rises by one while it goes sideways by the slope
+    /// of the light less that of the strands. Costs 32 sums. Shaders compute the same.
+    pub fn sun_through(&self, normal: Vec3, height: f32, length: f32, to_sun: Vec3) -> f32 {
+        let rise = normal.dot(to_sun).max(LEAST_RISE);
+        let slope = (to_sun - normal * normal.dot(to_sun)) / rise;
+        let side = self.side(normal);
+        let (height, length) = (height.clamp(0.0, 1.0), length.clamp(0.0, 1.0));
+        let step = (length - height).max(0.0) / LIGHT_STEPS as f32;
+        let length = length.max(LEAST_DIVISOR);
+        let mut met = 0.0;
+        for i in 0..LIGHT_STEPS {
+            let there = height + (i as f32 + 0.5) * step;
+            // Strands of four lengths stand for all.
+            let wide: f32 = (0..4)
+                .map(|k| there / (length * (1.0 - self.variation * (k as f32 + 0.5) / 4.0)))
+                .map(|along| if along <= 1.0 { 2.0 * self.radius_along(along) } else { 0.0 })
+                .sum();
+            met += 0.25 * wide * (slope - side * (2.0 * there)).length() * step * self.height;
+        }
+        (-met * self.strands_per_area() as f32).exp()
+    }
+}
+
+/// Four well-mixed words of four: `pcg4d` of Jarzynski & Olano, "Hash Functions for GPU Rendering"
+/// (JCGT 9(3), 2020). Only products, sums and shifts of 32-bit words that wrap around, so that
+/// shaders compute the same bits.
+#[inline]
+pub fn hash(words: [u32; 4]) -> [u32; 4] {
+    let mut v = words.map(|w| w.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    mix(&mut v);
+    v = v.map(|w| w ^ w >> 16);
+    mix(&mut v);
+    v
+}
+
+#[inline]
+fn mix(v: &mut [u32; 4]) {
+    v[0] = v[0].wrapping_add(v[1].wrapping_mul(v[3]));
+    v[1] = v[1].wrapping_add(v[2].wrapping_mul(v[0]));
+    v[2] = v[2].wrapping_add(v[0].wrapping_mul(v[1]));
+    v[3] = v[3].wrapping_add(v[1].wrapping_mul(v[2]));
+}
+
+/// A word as a number from 0 to below 1, by its upper 24 bits: exact in single precision.
+#[inline]
+pub fn unit(word: u32) -> f32 {
+    (word >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
 #[cfg(test)]
@@ -227,8 +259,8 @@ mod tests {
     #[test]
     fn layers_of_a_ball_are_balls_and_strands_stand_in_them() {
         let fur = Fur::for_radius(1.0, 0.3, 0.25).unwrap();
-        assert!((fur.density() - 0.25).abs() < 1e-6 && fur.per_cell == 1);
-        assert_eq!(fur.with_density(1.0).unwrap().per_cell, 4);
+        assert!((0.5 * PI * fur.radius * fur.radius - 0.25).abs() < 1e-6 && fur.per_cell == 1);
+        assert_eq!(Fur::for_radius(1.0, 0.3, 1.0).unwrap().per_cell, 4);
         for v in ball(8).vertices() {
             // The normals of a ball of triangles are off by its corners' rounding.
             let up = v.position;
@@ -254,5 +286,57 @@ mod tests {
             let way = fur.extruded(p, n, h) - p;
             assert!((way.dot(n) - 0.3 * h).abs() < 1e-5 && way.length() <= fur.reach(1.0));
         }
+    }
+
+    #[test]
+    fn light_fades_with_depth_density_and_slope() {
+        let fur = |density| Fur { bend: Vec3::ZERO, ..Fur::for_radius(1.0, 0.1, density).unwrap() };
+        let sun = Vec3::new(0.6, 0.8, 0.0);
+        let at = |density, height, sun: Vec3| fur(density).sun_through(Vec3::Y, height, 1.0, sun);
+        assert_eq!((at(0.3, 1.0, sun), at(0.3, 0.0, Vec3::Y)), (1.0, 1.0), "above it, and along strands");
+        assert!(at(0.3, 0.8, sun) > at(0.3, 0.4, sun) && at(0.3, 0.4, sun) > at(0.3, 0.0, sun));
+        assert!(at(0.1, 0.2, sun) > at(0.3, 0.2, sun));
+        assert!(at(0.3, 0.2, sun) > at(0.3, 0.2, Vec3::new(0.8, 0.6, 0.0)));
+        // Without taper and variation it is the exponential of n 2 r h tan.
+        let even = Fur { taper: 0.0, variation: 0.0, ..fur(0.2) };
+        let met = even.strands_per_area() as f32 * 2.0 * even.radius_along(0.0) * 0.5 * even.height * 0.75;
+        assert!((even.sun_through(Vec3::Y, 0.5, 1.0, sun) - (-met).exp()).abs() < 1e-5);
+        // Strands that lean towards the sun take less of it than those that lean away.
+        let leaning = |x: f32| Fur { bend: Vec3::X * x, ..fur(0.3) }.sun_through(Vec3::Y, 0.2, 1.0, sun);
+        assert!(leaning(0.5) > leaning(0.0) && leaning(0.0) > leaning(-0.5));
+        // A coat of half the length is fur of half the height, and bald skin has all of the sun.
+        let half = Fur { height: 0.05, ..fur(0.3) };
+        let short = fur(0.3).sun_through(Vec3::Y, 0.2, 0.5, sun);
+        assert!((short - half.sun_through(Vec3::Y, 0.4, 1.0, sun)).abs() < 1e-5);
+        assert_eq!(fur(0.3).sun_through(Vec3::Y, 0.0, 0.0, sun), 1.0);
+        assert_eq!(fur(0.3).sun_through(Vec3::Y, 0.6, 0.5, sun), 1.0);
+        for odd in [f32::NAN, f32::INFINITY, -1.0] {
+            let share = fur(0.3).sun_through(Vec3::Y, 0.1, odd, sun);
+            assert!((0.0..=1.0).contains(&share), "{odd}: {share}");
+        }
+        assert!(at(0.3, 0.0, -Vec3::Y) <= 1.0 && at(0.3, f32::NAN, sun).is_nan());
+    }
+
+    #[test]
+    fn words_are_pinned_even_and_independent() {
+        // Shaders must give the same bits.
+        assert_eq!(hash([1, 2, 3, 4]), [908_250_390, 4_044_648_920, 3_775_961_919, 45_698_095]);
+        assert_eq!((unit(0), unit(u32::MAX)), (0.0, 1.0 - 1.0 / 16_777_216.0));
+        let (mut counts, mut products, n) = ([[0_u32; 16]; 4], [0.0_f64; 4], 32_u32);
+        for i in 0..n.pow(3) {
+            let words = hash([i % n, i / n % n, i / n / n, 7]);
+            let units = words.map(|w| f64::from(unit(w)) - 0.5);
+            for k in 0..4 {
+                counts[k][(words[k] >> 28) as usize] += 1;
+                products[k] += units[k] * units[(k + 1) % 4];
+            }
+        }
+        let (total, even) = (f64::from(n.pow(3)), f64::from(n.pow(3)) / 16.0);
+        // 15 degrees of freedom: above 50 once in 100,000 times. A sum of n products has the
+        // deviation sqrt(n) / 12.
+        let chi2 = counts.map(|c| c.map(|c| (f64::from(c) - even).powi(2) / even).iter().sum::<f64>());
+        assert!(
+            chi2.iter().all(|&c| c < 50.0) && products.iter().all(|p| p.abs() < 5.0 * total.sqrt() / 12.0)
+        );
     }
 }

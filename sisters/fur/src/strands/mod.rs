@@ -9,14 +9,11 @@
 //! shaders, in single precision; [`roots`] lists the strands of a mesh one by one, for ray tracers.
 
 mod fur;
-mod hash;
 mod lean;
-mod light;
 mod roots;
 mod skin;
 
-pub use fur::{Fur, Strand};
-pub use hash::{hash, unit};
+pub use fur::{Fur, Strand, hash, unit};
 pub use lean::{Forces, Lean};
 
 pub use crate::numeric::MAX_PER_CELL;

@@ -292,7 +292,7 @@ mod tests {
     #[test]
     fn strands_are_equally_dense_on_any_surface() {
         // Faces along cells, off them, and turned.
-        let flat = weld(&cube(2.0), &[]).unwrap();
+        let flat = weld(&cube(2.0), &[], &[]).unwrap();
         let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
         let turned = |v: &Vertex| Vertex { position: turn * v.position + 0.013, normal: turn * v.normal };
         let turned = flat.vertices().iter().map(turned).collect();

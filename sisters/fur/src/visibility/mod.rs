@@ -9,4 +9,4 @@ mod objects;
 mod plan;
 
 pub use objects::{base_occluder, furry_object, inflate, inner_ball};
-pub use plan::{Furry, PlanOptions, Share, Sight, layers_for, level_for, pixels_of, plan_sights};
+pub use plan::{PlanOptions, Share, Sight, layers_for, level_for, pixels_of, plan_sights};

@@ -55,7 +55,8 @@ pub fn base_occluder(mesh: &Mesh) -> Result<Arc<TriMesh>, Error> {
         0 => {}
         edges => return Err(Error::Open { edges }),
     }
-    let mesh = TriMesh::new(mesh.positions(), mesh.triangles().to_vec());
+    let positions = mesh.vertices().iter().map(|v| v.position).collect();
+    let mesh = TriMesh::new(positions, mesh.triangles().to_vec());
     mesh.map(Arc::new).map_err(|source| Error::Scene { what: "base mesh", source })
 }
 
@@ -232,10 +233,10 @@ mod tests {
         // A turned box on top of the ball.
         let upper = |v: &Vertex| Vertex::at(turn * (v.position * 2.0 + Vec3::Y * 2.0));
         let upper: Vec<Vertex> = cube(1.0).iter().map(upper).collect();
-        let upper = weld(&upper, &[]).unwrap();
+        let upper = weld(&upper, &[], &[]).unwrap();
         let sphere = inner_ball(&[&fine, &upper]).unwrap();
         assert_eq!(sphere, None, "they only touch");
-        let coarse = fine.simplified(100).unwrap().0;
+        let coarse = fine.simplified(100).unwrap();
         let sphere = inner_ball(&[&fine, &coarse]).unwrap().unwrap();
         assert!((0.7..1.0).contains(&(sphere.center.length() + sphere.radius)), "{sphere:?}");
         for mesh in [&fine, &coarse] {
@@ -248,12 +249,12 @@ mod tests {
     #[test]
     fn open_meshes_hide_nothing() {
         let soup = cube(1.0);
-        let open = weld(&soup[3..], &[]).unwrap();
+        let open = weld(&soup[3..], &[], &[]).unwrap();
         assert_eq!(base_occluder(&open).err(), Some(Error::Open { edges: 3 }));
         assert_eq!(inner_ball(&[&open]), Err(Error::Open { edges: 3 }));
         assert_eq!(inner_ball(&[]), Err(Error::Empty));
         // Inside out, no point has a solid around it.
-        let closed = weld(&soup, &[]).unwrap();
+        let closed = weld(&soup, &[], &[]).unwrap();
         let turned = closed.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
         let turned = Mesh::new(closed.vertices().to_vec(), Vec::new(), turned).unwrap();
         assert_eq!(inner_ball(&[&turned]), Ok(None));

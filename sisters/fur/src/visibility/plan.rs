@@ -35,15 +35,6 @@ pub fn level_for(pixels: f32, vertices: &[u32]) -> usize {
     vertices.iter().rposition(fine).unwrap_or(0)
 }
 
-/// What an object costs to draw.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Furry<'a> {
-    /// The vertices of its levels of detail, finest first.
-    pub vertices: &'a [u32],
-    /// The height of its fur in world units; 0 for objects without fur.
-    pub height: f32,
-}
-
 /// How [`plan_sights`] plans.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanOptions {
@@ -57,8 +48,6 @@ pub struct PlanOptions {
     pub budget: f64,
     /// The weight of a pixel, where a vertex weighs 1.
     pub pixel_weight: f64,
-    /// Whether the fraction that is seen takes layers away. The fractions are estimates.
-    pub by_fraction: bool,
 }
 
 impl Default for PlanOptions {
@@ -66,20 +55,22 @@ impl Default for PlanOptions {
     /// budget.
     fn default() -> Self {
         let (focal, screen) = (360.0 * 3f32.sqrt(), 1280.0 * 720.0);
-        Self { focal, screen, most_layers: 32, budget: f64::INFINITY, pixel_weight: 1.0, by_fraction: true }
+        Self { focal, screen, most_layers: 32, budget: f64::INFINITY, pixel_weight: 1.0 }
     }
 }
 
 /// An object as a picture sees it, for [`plan_sights`]: fields are as in [`casca::DrawItem`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight<'a> {
-    /// Its meshes and its fur, which say how much it costs.
-    pub furry: Furry<'a>,
+    /// The vertices of its levels of detail, finest first.
+    pub vertices: &'a [u32],
+    /// The height of its fur in world units; 0 for objects without fur.
+    pub height: f32,
     /// From the eye to its nearest point, in world units.
     pub distance: f32,
     /// The angle in radians under which it is seen.
     pub size: f32,
-    /// The share of it that can be seen, 0 to 1.
+    /// The share of it that can be seen, 0 to 1: an estimate, which takes layers away.
     pub fraction: f32,
 }
 
@@ -114,18 +105,16 @@ pub fn plan_sights(sights: &[Sight], options: &PlanOptions) -> Result<Vec<Share>
     range("the weight of a pixel", options.pixel_weight, 0.0, f64::MAX)?;
     range("the budget", options.budget, 0.0, f64::INFINITY)?;
     let wish = |item: &Sight| {
-        let object = item.furry;
-        let fraction = if options.by_fraction { item.fraction } else { 1.0 };
         let size = pixels_of(1.0, 1.0, options.focal) * item.size;
         // A disc of this diameter; NaN and more than the picture count as the picture.
         let covered = (size * size * std::f32::consts::FRAC_PI_4).min(options.screen);
-        let level = level_for(covered, object.vertices);
-        let vertices = |level: usize| f64::from(object.vertices.get(level).copied().unwrap_or(0));
+        let level = level_for(covered, item.vertices);
+        let vertices = |level: usize| f64::from(item.vertices.get(level).copied().unwrap_or(0));
         // The cheapest of the levels; the finest of those that cost the same.
-        let coarsest = (level..object.vertices.len())
+        let coarsest = (level..item.vertices.len())
             .min_by(|&a, &b| vertices(a).total_cmp(&vertices(b)))
             .unwrap_or(level);
-        let seen = if fraction < 1.0 { fraction.max(0.0) } else { 1.0 };
+        let seen = if item.fraction < 1.0 { item.fraction.max(0.0) } else { 1.0 };
         let seen_size = item.size * item.fraction.sqrt();
         Wish {
             level,
@@ -133,8 +122,8 @@ pub fn plan_sights(sights: &[Sight], options: &PlanOptions) -> Result<Vec<Share>
             saving: vertices(level) - vertices(coarsest),
             seen_size: if seen_size.is_nan() { f32::INFINITY } else { seen_size },
             layers: layers_for(
-                pixels_of(object.height, item.distance, options.focal),
-                fraction,
+                pixels_of(item.height, item.distance, options.focal),
+                item.fraction,
                 options.most_layers,
             ),
             pass: vertices(level) + options.pixel_weight * f64::from(covered * seen),
@@ -223,12 +212,13 @@ mod tests {
     use super::*;
     use crate::samples::dice;
 
-    const FURRY: Furry = Furry { vertices: &[4000, 1000, 250], height: 0.1 };
+    const VERTICES: &[u32] = &[4000, 1000, 250];
 
     /// Some balls in a row: the nearest at distance 1, the next at distance 2, and so on.
     fn list(count: usize) -> Vec<Sight<'static>> {
         let sight = |i: usize| Sight {
-            furry: FURRY,
+            vertices: VERTICES,
+            height: 0.1,
             distance: 1.0 + i as f32,
             size: 2.0 * (1.0 / (2.0 + i as f32)).asin(),
             fraction: 1.0,
@@ -273,8 +263,6 @@ mod tests {
         let half: Vec<Sight> = sights.iter().map(|s| Sight { fraction: 0.25, ..*s }).collect();
         let by_fraction = plan_sights(&half, &options).unwrap();
         assert!(by_fraction[0].layers == 21 && weight(&by_fraction) < 0.5 * weight(&plan));
-        let whole = PlanOptions { by_fraction: false, ..options };
-        assert_eq!(plan_sights(&half, &whole).unwrap(), plan);
     }
 
     #[test]
@@ -283,7 +271,7 @@ mod tests {
         let free = plan_sights(&sights, &PlanOptions::default()).unwrap();
         let bases: f64 = free.iter().map(base).sum();
         let one_each = bases + free.iter().filter(|s| s.layers > 0).map(base).sum::<f64>();
-        let least = |s: &Share| base(s) - f64::from(FURRY.vertices[s.level] - 250);
+        let least = |s: &Share| base(s) - f64::from(VERTICES[s.level] - 250);
         let coarsest: f64 = free.iter().map(least).sum();
         for step in 0..60 {
             let budget = weight(&free) * (f64::from(step) / 50.0 + 0.01 * random.next());
@@ -331,7 +319,7 @@ mod tests {
     #[test]
     fn odd_lists_do_no_harm_and_odd_options_are_refused() {
         let mut sights = list(4);
-        sights.iter_mut().for_each(|s| s.furry = Furry { vertices: &[], height: f32::NAN });
+        sights.iter_mut().for_each(|s| (s.vertices, s.height) = (&[], f32::NAN));
         (sights[0].distance, sights[0].size) = (0.0, f32::INFINITY);
         (sights[1].distance, sights[1].size, sights[1].fraction) = (f32::NAN, f32::NAN, f32::NAN);
         sights[2].distance = f32::NEG_INFINITY;

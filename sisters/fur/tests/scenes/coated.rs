@@ -130,7 +130,6 @@ fn images_are_read_once_and_bad_ones_are_named() {
         assert!((coord.uv - glam::Vec2::from_array(want)).abs().max_element() < 1e-5, "{coord:?}");
         assert_eq!(coord.image, Some(0));
     }
-    assert_eq!(read.places[1], Some(glam::Vec2::X), "maps lie on the coordinates of the file");
     // A picture of one colour as JPEG, which a uniform block keeps but for rounding.
     let mut jpeg = Vec::new();
     let made = image::RgbImage::from_pixel(16, 8, image::Rgb([200, 30, 60]));

@@ -2,7 +2,7 @@
 
 mod character;
 mod coated;
-mod herd;
+mod field;
 #[path = "../../../../crates/scenes/src/import/tests/parts.rs"]
 mod parts;
 mod skins;

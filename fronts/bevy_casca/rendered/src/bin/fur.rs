@@ -105,7 +105,7 @@ fn herd(arguments: &Arguments) -> Result<(), String> {
         println!(
             "eye {i}: {other} pixels differ; {} coats of {} drawn by casca, {} by Bevy, {lag} with other layers",
             drawn(&counts[0]),
-            herd.len(),
+            herd.count(),
             drawn(&counts[1])
         );
         if other > 0 {

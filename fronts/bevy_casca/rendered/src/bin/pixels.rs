@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use bevy_casca::{CascaSettings, Shadows};
-use bevy_casca_rendered::level::Level;
-use bevy_casca_rendered::rendered::{HEIGHT, Rendered, Shown, WIDTH};
+use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH};
 use bevy_casca_rendered::scenes::Scene;
 use clap::Parser;
 
@@ -21,9 +20,6 @@ struct Arguments {
     /// The scene; all if none is named
     #[arg(long)]
     scene: Option<Scene>,
-    /// A glTF file in the place of the scenes
-    #[arg(long, conflicts_with = "scene")]
-    level: Option<PathBuf>,
     /// Casters that lie in the shadow of others stay in shadow maps
     #[arg(long)]
     all_casters: bool,
@@ -36,14 +32,9 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let shadows = if arguments.all_casters { Shadows::All } else { Shadows::Lit };
     let mut alike = true;
-    let all = match (&arguments.level, arguments.scene) {
-        (Some(path), _) => vec![Level::load(path).map(Shown::Level)],
-        (None, Some(scene)) => vec![Ok(Shown::Scene(scene))],
-        (None, None) => Scene::ALL.map(Shown::Scene).map(Ok).into(),
-    };
-    for shown in all {
-        let out = arguments.out.as_deref();
-        match shown.and_then(|shown| compare(&shown, shadows, arguments.frames, out)) {
+    let all = arguments.scene.map_or(Scene::ALL.to_vec(), |scene| vec![scene]);
+    for scene in all {
+        match compare(scene, shadows, arguments.frames, arguments.out.as_deref()) {
             Ok(differ) => alike &= differ == 0,
             Err(why) => {
                 eprintln!("{why}");
@@ -55,7 +46,8 @@ fn main() -> ExitCode {
 }
 
 /// Renders a scene twice. Returns the number of pictures that differ.
-fn compare(scene: &Shown, shadows: Shadows, frames: u32, out: Option<&Path>) -> Result<u32, String> {
+fn compare(scene: Scene, shadows: Shadows, frames: u32, out: Option<&Path>) -> Result<u32, String> {
+    let of_scene = format!("{scene:?}").to_lowercase();
     let settings = CascaSettings { shadows, ..CascaSettings::default() };
     let (mut casca, mut bevy) = (Rendered::new(scene, Some(settings))?, Rendered::new(scene, None)?);
     let (mut pictures, mut pixels, mut greatest) = (0, 0, 0);
@@ -73,15 +65,14 @@ fn compare(scene: &Shown, shadows: Shadows, frames: u32, out: Option<&Path>) -> 
         }
         if let Some(folder) = out.filter(|_| differ > 0 || frame == frames / 2) {
             for (name, picture) in [("casca", with), ("bevy", without)] {
-                save(&folder.join(format!("{}-{frame}-{name}.png", scene.name())), picture)?;
+                save(&folder.join(format!("{of_scene}-{frame}-{name}.png")), picture)?;
             }
         }
     }
     let of = |sum: usize| sum / frames.max(1) as usize;
     println!(
-        "{}: {pictures} of {frames} pictures differ, in {pixels} pixels, by {greatest} of 255 at most; \
+        "{of_scene}: {pictures} of {frames} pictures differ, in {pixels} pixels, by {greatest} of 255 at most; \
          drawn {} of {}, casters {} of {}; {} meshes hide",
-        scene.name(),
         of(counts[0][0]),
         of(counts[1][0]),
         of(counts[0][1]),

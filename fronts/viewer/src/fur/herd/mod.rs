@@ -6,7 +6,7 @@ use casca::{Aabb, DrawItem, DrawOptions, Method, Query, Sight, View};
 use casca_fur::mesh::{Image, Mesh};
 use casca_fur::scenes::field::{Field, Kind};
 use casca_fur::skin::Weights;
-use casca_fur::visibility::{Furry, PlanOptions, Share, Sight as Seen, plan_sights};
+use casca_fur::visibility::{PlanOptions, Share, Sight as Seen, plan_sights};
 use casca_scenes::world::Camera;
 use glam::Vec3;
 
@@ -257,11 +257,10 @@ impl Herd {
             _ => None,
         };
         let furry = |id| match number(id) {
-            Some(animal) => Furry {
-                vertices: &vertices[self.field.animals()[animal].species],
-                height: self.field.fur_height(animal),
-            },
-            None => Furry { vertices: &[], height: 0.0 },
+            Some(animal) => {
+                (&vertices[self.field.animals()[animal].species][..], self.field.fur_height(animal))
+            }
+            None => (&[] as &[u32], 0.0),
         };
         let focal = camera.projection.y_axis.y * demand.height as f32 * 0.5;
         let aspect = camera.projection.y_axis.y / camera.projection.x_axis.x;
@@ -271,11 +270,10 @@ impl Herd {
             most_layers: demand.layers,
             ..PlanOptions::default()
         };
-        let seen = |item: &DrawItem| Seen {
-            furry: furry(item.id),
-            distance: item.distance,
-            size: item.size,
-            fraction: item.fraction,
+        let seen = |item: &DrawItem| {
+            let (vertices, height) = furry(item.id);
+            let DrawItem { distance, size, fraction, .. } = *item;
+            Seen { vertices, height, distance, size, fraction }
         };
         let sights: Vec<Seen> = items.iter().map(seen).collect();
         let weight = |shares: &[Share]| shares.iter().map(|share| share.weight).sum::<f64>();

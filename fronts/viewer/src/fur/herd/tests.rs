@@ -5,7 +5,7 @@ use casca_fur::gpu::renderer::Renderer;
 use casca_fur::scenes::field::{Field, generated};
 use casca_fur::scenes::import::read_coated;
 use casca_fur::scenes::sample::character_glb;
-use casca_fur::scenes::{Character, Masks, Species};
+use casca_fur::scenes::{Character, Species};
 use casca_fur::strands::{Forces, Fur};
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
@@ -104,7 +104,7 @@ fn a_herd_looks_the_same_when_it_is_culled() {
 #[test]
 fn a_walking_herd_of_a_file_looks_the_same_when_it_is_culled() {
     let file = character_glb(12, 40).unwrap();
-    let character = Character::new(&read_coated(&file, None).unwrap(), &Masks::default(), 3).unwrap();
+    let character = Character::new(&read_coated(&file, None).unwrap(), &[], 3).unwrap();
     let species = Species::of_character(&character).unwrap();
     assert_eq!((species.levels().len(), species.images().len()), (3, 1));
     let radius = species.radius();

@@ -80,16 +80,6 @@ impl<'a> Images<'a> {
     }
 }
 
-/// A picture of numbers from 0 to 1, such as a length map: PNG or JPEG.
-///
-/// # Errors
-/// The file cannot be read, or holds no such picture.
-pub fn load_map(path: &Path) -> Result<Image, Trouble> {
-    let bytes = std::fs::read(path)?;
-    let (size, texels) = pixels(&bytes, MOST_TEXELS).map_err(|why| Trouble::Image { image: 0, why })?;
-    Image::new(size, texels, [Wrap::Repeat; 2]).map_err(refused)
-}
-
 /// The size of an image, and four bytes a texel.
 fn pixels(bytes: &[u8], most: u64) -> Result<(UVec2, Vec<u8>), String> {
     let why = |e: image::ImageError| format!("is no sound PNG or JPEG, and others are not read: {e}");

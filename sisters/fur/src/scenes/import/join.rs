@@ -29,7 +29,6 @@ pub(super) struct Made {
     pub(super) mesh: Mesh,
     pub(super) coats: Vec<Coat>,
     pub(super) tex_coords: Vec<TexCoord>,
-    pub(super) places: Vec<Option<Vec2>>,
     /// By triangle.
     pub(super) materials: Vec<u32>,
     /// Only of vertices that follow something.
@@ -40,7 +39,6 @@ pub(super) struct Made {
 struct Look {
     coats: Vec<Coat>,
     tex_coords: Vec<TexCoord>,
-    places: Vec<Option<Vec2>>,
 }
 
 /// Joins meshes.
@@ -111,7 +109,6 @@ impl<'a> Join<'a> {
             let look = &self.known[&(mesh.index(), source.0)];
             made.coats.push(look.coats[source.1]);
             made.tex_coords.push(look.tex_coords[source.1]);
-            made.places.push(look.places[source.1]);
             made.followers.extend(follows(*source)?);
         }
         // A mirrored mesh would be inside out.
@@ -153,22 +150,24 @@ impl<'a> Join<'a> {
             Coat { color, length: share(length) }
         };
         let coats = (0..count).map(coat).collect();
-        let places = self.coordinates(primitive, 0, count)?;
         let mut tex_coords = vec![TexCoord::default(); count];
         if let Some(info) = material.pbr_metallic_roughness().base_color_texture() {
             let moved = info.texture_transform();
             let set = moved.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
-            // A part without coordinates has the colour of its corner in all viewers.
-            let uvs = self.coordinates(primitive, set, count)?.unwrap_or_else(|| vec![Vec2::ZERO; count]);
+            let uvs = match primitive.get(&Semantic::TexCoords(set)) {
+                Some(accessor) => self.attribute::<2>(&accessor, "texture coordinates", count)?,
+                // A part without coordinates has the colour of its corner in all viewers.
+                None => vec![[0.0; 2]; count],
+            };
             let image = Some(self.images.number(&info.texture())?);
             let turn = moved.as_ref().map_or(Mat2::IDENTITY, |t| {
                 Mat2::from_angle(-t.rotation()) * Mat2::from_diagonal(Vec2::from_array(t.scale()))
             });
             let offset = moved.map_or(Vec2::ZERO, |t| Vec2::from_array(t.offset()));
-            tex_coords = uvs.iter().map(|&uv| TexCoord { uv: turn * uv + offset, image }).collect();
+            let coord = |&uv: &[f32; 2]| TexCoord { uv: turn * Vec2::from_array(uv) + offset, image };
+            tex_coords = uvs.iter().map(coord).collect();
         }
-        let places = places.map_or(vec![None; count], |places| places.into_iter().map(Some).collect());
-        Ok(Look { coats, tex_coords, places })
+        Ok(Look { coats, tex_coords })
     }
 
     fn colors(&self, accessor: &gltf::Accessor, count: usize) -> Result<Vec<[f32; 4]>, Trouble> {
@@ -179,17 +178,6 @@ impl<'a> Join<'a> {
             }
             _ => self.attribute::<4>(accessor, "colours", count),
         }
-    }
-
-    fn coordinates(
-        &self,
-        primitive: &gltf::Primitive,
-        set: u32,
-        count: usize,
-    ) -> Result<Option<Vec<Vec2>>, Trouble> {
-        let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(None) };
-        let read = self.attribute::<2>(&accessor, "texture coordinates", count)?;
-        Ok(Some(read.into_iter().map(Vec2::from_array).collect()))
     }
 
     /// Floats, or normalised integers without sign; one for each vertex.

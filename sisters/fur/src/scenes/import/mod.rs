@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::mesh::{Coat, Image, TexCoord};
 use crate::skin::{Clip, Skeleton, Weights};
-use glam::{Affine3A, Vec2};
+use glam::Affine3A;
 
 use casca_scenes::import::parts::{
     Components, File, Nodes, QUANTIZATION, Warnings, check_rigid, nodes_of, parse,
@@ -19,7 +19,6 @@ mod join;
 mod skins;
 
 use casca_scenes::world::Mesh;
-pub use images::load_map;
 pub(super) use images::refused;
 
 /// A mesh of a file that can grow fur; all lists are by vertex but `materials`.
@@ -32,8 +31,6 @@ pub struct Coated {
     pub coats: Vec<Coat>,
     /// The place on the image that colours it.
     pub tex_coords: Vec<TexCoord>,
-    /// `TEXCOORD_0`, for maps from elsewhere.
-    pub places: Vec<Option<Vec2>>,
     /// The material of each triangle, of `names`.
     pub materials: Vec<u32>,
     /// The names of all materials of the file; "" for those without a name. The last one stands for
@@ -147,7 +144,6 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
         mesh: made.mesh,
         coats: made.coats,
         tex_coords: made.tex_coords,
-        places: made.places,
         materials: made.materials,
         names: names.chain([String::new()]).collect(),
         images,

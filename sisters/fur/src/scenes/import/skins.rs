@@ -31,8 +31,7 @@ pub(super) fn follower(
             Some(joint) => joint,
             None if share == 0.0 => 0,
             None => {
-                let (joint, joints) = (joint as u32, of_skin.len());
-                return Err(refused(crate::Error::Joint { vertex, joint, joints }));
+                return Err(refused(crate::Error::follows(vertex, joint as usize, of_skin.len())));
             }
         };
     }
