@@ -63,11 +63,6 @@ impl<'a> Session<'a> {
             seed: options.common.seed,
         };
         let seen = Seen::of(&world);
-        let rival = (options.method == MethodName::Hzb).then(|| {
-            let mut hzb = Hzb::new(640, height_of(640));
-            hzb.prepare(&world.objects);
-            hzb
-        });
         Ok(Self {
             driver: driver?,
             setup,
