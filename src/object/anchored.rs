@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DAffine3, DMat3};
+use glam::{Affine3A, DAffine3, DMat3, Vec3};
 
 use crate::error::Error;
 use crate::geometry::block::{above, below};
@@ -20,6 +20,19 @@ use crate::object::{Bounds, Occluder};
 use crate::shape::Convex;
 
 impl Bounds {
+    /// The bounds in coordinates that are less by an offset, for an object that is not placed by a
+    /// transform; `None` for a mesh in world space, which stays where it is.
+    ///
+    /// # Errors
+    /// As [`Instance::new`](crate::Instance::new).
+    pub(crate) fn shifted(&self, offset: Vec3) -> Result<Option<Self>, Error> {
+        match self {
+            Self::Mesh(_) => Ok(None),
+            Self::Instance(instance) => Ok(Some(instance.translated(-offset)?.into())),
+            _ => self.anchored(None, &Offset::exact(-offset.as_dvec3())).map(Some),
+        }
+    }
+
     /// The bounds under a transform, if there is one, in coordinates that differ by an offset from
     /// those that it leads to.
     ///
@@ -47,6 +60,20 @@ impl Bounds {
 }
 
 impl Occluder {
+    /// As [`Bounds::shifted`]; inside, `None` if rounding leaves nothing of it.
+    ///
+    /// # Errors
+    /// As [`Instance::new`](crate::Instance::new) and
+    /// [`Convex::translated`](crate::Convex::translated).
+    pub(crate) fn shifted(&self, offset: Vec3) -> Result<Option<Option<Self>>, Error> {
+        match self {
+            Self::Mesh(_) => Ok(None),
+            Self::Convex(solid) => Ok(Some(Some(Arc::new(solid.translated(-offset)?).into()))),
+            Self::Instance(instance) => Ok(Some(Some(instance.translated(-offset)?.into()))),
+            _ => self.anchored(None, &Offset::exact(-offset.as_dvec3())).map(Some),
+        }
+    }
+
     /// As [`Bounds::anchored`]; `None` if hardly anything of it is left.
     ///
     /// # Errors

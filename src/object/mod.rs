@@ -6,7 +6,6 @@ mod desc;
 mod kinds;
 mod occluder;
 mod placed;
-mod shifted;
 #[cfg(feature = "serde")]
 mod stored;
 mod union;

@@ -95,19 +95,19 @@ impl Scene {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
         }
         if !span.suffices() {
-            self.members.add_always(slot);
+            self.members.always.insert(slot);
         }
         if span.overhangs() {
-            self.members.add_overhang(&block, &span.cells, slot);
+            self.members.overhang.insert(&block, &span.cells, slot);
         }
         if dynamic {
-            self.members.add_mover(slot);
+            self.members.movers.insert(slot);
         }
         if on_expiry {
-            self.members.add_on_expiry(slot);
+            self.members.on_expiry.insert(slot);
         }
         match occluder.zip(part) {
-            Some((occluder, part)) if dynamic => self.opacity.add_moving(part, &occluder, &grid),
+            Some((occluder, part)) if dynamic => self.opacity.part_mut(part).moving.add(&occluder, &grid),
             Some((occluder, part)) => self.add_static_solid(slot, part, &occluder),
             None => {}
         }
@@ -132,7 +132,7 @@ impl Scene {
         if object.on_expiry() {
             self.reports.enter_zone(slot);
         }
-        self.members.add_mover(slot);
+        self.members.movers.insert(slot);
         self.enter_zone(slot, zone);
     }
 
@@ -190,14 +190,15 @@ impl Scene {
         if in_cells {
             touched(&bounds, &grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }
-        self.members.remove_always(slot);
+        self.members.always.remove(slot);
         let span = Span::of(&grid, &bounds.block());
         if span.overhangs() {
-            self.members.remove_overhang(&span.cells, slot);
+            self.members.overhang.remove(&span.cells, slot);
         }
-        self.members.remove_mover(slot);
+        self.members.movers.remove(slot);
+        self.members.on_expiry.remove(slot);
         match occluder.zip(part) {
-            Some((occluder, part)) if dynamic => self.opacity.remove_moving(part, &occluder, &grid),
+            Some((occluder, part)) if dynamic => self.opacity.part_mut(part).moving.remove(&occluder, &grid),
             Some((occluder, part)) => self.remove_static_solid(slot, part, &occluder),
             None => {}
         }
@@ -227,7 +228,7 @@ impl Scene {
     fn move_cells(&mut self, slot: Slot, bounds: &Bounds, occluder: Option<&Occluder>) -> bool {
         let grid = self.grid;
         let object = &self.slots[slot];
-        let in_cells = object.in_cells && !self.members.is_always(slot);
+        let in_cells = object.in_cells && !self.members.always.contains(slot);
         let hides = object.occluder().is_some() || occluder.is_some();
         // From now on it is listed in other ways.
         if object.in_zone || !hides && self.zone_to_list(slot, bounds).is_some() {
@@ -244,20 +245,20 @@ impl Scene {
         let done = simple && moved.touched(&object.bounds, bounds, &grid);
         if done {
             if before.overhangs() {
-                self.members.remove_overhang(&before.cells, slot);
+                self.members.overhang.remove(&before.cells, slot);
             }
             if after.overhangs() {
-                self.members.add_overhang(&bounds.block(), &after.cells, slot);
+                self.members.overhang.insert(&bounds.block(), &after.cells, slot);
             }
             moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
             let object = &self.slots[slot];
             if let Some(part) = object.opacity {
                 let (before, opacity) = (object.occluder(), self.opacity.part_mut(part));
                 if moved.opaque(before, occluder, &grid) {
-                    moved.iter().for_each(|(brick, old, new)| opacity.exchange_moving(brick, old, new));
+                    moved.iter().for_each(|(brick, old, new)| opacity.moving.exchange(brick, old, new));
                 } else {
-                    before.into_iter().for_each(|o| opacity.remove_moving(o, &grid));
-                    occluder.into_iter().for_each(|o| opacity.add_moving(o, &grid));
+                    before.into_iter().for_each(|o| opacity.moving.remove(o, &grid));
+                    occluder.into_iter().for_each(|o| opacity.moving.add(o, &grid));
                 }
             }
         }

@@ -41,7 +41,7 @@ impl Scene {
             }
         }
         let opacity = self.opacity.part_mut(part);
-        contacts.iter().for_each(|(brick, contact)| opacity.add_contacts(*brick, contact));
+        contacts.iter().for_each(|(brick, contact)| opacity.fused.add_contacts(*brick, contact));
     }
 
     /// The cells of a solid that is not in the matrices yet, where others are near.
@@ -100,7 +100,7 @@ impl Scene {
             }
         });
         let opacity = self.opacity.part_mut(part);
-        idle.iter().for_each(|(brick, cells)| opacity.forget_contacts(*brick, cells));
+        idle.iter().for_each(|(brick, cells)| opacity.fused.forget_contacts(*brick, cells));
     }
 
     /// Whether no single solid fills an opaque cell and all opaque cells beside it.

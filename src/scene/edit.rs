@@ -30,7 +30,7 @@ impl Scene {
         let placed = desc.place()?;
         let occluder = desc.occluder.take();
         let user_data = desc.user_data;
-        let object = Object::new(desc, placed, self.changes.moves());
+        let object = Object::new(desc, placed, self.changes.moves);
         let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
         self.user_data.set(slot, user_data);
         self.changes.changed();

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
-use crate::scene::seen::Seen;
+use crate::scene::slot_bits::SlotBits;
 use crate::scene::validity::Validity;
 
 /// The changes that [`Scene::end_frame`] made.
@@ -68,9 +68,10 @@ impl Scene {
         let frame = self.frame;
         self.frame += 1;
         // An object that the last frame showed is reported unasked.
-        let shown = |seen: &Seen, slot| seen.frame == frame && seen.contains(slot);
-        for i in 0..self.members.on_expiry().len() {
-            let slot = self.members.on_expiry()[i];
+        let was_shown = self.seen_in == frame;
+        let shown = |seen: &SlotBits, slot| was_shown && seen.contains(slot);
+        for i in 0..self.members.on_expiry.as_slice().len() {
+            let slot = self.members.on_expiry.as_slice()[i];
             if self.reports.is_current(slot) {
                 continue;
             }
@@ -131,7 +132,8 @@ impl Scene {
 
     /// Notes the objects that are in one of the sets.
     fn see(&mut self, views: &[&Pvs]) {
-        self.seen.begin(self.frame);
+        self.seen.clear();
+        self.seen_in = self.frame;
         for pvs in views {
             // Most results are fresh: then no object needs to be looked up.
             let fresh = pvs.is_fresh(self.revision(), self.moves());
@@ -151,7 +153,7 @@ impl Scene {
         unseen.clear();
         self.resting.wake(self.frame);
         let waits = |slot: &Slot| !self.seen.contains(*slot) && !self.resting.contains(*slot);
-        unseen.extend(self.members.movers().iter().copied().filter(waits));
+        unseen.extend(self.members.movers.as_slice().iter().copied().filter(waits));
         if unseen.len() > MOST_NEW_VOLUMES {
             let first = self.next_to_hide.get();
             unseen.sort_unstable_by_key(|slot| slot.get().wrapping_sub(first));

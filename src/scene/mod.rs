@@ -43,7 +43,6 @@ mod contacts;
 mod containing;
 mod edit;
 mod frame;
-mod journal;
 mod membership;
 mod memory;
 mod movers;
@@ -57,7 +56,6 @@ mod outer;
 mod reports;
 mod resting;
 mod rooms;
-mod seen;
 mod shift;
 mod slot_bits;
 mod solids;
@@ -79,22 +77,21 @@ use crate::id::ObjectId;
 use crate::matrix::ids::IdMatrix;
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
-use crate::scene::changes::Changes;
-use crate::scene::journal::Journal;
+use crate::scene::changes::{Changes, Journal};
 use crate::scene::membership::Membership;
 use crate::scene::opacity::Opacity;
 use crate::scene::outer::Outer;
 use crate::scene::reports::ReportLog;
 use crate::scene::resting::Resting;
 use crate::scene::rooms::Rooms;
-use crate::scene::seen::Seen;
+use crate::scene::slot_bits::SlotBits;
 use crate::scene::user_data::UserData;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::Moved;
 
 pub(crate) use boxes::{Boxes, ObjectBox};
+pub(crate) use changes::StaticChange;
 pub use frame::{FrameReport, MOST_NEW_VOLUMES};
-pub(crate) use journal::StaticChange;
 pub use memory::MemoryUse;
 pub(crate) use movers::{Movers, Zone};
 pub(crate) use object::Object;
@@ -190,7 +187,9 @@ pub struct Scene {
     /// What tells whether results still hold.
     changes: Changes,
     /// The objects that the last frame ended with in sight.
-    seen: Seen,
+    seen: SlotBits,
+    /// The number of that frame.
+    seen_in: u64,
     user_data: UserData,
     /// Memory used again: listed objects out of sight, and the cells of an object that moves.
     unseen: Vec<Slot>,
@@ -224,7 +223,8 @@ impl Scene {
             now: 0.0,
             frame: 1,
             changes: Changes::default(),
-            seen: Seen::default(),
+            seen: SlotBits::default(),
+            seen_in: 0,
             user_data: UserData::default(),
             unseen: Vec::new(),
             moved: Moved::default(),
@@ -293,7 +293,7 @@ impl Scene {
     /// The objects that every query tests.
     #[inline]
     pub(crate) fn always(&self) -> &[Slot] {
-        self.members.always()
+        self.members.always.as_slice()
     }
 
     /// Objects that every query counts as visible, beside those that it tests: they are overdue and
@@ -318,7 +318,7 @@ impl Scene {
     /// Listed dynamic objects, those in zones included.
     #[inline]
     pub(crate) fn listed_movers(&self) -> &[Slot] {
-        self.members.movers()
+        self.members.movers.as_slice()
     }
 
     /// Small moving objects that hide nothing.
@@ -331,7 +331,7 @@ impl Scene {
     /// their parts out there.
     #[inline]
     pub(crate) fn overhang(&self) -> &Outer {
-        self.members.overhang()
+        &self.members.overhang
     }
 
     /// Number of slots: all slots of objects are below.
@@ -400,35 +400,35 @@ impl Scene {
     /// Changes whenever anything changed that a result could depend on. Motion inside a temporal
     /// bounding volume that was there when the query ran does not count: its surface was tested.
     pub(crate) fn revision(&self) -> u64 {
-        self.changes.revision()
+        self.changes.revision
     }
 
     /// The static objects that came, went or changed.
     pub(crate) fn static_changes(&self) -> &Journal<StaticChange> {
-        self.changes.fixed()
+        &self.changes.fixed
     }
 
     /// The volumes that are new.
     pub(crate) fn journal(&self) -> &Journal<Slot> {
-        self.changes.volumes()
+        &self.changes.volumes
     }
 
     /// The dynamic objects that no volume stands for: those in the matrices, and those of unknown
     /// place.
     pub(crate) fn movers_outside_volumes(&self) -> impl Iterator<Item = (Slot, &Object)> {
-        let elsewhere = |slot: &Slot| !self.members.is_mover(*slot) && !self.object(*slot).is_static();
+        let elsewhere = |slot: &Slot| !self.members.movers.contains(*slot) && !self.object(*slot).is_static();
         let elsewhere = self.always().iter().copied().filter(elsewhere);
-        self.members.movers().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
+        self.members.movers.as_slice().iter().copied().chain(elsewhere).map(|slot| (slot, self.object(slot)))
     }
 
     /// Changes also when a hidden object moved.
     pub(crate) fn moves(&self) -> u64 {
-        self.changes.moves() + self.changes.revision()
+        self.changes.moves + self.changes.revision
     }
 
     /// The number of the last move that [`Scene::update`] was told of, hidden objects included.
     pub(crate) fn last_move(&self) -> u64 {
-        self.changes.moves()
+        self.changes.moves
     }
 
     /// Whether an object was moved or changed since a number of [`Scene::last_move`], or is gone.

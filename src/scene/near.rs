@@ -38,9 +38,7 @@ impl Scene {
     /// Whether an object that reaches beyond the grid and may meet a box passes a test.
     fn any_overhanging(&self, around: &Block, mut test: impl FnMut(Slot) -> bool) -> bool {
         let mut found = false;
-        self.members
-            .overhang()
-            .slots_where(|block| block.may_meet(around), |slot| found = found || test(slot));
+        self.members.overhang.slots_where(|block| block.may_meet(around), |slot| found = found || test(slot));
         found
     }
 

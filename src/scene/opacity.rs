@@ -9,10 +9,9 @@ use std::num::NonZeroU8;
 
 use glam::IVec3;
 
-use crate::grid::Grid;
 use crate::matrix::bits::{Mask, NONE, OpacityMatrix};
 use crate::matrix::fused::Fused;
-use crate::object::{ALL_LAYERS, Occluder};
+use crate::object::ALL_LAYERS;
 use crate::scene::opaque::OpaqueCells;
 
 /// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for
@@ -42,11 +41,11 @@ pub(crate) struct LayerOpacity {
     /// How many of them are overdue: while any is, O is Os.
     overdue: u32,
     /// Os, the opaque cells of static objects.
-    fixed: OpaqueCells,
+    pub(super) fixed: OpaqueCells,
     /// The cells that listed dynamic objects add to Os to make O.
-    moving: OpaqueCells,
+    pub(super) moving: OpaqueCells,
     /// Boxes of static opaque cells that are drawn like solids.
-    fused: Fused,
+    pub(super) fused: Fused,
 }
 
 impl LayerOpacity {
@@ -92,11 +91,6 @@ impl LayerOpacity {
         self.fixed().get(cell) || self.known_moving().is_some_and(|o| o.get(cell))
     }
 
-    /// A static occluder fills cells by itself.
-    pub(super) fn add_fixed(&mut self, occluder: &Occluder, grid: &Grid) {
-        self.fixed.add(occluder, grid);
-    }
-
     /// Static occluders fill a cell together.
     pub(super) fn join_fixed(&mut self, cell: IVec3) {
         self.fixed.set(cell);
@@ -128,31 +122,6 @@ impl LayerOpacity {
         let gone = self.fixed.take(brick, mask);
         self.fused.part(brick, mask);
         self.fused.clear_cells(brick, &gone);
-    }
-
-    /// Cells of a brick lie beside those of other static occluders.
-    pub(super) fn add_contacts(&mut self, brick: IVec3, cells: &Mask) {
-        self.fused.add_contacts(brick, cells);
-    }
-
-    /// Cells of a brick do so no longer.
-    pub(super) fn forget_contacts(&mut self, brick: IVec3, cells: &Mask) {
-        self.fused.forget_contacts(brick, cells);
-    }
-
-    /// A dynamic occluder fills cells.
-    pub(super) fn add_moving(&mut self, occluder: &Occluder, grid: &Grid) {
-        self.moving.add(occluder, grid);
-    }
-
-    /// A dynamic occluder fills its cells no longer.
-    pub(super) fn remove_moving(&mut self, occluder: &Occluder, grid: &Grid) {
-        self.moving.remove(occluder, grid);
-    }
-
-    /// A dynamic occluder filled the cells `old` of a brick, and now fills `new`.
-    pub(super) fn exchange_moving(&mut self, brick: IVec3, old: &Mask, new: &Mask) {
-        self.moving.exchange(brick, old, new);
     }
 
     fn bytes(&self) -> usize {
@@ -219,16 +188,6 @@ impl Opacity {
     /// The place of an occluder that was missed is known again, or does not matter any more.
     pub(super) fn locate(&mut self, part: Option<OpacityPart>) {
         part.into_iter().for_each(|part| self.part_mut(part).overdue -= 1);
-    }
-
-    /// A dynamic occluder fills cells.
-    pub(super) fn add_moving(&mut self, part: OpacityPart, occluder: &Occluder, grid: &Grid) {
-        self.part_mut(part).add_moving(occluder, grid);
-    }
-
-    /// A dynamic occluder fills its cells no longer.
-    pub(super) fn remove_moving(&mut self, part: OpacityPart, occluder: &Occluder, grid: &Grid) {
-        self.part_mut(part).remove_moving(occluder, grid);
     }
 
     /// Grows the boxes of opaque cells that are to be grown anew.

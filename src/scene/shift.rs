@@ -190,7 +190,7 @@ impl Scene {
         }
         let generation = self.slots.id(slot).generation();
         self.slots[slot].apply(Event::Revealed);
-        self.members.add_always(slot);
+        self.members.always.insert(slot);
         self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
     }
 }

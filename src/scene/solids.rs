@@ -139,7 +139,7 @@ impl Scene {
     pub(super) fn add_static_solid(&mut self, slot: Slot, part: OpacityPart, occluder: &Occluder) {
         let me = Own { slot, part };
         self.mark_contacts(part, occluder);
-        self.opacity.part_mut(part).add_fixed(occluder, &self.grid);
+        self.opacity.part_mut(part).fixed.add(occluder, &self.grid);
         if !occluder.is_solid() {
             return;
         }

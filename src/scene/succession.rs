@@ -62,7 +62,7 @@ impl Scene {
 
     fn object_of(&self, mut desc: ObjectDesc) -> (Object, Option<Occluder>) {
         let occluder = desc.occluder.take();
-        (Object::new(desc, None, self.changes.moves()), occluder)
+        (Object::new(desc, None, self.changes.moves), occluder)
     }
 
     /// A slot of another scene, whose objects this one takes over, holds no object.

@@ -129,7 +129,7 @@ impl Scene {
     /// An unlocated object was reported. Where a new volume would not last much longer, the old one
     /// stays.
     fn found_again(&mut self, slot: Slot, volume: Option<Tbv>) {
-        self.members.remove_always(slot);
+        self.members.always.remove(slot);
         self.changes.changed();
         let object = &mut self.slots[slot];
         object.adapt(Validity::outlived);
@@ -166,7 +166,7 @@ impl Scene {
         let object = &mut self.slots[slot];
         if object.apply(Event::Missed) {
             self.opacity.miss(object.opacity);
-            self.members.add_always(slot);
+            self.members.always.insert(slot);
             self.changes.changed();
         }
     }
@@ -177,7 +177,7 @@ impl Scene {
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);
             if Span::of(&self.grid, &object.bounds.block()).suffices() {
-                self.members.remove_always(slot);
+                self.members.always.remove(slot);
             }
             self.changes.changed();
         }
@@ -217,7 +217,7 @@ impl Scene {
                 let object = &mut self.slots[entry.slot];
                 object.apply(Event::Expired);
                 object.adapt(Validity::passed);
-                self.members.add_always(entry.slot);
+                self.members.always.insert(entry.slot);
                 self.changes.changed();
                 true
             }
@@ -237,7 +237,7 @@ impl Scene {
         object.adapt(|validity| validity.revealed(outer));
         if object.on_expiry() {
             object.apply(Event::Revealed);
-            self.members.add_always(slot);
+            self.members.always.insert(slot);
             self.changes.changed();
             self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
         } else if seen {
@@ -272,7 +272,7 @@ impl Scene {
             State::Listed | State::Overdue => self.unlist(slot),
             State::Hidden(_) => self.drop_volume(slot),
             State::Unlocated { volume } => {
-                self.members.remove_always(slot);
+                self.members.always.remove(slot);
                 if volume.is_some() {
                     self.drop_volume(slot);
                 }

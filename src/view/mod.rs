@@ -7,7 +7,6 @@ pub(crate) mod cut;
 mod eye;
 mod matrix;
 pub(crate) mod motion;
-mod region;
 mod sees;
 #[cfg(test)]
 mod tests;

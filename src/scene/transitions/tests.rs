@@ -248,8 +248,8 @@ fn nothing_is_left_of_a_removed_object() {
     for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
         let WallAndBall { scene, .. } = prepare().remove();
         assert_eq!((scene.id_matrix().entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
-        assert!(scene.members.movers().is_empty() && scene.always().is_empty());
-        assert!(scene.members.on_expiry().is_empty() && !scene.any_overdue());
+        assert!(scene.members.movers.as_slice().is_empty() && scene.always().is_empty());
+        assert!(scene.members.on_expiry.as_slice().is_empty() && !scene.any_overdue());
         assert_eq!(scene.opacity.overdue(), 0);
     }
 }

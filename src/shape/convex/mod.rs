@@ -3,7 +3,6 @@
 mod cells;
 mod facets;
 mod hull;
-mod kind;
 mod planes;
 #[cfg(feature = "serde")]
 pub(crate) mod stored;
@@ -14,11 +13,15 @@ use glam::{DVec3, Vec3};
 
 use crate::error::{Error, finite3};
 use crate::geometry::Plane;
+use crate::geometry::body::Body;
 use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Part, Polytope};
+use crate::heap::in_arc;
 use crate::numeric::shape::{CORNER, FLAT, KEPT, LENGTH_OF_ERROR, MAX_PULL, MOST_PULL};
 use crate::shape::convex::facets::{Closed, closed};
+use crate::shape::kind::Kind;
+use crate::shape::traits::Rows;
 
 /// The most points or half-spaces of a [`Convex`].
 pub const MAX_CONVEX: usize = 64;
@@ -281,4 +284,27 @@ fn size_of_hull(points: &[DVec3]) -> f64 {
     let min = points.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
     let max = points.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
     (max - min).max_element()
+}
+
+impl Kind for Convex {
+    fn same(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+
+    fn moved(&self, offset: Vec3) -> Result<Option<Self>, Error> {
+        self.translated(offset).map(Some)
+    }
+
+    fn shared(&self, out: &mut dyn FnMut(*const u8, usize)) {
+        out(std::ptr::from_ref(self).cast(), in_arc::<Self>() + self.memory_bytes());
+    }
+
+    fn rows(&self) -> Option<&dyn Rows> {
+        Some(self)
+    }
+
+    /// Only eyes known exactly see it whole.
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
+        (shrink == 0.0).then(|| Body::Polytope(self.seen_from(origin)))
+    }
 }
