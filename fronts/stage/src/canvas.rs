@@ -1,7 +1,7 @@
 //! Pictures and item buffers of one size, drawn without a window.
 
+use crate::gpu::Reading;
 use crate::gpu::{COLOUR, DEPTH, Gpu, GpuError, ITEMS};
-use crate::reading::Reading;
 
 /// Textures to draw into.
 pub struct Canvas {

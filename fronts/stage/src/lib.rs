@@ -4,7 +4,6 @@
 //!
 //! - `gpu`: the graphics device, and reading textures back.
 //! - `canvas`: pictures and item buffers without a window.
-//! - `reading`: what comes back from the device later.
 //! - `kernel`: compute passes and what they are bound to.
 //! - `timing`: the time of each stage of a frame.
 //!
@@ -33,8 +32,6 @@ pub mod kernel;
 pub mod page;
 #[cfg(feature = "window")]
 pub mod panel;
-#[cfg(feature = "gpu")]
-pub mod reading;
 #[cfg(feature = "window")]
 pub mod report;
 #[cfg(feature = "gpu")]

@@ -50,17 +50,19 @@ fn a_town_is_cut_and_walked_through_and_errors_name_their_file() {
     assert_eq!((output.status.code(), String::from_utf8(output.stderr).unwrap().as_str()), (Some(0), ""));
 
     std::fs::write(folder.join("bad.walls"), "0 0 0 1 1 1\n0 0 x 0 10 10 10\n").unwrap();
-    std::fs::write(folder.join("one.txt"), "1\n1 2 3 1 0 0 1 0 0 0.3\n").unwrap();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+        property float nx\nproperty float ny\nproperty float nz\nend_header\n1 2 3 0 0 1\n";
+    std::fs::write(folder.join("one.ply"), ply).unwrap();
     for (words, part) in [
         ("points walk town.bricks --walls bad.walls", "bad.walls, line 2: a wall is six finite numbers"),
         ("points generate town.walls", "choose another"),
         ("points generate nowhere/town.ply --points 1", "nowhere/town.walls"),
-        ("points visible one.txt --out seen.ply", "at one place"),
+        ("points visible one.ply --out seen.ply", "at one place"),
     ] {
         let (code, _, said) = run(folder, words);
         assert!(code == Some(3) && said.contains(part), "{words}: {said}");
     }
-    assert_eq!(run(folder, "points visible one.txt --eye 1,2,9 --out seen.ply").0, Some(0));
+    assert_eq!(run(folder, "points visible one.ply --eye 1,2,9 --out seen.ply").0, Some(0));
 }
 
 #[test]

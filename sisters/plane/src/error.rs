@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::Vec2;
 
-use crate::object::ObjectId;
+use crate::id::ObjectId;
 
 /// Why a call was refused. The scene or query is left as it was.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

@@ -39,6 +39,7 @@ mod bits;
 mod error;
 mod geometry;
 mod grid;
+mod id;
 #[cfg(feature = "maps")]
 pub mod maps;
 mod numeric;
@@ -60,7 +61,8 @@ pub use geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Sha
 pub use glam;
 
 pub use grid::{GridSpec, MAX_CELLS_PER_AXIS};
-pub use object::{ObjectDesc, ObjectId};
+pub use id::ObjectId;
+pub use object::ObjectDesc;
 pub use point::Query;
 pub use pvs::{Pvs, PvsChanges, Stats};
 pub use scene::Scene;

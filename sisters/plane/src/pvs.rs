@@ -3,7 +3,7 @@
 use std::iter::Copied;
 use std::slice::Iter;
 
-use crate::object::ObjectId;
+use crate::id::ObjectId;
 
 /// The work of a query in numbers, the same on every machine. The library has no clock: measure
 /// around [`crate::Query::run`].

@@ -1,5 +1,7 @@
 //! Solids and surfaces in double precision: what they hide, and points on them. Shares no code
 //! with the library.
+//!
+//! Long because every kind of solid is judged in one place, apart from the oracle.
 
 use glam::{DAffine3, DMat3, DVec3};
 

@@ -14,9 +14,9 @@ use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::tungstenite::{Error, Message};
 
 use crate::id::ClientId;
-use crate::net::FrontOptions;
 use crate::net::game::{Command, Link};
 use crate::net::metrics::Metrics;
+use crate::net::options::FrontOptions;
 use crate::session::{Event, Refusal, Session};
 use crate::wire::{MOST_FRAME, ToClient, WireError};
 

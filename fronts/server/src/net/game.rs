@@ -12,9 +12,9 @@ use crate::bots::{Bot, Habits, Level, Track};
 use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
 use crate::id::{ClientId, EntityId};
-use crate::net::FrontOptions;
 use crate::net::map::Map;
 use crate::net::metrics::Metrics;
+use crate::net::options::FrontOptions;
 use crate::space::VisibilityServer;
 use crate::wire::{AnswerFrame, MOST_LISTED, ToClient};
 

@@ -1,4 +1,4 @@
-//! The command line, what it asks for, done, and the fur that it stands for.
+//! The command line, and the fur that it stands for.
 
 use std::path::PathBuf;
 
@@ -7,14 +7,12 @@ use casca_fur::mesh::{Image, Mesh};
 use casca_fur::scenes::animals::{Animal, LEVELS};
 use casca_fur::scenes::{Character, Species};
 use casca_fur::strands::Fur;
-use casca_stage::window::Start;
-use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
+use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, value_parser};
 use glam::Vec3;
 
-use crate::common::{Common, Failed, Shows, number};
+use crate::common::{Common, Failed, number};
 use crate::fur::walker::Walker;
-use crate::fur::{field, one, window};
 
 /// The detail of the generated animal: some 10,000 vertices.
 const DETAIL: u32 = 96;
@@ -87,33 +85,6 @@ pub struct Subject {
     pub walker: Option<Box<Walker>>,
     /// The kind of animal for fields, if it is of a file and there will be fields.
     pub species: Option<Box<Species>>,
-}
-
-impl Shows for Choices {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn start(&self) -> Result<Start, Failed> {
-        Ok(window::start(self.clone(), self.subject()?))
-    }
-
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.time
-    }
-
-    fn work(&self) -> Result<Outcome, Failed> {
-        let subject = self.subject()?;
-        make_folder(&self.out())?;
-        let gpu = self.common.drawing.device()?;
-        say(format_args!("drawing on {}", gpu.name));
-        match self.field {
-            Some(_) if self.time => field::time(&gpu, self, &subject)?,
-            Some(_) => return field::pictures(&gpu, self, &subject),
-            None => one::pictures(&gpu, self, &subject)?,
-        }
-        Ok(Outcome::Well)
-    }
 }
 
 impl Choices {

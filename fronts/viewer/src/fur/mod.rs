@@ -7,4 +7,36 @@ mod one;
 mod walker;
 mod window;
 
+use casca_stage::window::Start;
+use casca_tools::command_line::{Outcome, make_folder, say};
+
+use crate::common::{Common, Failed, Shows};
+
 pub use choices::Choices as Options;
+
+impl Shows for Options {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn start(&self) -> Result<Start, Failed> {
+        Ok(window::start(self.clone(), self.subject()?))
+    }
+
+    fn is_windowless(&self) -> bool {
+        self.common.headless || self.time
+    }
+
+    fn work(&self) -> Result<Outcome, Failed> {
+        let subject = self.subject()?;
+        make_folder(&self.out())?;
+        let gpu = self.common.drawing.device()?;
+        say(format_args!("drawing on {}", gpu.name));
+        match self.field {
+            Some(_) if self.time => field::time(&gpu, self, &subject)?,
+            Some(_) => return field::pictures(&gpu, self, &subject),
+            None => one::pictures(&gpu, self, &subject)?,
+        }
+        Ok(Outcome::Well)
+    }
+}

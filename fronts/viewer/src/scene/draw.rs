@@ -5,7 +5,7 @@ use std::cell::Cell;
 use casca_scenes::world::{Camera, Object};
 use casca_stage::canvas::{Canvas, items_of};
 use casca_stage::gpu::{Gpu, GpuError};
-use casca_stage::reading::{Reading, waited_for};
+use casca_stage::gpu::{Reading, waited_for};
 use casca_tools::compare::Shot;
 
 use crate::scene::geometry::{DrawList, Geometry, colour_of};

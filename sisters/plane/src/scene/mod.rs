@@ -12,7 +12,8 @@ use casca_slots::{Slot, Slots};
 use crate::error::Error;
 use crate::geometry::Shape;
 use crate::grid::{Grid, GridSpec};
-use crate::object::{ObjectDesc, ObjectId, check_pair};
+use crate::id::ObjectId;
+use crate::object::{ObjectDesc, check_pair};
 use crate::raster::touched;
 use crate::scene::lists::CellLists;
 

@@ -3,7 +3,8 @@
 use crate::bits::BitGrid;
 use crate::error::Error;
 use crate::geometry::Rect;
-use crate::object::{ObjectDesc, ObjectId};
+use crate::id::ObjectId;
+use crate::object::ObjectDesc;
 use crate::scene::Scene;
 use crate::tiles::TileLayer;
 

@@ -114,7 +114,7 @@ fn a_walking_herd_of_a_file_looks_the_same_when_it_is_culled() {
     let mut levels = [0; 3];
     for place in 0..5 {
         let camera = camera_at(&shown.herd.field, 0.2 * place as f32, 1.5);
-        let demand = Demand { way: Way::Levels, layers: 4, budget: 0.5, height: 160 };
+        let demand = Demand { way: Way::Levels, layers: 4, budget: 1.0, height: 160 };
         shown.herd.look(&camera, &demand).unwrap();
         let (planned, _) = shown.herd.planned(&shown.herd.items, &camera, &demand).unwrap();
         planned.iter().for_each(|(_, level, _)| levels[*level] += 1);
