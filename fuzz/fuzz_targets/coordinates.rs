@@ -1,7 +1,6 @@
-//! Points as fuzz targets make them.
+//! Coordinates as fuzz targets make them.
 
 use arbitrary::Arbitrary;
-use glam::Vec3;
 
 /// A coordinate: mostly near the grid, sometimes anything at all.
 #[derive(Debug, Clone, Copy, Arbitrary)]
@@ -18,15 +17,5 @@ impl Coordinate {
             Self::OnFace(v) => f32::from(v % 25),
             Self::Any(v) => v,
         }
-    }
-}
-
-/// Three of them.
-#[derive(Debug, Clone, Copy, Arbitrary)]
-pub struct Point(Coordinate, Coordinate, Coordinate);
-
-impl Point {
-    pub fn value(self) -> Vec3 {
-        Vec3::new(self.0.value(), self.1.value(), self.2.value())
     }
 }

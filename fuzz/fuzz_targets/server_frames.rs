@@ -63,8 +63,7 @@ fn connect(now: f64) -> (Session, Option<ClientId>) {
 }
 
 fuzz_target!(|ops: Vec<Op>| {
-    let mut server =
-        VisibilityServer::new(level().clone(), ServerOptions::new().most(8, 16)).unwrap();
+    let mut server = VisibilityServer::new(level().clone(), ServerOptions::new().most(8, 16)).unwrap();
     let mut session = connect(0.0);
     let mut entities: Vec<EntityId> = Vec::new();
     let (mut now, mut ticks) = (0.0, 0);

@@ -5,7 +5,9 @@ use std::ops::Range;
 use casca::glam::Vec2;
 use casca_plane::OpaqueTiles;
 
-use crate::plane::MARGIN;
+/// Reaches are longer by this, in tiles: sums of double precision on the widest map are off by
+/// less than 2^-30, and positions of casca-plane are rounded to 2^-28.
+pub(super) const MARGIN: f64 = 1e-6;
 
 /// A tile, its column first.
 pub type Tile = (u32, u32);

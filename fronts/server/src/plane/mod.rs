@@ -52,16 +52,12 @@ use crate::options::ServerOptions;
 use crate::server::Server;
 use crate::world::World;
 
-use ground::{Ground, Tile};
+use ground::{Ground, MARGIN, Tile};
 use sights::{Key, Sights, Window};
 
 /// Maps are at most so wide and high, in tiles: beyond, single precision tells places in a tile
 /// apart by a sixteenth of it.
 const WIDEST: u32 = 1 << 20;
-
-/// Reaches are longer by this, in tiles: sums of double precision on the widest map are off by
-/// less than 2^-30, and positions of casca-plane are rounded to 2^-28.
-const MARGIN: f64 = 1e-6;
 
 /// An entity may be in so many tiles: one that may be in more is told to all.
 const MOST_TAKEN: usize = 4096;

@@ -14,7 +14,8 @@ use casca_tools::pictures::{Tile, sheet};
 use glam::Vec3;
 
 use crate::common::Film;
-use crate::light::options::{LAYERS, Layer, Options};
+use crate::light::options::Options;
+use crate::light::picture::{LAYERS, Layer};
 use crate::light::renderer::Renderer;
 use crate::light::scene::Room;
 use crate::times;

@@ -4,15 +4,14 @@
 use std::ops::RangeInclusive;
 
 use casca_radiosity::lit::MOST_PIXELS;
-use casca_stage::window::Start;
-use casca_tools::command_line::{EXIT_CODES, Outcome, say};
+use casca_tools::command_line::EXIT_CODES;
 use clap::Args;
 use glam::{DVec3, Vec3};
 
-use crate::common::{Common, Failed, Shows, direction, number, one_of, point};
+use crate::common::{Common, Failed, direction, number, one_of, point};
+use crate::light::picture::{LAYERS, Layer};
 use crate::light::renderer::Settings;
 use crate::light::scene::Room;
-use crate::light::{headless, window};
 
 /// Balls that may be added to a scene.
 const BALLS: RangeInclusive<i64> = 0..=1000;
@@ -25,32 +24,6 @@ const WINDOWS: RangeInclusive<i64> = 0..=64;
 /// Factors of light on the screen: less or more is black or white in any scene with lights of this
 /// world.
 pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
-/// What a picture shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Layer {
-    /// All light.
-    Picture,
-    /// What surfaces scatter of light.
-    Albedo,
-    /// Normals, from -1 to 1 as 0 to 1.
-    Normals,
-    /// Emission, and light straight from lights and lamps.
-    Direct,
-    /// Light of the sky and of all bounces.
-    Indirect,
-    /// What surfaces mirror.
-    Mirrored,
-}
-
-/// The layers by their names on command lines and in file names, in their order above.
-pub const LAYERS: [(&str, Layer); 6] = [
-    ("picture", Layer::Picture),
-    ("albedo", Layer::Albedo),
-    ("normals", Layer::Normals),
-    ("direct", Layer::Direct),
-    ("indirect", Layer::Indirect),
-    ("mirrored", Layer::Mirrored),
-];
 
 /// Light with all of its bounces, by a radiosity cache: it crosses no wall
 #[derive(Debug, Clone, Args)]
@@ -101,37 +74,8 @@ pub struct Options {
     pub truth: u32,
 }
 
-impl Shows for Options {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn start(&self) -> Result<Start, Failed> {
-        self.check()?;
-        Ok(window::start(self.open()?, self))
-    }
-
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.time
-    }
-
-    fn work(&self) -> Result<Outcome, Failed> {
-        let layers = self.check()?;
-        let start = self.open()?;
-        let gpu = self.common.drawing.device()?;
-        say(format_args!("drawing on {}", gpu.name));
-        if self.common.headless {
-            headless::pictures(&gpu, &start, self, &layers)?;
-        }
-        if self.time {
-            headless::time(&gpu, &start, self)?;
-        }
-        Ok(Outcome::Well)
-    }
-}
-
 impl Options {
-    fn open(&self) -> Result<Room, Failed> {
+    pub(super) fn open(&self) -> Result<Room, Failed> {
         let mut start = Room::open(&self.scene(), self.balls)?;
         start.change(self.sun, self.from.zip(self.to).map(|(from, to)| (from.as_vec3(), to.as_vec3())));
         Ok(start)
@@ -179,7 +123,7 @@ impl Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::common::parsed;
+    use crate::common::{Shows, parsed};
 
     fn read(words: &[&str]) -> Result<(Options, Vec<Layer>), String> {
         let options = parsed::<Options>(words)?;

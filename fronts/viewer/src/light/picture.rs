@@ -16,7 +16,33 @@ use glam::Vec3;
 
 use crate::common::Failed;
 use crate::light::frame::{Frame, SURFACES};
-use crate::light::options::{LAYERS, Layer};
+
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// All light.
+    Picture,
+    /// What surfaces scatter of light.
+    Albedo,
+    /// Normals, from -1 to 1 as 0 to 1.
+    Normals,
+    /// Emission, and light straight from lights and lamps.
+    Direct,
+    /// Light of the sky and of all bounces.
+    Indirect,
+    /// What surfaces mirror.
+    Mirrored,
+}
+
+/// The layers by their names on command lines and in file names, in their order above.
+pub const LAYERS: [(&str, Layer); 6] = [
+    ("picture", Layer::Picture),
+    ("albedo", Layer::Albedo),
+    ("normals", Layer::Normals),
+    ("direct", Layer::Direct),
+    ("indirect", Layer::Indirect),
+    ("mirrored", Layer::Mirrored),
+];
 
 /// Rays of a pixel that mirrors, and of one that no state stands for.
 const MIRROR_RAYS: u32 = 16;

@@ -17,8 +17,7 @@ use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::timing::{Clock, Instant};
 use glam::{Affine3A, Vec2};
 
-use crate::light::options::Layer;
-use crate::light::picture::{Picture, rays, roughness};
+use crate::light::picture::{Layer, Picture, rays, roughness};
 
 /// States that send their rays, or find their direct light, between two looks at the clock.
 const PART: usize = 128;

@@ -9,7 +9,7 @@ use casca_stage::gpu::Gpu;
 use casca_stage::timing::Clock;
 use glam::Vec3;
 
-use crate::light::options::{LAYERS, Layer};
+use crate::light::picture::{LAYERS, Layer};
 use crate::light::renderer::{Renderer, Settings, Updated};
 use crate::light::scene::Room;
 

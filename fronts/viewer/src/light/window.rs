@@ -15,7 +15,8 @@ use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
 use crate::light::headless::told;
-use crate::light::options::{EXPOSURES, LAYERS, Options};
+use crate::light::options::{EXPOSURES, Options};
+use crate::light::picture::LAYERS;
 use crate::light::renderer::{Renderer, Settings, Updated};
 use crate::light::scene::Room;
 

@@ -12,14 +12,11 @@ use casca_lines::sets::LineSet;
 use casca_lines::sets::colour::Colouring;
 use casca_lines::sets::generate::Family;
 use casca_lines::sets::region::Region;
-use casca_stage::window::Start;
-use casca_tools::command_line::{EXIT_CODES, Outcome};
+use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
-use crate::common::{Common, Failed, Shows, direction, number, one_of};
-use crate::lines::source::Source;
-use crate::lines::{headless, times, window};
+use crate::common::{Common, direction, number, one_of};
 
 /// The radius of the thesis' hemispheres, as a share of the extent of the scene.
 const RADIUS: f32 = 0.13;
@@ -130,30 +127,6 @@ pub const LOOKS: [(&str, Look); 4] = [
     ("occlusion", Look::Occlusion),
 ];
 
-impl Shows for Options {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn start(&self) -> Result<Start, Failed> {
-        Ok(window::start(self.clone(), Source::open(self)?))
-    }
-
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.time
-    }
-
-    fn work(&self) -> Result<Outcome, Failed> {
-        let source = Source::open(self)?;
-        if self.time {
-            times::print(self, &source)?
-        } else {
-            headless::pictures(self, &source)?
-        };
-        Ok(Outcome::Well)
-    }
-}
-
 impl Options {
     /// Whether borders of lines are smooth.
     pub fn antialiasing(&self) -> Antialiasing {
@@ -225,7 +198,7 @@ mod tests {
     use clap::Command;
 
     use super::*;
-    use crate::common::parsed;
+    use crate::common::{Shows, parsed};
 
     fn options(words: &[&str]) -> Options {
         parsed(words).unwrap()

@@ -1,20 +1,16 @@
 //! The command line, and what it asks for, done.
 
 use casca_plane::maps::{Drawing, HARBOUR};
-use casca_stage::gpu::COLOUR;
-use casca_stage::panel::Panel;
-use casca_stage::window::Start;
-use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
+use casca_tools::command_line::EXIT_CODES;
 use clap::Args;
 
-use crate::common::{Common, Failed, Film, Shows};
+use crate::common::{Common, Failed};
 use crate::plane::level::Level;
-use crate::plane::{draw, window};
 
 /// The longest side of a map, in tiles: larger ones are no picture.
 const LONGEST: u32 = 512;
 /// Seconds that a picture shows the level after its start, if no frames are given.
-const FRAMES: u32 = 90;
+pub(super) const FRAMES: u32 = 90;
 
 /// Shows what an eye sees on a map, and which guards it can see
 ///
@@ -34,35 +30,8 @@ pub struct Options {
     pub rooms: Option<u64>,
 }
 
-impl Shows for Options {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn start(&self) -> Result<Start, Failed> {
-        Ok(window::start(self.level()?))
-    }
-
-    fn work(&self) -> Result<Outcome, Failed> {
-        let drawing = &self.common.drawing;
-        let mut level = self.level()?;
-        let gpu = drawing.device()?;
-        let film = Film::new(&gpu, drawing.size, false);
-        for _ in 0..drawing.frames.unwrap_or(FRAMES) {
-            level.step(level.eye())?;
-        }
-        let folder = self.common.folder("plane");
-        make_folder(&folder)?;
-        let mut panel = Panel::new(&gpu, COLOUR);
-        draw::picture(&mut panel, (&gpu, &film.canvas.picture(), 1.0), &level);
-        level.lines().iter().for_each(say);
-        film.save(&gpu, &folder.join(format!("plane-{}.png", level.name)))?;
-        Ok(Outcome::Well)
-    }
-}
-
 impl Options {
-    fn level(&self) -> Result<Level, Failed> {
+    pub(super) fn level(&self) -> Result<Level, Failed> {
         if let Some(seed) = self.rooms {
             return Level::floor_plan(seed);
         }
@@ -84,7 +53,7 @@ impl Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::common::parsed;
+    use crate::common::{Shows, parsed};
 
     #[test]
     fn maps_that_cannot_be_taken_are_refused_by_name() {

@@ -6,16 +6,15 @@ use std::path::PathBuf;
 
 use casca_points::MAX_SIDE;
 use casca_points::files::PlyWriter;
-use casca_stage::window::{Done, Start};
-use casca_tools::command_line::{EXIT_CODES, Outcome, say};
+use casca_stage::window::Done;
+use casca_tools::command_line::{EXIT_CODES, say};
 use casca_tools::image::parse_size;
 use clap::{Args, Subcommand};
 
-use crate::common::{Common, Failed, Shows, one_of};
+use crate::common::{Common, one_of};
 use crate::points::large::{Cut, Generate, Walk};
 use crate::points::operators::{Look, Operator};
 use crate::points::panes::{CONTENTS, Content};
-use crate::points::view;
 
 /// Shows all points of a cloud beside those that each operator finds visible, and its surface
 ///
@@ -50,31 +49,6 @@ pub(super) enum Command {
     Walk(Walk),
 }
 
-impl Shows for Options {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn start(&self) -> Result<Start, Failed> {
-        Ok(view::start(self.look.open(self.common.file.as_deref())?, self.panes.clone()))
-    }
-
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.command.is_some()
-    }
-
-    fn work(&self) -> Result<Outcome, Failed> {
-        match &self.command {
-            Some(Command::Visible(visible)) => visible.run()?,
-            Some(Command::Generate(generate)) => generate.run()?,
-            Some(Command::Bricks(cut)) => cut.run()?,
-            Some(Command::Walk(walk)) => walk.run()?,
-            None => view::picture(self)?,
-        }
-        Ok(Outcome::Well)
-    }
-}
-
 /// Writes the points of a cloud that an eye can see, as PLY
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
@@ -95,7 +69,7 @@ pub(super) struct Visible {
 }
 
 impl Visible {
-    fn run(&self) -> Done {
+    pub(super) fn run(&self) -> Done {
         let looked = self.look.open(self.file.as_deref())?;
         let camera = looked.camera(looked.eye, looked.target, self.size)?;
         let (visible, time) = looked.visible(self.operator, &camera)?;

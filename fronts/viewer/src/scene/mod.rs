@@ -19,4 +19,62 @@ pub mod renderer;
 pub mod role;
 pub mod window;
 
+use casca_scenes::name::SceneName;
+use casca_stage::window::Start;
+use casca_tools::command_line::{Outcome, make_folder, say};
+
+use crate::common::{Common, Failed, Shows};
+use crate::scene::options::FRAMES;
+use crate::scene::playback::{Method, Playback};
+use crate::scene::window::First;
+
 pub use options::Options;
+
+impl Shows for Options {
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn start(&self) -> Result<Start, Failed> {
+        let scenes = self.scenes()?;
+        scenes.iter().try_for_each(SceneName::check)?;
+        let first = match (self.at, &self.common.file) {
+            (Some(frame), _) => First::Still(frame as usize),
+            (None, None) => First::Above,
+            (None, Some(_)) => First::Path,
+        };
+        Ok(window::start(scenes, &self.made(), self.method, first))
+    }
+
+    fn is_windowless(&self) -> bool {
+        self.common.headless || self.proof
+    }
+
+    fn work(&self) -> Result<Outcome, Failed> {
+        let drawing = &self.common.drawing;
+        let scenes = self.scenes()?;
+        // A proof takes minutes: what cannot be read or written is said before it.
+        scenes.iter().try_for_each(SceneName::check)?;
+        let out = self.out();
+        make_folder(&out)?;
+        let gpu = drawing.device()?;
+        say(format_args!("drawing on {}", gpu.name));
+        let mut holds = true;
+        for scene in &scenes {
+            let mut playback = Playback::new(scene.open(&self.made())?)?;
+            holds &= if self.proof {
+                let plan = (drawing.size, drawing.frames.unwrap_or(FRAMES) as usize);
+                let rows =
+                    proof::prove(&gpu, &mut playback, plan, &[Method::Point, Method::Cell], Some(&out))?;
+                proof::report(&playback.world.name, playback.world.objects.len(), &rows)
+            } else {
+                headless::pictures(&gpu, &mut playback, self)? == 0
+            };
+        }
+        if !holds {
+            eprintln!("visible objects were lost");
+            return Ok(Outcome::Lost);
+        }
+        Ok(Outcome::Well)
+    }
+}

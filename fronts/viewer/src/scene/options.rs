@@ -4,15 +4,12 @@ use std::path::PathBuf;
 
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use casca_scenes::name::SceneName;
-use casca_stage::window::Start;
-use casca_tools::command_line::{EXIT_CODES, Outcome, make_folder, say};
+use casca_tools::command_line::EXIT_CODES;
 use clap::Args;
 
-use crate::common::{Common, Failed, Shows, one_of};
+use crate::common::{Common, Failed, one_of};
 use crate::scene::overlays::{LAYERS, Layer};
-use crate::scene::playback::{METHODS, Method, Playback};
-use crate::scene::window::First;
-use crate::scene::{headless, proof, window};
+use crate::scene::playback::{METHODS, Method};
 
 /// Pictures of a scene, if no other number is given.
 pub const FRAMES: u32 = 5;
@@ -58,55 +55,6 @@ pub struct Options {
     pub seed: u64,
 }
 
-impl Shows for Options {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn start(&self) -> Result<Start, Failed> {
-        let scenes = self.scenes()?;
-        scenes.iter().try_for_each(SceneName::check)?;
-        let first = match (self.at, &self.common.file) {
-            (Some(frame), _) => First::Still(frame as usize),
-            (None, None) => First::Above,
-            (None, Some(_)) => First::Path,
-        };
-        Ok(window::start(scenes, &self.made(), self.method, first))
-    }
-
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.proof
-    }
-
-    fn work(&self) -> Result<Outcome, Failed> {
-        let drawing = &self.common.drawing;
-        let scenes = self.scenes()?;
-        // A proof takes minutes: what cannot be read or written is said before it.
-        scenes.iter().try_for_each(SceneName::check)?;
-        let out = self.out();
-        make_folder(&out)?;
-        let gpu = drawing.device()?;
-        say(format_args!("drawing on {}", gpu.name));
-        let mut holds = true;
-        for scene in &scenes {
-            let mut playback = Playback::new(scene.open(&self.made())?)?;
-            holds &= if self.proof {
-                let plan = (drawing.size, drawing.frames.unwrap_or(FRAMES) as usize);
-                let rows =
-                    proof::prove(&gpu, &mut playback, plan, &[Method::Point, Method::Cell], Some(&out))?;
-                proof::report(&playback.world.name, playback.world.objects.len(), &rows)
-            } else {
-                headless::pictures(&gpu, &mut playback, self)? == 0
-            };
-        }
-        if !holds {
-            eprintln!("visible objects were lost");
-            return Ok(Outcome::Lost);
-        }
-        Ok(Outcome::Well)
-    }
-}
-
 impl Options {
     /// The scenes that are asked for; those of solids if none is, the city first.
     ///
@@ -136,7 +84,7 @@ impl Options {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::common::parsed;
+    use crate::common::{Shows, parsed};
 
     #[test]
     fn absurd_values_are_refused_with_what_is_expected() {

@@ -9,7 +9,7 @@ use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 
-use super::TmxError;
+use super::error::TmxError;
 use super::xml::{Element, Xml};
 
 /// Deflate makes at most so many bytes of one: 258 of two bits.

@@ -23,7 +23,9 @@
 // this reader. And it would refuse maps of many tiles, with which nothing is wrong, for no check
 // makes a tile smaller. `tests/damaged.rs` has most of these files.
 
+mod above;
 mod data;
+mod error;
 mod names;
 mod object;
 mod parts;
@@ -42,12 +44,15 @@ use crate::Error;
 use crate::bits::BitGrid;
 use crate::file;
 use crate::tiles::TileLayer;
-use names::{Rule, Says, WALLS};
+use above::Above;
+use error::{FARTHEST, shortened};
+use names::{Rule, WALLS};
 use object::ObjectLayer;
 use parts::{Chunk, Extent, Frame, damaged, layer_name};
-use tileset::{TILE, Tilesets, properties};
+use tileset::{TILE, Tilesets};
 use xml::{Element, Xml, utf8};
 
+pub use error::TmxError;
 pub use names::Role;
 #[cfg(feature = "maps")]
 pub(crate) use names::plain;
@@ -59,34 +64,6 @@ const SMALL: u64 = 1 << 24;
 /// Tiles of a rectangle around all layers, for each tile that a file names, at most. Else two tiles
 /// far apart would take any memory.
 const MOST_EMPTY: u64 = 4;
-
-/// Coordinates in tiles, at most.
-const FARTHEST: i64 = 1 << 30;
-
-/// Why a map was not read.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum TmxError {
-    /// The file, or one that it names, cannot be read.
-    #[error("{file} cannot be read: {why}")]
-    File {
-        /// Its path; that of a tileset as the map has it.
-        file: String,
-        /// The reason.
-        why: io::Error,
-    },
-    /// A file is no XML, lacks something, is of a kind that is not read, or its contents do not fit
-    /// together; a layer has fewer tiles than its dimensions say, for example.
-    #[error("{file}, line {line}: {why}")]
-    Damaged {
-        /// The path of the map or "the map", or the path of a tileset as the map has it.
-        file: String,
-        /// The line up to which the file was read, from 1.
-        line: usize,
-        /// What is wrong.
-        why: String,
-    },
-}
 
 /// What of a map blocks sight, its objects, and warnings: see [`TmxImport::read`].
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -238,7 +215,7 @@ impl TmxImport {
             }
             let name: Arc<str> = layer_name(xml, layer)?.into();
             let layer = ObjectLayer { space: &frame.space, rule: &rule, name, above };
-            layer.read(xml, &mut found)
+            layer.read(xml, &mut found.objects, &mut found.warnings)
         })?;
         if !extent.any && found.warnings.is_empty() && found.objects.is_empty() {
             return Err(start.damaged("it has no layer of tiles and no objects"));
@@ -252,12 +229,6 @@ impl TmxImport {
         }
         Ok(found)
     }
-}
-
-/// A name from a file as warnings show it.
-fn shortened(text: &str) -> String {
-    const MOST_LETTERS: usize = 40;
-    text.chars().take(MOST_LETTERS).collect()
 }
 
 /// Takes a layer, from behind its start, with the tilesets before it and what holds in it.
@@ -339,37 +310,6 @@ fn tiles(
         ));
     }
     Ok(())
-}
-
-/// What holds for all in a layer, by itself and its groups.
-#[derive(Debug, Clone, Copy)]
-struct Above {
-    /// The shift in pixels.
-    shift: [f64; 2],
-    /// The role that they give, if they give one.
-    role: Option<Role>,
-}
-
-impl Above {
-    /// What holds in a layer or a group in this one, at its start.
-    fn inner(self, xml: &Xml<'_>, layer: &Element<'_>, rule: &Rule) -> Result<Self, TmxError> {
-        let [x, y] = [xml.decimal(layer, "offsetx")?, xml.decimal(layer, "offsety")?];
-        let shift = [self.shift[0] + x, self.shift[1] + y];
-        let mut says = Says::default();
-        // The properties stand before all else.
-        if let Some(mut inside) = xml.inside()
-            && let Some(child) = inside.child()?
-            && child.local_name().as_ref() == b"properties"
-        {
-            says = properties(&mut inside, rule)?;
-        }
-        let mut role = says.role();
-        for name in ["class", "name"] {
-            let named = xml.attribute(layer, name)?;
-            role = role.or_else(|| rule.role(&named.unwrap_or_default()));
-        }
-        Ok(Self { shift, role: role.or(self.role) })
-    }
 }
 
 /// Whether a layer is one of objects.

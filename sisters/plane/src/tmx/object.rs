@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use glam::{DMat2, DVec2, Vec2};
 
+use super::above::Above;
+use super::error::{FARTHEST, TmxError, shortened};
 use super::names::{Role, Rule, Says};
 use super::parts::Space;
 use super::tileset::properties;
 use super::xml::{Element, Xml};
-use super::{Above, FARTHEST, TmxError, TmxMap, shortened};
 use crate::error::Error;
 use crate::geometry::{ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, Shape};
 use crate::numeric::ROUND;
@@ -71,7 +72,12 @@ enum Form {
 impl ObjectLayer<'_> {
     /// Reads the objects of a layer, from behind its start. Texts are passed over, as are pictures
     /// and what is made of templates.
-    pub fn read(&self, xml: &mut Xml<'_>, found: &mut TmxMap) -> Result<(), TmxError> {
+    pub fn read(
+        &self,
+        xml: &mut Xml<'_>,
+        objects: &mut Vec<TmxObject>,
+        warnings: &mut Vec<String>,
+    ) -> Result<(), TmxError> {
         let mut passed = 0;
         let layer = shortened(&self.name);
         while let Some(child) = xml.child()? {
@@ -92,18 +98,18 @@ impl ObjectLayer<'_> {
                     {
                         let why =
                             format!("the object {id} of the layer {layer:?} has no size, and hides nothing");
-                        found.warnings.push(why);
+                        warnings.push(why);
                     }
-                    found.objects.extend(object);
+                    objects.extend(object);
                 }
                 Err(why) => {
                     let why = format!("the object {id} of the layer {layer:?} is left out: {why}");
-                    found.warnings.push(why);
+                    warnings.push(why);
                 }
             }
         }
         if passed > 0 {
-            found.warnings.push(format!(
+            warnings.push(format!(
                 "the layer {layer:?} has {passed} objects with pictures or of templates: these are not read, and \
                  hide nothing"
             ));

@@ -5,8 +5,8 @@ use std::fmt;
 use glam::{DMat2, DVec2};
 
 use super::data::Data;
+use super::error::{FARTHEST, TmxError};
 use super::xml::{Element, Xml};
-use super::{FARTHEST, TmxError};
 
 /// Tiles along a side of a map, at most: the editor makes no larger ones.
 const LONGEST_SIDE: u32 = 1 << 20;

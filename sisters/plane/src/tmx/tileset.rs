@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::io;
 use std::rc::Rc;
 
-use super::TmxError;
+use super::error::TmxError;
 use super::names::{Role, Rule, Says, truth};
 use super::xml::{Element, Xml, utf8};
 

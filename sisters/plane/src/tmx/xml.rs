@@ -8,7 +8,7 @@ use std::str::FromStr;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use super::TmxError;
+use super::error::TmxError;
 
 /// The start of an element.
 pub(super) type Element<'a> = BytesStart<'a>;
