@@ -1,6 +1,7 @@
-//! Coordinates as fuzz targets make them.
+//! Points as fuzz targets make them.
 
 use arbitrary::Arbitrary;
+use glam::Vec3;
 
 /// A coordinate: mostly near the grid, sometimes anything at all.
 #[derive(Debug, Clone, Copy, Arbitrary)]
@@ -17,5 +18,15 @@ impl Coordinate {
             Self::OnFace(v) => f32::from(v % 25),
             Self::Any(v) => v,
         }
+    }
+}
+
+/// Three of them.
+#[derive(Debug, Clone, Copy, Arbitrary)]
+pub struct Point(Coordinate, Coordinate, Coordinate);
+
+impl Point {
+    pub fn value(self) -> Vec3 {
+        Vec3::new(self.0.value(), self.1.value(), self.2.value())
     }
 }

@@ -14,17 +14,7 @@ use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
 
 mod coordinates;
-use coordinates::Coordinate;
-
-/// A point of any coordinates.
-#[derive(Debug, Clone, Copy, Arbitrary)]
-struct Point(Coordinate, Coordinate, Coordinate);
-
-impl Point {
-    fn value(self) -> Vec3 {
-        Vec3::new(self.0.value(), self.1.value(), self.2.value())
-    }
-}
+use coordinates::{Coordinate, Point};
 
 /// Many triangles that once cost far more than their number.
 #[derive(Debug, Clone, Copy, Arbitrary)]

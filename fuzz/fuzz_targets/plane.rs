@@ -7,6 +7,7 @@ use casca_plane::{Disc, GridSpec, ObjectDesc, ObjectId, Query, Rect, Scene, Segm
 use glam::{DVec2, UVec2, Vec2};
 use libfuzzer_sys::fuzz_target;
 
+#[allow(dead_code, reason = "this target needs no points of space")]
 mod coordinates;
 use coordinates::Coordinate;
 
