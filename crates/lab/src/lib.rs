@@ -2,7 +2,7 @@
 //! the library's API.
 //!
 //! - `experiments` (the feature `experiments`): the experiments of the report.
-//! - `pictures` (a feature): charts, and pictures of what a frame shows and hides.
+//! - `pictures` (a feature): charts, and pictures of the objects that a frame shows and hides.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

@@ -14,13 +14,13 @@ pub struct ServerOptions {
     /// from 0 to 60; then it counts as gone, and [`Answer::is_stale`](crate::Answer::is_stale).
     /// Default: 1.
     pub most_age: f32,
-    /// Whether eyes and entities keep out of what is solid, and never pass through it.
+    /// Whether solid things stop eyes and entities.
     ///
-    /// In space, that is of the static occluders of the level; walls, rectangles across an axis,
-    /// hide and stop them then. Set it to false where players fly through walls, where boxes of
+    /// In space, these are the static occluders of the level, and walls, rectangles across an axis,
+    /// hide what is behind them. Set it to false where players fly through walls, where boxes of
     /// entities stick out into another room, and for meshes that hide from their front only: then
-    /// nothing hides. On a map, it is of opaque tiles, for who is not in one. If they walk through
-    /// bushes, set it to false: tiles still hide. Default: true.
+    /// nothing hides. On a map, these are the opaque tiles, but not for eyes and entities that are
+    /// in one. Set it to false where they walk through bushes: tiles still hide. Default: true.
     pub walls: bool,
     /// On a map, a client whose eye may be in more tiles than that is told of all. Default: 256.
     pub most_tiles: usize,

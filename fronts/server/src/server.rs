@@ -32,7 +32,7 @@ pub struct Server<W: World> {
     ticks: u64,
 }
 
-/// A client, and what is kept about it from tick to tick.
+/// A client, with all that the server keeps about it from tick to tick.
 #[derive(Debug)]
 pub(crate) struct Client<W: World> {
     desc: ClientDesc<W::Eye>,

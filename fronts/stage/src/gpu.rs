@@ -19,8 +19,8 @@ const USEFUL: wgpu::Features = wgpu::Features::FLOAT32_FILTERABLE
     .union(wgpu::Features::SHADER_INT64)
     .union(wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX);
 
-/// Whether this is a page of a browser: there the device answers only after the program has
-/// returned, and the page says what a program shows, which then draws no panels.
+/// Whether this is a page of a browser. There the device answers only after the program has
+/// returned, and the page shows the report of a program in place of a panel.
 pub const IS_PAGE: bool = cfg!(target_arch = "wasm32");
 
 /// Why nothing can be drawn.

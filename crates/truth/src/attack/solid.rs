@@ -1,5 +1,5 @@
-//! Solids and surfaces in double precision: what they hide, and points on them. Shares no code
-//! with the library.
+//! Solids and surfaces in double precision: whether they hide a segment, and points on them. This
+//! file shares no code with the library.
 //!
 //! Long because every kind of solid is judged in one place, apart from the oracle.
 

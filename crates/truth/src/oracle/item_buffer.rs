@@ -99,8 +99,8 @@ impl ItemBuffer {
         &self.depth
     }
 
-    /// For each object the number of pixels that show it. For what hides, those where it is
-    /// nearest; for the rest, those where nothing that hides is nearer. One that holds the eye has
+    /// For each object, the number of pixels that show it. An occluder is counted where it is the
+    /// nearest object, any other object where no occluder is nearer. An object around the eye has
     /// at least 1. Objects that neither hide nor are tested have 0.
     pub fn visible(&self) -> &[u32] {
         &self.visible

@@ -15,7 +15,7 @@ pub(super) const EXACT: (usize, usize) = (1920, 1080);
 pub(super) const COARSE: UVec3 = UVec3::new(50, 30, 50);
 pub(super) const FINE: UVec3 = UVec3::new(100, 60, 100);
 
-/// Where the thesis says something, what it says, and what this run says.
+/// A section of the thesis, its claim, and the figure that this run measured for it.
 pub(super) type Finding = (&'static str, String, String);
 
 pub(super) fn grid(world: &World, dims: UVec3) -> Result<GridSpec, LabError> {

@@ -58,7 +58,8 @@ fn play(seed: u64, meshes: &Meshes) -> (Tally, Vec<Lost>) {
     (std::mem::take(&mut stage.tally), std::mem::take(&mut stage.lost))
 }
 
-/// Plays scene after scene on several threads; `progress` is told what was tried and lost so far.
+/// Plays scene after scene on several threads, and passes the counts of all trials and losses so far
+/// to `progress`.
 ///
 /// # Panics
 /// If the few meshes that all scenes use are refused.
