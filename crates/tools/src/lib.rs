@@ -5,7 +5,7 @@
 //! - [`command_line`]: exit codes, folders and files that are tried before the work.
 //! - [`compare`]: two pictures, pixel by pixel.
 //! - [`image`]: sizes, halves and PNG files of pictures.
-//! - `pictures`: charts as SVG, and sheets of pictures; with the feature `charts`.
+//! - `pictures`: charts as SVG, and pictures with text; with the feature `charts`.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 

@@ -5,6 +5,7 @@
 //! - `gpu`: the graphics device, and reading textures back.
 //! - `canvas`: pictures and item buffers without a window.
 //! - `kernel`: compute passes and what they are bound to.
+//! - `pass`: render passes, and the pipelines that draw in them.
 //! - `timing`: the time of each stage of a frame.
 //!
 //! With the feature `window`:
@@ -32,6 +33,8 @@ pub mod kernel;
 pub mod page;
 #[cfg(feature = "window")]
 pub mod panel;
+#[cfg(feature = "gpu")]
+pub mod pass;
 #[cfg(feature = "window")]
 pub mod report;
 #[cfg(feature = "gpu")]

@@ -1,13 +1,11 @@
 //! Text, images, sliders and buttons over a picture.
 
-use egui::{
-    Align2, Color32, ColorImage, ComboBox, RichText, ScrollArea, Slider, SliderClamping, TextureHandle,
-    TextureOptions,
-};
+use egui::{Align2, Color32, ComboBox, RichText, ScrollArea, Slider, SliderClamping};
 
 use crate::canvas::Target;
 use crate::dial::{Dial, Setting, Turned};
 use crate::gpu::Gpu;
+use crate::pass::over;
 use crate::report::{Entry, Report, Sample};
 use crate::screen::Screen;
 
@@ -35,11 +33,6 @@ impl Panel {
         context.set_theme(egui::Theme::Dark);
         let renderer = egui_wgpu::Renderer::new(&gpu.device, format, egui_wgpu::RendererOptions::PREDICTABLE);
         Self { context, renderer }
-    }
-
-    /// An image for [`Panel::draw`]. It stays for as long as its handle.
-    pub fn image(&self, name: &str, image: ColorImage) -> TextureHandle {
-        self.context.load_texture(name, image, TextureOptions::NEAREST)
     }
 
     /// Draws what `show` shows over `target`, where a point is `scale` pixels wide.
@@ -78,12 +71,7 @@ impl Panel {
     pub fn clear(&self, gpu: &Gpu, target: &Target) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &target.colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(GROUND), store: wgpu::StoreOp::Store },
-            })],
+            color_attachments: &[over(&target.colour, Some(GROUND))],
             ..Default::default()
         });
         gpu.queue.submit([encoder.finish()]);
@@ -114,12 +102,7 @@ impl Panel {
         let mut commands = self.renderer.update_buffers(device, queue, &mut encoder, &jobs, &screen);
         let mut pass = encoder
             .begin_render_pass(&wgpu::RenderPassDescriptor {
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &target.colour,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
+                color_attachments: &[over(&target.colour, None)],
                 ..Default::default()
             })
             .forget_lifetime();

@@ -79,7 +79,7 @@ impl Screen {
     }
 
     /// Gives the window another title.
-    pub fn set_title(&self, title: &str) {
+    pub(crate) fn set_title(&self, title: &str) {
         self.window.set_title(title);
     }
 

@@ -51,11 +51,6 @@ pub trait Demo {
 
     /// What it says about itself, for the panel of a window or for a page; without the dials.
     fn report(&self, screen: &Screen) -> Report;
-
-    /// Another program to go on with in this window; asked for after each frame.
-    fn next(&mut self) -> Option<Start> {
-        None
-    }
 }
 
 /// A program that is to be started in a window.
@@ -241,10 +236,6 @@ impl Shown {
                     turned(&mut **demo, found, screen)?;
                 }
                 screen.left = screen.left.map(|left| left.saturating_sub(1));
-                if let Some(start) = demo.next() {
-                    screen.forget_panels();
-                    *self = Self::words(screen, start, None);
-                }
                 Ok(())
             }
         }

@@ -1,14 +1,16 @@
-//! The options that all systems share.
+//! What all systems share: options, pictures without a window, and how they are started.
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Duration;
 
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::timing::Clock;
 use casca_stage::window::{Start, open};
-use casca_tools::command_line::{Outcome, say};
+use casca_tools::command_line::{Outcome, make_folder, say};
 use casca_tools::image::{halved, parse_size, write_png};
 use clap::{Args, value_parser};
 use glam::{DVec3, Vec3};
@@ -20,9 +22,17 @@ const SIDES: RangeInclusive<u32> = 1..=8192;
 /// Why something failed.
 pub type Failed = Box<dyn std::error::Error>;
 
-/// How something is drawn.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct Drawing {
+/// The options that all systems take.
+#[derive(Debug, Clone, Args)]
+pub struct Common {
+    /// The file to show
+    pub file: Option<PathBuf>,
+    /// Draws pictures without a window
+    #[arg(long)]
+    pub headless: bool,
+    /// The folder for pictures [default: target/ and the name of the command]
+    #[arg(long)]
+    pub out: Option<PathBuf>,
     /// Size of pictures and of the window, up to 8192x8192
     #[arg(long, default_value = "1280x720", value_parser = |text: &str| parse_size(text, SIDES))]
     pub size: (u32, u32),
@@ -34,54 +44,27 @@ pub struct Drawing {
     pub software: bool,
 }
 
-/// The options of a system.
-#[derive(Debug, Clone, Args)]
-pub struct Common {
-    /// The file to show
-    pub file: Option<PathBuf>,
-    /// Draws pictures without a window
-    #[arg(long)]
-    pub headless: bool,
-    /// The folder for pictures [default: target/ and the name of the command]
-    #[arg(long)]
-    pub out: Option<PathBuf>,
-    /// How it is drawn.
-    #[command(flatten)]
-    pub drawing: Drawing,
-}
-
-impl Drawing {
-    /// Opens a window, and stays until it is closed.
+impl Common {
+    /// A device for pictures without a window, and the folder for them, which is made; `name` is that
+    /// of the command.
     ///
     /// # Errors
-    /// There is no display or no adapter, and those of what is shown.
-    pub fn open(&self, start: Start) -> Result<(), Failed> {
-        open(self.size, self.software, self.frames, start)
-    }
-
-    /// A device for pictures without a window.
-    ///
-    /// # Errors
-    /// There is none, or it draws no pictures as large.
-    pub fn device(&self) -> Result<Gpu, Failed> {
+    /// There is no device, it draws no pictures as large, or the folder cannot be made.
+    pub fn studio(&self, name: &str) -> Result<(Gpu, PathBuf), Failed> {
+        let folder = self.out.clone().unwrap_or_else(|| PathBuf::from("target").join(name));
+        make_folder(&folder)?;
         let gpu = Gpu::headless(self.software)?;
         if gpu.clamp(self.size) != self.size {
             let ((w, h), (width, height)) = (gpu.clamp(self.size), self.size);
             return Err(format!("--size {width}x{height}: {} draws pictures up to {w}x{h}", gpu.name).into());
         }
-        Ok(gpu)
+        say(format_args!("drawing on {}", gpu.name));
+        Ok((gpu, folder))
     }
-}
 
-impl Common {
     /// The name on the command line, if there is one: a file, or something generated.
     pub fn name(&self) -> Option<String> {
         self.file.as_ref().map(|file| file.to_string_lossy().into_owned())
-    }
-
-    /// The folder for pictures; `name` is that of the command.
-    pub fn folder(&self, name: &str) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("target").join(name))
     }
 }
 
@@ -158,7 +141,8 @@ pub trait Shows: Args {
         if self.is_windowless() {
             return self.work();
         }
-        self.common().drawing.open(self.start()?).map(|()| Outcome::Well)
+        let Common { size, software, frames, .. } = *self.common();
+        open(size, software, frames, self.start()?).map(|()| Outcome::Well)
     }
 }
 
@@ -216,6 +200,21 @@ pub fn point(text: &str) -> Result<DVec3, String> {
 pub fn direction(text: &str) -> Result<Vec3, String> {
     let direction = point(text)?.as_vec3().try_normalize();
     direction.ok_or_else(|| format!("{text} has no direction: its length must be finite and more than 0"))
+}
+
+/// Prints the stages of a frame with their times; one that ran twice has the sum.
+pub fn say_stages(clock: &Clock) {
+    let mut sums: Vec<(&str, Duration)> = Vec::new();
+    for &(name, time) in clock.stages() {
+        match sums.iter_mut().find(|sum| sum.0 == name) {
+            Some(sum) => sum.1 += time,
+            None => sums.push((name, time)),
+        }
+    }
+    let all: Duration = sums.iter().map(|sum| sum.1).sum();
+    let stage = |(name, time): &(&str, Duration)| format!("{name} {:.2}", time.as_secs_f64() * 1e3);
+    let stages: Vec<String> = sums.iter().map(stage).chain([stage(&("all", all))]).collect();
+    say(format_args!("ms: {}", stages.join(", ")));
 }
 
 /// A number with its noun: "1 line", "2 lines".

@@ -7,17 +7,14 @@
 //! - [`light`]: light that bounces, by voxels.
 //! - [`lines`]: dense sets of lines, and their occlusion.
 //! - [`fur`]: fur in layers, and what visibility saves on it.
-//! - [`chooser`]: the list of them, in a window.
 //! - [`systems`]: their names, and the windows that they open.
-//! - [`common`]: the options that all share.
-//! - [`times`]: the times of stages, as a table.
+//! - [`common`]: what all share.
 //!
 //! How casca is wired into a render loop is in [`scene::frame_loop`]. The library part is there for
 //! the tests.
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-pub mod chooser;
 pub mod common;
 pub mod fur;
 pub mod light;
@@ -26,4 +23,3 @@ pub mod plane;
 pub mod points;
 pub mod scene;
 pub mod systems;
-pub mod times;

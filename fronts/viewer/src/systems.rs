@@ -16,7 +16,7 @@ pub struct System {
     pub line: &'static str,
     /// Whether it needs more than WebGL has: compute shaders, or storage buffers.
     pub computes: bool,
-    /// The options that its window has if no others are given.
+    /// The options that its window in a page has if no others are given.
     words: &'static [&'static str],
     /// What its window shows with some options.
     start: fn(&[&str]) -> Result<Start, Failed>,
@@ -26,7 +26,7 @@ pub struct System {
     pub run: fn(&ArgMatches) -> Result<Outcome, Failed>,
 }
 
-/// All of them, in the order of their keys.
+/// All of them.
 pub const SYSTEMS: [System; 6] = [
     System::of::<scene::Options>(
         "scene",
@@ -60,24 +60,16 @@ impl System {
     const fn computes(self) -> Self {
         Self { computes: true, ..self }
     }
-
-    /// What its window shows if nothing more is said.
-    ///
-    /// # Errors
-    /// What is shown cannot be had.
-    pub fn start(&self) -> Result<Start, Failed> {
-        (self.start)(self.words)
-    }
 }
 
-/// What the window of a command line shows: the name of a system, and its options.
+/// What a page shows for a command line: the name of a system, and its options.
 ///
 /// # Errors
 /// There is no such system, it has no such options, or what is shown cannot be had.
 pub fn start(words: &[&str]) -> Result<Start, Failed> {
     let (name, options) = words.split_first().unwrap_or((&"", &[]));
     match SYSTEMS.iter().find(|system| system.name == *name) {
-        Some(system) if options.is_empty() => system.start(),
+        Some(system) if options.is_empty() => (system.start)(system.words),
         Some(system) => (system.start)(options),
         None => {
             let names = SYSTEMS.map(|system| system.name).join(", ");

@@ -65,8 +65,8 @@ pub(crate) fn unit(normal: Vec3) -> Vec3 {
 }
 
 /// The half side of squares over the spacing of points, for points spread at random. Of 0.3, 0.6
-/// and 1 it had the fewest errors in the streets that `casca-viewer points generate` makes, with
-/// the thesis' bias of 0.05.
+/// and 1 it had the fewest errors in the streets that the viewer of commit 4aa26696 makes, with the
+/// thesis' bias of 0.05.
 #[cfg(feature = "bricks")]
 pub(crate) const SQUARE_OF_SPACING: f32 = 0.6;
 

@@ -1,4 +1,4 @@
-//! Charts of lines, and sheets of pictures with captions.
+//! Charts of lines, and pictures with text.
 //!
 //! Charts are SVG: the reader's program sets their text. Pictures made of pixels are PNG. All
 //! colours and marks are those of [`palette`].
@@ -11,7 +11,6 @@ pub mod svg;
 use std::path::Path;
 
 pub use lines::{Axis, Line, lines};
-pub use raster::{Tile, sheet};
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]

@@ -1,7 +1,5 @@
 //! The command line, and the fur that it stands for.
 
-use std::path::PathBuf;
-
 use casca_fur::gpu::look::Look;
 use casca_fur::mesh::{Image, Mesh};
 use casca_fur::scenes::animals::{Animal, LEVELS};
@@ -34,9 +32,6 @@ pub struct Choices {
     /// Animals walk on their legs, and their fur follows
     #[arg(long)]
     pub walk: bool,
-    /// Prints the time of frames of a field along its path, by the way of culling
-    #[arg(long, requires = "field")]
-    pub time: bool,
     /// Materials of the file without fur, by their names: eyes, claws, a nose
     #[arg(long, value_name = "MATERIAL", value_delimiter = ',', requires = "file")]
     pub bald: Vec<String>,
@@ -88,11 +83,6 @@ pub struct Subject {
 }
 
 impl Choices {
-    /// The folder for files.
-    pub fn out(&self) -> PathBuf {
-        self.common.folder("fur")
-    }
-
     /// The fur of a mesh of a radius.
     ///
     /// # Errors
@@ -158,7 +148,6 @@ mod tests {
             ("--layers 257", "0..=256"),
             ("--height NaN", "from 0 to 1"),
             ("--field 0", "1..=100000"),
-            ("--time", "--field"),
             ("--bald eyes", "required"),
         ] {
             let said = choices(words).expect_err(words);

@@ -8,7 +8,7 @@ mod walker;
 mod window;
 
 use casca_stage::window::Start;
-use casca_tools::command_line::{Outcome, make_folder, say};
+use casca_tools::command_line::Outcome;
 
 use crate::common::{Common, Failed, Shows};
 
@@ -23,20 +23,12 @@ impl Shows for Options {
         Ok(window::start(self.clone(), self.subject()?))
     }
 
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.time
-    }
-
     fn work(&self) -> Result<Outcome, Failed> {
         let subject = self.subject()?;
-        make_folder(&self.out())?;
-        let gpu = self.common.drawing.device()?;
-        say(format_args!("drawing on {}", gpu.name));
+        let (gpu, folder) = self.common.studio("fur")?;
         match self.field {
-            Some(_) if self.time => field::time(&gpu, self, &subject)?,
-            Some(_) => return field::pictures(&gpu, self, &subject),
-            None => one::pictures(&gpu, self, &subject)?,
+            Some(_) => field::pictures(&gpu, self, &subject, &folder),
+            None => one::pictures(&gpu, self, &subject, &folder).map(|()| Outcome::Well),
         }
-        Ok(Outcome::Well)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::f32::consts::PI;
+use std::path::Path;
 
 use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::records::Block;
@@ -88,12 +89,17 @@ pub fn renderer(
 }
 
 /// Draws the object into a file.
-pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
-    let film = Film::new(gpu, choices.common.drawing.size, true);
+pub fn pictures(
+    gpu: &Gpu,
+    choices: &Choices,
+    subject: &Subject,
+    folder: &Path,
+) -> Result<(), Box<dyn Error>> {
+    let film = Film::new(gpu, choices.common.size, true);
     let mut renderer = renderer(gpu, COLOUR, choices, subject)?;
     let camera = camera(subject.radius, film.canvas.aspect());
     let sun = sun(subject.radius);
-    let frames = subject.walker.as_ref().map_or(1, |_| choices.common.drawing.frames.unwrap_or(2));
+    let frames = subject.walker.as_ref().map_or(1, |_| choices.common.frames.unwrap_or(2));
     for frame in 0..frames {
         let mut list = level_list(subject, 0, choices.layers);
         let name = match &subject.walker {
@@ -105,7 +111,7 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), B
         };
         renderer.cast_shadows(gpu, &list, &sun)?;
         renderer.draw(gpu, &film.canvas.picture(), &camera, &list, &sun)?;
-        film.save(gpu, &choices.out().join(name))?;
+        film.save(gpu, &folder.join(name))?;
     }
     let mesh = &subject.levels[0];
     say(format_args!(

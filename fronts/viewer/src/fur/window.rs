@@ -73,7 +73,7 @@ impl Viewer {
         };
         Ok(Self {
             fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
-            way: if choices.field.is_some() { Way::Visible } else { Way::All },
+            way: Way::Visible,
             walking: choices.walk,
             choices,
             shown,

@@ -1,4 +1,4 @@
-//! Light with all of its bounces, by a radiosity cache: in a window or into pictures, and its time.
+//! Light with all of its bounces, by a radiosity cache: in a window or into pictures.
 
 mod frame;
 mod headless;
@@ -12,7 +12,7 @@ mod window;
 mod tests;
 
 use casca_stage::window::Start;
-use casca_tools::command_line::{Outcome, say};
+use casca_tools::command_line::Outcome;
 
 use crate::common::{Common, Failed, Shows};
 
@@ -28,21 +28,11 @@ impl Shows for Options {
         Ok(window::start(self.open()?, self))
     }
 
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.time
-    }
-
     fn work(&self) -> Result<Outcome, Failed> {
         let layers = self.check()?;
         let start = self.open()?;
-        let gpu = self.common.drawing.device()?;
-        say(format_args!("drawing on {}", gpu.name));
-        if self.common.headless {
-            headless::pictures(&gpu, &start, self, &layers)?;
-        }
-        if self.time {
-            headless::time(&gpu, &start, self)?;
-        }
+        let (gpu, folder) = self.common.studio("light")?;
+        headless::pictures(&gpu, &start, self, (&layers, &folder))?;
         Ok(Outcome::Well)
     }
 }

@@ -3,7 +3,6 @@
 
 use std::ops::RangeInclusive;
 
-use casca_radiosity::lit::MOST_PIXELS;
 use casca_tools::command_line::EXIT_CODES;
 use clap::Args;
 use glam::{DVec3, Vec3};
@@ -15,8 +14,6 @@ use crate::light::scene::Room;
 
 /// Balls that may be added to a scene.
 const BALLS: RangeInclusive<i64> = 0..=1000;
-/// Samples of a pixel of the path tracer; 0 is no path tracer.
-const SAMPLES: RangeInclusive<i64> = 0..=4096;
 /// Cells along the longest axis, as the library takes them; fewer show nothing.
 const RESOLUTIONS: RangeInclusive<i64> = 8..=512;
 /// Cells from the eye to the end of the window: 512 finer ones, as the library takes them.
@@ -29,8 +26,7 @@ pub const EXPOSURES: RangeInclusive<f32> = 1e-4..=1e4;
 #[derive(Debug, Clone, Args)]
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
-    mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf), or cornell, cornell-point or emissive [default: cornell]")),
-    mut_arg("frames", |frames| frames.help("With --time: times are medians of so many frames (5 if not given); else the window closes after so many"))
+    mut_arg("file", |file| file.help("A glTF 2.0 file (.glb or .gltf), or cornell, cornell-point or emissive [default: cornell]"))
 )]
 pub struct Options {
     /// What all systems take.
@@ -61,17 +57,10 @@ pub struct Options {
     /// Looks to x,y,z
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point, requires = "from")]
     pub to: Option<DVec3>,
-    /// Prints the time of each stage: of a first picture, and of those after the balls have moved
-    #[arg(long)]
-    pub time: bool,
     /// Layers to draw: picture, albedo, normals, direct, indirect, mirrored, or all
     #[arg(long, value_delimiter = ',', default_value = "picture", requires = "headless",
         value_parser = |text: &str| if text == "all" { Ok(None) } else { one_of(text, &LAYERS).map(Some) })]
     pub layers: Vec<Option<Layer>>,
-    /// Also draws the layer picture with a path tracer of so many samples a pixel, and compares the
-    /// two; up to 4096
-    #[arg(long, default_value_t = 0, requires = "headless", value_parser = clap::value_parser!(u32).range(SAMPLES))]
-    pub truth: u32,
 }
 
 impl Options {
@@ -103,20 +92,8 @@ impl Options {
                 "--from and --to are the same point: the camera looks from one to the other".to_owned()
             );
         }
-        let layers = match self.layers.iter().copied().collect::<Option<Vec<Layer>>>() {
-            Some(some) => some,
-            None => LAYERS.map(|(_, layer)| layer).to_vec(),
-        };
-        if self.truth > 0 && !layers.contains(&Layer::Picture) {
-            return Err("--truth compares the layer picture, which is not among --layers: add it".to_owned());
-        }
-        let (width, height) = self.common.drawing.size;
-        if self.truth > 0 && width as usize * height as usize > MOST_PIXELS {
-            return Err(format!(
-                "--size {width}x{height} is too large for --truth: the path tracer draws up to {MOST_PIXELS} pixels"
-            ));
-        }
-        Ok(layers)
+        let some = self.layers.iter().copied().collect::<Option<Vec<Layer>>>();
+        Ok(some.unwrap_or_else(|| LAYERS.map(|(_, layer)| layer).to_vec()))
     }
 }
 
@@ -141,8 +118,6 @@ mod tests {
             ("--from 1,2,3 --to 1,2,3", "same point"),
             ("--from 1,2,3e38 --to 1,2,3", "numbers up to 1e15"),
             ("--headless --layers colour", "indirect"),
-            ("--headless --truth 4 --layers albedo", "--layers: add it"),
-            ("--headless --truth 4 --size 8192x8192", "too large for --truth"),
         ] {
             let said = read(&words.split(' ').collect::<Vec<_>>()).expect_err(words);
             assert!(said.contains(word), "{words}: {said}");

@@ -6,11 +6,13 @@ use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Mirrors, Shading};
 use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
-use casca_stage::gpu::{DEPTH, Gpu, GpuError};
+use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::kernel::{Kernel, bind, filled};
+use casca_stage::pass::{Draws, behind, over};
 use casca_stage::timing::Clock;
 use casca_stage::wgpu::{
-    self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureView, VertexFormat,
+    self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureView,
+    vertex_attr_array,
 };
 use glam::Vec3;
 
@@ -249,27 +251,10 @@ impl Picture {
         let group = bind(gpu, &self.surfaces.get_bind_group_layout(0), &[0, 1], &|place| {
             own.get(place as usize).cloned()
         });
-        let cleared = |view| {
-            Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })
-        };
+        let cleared = |view| over(view, Some(wgpu::Color::TRANSPARENT));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &self.frame.surfaces.each_ref().map(cleared),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.frame.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: behind(&self.frame.depth, 1.0),
             ..Default::default()
         });
         pass.set_pipeline(&self.surfaces);
@@ -326,19 +311,23 @@ impl Picture {
     fn show(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, target: &Target) {
         let format = target.colour.texture().format();
         if self.shown.as_ref().is_none_or(|(of, _)| *of != format) {
-            self.shown = Some((format, screen(gpu, &self.screen, format)));
+            let draws = Draws {
+                module: &self.screen,
+                layout: None,
+                entries: ["corner", "colour"],
+                buffers: &[],
+                cull: None,
+                depth: None,
+                targets: &[Some(format.into())],
+            };
+            self.shown = Some((format, draws.pipeline(gpu)));
         }
         let Some((_, screen)) = &self.shown else { return };
         let own = [self.eye.as_entire_binding(), BindingResource::TextureView(&self.frame.light)];
         let group =
             bind(gpu, &screen.get_bind_group_layout(0), &[0, 1], &|place| own.get(place as usize).cloned());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &target.colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations::default(),
-            })],
+            color_attachments: &[over(&target.colour, Some(wgpu::Color::TRANSPARENT))],
             ..Default::default()
         });
         pass.set_pipeline(screen);
@@ -350,6 +339,7 @@ impl Picture {
     ///
     /// # Errors
     /// The device is lost.
+    #[cfg(test)]
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<[f32; 4]>, GpuError> {
         let bytes: Vec<u8> = gpu.read(self.frame.light.texture())?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
@@ -357,69 +347,21 @@ impl Picture {
 }
 
 fn surfaces(gpu: &Gpu, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
-    let floats = VertexFormat::Float32x3;
-    let at = |shader_location, offset, format| wgpu::VertexAttribute { format, offset, shader_location };
-    let attributes = [
-        at(0, 0, floats),
-        at(1, 12, floats),
-        at(2, 24, floats),
-        at(3, 36, floats),
-        at(4, 48, VertexFormat::Uint32),
-    ];
+    let attributes =
+        vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x3, 4 => Uint32];
     let buffer = wgpu::VertexBufferLayout {
         array_stride: size_of::<Corner>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     };
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("surfaces"),
+    Draws {
+        module,
         layout: None,
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("corner"),
-            compilation_options: Default::default(),
-            buffers: &[Some(buffer)],
-        },
-        primitive: Default::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("surface"),
-            compilation_options: Default::default(),
-            targets: &SURFACES.map(|format| Some(format.into())),
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-fn screen(gpu: &Gpu, module: &wgpu::ShaderModule, format: TextureFormat) -> wgpu::RenderPipeline {
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("screen"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("corner"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("colour"),
-            compilation_options: Default::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+        entries: ["corner", "surface"],
+        buffers: &[Some(buffer)],
+        cull: None,
+        depth: Some((true, wgpu::CompareFunction::Less)),
+        targets: &SURFACES.map(|format| Some(format.into())),
+    }
+    .pipeline(gpu)
 }

@@ -256,6 +256,7 @@ impl Renderer {
     ///
     /// # Errors
     /// The device is lost.
+    #[cfg(test)]
     pub fn read_light(&self, gpu: &Gpu) -> Result<Vec<[f32; 4]>, Box<dyn Error>> {
         Ok(self.picture.read(gpu)?)
     }

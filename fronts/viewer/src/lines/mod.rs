@@ -1,11 +1,9 @@
-//! Dense sets of lines with ambient occlusion, in a window or into pictures, and the time of each
-//! stage.
+//! Dense sets of lines with ambient occlusion, in a window or into pictures.
 
 mod headless;
 mod legend;
 mod options;
 mod source;
-mod times;
 mod window;
 
 use casca_stage::window::Start;
@@ -25,17 +23,8 @@ impl Shows for Options {
         Ok(window::start(self.clone(), Source::open(self)?))
     }
 
-    fn is_windowless(&self) -> bool {
-        self.common.headless || self.time
-    }
-
     fn work(&self) -> Result<Outcome, Failed> {
-        let source = Source::open(self)?;
-        if self.time {
-            times::print(self, &source)?
-        } else {
-            headless::pictures(self, &source)?
-        };
+        headless::pictures(self, &Source::open(self)?)?;
         Ok(Outcome::Well)
     }
 }

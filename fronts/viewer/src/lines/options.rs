@@ -102,9 +102,6 @@ pub struct Options {
     #[arg(long, value_delimiter = ',', default_value = "plain,diffuse,occluded", requires = "headless",
         value_parser = |t: &str| one_of(t, &LOOKS))]
     pub look: Vec<Look>,
-    /// Prints the time of each stage of a frame; with --rooms, with and without culling
-    #[arg(long, conflicts_with = "headless")]
-    pub time: bool,
 }
 
 /// Estimators by their names.

@@ -177,10 +177,10 @@ impl Source {
         Settings { ao, samples, sets, antialiasing, ..Settings::new(radius, tube) }
     }
 
-    /// Where the eye starts, and the place that it looks at. In a house it is in the room `room`.
-    pub fn start(&self, options: &Options, size: [u32; 2], room: u32) -> Result<[Vec3; 2], Failed> {
+    /// Where the eye starts, and the place that it looks at. In a house it is in the first room.
+    pub fn start(&self, options: &Options, size: [u32; 2]) -> Result<[Vec3; 2], Failed> {
         if let Kind::Rooms(side, _) = self.kind {
-            return Ok(House::new(side, 0, self.seed, 0.0)?.eye(room % (side * side)));
+            return Ok(House::new(side, 0, self.seed, 0.0)?.eye(0));
         }
         let around = View::around(self.bounds, options.from, Some(FOV_Y), size)?;
         let eye = around.to_world(Vec3::ZERO).as_vec3();

@@ -60,7 +60,7 @@ impl Viewer {
         let mut way = options.estimator;
         options.estimator = way.in_window(false);
         let size = <[u32; 2]>::from(screen.size());
-        let start = source.start(&options, size, 0)?;
+        let start = source.start(&options, size)?;
         let view = source.view(&options, start, size)?;
         let set = source.at(0.0)?;
         let mut settings = source.settings(&options, &view);

@@ -8,7 +8,7 @@ mod window;
 use casca_stage::gpu::COLOUR;
 use casca_stage::panel::Panel;
 use casca_stage::window::Start;
-use casca_tools::command_line::{Outcome, make_folder, say};
+use casca_tools::command_line::{Outcome, say};
 
 use crate::common::{Common, Failed, Film, Shows};
 use crate::plane::options::FRAMES;
@@ -25,15 +25,12 @@ impl Shows for Options {
     }
 
     fn work(&self) -> Result<Outcome, Failed> {
-        let drawing = &self.common.drawing;
         let mut level = self.level()?;
-        let gpu = drawing.device()?;
-        let film = Film::new(&gpu, drawing.size, false);
-        for _ in 0..drawing.frames.unwrap_or(FRAMES) {
+        let (gpu, folder) = self.common.studio("plane")?;
+        let film = Film::new(&gpu, self.common.size, false);
+        for _ in 0..self.common.frames.unwrap_or(FRAMES) {
             level.step(level.eye())?;
         }
-        let folder = self.common.folder("plane");
-        make_folder(&folder)?;
         let mut panel = Panel::new(&gpu, COLOUR);
         draw::picture(&mut panel, (&gpu, &film.canvas.picture(), 1.0), &level);
         level.lines().iter().for_each(say);

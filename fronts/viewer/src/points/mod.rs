@@ -31,7 +31,6 @@ impl Shows for Options {
     fn work(&self) -> Result<Outcome, Failed> {
         match &self.command {
             Some(Command::Visible(visible)) => visible.run()?,
-            Some(Command::Generate(generate)) => generate.run()?,
             Some(Command::Bricks(cut)) => cut.run()?,
             Some(Command::Walk(walk)) => walk.run()?,
             None => view::picture(self)?,

@@ -12,7 +12,7 @@ use casca_tools::image::parse_size;
 use clap::{Args, Subcommand};
 
 use crate::common::{Common, one_of};
-use crate::points::large::{Cut, Generate, Walk};
+use crate::points::large::{Cut, Walk};
 use crate::points::operators::{Look, Operator};
 use crate::points::panes::{CONTENTS, Content};
 
@@ -44,7 +44,6 @@ pub struct Options {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Visible(Visible),
-    Generate(Generate),
     Bricks(Cut),
     Walk(Walk),
 }

@@ -140,13 +140,7 @@ impl Panes {
 }
 
 /// Writes a text into the left upper corner of a pane, whose place and size are in pixels.
-pub fn caption(
-    context: &egui::Context,
-    (x, y): (u32, u32),
-    (width, height): (u32, u32),
-    scale: f32,
-    text: &str,
-) {
+fn caption(context: &egui::Context, (x, y): (u32, u32), (width, height): (u32, u32), scale: f32, text: &str) {
     let painter = context.layer_painter(egui::LayerId::background());
     let font = FontId::proportional((LETTERS * height as f32 / scale).max(8.0));
     let at = Pos2::new(x as f32, y as f32) / scale + egui::Vec2::splat(0.6 * font.size);

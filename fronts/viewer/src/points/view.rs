@@ -7,7 +7,7 @@ use casca_stage::gpu::COLOUR;
 use casca_stage::report::Report;
 use casca_stage::window::{Demo, Done, Screen, Start};
 use casca_stage::winit::keyboard::KeyCode;
-use casca_tools::command_line::{make_folder, say};
+use casca_tools::command_line::say;
 
 use crate::common::Film;
 use crate::points::operators::Looked;
@@ -28,15 +28,13 @@ pub fn start(looked: Looked, panes: Vec<Content>) -> Start {
 
 /// Draws a picture without a window.
 pub fn picture(options: &Options) -> Done {
-    let gpu = options.common.drawing.device()?;
     let looked = options.look.open(options.common.file.as_deref())?;
-    let film = Film::new(&gpu, options.common.drawing.size, false);
+    let (gpu, folder) = options.common.studio("points")?;
+    let film = Film::new(&gpu, options.common.size, false);
     let mut panes = Panes::new(&gpu, COLOUR, &options.panes);
     let camera = looked.camera(looked.eye, looked.target, panes.size(film.size()))?;
     let titles = panes.find(&gpu, &looked, &camera)?;
     panes.draw(&gpu, &film.canvas.picture(), &camera, 1.0);
-    let folder = options.common.folder("points");
-    make_folder(&folder)?;
     titles.iter().for_each(say);
     film.save(&gpu, &folder.join(format!("points-{}.png", looked.name)))
 }

@@ -7,7 +7,7 @@ use casca_scenes::world::Camera;
 use casca_stage::report::Entry;
 use glam::{DVec3, Vec3};
 
-use crate::scene::camera_fit::{Margins, Solid, fitted};
+use crate::scene::camera_fit::{Solid, fitted};
 use crate::scene::draw::coloured;
 use crate::scene::geometry::DrawList;
 use crate::scene::legend::{join, of_marks, of_roles};
@@ -76,15 +76,13 @@ pub fn above_frustum(camera: &Camera, (min, max): (DVec3, DVec3), aspect: f32) -
     let forward = -camera.view.row(2).truncate().as_dvec3();
     let level = DVec3::new(forward.x, 0.0, forward.z).normalize_or(DVec3::NEG_Z);
     // The lines of help cover the bottom.
-    let margins = Margins { sides: 0.06, top: 0.06, bottom: 0.16 };
-    fitted(&points, down(level), (FOV_Y, aspect), margins, (max - min).length())
+    fitted(&points, down(level), (FOV_Y, aspect), [0.06, 0.16], (max - min).length())
 }
 
 /// A camera that has the whole scene in its picture, with room for a title and a legend.
 pub fn above_scene((min, max): (DVec3, DVec3), aspect: f32) -> Camera {
     let points: Vec<DVec3> = Solid::cuboid(min, max).corners().collect();
-    let margins = Margins { sides: 0.02, top: 0.08, bottom: 0.075 };
-    fitted(&points, down(DVec3::NEG_Z), (FOV_Y_WHOLE, aspect), margins, (max - min).length())
+    fitted(&points, down(DVec3::NEG_Z), (FOV_Y_WHOLE, aspect), [0.02, 0.08], (max - min).length())
 }
 
 /// Where a point is in the picture of a camera, in shares of it from its left upper corner. Points

@@ -1,6 +1,7 @@
 //! Pictures without a window.
 
 use std::error::Error;
+use std::path::Path;
 use std::time::Instant;
 
 use casca_stage::gpu::{COLOUR, Gpu};
@@ -28,13 +29,17 @@ const MILLISECONDS: u16 = 160;
 ///
 /// # Errors
 /// What is drawn cannot be had or written.
-pub fn pictures(gpu: &Gpu, playback: &mut Playback, options: &Options) -> Result<usize, Box<dyn Error>> {
+pub fn pictures(
+    gpu: &Gpu,
+    playback: &mut Playback,
+    options: &Options,
+    folder: &Path,
+) -> Result<usize, Box<dyn Error>> {
     let mut studio = Studio::new(gpu, playback, options);
     let name = playback.world.name.clone();
     let last = playback.world.frames.saturating_sub(1);
     let (mut lost, mut strip) = (0, Vec::new());
-    let frames =
-        if options.at.is_some() { 1 } else { options.common.drawing.frames.unwrap_or(FRAMES) as usize };
+    let frames = if options.at.is_some() { 1 } else { options.common.frames.unwrap_or(FRAMES) as usize };
     for picture in 0..frames {
         let at = options.at.map_or(last * (picture * 2 + 1) / (frames * 2), |at| at as usize);
         let aspect = studio.film.canvas.aspect();
@@ -47,7 +52,7 @@ pub fn pictures(gpu: &Gpu, playback: &mut Playback, options: &Options) -> Result
         playback.frame(options.method, &camera, &mut |frame| {
             let check = studio.draw(&name, &frame)?;
             lost += check.lost.len();
-            let path = options.out().join(format!("{name}-{at:04}-{}.png", options.method));
+            let path = folder.join(format!("{name}-{at:04}-{}.png", options.method));
             let pixels = studio.film.read(gpu)?;
             write_png(&path, studio.film.size(), &pixels)?;
             say(format_args!(
@@ -65,7 +70,7 @@ pub fn pictures(gpu: &Gpu, playback: &mut Playback, options: &Options) -> Result
         })?;
     }
     if options.animation {
-        let path = options.out().join(format!("{name}-{}-animation.png", options.method));
+        let path = folder.join(format!("{name}-{}-animation.png", options.method));
         write_animation(&path, studio.film.size(), &strip, MILLISECONDS)?;
         say(format_args!("{}: {} pictures", path.display(), strip.len()));
     }
@@ -101,7 +106,7 @@ impl<'a> Studio<'a> {
             renderer.haze = haze(playback);
         }
         // From above, everything is small: pictures are drawn at twice the size, for smooth edges.
-        let film = Film::new(gpu, options.common.drawing.size, options.birds_eye);
+        let film = Film::new(gpu, options.common.size, options.birds_eye);
         Self { gpu, options, film, renderer, panel: Panel::new(gpu, COLOUR), overlays }
     }
 
@@ -134,8 +139,7 @@ impl<'a> Studio<'a> {
             let (name, drawing) = ((scene, options.method), (&*gpu.name, start.elapsed()));
             let lines = panel::numbers(name, frame, drawing, Some(&check));
             let report = Report { lines, legend, ..Report::default() };
-            let images = overlays.images(frame);
-            panel::draw(panel, (gpu, &target, scale), &images, None, Some(&report));
+            panel::draw(panel, (gpu, &target, scale), None, Some(&report));
         }
         Ok(check)
     }

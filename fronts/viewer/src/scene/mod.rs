@@ -21,7 +21,7 @@ pub mod window;
 
 use casca_scenes::name::SceneName;
 use casca_stage::window::Start;
-use casca_tools::command_line::{Outcome, make_folder, say};
+use casca_tools::command_line::Outcome;
 
 use crate::common::{Common, Failed, Shows};
 use crate::scene::options::FRAMES;
@@ -51,24 +51,20 @@ impl Shows for Options {
     }
 
     fn work(&self) -> Result<Outcome, Failed> {
-        let drawing = &self.common.drawing;
         let scenes = self.scenes()?;
         // A proof takes minutes: what cannot be read or written is said before it.
         scenes.iter().try_for_each(SceneName::check)?;
-        let out = self.out();
-        make_folder(&out)?;
-        let gpu = drawing.device()?;
-        say(format_args!("drawing on {}", gpu.name));
+        let (gpu, folder) = self.common.studio("scene")?;
         let mut holds = true;
         for scene in &scenes {
             let mut playback = Playback::new(scene.open(&self.made())?)?;
             holds &= if self.proof {
-                let plan = (drawing.size, drawing.frames.unwrap_or(FRAMES) as usize);
-                let rows =
-                    proof::prove(&gpu, &mut playback, plan, &[Method::Point, Method::Cell], Some(&out))?;
+                let plan = (self.common.size, self.common.frames.unwrap_or(FRAMES) as usize);
+                let methods = [Method::Point, Method::Cell];
+                let rows = proof::prove(&gpu, &mut playback, plan, &methods, Some(&folder))?;
                 proof::report(&playback.world.name, playback.world.objects.len(), &rows)
             } else {
-                headless::pictures(&gpu, &mut playback, self)? == 0
+                headless::pictures(&gpu, &mut playback, self, &folder)? == 0
             };
         }
         if !holds {

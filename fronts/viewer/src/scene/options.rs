@@ -1,7 +1,5 @@
 //! The command line, and what it asks for, done.
 
-use std::path::PathBuf;
-
 use casca_scenes::generated::{SceneKind, SceneOptions};
 use casca_scenes::name::SceneName;
 use casca_tools::command_line::EXIT_CODES;
@@ -41,7 +39,7 @@ pub struct Options {
     /// Also writes the pictures as one animated PNG
     #[arg(long, requires = "headless")]
     pub animation: bool,
-    /// Layers over the pictures, comma-separated: hidden, volumes, buffers, frustum
+    /// Layers over the pictures, comma-separated: hidden, volumes, frustum
     #[arg(long, value_delimiter = ',', value_parser = |text: &str| one_of(text, &LAYERS))]
     pub layers: Vec<Layer>,
     /// Shows this frame of the path only, standing still
@@ -68,11 +66,6 @@ impl Options {
         };
         let scene = |name: &str| name.parse().map_err(|why: String| format!("{name:?} is {why}").into());
         names.split(',').map(scene).collect()
-    }
-
-    /// The folder for pictures.
-    pub fn out(&self) -> PathBuf {
-        self.common.folder("viewer")
     }
 
     /// What procedural scenes are made of.
@@ -102,7 +95,7 @@ mod tests {
             let said = parsed::<Options>(&words).expect_err(words[1]);
             assert!(said.contains(word), "{words:?}: {said}");
         }
-        assert_eq!(parsed::<Options>(&["--size", "8192x1"]).unwrap().common.drawing.size, (8192, 1));
+        assert_eq!(parsed::<Options>(&["--size", "8192x1"]).unwrap().common.size, (8192, 1));
         assert!(parsed::<Options>(&["--animation"]).unwrap_err().contains("--headless"));
     }
 

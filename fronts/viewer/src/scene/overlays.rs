@@ -1,6 +1,5 @@
 //! What the library knows, drawn over the picture.
 
-use casca::internals::{OcclusionImage, QueryInternals};
 use casca::{Method, Query, Scene};
 use casca_scenes::drive::view_of;
 use casca_scenes::world::{Camera, Object, Shape};
@@ -18,19 +17,13 @@ pub enum Layer {
     Hidden,
     /// Temporal bounding volumes.
     Volumes,
-    /// The occlusion buffers.
-    Buffers,
     /// The frustum that is culled for.
     Frustum,
 }
 
 /// The layers by their names, in their order above, which is that of their keys.
-pub const LAYERS: [(&str, Layer); 4] = [
-    ("hidden", Layer::Hidden),
-    ("volumes", Layer::Volumes),
-    ("buffers", Layer::Buffers),
-    ("frustum", Layer::Frustum),
-];
+pub const LAYERS: [(&str, Layer); 3] =
+    [("hidden", Layer::Hidden), ("volumes", Layer::Volumes), ("frustum", Layer::Frustum)];
 
 /// The wireframe of a hidden object.
 pub const HIDDEN: [u8; 4] = rgba(palette::HIDDEN, 200);
@@ -47,18 +40,13 @@ pub const LOST: [u8; 4] = [220, 0, 30, 255];
 #[derive(Default)]
 pub struct Overlays {
     /// Whether each layer is on.
-    pub on: [bool; 4],
+    pub on: [bool; 3],
     /// Whether of the frustum only its section at the height of the eye is drawn.
     pub is_frustum_flat: bool,
     frustum: Option<Query>,
 }
 
 impl Overlays {
-    /// The occlusion buffers, if they are on.
-    pub fn images(&self, frame: &Frame<'_>) -> Vec<OcclusionImage> {
-        if self.is_on(Layer::Buffers) { frame.query.occlusion_images() } else { Vec::new() }
-    }
-
     /// Whether a layer is on.
     fn is_on(&self, layer: Layer) -> bool {
         self.on[layer as usize]

@@ -1,10 +1,9 @@
-//! Numbers and the occlusion buffers, over the picture.
+//! Numbers, titles and legends over the picture.
 
 use std::time::Duration;
 
-use casca::internals::OcclusionImage;
 use casca_stage::canvas::Target;
-use casca_stage::egui::{self, Align2, Color32, ColorImage, RichText, TextureHandle};
+use casca_stage::egui::{self, Align2, Color32, RichText};
 use casca_stage::gpu::{Gpu, IS_PAGE};
 use casca_stage::panel::{Panel, boxed, told};
 use casca_stage::report::{Entry, Report};
@@ -39,29 +38,17 @@ pub fn numbers(
     lines
 }
 
-/// Draws over a target, where a point is `scale` pixels wide: the occlusion buffers given, a mark at
-/// an eye, whose place is in shares of the picture from its left upper corner, and a report.
+/// Draws over a target, where a point is `scale` pixels wide: a mark at an eye, whose place is in
+/// shares of the picture from its left upper corner, and a report.
 pub fn draw(
     panel: &mut Panel,
     (gpu, target, scale): (&Gpu, &Target, f32),
-    images: &[OcclusionImage],
     eye: Option<[f32; 2]>,
     report: Option<&Report>,
 ) {
-    let insets: Vec<TextureHandle> =
-        images.iter().map(|image| panel.image("occlusion buffer", inset(image))).collect();
     panel.draw(gpu, target, scale, &|context| {
         if let Some([x, y]) = eye {
             mark_eye(context, context.content_rect().size() * egui::vec2(x, y));
-        }
-        if !insets.is_empty() {
-            boxed(context, "insets", Align2::RIGHT_TOP, [-10.0, 10.0], &mut |ui| {
-                ui.label("occlusion buffers: dark is covered nearby, white is open");
-                for texture in &insets {
-                    let size = texture.size_vec2();
-                    ui.image((texture.id(), size * (220.0 / size.max_elem())));
-                }
-            });
         }
         if let Some(report) = report {
             boxed(context, "numbers", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| drop(told(ui, report)));
@@ -131,28 +118,4 @@ fn strip(context: &egui::Context, name: &str, side: Align2, add: &mut dyn FnMut(
             add(ui);
         });
     });
-}
-
-/// An occlusion buffer, upright: open pixels white, others the darker the nearer they are covered.
-fn inset(image: &OcclusionImage) -> ColorImage {
-    let (w, h) = (image.width.max(1), image.height.max(1));
-    // Columns run along y on the sides of x: those are turned.
-    let (d, turned) = (image.direction, image.direction.x.abs() > 0.5);
-    let size = if turned { [h, w] } else { [w, h] };
-    let mirrored = d.x < -0.5 || d.z > 0.5;
-    let mut pixels = Vec::with_capacity(w * h);
-    for y in 0..size[1] {
-        for x in 0..size[0] {
-            let across = if mirrored { size[0] - 1 - x } else { x };
-            let up = size[1] - 1 - y;
-            let (column, row) = if turned { (up, across) } else { (across, up) };
-            let depth = image.depth.get(row * w + column).copied().unwrap_or(f32::INFINITY);
-            pixels.push(match depth {
-                0.0 => Color32::from_rgb(60, 75, 100),
-                d if d.is_infinite() => Color32::WHITE,
-                d => Color32::from_gray((30.0 + 190.0 * (1.0 - (-d / 40.0).exp())) as u8),
-            });
-        }
-    }
-    ColorImage::new(size, pixels)
 }

@@ -58,8 +58,6 @@ pub struct Frame<'a> {
     pub geometry: &'a Geometry,
     /// The library's scene.
     pub scene: &'a Scene,
-    /// The query that ran.
-    pub query: &'a Query,
     /// The camera that was culled for.
     pub camera: Camera,
     /// The objects to draw, ascending.
@@ -130,7 +128,7 @@ impl Playback {
                     Method::All => ((0..objects.len()).collect(), Duration::ZERO),
                     Method::Frustum | Method::Point | Method::Cell => (found(query), time),
                 };
-                draw(Frame { objects, geometry, scene, query, camera: *camera, visible, time })
+                draw(Frame { objects, geometry, scene, camera: *camera, visible, time })
             },
         )
     }

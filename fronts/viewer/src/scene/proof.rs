@@ -11,7 +11,6 @@ use std::path::Path;
 
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_tools::command_line::make_folder;
 use casca_tools::compare::marked;
 use casca_tools::image::write_png;
 
@@ -80,7 +79,6 @@ pub fn prove(
             let scene = &playback.world.name;
             if let Some(out) = out {
                 let name = format!("{scene}-{at:04}-{}-differs.png", row.method);
-                make_folder(out)?;
                 write_png(&out.join(name), canvas.size(), &marked(&want.pixels, &differing, canvas.size()))?;
             }
             let name = |item: u32| objects.get(item as usize).map_or("nothing", |o| o.name.as_str());

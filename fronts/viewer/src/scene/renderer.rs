@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
-use casca_stage::gpu::{DEPTH, Gpu, ITEMS};
+use casca_stage::gpu::{Gpu, ITEMS};
+use casca_stage::pass::{Draws, behind, over};
 use casca_stage::wgpu::util::DeviceExt;
 use casca_stage::wgpu::{self, BufferUsages, TextureFormat, VertexFormat, VertexStepMode, vertex_attr_array};
 
@@ -163,7 +164,7 @@ impl Renderer {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: eye.as_entire_binding() }],
         });
         let pipelines = Pipelines {
-            device,
+            gpu,
             shader: &shader,
             layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
@@ -215,20 +216,8 @@ impl Renderer {
         let nothing = wgpu::Color { r: f64::from(NO_ITEM), ..wgpu::Color::default() };
         let clear = if output == Output::Picture { self.sky } else { nothing };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &target.colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &target.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
+            color_attachments: &[over(&target.colour, Some(clear))],
+            depth_stencil_attachment: behind(&target.depth, 0.0),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.bindings, &[]);
@@ -268,7 +257,7 @@ impl Renderer {
 
 /// Makes pipelines.
 struct Pipelines<'a> {
-    device: &'a wgpu::Device,
+    gpu: &'a Gpu,
     shader: &'a wgpu::ShaderModule,
     layout: &'a wgpu::PipelineLayout,
     format: TextureFormat,
@@ -291,7 +280,7 @@ impl Pipelines<'_> {
         [(fragments[0], self.format), (fragments[1], ITEMS)].map(|(fragment, format)| {
             let cull = solids.then_some(wgpu::Face::Front);
             self.make(
-                (entry, fragment),
+                [entry, fragment],
                 &buffers,
                 (format, None),
                 cull,
@@ -312,49 +301,28 @@ impl Pipelines<'_> {
         let target = (self.format, Some(wgpu::BlendState::ALPHA_BLENDING));
         [("mark_colour", wgpu::CompareFunction::GreaterEqual), ("mark_behind", wgpu::CompareFunction::Less)]
             .map(|(fragment, compare)| {
-                self.make((entry, fragment), &[Some(buffer.clone())], target, None, (false, compare))
+                self.make([entry, fragment], &[Some(buffer.clone())], target, None, (false, compare))
             })
     }
 
     fn make(
         &self,
-        (vertex, fragment): (&str, &str),
+        entries: [&str; 2],
         buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
         (format, blend): (TextureFormat, Option<wgpu::BlendState>),
-        cull_mode: Option<wgpu::Face>,
-        (write, compare): (bool, wgpu::CompareFunction),
+        cull: Option<wgpu::Face>,
+        depth: (bool, wgpu::CompareFunction),
     ) -> wgpu::RenderPipeline {
-        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(fragment),
+        Draws {
+            module: self.shader,
             layout: Some(self.layout),
-            vertex: wgpu::VertexState {
-                module: self.shader,
-                entry_point: Some(vertex),
-                compilation_options: Default::default(),
-                buffers,
-            },
-            primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(write),
-                depth_compare: Some(compare),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: self.shader,
-                entry_point: Some(fragment),
-                compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format,
-                    blend,
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+            entries,
+            buffers,
+            cull,
+            depth: Some(depth),
+            targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })],
+        }
+        .pipeline(self.gpu)
     }
 }
 

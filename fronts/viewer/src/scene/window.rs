@@ -28,9 +28,9 @@ use crate::scene::renderer::{Output, Renderer};
 
 /// The share of a scene's length that the camera flies in a second.
 const SPEED: f32 = 0.06;
-const HELP: &str = "W A S D Q E fly (Shift: faster), a mouse button: look   M: how it is culled\nN: next scene   1-4: layers   H: hides this   Esc: quit";
+const HELP: &str = "W A S D Q E fly (Shift: faster), a mouse button: look   M: how it is culled\nN: next scene   1-3: layers   H: hides this   Esc: quit";
 /// Keys of the layers.
-const LAYER_KEYS: [KeyCode; 4] = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4];
+const LAYER_KEYS: [KeyCode; 3] = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3];
 
 /// What a window shows first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -247,7 +247,7 @@ impl Demo for Viewer {
             let lines = panel::numbers((&name, *method), &frame, (&gpu.name, drawing), found.as_ref());
             *said = (lines, legend);
             let eye = is_above.then(|| place_in(&watcher, culled_for.eye));
-            panel::draw(panel, (gpu, target, scale), &overlays.images(&frame), eye, None);
+            panel::draw(panel, (gpu, target, scale), eye, None);
             Ok(())
         })
     }

@@ -1,6 +1,5 @@
-//! A field of animals as a scene of casca, and the list of animals to draw: all of them, those in
-//! the frustum, those that can be seen, or those that can be seen with fewer layers where less is
-//! seen.
+//! A field of animals as a scene of casca, and the list of animals to draw: all of them, those that
+//! can be seen, or those that can be seen with fewer layers where less is seen.
 
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, Sight, View};
 use casca_fur::mesh::{Image, Mesh};
@@ -24,11 +23,6 @@ const COLUMNS: u32 = 4;
 pub enum Way {
     /// Everything.
     All,
-    /// What may be in the frustum.
-    Frustum,
-    /// The same, with level of detail and layers by projected size, within a budget: what games do
-    /// without casca.
-    Levels,
     /// What casca finds visible.
     Visible,
     /// The same, with level of detail and layers by projected size and by the share that is seen,
@@ -38,16 +32,11 @@ pub enum Way {
 
 impl Way {
     /// All ways.
-    pub const EVERY: [Self; 5] = [Self::All, Self::Frustum, Self::Levels, Self::Visible, Self::Layered];
+    pub const EVERY: [Self; 3] = [Self::All, Self::Visible, Self::Layered];
 
-    /// Whether it draws fewer layers than everything, so that its pictures are not the same.
-    pub fn is_coarser(self) -> bool {
-        matches!(self, Self::Levels | Self::Layered)
-    }
-
-    /// Its name on command lines.
+    /// Its name.
     pub fn name(self) -> &'static str {
-        ["all", "frustum", "levels", "visible", "layered"][self as usize]
+        ["all", "visible", "layered"][self as usize]
     }
 }
 
@@ -67,11 +56,10 @@ pub struct Herd {
 pub struct Demand {
     /// The way.
     pub way: Way,
-    /// Layers above the skin: of all animals, or the most by [`Way::Levels`] and
-    /// [`Way::Layered`].
+    /// Layers above the skin: of all animals, or the most by [`Way::Layered`].
     pub layers: u32,
-    /// For [`Way::Levels`] and [`Way::Layered`]: the budget, as a share of the weight that it would
-    /// draw without one. 1 or more sets no budget.
+    /// For [`Way::Layered`]: the budget, as a share of the weight that it would draw without one. 1
+    /// or more sets no budget.
     pub budget: f64,
     /// The height of the picture in pixels.
     pub height: u32,
@@ -87,10 +75,6 @@ pub struct Drawn {
     pub list: DrawList,
     /// How many animals it holds.
     pub animals: usize,
-    /// By how much the skins alone exceed the budget, in weight; they are drawn all the same.
-    pub excess: f64,
-    /// Vertices of all skins and layers.
-    pub vertices: u64,
 }
 
 impl Herd {
@@ -197,8 +181,7 @@ impl Herd {
             Way::All => View::omnidirectional(camera.eye)?,
             _ => View::perspective(camera.eye, camera.view_projection())?,
         };
-        let culled = matches!(demand.way, Way::Visible | Way::Layered);
-        self.query.set_method(if culled { Method::point() } else { Method::Frustum })?;
+        self.query.set_method(if demand.way == Way::All { Method::Frustum } else { Method::point() })?;
         let pvs = self.query.run(&self.field.scene, &view);
         pvs.draw_list(&self.field.scene, &DrawOptions::default(), &mut self.items)?;
         let mut blocks = Vec::new();
@@ -211,41 +194,33 @@ impl Herd {
                 None => {}
             }
         }
-        let mut excess = 0.0;
         let chosen: Vec<Chosen> = match demand.way {
-            way if way.is_coarser() => {
+            Way::Layered => {
                 let mut items: Vec<DrawItem> = seen.iter().map(|(_, item)| *item).collect();
-                if let Some(sight) = self.query.sight(&self.field.scene).filter(|_| culled) {
+                if let Some(sight) = self.query.sight(&self.field.scene) {
                     for item in &mut items {
                         item.fraction =
                             share_seen(&sight, &self.field.scene.bounds(item.id)?.aabb(), camera.eye);
                     }
                 }
-                let planned;
-                (planned, excess) = self.planned(&items, camera, demand)?;
-                planned
+                self.planned(&items, camera, demand)?
             }
             _ => seen.iter().map(|&(animal, _)| (animal, 0, demand.layers)).collect(),
         };
         let stand = |&(animal, level, layers): &Chosen| (self.stand(animal, level), layers);
-        let vertices = chosen.iter().map(|&(animal, level, layers)| {
-            let species = &self.field.species()[self.field.animals()[animal].species].0;
-            species.levels()[level].vertices().len() as u64 * u64::from(layers + 1)
-        });
-        let vertices = vertices.sum();
         let stands: Vec<(Stand, u32)> = chosen.iter().map(stand).collect();
         let list = DrawList::new(&stands, blocks);
         let list = self.posed(list, chosen.iter().map(|(animal, ..)| *animal))?;
-        Ok(Drawn { list, animals: stands.len(), excess, vertices })
+        Ok(Drawn { list, animals: stands.len() })
     }
 
-    /// Animals with their level of detail and layers, and by how much they exceed the budget.
+    /// Animals with their level of detail and layers.
     fn planned(
         &self,
         items: &[DrawItem],
         camera: &Camera,
         demand: &Demand,
-    ) -> Result<(Vec<Chosen>, f64), FurGpuError> {
+    ) -> Result<Vec<Chosen>, FurGpuError> {
         let vertices: Vec<Vec<u32>> = self
             .field
             .species()
@@ -278,14 +253,13 @@ impl Herd {
         let sights: Vec<Seen> = items.iter().map(seen).collect();
         let weight = |shares: &[Share]| shares.iter().map(|share| share.weight).sum::<f64>();
         let mut made = plan_sights(&sights, &options)?;
-        let mut budget = f64::INFINITY;
         if demand.budget < 1.0 {
-            budget = weight(&made) * demand.budget.max(0.0);
+            let budget = weight(&made) * demand.budget.max(0.0);
             made = plan_sights(&sights, &PlanOptions { budget, ..options })?;
         }
         let drawn = items.iter().zip(&made);
         let chosen = drawn.filter_map(|(item, share)| Some((number(item.id)?, share.level, share.layers)));
-        Ok((chosen.collect(), (weight(&made) - budget).max(0.0)))
+        Ok(chosen.collect())
     }
 }
 

@@ -1,21 +1,57 @@
-//! The command `walk`.
+//! Commands for clouds larger than memory: `bricks` cuts a file, `walk` goes through it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use casca::{Aabb, GridSpec, Method, ObjectDesc, Pvs, Query, Scene, View};
+use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, View};
 use casca_points::Camera;
-use casca_points::bricks::{Bricks, Loader, Want};
+use casca_points::bricks::{BrickError, Bricks, BuildOptions, Builder, Loader};
+use casca_points::files::{FileError, read_chunks};
 use casca_points::splat::{Bias, Filter, Radius, SplatOptions, visible_points};
+use casca_stage::timing::Instant;
 use casca_stage::window::Done;
 use casca_tools::command_line::say;
 use clap::Args;
 use glam::{DVec3, Vec3, vec3};
 
-use crate::points::large::picture;
+use crate::common::Failed;
+use crate::points::operators::warned;
+
+/// Cut a file into bricks, which `walk` reads.
+#[derive(Debug, Args)]
+pub struct Cut {
+    /// A PLY, LAS, LAZ or E57 file.
+    file: PathBuf,
+    /// The file of bricks to write.
+    out: PathBuf,
+}
+
+#[derive(Debug, thiserror::Error)]
+enum CutError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Brick(#[from] BrickError),
+}
+
+impl Cut {
+    pub fn run(&self) -> Done {
+        let mut builder = Builder::create(&self.out, BuildOptions::default())?;
+        let report = read_chunks::<CutError>(&self.file, 1 << 20, |cloud| Ok(builder.push(&cloud)?))?;
+        let skipped = report.skipped;
+        warned(report);
+        builder.finish(|_, _| ())?;
+        let bricks = Bricks::open(&self.out)?;
+        let (points, count) = (bricks.points(), bricks.len());
+        say(format_args!(
+            "{points} points in {count} bricks; {skipped} points without valid coordinates skipped"
+        ));
+        Ok(())
+    }
+}
 
 /// Walk through a file of bricks and print the bricks and points that frames take.
 #[derive(Debug, Args)]
@@ -23,17 +59,13 @@ use crate::points::large::picture;
 pub struct Walk {
     /// A file of bricks. Up is +y.
     bricks: PathBuf,
-    /// Boxes that hide what is behind them: a text file with six numbers on each line, as
-    /// `generate` writes it.
+    /// Boxes that hide what is behind them: a text file with six numbers on each line, the least and
+    /// the greatest x, y and z.
     #[arg(long)]
     walls: Option<PathBuf>,
     /// The number of frames
     #[arg(long, default_value_t = 300)]
     frames: u32,
-    /// Draws the last frame into a PNG file: the points that are loaded without and with occlusion
-    /// culling, from the eye and from above.
-    #[arg(long, value_name = "FILE")]
-    picture: Option<PathBuf>,
 }
 
 /// Frames in a second. A frame that is done earlier waits, so that the loader has the time that it
@@ -80,16 +112,10 @@ impl Walk {
         let loader = Loader::new(bricks.clone(), MEMORY)?;
         let mut queries = [Query::with_method(Method::Frustum)?, Query::new()];
         let mut rows: Vec<[f64; 9]> = Vec::new();
-        for frame in 0..self.frames {
-            let start = Instant::now();
-            rows.push(self.frame(frame, &bricks, &scene, &loader, &mut queries)?);
-            thread::sleep(Duration::from_secs_f32(1.0 / RATE).saturating_sub(start.elapsed()));
-        }
-        if let Some(path) = &self.picture {
-            let camera = self.camera(self.frames.saturating_sub(1), bricks.bounds())?;
-            let wants = self.wants(&bricks, &scene, &camera, &mut queries)?.map(|(wants, _)| wants);
-            picture::draw(path, &loader, &camera, &wants)?;
-            say(path.display());
+        for number in 0..self.frames {
+            let begun = Instant::now();
+            rows.push(frame(number, &bricks, &scene, &loader, &mut queries)?);
+            thread::sleep(Duration::from_secs_f32(1.0 / RATE).saturating_sub(begun.elapsed()));
         }
         if let Some(error) = loader.take_error() {
             return Err(error.into());
@@ -97,79 +123,53 @@ impl Walk {
         summary(&rows);
         Ok(())
     }
+}
 
-    /// The columns of a frame.
-    fn frame(
-        &self,
-        frame: u32,
-        bricks: &Bricks,
-        scene: &Scene,
-        loader: &Loader,
-        queries: &mut [Query; 2],
-    ) -> Result<[f64; 9], Box<dyn std::error::Error>> {
-        let camera = self.camera(frame, bricks.bounds())?;
-        let [frustum, point] = self.wants(bricks, scene, &camera, queries)?;
-        loader.want(&point.0);
-        let cloud = loader.gather(&point.0);
+/// The columns of a frame.
+fn frame(
+    number: u32,
+    bricks: &Bricks,
+    scene: &Scene,
+    loader: &Loader,
+    queries: &mut [Query; 2],
+) -> Result<[f64; 9], Failed> {
+    let camera = camera(number, bricks.bounds())?;
+    let view = View::perspective(camera.eye(), camera.view_projection())?;
+    let ms = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
+    // The bricks that a picture needs by each query, and the time of both.
+    let [frustum, point] = queries.each_mut().map(|query| {
         let start = Instant::now();
-        let options = SplatOptions {
-            radius: Radius::Each(&cloud.radii),
-            bias: BIAS,
-            filter: Filter::Max,
-            slopes: true,
-        };
-        let visible = visible_points(&cloud.positions, &camera, &options)?;
-        let refined = start.elapsed();
-        let points = |wants: &[Want]| wants.iter().map(|want| f64::from(want.points)).sum();
-        let ms = |time: Duration| time.as_secs_f64() * 1e3;
-        Ok([
-            frustum.0.len() as f64,
-            point.0.len() as f64,
-            points(&frustum.0),
-            points(&point.0),
-            cloud.len() as f64,
-            visible.count_ones() as f64,
-            ms(frustum.1),
-            ms(point.1),
-            ms(refined),
-        ])
-    }
+        let found = query.run(scene, &view).iter();
+        let numbers = found.filter_map(|id| u32::try_from(scene.user_data(id).ok()?).ok());
+        (bricks.wants(numbers, &camera, PIXELS), ms(start))
+    });
+    loader.want(&point.0);
+    let cloud = loader.gather(&point.0);
+    let start = Instant::now();
+    let radius = Radius::Each(&cloud.radii);
+    let options = SplatOptions { radius, bias: BIAS, filter: Filter::Max, slopes: true };
+    let visible = visible_points(&cloud.positions, &camera, &options)?;
+    let refined = ms(start);
+    let [all, wanted] =
+        [&frustum.0, &point.0].map(|wants| wants.iter().map(|want| f64::from(want.points)).sum());
+    let bricks = [&frustum.0, &point.0].map(|wants| wants.len() as f64);
+    let seen = visible.count_ones() as f64;
+    Ok([bricks[0], bricks[1], all, wanted, cloud.len() as f64, seen, frustum.1, point.1, refined])
+}
 
-    /// The bricks that a picture needs by each query, and the time of both.
-    fn wants(
-        &self,
-        bricks: &Bricks,
-        scene: &Scene,
-        camera: &Camera,
-        queries: &mut [Query; 2],
-    ) -> Result<[(Vec<Want>, Duration); 2], casca::Error> {
-        let view = View::perspective(camera.eye(), camera.view_projection())?;
-        let wants = |pvs: &Pvs| {
-            let numbers = pvs.iter().filter_map(|id| u32::try_from(scene.user_data(id).ok()?).ok());
-            bricks.wants(numbers, camera, PIXELS)
-        };
-        Ok(queries.each_mut().map(|query| {
-            let start = Instant::now();
-            let wants = wants(query.run(scene, &view));
-            (wants, start.elapsed())
-        }))
-    }
-
-    /// The eye goes around the square; the gaze sweeps 40 degrees to both sides.
-    fn camera(&self, frame: u32, bounds: Aabb) -> Result<Camera, casca_points::CameraError> {
-        let time = frame as f32 / RATE;
-        let way = time * SPEED / SIDE;
-        let (corner, along) = (way.floor() as i64 % 4, way.fract() * SIDE);
-        let directions = [Vec3::X, Vec3::Z, -Vec3::X, -Vec3::Z];
-        let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z];
-        let direction = directions[corner as usize % 4];
-        let middle = bounds.center();
-        let start = vec3(middle.x, bounds.min.y + HEIGHT, middle.z) + corners[corner as usize % 4] * SIDE;
-        let eye = start + direction * along;
-        let turn = 0.7 * (time * 1.5).sin();
-        let target = eye + direction * turn.cos() + direction.cross(Vec3::Y) * turn.sin();
-        Camera::look_at(eye, target, Vec3::Y, 0.9, SIZE, 0.1, (bounds.max - bounds.min).length().max(1.0))
-    }
+/// The eye goes around the square; the gaze sweeps 40 degrees to both sides.
+fn camera(frame: u32, bounds: Aabb) -> Result<Camera, casca_points::CameraError> {
+    let time = frame as f32 / RATE;
+    let way = time * SPEED / SIDE;
+    let side = way.floor() as usize % 4;
+    let direction = [Vec3::X, Vec3::Z, -Vec3::X, -Vec3::Z][side];
+    let corner = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z][side];
+    let middle = bounds.center();
+    let start = vec3(middle.x, bounds.min.y + HEIGHT, middle.z) + corner * SIDE;
+    let eye = start + direction * (way.fract() * SIDE);
+    let turn = 0.7 * (time * 1.5).sin();
+    let target = eye + direction * turn.cos() + direction.cross(Vec3::Y) * turn.sin();
+    Camera::look_at(eye, target, Vec3::Y, 0.9, SIZE, 0.1, (bounds.max - bounds.min).length().max(1.0))
 }
 
 /// Medians and the largest values of all frames, and how far the loader was behind.
@@ -184,16 +184,12 @@ fn summary(rows: &[[f64; 9]]) {
         let (median, largest) = (values[values.len() / 2], values[values.len() - 1]);
         say(format_args!("{name:24} {median:>12.2} {largest:>12.2}"));
     }
-    let sum = |column: usize| rows.iter().map(|row| row[column]).sum::<f64>();
     let late = rows.iter().filter(|row| row[4] < row[3]).count();
-    let [wanted, late_points] =
-        [sum(3) / sum(2).max(1.0), 1.0 - sum(4) / sum(3).max(1.0)].map(|share| 100.0 * share);
-    say(format_args!("the PVS wants {wanted:.1} % of the points of the frustum"));
-    say(format_args!("{late_points:.2} % of the wanted points came late, in {late} frames"));
+    say(format_args!("{late} frames had fewer points than they wanted: these came late"));
 }
 
 /// Boxes in the coordinates of the bricks.
-fn read_walls(path: &Path, origin: DVec3) -> Result<Vec<Aabb>, Box<dyn std::error::Error>> {
+fn read_walls(path: &Path, origin: DVec3) -> Result<Vec<Aabb>, Failed> {
     let text = fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     lines
