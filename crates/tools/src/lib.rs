@@ -3,7 +3,6 @@
 //! - [`animation`]: pictures in a row, as one animated PNG.
 //! - [`camera`]: an eye and its matrices.
 //! - [`command_line`]: exit codes, folders and files that are tried before the work.
-//! - [`compare`]: two pictures, pixel by pixel.
 //! - [`image`]: sizes, halves and PNG files of pictures.
 //! - `pictures`: charts as SVG, and pictures with text; with the feature `charts`.
 #![deny(missing_docs)]
@@ -12,7 +11,6 @@
 pub mod animation;
 pub mod camera;
 pub mod command_line;
-pub mod compare;
 pub mod image;
 #[cfg(feature = "charts")]
 pub mod pictures;

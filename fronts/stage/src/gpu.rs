@@ -147,8 +147,18 @@ impl Gpu {
     }
 
     /// A texture to draw to, to read back from and to give to shaders.
-    pub fn texture(&self, (width, height): (u32, u32), format: TextureFormat) -> wgpu::Texture {
-        let (width, height) = self.clamp((width, height));
+    pub fn texture(&self, size: (u32, u32), format: TextureFormat) -> wgpu::Texture {
+        self.texture_for(size, format, TextureUsages::RENDER_ATTACHMENT)
+    }
+
+    /// The same for another use than to draw to.
+    pub fn texture_for(
+        &self,
+        size: (u32, u32),
+        format: TextureFormat,
+        usage: TextureUsages,
+    ) -> wgpu::Texture {
+        let (width, height) = self.clamp(size);
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -156,9 +166,7 @@ impl Gpu {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format,
-            usage: TextureUsages::RENDER_ATTACHMENT
-                | TextureUsages::TEXTURE_BINDING
-                | TextureUsages::COPY_SRC,
+            usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
             view_formats: &[],
         })
     }

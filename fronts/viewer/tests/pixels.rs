@@ -9,8 +9,7 @@ use casca_scenes::name::SceneName;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
 use casca_stage::gpu::{COLOUR, Gpu};
-use casca_tools::compare::Shot;
-use casca_viewer::scene::draw::{Painter, coloured};
+use casca_viewer::scene::draw::{Painter, Shot, coloured};
 use casca_viewer::scene::playback::{Method, Playback};
 use casca_viewer::scene::proof;
 use casca_viewer::scene::renderer::Renderer;
@@ -93,8 +92,14 @@ fn a_lost_object_shows() {
             let pixels = counts[lost];
             let rest: Vec<usize> = set.iter().copied().filter(|&i| i != lost).collect();
             let got = shoot(&gpu, &playback, &camera, &mut renderer, &rest);
-            let changed = want.items.iter().zip(&got.items).filter(|(a, b)| a != b).count();
-            assert_eq!(changed, pixels, "{scene}: object {lost} is gone from all its pixels, and only there");
+            let changed: Vec<usize> =
+                (0..want.items.len()).filter(|&p| want.items[p] != got.items[p]).collect();
+            assert_eq!(
+                changed.len(),
+                pixels,
+                "{scene}: object {lost} is gone from all its pixels, and only there"
+            );
+            assert_eq!(want.differing(&got), changed);
             assert!(differing(&want, &got) > 0 && differing(&want, &got) <= pixels);
             let mut painter = Painter { gpu: &gpu, canvas: &canvas, renderer: &mut renderer };
             let check = painter.check(&camera, (&playback.geometry, objects), &rest).unwrap();

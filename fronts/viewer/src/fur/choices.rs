@@ -55,9 +55,6 @@ pub struct Choices {
     /// instead of following its ray to the next shell.
     #[arg(skip)]
     pub plain: bool,
-    /// For layers by visibility: the share of the weight that may be drawn, 0 to 1; a slider.
-    #[arg(skip = 0.5_f32)]
-    pub budget: f32,
     /// Seed of the animal or the field
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

@@ -2,7 +2,6 @@
 
 mod choices;
 mod field;
-mod herd;
 mod one;
 mod walker;
 mod window;

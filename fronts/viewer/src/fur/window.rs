@@ -2,7 +2,6 @@
 
 use std::error::Error;
 
-use crate::fur::herd::{Demand, Way, camera_at};
 use casca_fur::gpu::records::{DrawList, Sun};
 use casca_fur::gpu::renderer::Renderer;
 use casca_scenes::world::Camera;
@@ -17,7 +16,7 @@ use casca_stage::winit::keyboard::KeyCode;
 use glam::Vec3;
 
 use crate::fur::choices::{Choices, Subject};
-use crate::fur::field::Stage;
+use crate::fur::field::{Stage, camera_at};
 use crate::fur::one;
 
 /// Units or radii that the camera flies in a second.
@@ -44,7 +43,7 @@ struct Viewer {
     choices: Choices,
     shown: Shown,
     fly: Fly,
-    way: Way,
+    culled: bool,
     walking: bool,
     time: f64,
     /// The level of detail that was drawn last, of one object.
@@ -62,7 +61,7 @@ impl Viewer {
         let (shown, camera) = match choices.field {
             Some(_) => {
                 let stage = Stage::new(gpu, format, &choices, &subject)?;
-                let camera = camera_at(&stage.herd.field, 0.3, screen.aspect());
+                let camera = camera_at(&stage.field, 0.3, screen.aspect());
                 (Shown::Many(subject, Box::new(stage)), camera)
             }
             None => {
@@ -73,7 +72,7 @@ impl Viewer {
         };
         Ok(Self {
             fly: Fly::new(camera.eye, -camera.view.row(2).truncate()),
-            way: Way::Visible,
+            culled: true,
             walking: choices.walk,
             choices,
             shown,
@@ -94,7 +93,7 @@ impl Viewer {
     fn camera(&self, aspect: f32) -> Camera {
         let r = self.radius();
         let far = if let Shown::Many(_, stage) = &self.shown {
-            stage.herd.field.ground().max.length() * 2.0
+            stage.field.ground().max.length() * 2.0
         } else {
             40.0 * r
         };
@@ -131,15 +130,9 @@ impl Viewer {
                     self.sun = Some((stage.cast_shadows(gpu, camera)?, camera.eye));
                 }
                 let Some((sun, _)) = &self.sun else { return Ok(()) };
-                let demand = Demand {
-                    way: self.way,
-                    layers: self.choices.layers,
-                    budget: f64::from(self.choices.budget),
-                    height: target.size().1,
-                };
-                let drawn = stage.herd.look(camera, &demand)?;
-                counts = (drawn.animals, drawn.list.shells());
-                stage.renderer.draw(gpu, target, camera, &drawn.list, sun)?;
+                let (list, animals) = stage.look(camera, self.culled, self.choices.layers)?;
+                counts = (animals, list.shells());
+                stage.renderer.draw(gpu, target, camera, &list, sun)?;
             }
         }
         self.counts = counts;
@@ -192,10 +185,7 @@ impl Demo for Viewer {
             dials.switch("walk (P)", Some(KeyCode::KeyP), &mut self.walking);
         }
         if matches!(self.shown, Shown::Many(..)) {
-            let mut way = self.way as usize;
-            dials.choice("culled by", &[], Way::EVERY.map(Way::name), &mut way);
-            self.way = Way::EVERY[way];
-            dials.number("budget", &mut choices.budget, 0.05..=1.0);
+            dials.switch("culled by casca", None, &mut self.culled);
             if is_other && dials.is_held() {
                 return Ok(());
             }
@@ -224,7 +214,7 @@ impl Demo for Viewer {
         let camera = self.camera(screen.aspect());
         if self.walking {
             if let Shown::Many(_, stage) = &mut self.shown {
-                stage.herd.walk(self.time)?;
+                stage.field.walk(self.time)?;
             }
             self.sun = None;
         }

@@ -2,7 +2,7 @@
 
 use casca_radiosity::gpu::Surfaces;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
-use casca_stage::wgpu::{self, TextureFormat, TextureUsages, TextureView};
+use casca_stage::wgpu::{TextureFormat, TextureUsages, TextureView};
 
 /// The format of places and light.
 pub const FLOATS: TextureFormat = TextureFormat::Rgba32Float;
@@ -31,18 +31,7 @@ impl Frame {
     pub fn new(gpu: &Gpu, size: (u32, u32)) -> Result<Self, GpuError> {
         let size = gpu.clamp(size);
         let texture = |format, usage| {
-            let made = gpu.try_room(|| {
-                gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some("light"),
-                    size: wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 },
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format,
-                    usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-                    view_formats: &[],
-                })
-            });
+            let made = gpu.try_room(|| gpu.texture_for(size, format, usage));
             let bytes = 16 * u64::from(size.0) * u64::from(size.1);
             let most = gpu.device.limits().max_buffer_size;
             made.map(|t| t.create_view(&Default::default())).ok_or(GpuError::NoRoom { bytes, most })
@@ -60,9 +49,7 @@ impl Frame {
             light: stored()?,
         })
     }
-}
 
-impl Frame {
     /// What was drawn of surfaces, for the cache.
     pub fn drawn(&self) -> Surfaces<'_> {
         let [place, normals, _] = &self.surfaces;

@@ -17,20 +17,17 @@ pub const RADIUS: f32 = 0.36;
 const SPEED: f32 = 1.6;
 /// How near the eye comes to walls, in tiles.
 const MARGIN: f32 = 0.2;
-/// The chance that a guard turns on a tile without need.
-const TURNS: f64 = 0.15;
 /// Guards on maps that place none.
 const GUARDS: u32 = 14;
 /// Of so many doors one is closed.
 const CLOSED: usize = 3;
 
-/// A guard walks from the middle of a tile to that of the next.
+/// A guard walks along an axis, through the middles of tiles.
 struct Guard {
     id: ObjectId,
-    from: (u32, u32),
-    to: (u32, u32),
-    /// The share of the way.
-    gone: f32,
+    at: Vec2,
+    /// A direction; none before it walks.
+    way: Vec2,
 }
 
 /// A map, the guards that walk on it, and what the eye sees.
@@ -81,8 +78,8 @@ impl Level {
         scene.insert_tiles(&layer)?;
         let mut placed = Vec::new();
         for at in map.guards.into_iter().filter(|at| free.contains(at)) {
-            let desc = ObjectDesc::new(Disc::new(middle(at), RADIUS));
-            placed.push(Guard { id: scene.insert(desc)?, from: at, to: at, gone: 1.0 });
+            let id = scene.insert(ObjectDesc::new(Disc::new(middle(at), RADIUS)))?;
+            placed.push(Guard { id, at: middle(at), way: Vec2::ZERO });
         }
         let mut level = Self {
             name: name.to_owned(),
@@ -127,7 +124,7 @@ impl Level {
 
     /// Where each guard is, and whether the eye can see it.
     pub fn guards(&self) -> impl Iterator<Item = (Vec2, bool)> {
-        self.guards.iter().map(|guard| (guard.at(), self.query.pvs().contains(guard.id)))
+        self.guards.iter().map(|guard| (guard.at, self.query.pvs().contains(guard.id)))
     }
 
     /// What there is to say.
@@ -149,8 +146,8 @@ impl Level {
         self.eye = self.slide(to);
         for i in 0..self.guards.len() {
             self.walk(i);
-            let guard = &self.guards[i];
-            self.scene.update(guard.id, Disc::new(guard.at(), RADIUS), None)?;
+            let Guard { id, at, .. } = self.guards[i];
+            self.scene.update(id, Disc::new(at, RADIUS), None)?;
         }
         self.look()
     }
@@ -193,35 +190,19 @@ impl Level {
         at
     }
 
-    /// Lets a guard go on; on the middle of a tile it goes ahead, or turns where the way ends.
+    /// Lets a guard go on; before a wall it stops on the middle of its tile and turns.
     fn walk(&mut self, i: usize) {
-        let Guard { from, to, gone, .. } = self.guards[i];
-        let gone = gone + SPEED * FRAME_SECONDS as f32;
-        if gone < 1.0 {
-            self.guards[i].gone = gone;
+        let Guard { at, way, .. } = self.guards[i];
+        let next = at + way * (SPEED * FRAME_SECONDS as f32);
+        if way != Vec2::ZERO && self.is_free(next + 0.5 * way) {
+            self.guards[i].at = next;
             return;
         }
-        let beside = |(x, y): (u32, u32), (right, down): (i32, i32)| {
-            Some((x.checked_add_signed(right)?, y.checked_add_signed(down)?))
-        };
-        let ahead = (to.0 as i32 - from.0 as i32, to.1 as i32 - from.1 as i32);
-        let turns = ahead == (0, 0) || self.random.random_bool(TURNS);
-        let is_free = |at: &(u32, u32)| self.is_free(middle(*at));
-        let mut next = beside(to, ahead).filter(|at| !turns && is_free(at));
-        if next.is_none() {
-            let ways = [(1, 0), (0, 1), (-1, 0), (0, -1)].into_iter();
-            let free: Vec<_> = ways.filter_map(|way| beside(to, way)).filter(is_free).collect();
-            next = (!free.is_empty()).then(|| free[self.random.random_range(0..free.len())]);
-        }
-        let guard = &mut self.guards[i];
-        // In the middle it stops for the rest of the frame: it never goes faster than it promised.
-        (guard.from, guard.to, guard.gone) = (to, next.unwrap_or(to), 0.0);
-    }
-}
-
-impl Guard {
-    fn at(&self) -> Vec2 {
-        middle(self.from).lerp(middle(self.to), self.gone.min(1.0))
+        let at = at.floor() + 0.5;
+        let free = [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y].into_iter().filter(|way| self.is_free(at + *way));
+        let free: Vec<Vec2> = free.collect();
+        let turned = (!free.is_empty()).then(|| free[self.random.random_range(0..free.len())]);
+        (self.guards[i].at, self.guards[i].way) = (at, turned.unwrap_or(Vec2::ZERO));
     }
 }
 

@@ -10,7 +10,6 @@ use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, View};
 use casca_points::Camera;
 use casca_points::bricks::{BrickError, Bricks, BuildOptions, Builder, Loader};
 use casca_points::files::{FileError, read_chunks};
-use casca_points::splat::{Bias, Filter, Radius, SplatOptions, visible_points};
 use casca_stage::timing::Instant;
 use casca_stage::window::Done;
 use casca_tools::command_line::say;
@@ -82,21 +81,14 @@ const PIXELS: f32 = 1.0;
 /// Bytes of memory for loaded points.
 const MEMORY: usize = 512 << 20;
 
-/// How far behind squares points count as visible, as in the thesis, beside what surfaces slant: in
-/// a generated town of 4 million points 7.6% of the visible points are falsely hidden (commit
-/// 787d77b2 has a check by rays).
-const BIAS: Bias = Bias::Window(0.05);
-
-const COLUMNS: [&str; 9] = [
+const COLUMNS: [&str; 7] = [
     "bricks in frustum",
     "bricks in PVS",
     "points wanted, frustum",
     "points wanted, PVS",
     "points loaded",
-    "points visible",
     "ms frustum",
     "ms PVS",
-    "ms refine",
 ];
 
 impl Walk {
@@ -111,7 +103,7 @@ impl Walk {
         }
         let loader = Loader::new(bricks.clone(), MEMORY)?;
         let mut queries = [Query::with_method(Method::Frustum)?, Query::new()];
-        let mut rows: Vec<[f64; 9]> = Vec::new();
+        let mut rows: Vec<[f64; 7]> = Vec::new();
         for number in 0..self.frames {
             let begun = Instant::now();
             rows.push(frame(number, &bricks, &scene, &loader, &mut queries)?);
@@ -132,7 +124,7 @@ fn frame(
     scene: &Scene,
     loader: &Loader,
     queries: &mut [Query; 2],
-) -> Result<[f64; 9], Failed> {
+) -> Result<[f64; 7], Failed> {
     let camera = camera(number, bricks.bounds())?;
     let view = View::perspective(camera.eye(), camera.view_projection())?;
     let ms = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
@@ -144,17 +136,11 @@ fn frame(
         (bricks.wants(numbers, &camera, PIXELS), ms(start))
     });
     loader.want(&point.0);
-    let cloud = loader.gather(&point.0);
-    let start = Instant::now();
-    let radius = Radius::Each(&cloud.radii);
-    let options = SplatOptions { radius, bias: BIAS, filter: Filter::Max, slopes: true };
-    let visible = visible_points(&cloud.positions, &camera, &options)?;
-    let refined = ms(start);
+    let loaded = loader.gather(&point.0).len() as f64;
     let [all, wanted] =
         [&frustum.0, &point.0].map(|wants| wants.iter().map(|want| f64::from(want.points)).sum());
     let bricks = [&frustum.0, &point.0].map(|wants| wants.len() as f64);
-    let seen = visible.count_ones() as f64;
-    Ok([bricks[0], bricks[1], all, wanted, cloud.len() as f64, seen, frustum.1, point.1, refined])
+    Ok([bricks[0], bricks[1], all, wanted, loaded, frustum.1, point.1])
 }
 
 /// The eye goes around the square; the gaze sweeps 40 degrees to both sides.
@@ -173,7 +159,7 @@ fn camera(frame: u32, bounds: Aabb) -> Result<Camera, casca_points::CameraError>
 }
 
 /// Medians and the largest values of all frames, and how far the loader was behind.
-fn summary(rows: &[[f64; 9]]) {
+fn summary(rows: &[[f64; 7]]) {
     if rows.is_empty() {
         return;
     }

@@ -10,11 +10,10 @@ use glam::{DVec3, Vec3};
 use crate::scene::camera_fit::{Solid, fitted};
 use crate::scene::draw::coloured;
 use crate::scene::geometry::DrawList;
-use crate::scene::legend::{join, of_marks, of_roles};
+use crate::scene::legend::{COUNTED, Role, join, of_marks, of_roles};
 use crate::scene::overlays::Overlays;
 use crate::scene::playback::Frame;
 use crate::scene::renderer::Marks;
-use crate::scene::role::{COUNTED, Role};
 
 /// How far down the camera looks, in radians: steep enough to see into streets and rooms.
 const PITCH: f64 = 0.62 * FRAC_PI_2;

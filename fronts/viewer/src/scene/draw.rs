@@ -6,7 +6,6 @@ use casca_scenes::world::{Camera, Object};
 use casca_stage::canvas::{Canvas, items_of};
 use casca_stage::gpu::{Gpu, GpuError};
 use casca_stage::gpu::{Reading, waited_for};
-use casca_tools::compare::Shot;
 
 use crate::scene::geometry::{DrawList, Geometry, colour_of};
 use crate::scene::renderer::{Marks, NO_ITEM, Output, Renderer};
@@ -18,6 +17,24 @@ pub struct Check {
     pub shown: Vec<usize>,
     /// Those of them that are not in the set.
     pub lost: Vec<usize>,
+}
+
+/// A picture and its item buffer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shot {
+    /// Red, green, blue, opacity, row by row.
+    pub pixels: Vec<u8>,
+    /// The number of the object in each pixel.
+    pub items: Vec<u32>,
+}
+
+impl Shot {
+    /// The pixels whose colour or object is another in `other`, a shot of the same size.
+    pub fn differing(&self, other: &Self) -> Vec<usize> {
+        let colours = self.pixels.chunks(4).zip(other.pixels.chunks(4));
+        let both = colours.zip(self.items.iter().zip(&other.items)).enumerate();
+        both.filter(|(_, ((a, b), (i, j)))| a != b || i != j).map(|(pixel, _)| pixel).collect()
+    }
 }
 
 /// A canvas, and what draws to it.

@@ -16,7 +16,6 @@ pub mod panel;
 pub mod playback;
 pub mod proof;
 pub mod renderer;
-pub mod role;
 pub mod window;
 
 use casca_scenes::name::SceneName;
