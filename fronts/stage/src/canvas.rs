@@ -1,7 +1,6 @@
 //! Pictures and item buffers of one size, drawn without a window.
 
-use crate::gpu::Reading;
-use crate::gpu::{COLOUR, DEPTH, Gpu, GpuError, ITEMS};
+use crate::gpu::{COLOUR, DEPTH, Gpu, GpuError, ITEMS, Reading};
 
 /// Textures to draw into.
 pub struct Canvas {

@@ -12,7 +12,6 @@ const TURN: f32 = 0.004;
 const FAST: f32 = 5.0;
 /// The steepest that it looks up or down, in radians.
 const STEEP: f32 = 1.5;
-
 /// How far two fingers must move apart or together before the camera flies, as a factor of their
 /// distance.
 const PINCH: f64 = 1.15;

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use wgpu::{TextureFormat, TextureUsages};
+use wgpu::{Texture, TextureFormat, TextureUsages};
 
 use crate::scope::{Trouble, refused};
 
@@ -147,17 +147,12 @@ impl Gpu {
     }
 
     /// A texture to draw to, to read back from and to give to shaders.
-    pub fn texture(&self, size: (u32, u32), format: TextureFormat) -> wgpu::Texture {
+    pub fn texture(&self, size: (u32, u32), format: TextureFormat) -> Texture {
         self.texture_for(size, format, TextureUsages::RENDER_ATTACHMENT)
     }
 
     /// The same for another use than to draw to.
-    pub fn texture_for(
-        &self,
-        size: (u32, u32),
-        format: TextureFormat,
-        usage: TextureUsages,
-    ) -> wgpu::Texture {
+    pub fn texture_for(&self, size: (u32, u32), format: TextureFormat, usage: TextureUsages) -> Texture {
         let (width, height) = self.clamp(size);
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
@@ -182,12 +177,11 @@ impl Gpu {
         } else {
             limits.max_buffer_size
         };
-        if bytes > most {
-            return Err(GpuError::NoRoom { bytes, most });
-        }
-        let size = bytes.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(wgpu::COPY_BUFFER_ALIGNMENT);
         let usage = usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        self.with_room([bytes, most], || self.device.create_buffer(&unmapped(size, usage)))
+        self.with_room([bytes, most], || {
+            let least = wgpu::COPY_BUFFER_ALIGNMENT;
+            self.device.create_buffer(&unmapped(bytes.next_multiple_of(least).max(least), usage))
+        })
     }
 
     /// Writes to the start of a buffer of [`Self::buffer`].
@@ -199,9 +193,10 @@ impl Gpu {
         self.with_room(limits, || self.queue.write_buffer(buffer, 0, bytes))
     }
 
-    /// Does what may take so many bytes of at most so many.
+    /// Does what takes so many bytes of at most so many.
     fn with_room<T>(&self, [bytes, most]: [u64; 2], work: impl FnOnce() -> T) -> Result<T, GpuError> {
-        self.try_room(work).ok_or(GpuError::NoRoom { bytes, most })
+        let refused = GpuError::NoRoom { bytes, most };
+        if bytes > most { Err(refused) } else { self.try_room(work).ok_or(refused) }
     }
 
     /// Does what takes memory of the device; `None` if it has none left. Without this, a device
@@ -214,9 +209,6 @@ impl Gpu {
     /// A buffer for reading back.
     fn readable(&self, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
         let most = self.device.limits().max_buffer_size;
-        if bytes > most {
-            return Err(GpuError::NoRoom { bytes, most });
-        }
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
         self.with_room([bytes, most], || self.device.create_buffer(&unmapped(bytes, usage)))
     }
@@ -235,7 +227,7 @@ impl Gpu {
     ///
     /// # Errors
     /// The device is lost or out of memory, or this is a page.
-    pub fn read(&self, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+    pub fn read(&self, texture: &Texture) -> Result<Vec<u8>, GpuError> {
         let reading = self.read_later(texture)?;
         self.wait()?;
         waited_for(reading.take())
@@ -245,7 +237,7 @@ impl Gpu {
     ///
     /// # Errors
     /// The device is out of memory.
-    pub fn read_later(&self, texture: &wgpu::Texture) -> Result<Reading, GpuError> {
+    pub fn read_later(&self, texture: &Texture) -> Result<Reading, GpuError> {
         let (width, height) = (texture.width(), texture.height());
         // Depth and compressed formats have no such size; pictures have neither.
         let bytes = texture.format().block_copy_size(None).unwrap_or(4);

@@ -26,7 +26,7 @@ impl Panel {
 
     /// A panel in a window, for [`Panel::report`].
     pub(crate) fn on(screen: &Screen) -> Self {
-        Self::with(screen.panels().clone(), &screen.gpu, screen.format())
+        Self::with(screen.panels.clone(), &screen.gpu, screen.format())
     }
 
     fn with(context: egui::Context, gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
@@ -58,11 +58,11 @@ impl Panel {
     pub(crate) fn report(&mut self, screen: &Screen, target: &Target, report: &Report) -> Turned {
         let (input, mut found) = (screen.input(), Turned::Nothing);
         let mut output = self.context.clone().run_ui(input, |ui| {
-            place(ui.ctx(), "report", (Align2::LEFT_TOP, [10.0, 10.0]), true, &mut |ui| {
-                found = told(ui, report);
-            });
+            boxed(ui.ctx(), "report", Align2::LEFT_TOP, [10.0, 10.0], &mut |ui| found = told(ui, report));
         });
-        screen.answer(std::mem::take(&mut output.platform_output));
+        // The cursor that panels ask for, and their text for the clipboard.
+        let wishes = std::mem::take(&mut output.platform_output);
+        screen.events.borrow_mut().handle_platform_output(&screen.window, wishes);
         self.paint(&screen.gpu, target, output);
         found
     }
@@ -215,18 +215,8 @@ pub fn boxed(
     offset: [f32; 2],
     add: &mut dyn FnMut(&mut egui::Ui),
 ) {
-    place(context, name, (corner, offset), false, add);
-}
-
-fn place(
-    context: &egui::Context,
-    name: &str,
-    (corner, offset): (Align2, [f32; 2]),
-    interactable: bool,
-    add: &mut dyn FnMut(&mut egui::Ui),
-) {
     let area = egui::Area::new(egui::Id::unique(name)).anchor(corner, offset);
-    area.interactable(interactable).fade_in(false).show(context, |ui| {
+    area.fade_in(false).show(context, |ui| {
         let frame = egui::Frame::new().fill(Color32::from_black_alpha(215)).inner_margin(8).corner_radius(6);
         ui.visuals_mut().override_text_color = Some(Color32::from_gray(225));
         frame.show(ui, |ui| add(ui));

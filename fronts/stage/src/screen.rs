@@ -53,7 +53,8 @@ pub struct Screen {
     pub(crate) last: Instant,
     /// Frames still to be drawn, if they are counted.
     pub(crate) left: Option<u32>,
-    panels: egui::Context,
+    /// The context of the panels in this window.
+    pub(crate) panels: egui::Context,
     pub(crate) events: RefCell<egui_winit::State>,
 }
 
@@ -78,24 +79,9 @@ impl Screen {
         self.window.scale_factor() as f32
     }
 
-    /// Gives the window another title.
-    pub(crate) fn set_title(&self, title: &str) {
-        self.window.set_title(title);
-    }
-
-    /// The context of the panels in this window.
-    pub(crate) fn panels(&self) -> &egui::Context {
-        &self.panels
-    }
-
     /// Mouse and keys since the last call, for panels.
     pub(crate) fn input(&self) -> egui::RawInput {
         self.events.borrow_mut().take_egui_input(&self.window)
-    }
-
-    /// The cursor that panels ask for, and their text for the clipboard.
-    pub(crate) fn answer(&self, wishes: egui::PlatformOutput) {
-        self.events.borrow_mut().handle_platform_output(&self.window, wishes);
     }
 
     /// The way that keys and fingers ask for in so many seconds, at a speed of 1: right, up and

@@ -174,7 +174,7 @@ fn turned(demo: &mut dyn Demo, turned: Turned, screen: &Screen) -> Result<Report
 
 impl Shown {
     fn words(screen: &Screen, start: Start, before: Option<Box<Running>>) -> Self {
-        screen.set_title(&start.title);
+        screen.window.set_title(&start.title);
         Self::Words(start, Box::new(Panel::new(&screen.gpu, screen.format())), WORDS, before)
     }
 
@@ -182,13 +182,6 @@ impl Shown {
         match self {
             Self::Demo(Some(running)) => Some(&mut *running.demo),
             _ => None,
-        }
-    }
-
-    /// Hides the panel, or shows it again.
-    fn hide(&mut self) {
-        if let Self::Demo(Some(running)) = self {
-            running.is_hidden ^= true;
         }
     }
 
@@ -392,8 +385,9 @@ impl ApplicationHandler<Event> for Program {
                     Ok(())
                 }
                 (PhysicalKey::Code(KeyCode::KeyH), _) if self.listener.is_none() => {
-                    if event.state == ElementState::Pressed && !event.repeat && !taken {
-                        shown.hide();
+                    let pressed = event.state == ElementState::Pressed && !event.repeat && !taken;
+                    if let (true, Shown::Demo(Some(running))) = (pressed, shown) {
+                        running.is_hidden ^= true;
                     }
                     Ok(())
                 }

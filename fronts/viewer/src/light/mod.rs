@@ -1,6 +1,5 @@
 //! Light with all of its bounces, by a radiosity cache: in a window or into pictures.
 
-mod frame;
 mod headless;
 mod options;
 mod picture;

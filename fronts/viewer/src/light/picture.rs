@@ -2,11 +2,11 @@
 //! colours of a screen.
 
 use bytemuck::{Pod, Zeroable};
-use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Mirrors, Shading};
+use casca_radiosity::gpu::{Answers, Gaps, Gloss, GpuCache, Mirrors, Shading, Surfaces};
 use casca_radiosity::lit::{LitObject, LitScene, Material};
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Target;
-use casca_stage::gpu::{Gpu, GpuError};
+use casca_stage::gpu::{DEPTH, Gpu, GpuError};
 use casca_stage::kernel::{Kernel, bind, filled};
 use casca_stage::pass::{Draws, behind, over};
 use casca_stage::timing::Clock;
@@ -17,7 +17,6 @@ use casca_stage::wgpu::{
 use glam::Vec3;
 
 use crate::common::Failed;
-use crate::light::frame::{Frame, SURFACES};
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,6 +111,59 @@ fn corners_of(object: &LitObject, materials: usize) -> Vec<Corner> {
 pub fn roughness(material: &Material) -> Option<f32> {
     let mirrors = material.specular.max_element() > 0.0;
     mirrors.then(|| (2.0 / (material.exponent() + 2.0)).sqrt() as f32)
+}
+
+/// The format of places and light.
+const FLOATS: TextureFormat = TextureFormat::Rgba32Float;
+/// The formats of what is drawn of surfaces: 32 bytes in all, as many as any device takes.
+const SURFACES: [TextureFormat; 3] = [FLOATS, TextureFormat::Rgba16Float, TextureFormat::Rg32Float];
+
+/// Textures of one size.
+struct Frame {
+    size: (u32, u32),
+    /// Places, normals, and roughness with the material.
+    surfaces: [TextureView; 3],
+    depth: TextureView,
+    /// Irradiance with gaps, without, and of the rest.
+    gapped: TextureView,
+    lit: TextureView,
+    rest: TextureView,
+    mirrored: TextureView,
+    light: TextureView,
+}
+
+impl Frame {
+    /// Textures of a size, or as large as the device has them.
+    ///
+    /// # Errors
+    /// The device has no room for them.
+    fn new(gpu: &Gpu, size: (u32, u32)) -> Result<Self, GpuError> {
+        let size = gpu.clamp(size);
+        let texture = |format, usage| {
+            let made = gpu.try_room(|| gpu.texture_for(size, format, usage));
+            let bytes = 16 * u64::from(size.0) * u64::from(size.1);
+            let most = gpu.device.limits().max_buffer_size;
+            made.map(|t| t.create_view(&Default::default())).ok_or(GpuError::NoRoom { bytes, most })
+        };
+        let stored = || texture(FLOATS, TextureUsages::STORAGE_BINDING);
+        let of_surface = |format| texture(format, TextureUsages::RENDER_ATTACHMENT);
+        Ok(Self {
+            size,
+            surfaces: [of_surface(SURFACES[0])?, of_surface(SURFACES[1])?, of_surface(SURFACES[2])?],
+            gapped: stored()?,
+            lit: stored()?,
+            rest: stored()?,
+            mirrored: stored()?,
+            depth: texture(DEPTH, TextureUsages::RENDER_ATTACHMENT)?,
+            light: stored()?,
+        })
+    }
+
+    /// What was drawn of surfaces, for the cache.
+    fn drawn(&self) -> Surfaces<'_> {
+        let [place, normals, _] = &self.surfaces;
+        Surfaces { place, normals }
+    }
 }
 
 /// Draws pictures of a scene.

