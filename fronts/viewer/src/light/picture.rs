@@ -11,7 +11,7 @@ use casca_stage::kernel::{Kernel, bind, filled};
 use casca_stage::pass::{Draws, behind, over};
 use casca_stage::timing::Clock;
 use casca_stage::wgpu::{
-    self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureView,
+    self, BindingResource, Buffer, BufferUsages, CommandEncoder, TextureFormat, TextureUsages, TextureView,
     vertex_attr_array,
 };
 use glam::Vec3;
