@@ -45,7 +45,7 @@ const MOST: [(&str, usize); 25] = [
     ("crates/lab", 7000),
     ("crates/scenes", 9050),
     ("crates/slots", 750),
-    ("crates/tools", 1300),
+    ("crates/tools", 1200),
     ("crates/truth", 9200),
     ("sisters/fur", 10100),
     ("sisters/light", 9750),
@@ -61,7 +61,7 @@ const MOST: [(&str, usize); 25] = [
     ("fronts/python", 1750),
     ("fronts/server", 5900),
     ("fronts/stage", 2150),
-    ("fronts/viewer", 9200),
+    ("fronts/viewer", 7750),
     ("fronts/walls", 1250),
     ("fronts/web", 700),
 ];
