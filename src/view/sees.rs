@@ -1,6 +1,7 @@
 //! Which shapes a view may see, and the part of it inside a box.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::clip::{clip, sides_of_box};
@@ -51,13 +52,13 @@ impl View {
 
     /// The corners of the view's half-spaces clipped to a box, and some points of its surface: the
     /// region lies in their hull. Rounded outwards.
-    pub(crate) fn corners(&self, min: DVec3, max: DVec3) -> Vec<DVec3> {
+    pub(crate) fn corners(&self, min: DVec3, max: DVec3) -> SmallVec<[DVec3; 64]> {
         let reach = min.abs().max(max.abs()).max_element();
         let mut faces = sides_of_box(min, max);
         for plane in &self.planes {
             let slack = CLIP * (reach + plane.offset.abs());
             clip(&mut faces, plane, slack);
         }
-        faces.concat()
+        faces.into_iter().flatten().collect()
     }
 }

@@ -71,7 +71,7 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::method::{Method, PointOptions};
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
-use crate::occlusion::target::Target;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::query::point::pitch;
 use crate::query::{CameraQuery, Extras, Query};
 use crate::scene::Scene;
@@ -278,5 +278,6 @@ fn may_shade(mask: &OcclusionBuffers, scene: &Scene, slot: Slot) -> bool {
         return !mask.hides(&mask.relative(volume));
     }
     let body = object.bounds().kind().outer(mask.origin(), mask.uncertainty());
-    scene.is_unlocated(slot) || mask.test(&Target::new(body, mask.direction())) == Verdict::Visible
+    let target = Target::new(&body, mask.direction());
+    scene.is_unlocated(slot) || mask.test(&target, &mut FaceTarget::default()) == Verdict::Visible
 }

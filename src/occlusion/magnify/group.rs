@@ -156,7 +156,7 @@ impl FinePixel {
             if closed >= listed.near {
                 break;
             }
-            let drawn = buffer.drawn(listed);
+            let drawn = buffer.drawn(listed.drawn);
             let mask = drawn.silhouette.pixels(simd, &us, &vs);
             if mask != 0 {
                 let whole = mask == u64::MAX;
@@ -176,7 +176,7 @@ fn list_solids(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listed>)
     let rect = buffer.window().rect(pixels);
     found.clear();
     buffer.occluders().for_around(pixels, |listed| {
-        if listed.rect.overlaps(&rect) && buffer.drawn(listed).silhouette.touches(&rect) {
+        if listed.rect.overlaps(&rect) && buffer.drawn(listed.drawn).silhouette.touches(&rect) {
             found.push(*listed);
         }
     });

@@ -26,14 +26,14 @@ use crate::occlusion::magnify::budget::Purse;
 use crate::occlusion::magnify::filled::Filled;
 use crate::occlusion::magnify::group::{Group, Tiles, place_in_group};
 use crate::occlusion::pixels::{PixelRect, Window};
-use crate::occlusion::refine::Pixel;
+use crate::occlusion::refine::{Pixel, PixelOccluder};
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::local::{Listing, Local, Spot, Stores};
 use crate::occlusion::surface::near::{FINER, GROUP};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::sheet::Sheet;
-use crate::occlusion::target::FaceTarget;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, Tile, block};
 use crate::simd::vectorized;
 
@@ -121,6 +121,12 @@ pub(crate) struct Hand {
     /// Those that it filled with finer pixels.
     filled: Vec<(u32, u32)>,
     spare_tiles: Vec<Box<Tiles>>,
+    /// For a target: itself, as a face sees it, the pixels that leave it undecided, and what it is
+    /// compared with in one of them.
+    pub(crate) target: Target,
+    pub(crate) on_face: FaceTarget,
+    pub(crate) open: Vec<(i64, i64, Rect)>,
+    pub(crate) candidates: Vec<PixelOccluder>,
     /// The pixels that targets asked for since this was emptied last.
     pub(crate) requests: Vec<Request>,
     /// The objects of convex occluders that targets were compared with, to be hidden by them.

@@ -145,10 +145,14 @@ impl PointWalk<'_> {
             self.drawable(slot, patch)
         };
         let patches = Redrawable { drawable };
+        let mut target = std::mem::take(&mut hand.target);
         let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
         let refines = effort.squares > 0 || self.options.refine_patches > 0;
         let mut hidden = |target: &Target| {
-            if !refines { buffers.test(target) == Verdict::Hidden } else { examination.hides(target, slot) }
+            if refines {
+                return examination.hides(target, slot);
+            }
+            buffers.test(target, &mut examination.hand.on_face) == Verdict::Hidden
         };
         let (origin, direction) = (buffers.origin(), buffers.direction());
         if let Some(middle) = bounds.kind().middle_of_parts() {
@@ -168,13 +172,19 @@ impl PointWalk<'_> {
             }
             bounds.kind().all_parts(origin, &mut |part| {
                 let block = part.bounds();
-                buffers.hides(&block) || hidden(&Target::part(part, block, direction))
+                buffers.hides(&block) || {
+                    target.set_part(part, block, direction);
+                    hidden(&target)
+                }
             })
         } else {
             None
         };
-        parts.unwrap_or_else(|| {
-            hidden(&Target::new(bounds.kind().outer(origin, buffers.uncertainty()), direction))
-        })
+        let is_hidden = parts.unwrap_or_else(|| {
+            target.set_body(&bounds.kind().outer(origin, buffers.uncertainty()), direction);
+            hidden(&target)
+        });
+        examination.hand.target = target;
+        is_hidden
     }
 }

@@ -10,7 +10,7 @@ use crate::object::Bounds;
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::{Hand, Magnifier, UsedFinely};
 use crate::occlusion::surface::by_patch::ByPatch;
-use crate::occlusion::target::Target;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::query::marks::Marks;
 use crate::query::point::offered::Offered;
 use crate::query::point::recall::Coherence;
@@ -140,7 +140,7 @@ impl PointScratch {
             return false;
         }
         let outer = bounds.kind().outer(buffers.origin(), buffers.uncertainty());
-        buffers.test(&Target::new(outer, buffers.direction())) == Verdict::Hidden
+        buffers.test(&Target::new(&outer, buffers.direction()), &mut FaceTarget::default()) == Verdict::Hidden
     }
 
     /// Whether the view that the buffers are of may see a temporal bounding volume.
