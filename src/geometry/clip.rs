@@ -7,7 +7,7 @@ use crate::geometry::plane::HalfSpace;
 
 /// The faces of a convex solid, each with its corners in a ring. Those of a frustum take no memory
 /// from the heap.
-pub(crate) type Faces = SmallVec<[SmallVec<[DVec3; 8]>; 12]>;
+pub(crate) type Faces = SmallVec<[SmallVec<[DVec3; 16]>; 12]>;
 
 /// The sides of a box.
 pub(crate) fn sides_of_box(min: DVec3, max: DVec3) -> Faces {
@@ -22,7 +22,7 @@ pub(crate) fn sides_of_box(min: DVec3, max: DVec3) -> Faces {
 /// Cuts off the part of a convex solid, given by its faces, that lies outside of a half-space by
 /// more than `slack`.
 pub(crate) fn clip(faces: &mut Faces, plane: &HalfSpace, slack: f64) {
-    let mut cut: SmallVec<[DVec3; 8]> = SmallVec::new();
+    let mut cut: SmallVec<[DVec3; 16]> = SmallVec::new();
     for face in faces.iter_mut() {
         let mut kept = SmallVec::new();
         for (i, &a) in face.iter().enumerate() {

@@ -117,7 +117,7 @@ impl<T: Copy> Bins<T> {
         if place == 0 {
             let new = self.used as u32;
             match self.chunks.get_mut(self.used) {
-                Some(chunk) => chunk.0 = [item; CHUNK],
+                Some(chunk) => chunk.0[0] = item,
                 None => self.chunks.push(([item; CHUNK], 0)),
             }
             self.used += 1;
