@@ -3,7 +3,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::polytope::{Aspect, Outline};
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::numeric::occlusion::{
     BALL_NEAR_EYE, BALL_OUTLINE, PLANE_BEHIND_PLANE, PLANE_NEAR_EYE, TANGENT_NEAR_EYE,
 };

@@ -370,8 +370,8 @@ mod tests {
     use super::*;
     use crate::geometry::Block;
     use crate::geometry::Room;
+    use crate::geometry::aspect::Aspect;
     use crate::geometry::body::Body;
-    use crate::geometry::polytope::Aspect;
     use crate::occlusion::face::{Face, Rect};
     use crate::random::Random;
 

@@ -9,7 +9,7 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::polytope::{Aspect, Outline};
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::numeric::occlusion::{CONIC, CONIC_HORIZON};
 use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::{Face, Linear, Rect};

@@ -3,9 +3,10 @@
 use glam::DVec3;
 
 use crate::geometry::Room;
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::{Aspect, Outline, Part};
+use crate::geometry::polytope::Part;
 use crate::numeric::occlusion::{BEHIND, SPHERE_AROUND_EYE};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::front::contour_depth;

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::{Aspect, Outline, Part};
+use crate::geometry::polytope::Part;
 use crate::geometry::{Block, Room};
 use crate::numeric::occlusion::{BEHIND, above};
 use crate::occlusion::face::{Face, Linear, Rect};

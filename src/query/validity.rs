@@ -19,8 +19,7 @@ impl Pvs {
     ///   [reach](View::with_reach) of the view.
     ///
     /// So a result of [`Method::Cell`] in all directions ([`View::omnidirectional`]) holds for
-    /// every view from its cell. Aggressive results never hold, nor do those of
-    /// [`crate::Query::shadow_casters`]. Costs the planes of both views, and the cells before the
+    /// every view from its cell. Results of [`crate::Query::shadow_casters`] never hold. Costs the planes of both views, and the cells before the
     /// near plane.
     pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
@@ -28,7 +27,7 @@ impl Pvs {
             return false;
         }
         let fresh = self.is_fresh(scene.revision(), scene.moves());
-        if self.aggressive || self.partial || scene.tag() != self.scene || !fresh {
+        if self.partial || scene.tag() != self.scene || !fresh {
             return false;
         }
         // A volume that was hidden stands for all that moves in it; one that was seen does not.

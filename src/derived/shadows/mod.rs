@@ -110,8 +110,6 @@ impl Query {
     /// - A renderer whose light differs by rounding to single precision sees shadows shifted by
     ///   about 1e-7 of the distance between caster and receiver; so may be the edges of the shadows
     ///   of objects left out.
-    /// - After an aggressive query ([`Query::run_aggressive`]), the objects that it lost get no
-    ///   shadows; all others do.
     ///
     /// Costs a query of the light's view, in which everything without receivers behind it counts as
     /// hidden, and a test of each receiver and of up to 4,096 parts of large ones against the

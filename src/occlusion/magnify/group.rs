@@ -101,7 +101,7 @@ impl Tiles {
         }
         self.used.clear();
         (self.cost, self.bare, self.asked) = (0, false, WasAsked::default());
-        self.pixels.iter_mut().for_each(|pixel| drop(pixel.take()));
+        self.pixels.iter_mut().for_each(|pixel| *pixel = Filled::default());
         pixels
     }
 

@@ -32,7 +32,7 @@ impl<'a> Batch<'a> {
         self.drawables.clear();
         self.sights.clear();
         // A list is turned in place into one of items of the same size.
-        Batch { drawables: self.drawables.into_iter().filter_map(|_| None).collect(), sights: self.sights }
+        Batch { drawables: self.drawables.into_iter().map_while(|_| None).collect(), sights: self.sights }
     }
 
     /// Appends the faces that see the box around the next patch, relative to the origin. Returns
