@@ -39,7 +39,8 @@ pub(crate) struct Extras<'a> {
 /// Finds the objects that a view can see.
 ///
 /// A query is a [`Method`] with the memory that it works in and its last result. Keep one for each
-/// camera and light, and run it in every frame: the second run allocates next to nothing.
+/// camera and light, and run it in every frame: runs of [`Method::Point`] take no memory where they
+/// were before, and what a new place needs is kept.
 ///
 /// # Use
 ///
