@@ -12,7 +12,7 @@ use bevy_reflect::{Reflect, std_traits::ReflectDefault};
 use bevy_transform::components::GlobalTransform;
 
 use crate::scene::{CascaScene, InScene};
-use crate::systems::CascaSystems;
+use crate::settings::CascaSystems;
 
 /// Draws the boxes of [`CascaGizmos`]. Add it beside [`CascaPlugin`](crate::CascaPlugin) and Bevy's
 /// `GizmoPlugin`, which is one of the `DefaultPlugins`.

@@ -54,7 +54,6 @@
 
 mod border;
 mod cameras;
-mod candidate;
 mod casters;
 mod diagnostics;
 mod drawn;
@@ -62,7 +61,6 @@ mod eyes;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod grid;
-mod lamps;
 mod layers;
 mod lights;
 mod materials;
@@ -71,10 +69,7 @@ mod plugin;
 mod run;
 mod scene;
 mod settings;
-mod stored;
-mod suns;
 mod sync;
-mod systems;
 mod told;
 mod unruled;
 
@@ -85,5 +80,4 @@ pub use gizmos::{CascaGizmos, CascaGizmosPlugin};
 pub use materials::{DeferredPlugin, MaterialsPlugin, NeverHiddenPlugin, NoDeferredPrepass, Surface};
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};
-pub use settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};
-pub use systems::CascaSystems;
+pub use settings::{CascaSettings, CascaSystems, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};

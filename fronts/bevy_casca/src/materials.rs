@@ -15,8 +15,7 @@ use bevy_ecs::query::Allow;
 use bevy_platform::collections::HashSet;
 
 use crate::layers;
-use crate::settings::Opaque;
-use crate::systems::CascaSystems;
+use crate::settings::{CascaSystems, Opaque};
 use crate::told::{Images, Told, follow_images};
 
 /// What a material says about how entities with it are drawn.

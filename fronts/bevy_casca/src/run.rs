@@ -2,11 +2,12 @@
 
 use std::hash::{BuildHasher, Hash};
 
+use bevy_ecs::entity::Entity;
 use bevy_platform::collections::HashMap;
 use bevy_tasks::ComputeTaskPool;
-use casca::{Query, Scene, View};
+use casca::{Method, Query, Scene, View};
 
-use crate::settings::CascaSettings;
+use crate::settings::{CascaSettings, Shadows};
 
 /// Runs a query for each view, the one of the frame before if there is one, and forgets others. A
 /// view has none if the method is refused.
@@ -37,4 +38,26 @@ pub(crate) fn each<T: Send>(all: &mut [T], parallel: bool, does: impl Fn(&mut T)
     ComputeTaskPool::get_or_init(Default::default).scope(|scope| {
         all.iter_mut().for_each(|one| scope.spawn(async move { does(one) }));
     });
+}
+
+/// A view of a light: the light, for suns the camera whose cascade it is, and its number.
+pub(crate) type Key = (Entity, Entity, usize);
+
+/// The queries of the views of lights.
+pub(crate) type Queries = HashMap<Key, Query>;
+
+/// Runs the queries of some views of lights, and forgets those of others.
+pub(crate) fn run_lights(
+    scene: Option<&Scene>,
+    queries: &mut Queries,
+    settings: &CascaSettings,
+    views: &[(Key, View)],
+) {
+    let culls =
+        settings.enabled && settings.shadows != Shadows::All && !matches!(settings.method, Method::Frustum);
+    let Some(scene) = scene.filter(|_| culls) else {
+        queries.clear();
+        return;
+    };
+    run_all(scene, queries, settings, views);
 }

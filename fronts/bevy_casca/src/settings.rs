@@ -1,4 +1,4 @@
-//! What a program may choose: a resource, and components of single entities.
+//! What a program may choose: a resource, components of single entities, and the order of systems.
 
 use bevy_asset::Handle;
 use bevy_ecs::prelude::*;
@@ -107,3 +107,20 @@ pub struct NotOccluder;
 /// all that it looks at is culled by frustum only.
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct NoOcclusionCulling;
+
+/// What the plugin does in `PostUpdate`, in this order. The first three are part of Bevy's
+/// `VisibilitySystems::CheckVisibility`: what runs before that set changes what they find.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CascaSystems {
+    /// Materials are judged: [`MaterialsPlugin`](crate::MaterialsPlugin).
+    Materials,
+    /// Entities that came, moved, changed or went are brought up to date in the
+    /// [`CascaScene`](crate::CascaScene).
+    Sync,
+    /// Cameras find what they see.
+    Cameras,
+    /// Lights find what casts their shadows.
+    Lights,
+    /// The frame ends: what nobody saw is put into volumes.
+    End,
+}

@@ -7,14 +7,12 @@ use std::any::TypeId;
 
 use bevy_app::App;
 use bevy_asset::Assets;
-use bevy_casca::{CascaGizmos, CascaGizmosPlugin, CascaScene, NoOcclusionCulling, Opaque};
+use bevy_casca::{CascaGizmos, CascaGizmosPlugin, CascaScene, NoOcclusionCulling};
 use bevy_gizmos::config::GizmoConfigStore;
 use bevy_gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin};
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
-use common::{entity, headless, settle, spawn_box, spawn_camera};
-
-const CAMERA: u32 = 100;
+use common::{CAMERA, entity, headless, opaque, settle, spawn_box, spawn_camera};
 
 /// The corners of a box are those of 12 edges, in a strip or as lines.
 fn corners(app: &App) -> Vec<Vec3> {
@@ -31,8 +29,7 @@ fn boxes_are_around_what_is_hidden() {
     let mut app = headless(true);
     app.add_plugins((bevy_time::TimePlugin, GizmoPlugin, CascaGizmosPlugin));
     let world = app.world_mut();
-    let wall = spawn_box(world, 0, Vec3::new(0.0, 0.0, -10.0), Vec3::new(20.0, 20.0, 0.5));
-    world.entity_mut(wall).insert(Opaque::Front);
+    opaque(world, 0, Vec3::new(0.0, 0.0, -10.0), Vec3::new(20.0, 20.0, 0.5));
     spawn_box(world, 1, Vec3::new(3.0, 0.0, -20.0), Vec3::ONE);
     spawn_box(world, 2, Vec3::new(0.0, 0.0, -5.0), Vec3::ONE);
     spawn_box(world, 3, Vec3::new(0.0, 0.0, 50.0), Vec3::ONE);

@@ -5,26 +5,14 @@ mod common;
 use bevy_asset::Handle;
 use bevy_camera::visibility::{ViewVisibility, VisibleEntities};
 use bevy_casca::casca::{self, KeptOptions, Method};
-use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque};
+use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder};
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
 use bevy_mesh::Mesh;
 use bevy_transform::components::Transform;
-use common::{Cube, Nr, Pair, entity, eye, judge, settle, spawn_box, spawn_camera};
+use common::{CAMERA, Cube, Nr, Pair, dice, entity, eye, judge, opaque, settle, spawn_box, spawn_camera};
 
 const FRAMES: u32 = 300;
-const CAMERA: u32 = 1_000_000;
-
-/// Numbers that look like chance.
-fn dice(n: u32) -> f32 {
-    let x = n.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
-    ((x ^ x >> 15).wrapping_mul(0xc2b2_ae35) >> 8) as f32 / (1 << 24) as f32
-}
-
-fn opaque(world: &mut World, nr: u32, middle: Vec3, size: Vec3) {
-    let entity = spawn_box(world, nr, middle, size);
-    world.entity_mut(entity).insert(Opaque::Front);
-}
 
 /// Blocks of houses with people among them. Returns the number of things.
 fn city(world: &mut World) -> u32 {
