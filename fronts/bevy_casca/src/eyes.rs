@@ -29,7 +29,7 @@ impl Eyes {
         match (settings.kept, settings.method) {
             (Some(how), Method::Point(options)) => {
                 self.fresh.clear();
-                self.run_kept(scene, how, options, settings.parallel, views);
+                self.run_kept(scene, how, options, views);
             }
             _ => {
                 self.kept.clear();
@@ -43,7 +43,6 @@ impl Eyes {
         scene: &Scene,
         how: KeptOptions,
         options: PointOptions,
-        parallel: bool,
         views: &[(Entity, View)],
     ) {
         let mut old = std::mem::take(&mut self.kept);
@@ -52,7 +51,7 @@ impl Eyes {
             let kept = old.remove(camera).filter(|kept| kept.is_for(how, options));
             jobs.extend(kept.or_else(|| Kept::new(how, options)).map(|kept| (*camera, kept, view)));
         }
-        run::each(&mut jobs, parallel, |(_, kept, view)| kept.run(scene, view));
+        run::each(&mut jobs, |(_, kept, view)| kept.run(scene, view));
         self.kept.extend(jobs.into_iter().map(|(camera, kept, _)| (camera, kept)));
     }
 

@@ -42,7 +42,6 @@
 //! - [`CascaSettings::kept`]: cameras answer many frames from one result.
 //! - [`CascaScene::shift_origin`]: worlds that move their origin.
 //! - Feature `cache`: `CascaSettings::cache` is a folder of prepared meshes.
-//! - Feature `gizmos`: `CascaGizmosPlugin` draws boxes around hidden entities.
 //!
 //! # Limits
 //!
@@ -58,8 +57,6 @@ mod casters;
 mod diagnostics;
 mod drawn;
 mod eyes;
-#[cfg(feature = "gizmos")]
-mod gizmos;
 mod grid;
 mod layers;
 mod lights;
@@ -75,8 +72,6 @@ mod unruled;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
-#[cfg(feature = "gizmos")]
-pub use gizmos::{CascaGizmos, CascaGizmosPlugin};
 pub use materials::{DeferredPlugin, MaterialsPlugin, NeverHiddenPlugin, NoDeferredPrepass, Surface};
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};

@@ -25,13 +25,13 @@ pub(crate) fn run_all<K: Eq + Hash + Copy + Send, S: BuildHasher + Default>(
             jobs.push((*key, query, view));
         }
     }
-    each(&mut jobs, settings.parallel, |(_, query, view)| _ = query.run(scene, view));
+    each(&mut jobs, |(_, query, view)| _ = query.run(scene, view));
     queries.extend(jobs.into_iter().map(|(key, query, _)| (key, query)));
 }
 
-/// Does something to each, in parallel if there are several.
-pub(crate) fn each<T: Send>(all: &mut [T], parallel: bool, does: impl Fn(&mut T) + Sync) {
-    if all.len() < 2 || !parallel {
+/// Does something to each, by Bevy's compute tasks if there are several.
+pub(crate) fn each<T: Send>(all: &mut [T], does: impl Fn(&mut T) + Sync) {
+    if all.len() < 2 {
         return all.iter_mut().for_each(does);
     }
     let does = &does;

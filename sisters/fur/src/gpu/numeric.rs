@@ -1,12 +1,5 @@
 //! Constants of the pictures, each with its reason.
 
-/// The longest side of an image on the device, in texels. A character that fills a picture of 1,080
-/// rows does not show more.
-pub(crate) const DRAWN_SIDE: u32 = 2048;
-
-/// The most bytes of the images of a mesh on the device, without smaller copies.
-pub(crate) const DRAWN_BYTES: u64 = 1 << 28;
-
 /// Tubes of a strand of the reference, each a part of a cone: a bent strand leaves the chord of a
 /// 32nd by less than 1/1000 of its height.
 pub(crate) const TUBES: u32 = 32;

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use crate::Error;
-use crate::mesh::{Image, Mesh};
+use crate::mesh::Mesh;
 use crate::shading::{Directions, Material};
 use crate::strands::{Root, roots};
 use casca_tools::camera::Camera;
@@ -44,7 +44,6 @@ pub struct Reference<'a> {
     strands: Vec<Root>,
     parts: Vec<Part>,
     bvh: Bvh2,
-    images: Vec<Image>,
     traced: bool,
 }
 
@@ -78,12 +77,7 @@ impl<'a> Reference<'a> {
         // In the order of the hierarchy.
         let mut sorted: Vec<Option<Part>> = parts.drain(..).map(Some).collect();
         let parts = bvh.primitive_indices.iter().filter_map(|&i| sorted[i as usize].take()).collect();
-        Ok(Self { mesh, look: *look, strands, parts, bvh, images: Vec::new(), traced: false })
-    }
-
-    /// The same with the images on which the vertices lie.
-    pub fn with_images(self, images: &[Image]) -> Self {
-        Self { images: images.to_vec(), ..self }
+        Ok(Self { mesh, look: *look, strands, parts, bvh, traced: false })
     }
 
     /// The same with shadows among strands by rays towards the sun, instead of by depth.
@@ -143,7 +137,7 @@ impl<'a> Reference<'a> {
                     to_light: to_sun,
                     to_eye: -direction.as_vec3(),
                 };
-                let color = own * root.color * root.tex.color(&self.images) * tint[0].lerp(tint[1], along);
+                let color = own * root.color * tint[0].lerp(tint[1], along);
                 let sky = self.look.material.depth(along);
                 let lit = self.sunlight(Fragment {
                     at: eye + direction * t,
@@ -157,12 +151,10 @@ impl<'a> Reference<'a> {
             }
             Part::Skin(i, corners) => {
                 let weights = weights(corners, eye + direction * t);
-                let corners = self.mesh.triangles()[*i as usize];
-                let of = corners.map(|v| v as usize);
+                let of = self.mesh.triangles()[*i as usize].map(|v| v as usize);
                 let mix = |f: &dyn Fn(usize) -> Vec3| (0..3).map(|k| f(of[k]) * weights[k]).sum::<Vec3>();
                 let normal = mix(&|v| self.mesh.vertices()[v].normal).normalize_or_zero();
-                let image = self.mesh.tex_coord(corners, weights).color(&self.images);
-                let color = image * mix(&|v| self.mesh.coats()[v].color);
+                let color = mix(&|v| self.mesh.coats()[v].color);
                 let length = mix(&|v| Vec3::splat(self.mesh.coats()[v].length)).x;
                 let to_eye = -direction.as_vec3();
                 let seen = Directions { tangent: normal, normal, to_light: to_sun, to_eye };

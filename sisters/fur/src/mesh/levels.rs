@@ -8,10 +8,10 @@ use meshopt::{SimplifyOptions, VertexDataAdapter};
 use super::order::without_fins;
 use super::types::Mesh;
 use crate::error::{Error, range};
-use crate::numeric::{COARSER, COLOR_WEIGHT, LEAST_LEVEL, LENGTH_WEIGHT, MAX_COORDINATE, PLACE_WEIGHT};
+use crate::numeric::{COARSER, COLOR_WEIGHT, LEAST_LEVEL, LENGTH_WEIGHT, MAX_COORDINATE};
 
-/// Numbers of a vertex that levels keep: colour, length and place on an image.
-const KEPT: usize = 6;
+/// Numbers of a vertex that levels keep: colour and length.
+const KEPT: usize = 4;
 
 /// Targets that are tried for a level of a closed mesh, until one leaves it closed.
 const TRIES: usize = 16;
@@ -21,8 +21,8 @@ impl Mesh {
     /// triangles of the one before; fewer where the mesh cannot become simpler. Their vertices are
     /// vertices of the mesh.
     ///
-    /// Edges collapse by quadrics of places, colours of coats, lengths and places on images (Hoppe
-    /// 1999, by meshoptimizer). Six vertices on the border of each bald part stay, so that eyes do:
+    /// Edges collapse by quadrics of places, colours and lengths of coats (Hoppe 1999, by
+    /// meshoptimizer). Six vertices on the border of each bald part stay, so that eyes do:
     /// of the 32 parts with the longest borders. Levels of closed meshes are closed, which
     /// [`inner_ball`](crate::visibility::inner_ball) needs. Costs up to 16 simplifications of the
     /// finest mesh a level.
@@ -60,11 +60,10 @@ struct Simplifier<'a> {
 impl<'a> Simplifier<'a> {
     fn new(mesh: &'a Mesh) -> Self {
         let positions = mesh.vertices().iter().flat_map(|v| v.position.to_array().map(f32::to_ne_bytes));
-        let kept = mesh.coats().iter().enumerate().flat_map(|(v, coat)| {
+        let kept = mesh.coats().iter().flat_map(|coat| {
             // As pictures store it: differences are then as large as they look.
             let color = coat.color.powf(1.0 / 2.2);
-            let place = mesh.tex_coords().get(v).map_or([0.0; 2], |coord| coord.uv.to_array());
-            [color.x, color.y, color.z, coat.length, place[0], place[1]]
+            [color.x, color.y, color.z, coat.length]
         });
         Self {
             mesh,
@@ -93,12 +92,12 @@ impl<'a> Simplifier<'a> {
 
     fn simplified(&self, triangles: usize) -> Option<Mesh> {
         let adapter = VertexDataAdapter::new(&self.positions, 12, 0).ok()?;
-        let (c, l, p) = (COLOR_WEIGHT, LENGTH_WEIGHT, PLACE_WEIGHT);
+        let (c, l) = (COLOR_WEIGHT, LENGTH_WEIGHT);
         let left = meshopt::simplify_with_attributes_and_locks(
             self.mesh.triangles().as_flattened(),
             &adapter,
             &self.kept,
-            &[c, c, c, l, p, p],
+            &[c, c, c, l],
             KEPT * size_of::<f32>(),
             &self.locks,
             3 * triangles,

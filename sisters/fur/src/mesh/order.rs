@@ -4,7 +4,6 @@ use std::collections::HashSet;
 
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 
-use super::image::TexCoord;
 use super::types::{Coat, Mesh, Vertex};
 use crate::error::{Error, range};
 use crate::numeric::MAX_COORDINATE;
@@ -64,19 +63,17 @@ impl Mesh {
         let mut number = vec![u32::MAX; self.vertices().len()];
         let mut vertices: Vec<Vertex> = Vec::new();
         let mut coats: Vec<Coat> = Vec::new();
-        let mut places: Vec<TexCoord> = Vec::new();
         let mut renumber = |v: u32| {
             let slot = &mut number[v as usize];
             if *slot == u32::MAX {
                 *slot = vertices.len() as u32;
                 vertices.push(self.vertices()[v as usize]);
                 coats.push(self.coats()[v as usize]);
-                places.extend(self.tex_coords().get(v as usize));
             }
             *slot
         };
         let triangles = corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(&mut renumber)).collect();
-        Self::from_checked(vertices, coats, triangles, places)
+        Self::from_checked(vertices, coats, triangles)
     }
 }
 
