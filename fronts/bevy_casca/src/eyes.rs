@@ -38,13 +38,7 @@ impl Eyes {
         }
     }
 
-    fn run_kept(
-        &mut self,
-        scene: &Scene,
-        how: KeptOptions,
-        options: PointOptions,
-        views: &[(Entity, View)],
-    ) {
+    fn run_kept(&mut self, scene: &Scene, how: KeptOptions, options: PointOptions, views: &[(Entity, View)]) {
         let mut old = std::mem::take(&mut self.kept);
         let mut jobs = Vec::with_capacity(views.len());
         for (camera, view) in views {

@@ -68,7 +68,6 @@ mod scene;
 mod settings;
 mod sync;
 mod told;
-mod unruled;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;

@@ -12,7 +12,7 @@ use bevy_transform::TransformSystems;
 
 use crate::scene::CascaScene;
 use crate::settings::{CascaSettings, CascaSystems};
-use crate::{cameras, diagnostics, lights, sync, unruled};
+use crate::{cameras, diagnostics, lights, materials, sync};
 
 /// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
 /// the choices.
@@ -63,7 +63,7 @@ impl Plugin for CascaPlugin {
 
 /// Takes Bevy's systems out whose work is done here. At start, when all plugins have been added.
 fn take_over(world: &mut World) {
-    unruled::watch(world);
+    materials::watch_unruled(world);
     let taken = world.try_schedule_scope(PostUpdate, |world, schedule| {
         let how = ScheduleCleanupPolicy::RemoveSystemsOnly;
         [

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use casca_fur::gpu::look::Look;
 use casca_fur::mesh::Mesh;
-use casca_fur::scenes::animals::{Animal, LEVELS};
 use casca_fur::scenes::Character;
+use casca_fur::scenes::animals::{Animal, LEVELS};
 use casca_fur::strands::Fur;
 use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, value_parser};

@@ -13,7 +13,3 @@ pub(crate) const WIDER: f64 = 4e-6;
 pub(crate) const WET: f32 = 0.7;
 /// How narrow that highlight is.
 pub(crate) const WET_EXPONENT: f32 = 140.0;
-
-/// Rays towards the sun begin so far above the surface, in cells: far more than the rounding of a
-/// hit, far less than a strand's radius.
-pub(crate) const SHADOW_LIFT: f64 = 1e-3;

@@ -32,11 +32,7 @@ pub(super) struct Pipelines<'a> {
 
 impl Pipelines<'_> {
     /// Shells of meshes with weights, if they are `posed`, or of others.
-    pub(super) fn shells(
-        &self,
-        posed: bool,
-        colours: Option<(&str, TextureFormat)>,
-    ) -> wgpu::RenderPipeline {
+    pub(super) fn shells(&self, posed: bool, colours: Option<(&str, TextureFormat)>) -> wgpu::RenderPipeline {
         let shell = vertex_attr_array![0 => Uint32x2];
         let corner = vertex_attr_array![1 => Float32x3, 2 => Float32x3, 3 => Float32x4];
         let follower = vertex_attr_array![4 => Uint16x4, 5 => Float32x4];

@@ -95,11 +95,7 @@ impl Mesh {
     }
 
     /// A mesh of parts of one that was checked.
-    pub(super) fn from_checked(
-        vertices: Vec<Vertex>,
-        coats: Vec<Coat>,
-        triangles: Vec<[u32; 3]>,
-    ) -> Self {
+    pub(super) fn from_checked(vertices: Vec<Vertex>, coats: Vec<Coat>, triangles: Vec<[u32; 3]>) -> Self {
         Self { vertices, coats, triangles }
     }
 

@@ -19,7 +19,7 @@ pub fn inflate(aabb: Aabb, reach: f32) -> Aabb {
 
 /// An object for [`casca::Scene::insert`]: the box `base` of a mesh in object space, inflated by
 /// the reach of its fur (bent tips included), under a placement. All layers of the mesh lie within
-/// these bounds, and so do those of its [`simplified`](Mesh::simplified) levels, whose vertices are
+/// these bounds, and so do those of its [levels](Mesh::levels), whose vertices are
 /// some of its own.
 ///
 /// `hides` is what hides others, in object space: [`base_occluder`] or [`inner_ball`], or nothing;
@@ -236,7 +236,7 @@ mod tests {
         let upper = weld(&upper, &[]).unwrap();
         let sphere = inner_ball(&[&fine, &upper]).unwrap();
         assert_eq!(sphere, None, "they only touch");
-        let coarse = fine.simplified(100).unwrap();
+        let coarse = fine.levels(3).unwrap().remove(2);
         let sphere = inner_ball(&[&fine, &coarse]).unwrap().unwrap();
         assert!((0.7..1.0).contains(&(sphere.center.length() + sphere.radius)), "{sphere:?}");
         for mesh in [&fine, &coarse] {

@@ -7,10 +7,10 @@ use crate::mesh::Coat;
 use crate::skin::{Clip, Skeleton, Weights};
 use glam::Affine3A;
 
+use casca_scenes::import::Trouble;
 use casca_scenes::import::parts::{
     Components, File, Nodes, QUANTIZATION, Warnings, check_rigid, nodes_of, parse,
 };
-use casca_scenes::import::Trouble;
 use join::Join;
 use skins::{clips_of, follower, followers_of, skeleton_of};
 
