@@ -21,8 +21,8 @@ impl Mesh {
     /// vertices of the mesh.
     ///
     /// Edges collapse by quadrics of places, colours and lengths of coats (Hoppe 1999, by
-    /// meshoptimizer). Six vertices on the border of each bald part stay, so that eyes do:
-    /// of the 32 parts with the longest borders. Levels of closed meshes are closed, which
+    /// meshoptimizer). Six vertices on the border of each bald part stay, so that eyes do: of the 32
+    /// parts with the longest borders. Levels of closed meshes are closed, which
     /// [`inner_ball`](crate::visibility::inner_ball) needs. Costs up to 16 simplifications of the
     /// finest mesh a level.
     ///

@@ -73,11 +73,12 @@ const SEEDS: [u64; 6] = [10, 11, 12, 13, 14, 15];
 
 #[test]
 fn the_coarsest_level_keeps_eyes_and_markings() {
+    let mut wrong = Vec::new();
     for seed in SEEDS {
         let character = bald(&coated(seed), "eyes").unwrap();
         let animal = Animal::new(seed, DETAIL).unwrap().levels()[0].levels(LEVELS).unwrap();
-        // Stripes are finer than the triangles of the coarsest level: there only the shape counts.
-        for (kind, levels, most) in [("painted", &character.levels, 1.25), ("plain", &animal, 0.99)] {
+        // Where there are stripes, eyes may grow a little more.
+        for (kind, levels, most) in [("painted", &character.levels, 2.1), ("plain", &animal, 2.0)] {
             let finest = &levels[0];
             assert_eq!(levels.len(), LEVELS, "seed {seed}");
             let (whole, _) = kept(finest, finest);
@@ -96,11 +97,13 @@ fn the_coarsest_level_keeps_eyes_and_markings() {
                     plain_bald / whole
                 );
                 assert_eq!(mesh.open_edges(), 0, "seed {seed}, level {number}");
-                assert!((0.6..2.0).contains(&(bare / whole)), "seed {seed}, level {number}");
-                assert!(color < most * plain_color, "seed {seed}, level {number}");
+                if !((0.6..most).contains(&(bare / whole)) && color < 0.99 * plain_color) {
+                    wrong.push((seed, kind, number));
+                }
             }
         }
     }
+    assert_eq!(wrong, [], "seeds, kinds and levels");
 }
 
 #[test]
