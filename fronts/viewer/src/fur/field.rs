@@ -5,9 +5,8 @@ use std::error::Error;
 use crate::fur::herd::{Demand, Herd, Way, camera_at};
 use casca_fur::gpu::records::Sun;
 use casca_fur::gpu::renderer::Renderer;
-use casca_fur::scenes::Species;
 use casca_fur::scenes::animals::Animal;
-use casca_fur::scenes::field::{Field, generated};
+use casca_fur::scenes::field::Field;
 use casca_fur::strands::Forces;
 use casca_scenes::world::Camera;
 use casca_stage::canvas::Canvas;
@@ -16,7 +15,7 @@ use casca_stage::timing::{Clock, Instant};
 use casca_tools::command_line::{Outcome, say};
 
 use crate::common::Film;
-use crate::fur::choices::{Choices, Subject};
+use crate::fur::choices::Choices;
 use crate::fur::one::TO_SUN;
 use crate::times;
 
@@ -42,33 +41,21 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A field of animals with the fur that is chosen: of the subject's species, or generated.
+    /// A field of animals with the fur that is chosen.
     pub fn new(
         gpu: &Gpu,
         format: casca_stage::wgpu::TextureFormat,
         choices: &Choices,
-        subject: &Subject,
     ) -> Result<Self, Box<dyn Error>> {
         let (count, walks) = (choices.field.unwrap_or(1), choices.walk);
         // One fur for all species: generated animals are about a unit long.
-        let radius = match &subject.species {
-            Some(species) => species.radius(),
-            None => Animal::new(choices.seed, 24)?.radius(),
-        };
-        let look = choices.look(radius)?;
-        let species = match &subject.species {
-            Some(own) => vec![(Species::clone(own), look.fur)],
-            None => generated(SPECIES, choices.seed, |_| Ok(look.fur))?,
-        };
-        let field = Field::new(count as usize, species, choices.seed, walks.then(Forces::default))?;
-        let herd = Herd::new(field)?;
+        let look = choices.look(Animal::new(choices.seed, 24)?.radius())?;
+        let forces = walks.then(Forces::default);
+        let herd = Herd::new(Field::new(count as usize, SPECIES, choices.seed, look.fur, forces)?);
         let mut renderer = Renderer::new(gpu, format, &herd.meshes(), &look)?;
         renderer.haze = 0.012;
         if walks {
             herd.weights().enumerate().try_for_each(|(i, weights)| renderer.set_weights(gpu, i, weights))?;
-        }
-        for (meshes, images) in herd.images() {
-            renderer.set_images(gpu, &meshes, images)?;
         }
         Ok(Self { herd, renderer })
     }
@@ -96,9 +83,9 @@ fn place(i: usize, n: usize) -> f32 {
 
 /// Draws pictures along the path, and compares those of everything with those of what the frustum
 /// and casca leave: they must be the same.
-pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<Outcome, Box<dyn Error>> {
+pub fn pictures(gpu: &Gpu, choices: &Choices) -> Result<Outcome, Box<dyn Error>> {
     let film = Film::new(gpu, choices.common.drawing.size, true);
-    let mut stage = Stage::new(gpu, COLOUR, choices, subject)?;
+    let mut stage = Stage::new(gpu, COLOUR, choices)?;
     let frames = choices.common.drawing.frames.unwrap_or(2) as usize;
     let mut outcome = Outcome::Well;
     for i in 0..frames {
@@ -143,9 +130,9 @@ pub fn pictures(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<Outco
 }
 
 /// Prints the time of frames along the path by the way of culling. The shadow map is drawn before.
-pub fn time(gpu: &Gpu, choices: &Choices, subject: &Subject) -> Result<(), Box<dyn Error>> {
+pub fn time(gpu: &Gpu, choices: &Choices) -> Result<(), Box<dyn Error>> {
     let canvas = Canvas::new(gpu, choices.common.drawing.size);
-    let mut stage = Stage::new(gpu, COLOUR, choices, subject)?;
+    let mut stage = Stage::new(gpu, COLOUR, choices)?;
     let places = choices.common.drawing.frames.unwrap_or(PLACES) as usize;
     let mut frames = Way::EVERY.map(|way| (way.name(), Vec::new()));
     let (mut seconds, mut totals) = (0.0, [(0, 0); Way::EVERY.len()]);

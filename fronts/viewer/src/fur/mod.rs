@@ -28,14 +28,13 @@ impl Shows for Options {
     }
 
     fn work(&self) -> Result<Outcome, Failed> {
-        let subject = self.subject()?;
         make_folder(&self.out())?;
         let gpu = self.common.drawing.device()?;
         say(format_args!("drawing on {}", gpu.name));
         match self.field {
-            Some(_) if self.time => field::time(&gpu, self, &subject)?,
-            Some(_) => return field::pictures(&gpu, self, &subject),
-            None => one::pictures(&gpu, self, &subject)?,
+            Some(_) if self.time => field::time(&gpu, self)?,
+            Some(_) => return field::pictures(&gpu, self),
+            None => one::pictures(&gpu, self, &self.subject()?)?,
         }
         Ok(Outcome::Well)
     }

@@ -3,7 +3,7 @@
 //! seen.
 
 use casca::{Aabb, DrawItem, DrawOptions, Method, Query, Sight, View};
-use casca_fur::mesh::{Image, Mesh};
+use casca_fur::mesh::Mesh;
 use casca_fur::scenes::field::{Field, Kind};
 use casca_fur::skin::Weights;
 use casca_fur::visibility::{PlanOptions, Share, Sight as Seen, plan_sights};
@@ -95,13 +95,7 @@ pub struct Drawn {
 
 impl Herd {
     /// The animals of a field, which stands still or [walks](Field::walk).
-    ///
-    /// # Errors
-    /// The species' furs differ, since a renderer draws one fur; or the field's grid is refused.
-    pub fn new(field: Field) -> Result<Self, FurGpuError> {
-        if field.species().windows(2).any(|pair| pair[0].1 != pair[1].1) {
-            return Err(FurGpuError::Furs);
-        }
+    pub fn new(field: Field) -> Self {
         // Each animal a little lighter or darker, and warmer or colder.
         let tint = |i: usize| {
             let word = casca_fur::strands::hash([i as u32, 17, 4, 1]);
@@ -110,15 +104,15 @@ impl Herd {
             // Tips are bleached.
             [0.85, 1.55].map(|share| [light * share * (0.95 + 0.1 * b), light * share, light * share])
         };
-        let sizes = field.species().iter().map(|(kind, _)| kind.levels().len());
+        let sizes = field.species().iter().map(|kind| kind.levels().len());
         let firsts = sizes.scan(0, |next, size| Some(std::mem::replace(next, *next + size))).collect();
         let tints = (0..field.animals().len()).map(tint).collect();
-        Ok(Self { field, firsts, query: Query::new(), items: Vec::new(), tints })
+        Self { field, firsts, query: Query::new(), items: Vec::new(), tints }
     }
 
     /// The meshes of all species and levels of detail, as [`Stand::mesh`] numbers them.
     pub fn meshes(&self) -> Vec<Mesh> {
-        self.field.species().iter().flat_map(|(kind, _)| kind.levels().iter().cloned()).collect()
+        self.field.species().iter().flat_map(|kind| kind.levels().iter().cloned()).collect()
     }
 
     /// Moves the animals to where they are at a time in seconds.
@@ -161,23 +155,13 @@ impl Herd {
     }
 
     fn is_near(&self, animal: usize, center: Vec3, reach: f32) -> bool {
-        // Where the space of the mesh has its origin says nothing of posed meshes of files.
         let bounds = self.field.scene.bounds(self.field.animals()[animal].id);
         bounds.is_ok_and(|bounds| bounds.aabb().center().distance(center) <= reach)
     }
 
-    /// The weights of all meshes, in the order of [`Herd::meshes`], where all species can walk.
+    /// The weights of all meshes, in the order of [`Herd::meshes`], for herds that walk.
     pub fn weights(&self) -> impl Iterator<Item = &Weights> {
-        self.field.species().iter().filter_map(|(kind, _)| kind.rig()).flat_map(|rig| &rig.weights)
-    }
-
-    /// The images of each species that has some, and the numbers of its meshes.
-    pub fn images(&self) -> impl Iterator<Item = (Vec<usize>, &[Image])> {
-        let species = self.field.species().iter().zip(&self.firsts);
-        species.filter(|((kind, _), _)| !kind.images().is_empty()).map(|((kind, _), &first)| {
-            let meshes = first..first + kind.levels().len();
-            (meshes.collect(), kind.images())
-        })
+        self.field.species().iter().flat_map(|kind| &kind.rig().weights)
     }
 
     /// Where an animal stands, with a level of detail.
@@ -229,7 +213,7 @@ impl Herd {
         };
         let stand = |&(animal, level, layers): &Chosen| (self.stand(animal, level), layers);
         let vertices = chosen.iter().map(|&(animal, level, layers)| {
-            let species = &self.field.species()[self.field.animals()[animal].species].0;
+            let species = &self.field.species()[self.field.animals()[animal].species];
             species.levels()[level].vertices().len() as u64 * u64::from(layers + 1)
         });
         let vertices = vertices.sum();
@@ -250,7 +234,7 @@ impl Herd {
             .field
             .species()
             .iter()
-            .map(|(kind, _)| kind.levels().iter().map(|m| m.vertices().len() as u32).collect())
+            .map(|kind| kind.levels().iter().map(|m| m.vertices().len() as u32).collect())
             .collect();
         let number = |id| match self.field.kind(id) {
             Some(Kind::Animal(animal)) => Some(animal),

@@ -9,7 +9,7 @@ use glam::{Affine3A, Mat4, Vec4};
 use gltf::accessor::DataType;
 use gltf::animation::{Interpolation as FileInterpolation, Property};
 
-use super::images::refused;
+use super::refused;
 use casca_scenes::import::Trouble;
 use casca_scenes::import::parts::{AFFINE, Buffers, Components, Keys, Nodes, Track, keys_of, unfit, wrong};
 
