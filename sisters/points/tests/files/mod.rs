@@ -28,7 +28,6 @@ pub fn helix(count: usize) -> PointCloud {
         colours: (0..count).map(|i| [i as u8, 255 - i as u8, 7]).collect(),
         normals: (0..count).map(|i| turn(2 * i).normalize_or_zero()).collect(),
         radii: (0..count).map(|i| 0.1 + i as f32).collect(),
-        ..PointCloud::default()
     }
 }
 
