@@ -16,28 +16,17 @@
 //!
 //! Where points have normals that tell front and back, the far sides of closed bodies are hidden
 //! even where rays leak in; sheets with one side are seen from both.
-//!
-//! Where the places of scanners are known ([`PointCloud::scanners`]), they tell the signs of
-//! normals, and the segments between them and their points end discs. A scanner that discs hide
-//! from half of its points is not believed.
-//!
-//! A sheet that was scanned from one side only, such as a leaf or a curtain, looks the same as the
-//! front of a solid. It is taken for a solid, which most surfaces are, so that its points are
-//! hidden from behind. To see known sheets from both sides, give their points
-//! [`UNKNOWN_SCANNER`](crate::UNKNOWN_SCANNER).
 
 mod build;
 mod disc;
-mod error;
 mod fan;
 mod plane;
 mod rays;
 mod rim;
-mod scanners;
 #[cfg(test)]
 mod tests;
 
-use crate::cloud::PointCloud;
+use crate::cloud::{LengthError, PointCloud};
 use crate::hull::MAX_POINTS;
 use crate::numeric::FARTHEST_EYE;
 use bitvec::vec::BitVec;
@@ -45,7 +34,29 @@ use disc::Discs;
 use glam::{DVec3, Vec3};
 use std::fmt;
 
-pub use error::SurfaceError;
+/// Why there is no answer.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// A coordinate of a position or of the origin is infinite or not a number.
+    #[error("point {index} has a coordinate that is not finite")]
+    PointNotFinite {
+        /// The first such point.
+        index: usize,
+    },
+    /// A coordinate of the eye is infinite or not a number.
+    #[error("the eye has a coordinate that is not finite")]
+    EyeNotFinite,
+    /// There are more points than indices.
+    #[error("{count} points are too many: at most {MAX_POINTS}")]
+    TooMany {
+        /// The number of points.
+        count: usize,
+    },
+    /// An attribute that not all points have.
+    #[error(transparent)]
+    Length(#[from] LengthError),
+}
 
 /// The points of a cloud that can be seen from `eye`, which is in the coordinates of the source, as
 /// the cloud's origin is: a bit for each point.
