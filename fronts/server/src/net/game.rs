@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 use casca::glam::Vec3;
 use tokio::sync::{mpsc, oneshot, watch};
 
-use crate::answer::Answer;
 use crate::bots::{Bot, Habits, Level, Track};
 use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
@@ -15,7 +14,7 @@ use crate::id::{ClientId, EntityId};
 use crate::net::map::Map;
 use crate::net::metrics::Metrics;
 use crate::net::options::FrontOptions;
-use crate::space::VisibilityServer;
+use crate::server::{Answer, VisibilityServer};
 use crate::wire::{AnswerFrame, MOST_LISTED, ToClient};
 
 /// The latency of bots, in seconds.
