@@ -56,7 +56,7 @@ impl Space {
     /// Finds the walls anew if the level changed.
     pub(crate) fn find_walls(&mut self) {
         if std::mem::take(&mut self.is_changed) && self.uses_walls {
-            self.walls = Walls::of(&self.level, LEAST_WALL, |_| false);
+            self.walls = Walls::of(&self.level, LEAST_WALL);
         }
     }
 
