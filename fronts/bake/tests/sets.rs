@@ -25,7 +25,7 @@ fn world(kind: SceneKind, scale: f32) -> World {
     world
 }
 
-/// A level of some objects, in a room of some metres.
+/// A level of some objects, on the grid of a small scene.
 fn level_of(objects: Vec<Object>) -> Level {
     Level::new(&World { objects, ..world(SceneKind::Rooms, 0.1) }, None, false).unwrap()
 }
