@@ -14,21 +14,20 @@ impl View {
     /// Whether bounds may have points in each half-space of the view, or may contain the eye: in
     /// front of a near plane that is known to a few digits only, that is doubt enough.
     pub(crate) fn may_see(&self, bounds: &Bounds) -> bool {
-        let meets = bounds.kind().may_reach(&self.planes);
-        let room = self.eye_room();
-        let holds_eye = |at: DVec3| {
-            let block = bounds.block();
-            let around = Block { min: block.min - room, max: block.max + room };
-            around.contains_point(at) && (room > 0.0 || bounds.contains_point(at))
-        };
-        meets || self.eye().is_some_and(holds_eye)
+        let holds_eye = |at| self.eye_box() != DVec3::ZERO || bounds.contains_point(at);
+        bounds.kind().may_reach(&self.planes)
+            || self.may_be_in(&bounds.block()) && self.eye().is_some_and(holds_eye)
+    }
+
+    /// Whether the eye may be in a box.
+    fn may_be_in(&self, b: &Block) -> bool {
+        let room = self.eye_box();
+        self.eye().is_some_and(|at| Block { min: b.min - room, max: b.max + room }.contains_point(at))
     }
 
     /// As [`Self::may_see`], for an object anywhere in a box.
     pub(crate) fn may_see_volume(&self, b: &Block) -> bool {
-        let room = self.eye_room();
-        let holds_eye = |at: DVec3| Block { min: b.min - room, max: b.max + room }.contains_point(at);
-        self.may_see_block(b) || self.eye().is_some_and(holds_eye)
+        self.may_see_block(b) || self.may_be_in(b)
     }
 
     /// Whether a box may have points in each half-space of the view; in doubt, yes.
