@@ -17,8 +17,8 @@ use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
 use crate::occlusion::solid::{Shadow, Solid};
+use crate::occlusion::surface::Viewpoint;
 use crate::occlusion::surface::scratch::SurfaceScratch;
-use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::view::{Origin, View};
 

@@ -13,11 +13,11 @@
 //! component covers any ([`rim`]). Only patches that are wholly turned to the eye are joined then.
 //!
 //! A query draws in two passes. A [`drawable`] is a patch to be drawn; [`projector`] puts its sides
-//! on the face, once: [`kept`] keeps them. In the first pass, [`components`] joins the patches of a
-//! batch, and [`component`] draws them in the pixels of the face. In the second one, [`local`]
-//! draws those that reach into 4x4 pixels which leave objects undecided, eight times as fine, from
-//! the edges that come [`near`]. In both, [`raster`] finds the pixels, and [`sheet`] covers them at
-//! the depth that [`back`] gives.
+//! on the face, once: [`kept`] keeps them. In the first pass, [`components`] draws the patches of a
+//! batch in the pixels of the face. In the second one, [`local`] draws those that reach into 4x4
+//! pixels which leave objects undecided, eight times as fine, from the edges that come [`near`]. In
+//! both, patches are [`joined`], [`raster`] finds the pixels, and [`sheet`] covers them at the
+//! depth that [`back`] gives.
 //!
 //! Edges are widened by [`EDGE`](crate::numeric::occlusion::EDGE) pixels, by their rounding, and by
 //! the slack of the outline.
@@ -25,10 +25,10 @@
 pub(crate) mod back;
 pub(crate) mod batch;
 pub(crate) mod by_patch;
-pub(crate) mod component;
 pub(crate) mod components;
 pub(crate) mod deep;
 pub(crate) mod drawable;
+mod joined;
 pub(crate) mod kept;
 pub(crate) mod local;
 pub(crate) mod near;
@@ -38,10 +38,11 @@ mod rim;
 pub(crate) mod scratch;
 pub(crate) mod sheet;
 mod sides;
-pub(crate) mod viewpoint;
 
+use glam::DVec3;
 use smallvec::SmallVec;
 
+use crate::geometry::Room;
 use crate::mesh::surface::PatchNumber;
 use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -49,8 +50,18 @@ use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
 use crate::occlusion::surface::scratch::{FaceScratch, SurfaceScratch};
-use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::simd::vectorized;
+
+/// How surfaces are seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Viewpoint {
+    /// The origin of the rays.
+    pub(crate) origin: DVec3,
+    /// Surfaces are cut at this depth: nothing nearer is drawn.
+    pub(crate) limit: f64,
+    /// Where the eye may go, around the origin.
+    pub(crate) room: Room,
+}
 
 /// Fewer patches, counted on each face that sees them, are drawn faster than another thread awakes.
 const WORTH_SHARING: usize = 64;
