@@ -17,7 +17,7 @@ use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
 use crate::occlusion::solid::{Shadow, Solid};
-use crate::occlusion::surface::Viewpoint;
+use crate::occlusion::surface::projector::Viewpoint;
 use crate::occlusion::surface::scratch::SurfaceScratch;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::view::{Origin, View};

@@ -39,29 +39,17 @@ pub(crate) mod scratch;
 pub(crate) mod sheet;
 mod sides;
 
-use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::Room;
 use crate::mesh::surface::PatchNumber;
 use crate::numeric::occlusion::{CLEARANCE, REACH_CLEARANCE};
 use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
+use crate::occlusion::surface::projector::Viewpoint;
 use crate::occlusion::surface::scratch::{FaceScratch, SurfaceScratch};
 use crate::simd::vectorized;
-
-/// How surfaces are seen.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Viewpoint {
-    /// The origin of the rays.
-    pub(crate) origin: DVec3,
-    /// Surfaces are cut at this depth: nothing nearer is drawn.
-    pub(crate) limit: f64,
-    /// Where the eye may go, around the origin.
-    pub(crate) room: Room,
-}
 
 /// Fewer patches, counted on each face that sees them, are drawn faster than another thread awakes.
 const WORTH_SHARING: usize = 64;

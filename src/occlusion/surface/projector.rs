@@ -10,13 +10,23 @@ use crate::numeric::occlusion::{EDGE, FAR_PIXEL, FARTHEST_PIXEL, PLACED, PROJECT
 use crate::occlusion::face::Face;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
-use crate::occlusion::surface::Viewpoint;
 use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::raster::{EdgeVectors, LANES};
 use crate::occlusion::surface::rim::Rims;
 use crate::occlusion::surface::sides::{PlacedPoints, SeenSides, Sides, WholeSide};
 use crate::occlusion::tiles::TILE;
+
+/// How surfaces are seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Viewpoint {
+    /// The origin of the rays.
+    pub(crate) origin: DVec3,
+    /// Surfaces are cut at this depth: nothing nearer is drawn.
+    pub(crate) limit: f64,
+    /// Where the eye may go, around the origin.
+    pub(crate) room: Room,
+}
 
 /// Projects points to the pixels of a window.
 #[derive(Debug, Clone, Copy)]

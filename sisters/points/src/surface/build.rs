@@ -1,7 +1,7 @@
 //! Discs from points.
 
-use super::SurfaceError;
 use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS, tree};
+use super::error::SurfaceError;
 use super::fan::{self, SECTORS, axes};
 use super::plane::{self, Near};
 use super::rim;

@@ -12,6 +12,7 @@ use casca_scenes::import::parts::{
     Components, File, Nodes, QUANTIZATION, Warnings, check_rigid, nodes_of, parse,
 };
 use join::Join;
+pub(super) use skins::refused;
 use skins::{clips_of, follower, followers_of, skeleton_of};
 
 mod images;
@@ -46,11 +47,6 @@ pub struct Rig {
     pub weights: Weights,
     /// The animations that move a joint, with their names, which may be empty.
     pub clips: Vec<(String, Clip)>,
-}
-
-/// What the reader says of fur that is refused.
-pub(super) fn refused(error: crate::Error) -> Trouble {
-    Trouble::Skin(Box::new(error))
 }
 
 /// Reads what can grow fur: all meshes with the first skin of the file and those that hang from its
