@@ -140,7 +140,7 @@ impl Coverage {
         changed
     }
 
-    /// The same of four tiles that follow each other, if there are that many.
+    /// As [`Coverage::closed`], of four tiles that follow each other, if there are that many.
     #[inline(always)]
     pub(crate) fn closed_four(&self, first: usize) -> Option<&[f32]> {
         self.closed.get(first..first.wrapping_add(4))

@@ -287,8 +287,11 @@ impl Raster {
     fn doubt(&mut self, l: &EdgeLanes, i: usize, rows: u64, top: i32) {
         for k in (0..LANES).filter(|&k| rows >> k & 1 == 1) {
             let at = l.at(i, MIDDLES[k] + (top + self.corner.1) as f32);
-            let lo = (nearest(at - l.unsure[i] - 0.5) - self.corner.0).max(0);
-            let hi = (nearest(at + l.unsure[i] - 0.5) - self.corner.0).min(self.area.width() - 1);
+            // Within the area, or just beside it: steep seams are in doubt for millions of columns.
+            let (left, right) = ((self.corner.0 - 1) as f32, (self.corner.0 + self.area.width()) as f32);
+            let lo = (nearest((at - l.unsure[i] - 0.5).max(left)) - self.corner.0).max(0);
+            let hi =
+                (nearest((at + l.unsure[i] - 0.5).min(right)) - self.corner.0).min(self.area.width() - 1);
             if lo <= hi {
                 self.mark(top + k as i32, lo, hi, PixelMarks::OPEN);
             }
