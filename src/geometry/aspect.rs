@@ -63,6 +63,11 @@ impl Default for Aspect {
 }
 
 impl Aspect {
+    /// The greatest magnitude of the coordinates of its box.
+    pub(crate) fn largest(&self) -> f64 {
+        self.block.min.abs().max(self.block.max.abs()).max_element()
+    }
+
     /// Makes it that of a body; see [`Aspect::set_part`].
     pub(crate) fn set_body(&mut self, body: &Body, direction: Option<DVec3>, room: &Room) {
         match body {

@@ -15,9 +15,8 @@ use crate::geometry::polytope::Part;
 use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::occlusion::buffers::OcclusionBuffers;
-use crate::occlusion::face::Rect;
 use crate::occlusion::magnify::budget::Budget;
-use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
+use crate::occlusion::magnify::{Hand, Magnifier, OpenSquare, Redrawable};
 use crate::occlusion::refine::Search;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
@@ -79,9 +78,6 @@ const LISTED: usize = 8;
 
 /// Squares examined for such a comparison in one pixel, at most.
 const COMPARED: u32 = 128;
-
-/// An open pixel and its square.
-pub(crate) type OpenSquare = (i64, i64, Rect);
 
 /// The examination of one target.
 pub(crate) struct Examination<'a, 'p, F> {

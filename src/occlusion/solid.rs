@@ -50,6 +50,7 @@ impl Solid {
             return self.set_sphere(center, radius - room.radius(), direction);
         }
         self.aspect.set_body(body, direction, room);
+        self.scale = 1.0;
         self.is_drawable()
     }
 
@@ -82,29 +83,21 @@ impl Solid {
         let middle = part.middle();
         let depth = part.faces().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
         // Scaled so about its middle, the solid contains the shell.
-        let scale = 1.0 + beyond / depth + BEHIND;
+        self.scale = 1.0 + beyond / depth + BEHIND;
         let Some(along) = direction.or_else(|| middle.try_normalize()) else { return false };
         let farthest = self.aspect.vertices.iter().map(|v| along.dot(*v - middle)).fold(0.0, f64::max);
-        let far = along.dot(middle) + farthest * scale;
+        let far = along.dot(middle) + farthest * self.scale;
         self.aspect.fronts.clear();
         self.aspect.fronts.push(HalfSpace { normal: along, offset: -far });
-        let drawable = self.is_drawable();
-        self.scale = scale;
-        drawable && depth > 0.0 && far.is_finite()
+        self.is_drawable() && depth > 0.0 && far.is_finite()
     }
 
-    fn is_drawable(&mut self) -> bool {
-        self.scale = 1.0;
+    fn is_drawable(&self) -> bool {
         matches!(self.aspect.outline, Outline::Cone) && !self.aspect.fronts.is_empty()
     }
 
     pub(crate) fn aspect(&self) -> &Aspect {
         &self.aspect
-    }
-
-    /// The greatest magnitude of its coordinates.
-    pub(crate) fn largest(&self) -> f64 {
-        self.aspect.block.min.abs().max(self.aspect.block.max.abs()).max_element()
     }
 
     /// Where it hides.

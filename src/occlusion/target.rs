@@ -51,7 +51,7 @@ impl Target {
     /// A body to test.
     pub(crate) fn new(body: &Body, direction: Option<DVec3>) -> Self {
         let mut target = Self::default();
-        target.aspect.set_body(body, direction, &Room::NONE);
+        target.set_body(body, direction);
         target
     }
 
@@ -68,11 +68,6 @@ impl Target {
     /// Makes it a part of a mesh; the box around it is given.
     pub(crate) fn set_part(&mut self, part: &Part, block: Block, direction: Option<DVec3>) {
         self.aspect.set_part(part, block, direction, &Room::NONE);
-    }
-
-    /// The greatest magnitude of its coordinates.
-    fn largest(&self) -> f64 {
-        self.aspect.block.min.abs().max(self.aspect.block.max.abs()).max_element()
     }
 
     /// Its middle.
@@ -107,7 +102,7 @@ impl Target {
             let Some(both) = rect.intersect(&tighter.grown()) else { return false };
             rect = both;
         }
-        seen.front.set(face, &self.aspect, f64::INFINITY, self.largest());
+        seen.front.set(face, &self.aspect, f64::INFINITY, self.aspect.largest());
         (seen.rect, seen.near) = (rect, above(face.nearness_of(depth)));
         true
     }
@@ -138,7 +133,7 @@ impl Target {
                         self.aspect.block.min,
                     )),
                 };
-                most <= h - BEHIND * (self.largest() + h.abs())
+                most <= h - BEHIND * (self.aspect.largest() + h.abs())
             })
     }
 }

@@ -383,8 +383,8 @@ fn mark<C: Component>(
 /// renderer.
 const HOLDER: &str = "bevy_pbr::mesh_material::MeshMaterial3d<";
 
-/// Notes who has such a material, now and later. If there is no rule at all, entities say by
-/// themselves what hides.
+/// Notes which entities have a material without a rule, now and later. If there is no rule at all,
+/// their components say whether they hide.
 pub(crate) fn watch_unruled(world: &mut World) {
     let (Some(rules), Some(registry)) =
         (world.get_resource::<Rules>(), world.get_resource::<AppTypeRegistry>())

@@ -97,7 +97,7 @@ pub struct Occluder(pub Handle<Mesh>);
 pub struct NotOccluder;
 
 /// On an entity: nothing hides it, and it hides nothing. It is culled by frustum only. On a camera:
-/// all that it looks at is culled by frustum only.
+/// what it looks at is culled by frustum only.
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct NoOcclusionCulling;
 

@@ -10,14 +10,14 @@ pub struct ServerOptions {
     /// The longest time from one tick to the next, in seconds from 0 to 60. Default: 1/30. If
     /// ticks are farther apart than this, entities may be told late.
     pub tick: f32,
-    /// The eye of a client that reports nothing is taken to go on moving for so long, in seconds
-    /// from 0 to 60; then it counts as gone, and [`Answer::is_stale`](crate::Answer::is_stale).
-    /// Default: 1.
+    /// The eye of a client that reports nothing is taken to go on moving for this long, in seconds
+    /// from 0 to 60. Then it counts as gone, and its answers are stale
+    /// ([`Answer::is_stale`](crate::Answer::is_stale)). Default: 1.
     pub most_age: f32,
-    /// Whether the static occluders of the level stop eyes and entities, and walls, rectangles
-    /// across an axis, hide what is behind them. Set it to false where players fly through walls,
-    /// where boxes of entities stick out into another room, and for meshes that hide from their
-    /// front only: then nothing hides. Default: true.
+    /// Whether static occluders of the level stop eyes and entities. Only then does anything hide:
+    /// the walls (rectangles across an axis) of those occluders. Set it to false where players fly
+    /// through walls, where boxes of entities stick out into another room, and for meshes that hide
+    /// from their front only. Default: true.
     pub walls: bool,
     /// The most clients. Default: 1,000.
     pub most_clients: usize,

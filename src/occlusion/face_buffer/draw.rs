@@ -34,7 +34,7 @@ impl FaceBuffer {
         let drawn = &mut self.drawn[number];
         (drawn.solid, drawn.owner) = (index, owner);
         drawn.silhouette.set(solid.aspect(), &self.face);
-        drawn.front.set(&self.face, solid.aspect(), seen.far, solid.largest());
+        drawn.front.set(&self.face, solid.aspect(), seen.far, solid.aspect().largest());
         if !self.rows.set_inside(&drawn.silhouette, &self.window, &pixels) {
             return (true, false);
         }

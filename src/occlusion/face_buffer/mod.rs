@@ -178,6 +178,7 @@ impl FaceBuffer {
     /// The convex occluder that a list names by this number.
     #[inline]
     pub(crate) fn drawn(&self, number: u32) -> &DrawnSolid {
+        debug_assert!((number as usize) < self.drawn_count, "a solid of an earlier query");
         &self.drawn[number as usize]
     }
 

@@ -107,6 +107,9 @@ pub(crate) struct Magnifier {
     faces: Vec<FineFace>,
 }
 
+/// An open pixel and its square.
+pub(crate) type OpenSquare = (i64, i64, Rect);
+
 /// The memory of a thread that magnifies pixels.
 #[allow(clippy::vec_box, reason = "boxes move to the faces and back, so that runs allocate nothing")]
 #[derive(Debug, Default)]
@@ -121,11 +124,11 @@ pub(crate) struct Hand {
     /// Those that it filled with finer pixels.
     filled: Vec<(u32, u32)>,
     spare_tiles: Vec<Box<Tiles>>,
-    /// For a target: itself, as a face sees it, the pixels that leave it undecided, and what it is
-    /// compared with in one of them.
+    /// A target, how a face sees it, the pixels that leave it undecided, and what it is compared
+    /// with in one of those.
     pub(crate) target: Target,
     pub(crate) on_face: FaceTarget,
-    pub(crate) open: Vec<(i64, i64, Rect)>,
+    pub(crate) open: Vec<OpenSquare>,
     pub(crate) candidates: Vec<PixelOccluder>,
     /// The pixels that targets asked for since this was emptied last.
     pub(crate) requests: Vec<Request>,

@@ -142,7 +142,7 @@ mod tests {
         let (mut checked, mut marked, mut near) = (0, 0, 0);
         for round in 0..120 {
             let reach = [0.02, 0.1, 0.4][round % 3];
-            let slack = if round % 4 == 0 { 0.03 } else { 0.0 };
+            let slack = if round % 5 == 0 { 0.03 } else { 0.0 };
             let limit = 0.01;
             // Every second room is a box within the ball, or goes along a way in it.
             let is_box = round % 2 == 1;
@@ -192,6 +192,6 @@ mod tests {
             }
         }
         assert!(checked > 20_000 && near > 10_000, "{checked} {near}");
-        assert!(marked < near * 3 / 2, "{marked} {near}");
+        assert!(marked < near * 8 / 5, "{marked} {near}");
     }
 }

@@ -69,11 +69,15 @@ fn fillings(world: &World, grid: &GridSpec) -> HashMap<IVec3, u64> {
 }
 
 /// The world in which boxes fill all cells from a share on; `None` if there are none.
-fn with_share(world: &World, grid: &GridSpec, share: f32) -> Result<Option<Driver>, LabError> {
-    let points = SAMPLES.pow(3) as f32;
-    let filled =
-        fillings(world, grid).into_iter().filter(|(_, bits)| bits.count_ones() as f32 >= share * points);
-    let mut cells: Vec<IVec3> = filled.map(|(cell, _)| cell).collect();
+fn with_share(
+    world: &World,
+    grid: &GridSpec,
+    filled: &HashMap<IVec3, u64>,
+    share: f32,
+) -> Result<Option<Driver>, LabError> {
+    let least = share * SAMPLES.pow(3) as f32;
+    let filled = filled.iter().filter(|(_, points)| points.count_ones() as f32 >= least);
+    let mut cells: Vec<IVec3> = filled.map(|(cell, _)| *cell).collect();
     cells.sort_by_key(IVec3::to_array);
     let boxes = cells.iter().map(|cell| {
         let min = grid.min + cell.as_vec3() * grid.cell;
@@ -89,8 +93,9 @@ fn with_share(world: &World, grid: &GridSpec, share: f32) -> Result<Option<Drive
 fn walk(lab: &Lab, frames: usize, mut walker: Walker) -> Result<Option<Walked>, LabError> {
     let grid = grid_for(&walker.world.grid, None)?;
     let mut steps = vec![Step { share: None, found: 0, lost: 0 }];
+    let filled = fillings(&walker.world, &grid);
     for share in SHARES {
-        if let Some(driver) = with_share(&walker.world, &grid, share)? {
+        if let Some(driver) = with_share(&walker.world, &grid, &filled, share)? {
             walker.add_driver(driver);
             steps.push(Step { share: Some(share), found: 0, lost: 0 });
         }

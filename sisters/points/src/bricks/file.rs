@@ -155,7 +155,7 @@ pub struct Want {
 /// [`Bricks::origin`].
 #[derive(Debug)]
 pub struct Bricks {
-    name: String,
+    pub(super) name: String,
     header: Header,
     index: Vec<Brick>,
     file: Mutex<File>,

@@ -35,6 +35,11 @@ struct State {
     wants: Vec<Want>,
     /// The bricks of `wants`.
     wanted: BTreeSet<u32>,
+    /// The loaded bricks that are not wanted, the least recently wanted last. They are listed when
+    /// room is first needed for `wants`.
+    unwanted: Option<Vec<u32>>,
+    /// Of the wants from here on, no more points are loaded than wanted.
+    trimmed: usize,
     /// The wants before it are loaded.
     next: usize,
     /// The number of lists of wants that came so far.
@@ -47,6 +52,8 @@ struct State {
     error: Option<BrickError>,
     idle: bool,
     closing: bool,
+    /// The thread has ended.
+    stopped: bool,
 }
 
 /// The loaded points of a brick.
@@ -98,6 +105,8 @@ impl Loader {
             }
         }
         state.next = 0;
+        state.unwanted = None;
+        state.trimmed = state.wants.len();
         state.idle = false;
         self.shared.changed.notify_all();
     }
@@ -129,10 +138,11 @@ impl Loader {
         cloud
     }
 
-    /// Waits until all wanted points that fit into the budget and can be read are loaded.
+    /// Waits until all wanted points that fit into the budget are loaded, or the thread has ended
+    /// with an error.
     pub fn settle(&self) {
         let mut state = self.shared.lock();
-        while !state.idle {
+        while !state.idle && !state.stopped {
             state = self.shared.wait(state);
         }
     }
@@ -153,6 +163,21 @@ impl Drop for Loader {
     }
 }
 
+/// Says that the thread has ended, so that nobody waits for it, even if it panicked.
+struct Ending<'a>(&'a Shared);
+
+impl Drop for Ending<'_> {
+    fn drop(&mut self) {
+        let mut state = self.0.lock();
+        state.stopped = true;
+        if thread::panicking() {
+            let source = io::Error::other("the thread that loads bricks panicked");
+            state.error.get_or_insert(BrickError::Io { name: self.0.bricks.name.clone(), source });
+        }
+        self.0.changed.notify_all();
+    }
+}
+
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -163,6 +188,8 @@ impl Shared {
     }
 
     fn work(&self) {
+        // Declared before the guard of the mutex, and so dropped after it.
+        let _ending = Ending(self);
         let mut state = self.lock();
         while !state.closing {
             let Some((want, have)) = state.next() else {
@@ -211,18 +238,55 @@ impl State {
     fn make_room(&mut self, want: Want, budget: usize) {
         let have = self.loaded.get(&want.brick).map_or(0, |l| l.points.len());
         let limit = budget.saturating_sub((want.points as usize).saturating_sub(have));
+        if self.points <= limit {
+            return;
+        }
+        let mut unwanted = self.unwanted.take().unwrap_or_else(|| self.unwanted());
         while self.points > limit {
-            let others = self.loaded.iter().filter(|(brick, _)| !self.wanted.contains(brick));
-            let Some((&brick, _)) = others.min_by_key(|(_, loaded)| loaded.time) else { break };
+            let Some(brick) = unwanted.pop() else { break };
             self.points -= self.loaded.remove(&brick).map_or(0, |l| l.points.len());
         }
-        for want in self.wants.iter().rev() {
+        self.unwanted = Some(unwanted);
+        while self.points > limit && self.trimmed > 0 {
+            self.trimmed -= 1;
+            let want = self.wants[self.trimmed];
             let Some(loaded) = self.loaded.get_mut(&want.brick) else { continue };
-            let (have, points) = (loaded.points.len(), want.points as usize);
-            if self.points > limit && have > points {
-                self.points -= have - points;
+            let points = want.points as usize;
+            if loaded.points.len() > points {
+                self.points -= loaded.points.len() - points;
                 loaded.points = loaded.points[..points].into();
             }
         }
+    }
+
+    /// The loaded bricks that are not wanted, the least recently wanted last.
+    fn unwanted(&self) -> Vec<u32> {
+        let others = self.loaded.iter().filter(|(brick, _)| !self.wanted.contains(brick));
+        let mut others: Vec<(u64, u32)> = others.map(|(&brick, l)| (l.time, brick)).collect();
+        others.sort_unstable_by(|a, b| b.cmp(a));
+        others.into_iter().map(|(_, brick)| brick).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bricks::{BuildOptions, Builder};
+
+    #[test]
+    fn nobody_waits_for_a_thread_that_panicked() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none");
+        Builder::create(&path, BuildOptions::default()).unwrap().finish(|_, _| ()).unwrap();
+        let loader = Loader::new(Arc::new(Bricks::open(&path).unwrap()), 1 << 20).unwrap();
+        {
+            // A brick that is not in the file, past the check of `want`.
+            let mut state = loader.shared.lock();
+            state.wants = vec![Want { brick: 7, points: 5 }];
+            (state.next, state.idle) = (0, false);
+            loader.shared.changed.notify_all();
+        }
+        loader.settle();
+        assert!(loader.take_error().unwrap().to_string().contains("panicked"));
     }
 }

@@ -384,6 +384,28 @@ mod tests {
     }
 
     #[test]
+    fn a_seam_in_doubt_for_millions_of_columns_is_open_in_all_of_the_area() {
+        let mut raster = Raster::default();
+        raster.begin(Area { x: 0, y: 0, nx: 2, ny: 1 }, (0, 0));
+        let edges = Edges {
+            x0: [16.0; LANES],
+            y0: [1.2; LANES],
+            x1: [5616.0; LANES],
+            y1: [6.8; LANES],
+            wide: [4e4; LANES],
+            unsure: [2e4; LANES],
+            plain: 1,
+            seams: 1,
+        };
+        vectorized!(simd => raster.edges(simd, &edges.vectors(simd, 1.0), false));
+        for block in 0..2 {
+            // The rows whose middles it passes.
+            let open = std::array::from_fn(|row| if (1..7).contains(&row) { u32::MAX } else { 0 });
+            assert_eq!(raster.marks(block).open(), &open);
+        }
+    }
+
+    #[test]
     fn nearest_integers() {
         for v in [-7.6, -0.5, -0.2, 0.0, 0.49, 0.5, 1.5, 2.5, 1e6 + 0.25] {
             let lanes = vectorized!(simd => nearest_lanes(f32x8::splat(simd, v)).as_slice()[3]);

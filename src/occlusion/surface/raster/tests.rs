@@ -100,7 +100,10 @@ fn pixels_are_marked_as_the_outline_says() {
             .map(|_| (middle.0 + random.within(-size.0, size.0), middle.1 + random.within(-size.1, size.1)))
             .map(|(x, y)| (single(x), single(y)))
             .collect();
-        let area = Area::around(&PixelRect { x: (9, 41), y: (17, 50) });
+        // One raster for areas of all kinds: nothing may be left in it.
+        let (x, y) = (round as i64 % 3 * 20, round as i64 % 4 * 9);
+        let area =
+            Area::around(&PixelRect { x: (x, x + 5 + round as i64 % 37), y: (y, y + 9 + round as i64 % 31) });
         let wide = [1e-3, 0.3, 2.5][round % 3];
         let by = if round % 2 == 0 { By::One } else { By::Eight };
         raster.begin(area, (0, 0));
