@@ -1,6 +1,5 @@
 //! Reports of 100,000 small moving objects that hide nothing, and queries that see most of them,
-//! beside an array of boxes that is written and tested against the frustum. Prints nanoseconds an
-//! object at the end.
+//! beside an array of boxes that is written and tested against the frustum.
 //!
 //! `cargo bench --bench movers`; with a tree, and with hidden objects that go unreported:
 //! `casca-lab report`, "Upkeep of moving objects".
@@ -9,7 +8,6 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
-use casca_scenes::measure::median;
 use criterion::Criterion;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DVec3, Vec3, Vec4, Vec4Swizzles};
@@ -126,18 +124,5 @@ fn main() {
     });
     group.finish();
     c.final_summary();
-    println!("\nnanoseconds an object; {seen} of {COUNT} in the set, {} in the frustum", found.len());
-    for (name, of) in [
-        ("a step", COUNT),
-        ("a step, hidden", COUNT),
-        ("a step, on expiry", COUNT),
-        ("to another brick", COUNT),
-        ("query", seen),
-        ("array, written", COUNT),
-        ("array, tested", COUNT),
-    ] {
-        if let Some(time) = median(GROUP, name) {
-            println!("{name:<40}{:>10.1}", time / of as f64);
-        }
-    }
+    println!("{seen} of {COUNT} objects are in the set, {} in the frustum", found.len());
 }

@@ -37,7 +37,6 @@ pub use crate::grid::run::CellRun;
 pub use crate::matrix::bits::{BitMatrix, OcclusionMatrix, OpacityMatrix};
 pub use crate::matrix::ids::IdMatrix;
 pub use crate::matrix::tbv::TbvMatrix;
-pub use crate::occlusion::image::OcclusionImage;
 pub use crate::reference::{Cap, CapPolygon, occlusion_by_caps, occlusion_by_lattice};
 pub use crate::shape::Shape;
 
@@ -125,10 +124,6 @@ pub trait QueryInternals {
     /// The cells inside the frustum that the last run of [`crate::Method::Cell`] visited, if
     /// [`QueryInternals::record_cells`] was set.
     fn visited_cells(&self) -> Option<&BitMatrix>;
-
-    /// The occlusion buffers of the last run of [`crate::Method::Point`] as images. Costs their
-    /// pixels.
-    fn occlusion_images(&self) -> Vec<OcclusionImage>;
 }
 
 impl QueryInternals for Query {
@@ -142,9 +137,5 @@ impl QueryInternals for Query {
 
     fn visited_cells(&self) -> Option<&BitMatrix> {
         self.recorded().0
-    }
-
-    fn occlusion_images(&self) -> Vec<OcclusionImage> {
-        self.occlusion_images()
     }
 }

@@ -141,7 +141,7 @@ mod view;
 mod walk;
 mod world;
 
-pub use derived::{AggressiveOpacity, DrawItem, DrawOptions, Light};
+pub use derived::{DrawItem, DrawOptions, Light};
 pub use error::{Error, FileError};
 /// The version of glam whose types these functions take and give.
 pub use glam;

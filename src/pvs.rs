@@ -113,8 +113,7 @@ pub struct Stats {
 /// # Guarantees
 ///
 /// No object that can be seen is missing, as long as the promises of the scene hold: occluders lie
-/// inside the objects, and movers keep to their speeds. Sets of [`Pvs::is_aggressive`] may miss
-/// some. The order is the same on every machine.
+/// inside the objects, and movers keep to their speeds. The order is the same on every machine.
 ///
 /// # Pitfalls
 ///
@@ -128,7 +127,6 @@ pub struct Pvs {
     /// The last move that the query knew of.
     pub(crate) moves: u64,
     pub(crate) method: Method,
-    pub(crate) aggressive: bool,
     /// Whether objects of the view were left out: those that cast no shadow onto any receiver, or
     /// dynamic ones.
     pub(crate) partial: bool,
@@ -158,7 +156,6 @@ impl Pvs {
             revision: 0,
             moves: 0,
             method: Method::Frustum,
-            aggressive: false,
             partial: false,
             view: None,
             cell: None,
@@ -283,11 +280,6 @@ impl Pvs {
     /// The method of the query.
     pub fn method(&self) -> Method {
         self.method
-    }
-
-    /// Whether it is of [`crate::Query::run_aggressive`], and may lack visible objects.
-    pub fn is_aggressive(&self) -> bool {
-        self.aggressive
     }
 
     /// The cell of the grid (or beyond it) for which the set is valid, where there is one:

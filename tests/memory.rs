@@ -2,6 +2,8 @@
 
 mod common;
 
+use casca_scenes::generated::{SceneKind, SceneOptions, build};
+use casca_scenes::measure::Settled;
 use casca_scenes::world::Mesh;
 use peak_alloc::PeakAlloc;
 
@@ -38,8 +40,33 @@ fn check(name: &str, build: impl FnOnce(&mut Scene)) {
     assert!(off.abs() < SHARE, "{name}: {counted} bytes are counted, {} stated: {said:?}", said.total());
 }
 
-// One test: another one beside it would count too.
+/// The allocator counts all of a program: there is one test.
 #[test]
+fn memory_is_as_stated_and_queries_take_none_again() {
+    a_scene_states_the_bytes_that_an_allocator_counts();
+    queries_take_no_memory_where_they_were_before();
+}
+
+/// Walks the same way twice.
+fn queries_take_no_memory_where_they_were_before() {
+    for kind in [SceneKind::Harbour, SceneKind::Town, SceneKind::Spheres, SceneKind::Valley] {
+        let options = PointOptions::new();
+        let world = build(kind, &SceneOptions { frames: 40, ..SceneOptions::default() });
+        let settled = Settled::new(&world, Method::Point(options)).unwrap();
+        let mut query = query_by(Method::Point(options));
+        let mut walk = || {
+            let before = ALLOCATOR.current_usage();
+            ALLOCATOR.reset_peak_usage();
+            settled.views.iter().step_by(8).for_each(|view| {
+                query.run(&settled.driver.scene, view);
+            });
+            ALLOCATOR.peak_usage() - before
+        };
+        let (first, second) = (walk(), walk());
+        assert!(first > 0 && second == 0, "{kind:?}: {first} bytes, then {second}");
+    }
+}
+
 fn a_scene_states_the_bytes_that_an_allocator_counts() {
     let ball = |i| Sphere::new(place(i), 0.4);
     let cube = |i| Aabb::new(place(i), place(i) + 1.0);

@@ -1,9 +1,7 @@
-//! Answers drawn from a PVS: draw lists, shadow casters, sets for networks, the aggressive mode.
+//! Answers drawn from a PVS: draw lists, shadow casters, sets for networks.
 
-pub(crate) mod aggressive;
 pub(crate) mod draw;
 pub(crate) mod shadows;
 
-pub use aggressive::AggressiveOpacity;
 pub use draw::{DrawItem, DrawOptions};
 pub use shadows::Light;

@@ -202,12 +202,6 @@ pub enum Error {
     /// The result belongs to another scene.
     #[error("the PVS was computed on another scene")]
     ForeignPvs,
-    /// The aggressive opacity belongs to another scene.
-    #[error("the aggressive opacity was computed on another scene")]
-    ForeignOpacity,
-    /// Only [`crate::Method::Cell`] has an aggressive form.
-    #[error("aggressive queries need Method::Cell")]
-    AggressiveMethod,
     /// A setting is out of its range.
     #[error("{what} must lie between {} and {}, not {}", Short(*min), Short(*max), Short(*value))]
     Setting {
@@ -344,8 +338,6 @@ codes!(
     TooManyPlanes => "too-many-planes",
     ParallelTurn => "parallel-turn",
     ForeignPvs => "foreign-pvs",
-    ForeignOpacity => "foreign-opacity",
-    AggressiveMethod => "aggressive-method",
     Setting => "setting",
 );
 

@@ -3,13 +3,11 @@
 use glam::{DMat3, DVec3};
 
 use crate::geometry::Block;
-use crate::geometry::polytope::Polytope;
+use crate::geometry::polytope::Part;
 
-/// A convex solid relative to the origin of the rays, as occlusion buffers draw and test it. Lives
-/// on the stack.
-#[allow(clippy::large_enum_variant)]
-#[derive(Debug, Clone)]
-pub(crate) enum Body {
+/// A convex solid relative to the origin of the rays, as occlusion buffers draw and test it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Body<'a> {
     Sphere {
         center: DVec3,
         radius: f64,
@@ -20,5 +18,5 @@ pub(crate) enum Body {
         center: DVec3,
         axes: DMat3,
     },
-    Polytope(Polytope),
+    Part(Part<'a>),
 }

@@ -1,25 +1,30 @@
 //! Convex solids as lists of faces, clipped by half-spaces.
 
 use glam::{BVec3, DVec3};
+use smallvec::SmallVec;
 
 use crate::geometry::plane::HalfSpace;
 
-/// The sides of a box, each with its corners in a ring.
-pub(crate) fn sides_of_box(min: DVec3, max: DVec3) -> Vec<Vec<DVec3>> {
+/// The faces of a convex solid, each with its corners in a ring. Those of a frustum take no memory
+/// from the heap.
+pub(crate) type Faces = SmallVec<[SmallVec<[DVec3; 16]>; 12]>;
+
+/// The sides of a box.
+pub(crate) fn sides_of_box(min: DVec3, max: DVec3) -> Faces {
     let corner = |i: usize| DVec3::select(BVec3::new(i & 1 == 1, i & 2 == 2, i & 4 == 4), max, min);
     let side = |axis: usize, high: usize| {
         let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
-        [0, u, u | v, v].map(|i| corner(i | high << axis)).to_vec()
+        SmallVec::from_iter([0, u, u | v, v].map(|i| corner(i | high << axis)))
     };
     (0..3).flat_map(|axis| [side(axis, 0), side(axis, 1)]).collect()
 }
 
 /// Cuts off the part of a convex solid, given by its faces, that lies outside of a half-space by
 /// more than `slack`.
-pub(crate) fn clip(faces: &mut Vec<Vec<DVec3>>, plane: &HalfSpace, slack: f64) {
-    let mut cut: Vec<DVec3> = Vec::new();
+pub(crate) fn clip(faces: &mut Faces, plane: &HalfSpace, slack: f64) {
+    let mut cut: SmallVec<[DVec3; 16]> = SmallVec::new();
     for face in faces.iter_mut() {
-        let mut kept = Vec::with_capacity(face.len() + 1);
+        let mut kept = SmallVec::new();
         for (i, &a) in face.iter().enumerate() {
             let b = face[(i + 1) % face.len()];
             let (da, db) = (plane.distance(a) + slack, plane.distance(b) + slack);

@@ -1,5 +1,6 @@
 //! Geometry that knows neither grid nor scene.
 
+pub(crate) mod aspect;
 pub(crate) mod block;
 pub(crate) mod body;
 pub(crate) mod clip;

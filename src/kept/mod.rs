@@ -4,6 +4,8 @@ mod job;
 mod still;
 mod watch;
 
+use glam::DVec3;
+
 use crate::error::{Error, not_negative};
 use crate::kept::job::Snapshots;
 use crate::kept::still::{Stamp, Still, serves};
@@ -16,24 +18,26 @@ use crate::view::motion::EyeMotion;
 
 pub use job::{KeptJob, KeptResult};
 
-/// A result is made for a place that the eye goes to: ahead by this share of the reach and of the
-/// turn.
-const AHEAD: f64 = 0.8;
+/// A result is found for the way that the camera goes in this many frames, if it goes on like that.
+const FRAMES: f64 = 8.0;
 
-/// But not farther ahead than the eye goes in this many frames.
-const FRAMES_AHEAD: f64 = 32.0;
+/// The eye may stray from that way by this share of the reach, and turn farther by this of the turn.
+const ASTRAY: f64 = 0.125;
+const TURNED_ASTRAY: f64 = 0.25;
 
-/// How far the camera of a [`KeptQuery`] may go and turn before a new result is needed.
+/// How far the camera of a [`KeptQuery`] may go and turn before a new result is needed, at most.
 ///
-/// Greater distances and angles make each result last longer, and sets larger.
+/// A result is found for the way that a camera goes on in eight frames and some room around it,
+/// within these bounds: slow cameras have smaller sets. After a jump, and first of all, it is found
+/// for all places and turns within them. Greater ones make results for fast cameras last longer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default))]
 #[non_exhaustive]
 pub struct KeptOptions {
-    /// How far the eye may go, in world units: see [`View::with_reach`].
+    /// How far the eye may go from the middle of that way, in world units.
     pub reach: f32,
-    /// How far the camera may turn, in radians: see [`View::with_turn`].
+    /// How far the camera may turn from how it looks there, in radians.
     pub turn: f32,
 }
 
@@ -44,9 +48,9 @@ impl Default for KeptOptions {
 }
 
 impl KeptOptions {
-    /// The default options: a reach of 0.1 world units and a turn of 0.1 radians.
+    /// The default options: a reach of 0.1 world units and a turn of 0.15 radians.
     pub const fn new() -> Self {
-        Self { reach: 0.1, turn: 0.1 }
+        Self { reach: 0.1, turn: 0.15 }
     }
 
     /// Sets [`KeptOptions::reach`], in world units.
@@ -61,11 +65,6 @@ impl KeptOptions {
     pub const fn turn(mut self, angle: f32) -> Self {
         self.turn = angle;
         self
-    }
-
-    fn check(&self) -> Result<(), Error> {
-        not_negative("the reach", f64::from(self.reach))?;
-        not_negative("the angle", f64::from(self.turn))
     }
 }
 
@@ -160,7 +159,8 @@ impl KeptQuery {
     /// # Errors
     /// Refuses a reach or an angle that is negative or not finite.
     pub fn with_options(options: KeptOptions) -> Result<Self, Error> {
-        options.check()?;
+        not_negative("the reach", f64::from(options.reach))?;
+        not_negative("the angle", f64::from(options.turn))?;
         Ok(Self { options, ..Self::new() })
     }
 
@@ -226,7 +226,7 @@ impl KeptQuery {
     /// as no static object came, went or changed. Dynamic occluders do not.
     pub fn sight(&self, scene: &Scene) -> Option<Sight<'_>> {
         let view = self.pvs.view.as_ref()?;
-        let now = self.now.as_ref().filter(|now| now.is_true(scene, view));
+        let now = self.now.as_ref().filter(|now| now.is_of(scene) && now.holds(scene, view));
         Some(Sight::new(scene, view, now.map(|now| now.drawn())))
     }
 
@@ -244,10 +244,8 @@ impl KeptQuery {
     /// inserting and removing them costs. After more than 2,048 such changes between two calls the
     /// scene is copied again. Dynamic objects of the copy grow old, but are not looked at.
     ///
-    /// If jobs follow each other and each is done within a frame, a result has to answer only the
-    /// next frame or two, and is found for a place ahead: a reach of 2 cm and a turn of 3 degrees
-    /// are enough for a person who walks at 1.5 m/s at 60 frames a second. Sets are then larger
-    /// than those of a [`Query`] by 4 to 22% in the still scenes of `docs/report.md`.
+    /// If each job is done within a frame, a reach of 2 cm and a turn of 3 degrees are enough for a
+    /// person who walks at 1.5 m/s at 60 frames a second.
     pub fn prepare(&mut self, scene: &Scene, view: &View) -> KeptJob {
         let (view, query) = (self.aim(scene, view), self.take_query());
         self.snapshots.job(scene, view, query)
@@ -269,13 +267,16 @@ impl KeptQuery {
         self.now.iter().chain(&self.next).any(|still| still.holds(scene, view))
     }
 
-    /// The widened view around a view, or one farther ahead that stands for it too.
+    /// The widened view around the way that the camera goes next, or around a view if it jumped.
     fn aim(&self, scene: &Scene, view: &View) -> View {
         let (reach, turn) = (f64::from(self.options.reach), f64::from(self.options.turn));
+        let (aside, turned) = (ASTRAY * reach, TURNED_ASTRAY * turn);
         let motion = self.last.as_ref().and_then(|(_, motion)| *motion);
-        let ahead = motion.map(|m| view.moved(&m.times(FRAMES_AHEAD, AHEAD * reach, AHEAD * turn)));
-        let ahead = ahead.map(|ahead| ahead.widened(reach, turn));
-        ahead.filter(|ahead| serves(ahead, scene, view)).unwrap_or_else(|| view.widened(reach, turn))
+        let walks = motion.filter(|by| by.step.length() <= 2.0 * reach && by.angle <= 2.0 * turn);
+        let half = walks.map(|by| by.times(FRAMES * 0.5, reach - aside, turn - turned));
+        let ahead = half.map(|half| view.moved(&half).widened(half.step, aside, half.angle + turned));
+        let ahead = ahead.filter(|ahead| serves(ahead, scene, view));
+        ahead.unwrap_or_else(|| view.widened(DVec3::ZERO, reach, turn))
     }
 
     /// A query with the memory of an earlier one, if there is one.

@@ -155,11 +155,6 @@ impl Still {
         self.can_follow(scene) && serves(&self.view, scene, view)
     }
 
-    /// Whether the buffers are true for a view of a scene as it is now.
-    pub(super) fn is_true(&self, scene: &Scene, view: &View) -> bool {
-        self.is_of(scene) && serves(&self.view, scene, view)
-    }
-
     /// Brings the result up to date with a scene that it can follow.
     pub(super) fn follow(&mut self, scene: &Scene) {
         if self.is_of(scene) {
@@ -203,12 +198,12 @@ impl Still {
         self.find_movers(scene, view, pvs, &mut movers);
         self.draw_movers(scene, &movers);
         let (overlay, drawn) = (&self.overlay, self.query.drawn());
-        let covered = overlay.drawn() > 0;
+        let covered = overlay.drawn > 0;
         let hidden = |slot: Slot| covered && overlay.hides_bounds(scene.object(slot).bounds());
         let hidden_mover = |slot: Slot| {
             if covered { hidden(slot) } else { drawn.hides_bounds(scene.object(slot).bounds()) }
         };
-        pvs.stats.occluders_drawn += overlay.drawn();
+        pvs.stats.occluders_drawn += overlay.drawn;
         pvs.stats.objects_tested += self.objects.len() as u32;
         for InSight { id, block } in &self.objects {
             if view.may_see_volume(block) && !hidden(id.slot()) {

@@ -6,6 +6,9 @@ use casca_slots::Slot;
 use glam::{DVec3, Vec3A};
 use smallvec::SmallVec;
 
+use crate::geometry::body::Body;
+use crate::geometry::plane::HalfSpace;
+use crate::geometry::polytope::Part;
 use crate::geometry::{Block, Room};
 use crate::grid::side::Side;
 use crate::numeric::occlusion::{MIDDLE_DEPTH, NEAREST_IN_REACHES};
@@ -14,9 +17,9 @@ use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
 use crate::occlusion::solid::{Shadow, Solid};
+use crate::occlusion::surface::projector::Viewpoint;
 use crate::occlusion::surface::scratch::SurfaceScratch;
-use crate::occlusion::surface::viewpoint::Viewpoint;
-use crate::occlusion::target::Target;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::view::{Origin, View};
 
 /// A side of a view across parallel rays whose cosine with them is less than this serves as the
@@ -49,8 +52,12 @@ pub(crate) struct OcclusionBuffers {
     faces: Vec<FaceBuffer>,
     /// Where nothing was drawn.
     clear: Clear,
-    /// For each occluder drawn, where it hides.
-    shadows: Vec<Shadow>,
+    /// For each occluder drawn, where it hides: the end of its planes in the list of all, and a
+    /// ball.
+    shadows: Vec<(u32, Option<(DVec3, f64)>)>,
+    shadow_planes: Vec<HalfSpace>,
+    /// Memory for the one that is drawn.
+    solid: Solid,
     surfaces: SurfaceScratch,
     origin: DVec3,
     error: f64,
@@ -67,6 +74,7 @@ impl OcclusionBuffers {
     /// Clears the windows that a view looks through.
     pub(crate) fn begin(&mut self, view: &View, pitch: &Pitch) {
         self.shadows.clear();
+        self.shadow_planes.clear();
         self.clear.reset();
         self.room = if view.eye().is_some() { *view.room() } else { Room::NONE };
         self.limit = pitch.nearest * 0.5;
@@ -97,6 +105,7 @@ impl OcclusionBuffers {
     /// in them: refinement and tests of single points need the buffers themselves.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
         self.shadows.clear();
+        self.shadow_planes.clear();
         (self.origin, self.error, self.room) = (from.origin, from.error, from.room);
         (self.direction, self.nearest, self.limit) = (from.direction, from.nearest, from.limit);
         self.pixels = from.pixels;
@@ -171,8 +180,11 @@ impl OcclusionBuffers {
     }
 
     /// Where a convex occluder hides, by its number in the order of drawing.
-    pub(crate) fn shadow(&self, solid: u32) -> &Shadow {
-        &self.shadows[solid as usize]
+    pub(crate) fn shadow(&self, solid: u32) -> Shadow<'_> {
+        let at = solid as usize;
+        let first = if at == 0 { 0 } else { self.shadows[at - 1].0 as usize };
+        let (end, ball) = self.shadows[at];
+        Shadow { planes: &self.shadow_planes[first..end as usize], ball }
     }
 
     /// The faces that the view looks through, and the memory for drawing surfaces.
@@ -209,21 +221,33 @@ impl OcclusionBuffers {
         self.faces = faces;
     }
 
-    /// Draws an occluder. Returns whether it hides more than before.
+    /// Draws a convex occluder. Returns whether it hides more than before; `None` if the eye is in
+    /// it or too close to tell.
     ///
     /// `owner` is the object that it belongs to: refinement never lets an object be hidden by its
     /// own occluder.
-    pub(crate) fn draw(&mut self, solid: Solid, owner: Slot) -> bool {
+    pub(crate) fn draw_body(&mut self, body: &Body, owner: Slot) -> Option<bool> {
+        self.solid.set_body(body, self.direction, &self.room).then(|| self.draw_solid(owner))
+    }
+
+    /// As [`OcclusionBuffers::draw_body`], for a solid inside a shell ([`Solid::set_shell`]).
+    pub(crate) fn draw_shell(&mut self, part: &Part, beyond: f64, owner: Slot) -> Option<bool> {
+        self.solid.set_shell(part, beyond, self.direction, &self.room).then(|| self.draw_solid(owner))
+    }
+
+    fn draw_solid(&mut self, owner: Slot) -> bool {
         let index = self.shadows.len() as u32;
         let mut changed = false;
         let mut used = false;
         for buffer in self.faces.iter_mut().filter(|b| b.is_active()) {
-            let (drawn, new) = buffer.draw(&solid, index, owner);
+            let (drawn, new) = buffer.draw(&self.solid, index, owner);
             used |= drawn;
             changed |= new;
         }
         if used {
-            self.shadows.push(solid.shadow);
+            let Shadow { planes, ball } = self.solid.shadow();
+            self.shadow_planes.extend_from_slice(planes);
+            self.shadows.push((self.shadow_planes.len() as u32, ball));
         }
         changed
     }
@@ -234,11 +258,13 @@ impl OcclusionBuffers {
     }
 
     /// Whether every pixel that a target may touch is covered nearer than it.
-    pub(crate) fn test(&self, target: &Target) -> Verdict {
+    ///
+    /// `on_face` is memory for the target as each face sees it.
+    pub(crate) fn test(&self, target: &Target, on_face: &mut FaceTarget) -> Verdict {
         if self.is_close(target.bounds()) {
             return Verdict::Visible;
         }
-        let seen = self.faces().any(|b| target.on_face(b.face()).is_some_and(|on_face| b.sees(&on_face)));
+        let seen = self.faces().any(|b| target.on_face(b.face(), on_face) && b.sees(on_face));
         if seen { Verdict::Visible } else { Verdict::Hidden }
     }
 
@@ -351,11 +377,10 @@ mod tests {
             };
             buffers.begin(&view, &pitch(128.0));
             let occluder = boxed(&mut random, 8.0);
-            let Some(solid) = Solid::block(occluder, None, &Room::NONE) else { continue };
-            buffers.draw(solid, Slot::new(0));
+            let Some(_) = buffers.draw_body(&Body::Block(occluder), Slot::new(0)) else { continue };
             for _ in 0..50 {
                 let b = boxed(&mut random, 1.0);
-                if buffers.test(&Target::block(b, None)) != Verdict::Hidden {
+                if buffers.test(&Target::block(b, None), &mut FaceTarget::default()) != Verdict::Hidden {
                     continue;
                 }
                 hidden += 1;

@@ -102,9 +102,9 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use crate::geometry::Block;
+    use crate::geometry::body::Body;
     use crate::occlusion::buffers::OcclusionBuffers;
     use crate::occlusion::pitch::Pitch;
-    use crate::occlusion::solid::Solid;
     use crate::random::Random;
     use crate::view::View;
 
@@ -115,7 +115,7 @@ mod tests {
         let mut buffers = OcclusionBuffers::default();
         buffers.begin(&view, &pitch);
         let wall = Block { min: DVec3::new(3.0, -4.0, -1.5), max: DVec3::new(4.0, 1.0, 2.0) };
-        buffers.draw(Solid::block(wall, None, &crate::geometry::Room::NONE).unwrap(), Slot::new(0));
+        buffers.draw_body(&Body::Block(wall), Slot::new(0)).unwrap();
         buffers.read_clear();
         let mut random = Random::new(5);
         let (mut clear, mut shown) = (0, 0);

@@ -140,14 +140,22 @@ impl Coverage {
         changed
     }
 
-    /// As [`Coverage::cover`], and keeps the plane behind which the pixels are hidden.
-    #[inline]
-    pub(crate) fn cover_plane(&mut self, tile: usize, mask: u64, near: f32, plane: Option<Linear>) -> bool {
-        if let Some(plane) = plane {
+    /// As [`Coverage::closed`], of four tiles that follow each other, if there are that many.
+    #[inline(always)]
+    pub(crate) fn closed_four(&self, first: usize) -> Option<&[f32]> {
+        self.closed.get(first..first.wrapping_add(4))
+    }
+
+    /// As [`Coverage::cover`], if not all of the tile is covered nearer, and keeps the plane behind
+    /// which the pixels are hidden.
+    #[inline(always)]
+    pub(crate) fn cover_behind(&mut self, tile: usize, mask: u64, near: f32, plane: Option<Linear>) -> bool {
+        let is_nearer = self.closed[tile] < near;
+        if is_nearer && let Some(plane) = plane {
             self.shades[tile].add(mask, plane);
             self.shaded = true;
         }
-        self.cover(tile, mask, near)
+        is_nearer && self.cover(tile, mask, near)
     }
 
     /// Whether all pixels of a rectangle are covered for targets nowhere nearer than `near`.

@@ -10,15 +10,13 @@
 //! targets at once, each with a [`Hand`] of its own.
 
 use casca_slots::Slot;
-use smallvec::SmallVec;
 
 use crate::geometry::polytope::Part;
 use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::occlusion::buffers::OcclusionBuffers;
-use crate::occlusion::face::Rect;
 use crate::occlusion::magnify::budget::Budget;
-use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
+use crate::occlusion::magnify::{Hand, Magnifier, OpenSquare, Redrawable};
 use crate::occlusion::refine::Search;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::target::Target;
@@ -81,9 +79,6 @@ const LISTED: usize = 8;
 /// Squares examined for such a comparison in one pixel, at most.
 const COMPARED: u32 = 128;
 
-/// An open pixel and its square.
-type OpenSquare = (i64, i64, Rect);
-
 /// The examination of one target.
 pub(crate) struct Examination<'a, 'p, F> {
     pub(crate) buffers: &'a OcclusionBuffers,
@@ -102,29 +97,46 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         }
         let buffers = self.buffers;
         let mut left = self.effort.squares;
-        buffers.faces().enumerate().all(|(face, buffer)| {
-            let Some(on_face) = target.on_face(buffer.face()) else { return true };
+        let (mut on_face, mut open) =
+            (std::mem::take(&mut self.hand.on_face), std::mem::take(&mut self.hand.open));
+        let hidden = buffers.faces().enumerate().all(|(face, buffer)| {
+            if !target.on_face(buffer.face(), &mut on_face) {
+                return true;
+            }
             let rest = self.budget.squares.min(u64::from(u32::MAX)) as u32;
             let mut search = Search::new(buffer, &on_face, owner, left.min(rest), self.effort.depth);
             let before = search.squares;
-            let hidden = self.hides_on_face(&mut search, target, face);
+            let hidden = self.hides_on_face(&mut search, target, face, &mut open);
             left -= before - search.squares;
             self.budget.squares = self.budget.squares.saturating_sub(search.spent);
             hidden
-        })
+        });
+        (self.hand.on_face, self.hand.open) = (on_face, open);
+        hidden
     }
 
-    fn hides_on_face(&mut self, search: &mut Search, target: &Target, face: usize) -> bool {
-        let Some(open) = self.find_open(search, target) else { return false };
-        let mut rest: SmallVec<[OpenSquare; PATCHED]> = SmallVec::new();
-        for pixel in open {
-            match self.compare(search, target, face, &pixel) {
+    fn hides_on_face(
+        &mut self,
+        search: &mut Search,
+        target: &Target,
+        face: usize,
+        open: &mut Vec<OpenSquare>,
+    ) -> bool {
+        if !self.find_open(search, target, open) {
+            return false;
+        }
+        let mut undecided = 0;
+        for at in 0..open.len() {
+            match self.compare(search, target, face, &open[at]) {
                 Some(true) => {}
                 Some(false) => return false,
-                None => rest.push(pixel),
+                None => {
+                    open[undecided] = open[at];
+                    undecided += 1;
+                }
             }
         }
-        rest.iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
+        open[..undecided].iter().all(|pixel| self.hides_in_pixel(search, target, face, pixel))
     }
 
     /// Whether the few convex occluders in a pixel hide the target there; `None` if they are not
@@ -149,7 +161,8 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
             return None;
         }
         let own = std::mem::replace(&mut search.squares, COMPARED);
-        let few = search.contest((self.buffers, target), listed, rect, FEW);
+        let mut candidates = std::mem::take(&mut self.hand.candidates);
+        let few = search.contest((self.buffers, target), listed, rect, FEW, &mut candidates);
         let hidden = few.map(|few| {
             let hidden = search.is_covered(&self.magnifier.pixel(face, (x, y), rect), &few);
             if hidden {
@@ -157,16 +170,18 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
             }
             hidden
         });
+        self.hand.candidates = candidates;
         search.squares = own;
         hidden.filter(|&hidden| hidden || !search.is_cut_short())
     }
 
-    /// The pixels that leave the target undecided; `None` if it is seen, or if they are too many.
-    fn find_open(&self, search: &mut Search, target: &Target) -> Option<SmallVec<[OpenSquare; PATCHED]>> {
+    /// Finds the pixels that leave the target undecided. Returns false if it is seen, or if they are
+    /// too many.
+    fn find_open(&self, search: &mut Search, target: &Target, open: &mut Vec<OpenSquare>) -> bool {
+        open.clear();
         if search.middle_is_seen(target) {
-            return None;
+            return false;
         }
-        let mut open = SmallVec::new();
         let (mut seen, mut tries) = (false, 0);
         let (buffer, on_face) = (search.buffer, search.target);
         let (most, most_patched) = (self.effort.pixels(PIXELS), self.effort.pixels(PATCHED));
@@ -181,7 +196,7 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
             seen |= patched || open.len() > most;
             seen
         });
-        (!seen).then_some(open)
+        !seen
     }
 
     /// Whether the target is hidden in a pixel, which is magnified.
@@ -202,12 +217,16 @@ impl<'a, F: Fn(u32) -> Option<Drawable<'a>>> Examination<'_, '_, F> {
         if search.squares == 0 || solids.is_empty() {
             return false;
         }
-        let contest = search.contest((self.buffers, target), solids, &pixel.open_rect(), u32::MAX);
+        let mut candidates = std::mem::take(&mut self.hand.candidates);
+        let shared = (self.buffers, target);
+        let contest = search.contest(shared, solids, &pixel.open_rect(), u32::MAX, &mut candidates);
         let contest = contest.filter(|contest| search.is_covered(&pixel, contest));
         if let Some(contest) = &contest {
             self.hand.compared.extend(contest.owners());
         }
-        contest.is_some()
+        let hidden = contest.is_some();
+        self.hand.candidates = candidates;
+        hidden
     }
 }
 
@@ -217,11 +236,10 @@ mod tests {
 
     use super::*;
     use crate::geometry::Block;
-    use crate::geometry::Room;
-    use crate::geometry::polytope::Polytope;
+    use crate::geometry::body::Body;
     use crate::occlusion::magnify::budget::Purse;
     use crate::occlusion::pitch::Pitch;
-    use crate::occlusion::solid::Solid;
+    use crate::occlusion::target::FaceTarget;
     use crate::random::Random;
     use crate::view::View;
 
@@ -258,15 +276,15 @@ mod tests {
             buffers.begin(&view, &pitch);
             let occluders: Vec<Block> = (0..60).map(|_| block_at(&mut random, (2.0, 6.0), 0.12)).collect();
             for (i, block) in occluders.iter().enumerate() {
-                let solid = Solid::polytope(Polytope::block(block), None, &Room::NONE).unwrap();
-                buffers.draw(solid.clone(), Slot::new(i as u32));
+                buffers.draw_body(&Body::Block(*block), Slot::new(i as u32)).unwrap();
             }
             magnifier.clear(std::slice::from_mut(&mut hand), &buffers);
             let mut budget = Budget { squares: 1 << 20, patches: Purse::Own(0) };
             for _ in 0..200 {
                 let block = block_at(&mut random, (6.5, 12.0), 0.03);
                 let target = Target::block(block, None);
-                let coarse = buffers.test(&target) == crate::occlusion::buffers::Verdict::Hidden;
+                let coarse = buffers.test(&target, &mut FaceTarget::default())
+                    == crate::occlusion::buffers::Verdict::Hidden;
                 let mut examination = Examination {
                     buffers: &buffers,
                     magnifier: &magnifier,

@@ -21,7 +21,7 @@ pub(crate) struct Face {
 }
 
 /// A rectangle on a face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Rect {
     pub(crate) u0: f64,
     pub(crate) v0: f64,

@@ -3,8 +3,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Outline;
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::numeric::occlusion::{
     BALL_NEAR_EYE, BALL_OUTLINE, PLANE_BEHIND_PLANE, PLANE_NEAR_EYE, TANGENT_NEAR_EYE,
 };
@@ -14,7 +13,7 @@ use crate::occlusion::face::{Face, Linear, Rect};
 ///
 /// A ray enters the shape at the farthest of its front planes, or at the front of a ball. The
 /// nearness is rounded both ways: [`Front::behind`] for occluders, [`Front::nearest`] for targets.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Front {
     planes: SmallVec<[Linear; 3]>,
     /// Whether all planes are known.
@@ -81,27 +80,23 @@ impl Ball {
 }
 
 impl Front {
-    /// `planes` are the half-spaces of the faces turned to the eye; `farthest` is the greatest
-    /// depth of the silhouette along the face's axis, `reach` bounds the coordinates of the shape.
-    pub(crate) fn new(
-        face: &Face,
-        outline: &Outline,
-        planes: &[HalfSpace],
-        farthest: f64,
-        largest: f64,
-    ) -> Self {
+    /// Makes it that of a shape on a face. `farthest` is the greatest depth of the silhouette along
+    /// the face's axis, `largest` bounds the coordinates of the shape.
+    pub(crate) fn set(&mut self, face: &Face, aspect: &Aspect, farthest: f64, largest: f64) {
         // Planes too close to the eye, or seen edge-on, are not known well enough.
-        let known = |p: &&HalfSpace| face.parallel || p.offset.abs() > PLANE_NEAR_EYE * largest;
-        let mut found = SmallVec::new();
-        planes.iter().filter(known).filter_map(|plane| face.nearness(plane)).for_each(|l| found.push(l));
-        let ball = match outline {
-            Outline::Sphere { center, radius } => Some(Ball::new(face, *center, *radius)),
+        self.planes.clear();
+        for plane in &aspect.fronts {
+            if face.parallel || plane.offset.abs() > PLANE_NEAR_EYE * largest {
+                self.planes.extend(face.nearness(plane));
+            }
+        }
+        self.ball = match aspect.outline {
+            Outline::Sphere { center, radius } => Some(Ball::new(face, center, radius)),
             _ => None,
         };
-        let complete = found.len() == planes.len();
+        self.complete = self.planes.len() == aspect.fronts.len();
         // A point behind the eye on this face gives no bound.
-        let floor = if face.parallel || farthest > 0.0 { face.nearness_of(farthest) } else { 0.0 };
-        Self { planes: found, complete, ball, floor }
+        self.floor = if face.parallel || farthest > 0.0 { face.nearness_of(farthest) } else { 0.0 };
     }
 
     /// Points of the silhouette in the rectangle that are less near than this are behind the

@@ -27,7 +27,6 @@ pub(crate) mod face;
 pub(crate) mod face_buffer;
 pub(crate) mod front;
 pub(crate) mod holes;
-pub(crate) mod image;
 pub(crate) mod magnify;
 pub(crate) mod pitch;
 pub(crate) mod pixels;

@@ -5,7 +5,7 @@ use crate::occlusion::face::Rect;
 use crate::occlusion::tiles::TILE;
 
 /// A rectangle of pixels of a face, upper ends excluded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct PixelRect {
     pub(crate) x: (i64, i64),
     pub(crate) y: (i64, i64),

@@ -6,9 +6,6 @@
 //! directions and squares, not time, so that results are the same on all machines.
 
 use casca_slots::Slot;
-use std::cell::Cell;
-
-use smallvec::SmallVec;
 
 use crate::numeric::occlusion::below;
 use crate::occlusion::buffers::OcclusionBuffers;
@@ -16,7 +13,6 @@ use crate::occlusion::face::Rect;
 use crate::occlusion::face_buffer::{DrawnSolid, FaceBuffer, Listed};
 use crate::occlusion::pixels::Window;
 use crate::occlusion::silhouette::LocalSilhouette;
-use crate::occlusion::solid::Shadow;
 use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, block};
 
@@ -31,32 +27,20 @@ const POLYGON: u32 = 3;
 const CANDIDATES: usize = u64::BITS as usize;
 
 /// One occluder that may hide the target in a pixel.
-struct PixelOccluder<'a> {
-    drawn: &'a DrawnSolid,
+#[derive(Debug)]
+pub(crate) struct PixelOccluder {
+    /// Its number among those drawn on the face.
+    drawn: u32,
     near: f32,
-    /// Its silhouette, for squares in the pixel.
-    silhouette: LocalSilhouette<'a>,
-    /// The space behind its front.
-    shadow: &'a Shadow,
-    /// Whether all of the target lies there, once that was found out.
-    behind: Cell<Option<bool>>,
-}
-
-impl PixelOccluder<'_> {
-    /// Whether all of a target lies behind its front.
-    #[inline]
-    fn is_before(&self, target: &Target) -> bool {
-        self.behind.get().unwrap_or_else(|| {
-            let behind = target.is_behind(self.shadow);
-            self.behind.set(Some(behind));
-            behind
-        })
-    }
+    /// The half-planes of its silhouette that matter in the pixel.
+    among: u64,
 }
 
 /// A pixel in which a target is compared with the occluders that may hide it.
 pub(crate) struct Contest<'a> {
-    candidates: SmallVec<[PixelOccluder<'a>; 4]>,
+    candidates: &'a [PixelOccluder],
+    buffers: &'a OcclusionBuffers,
+    buffer: &'a FaceBuffer,
     /// The target, on all faces.
     whole: &'a Target,
     /// The target's silhouette, for squares in the pixel.
@@ -66,7 +50,14 @@ pub(crate) struct Contest<'a> {
 impl Contest<'_> {
     /// The objects of the occluders.
     pub(crate) fn owners(&self) -> impl Iterator<Item = Slot> {
-        self.candidates.iter().map(|candidate| candidate.drawn.owner)
+        self.candidates.iter().map(|candidate| self.buffer.drawn(candidate.drawn).owner)
+    }
+
+    /// A candidate as drawn, and its silhouette, for squares in the pixel.
+    #[inline]
+    fn drawn(&self, candidate: &PixelOccluder) -> (&DrawnSolid, LocalSilhouette<'_>) {
+        let drawn = self.buffer.drawn(candidate.drawn);
+        (drawn, drawn.silhouette.local(candidate.among))
     }
 }
 
@@ -168,6 +159,10 @@ pub(crate) struct Search<'a> {
     pub(crate) spent: u64,
     /// Whether the last squares were not examined to the end.
     cut_short: bool,
+    /// The candidates of which it was found out whether all of the target lies behind their fronts,
+    /// and those where it does.
+    asked: u64,
+    behind: u64,
 }
 
 impl<'a> Search<'a> {
@@ -178,7 +173,8 @@ impl<'a> Search<'a> {
         squares: u32,
         depth: u32,
     ) -> Self {
-        Self { buffer, target, owner, squares, depth, spent: 0, cut_short: false }
+        let (asked, behind) = (0, 0);
+        Self { buffer, target, owner, squares, depth, spent: 0, cut_short: false, asked, behind }
     }
 
     /// Whether the last squares were not examined to the end: with more squares or halvings, they
@@ -220,20 +216,25 @@ impl<'a> Search<'a> {
         if self.buffer.nearness(x, y) >= near || self.buffer.patch_may_hide((x, y), near) {
             return false;
         }
-        let buffer = self.buffer;
-        let listed = buffer.occluders().list(buffer.occluders().index(x, y));
-        self.pay(listed.len());
-        self.is_seen(u, v, listed)
+        let occluders = self.buffer.occluders();
+        self.pay(occluders.len(occluders.index(x, y)));
+        // A ray in a direction of the target's silhouette hits it inside the frustum, before any
+        // occluder. This is not rounded: a wrong yes makes a hidden target visible, which is safe,
+        // and a no decides nothing.
+        self.buffer.halves().iter().all(|h| h.at(u, v) >= 0.0)
+            && self.buffer.is_before((x, y), (u, v), self.target.at(u, v), self.owner)
     }
 
     /// Compares the target with those occluders of a list, the nearest first, that may hide it in
-    /// the open part of a pixel; `None` if they weigh more than `most`.
+    /// the open part of a pixel; `None` if they weigh more than `most`. `candidates` is memory for
+    /// them.
     pub(crate) fn contest<'c>(
         &mut self,
         (buffers, whole): (&'c OcclusionBuffers, &'c Target),
         list: &[Listed],
         pixel: &Rect,
         most: u32,
+        candidates: &'c mut Vec<PixelOccluder>,
     ) -> Option<Contest<'c>>
     where
         'a: 'c,
@@ -242,8 +243,9 @@ impl<'a> Search<'a> {
         // Only directions of the target need be hidden. Many targets are smaller than a pixel, and
         // most occluders of the pixel are beside them.
         let part = pixel.intersect(&self.target.rect).unwrap_or(*pixel);
-        let (mut candidates, mut weight) = (SmallVec::new(), 0);
-        let buffer = self.buffer;
+        candidates.clear();
+        (self.asked, self.behind) = (0, 0);
+        let (mut weight, buffer) = (0, self.buffer);
         for listed in list {
             // An occluder that is nowhere nearer than the target's nearest point hides at most a
             // part of it.
@@ -253,7 +255,7 @@ impl<'a> Search<'a> {
             if !listed.rect.overlaps(&part) {
                 continue;
             }
-            let drawn = buffer.drawn(listed);
+            let drawn = buffer.drawn(listed.drawn);
             if drawn.owner == self.owner {
                 continue;
             }
@@ -262,15 +264,15 @@ impl<'a> Search<'a> {
                 if weight > most {
                     return None;
                 }
-                let (near, shadow) = (listed.near, buffers.shadow(drawn.solid));
-                candidates.push(PixelOccluder { drawn, near, silhouette, shadow, behind: Cell::new(None) });
+                let (drawn, near, among) = (listed.drawn, listed.near, silhouette.among());
+                candidates.push(PixelOccluder { drawn, near, among });
                 if candidates.len() == CANDIDATES {
                     break;
                 }
             }
         }
         let target = self.target.silhouette.crossing(pixel).unwrap_or_else(|| self.target.silhouette.whole());
-        Some(Contest { candidates, whole, target })
+        Some(Contest { candidates, buffers, buffer, whole, target })
     }
 
     /// Whether the candidates surely hide the target in a pixel, or in some of its finer pixels.
@@ -285,22 +287,26 @@ impl<'a> Search<'a> {
             return false;
         }
         self.spend(1);
-        let rect = &square.rect;
+        let (rect, target) = (&square.rect, self.target);
         let mut rest = 0u64;
         let mut near = None;
         for (i, c) in contest.candidates.iter().enumerate() {
-            if among >> i & 1 == 0 || !c.silhouette.touches(rect) {
+            if among >> i & 1 == 0 {
                 continue;
             }
-            if c.silhouette.covers(rect) {
+            let (drawn, silhouette) = contest.drawn(c);
+            if !silhouette.touches(rect) {
+                continue;
+            }
+            if silhouette.covers(rect) {
                 let mut nearer = || {
-                    let near = *near.get_or_insert_with(|| self.target.near(rect));
-                    below(c.drawn.front.behind_inside(rect)) >= near
+                    let near = *near.get_or_insert_with(|| target.near(rect));
+                    below(drawn.front.behind_inside(rect)) >= near
                 };
                 // The cheaper question first: one distance for a ball, one bound for its planes.
-                let hides = match c.silhouette.is_conic() {
-                    true => c.is_before(contest.whole) || nearer(),
-                    false => nearer() || c.is_before(contest.whole),
+                let hides = match silhouette.is_conic() {
+                    true => self.is_behind(contest, i) || nearer(),
+                    false => nearer() || self.is_behind(contest, i),
                 };
                 if hides {
                     return true;
@@ -324,23 +330,30 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// As [`Search::is_seen`], for some of the candidates of a pixel.
+    /// Whether all of the target lies behind the front of a candidate.
+    #[inline]
+    fn is_behind(&mut self, contest: &Contest, candidate: usize) -> bool {
+        let bit = 1 << candidate;
+        if self.asked & bit == 0 {
+            self.asked |= bit;
+            let drawn = contest.buffer.drawn(contest.candidates[candidate].drawn);
+            let behind = contest.whole.is_behind(contest.buffers.shadow(drawn.solid));
+            self.behind |= u64::from(behind) << candidate;
+        }
+        self.behind & bit != 0
+    }
+
+    /// Whether a direction shows the target before some of the candidates of a pixel; see
+    /// [`Search::direction_is_seen`].
     fn is_open(&self, u: f64, v: f64, contest: &Contest, among: u64) -> bool {
         let near = self.target.at(u, v);
         self.buffer.halves().iter().all(|h| h.at(u, v) >= 0.0)
             && contest.candidates.iter().enumerate().all(|(i, c)| {
+                let (drawn, silhouette) = contest.drawn(c);
                 among >> i & 1 == 0
                     || f64::from(c.near) <= near
-                    || !c.silhouette.may_hold(u, v)
-                    || c.drawn.front.at(u, v) <= near
+                    || !silhouette.may_hold(u, v)
+                    || drawn.front.at(u, v) <= near
             })
-    }
-
-    /// Whether a ray in a direction of the target's silhouette hits it inside the frustum, before
-    /// any of the occluders. This is not rounded: a wrong yes makes a hidden target visible, which
-    /// is safe, and a no decides nothing.
-    fn is_seen(&self, u: f64, v: f64, occluders: &[Listed]) -> bool {
-        self.buffer.halves().iter().all(|h| h.at(u, v) >= 0.0)
-            && self.buffer.is_before((u, v), self.target.at(u, v), occluders, self.owner)
     }
 }

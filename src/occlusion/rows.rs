@@ -58,24 +58,26 @@ enum Rounding {
     Outwards,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, Default)]
 enum RowShape {
-    Polygon {
-        /// Columns are not less than these.
-        lower: SmallVec<[Bound; 6]>,
-        /// Columns are not greater than these.
-        upper: SmallVec<[Bound; 6]>,
-    },
+    /// A polygon is covered between its bounds.
+    #[default]
+    Polygon,
     /// An ellipse is covered between its roots.
     Ellipse(Conic),
     /// A hyperbola is covered beyond one root, on the side of greater columns if `right`.
     Hyperbola { conic: Conic, right: bool },
 }
 
-/// A shape on a face that is ready to be asked for rows of pixels.
-#[derive(Debug)]
+/// A shape on a face that is ready to be asked for rows of pixels. It is filled again for each
+/// shape; methods that do so return whether there may be covered pixels.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct ShapeRows {
     shape: RowShape,
+    /// Columns of a polygon are not less than these.
+    lower: SmallVec<[Bound; 6]>,
+    /// They are not greater than these.
+    upper: SmallVec<[Bound; 6]>,
     /// The pixels outside of which nothing is covered.
     pixels: PixelRect,
     /// Height of the lower border of row 0, and of a row.
@@ -137,30 +139,94 @@ impl TileRow {
 }
 
 impl ShapeRows {
-    /// The whole pixels inside a silhouette that lies in a rectangle of them; `None` if there are
-    /// none for sure.
-    pub(crate) fn inside(silhouette: &Silhouette, window: &Window, pixels: &PixelRect) -> Option<Self> {
-        let (shape, pixels) = match silhouette.kind() {
-            SilhouetteKind::Polygon(halves) => polygon(halves, window, pixels, Rounding::Inwards)?,
-            SilhouetteKind::Conic { s, k, u0, v0, e, .. } => (conic(s, *k, (*u0, *v0), *e, window)?, *pixels),
-            SilhouetteKind::Everything => return None,
-        };
-        let error = match &shape {
-            RowShape::Polygon { .. } => 0.0,
-            RowShape::Ellipse(conic) | RowShape::Hyperbola { conic, .. } => conic.error,
-        };
-        Self::new(shape, window, pixels, PIXEL + error + 0.5)
+    /// Fills it with the whole pixels inside a silhouette that lies in a rectangle of them.
+    pub(crate) fn set_inside(
+        &mut self,
+        silhouette: &Silhouette,
+        window: &Window,
+        pixels: &PixelRect,
+    ) -> bool {
+        self.pixels = *pixels;
+        let mut error = 0.0;
+        match *silhouette.kind() {
+            SilhouetteKind::Polygon => {
+                if !self.set_polygon(silhouette.halves(), window, Rounding::Inwards) {
+                    return false;
+                }
+            }
+            SilhouetteKind::Conic { s, k, u0, v0, e, .. } => {
+                let Some(shape) = conic(&s, k, (u0, v0), e, window) else { return false };
+                self.shape = shape;
+                if let RowShape::Ellipse(conic) | RowShape::Hyperbola { conic, .. } = shape {
+                    error = conic.error;
+                }
+            }
+            SilhouetteKind::Everything => return false,
+        }
+        self.set_scale(window, PIXEL + error + 0.5)
     }
 
-    /// The pixels of a window that may reach into all half-planes; `None` if there are none.
-    pub(crate) fn touching(halves: &[Linear], window: &Window) -> Option<Self> {
-        let (shape, pixels) = polygon(halves, window, window.pixels(), Rounding::Outwards)?;
-        Self::new(shape, window, pixels, -PIXEL - 0.5)
+    /// Fills it with the pixels of a window that may reach into all half-planes.
+    pub(crate) fn set_touching(&mut self, halves: &[Linear], window: &Window) -> bool {
+        self.pixels = *window.pixels();
+        self.set_polygon(halves, window, Rounding::Outwards) && self.set_scale(window, -PIXEL - 0.5)
     }
 
-    fn new(shape: RowShape, window: &Window, pixels: PixelRect, inset: f64) -> Option<Self> {
-        let (base, step, columns) = (window.border(0), window.step(), window.per_unit() * 2.0);
-        (!pixels.is_empty()).then_some(Self { shape, pixels, base, step, columns, inset })
+    fn set_scale(&mut self, window: &Window, inset: f64) -> bool {
+        (self.base, self.step, self.columns) = (window.border(0), window.step(), window.per_unit() * 2.0);
+        self.inset = inset;
+        !self.pixels.is_empty()
+    }
+
+    /// Prepares the half-planes of a polygon. Those that bound rows narrow the rectangle of pixels
+    /// instead.
+    fn set_polygon(&mut self, halves: &[Linear], window: &Window, rounding: Rounding) -> bool {
+        self.shape = RowShape::Polygon;
+        let (step, per_unit, base) = (window.step(), window.per_unit(), window.border(0));
+        let Self { lower, upper, pixels, .. } = self;
+        lower.clear();
+        upper.clear();
+        let inwards = rounding == Rounding::Inwards;
+        let margin = if inwards { CONE_MARGIN } else { 0.0 };
+        for half in halves {
+            if !(half.a + half.b + half.c).is_finite() {
+                if inwards {
+                    return false;
+                }
+                continue;
+            }
+            let c = half.c - margin;
+            if half.a.abs() > HALF_PLANE_SLOPE {
+                // The border of a row that lies farther outside, or farther inside.
+                let v = if (half.b < 0.0) == inwards { base + step } else { base };
+                let inverse = -1.0 / half.a;
+                let at = ((half.b * v + c) * inverse + 1.0) * per_unit;
+                let bound = Bound { at, slope: half.b * inverse };
+                if half.a > 0.0 {
+                    lower.push(bound)
+                } else {
+                    upper.push(bound)
+                }
+                continue;
+            }
+            // All columns of the face are as far inside but for this.
+            let c = if inwards { c - HALF_PLANE_SLOPE } else { c + HALF_PLANE_OUTSIDE };
+            if half.b.abs() <= HALF_PLANE_SLOPE {
+                let slack = if inwards { HALF_PLANE_SLOPE } else { -HALF_PLANE_SLOPE };
+                if c < slack {
+                    return false;
+                }
+                continue;
+            }
+            let row = ((1.0 - c / half.b) * per_unit).clamp(pixels.y.0 as f64 - 2.0, pixels.y.1 as f64 + 2.0);
+            match (half.b > 0.0, inwards) {
+                (true, true) => pixels.y.0 = pixels.y.0.max(-floor(-(row + PIXEL))),
+                (true, false) => pixels.y.0 = pixels.y.0.max(floor(row - PIXEL)),
+                (false, true) => pixels.y.1 = pixels.y.1.min(floor(row - PIXEL)),
+                (false, false) => pixels.y.1 = pixels.y.1.min(floor(row + PIXEL) + 1),
+            }
+        }
+        true
     }
 
     /// The pixels outside of which nothing is covered.
@@ -174,9 +240,9 @@ impl ShapeRows {
         let y = ty * TILE;
         let v = self.base + self.step * y as f64;
         let columns = match &self.shape {
-            RowShape::Polygon { lower, upper } => {
+            RowShape::Polygon => {
                 let rows = ((self.pixels.y.0 - y) as f64, (self.pixels.y.1 - y) as f64);
-                between(lower, upper, y as f64, rows)
+                between(&self.lower, &self.upper, y as f64, rows)
             }
             RowShape::Ellipse(conic) => conic.inside(v, self.step),
             RowShape::Hyperbola { conic, right } => conic.beside(*right, v, self.step),
@@ -206,59 +272,6 @@ impl ShapeRows {
         }
         TileRow { first, end, some, all }
     }
-}
-
-/// Prepares the half-planes of a polygon. Those that bound rows narrow the rectangle of pixels
-/// instead.
-fn polygon(
-    halves: &[Linear],
-    window: &Window,
-    pixels: &PixelRect,
-    rounding: Rounding,
-) -> Option<(RowShape, PixelRect)> {
-    let (step, per_unit, base) = (window.step(), window.per_unit(), window.border(0));
-    let (mut lower, mut upper, mut pixels) = (SmallVec::new(), SmallVec::new(), *pixels);
-    let inwards = rounding == Rounding::Inwards;
-    let margin = if inwards { CONE_MARGIN } else { 0.0 };
-    for half in halves {
-        if !(half.a + half.b + half.c).is_finite() {
-            if inwards {
-                return None;
-            }
-            continue;
-        }
-        let c = half.c - margin;
-        if half.a.abs() > HALF_PLANE_SLOPE {
-            // The border of a row that lies farther outside, or farther inside.
-            let v = if (half.b < 0.0) == inwards { base + step } else { base };
-            let inverse = -1.0 / half.a;
-            let at = ((half.b * v + c) * inverse + 1.0) * per_unit;
-            let bound = Bound { at, slope: half.b * inverse };
-            if half.a > 0.0 {
-                lower.push(bound)
-            } else {
-                upper.push(bound)
-            }
-            continue;
-        }
-        // All columns of the face are as far inside but for this.
-        let c = if inwards { c - HALF_PLANE_SLOPE } else { c + HALF_PLANE_OUTSIDE };
-        if half.b.abs() <= HALF_PLANE_SLOPE {
-            let slack = if inwards { HALF_PLANE_SLOPE } else { -HALF_PLANE_SLOPE };
-            if c < slack {
-                return None;
-            }
-            continue;
-        }
-        let row = ((1.0 - c / half.b) * per_unit).clamp(pixels.y.0 as f64 - 2.0, pixels.y.1 as f64 + 2.0);
-        match (half.b > 0.0, inwards) {
-            (true, true) => pixels.y.0 = pixels.y.0.max(-floor(-(row + PIXEL))),
-            (true, false) => pixels.y.0 = pixels.y.0.max(floor(row - PIXEL)),
-            (false, true) => pixels.y.1 = pixels.y.1.min(floor(row - PIXEL)),
-            (false, false) => pixels.y.1 = pixels.y.1.min(floor(row + PIXEL) + 1),
-        }
-    }
-    Some((RowShape::Polygon { lower, upper }, pixels))
 }
 
 /// Prepares a conic; `None` for one that is hardly an ellipse or a hyperbola, or whose numbers
@@ -356,31 +369,36 @@ mod tests {
 
     use super::*;
     use crate::geometry::Block;
-    use crate::geometry::polytope::{Outline, outline_of_block};
+    use crate::geometry::Room;
+    use crate::geometry::aspect::Aspect;
+    use crate::geometry::body::Body;
     use crate::occlusion::face::{Face, Rect};
     use crate::random::Random;
 
     const PIXELS: i64 = 64;
 
     /// The pixels of the whole face that a silhouette covers, and those that are well inside of it.
-    fn check(outline: &Outline) -> usize {
+    fn check(body: &Body) -> usize {
         let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
         let window = Window::around(&Rect::FACE, PIXELS);
-        let silhouette = Silhouette::new(outline, &face);
-        let rows = ShapeRows::inside(&silhouette, &window, window.pixels());
+        let (mut aspect, mut silhouette) = (Aspect::default(), Silhouette::default());
+        aspect.set_body(body, None, &Room::NONE);
+        silhouette.set(&aspect, &face);
+        let mut rows = ShapeRows::default();
+        let any = rows.set_inside(&silhouette, &window, window.pixels());
         let mut covered = 0;
         for ty in 0..PIXELS / TILE {
-            let row = rows.as_ref().map(|rows| rows.tile_row(ty));
+            let row = any.then(|| rows.tile_row(ty));
             for (x, y) in (0..PIXELS).flat_map(|x| (ty * TILE..(ty + 1) * TILE).map(move |y| (x, y))) {
                 let tile = x / TILE * TILE;
                 let bit = 8 * (y - ty * TILE) + x - tile;
                 let own = row.as_ref().is_some_and(|row| row.mask_of_tile(tile) >> bit & 1 == 1);
                 let square = window.square(x, y, 1);
-                assert!(!own || silhouette.covers(&square), "{outline:?} {x} {y}");
+                assert!(!own || silhouette.covers(&square), "{body:?} {x} {y}");
                 let room = 1e-6;
                 let (u0, v0) = (square.u0 - room, square.v0 - room);
                 let larger = Rect { u0, v0, u1: square.u1 + room, v1: square.v1 + room };
-                assert!(own || !silhouette.covers(&larger), "{outline:?} {x} {y}");
+                assert!(own || !silhouette.covers(&larger), "{body:?} {x} {y}");
                 covered += usize::from(own);
             }
         }
@@ -396,10 +414,9 @@ mod tests {
                 let mut of = fine;
                 of[place] = bad;
                 let half = Linear { a: of[0], b: of[1], c: of[2] };
-                assert!(polygon(&[half], &window, window.pixels(), Rounding::Inwards).is_none());
-                assert!(
-                    ShapeRows::touching(&[half], &window).is_some_and(|rows| rows.tile_row(0).covers_tile(0))
-                );
+                let mut rows = ShapeRows::default();
+                assert!(!rows.set_polygon(&[half], &window, Rounding::Inwards));
+                assert!(rows.set_touching(&[half], &window) && rows.tile_row(0).covers_tile(0));
                 assert!(conic(&half, 0.5, (0.0, 0.0), 1.0, &window).is_none());
             }
             let s = Linear { a: 0.1, b: 0.2, c: 0.9 };
@@ -418,12 +435,12 @@ mod tests {
             // Some centres are so far aside that the conic is a hyperbola.
             let center = DVec3::new(next() * 6.0, next() * 6.0, next() + 1.0);
             let radius = center.length() * (0.1 + 0.8 * (next() + 0.5));
-            let found = check(&Outline::Sphere { center, radius });
+            let found = check(&Body::Sphere { center, radius });
             spheres += found;
             beside += if radius > center.z { found } else { 0 };
             let half = DVec3::new(next(), next(), next()).abs() + 0.1;
             let block = Block { min: center - half, max: center + half };
-            boxes += check(&outline_of_block(&block).0);
+            boxes += check(&Body::Block(block));
         }
         assert!(spheres > 10_000 && boxes > 5000 && beside > 10_000, "{spheres} {boxes} {beside}");
     }

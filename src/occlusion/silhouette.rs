@@ -6,28 +6,23 @@
 
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
+use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::Outline;
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::numeric::occlusion::{CONIC, CONIC_HORIZON};
 use crate::numeric::shape::CONE_MARGIN;
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::tiles::TILE;
 
 /// The kinds of silhouettes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) enum SilhouetteKind {
     /// `s^2 - k ((u - u0)^2 + (v - v0)^2 + e) >= 0` where `s > 0`.
-    Conic {
-        s: Linear,
-        k: f64,
-        u0: f64,
-        v0: f64,
-        e: f64,
-        sine: f64,
-    },
-    Polygon(SmallVec<[Linear; 8]>),
+    Conic { s: Linear, k: f64, u0: f64, v0: f64, e: f64, sine: f64 },
+    /// All of the half-planes of the silhouette.
+    Polygon,
+    #[default]
     Everything,
 }
 
@@ -82,9 +77,11 @@ fn conic_pixels<S: Simd>(
 }
 
 /// The directions of a face that a convex shape covers.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Silhouette {
     kind: SilhouetteKind,
+    /// Those of a polygon.
+    halves: SmallVec<[Linear; 8]>,
 }
 
 /// A silhouette for tests of squares in one place, where only some of its half-planes matter.
@@ -101,8 +98,8 @@ const CHOSEN: usize = u64::BITS as usize;
 impl LocalSilhouette<'_> {
     /// Whether all of those half-planes of a polygon pass a test.
     #[inline(always)]
-    fn all(&self, halves: &[Linear], test: impl Fn(&Linear) -> bool) -> bool {
-        let mut rest = self.among;
+    fn all(&self, test: impl Fn(&Linear) -> bool) -> bool {
+        let (mut rest, halves) = (self.among, &self.silhouette.halves);
         while rest != 0 {
             let Some(half) = halves.get(rest.trailing_zeros() as usize) else { break };
             if !test(half) {
@@ -118,11 +115,16 @@ impl LocalSilhouette<'_> {
         self.silhouette.is_conic()
     }
 
+    /// The half-planes that matter, for [`Silhouette::local`].
+    pub(crate) fn among(&self) -> u64 {
+        self.among
+    }
+
     /// As [`Silhouette::covers`].
     #[inline]
     pub(crate) fn covers(&self, r: &Rect) -> bool {
         match &self.silhouette.kind {
-            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.least(r) >= CONE_MARGIN),
+            SilhouetteKind::Polygon => self.all(|half| half.least(r) >= CONE_MARGIN),
             _ => self.silhouette.covers(r),
         }
     }
@@ -131,7 +133,7 @@ impl LocalSilhouette<'_> {
     #[inline]
     pub(crate) fn touches(&self, r: &Rect) -> bool {
         match &self.silhouette.kind {
-            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.most(r) >= -CONE_MARGIN),
+            SilhouetteKind::Polygon => self.all(|half| half.most(r) >= -CONE_MARGIN),
             _ => self.silhouette.touches(r),
         }
     }
@@ -140,7 +142,7 @@ impl LocalSilhouette<'_> {
     #[inline]
     pub(crate) fn holds(&self, u: f64, v: f64) -> bool {
         match &self.silhouette.kind {
-            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= CONE_MARGIN),
+            SilhouetteKind::Polygon => self.all(|half| half.at(u, v) >= CONE_MARGIN),
             _ => self.silhouette.holds(u, v),
         }
     }
@@ -149,52 +151,62 @@ impl LocalSilhouette<'_> {
     #[inline]
     pub(crate) fn may_hold(&self, u: f64, v: f64) -> bool {
         match &self.silhouette.kind {
-            SilhouetteKind::Polygon(halves) => self.all(halves, |half| half.at(u, v) >= -CONE_MARGIN),
+            SilhouetteKind::Polygon => self.all(|half| half.at(u, v) >= -CONE_MARGIN),
             _ => self.silhouette.may_hold(u, v),
         }
     }
 }
 
-/// The half-planes of a cone. Those of usual cones are written in place, which is cheaper than to
-/// collect them.
-fn halves(planes: &[HalfSpace], face: &Face) -> SmallVec<[Linear; 8]> {
-    let half = |p: &HalfSpace| face.half(p.normal, p.offset);
-    let mut few = [Linear { a: 0.0, b: 0.0, c: 0.0 }; 8];
-    if planes.len() > few.len() {
-        return planes.iter().map(half).collect();
+impl SilhouetteKind {
+    /// That of a sphere.
+    pub(crate) fn sphere(center: DVec3, radius: f64, face: &Face) -> Self {
+        let (c, distance) = (face.local(center), center.length());
+        if face.parallel {
+            let r = radius * face.right.length();
+            let s = Linear { a: 0.0, b: 0.0, c: r };
+            Self::Conic { s, k: 1.0, u0: c.x, v0: c.y, e: 0.0, sine: 0.0 }
+        } else if distance > radius {
+            let (c, sine) = (c / distance, radius / distance);
+            let s = Linear { a: c.x, b: c.y, c: c.z };
+            Self::Conic { s, k: (1.0 - sine) * (1.0 + sine), u0: 0.0, v0: 0.0, e: 1.0, sine }
+        } else {
+            Self::Everything
+        }
     }
-    few.iter_mut().zip(planes).for_each(|(out, plane)| *out = half(plane));
-    SmallVec::from_buf_and_len(few, planes.len())
+
+    /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face;
+    /// `None` for all others.
+    pub(crate) fn conic_rect(&self) -> Option<Rect> {
+        let Self::Conic { s, u0, v0, e, sine, .. } = self else { return None };
+        if *e == 0.0 {
+            return Some(Rect { u0: u0 - s.c, v0: v0 - s.c, u1: u0 + s.c, v1: v0 + s.c });
+        }
+        if s.c <= sine + CONIC_HORIZON {
+            return None;
+        }
+        // Tangents from the eye in the plane of each axis and the depth.
+        let span = |a: f64| {
+            let root = (a * a + s.c * s.c - sine * sine).max(0.0).sqrt();
+            let below = s.c * s.c - sine * sine;
+            ((a * s.c - sine * root) / below, (a * s.c + sine * root) / below)
+        };
+        let ((u0, u1), (v0, v1)) = (span(s.a), span(s.b));
+        Some(Rect { u0, v0, u1, v1 })
+    }
 }
 
 impl Silhouette {
-    pub(crate) fn new(outline: &Outline, face: &Face) -> Self {
-        let kind = match outline {
+    /// Makes it that of a shape on a face.
+    pub(crate) fn set(&mut self, aspect: &Aspect, face: &Face) {
+        self.halves.clear();
+        self.kind = match aspect.outline {
             Outline::Everything => SilhouetteKind::Everything,
-            Outline::Sphere { center, radius } => {
-                let (c, distance) = (face.local(*center), center.length());
-                if face.parallel {
-                    let r = radius * face.right.length();
-                    let s = Linear { a: 0.0, b: 0.0, c: r };
-                    SilhouetteKind::Conic { s, k: 1.0, u0: c.x, v0: c.y, e: 0.0, sine: 0.0 }
-                } else if distance > *radius {
-                    let (c, sine) = (c / distance, radius / distance);
-                    let s = Linear { a: c.x, b: c.y, c: c.z };
-                    SilhouetteKind::Conic {
-                        s,
-                        k: (1.0 - sine) * (1.0 + sine),
-                        u0: 0.0,
-                        v0: 0.0,
-                        e: 1.0,
-                        sine,
-                    }
-                } else {
-                    SilhouetteKind::Everything
-                }
+            Outline::Sphere { center, radius } => SilhouetteKind::sphere(center, radius, face),
+            Outline::Cone => {
+                self.halves.extend(aspect.sides.iter().map(|side| face.half(side.normal, side.offset)));
+                SilhouetteKind::Polygon
             }
-            Outline::Cone(planes) => SilhouetteKind::Polygon(halves(planes, face)),
         };
-        Self { kind }
     }
 
     /// Whether it is that of a sphere.
@@ -210,7 +222,7 @@ impl Silhouette {
                 let (du, dv, at) = (u - u0, v - v0, s.at(u, v));
                 at > 0.0 && at * at - k * (du * du + dv * dv + e) >= conic
             }
-            SilhouetteKind::Polygon(halves) => halves.iter().all(|half| half.at(u, v) >= cone),
+            SilhouetteKind::Polygon => self.halves.iter().all(|half| half.at(u, v) >= cone),
             SilhouetteKind::Everything => true,
         }
     }
@@ -220,7 +232,7 @@ impl Silhouette {
     pub(crate) fn covers(&self, r: &Rect) -> bool {
         match &self.kind {
             SilhouetteKind::Conic { .. } => r.corners().iter().all(|&(u, v)| self.inside(u, v, CONIC, 0.0)),
-            SilhouetteKind::Polygon(halves) => halves.iter().all(|half| half.least(r) >= CONE_MARGIN),
+            SilhouetteKind::Polygon => self.halves.iter().all(|half| half.least(r) >= CONE_MARGIN),
             SilhouetteKind::Everything => false,
         }
     }
@@ -253,7 +265,7 @@ impl Silhouette {
                 let rest = d - squared;
                 rest <= 0.0 || s.at(u, v) >= (k * rest).sqrt() - sine * squared.sqrt() - CONIC
             }
-            SilhouetteKind::Polygon(halves) => halves.iter().all(|half| half.most(r) >= -CONE_MARGIN),
+            SilhouetteKind::Polygon => self.halves.iter().all(|half| half.most(r) >= -CONE_MARGIN),
             SilhouetteKind::Everything => true,
         }
     }
@@ -262,11 +274,11 @@ impl Silhouette {
     /// rectangle lies inside of; `None` if the rectangle does not touch it.
     #[inline]
     pub(crate) fn crossing(&self, r: &Rect) -> Option<LocalSilhouette<'_>> {
-        let SilhouetteKind::Polygon(halves) = &self.kind else {
+        if !matches!(self.kind, SilhouetteKind::Polygon) {
             return self.touches(r).then(|| self.whole());
-        };
+        }
         let mut among = 0;
-        for (i, half) in halves.iter().enumerate() {
+        for (i, half) in self.halves.iter().enumerate() {
             if half.most(r) < -CONE_MARGIN {
                 return None;
             }
@@ -279,7 +291,13 @@ impl Silhouette {
 
     /// All of it.
     pub(crate) fn whole(&self) -> LocalSilhouette<'_> {
-        LocalSilhouette { silhouette: self, among: u64::MAX }
+        self.local(u64::MAX)
+    }
+
+    /// It, with some half-planes that matter.
+    #[inline]
+    pub(crate) fn local(&self, among: u64) -> LocalSilhouette<'_> {
+        LocalSilhouette { silhouette: self, among }
     }
 
     /// The pixels of a tile that are surely covered. The tile's borders between columns and rows
@@ -293,9 +311,9 @@ impl Silhouette {
             SilhouetteKind::Conic { s, k, u0, v0, e, .. } => {
                 conic_pixels(simd, (s, *k), (*u0, *v0, *e), us, vs)
             }
-            SilhouetteKind::Polygon(halves) => {
+            SilhouetteKind::Polygon => {
                 let mut pixels = u64::MAX;
-                for half in halves {
+                for half in &self.halves {
                     if half.most(&tile) < CONE_MARGIN {
                         return 0;
                     }
@@ -309,29 +327,14 @@ impl Silhouette {
         }
     }
 
-    /// A rectangle around the silhouette of a sphere that lies in front of the eye on this face;
-    /// `None` for all others.
-    pub(crate) fn conic_rect(&self) -> Option<Rect> {
-        let SilhouetteKind::Conic { s, u0, v0, e, sine, .. } = &self.kind else { return None };
-        if *e == 0.0 {
-            return Some(Rect { u0: u0 - s.c, v0: v0 - s.c, u1: u0 + s.c, v1: v0 + s.c });
-        }
-        if s.c <= sine + CONIC_HORIZON {
-            return None;
-        }
-        // Tangents from the eye in the plane of each axis and the depth.
-        let span = |a: f64| {
-            let root = (a * a + s.c * s.c - sine * sine).max(0.0).sqrt();
-            let below = s.c * s.c - sine * sine;
-            ((a * s.c - sine * root) / below, (a * s.c + sine * root) / below)
-        };
-        let ((u0, u1), (v0, v1)) = (span(s.a), span(s.b));
-        Some(Rect { u0, v0, u1, v1 })
-    }
-
     /// Its equations.
     pub(crate) fn kind(&self) -> &SilhouetteKind {
         &self.kind
+    }
+
+    /// The half-planes of a polygon.
+    pub(crate) fn halves(&self) -> &[Linear] {
+        &self.halves
     }
 }
 
@@ -342,6 +345,7 @@ mod tests {
     use super::*;
     use crate::geometry::Block;
     use crate::geometry::Room;
+    use crate::geometry::body::Body;
     use crate::geometry::polytope::Polytope;
     use crate::simd::vectorized;
 
@@ -349,18 +353,21 @@ mod tests {
     fn pixels_of_a_tile_are_those_that_are_covered_one_by_one() {
         let face = Face { right: DVec3::X, up: DVec3::Y, forward: DVec3::Z, parallel: false };
         let block = Block { min: DVec3::new(-1.1, -0.7, 3.0), max: DVec3::new(1.3, 0.9, 5.0) };
+        let boxed = Polytope::block(&block);
         let slanted = Polytope::boxed(
             DVec3::new(0.5, 0.2, 4.0),
             &glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2),
         );
-        let outlines = [
-            Polytope::block(&block).outline(None, &Room::NONE),
-            slanted.outline(None, &Room::NONE),
-            Outline::Sphere { center: DVec3::new(0.3, 0.2, 4.0), radius: 1.2 },
+        let bodies = [
+            Body::Part(boxed.part(DVec3::ZERO, DVec3::ZERO)),
+            Body::Part(slanted.part(DVec3::ZERO, DVec3::ZERO)),
+            Body::Sphere { center: DVec3::new(0.3, 0.2, 4.0), radius: 1.2 },
         ];
         let mut partly = 0;
-        for outline in &outlines {
-            let whole = Silhouette::new(outline, &face);
+        let (mut aspect, mut whole) = (Aspect::default(), Silhouette::default());
+        for body in &bodies {
+            aspect.set_body(body, None, &Room::NONE);
+            whole.set(&aspect, &face);
             for tile in 0..256 {
                 let border = |t: i32| std::array::from_fn(|i| f64::from(8 * t + i as i32) / 64.0 - 1.0);
                 let (us, vs): (Borders, Borders) = (border(tile % 16), border(tile / 16));
@@ -376,7 +383,7 @@ mod tests {
                     assert_eq!(whole.covers(&pixel), part.is_some_and(|part| part.covers(&pixel)));
                 }
                 let pixels = vectorized!(simd => whole.pixels(simd, &us, &vs));
-                assert_eq!(pixels, covered, "{outline:?} {tile}");
+                assert_eq!(pixels, covered, "{body:?} {tile}");
                 partly += u32::from(covered != 0 && covered != u64::MAX);
             }
         }

@@ -1,34 +1,34 @@
 //! Occluders ready to be drawn, rounded inwards.
 
 use glam::DVec3;
-use smallvec::SmallVec;
 
+use crate::geometry::Room;
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::{Outline, Part, Polytope, outline_of_block};
-use crate::geometry::{Block, Room};
+use crate::geometry::polytope::Part;
 use crate::numeric::occlusion::{BEHIND, SPHERE_AROUND_EYE};
 use crate::occlusion::face::{Face, Rect};
-use crate::occlusion::front::{Front, contour_depth};
-use crate::occlusion::silhouette::Silhouette;
+use crate::occlusion::front::contour_depth;
+use crate::occlusion::silhouette::SilhouetteKind;
 
 /// The space behind the front of a solid. The solid hides all of it that its silhouette covers.
-#[derive(Debug, Clone)]
-pub(crate) struct Shadow {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shadow<'a> {
     /// Inside all of these half-spaces;
-    pub(crate) planes: SmallVec<[HalfSpace; 3]>,
+    pub(crate) planes: &'a [HalfSpace],
     /// or inside this ball.
     pub(crate) ball: Option<(DVec3, f64)>,
 }
 
-/// A convex occluder relative to the origin of the rays.
-#[derive(Debug, Clone)]
+/// A convex occluder relative to the origin of the rays. It is filled again for each one; methods
+/// that do so return whether it can be drawn: the eye must not be in it or too close to tell.
+///
+/// With a `room`, it hides a point only if it hides it from all eyes in that, which all lie outside
+/// of it.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Solid {
-    outline: Outline,
-    pub(crate) shadow: Shadow,
-    /// Its corners; none for spheres and for boxes along the axes.
-    vertices: SmallVec<[DVec3; 8]>,
-    block: Block,
+    aspect: Aspect,
     /// What hides lies within the solid scaled so about its middle.
     scale: f64,
 }
@@ -44,36 +44,17 @@ pub(crate) struct SeenSolid {
 }
 
 impl Solid {
-    /// A body to draw; `None` if the eye is in it or too close to tell.
-    ///
-    /// With a `room`, it hides a point only if it hides it from all eyes in that, which all lie
-    /// outside of it.
-    pub(crate) fn new(body: Body, direction: Option<DVec3>, room: &Room) -> Option<Self> {
-        match body {
+    pub(crate) fn set_body(&mut self, body: &Body, direction: Option<DVec3>, room: &Room) -> bool {
+        if let Body::Sphere { center, radius } = *body {
             // A smaller sphere covers nearly the same directions.
-            Body::Sphere { center, radius } => Self::sphere(center, radius - room.radius(), direction),
-            Body::Block(block) => Self::block(block, direction, room),
-            Body::Oriented { center, axes } => {
-                Self::polytope(Polytope::boxed(center, &axes), direction, room)
-            }
-            Body::Polytope(polytope) => Self::polytope(polytope, direction, room),
+            return self.set_sphere(center, radius - room.radius(), direction);
         }
+        self.aspect.set_body(body, direction, room);
+        self.scale = 1.0;
+        self.is_drawable()
     }
 
-    /// A box along the axes, as [`Solid::new`] draws it; `None` if the eye is in it or too close to
-    /// tell.
-    pub(crate) fn block(block: Block, direction: Option<DVec3>, room: &Room) -> Option<Self> {
-        if direction.is_some() || room.radius() > 0.0 {
-            return Self::polytope(Polytope::block(&block), direction, room);
-        }
-        let (outline, planes) = outline_of_block(&block);
-        let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
-        let shadow = Shadow { planes, ball: None };
-        drawable.then(|| Self { outline, shadow, vertices: SmallVec::new(), block, scale: 1.0 })
-    }
-
-    /// A sphere; `None` if the eye is in it.
-    pub(crate) fn sphere(center: DVec3, radius: f64, direction: Option<DVec3>) -> Option<Self> {
+    fn set_sphere(&mut self, center: DVec3, radius: f64, direction: Option<DVec3>) -> bool {
         let distance = center.length();
         let front = match direction {
             Some(d) => HalfSpace { normal: d, offset: -center.dot(d) },
@@ -82,78 +63,68 @@ impl Solid {
                 HalfSpace { normal: center / distance, offset }
             }
         };
+        self.aspect.set_sphere(center, radius);
+        self.aspect.fronts.push(front);
         let outside = direction.is_some() || distance > radius * (1.0 + SPHERE_AROUND_EYE);
-        (radius > 0.0 && outside && front.normal.is_finite()).then(|| Self {
-            outline: Outline::Sphere { center, radius },
-            shadow: Shadow { planes: SmallVec::from_iter([front]), ball: Some((center, radius)) },
-            vertices: SmallVec::new(),
-            block: Block { min: center - radius, max: center + radius },
-            scale: 1.0,
-        })
+        radius > 0.0 && outside && front.normal.is_finite()
     }
 
-    /// A polytope, as [`Solid::new`] draws it; `None` if the eye is in it or too close to tell.
-    pub(crate) fn polytope(polytope: Polytope, direction: Option<DVec3>, room: &Room) -> Option<Self> {
-        let outline = polytope.outline(direction, room);
-        let shadow = Shadow { planes: polytope.fronts(direction), ball: None };
-        let drawable = matches!(outline, Outline::Cone(_)) && !shadow.planes.is_empty();
-        let block = polytope.bounds();
-        drawable.then_some(Self { outline, shadow, vertices: polytope.vertices, block, scale: 1.0 })
-    }
-
-    /// A part of a mesh, as [`Solid::new`] draws it; `None` if the eye is in it or too close to
-    /// tell.
-    pub(crate) fn part(part: &Part, direction: Option<DVec3>, room: &Room) -> Option<Self> {
-        let (vertices, outline, planes) = part.seen(direction, room);
-        let drawable = matches!(outline, Outline::Cone(_)) && !planes.is_empty();
-        let shadow = Shadow { planes, ball: None };
-        drawable.then(|| Self { outline, shadow, vertices, block: part.bounds(), scale: 1.0 })
-    }
-
-    /// A solid inside a convex shell that reaches beyond its faces by some distance at most, and
-    /// that each line through the solid meets: it hides what lies beyond the shell, seen from
-    /// outside of it.
-    pub(crate) fn shell(part: &Part, beyond: f64, direction: Option<DVec3>, room: &Room) -> Option<Self> {
-        let (vertices, outline, _) = part.seen(direction, room);
+    /// Fills it with a solid inside a convex shell that reaches beyond its faces by some distance
+    /// at most, and that each line through the solid meets: it hides what lies beyond the shell,
+    /// seen from outside of it.
+    pub(crate) fn set_shell(
+        &mut self,
+        part: &Part,
+        beyond: f64,
+        direction: Option<DVec3>,
+        room: &Room,
+    ) -> bool {
+        self.aspect.set_part(part, part.bounds(), direction, room);
         let middle = part.middle();
         let depth = part.faces().map(|face| face.distance(middle)).fold(f64::INFINITY, f64::min);
         // Scaled so about its middle, the solid contains the shell.
-        let scale = 1.0 + beyond / depth + BEHIND;
-        let along = direction.or_else(|| middle.try_normalize())?;
-        let farthest = vertices.iter().map(|v| along.dot(*v - middle)).fold(0.0, f64::max);
-        let far = along.dot(middle) + farthest * scale;
-        let planes = SmallVec::from_slice(&[HalfSpace { normal: along, offset: -far }]);
-        let drawable = matches!(outline, Outline::Cone(_)) && depth > 0.0 && far.is_finite();
-        let shadow = Shadow { planes, ball: None };
-        drawable.then(|| Self { outline, shadow, vertices, block: part.bounds(), scale })
+        self.scale = 1.0 + beyond / depth + BEHIND;
+        let Some(along) = direction.or_else(|| middle.try_normalize()) else { return false };
+        let farthest = self.aspect.vertices.iter().map(|v| along.dot(*v - middle)).fold(0.0, f64::max);
+        let far = along.dot(middle) + farthest * self.scale;
+        self.aspect.fronts.clear();
+        self.aspect.fronts.push(HalfSpace { normal: along, offset: -far });
+        self.is_drawable() && depth > 0.0 && far.is_finite()
     }
 
-    /// Its silhouette on a face.
-    pub(crate) fn silhouette(&self, face: &Face) -> Silhouette {
-        Silhouette::new(&self.outline, face)
+    fn is_drawable(&self) -> bool {
+        matches!(self.aspect.outline, Outline::Cone) && !self.aspect.fronts.is_empty()
     }
 
-    /// Its front as a face sees it.
-    pub(crate) fn front(&self, face: &Face, seen: &SeenSolid) -> Front {
-        let reach = self.block.min.abs().max(self.block.max.abs()).max_element();
-        Front::new(face, &self.outline, &self.shadow.planes, seen.far, reach)
+    pub(crate) fn aspect(&self) -> &Aspect {
+        &self.aspect
+    }
+
+    /// Where it hides.
+    pub(crate) fn shadow(&self) -> Shadow<'_> {
+        let ball = match self.aspect.outline {
+            Outline::Sphere { center, radius } => Some((center, radius)),
+            _ => None,
+        };
+        Shadow { planes: &self.aspect.fronts, ball }
     }
 
     /// The part of it that a face sees.
     pub(crate) fn on_face(&self, face: &Face) -> Option<SeenSolid> {
-        let (rect, (near, far)) = face.block(&self.block)?;
-        let (tighter, far) = match &self.outline {
+        let Aspect { outline, vertices, block, .. } = &self.aspect;
+        let (rect, (near, far)) = face.block(block)?;
+        let (tighter, far) = match *outline {
             Outline::Sphere { center, radius } => (
-                Silhouette::new(&self.outline, face).conic_rect(),
-                contour_depth(*center, *radius, face.forward, face.parallel),
+                SilhouetteKind::sphere(center, radius, face).conic_rect(),
+                contour_depth(center, radius, face.forward, face.parallel),
             ),
             // The rectangle around a box is exact if the box lies in front of the eye.
-            _ if self.vertices.is_empty() => (None, far),
+            _ if vertices.is_empty() => (None, far),
             _ => {
-                let depths = || self.vertices.iter().map(|v| v.dot(face.forward));
-                let middle = depths().sum::<f64>() / self.vertices.len() as f64;
+                let depths = || vertices.iter().map(|v| v.dot(face.forward));
+                let middle = depths().sum::<f64>() / vertices.len() as f64;
                 let far = depths().fold(f64::NEG_INFINITY, f64::max);
-                (face.points(&self.vertices).map(|(r, _)| r), middle + (far - middle) * self.scale)
+                (face.points(vertices).map(|(r, _)| r), middle + (far - middle) * self.scale)
             }
         };
         let rect = tighter.map_or(Some(rect), |t| rect.intersect(&t))?;
@@ -170,10 +141,11 @@ mod tests {
     use glam::{Affine3A, Quat, Vec3};
 
     use super::*;
+    use crate::geometry::Block;
     use crate::mesh::{Instance, TriMesh};
     use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
     use crate::occlusion::pitch::Pitch;
-    use crate::occlusion::target::Target;
+    use crate::occlusion::target::{FaceTarget, Target};
     use crate::random::Random;
     use crate::view::View;
 
@@ -213,9 +185,7 @@ mod tests {
             let mut drawn = 0;
             for (part, beyond) in instance.shells_from(DVec3::ZERO) {
                 drawn += 1;
-                if let Some(solid) = Solid::shell(&part, beyond, None, &Room::NONE) {
-                    buffers.draw(solid, Slot::new(0));
-                }
+                buffers.draw_shell(&part, beyond, Slot::new(0));
             }
             assert_eq!(drawn, 1);
             let triangles: Vec<[DVec3; 3]> = mesh
@@ -226,7 +196,7 @@ mod tests {
                 let middle = at.as_dvec3() * random.within(0.9, 2.0) + random.point(1.0);
                 let half = random.point(0.2).abs() + 0.01;
                 let block = Block { min: middle - half, max: middle + half };
-                if buffers.test(&Target::block(block, None)) != Verdict::Hidden {
+                if buffers.test(&Target::block(block, None), &mut FaceTarget::default()) != Verdict::Hidden {
                     inside += u32::from(triangles.iter().any(|t| meets(*t, middle)));
                     continue;
                 }

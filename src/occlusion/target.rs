@@ -1,11 +1,11 @@
 //! Targets: the bounds of tested objects, rounded outwards.
 
-use glam::{DMat3, DVec3};
-use smallvec::SmallVec;
+use glam::DVec3;
 
+use crate::geometry::aspect::{Aspect, Outline};
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
-use crate::geometry::polytope::{Outline, Part, Polytope, outline_of_block};
+use crate::geometry::polytope::Part;
 use crate::geometry::{Block, Room};
 use crate::numeric::occlusion::{BEHIND, above};
 use crate::occlusion::face::{Face, Linear, Rect};
@@ -14,17 +14,13 @@ use crate::occlusion::silhouette::Silhouette;
 use crate::occlusion::solid::Shadow;
 
 /// The bounds of a tested object, relative to the origin of the rays.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Target {
-    outline: Outline,
-    /// Its corners; none for spheres and for boxes along the axes.
-    vertices: SmallVec<[DVec3; 8]>,
-    fronts: SmallVec<[HalfSpace; 3]>,
-    block: Block,
+    aspect: Aspect,
 }
 
 /// A target as one face sees it.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct FaceTarget {
     pub(crate) silhouette: Silhouette,
     pub(crate) rect: Rect,
@@ -53,108 +49,91 @@ impl FaceTarget {
 
 impl Target {
     /// A body to test.
-    pub(crate) fn new(body: Body, direction: Option<DVec3>) -> Self {
-        match body {
-            Body::Sphere { center, radius } => Self::sphere(center, radius),
-            Body::Block(block) => Self::block(block, direction),
-            Body::Oriented { center, axes } => Self::oriented(center, &axes, direction),
-            Body::Polytope(polytope) => {
-                let block = polytope.bounds();
-                Self::polytope(polytope, block, direction)
-            }
-        }
+    pub(crate) fn new(body: &Body, direction: Option<DVec3>) -> Self {
+        let mut target = Self::default();
+        target.set_body(body, direction);
+        target
     }
 
-    pub(crate) fn sphere(center: DVec3, radius: f64) -> Self {
-        let block = Block { min: center - radius, max: center + radius };
-        let outline = Outline::Sphere { center, radius };
-        Self { outline, vertices: SmallVec::new(), fronts: SmallVec::new(), block }
-    }
-
+    #[cfg(test)]
     pub(crate) fn block(block: Block, direction: Option<DVec3>) -> Self {
-        if direction.is_some() {
-            return Self::polytope(Polytope::block(&block), block, direction);
-        }
-        let (outline, fronts) = outline_of_block(&block);
-        Self { outline, fronts, vertices: SmallVec::new(), block }
+        Self::new(&Body::Block(block), direction)
     }
 
-    /// A box of half-axes `axes`.
-    pub(crate) fn oriented(center: DVec3, axes: &DMat3, direction: Option<DVec3>) -> Self {
-        let polytope = Polytope::boxed(center, axes);
-        let block = polytope.bounds();
-        Self::polytope(polytope, block, direction)
+    /// Makes it a body.
+    pub(crate) fn set_body(&mut self, body: &Body, direction: Option<DVec3>) {
+        self.aspect.set_body(body, direction, &Room::NONE);
     }
 
-    pub(crate) fn polytope(polytope: Polytope, block: Block, direction: Option<DVec3>) -> Self {
-        let (outline, fronts) = (polytope.outline(direction, &Room::NONE), polytope.fronts(direction));
-        Self { outline, fronts, vertices: polytope.vertices, block }
-    }
-
-    /// A part of a mesh; the box around it is given.
-    pub(crate) fn part(part: &Part, block: Block, direction: Option<DVec3>) -> Self {
-        let (vertices, outline, fronts) = part.seen(direction, &Room::NONE);
-        Self { outline, fronts, vertices, block }
-    }
-
-    /// The greatest magnitude of its coordinates.
-    fn largest(&self) -> f64 {
-        self.block.min.abs().max(self.block.max.abs()).max_element()
+    /// Makes it a part of a mesh; the box around it is given.
+    pub(crate) fn set_part(&mut self, part: &Part, block: Block, direction: Option<DVec3>) {
+        self.aspect.set_part(part, block, direction, &Room::NONE);
     }
 
     /// Its middle.
     pub(crate) fn middle(&self) -> DVec3 {
-        (self.block.min + self.block.max) * 0.5
+        (self.aspect.block.min + self.aspect.block.max) * 0.5
     }
 
     /// A box around it.
     pub(crate) fn bounds(&self) -> &Block {
-        &self.block
+        &self.aspect.block
     }
 
-    pub(crate) fn on_face(&self, face: &Face) -> Option<FaceTarget> {
-        let (mut rect, (mut depth, _)) = face.block(&self.block)?;
-        let silhouette = Silhouette::new(&self.outline, face);
-        let tighter = match &self.outline {
+    /// Fills in how a face sees it. Returns whether the face does.
+    pub(crate) fn on_face(&self, face: &Face, seen: &mut FaceTarget) -> bool {
+        let Aspect { outline, vertices, block, .. } = &self.aspect;
+        let Some((mut rect, (mut depth, _))) = face.block(block) else { return false };
+        seen.silhouette.set(&self.aspect, face);
+        let tighter = match outline {
             Outline::Sphere { center, radius } => {
                 depth = depth.max(center.dot(face.forward) - radius);
-                silhouette.conic_rect()
+                seen.silhouette.kind().conic_rect()
             }
             // The rectangle around a box is exact if the box lies in front of the eye.
-            _ if self.vertices.is_empty() => None,
-            _ => face.points(&self.vertices).map(|(r, near)| {
+            _ if vertices.is_empty() => None,
+            _ => face.points(vertices).map(|(r, near)| {
                 depth = depth.max(near);
                 r
             }),
         };
         rect = rect.grown();
         if let Some(tighter) = tighter {
-            rect = rect.intersect(&tighter.grown())?;
+            let Some(both) = rect.intersect(&tighter.grown()) else { return false };
+            rect = both;
         }
-        let front = Front::new(face, &self.outline, &self.fronts, f64::INFINITY, self.largest());
-        Some(FaceTarget { silhouette, rect, near: above(face.nearness_of(depth)), front })
+        seen.front.set(face, &self.aspect, f64::INFINITY, self.aspect.largest());
+        (seen.rect, seen.near) = (rect, above(face.nearness_of(depth)));
+        true
     }
 
     /// Whether all of the target lies behind the front of a solid: behind its planes, or inside its
     /// ball. Then the solid hides every part of the target that its silhouette covers.
-    pub(crate) fn is_behind(&self, shadow: &Shadow) -> bool {
+    pub(crate) fn is_behind(&self, shadow: Shadow) -> bool {
         let inside = shadow.ball.is_some_and(|(center, radius)| {
-            let farthest = match &self.outline {
+            let farthest = match &self.aspect.outline {
                 Outline::Sphere { center: own, radius: r } => (*own - center).length() + r,
-                _ => (self.block.min - center).abs().max((self.block.max - center).abs()).length(),
+                _ => (self.aspect.block.min - center)
+                    .abs()
+                    .max((self.aspect.block.max - center).abs())
+                    .length(),
             };
             farthest <= radius - BEHIND * (radius + center.abs().max_element())
         });
         inside
             || shadow.planes.iter().all(|&HalfSpace { normal: n, offset: h }| {
-                let most = match &self.outline {
+                let most = match &self.aspect.outline {
                     Outline::Sphere { center, radius } => -n.dot(*center) + radius,
-                    _ if !self.vertices.is_empty() => {
-                        self.vertices.iter().map(|v| -n.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
+                    _ if !self.aspect.vertices.is_empty() => {
+                        self.aspect.vertices.iter().map(|v| -n.dot(*v)).fold(f64::NEG_INFINITY, f64::max)
                     }
-                    _ => -n.dot(DVec3::select(n.cmple(DVec3::ZERO), self.block.max, self.block.min)),
+                    _ => -n.dot(DVec3::select(
+                        n.cmple(DVec3::ZERO),
+                        self.aspect.block.max,
+                        self.aspect.block.min,
+                    )),
                 };
-                most <= h - BEHIND * (self.largest() + h.abs())
+                most <= h - BEHIND * (self.aspect.largest() + h.abs())
             })
     }
 }

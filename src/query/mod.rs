@@ -1,6 +1,5 @@
 //! Queries: the memory of one view, and the methods that find its PVS.
 
-mod aggressive;
 pub(crate) mod cell;
 pub(crate) mod marks;
 pub(crate) mod point;
@@ -13,7 +12,6 @@ use crate::error::Error;
 use crate::geometry::Block;
 use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
 use crate::method::{CellOptions, Method, PointOptions};
-use crate::occlusion::image::OcclusionImage;
 use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::scratch::CellScratch;
@@ -25,15 +23,12 @@ use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
 
-pub(crate) use aggressive::AggressiveCells;
 pub(crate) use sight::sealed;
 pub use sight::{CameraQuery, Sight};
 
 /// What a query is told besides its view.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Extras<'a> {
-    /// More cells that count as opaque, for [`Method::Cell`]; `None` if the run is not aggressive.
-    pub(crate) more: Option<&'a AggressiveCells>,
     /// Boxes before which objects lie that [`Method::Point`] finds; it leaves out others.
     pub(crate) receivers: Option<&'a [Block]>,
     /// Whether [`Method::Point`] looks at static objects only, as if there were no others.
@@ -43,7 +38,8 @@ pub(crate) struct Extras<'a> {
 /// Finds the objects that a view can see.
 ///
 /// A query is a [`Method`] with the memory that it works in and its last result. Keep one for each
-/// camera and light, and run it in every frame: the second run allocates next to nothing.
+/// camera and light, and run it in every frame: runs of [`Method::Point`] take no memory where they
+/// were before, and what a new place needs is kept.
 ///
 /// # Use
 ///
@@ -83,9 +79,8 @@ pub(crate) struct Extras<'a> {
 ///
 /// # Guarantees
 ///
-/// The set contains every object of which a point can be seen (but for
-/// [`Query::run_aggressive`]). It is the same on every machine and does not depend on threads, nor
-/// on what the query ran before unless [`PointOptions::coherent`](crate::PointOptions::coherent) is
+/// The set contains every object of which a point can be seen. It is the same on every machine and
+/// does not depend on threads, nor on what the query ran before unless [`PointOptions::coherent`](crate::PointOptions::coherent) is
 /// set. Nothing panics: views are checked when they are made.
 ///
 /// # Pitfalls
@@ -175,13 +170,12 @@ impl Query {
 
     /// As [`Query::run`], with what some methods are told besides.
     pub(crate) fn run_with(&mut self, scene: &Scene, view: &View, extras: Extras) -> &Pvs {
-        let Extras { more, receivers, fixed_only } = extras;
+        let Extras { receivers, fixed_only } = extras;
         let pvs = &mut self.pvs;
         pvs.reset(scene.slot_count());
         pvs.scene = scene.tag();
         pvs.moves = scene.last_move();
         pvs.method = self.method;
-        pvs.aggressive = more.is_some();
         pvs.partial = receivers.is_some() || fixed_only;
         pvs.cell = None;
         pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
@@ -196,9 +190,7 @@ impl Query {
                 self.lists.follow(scene);
                 let (marks, lists, scratch) = (&mut self.marks, &self.lists, &mut self.cell);
                 let walk = cell::CellWalk::new(scene, view, options, pvs, marks, lists, scratch);
-                walk.with_more(more.into_iter().flat_map(|more| more.in_views_of(view.layers())))
-                    .with_record(record)
-                    .run();
+                walk.with_record(record).run();
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
@@ -240,7 +232,7 @@ impl Query {
         self.pvs.reset(scene.slot_count());
         self.pvs.scene = scene.tag();
         self.pvs.method = self.method;
-        (self.pvs.aggressive, self.pvs.partial) = (false, false);
+        self.pvs.partial = false;
         (self.pvs.view, self.pvs.cell, self.pvs.viewer) = (None, None, None);
     }
 
@@ -315,11 +307,6 @@ impl Query {
     /// The cells visited and those found hidden by the last run, if they were recorded.
     pub(crate) fn recorded(&self) -> (Option<&BitMatrix>, Option<&OcclusionMatrix>) {
         (self.visited.as_ref(), self.hidden.as_ref())
-    }
-
-    /// The occlusion buffers of the last run of [`Method::Point`] as images.
-    pub(crate) fn occlusion_images(&self) -> Vec<OcclusionImage> {
-        self.point.buffers.images()
     }
 }
 

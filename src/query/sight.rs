@@ -88,13 +88,8 @@ impl<'a> Sight<'a> {
     /// refuse. Tighter than their box, and slower: undecided bounds are compared with the pixels
     /// that their own outline touches. Meshes are tested as one convex shape.
     pub fn may_see_bounds(&self, bounds: &Bounds) -> bool {
-        if bounds.kind().check("bounds").is_err() {
-            return true;
-        }
-        if !self.view.may_see(bounds) {
-            return false;
-        }
-        !self.buffers.is_some_and(|scratch| scratch.hides_bounds(bounds))
+        bounds.kind().check("bounds").is_err()
+            || self.view.may_see(bounds) && !self.buffers.is_some_and(|scratch| scratch.hides_bounds(bounds))
     }
 
     /// Whether the view may see a point of some geometry in a box; in doubt, yes.

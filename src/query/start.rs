@@ -1,6 +1,7 @@
 //! Where the rays of a view start.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::object::Occluder;
@@ -12,7 +13,7 @@ use crate::view::{Origin, View};
 #[derive(Debug)]
 pub(crate) struct Starts {
     /// Between the eye and the near plane.
-    cut: Vec<(View, Block)>,
+    cut: SmallVec<[(View, Block); 1]>,
     /// Where an eye may be that is not known exactly, or that may go elsewhere.
     unsure: Option<(View, Block)>,
 }

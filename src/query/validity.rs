@@ -19,30 +19,22 @@ impl Pvs {
     ///   [reach](View::with_reach) of the view.
     ///
     /// So a result of [`Method::Cell`] in all directions ([`View::omnidirectional`]) holds for
-    /// every view from its cell. Aggressive results never hold, nor do those of
-    /// [`crate::Query::shadow_casters`]. Costs the planes of both views, and the cells before the
+    /// every view from its cell. Results of [`crate::Query::shadow_casters`] never hold. Costs the planes of both views, and the cells before the
     /// near plane.
     pub fn is_valid_for(&self, scene: &Scene, view: &View) -> bool {
         let Some(own) = &self.view else { return false };
-        if own.layers() != view.layers() {
-            return false;
-        }
-        let fresh = self.is_fresh(scene.revision(), scene.moves());
-        if self.aggressive || self.partial || scene.tag() != self.scene || !fresh {
+        let fresh = self.is_fresh(scene.revision(), scene.moves()) && scene.tag() == self.scene;
+        if self.partial || own.layers() != view.layers() || !fresh {
             return false;
         }
         // A volume that was hidden stands for all that moves in it; one that was seen does not.
         if self.revealed.iter().any(|&id| scene.moved_since(id, self.moves)) {
             return false;
         }
-        if own == view {
-            return true;
-        }
         let (min, max) = scene.extent();
-        if !own.contains(view, min, max) {
-            return false;
-        }
         match self.method {
+            _ if own == view => true,
+            _ if !own.contains(view, min, max) => false,
             Method::Frustum => true,
             // Also where the eye is in an occluder: that one was left out.
             Method::Point(_) => {

@@ -252,11 +252,6 @@ impl Scene {
         self.opacity(layers).any(|part| part.is_opaque(cell))
     }
 
-    /// The opaque cells of the occluders on the same layers.
-    pub(crate) fn opacity_part(&self, part: OpacityPart) -> &LayerOpacity {
-        self.opacity.part(part)
-    }
-
     /// The opaque cells that count in views of some layers.
     pub(crate) fn opacity(&self, layers: u64) -> impl Iterator<Item = &LayerOpacity> {
         self.opacity.parts().iter().filter(move |part| part.layers() & layers != 0)

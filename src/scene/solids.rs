@@ -15,7 +15,7 @@ use crate::matrix::bits::{ALL, Mask, NONE, OpacityMatrix, block_mask, both, cell
 use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
 use crate::scene::{OpacityPart, Scene};
-use crate::shape::pieces::{Asked, Piece, misses, opaque, touched, touched_where};
+use crate::shape::pieces::{Asked, Piece, misses, opaque, touched_where};
 
 /// How many of the objects that share a cell or a brick with a solid are looked at, to find others
 /// that fill a cell together with it. If there are more, the cell stays transparent.
@@ -46,22 +46,6 @@ pub(super) fn mask_of(cells: impl Iterator<Item = IVec3>) -> Mask {
 }
 
 impl Scene {
-    /// The cells that static solids touch and that are not opaque by those on the same layers,
-    /// again and again where several do. Each comes with where the opaque cells of such solids are.
-    pub(crate) fn static_solid_cells(&self, out: &mut dyn FnMut(OpacityPart, IVec3)) {
-        for (_, object) in self.living().filter(|(_, o)| o.is_static()) {
-            let Some(occluder) = object.occluder().filter(|o| o.is_solid()) else { continue };
-            let Some(part) = object.opacity else { continue };
-            let opaque = self.opacity.part(part).fixed();
-            touched(occluder, &self.grid, &mut |piece| match piece {
-                Piece::Page(page) if opaque.page_is_full(page) => {}
-                piece => piece.bricks(|brick, mask| {
-                    cells_of(brick, &without(mask, opaque.brick(brick))).for_each(|c| out(part, c));
-                }),
-            });
-        }
-    }
-
     /// The opaque cells of the static occluders on the same layers.
     #[inline]
     fn opaque(&self, part: OpacityPart) -> &OpacityMatrix {

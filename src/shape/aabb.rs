@@ -75,7 +75,7 @@ impl Kind for Aabb {
         Some(Block::from(*self))
     }
 
-    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body<'_>> {
         let b = Block::from(*self);
         let b = Block { min: b.min - origin + shrink, max: b.max - origin - shrink };
         b.min.cmplt(b.max).all().then_some(Body::Block(b))

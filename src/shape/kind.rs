@@ -97,14 +97,14 @@ pub(crate) trait Kind: Shape {
     }
 
     /// A solid around it, relative to an origin of which each coordinate is known to within `grow`.
-    fn outer(&self, origin: DVec3, grow: f64) -> Body {
+    fn outer(&self, origin: DVec3, grow: f64) -> Body<'_> {
         let b = self.block();
         Body::Block(Block { min: b.min - origin - grow, max: b.max - origin + grow })
     }
 
     /// A solid inside of it, relative to an origin of which each coordinate is known to within
     /// `shrink`; `None` if no such solid is left, and for shapes that are drawn by their triangles.
-    fn inner(&self, _origin: DVec3, _shrink: f64) -> Option<Body> {
+    fn inner(&self, _origin: DVec3, _shrink: f64) -> Option<Body<'_>> {
         None
     }
 
@@ -147,7 +147,7 @@ mod tests {
             Body::Oriented { center, axes } => {
                 (axes.inverse() * (p - *center)).abs().max_element() <= 1.0 + 1e-9
             }
-            Body::Polytope(polytope) => polytope.faces.iter().all(|face| face.distance(p) >= -1e-9),
+            Body::Part(part) => part.faces().all(|face| face.distance(p) >= -1e-9),
         }
     }
 

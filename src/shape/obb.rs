@@ -155,14 +155,14 @@ impl Kind for Obb {
         (center, self.half.as_dvec3().length() + margin)
     }
 
-    fn outer(&self, origin: DVec3, grow: f64) -> Body {
+    fn outer(&self, origin: DVec3, grow: f64) -> Body<'_> {
         let (center, _, margin) = self.parts();
         let (turn, half) = (self.turn(), self.half.as_dvec3() + grow + margin);
         let axes = DMat3::from_cols(turn.x_axis * half.x, turn.y_axis * half.y, turn.z_axis * half.z);
         Body::Oriented { center: center - origin, axes }
     }
 
-    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body<'_>> {
         let (center, axes, margin) = self.parts();
         let shorter = |a: DVec3| a - a.normalize_or_zero() * (shrink + margin);
         let axes = DMat3::from_cols(shorter(axes.x_axis), shorter(axes.y_axis), shorter(axes.z_axis));

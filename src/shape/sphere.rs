@@ -161,11 +161,11 @@ impl Kind for Sphere {
         (self.center.as_dvec3(), f64::from(self.radius))
     }
 
-    fn outer(&self, origin: DVec3, grow: f64) -> Body {
+    fn outer(&self, origin: DVec3, grow: f64) -> Body<'_> {
         Body::Sphere { center: self.center.as_dvec3() - origin, radius: f64::from(self.radius) + grow }
     }
 
-    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body<'_>> {
         Some(Body::Sphere {
             center: self.center.as_dvec3() - origin,
             radius: f64::from(self.radius) - shrink,

@@ -40,7 +40,8 @@ impl View {
         &self.room
     }
 
-    /// How far from its place the eye may be along each axis, as [`View::eye_room`].
+    /// How far from its place the eye may be along each axis: as far as it is not known, and as it
+    /// may go.
     pub(crate) fn eye_box(&self) -> DVec3 {
         match self.origin {
             Origin::Eye { error, .. } => self.room.half() + error,

@@ -27,7 +27,7 @@ impl View {
 
     /// How far an eye lies inside a plane, without the reach and with room for rounding.
     pub(super) fn depth(&self, at: DVec3, plane: &HalfSpace) -> f64 {
-        plane.distance(at) - self.reach() + DISTANCE * (at.length() + plane.offset.abs())
+        plane.distance(at) - self.room.along(plane.normal) + DISTANCE * (at.length() + plane.offset.abs())
     }
 
     /// The cone of the sides; `None` if they bound none with edges, such as those of a wedge.

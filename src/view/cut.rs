@@ -64,13 +64,8 @@ impl View {
     }
 }
 
-/// The half-spaces of the cube of all points up to `room` from a point along each axis.
-pub(super) fn cube(at: DVec3, room: f64) -> impl Iterator<Item = HalfSpace> {
-    cuboid(at, DVec3::splat(room))
-}
-
 /// The half-spaces of the box of all points up to `room` from a point along each axis.
-fn cuboid(at: DVec3, room: DVec3) -> impl Iterator<Item = HalfSpace> {
+pub(super) fn cuboid(at: DVec3, room: DVec3) -> impl Iterator<Item = HalfSpace> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|n| [n, -n]);
     axes.map(move |n| HalfSpace { normal: n, offset: room.dot(n.abs()) - n.dot(at) })
 }

@@ -303,33 +303,25 @@ impl View {
     /// Refuses a reach that is negative or not finite.
     pub fn with_reach(self, reach: f32) -> Result<Self, Error> {
         not_negative("the reach", f64::from(reach))?;
+        let room = Room::ball(f64::from(reach));
         Ok(match self.turned.as_ref().map(|turned| turned.angle) {
-            Some(angle) => self.straight().reaching(f64::from(reach)).opened(angle),
-            None => self.reaching(f64::from(reach)),
+            Some(angle) => self.straight().roaming(room).opened(angle),
+            None => self.roaming(room),
         })
     }
 
-    /// A view that is not opened for turns, with a reach that is no length less than 0.
-    fn reaching(mut self, reach: f64) -> Self {
-        let by = reach - self.reach();
-        self.planes.iter_mut().for_each(|plane| plane.offset += by);
-        self.widened += by;
-        self.room = Room::ball(reach);
+    /// A view that is not opened for turns, for an eye anywhere in a room around its place.
+    fn roaming(mut self, room: Room) -> Self {
+        let by = |plane: &HalfSpace| room.along(plane.normal) - self.room.along(plane.normal);
+        self.planes.iter_mut().for_each(|plane| plane.offset += by(plane));
+        self.widened += room.radius() - self.room.radius();
+        self.room = room;
         self
     }
 
     /// How far the eye may go from its place, in world units: see [`View::with_reach`].
     pub fn reach(&self) -> f64 {
         self.room.radius()
-    }
-
-    /// How far from its place the eye may be along any axis: as far as it is not known, and as it
-    /// may go.
-    pub(crate) fn eye_room(&self) -> f64 {
-        match self.origin {
-            Origin::Eye { error, .. } => error + self.reach(),
-            Origin::Direction(_) => 0.0,
-        }
     }
 
     /// Whether all eyes of another view are among those of this one.

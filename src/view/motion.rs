@@ -8,9 +8,9 @@ use crate::view::{Origin, View};
 /// A step of the eye, and a turn about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct EyeMotion {
-    step: DVec3,
+    pub(crate) step: DVec3,
     axis: DVec3,
-    angle: f64,
+    pub(crate) angle: f64,
 }
 
 impl EyeMotion {

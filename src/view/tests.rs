@@ -1,7 +1,6 @@
 //! Views against points, and against each other.
 
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
-
 use glam::{DMat3, DVec3, Mat4, Vec3};
 
 use crate::error::Error;

@@ -18,11 +18,12 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::error::{Error, not_negative};
+use crate::geometry::Room;
 use crate::geometry::plane::HalfSpace;
 use crate::numeric::shape::{DISTANCE, LENGTH_OF_ERROR, REGION};
 use crate::numeric::view::{NEAR_ROOM, NEAR_ROUNDINGS, TURN};
 use crate::view::cone::Cone;
-use crate::view::cut::cube;
+use crate::view::cut::cuboid;
 use crate::view::{Origin, Turned, View};
 
 impl View {
@@ -64,14 +65,15 @@ impl View {
         }
     }
 
-    /// The view of all cameras that this one may be, and that go `reach` farther and turn by `turn`
-    /// more. Its near plane is a ball also if it does not turn. Parallel rays stay as they are.
-    pub(crate) fn widened(&self, reach: f64, turn: f64) -> Self {
+    /// The view of all cameras that this one may be, and that go on within `aside` of a way, of which
+    /// `way` is half, and turn by `turn` more. Its near plane is a ball also if it does not turn.
+    /// Parallel rays stay as they are.
+    pub(crate) fn widened(&self, way: DVec3, aside: f64, turn: f64) -> Self {
         if matches!(self.origin, Origin::Direction(_)) {
             return self.clone();
         }
-        let (reach, turn) = (self.reach() + reach, self.turn() + turn);
-        self.clone().straight().reaching(reach).opened(turn)
+        let room = Room::along_way(way, self.reach() + aside);
+        self.clone().straight().roaming(room).opened(self.turn() + turn)
     }
 
     /// A view that is not opened yet, opened for turns by up to an angle, also by 0: then its near
@@ -81,8 +83,8 @@ impl View {
         let cone = self.cone();
         // An eye that is not known exactly: the camera turns about another point.
         let slack = 2.0 * LENGTH_OF_ERROR * error + cone.as_ref().map_or(0.0, |cone| cone.slack);
-        let room = slack + self.reach() + DISTANCE * at.length();
-        let through_eye = |normal: DVec3| HalfSpace { normal, offset: room - normal.dot(at) };
+        let room = |normal| slack + self.room.along(normal) + DISTANCE * at.length();
+        let through_eye = |normal: DVec3| HalfSpace { normal, offset: room(normal) - normal.dot(at) };
         let mut planes: SmallVec<[HalfSpace; 6]> = SmallVec::new();
         if let Some(cone) = &cone {
             let tilted = self.marked(self.sides).filter_map(|side| tilted(side.normal, cone, angle));
@@ -90,7 +92,7 @@ impl View {
             let far = self.far(cone, at);
             if far.is_finite() {
                 let moved = |p: &HalfSpace| HalfSpace {
-                    offset: far * (1.0 + REGION) + room - p.normal.dot(at),
+                    offset: far * (1.0 + REGION) + room(p.normal) - p.normal.dot(at),
                     ..*p
                 };
                 planes.extend(self.marked(!(self.sides | self.cutting)).map(moved));
@@ -123,8 +125,8 @@ impl View {
     pub(super) fn before_turned(&self) -> Option<Self> {
         let near = self.turned.as_ref().map(|turned| turned.near).filter(|near| *near > 0.0)?;
         let Origin::Eye { at, error } = self.origin else { return None };
-        let ball = cube(at, near * (1.0 + NEAR_ROOM) + self.reach() + LENGTH_OF_ERROR * error)
-            .filter(|p| p.offset.is_finite());
+        let room = near * (1.0 + NEAR_ROOM) + self.reach() + LENGTH_OF_ERROR * error;
+        let ball = cuboid(at, DVec3::splat(room)).filter(|p| p.offset.is_finite());
         Some(self.region(self.planes.iter().copied().chain(ball).collect()))
     }
 

@@ -44,11 +44,10 @@ impl CellFrustum {
         let center = (lo + hi) * 0.5;
         let widened = |plane: &HalfSpace| {
             let mut offset = plane.offset;
-            let radius = plane.normal.abs().element_sum();
             if let (Some(at), true) = (view.eye(), start != Start::None) {
-                offset += (radius * view.eye_room() - plane.distance(at)).max(0.0);
+                offset += (plane.normal.abs().dot(view.eye_box()) - plane.distance(at)).max(0.0);
             }
-            let half = radius * 0.5;
+            let half = plane.normal.abs().element_sum() * 0.5;
             let mut at_center = (plane.normal.dot(center) + offset) / grid.cell_size();
             if start == Start::Cell {
                 // From here on the farthest corner of the cell lies in the half-space.

@@ -168,6 +168,22 @@ fn turned_cameras_are_served_too() {
 }
 
 #[test]
+fn a_camera_that_goes_straight_on_has_smaller_sets_than_one_that_may_go_anywhere() {
+    let mut scene = empty(32);
+    scene.solid(Aabb::new(Vec3::new(12.0, 2.0, 15.0), Vec3::new(20.0, 30.0, 16.0)));
+    let beside_wall = scene.fixed(Sphere::new(Vec3::new(25.9, 16.0, 24.0), 0.5));
+    let mut query = kept(0.5, 0.1);
+    let mut sees = |frame: i32| {
+        query.run(&scene, &looking(EYE + Vec3::Z * 0.02 * frame as f32, Vec3::Z, [1.0, 1.5, 0.1, 60.0]));
+        (query.pvs().contains(beside_wall), query.refreshes())
+    };
+    assert_eq!(sees(0), (true, 1), "its way is not known yet");
+    let frames: Vec<(bool, u64)> = (1..60).map(sees).collect();
+    assert!(frames.iter().all(|frame| frame.0 == (frame.1 == 1)), "{frames:?}");
+    assert!((3..9).contains(&frames[58].1), "{frames:?}");
+}
+
+#[test]
 fn a_door_hides_while_it_is_closed() {
     let mut scene = empty(32);
     for (x, w) in [(2.0, 12.0), (18.0, 12.0)] {

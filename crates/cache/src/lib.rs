@@ -19,7 +19,7 @@
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let folder = std::env::temp_dir().join(format!("casca-cache-{}", std::process::id()));
-//! let cache = MeshCache::new(&folder)?.limit(64 << 20);
+//! let cache = MeshCache::new(&folder)?;
 //! for _ in 0..2 {
 //!     let (positions, triangles) = (vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
 //!     let how = MeshOptions::default();
@@ -37,13 +37,12 @@
 #[cfg(test)]
 mod tests;
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::time::{Duration, SystemTime};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use casca::glam::Vec3;
 use casca::{Error, MeshOptions, TriMesh};
@@ -52,15 +51,6 @@ use casca::{Error, MeshOptions, TriMesh};
 const ENTRY: &str = ".casca";
 const UNFINISHED: &str = ".casca-part";
 
-/// Hexadecimal digits of a hash.
-const DIGITS: usize = 2 * blake3::OUT_LEN;
-
-/// Files that are older and did not become entries are left from programs that ended early.
-const ABANDONED: Duration = Duration::from_secs(3600);
-
-/// Once the entries are larger than allowed, they are cut down to this share of it.
-const KEPT: f64 = 0.75;
-
 /// Tells the unfinished files of this process apart, also those of several caches in one folder.
 static FILES: AtomicUsize = AtomicUsize::new(0);
 
@@ -68,15 +58,7 @@ static FILES: AtomicUsize = AtomicUsize::new(0);
 #[derive(Debug)]
 pub struct MeshCache {
     folder: PathBuf,
-    /// Bytes of all entries, at most.
-    limit: u64,
-    /// About the bytes of all entries: those that were there, and those written since.
-    held: AtomicU64,
-    /// One thread at a time looks for entries to remove.
-    trimming: Mutex<()>,
-    hits: AtomicUsize,
-    misses: AtomicUsize,
-    unwritten: AtomicUsize,
+    counts: Mutex<CacheCounts>,
 }
 
 /// How often a cache was asked, and what came of it.
@@ -91,31 +73,16 @@ pub struct CacheCounts {
 }
 
 impl MeshCache {
-    /// A cache in a folder, which is made if it is missing. Other files in it are left alone.
+    /// A cache in a folder, which is made if it is missing. Other files in it are left alone. It
+    /// removes nothing: to begin anew, delete the folder.
     ///
     /// # Errors
     /// The folder cannot be made or read.
     pub fn new(folder: impl Into<PathBuf>) -> io::Result<Self> {
         let folder = folder.into();
         fs::create_dir_all(&folder)?;
-        let held = entries(&folder)?.iter().map(|entry| entry.bytes).sum();
-        Ok(Self {
-            folder,
-            limit: u64::MAX,
-            held: AtomicU64::new(held),
-            trimming: Mutex::new(()),
-            hits: AtomicUsize::new(0),
-            misses: AtomicUsize::new(0),
-            unwritten: AtomicUsize::new(0),
-        })
-    }
-
-    /// Keeps about this many bytes of entries at most: when more are written, those that were not
-    /// used for longest go. Without a limit nothing goes but by [`MeshCache::clear`].
-    #[must_use]
-    pub fn limit(mut self, bytes: u64) -> Self {
-        self.limit = bytes;
-        self
+        fs::read_dir(&folder)?;
+        Ok(Self { folder, counts: Mutex::default() })
     }
 
     /// As [`TriMesh::prepare`]: reads the mesh if there is an entry of it, and else prepares and
@@ -135,50 +102,31 @@ impl MeshCache {
     ) -> Result<TriMesh, Error> {
         let path = self.path_of(&positions, &triangles, how);
         if let Some(mesh) = self.read(&path, &positions, &triangles, how) {
-            self.hits.fetch_add(1, Ordering::Relaxed);
+            self.count(|counts| counts.hits += 1);
             return match progress(1.0) {
                 ControlFlow::Continue(()) => Ok(mesh),
                 ControlFlow::Break(()) => Err(Error::Cancelled),
             };
         }
         let mesh = TriMesh::prepare(positions, triangles, how, progress)?;
-        self.misses.fetch_add(1, Ordering::Relaxed);
+        self.count(|counts| counts.misses += 1);
         if self.write(&path, &mesh).is_err() {
-            self.unwritten.fetch_add(1, Ordering::Relaxed);
+            self.count(|counts| counts.unwritten += 1);
         }
         Ok(mesh)
     }
 
-    /// Removes all entries, whoever wrote them. Returns how many there were.
-    ///
-    /// # Errors
-    /// The folder cannot be read, or an entry not be removed.
-    pub fn clear(&self) -> io::Result<usize> {
-        let all = entries(&self.folder)?;
-        for entry in &all {
-            remove(&entry.path)?;
-        }
-        self.held.store(0, Ordering::Relaxed);
-        Ok(all.len())
-    }
-
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
     /// What came of [`MeshCache::prepare`] so far.
     pub fn counts(&self) -> CacheCounts {
-        let count = |count: &AtomicUsize| count.load(Ordering::Relaxed);
-        CacheCounts {
-            hits: count(&self.hits),
-            misses: count(&self.misses),
-            unwritten: count(&self.unwritten),
-        }
+        *self.counts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn count(&self, change: impl FnOnce(&mut CacheCounts)) {
+        change(&mut self.counts.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
     /// Where the entry of a mesh is, or would be.
-    pub fn path_of(&self, positions: &[Vec3], triangles: &[[u32; 3]], how: &MeshOptions) -> PathBuf {
+    fn path_of(&self, positions: &[Vec3], triangles: &[[u32; 3]], how: &MeshOptions) -> PathBuf {
         let mut hasher = blake3::Hasher::new_derive_key("casca prepared mesh");
         // All options, also those that are yet to come; floats are written so that none is lost.
         let head = format!("{} {how:?} {} {}", TriMesh::PREPARATION, positions.len(), triangles.len());
@@ -212,11 +160,6 @@ impl MeshCache {
             && mesh.occludes() == how.occludes
             && mesh.triangles() == triangles
             && mesh.positions().iter().map(bits).eq(positions.iter().map(bits));
-        if same && self.limit < u64::MAX {
-            // Where that fails, it goes earlier than it needed to.
-            let _ =
-                OpenOptions::new().append(true).open(path).and_then(|f| f.set_modified(SystemTime::now()));
-        }
         same.then_some(mesh)
     }
 
@@ -233,69 +176,6 @@ impl MeshCache {
         if written.is_err() {
             let _ = fs::remove_file(&unfinished);
         }
-        written?;
-        let bytes = bytes.len() as u64;
-        if self.held.fetch_add(bytes, Ordering::Relaxed) + bytes > self.limit {
-            self.trim()?;
-        }
-        Ok(())
-    }
-
-    /// Removes entries until they are clearly less than allowed.
-    fn trim(&self) -> io::Result<()> {
-        // Another thread that is at it will do.
-        let Ok(_alone) = self.trimming.try_lock() else { return Ok(()) };
-        let mut all = entries(&self.folder)?;
-        all.sort_by(|a, b| a.used.cmp(&b.used).then_with(|| a.path.cmp(&b.path)));
-        let mut held: u64 = all.iter().map(|entry| entry.bytes).sum();
-        let kept = if held > self.limit { (self.limit as f64 * KEPT) as u64 } else { self.limit };
-        for entry in all {
-            let abandoned = !entry.whole && entry.used.elapsed().is_ok_and(|age| age > ABANDONED);
-            if abandoned || entry.whole && held > kept {
-                remove(&entry.path)?;
-                held -= entry.bytes;
-            }
-        }
-        self.held.store(held, Ordering::Relaxed);
-        Ok(())
-    }
-}
-
-/// A file of a cache.
-struct Entry {
-    path: PathBuf,
-    /// Whether it is no unfinished one.
-    whole: bool,
-    bytes: u64,
-    /// When it was written or read last, as far as the system tells.
-    used: SystemTime,
-}
-
-/// The files of a cache in a folder: those with names that it gives.
-fn entries(folder: &Path) -> io::Result<Vec<Entry>> {
-    let mut all = Vec::new();
-    for file in fs::read_dir(folder)? {
-        let file = file?;
-        let name = file.file_name();
-        let Some(name) = name.to_str() else { continue };
-        let (hash, rest) = name.split_at_checked(DIGITS).unwrap_or(("", ""));
-        let is_hash = !hash.is_empty() && hash.bytes().all(|b| b.is_ascii_hexdigit());
-        let whole = rest == ENTRY;
-        if !is_hash || !whole && !rest.ends_with(UNFINISHED) {
-            continue;
-        }
-        // It may have gone since.
-        let Ok(about) = file.metadata() else { continue };
-        let used = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-        all.push(Entry { path: file.path(), whole, bytes: about.len(), used });
-    }
-    Ok(all)
-}
-
-/// Removes a file, unless another process did.
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(e),
-        _ => Ok(()),
+        written
     }
 }

@@ -183,43 +183,6 @@ fn threads_and_caches_share_a_folder() {
 }
 
 #[test]
-fn the_limit_removes_what_was_not_used_for_longest() {
-    let folder = Folder::new("limit");
-    let how = MeshOptions::default();
-    let balls: Vec<Mesh> = (0..12)
-        .map(|i| {
-            let mut ball = Mesh::ball(1);
-            ball.positions[0] *= 1.0 + 0.01 * i as f32;
-            ball
-        })
-        .collect();
-    let path = |cache: &MeshCache, i: usize| cache.path_of(&balls[i].positions, &balls[i].triangles, &how);
-    let cache = folder.cache();
-    let bytes = {
-        ask(&cache, &balls[0], &how);
-        fs::metadata(path(&cache, 0)).unwrap().len()
-    };
-    fs::write(folder.0.join("notes.txt"), "not an entry").unwrap();
-    let cache = folder.cache().limit(8 * bytes + bytes / 2);
-    let age = |i: usize, seconds: u64| {
-        let file = OpenOptions::new().append(true).open(path(&cache, i)).unwrap();
-        file.set_modified(SystemTime::now() - Duration::from_secs(seconds)).unwrap();
-    };
-    (1..8).for_each(|i| {
-        ask(&cache, &balls[i], &how);
-    });
-    (0..8).for_each(|i| age(i, 1000 - 10 * i as u64));
-    // The oldest is used once more.
-    ask(&cache, &balls[0], &how);
-    ask(&cache, &balls[8], &how);
-    let held: Vec<usize> = (0..9).filter(|&i| path(&cache, i).exists()).collect();
-    assert_eq!(held, [0, 4, 5, 6, 7, 8], "three quarters of the limit");
-    assert_eq!(cache.clear().unwrap(), 6);
-    assert!(folder.0.join("notes.txt").exists() && fs::read_dir(&folder.0).unwrap().count() == 1);
-    assert_eq!(cache.counts(), counts(1, 8));
-}
-
-#[test]
 fn errors_of_meshes_are_not_kept() {
     let folder = Folder::new("errors");
     let cache = folder.cache();

@@ -1,7 +1,5 @@
-//! What measurements share: the clock of a thread, the time of a call, settled scenes, and ratios
-//! of what criterion measured.
+//! What measurements share: the clock of a thread, the time of a call, and settled scenes.
 
-use std::path::Path;
 use std::time::Duration;
 
 use casca::{Error, Method, Query, View};
@@ -89,24 +87,6 @@ impl Settled {
     /// Runs the queries of the whole walk and returns how many objects they found.
     pub fn walk(&self, query: &mut Query) -> usize {
         self.views.iter().map(|view| query.run(&self.driver.scene, view).len()).sum()
-    }
-}
-
-/// The median of a benchmark that just ran, in nanoseconds.
-pub fn median(group: &str, name: &str) -> Option<f64> {
-    let clean = |s: &str| s.replace(['/', '\\', '"', '?', '*', '<', '>', ':', '|'], "_");
-    let folder = std::env::var("CARGO_TARGET_DIR").unwrap_or_else(|_| "target".to_owned());
-    let file =
-        Path::new(&folder).join("criterion").join(clean(group)).join(clean(name)).join("new/estimates.json");
-    let text = std::fs::read_to_string(file).ok()?;
-    let json: serde_json::Value = serde_json::from_str(&text).ok()?;
-    json["median"]["point_estimate"].as_f64()
-}
-
-/// Prints a ratio of two medians, if both were measured.
-pub fn ratio(what: &str, a: Option<f64>, b: Option<f64>) {
-    if let (Some(a), Some(b)) = (a, b) {
-        println!("{what:<64}{:>10.3}", a / b);
     }
 }
 

@@ -47,17 +47,6 @@ impl Ord for Expiry {
 
 /// Expiries, the earliest first. Entries are never taken out when a value changes: whoever pops
 /// one asks whether it still counts.
-///
-/// ```
-/// use casca_slots::{Expiry, ExpiryQueue, Slot};
-///
-/// let mut queue = ExpiryQueue::default();
-/// for (at, slot) in [(2.0, 0), (1.0, 1)] {
-///     queue.push(Expiry { at, slot: Slot::new(slot), generation: 0 });
-/// }
-/// assert_eq!(queue.pop_until(1.5).map(|entry| entry.slot), Some(Slot::new(1)));
-/// assert_eq!(queue.pop_until(1.5), None);
-/// ```
 #[derive(Debug, Clone, Default)]
 pub struct ExpiryQueue(BinaryHeap<Expiry>);
 

@@ -1,24 +1,7 @@
-//! Slots for objects, ids that are never used again, sets of slots, and a queue of expiries.
-//!
+#![doc = include_str!("../README.md")]
 //! [`Slots`] stores values, each in a [`Slot`]: a small number that no other value has at the same
 //! time, so that tables beside it are plain vectors by slot. An [`Id`] names one value for ever:
 //! it also holds the generation of the slot, and a tag that tells the store from all others.
-//!
-//! ```
-//! use casca_slots::Slots;
-//!
-//! let (mut cats, mut dogs) = (Slots::new(), Slots::new());
-//! let tom = cats.insert("Tom").expect("room for 2^31 - 1 cats");
-//! let rex = dogs.insert("Rex").expect("room for 2^31 - 1 dogs");
-//! assert_eq!(tom, rex, "both are in the first slot");
-//! assert_eq!(cats.find(dogs.id(rex)), None, "and yet no id of a dog names a cat");
-//!
-//! let old = cats.id(tom);
-//! cats.remove(tom);
-//! let kitty = cats.insert("Kitty").expect("there is room");
-//! assert_eq!((tom, cats[kitty]), (kitty, "Kitty"));
-//! assert_eq!(cats.find(old), None, "the slot is used again, the id is not");
-//! ```
 //!
 //! # Why not slotmap
 //!
@@ -36,18 +19,11 @@
 //!   takes only keys that the same map detached, and panics on others.
 
 mod expiry;
-mod id;
 mod set;
 mod slot;
 mod slots;
 
 pub use expiry::{AT_ONCE, Expiry, ExpiryQueue};
-pub use id::Id;
 pub use set::SlotSet;
-pub use slot::Slot;
+pub use slot::{Id, Slot};
 pub use slots::{MOST_SLOTS, Slots};
-
-/// The example of the page of the package.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

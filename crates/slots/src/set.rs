@@ -100,13 +100,4 @@ mod tests {
             assert!(Slot::below(50).all(|s| set.contains(s) == model.contains(&s)));
         }
     }
-
-    #[test]
-    fn members_come_in_the_order_of_insertion() {
-        let mut set = SlotSet::default();
-        [4, 1, 7, 4].into_iter().for_each(|slot| _ = set.insert(Slot::new(slot)));
-        assert_eq!(set.as_slice(), [4, 1, 7].map(Slot::new));
-        [4, 4, 99].into_iter().for_each(|slot| _ = set.remove(Slot::new(slot)));
-        assert_eq!(set.as_slice(), [7, 1].map(Slot::new));
-    }
 }

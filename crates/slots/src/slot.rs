@@ -1,10 +1,10 @@
-//! The place of a value.
+//! The place of a value, and its name.
 
 use std::fmt;
 
 /// The place of a value in a [`Slots`](crate::Slots): a small number, to index tables with.
 ///
-/// A slot is given to another value after removal. Only an [`Id`](crate::Id) names one value.
+/// A slot is given to another value after removal. Only an [`Id`] names one value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct Slot(u32);
@@ -47,5 +47,42 @@ impl Slot {
 impl fmt::Display for Slot {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
+    }
+}
+
+/// Names one value of one [`Slots`](crate::Slots), for ever: ids are not given twice.
+///
+/// It has 96 bits: the [tag](crate::Slots::tag) of the store that the value was inserted into, its
+/// slot, and how many values had that slot before. Ids are ordered by these, in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Id {
+    store: u32,
+    slot: Slot,
+    generation: u32,
+}
+
+impl Id {
+    /// The id of these parts, of one that was taken apart.
+    #[inline]
+    pub const fn new(store: u32, slot: Slot, generation: u32) -> Self {
+        Self { store, slot, generation }
+    }
+
+    /// The tag of the store that the value was inserted into.
+    #[inline]
+    pub const fn store(self) -> u32 {
+        self.store
+    }
+
+    /// The place of the value.
+    #[inline]
+    pub const fn slot(self) -> Slot {
+        self.slot
+    }
+
+    /// How many values had the slot before.
+    #[inline]
+    pub const fn generation(self) -> u32 {
+        self.generation
     }
 }

@@ -3,8 +3,7 @@
 use std::ops::{Index, IndexMut};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::id::Id;
-use crate::slot::Slot;
+use crate::slot::{Id, Slot};
 
 /// The most slots of a store: tables may hold twice the number of a slot, or a bit beside it.
 pub const MOST_SLOTS: usize = (1 << 31) - 1;

@@ -72,7 +72,7 @@ impl Level {
         for (id, (&number, object)) in ids.into_iter().zip(numbers.iter().zip(&objects)) {
             scene.set_user_data(id, if object.tested { number as u64 } else { NOBODY })?;
         }
-        let walls = Walls::of(&scene, LEAST_WALL, |_| false);
+        let walls = Walls::of(&scene, LEAST_WALL);
         let mut solids = solids_of(&objects, solid);
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);

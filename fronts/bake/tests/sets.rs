@@ -25,6 +25,11 @@ fn world(kind: SceneKind, scale: f32) -> World {
     world
 }
 
+/// A level of some objects, on the grid of a small scene.
+fn level_of(objects: Vec<Object>) -> Level {
+    Level::new(&World { objects, ..world(SceneKind::Rooms, 0.1) }, None, false).unwrap()
+}
+
 /// A point of the surface of a shape, by three numbers from 0 to 1.
 fn point_of(shape: &Shape, [a, b, c]: [f32; 3]) -> Vec3 {
     match shape {
@@ -186,12 +191,10 @@ fn occluder(shape: Shape) -> Object {
     Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: true }
 }
 
-/// A mesh that hides others.
 fn occluder_of(mesh: Mesh) -> Object {
     occluder(Shape::Mesh { mesh: mesh.into(), transform: Affine3A::IDENTITY })
 }
 
-/// A ball that hides others.
 fn occluder_at(center: Vec3, radius: f32) -> Object {
     occluder(Shape::Sphere { center, radius })
 }
@@ -232,7 +235,6 @@ fn a_closed_mesh_beside_the_cell_may_be_hollow() {
 #[test]
 fn walls_hide_what_is_behind_them_only() {
     // A sheet between two cells, a picture on it, a ball behind it, and one whose box touches it.
-    let mut world = world(SceneKind::Rooms, 0.1);
     let sheet = |x: f32, low: [f32; 2], high: [f32; 2]| {
         let at = |y, z| Vec3::new(x, y, z);
         let [a, b, c, d] =
@@ -244,9 +246,8 @@ fn walls_hide_what_is_behind_them_only() {
         })
     };
     let ball = |x| occluder_at(Vec3::new(x, 5.0, 5.0), 0.25);
-    world.objects =
-        vec![sheet(8.0, [0.0, 0.0], [10.0, 10.0]), sheet(8.0, [4.0, 4.0], [6.0, 6.0]), ball(9.0), ball(8.25)];
-    let level = Level::new(&world, None, false).unwrap();
+    let sheets = [sheet(8.0, [0.0, 0.0], [10.0, 10.0]), sheet(8.0, [4.0, 4.0], [6.0, 6.0])];
+    let level = level_of(sheets.into_iter().chain([ball(9.0), ball(8.25)]).collect());
     let before = Aabb::new(Vec3::new(5.0, 4.0, 4.0), Vec3::new(6.0, 6.0, 6.0));
     let set = Finder::new(&level, 60).set(before);
     assert!(set[..2] == [0, 1] && !set.contains(&2), "{set:?}");
@@ -256,7 +257,6 @@ fn walls_hide_what_is_behind_them_only() {
 
 #[test]
 fn sheets_and_boxes_that_hide_from_their_front_let_eyes_behind_it_see() {
-    let mut world = world(SceneKind::Rooms, 0.1);
     let ball = |x| occluder_at(Vec3::new(x, 5.0, 5.0), 0.25);
     let at = |y, z| Vec3::new(8.0, y, z);
     let sheet = |sides| Mesh {
@@ -270,11 +270,10 @@ fn sheets_and_boxes_that_hide_from_their_front_let_eyes_behind_it_see() {
         ..Mesh::cuboid(Vec3::new(7.9, low, 0.0), Vec3::new(8.1, low + 5.0, 10.0))
     };
     let eyes = |x: f32| Aabb::new(Vec3::new(x, 4.0, 4.0), Vec3::new(x + 1.0, 6.0, 6.0));
-    let mut sees = |walls: Vec<Mesh>, x: f32| {
-        world.objects = walls.into_iter().map(occluder_of).chain([ball(7.0), ball(9.0)]).collect();
-        let level = Level::new(&world, None, false).unwrap();
+    let sees = |walls: Vec<Mesh>, x: f32| {
+        let first = walls.len() as u32;
+        let level = level_of(walls.into_iter().map(occluder_of).chain([ball(7.0), ball(9.0)]).collect());
         let set = Finder::new(&level, 60).set(eyes(x));
-        let first = world.objects.len() as u32 - 2;
         [first, first + 1].map(|number| set.contains(&number))
     };
     // The front looks to greater x.

@@ -1,7 +1,5 @@
 //! Sets of objects, as they stand in a file.
 
-use core::iter::FusedIterator;
-
 use crate::DEPTH;
 use crate::numbers::take;
 
@@ -27,28 +25,9 @@ impl<'a> Set<'a> {
     pub fn contains(&self, object: u32) -> bool {
         self.iter().take_while(|seen| *seen <= object).any(|seen| seen == object)
     }
-
-    /// The number of objects. Costs a look at all.
-    pub fn len(&self) -> usize {
-        self.iter().count()
-    }
-
-    /// Whether nothing can be seen.
-    pub fn is_empty(&self) -> bool {
-        self.iter().next().is_none()
-    }
 }
 
 impl<'a> IntoIterator for Set<'a> {
-    type Item = u32;
-    type IntoIter = Objects<'a>;
-
-    fn into_iter(self) -> Objects<'a> {
-        self.iter()
-    }
-}
-
-impl<'a> IntoIterator for &Set<'a> {
     type Item = u32;
     type IntoIter = Objects<'a>;
 
@@ -80,8 +59,6 @@ impl Iterator for Objects<'_> {
         }
     }
 }
-
-impl FusedIterator for Objects<'_> {}
 
 /// More than any object: a list that has ended.
 const END: u64 = u64::MAX;

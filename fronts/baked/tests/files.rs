@@ -58,7 +58,7 @@ proptest! {
             prop_assert_eq!(set.as_ref(), sets.get(&cell));
             if let (Some(set), Some(truth)) = (baked.set(cell), sets.get(&cell)) {
                 prop_assert!(set.iter().is_sorted());
-                prop_assert_eq!((set.len(), set.is_empty()), (truth.len(), truth.is_empty()));
+                prop_assert_eq!(set.iter().count(), truth.len());
                 prop_assert!((0..OBJECTS).all(|object| set.contains(object) == truth.contains(&object)));
             }
         }
@@ -87,7 +87,7 @@ proptest! {
         // Without a check, sets may be wrong, but reading them ends.
         if let Ok(baked) = Baked::open(&bytes) {
             let count: u32 = baked.cells().dims.iter().product();
-            (0..count.min(1000)).filter_map(|cell| baked.set(cell)).for_each(|set| _ = set.len());
+            (0..count.min(1000)).filter_map(|cell| baked.set(cell)).for_each(|set| _ = set.iter().count());
         }
     }
 

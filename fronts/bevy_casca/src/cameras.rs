@@ -1,8 +1,9 @@
-//! What cameras see.
+//! What cameras see, and the test that Bevy makes of it.
 
-use bevy_camera::primitives::Frustum;
+use bevy_camera::primitives::{Aabb, Frustum, Sphere};
 use bevy_camera::visibility::{
-    NoCpuCulling, RenderLayers, SetViewVisibility, VisibleEntities, VisibleEntityRanges,
+    InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers, SetViewVisibility, ViewVisibility,
+    VisibilityClass, VisibilityRange, VisibleEntities, VisibleEntityRanges,
 };
 use bevy_camera::{Camera, Projection};
 use bevy_ecs::prelude::*;
@@ -13,7 +14,6 @@ use bevy_transform::components::GlobalTransform;
 use bevy_utils::{Parallel, TypeIdHashMap};
 use casca::{Method, View};
 
-use crate::candidate::{Candidate, CandidateItem, Viewer};
 use crate::drawn::{self, Drawn};
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
@@ -21,6 +21,55 @@ use crate::{border, layers};
 
 type Managed = (With<InScene>, Without<NoCpuCulling>);
 type Unmanaged = (Without<InScene>, Without<NoCpuCulling>);
+
+/// An entity that may be drawn.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Candidate {
+    entity: Entity,
+    inherited: &'static InheritedVisibility,
+    view_visibility: &'static mut ViewVisibility,
+    classes: Option<&'static VisibilityClass>,
+    layers: Option<&'static RenderLayers>,
+    aabb: Option<&'static Aabb>,
+    sphere: Option<&'static Sphere>,
+    transform: &'static GlobalTransform,
+    no_frustum_culling: Has<NoFrustumCulling>,
+    has_range: Has<VisibilityRange>,
+}
+
+/// A camera, as far as the test asks.
+struct Viewer<'a> {
+    entity: Entity,
+    layers: &'a RenderLayers,
+    ranges: Option<&'a VisibleEntityRanges>,
+    /// `None` if nothing is culled by it.
+    frustum: Option<&'a Frustum>,
+}
+
+impl CandidateItem<'_, '_> {
+    /// Whether Bevy takes it to be visible.
+    fn is_seen(&self, viewer: &Viewer) -> bool {
+        let drawn = self.inherited.get() && viewer.layers.intersects(self.layers.unwrap_or_default());
+        let out_of_range =
+            |ranges: &VisibleEntityRanges| !ranges.entity_is_in_range_of_view(self.entity, viewer.entity);
+        if !drawn || self.has_range && viewer.ranges.is_some_and(out_of_range) {
+            return false;
+        }
+        let Some(frustum) = viewer.frustum.filter(|_| !self.no_frustum_culling) else { return true };
+        if let Some(aabb) = self.aabb {
+            let world_from_local = self.transform.affine();
+            let around = Sphere {
+                center: world_from_local.transform_point3a(aabb.center),
+                radius: self.transform.radius_vec3a(aabb.half_extents),
+            };
+            frustum.intersects_sphere(&around, false)
+                && frustum.intersects_obb(aabb, &world_from_local, true, false)
+        } else {
+            self.sphere.is_none_or(|sphere| frustum.intersects_sphere(sphere, false))
+        }
+    }
+}
 
 /// A camera with the list of entities that it sees.
 #[derive(QueryData)]

@@ -29,7 +29,7 @@ impl Eyes {
         match (settings.kept, settings.method) {
             (Some(how), Method::Point(options)) => {
                 self.fresh.clear();
-                self.run_kept(scene, how, options, settings.parallel, views);
+                self.run_kept(scene, how, options, views);
             }
             _ => {
                 self.kept.clear();
@@ -38,21 +38,14 @@ impl Eyes {
         }
     }
 
-    fn run_kept(
-        &mut self,
-        scene: &Scene,
-        how: KeptOptions,
-        options: PointOptions,
-        parallel: bool,
-        views: &[(Entity, View)],
-    ) {
+    fn run_kept(&mut self, scene: &Scene, how: KeptOptions, options: PointOptions, views: &[(Entity, View)]) {
         let mut old = std::mem::take(&mut self.kept);
         let mut jobs = Vec::with_capacity(views.len());
         for (camera, view) in views {
             let kept = old.remove(camera).filter(|kept| kept.is_for(how, options));
             jobs.extend(kept.or_else(|| Kept::new(how, options)).map(|kept| (*camera, kept, view)));
         }
-        run::each(&mut jobs, parallel, |(_, kept, view)| kept.run(scene, view));
+        run::each(&mut jobs, |(_, kept, view)| kept.run(scene, view));
         self.kept.extend(jobs.into_iter().map(|(camera, kept, _)| (camera, kept)));
     }
 

@@ -42,7 +42,6 @@
 //! - [`CascaSettings::kept`]: cameras answer many frames from one result.
 //! - [`CascaScene::shift_origin`]: worlds that move their origin.
 //! - Feature `cache`: `CascaSettings::cache` is a folder of prepared meshes.
-//! - Feature `gizmos`: `CascaGizmosPlugin` draws boxes around hidden entities.
 //!
 //! # Limits
 //!
@@ -54,15 +53,11 @@
 
 mod border;
 mod cameras;
-mod candidate;
 mod casters;
 mod diagnostics;
 mod drawn;
 mod eyes;
-#[cfg(feature = "gizmos")]
-mod gizmos;
 mod grid;
-mod lamps;
 mod layers;
 mod lights;
 mod materials;
@@ -71,19 +66,12 @@ mod plugin;
 mod run;
 mod scene;
 mod settings;
-mod stored;
-mod suns;
 mod sync;
-mod systems;
 mod told;
-mod unruled;
 
 pub use casca;
 pub use diagnostics::CascaDiagnostics;
-#[cfg(feature = "gizmos")]
-pub use gizmos::{CascaGizmos, CascaGizmosPlugin};
 pub use materials::{DeferredPlugin, MaterialsPlugin, NeverHiddenPlugin, NoDeferredPrepass, Surface};
 pub use plugin::CascaPlugin;
 pub use scene::{CascaScene, InScene};
-pub use settings::{CascaSettings, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};
-pub use systems::CascaSystems;
+pub use settings::{CascaSettings, CascaSystems, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Shadows};

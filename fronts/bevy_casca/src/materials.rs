@@ -10,13 +10,14 @@ use bevy_asset::{
 use bevy_camera::visibility::RenderLayers;
 use bevy_camera::{Camera, Camera3d};
 use bevy_ecs::entity_disabling::Disabled;
+use bevy_ecs::lifecycle::{InsertEvent, RemoveEvent};
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::Allow;
+use bevy_ecs::query::{Allow, QueryBuilder};
+use bevy_ecs::reflect::{AppTypeRegistry, ReflectComponent};
 use bevy_platform::collections::HashSet;
 
 use crate::layers;
-use crate::settings::Opaque;
-use crate::systems::CascaSystems;
+use crate::settings::{CascaSystems, Opaque};
 use crate::told::{Images, Told, follow_images};
 
 /// What a material says about how entities with it are drawn.
@@ -195,7 +196,7 @@ macro_rules! standard_materials {
 
 /// The components that hold materials for which there is a rule.
 #[derive(Resource, Default)]
-pub(crate) struct Rules(pub(crate) HashSet<TypeId>);
+struct Rules(HashSet<TypeId>);
 
 #[derive(Resource)]
 struct Rule<C: AsAssetId>(fn(&C::Asset) -> Surface);
@@ -223,7 +224,7 @@ impl Default for Deferred {
 pub(crate) struct Judged(Vec<Verdict>);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Verdict {
+struct Verdict {
     by: TypeId,
     said: Said,
     /// Whether the renderer can draw with it.
@@ -237,12 +238,6 @@ enum Said {
     /// There is no rule for such materials.
     NoRule,
     Surface(Surface),
-}
-
-impl Verdict {
-    pub(crate) fn without_rule(by: TypeId) -> Self {
-        Self { by, said: Said::NoRule, ready: true }
-    }
 }
 
 impl Judged {
@@ -293,7 +288,7 @@ pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
 }
 
 /// Puts a verdict on an entity in the place of the one by the same component, or takes it away.
-pub(crate) fn note(commands: &mut Commands, entity: Entity, by: TypeId, verdict: Option<Verdict>) {
+fn note(commands: &mut Commands, entity: Entity, by: TypeId, verdict: Option<Verdict>) {
     let Ok(mut entity) = commands.get_entity(entity) else { return };
     entity.queue_silenced(move |mut entity: EntityWorldMut| match entity.get_mut::<Judged>() {
         Some(mut judged) => {
@@ -382,4 +377,42 @@ fn mark<C: Component>(
         let verdict = Verdict { by, said: Said::Surface(Surface::InFront), ready: true };
         note(&mut commands, entity, by, Some(verdict));
     }
+}
+
+/// The component that holds a material, as reflection names it: this crate does not depend on the
+/// renderer.
+const HOLDER: &str = "bevy_pbr::mesh_material::MeshMaterial3d<";
+
+/// Notes which entities have a material without a rule, now and later. If there is no rule at all,
+/// their components say whether they hide.
+pub(crate) fn watch_unruled(world: &mut World) {
+    let (Some(rules), Some(registry)) =
+        (world.get_resource::<Rules>(), world.get_resource::<AppTypeRegistry>())
+    else {
+        return;
+    };
+    let registry = registry.read();
+    let holders = registry.iter().filter(|holder| {
+        holder.type_info().type_path().starts_with(HOLDER) && !rules.0.contains(&holder.type_id())
+    });
+    let holders = holders.filter_map(|holder| Some((holder.type_id(), holder.data::<ReflectComponent>()?)));
+    let holders: Vec<(TypeId, ReflectComponent)> =
+        holders.map(|(by, component)| (by, component.clone())).collect();
+    drop(registry);
+    for (by, component) in holders {
+        let id = component.register_component(world);
+        let verdict = Verdict { by, said: Said::NoRule, ready: true };
+        let mut there = QueryBuilder::<Entity, Allow<Disabled>>::new(world);
+        let mut there = there.with_id(id).build();
+        let there: Vec<Entity> = there.iter(world).collect();
+        let mut commands = world.commands();
+        there.into_iter().for_each(|entity| note(&mut commands, entity, by, Some(verdict)));
+        let come = move |on: On<InsertEvent>, mut commands: Commands| {
+            note(&mut commands, on.entity, by, Some(verdict));
+        };
+        let go = move |on: On<RemoveEvent>, mut commands: Commands| note(&mut commands, on.entity, by, None);
+        world.spawn(Observer::new(come).with_component(id));
+        world.spawn(Observer::new(go).with_component(id));
+    }
+    world.flush();
 }

@@ -1,5 +1,8 @@
 //! Meshes that hide others: prepared once in the background, and shared by all entities with them.
 
+use std::ops::ControlFlow;
+#[cfg(feature = "cache")]
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use bevy_asset::{AssetId, Assets};
@@ -8,11 +11,12 @@ use bevy_mesh::{Mesh, PrimitiveTopology, VertexAttributeValues};
 use bevy_platform::collections::HashMap;
 use bevy_tasks::futures::check_ready;
 use bevy_tasks::{AsyncComputeTaskPool, Task};
-use casca::TriMesh;
 use casca::glam::Vec3;
+use casca::{Facing, MeshOptions, TriMesh};
+#[cfg(feature = "cache")]
+use casca_cache::MeshCache;
 
 use crate::settings::{CascaSettings, Opaque};
-use crate::stored::Stored;
 
 /// A mesh, and the sides from which it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -150,6 +154,52 @@ fn triangles(mesh: &Mesh, most: usize) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
         triangles.push([a, b, c]);
     }
     Some((positions.iter().map(|&p| p.into()).collect(), triangles))
+}
+
+/// A folder of prepared meshes, or none.
+#[derive(Debug, Clone, Default)]
+struct Stored {
+    #[cfg(feature = "cache")]
+    folder: Option<PathBuf>,
+    /// `None` if the folder can be neither made nor read.
+    #[cfg(feature = "cache")]
+    cache: Option<Arc<MeshCache>>,
+}
+
+impl Stored {
+    /// Opens the folder of the settings, if it is another one than before.
+    #[cfg(feature = "cache")]
+    fn follow(&mut self, settings: &CascaSettings) {
+        if self.folder == settings.cache {
+            return;
+        }
+        self.folder.clone_from(&settings.cache);
+        self.cache = self.folder.as_ref().and_then(|folder| match MeshCache::new(folder) {
+            Ok(cache) => Some(Arc::new(cache)),
+            Err(why) => {
+                bevy_log::warn!("meshes are not stored in {}: {why}", folder.display());
+                None
+            }
+        });
+    }
+
+    #[cfg(not(feature = "cache"))]
+    fn follow(&mut self, _: &CascaSettings) {}
+
+    /// Prepares a mesh that is drawn from some sides, or reads it. `None` if it hides nothing.
+    fn prepare(&self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, sides: Opaque) -> Option<TriMesh> {
+        let facing = match sides {
+            Opaque::Front => Facing::Front,
+            Opaque::Both => Facing::Both,
+        };
+        let how = MeshOptions::default().facing(facing);
+        let progress = &mut |_| ControlFlow::Continue(());
+        #[cfg(feature = "cache")]
+        if let Some(cache) = &self.cache {
+            return cache.prepare(positions, triangles, &how, progress).ok();
+        }
+        TriMesh::prepare(positions, triangles, &how, progress).ok()
+    }
 }
 
 #[cfg(test)]

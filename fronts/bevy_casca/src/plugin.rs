@@ -11,9 +11,8 @@ use bevy_log::warn;
 use bevy_transform::TransformSystems;
 
 use crate::scene::CascaScene;
-use crate::settings::CascaSettings;
-use crate::systems::CascaSystems;
-use crate::{cameras, diagnostics, lamps, suns, sync, unruled};
+use crate::settings::{CascaSettings, CascaSystems};
+use crate::{cameras, diagnostics, lights, materials, sync};
 
 /// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
 /// the choices.
@@ -55,7 +54,7 @@ impl Plugin for CascaPlugin {
                 (
                     sync::sync.in_set(CascaSystems::Sync),
                     cameras::check_cameras.in_set(CascaSystems::Cameras),
-                    (suns::check_suns, lamps::check_lamps).chain().in_set(CascaSystems::Lights),
+                    (lights::check_suns, lights::check_lamps).chain().in_set(CascaSystems::Lights),
                     (cameras::end_frame, diagnostics::measure).chain().in_set(CascaSystems::End),
                 ),
             );
@@ -64,7 +63,7 @@ impl Plugin for CascaPlugin {
 
 /// Takes Bevy's systems out whose work is done here. At start, when all plugins have been added.
 fn take_over(world: &mut World) {
-    unruled::watch(world);
+    materials::watch_unruled(world);
     let taken = world.try_schedule_scope(PostUpdate, |world, schedule| {
         let how = ScheduleCleanupPolicy::RemoveSystemsOnly;
         [

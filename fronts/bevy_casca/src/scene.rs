@@ -11,8 +11,8 @@ use bevy_math::Vec3;
 use casca::{ObjectId, Scene};
 
 use crate::eyes::Eyes;
-use crate::lights::Queries;
 use crate::occluders::{Key, Occluders};
+use crate::run::Queries;
 #[cfg(doc)]
 use crate::settings::CascaSettings;
 

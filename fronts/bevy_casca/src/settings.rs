@@ -1,9 +1,9 @@
-//! What a program may choose: a resource, and components of single entities.
+//! What a program may choose: a resource, components of single entities, and the order of systems.
 
 use bevy_asset::Handle;
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
-use casca::{GridSpec, KeptOptions, Method};
+use casca::{KeptOptions, Method};
 
 /// How entities are culled. Change it at any time; it counts from the next frame on.
 ///
@@ -34,8 +34,6 @@ pub struct CascaSettings {
     /// Meshes with more triangles than this hide nothing by themselves; give such entities an
     /// [`Occluder`]. Default: 200,000.
     pub most_triangles: usize,
-    /// Whether views are examined in parallel, by Bevy's compute tasks. Default: true.
-    pub parallel: bool,
     /// A camera keeps the result of its query and answers many frames from it. Compute tasks find
     /// the next result in time: see [`casca::KeptQuery`]. Sets are larger. Costs a copy of the
     /// scene for each camera, and it pays where large things hide much and few things move. Needs
@@ -47,9 +45,6 @@ pub struct CascaSettings {
     /// `None`.
     #[cfg(feature = "cache")]
     pub cache: Option<std::path::PathBuf>,
-    /// The grid; `None` makes one that suits the entities, and another one when they outgrow it.
-    /// Counts from the next grid on. Default: `None`.
-    pub grid: Option<GridSpec>,
 }
 
 impl Default for CascaSettings {
@@ -61,11 +56,9 @@ impl Default for CascaSettings {
             still_after: 8,
             most_new: 1 << 14,
             most_triangles: 200_000,
-            parallel: true,
             kept: None,
             #[cfg(feature = "cache")]
             cache: None,
-            grid: None,
         }
     }
 }
@@ -104,6 +97,23 @@ pub struct Occluder(pub Handle<Mesh>);
 pub struct NotOccluder;
 
 /// On an entity: nothing hides it, and it hides nothing. It is culled by frustum only. On a camera:
-/// all that it looks at is culled by frustum only.
+/// what it looks at is culled by frustum only.
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct NoOcclusionCulling;
+
+/// What the plugin does in `PostUpdate`, in this order. The first three are part of Bevy's
+/// `VisibilitySystems::CheckVisibility`: what runs before that set changes what they find.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CascaSystems {
+    /// Materials are judged: [`MaterialsPlugin`](crate::MaterialsPlugin).
+    Materials,
+    /// Entities that came, moved, changed or went are brought up to date in the
+    /// [`CascaScene`](crate::CascaScene).
+    Sync,
+    /// Cameras find what they see.
+    Cameras,
+    /// Lights find what casts their shadows.
+    Lights,
+    /// The frame ends: what nobody saw is put into volumes.
+    End,
+}

@@ -115,7 +115,7 @@ pub(crate) fn sync(
         let _ = casca.scene.as_mut().map(|scene| scene.remove(known.id));
         commands.entity(entity).try_remove::<InScene>();
     }
-    if choose_grid(casca, &settings, &candidates) {
+    if choose_grid(casca, &candidates) {
         // All are taken over anew, from the next frame on.
         candidates.all.iter().for_each(|entity| {
             commands.entity(entity).try_remove::<InScene>();
@@ -184,19 +184,19 @@ impl Candidates<'_, '_> {
 
 /// Makes a grid if there is none, or if the world has outgrown it: then says that the scene is
 /// empty.
-fn choose_grid(casca: &mut CascaScene, settings: &CascaSettings, candidates: &Candidates) -> bool {
+fn choose_grid(casca: &mut CascaScene, candidates: &Candidates) -> bool {
     let new = candidates.new.iter();
     let new = new.map(|(_, aabb, transform)| border::world_box(aabb, &transform.affine()));
-    let make = |spec: Option<casca::GridSpec>| spec.and_then(|spec| Scene::new(&spec).ok());
+    let make = |boxes: &[_]| grid::around(boxes).and_then(|spec| Scene::new(&spec).ok());
     let Some(scene) = &casca.scene else {
         let boxes: Vec<_> = new.collect();
         if !boxes.is_empty() {
-            casca.scene = make(settings.grid).or_else(|| make(grid::around(&boxes)));
+            casca.scene = make(&boxes);
             casca.grid_made = casca.frame;
         }
         return false;
     };
-    if settings.grid.is_some() || casca.frame.wrapping_sub(casca.grid_made) < GRID_FRAMES {
+    if casca.frame.wrapping_sub(casca.grid_made) < GRID_FRAMES {
         return false;
     }
     casca.grid_made = casca.frame;
@@ -205,7 +205,7 @@ fn choose_grid(casca: &mut CascaScene, settings: &CascaSettings, candidates: &Ca
     let boxes: Vec<_> = known.chain(new).collect();
     let outside = boxes.iter().filter(|b| grid::is_outside(scene.grid(), **b)).count();
     // The estimate of cells is for a sample of them.
-    let Some(scene) = make(grid::around(&boxes)).filter(|_| outside * 4 > boxes.len()) else { return false };
+    let Some(scene) = make(&boxes).filter(|_| outside * 4 > boxes.len()) else { return false };
     casca.scene = Some(scene);
     casca.movers.clear();
     casca.cameras.clear();

@@ -11,21 +11,9 @@ use bevy_light::{DirectionalLight, PointLight};
 use bevy_math::{Quat, Vec3};
 use bevy_mesh::{Indices, Mesh, Mesh3d, PrimitiveTopology};
 use bevy_transform::components::Transform;
-use common::{Cube, Nr, Pair, entity, eye, judge, settle, spawn_box, spawn_camera};
-
-const CAMERA: u32 = 1_000_000;
-
-fn view(world: &mut World, nr: u32) {
-    spawn_camera(world, nr, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
-}
-
-/// Small boxes behind whatever stands at the origin.
-fn background(world: &mut World, from: u32) {
-    for i in 0..50 {
-        let at = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, -10.0);
-        spawn_box(world, from + i, at, Vec3::splat(0.4));
-    }
-}
+use common::{
+    CAMERA, Cube, Nr, Pair, entity, eye, judge, opaque, settle, spawn_box, spawn_camera, things_behind,
+};
 
 #[test]
 fn transforms_that_make_no_sense_hide_nothing() {
@@ -45,11 +33,9 @@ fn transforms_that_make_no_sense_hide_nothing() {
     let count = bad.len() as u32;
     let mut pair = Pair::new(|world| {
         for (nr, _) in (0..).zip(&bad) {
-            let entity = spawn_box(world, nr, Vec3::new(0.0, 0.0, 40.0), Vec3::ONE);
-            world.entity_mut(entity).insert(Opaque::Front);
+            opaque(world, nr, Vec3::new(0.0, 0.0, 40.0), Vec3::ONE);
         }
-        background(world, count);
-        view(world, CAMERA);
+        things_behind(world, count);
     });
     for frame in 0..40 {
         let (ours, bevys) = pair.frame(|world| {
@@ -80,8 +66,7 @@ fn an_occluder_that_loses_its_place_hides_nothing_in_the_same_frame() {
                 false => world.entity_mut(wall).insert(Opaque::Front),
                 true => world.entity_mut(wall).insert(Occluder(cube)),
             };
-            background(world, 1);
-            view(world, CAMERA);
+            things_behind(world, 1);
         });
         let step = |world: &mut World, by: f32| {
             let wall = entity(world, 0);
@@ -137,8 +122,7 @@ fn meshes_that_make_no_sense_hide_nothing() {
             world.spawn((Nr(nr + count), Mesh3d(mesh.clone()), Transform::default(), bounds, Occluder(mesh)));
         }
         world.spawn((Nr(900), Mesh3d(Handle::default()), Transform::default(), Opaque::Both));
-        background(world, 2 * count);
-        view(world, CAMERA);
+        things_behind(world, 2 * count);
     });
     for _ in 0..10 {
         let (ours, bevys) = pair.frame(|_| {});
@@ -164,10 +148,10 @@ fn cameras_and_lights_that_make_no_sense_cull_as_bevy_does() {
     // Bevy itself takes no others in a build with assertions: they have no direction.
     let places = [Transform::from_xyz(f32::NAN, 0.0, 0.0), Transform::from_xyz(0.0, f32::INFINITY, 0.0)];
     let mut pair = Pair::new(|world| {
-        background(world, 0);
+        things_behind(world, 0);
         let cameras = lenses.iter().map(|lens| (lens.clone(), Transform::from_xyz(0.0, 0.0, 20.0)));
         let strange = places.iter().map(|place| (lens(1.0, 1.0, 0.1), *place));
-        for (nr, (lens, place)) in (CAMERA..).zip(cameras.chain(strange)) {
+        for (nr, (lens, place)) in (CAMERA + 1..).zip(cameras.chain(strange)) {
             let camera = Camera { order: nr as isize, ..Default::default() };
             world.spawn((Nr(nr), bevy_camera::Camera3d::default(), camera, lens, place));
         }
@@ -190,10 +174,8 @@ fn cameras_and_lights_that_make_no_sense_cull_as_bevy_does() {
 #[test]
 fn settings_that_make_no_sense_cull_by_frustum() {
     let mut pair = Pair::new(|world| {
-        let wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
-        world.entity_mut(wall).insert(Opaque::Front);
-        background(world, 1);
-        view(world, CAMERA);
+        opaque(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
+        things_behind(world, 1);
     });
     let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
     settings.method = casca::Method::Point(casca::PointOptions::new().pixel_degrees(f32::NAN));
@@ -219,13 +201,11 @@ fn far_from_the_origin_and_in_huge_worlds_nothing_visible_is_lost() {
             for i in 0..200u32 {
                 let at = Vec3::new((i % 20) as f32 * 6.0, 0.0, (i / 20) as f32 * 9.0);
                 let size = Vec3::new(1.0 + (i % 7) as f32, 6.0, 2.0);
-                let entity = spawn_box(world, i, origin + at, size);
-                world.entity_mut(entity).insert(Opaque::Front);
+                opaque(world, i, origin + at, size);
             }
             // Things at the ends of the world.
             for (nr, at) in (200..).zip([-far * 30.0, far * 30.0, far * 1e6]) {
-                let entity = spawn_box(world, nr, Vec3::new(at, 0.0, 0.0), Vec3::splat(far));
-                world.entity_mut(entity).insert(Opaque::Front);
+                opaque(world, nr, Vec3::new(at, 0.0, 0.0), Vec3::splat(far));
             }
             let eye = Transform::from_translation(origin + Vec3::new(50.0, 1.0, -30.0));
             spawn_camera(world, CAMERA, eye.looking_to(Vec3::Z, Vec3::Y));

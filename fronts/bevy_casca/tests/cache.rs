@@ -7,12 +7,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use bevy_app::App;
-use bevy_casca::{CascaScene, CascaSettings, Opaque};
+use bevy_casca::{CascaScene, CascaSettings};
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
-use common::{headless, lists, settle, spawn_box, spawn_camera};
-
-const CAMERA: u32 = 100;
+use common::{CAMERA, headless, lists, opaque, settle, spawn_box, spawn_camera};
 
 /// A run of a program: a wall with something behind it. Returns how many meshes hide, and how many
 /// entities the camera sees.
@@ -20,8 +18,7 @@ fn run(cache: &Path) -> (usize, usize) {
     let mut app: App = headless(true);
     app.world_mut().resource_mut::<CascaSettings>().cache = Some(cache.into());
     let world = app.world_mut();
-    let wall = spawn_box(world, 0, Vec3::new(0.0, 0.0, -10.0), Vec3::new(20.0, 20.0, 0.5));
-    world.entity_mut(wall).insert(Opaque::Front);
+    opaque(world, 0, Vec3::new(0.0, 0.0, -10.0), Vec3::new(20.0, 20.0, 0.5));
     spawn_box(world, 1, Vec3::new(3.0, 0.0, -20.0), Vec3::ONE);
     spawn_camera(world, CAMERA, Transform::default().looking_to(Vec3::NEG_Z, Vec3::Y));
     settle(&mut app);

@@ -6,15 +6,13 @@ use std::any::TypeId;
 use std::collections::BTreeSet;
 
 use bevy_app::{App, PostUpdate};
-use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, Assets, Handle, RenderAssetUsages};
+use bevy_asset::{AssetApp, Assets, Handle, RenderAssetUsages};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{
     CascadesVisibleEntities, CubemapVisibleEntities, InheritedVisibility, NoCpuCulling, NoFrustumCulling,
     RenderLayers, ViewVisibility, Visibility, VisibilityClass, VisibilitySystems, VisibleEntities,
 };
-use bevy_casca::{
-    CascaSettings, MaterialsPlugin, NoOcclusionCulling, NotOccluder, Occluder, Opaque, Surface,
-};
+use bevy_casca::{CascaSettings, MaterialsPlugin, NoOcclusionCulling, NotOccluder, Occluder, Opaque};
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
 use bevy_image::Image;
@@ -22,12 +20,12 @@ use bevy_light::cluster::ClusterVisibilityClass;
 use bevy_light::{DirectionalLight, NotShadowCaster, PointLight};
 use bevy_math::{Affine3A, DAffine3, DVec3, Vec3};
 use bevy_mesh::{Mesh, Mesh3d};
-use bevy_reflect::TypePath;
 use bevy_shape::Cuboid;
 use bevy_transform::components::{GlobalTransform, Transform};
-use common::{Cube, Nr, entity, headless, settle, spawn_box, spawn_camera};
+use common::{
+    CAMERA, Cube, Nr, Paint, Painted, entity, headless, paint_rule, settle, spawn_box, spawn_camera,
+};
 
-const CAMERA: u32 = 1_000_000;
 const SUN: u32 = 1_000_001;
 const LAMP: u32 = 1_000_002;
 /// Entities without a mesh, which others have as their parents.
@@ -44,33 +42,6 @@ const FAR: f64 = 200.0;
 /// Disables entities, as the program below registers it.
 #[derive(Component)]
 struct Asleep;
-
-#[derive(Asset, TypePath, Clone, Default)]
-struct Paint {
-    glass: bool,
-    in_front: bool,
-    #[dependency]
-    picture: Option<Handle<Image>>,
-}
-
-#[derive(Component, Clone)]
-struct Painted(Handle<Paint>);
-
-impl AsAssetId for Painted {
-    type Asset = Paint;
-
-    fn as_asset_id(&self) -> AssetId<Paint> {
-        self.0.id()
-    }
-}
-
-fn rule(paint: &Paint) -> Surface {
-    match (paint.in_front, paint.glass) {
-        (true, _) => Surface::InFront,
-        (_, true) => Surface::Unknown,
-        _ => Surface::Opaque(Opaque::Front),
-    }
-}
 
 struct Dice(u64);
 
@@ -126,7 +97,7 @@ fn picture(usage: RenderAssetUsages) -> Image {
 fn world_of_boxes(seed: u64) -> App {
     let mut app = headless(true);
     app.world_mut().register_disabling_component::<Asleep>();
-    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<Painted>::new(rule));
+    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<Painted>::new(paint_rule));
     app.add_systems(
         PostUpdate,
         late.after(VisibilitySystems::CalculateBounds)

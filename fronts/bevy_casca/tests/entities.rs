@@ -25,23 +25,17 @@ use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Indices, Mesh, Mesh3d};
 use bevy_shape::Cuboid;
 use bevy_transform::components::{GlobalTransform, Transform};
-use common::{Changes, Cube, Lists, Nr, Pair, entity, headless, lists, settle, spawn_box, spawn_camera};
+use common::{
+    CAMERA, Changes, Cube, Lists, Nr, Pair, done, entity, headless, lists, opaque, settle, spawn_box,
+    things_behind,
+};
 
-const CAMERA: u32 = 1_000_000;
-
-/// Ends a statement in the place of an expression.
-fn done<T>(_: T) {}
 const WALL: u32 = 0;
 
 /// A wall, and 50 boxes behind it.
 fn stage(world: &mut World) {
-    let wall = spawn_box(world, WALL, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
-    world.entity_mut(wall).insert(Opaque::Front);
-    for i in 0..50 {
-        let at = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, -10.0);
-        spawn_box(world, 1 + i, at, Vec3::splat(0.4));
-    }
-    spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+    opaque(world, WALL, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
+    things_behind(world, 1);
 }
 
 fn on(world: &mut World, nr: u32, change: impl Fn(&mut EntityWorldMut)) {

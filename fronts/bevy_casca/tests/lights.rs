@@ -10,7 +10,7 @@ use bevy_camera::visibility::{
     CascadesVisibleEntities, CubemapVisibleEntities, RenderLayers, VisibleMeshEntities,
 };
 use bevy_casca::casca::glam;
-use bevy_casca::{CascaSettings, Opaque, Shadows};
+use bevy_casca::{CascaSettings, Shadows};
 use bevy_ecs::prelude::*;
 use bevy_light::{
     Cascades, DirectionalLight, NotShadowCaster, PointLight, SpotLight, spot_light_world_from_view,
@@ -19,13 +19,9 @@ use bevy_math::{Affine3A, Mat4, Quat, Vec3};
 use bevy_transform::components::{GlobalTransform, Transform};
 use casca_scenes::world::{Camera, Object};
 use casca_truth::oracle::{Oracle, OracleOptions};
-use common::{Nr, Pair, entity, spawn_box, spawn_camera, truth};
+use common::{CAMERA, Nr, Pair, dice, done, entity, opaque, spawn_box, spawn_camera, truth};
 use glam::camera::rh::proj::directx;
 
-const CAMERA: u32 = 1_000_000;
-
-/// Ends a statement in the place of an expression.
-fn done<T>(_: T) {}
 const SUN: u32 = 1_000_001;
 const BULB: u32 = 1_000_002;
 const SPOT: u32 = 1_000_003;
@@ -60,18 +56,9 @@ fn light_lists(app: &mut App) -> Lists {
     found.into_iter().map(|(key, list)| (key, numbers(list))).collect()
 }
 
-fn dice(n: u32) -> f32 {
-    let x = n.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
-    ((x ^ x >> 15).wrapping_mul(0xc2b2_ae35) >> 8) as f32 / (1 << 24) as f32
-}
-
 /// A yard with walls, a roof, a ghost, and small things all over the place, some of which move.
 fn yard(world: &mut World) {
-    let mut solid = |nr: u32, middle: [f32; 3], size: [f32; 3]| {
-        let entity = spawn_box(world, nr, middle.into(), size.into());
-        world.entity_mut(entity).insert(Opaque::Front);
-        entity
-    };
+    let mut solid = |nr: u32, middle: [f32; 3], size: [f32; 3]| opaque(world, nr, middle.into(), size.into());
     solid(0, [0.0, -0.5, 0.0], [80.0, 1.0, 80.0]);
     // A roof, which the sun shines on, and walls, which the lamps shine on.
     solid(1, [-15.0, 6.0, 0.0], [20.0, 0.5, 30.0]);

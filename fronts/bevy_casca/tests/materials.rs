@@ -3,7 +3,7 @@
 mod common;
 
 use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, Assets, Handle, RenderAssetUsages};
-use bevy_casca::{CascaDiagnostics, CascaScene, MaterialsPlugin, Opaque, Surface};
+use bevy_casca::{CascaDiagnostics, CascaScene, MaterialsPlugin, Opaque};
 use bevy_diagnostic::DiagnosticsStore;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -11,43 +11,19 @@ use bevy_image::Image;
 use bevy_math::Vec3;
 use bevy_reflect::{Reflect, TypePath};
 use bevy_transform::components::Transform;
-use common::{Nr, entity, headless, lists, settle, spawn_box, spawn_camera};
-
-const CAMERA: u32 = 1_000_000;
-
-/// A material, as far as the rule below asks.
-#[derive(Asset, TypePath, Clone, Copy)]
-struct Paint {
-    alpha: f32,
-    bias: f32,
-}
-
-#[derive(Component, Clone)]
-struct Painted(Handle<Paint>);
-
-impl AsAssetId for Painted {
-    type Asset = Paint;
-
-    fn as_asset_id(&self) -> AssetId<Paint> {
-        self.0.id()
-    }
-}
-
-fn rule(paint: &Paint) -> Surface {
-    match paint {
-        _ if paint.bias != 0.0 => Surface::InFront,
-        _ if paint.alpha == 1.0 => Surface::Opaque(Opaque::Front),
-        _ => Surface::Unknown,
-    }
-}
+use common::{
+    CAMERA, Nr, Paint, Painted, entity, headless, lists, paint_rule, settle, spawn_box, spawn_camera,
+};
 
 #[test]
 fn a_material_decides_who_hides_and_who_is_never_hidden() {
     let mut app = headless(true);
-    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<Painted>::new(rule));
+    app.init_asset::<Paint>().add_plugins(MaterialsPlugin::<Painted>::new(paint_rule));
     let world = app.world_mut();
-    let mut add = |alpha, bias| world.resource_mut::<Assets<Paint>>().add(Paint { alpha, bias });
-    let (wall, glass, in_front) = (add(1.0, 0.0), add(0.5, 0.0), add(1.0, 3.0));
+    let mut add = |paint| world.resource_mut::<Assets<Paint>>().add(paint);
+    let wall = add(Paint::default());
+    let glass = add(Paint { glass: true, ..Paint::default() });
+    let in_front = add(Paint { in_front: true, ..Paint::default() });
     let entity_of_wall = spawn_box(world, 0, Vec3::ZERO, Vec3::new(30.0, 30.0, 1.0));
     world.entity_mut(entity_of_wall).insert(Painted(wall.clone()));
     for nr in 1..51 {
@@ -73,13 +49,13 @@ fn a_material_decides_who_hides_and_who_is_never_hidden() {
     assert_eq!(measured(&app, CascaDiagnostics::CASTERS), 0.0);
     assert!(measured(&app, CascaDiagnostics::TIME) > 0.0);
 
-    let set_alpha = |app: &mut bevy_app::App, alpha| {
+    let set_glass = |app: &mut bevy_app::App, glass| {
         let mut paints = app.world_mut().resource_mut::<Assets<Paint>>();
-        paints.get_mut(&wall).unwrap().alpha = alpha;
+        paints.get_mut(&wall).unwrap().glass = glass;
     };
-    set_alpha(&mut app, 0.5);
+    set_glass(&mut app, true);
     assert_eq!(seen(&mut app), 51, "glass hides nothing, from the same frame on");
-    set_alpha(&mut app, 1.0);
+    set_glass(&mut app, false);
     assert_eq!(seen(&mut app), 6);
     // Another material in the same place.
     app.world_mut().get_mut::<Painted>(entity_of_wall).unwrap().0 = glass.clone();

@@ -5,45 +5,30 @@ mod common;
 use bevy_asset::Handle;
 use bevy_camera::visibility::{ViewVisibility, VisibleEntities};
 use bevy_casca::casca::{self, KeptOptions, Method};
-use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder, Opaque};
+use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder};
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
 use bevy_mesh::Mesh;
 use bevy_transform::components::Transform;
-use common::{Cube, Nr, Pair, entity, eye, judge, settle, spawn_box, spawn_camera};
+use common::{CAMERA, Cube, Nr, Pair, dice, entity, eye, judge, opaque, settle, spawn_box, spawn_camera};
 
 const FRAMES: u32 = 300;
-const CAMERA: u32 = 1_000_000;
 
-/// Numbers that look like chance.
-fn dice(n: u32) -> f32 {
-    let x = n.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
-    ((x ^ x >> 15).wrapping_mul(0xc2b2_ae35) >> 8) as f32 / (1 << 24) as f32
-}
-
-fn opaque(world: &mut World, nr: u32, middle: Vec3, size: Vec3) {
-    let entity = spawn_box(world, nr, middle, size);
-    world.entity_mut(entity).insert(Opaque::Front);
-}
-
-/// Blocks of houses with people among them. Returns the number of things.
-fn city(world: &mut World) -> u32 {
-    opaque(world, 0, Vec3::new(0.0, -0.5, 0.0), Vec3::new(400.0, 1.0, 400.0));
-    let mut n = 1;
-    for i in 0..12 {
-        for j in 0..12 {
-            let height = 10.0 + 30.0 * dice(n);
+/// Blocks of houses with people among them, and a camera.
+fn city() -> Pair {
+    Pair::new(|world| {
+        opaque(world, 0, Vec3::new(0.0, -0.5, 0.0), Vec3::new(400.0, 1.0, 400.0));
+        for n in 1..145 {
+            let (height, i, j) = (10.0 + 30.0 * dice(n), (n - 1) / 12, (n - 1) % 12);
             let middle = Vec3::new(i as f32 * 24.0 - 132.0, height / 2.0, j as f32 * 24.0 - 132.0);
             opaque(world, n, middle, Vec3::new(17.0, height, 17.0));
-            n += 1;
         }
-    }
-    for _ in 0..600 {
-        let middle = Vec3::new(dice(n) * 280.0 - 140.0, 0.9, dice(n + 7777) * 280.0 - 140.0);
-        spawn_box(world, n, middle, Vec3::new(0.6, 1.8, 0.4));
-        n += 1;
-    }
-    n
+        for n in 145..745 {
+            let middle = Vec3::new(dice(n) * 280.0 - 140.0, 0.9, dice(n + 7777) * 280.0 - 140.0);
+            spawn_box(world, n, middle, Vec3::new(0.6, 1.8, 0.4));
+        }
+        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.5).looking_to(Vec3::X, Vec3::Y));
+    })
 }
 
 /// What must hold after each frame, and by the oracle after some.
@@ -78,10 +63,7 @@ fn look(world: &mut World, at: Vec3, to: Vec3) {
 
 #[test]
 fn a_walk_through_a_city() {
-    let mut pair = Pair::new(|world| {
-        city(world);
-        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.0).looking_to(Vec3::X, Vec3::Y));
-    });
+    let mut pair = city();
     let mut hidden = 0;
     for frame in 0..FRAMES {
         let t = frame as f32 / FRAMES as f32;
@@ -95,10 +77,7 @@ fn a_walk_through_a_city() {
 
 #[test]
 fn a_walk_with_kept_results() {
-    let mut pair = Pair::new(|world| {
-        city(world);
-        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.0).looking_to(Vec3::X, Vec3::Y));
-    });
+    let mut pair = city();
     let kept = Some(KeptOptions::new().reach(0.5).turn(0.2));
     pair.ours.world_mut().resource_mut::<CascaSettings>().kept = kept;
     let mut hidden = 0;
@@ -255,10 +234,7 @@ fn a_crowd_of_5000_that_moves() {
 #[test]
 fn without_occlusion_sets_are_bevys() {
     for (enabled, method) in [(false, Method::point()), (true, Method::Frustum)] {
-        let mut pair = Pair::new(|world| {
-            city(world);
-            spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.5).looking_to(Vec3::X, Vec3::Y));
-        });
+        let mut pair = city();
         let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
         (settings.enabled, settings.method) = (enabled, method);
         for frame in 0..30 {
@@ -271,10 +247,7 @@ fn without_occlusion_sets_are_bevys() {
 
 #[test]
 fn nothing_changes_in_a_still_scene() {
-    let mut pair = Pair::new(|world| {
-        city(world);
-        spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 1.7, 0.5).looking_to(Vec3::X, Vec3::Y));
-    });
+    let mut pair = city();
     settle(&mut pair.ours);
     for _ in 0..40 {
         pair.ours.update();

@@ -457,7 +457,7 @@ typedef struct {
     uint32_t mask_resolution;
     /// With CASCA_KEPT, how far the eye may go, in world units; 0: 0.1.
     float reach;
-    /// With CASCA_KEPT, by how much the camera may turn, in radians; 0: 0.1.
+    /// With CASCA_KEPT, by how much the camera may turn, in radians; 0: 0.15.
     float turn;
 } casca_query_options;
 

@@ -18,11 +18,7 @@ pub(crate) unsafe trait Plain: Copy {}
 // SAFETY: numbers, and arrays of them.
 unsafe impl Plain for u8 {}
 // SAFETY: as above.
-unsafe impl Plain for u32 {}
-// SAFETY: as above.
 unsafe impl Plain for u64 {}
-// SAFETY: as above.
-unsafe impl Plain for f32 {}
 // SAFETY: as above.
 unsafe impl<const N: usize> Plain for [f32; N] {}
 // SAFETY: as above.

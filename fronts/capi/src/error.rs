@@ -83,7 +83,7 @@ impl From<casca::Error> for Failure {
         use casca::Error;
         let status = match error {
             Error::UnknownObject(_) | Error::UnknownKey(_) => casca_status::CASCA_ERROR_UNKNOWN_OBJECT,
-            Error::ForeignPvs | Error::ForeignOpacity => casca_status::CASCA_ERROR_FOREIGN_RESULT,
+            Error::ForeignPvs => casca_status::CASCA_ERROR_FOREIGN_RESULT,
             Error::SceneFull(_) => casca_status::CASCA_ERROR_FULL,
             Error::Cancelled => casca_status::CASCA_ERROR_CANCELLED,
             _ => casca_status::CASCA_ERROR_INVALID_ARGUMENT,

@@ -62,7 +62,7 @@ pub struct casca_query_options {
     pub mask_resolution: u32,
     /// With CASCA_KEPT, how far the eye may go, in world units; 0: 0.1.
     pub reach: f32,
-    /// With CASCA_KEPT, by how much the camera may turn, in radians; 0: 0.1.
+    /// With CASCA_KEPT, by how much the camera may turn, in radians; 0: 0.15.
     pub turn: f32,
 }
 

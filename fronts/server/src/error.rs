@@ -45,24 +45,6 @@ pub enum ServerError {
         /// The limit.
         most: usize,
     },
-    /// A place that is not on the map.
-    #[error("{what} must be on the map of {width} by {height} tiles, not at ({x}, {y})")]
-    OffMap {
-        /// The argument.
-        what: &'static str,
-        /// Its x, in tiles.
-        x: f32,
-        /// Its y, in tiles.
-        y: f32,
-        /// The width of the map, in tiles.
-        width: u32,
-        /// The height of the map, in tiles.
-        height: u32,
-    },
-    /// casca-plane refuses a tile or an option.
-    #[cfg(feature = "plane")]
-    #[error(transparent)]
-    Tiles(#[from] casca_plane::Error),
     /// The bytes are no file of baked sets.
     #[error(transparent)]
     Baked(#[from] casca_baked::ReadError),

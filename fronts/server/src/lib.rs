@@ -62,12 +62,10 @@
 //!
 //! - `rayon`, on by default: clients are answered by several threads.
 //! - `bots`: the module `bots`, with levels from test scenes and files, and bots that run in them.
-//! - `plane`: the module `plane`, with the same promise on maps of tiles.
 //! - `wire`: the modules `wire` and `session`, with the protocol of `PROTOCOL.md`.
 //! - `net`: the module `net` and the program `casca-server`: WebSockets, metrics, a map.
 #![deny(missing_docs)]
 
-mod answer;
 mod baked;
 #[cfg(feature = "bots")]
 pub mod bots;
@@ -78,22 +76,17 @@ mod id;
 pub mod net;
 mod numeric;
 mod options;
-#[cfg(feature = "plane")]
-pub mod plane;
 mod server;
 #[cfg(feature = "wire")]
 pub mod session;
 mod space;
 #[cfg(feature = "wire")]
 pub mod wire;
-mod world;
 
-pub use answer::Answer;
 pub use casca;
 pub use describe::{ClientDesc, EntityDesc, Team};
 pub use error::ServerError;
 pub use id::{ClientId, EntityId};
 pub use numeric::{FARTHEST, FASTEST, LONGEST};
 pub use options::ServerOptions;
-pub use server::Server;
-pub use space::{Space, VisibilityServer};
+pub use server::{Answer, VisibilityServer};

@@ -3,7 +3,9 @@
 use casca::Aabb;
 use casca::glam::Vec3;
 
+use crate::id::EntityId;
 use crate::numeric::FARTHEST;
+use crate::server::{Answer, VisibilityServer};
 
 /// The version of the protocol.
 pub const VERSION: u16 = 1;
@@ -117,6 +119,25 @@ pub struct AnswerFrame {
     pub moved: Vec<(u64, Vec3)>,
 }
 
+impl AnswerFrame {
+    /// An answer of a server in a tick, with where it knows the entities to be.
+    pub fn of(server: &VisibilityServer, answer: &Answer, tick: u64) -> Self {
+        let bounds = |id: &EntityId| server.entity(*id).ok().map(|entity| (id.key(), entity.bounds));
+        let (new, forgotten): (_, &[EntityId]) = match answer.is_fresh {
+            true => (&answer.told, &[]),
+            false => (&answer.new, &answer.forgotten),
+        };
+        let old = answer.told.iter().filter(|id| new.binary_search(id).is_err());
+        Self {
+            tick,
+            fresh: answer.is_fresh,
+            forgotten: forgotten.iter().map(|id| id.key()).collect(),
+            new: new.iter().filter_map(bounds).collect(),
+            moved: old.filter_map(bounds).map(|(key, b)| (key, b.min)).collect(),
+        }
+    }
+}
+
 /// Bytes that are read.
 struct Input<'a> {
     bytes: &'a [u8],
@@ -228,8 +249,8 @@ fn put(out: &mut Vec<u8>, v: Vec3) {
     out.extend(v.to_array().into_iter().flat_map(f32::to_le_bytes));
 }
 
-/// The most entries of a list in an answer. What is beyond follows in the next tick.
-pub const MOST_LISTED: usize = u16::MAX as usize;
+/// The most entries of a list in an answer.
+const MOST_LISTED: usize = u16::MAX as usize;
 
 fn put_list<T>(out: &mut Vec<u8>, list: &[T], item: impl Fn(&mut Vec<u8>, &T)) {
     let list = &list[..list.len().min(MOST_LISTED)];
@@ -238,8 +259,7 @@ fn put_list<T>(out: &mut Vec<u8>, list: &[T], item: impl Fn(&mut Vec<u8>, &T)) {
 }
 
 impl ToClient {
-    /// The bytes of the frame. Lists must have at most [`MOST_LISTED`] entries: the rest is cut
-    /// off.
+    /// The bytes of the frame. Lists are cut off after 65,535 entries.
     pub fn encode(&self) -> Vec<u8> {
         match self {
             Self::Welcome { client, entity, tick, speed, eye } => {

@@ -67,22 +67,6 @@ fn own_entities_and_those_of_the_team_are_told_behind_walls() {
 }
 
 #[test]
-fn teams_share_what_one_of_them_sees() {
-    for share in [false, true] {
-        let mut server = server(ServerOptions::new().teams_share(share));
-        let near = server.add_client(ClientDesc::new(eye(20.0), 5.0, 0.1).team(1), 0.0).unwrap();
-        let far = server.add_client(ClientDesc::new(eye(50.0), 5.0, 0.1).team(1), 0.0).unwrap();
-        let lone = server.add_client(ClientDesc::new(eye(20.0), 5.0, 0.1), 0.0).unwrap();
-        let [here, there] =
-            [10.0, 60.0].map(|z| server.add_entity(EntityDesc::new(person(32.0, z), 5.0), 0.0).unwrap());
-        server.tick(0.0).unwrap();
-        let expected = if share { [vec![here, there], vec![here, there]] } else { [vec![here], vec![there]] };
-        assert_eq!([told(&server, near), told(&server, far)], expected);
-        assert_eq!(told(&server, lone), [here]);
-    }
-}
-
-#[test]
 fn an_eye_that_jumps_gets_a_fresh_answer_in_the_same_tick() {
     let mut server = server(ServerOptions::new());
     let client = server.add_client(ClientDesc::new(eye(20.0), 5.0, 0.1), 0.0).unwrap();

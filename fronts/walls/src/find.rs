@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use casca::glam::{Affine3A, Vec3};
-use casca::{Facing, Motion, ObjectId, Occluder, Scene, TriMesh};
+use casca::{Facing, Motion, Occluder, Scene, TriMesh};
 
 use crate::region::{Rectangle, Region};
 use crate::wall::{Side, Wall, along};
@@ -11,12 +11,11 @@ use crate::wall::{Side, Wall, along};
 /// What lies in planes, by the axis, the bits of the place on it, and from where it hides.
 type Planes = BTreeMap<(usize, u32, Side), Region>;
 
-/// The walls of a level that are at least so wide and high, but for those of the objects that
-/// `leaves_out` tells.
-pub(crate) fn find(level: &Scene, least_side: f32, leaves_out: impl Fn(ObjectId) -> bool) -> Vec<Wall> {
+/// The walls of a level that are at least so wide and high.
+pub(crate) fn find(level: &Scene, least_side: f32) -> Vec<Wall> {
     let mut planes = Planes::new();
-    for (id, object) in level.iter() {
-        if object.motion() != Motion::Static || object.layers() != u64::MAX || leaves_out(id) {
+    for (_, object) in level.iter() {
+        if object.motion() != Motion::Static || object.layers() != u64::MAX {
             continue;
         }
         match object.occluder() {

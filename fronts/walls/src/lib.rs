@@ -21,7 +21,7 @@
 //! let wall = Aabb::new(Vec3::new(10.0, 0.0, 4.0), Vec3::new(10.5, 6.0, 28.0));
 //! level.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 //!
-//! let walls = Walls::of(&level, 0.5, |_| false);
+//! let walls = Walls::of(&level, 0.5);
 //! // Two metres of a street, and a car behind the wall.
 //! let eyes = Eyes::cuboid(Span { min: DVec3::new(2.0, 1.0, 15.0), max: DVec3::new(4.0, 2.0, 17.0) });
 //! let car = |z| Span { min: DVec3::new(14.0, 0.0, z), max: DVec3::new(16.0, 1.5, z + 4.0) };
@@ -46,8 +46,8 @@ mod region;
 mod tree;
 mod wall;
 
+use casca::Scene;
 use casca::glam::DVec3;
-use casca::{ObjectId, Scene};
 
 use find::find;
 use tree::Tree;
@@ -80,10 +80,10 @@ enum Found {
 }
 
 impl Walls {
-    /// The walls of a level that are at least `least_side` wide and high, in world units, but for
-    /// those of the objects that `leaves_out` tells. Costs some passes over all triangles.
-    pub fn of(level: &Scene, least_side: f32, leaves_out: impl Fn(ObjectId) -> bool) -> Self {
-        Self::new(find(level, least_side, leaves_out))
+    /// The walls of a level that are at least `least_side` wide and high, in world units. Costs some
+    /// passes over all triangles.
+    pub fn of(level: &Scene, least_side: f32) -> Self {
+        Self::new(find(level, least_side))
     }
 
     fn new(mut walls: Vec<Wall>) -> Self {

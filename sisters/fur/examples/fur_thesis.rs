@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let soup = torus(3.0, 1.0, 24, 8);
     let mut smooth = soup.clone();
     continuous_normals(&mut smooth)?;
-    let mesh = weld(&smooth, &[], &[])?;
+    let mesh = weld(&smooth, &[])?;
     let sums = mesh.vertices().iter().map(|v| v.normal + v.position.normalize());
     let (found, none): (Vec<Vec3>, Vec<Vec3>) = sums.partition(|sum| sum.length() > OPPOSITE);
     let shown = found.iter().filter(|&&sum| {

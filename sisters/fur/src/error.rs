@@ -63,12 +63,6 @@ pub enum Error {
         /// The most allowed.
         max: usize,
     },
-    /// A triangle whose corners lie on different images.
-    #[error("the corners of triangle {triangle} lie on different images: part the vertices there")]
-    Images {
-        /// The number of the triangle.
-        triangle: usize,
-    },
     /// An open mesh where a closed one is needed.
     #[error(
         "the mesh is not closed: {edges} edges do not belong to exactly two triangles that run along them in opposite \
@@ -90,9 +84,6 @@ pub enum Error {
         /// The greatest value allowed.
         most: f64,
     },
-    /// An animal that has to walk and cannot.
-    #[error("the animal cannot walk: give a skeleton, and a clip that moves a joint")]
-    Still,
     /// A joint that hangs from one that does not come before it.
     #[error("joint {joint} hangs from joint {parent}: parents must come before their children")]
     Parent {

@@ -4,7 +4,7 @@
 //! objects" (Master's thesis in Portuguese, UFMG 2009), with the errors of the thesis mended.
 //! Without the feature `gpu` it is the processor's part: no window, no graphics.
 //!
-//! - [`mesh`]: centring, continuous normals, welding, vertex-cache order, images, levels of detail.
+//! - [`mesh`]: centring, continuous normals, welding, vertex-cache order, levels of detail.
 //! - [`strands`]: where strands of fur stand: a rule without texture coordinates and without
 //!   singularities, for shaders and rays.
 //! - [`skin`]: skeletons, clips and poses of animals that move, and bounds that hold them.
@@ -16,7 +16,7 @@
 //! - `gpu`, behind the feature of that name: shells on the graphics processor, and rays that hit
 //!   the same strands.
 //! - `scenes`, behind the feature of that name: furry animals and fields of them among walls,
-//!   generated or of glTF files.
+//!   and characters of glTF files.
 
 mod error;
 #[cfg(feature = "gpu")]

@@ -10,27 +10,16 @@ pub(crate) const MAX_TRIANGLES: usize = 1 << 29;
 /// rounding of normals that cancel.
 pub(crate) const NO_DIRECTION: f64 = 1e-5;
 
-/// The longest side of an image, in texels: what graphics processors commonly take.
-pub(crate) const MAX_IMAGE_SIDE: u32 = 16_384;
-
-/// The most images of a mesh: their rules for places outside lie in a uniform of a kilobyte.
-pub(crate) const MAX_IMAGES: u16 = 64;
-
-/// The greatest texture coordinate: an image repeated so often still has four places a texel in
-/// single precision where it is small.
-pub(crate) const MAX_TEX_COORD: f32 = 1e6;
-
 /// How many times fewer triangles the next level of detail has, as in the thesis.
 pub(crate) const COARSER: usize = 4;
 
 /// Levels of detail have so many triangles at least, where the mesh has.
 pub(crate) const LEAST_LEVEL: usize = 32;
 
-/// How much colours (0 to 1 as stored), lengths (0 to 1) and places on images count when a mesh is
-/// simplified, against places as shares of the size of the mesh.
+/// How much colours (0 to 1 as stored) and lengths (0 to 1) count when a mesh is simplified, against
+/// places as shares of the size of the mesh.
 pub(crate) const COLOR_WEIGHT: f32 = 0.5;
 pub(crate) const LENGTH_WEIGHT: f32 = 0.5;
-pub(crate) const PLACE_WEIGHT: f32 = 0.25;
 
 /// Half the thickness of the slab around the surface in which points become roots, in cells.
 /// Together with [`MAX_RADIUS`] it keeps all strands of a point within half a cell, so that eight

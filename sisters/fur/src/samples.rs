@@ -89,7 +89,7 @@ pub(crate) fn torus_mesh(n: usize) -> Mesh {
 
 fn smooth(mut soup: Vec<Vertex>) -> Mesh {
     continuous_normals(&mut soup).unwrap();
-    weld(&soup, &[], &[]).unwrap()
+    weld(&soup, &[]).unwrap()
 }
 
 /// A ball of radius 1 with smooth normals: 12 n² triangles.

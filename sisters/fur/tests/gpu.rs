@@ -5,8 +5,7 @@ use casca_fur::gpu::look::{Look, sky_pixel};
 use casca_fur::gpu::records::{Block, DrawList, Stand, Sun};
 use casca_fur::gpu::reference::Reference;
 use casca_fur::gpu::renderer::Renderer;
-use casca_fur::mesh::{Coat, Image, Mesh, TexCoord, Vertex, Wrap};
-use casca_fur::shading::Material;
+use casca_fur::mesh::{Coat, Mesh, Vertex};
 use casca_fur::skin::{Channel, Clip, Ending, Interpolation, Joint, Pose, Skeleton, Track, Weights};
 use casca_fur::strands::{Fur, Lean};
 use casca_scenes::world;
@@ -15,7 +14,7 @@ use casca_stage::gpu::{COLOUR, DEPTH, Gpu};
 use casca_stage::wgpu::{Color, TextureFormat};
 use casca_tools::camera::Camera;
 use casca_tools::image::halved;
-use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 
 #[path = "../examples/own_pass.rs"]
 #[expect(dead_code, reason = "it is a program")]
@@ -353,98 +352,6 @@ fn a_pass_of_ones_own_shows_what_the_renderer_shows() {
     }
 }
 
-const PAINTED: (u32, u32) = (96, 72);
-
-/// A ball whose place on image 0 is its shadow on the plane z = 0: two images in each direction,
-/// and half of one more.
-fn painted() -> Mesh {
-    let mesh = ball(3, |_| Coat::default());
-    let place = |v: &Vertex| Vec2::new(v.position.x, -v.position.y) * 1.25 + 1.25;
-    let places = mesh.vertices().iter().map(|v| TexCoord { uv: place(v), image: Some(0) }).collect();
-    mesh.with_tex_coords(places).unwrap()
-}
-
-/// Four stripes of an image: red, sRGB 128, blue, white; darker below.
-fn stripes(wrap: Wrap) -> Image {
-    let texel = |x: u32, y: u32| {
-        let [r, g, b] = [[220, 30, 20], [128; 3], [20, 40, 200], [250; 3]][(x / 8) as usize];
-        if y < 16 { [r, g, b, 255] } else { [r / 2, g / 2, b / 2, 0] }
-    };
-    let texels = (0..32).flat_map(|y| (0..32).flat_map(move |x| texel(x, y))).collect();
-    Image::new(UVec2::splat(32), texels, [wrap; 2]).unwrap()
-}
-
-/// Shells of a painted ball, and strands with the colours of its images.
-fn painted_shells(gpu: &Gpu, renderer: &mut Renderer, layers: u32) -> Vec<u8> {
-    sampled(gpu, renderer, PAINTED, &looking(Vec3::new(0.5, 0.4, 3.0), 4.0 / 3.0), &alone(layers), TO_SUN)
-}
-
-fn painted_strands(mesh: &Mesh, look: &Look, images: &[Image]) -> Vec<u8> {
-    let camera = looking(Vec3::new(0.5, 0.4, 3.0), 4.0 / 3.0);
-    let reference = Reference::new(mesh, look).unwrap().with_images(images);
-    reference.picture(&camera, PAINTED, 2, &[Vec3::ONE; 2], TO_SUN)
-}
-
-#[test]
-fn bare_skin_has_the_colours_of_its_image_however_it_goes_on() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    // Light from everywhere, and no fur: a pixel is a texel.
-    let material =
-        Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, exponent: 1.0, wrap: 0.0, root: 1.0 };
-    let look = Look { material, ..Look::new(Fur::for_radius(1.0, 0.05, 0.3).unwrap()) };
-    let bald = painted().with_coats(|_| Coat { length: 0.0, ..Coat::default() }).unwrap();
-    assert_eq!(Reference::new(&bald, &look).unwrap().strands(), 0);
-    let pictures = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror].map(|wrap| {
-        let images = [stripes(wrap)];
-        let mut drawn = renderer(&gpu, &bald, &look);
-        drawn.set_images(&gpu, &[0], &images).unwrap();
-        let got = painted_shells(&gpu, &mut drawn, 0);
-        let error = rmse(&painted_strands(&bald, &look, &images), &got);
-        println!("{wrap:?}: RMSE of bare skin {error:.4}");
-        assert!(error < 0.02, "{wrap:?}: {error}");
-        got
-    });
-    let apart = [(0, 1), (1, 2), (0, 2)].map(|(a, b)| rmse(&pictures[a], &pictures[b]));
-    assert!(apart.iter().all(|&d| d > 0.05), "the three ways differ: {apart:?}");
-}
-
-/// Colours below fragments instead of those of roots err by 0.0447.
-const ROOTS: f64 = 0.041;
-
-#[test]
-fn shells_have_the_colours_of_roots() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let (mesh, images) = (painted(), [stripes(Wrap::Repeat)]);
-    let fur = Fur { bend: Vec3::new(0.3, -0.5, 0.0), ..fur(0.2, 0.4, 0.1) };
-    let look = Look { vary: 0.0, ..Look::new(fur) };
-    let want = painted_strands(&mesh, &look, &images);
-    let mut renderer = renderer(&gpu, &mesh, &look);
-    let plain = rmse(&want, &painted_shells(&gpu, &mut renderer, 32));
-    renderer.set_images(&gpu, &[0], &images).unwrap();
-    let errors = [4, 12, 32].map(|layers| rmse(&want, &painted_shells(&gpu, &mut renderer, layers)));
-    println!("RMSE with 4, 12 and 32 layers: {errors:.4?}, without the image {plain:.4}");
-    assert!(errors.is_sorted_by(|a, b| a > b) && errors[2] < ROOTS && plain > 0.15, "{errors:?} {plain}");
-}
-
-#[test]
-fn strange_images_end_no_device() {
-    let Some(gpu) = Gpu::for_tests() else { return };
-    let mut renderer = renderer(&gpu, &painted(), &Look::new(Fur::for_radius(1.0, 0.1, 0.3).unwrap()));
-    // Meshes without images have shaders of their own; an image that is not there is white.
-    let white = painted_shells(&gpu, &mut renderer, 2);
-    let one = |x: u32, y: u32, byte: u8| {
-        Image::new(UVec2::new(x, y), vec![byte; 4 * (x * y) as usize], [Wrap::Mirror; 2]).unwrap()
-    };
-    for images in [&[one(1, 1, 255), one(16_384, 1, 7)][..], &[]] {
-        renderer.set_images(&gpu, &[0], images).unwrap();
-        assert_eq!(painted_shells(&gpu, &mut renderer, 2), white);
-    }
-    assert!(renderer.set_images(&gpu, &[0, 1], &[]).is_err());
-    assert!(renderer.set_images(&gpu, &[0], &vec![one(1, 1, 0); 65]).is_err());
-    renderer.set_images(&gpu, &[0], &vec![one(1, 1, 0); 64]).unwrap();
-    assert!(rmse(&painted_shells(&gpu, &mut renderer, 2), &white) > 0.1);
-}
-
 /// The RMSE of two pictures where the first shows no sky, and how much brighter the second is.
 fn apart(a: &[u8], b: &[u8]) -> (f64, f64) {
     let sky = sky_pixel();
@@ -456,30 +363,6 @@ fn apart(a: &[u8], b: &[u8]) -> (f64, f64) {
 }
 
 const LIT: (u32, u32) = (120, 90);
-
-#[test]
-fn light_by_depth_is_near_to_traced_shadows() {
-    let mesh = ball(5, |_| Coat::default());
-    let camera = Camera::look_at(Vec3::new(0.0, 0.3, 2.2), Vec3::ZERO, 45.0, 4.0 / 3.0, 0.1, 20.0);
-    let tint = [Vec3::new(0.4, 0.3, 0.2), Vec3::new(0.9, 0.7, 0.5)];
-    let high = Vec3::new(0.45, 0.75, 0.5);
-    for (height, density, sun) in [
-        (0.05, 0.1, high),
-        (0.05, 0.3, high),
-        (0.1, 0.1, high),
-        (0.1, 0.3, high),
-        (0.1, 0.3, Vec3::new(-0.9, 0.3, 0.3)),
-        (0.1, 0.3, Vec3::new(0.0, 0.2, 1.0)),
-    ] {
-        let fur = Fur { bend: Vec3::new(0.0, -0.5, 0.0), ..fur(height, density, 0.03) };
-        let made = || Reference::new(&mesh, &Look::new(fur)).unwrap();
-        let shot = |reference: Reference| reference.picture(&camera, LIT, 2, &tint, sun.normalize());
-        let (error, brighter) = apart(&shot(made().with_traced_shadows()), &shot(made()));
-        println!("{height} high, density {density}, sun {sun}: {error:.4} (brighter by {brighter:+.3})");
-        // A factor that grows from root to tip, whatever the sun does, left 0.079 to 0.108.
-        assert!(error > 0.0 && error < 0.085 && brighter.abs() < 0.03, "{error} {brighter}");
-    }
-}
 
 #[test]
 fn shells_are_lit_as_strands_of_the_reference() {

@@ -9,7 +9,7 @@ use std::error::Error;
 
 use casca_lines::buffers::{Fragment, nearest_lines};
 use casca_lines::cells::Cells;
-use casca_lines::glam::{DMat4, Vec2, Vec3};
+use casca_lines::glam::{Vec2, Vec3};
 use casca_lines::numeric::{ALONG_VIEW, USUAL_RAYS, USUAL_SIDE_RAYS, hash};
 use casca_lines::occlusion::{AoOptions, Occlusion, Sides};
 use casca_lines::samples::SampleSets;
@@ -277,9 +277,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("\nRMS change at the same places of lines: thesis, rays, places\n");
     println!("| set | a pixel to the right | turned by 0.2° |\n|---|---:|---:|");
     for (family, case) in &cases {
-        let turn = DMat4::from_rotation_y(0.2f64.to_radians()) * DMat4::from(case.view.eye_from_world());
-        let turned = View::new(turn, case.view.lens(), case.view.depths(), SIZE)?;
-        let cells = [case.view.moved_by_pixels(1.0, 0.0), turned]
+        let cells = [case.view.moved_by_pixels(1.0, 0.0), case.view.turned(0.2f64.to_radians())]
             .map(|view| case.change(&view).map(|v| format!("{v:.3}")).join(", "));
         println!("| {} | {} |", family.name(), cells.join(" | "));
     }

@@ -1,10 +1,6 @@
 //! All margins and constants of the estimate, each with its reason. A twin on another processor
 //! reads them here.
 
-/// The matrix of a view may differ from a rotation by this much in each entry of its product with
-/// its transpose: matrices built in single precision do, by some roundings.
-pub const NOT_RIGID: f64 = 1e-4;
-
 /// A tangent this close to the direction of view (the sine of the angle) leaves no direction
 /// towards the eye that is normal to it: single precision would give noise.
 pub const ALONG_VIEW: f32 = 1e-4;

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use proptest::prelude::*;
 
+use crate::sets::LineSet;
 use crate::sets::random::Random;
 
 /// Steps of the lattice of which half of the coordinates are.
@@ -33,6 +34,12 @@ pub fn cases(n: u32) -> proptest::test_runner::Config {
         failure_persistence: None,
         ..proptest::test_runner::Config::default()
     }
+}
+
+/// The same lines with each vertex moved.
+pub fn moved(lines: &LineSet, place: impl Fn(Vec3) -> Vec3) -> LineSet {
+    let line = |line: &[Vec3]| line.iter().map(|p| place(*p)).collect::<Vec<_>>();
+    LineSet::new(lines.iter().map(line)).unwrap()
 }
 
 /// The root of the mean square of differences.

@@ -1,8 +1,8 @@
 //! Views of a scene, orthographic and perspective, and the columns of space behind their pixels.
 
-use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-use crate::numeric::{AROUND, DOT_ROOM, LEAST_NEAR, NOT_RIGID, UPRIGHT};
+use crate::numeric::{AROUND, DOT_ROOM, LEAST_NEAR, UPRIGHT};
 
 /// The greatest number of pixels of a view in one direction.
 pub const MOST_PIXELS: u32 = 8192;
@@ -25,10 +25,7 @@ pub enum Lens {
 /// Why a view was refused.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ViewError {
-    /// The matrix scales, shears, mirrors, or has an entry that is not finite.
-    #[error("the view's matrix is not a rotation with a translation")]
-    NotRigid,
-    /// The eye is at the target, or the upward direction points along the view.
+    /// The eye is at the target or not finite, or the upward direction points along the view.
     #[error("the eye, the target and the upward direction give no view")]
     NoDirection,
     /// The picture has no area, or a side of more than [`MOST_PIXELS`].
@@ -58,25 +55,12 @@ pub struct View {
 }
 
 impl View {
-    /// A view from a matrix that turns and moves the world into eye space; `depths` are the nearest
-    /// and the farthest depth.
-    ///
-    /// # Errors
-    /// If the matrix is anything but a rotation with a translation, or another value is out of its
-    /// range.
-    pub fn new(
-        eye_from_world: DMat4,
+    fn new(
+        eye_from_world: DAffine3,
         lens: Lens,
         depths: [f64; 2],
         size: [u32; 2],
     ) -> Result<Self, ViewError> {
-        let turn = DMat3::from_mat4(eye_from_world);
-        let last_row = eye_from_world.row(3) == glam::DVec4::W;
-        let off = turn * turn.transpose() - DMat3::IDENTITY;
-        let rigid = off.to_cols_array().iter().all(|x| x.abs() < NOT_RIGID) && turn.determinant() > 0.0;
-        if !(rigid && last_row && eye_from_world.is_finite()) {
-            return Err(ViewError::NotRigid);
-        }
         if !size.iter().all(|s| (1..=MOST_PIXELS).contains(s)) {
             return Err(ViewError::Size(size[0], size[1]));
         }
@@ -96,13 +80,13 @@ impl View {
         if !(near > least && near < far && near.abs().max(far.abs()) < 1e150) {
             return Err(ViewError::Depths(near, far));
         }
-        Ok(Self { eye_from_world: DAffine3::from_mat4(eye_from_world), lens, depths, size, scale })
+        Ok(Self { eye_from_world, lens, depths, size, scale })
     }
 
-    /// A view from an eye towards a target.
+    /// A view from an eye towards a target; `depths` are the nearest and the farthest depth.
     ///
     /// # Errors
-    /// As [`Self::new`], and if eye, target and upward direction give no view.
+    /// If eye, target and upward direction give no view, or another value is out of its range.
     pub fn look_at(
         [eye, target, up]: [Vec3; 3],
         lens: Lens,
@@ -122,9 +106,9 @@ impl View {
     ) -> Result<Self, ViewError> {
         let no = ViewError::NoDirection;
         let back = back.try_normalize().ok_or(no)?;
-        let right = up.cross(back).try_normalize().ok_or(no)?;
+        let right = up.cross(back).try_normalize().filter(|_| eye.is_finite()).ok_or(no)?;
         let turn = DMat3::from_cols(right, back.cross(right), back).transpose();
-        Self::new(DMat4::from_mat3_translation(turn, turn * -eye), lens, depths, size)
+        Self::new(DAffine3::from_mat3_translation(turn, turn * -eye), lens, depths, size)
     }
 
     /// A view that holds all of a box, as seen from the direction `from`; a degenerate box is given
@@ -161,7 +145,7 @@ impl View {
     /// If a side has no pixel, or more than [`MOST_PIXELS`].
     pub fn with_height(&self, height: u32) -> Result<Self, ViewError> {
         let width = (f64::from(self.size[0]) * f64::from(height) / f64::from(self.size[1])).round() as u32;
-        Self::new(DMat4::from(self.eye_from_world), self.lens, self.depths, [width, height])
+        Self::new(self.eye_from_world, self.lens, self.depths, [width, height])
     }
 
     /// The picture moved by so many pixels to the right and downwards over the scene.
@@ -175,6 +159,12 @@ impl View {
         };
         let moved = DAffine3::from_translation(-step) * self.eye_from_world;
         Self { eye_from_world: moved, ..*self }
+    }
+
+    /// The view turned to the right by an angle in radians, about the eye's y axis.
+    pub fn turned(&self, angle: f64) -> Self {
+        let turn = DAffine3::from_mat3(DMat3::from_rotation_y(angle));
+        Self { eye_from_world: turn * self.eye_from_world, ..*self }
     }
 
     /// Width and height in pixels.
@@ -251,27 +241,26 @@ mod tests {
     #[test]
     fn singular_views_are_refused_with_the_cause() {
         let lens = Lens::Orthographic { half_height: 1.0 };
-        let new = |m, lens, depths, size| View::new(m, lens, depths, size).unwrap_err();
-        let (unit, depths) = (DMat4::IDENTITY, [1.0, 2.0]);
-        let mirrored = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
-        for bad in [DMat4::ZERO, unit * 2.0, mirrored, DMat4::from_translation(DVec3::NAN)] {
-            assert_eq!(new(bad, lens, depths, [9, 9]), ViewError::NotRigid, "{bad}");
-        }
+        let look = [Vec3::Z, Vec3::ZERO, Vec3::Y];
+        let new = |lens, depths, size| View::look_at(look, lens, depths, size).unwrap_err();
+        let depths = [1.0, 2.0];
+        let nowhere = View::around([Vec3::NAN; 2], Vec3::Z, None, [9, 9]);
+        assert_eq!(nowhere, Err(ViewError::NoDirection));
         for size in [[0, 9], [9, 0], [MOST_PIXELS + 1, 9]] {
-            assert_eq!(new(unit, lens, depths, size), ViewError::Size(size[0], size[1]));
+            assert_eq!(new(lens, depths, size), ViewError::Size(size[0], size[1]));
         }
         for value in [0.0, -1.0, f64::INFINITY, 1e-320] {
             let lens = Lens::Orthographic { half_height: value };
-            assert_eq!(new(unit, lens, depths, [9, 9]), ViewError::Lens(value));
+            assert_eq!(new(lens, depths, [9, 9]), ViewError::Lens(value));
         }
         for fov_y in [0.0, 3.2, f64::INFINITY] {
-            assert_eq!(new(unit, Lens::Perspective { fov_y }, depths, [9, 9]), ViewError::Lens(fov_y));
+            assert_eq!(new(Lens::Perspective { fov_y }, depths, [9, 9]), ViewError::Lens(fov_y));
         }
         let eye = Lens::Perspective { fov_y: 1.0 };
         for (lens, depths) in
             [(lens, [2.0, 2.0]), (lens, [0.0, 1e300]), (eye, [0.0, 1.0]), (eye, [-1.0, 1.0])]
         {
-            assert_eq!(new(unit, lens, depths, [9, 9]), ViewError::Depths(depths[0], depths[1]));
+            assert_eq!(new(lens, depths, [9, 9]), ViewError::Depths(depths[0], depths[1]));
         }
         for triple in
             [[Vec3::X, Vec3::X, Vec3::Y], [Vec3::Y, Vec3::ZERO, Vec3::Y], [Vec3::NAN, Vec3::ZERO, Vec3::Y]]

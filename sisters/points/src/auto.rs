@@ -24,8 +24,6 @@ const LOG_RADIUS: f64 = 3.0;
 pub struct AutoSettings {
     /// Half the side of a point's square, in units of the positions.
     pub radius: f32,
-    /// How far behind squares points may be and still be visible, in the same units.
-    pub tolerance: f32,
 }
 
 impl AutoSettings {
@@ -35,17 +33,12 @@ impl AutoSettings {
     ///
     /// [`SplatError::PointNotFinite`].
     pub fn new(points: &[Vec3]) -> Result<Self, SplatError> {
-        Ok(Self::of_radius(automatic_radius(points)?))
-    }
-
-    /// The settings for squares of a given half side.
-    pub fn of_radius(radius: f32) -> Self {
-        Self { radius, tolerance: TOLERANCE * radius }
+        Ok(Self { radius: automatic_radius(points)? })
     }
 
     /// The options of the splat operator.
     pub fn splats(&self) -> SplatOptions<'static> {
-        let bias = Bias::World(self.tolerance.min(f32::MAX));
+        let bias = Bias::World((TOLERANCE * self.radius).min(f32::MAX));
         SplatOptions { radius: Radius::Same(self.radius), bias, filter: Filter::Max, slopes: true }
     }
 
@@ -67,9 +60,8 @@ mod tests {
         let auto = AutoSettings::new(&square).unwrap();
         // The sixth nearest neighbour is a diagonal away, at borders two steps.
         assert!((0.7..1.1).contains(&auto.radius), "{auto:?}");
-        assert_eq!(auto.tolerance, auto.radius);
-        assert_eq!(auto.splats().bias, Bias::World(auto.tolerance));
-        let log10 = AutoSettings::of_radius(0.5).log10_radius(&[DVec3::ZERO, DVec3::X], DVec3::X * -124.0);
+        assert_eq!(auto.splats().bias, Bias::World(auto.radius));
+        let log10 = AutoSettings { radius: 0.5 }.log10_radius(&[DVec3::ZERO, DVec3::X], DVec3::X * -124.0);
         assert_eq!(log10, 3.0);
     }
 

@@ -20,22 +20,13 @@ pub struct PointCloud {
     pub normals: Vec<Vec3>,
     /// The radius of the disc that stands for the point, in the units of the positions.
     pub radii: Vec<f32>,
-    /// Where scanners stood, in the coordinates of the source.
-    pub scanners: Vec<DVec3>,
-    /// The scanner that measured the point, as an index into [`scanners`](Self::scanners); an index
-    /// beyond these, such as [`UNKNOWN_SCANNER`], says that it is not known. Nothing is between a
-    /// point and its scanner, which [`surface`](crate::surface) makes use of.
-    pub seen_by: Vec<u32>,
 }
-
-/// The entry of [`PointCloud::seen_by`] for a point whose scanner is not known.
-pub const UNKNOWN_SCANNER: u32 = u32::MAX;
 
 /// An attribute that not all points have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("there are {given} {attribute} for {points} points; give one for each point, or none")]
 pub struct LengthError {
-    /// "colours", "normals", "radii" or "scanners".
+    /// "colours", "normals" or "radii".
     pub attribute: &'static str,
     /// Its entries.
     pub given: usize,
@@ -59,13 +50,7 @@ impl PointCloud {
         self.positions.iter().map(|p| self.origin + p.as_dvec3())
     }
 
-    /// Where the scanner of a point stood, in the coordinates of the source, if that is known.
-    pub fn scanner(&self, point: usize) -> Option<DVec3> {
-        self.scanners.get(*self.seen_by.get(point)? as usize).copied()
-    }
-
-    /// The points whose bits are set, with their attributes, and all scanners. Points without a bit
-    /// are left out.
+    /// The points whose bits are set, with their attributes. Points without a bit are left out.
     pub fn subset(&self, chosen: &BitSlice) -> Self {
         fn some<T: Copy>(all: &[T], chosen: &BitSlice) -> Vec<T> {
             chosen.iter_ones().map_while(|i| all.get(i)).copied().collect()
@@ -76,8 +61,6 @@ impl PointCloud {
             colours: some(&self.colours, chosen),
             normals: some(&self.normals, chosen),
             radii: some(&self.radii, chosen),
-            scanners: self.scanners.clone(),
-            seen_by: some(&self.seen_by, chosen),
         }
     }
 
@@ -87,12 +70,8 @@ impl PointCloud {
     /// Names the first attribute that has another number.
     pub fn check(&self) -> Result<(), LengthError> {
         let points = self.len();
-        let lengths = [
-            ("colours", self.colours.len()),
-            ("normals", self.normals.len()),
-            ("radii", self.radii.len()),
-            ("scanners", self.seen_by.len()),
-        ];
+        let lengths =
+            [("colours", self.colours.len()), ("normals", self.normals.len()), ("radii", self.radii.len())];
         match lengths.into_iter().find(|&(_, given)| given != 0 && given != points) {
             Some((attribute, given)) => Err(LengthError { attribute, given, points }),
             None => Ok(()),

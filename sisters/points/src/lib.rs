@@ -49,7 +49,7 @@ pub use glam;
 
 pub use auto::AutoSettings;
 pub use camera::{Camera, CameraError, MAX_PIXELS, MAX_SIDE, Projected};
-pub use cloud::{LengthError, PointCloud, UNKNOWN_SCANNER};
+pub use cloud::{LengthError, PointCloud};
 pub use surface::visible;
 
 #[cfg(doctest)]

@@ -71,7 +71,7 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::method::{Method, PointOptions};
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
-use crate::occlusion::target::Target;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::query::point::pitch;
 use crate::query::{CameraQuery, Extras, Query};
 use crate::scene::Scene;
@@ -110,8 +110,6 @@ impl Query {
     /// - A renderer whose light differs by rounding to single precision sees shadows shifted by
     ///   about 1e-7 of the distance between caster and receiver; so may be the edges of the shadows
     ///   of objects left out.
-    /// - After an aggressive query ([`Query::run_aggressive`]), the objects that it lost get no
-    ///   shadows; all others do.
     ///
     /// Costs a query of the light's view, in which everything without receivers behind it counts as
     /// hidden, and a test of each receiver and of up to 4,096 parts of large ones against the
@@ -278,5 +276,6 @@ fn may_shade(mask: &OcclusionBuffers, scene: &Scene, slot: Slot) -> bool {
         return !mask.hides(&mask.relative(volume));
     }
     let body = object.bounds().kind().outer(mask.origin(), mask.uncertainty());
-    scene.is_unlocated(slot) || mask.test(&Target::new(body, mask.direction())) == Verdict::Visible
+    let target = Target::new(&body, mask.direction());
+    scene.is_unlocated(slot) || mask.test(&target, &mut FaceTarget::default()) == Verdict::Visible
 }

@@ -423,17 +423,6 @@ impl Iterator for PatchOutline<'_> {
 
 impl ExactSizeIterator for PatchOutline<'_> {}
 
-impl PatchOutline<'_> {
-    /// Passes over all sides of a lone triangle: its corners in order. Nothing is beyond them.
-    #[inline]
-    pub(crate) fn take_ring(&mut self) -> Option<[u32; 3]> {
-        (self.sides.is_empty() && self.last - self.at == 3).then(|| {
-            self.at = self.last;
-            self.ring
-        })
-    }
-}
-
 /// The greatest slack of sides.
 pub(crate) fn slack(sides: &[PatchSide]) -> f32 {
     sides.iter().map(|s| s.slack).fold(0.0, f32::max)

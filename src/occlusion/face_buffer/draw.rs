@@ -9,6 +9,7 @@ use crate::occlusion::face_buffer::{DrawnSolid, FaceBuffer, Listed};
 use crate::occlusion::front::Front;
 use crate::occlusion::pixels::Window;
 use crate::occlusion::rows::{ShapeRows, TileRow};
+use crate::occlusion::silhouette::Silhouette;
 use crate::occlusion::solid::Solid;
 use crate::occlusion::tiles::TILE;
 use crate::simd::vectorized;
@@ -23,18 +24,22 @@ impl FaceBuffer {
             return (false, false);
         }
         let nearest = above(self.face.nearness_of(seen.near));
-        let number = self.drawn.len();
+        let number = self.drawn_count;
+        self.drawn_count += 1;
         self.occluders.push(&pixels, Listed { drawn: number as u32, near: nearest, rect: seen.rect });
-        self.drawn.push(DrawnSolid {
-            silhouette: solid.silhouette(&self.face),
-            front: solid.front(&self.face, &seen),
-            solid: index,
-            owner,
-        });
-        let DrawnSolid { silhouette, front, .. } = &self.drawn[number];
-        let rows = ShapeRows::inside(silhouette, &self.window, &pixels);
-        let cover = |rows: &ShapeRows| vectorized!(simd => cover_rows(simd, &mut self.coverage, &self.window, rows, front, nearest));
-        (true, rows.as_ref().is_some_and(cover))
+        if number == self.drawn.len() {
+            let (silhouette, front) = (Silhouette::default(), Front::default());
+            self.drawn.push(DrawnSolid { silhouette, front, solid: index, owner });
+        }
+        let drawn = &mut self.drawn[number];
+        (drawn.solid, drawn.owner) = (index, owner);
+        drawn.silhouette.set(solid.aspect(), &self.face);
+        drawn.front.set(&self.face, solid.aspect(), seen.far, solid.aspect().largest());
+        if !self.rows.set_inside(&drawn.silhouette, &self.window, &pixels) {
+            return (true, false);
+        }
+        let (coverage, window, rows, front) = (&mut self.coverage, &self.window, &self.rows, &drawn.front);
+        (true, vectorized!(simd => cover_rows(simd, coverage, window, rows, front, nearest)))
     }
 }
 
@@ -103,6 +108,7 @@ mod tests {
     use super::*;
     use crate::geometry::Block;
     use crate::geometry::Room;
+    use crate::geometry::body::Body;
     use crate::geometry::polytope::Polytope;
     use crate::occlusion::face::{Face, Rect};
 
@@ -117,11 +123,14 @@ mod tests {
     fn occluders_cover_whole_pixels_inside_their_silhouettes() {
         let block = Block { min: DVec3::new(-1.1, -0.7, 4.0), max: DVec3::new(1.3, 0.9, 5.0) };
         let ball = (DVec3::new(0.3, 0.2, 5.0), 1.5);
-        let solids = [
-            Solid::polytope(Polytope::block(&block), None, &Room::NONE).unwrap(),
-            Solid::sphere(ball.0, ball.1, None).unwrap(),
+        let polytope = Polytope::block(&block);
+        let bodies = [
+            Body::Part(polytope.part(DVec3::ZERO, DVec3::ZERO)),
+            Body::Sphere { center: ball.0, radius: ball.1 },
         ];
-        for (i, solid) in solids.iter().enumerate() {
+        let solid = &mut Solid::default();
+        for (i, body) in bodies.iter().enumerate() {
+            assert!(solid.set_body(body, None, &Room::NONE));
             let mut buffer = buffer(64);
             assert_eq!(buffer.draw(solid, 0, Slot::new(0)), (true, true));
             assert_eq!(buffer.draw(solid, 1, Slot::new(0)), (true, false), "the second time nothing is new");
@@ -129,7 +138,7 @@ mod tests {
             let mut covered = 0;
             for y in 0..64 {
                 for x in 0..64 {
-                    let near = buffer.coverage().nearness(&window, x, y);
+                    let near = buffer.nearness(x, y);
                     if near == f32::NEG_INFINITY {
                         continue;
                     }

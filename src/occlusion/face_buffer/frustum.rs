@@ -6,7 +6,6 @@ use crate::numeric::occlusion::{DIRECTION, MAX_DEPTH, PLANE_ALONG_RAYS};
 use crate::occlusion::face::{Face, Rect};
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pitch::Pitch;
-use crate::occlusion::rows::ShapeRows;
 use crate::occlusion::tiles::TILE;
 use crate::view::{Origin, View};
 
@@ -49,10 +48,10 @@ impl FaceBuffer {
     /// Covers the pixels outside the frustum, as if by something at the eye.
     pub(crate) fn cover_outside(&mut self) {
         let (first, count) = (self.window.first_tile(), self.window.tile_count());
-        let rows = ShapeRows::touching(&self.halves, &self.window);
+        let any = self.rows.set_touching(&self.halves, &self.window);
         for ty in first.1..first.1 + count.1 {
             let start = self.window.tile_index(first.0, ty);
-            let row = rows.as_ref().map(|rows| rows.tile_row(ty));
+            let row = any.then(|| self.rows.tile_row(ty));
             for (tx, tile) in (first.0..first.0 + count.0).zip(start..) {
                 let inside = row.as_ref().map_or(0, |row| row.mask_of_tile(tx * TILE));
                 if inside != u64::MAX {
@@ -89,7 +88,7 @@ mod tests {
                     let inside = buffer.halves().iter().all(|h| h.at(u, v) >= 0.0);
                     match window.pixel_at(u, v) {
                         Some((x, y)) if buffer.is_active() => {
-                            let near = buffer.coverage().nearness(&window, x, y);
+                            let near = buffer.nearness(x, y);
                             assert!(!inside || near == f32::NEG_INFINITY, "{side:?} {u} {v}");
                             open += u32::from(near == f32::NEG_INFINITY);
                             covered += u32::from(near == f32::INFINITY);

@@ -15,6 +15,7 @@ use crate::occlusion::coverage::Coverage;
 use crate::occlusion::face::{Face, Linear, Rect};
 use crate::occlusion::front::Front;
 use crate::occlusion::pixels::{PixelRect, Window};
+use crate::occlusion::rows::ShapeRows;
 use crate::occlusion::silhouette::Silhouette;
 
 /// A convex occluder as drawn on one face.
@@ -72,7 +73,11 @@ pub(crate) struct FaceBuffer {
     coverage: Coverage,
     occluders: Bins<Listed>,
     patches: WideBins<ListedPatch>,
+    /// Those of this query come first; the others keep their memory.
     drawn: Vec<DrawnSolid>,
+    drawn_count: usize,
+    /// Memory for the rows of one shape.
+    rows: ShapeRows,
     received: Vec<Received>,
 }
 
@@ -87,6 +92,8 @@ impl FaceBuffer {
             occluders: Bins::new(),
             patches: WideBins::new(),
             drawn: Vec::new(),
+            drawn_count: 0,
+            rows: ShapeRows::default(),
             received: Vec::new(),
         }
     }
@@ -99,7 +106,7 @@ impl FaceBuffer {
     /// Clears the buffer, for the part of the face inside a rectangle and inside the half-planes of
     /// the frustum; `None` if there is none. The whole face has `pixels` along each side.
     pub(crate) fn clear(&mut self, bounds: Option<Rect>, pixels: i64) {
-        self.drawn.clear();
+        self.drawn_count = 0;
         self.active = bounds.is_some();
         let Some(bounds) = bounds else {
             self.window = Window::empty(pixels);
@@ -117,7 +124,7 @@ impl FaceBuffer {
     /// serve refinement only.
     pub(crate) fn copy_coverage(&mut self, from: &Self) {
         self.face = from.face;
-        self.drawn.clear();
+        self.drawn_count = 0;
         self.active = from.active;
         self.window = from.window;
         self.halves.clone_from(&from.halves);
@@ -146,10 +153,6 @@ impl FaceBuffer {
         &self.halves
     }
 
-    pub(crate) fn coverage(&self) -> &Coverage {
-        &self.coverage
-    }
-
     pub(crate) fn coverage_mut(&mut self) -> &mut Coverage {
         &mut self.coverage
     }
@@ -168,10 +171,11 @@ impl FaceBuffer {
         &mut self.patches
     }
 
-    /// The convex occluder that a list names.
+    /// The convex occluder that a list names by this number.
     #[inline]
-    pub(crate) fn drawn(&self, listed: &Listed) -> &DrawnSolid {
-        &self.drawn[listed.drawn as usize]
+    pub(crate) fn drawn(&self, number: u32) -> &DrawnSolid {
+        debug_assert!((number as usize) < self.drawn_count, "a solid of an earlier query");
+        &self.drawn[number as usize]
     }
 
     /// Whether all pixels are covered nearer than a distance along the axis of the face.

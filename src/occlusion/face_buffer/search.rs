@@ -7,7 +7,7 @@ use crate::numeric::occlusion::below;
 use crate::occlusion::bins::BIN;
 use crate::occlusion::coverage::Shades;
 use crate::occlusion::face::Rect;
-use crate::occlusion::face_buffer::{FaceBuffer, Listed};
+use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::target::FaceTarget;
 use crate::occlusion::tiles::{TILE, Tile, bits, block};
@@ -60,8 +60,7 @@ impl FaceBuffer {
     /// Whether a patch of triangles may hide a point at a nearness in a pixel.
     pub(crate) fn patch_may_hide(&self, (x, y): (i64, i64), near: f32) -> bool {
         let holds = |(lo, hi): (i64, i64), at: i64| lo <= at && at < hi;
-        let mut listed = self.patches.around(x, y);
-        listed.any(|p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
+        self.patches.any_around(x, y, |p| p.near > near && holds(p.pixels.x, x) && holds(p.pixels.y, y))
     }
 
     /// Whether patches may reach into the bin of a pixel, that of the lists of occluders.
@@ -70,27 +69,25 @@ impl FaceBuffer {
         let first = |at: i64, tile: i64| (at - tile * TILE) / size * size + tile * TILE;
         let (x0, y0) = (first(x, tx), first(y, ty));
         let bin = PixelRect { x: (x0, x0 + size), y: (y0, y0 + size) };
-        self.patches.around(x, y).any(|p| p.pixels.overlaps(&bin))
+        self.patches.any_around(x, y, |p| p.pixels.overlaps(&bin))
     }
 
     /// Whether a point, in coordinates of the face, lies in an open pixel, before all convex
     /// occluders but those of its owner.
     pub(crate) fn shows(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
-            let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             // Patches alone leave open few pixels that they hide, magnified.
-            listed.is_empty()
-                || !self.patch_may_hide(pixel, below(near)) && self.is_before(at, near, listed, owner)
+            self.occluders.len(self.occluders.index(pixel.0, pixel.1)) == 0
+                || !self.patch_may_hide(pixel, below(near)) && self.is_before(pixel, at, near, owner)
         })
     }
 
     /// As [`FaceBuffer::shows`], inside the frustum and before all patches that may hide it.
     pub(crate) fn shows_plainly(&self, p: DVec3, owner: Slot) -> bool {
         self.open_pixel(p).is_some_and(|OpenPixel { pixel, at, near }| {
-            let listed = self.occluders.list(self.occluders.index(pixel.0, pixel.1));
             !self.patch_may_hide(pixel, below(near))
                 && self.halves.iter().all(|half| half.at(at.0, at.1) >= 0.0)
-                && self.is_before(at, near, listed, owner)
+                && self.is_before(pixel, at, near, owner)
         })
     }
 
@@ -107,7 +104,7 @@ impl FaceBuffer {
                 let tiles = (y..(y + BIN).min(ty + ny))
                     .flat_map(|ty| (x..(x + BIN).min(tx + nx)).map(move |tx| (tx, ty)));
                 found(
-                    self.occluders.list(bin).is_empty()
+                    self.occluders.len(bin) == 0
                         && { tiles }.all(|(x, y)| self.coverage.is_untouched(self.window.tile_index(x, y)))
                         && !self.has_patches((x * TILE, y * TILE)),
                 );
@@ -134,14 +131,14 @@ impl FaceBuffer {
         (!hidden).then_some(OpenPixel { pixel: (x, y), at: (u, v), near })
     }
 
-    /// Whether a point lies before some convex occluders, or beside them; those of its owner do not
-    /// count.
-    pub(crate) fn is_before(&self, (u, v): (f64, f64), near: f64, solids: &[Listed], owner: Slot) -> bool {
-        solids.iter().all(|listed| {
+    /// Whether a point lies before the convex occluders around its pixel, or beside them; those of
+    /// its owner do not count.
+    pub(crate) fn is_before(&self, pixel: (i64, i64), (u, v): (f64, f64), near: f64, owner: Slot) -> bool {
+        self.occluders.all(self.occluders.index(pixel.0, pixel.1), |listed| {
             if f64::from(listed.near) <= near || !listed.rect.contains(u, v) {
                 return true;
             }
-            let d = self.drawn(listed);
+            let d = self.drawn(listed.drawn);
             d.owner == owner || !d.silhouette.may_hold(u, v) || d.front.at(u, v) <= near
         })
     }
@@ -180,7 +177,7 @@ mod tests {
     use super::*;
     use crate::geometry::Block;
     use crate::geometry::Room;
-    use crate::geometry::polytope::Polytope;
+    use crate::geometry::body::Body;
     use crate::occlusion::face::Face;
     use crate::occlusion::solid::Solid;
     use crate::occlusion::target::Target;
@@ -192,28 +189,32 @@ mod tests {
         buffer.clear(Some(Rect::FACE), 64);
         // Covers u < 0 but for a little.
         let wall = Block { min: DVec3::new(-9.0, -9.0, 4.0), max: DVec3::new(-0.01, 9.0, 5.0) };
-        buffer.draw(&Solid::polytope(Polytope::block(&wall), None, &Room::NONE).unwrap(), 0, Slot::new(0));
+        let mut solid = Solid::default();
+        assert!(solid.set_body(&Body::Block(wall), None, &Room::NONE));
+        buffer.draw(&solid, 0, Slot::new(0));
         let target = |x: f64| {
             let (c, h) = (DVec3::new(x, 0.0, 8.0), DVec3::new(1.0, 1.0, 0.5));
-            Target::block(Block { min: c - h, max: c + h }, None)
+            let mut on_face = FaceTarget::default();
+            assert!(Target::block(Block { min: c - h, max: c + h }, None).on_face(&face, &mut on_face));
+            on_face
         };
         let open = |x: f64| {
             let mut found = Vec::new();
-            buffer.uncovered(&target(x).on_face(&face).unwrap(), |x, y, _| {
+            buffer.uncovered(&target(x), |x, y, _| {
                 found.push((x, y));
                 false
             });
             found
         };
-        assert!(open(-2.0).is_empty() && !buffer.sees(&target(-2.0).on_face(&face).unwrap()));
+        assert!(open(-2.0).is_empty() && !buffer.sees(&target(-2.0)));
         let half = open(0.0);
-        assert!(buffer.sees(&target(0.0).on_face(&face).unwrap()));
+        assert!(buffer.sees(&target(0.0)));
         // The near side reaches from -1/7.5 to 1/7.5: five columns right of the middle, and one for
         // rounding.
         assert!(half.iter().all(|p| (31..37).contains(&p.0)), "{half:?}");
         assert!(half.len() >= 5 * 9, "{half:?}");
         let mut count = 0;
-        buffer.uncovered(&target(4.0).on_face(&face).unwrap(), |_, _, _| {
+        buffer.uncovered(&target(4.0), |_, _, _| {
             count += 1;
             count == 3
         });

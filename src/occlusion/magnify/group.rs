@@ -2,9 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use casca_slots::Slot;
 use fearless_simd::Simd;
-use smallvec::SmallVec;
 
 use crate::numeric::occlusion::below;
 use crate::occlusion::coverage::{Coverage, Shades};
@@ -14,6 +12,9 @@ use crate::occlusion::pixels::{PixelRect, Window};
 use crate::occlusion::surface::near::{FINER, GROUP, GROUP_TILES};
 use crate::occlusion::tiles::Tile;
 use crate::simd::vectorized;
+
+/// The last bit of a word.
+const LAST_BIT: usize = 63;
 
 /// The pixels of a group that lie in the window.
 pub(super) fn pixels_of_group(coarse: &Window, (x, y): (i64, i64)) -> PixelRect {
@@ -47,8 +48,9 @@ impl WasAsked {
 pub(super) struct FinePixel {
     tile: Tile,
     shades: Shades,
-    /// The objects of those that hid more than before.
-    used: SmallVec<[Slot; 2]>,
+    /// Those of the group's list that hid more than before, one bit each; the last bit is for all
+    /// that come later.
+    used: u64,
     asked: WasAsked,
 }
 
@@ -99,7 +101,7 @@ impl Tiles {
         }
         self.used.clear();
         (self.cost, self.bare, self.asked) = (0, false, WasAsked::default());
-        self.pixels.iter_mut().for_each(|pixel| drop(pixel.take()));
+        self.pixels.iter_mut().for_each(|pixel| *pixel = Filled::default());
         pixels
     }
 
@@ -116,8 +118,8 @@ impl Tiles {
             return (tile, shades);
         }
         let pixel = self.pixels[place].get_or_fill(|| {
-            let used = SmallVec::new();
-            let mut pixel = FinePixel { tile: *tile, shades: *shades, used, asked: WasAsked::default() };
+            let asked = WasAsked::default();
+            let mut pixel = FinePixel { tile: *tile, shades: *shades, used: 0, asked };
             vectorized!(simd => pixel.draw(simd, buffer, (fine, solids), at));
             pixel
         });
@@ -132,10 +134,12 @@ impl Tiles {
         }
     }
 
-    /// The objects of the convex occluders that hid something in the pixels that were asked for.
-    pub(super) fn used_solids(&self) -> impl Iterator<Item = Slot> {
+    /// Whether a convex occluder, by its place in the list of the group, hid something in the pixels
+    /// that were asked for.
+    pub(super) fn uses(&self, place: usize) -> bool {
+        let bit = 1 << place.min(LAST_BIT);
         let pixels = self.pixels.iter().filter_map(Filled::get);
-        pixels.filter(|pixel| pixel.asked.get()).flat_map(|pixel| pixel.used.iter().copied())
+        { pixels }.any(|pixel| pixel.asked.get() && pixel.used & bit != 0)
     }
 }
 
@@ -152,18 +156,18 @@ impl FinePixel {
         let border = |c: i64| std::array::from_fn(|i| fine.border(c * FINER + i as i64));
         let (us, vs) = (border(x), border(y));
         let mut closed = self.tile.closed();
-        for listed in solids {
+        for (place, listed) in solids.iter().enumerate() {
             if closed >= listed.near {
                 break;
             }
-            let drawn = buffer.drawn(listed);
+            let drawn = buffer.drawn(listed.drawn);
             let mask = drawn.silhouette.pixels(simd, &us, &vs);
             if mask != 0 {
                 let whole = mask == u64::MAX;
                 let near = if whole { drawn.front.behind_inside(&rect) } else { drawn.front.behind(&rect) };
                 if self.tile.cover(mask, below(near)) {
                     closed = self.tile.closed();
-                    self.used.push(drawn.owner);
+                    self.used |= 1 << place.min(LAST_BIT);
                 }
             }
         }
@@ -176,7 +180,7 @@ fn list_solids(buffer: &FaceBuffer, pixels: &PixelRect, found: &mut Vec<Listed>)
     let rect = buffer.window().rect(pixels);
     found.clear();
     buffer.occluders().for_around(pixels, |listed| {
-        if listed.rect.overlaps(&rect) && buffer.drawn(listed).silhouette.touches(&rect) {
+        if listed.rect.overlaps(&rect) && buffer.drawn(listed.drawn).silhouette.touches(&rect) {
             found.push(*listed);
         }
     });

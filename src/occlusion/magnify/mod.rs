@@ -26,14 +26,14 @@ use crate::occlusion::magnify::budget::Purse;
 use crate::occlusion::magnify::filled::Filled;
 use crate::occlusion::magnify::group::{Group, Tiles, place_in_group};
 use crate::occlusion::pixels::{PixelRect, Window};
-use crate::occlusion::refine::Pixel;
+use crate::occlusion::refine::{Pixel, PixelOccluder};
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::kept::KeptPatches;
 use crate::occlusion::surface::local::{Listing, Local, Spot, Stores};
 use crate::occlusion::surface::near::{FINER, GROUP};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::sheet::Sheet;
-use crate::occlusion::target::FaceTarget;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::occlusion::tiles::{TILE, Tile, block};
 use crate::simd::vectorized;
 
@@ -107,6 +107,9 @@ pub(crate) struct Magnifier {
     faces: Vec<FineFace>,
 }
 
+/// An open pixel and its square.
+pub(crate) type OpenSquare = (i64, i64, Rect);
+
 /// The memory of a thread that magnifies pixels.
 #[allow(clippy::vec_box, reason = "boxes move to the faces and back, so that runs allocate nothing")]
 #[derive(Debug, Default)]
@@ -121,6 +124,12 @@ pub(crate) struct Hand {
     /// Those that it filled with finer pixels.
     filled: Vec<(u32, u32)>,
     spare_tiles: Vec<Box<Tiles>>,
+    /// A target, how a face sees it, the pixels that leave it undecided, and what it is compared
+    /// with in one of those.
+    pub(crate) target: Target,
+    pub(crate) on_face: FaceTarget,
+    pub(crate) open: Vec<OpenSquare>,
+    pub(crate) candidates: Vec<PixelOccluder>,
     /// The pixels that targets asked for since this was emptied last.
     pub(crate) requests: Vec<Request>,
     /// The objects of convex occluders that targets were compared with, to be hidden by them.
@@ -172,7 +181,8 @@ impl Magnifier {
     pub(crate) fn clear(&mut self, hands: &mut [Hand], buffers: &OcclusionBuffers) {
         self.drop_tiles(hands, |_| false);
         for Hand { listed, spare, late, .. } in hands {
-            let groups = listed.drain(..).map(|at| self.group_mut(at).take());
+            // The first one comes first again, with the memory that it has.
+            let groups = listed.drain(..).rev().map(|at| self.group_mut(at).take());
             spare.extend(groups.flatten());
             late.iter_mut().for_each(KeptPatches::clear);
         }
@@ -187,6 +197,7 @@ impl Magnifier {
 
     fn drop_tiles(&mut self, hands: &mut [Hand], stays: impl Fn(&Tiles) -> bool) {
         for Hand { filled, spare_tiles, .. } in hands {
+            let before = spare_tiles.len();
             filled.retain(|&at| {
                 let Some(group) = self.group_mut(at).get_mut() else { return false };
                 let kept = group.tiles.get().is_some_and(|tiles| stays(tiles));
@@ -195,6 +206,7 @@ impl Magnifier {
                 }
                 kept
             });
+            spare_tiles[before..].reverse();
         }
     }
 
@@ -202,17 +214,17 @@ impl Magnifier {
         &mut self.faces[face as usize].groups[place as usize]
     }
 
-    /// The finer pixels of a group.
-    fn tiles(&self, (face, place): (u32, u32)) -> Option<&Tiles> {
-        let tiles = self.faces[face as usize].groups[place as usize].get()?.tiles.get()?;
-        Some(tiles)
+    /// The finer pixels of a group, and its convex occluders.
+    fn tiles(&self, (face, place): (u32, u32)) -> Option<(&Tiles, &[Listed])> {
+        let group = self.faces[face as usize].groups[place as usize].get()?;
+        Some((group.tiles.get()?, &group.solids))
     }
 
     /// Whether a pixel that a thread looked at is as the query would find it now, with this many
     /// patches left. Notes that it asks for it, and takes the cost.
     #[cfg(feature = "rayon")]
     pub(crate) fn accept(&self, request: &Request, left: &mut Purse) -> bool {
-        let Some(tiles) = self.tiles((request.face, request.group)) else { return false };
+        let Some((tiles, _)) = self.tiles((request.face, request.group)) else { return false };
         if !tiles.asked.get() && tiles.cost > 0 {
             if left.holds(tiles.cost) == tiles.bare {
                 return false;
@@ -223,21 +235,24 @@ impl Magnifier {
         true
     }
 
-    /// The finer pixels that targets asked for.
-    fn asked<'m>(&'m self, hands: &'m [Hand]) -> impl Iterator<Item = &'m Tiles> {
+    /// The finer pixels that targets asked for, with the number of the face.
+    fn asked<'m>(&'m self, hands: &'m [Hand]) -> impl Iterator<Item = (u32, &'m Tiles, &'m [Listed])> {
         let filled = hands.iter().flat_map(|hand| &hand.filled);
-        filled.filter_map(|&at| self.tiles(at)).filter(|tiles| tiles.asked.get())
+        let tiles = filled.filter_map(|&at| self.tiles(at).map(|(tiles, solids)| (at.0, tiles, solids)));
+        tiles.filter(|(_, tiles, _)| tiles.asked.get())
     }
 
     /// How many patches were drawn in those.
     pub(crate) fn cost(&self, hands: &[Hand]) -> u32 {
-        self.asked(hands).filter(|tiles| !tiles.bare).map(|tiles| tiles.cost).sum()
+        self.asked(hands).filter(|(_, tiles, _)| !tiles.bare).map(|(_, tiles, _)| tiles.cost).sum()
     }
 
     /// The occluders that hid something in the pixels that were asked for.
-    pub(crate) fn used(&self, hands: &[Hand], used: &mut UsedFinely) {
-        for tiles in self.asked(hands) {
-            used.solids.extend(tiles.used_solids());
+    pub(crate) fn used(&self, hands: &[Hand], buffers: &OcclusionBuffers, used: &mut UsedFinely) {
+        for (face, tiles, solids) in self.asked(hands) {
+            let Some(buffer) = buffers.faces().nth(face as usize) else { continue };
+            let own = solids.iter().enumerate().filter(|(place, _)| tiles.uses(*place));
+            used.solids.extend(own.map(|(_, listed)| buffer.drawn(listed.drawn).owner));
             used.patches.extend(&tiles.used);
         }
     }

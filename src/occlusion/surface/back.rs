@@ -1,32 +1,41 @@
 //! The depth of the far side of a patch.
 
-use fearless_simd::f64x8;
+use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use crate::geometry::plane::HalfSpace;
+use crate::numeric::lesser;
 use crate::numeric::occlusion::{PLANE_NEAR_EYE, SLAB_EDGE_ON};
 use crate::occlusion::face::{Face, Linear};
 use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::raster::TILES;
 
-/// Planes that bound the far side at most, and its floor.
-const PLANES: usize = 8;
+/// Planes that bound the far side at most: two of the slab, and four of the box.
+const PLANES: usize = 6;
 
 /// The far side of a patch: where rays leave the intersection of half-spaces that contain the patch
 /// and the origin.
 #[derive(Debug, Clone)]
 pub(super) struct Back {
-    /// The nearness of planes, `a u + b v + c`; the last one is the floor. Missing planes are
-    /// infinitely far.
-    a: [f64; PLANES],
-    b: [f64; PLANES],
-    c: [f64; PLANES],
+    /// The nearness of the planes.
+    planes: [Linear; PLANES],
+    count: usize,
+    /// It is no less near than this.
+    floor: f64,
+}
+
+/// The far side of a patch in the tiles of a block: points that are less near are behind it.
+pub(super) struct Behind {
+    pub(super) near: [f64; TILES],
+    /// The number of the plane that says so.
+    pub(super) plane: [f64; TILES],
 }
 
 impl Back {
     pub(super) fn new(face: &Face, d: &Drawable) -> Self {
-        let mut back = Self { a: [0.0; PLANES], b: [0.0; PLANES], c: [f64::NEG_INFINITY; PLANES] };
-        let mut count = 0;
+        let none = Linear { a: 0.0, b: 0.0, c: 0.0 };
+        let mut back = Self { planes: [none; PLANES], count: 0, floor: f64::NEG_INFINITY };
         let (lo, hi) = d.slab;
         if face.parallel {
             let half = (d.block.max - d.block.min) * 0.5;
@@ -38,8 +47,8 @@ impl Back {
                 HalfSpace { normal: -d.normal, offset: hi }
             };
             let plane = face.nearness(&plane).filter(|_| along.abs() > SLAB_EDGE_ON);
-            plane.iter().for_each(|plane| back.set(0, plane));
-            back.c[PLANES - 1] = -depth;
+            plane.into_iter().for_each(|plane| back.push(plane));
+            back.floor = -depth;
             return back;
         }
         // Planes too close to the origin are not known well enough.
@@ -48,8 +57,7 @@ impl Back {
             if offset > PLANE_NEAR_EYE * reach
                 && let Some(plane) = face.nearness(&HalfSpace { normal, offset })
             {
-                back.set(count, &plane);
-                count += 1;
+                back.push(plane);
             }
         };
         add(d.normal, -lo);
@@ -61,39 +69,44 @@ impl Back {
         }
         let (p, q) = (face.local(d.block.min), face.local(d.block.max));
         let floor = p.z.max(q.z);
-        back.c[PLANES - 1] = if floor > 0.0 { 1.0 / floor } else { f64::NEG_INFINITY };
+        back.floor = if floor > 0.0 { 1.0 / floor } else { f64::NEG_INFINITY };
         back
     }
 
-    /// Sets one of the planes before the last.
-    fn set(&mut self, at: usize, plane: &Linear) {
-        if at < PLANES - 1 && (plane.a + plane.b + plane.c).is_finite() {
-            (self.a[at], self.b[at], self.c[at]) = (plane.a, plane.b, plane.c);
+    fn push(&mut self, plane: Linear) {
+        if (plane.a + plane.b + plane.c).is_finite()
+            && let Some(place) = self.planes.get_mut(self.count)
+        {
+            *place = plane;
+            self.count += 1;
         }
     }
 
-    /// [`Back::behind`] is no more than this for any square of a rectangle, given by its lower left
-    /// corner and its size.
+    /// A plane by the number that was told; none for the floor.
     #[inline(always)]
-    pub(super) fn behind_at_most<S: Simd>(&self, simd: S, (u, v): (f64, f64), size: (f64, f64)) -> f64 {
-        let load = |of: &[f64; PLANES]| f64x8::from_slice(simd, of);
-        let (a, b, c) = (load(&self.a), load(&self.b), load(&self.c));
-        let zero = f64x8::splat(simd, 0.0);
-        ((a * u + b * v) + (a.max(zero) * size.0 + b.max(zero) * size.1) + c).reduce_max()
+    pub(super) fn plane(&self, number: f64) -> Option<Linear> {
+        self.planes.get(number as usize).copied()
     }
 
-    /// Points of a square, given by its lower left corner and its size, that are less near than
-    /// this are behind the patch. With the plane that bounds it, if one does.
+    /// How near the planes are in a row of tiles, whose lower border and width are given, where the
+    /// face has its middle: each is least at one corner of a tile.
     #[inline(always)]
-    pub(super) fn behind<S: Simd>(&self, simd: S, (u, v): (f64, f64), size: f64) -> (f64, Option<Linear>) {
-        let load = |of: &[f64; PLANES]| f64x8::from_slice(simd, of);
-        let (a, b, c) = (load(&self.a), load(&self.b), load(&self.c));
-        let zero = f64x8::splat(simd, 0.0);
-        // Each plane is least at one corner.
-        let least = (a * u + b * v) + (a.min(zero) + b.min(zero)) * size + c;
-        let near = least.reduce_max();
-        let at = least.simd_eq(near).to_bitmask().trailing_zeros() as usize;
-        let plane = (at < PLANES - 1).then(|| Linear { a: self.a[at], b: self.b[at], c: self.c[at] });
-        (near, plane)
+    pub(super) fn row(&self, v: f64, size: f64) -> [f64; PLANES] {
+        self.planes.map(|p| p.b * v + ((lesser(p.a, 0.0) + lesser(p.b, 0.0)) * size + p.c))
+    }
+
+    /// The far side in the tiles of a block, of which the first column and the width are given.
+    #[inline(always)]
+    pub(super) fn behind<S: Simd>(&self, simd: S, row: &[f64; PLANES], first: f64, size: f64) -> Behind {
+        let u = (f64x4::from_slice(simd, &[0.0, 1.0, 2.0, 3.0]) + first) * size - 1.0;
+        let mut near = f64x4::splat(simd, self.floor);
+        let mut number = f64x4::splat(simd, PLANES as f64);
+        for (i, (plane, &row)) in self.planes.iter().zip(row).enumerate().take(self.count) {
+            let at = u * plane.a + row;
+            let is_nearer = at.simd_gt(near);
+            near = is_nearer.select(at, near);
+            number = is_nearer.select(f64x4::splat(simd, i as f64), number);
+        }
+        Behind { near: near.into(), plane: number.into() }
     }
 }

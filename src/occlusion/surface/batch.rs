@@ -19,7 +19,7 @@ pub(crate) struct Sighting {
 }
 
 /// Patches that are drawn together.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Batch<'a> {
     pub(crate) drawables: Vec<Drawable<'a>>,
     /// For each patch, the faces that see it.
@@ -27,8 +27,12 @@ pub(crate) struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    pub(crate) fn with_capacity(patches: usize) -> Self {
-        Self { drawables: Vec::with_capacity(patches), sights: Vec::with_capacity(patches) }
+    /// Its memory, for patches of another query.
+    pub(crate) fn emptied<'b>(mut self) -> Batch<'b> {
+        self.drawables.clear();
+        self.sights.clear();
+        // A list is turned in place into one of items of the same size.
+        Batch { drawables: self.drawables.into_iter().map_while(|_| None).collect(), sights: self.sights }
     }
 
     /// Appends the faces that see the box around the next patch, relative to the origin. Returns

@@ -1,23 +1,31 @@
-//! The patches of a batch that a face sees, joined to components and put in order of drawing.
+//! The patches of a batch that a face sees, joined to components, put in order and drawn.
 
 use fearless_simd::Simd;
 
+use crate::mesh::surface::PatchNumber;
 use crate::occlusion::face_buffer::{FaceBuffer, ListedPatch};
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::Sighting;
-use crate::occlusion::surface::component::draw_component;
 use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::surface::joined::DrawPlace;
 use crate::occlusion::surface::kept::KeptPatches;
-use crate::occlusion::surface::projector::Projector;
+use crate::occlusion::surface::projector::{Projector, Viewpoint};
+use crate::occlusion::surface::raster::{Area, LANES};
 use crate::occlusion::surface::scratch::{FaceScratch, Ids, SeenPatch};
 use crate::occlusion::surface::sheet::Sheet;
-use crate::occlusion::surface::sides::NO_TWIN;
-use crate::occlusion::surface::viewpoint::Viewpoint;
+use crate::occlusion::surface::sides::WholeSide;
 use crate::occlusion::tiles::TILE;
 
 /// Patches that touch fewer columns or rows of pixels are not drawn: their outlines touch nearly
 /// all of those pixels, so that they cover none alone, and hardly any with their neighbours.
 const NARROW: i64 = 3;
+
+/// Patches around more blocks of pixels than this count as wide.
+const FEW: usize = 8;
+
+/// Patches around many blocks of pixels go through all blocks of the window this many times in a
+/// query, at most. A smaller number leaves gaps between thousands of narrow patches.
+const WIDE_FACES: u64 = 128;
 
 /// Draws patches together on one face, those that it sees, and notes which hide more than before.
 #[inline(always)]
@@ -34,20 +42,15 @@ pub(super) fn draw_surfaces<S: Simd>(
     let projector = Projector::new(buffer, viewpoint);
     see(simd, &projector, viewpoint.room.radius(), batch, sights, &mut kept, scratch);
     join(batch, viewpoint.room.radius(), &mut kept, (ids, scratch));
-    order(scratch);
-    let mut first = 0;
-    while first < scratch.order.len() {
-        let root = scratch.order[first].1;
-        let last = first + scratch.order[first..].iter().take_while(|o| o.1 == root).count();
-        let hidden = |&(_, _, i): &(u32, u32, u32)| {
-            let s = &scratch.seen[i as usize];
-            buffer.hides_pixels(&s.pixels, s.near)
-        };
-        if !scratch.order[first..last].iter().all(hidden) {
-            draw_component(simd, &mut buffer.sheet(), first..last, &projector, &kept, scratch);
+    scratch.joined.sort(|i| !scratch.seen[i].pixels.is_empty());
+    let order = std::mem::take(&mut scratch.joined.order);
+    for component in order.chunk_by(|a, b| a.1 == b.1) {
+        let mut patches = component.iter().map(|place| &scratch.seen[place.2 as usize]);
+        if !patches.all(|s| buffer.hides_pixels(&s.pixels, s.near)) {
+            draw_component(simd, &mut buffer.sheet(), component, &projector, &kept, scratch);
         }
-        first = last;
     }
+    scratch.joined.order = order;
     scratch.kept = kept;
 }
 
@@ -101,16 +104,8 @@ fn see<S: Simd>(
             scratch.narrow.push((drawable, near, pixels));
             continue;
         }
-        let seen = SeenPatch {
-            drawable,
-            kept: place,
-            parent: scratch.seen.len() as u32,
-            pixels,
-            near,
-            nearest: near,
-            around: PixelRect::EMPTY,
-        };
-        scratch.push(batch[drawable as usize].id, seen);
+        scratch.joined.push(batch[drawable as usize].id, near);
+        scratch.seen.push(SeenPatch { drawable, kept: place, pixels, near, around: PixelRect::EMPTY });
     }
 }
 
@@ -125,14 +120,18 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): 
     for i in 0..scratch.seen.len() as u32 {
         let seen = &scratch.seen[i as usize];
         let d = &batch[seen.drawable as usize];
+        // Sides with the same neighbour follow each other.
+        let (mut last, mut beyond) = (PatchNumber::NONE, None);
         for group in kept.groups_mut(seen.kept) {
-            let mut seams = 0;
-            for (lane, &number) in group.twins.iter().enumerate() {
-                if number == NO_TWIN {
-                    continue;
+            let (mut lanes, mut seams) = (group.shared, 0);
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize % LANES;
+                lanes &= lanes - 1;
+                if group.twins[lane] != last {
+                    last = group.twins[lane];
+                    beyond = ids.get(last).and_then(|id| scratch.joined.find(id)).filter(|&place| place != i);
                 }
-                let place = ids.get(number).and_then(|id| scratch.find(id));
-                let Some(place) = place.filter(|&place| place != i) else { continue };
+                let Some(place) = beyond else { continue };
                 let other = &batch[scratch.seen[place as usize].drawable as usize];
                 if (group.opposite >> lane & 1 == 1) != (d.turned == other.turned) {
                     continue;
@@ -147,9 +146,7 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): 
                 if !joins {
                     continue;
                 }
-                if scratch.seen[i as usize].parent != scratch.seen[place as usize].parent {
-                    scratch.unite(i, place);
-                }
+                scratch.joined.unite(i, place);
                 seams |= 1 << lane;
                 if in_part && !d.again && other.again {
                     let pixels = scratch.seen[i as usize].pixels;
@@ -157,7 +154,7 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): 
                     *around = around.join(&pixels);
                 }
             }
-            group.edges.seams = seams;
+            group.seams = seams;
         }
     }
     if !in_part {
@@ -169,37 +166,64 @@ fn join(batch: &[Drawable], reach: f64, kept: &mut KeptPatches, (ids, scratch): 
     }
 }
 
-/// Puts the patches in order: nearest components first, since they may hide the rest.
+/// Draws the patches of one component, and notes which hide more than before. Patches around many
+/// blocks are left out once that much of the face was drawn in a query: they hide nothing then, and
+/// neither do the seams of their component.
 #[inline(always)]
-fn order(scratch: &mut FaceScratch) {
-    for i in 0..scratch.seen.len() as u32 {
-        let root = scratch.root(i);
-        let near = scratch.seen[i as usize].near;
-        let nearest = &mut scratch.seen[root as usize].nearest;
-        *nearest = nearest.max(near);
-        scratch.seen[i as usize].parent = root;
+fn draw_component<S: Simd>(
+    simd: S,
+    sheet: &mut Sheet,
+    component: &[DrawPlace],
+    projector: &Projector,
+    kept: &KeptPatches,
+    scratch: &mut FaceScratch,
+) {
+    let FaceScratch { seen, raster, rims, joint, useful, blocks, wide_blocks, .. } = scratch;
+    let most_wide = WIDE_FACES * sheet.block_count();
+    let members = || component.iter().map(|&(_, _, i)| &seen[i as usize]);
+    let area = Area::around(&members().fold(PixelRect::EMPTY, |around, s| around.join(&s.pixels)));
+    let mut joint = (component.len() > 1).then(|| {
+        joint.clear(area);
+        joint
+    });
+    let (first, deep) = (projector.first(), projector.deep_sides());
+    let is_seam = |side: &WholeSide| kept.group(side.group).seams >> side.lane & 1 == 1;
+    // Nothing is covered before all rims of the component are known.
+    let rims = projector.rims().map(|widened| {
+        rims.begin(area, first);
+        for s in members() {
+            let own = kept.rims(s.kept).iter();
+            own.filter(|side| !is_seam(side)).for_each(|side| widened.draw(rims, side));
+        }
+        &*rims
+    });
+    let mut all = true;
+    for s in members() {
+        let (patch, around) = (kept.patch(s.kept), Area::around(&s.pixels));
+        let is_wide = around.block_count() > FEW;
+        if is_wide && *wide_blocks >= most_wide {
+            all = false;
+            continue;
+        }
+        raster.begin(around, first);
+        for sides in kept.groups(s.kept) {
+            raster.edges(simd, &sides.edges(simd, 1.0), patch.turned);
+        }
+        deep.draw(simd, raster, (kept.deep(s.kept), patch.turned), is_seam);
+        let (changed, used) =
+            sheet.cover_patch(simd, raster, (s.near, &patch.back), rims, joint.as_deref_mut());
+        *blocks += used;
+        if is_wide {
+            *wide_blocks += used;
+        }
+        if changed {
+            useful.push(s.drawable);
+        }
     }
-    scratch.order.clear();
-    for (s, i) in scratch.seen.iter().zip(0..).filter(|(s, _)| !s.pixels.is_empty()) {
-        let nearest = scratch.seen[s.parent as usize].nearest;
-        scratch.order.push((farness(nearest), s.parent, i));
-    }
-    scratch.order.sort_unstable();
-}
-
-/// An integer that falls as nearness grows.
-pub(super) fn farness(near: f32) -> u32 {
-    let bits = near.to_bits();
-    if bits >> 31 == 0 { !bits & 0x7fff_ffff } else { bits }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn farness_falls_as_nearness_grows() {
-        let nears = [f32::NEG_INFINITY, -3.0, -1e-9, 0.0, 1e-9, 0.5, 2.0, f32::INFINITY];
-        assert!(nears.windows(2).all(|w| farness(w[0]) > farness(w[1])));
+    if let Some(joint) = joint
+        && all
+        && sheet.cover_seams(rims, joint)
+    {
+        useful.extend(members().map(|s| s.drawable));
     }
 }

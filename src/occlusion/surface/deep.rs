@@ -69,7 +69,7 @@ impl<S: Simd> Pieces<'_, S> {
     #[inline(always)]
     fn flush(&mut self) {
         if self.count > 0 {
-            self.raster.edges(self.simd, &self.edges, self.falls);
+            self.raster.edges(self.simd, &self.edges.vectors(self.simd, 1.0), self.falls);
             (self.edges, self.count) = (Edges::default(), 0);
         }
     }
@@ -258,10 +258,9 @@ mod tests {
             let turned = round % 4 > 1;
             raster.begin(area, (0, 0));
             vectorized!(simd => sides.draw(simd, &mut raster, (&whole, turned), |_| round % 5 == 0));
-            raster.finish();
             let pixels = corners.map(|p| sides.pixel(p));
             for (x, y) in (0..64usize).flat_map(|y| (0..64).map(move |x| (x, y))) {
-                let marks = raster.marks(y / 8 * area.nx as usize + x / 32);
+                let marks = raster.whole(y / 8 * area.nx as usize + x / 32);
                 let layers =
                     [PixelMarks::OPEN, PixelMarks::SEAM].map(|layer| marks.pixel(layer, y % 8, x % 32));
                 if layers[0].0 || layers[1].0 {

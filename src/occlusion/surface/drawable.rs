@@ -7,7 +7,7 @@ use crate::geometry::placement::Placement;
 use crate::mesh::surface::{PatchIndex, PatchNumber, PatchOutline, PatchSide, Surface};
 
 /// A patch to be drawn, relative to the origin of the rays.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(crate) struct Drawable<'a> {
     pub(crate) surface: &'a Surface,
     /// Where the surface stands, if it is an instance.

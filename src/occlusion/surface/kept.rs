@@ -9,7 +9,7 @@ use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::back::Back;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Projector;
-use crate::occlusion::surface::sides::{Reached, SeenSides, Sides, WholeSide};
+use crate::occlusion::surface::sides::{SeenSides, Sides, WholeSide};
 
 /// No place.
 const NONE: u32 = u32::MAX;
@@ -18,7 +18,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Debug, Clone)]
 pub(crate) struct Kept {
     /// Its range in the lists of sides.
-    sides: (Reached, Reached),
+    sides: ([usize; 3], [usize; 3]),
     /// The pixels that it may touch; `None` if it cannot be drawn, or touches none.
     pub(super) pixels: Option<PixelRect>,
     /// How many sides it has.
@@ -44,7 +44,7 @@ impl KeptPatches {
     pub(crate) fn clear(&mut self) {
         self.places.clear();
         self.patches.clear();
-        self.sides.truncate(Reached::default());
+        self.sides.truncate([0; 3]);
     }
 
     /// The place of a patch, by its number in the order of first drawing.
@@ -101,20 +101,20 @@ impl KeptPatches {
     #[inline(always)]
     pub(super) fn groups(&self, place: u32) -> &[Sides] {
         let (first, last) = self.patch(place).sides;
-        &self.sides.groups[first.groups as usize..last.groups as usize]
+        &self.sides.groups[first[0]..last[0]]
     }
 
     /// The place of the first of them among those of all patches.
     #[inline(always)]
     pub(super) fn first_group(&self, place: u32) -> u32 {
-        self.patch(place).sides.0.groups
+        self.patch(place).sides.0[0] as u32
     }
 
     /// As [`KeptPatches::groups`], to mark seams.
     #[inline(always)]
     pub(super) fn groups_mut(&mut self, place: u32) -> &mut [Sides] {
         let (first, last) = self.patches[place as usize].sides;
-        &mut self.sides.groups[first.groups as usize..last.groups as usize]
+        &mut self.sides.groups[first[0]..last[0]]
     }
 
     /// Eight sides of any patch.
@@ -127,12 +127,12 @@ impl KeptPatches {
     #[inline(always)]
     pub(super) fn deep(&self, place: u32) -> &[WholeSide] {
         let (first, last) = self.patch(place).sides;
-        &self.sides.deep[first.deep as usize..last.deep as usize]
+        &self.sides.deep[first[1]..last[1]]
     }
 
     /// The sides of a patch, if the eye may go some way: each may be a part of a rim.
     pub(super) fn rims(&self, place: u32) -> &[WholeSide] {
         let (first, last) = self.patch(place).sides;
-        &self.sides.rims[first.rims as usize..last.rims as usize]
+        &self.sides.rims[first[2]..last[2]]
     }
 }

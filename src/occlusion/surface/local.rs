@@ -8,14 +8,14 @@
 use fearless_simd::Simd;
 
 use crate::occlusion::pixels::PixelRect;
-use crate::occlusion::surface::components::farness;
+use crate::occlusion::surface::joined::{DrawPlace, Joined};
 use crate::occlusion::surface::kept::{Kept, KeptPatches};
-use crate::occlusion::surface::near::{Choice, FINER, GROUP, GROUP_PIXELS, GroupBorders, draw_edges, scaled};
+use crate::occlusion::surface::near::{Choice, FINER, GROUP, GROUP_PIXELS, GroupBorders, draw_edges};
 use crate::occlusion::surface::projector::Projector;
 use crate::occlusion::surface::raster::{Area, LANES, Raster, Windings, rows_passed};
 use crate::occlusion::surface::scratch::Ids;
 use crate::occlusion::surface::sheet::{Joint, Sheet};
-use crate::occlusion::surface::sides::{NO_TWIN, Sides, WholeSide};
+use crate::occlusion::surface::sides::{Sides, WholeSide};
 use crate::simd::vectorized;
 
 /// A group of pixels.
@@ -83,10 +83,6 @@ struct Member {
     is_late: bool,
     place: u32,
     near: f32,
-    /// The index of another patch of its component, or its own.
-    parent: u32,
-    /// For the root of a component, no point of the component is nearer.
-    nearest: f32,
     /// The pixels of the group that it may touch.
     pixels: PixelRect,
     /// The first of its groups of sides in the list of choices.
@@ -100,12 +96,7 @@ struct Member {
 pub(crate) struct Local {
     members: Vec<Member>,
     choices: Vec<Choice>,
-    /// For each patch by its number in the order of first drawing, the last group that it was drawn
-    /// into, and its index among the members.
-    places: Vec<(u32, u32)>,
-    drawing: u32,
-    /// Farness of the component, its root, index of the member.
-    order: Vec<(u32, u32, u32)>,
+    joined: Joined,
     joint: Joint,
     raster: Raster,
     rims: Raster,
@@ -134,20 +125,15 @@ impl Local {
     ) {
         self.choose(simd, spot, stores, listed);
         self.join(spot, stores);
-        self.order();
-        let mut first = 0;
-        while first < self.order.len() {
-            let root = self.order[first].1;
-            let last = first + self.order[first..].iter().take_while(|o| o.1 == root).count();
-            let hidden = |&(_, _, i): &(u32, u32, u32)| {
-                let m = &self.members[i as usize];
-                spot.hides(&m.pixels, m.near)
-            };
-            if !self.order[first..last].iter().all(hidden) {
-                self.draw_component(simd, spot, stores, first..last, useful);
+        self.joined.sort(|_| true);
+        let order = std::mem::take(&mut self.joined.order);
+        for component in order.chunk_by(|a, b| a.1 == b.1) {
+            let mut members = component.iter().map(|place| &self.members[place.2 as usize]);
+            if !members.all(|m| spot.hides(&m.pixels, m.near)) {
+                self.draw_component(simd, spot, stores, component, useful);
             }
-            first = last;
         }
+        self.joined.order = order;
     }
 
     /// Collects the patches with edges near the group, or around it.
@@ -155,11 +141,7 @@ impl Local {
     fn choose<S: Simd>(&mut self, simd: S, spot: &Spot, stores: Stores, listed: &[Listing]) {
         self.members.clear();
         self.choices.clear();
-        self.drawing = self.drawing.wrapping_add(1);
-        if self.drawing == 0 {
-            self.places.clear();
-            self.drawing = 1;
-        }
+        self.joined.begin();
         let bounds = spot.bounds();
         let rows = (spot.first_row(), GROUP_PIXELS);
         // The rims of a component are all of its sides that are not seams.
@@ -173,11 +155,11 @@ impl Local {
             }
             let (first, mut passed, mut any) = (self.choices.len() as u32, Windings::default(), 0);
             for sides in store.groups(place) {
-                let (near, left) = bounds.near_and_left(simd, &sides.edges);
+                let (near, left) = bounds.near_and_left(&sides.edges(simd, 1.0));
                 any |= near;
                 self.choices.push(Choice { near, seams: 0 });
                 if left != 0 {
-                    passed.add(rows_passed(&scaled(&sides.edges), left, rows, patch.turned));
+                    passed.add(rows_passed(&sides.edges(simd, FINER as f32), left, rows, patch.turned));
                 }
             }
             // It neither covers the group nor ends in it.
@@ -185,22 +167,10 @@ impl Local {
                 self.choices.truncate(first as usize);
                 continue;
             }
-            let place_here = self.members.len() as u32;
-            if self.places.len() <= id as usize {
-                self.places.resize(id as usize + 1, (0, 0));
-            }
-            self.places[id as usize] = (self.drawing, place_here);
             let pixels = pixels.intersect(&spot.pixels);
-            let (parent, nearest) = (place_here, near);
-            self.members.push(Member { id, is_late, place, near, parent, nearest, pixels, first, passed });
+            self.joined.push(id, near);
+            self.members.push(Member { id, is_late, place, near, pixels, first, passed });
         }
-    }
-
-    /// The index of a patch of the group by its number in the order of first drawing.
-    #[inline(always)]
-    fn find(&self, id: u32) -> Option<u32> {
-        let &(drawing, place) = self.places.get(id as usize)?;
-        (drawing == self.drawing).then_some(place)
     }
 
     /// Joins patches that share sides near the group, and marks those sides as seams; all sides if
@@ -213,15 +183,12 @@ impl Local {
             let (patch, first) = (stores.patch(member), member.first);
             for (sides, at) in stores.groups(member).iter().zip(first as usize..) {
                 // Those that are drawn in pieces are not chosen by place.
-                let mut lanes = if has_rims { u8::MAX } else { self.choices[at].near | !sides.edges.plain };
+                let mut lanes = if has_rims { u8::MAX } else { self.choices[at].near | !sides.plain };
+                lanes &= sides.shared;
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize % LANES;
                     lanes &= lanes - 1;
-                    let number = sides.twins[lane];
-                    if number == NO_TWIN {
-                        continue;
-                    }
-                    let place = stores.ids.get(number).and_then(|id| self.find(id));
+                    let place = stores.ids.get(sides.twins[lane]).and_then(|id| self.joined.find(id));
                     let Some(place) = place.filter(|&place| place as usize != i) else { continue };
                     let other = stores.patch(&self.members[place as usize]);
                     let runs_opposite = sides.opposite >> lane & 1 == 1;
@@ -230,61 +197,27 @@ impl Local {
                     {
                         continue;
                     }
-                    self.unite(i as u32, place);
+                    self.joined.unite(i as u32, place);
                     self.choices[at].seams |= 1 << lane;
                 }
             }
         }
     }
 
-    /// The root of the component of a patch. Shortens the way for the next call.
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.members[i as usize].parent != i {
-            let up = self.members[self.members[i as usize].parent as usize].parent;
-            self.members[i as usize].parent = up;
-            i = up;
-        }
-        i
-    }
-
-    /// Makes one component of those of two patches.
-    fn unite(&mut self, i: u32, k: u32) {
-        let (a, b) = (self.root(i), self.root(k));
-        self.members[a.max(b) as usize].parent = a.min(b);
-    }
-
-    /// Puts the patches in order: nearest components first, since they may hide the rest.
-    #[inline(always)]
-    fn order(&mut self) {
-        for i in 0..self.members.len() as u32 {
-            let root = self.root(i);
-            let near = self.members[i as usize].near;
-            let nearest = &mut self.members[root as usize].nearest;
-            *nearest = nearest.max(near);
-            self.members[i as usize].parent = root;
-        }
-        self.order.clear();
-        for (m, i) in self.members.iter().zip(0..) {
-            let nearest = self.members[m.parent as usize].nearest;
-            self.order.push((farness(nearest), m.parent, i));
-        }
-        self.order.sort_unstable();
-    }
-
-    /// Draws the patches of one component, a range of the order of drawing.
+    /// Draws the patches of one component.
     #[inline(always)]
     fn draw_component<S: Simd>(
         &mut self,
         simd: S,
         spot: &mut Spot,
         stores: Stores,
-        range: std::ops::Range<usize>,
+        component: &[DrawPlace],
         useful: &mut Vec<u32>,
     ) {
-        let Self { members, choices, order, joint, raster, rims, .. } = self;
-        let component = || order[range.clone()].iter().map(|&(_, _, i)| &members[i as usize]);
+        let Self { members, choices, joint, raster, rims, .. } = self;
+        let patches = || component.iter().map(|place| &members[place.2 as usize]);
         let (area, first) = (spot.area(), spot.fine_first());
-        let mut joint = (range.len() > 1).then(|| {
+        let mut joint = (component.len() > 1).then(|| {
             joint.clear(area);
             joint
         });
@@ -296,29 +229,28 @@ impl Local {
         let rims = spot.projector.rims().map(|widened| {
             let widened = widened.finer(FINER as f64);
             rims.begin(area, first);
-            for m in component() {
+            for m in patches() {
                 let own = stores.store(m.is_late).rims(m.place).iter();
                 own.filter(|side| !seams(m, side)).for_each(|side| widened.draw(rims, side));
             }
             &*rims
         });
         let deep = spot.projector.deep_sides().finer(FINER as f64);
-        for m in component() {
+        for m in patches() {
             let patch = stores.patch(m);
             raster.begin(area, first);
             draw_edges(simd, raster, stores.groups(m), &choices[m.first as usize..], patch.turned);
             let sides = stores.store(m.is_late).deep(m.place);
             deep.draw(simd, raster, (sides, patch.turned), |side| seams(m, side));
             raster.pass_left(&m.passed);
-            raster.finish();
-            if spot.sheet.cover_patch(simd, raster, (m.near, &patch.back), rims, joint.as_deref_mut()) {
+            if spot.sheet.cover_patch(simd, raster, (m.near, &patch.back), rims, joint.as_deref_mut()).0 {
                 useful.push(m.id);
             }
         }
         if let Some(joint) = joint
             && spot.sheet.cover_seams(rims, joint)
         {
-            useful.extend(component().map(|m| m.id));
+            useful.extend(patches().map(|m| m.id));
         }
     }
 }

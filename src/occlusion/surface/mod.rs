@@ -13,11 +13,11 @@
 //! component covers any ([`rim`]). Only patches that are wholly turned to the eye are joined then.
 //!
 //! A query draws in two passes. A [`drawable`] is a patch to be drawn; [`projector`] puts its sides
-//! on the face, once: [`kept`] keeps them. In the first pass, [`components`] joins the patches of a
-//! batch, and [`component`] draws them in the pixels of the face. In the second one, [`local`]
-//! draws those that reach into 4x4 pixels which leave objects undecided, eight times as fine, from
-//! the edges that come [`near`]. In both, [`raster`] finds the pixels, and [`sheet`] covers them at
-//! the depth that [`back`] gives.
+//! on the face, once: [`kept`] keeps them. In the first pass, [`components`] draws the patches of a
+//! batch in the pixels of the face. In the second one, [`local`] draws those that reach into 4x4
+//! pixels which leave objects undecided, eight times as fine, from the edges that come [`near`]. In
+//! both, patches are [`joined`], [`raster`] finds the pixels, and [`sheet`] covers them at the
+//! depth that [`back`] gives.
 //!
 //! Edges are widened by [`EDGE`](crate::numeric::occlusion::EDGE) pixels, by their rounding, and by
 //! the slack of the outline.
@@ -25,10 +25,10 @@
 pub(crate) mod back;
 pub(crate) mod batch;
 pub(crate) mod by_patch;
-pub(crate) mod component;
 pub(crate) mod components;
 pub(crate) mod deep;
 pub(crate) mod drawable;
+mod joined;
 pub(crate) mod kept;
 pub(crate) mod local;
 pub(crate) mod near;
@@ -38,7 +38,6 @@ mod rim;
 pub(crate) mod scratch;
 pub(crate) mod sheet;
 mod sides;
-pub(crate) mod viewpoint;
 
 use smallvec::SmallVec;
 
@@ -48,8 +47,8 @@ use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::components::{draw_surfaces, list};
+use crate::occlusion::surface::projector::Viewpoint;
 use crate::occlusion::surface::scratch::{FaceScratch, SurfaceScratch};
-use crate::occlusion::surface::viewpoint::Viewpoint;
 use crate::simd::vectorized;
 
 /// Fewer patches, counted on each face that sees them, are drawn faster than another thread awakes.

@@ -1,9 +1,8 @@
 //! The edges of kept patches that come near a group of pixels.
 
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-use crate::occlusion::surface::raster::{COLUMNS, Edges, LANES, Lanes, Raster, each};
+use crate::occlusion::surface::raster::{COLUMNS, EdgeVectors, Edges, LANES, Raster};
 use crate::occlusion::surface::sides::Sides;
 use crate::occlusion::tiles::TILE;
 
@@ -44,25 +43,17 @@ pub(super) fn draw_edges<S: Simd>(
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % LANES;
             lanes &= lanes - 1;
-            few.take(count, &sides.edges, lane, choice.seams >> lane & 1 == 1);
+            sides.put(lane, &mut few, count, choice.seams >> lane & 1 == 1);
             count += 1;
             if count == LANES {
-                raster.edges(simd, &scaled(&few), turned);
+                raster.edges(simd, &few.vectors(simd, FINER as f32), turned);
                 (few, count) = (Edges::default(), 0);
             }
         }
     }
     if count > 0 {
-        raster.edges(simd, &scaled(&few), turned);
+        raster.edges(simd, &few.vectors(simd, FINER as f32), turned);
     }
-}
-
-/// Edges in finer pixels.
-#[inline(always)]
-pub(super) fn scaled(e: &Edges) -> Edges {
-    let by = |lanes: &Lanes| -> Lanes { each(|i| lanes[i] * FINER as f32) };
-    let (x0, y0, x1, y1) = (by(&e.x0), by(&e.y0), by(&e.x1), by(&e.y1));
-    Edges { x0, y0, x1, y1, wide: by(&e.wide), unsure: by(&e.unsure), ..*e }
 }
 
 /// The borders of a group, counted in pixels as edges are.
@@ -80,10 +71,8 @@ impl GroupBorders {
     /// An edge stays within its width of the rectangle around its ends; one that stays outside of
     /// the group's rows passes the middles of none of them.
     #[inline(always)]
-    pub(super) fn near_and_left<S: Simd>(&self, simd: S, e: &Edges) -> (u8, u8) {
-        let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
-        let (x0, y0, x1, y1) = (load(&e.x0), load(&e.y0), load(&e.x1), load(&e.y1));
-        let wide = load(&e.wide);
+    pub(super) fn near_and_left<S: Simd>(&self, e: &EdgeVectors<S>) -> (u8, u8) {
+        let &EdgeVectors { x0, y0, x1, y1, wide, .. } = e;
         let beside = (y0.min(y1) - wide).simd_le(self.high)
             & (y0.max(y1) + wide).simd_ge(self.low)
             & (x0.min(x1) - wide).simd_le(self.right);
@@ -96,33 +85,27 @@ impl GroupBorders {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::surface::PatchNumber;
     use crate::occlusion::surface::raster::{Area, Windings, rows_passed};
-    use crate::occlusion::surface::sides::NO_TWIN;
     use crate::random::Random;
     use crate::simd::vectorized;
 
-    /// Edges with ends in a wide rectangle around a group, some of them flat, steep or short.
-    fn random_edges(random: &mut Random, bounds: &GroupBorders) -> Edges {
+    /// A path of edges with ends in a wide rectangle around a group, some of them flat, steep or
+    /// short.
+    fn random_sides(random: &mut Random, bounds: &GroupBorders) -> Sides {
         let mut byte = || (random.next() * 256.0) as u8;
         let plain = byte();
         let seams = plain & byte();
-        let mut edges = Edges { plain, seams, ..Edges::default() };
-        for i in 0..LANES {
+        let mut end = |i: usize, middle: f32| {
             let spread = [1.0, 6.0, 40.0][i % 3];
-            let mut end = |middle: f32| middle + random.within(-spread, spread) as f32;
-            let (x, y) = (bounds.left + 2.0, bounds.low + 2.0);
-            (edges.x0[i], edges.y0[i]) = (end(x), end(y));
-            (edges.x1[i], edges.y1[i]) = (end(x), end(y));
-            match i {
-                5 => edges.y1[i] = edges.y0[i],
-                6 => edges.y1[i] = edges.y0[i] + 1e-4,
-                7 => edges.x1[i] = edges.x0[i],
-                _ => {}
-            }
-            edges.unsure[i] = 1e-5;
-            edges.wide[i] = if i % 2 == 0 { 2e-5 } else { random.within(0.01, 0.6) as f32 };
-        }
-        edges
+            middle + random.within(-spread, spread) as f32
+        };
+        let mut x = std::array::from_fn(|i| end(i, bounds.left + 2.0));
+        let mut y = std::array::from_fn(|i| end(i, bounds.low + 2.0));
+        (y[6], y[7], x[LANES]) = (y[5], y[5] + 1e-4, x[7]);
+        let wide = std::array::from_fn(|i| if i % 2 == 0 { 2e-5 } else { random.within(0.01, 0.6) as f32 });
+        let (unsure, twins) = ([1e-5; LANES], [PatchNumber::NONE; LANES]);
+        Sides { x, y, wide, unsure, plain, seams, begins: 0xff, shared: 0, opposite: 0, twins }
     }
 
     #[test]
@@ -135,26 +118,27 @@ mod tests {
         let (mut covered, mut chosen, mut left_of_it) = (0, 0, 0);
         for round in 0..2000 {
             let turned = round % 2 == 0;
-            let groups: Vec<Edges> = (0..3).map(|_| random_edges(&mut random, &bounds)).collect();
+            let sides: Vec<Sides> = (0..3).map(|_| random_sides(&mut random, &bounds)).collect();
             raster.begin(area, (0, 0));
             chosen_only.begin(area, (0, 0));
-            let (mut passed, mut choices, mut sides) = (Windings::default(), Vec::new(), Vec::new());
-            for edges in groups {
-                vectorized!(simd => raster.edges(simd, &scaled(&edges), turned));
-                let (near, left) = vectorized!(simd => bounds.near_and_left(simd, &edges));
+            let (mut passed, mut choices) = (Windings::default(), Vec::new());
+            for own in &sides {
+                let (near, left, rows) = vectorized!(simd => {
+                    let finer = own.edges(simd, FINER as f32);
+                    raster.edges(simd, &finer, turned);
+                    let (near, left) = bounds.near_and_left(&own.edges(simd, 1.0));
+                    (near, left, rows_passed(&finer, left, (first.1 as i32, GROUP_PIXELS), turned))
+                });
                 chosen += near.count_ones();
                 left_of_it += left.count_ones();
-                passed.add(rows_passed(&scaled(&edges), left, (first.1 as i32, GROUP_PIXELS), turned));
-                choices.push(Choice { near, seams: edges.seams });
-                sides.push(Sides { edges, twins: [NO_TWIN; LANES], opposite: 0 });
+                passed.add(rows);
+                choices.push(Choice { near, seams: own.seams });
             }
-            raster.finish();
             vectorized!(simd => draw_edges(simd, &mut chosen_only, &sides, &choices, turned));
             chosen_only.pass_left(&passed);
-            chosen_only.finish();
             for block in 0..GROUP as usize {
-                assert_eq!(chosen_only.marks(block), raster.marks(block), "{round}");
-                covered += raster.marks(block).covered().iter().map(|row| row.count_ones()).sum::<u32>();
+                assert_eq!(chosen_only.whole(block), raster.whole(block), "{round}");
+                covered += raster.whole(block).covered().iter().map(|row| row.count_ones()).sum::<u32>();
             }
         }
         assert!(covered > 100_000 && chosen > 10_000 && left_of_it > 1000, "{covered} {chosen} {left_of_it}");

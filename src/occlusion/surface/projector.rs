@@ -1,7 +1,7 @@
 //! Sides of patches projected to the pixels of a face, eight at a time in single precision.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, mask32x8};
+use fearless_simd::{f32x8, u32x8};
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::geometry::Room;
@@ -12,11 +12,21 @@ use crate::occlusion::face_buffer::FaceBuffer;
 use crate::occlusion::pixels::{PixelRect, floor};
 use crate::occlusion::surface::deep::DeepSides;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::raster::{Edges, LANES, Lanes};
+use crate::occlusion::surface::raster::{EdgeVectors, LANES};
 use crate::occlusion::surface::rim::Rims;
-use crate::occlusion::surface::sides::{NO_TWIN, SeenSides, Sides, WholeSide};
-use crate::occlusion::surface::viewpoint::Viewpoint;
+use crate::occlusion::surface::sides::{PlacedPoints, SeenSides, Sides, WholeSide};
 use crate::occlusion::tiles::TILE;
+
+/// How surfaces are seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Viewpoint {
+    /// The origin of the rays.
+    pub(crate) origin: DVec3,
+    /// Surfaces are cut at this depth: nothing nearer is drawn.
+    pub(crate) limit: f64,
+    /// Where the eye may go, around the origin.
+    pub(crate) room: Room,
+}
 
 /// Projects points to the pixels of a window.
 #[derive(Debug, Clone, Copy)]
@@ -46,50 +56,13 @@ struct FaceFrame {
     error: f32,
 }
 
-/// Sides as they are stored.
-#[derive(Default)]
-struct Ends {
-    from: [Lanes; 3],
-    to: [Lanes; 3],
-    slack: Lanes,
-}
-
-impl Ends {
-    #[inline(always)]
-    fn set(&mut self, lane: usize, from: Vec3, to: Vec3, slack: f32) {
-        for (axis, (a, b)) in from.to_array().into_iter().zip(to.to_array()).enumerate() {
-            self.from[axis][lane] = a;
-            self.to[axis][lane] = b;
-        }
-        self.slack[lane] = slack;
-    }
-
-    #[inline(always)]
-    fn copy(&mut self, from: usize, to: usize) {
-        for lanes in self.from.iter_mut().chain(&mut self.to).chain([&mut self.slack]) {
-            lanes[to] = lanes[from];
-        }
-    }
-}
-
-/// Sides in coordinates of the face.
-struct PlacedSides<S: Simd> {
-    from: [f32x8<S>; 3],
-    to: [f32x8<S>; 3],
-    slack: f32x8<S>,
-    /// Whether all coordinates are finite, as a sum of zeros.
-    zero: f32x8<S>,
-    /// Which edges may be drawn as they are.
-    plain: mask32x8<S>,
-}
-
 /// A rectangle around points, lane by lane.
 struct LaneRect<S: Simd> {
     least: [f32x8<S>; 2],
     most: [f32x8<S>; 2],
-    /// The greatest width of an edge, and whether that is known of all of them.
+    /// The greatest width of an edge, and the lanes of which it is not known.
     wide: f32x8<S>,
-    known: mask32x8<S>,
+    unknown: u8,
 }
 
 impl<S: Simd> LaneRect<S> {
@@ -99,17 +72,17 @@ impl<S: Simd> LaneRect<S> {
             least: [f32x8::splat(simd, f32::INFINITY); 2],
             most: [f32x8::splat(simd, f32::NEG_INFINITY); 2],
             wide: f32x8::splat(simd, 0.0),
-            known: mask32x8::splat(simd, true),
+            unknown: 0,
         }
     }
 }
 
 impl FaceFrame {
-    /// Moves points to the face, given by their coordinates.
+    /// Moves eight points to the face, given by their coordinates.
     #[inline(always)]
-    fn turn<S: Simd>(&self, simd: S, points: &[Lanes; 3]) -> [f32x8<S>; 3] {
+    fn turn<S: Simd>(&self, simd: S, points: &[[f32; LANES + 1]; 3]) -> [f32x8<S>; 3] {
         let (eye, rest, at) = (self.eye.0.to_array(), self.eye.1.to_array(), self.at.to_array());
-        let off = |axis: usize| f32x8::from_slice(simd, &points[axis]) - eye[axis] - rest[axis];
+        let off = |axis: usize| f32x8::from_slice(simd, &points[axis][..LANES]) - eye[axis] - rest[axis];
         let (x, y, z) = (off(0), off(1), off(2));
         let turned = |axis: usize| {
             let (row, at) = (self.rows[axis], at[axis]);
@@ -205,61 +178,101 @@ impl Projector {
         within: PixelRect,
         out: &mut SeenSides,
     ) -> Option<PixelRect> {
-        let frame = self.frame(d);
-        let mut extent = LaneRect::empty(simd);
-        let (mut ends, mut finite) = (Ends::default(), true);
-        let mut outline = d.outline();
-        while outline.len() > 0 {
-            let (mut twins, mut opposite, mut count) = ([NO_TWIN; LANES], 0, 0);
-            if d.links.is_empty()
-                && let Some(ring) = outline.take_ring()
-            {
-                let [a, b, c] = ring.map(|v| d.surface.positions[v as usize]);
-                [(a, b), (b, c), (c, a)]
-                    .into_iter()
-                    .zip(0..)
-                    .for_each(|((p, q), at)| ends.set(at, p, q, 0.0));
-                count = 3;
-            }
-            for (number, side) in outline.by_ref().take(LANES) {
-                let [from, to] = d.surface.ends(&side);
-                ends.set(count, from, to, side.slack);
-                if let Some((twin, turned)) = d.beyond(number, &side) {
-                    twins[count] = twin;
-                    opposite |= u8::from(turned) << count;
-                }
-                count += 1;
-            }
-            // The rest repeats the first.
-            for lane in count..LANES {
-                ends.copy(0, lane);
-            }
-            let placed = self.place(simd, &frame, &ends);
-            let mut edges = self.edges(&placed, &mut extent);
-            finite &= placed.zero.simd_eq(0.0).to_bitmask() == 0xff;
-            let used = (0xff_u32 >> (LANES - count)) as u8;
-            let deep = !edges.plain & used;
-            edges.plain &= used;
-            if deep != 0 {
-                let group = out.groups.len() as u32;
-                for lane in (0..LANES).filter(|lane| deep >> lane & 1 == 1) {
-                    out.deep.push(whole_side(&placed, &edges, group, lane));
-                }
-            }
-            if self.room.radius() > 0.0 {
-                let group = out.groups.len() as u32;
-                out.rims.extend((0..count).map(|lane| whole_side(&placed, &edges, group, lane)));
-            }
-            out.groups.push(Sides { edges, twins, opposite });
+        let (frame, first) = (self.frame(d), out.groups.len());
+        gather(d, out);
+        if !self.place(simd, &frame, &mut out.groups[first..], &mut out.placed) {
+            return None;
         }
-        if finite { self.tighter(&extent, within) } else { None }
+        let mut extent = LaneRect::empty(simd);
+        for i in 0..out.placed.len() {
+            self.edges(simd, (first, i), out, &mut extent);
+        }
+        self.tighter(&extent, within)
+    }
+
+    /// Moves points to the face and to its pixels. Returns whether all coordinates are finite.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &self,
+        simd: S,
+        frame: &FaceFrame,
+        groups: &mut [Sides],
+        placed: &mut [PlacedPoints],
+    ) -> bool {
+        let one = f32x8::splat(simd, 1.0);
+        let mut zeros = f32x8::splat(simd, 0.0);
+        for (sides, points) in groups.iter_mut().zip(placed.iter_mut()) {
+            let [x, y, z] = frame.turn(simd, &points.at);
+            let (inverse, slack) =
+                (one / z, f32x8::from_slice(simd, &points.slack) * frame.growth + frame.error);
+            zeros += slack * 0.0 + (x * 0.0 + y * 0.0 + z * 0.0);
+            slack.store_slice(&mut points.slack);
+            inverse.store_slice(&mut points.inverse[..LANES]);
+            for (to, from) in points.at.iter_mut().zip([x, y, z]) {
+                from.store_slice(&mut to[..LANES]);
+            }
+            (x * inverse * self.per_unit + self.middle.0).store_slice(&mut sides.x[..LANES]);
+            (y * inverse * self.per_unit + self.middle.1).store_slice(&mut sides.y[..LANES]);
+        }
+        for i in 1..groups.len().min(placed.len()) {
+            (groups[i - 1].x[LANES], groups[i - 1].y[LANES]) = (groups[i].x[0], groups[i].y[0]);
+            placed[i - 1].inverse[LANES] = placed[i].inverse[0];
+            for axis in 0..3 {
+                placed[i - 1].at[axis][LANES] = placed[i].at[axis][0];
+            }
+        }
+        zeros.simd_eq(0.0).to_bitmask() == 0xff
+    }
+
+    /// Finds the sides of eight points of a patch, as edges in pixels.
+    #[inline(always)]
+    fn edges<S: Simd>(
+        &self,
+        simd: S,
+        (first, i): (usize, usize),
+        out: &mut SeenSides,
+        extent: &mut LaneRect<S>,
+    ) {
+        let load = |of: &[f32]| f32x8::from_slice(simd, of);
+        let (sides, points) = (&mut out.groups[first + i], &out.placed[i]);
+        let EdgeVectors { x0, y0, x1, y1, .. } = sides.edges(simd, 1.0);
+        let (from, to) = (load(&points.at[2][..LANES]), load(&points.at[2][1..]));
+        let inverse = load(&points.inverse[..LANES]).max(load(&points.inverse[1..]));
+        let slack = load(&points.slack);
+        let (near, far) = (from.min(to), from.max(to));
+        // One width serves all of the edge, or there is no slack.
+        let even = slack.simd_eq(0.0) | (far.simd_le(near * 2.0) & far.simd_gt(slack * 2.0));
+        let shift = self.middle.0.abs() + self.middle.1.abs();
+        let sum = (x0.abs() + y0.abs()) + (x1.abs() + y1.abs());
+        let unsure = (sum + shift) * PROJECTED + EDGE as f32;
+        // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
+        let wide = unsure * 2.0 + slack * inverse * (SLACK_ROOM * self.per_unit);
+        wide.store_slice(&mut sides.wide);
+        unsure.store_slice(&mut sides.unsure);
+        // Also if it is NaN.
+        let small = sum.simd_lt(FAR_PIXEL);
+        let plain = near.simd_ge(self.limit) & even & small & wide.simd_lt(FAR_PIXEL);
+        let known = near.simd_ge(slack * 2.0 + 2.0 * self.limit) & small;
+        sides.plain = plain.to_bitmask() as u8 & sides.begins;
+        extent.unknown |= !(known.to_bitmask() as u8) & sides.begins;
+        extent.least = [x0.min(extent.least[0]), y0.min(extent.least[1])];
+        extent.most = [x0.max(extent.most[0]), y0.max(extent.most[1])];
+        let has_room = self.room.radius() > 0.0;
+        let room = if has_room { REACH_ROOM * self.room.radius() as f32 * self.per_unit } else { 0.0 };
+        let bits = u32x8::from_slice(simd, &[1, 2, 4, 8, 16, 32, 64, 128]);
+        let begins = (bits & u32x8::splat(simd, sides.begins.into())).simd_eq(bits);
+        let widest = if has_room { wide + inverse * room } else { wide };
+        extent.wide = begins.select(extent.wide.max(widest), extent.wide);
+        if sides.plain != sides.begins || has_room {
+            whole_sides((first + i) as u32, (sides, points), has_room, (&mut out.deep, &mut out.rims));
+        }
     }
 
     /// The pixels of a rectangle within the extent of a patch, if that is known: where the patch is
     /// deep enough.
     #[inline(always)]
     fn tighter<S: Simd>(&self, extent: &LaneRect<S>, within: PixelRect) -> Option<PixelRect> {
-        if extent.known.to_bitmask() != 0xff {
+        if extent.unknown != 0 {
             return Some(within);
         }
         let most = |lanes: f32x8<S>| f64::from(lanes.reduce_max());
@@ -273,69 +286,52 @@ impl Projector {
         let pixels = PixelRect { x: narrow(within.x, 0, self.first.0), y: narrow(within.y, 1, self.first.1) };
         (!pixels.is_empty()).then_some(pixels)
     }
-
-    /// Moves points to the face.
-    #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, f: &FaceFrame, ends: &Ends) -> PlacedSides<S> {
-        let (from, to) = (f.turn(simd, &ends.from), f.turn(simd, &ends.to));
-        let slack = f32x8::from_slice(simd, &ends.slack) * f.growth + f.error;
-        let zeros = |[x, y, z]: [f32x8<S>; 3]| x * 0.0 + y * 0.0 + z * 0.0;
-        let (near, far) = (from[2].min(to[2]), from[2].max(to[2]));
-        // One width serves all of the edge, or there is no slack.
-        let even = slack.simd_eq(0.0) | (far.simd_le(near * 2.0) & far.simd_gt(slack * 2.0));
-        let plain = near.simd_ge(self.limit) & even;
-        PlacedSides { from, to, slack, zero: slack * 0.0 + (zeros(from) + zeros(to)), plain }
-    }
-
-    /// The edges in pixels. Those that leave the range of pixels are no longer plain.
-    #[inline(always)]
-    fn edges<S: Simd>(&self, p: &PlacedSides<S>, extent: &mut LaneRect<S>) -> Edges {
-        let shift = self.middle.0.abs() + self.middle.1.abs();
-        let one = f32x8::splat(p.slack.simd, 1.0);
-        let (a, b) = (one / p.from[2], one / p.to[2]);
-        let column = |p: &[f32x8<S>; 3], inverse: f32x8<S>| p[0] * inverse * self.per_unit + self.middle.0;
-        let row = |p: &[f32x8<S>; 3], inverse: f32x8<S>| p[1] * inverse * self.per_unit + self.middle.1;
-        let (x0, y0, x1, y1) = (column(&p.from, a), row(&p.from, a), column(&p.to, b), row(&p.to, b));
-        let sum = (x0.abs() + y0.abs()) + (x1.abs() + y1.abs());
-        let unsure = (sum + shift) * PROJECTED + EDGE as f32;
-        // At depth z, points of the face move by at most slack (1 + |u|) / z, with |u| <= 1.
-        let grow = SLACK_ROOM * self.per_unit;
-        let wide = unsure * 2.0 + p.slack * a.max(b) * grow;
-        // Also if it is NaN.
-        let small = sum.simd_lt(FAR_PIXEL);
-        let plain = p.plain & small & wide.simd_lt(FAR_PIXEL);
-        extent.least = [x0.min(x1).min(extent.least[0]), y0.min(y1).min(extent.least[1])];
-        extent.most = [x0.max(x1).max(extent.most[0]), y0.max(y1).max(extent.most[1])];
-        extent.wide = extent.wide.max(wide);
-        if self.room.radius() > 0.0 {
-            let room = REACH_ROOM * self.room.radius() as f32 * self.per_unit;
-            extent.wide = extent.wide.max(wide + a.max(b) * room);
-        }
-        let near = p.from[2].min(p.to[2]);
-        extent.known = extent.known & near.simd_ge(p.slack * 2.0 + 2.0 * self.limit) & small;
-        let plain = plain.to_bitmask() as u8;
-        Edges {
-            x0: x0.into(),
-            y0: y0.into(),
-            x1: x1.into(),
-            y1: y1.into(),
-            wide: wide.into(),
-            unsure: unsure.into(),
-            plain,
-            seams: 0,
-        }
-    }
 }
 
-/// A side that is not drawn as one edge.
-fn whole_side<S: Simd>(p: &PlacedSides<S>, e: &Edges, group: u32, lane: usize) -> WholeSide {
-    let at = |of: &[f32x8<S>; 3]| DVec3::new(of[0][lane].into(), of[1][lane].into(), of[2][lane].into());
-    WholeSide {
-        group,
-        lane: lane as u32,
-        ends: [at(&p.from), at(&p.to)],
-        pixels: [(e.x0[lane].into(), e.y0[lane].into()), (e.x1[lane].into(), e.y1[lane].into())],
-        slack: p.slack[lane].into(),
+/// Lists the points of an outline. The end of a side is the start of the next one mostly.
+#[inline(always)]
+fn gather(d: &Drawable, out: &mut SeenSides) {
+    out.placed.clear();
+    let (mut at, mut end, positions) = (0, None, &d.surface.positions);
+    for (number, side) in d.outline() {
+        let [from, to] = side.ends;
+        if let Some(end) = end.filter(|&end| end != from) {
+            out.push(at, positions[end as usize]);
+            at += 1;
+        }
+        out.push(at, positions[from as usize]);
+        out.begin(at, side.slack, d.beyond(number, &side));
+        (at, end) = (at + 1, Some(to));
+    }
+    // The rest repeats the last one.
+    let last = end.map_or(Vec3::ZERO, |end| positions[end as usize]);
+    (at..at / LANES * LANES + LANES).for_each(|at| out.push(at, last));
+}
+
+/// Lists sides that are not drawn as one edge, and all of them if the eye may go some way.
+#[cold]
+fn whole_sides(
+    group: u32,
+    (sides, points): (&Sides, &PlacedPoints),
+    has_room: bool,
+    (deep, rims): (&mut Vec<WholeSide>, &mut Vec<WholeSide>),
+) {
+    for lane in (0..LANES).filter(|lane| sides.begins >> lane & 1 == 1) {
+        let at = |i: usize| DVec3::from_array(points.at.map(|of| of[i].into()));
+        let pixel = |i: usize| (sides.x[i].into(), sides.y[i].into());
+        let side = WholeSide {
+            group,
+            lane: lane as u32,
+            ends: [at(lane), at(lane + 1)],
+            pixels: [pixel(lane), pixel(lane + 1)],
+            slack: points.slack[lane].into(),
+        };
+        if sides.plain >> lane & 1 == 0 {
+            deep.push(side.clone());
+        }
+        if has_room {
+            rims.push(side);
+        }
     }
 }
 
@@ -425,15 +421,17 @@ mod tests {
                     placement.as_ref().map_or(v, |p| p.affine.transform_point3(v)) - eye
                 };
                 deep += out.deep.len();
-                for (i, (_, side)) in drawable.outline().enumerate() {
-                    let Edges { x0, y0, x1, y1, wide, unsure, plain, .. } = out.groups[i / LANES].edges;
-                    let i = i % LANES;
+                let begin = |s: &Sides| (0..LANES).filter(|i| s.begins >> i & 1 == 1).collect::<Vec<_>>();
+                let points = out.groups.iter().flat_map(|s| begin(s).into_iter().map(move |i| (s, i)));
+                for ((Sides { x, y, wide, unsure, plain, .. }, i), (_, side)) in
+                    points.zip(drawable.outline())
+                {
                     if plain >> i & 1 == 0 {
                         continue;
                     }
                     edges += 1;
                     let [from, to] = drawable.surface.ends(&side);
-                    for (p, (x, y)) in [(from, (x0[i], y0[i])), (to, (x1[i], y1[i]))] {
+                    for (p, (x, y)) in [(from, (x[i], y[i])), (to, (x[i + 1], y[i + 1]))] {
                         let (u, v) = exact(&face, buffer.window().per_unit(), projector.first(), place(p));
                         let off = (f64::from(x) - u).abs().max((f64::from(y) - v).abs());
                         let within = if face.parallel || placement.is_some() { wide[i] } else { unsure[i] };

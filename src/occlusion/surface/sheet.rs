@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use fearless_simd::Simd;
+use fearless_simd::f32x4;
+use fearless_simd::prelude::*;
 
-use crate::numeric::occlusion::{above, below};
+use crate::numeric::occlusion::below;
 use crate::occlusion::coverage::Coverage;
 use crate::occlusion::surface::back::Back;
-use crate::occlusion::surface::raster::{Area, COLUMNS, FEW, PixelMarks, Raster, Spans, TILES, tiles};
-use crate::occlusion::tiles::TILE;
+use crate::occlusion::surface::raster::{Area, COLUMNS, Head, PixelMarks, Raster, TILES, tiles};
+use crate::occlusion::tiles::{TILE, bits};
 
 /// A rectangle of tiles of a face, and what covers them.
 pub(crate) struct Sheet<'a> {
@@ -26,8 +27,9 @@ pub(crate) struct Sheet<'a> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Joint {
     area: Area,
-    /// The blocks in use. Others have no marks, whatever they hold.
-    spans: Spans,
+    /// The blocks in use, and for each block whether it is. Others hold anything.
+    used: Vec<u32>,
+    is_used: Vec<bool>,
     blocks: Vec<PixelMarks>,
     /// The least nearness of the patches in each tile.
     nears: Vec<[f32; TILES]>,
@@ -36,59 +38,53 @@ pub(super) struct Joint {
 impl Joint {
     #[inline(always)]
     pub(super) fn clear(&mut self, area: Area) {
+        self.used.drain(..).for_each(|at| self.is_used[at as usize] = false);
         self.area = area;
         let count = area.block_count();
         if self.blocks.len() < count {
-            self.blocks.resize(count, PixelMarks::default());
+            self.is_used.resize(count, false);
+            self.blocks.resize(count, PixelMarks::NONE);
             self.nears.resize(count, [f32::INFINITY; TILES]);
         }
-        let all = self.spans.begin(&area);
-        self.clear_blocks(all);
     }
 
+    /// Adds the marks of a patch in a block of an area inside. Returns the nearness of its tiles.
     #[inline(always)]
-    fn clear_blocks(&mut self, blocks: Range<usize>) {
-        self.blocks[blocks.clone()].fill(PixelMarks::default());
-        self.nears[blocks].fill([f32::INFINITY; TILES]);
-    }
-
-    /// Takes a block of an area inside into use. Returns its place.
-    #[inline(always)]
-    fn take(&mut self, inside: &Area, row: i64, column: i64) -> usize {
-        let (row, column) = self.area.place(inside, row, column);
-        for fresh in self.spans.take(row as usize, column as usize, column as usize + 1) {
-            if !fresh.is_empty() {
-                self.clear_blocks(fresh);
-            }
+    fn add(&mut self, inside: &Area, (row, column): (i64, i64), marks: &PixelMarks) -> &mut [f32; TILES] {
+        let at = self.area.block(inside, row, column);
+        if std::mem::replace(&mut self.is_used[at], true) {
+            self.blocks[at].add(marks);
+        } else {
+            self.used.push(at as u32);
+            self.blocks[at] = *marks;
+            self.nears[at] = [f32::INFINITY; TILES];
         }
-        (row * self.area.nx + column) as usize
+        &mut self.nears[at]
     }
-}
-
-/// A block of pixels on a sheet: the place of its first tile, that tile's column and row, and the
-/// range of its tiles that belong to the sheet.
-struct BlockPlace {
-    tile: usize,
-    column: i64,
-    row: i64,
-    from: usize,
-    to: usize,
 }
 
 impl Sheet<'_> {
-    /// A block of an area; `None` if the sheet has none of its tiles.
+    /// The place of the first tile of a block, and which of its tiles the sheet has, one bit each.
     #[inline(always)]
-    fn place(&self, area: &Area, row: i64, column: i64) -> Option<BlockPlace> {
-        let (x, y) = (area.x / TILE + column * TILES as i64, area.y / TILE + row);
-        let (left, low) = (x - self.first.0, y - self.first.1);
-        let from = (-left).max(0);
-        let to = (self.count.0 - left).min(TILES as i64);
-        if from >= to || low < 0 || low >= self.count.1 {
-            return None;
-        }
+    fn place(&self, area: &Area, row: i64, column: i64) -> (usize, u32) {
+        let left = area.x / TILE + column * TILES as i64 - self.first.0;
+        let low = area.y / TILE + row - self.first.1;
+        let (from, to) = ((-left).clamp(0, TILES as i64), (self.count.0 - left).clamp(0, TILES as i64));
+        let is_beside = low < 0 || low >= self.count.1;
         // Where the block begins left of the sheet, the sum is right all the same.
         let tile = self.base.wrapping_add_signed((low * self.count.0 + left) as isize);
-        Some(BlockPlace { tile, column: x, row: y, from: from as usize, to: to as usize })
+        (tile, if is_beside { 0 } else { 0xf << from & 0xf >> (TILES as i64 - to) })
+    }
+
+    /// Which of some tiles of a block are not covered nearer than a nearness.
+    #[inline(always)]
+    fn open<S: Simd>(&self, simd: S, (tile, own): (usize, u32), near: f32) -> u32 {
+        match self.coverage.closed_four(tile) {
+            Some(closed) => own & f32x4::from_slice(simd, closed).simd_lt(near).to_bitmask() as u32,
+            None => each_bit(own)
+                .filter(|i| self.coverage.closed(tile.wrapping_add(*i)) < near)
+                .fold(0, |all, i| all | 1 << i),
+        }
     }
 
     /// How many blocks of pixels its tiles fill.
@@ -104,7 +100,7 @@ impl Sheet<'_> {
 
     /// Covers the pixels of one patch, of which no point is nearer than `near`, and adds its marks
     /// to those of its component. Pixels that rims touch stay open. Returns whether any hides more
-    /// than before.
+    /// than before, and how many blocks of pixels it went through.
     #[inline(always)]
     pub(super) fn cover_patch<S: Simd>(
         &mut self,
@@ -113,63 +109,63 @@ impl Sheet<'_> {
         (near, back): (f32, &Back),
         rims: Option<&Raster>,
         mut joint: Option<&mut Joint>,
-    ) -> bool {
+    ) -> (bool, u64) {
         let area = raster.area();
-        let mut changed = false;
-        // To ask for whole blocks is worth it where patches lie over each other in many.
-        let is_wide = area.block_count() > FEW;
-        for (row, column) in raster.spans().blocks() {
-            let marks = raster.marks_in_use(row, column);
-            let (row, column) = (row as i64, column as i64);
-            let Some(place) = self.place(area, row, column) else { continue };
-            let mut near = near;
-            if is_wide {
-                let at = (self.border(place.column), self.border(place.row));
-                let size = (self.step * TILES as f64, self.step);
-                near = near.min(above(back.behind_at_most(simd, at, size)));
-                let (first, last) =
-                    (place.tile.wrapping_add(place.from), place.tile.wrapping_add(place.to - 1));
-                if joint.is_none() && self.coverage.all_closed(first, last, near) {
+        let (mut changed, mut blocks) = (false, 0);
+        for row in 0..area.ny {
+            let Range { start, mut end } = raster.columns(row as usize);
+            let (mut before, mut column) = (Head::default(), start);
+            let planes = back.row(self.border(area.y / TILE + row), self.step);
+            while column < end {
+                let (block, here) = (row as usize * area.nx as usize + column, column as i64);
+                column += 1;
+                blocks += 1;
+                let head = raster.head(block);
+                before.add(head);
+                if !head.is_marked() && before.is_zero() {
                     continue;
                 }
-            }
-            let covered = closed_to_rims(marks.covered(), rims, area, (row, column));
-            let columns = covered.iter().fold(0, |all, row| all | row);
-            let marked = if joint.is_some() { marks.marked_columns() } else { columns };
-            if marked == 0 {
-                continue;
-            }
-            let words = if columns == 0 { [0; TILES] } else { tiles(&covered) };
-            let mut joint = joint.as_deref_mut().map(|joint| {
-                let at = joint.take(area, row, column);
-                joint.blocks[at].add(marks);
-                &mut joint.nears[at]
-            });
-            for i in place.from..place.to {
-                if marked >> (TILE as usize * i) & 0xff == 0 {
+                if column == end {
+                    // An outline may go around the rest of the row: no edge is there.
+                    end = if before.is_zero() { end } else { area.nx as usize };
+                }
+                let (tile, own) = self.place(area, row, here);
+                let mut open = self.open(simd, (tile, own), near);
+                if joint.is_none() && open == 0 {
                     continue;
                 }
-                let tile = place.tile.wrapping_add(i);
-                let closed = self.coverage.closed(tile);
-                if closed >= near {
-                    if let Some(nears) = &mut joint {
-                        // Seams with it need not be closed.
-                        nears[i] = f32::NEG_INFINITY;
+                let (mut words, mut nears) = ([u64::MAX; TILES], None);
+                if head.is_marked() || !before.is_full() || rims.is_some() || joint.is_some() {
+                    let marks = raster.marks(block).passed(before);
+                    words = tiles(&closed_to_rims(marks.covered(), rims, area, (row, here)));
+                    let mut marked = with_bits(&words);
+                    if let Some(joint) = &mut joint {
+                        marked = with_bits(&marks.marked_columns().to_le_bytes().map(u64::from));
+                        let of = joint.add(area, (row, here), &marks);
+                        // Seams with those that are covered nearer need not be closed.
+                        each_bit(own & marked & !open).for_each(|i| of[i] = f32::NEG_INFINITY);
+                        nears = Some(of);
                     }
+                    open &= marked;
+                }
+                if open == 0 {
                     continue;
                 }
-                let at = (self.border(place.column + i as i64), self.border(place.row));
-                let (near, plane) = back.behind(simd, at, self.step);
-                let near = below(near);
-                if words[i] != 0 && closed < near {
-                    changed |= self.coverage.cover_plane(tile, words[i], near, plane);
-                }
-                if let Some(nears) = &mut joint {
-                    nears[i] = nears[i].min(near);
+                let first = (area.x / TILE + here * TILES as i64) as f64;
+                let behind = back.behind(simd, &planes, first, self.step);
+                for i in each_bit(open) {
+                    let near = below(behind.near[i]);
+                    if words[i] != 0 {
+                        let plane = back.plane(behind.plane[i]);
+                        changed |= self.coverage.cover_behind(tile.wrapping_add(i), words[i], near, plane);
+                    }
+                    if let Some(nears) = &mut nears {
+                        nears[i] = nears[i].min(near);
+                    }
                 }
             }
         }
-        changed
+        (changed, blocks)
     }
 
     /// Covers the pixels that only seams between the patches of a component touch.
@@ -177,24 +173,29 @@ impl Sheet<'_> {
     pub(super) fn cover_seams(&mut self, rims: Option<&Raster>, joint: &Joint) -> bool {
         let area = &joint.area;
         let mut changed = false;
-        for (row, column) in joint.spans.blocks() {
-            let (row, column) = (row as i64, column as i64);
-            let at = (row * area.nx + column) as usize;
-            let covered = closed_to_rims(joint.blocks[at].covered_seams(), rims, area, (row, column));
-            if covered.iter().fold(0, |all, row| all | row) == 0 {
-                continue;
-            }
-            let Some(place) = self.place(area, row, column) else { continue };
-            let words = tiles(&covered);
-            for (i, &word) in words.iter().enumerate().take(place.to).skip(place.from) {
-                let (tile, near) = (place.tile.wrapping_add(i), joint.nears[at][i]);
-                if word != 0 && self.coverage.closed(tile) < near {
-                    changed |= self.coverage.cover(tile, word, near);
-                }
+        for at in joint.used.iter().map(|&at| at as usize) {
+            let (row, column) = (at as i64 / area.nx, at as i64 % area.nx);
+            let words = tiles(&closed_to_rims(joint.blocks[at].covered_seams(), rims, area, (row, column)));
+            let (tile, own) = self.place(area, row, column);
+            for i in each_bit(own & with_bits(&words)) {
+                let near = joint.nears[at][i];
+                changed |= self.coverage.cover_behind(tile.wrapping_add(i), words[i], near, None);
             }
         }
         changed
     }
+}
+
+/// The numbers of the set bits of a word.
+#[inline(always)]
+fn each_bit(word: u32) -> impl Iterator<Item = usize> {
+    bits(word.into()).map(|bit| bit as usize % TILES)
+}
+
+/// Which of four words have bits, one bit each.
+#[inline(always)]
+fn with_bits(words: &[u64; TILES]) -> u32 {
+    words.iter().rev().fold(0, |all, &word| all << 1 | u32::from(word != 0))
 }
 
 /// Covered pixels without those that rims touch, in a block of an area inside that of the rims.

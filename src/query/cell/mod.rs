@@ -97,12 +97,6 @@ impl<'a> CellWalk<'a> {
         }
     }
 
-    /// Counts more cells as opaque.
-    pub(crate) fn with_more(mut self, more: impl Iterator<Item = &'a BitMatrix>) -> Self {
-        self.opaque.extend(more);
-        self
-    }
-
     /// Records the cells visited and hidden.
     pub(crate) fn with_record(self, record: Recorded<'a>) -> Self {
         Self { record, ..self }

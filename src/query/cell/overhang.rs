@@ -66,7 +66,7 @@ impl CellWalk<'_> {
     pub(super) fn list_overhanging(&mut self, known: bool) {
         let (scene, cell) = (self.scene, self.shells.cell);
         let grid = scene.grid();
-        let room = self.view.eye_room();
+        let room = self.view.eye_box().max_element();
         let from = Block::new(grid.cell_bounds(cell)).grown(room);
         let (mut slots, mut listed) = (Vec::new(), Vec::new());
         scene.overhang().slots_where(|block| self.view.may_see_volume(block), |slot| slots.push(slot));

@@ -100,7 +100,7 @@ impl PointWalk<'_> {
         for m in 0..=shells.farthest {
             self.shell_bricks(&shells, m, &mut bricks);
         }
-        bricks.sort_by(|a, b| {
+        bricks.sort_unstable_by(|a, b| {
             let depth = |c: &IVec3| c.as_dvec3().dot(direction);
             depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
         });

@@ -66,7 +66,7 @@ impl<'a> PointWalk<'a> {
             return;
         }
         patches.sort_unstable();
-        let mut batch = Batch::with_capacity(patches.len());
+        let mut batch = std::mem::take(&mut self.scratch.batch).emptied();
         self.scratch.batches += 1;
         for of_object in patches.chunk_by(|a, b| a.0 == b.0) {
             let slot = of_object[0].0;

@@ -63,10 +63,10 @@ impl PointWalk<'_> {
 
     /// Notes which occluders were of use in magnified pixels, before those are forgotten.
     pub(super) fn end_examinations(&mut self) {
-        let PointScratch { magnifier, hands, used, .. } = &mut *self.scratch;
+        let PointScratch { magnifier, hands, buffers, used, .. } = &mut *self.scratch;
         self.stats.refine_patches += magnifier.cost(hands);
         if self.coherent {
-            magnifier.used(hands, used);
+            magnifier.used(hands, buffers, used);
         }
     }
 
@@ -139,18 +139,9 @@ impl PointWalk<'_> {
         budget: &mut Budget,
     ) -> bool {
         let buffers = &self.scratch.buffers;
-        let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
-        let drawable = |id: u32| {
-            let (slot, patch) = self.scratch.patches[id as usize];
-            self.drawable(slot, patch)
-        };
-        let patches = Redrawable { drawable };
-        let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
-        let refines = effort.squares > 0 || self.options.refine_patches > 0;
-        let mut hidden = |target: &Target| {
-            if !refines { buffers.test(target) == Verdict::Hidden } else { examination.hides(target, slot) }
-        };
         let (origin, direction) = (buffers.origin(), buffers.direction());
+        let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
+        let refines = effort.squares > 0 || self.options.refine_patches > 0;
         if let Some(middle) = bounds.kind().middle_of_parts() {
             if self.hides(&bounds.block()) {
                 return true;
@@ -161,20 +152,40 @@ impl PointWalk<'_> {
             }
         }
         // Parts of meshes cannot be grown by the uncertainty of the eye; their box can.
-        let parts = if buffers.uncertainty() == 0.0 {
-            // Then any examination finds it.
-            if bounds.kind().any_part(origin, &mut |part| buffers.shows_plainly(part.middle(), slot)) {
-                return false;
-            }
-            bounds.kind().all_parts(origin, &mut |part| {
-                let block = part.bounds();
-                buffers.hides(&block) || hidden(&Target::part(part, block, direction))
-            })
-        } else {
-            None
+        let in_parts = buffers.uncertainty() == 0.0;
+        // Then any examination finds it.
+        if in_parts && bounds.kind().any_part(origin, &mut |part| buffers.shows_plainly(part.middle(), slot))
+        {
+            return false;
+        }
+        let drawable = |id: u32| {
+            let (slot, patch) = self.scratch.patches[id as usize];
+            self.drawable(slot, patch)
         };
-        parts.unwrap_or_else(|| {
-            hidden(&Target::new(bounds.kind().outer(origin, buffers.uncertainty()), direction))
-        })
+        let patches = Redrawable { drawable };
+        let mut target = std::mem::take(&mut hand.target);
+        let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
+        let mut hidden = |target: &Target| {
+            if refines {
+                return examination.hides(target, slot);
+            }
+            buffers.test(target, &mut examination.hand.on_face) == Verdict::Hidden
+        };
+        let parts = match in_parts {
+            true => bounds.kind().all_parts(origin, &mut |part| {
+                let block = part.bounds();
+                buffers.hides(&block) || {
+                    target.set_part(part, block, direction);
+                    hidden(&target)
+                }
+            }),
+            false => None,
+        };
+        let is_hidden = parts.unwrap_or_else(|| {
+            target.set_body(&bounds.kind().outer(origin, buffers.uncertainty()), direction);
+            hidden(&target)
+        });
+        examination.hand.target = target;
+        is_hidden
     }
 }

@@ -10,7 +10,7 @@ use crate::mesh::surface::{PatchIndex, PatchSide, PatchSlab, Surface};
 use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
 use crate::occlusion::surface::drawable::Drawable;
-use crate::occlusion::surface::viewpoint::Viewpoint;
+use crate::occlusion::surface::projector::Viewpoint;
 use crate::query::point::PointWalk;
 
 /// The surface of an object.

@@ -82,7 +82,7 @@ impl PointWalk<'_> {
     /// What may be said of all objects of a zone in the frustum.
     fn outlook(&self, zone: &Zone, planes: &Planes) -> Outlook {
         let (room, scratch) = (zone.room(), &*self.scratch);
-        let reach = self.view.eye_room();
+        let reach = self.view.eye_box();
         let around = Block { min: room.min - reach, max: room.max + reach };
         // A coherent run asks more of its objects.
         let close = self.coherent || self.view.eye().is_some_and(|eye| around.contains_point(eye));

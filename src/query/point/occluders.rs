@@ -3,12 +3,11 @@
 use casca_slots::Slot;
 
 use crate::geometry::Block;
+use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::grid::cell_box::CellBox;
 use crate::numeric::shape::REGION;
 use crate::object::Occluder;
-use crate::occlusion::buffers::OcclusionBuffers;
-use crate::occlusion::solid::Solid;
 use crate::query::point::PointWalk;
 use crate::query::point::recall::Role;
 use crate::query::start::rays_start_in_occluder;
@@ -86,9 +85,9 @@ impl PointWalk<'_> {
             return;
         }
         let buffers = &mut self.scratch.buffers;
-        if let Some(solid) = solid(occluder, buffers) {
+        let body = occluder.kind().inner(buffers.origin(), buffers.uncertainty());
+        if let Some(changed) = body.and_then(|body| buffers.draw_body(&body, slot)) {
             self.stats.occluders_drawn += 1;
-            let changed = buffers.draw(solid, slot);
             self.drew_solid(slot, changed);
         }
     }
@@ -124,10 +123,7 @@ impl PointWalk<'_> {
         if !(starts_outside && self.starts.cut().iter().all(|(_, region)| outside(region))) {
             return false;
         }
-        let Some(solid) = Solid::part(&part, buffers.direction(), buffers.room()) else {
-            return false;
-        };
-        let changed = buffers.draw(solid, slot);
+        let Some(changed) = buffers.draw_body(&Body::Part(part), slot) else { return false };
         self.drew_solid(slot, changed);
         true
     }
@@ -146,11 +142,9 @@ impl PointWalk<'_> {
         let is_alike = self.is_like_solid(&block, inner.gap);
         let buffers = &mut self.scratch.buffers;
         let part = occluder.inner_from(buffers.origin());
-        let Some(solid) = part.and_then(|part| Solid::part(&part, buffers.direction(), buffers.room()))
-        else {
+        let Some(changed) = part.and_then(|part| buffers.draw_body(&Body::Part(part), slot)) else {
             return false;
         };
-        let changed = buffers.draw(solid, slot);
         self.drew_solid(slot, changed);
         is_alike
     }
@@ -165,12 +159,9 @@ impl PointWalk<'_> {
             return false;
         }
         let buffers = &mut self.scratch.buffers;
-        let (origin, direction, room) = (buffers.origin(), buffers.direction(), *buffers.room());
         let mut changed = false;
-        occluder.shells(origin, &mut |part, beyond| {
-            if let Some(solid) = Solid::shell(part, beyond, direction, &room) {
-                changed |= buffers.draw(solid, slot);
-            }
+        occluder.shells(buffers.origin(), &mut |part, beyond| {
+            changed |= buffers.draw_shell(part, beyond, slot) == Some(true);
         });
         self.drew_solid(slot, changed);
         self.is_like_shells(&block, gap)
@@ -215,10 +206,9 @@ impl PointWalk<'_> {
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
             && !buffers.hides(&block)
-            && let Some(solid) = Solid::block(block, buffers.direction(), buffers.room())
+            && buffers.draw_body(&Body::Block(block), NOBODY).is_some()
         {
             self.stats.cells_drawn += 1;
-            buffers.draw(solid, NOBODY);
         }
     }
 
@@ -228,10 +218,4 @@ impl PointWalk<'_> {
         let in_occluder = || rays_start_in_occluder(self.scene, self.view, &self.starts);
         *self.fuses.get_or_insert_with(|| !in_occluder())
     }
-}
-
-/// A convex occluder, smaller by how far the origin may be from the eye; `None` if nothing is left.
-pub(super) fn solid(occluder: &Occluder, buffers: &OcclusionBuffers) -> Option<Solid> {
-    let inner = occluder.kind().inner(buffers.origin(), buffers.uncertainty())?;
-    Solid::new(inner, buffers.direction(), buffers.room())
 }

@@ -18,7 +18,8 @@ pub(crate) struct Overlay {
     marks: Marks,
     /// Stays empty.
     pvs: Pvs,
-    drawn: u32,
+    /// How many occluders were drawn.
+    pub(crate) drawn: u32,
 }
 
 impl Overlay {
@@ -39,11 +40,6 @@ impl Overlay {
         let options = PointOptions::new().unrefined();
         let walk = PointWalk::new(scene, view, &options, pvs, marks, scratch);
         *drawn = walk.draw_over(std::iter::once(first).chain(slots));
-    }
-
-    /// How many occluders were drawn.
-    pub(crate) fn drawn(&self) -> u32 {
-        self.drawn
     }
 
     /// Whether no point of some bounds can be seen.

@@ -9,8 +9,9 @@ use crate::mesh::surface::PatchIndex;
 use crate::object::Bounds;
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::magnify::{Hand, Magnifier, UsedFinely};
+use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::by_patch::ByPatch;
-use crate::occlusion::target::Target;
+use crate::occlusion::target::{FaceTarget, Target};
 use crate::query::marks::Marks;
 use crate::query::point::offered::Offered;
 use crate::query::point::recall::Coherence;
@@ -79,6 +80,8 @@ pub(crate) struct PointScratch {
     /// For each patch of the scene, how it was drawn last.
     pub(super) drawn: ByPatch<DrawnPatch>,
     pub(super) batches: u32,
+    /// Memory for one of them.
+    pub(super) batch: Batch<'static>,
     /// The patches drawn, in the order of first drawing: object and patch.
     pub(super) patches: Vec<(Slot, PatchIndex)>,
     /// The objects of which an occluder hid more than before.
@@ -140,7 +143,7 @@ impl PointScratch {
             return false;
         }
         let outer = bounds.kind().outer(buffers.origin(), buffers.uncertainty());
-        buffers.test(&Target::new(outer, buffers.direction())) == Verdict::Hidden
+        buffers.test(&Target::new(&outer, buffers.direction()), &mut FaceTarget::default()) == Verdict::Hidden
     }
 
     /// Whether the view that the buffers are of may see a temporal bounding volume.

@@ -102,9 +102,8 @@ impl<'a> PointWalk<'a> {
     /// batch was not worth.
     pub(super) fn draw_all_patches(&mut self, m: i32) {
         let last = self.waiting_up_to(m);
-        let count = self.scratch.waiting[..last].iter().map(|shell| shell.listed.len()).sum();
-        if count > 0 {
-            self.draw_waiting(last, m.max(0) as usize, count);
+        if self.scratch.waiting[..last].iter().any(|shell| !shell.listed.is_empty()) {
+            self.draw_waiting(last, m.max(0) as usize);
         }
     }
 
@@ -123,8 +122,8 @@ impl<'a> PointWalk<'a> {
 
     /// Draws patches that wait in the first shells, together. Parts that begin beyond shell `m`
     /// wait; which ones does not depend on the shells that there is room for.
-    fn draw_waiting(&mut self, last: usize, m: usize, count: usize) {
-        let mut batch = Batch::with_capacity(count);
+    fn draw_waiting(&mut self, last: usize, m: usize) {
+        let mut batch = std::mem::take(&mut self.scratch.batch).emptied();
         self.scratch.batches += 1;
         for shell in 0..last {
             // Parts of those listed begin in the same shell or later.
@@ -141,6 +140,7 @@ impl<'a> PointWalk<'a> {
     /// Draws patches together.
     pub(super) fn draw_batch(&mut self, mut batch: Batch<'a>) {
         if batch.drawables.is_empty() {
+            self.scratch.batch = batch.emptied();
             return;
         }
         self.collect_neighbours(&mut batch);
@@ -150,6 +150,7 @@ impl<'a> PointWalk<'a> {
         self.stats.patch_blocks += self.scratch.buffers.draw_surfaces(&batch, patches, listed, shared);
         self.count_useful(&batch);
         self.drew_batch(&batch);
+        self.scratch.batch = batch.emptied();
     }
 
     /// Counts the objects with patches in a batch that hid more than before.

@@ -304,7 +304,7 @@ impl Kind for Convex {
     }
 
     /// Only eyes known exactly see it whole.
-    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body> {
-        (shrink == 0.0).then(|| Body::Polytope(self.seen_from(origin)))
+    fn inner(&self, origin: DVec3, shrink: f64) -> Option<Body<'_>> {
+        (shrink == 0.0).then(|| Body::Part(self.part(origin)))
     }
 }

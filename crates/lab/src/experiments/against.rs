@@ -1,7 +1,6 @@
-//! The default method against a vectorised occlusion buffer, as engines ship it, and its presets
-//! beside each other, on all scenes.
+//! The default method against a vectorised occlusion buffer, as engines ship it, on all scenes.
 
-use casca::{Method, PointOptions};
+use casca::Method;
 
 use super::Place;
 use super::walker::{Walker, item_buffer};
@@ -9,17 +8,6 @@ use super::{BUFFER, Contender, Lab, LabError, Section, Table, median, p99};
 use casca_scenes::drive::fitted_grid;
 use casca_scenes::generated::SceneKind;
 use casca_scenes::world::World;
-
-/// The sets of options that have names, from the fastest to the tightest.
-const PRESETS: [(&str, PointOptions); 3] = [
-    ("fast", PointOptions::fast()),
-    ("balanced", PointOptions::balanced()),
-    ("tight", PointOptions::tight()),
-];
-/// The default among [`PRESETS`].
-const BALANCED: usize = 1;
-/// Times that differ by less than this share count as equal: the machine is not quieter.
-const NOISE: f64 = 0.05;
 
 /// How much is measured of a walk.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +23,7 @@ struct Sampling {
 }
 
 /// What a method did on a walk.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Score {
     /// Milliseconds of a frame, the median of the frames' least.
     ms: f64,
@@ -48,7 +36,7 @@ struct Score {
 }
 
 /// What was measured on one scene.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct BufferCost {
     /// The scene's name.
     scene: String,
@@ -56,23 +44,10 @@ struct BufferCost {
     in_frustum: f64,
     /// Objects of which the item buffer shows a pixel.
     visible: f64,
-    /// The point method in the grid of [`fitted_grid`], with each of [`PRESETS`].
-    presets: [Score; PRESETS.len()],
+    /// The point method in the grid of [`fitted_grid`].
+    point: Score,
     /// The buffer.
     buffer: Score,
-}
-
-impl BufferCost {
-    /// The default options.
-    fn point(&self) -> &Score {
-        &self.presets[BALANCED]
-    }
-
-    /// Whether each of the presets is no faster and no looser than the one before it, but for
-    /// noise.
-    fn keeps_order(&self) -> bool {
-        self.presets.windows(2).all(|w| w[0].ms <= w[1].ms * (1.0 + NOISE) && w[0].ratio >= w[1].ratio)
-    }
 }
 
 /// Sums over the frames of a walk.
@@ -108,11 +83,8 @@ fn measure(world: World, sampling: &Sampling) -> Result<BufferCost, LabError> {
     let fitted = fitted_grid(&world)?;
     let mut walker = Walker::new(world)?;
     walker.add(&fitted)?;
-    let mut contenders = vec![Contender::hzb(BUFFER.0, BUFFER.1)];
-    for (name, options) in PRESETS {
-        contenders.push(Contender::casca(name, Method::Point(options))?);
-    }
-    let mut sums: Vec<Sums> = contenders.iter().map(|_| Sums::default()).collect();
+    let mut contenders = [Contender::hzb(BUFFER.0, BUFFER.1), Contender::casca("point", Method::point())?];
+    let mut sums: [Sums; 2] = Default::default();
     let mut exact = item_buffer(sampling.width);
     let every = sampling.frames.min(walker.world.frames).div_ceil(sampling.judged.max(1)).max(1);
     let (mut visible_sum, mut frustum_sum, mut done, mut judged) = (0, 0, 0, 0);
@@ -132,13 +104,13 @@ fn measure(world: World, sampling: &Sampling) -> Result<BufferCost, LabError> {
         Ok(())
     })?;
     let mean = |sum: f64, frames: usize| sum / frames.max(1) as f64;
-    let mut scores = sums.iter_mut().map(|s| s.score(visible_sum, judged));
+    let [buffer, point] = sums.map(|mut s| s.score(visible_sum, judged));
     Ok(BufferCost {
         scene: walker.world.name.clone(),
         in_frustum: mean(frustum_sum as f64, done),
         visible: mean(visible_sum as f64, judged),
-        buffer: scores.next().unwrap_or_default(),
-        presets: std::array::from_fn(|_| scores.next().unwrap_or_default()),
+        point,
+        buffer,
     })
 }
 
@@ -166,27 +138,19 @@ pub fn against(lab: &Lab) -> Result<Section, LabError> {
     let mut section = Section::new("Against a vectorised occlusion buffer");
     section.text(comparison(&costs));
     section.rows("All scenes as CSV", against_table(&costs));
-    section.text(order(&costs));
-    section.rows("The presets as CSV", presets_table(&costs));
     Ok(section)
 }
 
 /// The time of the default method over that of the buffer.
 fn slower(cost: &BufferCost) -> f64 {
-    cost.point().ms / cost.buffer.ms.max(f64::MIN_POSITIVE)
-}
-
-/// The names of the scenes of which something is true; "none" if there are none.
-fn names(costs: &[BufferCost], which: impl Fn(&BufferCost) -> bool) -> String {
-    let chosen: Vec<&str> = costs.iter().filter(|c| which(c)).map(|c| c.scene.as_str()).collect();
-    if chosen.is_empty() { "none".to_owned() } else { chosen.join(", ") }
+    cost.point.ms / cost.buffer.ms.max(f64::MIN_POSITIVE)
 }
 
 fn comparison(costs: &[BufferCost]) -> String {
     let (least, most) =
         costs.iter().map(slower).fold((f64::INFINITY, 0.0f64), |(lo, hi), r| (lo.min(r), hi.max(r)));
     let [tighter, losing] = [
-        costs.iter().filter(|c| c.point().ratio <= c.buffer.ratio).count(),
+        costs.iter().filter(|c| c.point.ratio <= c.buffer.ratio).count(),
         costs.iter().filter(|c| c.buffer.lost > 0.0).count(),
     ];
     format!(
@@ -199,19 +163,6 @@ fn comparison(costs: &[BufferCost]) -> String {
         BUFFER.0,
         BUFFER.1,
         costs.len()
-    )
-}
-
-fn order(costs: &[BufferCost]) -> String {
-    let lost: f64 = costs.iter().flat_map(|c| c.presets).map(|s| s.lost).sum();
-    let losses = if lost > 0.0 { "some lose" } else { "none loses" };
-    format!(
-        "`PointOptions::fast`, `balanced` (the default) and `tight`; {losses} visible objects. **From one to \
-         the next, times grow and sets shrink on {} of {} scenes**; exceptions: {}. Times within 5% count as \
-         equal.",
-        costs.iter().filter(|c| c.keeps_order()).count(),
-        costs.len(),
-        names(costs, |c| !c.keeps_order())
     )
 }
 
@@ -236,52 +187,9 @@ fn against_table(costs: &[BufferCost]) -> Table {
             let fine = [s.ms, s.p99].map(|ms| format!("{ms:.3}"));
             fine.into_iter().chain([s.ratio, s.lost].map(|v| format!("{v:.2}")))
         };
-        let point = cost.point();
         let first = [cost.scene.clone(), format!("{:.0}", cost.in_frustum), format!("{:.1}", cost.visible)];
-        let scores = score(point).chain(score(&cost.buffer));
+        let scores = score(&cost.point).chain(score(&cost.buffer));
         table.row(first.into_iter().chain(scores).chain([format!("{:.1}", slower(cost))]));
     }
     table
-}
-
-fn presets_table(costs: &[BufferCost]) -> Table {
-    let quantities = ["ms", "p99, ms", "PVS/visible", "lost"];
-    let of = |(name, _): &(&str, _)| quantities.map(|q| format!("{name}, {q}"));
-    let columns: Vec<String> = std::iter::once("scene".to_owned())
-        .chain(PRESETS.iter().flat_map(of))
-        .chain(["in order".to_owned()])
-        .collect();
-    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let mut table = Table::new("presets", &columns);
-    for cost in costs {
-        let scores = cost.presets.iter().flat_map(|s| {
-            [
-                format!("{:.3}", s.ms),
-                format!("{:.3}", s.p99),
-                format!("{:.3}", s.ratio),
-                format!("{:.2}", s.lost),
-            ]
-        });
-        let order = if cost.keeps_order() { "yes" } else { "no" };
-        table.row(std::iter::once(cost.scene.clone()).chain(scores).chain([order.to_owned()]));
-    }
-    table
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn score(ms: f64, ratio: f64) -> Score {
-        Score { ms, ratio, ..Score::default() }
-    }
-
-    #[test]
-    fn presets_are_in_order_if_each_takes_longer_and_finds_less() {
-        let order = |presets| BufferCost { presets, ..BufferCost::default() }.keeps_order();
-        assert!(order([score(1.0, 1.3), score(2.0, 1.1), score(3.0, 1.1)]));
-        assert!(order([score(1.01, 1.3), score(1.0, 1.3), score(3.0, 1.1)]), "a hundredth is noise");
-        assert!(!order([score(2.0, 1.3), score(1.0, 1.1), score(3.0, 1.0)]));
-        assert!(!order([score(1.0, 1.1), score(2.0, 1.2), score(3.0, 1.0)]));
-    }
 }

@@ -58,11 +58,6 @@ impl Contender {
         Self::new("hzb", format!("{width}x{height}"), Engine::Hzb(Box::new(Hzb::new(width, height))))
     }
 
-    /// Whether it promises that nothing visible is lost.
-    pub fn is_safe(&self) -> bool {
-        matches!(self.engine, Engine::Casca(_))
-    }
-
     /// The query, if the method is the library's.
     pub fn query(&self) -> Option<&Query> {
         match &self.engine {

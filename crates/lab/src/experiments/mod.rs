@@ -9,7 +9,6 @@ mod aggressive;
 mod coherence;
 mod contender;
 mod context;
-mod reach;
 mod report;
 mod scaling;
 mod shadows;
@@ -44,7 +43,6 @@ pub const EXPERIMENTS: &[(&str, Experiment)] = &[
     ("thesis", thesis),
     ("upkeep", upkeep),
     ("scaling", scaling),
-    ("reach", reach::reach),
     ("coherence", coherence::coherence),
     ("shadows", shadows),
     ("aggressive", aggressive),

@@ -1,21 +1,19 @@
-//! How times and memory grow: with hidden and visible objects and with triangles.
+//! How times and memory grow with hidden objects, and how fast meshes are prepared.
 
 use std::f32::consts::TAU;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use casca::{MeshOptions, Method, Query, TriMesh};
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use rand::RngExt;
 use rayon::ThreadPoolBuilder;
 
-use super::upkeep::Arena;
 use super::{ASPECT, BUFFER, Contender, FrameInput, Lab, LabError, Section, Table, grouped, median, p99};
 use casca_scenes::drive::{Driver, fitted_grid, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::{timed, timed_by_wall};
-use casca_scenes::random::{Generator, generator};
-use casca_scenes::world::{Animation, Camera, GridHint, Mesh, Motion, Object, Shape, World};
+use casca_scenes::random::generator;
+use casca_scenes::world::{Mesh, World};
 
 /// What one size costs.
 #[derive(Debug, Clone, Copy)]
@@ -75,47 +73,15 @@ fn measure(world: &World, views: usize, repeats: usize) -> Result<Row, LabError>
     })
 }
 
-/// A quantity that grows: its name, its sizes, and the world of a size.
-struct Series<'a> {
-    name: &'static str,
-    sizes: Vec<usize>,
-    build: &'a dyn Fn(usize) -> World,
-}
-
-/// How the default method scales. A full run has a million objects and ten million triangles.
+/// How the default method scales. A full run has a million objects.
 ///
 /// # Errors
 /// If a scene is refused.
 pub fn scaling(lab: &Lab) -> Result<Section, LabError> {
-    let seed = lab.seed;
     let (views, repeats) = lab.pick((100, 3), (2, 1));
-    let series = [
-        Series {
-            name: "hidden objects",
-            sizes: lab.pick(vec![5000, 100_000, 1_000_000], vec![500, 2000]),
-            build: &|n| {
-                let options = SceneOptions { seed, beyond_walls: Some(n), ..SceneOptions::default() };
-                build(SceneKind::Spheres, &options)
-            },
-        },
-        Series {
-            name: "visible movers",
-            sizes: lab.pick(vec![100, 1000, 10_000, 100_000], vec![100, 500]),
-            build: &|n| {
-                // The view holds about five of six.
-                let arena = Arena { count: n * 6 / 5, hidden: false, fast: false, seed };
-                World { frames: 150, ..arena.build() }
-            },
-        },
-        Series {
-            name: "triangles",
-            sizes: lab.pick(vec![10_000, 100_000, 1_000_000, 10_000_000], vec![2000, 20_000]),
-            build: &|n| ground(n, seed),
-        },
-    ];
+    let sizes = lab.pick([5000, 100_000, 1_000_000], [500, 1000, 2000]);
     let columns = [
-        "series",
-        "size",
+        "hidden objects",
         "objects",
         "in the frustum",
         "PVS of point",
@@ -127,41 +93,35 @@ pub fn scaling(lab: &Lab) -> Result<Section, LabError> {
         "memory, MB",
     ];
     let mut table = Table::new("scaling", &columns);
-    let mut findings = String::new();
-    for Series { name, sizes, build } in series {
-        let mut ends: [Option<(usize, Row)>; 2] = [None; 2];
-        for &size in &sizes {
-            (lab.progress)(&format!("{name}: {}", grouped(size)));
-            let row = measure(&build(size), views, repeats)?;
-            ends = [ends[0].or(Some((size, row))), Some((size, row))];
-            let counts = [row.in_frustum, row.found].map(|n| format!("{n:.1}"));
-            let times = [row.point[0], row.point[1], row.hzb[0], row.hzb[1]].map(|ms| format!("{ms:.4}"));
-            let costs = [format!("{:.4}", row.setup), format!("{:.3}", row.memory / 1e6)];
-            let first = [name.to_owned(), size.to_string(), row.objects.to_string()];
-            table.row(first.into_iter().chain(counts).chain(times).chain(costs));
-        }
-        let [Some((small, first)), Some((large, last))] = ends else { continue };
-        findings += &format!(
-            "- {name}, {} to {}: a query of `point` takes {:.1} times as long ({:.2} ms), one of `hzb` {:.0} \
-             times; setup {:.2} s, {:.0} MB.\n",
-            grouped(small),
-            grouped(large),
-            last.point[0] / first.point[0].max(f64::MIN_POSITIVE),
-            last.point[0],
-            last.hzb[0] / first.hzb[0].max(f64::MIN_POSITIVE),
-            last.setup,
-            last.memory / 1e6
-        );
+    let mut rows = Vec::with_capacity(sizes.len());
+    for size in sizes {
+        (lab.progress)(&format!("hidden objects: {}", grouped(size)));
+        let hidden = SceneOptions { seed: lab.seed, beyond_walls: Some(size), ..SceneOptions::default() };
+        let row = measure(&build(SceneKind::Spheres, &hidden), views, repeats)?;
+        let counts = [row.in_frustum, row.found].map(|n| format!("{n:.1}"));
+        let times = [row.point[0], row.point[1], row.hzb[0], row.hzb[1]].map(|ms| format!("{ms:.4}"));
+        let costs = [format!("{:.4}", row.setup), format!("{:.3}", row.memory / 1e6)];
+        let first = [size.to_string(), row.objects.to_string()];
+        table.row(first.into_iter().chain(counts).chain(times).chain(costs));
+        rows.push(row);
     }
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
     let mut section = Section::new("Scaling");
     section.text(format!(
         "Fresh queries of `point` from {views} views, each with the least of {repeats} runs, and `hzb` with \
-         {}x{} pixels. *Hidden objects* are static spheres beyond the closed walls of the thesis' hall; \
-         *visible movers* are small spheres in the open; *triangles* are those of a rolling ground of 320 m, \
-         in 100 meshes with 2,000 boxes on them.",
-        BUFFER.0, BUFFER.1
+         {}x{} pixels, among static spheres beyond the closed walls of the thesis' hall. **With {} such \
+         hidden objects instead of {}, a query of `point` takes {:.1} times as long ({:.2} ms), one of `hzb` \
+         {:.0} times;** setup {:.2} s, {:.0} MB.",
+        BUFFER.0,
+        BUFFER.1,
+        grouped(sizes[sizes.len() - 1]),
+        grouped(sizes[0]),
+        last.point[0] / first.point[0].max(f64::MIN_POSITIVE),
+        last.point[0],
+        last.hzb[0] / first.hzb[0].max(f64::MIN_POSITIVE),
+        last.setup,
+        last.memory / 1e6
     ));
-    section.text(findings);
     section.rows("All sizes as CSV", table);
     preparation(lab, &mut section)?;
     Ok(section)
@@ -173,17 +133,11 @@ fn preparation(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
     let columns = ["meshes", "triangles", "seconds", "triangles a second", "MB"];
     let mut table = Table::new("scaling-preparation", &columns);
     let (mut times, mut sizes) = (Vec::new(), Vec::new());
-    type Build = fn(usize, u64) -> Vec<Arc<Mesh>>;
+    type Build = fn(usize, u64) -> Vec<Mesh>;
     let kinds: [(&str, Build); 3] = [
-        ("ground, 100 meshes", |n, seed| {
-            let objects = ground(n, seed).objects.into_iter();
-            let mesh = |o: Object| if let Shape::Mesh { mesh, .. } = o.shape { Some(mesh) } else { None };
-            objects.filter_map(mesh).collect()
-        }),
-        ("balls of 320 triangles", |n, _| {
-            std::iter::repeat_n(Arc::new(Mesh::ball(2)), n.div_ceil(320)).collect()
-        }),
-        ("soup, one mesh", |n, seed| vec![Arc::new(soup(n, seed))]),
+        ("ground, 100 meshes", ground),
+        ("balls of 320 triangles", |n, _| vec![Mesh::ball(2); n.div_ceil(320)]),
+        ("soup, one mesh", |n, seed| vec![soup(n, seed)]),
     ];
     for (i, (name, build)) in kinds.into_iter().enumerate() {
         // Ten millions in one mesh would take gigabytes.
@@ -194,7 +148,7 @@ fn preparation(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
             (lab.progress)(&format!("preparation of {name}: {} triangles", grouped(size)));
             let (mut seconds, mut triangles, mut bytes) = (0.0, 0, 0);
             for mesh in build(size, lab.seed) {
-                let (positions, corners) = (mesh.positions.clone(), mesh.triangles.clone());
+                let (positions, corners) = (mesh.positions, mesh.triangles);
                 triangles += corners.len();
                 let go_on = &mut |_| ControlFlow::Continue(());
                 let (prepared, time) = pool.install(|| {
@@ -228,95 +182,36 @@ fn preparation(lab: &Lab, section: &mut Section) -> Result<(), LabError> {
     Ok(())
 }
 
-/// The ground: its size, and the number of meshes along each side.
-const GROUND: f32 = 320.0;
-const TILES: usize = 10;
-const BOXES: usize = 2000;
-const EYE: f32 = 1.7;
-const FRAMES: usize = 150;
-
-/// Hills: waves of several lengths and directions.
-#[derive(Clone)]
-struct Hills([(Vec2, f32, f32); 12]);
-
-impl Hills {
-    fn new(dice: &mut Generator) -> Self {
-        Self(std::array::from_fn(|i| {
-            let length = 90.0 * 0.75f32.powi(i as i32);
-            let way = Vec2::from_angle(TAU * dice.random::<f32>()) * TAU / length;
-            (way, TAU * dice.random::<f32>(), 0.05 * length)
-        }))
-    }
-
-    fn at(&self, p: Vec2) -> f32 {
-        20.0 + self.0.iter().map(|(way, phase, height)| height * (way.dot(p) + phase).sin()).sum::<f32>()
-    }
-}
-
-/// Nothing moves but the camera: a round about the middle, with a look ahead.
-impl Animation for Hills {
-    fn shapes(&self, _: usize, _: &mut dyn FnMut(usize, Shape)) {}
-
-    fn camera(&self, frame: usize, aspect: f32) -> Camera {
-        let way = Vec2::from_angle(TAU * frame as f32 / FRAMES as f32);
-        let p = Vec2::splat(GROUND * 0.5) + way * GROUND * 0.25;
-        let eye = Vec3::new(p.x, self.at(p) + EYE, p.y);
-        let ahead = way.perp();
-        Camera::look_at(eye, eye + Vec3::new(ahead.x, -0.05, ahead.y), 60.0, aspect, 0.1, 500.0)
-    }
-}
-
-/// A square of the ground with this many squares of two triangles along each side.
-fn tile(hills: &Hills, corner: Vec2, squares: usize) -> Mesh {
-    let (side, pitch) = (squares + 1, GROUND / (TILES * squares) as f32);
-    let vertex = |i: usize| {
-        let p = corner + Vec2::new((i % side) as f32, (i / side) as f32) * pitch;
-        Vec3::new(p.x, hills.at(p), p.y)
-    };
+/// Rolling ground of about this many triangles, in 100 square meshes of 32 m: waves of several
+/// lengths and directions.
+fn ground(triangles: usize, seed: u64) -> Vec<Mesh> {
+    let mut dice = generator(seed, 0x6e0d);
+    let waves: [(Vec2, f32, f32); 12] = std::array::from_fn(|i| {
+        let length = 90.0 * 0.75f32.powi(i as i32);
+        let way = Vec2::from_angle(TAU * dice.random::<f32>()) * TAU / length;
+        (way, TAU * dice.random::<f32>(), 0.05 * length)
+    });
+    let height = |p: Vec2| waves.iter().map(|(way, phase, h)| h * (way.dot(p) + phase).sin()).sum::<f32>();
+    let squares = ((triangles as f64 / 200.0).sqrt().round() as usize).max(1);
+    let side = squares + 1;
     let square = |i: usize| {
         let a = (i / squares * side + i % squares) as u32;
         let (b, c, d) = (a + 1, a + side as u32, a + side as u32 + 1);
         [[a, d, b], [a, c, d]]
     };
-    Mesh {
-        positions: (0..side * side).map(vertex).collect(),
-        triangles: (0..squares * squares).flat_map(square).collect(),
-        ..Mesh::default()
-    }
-}
-
-/// Rolling ground of about this many triangles, and boxes on it. The hills are the same for any
-/// number.
-fn ground(triangles: usize, seed: u64) -> World {
-    let mut dice = generator(seed, 0x6e0d);
-    let hills = Hills::new(&mut dice);
-    let squares = ((triangles as f64 / (2 * TILES * TILES) as f64).sqrt().round() as usize).max(1);
-    let fixed = |shape, occludes| Object {
-        name: String::new(),
-        shape,
-        motion: Motion::Static,
-        occludes,
-        tested: true,
+    let tile = |tile: usize| {
+        let vertex = |i: usize| {
+            let at = [i % side, i / side].map(|n| n as f32 / squares as f32);
+            let p = (Vec2::new((tile % 10) as f32, (tile / 10) as f32) + Vec2::from(at)) * 32.0;
+            Vec3::new(p.x, height(p), p.y)
+        };
+        Mesh {
+            positions: (0..side * side).map(vertex).collect(),
+            triangles: (0..squares * squares).flat_map(square).collect(),
+            ..Mesh::default()
+        }
     };
-    let tile = |i: usize| {
-        let corner = Vec2::new((i % TILES) as f32, (i / TILES) as f32) * (GROUND / TILES as f32);
-        let mesh = Arc::new(tile(&hills, corner, squares));
-        fixed(Shape::Mesh { mesh, transform: Affine3A::IDENTITY }, true)
-    };
-    let mut objects: Vec<Object> = (0..TILES * TILES).map(tile).collect();
-    for _ in 0..BOXES {
-        let p = Vec2::new(dice.random::<f32>(), dice.random::<f32>()) * (GROUND - 2.0) + 1.0;
-        let (base, half) = (Vec3::new(p.x, hills.at(p), p.y), 0.2 + 0.6 * dice.random::<f32>());
-        objects.push(fixed(Shape::Box { min: base - half, max: base + half }, false));
-    }
-    World {
-        source: Default::default(),
-        name: "ground".to_owned(),
-        objects,
-        grid: GridHint { min: Vec3::ZERO, max: Vec3::new(GROUND, 60.0, GROUND), cell: 1.0 },
-        frames: FRAMES,
-        animation: Box::new(hills),
-    }
+    (0..100).map(tile).collect()
 }
 
 /// Triangles of about a tenth of a metre, each with vertices of its own, anywhere in a cube of 10
@@ -331,25 +226,4 @@ fn soup(triangles: usize, seed: u64) -> Mesh {
     let positions = positions.collect();
     let corners = |i: u32| [3 * i, 3 * i + 1, 3 * i + 2];
     Mesh { positions, triangles: (0..triangles as u32).map(corners).collect(), ..Mesh::default() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::experiments::walker::{item_buffer, visible_in};
-
-    #[test]
-    fn the_hills_hide_most_and_nothing_of_the_rest_is_lost() {
-        let world = ground(20_000, 7);
-        let all: usize = world
-            .objects
-            .iter()
-            .map(|o| if let Shape::Mesh { mesh, .. } = &o.shape { mesh.triangles.len() } else { 0 })
-            .sum();
-        assert!((all as f64 / 20_000.0 - 1.0).abs() < 0.2, "{all}");
-        let seen = visible_in(&mut item_buffer(640), &world.objects, &world.camera(0, ASPECT)).len();
-        assert!(seen > 20 && seen < 1500, "{seen}");
-        let row = measure(&world, 1, 1).unwrap();
-        assert!(row.found >= seen as f64 && row.found <= row.in_frustum && row.memory > 0.0, "{row:?}");
-    }
 }

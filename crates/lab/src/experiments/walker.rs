@@ -39,8 +39,13 @@ impl Walker {
     /// # Errors
     /// As [`Driver::new`].
     pub(super) fn add(&mut self, grid: &GridSpec) -> Result<(), Error> {
-        self.grids.push((Driver::new(&self.world, grid, |_| ())?, Query::new()));
+        self.add_driver(Driver::new(&self.world, grid, |_| ())?);
         Ok(())
+    }
+
+    /// Takes the world as inserted elsewhere, with more objects, along on its walk.
+    pub(super) fn add_driver(&mut self, driver: Driver) {
+        self.grids.push((driver, Query::new()));
     }
 
     /// The scene in one of the grids.

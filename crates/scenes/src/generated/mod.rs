@@ -14,7 +14,6 @@
 //! - [`SceneKind::Rocks`]: closed meshes of high curvature.
 //! - [`SceneKind::Valley`]: a wood of open cones and loose leaves on rolling ground.
 //! - [`SceneKind::Harbour`]: stacked containers, cranes of thin beams, a ship, 2,500 small things.
-//! - [`SceneKind::Storeys`]: eight storeys of rooms with stairs and furniture.
 //! - [`SceneKind::SpheresMeshes`], [`SceneKind::CityMeshes`]: the first two as meshes.
 //!
 //! [`SceneKind::Spheres16`] and [`SceneKind::City10`] have 16 and 10 times as many spheres and
@@ -25,7 +24,6 @@
 mod city;
 mod crowd;
 mod forest;
-mod furniture;
 mod ground;
 mod harbour;
 mod motion;
@@ -36,7 +34,6 @@ mod rocks;
 mod rooms;
 mod solid_meshes;
 mod spheres;
-mod storeys;
 mod terrain;
 #[cfg(test)]
 mod tests;
@@ -82,13 +79,11 @@ pub enum SceneKind {
     Valley,
     /// A container terminal.
     Harbour,
-    /// A tower, inside.
-    Storeys,
 }
 
 impl SceneKind {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 14] = [
         Self::Spheres,
         Self::City,
         Self::Rooms,
@@ -103,7 +98,6 @@ impl SceneKind {
         Self::City10,
         Self::Valley,
         Self::Harbour,
-        Self::Storeys,
     ];
 
     /// Those of spheres and boxes, at their standard sizes.
@@ -126,7 +120,6 @@ impl SceneKind {
             Self::City10 => "city-10",
             Self::Valley => "valley",
             Self::Harbour => "harbour",
-            Self::Storeys => "storeys",
         }
     }
 
@@ -167,7 +160,6 @@ pub fn build(kind: SceneKind, options: &SceneOptions) -> World {
         SceneKind::City10 => times(10.0, &options, city::build),
         SceneKind::Valley => valley::build(&options),
         SceneKind::Harbour => harbour::build(&options),
-        SceneKind::Storeys => storeys::build(&options),
     }
 }
 

@@ -106,7 +106,7 @@ fn walks_pass_through_no_meshes() {
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
     assert!(crosses(Vec3::new(0.2, 0.2, 1.0), Vec3::new(0.3, 0.2, -1.0), triangle));
     assert!(!crosses(Vec3::new(0.7, 0.7, 1.0), Vec3::new(0.7, 0.7, -1.0), triangle));
-    for kind in [SceneKind::Valley, SceneKind::Harbour, SceneKind::Storeys] {
+    for kind in [SceneKind::Valley, SceneKind::Harbour] {
         let world = build(kind, &SceneOptions { frames: 2000, ..SceneOptions::default() });
         let eyes: Vec<Vec3> = (0..world.frames).map(|f| world.camera(f, 1.5).eye).collect();
         for o in &world.objects {

@@ -38,22 +38,11 @@ pub struct Rendered {
 }
 
 impl Rendered {
-    /// An app with a camera. The function spawns the scene. The plugin is added if there are settings.
+    /// An app with a camera. `more` adds plugins, `fill` spawns the scene. The plugin is added if
+    /// there are settings.
     ///
     /// # Errors
     /// Without a graphics adapter Bevy ends the program; otherwise there are none yet.
-    pub fn with(
-        settings: Option<CascaSettings>,
-        fill: impl FnOnce(&mut World),
-        eye: Transform,
-    ) -> Result<Self, String> {
-        Self::with_plugins(settings, |_| (), fill, eye)
-    }
-
-    /// The same with plugins of the caller's.
-    ///
-    /// # Errors
-    /// As [`Rendered::with`].
     pub fn with_plugins(
         settings: Option<CascaSettings>,
         more: impl FnOnce(&mut App),
@@ -67,7 +56,7 @@ impl Rendered {
         let plugins = DefaultPlugins.set(window).set(render).disable::<LogPlugin>();
         #[cfg(feature = "window")]
         let plugins = plugins.disable::<bevy::winit::WinitPlugin>();
-        // Frames are timed by parts.
+        // A frame is drawn before the next one begins.
         app.add_plugins(plugins.disable::<PipelinedRenderingPlugin>());
         if let Some(settings) = settings {
             app.add_plugins((CascaPlugin, standard_materials!(bevy::pbr)));
@@ -96,9 +85,9 @@ impl Rendered {
     /// An app with a scene. Frames have been drawn until all meshes are prepared.
     ///
     /// # Errors
-    /// As [`Rendered::with`].
+    /// As [`Rendered::with_plugins`].
     pub fn new(scene: Scene, settings: Option<CascaSettings>) -> Result<Self, String> {
-        let mut rendered = Self::with(settings, |world| scene.fill(world), scene.eye(0.0))?;
+        let mut rendered = Self::with_plugins(settings, |_| (), |world| scene.fill(world), scene.eye(0.0))?;
         for frame in 0.. {
             rendered.app.update();
             let waits = rendered.casca().is_some_and(CascaScene::is_preparing);

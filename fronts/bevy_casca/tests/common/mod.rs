@@ -6,27 +6,60 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use bevy_app::{App, Last, TaskPoolPlugin};
-use bevy_asset::{AssetApp, AssetPlugin, Assets, Handle};
+use bevy_asset::{AsAssetId, Asset, AssetApp, AssetId, AssetPlugin, Assets, Handle};
 use bevy_camera::visibility::{
     CascadesVisibleEntities, CubemapVisibleEntities, InheritedVisibility, NoCpuCulling, ViewVisibility,
     VisibleEntities, VisibleMeshEntities,
 };
 use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
 use bevy_casca::casca::glam;
-use bevy_casca::{CascaPlugin, CascaScene};
+use bevy_casca::{CascaPlugin, CascaScene, Opaque, Surface};
 use bevy_ecs::prelude::*;
+use bevy_image::Image;
 use bevy_light::LightPlugin;
 use bevy_math::{Affine3A, Vec3};
 use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
+use bevy_reflect::TypePath;
 use bevy_shape::Cuboid;
 use bevy_transform::TransformPlugin;
 use bevy_transform::components::{GlobalTransform, Transform};
 use casca_scenes::world::{Camera, Motion, Object, Shape};
 use casca_truth::oracle::{Oracle, OracleOptions};
 
+/// The number of the first camera.
+pub const CAMERA: u32 = 1_000_000;
+
 /// The number of an entity, the same in both apps.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Nr(pub u32);
+
+/// A material, as far as the rule below asks.
+#[derive(Asset, TypePath, Clone, Default)]
+pub struct Paint {
+    pub glass: bool,
+    pub in_front: bool,
+    #[dependency]
+    pub picture: Option<Handle<Image>>,
+}
+
+#[derive(Component, Clone)]
+pub struct Painted(pub Handle<Paint>);
+
+impl AsAssetId for Painted {
+    type Asset = Paint;
+
+    fn as_asset_id(&self) -> AssetId<Paint> {
+        self.0.id()
+    }
+}
+
+pub fn paint_rule(paint: &Paint) -> Surface {
+    match (paint.in_front, paint.glass) {
+        (true, _) => Surface::InFront,
+        (_, true) => Surface::Unknown,
+        _ => Surface::Opaque(Opaque::Front),
+    }
+}
 
 /// The mesh of all boxes: a cube of edge 1.
 #[derive(Resource, Clone)]
@@ -47,7 +80,7 @@ pub fn headless(with_casca: bool) -> App {
         app.add_plugins(CascaPlugin);
     }
     app.add_plugins((TaskPoolPlugin::default(), TransformPlugin, AssetPlugin::default(), MeshPlugin));
-    app.init_asset::<bevy_image::Image>();
+    app.init_asset::<Image>();
     app.add_plugins((CameraPlugin, LightPlugin));
     app.init_resource::<Changes>();
     app.add_systems(Last, note_changes);
@@ -76,6 +109,31 @@ pub fn spawn_camera(world: &mut World, nr: u32, at: Transform) -> Entity {
     let lens = PerspectiveProjection { aspect_ratio: 16.0 / 9.0, ..Default::default() };
     world.spawn((Nr(nr), Camera3d::default(), Projection::Perspective(lens), at)).id()
 }
+
+/// A box that hides what is behind it.
+pub fn opaque(world: &mut World, nr: u32, middle: Vec3, size: Vec3) -> Entity {
+    let entity = spawn_box(world, nr, middle, size);
+    world.entity_mut(entity).insert(Opaque::Front);
+    entity
+}
+
+/// Fifty small boxes behind whatever stands at the origin, and a camera before it.
+pub fn things_behind(world: &mut World, from: u32) {
+    for i in 0..50 {
+        let at = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, -10.0);
+        spawn_box(world, from + i, at, Vec3::splat(0.4));
+    }
+    spawn_camera(world, CAMERA, Transform::from_xyz(0.0, 0.0, 20.0).looking_to(Vec3::NEG_Z, Vec3::Y));
+}
+
+/// Numbers that look like chance.
+pub fn dice(n: u32) -> f32 {
+    let x = n.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
+    ((x ^ x >> 15).wrapping_mul(0xc2b2_ae35) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// Ends a statement in the place of an expression.
+pub fn done<T>(_: T) {}
 
 /// The entity of a number.
 pub fn entity(world: &mut World, nr: u32) -> Entity {

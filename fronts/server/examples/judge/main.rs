@@ -120,22 +120,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// The bytes of all answers of a tick.
 fn bytes(server: &VisibilityServer) -> usize {
-    let frame = |id| {
-        let answer = server.answer(id).ok()?;
-        let bounds =
-            |id: &casca_server::EntityId| server.entity(*id).ok().map(|entity| (id.key(), entity.bounds));
-        let new = if answer.is_fresh { &answer.told } else { &answer.new };
-        let old = answer.told.iter().filter(|id| new.binary_search(id).is_err());
-        let frame = AnswerFrame {
-            tick: 0,
-            fresh: answer.is_fresh,
-            forgotten: answer.forgotten.iter().map(|id| id.key()).collect(),
-            new: new.iter().filter_map(bounds).collect(),
-            moved: old.filter_map(bounds).map(|(key, b)| (key, b.min)).collect(),
-        };
-        Some(ToClient::Answer(frame).encode().len())
-    };
-    server.clients().filter_map(|(id, _)| frame(id)).sum()
+    let answers = server.clients().filter_map(|(id, _)| server.answer(id).ok());
+    answers.map(|answer| ToClient::Answer(AnswerFrame::of(server, answer, 0)).encode().len()).sum()
 }
 
 /// The memory of this process, in bytes; 0 where it is not known.

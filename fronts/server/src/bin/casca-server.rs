@@ -79,9 +79,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(level) = &arguments.check {
         return check(level);
     }
-    let mut level = Level::open(&arguments.level)?;
-    level.source.tell();
-    level.source.about_origin().iter().for_each(|line| println!("{line}"));
+    let mut level = open(&arguments.level)?;
     if let Some(file) = &arguments.bake {
         return bake(&level, arguments.cell, file);
     }
@@ -107,11 +105,16 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     })
 }
 
-/// Says what a level is made of, and lets a client look at it.
-fn check(name: &str) -> Result<(), Failure> {
+fn open(name: &str) -> Result<Level, Failure> {
     let level = Level::open(name)?;
     level.source.tell();
     level.source.about_origin().iter().for_each(|line| println!("{line}"));
+    Ok(level)
+}
+
+/// Says what a level is made of, and lets a client look at it.
+fn check(name: &str) -> Result<(), Failure> {
+    let level = open(name)?;
     let occluders = level.scene.len();
     let mut server = VisibilityServer::new(level.scene, ServerOptions::new())?;
     server.add_client(casca_server::ClientDesc::new(level.track.path[0], 5.0, 0.1), 0.0)?;

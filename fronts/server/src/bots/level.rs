@@ -173,7 +173,7 @@ impl Level {
             return Err(LevelError::Cell(edge));
         }
         let occluders: Vec<Object> = self.objects.iter().filter(hides).cloned().collect();
-        let walls = Walls::of(&self.scene, LEAST_WALL, |_| false);
+        let walls = Walls::of(&self.scene, LEAST_WALL);
         let (cells, numbers) = self.track.cells(&walls, edge);
         let level = casca_bake::Level::of(&occluders, self.grid, None, false)?;
         let level = level.cell_to_cell(&cells, &numbers)?;

@@ -9,12 +9,11 @@ use rand::RngExt;
 
 use super::bot::{Bot, Habits};
 use super::level::Level;
-use crate::answer::Answer;
 use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
 use crate::id::{ClientId, EntityId};
 use crate::options::ServerOptions;
-use crate::space::VisibilityServer;
+use crate::server::{Answer, VisibilityServer};
 
 /// What can be chosen about a match.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@ use std::time::Duration;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch};
+use tokio::sync::{Semaphore, mpsc, oneshot, watch};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until, timeout};
 use tokio_tungstenite::WebSocketStream;
@@ -41,46 +41,14 @@ pub(crate) struct Door {
 }
 
 impl Door {
-    /// Room for one more connection, if there is any.
-    pub(crate) fn seat(&self) -> Option<Seat> {
-        match self.seats.clone().try_acquire_owned() {
-            Ok(permit) => Some(Seat { door: self.clone(), _permit: permit }),
-            Err(_) => {
-                self.note(Refusal::Full);
-                None
-            }
-        }
-    }
-
     /// Waits until the server stops.
-    pub(crate) async fn end(&self) {
+    async fn end(&self) {
         let _ = self.stopped.clone().wait_for(|stopped| *stopped).await;
     }
 
     fn note(&self, refusal: Refusal) {
         tracing::debug!(%refusal, "a connection was dropped");
         self.metrics.dropped(refusal);
-    }
-}
-
-/// Room for one connection.
-pub(crate) struct Seat {
-    door: Door,
-    _permit: OwnedSemaphorePermit,
-}
-
-impl Seat {
-    pub(crate) fn door(&self) -> &Door {
-        &self.door
-    }
-
-    /// Counts a connection until it ends.
-    pub(crate) async fn hold(&self, connection: impl Future<Output = Result<(), Refusal>>) {
-        self.door.metrics.connections.inc();
-        if let Err(refusal) = connection.await {
-            self.door.note(refusal);
-        }
-        self.door.metrics.connections.dec();
     }
 }
 
@@ -97,15 +65,25 @@ pub(crate) async fn listen(listener: TcpListener, door: Door) {
             tokio::time::sleep(PAUSE).await;
             continue;
         };
-        if let Some(seat) = door.seat() {
-            open.spawn(async move { seat.hold(serve(stream, seat.door())).await });
-        }
+        let Ok(seat) = door.seats.clone().try_acquire_owned() else {
+            door.note(Refusal::Full);
+            continue;
+        };
+        let door = door.clone();
+        open.spawn(async move {
+            door.metrics.connections.inc();
+            if let Err(refusal) = serve(stream, &door).await {
+                door.note(refusal);
+            }
+            door.metrics.connections.dec();
+            drop(seat);
+        });
     }
     drop(listener);
     while open.join_next().await.is_some() {}
 }
 
-/// A connection, from the handshake to its end.
+/// A connection, from the handshake to its end, with a goodbye.
 async fn serve(stream: TcpStream, door: &Door) -> Result<(), Refusal> {
     let _ = stream.set_nodelay(true);
     let config = WebSocketConfig::default()
@@ -121,22 +99,8 @@ async fn serve(stream: TcpStream, door: &Door) -> Result<(), Refusal> {
         Err(_) => return Err(Refusal::Idle),
     };
     let (mut sink, mut source) = socket.split();
-    let result = converse(&mut source, &mut sink, door, begin).await;
-    if result.is_err_and(|refusal| !matches!(refusal, Refusal::Slow | Refusal::Gone)) {
-        let _ = timeout(FAREWELL, sink.close()).await;
-    }
-    result
-}
-
-/// Reads and writes until one side ends it, and says goodbye.
-async fn converse(
-    source: &mut Reader,
-    outlet: &mut Writer,
-    door: &Door,
-    begin: Instant,
-) -> Result<(), Refusal> {
     let mut client = None;
-    let result = talk(source, outlet, door, begin, &mut client).await;
+    let result = talk(&mut source, &mut sink, door, begin, &mut client).await;
     if let Some(client) = client {
         let _ = door.commands.send(Command::Leave(client)).await;
     }
@@ -144,11 +108,13 @@ async fn converse(
         && !matches!(refusal, Refusal::Slow | Refusal::Gone)
     {
         let bye = ToClient::Bye(refusal.code()).encode();
-        let _ = timeout(FAREWELL, send_frame(outlet, bye)).await;
+        let _ = timeout(FAREWELL, send_frame(&mut sink, bye)).await;
+        let _ = timeout(FAREWELL, sink.close()).await;
     }
     result
 }
 
+/// Reads and writes until one side ends it.
 async fn talk(
     source: &mut Reader,
     outlet: &mut Writer,

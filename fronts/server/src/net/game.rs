@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 use casca::glam::Vec3;
 use tokio::sync::{mpsc, oneshot, watch};
 
-use crate::answer::Answer;
 use crate::bots::{Bot, Habits, Level, Track};
 use crate::describe::{ClientDesc, EntityDesc};
 use crate::error::ServerError;
@@ -15,8 +14,8 @@ use crate::id::{ClientId, EntityId};
 use crate::net::map::Map;
 use crate::net::metrics::Metrics;
 use crate::net::options::FrontOptions;
-use crate::space::VisibilityServer;
-use crate::wire::{AnswerFrame, MOST_LISTED, ToClient};
+use crate::server::VisibilityServer;
+use crate::wire::{AnswerFrame, ToClient};
 
 /// The latency of bots, in seconds.
 const BOT_LATENCY: f32 = 0.1;
@@ -243,7 +242,8 @@ impl Game {
         let mut slow = Vec::new();
         for player in self.players.values() {
             let Some(link) = &player.link else { continue };
-            let frame = ToClient::Answer(self.frame(self.server.answer(player.client)?)).encode();
+            let answer = self.server.answer(player.client)?;
+            let frame = ToClient::Answer(AnswerFrame::of(&self.server, answer, self.tick)).encode();
             self.metrics.bytes.inc_by(frame.len() as u64);
             // The queue is full, or the connection ended.
             if link.answers.try_send(frame).is_err() {
@@ -252,22 +252,5 @@ impl Game {
         }
         slow.into_iter().for_each(|client| self.remove(client));
         Ok(())
-    }
-
-    fn frame(&self, answer: &Answer) -> AnswerFrame {
-        let bounds = |id: &EntityId| self.server.entity(*id).ok().map(|e| (id.key(), e.bounds));
-        let new = if answer.is_fresh { &answer.told } else { &answer.new };
-        let old = answer.told.iter().filter(|id| new.binary_search(id).is_err());
-        AnswerFrame {
-            tick: self.tick,
-            fresh: answer.is_fresh,
-            forgotten: if answer.is_fresh {
-                Vec::new()
-            } else {
-                answer.forgotten.iter().map(|id| id.key()).collect()
-            },
-            new: new.iter().filter_map(bounds).take(MOST_LISTED).collect(),
-            moved: old.filter_map(bounds).map(|(key, b)| (key, b.min)).take(MOST_LISTED).collect(),
-        }
     }
 }

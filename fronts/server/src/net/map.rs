@@ -6,7 +6,7 @@ use casca::Aabb;
 use serde_json::{Value, json};
 
 use crate::bots::Level;
-use crate::space::VisibilityServer;
+use crate::server::VisibilityServer;
 
 /// Boxes of the level that are drawn, at most: the largest ones.
 const MOST_BOXES: usize = 4000;

@@ -1,9 +1,9 @@
 //! The command line, and the fur that it stands for.
 
 use casca_fur::gpu::look::Look;
-use casca_fur::mesh::{Image, Mesh};
+use casca_fur::mesh::Mesh;
+use casca_fur::scenes::Character;
 use casca_fur::scenes::animals::{Animal, LEVELS};
-use casca_fur::scenes::{Character, Species};
 use casca_fur::strands::Fur;
 use casca_tools::command_line::EXIT_CODES;
 use clap::{Args, value_parser};
@@ -26,8 +26,8 @@ pub struct Choices {
     /// What all systems take.
     #[command(flatten)]
     pub common: Common,
-    /// A field of so many animals among walls: of the file, or generated
-    #[arg(long, value_parser = value_parser!(u32).range(1..=100_000))]
+    /// A field of so many generated animals among walls
+    #[arg(long, conflicts_with = "file", value_parser = value_parser!(u32).range(1..=100_000))]
     pub field: Option<u32>,
     /// Animals walk on their legs, and their fur follows
     #[arg(long)]
@@ -68,15 +68,11 @@ fn share(text: &str) -> Result<f32, String> {
 pub struct Subject {
     pub name: String,
     pub levels: Vec<Mesh>,
-    /// The images on which its vertices lie.
-    pub images: Vec<Image>,
     pub radius: f32,
     /// The height of the ground on which it stands.
     pub low: f32,
     /// Its skeleton and walk, if it walks.
     pub walker: Option<Box<Walker>>,
-    /// The kind of animal for fields, if it is of a file and there will be fields.
-    pub species: Option<Box<Species>>,
 }
 
 impl Choices {
@@ -110,13 +106,10 @@ impl Choices {
             let animal = Animal::new(self.seed, DETAIL)?;
             let levels = animal.levels().to_vec();
             let walker = self.walk.then(|| Box::new(Walker::generated(animal.rig(), &levels[0])));
-            let (name, images) = ("animal".into(), Vec::new());
             let (radius, low) = (animal.radius(), animal.aabb().min.y);
-            return Ok(Subject { name, levels, images, radius, low, walker, species: None });
+            return Ok(Subject { name: "animal".into(), levels, radius, low, walker });
         };
         let character = Character::load(path, &self.bald, LEVELS)?;
-        let species = self.field.is_some().then(|| Species::of_character(&character));
-        let species = species.transpose()?.map(Box::new);
         let levels = character.levels;
         let walker = match (self.walk, &character.rig) {
             (false, _) => None,
@@ -125,9 +118,8 @@ impl Choices {
         };
         let name = path.file_stem().map_or("file".into(), |s| s.to_string_lossy().into_owned());
         let (lo, hi) = (levels[0].aabb().min, levels[0].aabb().max);
-        let (radius, images) = ((hi - lo).length() * 0.5, character.images);
         let low = walker.as_ref().map_or(lo.y, |walker| walker.low);
-        Ok(Subject { name, levels, images, radius, low, walker, species })
+        Ok(Subject { name, levels, radius: (hi - lo).length() * 0.5, low, walker })
     }
 }
 
@@ -146,6 +138,7 @@ mod tests {
             ("--height NaN", "from 0 to 1"),
             ("--field 0", "1..=100000"),
             ("--bald eyes", "required"),
+            ("--field 3 cat.glb", "cannot be used"),
         ] {
             let said = choices(words).expect_err(words);
             assert!(said.contains(expected), "{words}: {said}");

@@ -8,9 +8,8 @@ use casca::{Aabb, DrawItem, DrawOptions, Method, Query, View};
 use casca_fur::gpu::error::FurGpuError;
 use casca_fur::gpu::records::{Block, DrawList, Stand, Sun};
 use casca_fur::gpu::renderer::Renderer;
-use casca_fur::scenes::Species;
 use casca_fur::scenes::animals::Animal;
-use casca_fur::scenes::field::{Field, Kind, generated};
+use casca_fur::scenes::field::{Field, Kind};
 use casca_fur::strands::{Forces, hash, unit};
 use casca_scenes::world::Camera;
 use casca_stage::gpu::{COLOUR, Gpu};
@@ -19,7 +18,7 @@ use casca_tools::command_line::{Outcome, say};
 use glam::Vec3;
 
 use crate::common::Film;
-use crate::fur::choices::{Choices, Subject};
+use crate::fur::choices::Choices;
 use crate::fur::one::TO_SUN;
 
 /// Kinds of generated animals in a field.
@@ -44,33 +43,20 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A field of animals with the fur that is chosen: of the subject's species, or generated.
-    pub fn new(
-        gpu: &Gpu,
-        format: TextureFormat,
-        choices: &Choices,
-        subject: &Subject,
-    ) -> Result<Self, Box<dyn Error>> {
+    /// A field of animals with the fur that is chosen.
+    pub fn new(gpu: &Gpu, format: TextureFormat, choices: &Choices) -> Result<Self, Box<dyn Error>> {
         let (count, walks) = (choices.field.unwrap_or(1), choices.walk);
         // One fur for all species: generated animals are about a unit long.
-        let radius = match &subject.species {
-            Some(species) => species.radius(),
-            None => Animal::new(choices.seed, 24)?.radius(),
-        };
-        let look = choices.look(radius)?;
-        let species = match &subject.species {
-            Some(own) => vec![(Species::clone(own), look.fur)],
-            None => generated(SPECIES, choices.seed, |_| Ok(look.fur))?,
-        };
-        let field = Field::new(count as usize, species, choices.seed, walks.then(Forces::default))?;
-        let finest: Vec<_> = field.species().iter().map(|(kind, _)| kind.levels()[0].clone()).collect();
+        let look = choices.look(Animal::new(choices.seed, 24)?.radius())?;
+        let forces = walks.then(Forces::default);
+        let field = Field::new(count as usize, SPECIES, choices.seed, look.fur, forces)?;
+        let finest: Vec<_> = field.species().iter().map(|kind| kind.levels()[0].clone()).collect();
         let mut renderer = Renderer::new(gpu, format, &finest, &look)?;
         renderer.haze = 0.012;
-        for (i, (kind, _)) in field.species().iter().enumerate() {
-            if let Some(rig) = kind.rig().filter(|_| walks) {
-                renderer.set_weights(gpu, i, &rig.weights[0])?;
+        if walks {
+            for (i, kind) in field.species().iter().enumerate() {
+                renderer.set_weights(gpu, i, &kind.rig().weights[0])?;
             }
-            renderer.set_images(gpu, &[i], kind.images())?;
         }
         // Each animal a little lighter or darker, and warmer or colder; tips are bleached.
         let tint = |i: usize| {
@@ -163,14 +149,9 @@ pub fn camera_at(field: &Field, share: f32, aspect: f32) -> Camera {
 
 /// Draws pictures along the path, and compares those of everything with those of what casca leaves:
 /// they must be the same.
-pub fn pictures(
-    gpu: &Gpu,
-    choices: &Choices,
-    subject: &Subject,
-    folder: &Path,
-) -> Result<Outcome, Box<dyn Error>> {
+pub fn pictures(gpu: &Gpu, choices: &Choices, folder: &Path) -> Result<Outcome, Box<dyn Error>> {
     let film = Film::new(gpu, choices.common.size, true);
-    let mut stage = Stage::new(gpu, COLOUR, choices, subject)?;
+    let mut stage = Stage::new(gpu, COLOUR, choices)?;
     let frames = choices.common.frames.unwrap_or(2);
     let mut outcome = Outcome::Well;
     for i in 0..frames {
@@ -204,9 +185,6 @@ pub fn pictures(
 
 #[cfg(test)]
 mod tests {
-    use casca_fur::scenes::Character;
-    use casca_fur::scenes::import::read_coated;
-    use casca_fur::scenes::sample::character_glb;
     use casca_stage::canvas::Canvas;
 
     use super::*;
@@ -214,14 +192,12 @@ mod tests {
 
     /// Compares small pictures of what casca leaves with those of everything, and those with fewer
     /// layers, which must show somewhere: else no animal was in any picture.
-    fn looks_the_same_when_it_is_culled(species: Option<Species>, walks: bool) {
+    fn looks_the_same_when_it_is_culled(walks: bool) {
         let Some(gpu) = Gpu::for_tests() else { return };
         let words = ["--field", "24", "--seed", "5", "--height", "0.1", "--density", "0.4", "--walk"];
         let mut choices: Choices = parsed(&words[..8 + usize::from(walks)]).unwrap();
         (choices.thickness, choices.bend) = (0.03, 0.0);
-        let mut subject = choices.subject().unwrap();
-        subject.species = species.map(Box::new);
-        let mut stage = Stage::new(&gpu, COLOUR, &choices, &subject).unwrap();
+        let mut stage = Stage::new(&gpu, COLOUR, &choices).unwrap();
         let canvas = Canvas::new(&gpu, (96, 64));
         let (mut saved, mut shown, mut changed) = (0, 0, 0);
         let mut last = Vec::new();
@@ -253,16 +229,7 @@ mod tests {
 
     #[test]
     fn a_herd_looks_the_same_when_it_is_culled() {
-        looks_the_same_when_it_is_culled(None, false);
-        looks_the_same_when_it_is_culled(None, true);
-    }
-
-    #[test]
-    fn a_walking_herd_of_a_file_looks_the_same_when_it_is_culled() {
-        let file = character_glb(12, 40).unwrap();
-        let character = Character::new(&read_coated(&file, None).unwrap(), &[], 3).unwrap();
-        let species = Species::of_character(&character).unwrap();
-        assert_eq!((species.levels().len(), species.images().len()), (3, 1));
-        looks_the_same_when_it_is_culled(Some(species), true);
+        looks_the_same_when_it_is_culled(false);
+        looks_the_same_when_it_is_culled(true);
     }
 }

@@ -23,11 +23,10 @@ impl Shows for Options {
     }
 
     fn work(&self) -> Result<Outcome, Failed> {
-        let subject = self.subject()?;
         let (gpu, folder) = self.common.studio("fur")?;
         match self.field {
-            Some(_) => field::pictures(&gpu, self, &subject, &folder),
-            None => one::pictures(&gpu, self, &subject, &folder).map(|()| Outcome::Well),
+            Some(_) => field::pictures(&gpu, self, &folder),
+            None => one::pictures(&gpu, self, &self.subject()?, &folder).map(|()| Outcome::Well),
         }
     }
 }

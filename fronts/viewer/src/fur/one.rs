@@ -78,12 +78,8 @@ pub fn renderer(
 ) -> Result<Renderer, FurGpuError> {
     let mut renderer = Renderer::new(gpu, format, &subject.levels, &choices.look(subject.radius)?)?;
     renderer.haze = HAZE / subject.radius;
-    let all: Vec<usize> = (0..subject.levels.len()).collect();
-    renderer.set_images(gpu, &all, &subject.images)?;
-    for level in all {
-        if let Some(walker) = &subject.walker {
-            renderer.set_weights(gpu, level, &walker.weights[level])?;
-        }
+    for (level, weights) in subject.walker.iter().flat_map(|walker| &walker.weights).enumerate() {
+        renderer.set_weights(gpu, level, weights)?;
     }
     Ok(renderer)
 }

@@ -26,7 +26,6 @@ const KEYS: &str = "W A S D, E Q: fly   mouse button: look\nP: walk   H: hides t
 /// The window.
 pub fn start(choices: Choices, subject: Subject) -> Start {
     let title = match choices.field {
-        Some(count) if subject.species.is_some() => format!("{count} of {} - casca fur", subject.name),
         Some(count) => format!("{count} animals - casca fur"),
         None => format!("{} - casca fur", subject.name),
     };
@@ -36,7 +35,7 @@ pub fn start(choices: Choices, subject: Subject) -> Start {
 /// What is shown.
 enum Shown {
     One(Subject, Box<Renderer>),
-    Many(Subject, Box<Stage>),
+    Many(Box<Stage>),
 }
 
 struct Viewer {
@@ -60,9 +59,9 @@ impl Viewer {
         let (gpu, format) = (&screen.gpu, screen.format());
         let (shown, camera) = match choices.field {
             Some(_) => {
-                let stage = Stage::new(gpu, format, &choices, &subject)?;
+                let stage = Stage::new(gpu, format, &choices)?;
                 let camera = camera_at(&stage.field, 0.3, screen.aspect());
-                (Shown::Many(subject, Box::new(stage)), camera)
+                (Shown::Many(Box::new(stage)), camera)
             }
             None => {
                 let renderer = one::renderer(gpu, format, &choices, &subject)?;
@@ -92,7 +91,7 @@ impl Viewer {
 
     fn camera(&self, aspect: f32) -> Camera {
         let r = self.radius();
-        let far = if let Shown::Many(_, stage) = &self.shown {
+        let far = if let Shown::Many(stage) = &self.shown {
             stage.field.ground().max.length() * 2.0
         } else {
             40.0 * r
@@ -125,7 +124,7 @@ impl Viewer {
                 let Some((sun, _)) = &self.sun else { return Ok(()) };
                 renderer.draw(gpu, target, camera, &list, sun)?;
             }
-            Shown::Many(_, stage) => {
+            Shown::Many(stage) => {
                 if self.sun.is_none_or(|(_, eye)| eye.distance(camera.eye) > 1.0) {
                     self.sun = Some((stage.cast_shadows(gpu, camera)?, camera.eye));
                 }
@@ -147,8 +146,8 @@ impl Viewer {
                 choices.look(subject.radius).map(|look| renderer.set_look(gpu, &look)).is_ok()
             }
             // Made anew: the bounds of its animals hold the fur that they have.
-            Shown::Many(subject, stage) => {
-                let made = Stage::new(gpu, stage.renderer.format(), choices, subject);
+            Shown::Many(stage) => {
+                let made = Stage::new(gpu, stage.renderer.format(), choices);
                 made.map(|made| **stage = made).is_ok()
             }
         };
@@ -163,7 +162,7 @@ impl Viewer {
         let (animals, shells) = self.counts;
         let level = match &self.shown {
             Shown::One(..) => format!(", level of detail {}", self.level),
-            Shown::Many(..) => String::new(),
+            Shown::Many(_) => String::new(),
         };
         format!("{:.1} ms   {animals} objects, {shells} shells{level}", self.milliseconds)
     }
@@ -184,7 +183,7 @@ impl Demo for Viewer {
         if !matches!(&self.shown, Shown::One(subject, _) if subject.walker.is_none()) {
             dials.switch("walk (P)", Some(KeyCode::KeyP), &mut self.walking);
         }
-        if matches!(self.shown, Shown::Many(..)) {
+        if matches!(self.shown, Shown::Many(_)) {
             dials.switch("culled by casca", None, &mut self.culled);
             if is_other && dials.is_held() {
                 return Ok(());
@@ -213,7 +212,7 @@ impl Demo for Viewer {
         let gpu = &screen.gpu;
         let camera = self.camera(screen.aspect());
         if self.walking {
-            if let Shown::Many(_, stage) = &mut self.shown {
+            if let Shown::Many(stage) = &mut self.shown {
                 stage.field.walk(self.time)?;
             }
             self.sun = None;

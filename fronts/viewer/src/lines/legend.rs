@@ -5,8 +5,6 @@ use casca_stage::report::{Entry, Sample};
 
 /// Numbers of a scale, less one.
 const TICKS: u8 = 4;
-/// The most groups that are named.
-const MOST_GROUPS: usize = 12;
 
 /// The colours and their meanings, one by one.
 pub fn entries(legend: &Legend) -> Vec<Entry> {
@@ -21,12 +19,6 @@ pub fn entries(legend: &Legend) -> Vec<Entry> {
             .map(|tick| f32::from(tick) / f32::from(TICKS))
             .map(|t| entry(viridis(t), format!("{name} {}", number(value(*range, t)))))
             .collect(),
-        Legend::Groups(groups) => {
-            let named = groups.iter().take(MOST_GROUPS).map(|(name, colour)| entry(*colour, name.clone()));
-            let left = groups.len().saturating_sub(MOST_GROUPS);
-            let more = (left > 0).then(|| entry([0; 3], format!("and {left} more groups")));
-            named.chain(more).collect()
-        }
     }
 }
 
@@ -63,9 +55,6 @@ mod tests {
         let scalar = Legend::Scalar { name: "fa".to_owned(), range: [-f32::MAX, f32::MAX] };
         let texts: Vec<String> = entries(&scalar).into_iter().map(|e| e.text).collect();
         assert_eq!((&*texts[0], &*texts[2], texts.len()), ("fa -3.40e38", "fa 0", 5));
-        let many = Legend::Groups((0..14).map(|i| (i.to_string(), [i; 3])).collect());
-        let last = entries(&many).pop().map(|e| e.text);
-        assert_eq!((entries(&many).len(), last.as_deref()), (13, Some("and 2 more groups")));
         assert_eq!(entries(&Legend::Direction)[1].colour, [0, 255, 0, 255]);
     }
 }

@@ -35,7 +35,7 @@ const MOST_APART: f64 = 2.0;
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
     mut_arg("set", |set| set.help(format!("A generated set: {}", family_names()))),
-    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk, .vtk or .hair"))
+    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk or .vtk"))
 )]
 pub struct Options {
     /// What all systems take.
@@ -55,8 +55,7 @@ pub struct Options {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32), conflicts_with_all = ["file", "set"])]
     pub rooms: Option<u32>,
     /// How lines are coloured: "own" (by the file, or a pale colour for each line), "direction" (x
-    /// is red, y green, z blue), "scalar" or "scalar=NAME" (a number of the file, or "length"),
-    /// "group"
+    /// is red, y green, z blue), "scalar" or "scalar=NAME" (a number of the file, or "length")
     #[arg(long, value_name = "WHAT", default_value = "own", value_parser = parse_colour)]
     pub colour: Colouring,
     /// Only lines that cross this region: box:X0,Y0,Z0,X1,Y1,Z1 or sphere:X,Y,Z,RADIUS. May be
@@ -181,12 +180,11 @@ fn family_names() -> String {
 
 fn parse_colour(text: &str) -> Result<Colouring, String> {
     match text.split_once('=') {
-        Some(("scalar", name)) => Ok(Colouring::Scalar { name: Some(name.to_owned()), range: None }),
-        None if text == "scalar" => Ok(Colouring::Scalar { name: None, range: None }),
+        Some(("scalar", name)) => Ok(Colouring::Scalar(Some(name.to_owned()))),
+        None if text == "scalar" => Ok(Colouring::Scalar(None)),
         None if text == "own" => Ok(Colouring::Own),
         None if text == "direction" => Ok(Colouring::Direction),
-        None if text == "group" => Ok(Colouring::Group),
-        _ => Err("expected own, direction, scalar, scalar=NAME or group".to_owned()),
+        _ => Err("expected own, direction, scalar or scalar=NAME".to_owned()),
     }
 }
 
@@ -268,12 +266,11 @@ mod tests {
             (vec!["--size", "0x720"], "from 1 to 8192"),
             (vec!["--look", "photo", "--headless"], "occluded"),
             (vec!["x.obj", "--rooms", "3"], "cannot be used with"),
-            (vec!["--headless", "--colour", "red"], "scalar=NAME or group"),
+            (vec!["--headless", "--colour", "red"], "scalar or scalar=NAME"),
             (
                 vec!["--headless", "--lines", "5", "--colour", "scalar=fa"],
                 "no numbers \"fa\"; they have length",
             ),
-            (vec!["--headless", "--lines", "5", "--colour", "group"], "in no groups"),
             (vec!["--headless", "--lines", "5", "--context", "no/such.ply"], "no/such.ply"),
             (vec!["--headless", "--lines", "5", "--context", "no/such.glb"], "no/such.glb"),
             (vec!["--headless", "--lines", "5", "--context", "x.stl"], ".obj or .ply"),

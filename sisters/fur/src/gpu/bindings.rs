@@ -1,4 +1,4 @@
-//! Groups of bindings, which are numbered from 0, and the textures in them.
+//! Groups of bindings, which are numbered from 0, and the shadow map.
 
 use casca_stage::gpu::DEPTH;
 use casca_stage::wgpu::{
@@ -6,28 +6,11 @@ use casca_stage::wgpu::{
     TextureViewDimension,
 };
 
-pub(super) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
+const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
 const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
 
 const fn buffer(ty: BufferBindingType) -> BindingType {
     BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
-}
-
-pub(super) const fn texture(
-    sample_type: TextureSampleType,
-    view_dimension: TextureViewDimension,
-) -> BindingType {
-    BindingType::Texture { sample_type, view_dimension, multisampled: false }
-}
-
-pub(super) fn layout(
-    device: &wgpu::Device,
-    visibility: ShaderStages,
-    types: &[BindingType],
-) -> wgpu::BindGroupLayout {
-    let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
 }
 
 pub(super) fn group<'a>(
@@ -44,10 +27,19 @@ pub(super) fn group<'a>(
 pub(super) fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 2] {
     let frame = [
         UNIFORM,
-        texture(TextureSampleType::Depth, TextureViewDimension::D2),
+        BindingType::Texture {
+            sample_type: TextureSampleType::Depth,
+            view_dimension: TextureViewDimension::D2,
+            multisampled: false,
+        },
         BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
     ];
-    [frame, [UNIFORM, STORAGE, STORAGE]].map(|types| layout(device, ShaderStages::VERTEX_FRAGMENT, &types))
+    let visibility = ShaderStages::VERTEX_FRAGMENT;
+    [frame, [UNIFORM, STORAGE, STORAGE]].map(|types| {
+        let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    })
 }
 
 pub(super) fn depth_map(device: &wgpu::Device, side: u32) -> wgpu::TextureView {

@@ -49,8 +49,6 @@ pub(super) struct Buffers {
     vertices: usize,
     /// Only meshes that are posed have some.
     pub(super) followers: Option<wgpu::Buffer>,
-    /// None of its own: those of the renderer, which are empty.
-    pub(super) images: Option<wgpu::BindGroup>,
 }
 
 impl Buffers {
@@ -61,7 +59,6 @@ impl Buffers {
             count: 3 * mesh.triangles().len() as u32,
             vertices: mesh.vertices().len(),
             followers: None,
-            images: None,
         })
     }
 

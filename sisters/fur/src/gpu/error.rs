@@ -9,11 +9,6 @@ pub enum FurGpuError {
     /// The fur or the mesh is refused.
     #[error(transparent)]
     Fur(#[from] crate::Error),
-    /// The species of a field have different furs.
-    #[error(
-        "the species of the field have different furs, but a renderer draws one: give all species the same"
-    )]
-    Furs,
     /// A pass that this device or these shaders cannot draw into.
     #[error(
         "a pass of {format:?} with {samples} samples a pixel cannot be drawn into: give a format for colours that \

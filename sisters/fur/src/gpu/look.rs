@@ -1,6 +1,6 @@
 //! How fur looks: its strands, its layers, and how it is lit.
 
-use crate::mesh::{Coat, Mesh, TexCoord, Vertex};
+use crate::mesh::Mesh;
 use crate::shading::Material;
 use crate::strands::{Fur, MAX_PER_CELL};
 use bytemuck::{Pod, Zeroable};
@@ -99,20 +99,14 @@ pub(crate) struct Corner {
     position: [f32; 3],
     normal: [f32; 3],
     coat: [f32; 4],
-    tex: [f32; 2],
-    /// The number of its image plus one; 0 for none.
-    image: u32,
 }
 
 pub(crate) fn corners_of(mesh: &Mesh) -> Vec<Corner> {
-    let places = mesh.tex_coords().iter().copied().chain(std::iter::repeat(TexCoord::default()));
-    let rows = mesh.vertices().iter().zip(mesh.coats()).zip(places);
-    let corner = |((v, c), place): ((&Vertex, &Coat), TexCoord)| Corner {
+    let rows = mesh.vertices().iter().zip(mesh.coats());
+    rows.map(|(v, c)| Corner {
         position: v.position.to_array(),
         normal: v.normal.to_array(),
         coat: c.color.extend(c.length).to_array(),
-        tex: place.uv.to_array(),
-        image: place.image.map_or(0, |image| u32::from(image) + 1),
-    };
-    rows.map(corner).collect()
+    })
+    .collect()
 }

@@ -10,7 +10,6 @@
 mod bindings;
 mod buffers;
 pub mod error;
-mod images;
 pub mod look;
 mod numeric;
 mod pipelines;

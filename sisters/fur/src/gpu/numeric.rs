@@ -1,12 +1,5 @@
 //! Constants of the pictures, each with its reason.
 
-/// The longest side of an image on the device, in texels. A character that fills a picture of 1,080
-/// rows does not show more.
-pub(crate) const DRAWN_SIDE: u32 = 2048;
-
-/// The most bytes of the images of a mesh on the device, without smaller copies.
-pub(crate) const DRAWN_BYTES: u64 = 1 << 28;
-
 /// Tubes of a strand of the reference, each a part of a cone: a bent strand leaves the chord of a
 /// 32nd by less than 1/1000 of its height.
 pub(crate) const TUBES: u32 = 32;
@@ -20,7 +13,3 @@ pub(crate) const WIDER: f64 = 4e-6;
 pub(crate) const WET: f32 = 0.7;
 /// How narrow that highlight is.
 pub(crate) const WET_EXPONENT: f32 = 140.0;
-
-/// Rays towards the sun begin so far above the surface, in cells: far more than the rounding of a
-/// hit, far less than a strand's radius.
-pub(crate) const SHADOW_LIFT: f64 = 1e-3;

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use crate::Error;
-use crate::mesh::{Image, Mesh};
+use crate::mesh::Mesh;
 use crate::shading::{Directions, Material};
 use crate::strands::{Root, roots};
 use casca_tools::camera::Camera;
@@ -17,7 +17,7 @@ use obvhs::ray::{Ray, RayHit};
 use rayon::prelude::*;
 
 use crate::gpu::look::{Look, SKY, stored};
-use crate::gpu::numeric::{SHADOW_LIFT, TUBES, WET, WET_EXPONENT, WIDER};
+use crate::gpu::numeric::{TUBES, WET, WET_EXPONENT, WIDER};
 
 /// A piece of a strand: a part of a cone, with a ball that fills the joint at its first end. Tips
 /// end flat, as the highest layer of a strand does.
@@ -44,8 +44,6 @@ pub struct Reference<'a> {
     strands: Vec<Root>,
     parts: Vec<Part>,
     bvh: Bvh2,
-    images: Vec<Image>,
-    traced: bool,
 }
 
 /// The colours at the roots and the tips of strands, which multiply those of the mesh.
@@ -71,25 +69,11 @@ impl<'a> Reference<'a> {
         });
         let mut parts: Vec<Part> = tubes.chain(skin).collect();
         let boxes: Vec<Aabb> = parts.iter().map(Part::bounds).collect();
-        let bvh = match boxes.is_empty() {
-            true => Bvh2::default(),
-            false => build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default()),
-        };
+        let bvh = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
         // In the order of the hierarchy.
         let mut sorted: Vec<Option<Part>> = parts.drain(..).map(Some).collect();
         let parts = bvh.primitive_indices.iter().filter_map(|&i| sorted[i as usize].take()).collect();
-        Ok(Self { mesh, look: *look, strands, parts, bvh, images: Vec::new(), traced: false })
-    }
-
-    /// The same with the images on which the vertices lie.
-    pub fn with_images(self, images: &[Image]) -> Self {
-        Self { images: images.to_vec(), ..self }
-    }
-
-    /// The same with shadows among strands by rays towards the sun, instead of by depth.
-    /// A strand does not shade itself: its light is that of a whole cylinder.
-    pub fn with_traced_shadows(self) -> Self {
-        Self { traced: true, ..self }
+        Ok(Self { mesh, look: *look, strands, parts, bvh })
     }
 
     /// How many strands there are.
@@ -143,63 +127,27 @@ impl<'a> Reference<'a> {
                     to_light: to_sun,
                     to_eye: -direction.as_vec3(),
                 };
-                let color = own * root.color * root.tex.color(&self.images) * tint[0].lerp(tint[1], along);
+                let color = own * root.color * tint[0].lerp(tint[1], along);
                 let sky = self.look.material.depth(along);
-                let lit = self.sunlight(Fragment {
-                    at: eye + direction * t,
-                    strand: Some(tube.strand),
-                    normal: root.direction,
-                    height: along * root.share,
-                    length: root.share / self.look.fur.share(root.id),
-                    to_sun,
-                });
+                let fur = &self.look.fur;
+                let length = root.share / fur.share(root.id);
+                let lit = fur.sun_through(root.direction, along * root.share, length, to_sun);
                 self.look.material.shade(color, &strand, sky, lit)
             }
             Part::Skin(i, corners) => {
                 let weights = weights(corners, eye + direction * t);
-                let corners = self.mesh.triangles()[*i as usize];
-                let of = corners.map(|v| v as usize);
+                let of = self.mesh.triangles()[*i as usize].map(|v| v as usize);
                 let mix = |f: &dyn Fn(usize) -> Vec3| (0..3).map(|k| f(of[k]) * weights[k]).sum::<Vec3>();
                 let normal = mix(&|v| self.mesh.vertices()[v].normal).normalize_or_zero();
-                let image = self.mesh.tex_coord(corners, weights).color(&self.images);
-                let color = image * mix(&|v| self.mesh.coats()[v].color);
+                let color = mix(&|v| self.mesh.coats()[v].color);
                 let length = mix(&|v| Vec3::splat(self.mesh.coats()[v].length)).x;
                 let to_eye = -direction.as_vec3();
                 let seen = Directions { tangent: normal, normal, to_light: to_sun, to_eye };
                 let sky = under(&self.look.material, length);
-                let lit = self.sunlight(Fragment {
-                    at: eye + direction * t,
-                    strand: None,
-                    normal,
-                    height: 0.0,
-                    length,
-                    to_sun,
-                });
+                let lit = self.look.fur.sun_through(normal, 0.0, length, to_sun);
                 skin(&self.look.material, color * tint[0], length, &seen, [sky, lit])
             }
         }
-    }
-
-    /// The share of the sun that reaches a point between strands.
-    fn sunlight(&self, f: Fragment) -> f32 {
-        if self.traced {
-            return self.traced_sunlight(f);
-        }
-        self.look.fur.sun_through(f.normal, f.height, f.length, f.to_sun)
-    }
-
-    /// 1 if nothing is between a point and the sun, else 0.
-    fn traced_sunlight(&self, f: Fragment) -> f32 {
-        let up = f.normal.as_dvec3() * (SHADOW_LIFT * f64::from(self.look.fur.spacing));
-        let (start, way) = (f.at + up, f.to_sun.as_dvec3());
-        let ray = Ray::new(start.as_vec3a(), way.as_vec3a(), 0.0, f32::MAX);
-        let mut free = true;
-        self.bvh.ray_traverse(ray, &mut RayHit::none(), |_, i| {
-            let own = matches!(&self.parts[i], Part::Tube(t) if Some(t.strand) == f.strand);
-            free &= own || self.parts[i].enter(start, way).is_none();
-            f32::INFINITY
-        });
-        f32::from(u8::from(free))
     }
 
     /// The nearest part on a ray, and how far it is.
@@ -216,18 +164,6 @@ impl<'a> Reference<'a> {
         });
         best.map(|(i, t)| (&self.parts[i], t))
     }
-}
-
-/// A point that is seen, on a strand or, without one, on the skin.
-struct Fragment {
-    at: DVec3,
-    strand: Option<u32>,
-    normal: Vec3,
-    /// Above the skin, as a share of the greatest height.
-    height: f32,
-    /// The length of the coat there, as a share of the same.
-    length: f32,
-    to_sun: Vec3,
 }
 
 /// How much of a coat of a length, as a share of the greatest, covers the skin.

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use crate::Error;
-use crate::mesh::{Image, Mesh};
+use crate::mesh::Mesh;
 use crate::skin::Weights;
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
@@ -17,18 +17,17 @@ use casca_tools::camera::Camera;
 use crate::gpu::bindings::{depth_map, group, layouts};
 use crate::gpu::buffers::{Buffers, Growing};
 use crate::gpu::error::FurGpuError;
-use crate::gpu::images;
 use crate::gpu::look::{Look, LookRecord, SKY};
-use crate::gpu::pipelines::{Kind, Pipelines, shaders};
+use crate::gpu::pipelines::{Pipelines, SHADERS};
 use crate::gpu::records::{DrawList, Frame, SHADOW_SIZE, Sun};
 
 /// Pipelines and buffers for some meshes and one format of pictures.
 pub struct Renderer {
     format: TextureFormat,
-    /// By [`Kind::number`].
-    shells: [wgpu::RenderPipeline; 4],
+    /// Without weights, and with.
+    shells: [wgpu::RenderPipeline; 2],
     blocks: wgpu::RenderPipeline,
-    /// Without weights, and with; shadows have no colours.
+    /// The same; shadows have no colours.
     shell_shadows: [wgpu::RenderPipeline; 2],
     block_shadows: wgpu::RenderPipeline,
     layouts: [wgpu::BindGroupLayout; 2],
@@ -38,9 +37,6 @@ pub struct Renderer {
     /// One of these reads the shadow map, the other draws it.
     frame_groups: [wgpu::BindGroup; 2],
     look_group: wgpu::BindGroup,
-    images_layout: wgpu::BindGroupLayout,
-    /// For meshes without images.
-    no_images: wgpu::BindGroup,
     meshes: Vec<Buffers>,
     records: Growing,
     joints: Growing,
@@ -110,20 +106,16 @@ impl Renderer {
     ) -> Result<Self, FurGpuError> {
         let device = &gpu.device;
         let layouts = layouts(device);
-        let images_layout = images::layout(device);
-        let modules = [false, true].map(|images| {
-            device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("fur"),
-                source: wgpu::ShaderSource::Wgsl(shaders(images).into()),
-            })
-        });
         let pipelines = Pipelines {
             device,
-            shaders: &modules,
+            shaders: &device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("fur"),
+                source: wgpu::ShaderSource::Wgsl(SHADERS.into()),
+            }),
             samples,
             layout: &device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
-                bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1]), Some(&images_layout)],
+                bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1])],
                 immediate_size: 0,
             }),
         };
@@ -150,13 +142,11 @@ impl Renderer {
         );
         let renderer = Self {
             format,
-            shells: Kind::EVERY.map(|kind| pipelines.shells(kind, Some(("shell_colour", format)))),
+            shells: [false, true].map(|posed| pipelines.shells(posed, Some(("shell_colour", format)))),
             blocks: pipelines.blocks(Some(("block_colour", format))),
-            shell_shadows: [false, true].map(|posed| pipelines.shells(Kind { posed, images: false }, None)),
+            shell_shadows: [false, true].map(|posed| pipelines.shells(posed, None)),
             block_shadows: pipelines.blocks(None),
             layouts,
-            no_images: images::group(gpu, &images_layout, &[])?,
-            images_layout,
             frame,
             look: look_buffer,
             shadow,
@@ -191,31 +181,9 @@ impl Renderer {
     /// There is no such mesh, it has another number of vertices, or the weights do not fit into the
     /// memory of the device.
     pub fn set_weights(&mut self, gpu: &Gpu, mesh: usize, weights: &Weights) -> Result<(), FurGpuError> {
-        self.mesh(mesh)?.set_weights(gpu, weights)
-    }
-
-    /// Gives meshes, by their numbers, the images on which their vertices lie
-    /// ([`Mesh::with_tex_coords`]). Without them, and where one is missing, coats alone colour.
-    /// All are drawn at the size of the largest, of at most 2048 texels a side and 256 MiB.
-    ///
-    /// # Errors
-    /// There is no such mesh, or there are more than 64 images.
-    pub fn set_images(&mut self, gpu: &Gpu, meshes: &[usize], given: &[Image]) -> Result<(), FurGpuError> {
-        images::check(given)?;
-        let group = match given {
-            [] => None,
-            _ => Some(images::group(gpu, &self.images_layout, given)?),
-        };
-        for &mesh in meshes {
-            self.mesh(mesh)?.images = group.clone();
-        }
-        Ok(())
-    }
-
-    fn mesh(&mut self, mesh: usize) -> Result<&mut Buffers, Error> {
         let most = self.meshes.len() as f64 - 1.0;
         let refused = Error::Range { what: "the number of a mesh", value: mesh as f64, least: 0.0, most };
-        self.meshes.get_mut(mesh).ok_or(refused)
+        self.meshes.get_mut(mesh).ok_or(refused)?.set_weights(gpu, weights)
     }
 
     /// Draws the shadow map of a list. It holds until the next call: while neither the sun nor
@@ -263,7 +231,7 @@ impl Renderer {
     }
 
     /// Draws the list of the last [`Renderer::prepare`]; nothing before the first. Sets pipelines,
-    /// its three bind groups, and vertex and index buffers of the pass.
+    /// its two bind groups, and vertex and index buffers of the pass.
     pub fn draw_in(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.record(pass, false);
     }
@@ -328,10 +296,9 @@ impl Renderer {
     fn record(&self, pass: &mut wgpu::RenderPass<'_>, shadows: bool) {
         pass.set_bind_group(0, &self.frame_groups[usize::from(shadows)], &[]);
         pass.set_bind_group(1, &self.look_group, &[]);
-        pass.set_bind_group(2, &self.no_images, &[]);
         let (blocks, shells) = match shadows {
-            false => (&self.blocks, &self.shells[..]),
-            true => (&self.block_shadows, &self.shell_shadows[..]),
+            false => (&self.blocks, &self.shells),
+            true => (&self.block_shadows, &self.shell_shadows),
         };
         if self.walls > 0 {
             pass.set_pipeline(blocks);
@@ -341,9 +308,7 @@ impl Renderer {
         pass.set_vertex_buffer(0, self.instances.buffer.slice(..));
         for (mesh, run) in &self.runs {
             let Some(mesh) = self.meshes.get(*mesh).filter(|mesh| mesh.count > 0) else { continue };
-            let kind = Kind { posed: mesh.followers.is_some(), images: mesh.images.is_some() && !shadows };
-            pass.set_pipeline(&shells[kind.number()]);
-            pass.set_bind_group(2, mesh.images.as_ref().unwrap_or(&self.no_images), &[]);
+            pass.set_pipeline(&shells[usize::from(mesh.followers.is_some())]);
             if let Some(followers) = &mesh.followers {
                 pass.set_vertex_buffer(2, followers.slice(..));
             }

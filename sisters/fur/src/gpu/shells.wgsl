@@ -1,5 +1,4 @@
-// Shells: instance k of a mesh is its layer k, layer 0 the skin. Shaders for meshes without images lack the lines that
-// end with the comment "images".
+// Shells: instance k of a mesh is its layer k, layer 0 the skin.
 
 // The highlight of bald skin; as in the reference.
 const WET: f32 = 0.7;
@@ -39,11 +38,8 @@ struct Shell {
     @location(8) z: vec3f,
     // The bend of strands, in the mesh at rest.
     @location(9) bend: vec3f,
-    // The place on an image, and its number plus one, 0 for none.
-    @location(10) tex: vec2f, // images
-    @location(11) @interpolate(flat) image: u32, // images
     // A corner of the triangle, in the mesh at rest.
-    @location(12) @interpolate(flat) corner: vec3f,
+    @location(10) @interpolate(flat) corner: vec3f,
 }
 
 struct Corner {
@@ -52,8 +48,6 @@ struct Corner {
     @location(1) base: vec3f,
     @location(2) normal: vec3f,
     @location(3) coat: vec4f,
-    @location(6) tex: vec2f, // images
-    @location(7) image: u32, // images
 }
 
 /// From the mesh at rest to the world.
@@ -80,8 +74,6 @@ fn shell(corner: Corner, rows: array<vec4f, 3>, eye: vec4f) -> Shell {
     out.corner = corner.base;
     out.normal = corner.normal;
     out.coat = corner.coat;
-    out.tex = corner.tex; // images
-    out.image = corner.image; // images
     let axes = transpose(mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz));
     out.x = axes[0];
     out.y = axes[1];

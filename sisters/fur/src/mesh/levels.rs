@@ -1,17 +1,16 @@
 //! Levels of detail of any mesh, which keep its colours and lengths.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::Vec3;
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 
-use super::order::without_fins;
 use super::types::Mesh;
 use crate::error::{Error, range};
-use crate::numeric::{COARSER, COLOR_WEIGHT, LEAST_LEVEL, LENGTH_WEIGHT, MAX_COORDINATE, PLACE_WEIGHT};
+use crate::numeric::{COARSER, COLOR_WEIGHT, LEAST_LEVEL, LENGTH_WEIGHT, MAX_COORDINATE};
 
-/// Numbers of a vertex that levels keep: colour, length and place on an image.
-const KEPT: usize = 6;
+/// Numbers of a vertex that levels keep: colour and length.
+const KEPT: usize = 4;
 
 /// Targets that are tried for a level of a closed mesh, until one leaves it closed.
 const TRIES: usize = 16;
@@ -21,9 +20,9 @@ impl Mesh {
     /// triangles of the one before; fewer where the mesh cannot become simpler. Their vertices are
     /// vertices of the mesh.
     ///
-    /// Edges collapse by quadrics of places, colours of coats, lengths and places on images (Hoppe
-    /// 1999, by meshoptimizer). Six vertices on the border of each bald part stay, so that eyes do:
-    /// of the 32 parts with the longest borders. Levels of closed meshes are closed, which
+    /// Edges collapse by quadrics of places, colours and lengths of coats (Hoppe 1999, by
+    /// meshoptimizer). Six vertices on the border of each bald part stay, so that eyes do: of the 32
+    /// parts with the longest borders. Levels of closed meshes are closed, which
     /// [`inner_ball`](crate::visibility::inner_ball) needs. Costs up to 16 simplifications of the
     /// finest mesh a level.
     ///
@@ -47,6 +46,13 @@ impl Mesh {
         }
         Ok(levels)
     }
+
+    /// A closed level of about so many triangles of a closed mesh, or the mesh itself if none can be
+    /// had.
+    #[cfg(feature = "scenes")]
+    pub(crate) fn coarser(&self, triangles: usize) -> Mesh {
+        Simplifier::new(self).level(triangles.max(LEAST_LEVEL), true).unwrap_or_else(|| self.clone())
+    }
 }
 
 /// A mesh as meshoptimizer takes it.
@@ -60,11 +66,10 @@ struct Simplifier<'a> {
 impl<'a> Simplifier<'a> {
     fn new(mesh: &'a Mesh) -> Self {
         let positions = mesh.vertices().iter().flat_map(|v| v.position.to_array().map(f32::to_ne_bytes));
-        let kept = mesh.coats().iter().enumerate().flat_map(|(v, coat)| {
+        let kept = mesh.coats().iter().flat_map(|coat| {
             // As pictures store it: differences are then as large as they look.
             let color = coat.color.powf(1.0 / 2.2);
-            let place = mesh.tex_coords().get(v).map_or([0.0; 2], |coord| coord.uv.to_array());
-            [color.x, color.y, color.z, coat.length, place[0], place[1]]
+            [color.x, color.y, color.z, coat.length]
         });
         Self {
             mesh,
@@ -93,16 +98,17 @@ impl<'a> Simplifier<'a> {
 
     fn simplified(&self, triangles: usize) -> Option<Mesh> {
         let adapter = VertexDataAdapter::new(&self.positions, 12, 0).ok()?;
-        let (c, l, p) = (COLOR_WEIGHT, LENGTH_WEIGHT, PLACE_WEIGHT);
+        let (c, l) = (COLOR_WEIGHT, LENGTH_WEIGHT);
         let left = meshopt::simplify_with_attributes_and_locks(
             self.mesh.triangles().as_flattened(),
             &adapter,
             &self.kept,
-            &[c, c, c, l, p, p],
+            &[c, c, c, l],
             KEPT * size_of::<f32>(),
             &self.locks,
             3 * triangles,
             MAX_COORDINATE,
+            // Regular triangles, since layers of thin ones would show their edges.
             SimplifyOptions::ErrorAbsolute | SimplifyOptions::RegularizeLight,
             None,
         );
@@ -110,6 +116,18 @@ impl<'a> Simplifier<'a> {
         let left = meshopt::optimize_vertex_cache(left.as_flattened(), self.mesh.vertices().len());
         (!left.is_empty()).then(|| self.mesh.used(&left))
     }
+}
+
+/// The triangles without pairs of the same three vertices in opposite orders. Edge collapses leave
+/// such pairs: they enclose nothing, but their edges would belong to four triangles.
+fn without_fins(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    for t in &mut triangles {
+        let first = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
+        t.rotate_left(first);
+    }
+    let all: HashSet<[u32; 3]> = triangles.iter().copied().collect();
+    triangles.retain(|&[a, b, c]| !all.contains(&[a, c, b]));
+    triangles
 }
 
 /// Vertices that stay: some on the border of each bald part, as far from each other as they can be.
@@ -185,3 +203,30 @@ const STONES: usize = 6;
 
 /// Bald parts that keep corners, those with the longest borders first: others may go away.
 const PARTS: usize = 32;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Vertex;
+    use crate::samples::ball;
+
+    #[test]
+    fn levels_have_vertices_of_the_finest() {
+        let mesh = ball(24);
+        let levels = mesh.levels(4).unwrap();
+        assert_eq!((levels.len(), &levels[0]), (4, &mesh));
+        for (level, target) in levels[1..].iter().zip([1728, 432, 108]) {
+            assert!(level.triangles().len() <= target && level.triangles().len() * 10 > target * 9);
+            assert!(level.vertices().iter().all(|v| mesh.vertices().contains(v)));
+            assert_eq!(level.open_edges(), 0);
+        }
+        assert!([0, 17].iter().all(|&n| matches!(mesh.levels(n), Err(Error::Range { .. }))));
+        // A flat mesh, and a vertex that no triangle uses.
+        let flat = Mesh::new(vec![Vertex::default(); 4], Vec::new(), vec![[0, 1, 2], [0, 0, 0]]).unwrap();
+        let _ = (flat.levels(3), flat.acmr(16));
+        assert_eq!(flat.ordered().vertices().len(), 3);
+        // Two triangles back to back go away, others stay.
+        let left = without_fins(vec![[0, 1, 2], [5, 3, 4], [2, 1, 0], [3, 4, 6]]);
+        assert_eq!(left, [[3, 4, 5], [3, 4, 6]]);
+    }
+}

@@ -3,14 +3,12 @@
 //! The steps, after chapter 4 of the thesis: [`center`], [`continuous_normals`], [`weld`],
 //! [`Mesh::ordered`]; or all by [`prepare`].
 
-mod image;
 mod levels;
 mod normals;
 mod order;
 mod types;
 mod weld;
 
-pub use image::{Image, TexCoord, Wrap, linear_of};
 pub use normals::continuous_normals;
-pub use types::{Coat, Mesh, Vertex};
+pub use types::{Coat, Mesh, Vertex, linear_of};
 pub use weld::{Placing, center, prepare, weld};

@@ -98,9 +98,9 @@ mod tests {
                 soup.iter().map(|v| Vertex::at(v.position + v.normal * 0.1)).collect()
             };
             // Flat normals tear the layers apart.
-            assert!(weld(&extruded(&soup), &[], &[]).unwrap().open_edges() > 0);
+            assert!(weld(&extruded(&soup), &[]).unwrap().open_edges() > 0);
             continuous_normals(&mut soup).unwrap();
-            assert_eq!(weld(&extruded(&soup), &[], &[]).unwrap().open_edges(), 0);
+            assert_eq!(weld(&extruded(&soup), &[]).unwrap().open_edges(), 0);
         }
     }
 

@@ -1,13 +1,6 @@
-//! The order of triangles and vertices, and coarser meshes, by meshoptimizer.
+//! The order of triangles and vertices, by meshoptimizer.
 
-use std::collections::HashSet;
-
-use meshopt::{SimplifyOptions, VertexDataAdapter};
-
-use super::image::TexCoord;
 use super::types::{Coat, Mesh, Vertex};
-use crate::error::{Error, range};
-use crate::numeric::MAX_COORDINATE;
 
 impl Mesh {
     /// The average cache miss ratio: vertices that a first-in-first-out cache of `cache` vertices
@@ -28,68 +21,23 @@ impl Mesh {
         self.used(&order)
     }
 
-    /// A coarser mesh of about `triangles` triangles, whose vertices are vertices of this one (edge
-    /// collapse by quadrics, Garland & Heckbert 1997). More are left where the shape cannot become
-    /// simpler. The result is [ordered](Mesh::ordered).
-    ///
-    /// Vertices at one position must share normal and coat, else seams keep apart what they part.
-    ///
-    /// # Errors
-    /// Refuses 0 triangles. If nothing is left, it says that the mesh is empty.
-    pub fn simplified(&self, triangles: usize) -> Result<Self, Error> {
-        range("the number of triangles to leave", triangles as f64, 1.0, self.triangles().len() as f64)?;
-        let positions: Vec<[f32; 3]> = self.vertices().iter().map(|v| v.position.to_array()).collect();
-        let bytes: Vec<u8> = positions.as_flattened().iter().flat_map(|c| c.to_ne_bytes()).collect();
-        let Ok(adapter) = VertexDataAdapter::new(&bytes, 12, 0) else { return Err(Error::Empty) };
-        // Regular triangles, since layers of thin ones would show their edges.
-        let options = SimplifyOptions::ErrorAbsolute | SimplifyOptions::RegularizeLight;
-        let left = meshopt::simplify(
-            self.triangles().as_flattened(),
-            &adapter,
-            3 * triangles,
-            MAX_COORDINATE,
-            options,
-            None,
-        );
-        let left = without_fins(left.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect());
-        if left.is_empty() {
-            return Err(Error::Empty);
-        }
-        let order = meshopt::optimize_vertex_cache(left.as_flattened(), self.vertices().len());
-        Ok(self.used(&order))
-    }
-
     /// The mesh of some corners, with its vertices in the order of use.
     pub(super) fn used(&self, corners: &[u32]) -> Self {
         let mut number = vec![u32::MAX; self.vertices().len()];
         let mut vertices: Vec<Vertex> = Vec::new();
         let mut coats: Vec<Coat> = Vec::new();
-        let mut places: Vec<TexCoord> = Vec::new();
         let mut renumber = |v: u32| {
             let slot = &mut number[v as usize];
             if *slot == u32::MAX {
                 *slot = vertices.len() as u32;
                 vertices.push(self.vertices()[v as usize]);
                 coats.push(self.coats()[v as usize]);
-                places.extend(self.tex_coords().get(v as usize));
             }
             *slot
         };
         let triangles = corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(&mut renumber)).collect();
-        Self::from_checked(vertices, coats, triangles, places)
+        Self::from_checked(vertices, coats, triangles)
     }
-}
-
-/// The triangles without pairs of the same three vertices in opposite orders. Edge collapses leave
-/// such pairs: they enclose nothing, but their edges would belong to four triangles.
-pub(super) fn without_fins(mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    for t in &mut triangles {
-        let first = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
-        t.rotate_left(first);
-    }
-    let all: HashSet<[u32; 3]> = triangles.iter().copied().collect();
-    triangles.retain(|&[a, b, c]| !all.contains(&[a, c, b]));
-    triangles
 }
 
 #[cfg(test)]
@@ -132,23 +80,5 @@ mod tests {
             assert_eq!((faces(&ordered), ordered.open_edges()), (faces(&mesh), 0));
             assert_eq!(ordered.triangles()[0], [0, 1, 2], "vertices in the order of use");
         }
-    }
-
-    #[test]
-    fn simplified_meshes_keep_vertices_of_the_finest() {
-        let mesh = ball(24);
-        for target in [3000, 700, 100] {
-            let simple = mesh.simplified(target).unwrap();
-            assert!(simple.triangles().len() <= target && simple.triangles().len() * 10 > target * 9);
-            assert!(simple.vertices().iter().all(|v| mesh.vertices().contains(v)));
-        }
-        assert!([0, usize::MAX].iter().all(|&n| matches!(mesh.simplified(n), Err(Error::Range { .. }))));
-        // A flat mesh, and a vertex that no triangle uses.
-        let flat = Mesh::new(vec![Vertex::default(); 4], Vec::new(), vec![[0, 1, 2], [0, 0, 0]]).unwrap();
-        let _ = (flat.simplified(1), flat.acmr(16));
-        assert_eq!(flat.ordered().vertices().len(), 3);
-        // Two triangles back to back go away, others stay.
-        let left = without_fins(vec![[0, 1, 2], [5, 3, 4], [2, 1, 0], [3, 4, 6]]);
-        assert_eq!(left, [[3, 4, 5], [3, 4, 6]]);
     }
 }

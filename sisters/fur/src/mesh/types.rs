@@ -1,9 +1,10 @@
 //! Vertices, coats and indexed meshes.
 
+use std::sync::LazyLock;
+
 use casca::Aabb;
 use glam::Vec3;
 
-use super::image::{TexCoord, check_tex_coords};
 use crate::error::Error;
 use crate::numeric::{MAX_COORDINATE, MAX_TRIANGLES};
 
@@ -41,14 +42,24 @@ impl Default for Coat {
     }
 }
 
+/// The linear light of a byte of sRGB (IEC 61966-2-1), 0 to 1.
+pub fn linear_of(byte: u8) -> f32 {
+    static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+        std::array::from_fn(|byte| {
+            let stored = byte as f64 / 255.0;
+            let light = if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) };
+            light as f32
+        })
+    });
+    LINEAR[usize::from(byte)]
+}
+
 /// An indexed triangle mesh, checked: finite, not empty, and each index has its vertex.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     vertices: Vec<Vertex>,
     coats: Vec<Coat>,
     triangles: Vec<[u32; 3]>,
-    /// Empty, or one for each vertex.
-    tex_coords: Vec<TexCoord>,
 }
 
 impl Mesh {
@@ -80,36 +91,12 @@ impl Mesh {
         for v in &mut vertices {
             v.normal = v.normal.as_dvec3().normalize_or_zero().as_vec3();
         }
-        Ok(Self { vertices, coats, triangles, tex_coords: Vec::new() })
+        Ok(Self { vertices, coats, triangles })
     }
 
     /// A mesh of parts of one that was checked.
-    pub(super) fn from_checked(
-        vertices: Vec<Vertex>,
-        coats: Vec<Coat>,
-        triangles: Vec<[u32; 3]>,
-        tex_coords: Vec<TexCoord>,
-    ) -> Self {
-        Self { vertices, coats, triangles, tex_coords }
-    }
-
-    /// The same mesh on images, one place for each vertex; with none, coats alone colour it. The
-    /// colour of an image multiplies that of the coat.
-    ///
-    /// # Errors
-    /// Refuses another number of places than vertices, coordinates that are not finite or above
-    /// 1e6, image numbers above 63, and triangles whose corners lie on different images.
-    pub fn with_tex_coords(mut self, tex_coords: Vec<TexCoord>) -> Result<Self, Error> {
-        if !tex_coords.is_empty() {
-            check_tex_coords(&tex_coords, self.vertices.len(), &self.triangles)?;
-        }
-        self.tex_coords = tex_coords;
-        Ok(self)
-    }
-
-    /// Where each vertex lies on an image; empty for meshes without images.
-    pub fn tex_coords(&self) -> &[TexCoord] {
-        &self.tex_coords
+    pub(super) fn from_checked(vertices: Vec<Vertex>, coats: Vec<Coat>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { vertices, coats, triangles }
     }
 
     /// The vertices.
@@ -135,13 +122,6 @@ impl Mesh {
         self.coats = self.vertices.iter().map(coat).collect();
         check_coats(&self.coats, self.vertices.len())?;
         Ok(self)
-    }
-
-    /// The place on an image within a triangle, by the weights of its corners.
-    pub(crate) fn tex_coord(&self, corners: [u32; 3], weights: [f32; 3]) -> TexCoord {
-        let [a, b, c] = corners.map(|v| self.tex_coords.get(v as usize).copied().unwrap_or_default());
-        let uv = a.uv * weights[0] + b.uv * weights[1] + c.uv * weights[2];
-        TexCoord { uv, image: a.image }
     }
 
     /// The box of the vertices, without fur.

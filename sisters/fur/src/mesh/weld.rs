@@ -4,20 +4,17 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::image::TexCoord;
 use super::normals::continuous_normals;
 use super::types::{Coat, Mesh, Vertex, check_count, check_vertices};
 use crate::error::Error;
 
 /// Makes one vertex of all corners with the same position, normal and coat (thesis, algorithm 3),
-/// in the order of their first corner; of corners on images those with the same place on the same
-/// image. Coats may be left out: white fur of full length; and so may coordinates. Costs a hash
+/// in the order of their first corner. Coats may be left out: white fur of full length. Costs a hash
 /// table of the vertices.
 ///
 /// # Errors
-/// Refuses lists whose length is no multiple of 3, and what [`Mesh::new`] and
-/// [`Mesh::with_tex_coords`] refuse.
-pub fn weld(soup: &[Vertex], coats: &[Coat], coords: &[TexCoord]) -> Result<Mesh, Error> {
+/// Refuses lists whose length is no multiple of 3, and what [`Mesh::new`] refuses.
+pub fn weld(soup: &[Vertex], coats: &[Coat]) -> Result<Mesh, Error> {
     if !soup.len().is_multiple_of(3) {
         return Err(Error::Corners { vertices: soup.len() });
     }
@@ -25,33 +22,25 @@ pub fn weld(soup: &[Vertex], coats: &[Coat], coords: &[TexCoord]) -> Result<Mesh
     if !coats.is_empty() && coats.len() != soup.len() {
         return Err(Error::Count { what: "coats", found: coats.len(), expected: soup.len() });
     }
-    if !coords.is_empty() && coords.len() != soup.len() {
-        return Err(Error::Count { what: "texture coordinates", found: coords.len(), expected: soup.len() });
-    }
-    let mut numbers: HashMap<[u32; 13], u32> = HashMap::new();
-    let (mut vertices, mut kept, mut places) = (Vec::new(), Vec::new(), Vec::new());
+    let mut numbers: HashMap<[u32; 10], u32> = HashMap::new();
+    let (mut vertices, mut kept) = (Vec::new(), Vec::new());
     let mut corners = Vec::with_capacity(soup.len());
     for (i, vertex) in soup.iter().enumerate() {
         let coat = coats.get(i).copied().unwrap_or_default();
-        let coord = coords.get(i).copied().unwrap_or_default();
-        let mut key = [0; 13];
-        key[12] = coord.image.map_or(u32::MAX, u32::from);
+        let mut key = [0; 10];
         let values = [vertex.position.to_array(), vertex.normal.to_array(), coat.color.to_array()];
         // Adding 0 makes -0 the same as 0.
-        let more = [coat.length, coord.uv.x, coord.uv.y];
-        for (slot, value) in key.iter_mut().zip(values.into_iter().flatten().chain(more)) {
+        for (slot, value) in key.iter_mut().zip(values.into_iter().flatten().chain([coat.length])) {
             *slot = (value + 0.0).to_bits();
         }
         corners.push(*numbers.entry(key).or_insert_with(|| {
             vertices.push(*vertex);
             kept.push(coat);
-            places.push(coord);
             vertices.len() as u32 - 1
         }));
     }
     let triangles = corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
-    let mesh = Mesh::new(vertices, kept, triangles)?;
-    mesh.with_tex_coords(if coords.is_empty() { Vec::new() } else { places })
+    Mesh::new(vertices, kept, triangles)
 }
 
 /// Where a mesh was, and how large it is.
@@ -96,7 +85,7 @@ pub fn prepare(positions: &[Vec3], coats: &[Coat], triangles: &[[u32; 3]]) -> Re
     let coats: Vec<Coat> = corners().map(|v| mesh.coats()[v]).collect();
     let placing = center(&mut soup)?;
     continuous_normals(&mut soup)?;
-    Ok((weld(&soup, &coats, &[])?.ordered(), placing))
+    Ok((weld(&soup, &coats)?.ordered(), placing))
 }
 
 #[cfg(test)]
@@ -108,26 +97,26 @@ mod tests {
     fn the_cube_and_the_torus_of_the_thesis() {
         for (mut soup, size) in [(cube(10.0), (12, 8, 264)), (torus(3.0, 1.0, 24, 8), (384, 192, 6912))] {
             continuous_normals(&mut soup).unwrap();
-            let mesh = weld(&soup, &[], &[]).unwrap();
+            let mesh = weld(&soup, &[]).unwrap();
             assert_eq!((mesh.triangles().len(), mesh.vertices().len(), mesh.bytes()), size);
             assert_eq!(mesh.open_edges(), 0);
         }
         // With flat normals nothing is shared but within the sides of the cube.
-        assert_eq!(weld(&cube(10.0), &[], &[]).unwrap().vertices().len(), 24);
+        assert_eq!(weld(&cube(10.0), &[]).unwrap().vertices().len(), 24);
     }
 
     #[test]
     fn coats_part_vertices_and_signs_of_zero_do_not() {
         let soup = [Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::ZERO, Vec3::Y, Vec3::X].map(Vertex::at);
-        assert_eq!(weld(&soup, &[], &[]).unwrap().vertices().len(), 3);
+        assert_eq!(weld(&soup, &[]).unwrap().vertices().len(), 3);
         let mut coats = [Coat::default(); 6];
         coats[3].length = 0.0;
-        assert_eq!(weld(&soup, &coats, &[]).unwrap().vertices().len(), 4);
-        assert!(matches!(weld(&soup, &coats[1..], &[]), Err(Error::Count { found: 5, expected: 6, .. })));
+        assert_eq!(weld(&soup, &coats).unwrap().vertices().len(), 4);
+        assert!(matches!(weld(&soup, &coats[1..]), Err(Error::Count { found: 5, expected: 6, .. })));
         coats[4].length = 1.5;
-        assert!(matches!(weld(&soup, &coats, &[]), Err(Error::Range { .. })));
-        assert_eq!(weld(&soup[1..], &[], &[]), Err(Error::Corners { vertices: 5 }));
-        assert_eq!(weld(&[], &[], &[]), Err(Error::Empty));
+        assert!(matches!(weld(&soup, &coats), Err(Error::Range { .. })));
+        assert_eq!(weld(&soup[1..], &[]), Err(Error::Corners { vertices: 5 }));
+        assert_eq!(weld(&[], &[]), Err(Error::Empty));
     }
 
     #[test]

@@ -3,21 +3,19 @@
 use std::path::Path;
 
 use crate::error::Error;
-use crate::mesh::{Image, Mesh, TexCoord, Vertex, center, continuous_normals, weld};
+use crate::mesh::{Mesh, Vertex, center, continuous_normals, weld};
 use crate::skin::{Clip, Joint, Pose, Skeleton, SkinBounds, Weights};
 use crate::strands::Fur;
 use glam::{Affine3A, Vec3};
 
-use super::import::{Coated, Rig, load_coated, refused};
-use casca_scenes::import::{ImportError, Trouble};
+use super::import::{Coated, Rig, read_coated, refused};
+use casca_scenes::import::{ImportError, Trouble, open};
 
 /// A mesh of a file that grows fur, at several levels of detail.
 #[derive(Debug, Clone)]
 pub struct Character {
     /// The levels, finest first. The centre of the box of the finest is the origin.
     pub levels: Vec<Mesh>,
-    /// The images on which their vertices lie.
-    pub images: Vec<Image>,
     /// The motion, if the file has a skin.
     pub rig: Option<CharacterRig>,
 }
@@ -38,10 +36,9 @@ impl Character {
     /// this many levels of detail, 1 to 16.
     ///
     /// # Errors
-    /// As [`load_coated`] and [`Character::new`].
+    /// As [`read_coated`] and [`Character::new`].
     pub fn load(path: &Path, bald: &[String], levels: usize) -> Result<Self, ImportError> {
-        let made = Self::new(&load_coated(path)?, bald, levels);
-        made.map_err(|why| ImportError { path: path.to_owned(), why })
+        open(path, |_, bytes, folder| Self::new(&read_coated(bytes, folder)?, bald, levels))
     }
 
     /// Makes a character of what was read: centred, with normals that are the same on both sides of
@@ -62,11 +59,7 @@ impl Character {
                 coat.length = 0.0;
             }
         }
-        let coords: Vec<TexCoord> = match coated.images.is_empty() {
-            true => Vec::new(),
-            false => corners().map(|v| coated.tex_coords[v]).collect(),
-        };
-        let mesh = weld(&soup, &coats, &coords).map_err(refused)?.ordered();
+        let mesh = weld(&soup, &coats).map_err(refused)?.ordered();
         let levels = mesh.levels(levels).map_err(refused)?;
         let carried = |rig: &Rig| {
             let vertices = coated.mesh.positions.iter().map(|&p| Vertex::at(p - middle)).collect();
@@ -81,7 +74,7 @@ impl Character {
             })
         };
         let rig = coated.rig.as_ref().map(carried).transpose().map_err(refused)?;
-        Ok(Self { levels, images: coated.images.clone(), rig })
+        Ok(Self { levels, rig })
     }
 }
 

@@ -6,13 +6,12 @@ use crate::error::{Error, range};
 use crate::skin::{Ending, Pose};
 use crate::strands::{Forces, Fur, Lean};
 use crate::visibility::{furry_object, inner_ball};
-use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene};
+use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
 use glam::{Affine3A, Quat, UVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::scenes::animals::Animal;
-use crate::scenes::species::Species;
 
 /// What an object of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +29,7 @@ pub enum Kind {
 pub struct Resident {
     /// Its object in the scene.
     pub id: ObjectId,
-    /// The number of its species: its meshes and its fur.
+    /// The number of its species: its meshes.
     pub species: usize,
     /// From the space of its meshes to the world.
     pub placement: Affine3A,
@@ -78,9 +77,8 @@ impl Walk {
 pub struct Field {
     /// The scene, for queries.
     pub scene: Scene,
-    species: Vec<(Species, Fur)>,
-    /// By species, from the space of its meshes, posed in a herd, to units.
-    places: Vec<Affine3A>,
+    species: Vec<Animal>,
+    fur: Fur,
     animals: Vec<Resident>,
     walls: Vec<Aabb>,
     ground: Aabb,
@@ -111,32 +109,32 @@ const MOST_SPECIES: usize = 16;
 const DETAIL: u32 = 48;
 
 impl Field {
-    /// A field of `count` animals, 1 to 100,000, of 1 to 16 species, each with its fur: see
-    /// [`generated`]. Each animal is of one of them, by the seed. Animals that stand hide others by
-    /// a ball inside all levels of detail, if their meshes are closed.
+    /// A field of `count` animals, 1 to 100,000, of 1 to 16 generated species with the same fur.
+    /// Each animal is of one of them, by the seed. Animals that stand hide others by a ball inside
+    /// all levels of detail.
     ///
     /// With `forces` it is a herd: all animals walk on their legs, their strands lean, and only
     /// walls hide.
     ///
     /// # Errors
-    /// Refuses counts and longest bends out of range, a herd of a species that cannot walk, and
-    /// what casca refuses.
+    /// Refuses counts, fur and longest bends out of range, and what casca refuses.
     pub fn new(
         count: usize,
-        species: Vec<(Species, Fur)>,
+        species: usize,
         seed: u64,
+        fur: Fur,
         forces: Option<Forces>,
     ) -> Result<Self, Error> {
         range("the number of animals", count as f64, 1.0, MOST as f64)?;
-        range("the number of species", species.len() as f64, 1.0, MOST_SPECIES as f64)?;
+        range("the number of species", species as f64, 1.0, MOST_SPECIES as f64)?;
+        let kind = |i: usize| Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL);
+        let species = (0..species).map(kind).collect::<Result<Vec<Animal>, Error>>()?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let hides = species.iter().map(|(kind, _)| if forces.is_some() { Ok(None) } else { ball_in(kind) });
-        let hides = hides.collect::<Result<Vec<Option<Occluder>>, Error>>()?;
-        let place = |(kind, _): &(Species, Fur)| match forces {
-            Some(_) => kind.places().posed,
-            None => kind.places().rest,
+        let ball = |kind: &Animal| match forces {
+            Some(_) => Ok(None),
+            None => inner_ball(&kind.levels().iter().collect::<Vec<_>>()),
         };
-        let places: Vec<Affine3A> = species.iter().map(place).collect();
+        let hides = species.iter().map(ball).collect::<Result<Vec<Option<Sphere>>, Error>>()?;
         let lots = (count.div_ceil(CROWD) as f64).sqrt().ceil() as usize;
         let edge = lots as f32 * LOT;
         let ground = Aabb::new(Vec3::new(-LOT, -0.5, -LOT), Vec3::new(edge + LOT, 0.0, edge + LOT));
@@ -178,17 +176,18 @@ impl Field {
                 turn: [random.random_range(0.5..1.5), random.random_range(0.0..TAU)],
                 scale: random.random_range(0.75..1.0),
             };
-            let placement = walk.at(0.0).0 * places[kind];
-            let (of, fur) = &species[kind];
+            let of = &species[kind];
+            let placement = walk.at(0.0).0 * onto_ground(of);
             // Of those that walk the first step gives the bounds.
-            let desc = furry_object(of.aabb(), fur, hides[kind].clone(), placement, forces.is_some())?;
+            let hides = hides[kind].map(Occluder::from);
+            let desc = furry_object(of.aabb(), &fur, hides, placement, forces.is_some())?;
             let id = scene.insert(desc.user_data(number as u64)).map_err(refused("animal"))?;
             animals.push(Resident { id, species: kind, placement, walk, lean: Lean::default() });
         }
         let mut field = Self {
             scene,
             species,
-            places,
+            fur,
             animals,
             walls,
             ground,
@@ -196,9 +195,8 @@ impl Field {
             forces: forces.unwrap_or_default(),
         };
         if forces.is_some() {
-            let rest = |(kind, _): &(Species, Fur)| Ok(Pose::rest(&kind.walker()?.skeleton));
-            let rests = field.species.iter().map(rest).collect::<Result<Vec<Pose>, Error>>()?;
-            field.poses = field.animals.iter().map(|resident| rests[resident.species].clone()).collect();
+            let rest = |resident: &Resident| Pose::rest(&field.species[resident.species].rig().skeleton);
+            field.poses = field.animals.iter().map(rest).collect();
             field.walk(0.0)?;
         }
         Ok(field)
@@ -212,15 +210,16 @@ impl Field {
     pub fn walk(&mut self, time: f64) -> Result<(), Error> {
         range("the time in seconds", time, -1e9, 1e9)?;
         let failed = |source| Error::Scene { what: "step of an animal", source };
+        let fur = self.fur.leaning(self.forces.most)?;
         // Only herds have poses.
         for (resident, pose) in self.animals.iter_mut().zip(&mut self.poses) {
             let (placement, [velocity, acceleration]) = resident.walk.at(time);
-            resident.placement = placement * self.places[resident.species];
-            let rig = self.species[resident.species].0.walker()?;
+            let kind = &self.species[resident.species];
+            resident.placement = placement * onto_ground(kind);
+            let rig = kind.rig();
             let seconds = resident.walk.rounds(time, rig.stride) * f64::from(rig.walk.seconds());
             pose.set(&rig.skeleton, &rig.walk, seconds, Ending::Loop);
             resident.lean = self.forces.lean(velocity, acceleration)?;
-            let fur = self.species[resident.species].1.leaning(self.forces.most)?;
             let bounds = rig.bounds.posed(pose, &fur);
             self.scene.set_transform(resident.id, resident.placement).map_err(failed)?;
             self.scene.set_bounds(resident.id, bounds).map_err(failed)?;
@@ -238,8 +237,8 @@ impl Field {
         self.animals.get(animal).map_or(Lean::default(), |a| a.lean)
     }
 
-    /// The species: meshes and fur.
-    pub fn species(&self) -> &[(Species, Fur)] {
+    /// The species.
+    pub fn species(&self) -> &[Animal] {
         &self.species
     }
 
@@ -270,9 +269,7 @@ impl Field {
 
     /// The height of an animal's fur in world units.
     pub fn fur_height(&self, animal: usize) -> f32 {
-        let Some(resident) = self.animals.get(animal) else { return 0.0 };
-        let (kind, fur) = &self.species[resident.species];
-        fur.height * kind.places().scale * resident.walk.scale
+        self.animals.get(animal).map_or(0.0, |resident| self.fur.height * resident.walk.scale)
     }
 
     /// An eye on a path through the field and the direction in which it looks, for a share of the
@@ -286,31 +283,9 @@ impl Field {
     }
 }
 
-/// A ball inside all levels of detail; none for meshes with holes, through which one could look.
-fn ball_in(kind: &Species) -> Result<Option<Occluder>, Error> {
-    let levels: Vec<_> = kind.levels().iter().collect();
-    if levels.iter().any(|mesh| mesh.open_edges() > 0) {
-        return Ok(None);
-    }
-    Ok(inner_ball(&levels)?.map(Occluder::from))
-}
-
-/// Generated species of a seed, 1 to 16, with their furs: `fur` makes one for an animal of a radius.
-///
-/// # Errors
-/// Refuses other counts, and what `fur` refuses.
-pub fn generated(
-    count: usize,
-    seed: u64,
-    fur: impl Fn(f32) -> Result<Fur, Error>,
-) -> Result<Vec<(Species, Fur)>, Error> {
-    range("the number of species", count as f64, 1.0, MOST_SPECIES as f64)?;
-    let make = |i: usize| {
-        let animal = Animal::new(seed.wrapping_mul(31).wrapping_add(i as u64), DETAIL)?;
-        let fur = fur(animal.radius())?;
-        Ok((Species::from(&animal), fur))
-    };
-    (0..count).map(make).collect()
+/// From the space of a species' meshes to where it stands on the ground at 0.
+fn onto_ground(kind: &Animal) -> Affine3A {
+    Affine3A::from_translation(Vec3::Y * -kind.aabb().min.y)
 }
 
 #[cfg(test)]

@@ -85,7 +85,8 @@ fn png(mesh: &Mesh, rig: &Rig) -> Vec<u8> {
         if (0.02..0.09).contains(&along) && p.y > neck.y - 0.25 {
             return image::Rgb([205, 20, 25]);
         }
-        let wave = (34.0 * p.x + 3.0 * (9.0 * p.y).sin() + 1.5 * (23.0 * p.y + 4.0 * p.x).sin()).sin();
+        // No finer than the triangles of a coarse level, whose vertices have these colours.
+        let wave = (15.0 * p.x + 1.2 * (5.0 * p.y).sin() + 0.5 * (11.0 * p.y + 3.0 * p.x).sin()).sin();
         if wave > 0.45 { image::Rgb([52, 40, 34]) } else { image::Rgb([255, 250, 240]) }
     });
     let mut bytes = Cursor::new(Vec::new());

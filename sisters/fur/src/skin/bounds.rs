@@ -21,8 +21,7 @@ pub struct SkinBounds {
 }
 
 impl SkinBounds {
-    /// The boxes of a mesh and its weights. They hold for its [simplified](Mesh::simplified)
-    /// levels, too, whose vertices are some of its own. Costs one pass.
+    /// The boxes of a mesh and its weights. They hold for its [levels](Mesh::levels), too, whose vertices are some of its own. Costs one pass.
     ///
     /// # Errors
     /// Refuses weights for another number of vertices.

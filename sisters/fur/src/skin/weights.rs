@@ -66,7 +66,7 @@ impl Weights {
     }
 
     /// The weights for `to`, whose vertices have places of `from`, for which these weights are: for
-    /// [ordered](Mesh::ordered), welded and [simplified](Mesh::simplified) meshes. Of several
+    /// [ordered](Mesh::ordered) and welded meshes and for [levels](Mesh::levels). Of several
     /// vertices of `from` at one place the first counts, so that no seam opens. Costs a hash table
     /// of the vertices.
     ///
@@ -153,7 +153,7 @@ mod tests {
         let joints: Vec<[u32; 4]> =
             mesh.vertices().iter().map(|_| [(random.next() * 5.0) as u32; 4]).collect();
         let weights = Weights::new(&joints, &vec![[1.0; 4]; joints.len()], &skeleton(5)).unwrap();
-        let simple = mesh.simplified(200).unwrap();
+        let simple = mesh.levels(2).unwrap().remove(1);
         let carried = weights.carried(&mesh, &simple).unwrap();
         assert_eq!(carried.joints().len(), simple.vertices().len());
         for (vertex, joints) in simple.vertices().iter().zip(carried.joints()) {

@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 use super::fur::Fur;
 use crate::error::Error;
-use crate::mesh::{Mesh, TexCoord};
+use crate::mesh::Mesh;
 use crate::numeric::{HALF_SLAB, MAX_COORDINATE, MAX_EDGE_CELLS, MAX_STRANDS, ON_EDGE, SAME_FOOT, SETTLED};
 
 /// A strand of fur on a mesh.
@@ -22,8 +22,6 @@ pub struct Root {
     pub id: u32,
     /// The colour of the coat at its root.
     pub color: Vec3,
-    /// Where its root lies on an image, which multiplies that colour.
-    pub tex: TexCoord,
 }
 
 impl Root {
@@ -197,7 +195,6 @@ impl<'a> Patch<'a> {
         let coats = self.corners.map(|v| self.mesh.coats()[v as usize]);
         let length: f64 = (0..3).map(|i| weights[i] * f64::from(coats[i].length)).sum();
         let color: Vec3 = (0..3).map(|i| coats[i].color * weights[i] as f32).sum();
-        let tex = self.mesh.tex_coord(self.corners, weights.map(|w| w as f32));
         let share = length.clamp(0.0, 1.0) as f32 * self.fur.share(id);
         let spacing = f64::from(self.fur.spacing);
         let position = (self.origin + self.edges[0] * u + self.edges[1] * v) * spacing;
@@ -208,7 +205,6 @@ impl<'a> Patch<'a> {
             radius: self.fur.radius_along(0.0),
             id,
             color,
-            tex,
         };
         (share > 0.0).then_some(Foot { cell, k, position, root })
     }
@@ -292,7 +288,7 @@ mod tests {
     #[test]
     fn strands_are_equally_dense_on_any_surface() {
         // Faces along cells, off them, and turned.
-        let flat = weld(&cube(2.0), &[], &[]).unwrap();
+        let flat = weld(&cube(2.0), &[]).unwrap();
         let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
         let turned = |v: &Vertex| Vertex { position: turn * v.position + 0.013, normal: turn * v.normal };
         let turned = flat.vertices().iter().map(turned).collect();

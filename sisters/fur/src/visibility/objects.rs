@@ -19,7 +19,7 @@ pub fn inflate(aabb: Aabb, reach: f32) -> Aabb {
 
 /// An object for [`casca::Scene::insert`]: the box `base` of a mesh in object space, inflated by
 /// the reach of its fur (bent tips included), under a placement. All layers of the mesh lie within
-/// these bounds, and so do those of its [`simplified`](Mesh::simplified) levels, whose vertices are
+/// these bounds, and so do those of its [levels](Mesh::levels), whose vertices are
 /// some of its own.
 ///
 /// `hides` is what hides others, in object space: [`base_occluder`] or [`inner_ball`], or nothing;
@@ -233,10 +233,10 @@ mod tests {
         // A turned box on top of the ball.
         let upper = |v: &Vertex| Vertex::at(turn * (v.position * 2.0 + Vec3::Y * 2.0));
         let upper: Vec<Vertex> = cube(1.0).iter().map(upper).collect();
-        let upper = weld(&upper, &[], &[]).unwrap();
+        let upper = weld(&upper, &[]).unwrap();
         let sphere = inner_ball(&[&fine, &upper]).unwrap();
         assert_eq!(sphere, None, "they only touch");
-        let coarse = fine.simplified(100).unwrap();
+        let coarse = fine.levels(3).unwrap().remove(2);
         let sphere = inner_ball(&[&fine, &coarse]).unwrap().unwrap();
         assert!((0.7..1.0).contains(&(sphere.center.length() + sphere.radius)), "{sphere:?}");
         for mesh in [&fine, &coarse] {
@@ -249,12 +249,12 @@ mod tests {
     #[test]
     fn open_meshes_hide_nothing() {
         let soup = cube(1.0);
-        let open = weld(&soup[3..], &[], &[]).unwrap();
+        let open = weld(&soup[3..], &[]).unwrap();
         assert_eq!(base_occluder(&open).err(), Some(Error::Open { edges: 3 }));
         assert_eq!(inner_ball(&[&open]), Err(Error::Open { edges: 3 }));
         assert_eq!(inner_ball(&[]), Err(Error::Empty));
         // Inside out, no point has a solid around it.
-        let closed = weld(&soup, &[], &[]).unwrap();
+        let closed = weld(&soup, &[]).unwrap();
         let turned = closed.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
         let turned = Mesh::new(closed.vertices().to_vec(), Vec::new(), turned).unwrap();
         assert_eq!(inner_ball(&[&turned]), Ok(None));

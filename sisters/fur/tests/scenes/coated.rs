@@ -1,12 +1,15 @@
-//! Colours, lengths and images of meshes that grow fur.
+//! Colours and lengths of meshes that grow fur.
+
+use std::io::Cursor;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use casca_fur::mesh::Coat;
-
 use casca_fur::scenes::import::{Coated, read_coated};
 use casca_scenes::import::Trouble;
-use glam::Vec3;
+use casca_tools::image::srgb;
+use glam::{Vec2, Vec3};
+use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::parts::{F32, Parts, bytes_of, glb};
 
@@ -106,46 +109,54 @@ fn what_cannot_be_a_colour_is_refused() {
 }
 
 #[test]
-fn images_are_read_once_and_bad_ones_are_named() {
-    let texture = |uri: &str| {
+fn the_colours_of_images_multiply_and_bad_images_are_named() {
+    let texture = |uri: &str, uvs: &[f32; 6]| {
         let mut leaf = Leaf::new().material(
             r#""pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":
                 {"KHR_texture_transform":{"offset":[0.5,0.25],"scale":[2,4],"rotation":1.5707964}}}}"#,
         );
-        let bytes = bytes_of(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
-        let view = leaf.parts.view(&bytes);
+        let view = leaf.parts.view(&bytes_of(uvs));
         let accessor = leaf.parts.accessor(F32, "VEC2", 3, &format!(r#""bufferView":{view}"#));
         leaf.attributes += &format!(r#","TEXCOORD_0":{accessor}"#);
         leaf.more += &format!(r#","textures":[{{"source":0}}],"images":[{{"uri":"{uri}"}}]"#);
         leaf
     };
-    // A red texel.
-    let png = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC";
-    let read = texture(&format!("data:image/png;base64,{png}")).read().unwrap();
-    assert_eq!(read.images.len(), 1);
-    assert_eq!(read.images[0].texels(), [255, 0, 0, 255]);
-    // As the reference viewer of Khronos turns them.
-    let want = [[0.5, 0.25], [0.5, -1.75], [4.5, 0.25]];
-    for (coord, want) in read.tex_coords.iter().zip(want) {
-        assert!((coord.uv - glam::Vec2::from_array(want)).abs().max_element() < 1e-5, "{coord:?}");
-        assert_eq!(coord.image, Some(0));
+    let uvs = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    let uri = |kind: &str, bytes: &[u8]| format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
+    let written = |picture: &RgbImage, format: ImageFormat| {
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    };
+    // 8 x 8 texels whose red and green are their places, as sRGB stores them.
+    let stored = |x: u32| srgb((x as f32 + 0.5) / 8.0);
+    let places = RgbImage::from_fn(8, 8, |x, y| Rgb([stored(x), stored(y), 0]));
+    let png = written(&places, ImageFormat::Png);
+    // As the reference viewer of Khronos turns them: to (0.5, 0.25), (0.5, -1.75) and (4.5, 0.25).
+    let read = texture(&uri("png", &png), &uvs).read().unwrap();
+    for (coat, want) in read.coats.iter().zip([[0.5, 0.25], [0.5, 0.25], [0.5, 0.25]]) {
+        assert!((coat.color.truncate() - Vec2::from_array(want)).abs().max_element() < 0.01, "{coat:?}");
+        assert_eq!(coat.length, 1.0);
     }
+    let third = texture(&uri("png", &png), &[0.05, 0.0, 0.0, 0.1, 0.05, 0.05]).read().unwrap();
+    for (coat, want) in third.coats.iter().zip([[0.5, 0.15], [0.9, 0.25], [0.7, 0.15]]) {
+        assert!((coat.color.truncate() - Vec2::from_array(want)).abs().max_element() < 0.02, "{coat:?}");
+    }
+    assert!(texture(&uri("png", &png), &[f32::NAN; 6]).read().is_err());
     // A picture of one colour as JPEG, which a uniform block keeps but for rounding.
-    let mut jpeg = Vec::new();
-    let made = image::RgbImage::from_pixel(16, 8, image::Rgb([200, 30, 60]));
-    made.write_with_encoder(image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 95)).unwrap();
-    let uri = |bytes: &[u8]| format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes));
-    let read = texture(&uri(&jpeg)).read().unwrap();
-    assert_eq!(read.images[0].size(), glam::UVec2::new(16, 8));
-    let near = |texel: &[u8]| texel.iter().zip([200u8, 30, 60, 255]).all(|(a, b)| a.abs_diff(b) <= 2);
-    assert!(read.images[0].texels().chunks(4).all(near));
+    let jpeg = written(&RgbImage::from_pixel(16, 8, Rgb([200, 30, 60])), ImageFormat::Jpeg);
+    let near = |coat: &Coat| {
+        let bytes = coat.color.to_array().map(srgb);
+        bytes.iter().zip([200u8, 30, 60]).all(|(a, b)| a.abs_diff(b) <= 2)
+    };
+    assert!(texture(&uri("jpeg", &jpeg), &uvs).coats().iter().all(near));
     for part in [2, 20, jpeg.len() / 2] {
         // Decoders may fill up a picture that was cut in its middle.
-        let cut = texture(&uri(&jpeg[..part])).read();
+        let cut = texture(&uri("jpeg", &jpeg[..part]), &uvs).read();
         assert!(part == jpeg.len() / 2 || cut.unwrap_err().to_string().starts_with("image 0"), "{part}");
     }
     for uri in ["data:image/png;base64,iVBORw0KGgo=", "data:,", "nowhere.png", "/etc/passwd", "a?b"] {
-        let said = texture(uri).read().unwrap_err().to_string();
+        let said = texture(uri, &uvs).read().unwrap_err().to_string();
         assert!(said.starts_with("image 0"), "{said}");
     }
 }

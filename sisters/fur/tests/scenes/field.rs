@@ -2,17 +2,14 @@
 
 use casca::{Aabb, ObjectId, Query, View};
 use casca_fur::Error;
-use casca_fur::scenes::field::{Field, Kind, generated};
-use casca_fur::scenes::import::{Coated, read_coated};
-use casca_fur::scenes::sample::character_glb;
-use casca_fur::scenes::{Character, Species};
-use casca_fur::skin::Weights;
+use casca_fur::scenes::field::{Field, Kind};
 use casca_fur::strands::{Forces, Fur};
 use casca_fur::visibility::inflate;
 use glam::{Affine3A, Mat3, Vec3};
 
-fn fur(radius: f32) -> Result<Fur, Error> {
-    Fur::for_radius(radius, 0.08, 0.2)
+/// The fur of animals, whose radius is about this.
+fn fur() -> Fur {
+    Fur::for_radius(0.7, 0.08, 0.2).unwrap()
 }
 
 fn forces() -> Forces {
@@ -20,7 +17,7 @@ fn forces() -> Forces {
 }
 
 fn field(count: usize, species: usize, seed: u64, forces: Option<Forces>) -> Result<Field, Error> {
-    Field::new(count, generated(species, seed, fur)?, seed, forces)
+    Field::new(count, species, seed, fur(), forces)
 }
 
 /// Whether a segment meets a box.
@@ -34,11 +31,11 @@ fn meets(from: Vec3, to: Vec3, aabb: &Aabb) -> bool {
 /// Tips of an animal as it stands, or walks and leans now.
 fn tips(field: &Field, animal: usize) -> Vec<Vec3> {
     let resident = &field.animals()[animal];
-    let (kind, fur) = &field.species()[resident.species];
+    let (kind, fur) = (&field.species()[resident.species], fur());
     let tip = |(v, vertex): (usize, &casca_fur::mesh::Vertex)| {
-        let (mut m, mut bent) = (resident.placement, *fur);
+        let (mut m, mut bent) = (resident.placement, fur);
         if let Some(pose) = field.pose(animal) {
-            m *= kind.rig().unwrap().weights[3].blend(v, pose);
+            m *= kind.rig().weights[3].blend(v, pose);
             bent.bend = field.lean(animal).bend(fur.bend, Mat3::from(m.matrix3));
         }
         m.transform_point3(bent.extruded(vertex.position, vertex.normal, 1.0))
@@ -62,8 +59,7 @@ fn walk_along(mut field: Field) -> [usize; 3] {
         seen += visible.iter().filter(|id| matches!(field.kind(**id), Some(Kind::Animal(_)))).count();
         for (animal, resident) in field.animals().iter().enumerate() {
             let bounds = field.scene.bounds(resident.id).unwrap().aabb();
-            let (kind, fur) = &field.species()[resident.species];
-            let rest = inflate(kind.aabb(), fur.reach(1.0));
+            let rest = inflate(field.species()[resident.species].aabb(), fur().reach(1.0));
             for tip in tips(&field, animal) {
                 assert!(bounds.contains(tip), "frame {frame}: {tip} is outside of {bounds:?}");
                 let own = resident.placement.inverse().transform_point3(tip);
@@ -97,68 +93,8 @@ fn walls_hide_most_animals_that_stand_and_no_tip_in_sight() {
 
 #[test]
 fn no_tip_in_sight_of_a_walking_herd_is_lost() {
-    let own = [10, 11].map(|seed| species(&character(seed))).to_vec();
-    let of_files = Field::new(200, own, 3, Some(forces())).unwrap();
-    for (animal, resident) in of_files.animals().iter().enumerate() {
-        let (kind, pose) = (&of_files.species()[resident.species].0, of_files.pose(animal).unwrap());
-        let weights = &kind.rig().unwrap().weights[0];
-        let heights = kind.levels()[0].vertices().iter().enumerate().map(|(v, vertex)| {
-            let m = resident.placement * weights.blend(v, pose);
-            m.transform_point3(vertex.position).y
-        });
-        let low = heights.fold(f32::INFINITY, f32::min);
-        assert!((-0.02..0.05).contains(&low), "feet at {low}");
-    }
-    for herd in [of_files, field(200, 2, 3, Some(forces())).unwrap()] {
-        let [seen, in_sight, outside_of_rest] = walk_along(herd);
-        assert!(seen < 600 && in_sight > 5000 && outside_of_rest > 100);
-    }
-}
-
-fn character(seed: u64) -> Coated {
-    read_coated(&character_glb(seed, 48).unwrap(), None).unwrap()
-}
-
-fn species(coated: &Coated) -> (Species, Fur) {
-    let character = Character::new(coated, &[], 4).unwrap();
-    let species = Species::of_character(&character).unwrap();
-    let fur = fur(species.radius()).unwrap();
-    (species, fur)
-}
-
-#[test]
-fn weights_that_are_not_those_of_the_levels_are_refused() {
-    let whole = Character::new(&character(10), &[], 3).unwrap();
-    let refused = |change: fn(&mut Vec<Weights>)| {
-        let mut character = whole.clone();
-        change(&mut character.rig.as_mut().unwrap().weights);
-        Species::of_character(&character).is_err()
-    };
-    assert!(!refused(|_| ()) && refused(|w| w.truncate(1)) && refused(Vec::clear));
-    assert!(refused(|w| w.swap(0, 2)) && refused(|w| w.swap(1, 2)));
-}
-
-#[test]
-fn standing_characters_are_as_long_as_a_unit_whatever_their_files_are_in() {
-    let mut coated = character(10);
-    coated.rig = None;
-    coated.mesh.positions.iter_mut().for_each(|p| *p = 100.0 * *p + Vec3::Y * 900.0);
-    let own = species(&coated);
-    assert!(own.0.rig().is_none());
-    let refused = Field::new(3, vec![own.clone()], 3, Some(forces()));
-    assert!(matches!(refused, Err(Error::Still)));
-    let field = Field::new(20, vec![own], 3, None).unwrap();
-    for (animal, resident) in field.animals().iter().enumerate() {
-        let (kind, fur) = &field.species()[0];
-        let at = |p: Vec3| resident.placement.transform_point3(p);
-        let Aabb { min, max } = kind.aabb();
-        let length = at(max).distance(at(Vec3::new(min.x, max.y, max.z)));
-        assert!((0.74..1.01).contains(&length) && at(min).y.abs() < 1e-4, "{length}, feet at {}", at(min).y);
-        let fur_there = at(Vec3::Y * fur.height).distance(at(Vec3::ZERO));
-        assert!((field.fur_height(animal) / fur_there - 1.0).abs() < 1e-3);
-        let hides = field.scene.bounds(resident.id).unwrap().aabb();
-        assert!(hides.contains(at(kind.aabb().center())));
-    }
+    let [seen, in_sight, outside_of_rest] = walk_along(field(200, 2, 3, Some(forces())).unwrap());
+    assert!(seen < 600 && in_sight > 5000 && outside_of_rest > 100);
 }
 
 #[test]
@@ -176,7 +112,7 @@ fn fields_repeat_and_know_their_objects() {
     for (number, resident) in a.animals().iter().enumerate() {
         assert_eq!(a.kind(resident.id), Some(Kind::Animal(number)));
         // Feet on the ground, within the lot.
-        let (kind, _) = &a.species()[resident.species];
+        let kind = &a.species()[resident.species];
         let feet = resident.placement.transform_point3(Vec3::Y * kind.aabb().min.y);
         assert!(feet.y.abs() < 1e-5 && feet.x > 0.0 && feet.z > 0.0);
         assert!(a.fur_height(number) > 0.0);
@@ -199,5 +135,5 @@ fn herds_repeat_and_walk_and_absurd_fields_are_refused() {
     for (count, species) in [(0, 1), (100_001, 1), (1, 0), (1, 17)] {
         assert!(matches!(field(count, species, 1, None), Err(Error::Range { .. })));
     }
-    assert!(generated(1, 1, |r| Fur::for_radius(-r, 0.1, 0.1)).is_err());
+    assert!(Field::new(1, 1, 1, Fur { height: -1.0, ..fur() }, None).is_err());
 }

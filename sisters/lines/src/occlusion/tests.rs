@@ -4,6 +4,7 @@ use super::*;
 use crate::buffers::nearest_lines;
 use crate::sets::LineSet;
 use crate::sets::generate::{Family, Recipe};
+use crate::testing::moved;
 use crate::view::Lens;
 
 /// The occlusion by rays of each pixel with a line.
@@ -26,7 +27,7 @@ fn same(a: &[Option<f32>], b: &[Option<f32>]) -> usize {
 fn a_turned_scene_with_its_camera_and_a_moved_picture_give_the_same() {
     let lines = Recipe { lines: 150, vertices: 60, ..Recipe::new(Family::Dipole, 1) }.make().unwrap();
     let turn = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(1.1);
-    let turned = lines.moved(|p| turn * p).unwrap();
+    let turned = moved(&lines, |p| turn * p);
     for lens in [Lens::Orthographic { half_height: 1.2 }, Lens::Perspective { fov_y: 0.6 }] {
         let look = |turn: Quat| {
             let [eye, up] = [vec3(0.0, 0.0, 4.0), Vec3::Y].map(|v| turn * v);
@@ -52,7 +53,7 @@ fn estimates_do_not_depend_on_the_unit_of_length() {
     for fov_y in [None, Some(0.6)] {
         // Powers of two change no digit of a number.
         let run = |unit: f32| {
-            let lines = lines.moved(|p| p * unit).unwrap();
+            let lines = moved(&lines, |p| p * unit);
             let view = View::around(lines.bounds(), vec3(0.5, 0.6, 1.0), fov_y, [48; 2]).unwrap();
             run(&lines, &view, [0.26 * unit, 0.01 * unit])
         };

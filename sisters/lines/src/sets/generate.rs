@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use crate::sets::attributes::{Attributes, Groups};
 use crate::sets::random::{Random, hash};
 use crate::sets::{LineError, LineSet, MOST_VERTICES};
 
@@ -79,8 +78,8 @@ impl Recipe {
         Self { family, lines, vertices, seed, time: 0.0 }
     }
 
-    /// Makes the set. Each line depends on its own number and the seed only. Lines of a reservoir
-    /// are in the group of the well that they come from. Time: proportional to the vertices.
+    /// Makes the set. Each line depends on its own number and the seed only. Time: proportional to
+    /// the vertices.
     ///
     /// # Errors
     /// If there are more than [`MOST_VERTICES`]. A time that is not finite is taken as 0.
@@ -91,7 +90,7 @@ impl Recipe {
         let time = if self.time.is_finite() { self.time } else { 0.0 };
         let wells = Wells::new(self.seed);
         let line = |i: u32| {
-            let mut random = self.random(i);
+            let mut random = Random::new(hash(self.seed).wrapping_add(u64::from(i)));
             let points = match self.family {
                 Family::Spiral => self.curve(spiral(&mut random, time)),
                 Family::Dipole => self.curve(dipole(&mut random, time)),
@@ -102,19 +101,7 @@ impl Recipe {
             };
             points.into_iter().map(|p| p.as_vec3())
         };
-        let set = LineSet::new((0..self.lines).map(line))?;
-        if self.family != Family::Reservoir {
-            return Ok(set);
-        }
-        let names = (1..=wells.sources.len()).map(|n| format!("well {n}")).collect();
-        let of = (0..self.lines).map(|i| wells.source(&mut self.random(i)) as u32).collect();
-        let attributes = Attributes { groups: Some(Groups { names, of }), ..Attributes::default() };
-        Ok(set.with_attributes(attributes).expect("a group for each line, and a name for each group"))
-    }
-
-    /// The random numbers of a line.
-    fn random(&self, line: u32) -> Random {
-        Random::new(hash(self.seed).wrapping_add(u64::from(line)))
+        LineSet::new((0..self.lines).map(line))
     }
 
     /// A curve sampled at even parameters from 0 to 1.
@@ -160,7 +147,7 @@ impl Recipe {
     }
 
     fn streamline(&self, wells: &Wells, random: &mut Random, time: f64) -> Vec<DVec3> {
-        let source = wells.sources[wells.source(random)];
+        let source = wells.sources[(random.unit() * wells.sources.len() as f64) as usize];
         let (sine, cosine) = (random.unit() * TAU).sin_cos();
         // Eight layers, with lines spread thinly in each.
         let layer = (random.unit() * 8.0).floor() / 8.0;
@@ -232,11 +219,6 @@ impl Wells {
         Self { sources: some(5), sinks: some(6) }
     }
 
-    /// The source that a line comes from: its first random number.
-    fn source(&self, random: &mut Random) -> usize {
-        (random.unit() * self.sources.len() as f64) as usize
-    }
-
     /// The flow at a place: away from sources, to sinks, bent by ground that each layer has
     /// otherwise.
     fn flow(&self, p: DVec2, layer: f64, time: f64) -> DVec2 {
@@ -251,8 +233,6 @@ impl Wells {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3Swizzles;
-
     use super::*;
 
     #[test]
@@ -276,21 +256,6 @@ mod tests {
             // First vertices; some lines of a flow may take another way around a well.
             let step = |(a, b): (&[glam::Vec3], &[glam::Vec3])| a[0].distance(b[0]);
             assert!(set.iter().zip(later.iter()).map(step).all(|d| d < 0.02), "{family:?}");
-        }
-    }
-
-    #[test]
-    fn lines_of_a_reservoir_start_at_the_well_of_their_group() {
-        let set = Recipe { lines: 300, ..Recipe::new(Family::Reservoir, 1) }.make().unwrap();
-        let groups = set.attributes().groups.as_ref().unwrap();
-        let starts: Vec<_> = set.iter().map(|line| line[0].xz()).collect();
-        for (group, name) in groups.names.iter().enumerate() {
-            let own = || (0..starts.len()).filter(|&i| groups.of[i] as usize == group).map(|i| starts[i]);
-            let first = own().next().unwrap();
-            // A ring around each well.
-            assert!(own().all(|p| p.distance(first) < 0.041), "{name}");
-            let others = (0..starts.len()).filter(|&i| groups.of[i] as usize != group);
-            assert!(others.map(|i| starts[i].distance(first)).all(|d| d > 0.041), "{name}");
         }
     }
 

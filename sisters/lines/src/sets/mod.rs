@@ -1,11 +1,11 @@
 //! Sets of polylines: streamlines, hair, wires, tractograms.
 //!
 //! - [`LineSet`]: polylines with tangents and lengths.
-//! - [`attributes`]: numbers of vertices and lines, colours and groups.
-//! - [`colour`]: colours by direction, numbers or groups.
+//! - [`attributes`]: numbers of vertices and lines, and colours.
+//! - [`colour`]: colours by direction or numbers.
 //! - [`region`]: boxes and spheres that lines are chosen by.
 //! - [`generate`]: seeded sets that move with a time.
-//! - [`files`]: text, OBJ, PLY, TCK, TRK, VTK, HAIR.
+//! - [`files`]: text, OBJ, PLY, TCK, TRK, VTK.
 //! - [`rooms`]: a house with a set in each of its rooms.
 //! - [`random`]: the seeded numbers behind them.
 

@@ -2,7 +2,6 @@
 
 use glam::{Vec3, vec3};
 
-use crate::sets::attributes::{Attributes, Groups};
 use crate::sets::generate::{Family, Recipe};
 use crate::sets::{LineError, LineSet, MOST_VERTICES};
 
@@ -21,7 +20,7 @@ const FAMILIES: [Family; 5] =
 /// Lines and walls.
 #[derive(Debug, Clone)]
 pub struct House {
-    /// The lines of all rooms, room by room; each room is a group.
+    /// The lines of all rooms, room by room.
     pub lines: LineSet,
     /// The least and the greatest corner of each wall, and of the floor.
     pub walls: Vec<[Vec3; 2]>,
@@ -43,19 +42,14 @@ impl House {
             return Err(LineError::TooMany);
         }
         let mut all = LineSet::default();
-        let mut groups = Groups { names: Vec::new(), of: Vec::new() };
         for room in 0..side * side {
             let family = FAMILIES[room as usize % FAMILIES.len()];
             let recipe = Recipe::new(family, seed.wrapping_add(u64::from(room)));
             let middle = middle_of(side, room);
             for line in (Recipe { lines, time, ..recipe }).make()?.iter() {
                 all.push(line.iter().map(|&p| p + middle))?;
-                groups.of.push(room);
             }
-            groups.names.push(format!("room {}: {}", room + 1, family.name()));
         }
-        let attributes = Attributes { groups: Some(groups), ..Attributes::default() };
-        let all = all.with_attributes(attributes).expect("a group for each line, and a name for each group");
         Ok(Self { lines: all, walls: walls(side), side })
     }
 
@@ -105,9 +99,6 @@ mod tests {
         assert!(matches!(House::new(70_000, 0, 1, 0.0), Err(LineError::TooMany)));
         let house = House::new(2, 0, 1, 0.0).unwrap();
         assert!(house.lines.is_empty() && !house.walls.is_empty());
-        let house = House::new(2, 3, 1, 0.0).unwrap();
-        let groups = house.lines.attributes().groups.as_ref().unwrap();
-        assert_eq!(groups.of, [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]);
-        assert_eq!((groups.names[0].as_str(), groups.names.len()), ("room 1: spiral", 4));
+        assert_eq!(House::new(2, 3, 1, 0.0).unwrap().lines.len(), 12);
     }
 }

@@ -74,13 +74,13 @@ impl LineSet {
     /// The same lines with these attributes instead of theirs.
     ///
     /// # Errors
-    /// If there are not as many values as vertices and lines, or a group has no name.
+    /// If there are not as many values as vertices and lines.
     pub fn with_attributes(self, attributes: Attributes) -> Result<Self, AttributeError> {
         attributes.check(self.points.len(), self.len())?;
         Ok(Self { attributes, ..self })
     }
 
-    /// Numbers, colours and groups.
+    /// Numbers and colours.
     pub fn attributes(&self) -> &Attributes {
         &self.attributes
     }
@@ -97,19 +97,6 @@ impl LineSet {
             starts.push(points.len() as u32);
         }
         Self { attributes: self.attributes.chosen(&kept), points, starts }
-    }
-
-    /// The same lines with each vertex moved.
-    ///
-    /// # Errors
-    /// If a vertex moves to a place that is not finite.
-    pub fn moved(&self, mut place: impl FnMut(Vec3) -> Vec3) -> Result<Self, LineError> {
-        let points: Vec<Vec3> = self.points.iter().map(|p| place(*p)).collect();
-        if let Some(bad) = points.iter().position(|p| !p.is_finite()) {
-            let line = self.starts.partition_point(|s| *s as usize <= bad) - 1;
-            return Err(LineError::NotFinite { line, vertex: bad - self.starts[line] as usize });
-        }
-        Ok(Self { points, starts: self.starts.clone(), attributes: self.attributes.clone() })
     }
 
     /// The number of lines.
@@ -193,7 +180,7 @@ pub struct Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sets::attributes::{Groups, NO_GROUP, Of, Scalars};
+    use crate::sets::attributes::{Of, Scalars};
 
     #[test]
     fn lines_have_tangents_lengths_and_segments_and_bad_ones_are_named() {
@@ -209,33 +196,25 @@ mod tests {
         let bad = set.push([Vec3::ZERO, v(0.0, f32::NAN, 0.0)]);
         assert_eq!(bad, Err(LineError::NotFinite { line: 3, vertex: 1 }));
         assert_eq!(set, old);
-        let infinite = set.moved(|p| if p == Vec3::ONE { Vec3::INFINITY } else { p });
-        assert_eq!(infinite, Err(LineError::NotFinite { line: 2, vertex: 0 }));
-        assert_eq!(set.moved(|p| p + Vec3::X).unwrap().bounds(), [Vec3::X, v(4.0, 4.0, 1.0)]);
     }
 
     #[test]
-    fn attributes_follow_chosen_and_moved_lines_and_wrong_counts_are_refused() {
+    fn attributes_follow_chosen_lines_and_wrong_counts_are_refused() {
         let set = LineSet::new([vec![Vec3::ZERO, Vec3::X], vec![], vec![Vec3::Y]]).unwrap();
         let scalars = |of, values: &[f32]| Scalars { name: "s".into(), of, values: values.to_vec() };
         let all = Attributes {
             scalars: vec![scalars(Of::Vertices, &[1.0, 2.0, 3.0]), scalars(Of::Lines, &[7.0, 8.0, 9.0])],
             colours: Some(vec![[1; 3], [2; 3], [3; 3]]),
-            groups: Some(Groups { names: vec!["left".into()], of: vec![NO_GROUP, NO_GROUP, 0] }),
         };
-        let set = set.with_attributes(all.clone()).unwrap();
-        let last = set.moved(|p| p * 2.0).unwrap().chosen(|line, points| line == 2 && points.len() == 1);
-        assert_eq!(last.points(), [Vec3::Y * 2.0]);
+        let set = set.with_attributes(all).unwrap();
+        let last = set.chosen(|line, points| line == 2 && points.len() == 1);
+        assert_eq!(last.points(), [Vec3::Y]);
         let wanted = Attributes {
             scalars: vec![scalars(Of::Vertices, &[3.0]), scalars(Of::Lines, &[9.0])],
             colours: Some(vec![[3; 3]]),
-            groups: Some(Groups { names: vec!["left".into()], of: vec![0] }),
         };
         assert_eq!(*last.attributes(), wanted);
         let short = Attributes { scalars: vec![scalars(Of::Lines, &[1.0])], ..Default::default() };
-        assert!(set.clone().with_attributes(short).is_err());
-        let foreign = Groups { names: vec!["left".into()], of: vec![0, 1, 0] };
-        let foreign = Attributes { groups: Some(foreign), ..Default::default() };
-        assert_eq!(set.with_attributes(foreign), Err(AttributeError::NoGroup(1)));
+        assert!(set.with_attributes(short).is_err());
     }
 }

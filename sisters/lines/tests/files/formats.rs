@@ -4,10 +4,6 @@
 /// The vertices of each line.
 pub type Lines = [Vec<[f32; 3]>];
 
-fn le(values: impl IntoIterator<Item = f32>) -> Vec<u8> {
-    values.into_iter().flat_map(f32::to_le_bytes).collect()
-}
-
 fn vertices(lines: &Lines) -> Vec<[f32; 3]> {
     lines.concat()
 }
@@ -80,21 +76,6 @@ pub fn trk(lines: &Lines, big: bool, matrix: Option<([[f32; 4]; 4], &[u8; 3])>) 
         word(own.to_le_bytes());
     }
     head
-}
-
-/// Cem Yuksel's hair, with thickness, and colours whose red is the number of the vertex.
-pub fn hair(lines: &Lines) -> Vec<u8> {
-    let mut bytes = b"HAIR".to_vec();
-    let points = vertices(lines);
-    for number in [lines.len() as u32, points.len() as u32, 1 | 2 | 4 | 16, 0] {
-        bytes.extend(number.to_le_bytes());
-    }
-    bytes.resize(128, 0);
-    lines.iter().for_each(|l| bytes.extend((l.len() as u16 - 1).to_le_bytes()));
-    bytes.extend(le(points.iter().flatten().copied()));
-    bytes.extend(le(of_vertices(lines)));
-    bytes.extend(le((0..points.len()).flat_map(|n| [n as f32 / 255.0, 1.0, 0.0])));
-    bytes
 }
 
 /// VTK's legacy files: of version 5.1 or before, with words or bytes. A vertex cell stands before

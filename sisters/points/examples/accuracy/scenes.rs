@@ -1,4 +1,4 @@
-//! Scenes of triangles, made by rules: five kinds that the defaults of `surface` were chosen on,
+//! Scenes of triangles, made by rules: kinds that the defaults of `surface` were chosen on,
 //! and others that they were not.
 
 use glam::{Mat3, Quat, Vec3, vec3};
@@ -19,7 +19,7 @@ pub struct Scene {
 /// The scenes that defaults were chosen on, and those that they were not.
 pub fn tuned(seed: u64) -> Vec<Scene> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    vec![boards(&mut random), fence(&mut random), castle(), kitchen(&mut random), solids()]
+    vec![boards(&mut random), fence(&mut random), solids()]
 }
 
 pub fn held_out(seed: u64) -> Vec<Scene> {
@@ -135,95 +135,6 @@ fn fence(random: &mut Pcg64Mcg) -> Scene {
         build.cuboid(vec3(x, 0.0, -2.0), vec3(x + 0.8, 0.9, -1.3));
     }
     build.scene("fence", &[vec3(1.0, 1.5, 5.0), vec3(-3.0, 1.2, 3.5), vec3(2.0, 2.5, -5.0)])
-}
-
-fn castle() -> Scene {
-    let mut build = Build::default();
-    build.cuboid(vec3(-20.0, -0.5, -20.0), vec3(20.0, 0.0, 20.0));
-    let crenels = |build: &mut Build, from: Vec3, to: Vec3| {
-        let count = (from.distance(to) / 1.2) as usize;
-        for i in 0..count {
-            let at = from.lerp(to, (i as f32 + 0.5) / count as f32);
-            build.cuboid(at - vec3(0.3, 0.0, 0.3), at + vec3(0.3, 0.7, 0.3));
-        }
-    };
-    let corners =
-        [vec3(-10.0, 0.0, -10.0), vec3(10.0, 0.0, -10.0), vec3(10.0, 0.0, 10.0), vec3(-10.0, 0.0, 10.0)];
-    for i in 0..4 {
-        let (a, b) = (corners[i], corners[(i + 1) % 4]);
-        let wide = vec3(0.5, 0.0, 0.5);
-        build.cuboid(a.min(b) - wide, a.max(b) + wide + Vec3::Y * 5.0);
-        crenels(&mut build, a + Vec3::Y * 5.0, b + Vec3::Y * 5.0);
-        build.tube([a, a + Vec3::Y * 8.0], [1.8, 1.8], 24);
-        build.tube([a + Vec3::Y * 8.0, a + Vec3::Y * 11.0], [2.2, 0.02], 24);
-    }
-    build.cuboid(vec3(-3.0, 0.0, -3.0), vec3(3.0, 9.0, 3.0));
-    crenels(&mut build, vec3(-3.0, 9.0, -2.7), vec3(3.0, 9.0, -2.7));
-    crenels(&mut build, vec3(-3.0, 9.0, 2.7), vec3(3.0, 9.0, 2.7));
-    build.cuboid(vec3(4.5, 0.0, -7.0), vec3(8.0, 3.0, -1.0));
-    build.scene("castle", &[vec3(25.0, 6.0, 18.0), vec3(-18.0, 14.0, 22.0), vec3(2.0, 3.0, -30.0)])
-}
-
-/// Cupboards, shelves with things, a table with plates, cups and chairs.
-fn kitchen(random: &mut Pcg64Mcg) -> Scene {
-    let mut build = Build::default();
-    // A hollow room, whose fronts face inwards.
-    let (low, high) = (vec3(0.0, 0.0, 0.0), vec3(5.0, 2.6, 4.0));
-    let mut room = Build::default();
-    room.cuboid(low, high);
-    build.0.extend(room.0.iter().map(|&[a, b, c]| [a, c, b]));
-    for i in 0..7 {
-        let x = 0.6 * i as f32;
-        build.cuboid(vec3(x + 0.005, 0.1, 0.02), vec3(x + 0.595, 0.85, 0.6));
-        build.tube([vec3(x + 0.5, 0.7, 0.63), vec3(x + 0.5, 0.5, 0.63)], [0.01, 0.01], 8);
-    }
-    build.cuboid(vec3(0.0, 0.86, 0.02), vec3(4.2, 0.9, 0.64));
-    for level in 0..3 {
-        let y = 1.3 + 0.4 * level as f32;
-        build.cuboid(vec3(0.3, y, 0.02), vec3(4.0, y + 0.02, 0.3));
-        for i in 0..14 {
-            let x = 0.45 + 0.25 * i as f32 + random.random_range(-0.05..0.05);
-            let (h, r) = (random.random_range(0.08..0.3), random.random_range(0.03..0.09));
-            let foot = vec3(x, y + 0.02, 0.16 + random.random_range(-0.04..0.04));
-            if random.random_range(0..2) == 0 {
-                build.tube([foot, foot + Vec3::Y * h], [r, r * 0.9], 14);
-            } else {
-                build.cuboid(foot - vec3(r, 0.0, r), foot + vec3(r, h, r));
-            }
-        }
-    }
-    for i in 0..10 {
-        let foot = vec3(0.2 + 0.4 * i as f32, 0.9, 0.35 + random.random_range(-0.1..0.1));
-        let (h, r) = (random.random_range(0.05..0.3), random.random_range(0.04..0.12));
-        build.tube([foot, foot + Vec3::Y * h], [r, r], 16);
-    }
-    table(&mut build, random, vec3(2.6, 0.0, 2.4));
-    build.scene("kitchen", &[vec3(4.5, 1.6, 3.6), vec3(0.5, 1.5, 3.4), vec3(2.5, 1.9, 3.7)])
-}
-
-fn table(build: &mut Build, random: &mut Pcg64Mcg, at: Vec3) {
-    build.cuboid(at + vec3(-0.8, 0.72, -0.45), at + vec3(0.8, 0.75, 0.45));
-    for (x, z) in [(-0.7, -0.38), (0.7, -0.38), (0.7, 0.38), (-0.7, 0.38)] {
-        build.cuboid(at + vec3(x - 0.03, 0.0, z - 0.03), at + vec3(x + 0.03, 0.72, z + 0.03));
-    }
-    for i in 0..4 {
-        let place = at + vec3(-0.55 + 0.37 * i as f32, 0.75, if i % 2 == 0 { -0.25 } else { 0.25 });
-        build.tube([place, place + Vec3::Y * 0.02], [0.08, 0.12], 20);
-        let cup = place + vec3(0.17, 0.0, random.random_range(-0.1..0.1));
-        build.tube([cup, cup + Vec3::Y * 0.1], [0.035, 0.045], 14);
-    }
-    for (x, z, s) in [(-0.4, -0.75, -1.0), (0.4, -0.7, -1.0), (-0.35, 0.75, 1.0), (0.45, 0.8, 1.0_f32)] {
-        let seat = at + vec3(x, 0.45, z);
-        build.cuboid(seat - vec3(0.2, 0.03, 0.2), seat + vec3(0.2, 0.0, 0.2));
-        for (dx, dz) in [(-0.18, -0.18), (0.18, -0.18), (0.18, 0.18), (-0.18, 0.18)] {
-            let leg = seat + vec3(dx, -0.03, dz);
-            build.tube([vec3(leg.x, 0.0, leg.z), leg], [0.015, 0.02], 8);
-        }
-        for i in 0..4 {
-            let bar = seat + vec3(-0.165 + 0.11 * i as f32, 0.0, 0.18 * s);
-            build.cuboid(bar - vec3(0.02, 0.0, 0.01), bar + vec3(0.02, 0.45, 0.01));
-        }
-    }
 }
 
 fn solids() -> Scene {

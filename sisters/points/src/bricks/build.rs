@@ -14,15 +14,14 @@ use glam::Vec3;
 use rayon::slice::ParallelSliceMut;
 
 use super::BrickError;
-use super::file::{HEADER, Header, MOST};
+use super::file::{BrickPoint, HEADER, Header, MOST, POINT};
 use super::order::{BITS, arrange, code};
-use super::point::{BrickPoint, POINT, PackedNormal};
 use crate::PointCloud;
 
 /// The most runs: each needs an open file.
 const RUNS: u64 = 256;
 /// Bytes of a point while its run is sorted: point and code, twice.
-const SORTED: u64 = 64;
+const SORTED: u64 = 48;
 /// Bytes of the buffers of files.
 const BUFFER: usize = 1 << 18;
 
@@ -35,13 +34,11 @@ pub struct BuildOptions {
     /// Bytes for sorting; at least 4 MiB, and enough for 1/256 of the points are taken anyway. It
     /// does not change the result.
     pub memory: u64,
-    /// The seed of the order of points.
-    pub seed: u64,
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { most_points: 1 << 16, memory: 1 << 28, seed: 1 }
+        Self { most_points: 1 << 16, memory: 1 << 28 }
     }
 }
 
@@ -54,8 +51,8 @@ impl Drop for Scratch {
     }
 }
 
-/// Builds a file of bricks from points in chunks of any size. Beside the result, which has 20 bytes
-/// a point, it needs 40 bytes a point on the disk until the end.
+/// Builds a file of bricks from points in chunks of any size. Beside the result, which has 16 bytes
+/// a point, it needs 32 bytes a point on the disk until the end.
 pub struct Builder {
     target: PathBuf,
     options: BuildOptions,
@@ -79,9 +76,8 @@ impl Builder {
         Ok(Self { target: target.into(), options, header: Header::default(), low, high, raw, scratch })
     }
 
-    /// Adds points. The origin is that of the first cloud. Points without colours are white.
-    /// Normals are kept within 0.1 degrees, and zero where there are none; radii and scanners are
-    /// not kept.
+    /// Adds points. The origin is that of the first cloud. Points without colours are white; normals
+    /// and radii are not kept.
     ///
     /// # Errors
     /// Those of the file system; positions that are not finite; colours for some points only.
@@ -99,9 +95,7 @@ impl Builder {
             self.low = self.low.min(position);
             self.high = self.high.max(position);
             let colour = cloud.colours.get(i).copied().unwrap_or([255; 3]);
-            let normal = PackedNormal::new(cloud.normals.get(i).copied().unwrap_or(Vec3::ZERO));
-            let point = BrickPoint { position, colour, normal };
-            named(&self.scratch.0, self.raw.write_all(&point.to_bytes()))?;
+            named(&self.scratch.0, self.raw.write_all(&BrickPoint { position, colour }.to_bytes()))?;
             self.header.points += 1;
         }
         Ok(())
@@ -133,7 +127,7 @@ impl Builder {
             if points.is_empty() {
                 break;
             }
-            let brick = arrange(&mut points, first, options.seed);
+            let brick = arrange(&mut points, first);
             named(&target, points.iter().try_for_each(|p| out.write_all(&p.to_bytes())))?;
             index.extend(brick.to_bytes());
             header.bricks += 1;

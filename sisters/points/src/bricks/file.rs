@@ -1,11 +1,9 @@
 //! Files of bricks, opened and read.
 //!
 //! All numbers are little-endian. 64 bytes: "CASCABRK", version (u32), levels (u32), origin (3
-//! f64), points (u64), bricks (u64), 0 (u64). Then 20 bytes for each point: position minus origin
-//! (3 f32), red, green, blue, 0, and its normal (u32), three numbers of ten bits with signs, of which
-//! 511 is 1; all of them 0 for none. Then 64 bytes for each brick, in the order of their points:
-//! least and greatest corner (6 f32), and the points of each level (10 u32), of which the last is
-//! all.
+//! f64), points (u64), bricks (u64), 0 (u64). Then 16 bytes for each point: position minus origin
+//! (3 f32), red, green, blue, 0. Then 64 bytes for each brick, in the order of their points: least
+//! and greatest corner (6 f32), and the points of each level (10 u32), of which the last is all.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -17,20 +15,21 @@ use casca::{Aabb, ObjectDesc, ObjectId, Scene};
 use glam::{DVec3, Vec3};
 
 use super::BrickError;
-use super::point::{BrickPoint, POINT};
 use crate::Camera;
 
 /// Levels of detail of a brick: one point for each occupied cell of the grids of 1, 2, 4, … 256
 /// cells along its longest edge, and all.
 pub(super) const LEVELS: usize = 10;
-/// The most points of a brick: 5 MiB.
+/// The most points of a brick: 4 MiB.
 pub(super) const MOST: u32 = 1 << 18;
 /// Bytes of the header, and of each entry of the index.
 pub(super) const HEADER: u64 = 64;
 pub(super) const ENTRY: u64 = 64;
+/// Bytes of a point.
+pub(super) const POINT: u64 = 16;
 
 const MAGIC: [u8; 8] = *b"CASCABRK";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     std::array::from_fn(|i| bytes[at + i])
@@ -38,6 +37,27 @@ fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
 
 fn float(bytes: &[u8], at: usize) -> f32 {
     f32::from_le_bytes(array(bytes, at))
+}
+
+/// A point of a brick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BrickPoint {
+    pub position: Vec3,
+    pub colour: [u8; 3],
+}
+
+impl BrickPoint {
+    pub fn to_bytes(self) -> [u8; POINT as usize] {
+        let mut bytes = [0; POINT as usize];
+        bytes[..12].copy_from_slice(self.position.to_array().map(f32::to_le_bytes).as_flattened());
+        bytes[12..15].copy_from_slice(&self.colour);
+        bytes
+    }
+
+    pub fn from_bytes(bytes: &[u8]) -> Self {
+        let position = Vec3::from([0, 4, 8].map(|at| float(bytes, at)));
+        Self { position, colour: array(bytes, 12) }
+    }
 }
 
 /// The header of a file.
@@ -135,7 +155,7 @@ pub struct Want {
 /// [`Bricks::origin`].
 #[derive(Debug)]
 pub struct Bricks {
-    name: String,
+    pub(super) name: String,
     header: Header,
     index: Vec<Brick>,
     file: Mutex<File>,
@@ -184,11 +204,6 @@ impl Bricks {
             return Err(broken(format!("it has {} points, its bricks {first}", header.points)));
         }
         Ok(Self { name, header, index, file: Mutex::new(file) })
-    }
-
-    /// The name of the file.
-    pub(super) fn name(&self) -> &str {
-        &self.name
     }
 
     /// The number of bricks.

@@ -7,8 +7,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use super::BrickError;
-use super::file::{Bricks, Want};
-use super::point::BrickPoint;
+use super::file::{BrickPoint, Bricks, Want};
 use crate::PointCloud;
 use crate::numeric::SQUARE_OF_SPACING;
 
@@ -135,7 +134,6 @@ impl Loader {
             cloud.positions.extend(first.iter().map(|p| p.position));
             cloud.colours.extend(first.iter().map(|p| p.colour));
             cloud.radii.extend(first.iter().map(|_| radius));
-            cloud.normals.extend(first.iter().map(|p| p.normal.unpacked()));
         }
         cloud
     }
@@ -174,7 +172,7 @@ impl Drop for Ending<'_> {
         state.stopped = true;
         if thread::panicking() {
             let source = io::Error::other("the thread that loads bricks panicked");
-            state.error.get_or_insert(BrickError::Io { name: self.0.bricks.name().into(), source });
+            state.error.get_or_insert(BrickError::Io { name: self.0.bricks.name.clone(), source });
         }
         self.0.changed.notify_all();
     }

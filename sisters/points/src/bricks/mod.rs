@@ -2,7 +2,7 @@
 //! walls that the application inserts.
 //!
 //! A file of bricks is built out of core by a [`Builder`]. [`Bricks`] opens it: the index is in
-//! memory, 64 bytes for each brick; the points, 20 bytes each, stay in the file. The points of a
+//! memory, 64 bytes for each brick; the points, 16 bytes each, stay in the file. The points of a
 //! brick are in an order of which every beginning is a coarser level of detail. A [`Loader`] reads
 //! as much of each wanted brick as a picture needs, in a thread of its own, into a budget of memory.
 //!
@@ -35,7 +35,6 @@ mod build;
 mod file;
 mod loader;
 mod order;
-mod point;
 #[cfg(test)]
 mod tests;
 

@@ -9,8 +9,7 @@ use glam::Vec3;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-use super::file::{Brick, LEVELS};
-use super::point::BrickPoint;
+use super::file::{Brick, BrickPoint, LEVELS};
 use crate::numeric::morton;
 
 /// Bits of a coordinate in the codes that bricks are cut by.
@@ -26,11 +25,11 @@ pub(super) fn code(position: Vec3, low: Vec3, edge: f64, bits: u32) -> u64 {
 
 /// Puts the points of a brick, at least one, in order. A point chosen for a cell is also the one
 /// chosen in every finer cell that contains it, as it is the least of a random order in each.
-pub(super) fn arrange(points: &mut Vec<BrickPoint>, first: u64, seed: u64) -> Brick {
+pub(super) fn arrange(points: &mut Vec<BrickPoint>, first: u64) -> Brick {
     let low = points.iter().fold(Vec3::INFINITY, |low, p| low.min(p.position));
     let high = points.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(p.position));
     let mut brick = Brick { bounds: Aabb::new(low, high), counts: [0; LEVELS], first };
-    let mut random = Pcg64Mcg::seed_from_u64(seed ^ first);
+    let mut random = Pcg64Mcg::seed_from_u64(first);
     let finest = LEVELS as u32 - 2;
     struct Item {
         code: u64,

@@ -11,8 +11,6 @@ use super::sink::{FileError, Sink, Source, guarded, plain};
 /// Bytes of the longest header, that of version 1.4, and of the shortest.
 const LONGEST: usize = 375;
 const LEAST: usize = 227;
-/// The flags that versions 1.0 to 1.4 know.
-const FLAGS: [u16; 5] = [0, 0, 1, 0xf, 0x1f];
 /// Bytes before the data of a record.
 const RECORD: u64 = 54;
 /// Bytes of a point and where its colour is, by the format.
@@ -34,8 +32,6 @@ const FORMATS: [(u16, Option<usize>); 11] = [
 pub(super) struct Head {
     /// Points, as the header says.
     pub count: u64,
-    /// The corners of the box that they lie in, as the header says.
-    pub bounds: [DVec3; 2],
     /// Where they begin, where they end at the latest, and where the file ends.
     pub start: u64,
     pub end: u64,
@@ -73,9 +69,9 @@ impl Bytes {
         u64::from_le_bytes(self.at(at))
     }
 
-    /// Three numbers, one for each axis, so many bytes apart.
-    fn axes(&self, at: usize, apart: usize) -> DVec3 {
-        DVec3::from_array([0, 1, 2].map(|axis| f64::from_le_bytes(self.at(at + axis * apart))))
+    /// Three numbers, one for each axis.
+    fn axes(&self, at: usize) -> DVec3 {
+        DVec3::from_array([0, 8, 16].map(|axis| f64::from_le_bytes(self.at(at + axis))))
     }
 
     /// The second number of the version.
@@ -107,24 +103,12 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
     let &(least, colour) = FORMATS
         .get(usize::from(format))
         .ok_or_else(|| format!("its points have the format {format}; 0 to 10 are read"))?;
-    let (flags, version) = (bytes.u16(6), bytes.version());
-    if flags & !FLAGS[version.min(4)] != 0 {
-        sink.warn(format_args!(
-            "its flags {flags:#x} are not those of version 1.{version}: they are passed over"
-        ));
-    }
     let count = count(&bytes, format, sink);
     let stated = u64::from(bytes.u32(96));
     let is_sound = (size..=length).contains(&stated);
     let mut records = Records { at: size, found: 0, packed: None };
-    let promised = bytes.u32(100);
-    records.read(source, promised, is_packed, if is_sound { stated } else { length }).map_err(plain)?;
-    if records.found < promised {
-        sink.warn(format_args!(
-            "it promises {promised} records before its points, and has {}",
-            records.found
-        ));
-    }
+    let end = if is_sound { stated } else { length };
+    records.read(source, bytes.u32(100), is_packed, end).map_err(plain)?;
     let mut start = stated;
     if !is_sound {
         let needed = u64::from(bytes.u16(105).max(least)).saturating_mul(count);
@@ -156,9 +140,7 @@ fn read<E: From<FileError>>(source: &mut impl Source, sink: &mut Sink<'_, E>) ->
     };
     let (count, end) = room(&bytes, (start, length), (record, count), packed.is_none(), sink);
     source.seek(SeekFrom::Start(start)).map_err(plain)?;
-    // The header has the high and the low end of each axis side by side.
-    let bounds = [bytes.axes(187, 16), bytes.axes(179, 16)];
-    Ok(Head { count, bounds, start, end, length, layout, packed })
+    Ok(Head { count, start, end, length, layout, packed })
 }
 
 /// The bytes of the header itself. Fields that it has no room for become zero.
@@ -250,7 +232,7 @@ fn room<E: From<FileError>>(
 /// The steps of coordinates. In the place of one that is none comes that of another axis, or 1: the
 /// cloud then has the shape that it should have.
 fn scale<E: From<FileError>>(bytes: &Bytes, sink: &mut Sink<'_, E>) -> DVec3 {
-    let mut scale = bytes.axes(131, 8);
+    let mut scale = bytes.axes(131);
     let is_good = |step: &f64| step.is_finite() && *step != 0.0;
     let other = scale.to_array().into_iter().find(is_good).unwrap_or(1.0);
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -263,7 +245,7 @@ fn scale<E: From<FileError>>(bytes: &Bytes, sink: &mut Sink<'_, E>) -> DVec3 {
 }
 
 fn offset<E: From<FileError>>(bytes: &Bytes, sink: &mut Sink<'_, E>) -> DVec3 {
-    let mut offset = bytes.axes(155, 8);
+    let mut offset = bytes.axes(155);
     if !offset.is_finite() {
         sink.warn(format_args!(
             "the offset of its points cannot be {offset}: 0 is taken where it is not finite"

@@ -4,26 +4,11 @@
 use glam::DVec3;
 
 use super::chunks::{Chunks, Gap, room};
-use super::head::{self, Head, Layout};
-use super::sink::{Attributes, FileError, NONE, Sample, Sink, Source};
+use super::head::{self, Layout};
+use super::sink::{Attributes, FileError, Sample, Sink, Source};
 
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let head = &head::open(&mut source, sink)?;
-    points(source, head, sink)?;
-    // Some programs round bounds, others do not write them at all, or something else.
-    let ([low, high], [from, to]) = (sink.extent, head.bounds);
-    let slack = (high - low).abs().max_element() + head.layout.scale.abs().max_element();
-    let is_near = from.cmple(low + slack).all() && to.cmpge(high - slack).all();
-    if !is_near && sink.extent != NONE {
-        sink.warn(format_args!(
-            "its header says that points lie from {from} to {to}, and they lie from {low} to {high}: \
-             bounds are not used"
-        ));
-    }
-    Ok(())
-}
-
-fn points<E: From<FileError>>(mut source: impl Source, head: &Head, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let (count, record) = (head.count, head.layout.record);
     let Some(packed) = &head.packed else {
         let there = count.min((head.end - head.start) / record as u64);

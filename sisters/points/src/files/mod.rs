@@ -35,8 +35,6 @@ pub use sink::{Attributes, FileError, Report, Source};
 /// the first 65,536 points that are not all black exceeds 255 (of fewer points, if their records
 /// have more than 64 bytes).
 ///
-/// Points of E57 files have the places of their scanners, by the poses of scans.
-///
 /// The origin is a multiple of 1,024 units in each coordinate, near the middle of the first 1,024
 /// points; bounds in headers are not believed.
 ///

@@ -16,7 +16,7 @@ const LEAST_BITS: u64 = 8;
 /// each with all others.
 const MOST_NAMES: usize = 256;
 
-/// Reads all scans of a file, each moved by its pose, with the places of their scanners.
+/// Reads all scans of a file, each moved by its pose.
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
     let length = guarded(|| check_xml(&mut source)).map_err(|e| sink.header("E57", e))?;
     let mut reader = guarded(|| E57Reader::new(source)).map_err(|e| sink.header("E57", e))?;
@@ -24,7 +24,6 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
     let has = Attributes { colours: scans.iter().any(PointCloud::has_color), ..Attributes::default() };
     let mut room = u128::from(length);
     for (number, scan) in scans.iter().enumerate() {
-        let scanner = scanner(scan);
         let opened = check_scan(scan, &mut room).and_then(|()| guarded(|| reader.pointcloud_simple(scan)));
         let mut points = match opened {
             Ok(points) => points,
@@ -50,21 +49,10 @@ pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<
             let colour = point
                 .color
                 .map_or(Sample::NONE.colour, |c| [c.red, c.green, c.blue].map(|v| unit_to_byte(v.into())));
-            sink.push(Sample { position, colour, scanner, ..Sample::NONE }, has)?;
+            sink.push(Sample { position, colour, ..Sample::NONE }, has)?;
         }
     }
     Ok(())
-}
-
-/// Where the scanner of a scan stood: at the origin of its own coordinates, which the pose moves.
-///
-/// Scans without a pose, or with one that moves nothing, are often several that were made one, in
-/// the coordinates of a survey. They count if their points have the angles or rows of a scanner.
-fn scanner(scan: &PointCloud) -> Option<DVec3> {
-    let moved = scan.transform.as_ref().map(|pose| &pose.translation);
-    let place = moved.map_or(DVec3::ZERO, |t| DVec3::new(t.x, t.y, t.z));
-    let known = place != DVec3::ZERO || scan.has_row_column() || scan.has_spherical();
-    (known && place.is_finite()).then_some(place)
 }
 
 /// Checks the XML: its length, which stands at byte 32, and how many names there are to compare.

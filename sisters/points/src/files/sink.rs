@@ -6,7 +6,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use glam::{DVec3, Vec3};
 
-use crate::{PointCloud, UNKNOWN_SCANNER, numeric};
+use crate::{PointCloud, numeric};
 
 /// Why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -70,20 +70,14 @@ pub(super) struct Sample {
     pub colour: [u8; 3],
     pub normal: Vec3,
     pub radius: f32,
-    /// Where the scanner stood.
-    pub scanner: Option<DVec3>,
 }
 
 impl Sample {
-    pub const NONE: Self =
-        Self { position: DVec3::NAN, colour: [255; 3], normal: Vec3::ZERO, radius: 0.0, scanner: None };
+    pub const NONE: Self = Self { position: DVec3::NAN, colour: [255; 3], normal: Vec3::ZERO, radius: 0.0 };
 }
 
 /// Points whose middle decides where the origin is: a few that are wrong do no harm.
 const FIRST: usize = 1024;
-
-/// The box of no points.
-pub(super) const NONE: [DVec3; 2] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
 
 /// Warnings of a file, at most.
 const WARNINGS: usize = 20;
@@ -112,8 +106,6 @@ pub(super) struct Sink<'a, E> {
     lost: u64,
     loss: Option<FileError>,
     report: Report,
-    /// The box of the points that were read.
-    pub extent: [DVec3; 2],
     /// The bits below the byte of a LAS colour, known from the first points that are not black.
     pub colour_shift: Option<u32>,
     each: &'a mut dyn FnMut(PointCloud) -> Result<(), E>,
@@ -131,7 +123,6 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
             lost: 0,
             loss: None,
             report: Report::default(),
-            extent: NONE,
             colour_shift: None,
             each,
         }
@@ -143,8 +134,6 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
             self.report.skipped += 1;
             return Ok(());
         }
-        let [low, high] = self.extent;
-        self.extent = [low.min(sample.position), high.max(sample.position)];
         if let Some(origin) = self.origin {
             return self.add(sample, has, origin);
         }
@@ -184,22 +173,7 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
         if has.radii {
             self.chunk.radii.push(sample.radius);
         }
-        self.push_scanner(sample.scanner);
         if self.chunk.len() >= self.most { self.flush() } else { Ok(()) }
-    }
-
-    /// Adds the scanner of the last point. Each chunk has the scanners of its own points.
-    fn push_scanner(&mut self, scanner: Option<DVec3>) {
-        let PointCloud { scanners, seen_by, positions, .. } = &mut self.chunk;
-        if let Some(place) = scanner {
-            if scanners.last() != Some(&place) {
-                scanners.push(place);
-            }
-            seen_by.resize(positions.len() - 1, UNKNOWN_SCANNER);
-            seen_by.push(scanners.len() as u32 - 1);
-        } else if !seen_by.is_empty() {
-            seen_by.push(UNKNOWN_SCANNER);
-        }
     }
 
     fn flush(&mut self) -> Result<(), E> {

@@ -10,6 +10,7 @@
 use bytemuck::{Pod, Zeroable};
 use casca_stage::canvas::Target;
 use casca_stage::gpu::{DEPTH, Gpu, GpuError};
+use casca_stage::kernel::{among, bind, filled};
 use casca_stage::wgpu::util::{BufferInitDescriptor, DeviceExt};
 use casca_stage::wgpu::{self, BufferUsages, TextureFormat, vertex_attr_array};
 use glam::Vec3;
@@ -52,10 +53,7 @@ impl Surfels {
             numbers.copied().all(f32::is_finite)
         };
         let good: Vec<Surfel> = surfels.iter().filter(is_good).copied().collect();
-        let bytes: &[u8] = bytemuck::cast_slice(&good);
-        let buffer = gpu.buffer(bytes.len() as u64, BufferUsages::VERTEX)?;
-        gpu.queue.write_buffer(&buffer, 0, bytes);
-        Ok(Self { buffer, count: good.len() as u32 })
+        Ok(Self { buffer: filled(gpu, &good, BufferUsages::VERTEX)?, count: good.len() as u32 })
     }
 }
 
@@ -129,13 +127,13 @@ impl SurfelRenderer {
     /// Compiles the shaders, for pictures of a format.
     pub fn new(gpu: &Gpu, format: TextureFormat) -> Self {
         let shader = gpu.device.create_shader_module(wgpu::include_wgsl!("surfels.wgsl"));
-        let make = Make { device: &gpu.device, shader: &shader };
+        let pipeline = |entries, colour, depth| pipeline(gpu, &shader, entries, colour, depth);
         let sum = wgpu::BlendComponent { dst_factor: wgpu::BlendFactor::One, ..Default::default() };
         let sums = (SUMS, Some(wgpu::BlendState { color: sum, alpha: sum }));
         Self {
-            surface: make.pipeline(["corner_behind", "surface"], None, Some(true)),
-            weighted: make.pipeline(["corner", "weighted"], Some(sums), Some(false)),
-            mean: make.pipeline(["everywhere", "mean"], Some((format, None)), None),
+            surface: pipeline(["corner_behind", "surface"], None, Some(true)),
+            weighted: pipeline(["corner", "weighted"], Some(sums), Some(false)),
+            mean: pipeline(["everywhere", "mean"], Some((format, None)), None),
         }
     }
 
@@ -159,7 +157,7 @@ impl SurfelRenderer {
         };
         let lens = |pane| (pane, lens(gpu, camera, pane));
         let panes: Vec<_> = panes.iter().filter(within).map(lens).collect();
-        let sums = texture(gpu, (width, height));
+        let sums = gpu.texture((width, height), SUMS).create_view(&Default::default());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let passes = [
             (&self.surface, None, Some(wgpu::LoadOp::Clear(0.0))),
@@ -173,15 +171,11 @@ impl SurfelRenderer {
                 let (x, y) = pane.corner;
                 pass.set_viewport(x as f32, y as f32, w as f32, h as f32, 0.0, 1.0);
                 pass.set_scissor_rect(x, y, w, h);
-                let (binding, resource) = match depth {
-                    Some(_) => (0, lens.as_entire_binding()),
-                    None => (1, wgpu::BindingResource::TextureView(&sums)),
+                let layout = pipeline.get_bind_group_layout(0);
+                let bound = match depth {
+                    Some(_) => bind(gpu, &layout, &[0], &among(&[(0, lens)])),
+                    None => bind(gpu, &layout, &[1], &|_| Some(wgpu::BindingResource::TextureView(&sums))),
                 };
-                let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: None,
-                    layout: &pipeline.get_bind_group_layout(0),
-                    entries: &[wgpu::BindGroupEntry { binding, resource }],
-                });
                 pass.set_bind_group(0, &bound, &[]);
                 if depth.is_some() {
                     pass.set_vertex_buffer(0, pane.surfels.buffer.slice(..));
@@ -201,20 +195,6 @@ fn lens(gpu: &Gpu, camera: &Camera, pane: &Pane) -> wgpu::Buffer {
         contents: bytemuck::bytes_of(&Lens::new(camera, &pane.style)),
         usage: BufferUsages::UNIFORM,
     })
-}
-
-fn texture(gpu: &Gpu, (width, height): (u32, u32)) -> wgpu::TextureView {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("sums"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: SUMS,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    texture.create_view(&Default::default())
 }
 
 /// A pass that draws to `colour`, cleared, and `depth`.
@@ -241,63 +221,56 @@ fn begin<'a>(
     })
 }
 
-/// Makes pipelines.
-struct Make<'a> {
-    device: &'a wgpu::Device,
-    shader: &'a wgpu::ShaderModule,
-}
-
-impl Make<'_> {
-    /// `depth` says whether depths are written; without it, they are not even tested, and there are
-    /// no surfels.
-    fn pipeline(
-        &self,
-        [vertex, fragment]: [&str; 2],
-        colour: Option<(TextureFormat, Option<wgpu::BlendState>)>,
-        depth: Option<bool>,
-    ) -> wgpu::RenderPipeline {
-        let attributes = vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Unorm8x4];
-        let surfels = depth.map(|_| wgpu::VertexBufferLayout {
-            array_stride: size_of::<Surfel>() as u64,
-            step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &attributes,
-        });
-        let target = colour.map(|(format, blend)| wgpu::ColorTargetState {
-            format,
-            blend,
-            write_mask: wgpu::ColorWrites::ALL,
-        });
-        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(fragment),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: self.shader,
-                entry_point: Some(vertex),
-                compilation_options: Default::default(),
-                buffers: if surfels.is_some() { std::slice::from_ref(&surfels) } else { &[] },
-            },
-            primitive: wgpu::PrimitiveState {
-                topology: wgpu::PrimitiveTopology::TriangleStrip,
-                ..Default::default()
-            },
-            depth_stencil: depth.map(|write| wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(write),
-                depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: self.shader,
-                entry_point: Some(fragment),
-                compilation_options: Default::default(),
-                targets: if target.is_some() { std::slice::from_ref(&target) } else { &[] },
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
-    }
+/// A pipeline. `depth` says whether depths are written; without it, they are not even tested, and there are
+/// no surfels.
+fn pipeline(
+    gpu: &Gpu,
+    shader: &wgpu::ShaderModule,
+    [vertex, fragment]: [&str; 2],
+    colour: Option<(TextureFormat, Option<wgpu::BlendState>)>,
+    depth: Option<bool>,
+) -> wgpu::RenderPipeline {
+    let attributes = vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Unorm8x4];
+    let surfels = depth.map(|_| wgpu::VertexBufferLayout {
+        array_stride: size_of::<Surfel>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &attributes,
+    });
+    let target = colour.map(|(format, blend)| wgpu::ColorTargetState {
+        format,
+        blend,
+        write_mask: wgpu::ColorWrites::ALL,
+    });
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some(vertex),
+            compilation_options: Default::default(),
+            buffers: if surfels.is_some() { std::slice::from_ref(&surfels) } else { &[] },
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..Default::default()
+        },
+        depth_stencil: depth.map(|write| wgpu::DepthStencilState {
+            format: DEPTH,
+            depth_write_enabled: Some(write),
+            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some(fragment),
+            compilation_options: Default::default(),
+            targets: if target.is_some() { std::slice::from_ref(&target) } else { &[] },
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }
 
 #[cfg(test)]

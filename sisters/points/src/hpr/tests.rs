@@ -2,7 +2,6 @@
 //! kinds of errors are counted.
 
 use super::*;
-use crate::hull::tests::truth;
 use crate::samples::{cases, coordinate, sphere};
 use proptest::prelude::*;
 
@@ -53,30 +52,6 @@ fn a_larger_radius_trades_false_hidden_for_false_visible_points() {
     assert!(small.false_hidden > 1000 && small.false_visible == 0, "{small:?}");
     assert!(best.false_hidden + best.false_visible < 100, "{best:?}");
     assert!(large.false_hidden == 0 && large.false_visible > 2000, "{large:?}");
-}
-
-#[test]
-fn a_soft_body_has_the_answer_of_whole_numbers_in_each_frame() {
-    let (rest, eye) = (sphere(2000), DVec3::new(-3.0, 3.0, 3.0));
-    // One sphere for all points and for some of them.
-    let log10 =
-        |points: &[DVec3]| (3000.0 / points.iter().map(|p| p.distance(eye)).fold(0.0, f64::max)).log10();
-    for frame in 0..150 {
-        let time = f64::from(frame) / 8.0;
-        let wave = |p: DVec3| 1.0 + 0.3 * (5.0 * p.x + time).sin() * (4.0 * p.y - 2.0 * time).sin();
-        let body: Vec<DVec3> = rest.iter().map(|&p| p * wave(p)).collect();
-        let all = visible_points(&body, eye, log10(&body)).unwrap();
-        assert!((500..1000).contains(&all.count_ones()), "{}", all.count_ones());
-        // Whatever is hidden among a few points is hidden among all.
-        let some: Vec<usize> = (0..12).map(|i| (frame as usize * 37 + i * 163) % body.len()).collect();
-        let few: Vec<DVec3> = some.iter().map(|&i| body[i]).collect();
-        let found = visible_points(&few, eye, log10(&few)).unwrap();
-        assert!(some.iter().zip(&found).all(|(&i, found)| *found || !all[i]), "frame {frame}");
-        let whole = |p: DVec3| (p * f64::from(1 << 28)).round().to_array().map(|x| x as i128);
-        let images = flip(&few, eye, log10(&few)).unwrap();
-        let truth = truth(&images.into_iter().chain([DVec3::ZERO]).map(whole).collect::<Vec<_>>());
-        assert_eq!(found.iter().by_vals().collect::<Vec<_>>(), truth[..12], "frame {frame}");
-    }
 }
 
 #[test]

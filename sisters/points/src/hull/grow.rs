@@ -140,7 +140,11 @@ impl<'a> Hull<'a> {
     }
 
     fn grow(&mut self) {
-        while let Some(face) = self.next_pending() {
+        let breadth_first = 2 * (self.points.len() / BREADTH_FIRST_PART) as u32;
+        loop {
+            let is_early = self.step < breadth_first;
+            let next = if is_early { self.pending.pop_front() } else { self.pending.pop_back() };
+            let Some(face) = next else { return };
             let Face { mark, far, .. } = self.faces[face as usize];
             if mark != NONE && far != NONE {
                 self.add(face, far);
@@ -148,32 +152,19 @@ impl<'a> Hull<'a> {
         }
     }
 
-    /// A face that may have points above it.
-    fn next_pending(&mut self) -> Option<u32> {
-        if self.step < 2 * (self.points.len() / BREADTH_FIRST_PART) as u32 {
-            self.pending.pop_front()
-        } else {
-            self.pending.pop_back()
-        }
-    }
-
     /// Puts a point into the list of a fresh face that it is above; if there is none, it is within
     /// the hull.
     fn put(&mut self, p: u32) {
         let point = self.points[p as usize];
-        let Some((id, height)) = self.face_below(point) else { return };
+        let height = |id: u32| self.faces[id as usize].height(self.points, point);
+        let mut heights = self.fresh.iter().map(|&id| (id, height(id)));
+        let Some((id, height)) = heights.find(|&(_, height)| height > 0.0) else { return };
         let face = &mut self.faces[id as usize];
         self.next[p as usize] = face.first;
         face.first = p;
         if face.far == NONE || height > face.far_height {
             (face.far, face.far_height) = (p, height);
         }
-    }
-
-    /// A fresh face that a point is above, and its height.
-    fn face_below(&self, point: DVec3) -> Option<(u32, f64)> {
-        let height = |id: u32| self.faces[id as usize].height(self.points, point);
-        self.fresh.iter().map(|&id| (id, height(id))).find(|&(_, height)| height > 0.0)
     }
 
     /// Adds a point that is above a face.

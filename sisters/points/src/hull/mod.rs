@@ -6,8 +6,6 @@
 
 mod grow;
 
-use std::cmp::Ordering;
-
 use bitvec::vec::BitVec;
 use glam::DVec3;
 
@@ -34,16 +32,11 @@ pub(crate) fn extreme_points(points: &[DVec3]) -> BitVec {
     let largest = points.iter().fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
     let scale = power_of_two_for(largest);
     let order = by_place(points, scale);
-    let points: Vec<DVec3> = order.iter().map(|&i| normalized(points[i as usize], scale)).collect();
-    let extreme = match find(&points) {
-        Start::Empty => BitVec::new(),
-        Start::Place => BitVec::repeat(true, points.len()),
-        Start::Line => ends(&points),
-        Start::Plane { axis } => corners(&points, axis),
-        Start::Solid(simplex) => grow::extreme(&points, simplex),
-    };
-    let mut own = BitVec::repeat(false, extreme.len());
-    extreme.iter_ones().for_each(|at| own.set(order[at] as usize, true));
+    let mut points: Vec<DVec3> = order.iter().map(|&i| normalized(points[i as usize], scale)).collect();
+    let Some(simplex) = simplex(&mut points) else { return BitVec::repeat(true, order.len()) };
+    let extreme = grow::extreme(&points, simplex);
+    let mut own = BitVec::repeat(false, order.len());
+    extreme.iter_ones().filter_map(|at| order.get(at)).for_each(|&i| own.set(i as usize, true));
     own
 }
 
@@ -65,41 +58,35 @@ fn by_place(points: &[DVec3], scale: f64) -> Vec<u32> {
     codes.into_iter().map(|code| code as u32).collect()
 }
 
-/// The dimension of some points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Start {
-    /// There are no points.
-    Empty,
-    /// All points are at one place.
-    Place,
-    /// All points are on a line.
-    Line,
-    /// All points are in a plane, and not on a line when seen along the coordinate `axis`.
-    Plane { axis: usize },
-    /// Four points that are not in a plane; the fourth is below the first three.
-    Solid([u32; 4]),
-}
-
-/// The dimension of points. Takes far points, as long as floating point finds them, otherwise any
-/// that fit.
-fn find(points: &[DVec3]) -> Start {
-    let Some(&first) = points.first() else { return Start::Empty };
+/// Four points that are not in a plane; the fourth is below the first three. Takes far points, as
+/// long as floating point finds them, otherwise any that fit; none if all points are at one place.
+///
+/// To points on a line or in a plane, points outside are added at the end: the extreme points of a
+/// pyramid are its tip and the extreme points of its base.
+fn simplex(points: &mut Vec<DVec3>) -> Option<[u32; 4]> {
+    let first = *points.first()?;
     let a = farthest(points, |p| p.distance_squared(first));
-    let b = farthest(points, |p| p.distance_squared(points[a]));
-    let other = |p: &DVec3| *p != points[a];
-    let Some(b) = checked(points, b, other) else { return Start::Place };
-    let (pa, pb) = (points[a], points[b]);
+    let pa = points[a];
+    let b = checked(points, farthest(points, |p| p.distance_squared(pa)), |p| *p != pa)?;
+    let pb = points[b];
+    // Beside the first point along an axis, towards zero, so that coordinates stay within ±2. It
+    // differs from it in this coordinate only, and so is outside for sure along some axis.
+    let tips = DVec3::AXES.map(|axis| pa - axis * pa.signum());
+    let checked_or_tip = |points: &mut Vec<DVec3>, index: usize, fits: &dyn Fn(&DVec3) -> bool| {
+        checked(points, index, fits).unwrap_or_else(|| {
+            points.extend(tips.into_iter().find(|tip| fits(tip)));
+            points.len() - 1
+        })
+    };
     let c = farthest(points, |p| (pb - pa).cross(p - pa).length_squared());
-    let Some(c) = checked(points, c, |&p| axis_of(pa, pb, p).is_some()) else { return Start::Line };
+    let c = checked_or_tip(points, c, &|&p| !is_on_line(pa, pb, p));
     let pc = points[c];
     let normal = (pb - pa).cross(pc - pa);
     let d = farthest(points, |p| normal.dot(p - pa).abs());
-    let Some(d) = checked(points, d, |&p| above(pa, pb, pc, p) != 0.0) else {
-        return Start::Plane { axis: axis_of(pa, pb, pc).unwrap_or(0) };
-    };
+    let d = checked_or_tip(points, d, &|&p| above(pa, pb, pc, p) != 0.0);
     let below = above(pa, pb, pc, points[d]) < 0.0;
     let [a, b, c, d] = [a, b, c, d].map(|i| i as u32);
-    Start::Solid(if below { [a, b, c, d] } else { [a, c, b, d] })
+    Some(if below { [a, b, c, d] } else { [a, c, b, d] })
 }
 
 /// The point for which a measure is largest.
@@ -119,58 +106,10 @@ fn checked(points: &[DVec3], index: usize, fits: impl Fn(&DVec3) -> bool) -> Opt
     if fits(&points[index]) { Some(index) } else { points.iter().position(fits) }
 }
 
-/// A coordinate axis along which three points do not look as on a line.
-fn axis_of(a: DVec3, b: DVec3, c: DVec3) -> Option<usize> {
-    (0..3).find(|&axis| turn(axis, a, b, c) != 0.0)
-}
-
-/// The two ends of points on a line.
-fn ends(points: &[DVec3]) -> BitVec {
-    let low = points.iter().copied().min_by(|a, b| order(*a, *b));
-    let high = points.iter().copied().max_by(|a, b| order(*a, *b));
-    points.iter().map(|&p| Some(p) == low || Some(p) == high).collect()
-}
-
-/// The corners of points in a plane, which are not collinear when seen along `axis` (Andrew 1979,
-/// the monotone chain).
-fn corners(points: &[DVec3], axis: usize) -> BitVec {
-    let key = |p: DVec3| DVec3::new(p[(axis + 1) % 3], p[(axis + 2) % 3], 0.0);
-    let mut sorted: Vec<u32> = (0..points.len() as u32).collect();
-    let at = |i: u32| points[i as usize];
-    sorted.sort_unstable_by(|&a, &b| order(key(at(a)), key(at(b))).then(a.cmp(&b)));
-    let mut groups = sorted.clone();
-    groups.dedup_by_key(|i| at(*i));
-    let mut extreme = BitVec::repeat(false, points.len());
-    let mut mark = |chain: &[u32]| chain.iter().for_each(|&i| extreme.set(i as usize, true));
-    mark(&chain(groups.iter().copied(), axis, points));
-    mark(&chain(groups.iter().rev().copied(), axis, points));
-    for pair in sorted.windows(2) {
-        if at(pair[0]) == at(pair[1]) && extreme[pair[0] as usize] {
-            extreme.set(pair[1] as usize, true);
-        }
-    }
-    extreme
-}
-
-/// Half of the hull: the points in this order without those at which the way does not turn left.
-fn chain(order: impl Iterator<Item = u32>, axis: usize, points: &[DVec3]) -> Vec<u32> {
-    let mut chain: Vec<u32> = Vec::new();
-    for i in order {
-        while let [.., a, b] = chain[..] {
-            if turn(axis, points[a as usize], points[b as usize], points[i as usize]) > 0.0 {
-                break;
-            }
-            chain.pop();
-        }
-        chain.push(i);
-    }
-    chain
-}
-
-/// By x, then y, then z. Coordinates are finite; -0 equals 0.
-fn order(a: DVec3, b: DVec3) -> Ordering {
-    a.to_array().partial_cmp(&b.to_array()).unwrap_or(Ordering::Equal)
+/// Whether three points are on a line: they look so along each axis.
+fn is_on_line(a: DVec3, b: DVec3, c: DVec3) -> bool {
+    (0..3).all(|axis| turn(axis, a, b, c) == 0.0)
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -42,7 +42,7 @@ fn in_tetrahedron(t: [Point; 4], p: Point) -> bool {
 }
 
 /// Whether points with coordinates up to 2^30 are extreme.
-pub(crate) fn truth(points: &[Point]) -> Vec<bool> {
+fn truth(points: &[Point]) -> Vec<bool> {
     let held = |p: Point| {
         let others: Vec<Point> = points.iter().copied().filter(|&q| q != p).collect();
         let n = others.len();
@@ -133,47 +133,4 @@ fn whole_points_of_a_sphere_are_extreme_and_twice_the_same() {
     let extreme = found(&twice, 1.0);
     assert!(extreme[..2 * sphere.len()].iter().all(|&e| e));
     assert_eq!(extreme[2 * sphere.len()..], [false, false]);
-}
-
-/// Whole points on a circle around the origin, about 300, in their order around it.
-fn circle() -> Vec<[i128; 2]> {
-    // The square of a number whose prime factors are sums of two squares.
-    let radius = 5 * 13 * 17 * 29_i128;
-    let y = |x: i128| Some((radius * radius - x * x).isqrt()).filter(|y| x * x + y * y == radius * radius);
-    let upper = (1 - radius..=radius).filter_map(|x| y(x).map(|y| [x, y]));
-    upper.clone().chain(upper.map(|[x, y]| [-x, -y])).collect()
-}
-
-#[test]
-fn points_with_many_neighbours_are_extreme() {
-    let circle = circle();
-    assert!(circle.len() > 300, "{}", circle.len());
-    let at = |z: i128| circle.iter().map(move |&[x, y]| [x, y, z]);
-    let upright = circle.iter().map(|&[x, y]| [x, 0, y + 90_000]);
-    let tips = |z: i128| [[0, 0, z]].into_iter();
-    let shapes: [Vec<Point>; 4] = [
-        at(0).chain(tips(70_000)).collect(),
-        at(0).chain(tips(70_000)).chain(tips(-1)).collect(),
-        at(0).chain(at(9)).collect(),
-        at(0).chain(upright.filter(|p| p[2] > 90_000)).collect(),
-    ];
-    for (i, corners) in shapes.into_iter().enumerate() {
-        // Points between two others are not extreme. All are shuffled by a step without a common
-        // divisor.
-        let count = corners.len();
-        let middle = |j: usize| [0, 1, 2].map(|axis| corners[j][axis] + corners[(j * 7 + 90) % count][axis]);
-        let twice = corners.iter().map(|p| (p.map(|x| 2 * x), true));
-        let between = (0..count).filter(|&j| (j * 7 + 90) % count != j).map(|j| (middle(j), false));
-        let sorted: Vec<(Point, bool)> = twice.chain(between).collect();
-        let step = (sorted.len() / 2..)
-            .find(|step| (2..=*step).all(|d| step % d > 0 || !sorted.len().is_multiple_of(d)))
-            .unwrap();
-        let mixed: Vec<(Point, bool)> = (0..sorted.len()).map(|j| sorted[j * step % sorted.len()]).collect();
-        let points: Vec<Point> = mixed.iter().map(|&(p, _)| p).collect();
-        assert_eq!(
-            found(&points, 1.0),
-            mixed.iter().map(|&(_, extreme)| extreme).collect::<Vec<_>>(),
-            "shape {i}"
-        );
-    }
 }

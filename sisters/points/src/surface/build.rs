@@ -1,16 +1,14 @@
 //! Discs from points.
 
-use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS};
+use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS, tree};
 use super::error::SurfaceError;
 use super::fan::{self, SECTORS, axes};
 use super::plane::{self, Near};
 use super::rim;
-use super::scanners::Scanners;
 use crate::PointCloud;
 use crate::numeric::{power_of_two_for, unit};
 use crate::spacing::{Neighbours, Places};
 use glam::{DVec3, Vec2, Vec3, Vec3A};
-use obvhs::bvh2::Bvh2;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
@@ -53,9 +51,6 @@ const THINNER: f32 = 2.0;
 const PEER: f32 = 2.0;
 const PEER_LAYER: f32 = 0.5;
 
-/// How far apart the two sides of a sheet are at most.
-const SHEET: f32 = 0.1;
-
 /// The least cosine between normals of one layer, and of peers.
 const LAYER_TURN: f32 = 0.5;
 const PEER_TURN: f32 = 0.8;
@@ -80,24 +75,12 @@ struct Input {
     normals: Vec<Vec3A>,
     near: Vec<Vec<Near>>,
     spacing: Vec<f32>,
-    scanners: Scanners,
-    /// Whether each place has a normal that is given, or a scanner that is known.
-    all_oriented: bool,
 }
 
 impl Input {
-    /// Whether the normal of a place is given.
+    /// Whether the normal of a place is given, so that its sign tells front and back.
     fn given(&self, i: usize) -> bool {
         self.normals[i] != Vec3A::ZERO
-    }
-
-    /// Whether the sign of a normal tells front and back.
-    fn oriented(&self, i: usize) -> bool {
-        self.all_oriented || self.given(i)
-    }
-
-    fn are_all_oriented(&self) -> bool {
-        (0..self.places.len()).all(|i| self.given(i) || self.scanners.of(i).is_some())
     }
 }
 
@@ -131,20 +114,7 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     let near = neighbours(&places);
     let spacing = near.iter().map(|near| spacing(near)).collect();
     let frame = Frame { middle: middle + cloud.origin, scale };
-    let scanners = Scanners::new(cloud, &unique, &frame);
-    let mut input = Input { places, normals, near, spacing, scanners, all_oriented: false };
-    input.all_oriented = input.are_all_oriented();
-    let discs = surface(&input, disc_of, frame);
-    let Some(evidence) = input.scanners.evidence(&discs) else { return Ok(discs) };
-    if !input.scanners.disbelieve(&evidence) {
-        return Ok(evidence.carved(discs));
-    }
-    input.all_oriented = input.are_all_oriented();
-    let discs = surface(&input, discs.disc_of, frame);
-    Ok(match input.scanners.evidence(&discs) {
-        Some(evidence) => evidence.carved(discs),
-        None => discs,
-    })
+    Ok(surface(&Input { places, normals, near, spacing }, disc_of, frame))
 }
 
 fn neighbours(places: &[Vec3A]) -> Vec<Vec<Near>> {
@@ -171,9 +141,7 @@ fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
     let planes = planes(input, &margins);
     let made = |i: usize| (disc(input, &planes, &margins, i), peers(input, &planes, &margins, i));
     let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
-    let mut all = Discs { discs: Vec::new(), peers, tree: Bvh2::default(), disc_of, margins, frame };
-    all.replace(discs);
-    all
+    Discs { tree: tree(&discs), discs, peers, disc_of, margins, frame }
 }
 
 /// The planes of all points: by given normals, or estimated ones where none is given.
@@ -192,11 +160,8 @@ fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
     };
     let plane = |i: usize| {
         let rim = rims.get(i).copied().flatten().filter(|_| !input.given(i));
-        let found = rim.unwrap_or(normals[i]);
-        let normal = input.scanners.facing(found, input.places[i], i);
-        let rough = plane::rough(&near(i), normal, 2.0 * inlier(i));
-        // A scanner within the plate tells that it is none.
-        Plane { normal, rough, rim: rim == Some(normal) }
+        let normal = rim.unwrap_or(normals[i]);
+        Plane { normal, rough: plane::rough(&near(i), normal, 2.0 * inlier(i)), rim: rim.is_some() }
     };
     all.into_par_iter().map(plane).collect()
 }
@@ -226,21 +191,19 @@ fn margins(input: &Input) -> Margins {
 /// Whether two normals differ by an angle of at least this cosine; their signs may mean nothing.
 fn alike(input: &Input, planes: &[Plane], [i, j]: [usize; 2], least: f32) -> bool {
     let cosine = planes[i].normal.dot(planes[j].normal);
-    if input.oriented(i) && input.oriented(j) { cosine > least } else { cosine.abs() > least }
+    if input.given(i) && input.given(j) { cosine > least } else { cosine.abs() > least }
 }
 
 fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
     let Plane { normal, rough, rim } = planes[i];
     let all = input.spacing[i];
     let at = input.places[i];
-    let (oriented, reach) = (input.oriented(i), [0.0; SECTORS]);
-    let mut disc = Disc { at, normal, spacing: all, rough, oriented, solid: false, reach };
+    let (given, reach) = (input.given(i), [0.0; SECTORS]);
+    let mut disc = Disc { at, normal, spacing: all, rough, oriented: given, solid: rim, reach };
     if normal == Vec3A::ZERO {
         return disc;
     }
-    disc.solid = rim || is_solid(input, planes, i);
     let of = |j: u32| planes[j as usize].normal;
-    let given = input.given(i);
     let layer: Vec<Vec3A> = input.near[i]
         .iter()
         .filter(|(j, v)| {
@@ -283,18 +246,6 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
     disc
 }
 
-/// Whether a scanner saw a point, and none saw the other side of the same plane near it, as they do
-/// on sheets.
-fn is_solid(input: &Input, planes: &[Plane], i: usize) -> bool {
-    let normal = planes[i].normal;
-    let is_back = |&(j, v): &Near| {
-        v.dot(normal).abs() < SHEET * input.spacing[i]
-            && planes[j as usize].normal.dot(normal) < -PEER_TURN
-            && input.scanners.of(j as usize).is_some()
-    };
-    input.scanners.of(i).is_some() && !input.near[i].iter().any(is_back)
-}
-
 /// How far it is in a direction to the first of the planes of neighbours that meets it near the
 /// neighbour.
 fn edge(direction: Vec3A, across: &[Side], most: f32) -> Option<f32> {
@@ -320,7 +271,7 @@ fn end(direction: Vec3A, normal: Vec3A, sides: &[Side], most: f32, along: f32) -
 fn peers(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> [u32; PEERS] {
     let normal = planes[i].normal;
     let mut peers = [NOBODY; PEERS];
-    if input.oriented(i) {
+    if input.given(i) {
         return peers;
     }
     let near = input.near[i].iter().filter(|(j, v)| {

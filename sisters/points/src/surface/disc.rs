@@ -63,20 +63,16 @@ pub(super) struct Disc {
     pub rough: f32,
     /// The sign of the normal tells front and back.
     pub oriented: bool,
-    /// A scanner saw it, and it is no sheet, or it is on the rim of a plate: nobody sees it from
-    /// behind.
+    /// It is on the rim of a plate: nobody sees it from behind.
     pub solid: bool,
     /// How far the disc reaches in each of the directions in which sectors begin.
     pub reach: [f32; SECTORS],
 }
 
-impl Discs {
-    /// Takes other discs, and makes their tree.
-    pub fn replace(&mut self, discs: Vec<Disc>) {
-        let bounds: Vec<Aabb> = discs.iter().map(Disc::bounds).collect();
-        self.tree = build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default());
-        self.discs = discs;
-    }
+/// The tree of some discs.
+pub(super) fn tree(discs: &[Disc]) -> Bvh2 {
+    let bounds: Vec<Aabb> = discs.iter().map(Disc::bounds).collect();
+    build_bvh2(&bounds, BvhBuildParams::fast_build(), &mut Duration::default())
 }
 
 impl Disc {

@@ -1,4 +1,4 @@
-//! Why a surface gives no answer.
+//! What surfaces refuse.
 
 use crate::cloud::LengthError;
 use crate::hull::MAX_POINTS;

@@ -16,15 +16,6 @@
 //!
 //! Where points have normals that tell front and back, the far sides of closed bodies are hidden
 //! even where rays leak in; sheets with one side are seen from both.
-//!
-//! Where the places of scanners are known ([`PointCloud::scanners`]), they tell the signs of
-//! normals, and the segments between them and their points end discs. A scanner that discs hide
-//! from half of its points is not believed.
-//!
-//! A sheet that was scanned from one side only, such as a leaf or a curtain, looks the same as the
-//! front of a solid. It is taken for a solid, which most surfaces are, so that its points are
-//! hidden from behind. To see known sheets from both sides, give their points
-//! [`UNKNOWN_SCANNER`](crate::UNKNOWN_SCANNER).
 
 mod build;
 mod disc;
@@ -33,19 +24,18 @@ mod fan;
 mod plane;
 mod rays;
 mod rim;
-mod scanners;
 #[cfg(test)]
 mod tests;
 
 use crate::cloud::PointCloud;
 use crate::hull::MAX_POINTS;
 use crate::numeric::FARTHEST_EYE;
+pub use error::SurfaceError;
+
 use bitvec::vec::BitVec;
 use disc::Discs;
 use glam::{DVec3, Vec3};
 use std::fmt;
-
-pub use error::SurfaceError;
 
 /// The points of a cloud that can be seen from `eye`, which is in the coordinates of the source, as
 /// the cloud's origin is: a bit for each point.

@@ -86,15 +86,16 @@ impl Discs {
         (0..first.len()).into_par_iter().map(judged).collect()
     }
 
-    /// Whether the ray to a disc is free, and the disc does not face away on a closed body, on the
-    /// rim of a plate or before a scanner that did not see its back, nor is the far side of a plate.
+    /// Whether the ray to a disc is free, and the disc does not face away on a closed body or on the
+    /// rim of a plate, nor is the far side of a plate.
     fn is_seen(&self, eye: DVec3, i: usize) -> bool {
         let disc = &self.discs[i];
         let start = self.start(eye, i);
         if start == disc.at {
             return true;
         }
-        if self.hider(start, i).is_some() {
+        let ray = Ray::new(start, disc.at - start, 0.0, 1.0);
+        if self.any(ray, |j, other| j != i && self.hides(other, start, disc)) {
             return false;
         }
         let facing = disc.normal.dot(start - disc.at);
@@ -105,39 +106,19 @@ impl Discs {
     }
 
     /// Where the ray from an eye to a point starts: at the eye, or nearer.
-    pub(super) fn start(&self, eye: DVec3, i: usize) -> Vec3A {
+    fn start(&self, eye: DVec3, i: usize) -> Vec3A {
         let at = self.discs[i].at;
         let way = eye - at.as_dvec3();
         at + (way * (START / way.length()).min(1.0)).as_vec3a()
     }
 
-    /// Calls for each disc that hides a point from `start`, with the place relative to its middle
-    /// where the ray crosses it, until the call says that it is enough.
-    pub(super) fn hiders(&self, start: Vec3A, i: usize, mut each: impl FnMut(usize, Vec3A) -> bool) {
-        let to = &self.discs[i];
-        let step = to.at - start;
-        self.any(Ray::new(start, step, 0.0, 1.0), |j, disc| {
-            let crossed = || disc.normal.dot(disc.at - start) / disc.normal.dot(step);
-            j != i && self.hides(disc, start, to) && each(j, start + step * crossed() - disc.at)
-        });
-    }
-
-    /// A disc that hides the point from `start`.
-    fn hider(&self, start: Vec3A, i: usize) -> Option<usize> {
-        let to = &self.discs[i];
-        let ray = Ray::new(start, to.at - start, 0.0, 1.0);
-        self.any(ray, |j, disc| j != i && self.hides(disc, start, to))
-    }
-
-    /// The first that is found of the discs near a ray that have a property.
-    fn any(&self, ray: Ray, mut is: impl FnMut(usize, &Disc) -> bool) -> Option<usize> {
-        let mut found = None;
+    /// Whether one of the discs near a ray has a property.
+    fn any(&self, ray: Ray, mut is: impl FnMut(usize, &Disc) -> bool) -> bool {
+        let mut found = false;
         self.tree.ray_traverse_miss(ray, |_, k| {
             let j = self.tree.primitive_indices[k] as usize;
-            if found.is_none() && is(j, &self.discs[j]) {
-                found = Some(j);
-            }
-            if found.is_some() { f32::NEG_INFINITY } else { f32::INFINITY }
+            found = found || is(j, &self.discs[j]);
+            if found { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         found
     }
@@ -192,7 +173,6 @@ impl Discs {
                 && parallel
                 && other.hit(disc.at, direction).is_some_and(|(far, _)| far > least && far <= most)
         })
-        .is_some()
     }
 
     /// Whether most rays from the back of the point first meet a surface from within: it is on a

@@ -28,7 +28,6 @@ pub fn helix(count: usize) -> PointCloud {
         colours: (0..count).map(|i| [i as u8, 255 - i as u8, 7]).collect(),
         normals: (0..count).map(|i| turn(2 * i).normalize_or_zero()).collect(),
         radii: (0..count).map(|i| 0.1 + i as f32).collect(),
-        ..PointCloud::default()
     }
 }
 
@@ -161,12 +160,11 @@ fn packed_by(plain: &[u8], vlr: laz::LazVlr, chunks: &[usize]) -> Vec<u8> {
 /// The helix, written by the crate `e57`: coordinates in doubles or in few bits, and an attribute
 /// of no bits.
 pub fn e57(count: usize, doubles: bool) -> Vec<u8> {
-    e57_of(count, doubles, &[(None, false)])
+    e57_moved(count, doubles, None)
 }
 
-/// The helix once for each scan: with a pose that moves it along x, and with the columns of a
-/// scanner beside its rows.
-pub fn e57_of(count: usize, doubles: bool, scans: &[(Option<f64>, bool)]) -> Vec<u8> {
+/// With a pose that moves it along x.
+pub fn e57_moved(count: usize, doubles: bool, pose: Option<f64>) -> Vec<u8> {
     use e57::{Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
     let mut bytes = Cursor::new(Vec::new());
     let mut file = e57::E57Writer::new(&mut bytes, "file").expect("a list takes all bytes");
@@ -174,25 +172,18 @@ pub fn e57_of(count: usize, doubles: bool, scans: &[(Option<f64>, bool)]) -> Vec
     let data_type = if doubles { RecordDataType::F64 } else { scaled };
     let value = |c: f64| if doubles { RecordValue::Double(c) } else { RecordValue::ScaledInteger(c as i64) };
     let names = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
-    for &(pose, columns) in scans {
-        let places = names.clone().into_iter().map(|name| Record { name, data_type: data_type.clone() });
-        let mut prototype: Vec<_> = places.collect();
-        let constant = RecordDataType::Integer { min: 7, max: 7 };
-        prototype.push(Record { name: RecordName::RowIndex, data_type: constant });
-        if columns {
-            let data_type = RecordDataType::Integer { min: 0, max: 255 };
-            prototype.push(Record { name: RecordName::ColumnIndex, data_type });
-        }
-        let mut scan = file.add_pointcloud("scan", prototype).expect("a plain scan");
-        let pose = pose.map(|x| Translation { x, y: 0.0, z: 0.0 });
-        scan.set_transform(pose.map(|translation| Transform { translation, ..Default::default() }));
-        for p in helix(count).world_positions() {
-            let mut values = p.to_array().map(value).to_vec();
-            values.extend([7, 4].map(RecordValue::Integer).into_iter().take(1 + usize::from(columns)));
-            scan.add_point(values).expect("a list takes all bytes");
-        }
-        scan.finalize().expect("a list takes all bytes");
+    let places = names.into_iter().map(|name| Record { name, data_type: data_type.clone() });
+    let constant = RecordDataType::Integer { min: 7, max: 7 };
+    let row = Record { name: RecordName::RowIndex, data_type: constant };
+    let mut scan = file.add_pointcloud("scan", places.chain([row]).collect()).expect("a plain scan");
+    let pose = pose.map(|x| Translation { x, y: 0.0, z: 0.0 });
+    scan.set_transform(pose.map(|translation| Transform { translation, ..Default::default() }));
+    for p in helix(count).world_positions() {
+        let mut values = p.to_array().map(value).to_vec();
+        values.push(RecordValue::Integer(7));
+        scan.add_point(values).expect("a list takes all bytes");
     }
+    scan.finalize().expect("a list takes all bytes");
     file.finalize().expect("a list takes all bytes");
     drop(file);
     bytes.into_inner()

@@ -32,14 +32,8 @@ impl Area {
     /// lies inside this one.
     #[inline]
     pub(crate) fn block(&self, inside: &Self, row: i64, column: i64) -> usize {
-        let (row, column) = self.place(inside, row, column);
+        let (row, column) = ((inside.y - self.y) / TILE + row, (inside.x - self.x) / COLUMNS + column);
         (row * self.nx + column) as usize
-    }
-
-    /// As [`Area::block`], by its row and column.
-    #[inline]
-    pub(crate) fn place(&self, inside: &Self, row: i64, column: i64) -> (i64, i64) {
-        ((inside.y - self.y) / TILE + row, (inside.x - self.x) / COLUMNS + column)
     }
 
     pub(crate) fn block_count(&self) -> usize {

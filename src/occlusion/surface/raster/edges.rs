@@ -1,5 +1,8 @@
 //! Edges, eight at a time.
 
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
 /// Edges that are set up together.
 pub(crate) const LANES: usize = 8;
 
@@ -24,18 +27,27 @@ pub(crate) struct Edges {
     pub(crate) seams: u8,
 }
 
+/// [`Edges`] as vectors.
+#[derive(Clone, Copy)]
+pub(crate) struct EdgeVectors<S: Simd> {
+    pub(crate) x0: f32x8<S>,
+    pub(crate) y0: f32x8<S>,
+    pub(crate) x1: f32x8<S>,
+    pub(crate) y1: f32x8<S>,
+    pub(crate) wide: f32x8<S>,
+    pub(crate) unsure: f32x8<S>,
+    pub(crate) plain: u8,
+    pub(crate) seams: u8,
+}
+
 impl Edges {
-    /// Sets an edge to one of others; `seam` tells whether it is shared.
+    /// These as vectors, in pixels that are finer by a factor.
     #[inline(always)]
-    pub(crate) fn take(&mut self, at: usize, from: &Self, lane: usize, seam: bool) {
-        self.x0[at] = from.x0[lane];
-        self.y0[at] = from.y0[lane];
-        self.x1[at] = from.x1[lane];
-        self.y1[at] = from.y1[lane];
-        self.wide[at] = from.wide[lane];
-        self.unsure[at] = from.unsure[lane];
-        self.plain |= 1 << at;
-        self.seams |= u8::from(seam) << at;
+    pub(crate) fn vectors<S: Simd>(&self, simd: S, by: f32) -> EdgeVectors<S> {
+        let Self { plain, seams, .. } = *self;
+        let all = [&self.x0, &self.y0, &self.x1, &self.y1, &self.wide, &self.unsure];
+        let [x0, y0, x1, y1, wide, unsure] = all.map(|lanes| f32x8::from_slice(simd, lanes) * by);
+        EdgeVectors { x0, y0, x1, y1, wide, unsure, plain, seams }
     }
 }
 

@@ -4,9 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
 
 use crate::numeric::occlusion::{ACROSS_AREA, FAR_PIXEL, FLAT, NEAREST_INTEGER_SINGLE};
-use crate::numeric::{greater, lesser};
-use crate::occlusion::surface::raster::edges::{Edges, LANES, Lanes};
-use crate::occlusion::surface::raster::marks::{PixelMarks, Windings, from_column};
+use crate::occlusion::surface::raster::edges::{EdgeVectors, LANES, Lanes};
+use crate::occlusion::surface::raster::marks::{Head, PixelMarks, Windings, from_column};
 use crate::occlusion::surface::raster::{COLUMNS, Raster};
 
 /// Edges ready to be drawn, from their lower to their upper ends. Columns and rows in whole numbers
@@ -29,21 +28,25 @@ struct EdgeLanes {
     /// Where it is farther than this from the middle between two columns, it is known on which side
     /// of the middle of a pixel it passes a row.
     sure: Lanes,
-    /// The first and last row of the area that it touches.
+    /// The rows of the area that it touches: those after one and before the other.
     first: [i32; LANES],
     last: [i32; LANES],
-    /// It passes the middles of the rows from one up to before the other.
+    /// It passes the middles of the rows after one and before the other.
     from: [i32; LANES],
     to: [i32; LANES],
-    /// The first and last column that it touches.
+    /// The first and last row of blocks that it touches.
+    begins: [i32; LANES],
+    ends: [i32; LANES],
+    /// The first column that it touches.
     low: [i32; LANES],
-    high: [i32; LANES],
+    /// All bits of those that make winding numbers to their right fall.
+    falls: [u32; LANES],
     /// Those that touch the area or pass left of it, one bit each.
     drawn: u8,
-    /// Those of them that stay in one block of the area, and pass rows only there.
-    inside: u8,
-    /// Those that make winding numbers to their right fall.
-    falls: u8,
+    /// Those that stay in one column of blocks of the area, and pass rows only there; those of them
+    /// that touch one row of one block, or two.
+    narrow: u8,
+    tiny: u8,
     /// Seams that two patches agree about, and those of them of which it must be known where they
     /// pass rows.
     seams: u8,
@@ -52,11 +55,9 @@ struct EdgeLanes {
 
 impl EdgeLanes {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, e: &Edges, raster: &Raster, fall: bool) -> Self {
-        let load = |lanes: &Lanes| f32x8::from_slice(simd, lanes);
+    fn new<S: Simd>(simd: S, e: &EdgeVectors<S>, raster: &Raster, fall: bool) -> Self {
         let splat = |v: f32| f32x8::splat(simd, v);
-        let (x0, y0, x1, y1) = (load(&e.x0), load(&e.y0), load(&e.x1), load(&e.y1));
-        let (wide, unsure) = (load(&e.wide), load(&e.unsure));
+        let &EdgeVectors { x0, y0, x1, y1, wide, unsure, .. } = e;
         let up = y0.simd_le(y1);
         let (x, to_x) = (up.select(x0, x1), up.select(x1, x0));
         let (y, to_y) = (up.select(y0, y1), up.select(y1, y0));
@@ -78,16 +79,18 @@ impl EdgeLanes {
         // Two patches may not agree where a flat edge passes a row.
         let is_agreed = is_slanted | from.simd_ge(to);
         // One column more: it may pass rows there.
-        let is_inside = first.simd_ge(0)
-            & last.simd_lt(height)
-            & low.simd_ge(0)
+        let is_narrow = low.simd_ge(0)
             & high.simd_lt(width - 1)
-            & ((first ^ last) & !(LANES as i32 - 1)).simd_eq(0)
             & ((low ^ (high + 1)) & !(COLUMNS as i32 - 1)).simd_eq(0);
-        let [up, slanted, near, inside, agreed] =
-            [up, is_slanted, is_near, is_inside, is_agreed].map(|m| m.to_bitmask() as u8);
+        let is_tiny =
+            is_narrow & (last - first).simd_le(1) & ((first ^ last) & !(LANES as i32 - 1)).simd_eq(0);
+        let [slanted, near, narrow, tiny, agreed] =
+            [is_slanted, is_near, is_narrow, is_tiny, is_agreed].map(|m| m.to_bitmask() as u8);
         let store = |v: f32x8<S>| -> Lanes { v.into() };
         let whole = |v: i32x8<S>| -> [i32; LANES] { v.into() };
+        let (first, last) = (first.max(i32x8::splat(simd, 0)), last.min(i32x8::splat(simd, height - 1)));
+        let (none, all) = (u32x8::splat(simd, 0), u32x8::splat(simd, u32::MAX));
+        let falls = if fall { up.select(all, none) } else { up.select(none, all) };
         Self {
             x: store(is_slanted.select(x, left + 0.5)),
             y: store(y),
@@ -98,18 +101,46 @@ impl EdgeLanes {
             right: store(right),
             unsure: store(unsure),
             sure: store(-unsure + 0.5),
-            first: whole(first.max(i32x8::splat(simd, 0))),
-            last: whole(last.min(i32x8::splat(simd, height - 1))),
-            from: whole(from),
+            first: whole(first - 1),
+            last: whole(last + 1),
+            from: whole(from - 1),
             to: whole(to),
+            begins: whole(first >> 3),
+            ends: whole(last >> 3),
             low: whole(low),
-            high: whole(high),
+            falls: falls.into(),
             drawn: near & e.plain,
-            inside: near & inside & e.plain,
-            falls: if fall { up } else { !up },
+            narrow,
+            tiny: near & tiny & e.plain,
             seams: e.seams & agreed,
             doubted: e.seams & slanted,
         }
+    }
+
+    /// In a row for each edge, which is one of a block: the pixels that it touches; those right of
+    /// where it passes the middle of the row, if it does; whether it does, and whether it is not
+    /// known where.
+    #[inline(always)]
+    fn row<S: Simd>(
+        &self,
+        row: i32x8<S>,
+        corner: (i32, i32),
+    ) -> (u32x8<S>, u32x8<S>, mask32x8<S>, mask32x8<S>) {
+        let simd = row.simd;
+        let load = |of: &Lanes| f32x8::from_slice(simd, of);
+        let integers = |of: &[i32; LANES]| i32x8::from_slice(simd, of);
+        let (none, all) = (u32x8::splat(simd, 0), u32x8::splat(simd, u32::MAX));
+        let middle = simd.cvt_f32_i32x8(row + corner.1) + 0.5;
+        let at = (middle - load(&self.y)) * load(&self.slope) + load(&self.x);
+        let begin = within_block((at - load(&self.before)).max(load(&self.left)), corner.0);
+        let end = within_block((at + load(&self.after)).min(load(&self.right)), corner.0);
+        let touched = (all << begin) & (all >> (end ^ (COLUMNS as u32 - 1)));
+        let is_touched = row.simd_lt(integers(&self.last));
+        let is_passed = row.simd_gt(integers(&self.from)) & row.simd_lt(integers(&self.to));
+        let passed = is_passed.select(all << within_block(at, corner.0), none);
+        let rounded = (at + NEAREST_INTEGER_SINGLE) - NEAREST_INTEGER_SINGLE;
+        let is_sure = (at - rounded).abs().simd_le(load(&self.sure));
+        (is_touched.select(touched, none), passed, is_passed, is_passed & !is_sure)
     }
 
     /// The column where an edge passes the middle of a row, which is given in rows of the face.
@@ -123,55 +154,112 @@ impl Raster {
     /// Draws edges of an outline. Going up, they make the winding numbers to their right grow by
     /// one, or fall.
     #[inline(always)]
-    pub(crate) fn edges<S: Simd>(&mut self, simd: S, edges: &Edges, fall: bool) {
+    pub(crate) fn edges<S: Simd>(&mut self, simd: S, edges: &EdgeVectors<S>, fall: bool) {
         let lines = EdgeLanes::new(simd, edges, self, fall);
-        let mut lanes = lines.inside;
-        while lanes != 0 {
-            let i = lanes.trailing_zeros() as usize % LANES;
-            lanes &= lanes - 1;
-            self.line_inside(simd, &lines, i);
+        if lines.tiny != 0 {
+            self.tiny_lines(simd, &lines);
         }
-        let mut lanes = lines.drawn & !lines.inside;
+        let mut lanes = lines.drawn & !lines.tiny;
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize % LANES;
             lanes &= lanes - 1;
-            for block in lines.first[i] as usize / LANES..=lines.last[i] as usize / LANES {
-                self.line(simd, &lines, i, block);
+            self.line(simd, &lines, i);
+        }
+    }
+
+    /// Draws those edges that touch one row of one block, or two: most of them. The words of all of
+    /// them are found at once.
+    #[inline(always)]
+    fn tiny_lines<S: Simd>(&mut self, simd: S, l: &EdgeLanes) {
+        let row = i32x8::from_slice(simd, &l.first) + 1;
+        let (touched, passed, passes, doubts) = l.row(row, self.corner);
+        let (touched_next, passed_next, passes_next, doubts_next) = l.row(row + 1, self.corner);
+        let whole = |v: u32x8<S>| -> [u32; LANES] { v.into() };
+        let words = [touched, touched_next, passed, passed_next].map(whole);
+        let (none, one) = (u32x8::splat(simd, 0), u32x8::splat(simd, 1));
+        let bits = passes.select(one, none) | passes_next.select(one + one, none);
+        let in_block = (row & (LANES as i32 - 1)).bitcast::<u32x8<S>>();
+        let (passed_rows, rows) = (whole(bits << in_block), whole(in_block));
+        let mut lanes = l.tiny;
+        while lanes != 0 {
+            let i = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            let (above, column) = ((l.first[i] + 1) as usize / LANES, l.low[i] as usize / COLUMNS as usize);
+            let (layer, row) = (usize::from(l.seams >> i & 1), rows[i] as usize);
+            let Some(marks) = self.block(above, column) else { return };
+            marks.mark_row(layer, row, words[0][i]);
+            // Behind the last row of the block comes the first one, with no pixels.
+            marks.mark_row(layer, row + 1, words[1][i]);
+            if passed_rows[i] != 0 {
+                marks.wind_row(row, words[2][i], l.falls[i]);
+                marks.wind_row(row + 1, words[3][i], l.falls[i]);
+                self.carry(above, column + 1, Head::step(passed_rows[i], l.falls[i]));
+            }
+        }
+        let (doubts, next) = (doubts.to_bitmask(), doubts_next.to_bitmask());
+        let doubted = (doubts | next) as u8 & l.tiny & l.doubted;
+        if doubted != 0 {
+            for i in (0..LANES).filter(|i| doubted >> i & 1 == 1) {
+                let bits = doubts >> i & 1 | (next >> i & 1) << 1;
+                self.doubt(l, i, bits << rows[i], l.first[i] + 1 - rows[i] as i32);
             }
         }
     }
 
-    /// Draws one edge that stays in one block: as [`Raster::line`], with less to ask.
+    /// Draws one edge, in each row of blocks that it touches.
     #[inline(always)]
-    fn line_inside<S: Simd>(&mut self, simd: S, l: &EdgeLanes, i: usize) {
-        let (top, column) = (l.first[i] & !(LANES as i32 - 1), l.low[i] & !(COLUMNS as i32 - 1));
-        let (row, from) = ((top / LANES as i32) as usize, (column / COLUMNS as i32) as usize);
-        self.take(row, from, (from + 2).min(self.across));
-        let block = row * self.across + from;
-        let Some(marks) = self.blocks.get_mut(block) else { return };
-        let left = self.corner.0 + column;
-        let rows = i32x8::from_slice(simd, &ROWS) + top;
-        let middles = f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32;
-        let at = (middles - l.y[i]) * l.slope[i] + l.x[i];
-        // The first and the last column that it touches, and where it passes the row: in the rows
-        // that count they are columns of the block.
-        let begin = nearest_lanes((at - l.before[i]).max(f32x8::splat(simd, l.left[i]))) - left;
-        let end = nearest_lanes((at + l.after[i]).min(f32x8::splat(simd, l.right[i]))) - left;
-        let passes = nearest_lanes(at) - left;
-        let is_touched = rows.simd_ge(l.first[i]) & rows.simd_le(l.last[i]);
-        let is_passed = rows.simd_ge(l.from[i]) & rows.simd_lt(l.to[i]);
+    fn line<S: Simd>(&mut self, simd: S, l: &EdgeLanes, i: usize) {
+        let number = |of: &Lanes| f32x8::splat(simd, of[i]);
+        let integer = |of: &[i32; LANES]| i32x8::splat(simd, of[i]);
+        let (x, y, slope) = (number(&l.x), number(&l.y), number(&l.slope));
+        let (before, after) = (number(&l.before), number(&l.after));
+        let (left, right) = (number(&l.left), number(&l.right));
+        let (first, last) = (integer(&l.first), integer(&l.last));
+        let (from, to) = (integer(&l.from), integer(&l.to));
+        let (falls, layer) = (u32x8::splat(simd, l.falls[i]), usize::from(l.seams >> i & 1));
         let (none, all) = (u32x8::splat(simd, 0), u32x8::splat(simd, u32::MAX));
-        let within = |column: i32x8<S>| (column & (COLUMNS as i32 - 1)).bitcast::<u32x8<S>>();
-        let touched = (all << within(begin)) & (all >> within(-end - 1));
-        let (falls, layer) = (l.falls >> i & 1 == 1, usize::from(l.seams >> i & 1));
-        marks.mark(layer, is_touched.select(touched, none));
-        marks.wind(is_passed.select(all << within(passes), none), falls);
-        if column + (COLUMNS as i32) < self.area.width() && l.from[i] < l.to[i] {
-            let rows = (1u32 << (l.to[i] - top)) - (1 << (l.from[i] - top));
-            self.carried[block + 1].step(rows, falls);
-        }
-        if l.doubted >> i & 1 == 1 {
-            self.doubt_where(l, i, (at, is_passed), top);
+        for row in l.begins[i]..=l.ends[i] {
+            let (top, above) = (row * LANES as i32, row as usize);
+            let rows = i32x8::from_slice(simd, &ROWS) + top;
+            let middles = f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32;
+            let at = (middles - y) * slope + x;
+            // The first and the last column that it touches, and where it passes the row.
+            let begin = nearest_lanes((at - before).max(left)) - self.corner.0;
+            let end = nearest_lanes((at + after).min(right)) - self.corner.0;
+            let passes = nearest_lanes(at) - self.corner.0;
+            let is_touched = rows.simd_gt(first) & rows.simd_lt(last);
+            let is_passed = rows.simd_gt(from) & rows.simd_lt(to);
+            let (mut low, mut high) = (l.low[i], l.low[i]);
+            if l.narrow >> i & 1 == 0 {
+                // It leans to one side. One column more: it may pass rows there.
+                (low, high) = (begin[0].min(begin[LANES - 1]), end[0].max(end[LANES - 1]).wrapping_add(1));
+            }
+            let is_inside = low >= 0 && high < self.area.width() && (low ^ high) >> 5 == 0;
+            let (low, high) = (low.max(0) >> 5, high.clamp(-1, self.area.width() - 1) >> 5);
+            if is_inside {
+                // In the rows that count, all are columns of the block.
+                let within = |column: i32x8<S>| (column & (COLUMNS as i32 - 1)).bitcast::<u32x8<S>>();
+                let touched = (all << within(begin)) & (all >> within(!end));
+                let Some(marks) = self.block(above, low as usize) else { return };
+                marks.mark(layer, is_touched.select(touched, none));
+                marks.wind(is_passed.select(all << within(passes), none), falls);
+            } else {
+                for column in low..=high {
+                    let Some(marks) = self.block(above, column as usize) else { break };
+                    let own = |columns: i32x8<S>| from_columns(simd, columns - (column << 5));
+                    marks.mark(layer, is_touched.select(own(begin) & !own(end + 1), none));
+                    marks.wind(is_passed.select(own(passes), none), falls);
+                }
+            }
+            let passed = Head::step(is_passed.to_bitmask() as u32, l.falls[i]);
+            if high < 0 {
+                self.pass_beside(above, passed);
+            } else {
+                self.carry(above, high as usize + 1, passed);
+            }
+            if l.doubted >> i & 1 == 1 {
+                self.doubt_where(l, i, (at, is_passed), top);
+            }
         }
     }
 
@@ -193,64 +281,17 @@ impl Raster {
         }
     }
 
-    /// Draws one edge in those rows of a row of blocks that it touches.
-    #[inline(always)]
-    fn line<S: Simd>(&mut self, simd: S, l: &EdgeLanes, i: usize, block: usize) {
-        let (top, left) = ((block * LANES) as i32, self.corner.0);
-        let rows = i32x8::from_slice(simd, &ROWS) + top;
-        let middles = f32x8::from_slice(simd, &MIDDLES) + (top + self.corner.1) as f32;
-        let at = (middles - l.y[i]) * l.slope[i] + l.x[i];
-        // The first column that it touches, the one beyond the last, and where it passes the row.
-        let begin = nearest_lanes((at - l.before[i]).max(f32x8::splat(simd, l.left[i]))) - left;
-        let end = nearest_lanes((at + l.after[i]).min(f32x8::splat(simd, l.right[i]))) + (1 - left);
-        let column = nearest_lanes(at) - left;
-        let is_touched = rows.simd_ge(l.first[i]) & rows.simd_le(l.last[i]);
-        let is_passed = rows.simd_ge(l.from[i]) & rows.simd_lt(l.to[i]);
-        let (low, high) = (l.low[i], l.high[i]);
-        let (low, high) = if (low ^ high) >> 5 == 0 { (low, high) } else { self.columns(l, i, top) };
-        // One column more: it may pass rows there.
-        let (low, high) = (low.max(0) >> 5, (high + 1).clamp(-1, self.area.width() - 1) >> 5);
-        // From the leftmost to the one beyond the last, into which numbers are carried.
-        let (from, beyond) = (low.min(high + 1), (high + 2).min(self.across as i32));
-        if from < beyond {
-            self.take(block, from as usize, beyond as usize);
-        }
-        let start = block * self.across;
-        let (none, falls) = (u32x8::splat(simd, 0), l.falls >> i & 1 == 1);
-        let layer = if l.seams >> i & 1 == 1 { PixelMarks::SEAM } else { PixelMarks::OPEN };
-        for x in low..=high {
-            let Some(marks) = self.blocks.get_mut(start + x as usize) else { break };
-            let touched = from_columns(simd, begin - (x << 5)) & !from_columns(simd, end - (x << 5));
-            marks.mark(layer, is_touched.select(touched, none));
-            marks.wind(is_passed.select(from_columns(simd, column - (x << 5)), none), falls);
-        }
-        if high + 1 < self.across as i32 && l.from[i] < top + LANES as i32 && l.to[i] > top {
-            let (from, to) = ((l.from[i] - top).max(0), (l.to[i] - top).min(LANES as i32));
-            self.carried[start + (high + 1) as usize].step((1u32 << to) - (1 << from), falls);
-        }
-        if l.doubted >> i & 1 == 1 {
-            self.doubt_where(l, i, (at, is_passed), top);
-        }
-    }
-
-    /// The first and last column that an edge touches in eight rows from one on.
-    #[inline(always)]
-    fn columns(&self, l: &EdgeLanes, i: usize, top: i32) -> (i32, i32) {
-        let at = |row: usize| l.at(i, MIDDLES[row] + (top + self.corner.1) as f32);
-        let (a, b) = (at(0), at(LANES - 1));
-        let (low, high) = (lesser(a, b) - l.before[i], greater(a, b) + l.after[i]);
-        let (low, high) = (greater(low, l.left[i]), lesser(high, l.right[i]));
-        (nearest(low) - self.corner.0, nearest(high) - self.corner.0)
-    }
-
     /// Marks the pixels of which it is not known on which side of their middles a seam passes: its
     /// two patches may both count them, or neither. The rows are bits, from the row `top` on.
     #[cold]
     fn doubt(&mut self, l: &EdgeLanes, i: usize, rows: u64, top: i32) {
         for k in (0..LANES).filter(|&k| rows >> k & 1 == 1) {
             let at = l.at(i, MIDDLES[k] + (top + self.corner.1) as f32);
-            let lo = (nearest(at - l.unsure[i] - 0.5) - self.corner.0).max(0);
-            let hi = (nearest(at + l.unsure[i] - 0.5) - self.corner.0).min(self.area.width() - 1);
+            // Within the area, or just beside it: steep seams are in doubt for millions of columns.
+            let (left, right) = ((self.corner.0 - 1) as f32, (self.corner.0 + self.area.width()) as f32);
+            let lo = (nearest((at - l.unsure[i] - 0.5).max(left)) - self.corner.0).max(0);
+            let hi =
+                (nearest((at + l.unsure[i] - 0.5).min(right)) - self.corner.0).min(self.area.width() - 1);
             if lo <= hi {
                 self.mark(top + k as i32, lo, hi, PixelMarks::OPEN);
             }
@@ -261,6 +302,12 @@ impl Raster {
 /// The numbers of eight rows, and their middles.
 const ROWS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 const MIDDLES: Lanes = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
+
+/// The columns nearest to numbers, counted from the first one of the block that each is in.
+#[inline(always)]
+fn within_block<S: Simd>(v: f32x8<S>, corner: i32) -> u32x8<S> {
+    ((nearest_lanes(v) - corner) & (COLUMNS as i32 - 1)).bitcast()
+}
 
 /// As [`nearest`], of eight numbers.
 #[inline(always)]
@@ -279,15 +326,21 @@ fn from_columns<S: Simd>(simd: S, columns: i32x8<S>) -> u32x8<S> {
 /// The rows whose middles some edges pass, up or down, with signs: bits from the row `first` on, of
 /// which there are `count`.
 #[inline(always)]
-pub(crate) fn rows_passed(edges: &Edges, mut lanes: u8, (first, count): (i32, i32), fall: bool) -> Windings {
+pub(crate) fn rows_passed<S: Simd>(
+    edges: &EdgeVectors<S>,
+    mut lanes: u8,
+    (first, count): (i32, i32),
+    fall: bool,
+) -> Windings {
     let mut passed = Windings::default();
-    let row = |y: f32| (nearest(y) - first).clamp(0, count);
+    let up = edges.y0.simd_le(edges.y1).to_bitmask() as u8;
+    let row = |y: f32x8<S>| -> [i32; LANES] { (nearest_lanes(y) - first).into() };
+    let (low, high) = (row(edges.y0.min(edges.y1)), row(edges.y0.max(edges.y1)));
     while lanes != 0 {
         let i = lanes.trailing_zeros() as usize % LANES;
         lanes &= lanes - 1;
-        let (a, b) = (row(edges.y0[i]), row(edges.y1[i]));
-        let rows = from_column(a.min(b)) & !from_column(a.max(b));
-        passed.step(rows, (edges.y0[i] > edges.y1[i]) != fall);
+        let rows = from_column(low[i].clamp(0, count)) & !from_column(high[i].clamp(0, count));
+        passed.step(rows, (up >> i & 1 == 0) != fall);
     }
     passed
 }
@@ -304,7 +357,7 @@ const _: () = assert!(FAR_PIXEL + ACROSS_AREA < 4_194_304.0, "all columns and ro
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::occlusion::surface::raster::Area;
+    use crate::occlusion::surface::raster::{Area, Edges};
     use crate::simd::vectorized;
 
     #[test]
@@ -325,10 +378,31 @@ mod tests {
                 plain: 0,
                 seams: 255,
             };
-            vectorized!(simd => raster.edges(simd, &edges, false));
+            vectorized!(simd => raster.edges(simd, &edges.vectors(simd, 1.0), false));
         }
-        raster.finish();
-        assert_eq!(raster.marks(0), &PixelMarks::default());
+        assert_eq!(raster.whole(0), PixelMarks::NONE);
+    }
+
+    #[test]
+    fn a_seam_in_doubt_for_millions_of_columns_is_open_in_all_of_the_area() {
+        let mut raster = Raster::default();
+        raster.begin(Area { x: 0, y: 0, nx: 2, ny: 1 }, (0, 0));
+        let edges = Edges {
+            x0: [16.0; LANES],
+            y0: [1.2; LANES],
+            x1: [5616.0; LANES],
+            y1: [6.8; LANES],
+            wide: [4e4; LANES],
+            unsure: [2e4; LANES],
+            plain: 1,
+            seams: 1,
+        };
+        vectorized!(simd => raster.edges(simd, &edges.vectors(simd, 1.0), false));
+        for block in 0..2 {
+            // The rows whose middles it passes.
+            let open = std::array::from_fn(|row| if (1..7).contains(&row) { u32::MAX } else { 0 });
+            assert_eq!(raster.marks(block).open(), &open);
+        }
     }
 
     #[test]

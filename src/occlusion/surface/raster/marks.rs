@@ -39,6 +39,12 @@ impl Windings {
         self.ones | self.twos == 0
     }
 
+    /// The numbers of eight bits from one on.
+    #[inline(always)]
+    pub(crate) fn rows(&self, first: usize) -> Head {
+        Head(self.ones >> first & 0xff | (self.twos >> first & 0xff) << 8)
+    }
+
     /// Adds other numbers.
     #[inline(always)]
     pub(crate) fn add(&mut self, other: Self) {
@@ -50,6 +56,51 @@ impl Windings {
     #[inline(always)]
     pub(crate) fn step(&mut self, bits: u32, falls: bool) {
         self.add(Self { ones: bits, twos: if falls { bits } else { 0 } });
+    }
+}
+
+/// What is known of a block beside its marks: kept apart, so that blocks that nothing touches cost
+/// no more than this. The winding numbers to add to it and to all blocks right of it, by row: a
+/// byte of ones, and one of twos; above them, whether the block has marks.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Head(u32);
+
+impl Head {
+    const MARKED: u32 = 1 << 16;
+
+    /// One in some of eight rows, or minus one if all bits of `falls` are set.
+    #[inline(always)]
+    pub(super) fn step(rows: u32, falls: u32) -> Self {
+        Self(rows | (rows & falls) << 8)
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_marked(self) -> bool {
+        self.0 & Self::MARKED != 0
+    }
+
+    #[inline(always)]
+    pub(super) fn mark(&mut self) {
+        self.0 |= Self::MARKED;
+    }
+
+    /// Whether no row has a number.
+    #[inline(always)]
+    pub(crate) fn is_zero(self) -> bool {
+        self.0 & 0xffff == 0
+    }
+
+    /// Whether all rows have one.
+    #[inline(always)]
+    pub(crate) fn is_full(self) -> bool {
+        (self.0 | self.0 >> 8) & 0xff == 0xff
+    }
+
+    /// Adds the numbers of another one.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, other: Self) {
+        let numbers = other.0 & 0xffff;
+        self.0 ^= numbers ^ (self.0 & numbers & 0xff) << 8;
     }
 }
 
@@ -77,37 +128,34 @@ impl PixelMarks {
         self.0[layer & 1][row % LANES] |= pixels;
     }
 
-    /// Adds one to the winding numbers of some pixels, or takes it off.
+    /// Adds one to the winding numbers of some pixels, or takes it off if all bits of `falls` are
+    /// set.
     #[inline(always)]
-    pub(super) fn wind<S: Simd>(&mut self, rows: u32x8<S>, falls: bool) {
+    pub(super) fn wind<S: Simd>(&mut self, rows: u32x8<S>, falls: u32x8<S>) {
         let [_, _, ones, twos] = &mut self.0;
         let (one, two) = (u32x8::from_slice(rows.simd, ones), u32x8::from_slice(rows.simd, twos));
-        let fall = if falls { u32::MAX } else { 0 };
-        (two ^ (rows & (one ^ fall))).store_slice(twos);
+        (two ^ (rows & (one ^ falls))).store_slice(twos);
         (one ^ rows).store_slice(ones);
     }
 
     /// As [`PixelMarks::wind`], in one row.
     #[inline(always)]
-    pub(super) fn wind_row(&mut self, row: usize, pixels: u32, falls: bool) {
-        let mut windings = self.windings(row);
-        windings.step(pixels, falls);
-        (self.0[2][row % LANES], self.0[3][row % LANES]) = (windings.ones, windings.twos);
+    pub(super) fn wind_row(&mut self, row: usize, pixels: u32, falls: u32) {
+        let [_, _, ones, twos] = &mut self.0;
+        let (one, two) = (&mut ones[row % LANES], &mut twos[row % LANES]);
+        *two ^= pixels & (*one ^ falls);
+        *one ^= pixels;
     }
 
-    /// Adds a winding number to all pixels of each row: that of the row's bit from `first` on.
+    /// These with the winding numbers of edges left of the block.
     #[inline(always)]
-    pub(super) fn wind_all(&mut self, passed: Windings, first: usize) {
+    pub(crate) fn passed(mut self, Head(passed): Head) -> Self {
         let [_, _, ones, twos] = &mut self.0;
-        let spread = |word: u32| -> PixelRows { each(|k| 0u32.wrapping_sub(word >> (first + k) & 1)) };
-        let (one, two) = (spread(passed.ones), spread(passed.twos));
+        let spread = |word: u32| -> PixelRows { each(|k| 0u32.wrapping_sub(word >> k & 1)) };
+        let (one, two) = (spread(passed), spread(passed >> 8));
         *twos = each(|k| twos[k] ^ two[k] ^ (ones[k] & one[k]));
         *ones = each(|k| ones[k] ^ one[k]);
-    }
-
-    #[inline(always)]
-    fn windings(&self, row: usize) -> Windings {
-        Windings { ones: self.0[2][row % LANES], twos: self.0[3][row % LANES] }
+        self
     }
 
     /// Adds the marks of another patch.
@@ -152,9 +200,8 @@ impl PixelMarks {
     /// Whether a pixel is marked in a layer, and its winding number modulo four.
     #[cfg(test)]
     pub(crate) fn pixel(&self, layer: usize, row: usize, column: usize) -> (bool, i32) {
-        let bit = |word: u32| word >> column & 1;
-        let Windings { ones, twos } = self.windings(row);
-        (bit(self.0[layer][row]) == 1, (bit(ones) + 2 * bit(twos)) as i32)
+        let bit = |layer: usize| self.0[layer][row] >> column & 1;
+        (bit(layer) == 1, (bit(2) + 2 * bit(3)) as i32)
     }
 }
 
@@ -185,24 +232,26 @@ mod tests {
             for _ in 0..30 {
                 let mut upto = |n: f64| random.within(0.0, n) as usize;
                 let (row, column, falls) = (upto(8.0), upto(32.0), upto(2.0) == 0);
-                let by = if falls { -1 } else { 1 };
+                let (by, all) = if falls { (-1, u32::MAX) } else { (1, 0) };
                 let whole = from_column(column as i32);
                 let target = if upto(2.0) == 0 { &mut marks } else { &mut other };
                 let rows = match upto(3.0) {
                     0 => {
-                        target.wind_row(row, whole, falls);
+                        target.wind_row(row, whole, all);
                         expected[row][column..].iter_mut().for_each(|w| *w += by);
                         continue;
                     }
                     1 => {
                         let rows: PixelRows = each(|k| if k >= row { whole } else { 0 });
-                        vectorized!(simd => target.wind(u32x8::from_slice(simd, &rows), falls));
+                        vectorized!(simd => {
+                            target.wind(u32x8::from_slice(simd, &rows), u32x8::splat(simd, all));
+                        });
                         &mut expected[row..]
                     }
                     _ => {
                         let mut passed = Windings::default();
                         passed.step(1 << (row + 5), falls);
-                        target.wind_all(passed, 5);
+                        *target = target.passed(passed.rows(5));
                         expected[row].iter_mut().for_each(|w| *w += by);
                         continue;
                     }

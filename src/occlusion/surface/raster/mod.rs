@@ -5,11 +5,11 @@
 //! go around a pixel four times: those are taken to leave it open.
 //!
 //! [`Raster`] is all that the rest of the crate sees: [`Raster::begin`] with an area,
-//! [`Raster::edges`] with eight edges at a time or [`Raster::edge`] with one, [`Raster::finish`],
-//! then [`Raster::marks`] block by block. The first is in single precision, eight rows at a time
-//! ([`lanes`]), the other, for edges that reach far beyond the view, in double precision
-//! ([`edge`]). Both keep three rules (pixels around a line can be marked with [`Raster::strip`],
-//! too):
+//! [`Raster::edges`] with eight edges at a time or [`Raster::edge`] with one, then block by block
+//! [`Raster::marks`], to which the sum of the heads up to the block's adds the edges left of it.
+//! The first is in single precision, eight rows at a time ([`lanes`]), the other, for edges that
+//! reach far beyond the view, in double precision ([`edge`]). Both keep three rules (pixels around
+//! a line can be marked with [`Raster::strip`], too):
 //!
 //! - every pixel that comes within the edge's width of it is marked as touched;
 //! - a pixel that no edge touches has the winding number of the outline around its middle;
@@ -25,7 +25,6 @@ mod edge;
 mod edges;
 mod lanes;
 mod marks;
-mod spans;
 mod strip;
 
 use std::ops::Range;
@@ -33,10 +32,12 @@ use std::ops::Range;
 use crate::occlusion::surface::raster::marks::from_column;
 
 pub(crate) use crate::occlusion::surface::raster::area::{Area, COLUMNS, TILES};
-pub(crate) use crate::occlusion::surface::raster::edges::{Edges, LANES, Lanes, each};
+pub(crate) use crate::occlusion::surface::raster::edges::{EdgeVectors, Edges, LANES, Lanes};
 pub(crate) use crate::occlusion::surface::raster::lanes::rows_passed;
-pub(crate) use crate::occlusion::surface::raster::marks::{PixelMarks, Windings, tiles};
-pub(crate) use crate::occlusion::surface::raster::spans::{FEW, Spans};
+pub(crate) use crate::occlusion::surface::raster::marks::{Head, PixelMarks, Windings, tiles};
+
+/// No column of blocks.
+const NONE: (u32, u32) = (u32::MAX, 0);
 
 /// The pixels around one patch.
 #[derive(Debug, Clone, Default)]
@@ -46,11 +47,12 @@ pub(crate) struct Raster {
     corner: (i32, i32),
     /// Blocks in a row.
     across: usize,
-    /// The blocks in use. Others have no marks, whatever they hold.
-    spans: Spans,
+    /// For each row of blocks, the columns with heads in use, up to before the second number. All
+    /// other heads are zero: long, slanted patches leave most blocks of their areas alone.
+    rows: Vec<(u32, u32)>,
+    heads: Vec<Head>,
+    /// Those of blocks without marks hold anything.
     blocks: Vec<PixelMarks>,
-    /// For each block, the numbers to add to it and to all blocks right of it; a bit for each row.
-    carried: Vec<Windings>,
 }
 
 impl Raster {
@@ -58,32 +60,53 @@ impl Raster {
     /// corner of pixel `first`, the first one of a tile.
     #[inline(always)]
     pub(crate) fn begin(&mut self, area: Area, first: (i64, i64)) {
+        for (row, &(from, to)) in self.rows.iter().enumerate().filter(|(_, row)| **row != NONE) {
+            let start = row * self.across;
+            self.heads[start + from as usize..start + to as usize].fill(Head::default());
+        }
         self.area = area;
         self.corner = ((area.x - first.0) as i32, (area.y - first.1) as i32);
         self.across = area.nx as usize;
+        self.rows.clear();
+        self.rows.resize(area.ny as usize, NONE);
         let count = area.block_count();
         if self.blocks.len() < count {
-            self.blocks.resize(count, PixelMarks::default());
-            self.carried.resize(count, Windings::default());
+            self.blocks.resize(count, PixelMarks::NONE);
+            self.heads.resize(count, Head::default());
         }
-        let all = self.spans.begin(&area);
-        self.clear(all);
     }
 
-    /// Clears blocks.
+    /// A block, to be marked. The head of the next one is in use then, too.
     #[inline(always)]
-    fn clear(&mut self, blocks: Range<usize>) {
-        self.blocks[blocks.clone()].fill(PixelMarks::default());
-        self.carried[blocks].fill(Windings::default());
+    fn block(&mut self, row: usize, column: usize) -> Option<&mut PixelMarks> {
+        let at = row * self.across + column;
+        let (head, marks) = (self.heads.get_mut(at)?, self.blocks.get_mut(at)?);
+        if !head.is_marked() {
+            head.mark();
+            *marks = PixelMarks::NONE;
+            let (from, to) = self.rows.get_mut(row)?;
+            *from = (*from).min(column as u32);
+            *to = (*to).max((column + 2).min(self.across) as u32);
+        }
+        Some(marks)
     }
 
-    /// Takes blocks of a row into use, from one up to before another.
+    /// Lets outlines pass rows of blocks left of a block, of which the last one is marked.
     #[inline(always)]
-    fn take(&mut self, row: usize, from: usize, to: usize) {
-        for fresh in self.spans.take(row, from, to) {
-            if !fresh.is_empty() {
-                self.clear(fresh);
-            }
+    fn carry(&mut self, row: usize, column: usize, passed: Head) {
+        if column < self.across
+            && let Some(head) = self.heads.get_mut(row * self.across + column)
+        {
+            head.add(passed);
+        }
+    }
+
+    /// Lets outlines pass rows of blocks left of the area.
+    #[inline(always)]
+    fn pass_beside(&mut self, row: usize, passed: Head) {
+        if let Some((from, to)) = self.rows.get_mut(row) {
+            (*from, *to) = (0, (*to).max(1));
+            self.carry(row, 0, passed);
         }
     }
 
@@ -93,76 +116,47 @@ impl Raster {
         &self.area
     }
 
-    /// Finds the winding numbers, when all edges are drawn.
+    /// The columns of blocks in a row with anything in their heads.
     #[inline(always)]
-    pub(crate) fn finish(&mut self) {
-        for row in 0..self.area.ny as usize {
-            let mut before = Windings::default();
-            let columns = self.spans.columns(row);
-            let end = columns.end;
-            self.wind_columns(row, columns, &mut before);
-            // An outline that goes around the rest of the row: no edge is there.
-            if !before.is_zero() && end < self.across {
-                self.take(row, end, self.across);
-                self.wind_columns(row, end..self.across, &mut before);
-            }
-        }
+    pub(crate) fn columns(&self, row: usize) -> Range<usize> {
+        let (from, to) = self.rows[row];
+        from as usize..to as usize
     }
 
-    /// Adds the numbers carried into blocks of a row, and those of blocks left of them.
+    /// What is known of a block, by its place in the area, row by row.
     #[inline(always)]
-    fn wind_columns(&mut self, row: usize, columns: Range<usize>, before: &mut Windings) {
-        let blocks = row * self.across + columns.start.min(columns.end)..row * self.across + columns.end;
-        for (block, carried) in self.blocks[blocks.clone()].iter_mut().zip(&self.carried[blocks]) {
-            before.add(*carried);
-            if !before.is_zero() {
-                block.wind_all(*before, 0);
-            }
-        }
+    pub(crate) fn head(&self, block: usize) -> Head {
+        self.heads[block]
     }
 
-    /// The marks of a block, by its place in the area, row by row.
+    /// The marks of a block, likewise, without the numbers of edges left of it.
     #[inline(always)]
     pub(crate) fn marks(&self, block: usize) -> &PixelMarks {
-        if self.spans.has(block) { &self.blocks[block] } else { &PixelMarks::NONE }
+        if self.heads[block].is_marked() { &self.blocks[block] } else { &PixelMarks::NONE }
     }
 
-    /// The blocks in use, row by row, as columns: all others have no marks.
-    #[inline(always)]
-    pub(crate) fn spans(&self) -> &Spans {
-        &self.spans
-    }
-
-    /// The marks of a block in use.
-    #[inline(always)]
-    pub(crate) fn marks_in_use(&self, row: usize, column: usize) -> &PixelMarks {
-        &self.blocks[row * self.across + column]
+    /// The marks of a block with the numbers of edges left of it.
+    #[cfg(test)]
+    pub(crate) fn whole(&self, block: usize) -> PixelMarks {
+        let mut before = Head::default();
+        (block / self.across * self.across..=block).for_each(|at| before.add(self.heads[at]));
+        self.marks(block).passed(before)
     }
 
     /// Adds the winding numbers of edges left of the area, which has 32 rows at most: a bit for
     /// each row.
     #[inline(always)]
     pub(crate) fn pass_left(&mut self, passed: &Windings) {
-        if passed.is_zero() {
-            return;
-        }
-        for row in 0..(self.area.ny as usize).min(4) {
-            self.take(row, 0, 1);
-            let rows = |word: u32| word >> (row * LANES) & 0xff;
-            let carried = &mut self.carried[row * self.across];
-            carried.add(Windings { ones: rows(passed.ones), twos: rows(passed.twos) });
+        if !passed.is_zero() {
+            (0..self.rows.len().min(4)).for_each(|row| self.pass_beside(row, passed.rows(row * LANES)));
         }
     }
 
     /// Marks pixels of a row; both ends are included and inside the area.
     fn mark(&mut self, row: i32, first: i32, last: i32, layer: usize) {
-        let (from, to) = (first / COLUMNS as i32, last / COLUMNS as i32);
-        self.take(row as usize / LANES, from as usize, to as usize + 1);
-        let start = row as usize / LANES * self.across;
-        for block in from..=to {
-            let pixels = run(first, last + 1, block);
-            if let Some(marks) = self.blocks.get_mut(start + block as usize) {
-                marks.mark_row(layer, row as usize % LANES, pixels);
+        for block in first / COLUMNS as i32..=last / COLUMNS as i32 {
+            if let Some(marks) = self.block(row as usize / LANES, block as usize) {
+                marks.mark_row(layer, row as usize % LANES, run(first, last + 1, block));
             }
         }
     }
@@ -181,16 +175,12 @@ impl Raster {
     /// Lets an outline pass the middle of a row left of the middle of a column of the area: the
     /// winding numbers from there on grow by one, or fall.
     fn pass(&mut self, row: i32, column: i32, falls: bool) {
-        let from = (column / COLUMNS as i32) as usize;
-        self.take(row as usize / LANES, from, from + 2);
-        let block = row as usize / LANES * self.across + from;
-        let row = row as usize % LANES;
-        if let Some(marks) = self.blocks.get_mut(block) {
+        let (above, from) = (row as usize / LANES, (column / COLUMNS as i32) as usize);
+        let (row, falls) = (row as usize % LANES, if falls { u32::MAX } else { 0 });
+        if let Some(marks) = self.block(above, from) {
             marks.wind_row(row, from_column(column % COLUMNS as i32), falls);
         }
-        if !(block + 1).is_multiple_of(self.across) {
-            self.carried[block + 1].step(1 << row, falls);
-        }
+        self.carry(above, from + 1, Head::step(1 << row, falls));
     }
 }
 

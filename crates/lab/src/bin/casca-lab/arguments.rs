@@ -36,20 +36,13 @@ pub struct Cached {
     /// [default: all are prepared]
     #[arg(long)]
     pub cache: Option<PathBuf>,
-    /// Megabytes of that folder, at most: meshes that were not used for longest go
-    #[arg(long, requires = "cache")]
-    pub cache_limit: Option<u32>,
 }
 
 impl Cached {
     /// The cache, if one is asked for.
     pub fn open(&self) -> Result<Option<MeshCache>, PathError> {
         let Some(folder) = &self.cache else { return Ok(None) };
-        let cache = MeshCache::new(folder).map_err(PathError::write(folder))?;
-        Ok(Some(match self.cache_limit {
-            Some(limit) => cache.limit(u64::from(limit) * 1_000_000),
-            None => cache,
-        }))
+        Ok(Some(MeshCache::new(folder).map_err(PathError::write(folder))?))
     }
 }
 

@@ -17,7 +17,7 @@ mod walks;
 
 use arena::Arena;
 use case::Case;
-use run::{CAUSES, Finding, Outcome};
+use run::{Finding, Outcome};
 
 use super::{Lab, LabError, Section, Table};
 
@@ -56,7 +56,7 @@ fn findings(lab: &Lab, cases: Cases) -> Result<Vec<Finding>, LabError> {
     cases(lab)?.iter().map(|case| run::run(lab, case)).collect()
 }
 
-/// The suite: the objects that every method loses in each case, and why.
+/// The suite: the objects that every method loses in each case.
 ///
 /// Takes some minutes, a quick run some seconds.
 ///
@@ -64,7 +64,7 @@ fn findings(lab: &Lab, cases: Cases) -> Result<Vec<Finding>, LabError> {
 /// If the library refuses a world.
 pub fn stability(lab: &Lab) -> Result<Section, LabError> {
     let mut section = Section::new("Stability");
-    let columns = ["group", "case", "method", "visible", "found", "objects lost", "why objects were lost"];
+    let columns = ["group", "case", "method", "visible", "found", "objects lost"];
     let mut table = Table::new("stability", &columns);
     let mut all = Vec::new();
     for (name, _, cases) in GROUPS {
@@ -91,13 +91,6 @@ pub fn stability(lab: &Lab) -> Result<Section, LabError> {
     Ok(section)
 }
 
-/// Why objects were lost, in a few words.
-fn causes(outcome: &Outcome) -> String {
-    let counts = outcome.causes.iter().zip(CAUSES).filter(|c| *c.0 > 0);
-    let words: Vec<String> = counts.map(|(n, why)| format!("{n} {why}")).collect();
-    words.join("; ")
-}
-
 /// Adds a row for each case of a group and method but the frustum.
 fn add_rows(table: &mut Table, group: &str, findings: &[Finding]) {
     for finding in findings {
@@ -109,7 +102,6 @@ fn add_rows(table: &mut Table, group: &str, findings: &[Finding]) {
                 finding.visible.to_string(),
                 outcome.found.to_string(),
                 outcome.lost.to_string(),
-                causes(outcome),
             ]);
         }
     }

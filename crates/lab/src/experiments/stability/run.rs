@@ -1,13 +1,12 @@
 //! Runs a case with every method and judges what they find.
 
 use casca::{Method, ObjectDesc};
-use glam::DVec3;
 
 use super::case::{ASPECT, Case};
 use crate::experiments::{Contender, FrameInput, Lab, LabError};
 use casca_scenes::drive::Driver;
 use casca_scenes::world::{Camera, Motion, Object, Shape};
-use casca_truth::oracle::{FrameVerdict, Frustum, ItemBuffer, Oracle, OracleOptions};
+use casca_truth::oracle::{FrameVerdict, Frustum, Oracle, OracleOptions};
 
 /// Rows of the baselines' buffers for a number of columns.
 pub(super) fn rows(columns: usize) -> usize {
@@ -27,19 +26,9 @@ pub(super) fn aimed_rays(lab: &Lab) -> usize {
     lab.pick(32, 12)
 }
 
-/// Why visible objects were lost, in order of [`Outcome::causes`].
-pub(super) const CAUSES: [&str; 4] = [
-    "missing from the list of objects in the frustum",
-    "hidden by objects before the near plane",
-    "seen only between the samples",
-    "hidden by rounded positions, directions or depths, although samples show them",
-];
-
 /// What a method made of a case.
 pub(super) struct Outcome {
     pub(super) method: &'static str,
-    /// Whether it promises to lose nothing.
-    pub(super) safe: bool,
     /// Objects found, summed over the frames.
     pub(super) found: usize,
     /// Visible objects that it lacks, summed over the frames.
@@ -48,8 +37,6 @@ pub(super) struct Outcome {
     pub(super) lost_known: usize,
     /// The first of them: frame and object.
     pub(super) first_lost: Option<(usize, usize)>,
-    /// `lost` by its cause.
-    pub(super) causes: [usize; 4],
 }
 
 /// A case, and what all methods made of it.
@@ -74,51 +61,15 @@ impl Finding {
     }
 }
 
-/// A method at a setting.
-struct Entrant {
-    contender: Contender,
-    /// Columns of its samples; 0 for the library's methods.
-    columns: usize,
-}
-
 /// The methods at their usual settings; the frustum first, `point` next.
-fn entrants() -> Result<Vec<Entrant>, LabError> {
-    let casca = |method| Contender::casca("", method).map(|contender| Entrant { contender, columns: 0 });
+fn contenders() -> Result<Vec<Contender>, LabError> {
+    let casca = |method| Contender::casca("", method);
     Ok(vec![
         casca(Method::Frustum)?,
         casca(Method::point())?,
         casca(Method::cell())?,
-        Entrant { contender: Contender::hzb(HZB, rows(HZB)), columns: HZB },
+        Contender::hzb(HZB, rows(HZB)),
     ])
-}
-
-/// Says why a baseline lost an object in a frame.
-struct Judge<'a> {
-    oracle: &'a Oracle,
-    in_frustum: &'a [usize],
-    objects: &'a [Object],
-    camera: &'a Camera,
-}
-
-impl Judge<'_> {
-    /// What this many columns of samples show.
-    fn samples(&self, columns: usize) -> ItemBuffer {
-        let mut samples = ItemBuffer::new(columns, rows(columns));
-        samples.render(self.objects, self.camera);
-        samples
-    }
-
-    fn cause(&self, lost: &Sure, samples: &ItemBuffer) -> usize {
-        if self.in_frustum.binary_search(&lost.object).is_err() {
-            0
-        } else if samples.visible()[lost.object] == 0 {
-            2
-        } else if self.oracle.rays().occluded(self.camera.eye.as_dvec3(), lost.origin, usize::MAX) {
-            1
-        } else {
-            3
-        }
-    }
 }
 
 /// Whether a shape may meet the frustum; meshes are taken to.
@@ -160,15 +111,13 @@ fn advance(
 }
 
 /// What nothing is known of yet.
-fn unknown(case: &Case, entrants: &[Entrant]) -> Finding {
-    let outcome = |Entrant { contender, .. }: &Entrant| Outcome {
+fn unknown(case: &Case, contenders: &[Contender]) -> Finding {
+    let outcome = |contender: &Contender| Outcome {
         method: contender.method,
-        safe: contender.is_safe(),
         found: 0,
         lost: 0,
         lost_known: 0,
         first_lost: None,
-        causes: [0; 4],
     };
     Finding {
         case: case.name.clone(),
@@ -176,7 +125,7 @@ fn unknown(case: &Case, entrants: &[Entrant]) -> Finding {
         sure: 0,
         known: 0,
         refuted: 0,
-        outcomes: entrants.iter().map(outcome).collect(),
+        outcomes: contenders.iter().map(outcome).collect(),
     }
 }
 
@@ -191,17 +140,15 @@ struct Now<'a> {
 /// An object that is seen beyond doubt.
 struct Sure {
     object: usize,
-    /// Where the ray starts that sees it.
-    origin: DVec3,
     /// Whether the case says so.
     known: bool,
 }
 
-/// Runs all contenders on a frame, and gives the objects that may be in the frustum.
-fn ask(now: &Now, entrants: &mut [Entrant], finding: &mut Finding) -> Result<Vec<usize>, LabError> {
+/// Runs all contenders on a frame.
+fn ask(now: &Now, contenders: &mut [Contender], finding: &mut Finding) -> Result<(), LabError> {
     let Now { driver, objects, camera, .. } = *now;
     let mut in_frustum = Vec::new();
-    for (k, Entrant { contender, .. }) in entrants.iter_mut().enumerate() {
+    for (k, contender) in contenders.iter_mut().enumerate() {
         let frame = FrameInput { driver, objects, in_frustum: &in_frustum, camera };
         contender.run(&frame)?;
         if let (0, Some(query)) = (k, contender.query()) {
@@ -212,7 +159,7 @@ fn ask(now: &Now, entrants: &mut [Entrant], finding: &mut Finding) -> Result<Vec
         }
         finding.outcomes[k].found += contender.found().len();
     }
-    Ok(in_frustum)
+    Ok(())
 }
 
 /// The objects that the oracle sees and those that the case knows of; the exact set goes into the
@@ -224,11 +171,8 @@ fn surely_seen(
     verdict: FrameVerdict,
     finding: &mut Finding,
 ) -> Vec<Sure> {
-    let mut sure: Vec<Sure> = verdict
-        .false_negatives
-        .iter()
-        .map(|f| Sure { object: f.object, origin: f.origin, known: false })
-        .collect();
+    let mut sure: Vec<Sure> =
+        verdict.false_negatives.iter().map(|f| Sure { object: f.object, known: false }).collect();
     let mut exact = verdict.exact;
     for known in &case.known {
         if !now.frustum.surely_contains(known.point) {
@@ -242,7 +186,7 @@ fn surely_seen(
         }
         match sure.iter_mut().find(|s| s.object == known.object) {
             Some(s) => s.known = true,
-            None => sure.push(Sure { object: known.object, origin, known: true }),
+            None => sure.push(Sure { object: known.object, known: true }),
         }
         exact.push(known.object);
     }
@@ -254,17 +198,11 @@ fn surely_seen(
 }
 
 /// Counts what a method lost in a frame.
-fn count_losses(number: usize, entrant: &Entrant, sure: &[Sure], judge: &Judge, outcome: &mut Outcome) {
-    let mut samples: Option<ItemBuffer> = None;
-    for lost in sure.iter().filter(|s| !entrant.contender.sees(s.object)) {
+fn count_losses(number: usize, contender: &Contender, sure: &[Sure], outcome: &mut Outcome) {
+    for lost in sure.iter().filter(|s| !contender.sees(s.object)) {
         outcome.lost += 1;
         outcome.lost_known += usize::from(lost.known);
         outcome.first_lost.get_or_insert((number, lost.object));
-        if outcome.safe {
-            continue;
-        }
-        let samples = samples.get_or_insert_with(|| judge.samples(entrant.columns));
-        outcome.causes[judge.cause(lost, samples)] += 1;
     }
 }
 
@@ -280,7 +218,7 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         _ => desc,
     };
     let mut driver = Driver::with(&objects, &case.grid, adapt, |_| ())?;
-    let mut entrants = entrants()?;
+    let mut contenders = contenders()?;
     let options = OracleOptions {
         width: item_width(lab),
         height: rows(item_width(lab)),
@@ -289,22 +227,21 @@ pub(super) fn run(lab: &Lab, case: &Case) -> Result<Finding, LabError> {
         ..OracleOptions::default()
     };
     let mut oracle = Oracle::new(&objects, options);
-    let mut finding = unknown(case, &entrants);
+    let mut finding = unknown(case, &contenders);
     let mut seen = Vec::new();
     for (number, shot) in case.shots.iter().enumerate() {
         let camera = &shot.camera;
         let moved = advance(case, number, &mut objects, &mut driver, &seen)?;
         let now = Now { driver: &driver, objects: &objects, camera, frustum: Frustum::new(camera) };
-        let in_frustum = ask(&now, &mut entrants, &mut finding)?;
+        ask(&now, &mut contenders, &mut finding)?;
         // Nothing is taken for granted: the oracle looks for every object in view.
         let verdict = oracle.frame(&objects, &moved, camera, &|_| false);
         let sure = surely_seen(case, &now, &oracle, verdict, &mut finding);
-        let judge = Judge { oracle: &oracle, in_frustum: &in_frustum, objects: &objects, camera };
-        for (entrant, outcome) in entrants.iter().zip(&mut finding.outcomes) {
-            count_losses(number, entrant, &sure, &judge, outcome);
+        for (contender, outcome) in contenders.iter().zip(&mut finding.outcomes) {
+            count_losses(number, contender, &sure, outcome);
         }
         // Only `point` says what is hidden, so that as much as possible is.
-        if let Some(query) = entrants.get(1).and_then(|e| e.contender.query()) {
+        if let Some(query) = contenders.get(1).and_then(Contender::query) {
             seen = (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect();
             driver.scene.end_frame([query.pvs()])?;
         }

@@ -24,7 +24,7 @@ fn nothing_is_lost(lab: &Lab, name: &str) -> Vec<Finding> {
 fn nothing_is_lost_of_any(lab: &Lab, name: &str) -> Vec<Finding> {
     let found = of(lab, name);
     for finding in &found {
-        for outcome in finding.outcomes.iter().filter(|o| o.safe) {
+        for outcome in finding.outcomes.iter().filter(|o| o.method != "hzb") {
             let first = outcome.first_lost;
             assert_eq!(outcome.lost, 0, "{} of {}: (frame, object) {first:?}", outcome.method, finding.case);
         }
@@ -40,11 +40,10 @@ fn gaps_lose_nothing_but_samples_do() {
         for (i, finding) in found.iter().enumerate() {
             assert_eq!(finding.refuted, 0, "{}", finding.case);
             assert!(finding.known > 0, "{}", finding.case);
-            // Most is lost through the narrowest slits, and it lies between the samples.
+            // Most is lost through the narrowest slits.
             if widths[i % widths.len()] < 0.05 {
                 let outcome = finding.of("hzb").unwrap();
                 assert!(outcome.lost_known * 4 > finding.known, "{}", finding.case);
-                assert!(outcome.causes[2] * 2 > outcome.lost, "{}", finding.case);
             }
         }
     });

@@ -16,14 +16,14 @@ const GATE: f32 = 1.5;
 
 /// What an arena is like.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::experiments) struct Arena {
+pub(super) struct Arena {
     /// Moving spheres.
-    pub(in crate::experiments) count: usize,
+    pub(super) count: usize,
     /// Whether the wall hides most of them.
-    pub(in crate::experiments) hidden: bool,
+    pub(super) hidden: bool,
     /// Whether they move at up to 20 m/s instead of 0.5.
-    pub(in crate::experiments) fast: bool,
-    pub(in crate::experiments) seed: u64,
+    pub(super) fast: bool,
+    pub(super) seed: u64,
 }
 
 /// A sphere that swings around a place.
@@ -73,11 +73,11 @@ impl Animation for Dance {
 
 impl Arena {
     /// The number of objects before the first ball.
-    pub(in crate::experiments) fn first(&self) -> usize {
+    pub(super) fn first(&self) -> usize {
         if self.hidden { 4 } else { 0 }
     }
 
-    pub(in crate::experiments) fn build(&self) -> World {
+    pub(super) fn build(&self) -> World {
         let mut dice = generator(self.seed, 0x00a2_e4a0_0000);
         let mut range = |lo: f32, hi: f32| lo + (hi - lo) * dice.random::<f32>();
         let (reach, speed) = if self.fast { (5.0, 20.0) } else { (1.0, 0.5) };

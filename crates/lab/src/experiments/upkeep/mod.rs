@@ -4,17 +4,16 @@
 mod arena;
 mod structures;
 
-pub(super) use arena::Arena;
-
 use casca::{Aabb, GridSpec, MOST_NEW_VOLUMES, Method};
 
 use super::stage::{Stage, Telling, frame_of, ms};
 use super::{ASPECT, Lab, LabError, Section, Table, grouped, median};
+use arena::Arena;
 use casca_scenes::drive::view_of;
 use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape};
 use casca_truth::oracle::ItemBuffer;
-use structures::{Box3, Bvh, Frustum, Linear, Structure};
+use structures::{Box3, Frustum, Structure};
 
 /// Frames between two steps of settling.
 const STRIDE: usize = 30;
@@ -77,20 +76,14 @@ fn boxes(objects: &[Object]) -> Vec<Box3> {
     objects.iter().map(of).collect()
 }
 
-/// The moving objects that are exactly visible in a frame, where it is judged.
-struct Seen<'a> {
-    /// The index of the first moving object in the world.
-    first: usize,
-    seen: Option<&'a [usize]>,
-}
-
-/// Updates and asks all structures but the library's ways.
+/// Updates and asks all structures but the library's ways. `seen` are the moving objects that are
+/// exactly visible in a frame, where it is judged; `first` is the first moving object of the world.
 fn measure_others(
-    structures: &mut [Box<dyn Structure>],
+    structures: &mut [Structure],
     records: &mut [Record],
     now: &[Box3],
     camera: &Camera,
-    truth: &Seen,
+    (first, seen): (usize, Option<&[usize]>),
 ) -> Result<(), LabError> {
     let frustum = Frustum::of(camera);
     let mut expected: Option<Vec<u32>> = None;
@@ -101,10 +94,10 @@ fn measure_others(
         let ((), time) = timed(|| structure.query(&frustum, &mut found));
         record.query.push(ms(time));
         found.sort_unstable();
-        if let Some(seen) = truth.seen {
+        if let Some(seen) = seen {
             record.judged += 1;
             record.returned += found.len();
-            let lost = |&&i: &&usize| found.binary_search(&((i - truth.first) as u32)).is_err();
+            let lost = |&&i: &&usize| found.binary_search(&((i - first) as u32)).is_err();
             record.lost += seen.iter().filter(lost).count();
         }
         match &expected {
@@ -129,7 +122,7 @@ fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<
         stages.push(Stage::new(&world, &grid, method, telling)?);
     }
     let mut buffer = ItemBuffer::new(sampling.width, (sampling.width as f32 / ASPECT) as usize);
-    let mut structures: Vec<Box<dyn Structure>> = Vec::new();
+    let mut structures: Vec<Structure> = Vec::new();
     let mut records: Vec<Record> = Vec::new();
     let (mut visible, mut judged) = (0, 0);
     let begin = sampling.settle + sampling.steady;
@@ -143,7 +136,7 @@ fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<
         // The others need no time to settle; they start a frame before the first that counts.
         if step + 1 == begin || structures.is_empty() && measured {
             let now = boxes(&world.objects[first..]);
-            structures = vec![Box::new(Linear::new(&now)), Box::new(Bvh::new(&now))];
+            structures = vec![Structure::linear(&now), Structure::tree(&now)];
             records.resize_with(structures.len() + stages.len(), Record::default);
         }
         let judge = measured && judged < sampling.judged;
@@ -158,7 +151,7 @@ fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<
         if measured {
             let now = boxes(&world.objects[first..]);
             let seen = judge.then_some(&seen[..]);
-            measure_others(&mut structures, &mut records, &now, &camera, &Seen { first, seen })?;
+            measure_others(&mut structures, &mut records, &now, &camera, (first, seen))?;
         }
         let others = structures.len();
         for (i, stage) in stages.iter_mut().enumerate() {

@@ -39,68 +39,41 @@ impl Frustum {
 pub(super) type Box3 = (Vec3, Vec3);
 
 /// A structure of moving boxes, numbered from 0.
-pub(super) trait Structure {
-    /// What it is called.
-    fn name(&self) -> &'static str;
-    /// Takes the boxes as they are now: as many as before, all moved.
-    fn update(&mut self, boxes: &[Box3]);
-    /// Adds the numbers of the boxes that may meet the frustum, in any order.
-    fn query(&self, frustum: &Frustum, out: &mut Vec<u32>);
-}
-
-/// An array of boxes, all tested.
-pub(super) struct Linear(Vec<Box3>);
-
-impl Linear {
-    pub(super) fn new(boxes: &[Box3]) -> Self {
-        Self(boxes.to_vec())
-    }
-}
-
-impl Structure for Linear {
-    fn name(&self) -> &'static str {
-        "linear array"
-    }
-
-    fn update(&mut self, boxes: &[Box3]) {
-        self.0.clear();
-        self.0.extend_from_slice(boxes);
-    }
-
-    fn query(&self, frustum: &Frustum, out: &mut Vec<u32>) {
-        let met = self.0.iter().enumerate().filter(|(_, b)| frustum.meets(b.0, b.1));
-        out.extend(met.map(|(i, _)| i as u32));
-    }
-}
-
-/// A bounding volume hierarchy of two children a node, built once, whose boxes are fitted anew in
-/// each update.
-pub(super) struct Bvh {
-    bvh: Bvh2,
+pub(super) struct Structure {
     boxes: Vec<Box3>,
+    /// A bounding volume hierarchy of two children a node, built once, whose boxes are fitted anew
+    /// in each update. Without one, all boxes are tested.
+    tree: Option<Bvh2>,
 }
 
-impl Bvh {
-    pub(super) fn new(boxes: &[Box3]) -> Self {
+impl Structure {
+    /// An array of boxes.
+    pub(super) fn linear(boxes: &[Box3]) -> Self {
+        Self { boxes: boxes.to_vec(), tree: None }
+    }
+
+    /// The same with a hierarchy.
+    pub(super) fn tree(boxes: &[Box3]) -> Self {
         let aabbs: Vec<Aabb> =
             boxes.iter().map(|&(min, max)| Aabb { min: min.into(), max: max.into() }).collect();
-        let bvh = match aabbs.is_empty() {
+        let tree = match aabbs.is_empty() {
             true => Bvh2::default(),
             false => build_bvh2(&aabbs, BvhBuildParams::medium_build(), &mut Duration::default()),
         };
-        Self { bvh, boxes: boxes.to_vec() }
-    }
-}
-
-impl Structure for Bvh {
-    fn name(&self) -> &'static str {
-        "BVH, refit"
+        Self { tree: Some(tree), ..Self::linear(boxes) }
     }
 
-    fn update(&mut self, boxes: &[Box3]) {
+    /// What it is called.
+    pub(super) fn name(&self) -> &'static str {
+        if self.tree.is_some() { "BVH, refit" } else { "linear array" }
+    }
+
+    /// Takes the boxes as they are now: as many as before, all moved.
+    pub(super) fn update(&mut self, boxes: &[Box3]) {
         self.boxes.clear();
         self.boxes.extend_from_slice(boxes);
-        let Bvh2 { nodes, primitive_indices, .. } = &mut self.bvh;
+        let Some(tree) = &mut self.tree else { return };
+        let Bvh2 { nodes, primitive_indices, .. } = tree;
         for node in nodes.iter_mut().filter(|n| n.is_leaf()) {
             let from = node.first_index as usize;
             let held = primitive_indices.get(from..from + node.prim_count as usize).unwrap_or_default();
@@ -110,12 +83,17 @@ impl Structure for Bvh {
             }
             node.set_aabb(Aabb { min: min.into(), max: max.into() });
         }
-        self.bvh.refit_all();
+        tree.refit_all();
     }
 
-    fn query(&self, frustum: &Frustum, out: &mut Vec<u32>) {
+    /// Adds the numbers of the boxes that may meet the frustum, in any order.
+    pub(super) fn query(&self, frustum: &Frustum, out: &mut Vec<u32>) {
+        let Some(tree) = &self.tree else {
+            let met = self.boxes.iter().enumerate().filter(|(_, b)| frustum.meets(b.0, b.1));
+            return out.extend(met.map(|(i, _)| i as u32));
+        };
         let mut stack = vec![0u32];
-        while let Some(node) = stack.pop().and_then(|i| self.bvh.nodes.get(i as usize)) {
+        while let Some(node) = stack.pop().and_then(|i| tree.nodes.get(i as usize)) {
             let b = node.aabb();
             if !frustum.meets(b.min.into(), b.max.into()) {
                 continue;
@@ -125,8 +103,7 @@ impl Structure for Bvh {
                 continue;
             }
             let from = node.first_index as usize;
-            let held =
-                self.bvh.primitive_indices.get(from..from + node.prim_count as usize).unwrap_or_default();
+            let held = tree.primitive_indices.get(from..from + node.prim_count as usize).unwrap_or_default();
             let meets = |i: &u32| self.boxes.get(*i as usize).is_some_and(|b| frustum.meets(b.0, b.1));
             // A leaf of one box is that box.
             out.extend(held.iter().copied().filter(|i| held.len() == 1 || meets(i)));

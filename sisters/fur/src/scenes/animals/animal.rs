@@ -43,14 +43,14 @@ impl Animal {
         let vertices = positions.iter().map(|&p| Vertex { position: p, normal: body.normal(p) }).collect();
         let raw = Mesh::new(vertices, coats, triangles)?;
         // Marching tetrahedra leave slivers; half of the triangles show no more.
-        let finest = closed(&raw, raw.triangles().len() / 2)?;
+        let finest = raw.coarser(raw.triangles().len() / 2);
         let middle = finest.aabb().center();
         let centered = |v: &Vertex| Vertex { position: v.position - middle, ..*v };
         let vertices = finest.vertices().iter().map(centered).collect();
         let finest = Mesh::new(vertices, finest.coats().to_vec(), finest.triangles().to_vec())?;
         let mut levels = vec![finest];
         for level in 1..LEVELS {
-            levels.push(closed(&levels[0], levels[0].triangles().len() / COARSER.pow(level as u32))?);
+            levels.push(levels[0].coarser(levels[0].triangles().len() / COARSER.pow(level as u32)));
         }
         let rig = Rig::new(&body, middle, &levels)?;
         Ok(Self { aabb: levels[0].aabb(), levels, rig })
@@ -77,21 +77,6 @@ impl Animal {
         let aabb = self.aabb();
         (aabb.max - aabb.min).length() * 0.5
     }
-}
-
-/// A simplified mesh that is closed. Edge collapses may pinch a mesh; another target takes another
-/// way, and the mesh itself is the last.
-fn closed(mesh: &Mesh, triangles: usize) -> Result<Mesh, Error> {
-    let most = mesh.triangles().len();
-    let mut target = triangles.max(32);
-    while target < most {
-        let simple = mesh.simplified(target)?;
-        if simple.open_edges() == 0 {
-            return Ok(simple);
-        }
-        target += 2 + target / 32;
-    }
-    Ok(mesh.clone())
 }
 
 #[cfg(test)]

@@ -30,15 +30,15 @@ const BEND: f32 = 0.7;
 const NOD: f32 = 0.08;
 const WAG: f32 = 0.25;
 
-/// The skeleton, weights and walk of an animal, generated or of a file.
+/// The skeleton, weights and walk of an animal.
 #[derive(Debug, Clone)]
 pub struct Rig {
     /// The joints.
     pub skeleton: Skeleton,
     /// For each level of detail the weights of its vertices.
     pub weights: Vec<Weights>,
-    /// One round of steps. That of generated animals takes a second, and is a trot: legs across
-    /// from each other go together.
+    /// One round of steps, which takes a second: a trot, in which legs across from each other go
+    /// together.
     pub walk: Clip,
     /// The bounds of poses, for all levels.
     pub bounds: SkinBounds,

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use crate::mesh::{Image, Wrap};
-use glam::UVec2;
+use crate::mesh::linear_of;
+use glam::{UVec2, Vec2, Vec3};
 use gltf::texture::WrappingMode;
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
@@ -19,38 +19,72 @@ const MOST_TEXELS: u64 = 1 << 26;
 const MOST_SIDE: u32 = 16_384;
 /// Bytes of an image in a file of its own.
 const MOST_BYTES: usize = 1 << 28;
-/// Images that a mesh may have.
-const MOST_IMAGES: usize = 64;
 
-/// What the reader says of fur that is refused.
-pub(in crate::scenes) fn refused(error: crate::Error) -> Trouble {
-    Trouble::Skin(Box::new(error))
+/// An image, and how it goes on along u and v.
+pub(super) struct Picture {
+    size: UVec2,
+    /// Red, green and blue in sRGB and opacity, which fur ignores, row by row from the top.
+    texels: Vec<u8>,
+    wrap: [WrappingMode; 2],
+}
+
+impl Picture {
+    /// The linear colour at finite texture coordinates: the mean of four texels by their nearness,
+    /// mixed in linear light. (0, 0) is the corner of the image that is stored first.
+    pub(super) fn color(&self, uv: Vec2) -> Vec3 {
+        let at = uv.as_dvec2() * self.size.as_dvec2() - 0.5;
+        let first = at.floor();
+        let part = (at - first).as_vec2();
+        let texel = |x: f64, y: f64| {
+            let column = texel_of(self.wrap[0], first.x + x, self.size.x);
+            let row = texel_of(self.wrap[1], first.y + y, self.size.y);
+            let at = 4 * (row * self.size.x as usize + column);
+            Vec3::from_array([0, 1, 2].map(|i| linear_of(self.texels[at + i])))
+        };
+        let row = |y: f64| texel(0.0, y).lerp(texel(1.0, y), part.x);
+        row(0.0).lerp(row(1.0), part.y)
+    }
+}
+
+/// The texel of a row of `side` texels, for any number.
+fn texel_of(wrap: WrappingMode, number: f64, side: u32) -> usize {
+    let side = f64::from(side);
+    let within = match wrap {
+        WrappingMode::Repeat => number.rem_euclid(side),
+        WrappingMode::ClampToEdge => number,
+        WrappingMode::MirroredRepeat => {
+            let place = number.rem_euclid(2.0 * side);
+            if place < side { place } else { 2.0 * side - 1.0 - place }
+        }
+    };
+    within.clamp(0.0, side - 1.0) as usize
 }
 
 /// Reads the images of textures; those that several materials share are read once.
 pub(super) struct Images<'a> {
     buffers: &'a Buffers,
     folder: Option<&'a Path>,
-    known: HashMap<usize, u16>,
-    pub(super) read: Vec<Image>,
+    known: HashMap<usize, Picture>,
     texels: u64,
 }
 
 impl<'a> Images<'a> {
     pub(super) fn new(buffers: &'a Buffers, folder: Option<&'a Path>) -> Self {
-        Self { buffers, folder, known: HashMap::new(), read: Vec::new(), texels: MOST_TEXELS }
+        Self { buffers, folder, known: HashMap::new(), texels: MOST_TEXELS }
     }
 
-    /// The number of the image of a texture.
-    pub(super) fn number(&mut self, texture: &gltf::Texture) -> Result<u16, Trouble> {
-        if let Some(&known) = self.known.get(&texture.index()) {
-            return Ok(known);
+    /// The image of a texture.
+    pub(super) fn of(&mut self, texture: &gltf::Texture) -> Result<&Picture, Trouble> {
+        if !self.known.contains_key(&texture.index()) {
+            let picture = self.read(texture)?;
+            self.known.insert(texture.index(), picture);
         }
+        Ok(&self.known[&texture.index()])
+    }
+
+    fn read(&mut self, texture: &gltf::Texture) -> Result<Picture, Trouble> {
         let source = texture.source();
         let fail = |why: String| Trouble::Image { image: source.index(), why };
-        if self.read.len() >= MOST_IMAGES {
-            return Err(fail(format!("one of more than {MOST_IMAGES}")));
-        }
         let bytes = match source.source() {
             gltf::image::Source::View { view, .. } => self.buffers.view(&view)?.to_vec(),
             gltf::image::Source::Uri { uri: "", .. } => {
@@ -63,20 +97,9 @@ impl<'a> Images<'a> {
                 _ => beside(self.folder, uri, MOST_BYTES, &mut Known::new()).map_err(fail)?.to_vec(),
             },
         };
-        let wrap = |mode: WrappingMode| match mode {
-            WrappingMode::Repeat => Wrap::Repeat,
-            WrappingMode::ClampToEdge => Wrap::Clamp,
-            WrappingMode::MirroredRepeat => Wrap::Mirror,
-        };
-        let sampler = texture.sampler();
         let (size, texels) = pixels(&bytes, self.texels).map_err(fail)?;
         self.texels -= u64::from(size.x) * u64::from(size.y);
-        let image =
-            Image::new(size, texels, [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())]).map_err(refused)?;
-        let number = self.read.len() as u16;
-        self.read.push(image);
-        self.known.insert(texture.index(), number);
-        Ok(number)
+        Ok(Picture { size, texels, wrap: [texture.sampler().wrap_s(), texture.sampler().wrap_t()] })
     }
 }
 
@@ -100,4 +123,33 @@ fn pixels(bytes: &[u8], most: u64) -> Result<(UVec2, Vec<u8>), String> {
     }
     let picture = DynamicImage::from_decoder(decoder).map_err(why)?.into_rgba8();
     Ok((UVec2::new(width, height), picture.into_raw()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(wrap: WrappingMode) -> Picture {
+        // Black, white; middle grey, red.
+        let texels = [[0, 0, 0, 255], [255; 4], [128, 128, 128, 255], [255, 0, 0, 0]].concat();
+        Picture { size: UVec2::splat(2), texels, wrap: [wrap; 2] }
+    }
+
+    #[test]
+    fn colours_are_mixed_in_linear_light_and_images_go_on_as_they_say() {
+        let (repeated, clamped, mirrored) =
+            (WrappingMode::Repeat, WrappingMode::ClampToEdge, WrappingMode::MirroredRepeat);
+        let at = |u: f32, v: f32| picture(clamped).color(Vec2::new(u, v));
+        assert_eq!((at(0.25, 0.25), at(0.75, 0.25)), (Vec3::ZERO, Vec3::ONE));
+        // sRGB 128 is 21.6% of the light, and not a half.
+        assert!((at(0.25, 0.75) - 0.2158605).abs().max_element() < 1e-6);
+        assert!((at(0.5, 0.25) - 0.5).abs().max_element() < 1e-6, "half of the light of white");
+        let at = |wrap: WrappingMode, u: f32| picture(wrap).color(Vec2::new(u, 0.25)).x;
+        for (wrap, values) in [(repeated, [1.0, 0.0]), (clamped, [0.0, 1.0]), (mirrored, [0.0, 1.0])] {
+            assert_eq!([-0.25, 1.25].map(|u| at(wrap, u)), values, "{wrap:?}");
+        }
+        assert_eq!([clamped, mirrored].map(|wrap| at(wrap, 1.75)), [1.0, 0.0]);
+        // Far away, too.
+        assert!(at(mirrored, 1e30).is_finite() && at(repeated, -1e30).is_finite());
+    }
 }

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use crate::mesh::{Coat, Image, TexCoord};
+use crate::mesh::Coat;
 use crate::skin::PER_VERTEX;
 use glam::{Affine3A, Mat2, Vec2, Vec3};
 use gltf::Semantic;
@@ -28,17 +28,10 @@ pub(super) type Follower = ([u32; PER_VERTEX], [f32; PER_VERTEX]);
 pub(super) struct Made {
     pub(super) mesh: Mesh,
     pub(super) coats: Vec<Coat>,
-    pub(super) tex_coords: Vec<TexCoord>,
     /// By triangle.
     pub(super) materials: Vec<u32>,
     /// Only of vertices that follow something.
     pub(super) followers: Vec<Follower>,
-}
-
-/// The vertices of a primitive.
-struct Look {
-    coats: Vec<Coat>,
-    tex_coords: Vec<TexCoord>,
 }
 
 /// Joins meshes.
@@ -49,8 +42,8 @@ pub(super) struct Join<'a> {
     /// The number that stands for no material.
     plain: u32,
     made: Made,
-    /// By index of the mesh and the primitive.
-    known: HashMap<(usize, usize), Look>,
+    /// The coats of the vertices of a primitive, by index of the mesh and the primitive.
+    known: HashMap<(usize, usize), Vec<Coat>>,
 }
 
 impl<'a> Join<'a> {
@@ -70,9 +63,9 @@ impl<'a> Join<'a> {
         }
     }
 
-    /// The joined parts, and the images that they need.
-    pub(super) fn done(self) -> (Made, Vec<Image>) {
-        (self.made, self.images.read)
+    /// The joined parts.
+    pub(super) fn done(self) -> Made {
+        self.made
     }
 
     /// Adds a mesh under a transform; `follows` says what a vertex of a primitive follows.
@@ -93,8 +86,8 @@ impl<'a> Join<'a> {
         for primitive in mesh.primitives() {
             let key = (mesh.index(), primitive.index());
             if used.contains(&primitive.index()) && !self.known.contains_key(&key) {
-                let look = self.look(mesh.index(), &primitive)?;
-                self.known.insert(key, look);
+                let coats = self.coats(mesh.index(), &primitive)?;
+                self.known.insert(key, coats);
             }
         }
         let made = &mut self.made;
@@ -106,9 +99,7 @@ impl<'a> Join<'a> {
             }
             made.mesh.positions.push(position);
             // Each primitive with a vertex was looked at, and as many colours were read.
-            let look = &self.known[&(mesh.index(), source.0)];
-            made.coats.push(look.coats[source.1]);
-            made.tex_coords.push(look.tex_coords[source.1]);
+            made.coats.push(self.known[&(mesh.index(), source.0)][source.1]);
             made.followers.extend(follows(*source)?);
         }
         // A mirrored mesh would be inside out.
@@ -120,8 +111,8 @@ impl<'a> Join<'a> {
         Ok(())
     }
 
-    /// The colours of a primitive.
-    fn look(&mut self, mesh: usize, primitive: &gltf::Primitive) -> Result<Look, Trouble> {
+    /// The coats of a primitive.
+    fn coats(&mut self, mesh: usize, primitive: &gltf::Primitive) -> Result<Vec<Coat>, Trouble> {
         let count = primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
         let finite = |values: &[f32], what: &str| match values.iter().all(|x| x.is_finite()) {
             true => Ok(()),
@@ -149,8 +140,7 @@ impl<'a> Join<'a> {
             let color = (base * Vec3::new(share(r), share(g), share(b))).clamp(Vec3::ZERO, Vec3::ONE);
             Coat { color, length: share(length) }
         };
-        let coats = (0..count).map(coat).collect();
-        let mut tex_coords = vec![TexCoord::default(); count];
+        let mut coats: Vec<Coat> = (0..count).map(coat).collect();
         if let Some(info) = material.pbr_metallic_roughness().base_color_texture() {
             let moved = info.texture_transform();
             let set = moved.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
@@ -159,15 +149,18 @@ impl<'a> Join<'a> {
                 // A part without coordinates has the colour of its corner in all viewers.
                 None => vec![[0.0; 2]; count],
             };
-            let image = Some(self.images.number(&info.texture())?);
+            let image = self.images.of(&info.texture())?;
             let turn = moved.as_ref().map_or(Mat2::IDENTITY, |t| {
                 Mat2::from_angle(-t.rotation()) * Mat2::from_diagonal(Vec2::from_array(t.scale()))
             });
             let offset = moved.map_or(Vec2::ZERO, |t| Vec2::from_array(t.offset()));
-            let coord = |&uv: &[f32; 2]| TexCoord { uv: turn * Vec2::from_array(uv) + offset, image };
-            tex_coords = uvs.iter().map(coord).collect();
+            for (coat, uv) in coats.iter_mut().zip(uvs) {
+                let uv = turn * Vec2::from_array(uv) + offset;
+                finite(&uv.to_array(), "texture coordinate")?;
+                coat.color *= image.color(uv);
+            }
         }
-        Ok(Look { coats, tex_coords })
+        Ok(coats)
     }
 
     fn colors(&self, accessor: &gltf::Accessor, count: usize) -> Result<Vec<[f32; 4]>, Trouble> {

@@ -3,15 +3,16 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use crate::mesh::{Coat, Image, TexCoord};
+use crate::mesh::Coat;
 use crate::skin::{Clip, Skeleton, Weights};
 use glam::Affine3A;
 
+use casca_scenes::import::Trouble;
 use casca_scenes::import::parts::{
     Components, File, Nodes, QUANTIZATION, Warnings, check_rigid, nodes_of, parse,
 };
-use casca_scenes::import::{ImportError, Trouble, open};
 use join::Join;
+pub(super) use skins::refused;
 use skins::{clips_of, follower, followers_of, skeleton_of};
 
 mod images;
@@ -19,7 +20,6 @@ mod join;
 mod skins;
 
 use casca_scenes::world::Mesh;
-pub(super) use images::refused;
 
 /// A mesh of a file that can grow fur; all lists are by vertex but `materials`.
 #[derive(Debug, Clone)]
@@ -29,15 +29,11 @@ pub struct Coated {
     pub mesh: Mesh,
     /// Colours, and lengths as shares of the greatest.
     pub coats: Vec<Coat>,
-    /// The place on the image that colours it.
-    pub tex_coords: Vec<TexCoord>,
     /// The material of each triangle, of `names`.
     pub materials: Vec<u32>,
     /// The names of all materials of the file; "" for those without a name. The last one stands for
     /// no material.
     pub names: Vec<String>,
-    /// The images that colour it.
-    pub images: Vec<Image>,
     /// The skeleton and clips that move it.
     pub rig: Option<Rig>,
 }
@@ -53,20 +49,12 @@ pub struct Rig {
     pub clips: Vec<(String, Clip)>,
 }
 
-/// Loads what can grow fur from a `.glb` or `.gltf` file; see [`read_coated`].
-///
-/// # Errors
-/// As [`read_coated`].
-pub fn load_coated(path: &Path) -> Result<Coated, ImportError> {
-    open(path, |_, bytes, folder| read_coated(bytes, folder))
-}
-
 /// Reads what can grow fur: all meshes with the first skin of the file and those that hang from its
 /// joints, or all meshes where there is no skin.
 ///
 /// - **Colour**: `COLOR_0` (floats, or integers of 8 or 16 bits; three or four components; linear)
-///   times the base colour of the material times, where the fur is drawn, its base colour texture
-///   (PNG or JPEG, sRGB). Brown where a part has neither `COLOR_0` nor a material.
+///   times the base colour of the material times its base colour texture (PNG or JPEG, sRGB) at
+///   the vertex. Brown where a part has neither `COLOR_0` nor a material.
 /// - **Length**: the attribute `_FURLENGTH` (a number of 0 to 1), else the alpha of `COLOR_0`, else
 ///   1.
 ///
@@ -74,8 +62,8 @@ pub fn load_coated(path: &Path) -> Result<Coated, ImportError> {
 ///
 /// # Errors
 /// As [`casca_scenes::import::load`]; more than four joints a vertex, joints that the skin lacks,
-/// weights that are negative or all zero, matrices of nodes that shear; images that are damaged,
-/// too large (in all 64 Mi texels) or too many (64), and colours that are not finite.
+/// weights that are negative or all zero, matrices of nodes that shear; images that are damaged or
+/// too large (in all 64 Mi texels), and colours that are not finite.
 pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Trouble> {
     let file = parse(bytes, folder, &Warnings::default())?;
     let nodes = nodes_of(&file.document, &file.places)?;
@@ -125,7 +113,7 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
             },
         }
     }
-    let (made, images) = join.done();
+    let made = join.done();
     if made.mesh.triangles.is_empty() {
         return Err(Trouble::NoTriangles);
     }
@@ -143,10 +131,8 @@ pub fn read_coated(bytes: &[u8], folder: Option<&Path>) -> Result<Coated, Troubl
     Ok(Coated {
         mesh: made.mesh,
         coats: made.coats,
-        tex_coords: made.tex_coords,
         materials: made.materials,
         names: names.chain([String::new()]).collect(),
-        images,
         rig,
     })
 }

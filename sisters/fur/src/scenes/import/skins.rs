@@ -9,9 +9,13 @@ use glam::{Affine3A, Mat4, Vec4};
 use gltf::accessor::DataType;
 use gltf::animation::{Interpolation as FileInterpolation, Property};
 
-use super::images::refused;
 use casca_scenes::import::Trouble;
 use casca_scenes::import::parts::{AFFINE, Buffers, Components, Keys, Nodes, Track, keys_of, unfit, wrong};
+
+/// What the reader says of fur that is refused.
+pub(in crate::scenes) fn refused(error: crate::Error) -> Trouble {
+    Trouble::Skin(Box::new(error))
+}
 
 /// The joints that a vertex of a primitive follows, and their shares.
 pub(super) fn follower(

@@ -5,6 +5,7 @@ use crate::cells::Cells;
 use crate::gpu::numeric::OCCLUSION_OFF;
 use crate::occlusion::{Occlusion, Sides};
 use crate::samples::SampleSets;
+use crate::testing::moved;
 
 #[test]
 fn the_unit_of_length_changes_nothing() {
@@ -12,7 +13,7 @@ fn the_unit_of_length_changes_nothing() {
     for lines in [wild(1), set(Family::PomPom, 150)] {
         // Powers of 2 scale without rounding, but their squares do not fit into single precision.
         let in_unit = |unit: f32| {
-            let scaled = lines.moved(|p| p * unit).unwrap();
+            let scaled = moved(&lines, |p| p * unit);
             views([Vec3::splat(-unit), Vec3::splat(unit)]).map(|view| {
                 let rays = run(&gpu, &scaled, &view, settings(AoOptions::rays(0.3 * unit, 0.02 * unit)));
                 rays.read_occlusion(&gpu).unwrap()

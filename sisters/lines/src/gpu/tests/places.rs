@@ -1,7 +1,5 @@
 //! Values of places, which stay from frame to frame.
 
-use glam::DMat4;
-
 use super::*;
 
 /// A frame of all lines, and the values that it computed.
@@ -23,9 +21,7 @@ fn a_still_picture_computes_nothing_anew_and_a_moved_one_little() {
         let (first, all) = frame(&gpu, &mut renderer, &lines, &view);
         let (again, none) = frame(&gpu, &mut renderer, &lines, &view);
         assert!(all > 1000 && none == 0 && again == first, "{all} {none}");
-        let turn = DMat4::from_rotation_y(0.1f64.to_radians()) * DMat4::from(view.eye_from_world());
-        let turned = View::new(turn, view.lens(), view.depths(), SIZE).unwrap();
-        let (_, some) = frame(&gpu, &mut renderer, &lines, &turned);
+        let (_, some) = frame(&gpu, &mut renderer, &lines, &view.turned(0.1f64.to_radians()));
         assert!(some > 0 && some * 2 < all, "{some} of {all}");
         // What was computed in other views is what this one computes.
         let (back, none) = frame(&gpu, &mut renderer, &lines, &view);

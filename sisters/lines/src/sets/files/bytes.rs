@@ -100,8 +100,7 @@ impl<'a> Bytes<'a> {
         let next = |_| {
             let place = self.at;
             let number = self.number(kind)?;
-            let why = "cannot be the number of something (are its bytes in the other order?)";
-            let fail = || broken("byte", place, format!("{number} {why}"));
+            let fail = || broken("byte", place, format!("{number} cannot be the number of something"));
             whole(number).ok_or_else(fail)
         };
         (0..count).map(next).collect()
@@ -129,16 +128,6 @@ impl<'a> Bytes<'a> {
     pub(super) fn left(&self) -> usize {
         self.bytes.len().saturating_sub(self.at)
     }
-}
-
-/// Bytes of the numbers of a point in single precision.
-const POINT: usize = 12;
-
-/// Whether bytes that should begin with the numbers of a point begin with digits and blanks. By
-/// chance, numbers do once in 10^13 times.
-pub(super) fn are_words(bytes: &[u8]) -> bool {
-    let of_number = |b: &u8| b.is_ascii_digit() || b.is_ascii_whitespace() || b"+-.eE".contains(b);
-    bytes.get(..POINT).is_some_and(|first| first.iter().all(of_number))
 }
 
 /// A number as a whole one of 32 bits without a sign, if it is one.

@@ -18,37 +18,22 @@ pub enum FileError {
         /// The cause.
         why: std::io::Error,
     },
-    /// The ending is that of no format that is read.
-    #[error("{0}: the ending must be .txt, .obj, .ply, .tck, .trk, .vtk or .hair")]
-    Unknown(PathBuf),
-    /// The ending is that of no format whose meshes are read.
-    #[error("{0}: the ending of a mesh must be .obj or .ply")]
-    NoMesh(PathBuf),
     /// A file was read, and what it holds was refused.
     #[error("{path}: {why}")]
     In {
         /// The file.
         path: PathBuf,
-        /// The cause: [`Self::Broken`] or [`Self::Lines`].
+        /// The cause.
         why: Box<FileError>,
     },
-    /// The bytes break the format.
-    #[error("{unit} {at}: {why}")]
-    Broken {
-        /// How places are counted: "line" or "byte".
-        unit: &'static str,
-        /// The place: lines from 1, bytes from 0.
-        at: usize,
-        /// The cause.
-        why: String,
-    },
-    /// The file has a part that is not read, or contradicts itself.
+    /// The file breaks its format at a line (from 1) or byte (from 0), has a part that is not read,
+    /// contradicts itself, or has the ending of no format.
     #[error("{0}")]
     Refused(String),
     /// The lines were refused.
     #[error(transparent)]
     Lines(#[from] LineError),
-    /// The numbers, colours or groups were refused.
+    /// The numbers or colours were refused.
     #[error(transparent)]
     Attributes(#[from] AttributeError),
 }
@@ -60,7 +45,7 @@ pub(super) type Lists = Result<(Vec<Vec3>, Vec<Vec<u32>>), FileError>;
 pub(super) type Lines = Result<Vec<Vec<Vec3>>, FileError>;
 
 pub(super) fn broken(unit: &'static str, at: usize, why: impl Into<String>) -> FileError {
-    FileError::Broken { unit, at, why: why.into() }
+    refused(format!("{unit} {at}: {}", why.into()))
 }
 
 pub(super) fn refused(why: impl Into<String>) -> FileError {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::bytes::unmarked;
-use super::error::FileError;
+use super::error::{FileError, refused};
 use super::{Format, ending, of_file, ply, text};
 use crate::mesh::Mesh;
 
@@ -16,7 +16,10 @@ pub fn open_mesh(path: &Path) -> Result<Mesh, FileError> {
     let format = match &*ending(path) {
         "obj" => Format::Obj,
         "ply" => Format::Ply,
-        _ => return Err(FileError::NoMesh(path.to_owned())),
+        _ => {
+            let path = path.display();
+            return Err(refused(format!("{path}: the ending of a mesh must be .obj or .ply")));
+        }
     };
     of_file(path, |bytes| read_mesh(bytes, format))
 }
@@ -30,15 +33,14 @@ pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Mesh, FileError> {
     let (positions, polygons) = match format {
         Format::Obj => text::lists(bytes, "f")?,
         Format::Ply => ply::lists(bytes, &["face"])?,
-        _ => return Err(FileError::Refused(format!("{format:?} has no meshes"))),
+        _ => return Err(refused(format!("{format:?} has no meshes"))),
     };
     if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
-        return Err(FileError::Refused(format!("vertex {at} is not finite")));
+        return Err(refused(format!("vertex {at} is not finite")));
     }
     for &vertex in polygons.iter().flatten() {
         if vertex as usize >= positions.len() {
-            let why = format!("there is no vertex {vertex} of {}", positions.len());
-            return Err(FileError::Refused(why));
+            return Err(refused(format!("there is no vertex {vertex} of {}", positions.len())));
         }
     }
     Ok(Mesh::of_polygons(positions, polygons.iter().map(Vec::as_slice)))

@@ -1,12 +1,10 @@
-//! Lines from files: the thesis' text format, OBJ, PLY, the tractograms TCK and TRK, VTK and HAIR,
-//! with the numbers, colours and groups that they have; and triangle meshes from OBJ and PLY.
+//! Lines from files: the thesis' text format, OBJ, PLY, the tractograms TCK and TRK, and VTK, with the numbers and colours that they have; and triangle meshes from OBJ and PLY.
 //!
 //! Readers take bytes and need memory in proportion to them, whatever a header promises. Lines may
 //! be of any number of vertices.
 
 mod bytes;
 mod error;
-mod hair;
 mod mesh;
 mod ply;
 mod tck;
@@ -24,6 +22,7 @@ pub use mesh::{open_mesh, read_mesh};
 
 use crate::sets::LineSet;
 use bytes::unmarked;
+use error::refused;
 
 /// The formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,8 +39,6 @@ pub enum Format {
     Tck,
     /// TrackVis tracks, moved to the coordinates of the scanner if the file has their matrix.
     Trk,
-    /// Cem Yuksel's hair: strands with thickness, transparency and colours.
-    Hair,
     /// VTK's legacy files: the lines of POLYDATA, ASCII or binary.
     Vtk,
 }
@@ -58,8 +55,10 @@ pub fn open(path: &Path) -> Result<LineSet, FileError> {
         "tck" => Format::Tck,
         "trk" => Format::Trk,
         "vtk" => Format::Vtk,
-        "hair" => Format::Hair,
-        _ => return Err(FileError::Unknown(path.to_owned())),
+        _ => {
+            let endings = "the ending must be .txt, .obj, .ply, .tck, .trk or .vtk";
+            return Err(refused(format!("{}: {endings}", path.display())));
+        }
     };
     of_file(path, |bytes| read(bytes, format))
 }
@@ -89,6 +88,5 @@ pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
         Format::Tck => tck::read(bytes)?,
         Format::Trk => trk::read(bytes)?,
         Format::Vtk => vtk::read(bytes)?,
-        Format::Hair => hair::read(bytes)?,
     })
 }

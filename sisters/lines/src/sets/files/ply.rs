@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::bytes::{Bytes, Kind, are_words, whole};
+use super::bytes::{Bytes, Kind, whole};
 use super::error::{FileError, Lines, Lists, broken, refused};
 use super::words::{Scan, words};
 
@@ -62,9 +62,7 @@ pub(super) fn read(bytes: &[u8]) -> Lines {
     let (points, lines) = lists(bytes, &["edge", "line", "polyline"])?;
     let point = |i: &u32| {
         let found = points.get(*i as usize).copied();
-        let swapped = (i.swap_bytes() as usize) < points.len() && *i > 0;
-        let more = if swapped { ": perhaps the header names the wrong order of bytes" } else { "" };
-        found.ok_or_else(|| refused(format!("a line names vertex {i} of {}{more}", points.len())))
+        found.ok_or_else(|| refused(format!("a line names vertex {i} of {}", points.len())))
     };
     lines.iter().map(|line| line.iter().map(point).collect()).collect()
 }
@@ -165,11 +163,6 @@ fn header(bytes: &[u8]) -> Result<(Vec<Element>, Body<'_>), FileError> {
     let body = match binary {
         None => return Err(text.fail_at(text.at - 1, "the header has no format")),
         Some(None) => Body::Text(text),
-        Some(_) if are_words(&bytes[text.at..]) => {
-            let why =
-                "the numbers are text, but the header says that they are binary: its format must be ascii";
-            return Err(text.fail(why));
-        }
         Some(Some(big)) => Body::Binary(Bytes { bytes, at: text.at, big }),
     };
     Ok((elements, body))

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::bytes::{Bytes, Kind, are_words};
+use super::bytes::{Bytes, Kind};
 use super::error::{FileError, broken};
 use super::words::Scan;
 use crate::sets::LineSet;
@@ -19,15 +19,13 @@ struct Header {
 /// NaN after each line, infinity at the end.
 pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
     let Header { offset, kind, big } = header(bytes)?;
-    if are_words(bytes.get(offset..).unwrap_or_default()) {
-        return Err(broken("byte", offset, "the numbers are text: a TCK file has them in binary"));
-    }
     let mut file = Bytes { bytes, at: offset, big };
     let (mut lines, mut line) = (LineSet::default(), Vec::new());
     loop {
         let place = file.at;
         if (1..3 * kind.size()).contains(&file.left()) || file.left() == 0 && place > offset {
-            return Err(cut_short(&file, kind, place));
+            let why = "the file ends without three infinite numbers, the mark of its end";
+            return Err(broken("byte", place, why));
         }
         let mut next = || file.number(kind);
         let point = [next()?, next()?, next()?];
@@ -42,17 +40,6 @@ pub(super) fn read(bytes: &[u8]) -> Result<LineSet, FileError> {
             }
         }
     }
-}
-
-/// The file ends without the mark of its end, or that stands in the other order of bytes.
-fn cut_short(file: &Bytes<'_>, kind: Kind, place: usize) -> FileError {
-    let at = file.bytes.len().saturating_sub(3 * kind.size());
-    let mut swapped = Bytes { at, big: !file.big, ..*file };
-    let why = match (0..3).all(|_| swapped.number(kind).is_ok_and(f64::is_infinite)) {
-        true => "the numbers stand in the other order of bytes than datatype says (LE or BE)",
-        false => "the file ends without three infinite numbers, the mark of its end: it is cut short",
-    };
-    broken("byte", place, why)
 }
 
 fn header(bytes: &[u8]) -> Result<Header, FileError> {

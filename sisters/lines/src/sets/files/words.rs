@@ -91,14 +91,7 @@ pub(super) fn words(line: &[u8]) -> Vec<&str> {
 pub(super) fn parse<T: FromStr>(word: &str, what: &str) -> Result<T, String> {
     word.parse().map_err(|_| {
         let short: String = word.chars().take(20).filter(|c| !c.is_control()).collect();
-        let hint = match word {
-            w if w.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER) => {
-                ": here the file is no text (perhaps its numbers are binary)"
-            }
-            w if w.contains(',') && w.replace(',', ".").parse::<f64>().is_ok() => ": decimals need a point",
-            _ => "",
-        };
-        format!("\"{short}\" is not {what}{hint}")
+        format!("\"{short}\" is not {what}")
     })
 }
 

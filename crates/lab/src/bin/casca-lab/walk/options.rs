@@ -31,8 +31,8 @@ pub enum MethodName {
 )]
 pub struct Options {
     /// spheres, city, rooms, forest, crowd, terrain, town, rocks, spheres-meshes, city-meshes,
-    /// spheres-16, city-10, valley, harbour, storeys or a glTF 2.0 file (.glb), of which only what
-    /// is drawn opaque hides, from the side from which it is drawn
+    /// spheres-16, city-10, valley, harbour or a glTF 2.0 file (.glb): in one, surfaces hide that
+    /// are drawn opaque, from the side that is drawn
     #[arg(long, default_value = "spheres")]
     pub scene: SceneName,
     /// How visibility is decided

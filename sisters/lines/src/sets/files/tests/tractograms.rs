@@ -52,7 +52,7 @@ fn tracks_are_moved_to_the_scanner_by_matrix_voxel_size_and_order() {
 }
 
 #[test]
-fn columns_of_one_name_and_hair_colours_are_read() {
+fn columns_of_one_name_are_read() {
     let mut file = formats::trk(&[vec![]], false, None);
     // Three values of a line: two by one name.
     file[238] = 3;
@@ -61,10 +61,6 @@ fn columns_of_one_name_and_hair_colours_are_read() {
     let lines = read(&file, Format::Trk).unwrap();
     let names: Vec<&str> = lines.attributes().scalars.iter().map(|s| &*s.name).collect();
     assert_eq!(names, ["fa", "uv.0", "uv.1", "property 2"]);
-    let hair = read(&formats::hair(&[LINE.to_vec(), vec![[9.0; 3]]]), Format::Hair).unwrap();
-    assert_eq!(hair.attributes().colours.as_ref().unwrap()[3], [3, 255, 0]);
-    assert_eq!(hair.attributes().scalars[0].values, [0.0, 0.5, 1.0, 1.5]);
-    assert_eq!(hair.attributes().scalars.len(), 1);
 }
 
 #[test]
@@ -89,7 +85,6 @@ fn what_is_not_read_is_said_in_words() {
         (Format::Tck, "tracks", "byte 0: a TCK file starts"),
         (Format::Tck, "mrtrix tracks\ndatatype: Bit\n", "line 2: data of Bit"),
         (Format::Tck, "mrtrix track scalars\n", "the scalars of another file"),
-        (Format::Hair, "HAIR\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", "no array of points"),
         (Format::Vtk, "<VTKFile", "one of XML must be saved as legacy VTK"),
         (
             Format::Vtk,

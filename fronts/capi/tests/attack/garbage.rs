@@ -1,20 +1,11 @@
 //! Garbage: random bytes in all structs, numbers and handles of the C face. Pointers are null or
-//! lead to memory. No call may panic or crash, and
-//! scenes that were made before must still answer.
-//! `CASCA_CASES=N` throws N times as much, `CASCA_SEED=S` other garbage.
-
-// Some of the functions are safe to call, and go through the same macro.
-#![allow(unused_unsafe)]
-
-#[macro_use]
-mod common;
-#[path = "common/dice.rs"]
-mod dice;
+//! lead to memory. No call may panic or crash, and scenes that were made before must still answer.
 
 use std::ptr::null_mut;
 
 use casca_c::*;
-use dice::{Dice, variable};
+
+use super::{Dice, variable};
 
 impl Dice {
     /// Mostly a number that may be meant, else any float.

@@ -1,13 +1,13 @@
 //! The random attack through the C face: scenes that change as applications change them, by the
 //! exported functions alone, and sets judged by exact visibility, which shares no code with casca.
-//! `CASCA_CASES=N` plays N times as many scenes, `CASCA_SEED=S` others.
+//! And garbage. `CASCA_CASES=N` plays N times as many scenes, `CASCA_SEED=S` others.
 // Some of the functions are safe to call, and go through the same macro.
 #![allow(unused_unsafe)]
 
 #[macro_use]
+#[path = "../common/mod.rs"]
 mod common;
-#[path = "common/dice.rs"]
-mod dice;
+mod garbage;
 
 use std::sync::Arc;
 
@@ -17,11 +17,30 @@ use casca_c::*;
 use casca_scenes::world::{Camera, Mesh, Motion, Object, Shape};
 use casca_truth::oracle::{Oracle, OracleOptions};
 use casca_truth::places::coordinate;
-use dice::{Dice, variable};
 
 const SIZE: f32 = 16.0;
 
+/// `CASCA_SEED` or `CASCA_CASES`, or what stands for it.
+fn variable(name: &str, default: u64) -> u64 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+/// Numbers from a seed.
+struct Dice(u64);
+
 impl Dice {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+
     fn within(&mut self, min: f32, max: f32) -> f32 {
         min + (max - min) * ((self.bits() >> 40) as f32 / (1u64 << 24) as f32)
     }
