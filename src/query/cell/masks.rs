@@ -14,9 +14,15 @@
 //! centres, rounded inwards. Look-ups and stamps without an uncertain eye are
 //! integer arithmetic, or divisions whose rounding provably cannot change their floor.
 
+use glam::IVec3;
+
+use crate::grid::side::Side;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::SideCells;
-use crate::query::cell::spans::{next_clear, next_set, set_span};
+use crate::query::cell::spans::{clear_span, for_runs, next_clear, set_span};
+
+/// Bands with more rows of pixels than this are looked at row by row.
+const MOST_PIXELS: i64 = 8;
 
 /// The six masks of a query.
 #[derive(Debug, Clone)]
@@ -31,7 +37,7 @@ pub(crate) struct DirectionMasks {
 
 impl DirectionMasks {
     /// Masks of 2^log pixels along each side.
-    pub(crate) fn new(log: u32) -> Self {
+    pub(super) fn new(log: u32) -> Self {
         let words = (1usize << log).div_ceil(64);
         Self {
             log,
@@ -43,12 +49,12 @@ impl DirectionMasks {
         }
     }
 
-    pub(crate) fn log(&self) -> u32 {
+    pub(super) fn log(&self) -> u32 {
         self.log
     }
 
     /// Clears all masks.
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         for (bits, used) in self.bits.iter_mut().zip(&mut self.used) {
             if std::mem::take(used) {
                 bits.fill(0);
@@ -56,9 +62,17 @@ impl DirectionMasks {
         }
     }
 
+    /// Whether a cell of the scale's shell is hidden by the mask of a side that it belongs to.
+    pub(super) fn hides(&self, c: IVec3, scale: &ShellScale) -> bool {
+        Side::ALL.iter().enumerate().any(|(i, side)| {
+            c[side.axes.normal] * side.sign == scale.shell()
+                && self.is_hidden(i, scale, c[side.axes.row], c[side.axes.col])
+        })
+    }
+
     /// Whether a cell of a side of the scale's shell is hidden.
     #[inline]
-    pub(crate) fn is_hidden(&self, side: usize, scale: &ShellScale, row: i32, col: i32) -> bool {
+    fn is_hidden(&self, side: usize, scale: &ShellScale, row: i32, col: i32) -> bool {
         if !self.used[side] {
             return false;
         }
@@ -68,14 +82,14 @@ impl DirectionMasks {
 
     /// Whether a pixel is not set.
     #[inline]
-    pub(crate) fn is_open(&self, side: usize, row: i64, col: i64) -> bool {
+    pub(super) fn is_open(&self, side: usize, row: i64, col: i64) -> bool {
         !self.used[side]
             || self.bits[side][row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
     }
 
     /// The first pixel between two rows and two columns, all included, that is not set, and how
     /// many words were read.
-    pub(crate) fn first_open(
+    pub(super) fn first_open(
         &self,
         side: usize,
         rows: (i64, i64),
@@ -96,9 +110,29 @@ impl DirectionMasks {
         (None, words * (rows.1 - rows.0 + 1))
     }
 
+    /// The columns between which rows of a side have cells that are not hidden, as far as the
+    /// pixels around all of the rows tell; `None` if they are hidden. Near shells are not looked
+    /// at: their rows have many pixels each.
+    pub(super) fn open_part(
+        &self,
+        side: usize,
+        scale: &ShellScale,
+        rows: (i32, i32),
+        cols: (i32, i32),
+    ) -> Option<(i32, i32)> {
+        let pixels = (scale.pixel(rows.0), scale.pixel(rows.1));
+        if pixels.1 - pixels.0 > MOST_PIXELS {
+            return Some(cols);
+        }
+        let (first, last) = self.open_columns(side, pixels, (scale.pixel(cols.0), scale.pixel(cols.1)))?;
+        let part =
+            ((scale.line_from(first) as i32).max(cols.0), (scale.line_before(last + 1) as i32).min(cols.1));
+        (part.0 <= part.1).then_some(part)
+    }
+
     /// The columns, of some, from the first to the last in which a pixel of some rows is not set;
     /// `None` if all are set.
-    pub(crate) fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
+    fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
         if !self.used[side] {
             return Some(cols);
         }
@@ -124,7 +158,7 @@ impl DirectionMasks {
 
     /// Calls `hidden` with the runs of hidden cells between two columns of a row.
     #[inline]
-    pub(crate) fn hidden_runs(
+    pub(super) fn hidden_runs(
         &self,
         side: usize,
         scale: &ShellScale,
@@ -138,21 +172,34 @@ impl DirectionMasks {
         let at = scale.pixel(row) as usize * self.words;
         let bits = &self.bits[side][at..at + self.words];
         let (first, last) = (scale.pixel(lo), scale.pixel(hi));
-        let mut p = first as usize;
-        let end = last as usize + 1;
-        while p < end {
-            p = next_set(bits, p, end);
-            if p >= end {
-                break;
-            }
-            let q = next_clear(bits, p, end);
+        for_runs(bits, true, first as usize, last as usize + 1, |p, q| {
             let a = (scale.line_from(p as i64) as i32).max(lo);
             let b = (scale.line_before(q as i64) as i32).min(hi);
             if a <= b {
                 hidden(a, b);
             }
-            p = q;
-        }
+        });
+    }
+
+    /// Sets the bits of the cells between two columns of a row that are not hidden, where `base` is
+    /// the bit of column 0. Returns their number.
+    #[inline]
+    pub(super) fn open_cells(
+        &self,
+        side: usize,
+        scale: &ShellScale,
+        row: i32,
+        (lo, hi): (i32, i32),
+        base: i32,
+        line: &mut [u64],
+    ) -> i32 {
+        let mut open = hi - lo + 1;
+        set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
+        self.hidden_runs(side, scale, row, (lo, hi), |a, b| {
+            clear_span(line, (base + a) as usize, (base + b) as usize + 1);
+            open -= b - a + 1;
+        });
+        open
     }
 
     /// Draws the blocked cells of one side of the scale's shell.
@@ -160,7 +207,7 @@ impl DirectionMasks {
     /// Cells of the side outside the frustum count as blocked, since no segment
     /// between points of the convex frustum passes through them; where `closed`,
     /// so do cells outside the grid, for the same reason.
-    pub(crate) fn stamp(&mut self, side: usize, scale: &ShellScale, cells: &SideCells, closed: bool) {
+    pub(super) fn stamp(&mut self, side: usize, scale: &ShellScale, cells: &SideCells, closed: bool) {
         if cells.rows <= 0 || cells.cols <= 0 {
             return;
         }
@@ -172,9 +219,9 @@ impl DirectionMasks {
             let end = cells.fresh.iter().rposition(|&f| f);
             let (Some(start), Some(end)) = (start, end) else { return };
             let (start, end) = (row_start + start as i64, row_start + end as i64);
-            let spread = scale.whole_slack() + 1;
-            let from = ((start - spread + scale.shell()).max(0) << scale.log()) / (2 * scale.shell());
-            let to = ((end + spread + scale.shell()) << scale.log()) / (2 * scale.shell()) + 1;
+            let (spread, m) = (scale.whole_slack() + 1, i64::from(scale.shell()));
+            let from = ((start - spread + m).max(0) << scale.log()) / (2 * m);
+            let to = ((end + spread + m) << scale.log()) / (2 * m) + 1;
             ((from - 1).max(0), to.min(size - 1))
         };
         self.used[side] = true;
@@ -221,20 +268,14 @@ impl DirectionMasks {
         let end = cells.offset + cells.cols as usize;
         let size = scale.size();
         let column = |bit: usize| i64::from(cells.col0) + bit as i64 - cells.offset as i64;
-        let mut x = cells.offset;
-        while x < end {
-            let stop = next_set(&self.row, x, end);
-            if stop > x {
-                // Blocked from x to stop - 1.
-                let from = if closed && x == cells.offset { 0 } else { scale.pixel_from(column(x)).max(0) };
-                let to =
-                    if closed && stop == end { size } else { scale.pixel_to(column(stop - 1)).min(size) };
-                if from < to {
-                    set_span(&mut self.pattern, from as usize, to as usize);
-                }
+        // Blocked from x to stop - 1.
+        for_runs(&self.row, false, cells.offset, end, |x, stop| {
+            let from = if closed && x == cells.offset { 0 } else { scale.pixel_from(column(x)).max(0) };
+            let to = if closed && stop == end { size } else { scale.pixel_to(column(stop - 1)).min(size) };
+            if from < to {
+                set_span(&mut self.pattern, from as usize, to as usize);
             }
-            x = next_clear(&self.row, stop, end);
-        }
+        });
     }
 }
 
@@ -246,10 +287,9 @@ mod tests {
     fn side(m: i32, blocked: impl Fn(i32, i32) -> bool) -> SideCells {
         let count = 2 * m + 1;
         let words = (count as usize).div_ceil(64);
-        let mut cells =
-            SideCells { row0: -m, col0: -m, rows: count, cols: count, words, ..SideCells::default() };
-        cells.bands = vec![0; (count as usize).div_ceil(8)];
-        for band in 0..cells.bands.len() {
+        let mut cells = SideCells::default();
+        cells.set_part((-m, m), (-m, m), (0, 0));
+        for band in 0..cells.bands() {
             let rows = cells.make_band(band);
             for (row, line) in rows.chunks_mut(words).enumerate() {
                 let row = (band * 8 + row) as i32 - m;
