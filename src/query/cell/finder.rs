@@ -8,9 +8,9 @@ use crate::grid::side::Side;
 use crate::matrix::tbv::TbvMatrix;
 use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
-use crate::query::cell::masks::DirectionMasks;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side::Hit;
+use crate::query::cell::sides::{ShellSide, is_hidden};
 use crate::query::marks::Marks;
 use crate::scene::Scene;
 use crate::shape::Shape;
@@ -119,7 +119,7 @@ impl Finder<'_> {
     }
 
     /// Decides the revealed objects with cells in the scale's shell.
-    pub(super) fn settle_pending(&mut self, scale: &ShellScale, masks: &DirectionMasks) {
+    pub(super) fn settle_pending(&mut self, scale: &ShellScale, sides: &[ShellSide; 6]) {
         let m = scale.shell() as usize;
         let Some(list) = self.pending.get_mut(m) else { return };
         let mut list = std::mem::take(list);
@@ -127,7 +127,7 @@ impl Finder<'_> {
             let relative = c - self.shells.cell;
             if !self.marks.is_decided(slot)
                 && self.shells.frustum.meets(relative, relative)
-                && !masks.hides(relative, scale)
+                && !is_hidden(sides, relative, scale)
             {
                 self.decide(slot);
             }
@@ -144,12 +144,18 @@ impl Finder<'_> {
         side: &Side,
         at: i32,
         scale: &ShellScale,
-        masks: &DirectionMasks,
+        sides: &[ShellSide; 6],
     ) {
-        let (axes, m) = (side.axes, scale.shell());
+        let (scene, axes, m) = (self.scene, side.axes, scale.shell());
         for Hit { brick, tile, objects } in hits.drain(..) {
             if !objects {
-                self.find_volumes(side, brick, at, tile, m);
+                for slot in scene.tbv_matrix().ids(brick) {
+                    if !self.marks.is_revealed(slot)
+                        && TbvMatrix::surface_tile(scene.volumes().cells(slot), brick, &axes, at) & tile != 0
+                    {
+                        self.reveal(slot, m);
+                    }
+                }
                 continue;
             }
             let mut corner = (brick << 3i32) - self.shells.cell;
@@ -163,22 +169,10 @@ impl Finder<'_> {
                 c[axes.row] += bit >> 3;
                 c[axes.col] += bit & 7;
                 let on_edge = c[axes.row].abs() == m || c[axes.col].abs() == m;
-                if !(on_edge && masks.hides(c, scale)) {
+                if !(on_edge && is_hidden(sides, c, scale)) {
                     whole.iter().chain(own).for_each(|&slot| self.decide(slot));
                 }
             });
-        }
-    }
-
-    /// Reveals the volumes with surface in a tile of a side of shell `m`.
-    fn find_volumes(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32) {
-        let scene = self.scene;
-        for slot in scene.tbv_matrix().ids(brick) {
-            if !self.marks.is_revealed(slot)
-                && TbvMatrix::surface_tile(scene.volumes().cells(slot), brick, &side.axes, at) & tile != 0
-            {
-                self.reveal(slot, m);
-            }
         }
     }
 }

@@ -33,20 +33,10 @@ impl<'a> CellMatrices<'a> {
 
     /// Whether some pages contain nothing, by a question that is put to the pages of each matrix.
     #[inline]
-    fn none_in(&self, empty: impl Fn(&dyn Pages) -> bool) -> bool {
+    pub(super) fn none_in(&self, empty: impl Fn(&dyn Pages) -> bool) -> bool {
         self.lists.none_in(&empty)
             && empty(self.volumes.pages())
             && self.opaque.iter().all(|opaque| empty(opaque.pages()))
-    }
-
-    /// Whether a plane of pages contains nothing.
-    pub(super) fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
-        self.none_in(|pages| pages.plane_is_empty(axis, page))
-    }
-
-    /// Whether a row of pages contains nothing.
-    pub(super) fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
-        self.none_in(|pages| pages.row_is_empty(along, page))
     }
 
     /// Whether the pages between two columns of a row of bricks contain nothing.
@@ -54,12 +44,7 @@ impl<'a> CellMatrices<'a> {
         (cols.0 >> 6..=cols.1 >> 6).all(|col| {
             let mut page = brick >> 3i32;
             page[axis] = col;
-            self.page_is_empty(page)
+            self.none_in(|pages| pages.page_is_empty(page))
         })
-    }
-
-    /// Whether a page contains nothing.
-    pub(super) fn page_is_empty(&self, page: IVec3) -> bool {
-        self.none_in(|pages| pages.page_is_empty(page))
     }
 }

@@ -4,11 +4,10 @@ mod cell_ids;
 mod everything;
 mod finder;
 pub(crate) mod lists;
-mod masks;
+mod mask;
 mod matrices;
 mod overhang;
 mod remaining;
-pub(crate) mod scratch;
 mod shell_scale;
 mod side;
 mod side_cells;
@@ -21,34 +20,56 @@ use glam::IVec3;
 use crate::grid::side::Side;
 use crate::method::CellOptions;
 use crate::numeric::query::UNCERTAIN_EYE;
-use crate::pvs::Pvs;
+use crate::pvs::{Pvs, Stats};
 use crate::query::cell::everything::find_everything;
 use crate::query::cell::finder::Finder;
 use crate::query::cell::lists::CellLists;
+use crate::query::cell::mask::DirectionMask;
 use crate::query::cell::matrices::CellMatrices;
 use crate::query::cell::overhang::list_overhanging;
 use crate::query::cell::remaining::Remaining;
-use crate::query::cell::scratch::CellScratch;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side::{CellCounts, Hit, Recorded, SidePass};
-use crate::query::cell::sides::ShellSides;
+use crate::query::cell::side_cells::SideCells;
+use crate::query::cell::sides::ShellSide;
 use crate::query::marks::Marks;
 use crate::query::start::{Starts, rays_start_in_occluder};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
 
+/// The memory of the cell method, reused from query to query.
+#[derive(Debug, Clone)]
+pub(crate) struct CellScratch {
+    sides: [ShellSide; 6],
+    hits: Vec<Hit>,
+    pending: Vec<Vec<(IVec3, Slot)>>,
+}
+
+impl CellScratch {
+    /// Memory for masks of `resolution` pixels along each side, a power of two.
+    pub(crate) fn new(resolution: u32) -> Self {
+        let mask = DirectionMask::new(resolution.trailing_zeros());
+        let side = |side| ShellSide { side, mask: mask.clone(), cells: SideCells::default() };
+        Self { sides: Side::ALL.map(side), hits: Vec::new(), pending: Vec::new() }
+    }
+
+    /// Changes the resolution of the masks.
+    pub(crate) fn set_resolution(&mut self, resolution: u32) {
+        let log = resolution.trailing_zeros();
+        for side in self.sides.iter_mut().filter(|side| side.mask.log() != log) {
+            side.mask = DirectionMask::new(log);
+        }
+    }
+}
+
 /// One run of the cell method.
 pub(crate) struct CellWalk<'a> {
     scene: &'a Scene,
-    view: &'a View,
     options: &'a CellOptions,
     shells: &'a Shells,
-    /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye
-    /// and all of that cell.
-    from_eye: bool,
     matrices: CellMatrices<'a>,
-    sides: &'a mut ShellSides,
+    sides: &'a mut [ShellSide; 6],
     /// What the walk came upon on the side that it is on.
     hits: &'a mut Vec<Hit>,
     finder: Finder<'a>,
@@ -66,7 +87,8 @@ impl CellWalk<'_> {
         scratch: &mut CellScratch,
         record: Recorded,
     ) {
-        // Around the middle of the grid without a viewer's cell.
+        // The walk starts at the viewer's cell, or in the middle of the grid. From the eye, the frustum
+        // is widened to contain it and all of its cell.
         let around_eye = Shells::around_eye(scene.grid(), view, Start::Cell);
         let from_eye = around_eye.is_some();
         let shells = &around_eye.unwrap_or_else(|| Shells::around_middle(scene.grid(), view));
@@ -76,29 +98,17 @@ impl CellWalk<'_> {
         pending.iter_mut().for_each(Vec::clear);
         let finder = Finder { scene, view, shells, pvs, marks, pending };
         let remaining = Remaining::default();
-        let mut walk = CellWalk {
-            scene,
-            view,
-            options,
-            shells,
-            from_eye,
-            matrices,
-            sides,
-            hits,
-            finder,
-            remaining,
-            record,
-        };
-        let slack = walk.occlusion_slack();
+        let slack = occlusion_slack(scene, view, &mut finder.pvs.stats).filter(|_| from_eye);
+        let mut walk = CellWalk { scene, options, shells, matrices, sides, hits, finder, remaining, record };
         if slack.is_some() {
             walk.finder.pvs.cell = Some(shells.cell);
-            walk.walk_shells(slack);
+            walk.walk_shells(slack, from_eye);
         } else {
             find_everything(&mut walk.finder, from_eye);
             if walk.record.is_some() {
                 // Everything was found without cells: they are walked for the record alone.
                 Slot::below(scene.slot_count()).for_each(|slot| _ = walk.finder.marks.decide(slot));
-                walk.walk_shells(None);
+                walk.walk_shells(None, from_eye);
             }
         }
         let mut finder = walk.finder;
@@ -114,28 +124,16 @@ impl CellWalk<'_> {
         }
     }
 
-    /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken
-    /// to be hidden.
-    fn occlusion_slack(&mut self) -> Option<f64> {
-        let (at, error) = (self.view.eye()?, self.view.eye_box());
-        let grid = self.scene.grid();
-        let in_occluder = rays_start_in_occluder(self.scene, self.view, &Starts::of(self.scene, self.view));
-        self.finder.pvs.stats.eye_in_occluder = in_occluder;
-        let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
-        let slack = if sure { 0.0 } else { error.max_element() / grid.cell_size() };
-        (!in_occluder && self.from_eye && slack <= UNCERTAIN_EYE).then_some(2.0 * slack)
-    }
-
     /// Walks the shells outwards. Without a slack nothing is taken to be hidden.
-    fn walk_shells(&mut self, slack: Option<f64>) {
+    fn walk_shells(&mut self, slack: Option<f64>, from_eye: bool) {
         let (grid, cell) = (self.scene.grid(), self.shells.cell);
         let inside = grid.contains(cell);
         let interior = cell.cmpgt(IVec3::ZERO).all() && cell.cmplt(grid.dims() - 1).all();
         let closed = inside && (slack == Some(0.0) || interior);
         // A segment from inside the grid to a farther cell passes each shell inside the grid, on
         // the same side.
-        let ends = inside && self.from_eye && slack.is_none_or(|s| s == 0.0 || interior);
-        self.sides.clear();
+        let ends = inside && from_eye && slack.is_none_or(|s| s == 0.0 || interior);
+        self.sides.iter_mut().for_each(ShellSide::clear);
         self.remaining.add_exits(list_overhanging(&mut self.finder, slack.is_some()));
         if inside {
             self.finder.pvs.stats.cells_visited += 1;
@@ -146,27 +144,27 @@ impl CellWalk<'_> {
         }
         for m in self.shells.nearest.max(1)..=self.shells.farthest {
             // All cells are recorded, also those without objects.
-            if self.record.is_none() && !self.remaining.search(m - 1, &self.finder, &self.sides.masks) {
+            if self.record.is_none() && !self.remaining.search(m - 1, &self.finder, self.sides) {
                 break;
             }
-            let scale = ShellScale::new(m, self.sides.masks.log(), slack.unwrap_or(0.0));
+            let scale = ShellScale::new(m, self.sides[0].mask.log(), slack.unwrap_or(0.0));
             let (mut cells, mut in_sight) = (0, 0);
             for side in 0..6 {
                 let counts = self.side(side, &scale);
                 cells += counts.total;
                 in_sight += counts.in_sight;
             }
-            self.finder.settle_pending(&scale, &self.sides.masks);
+            self.finder.settle_pending(&scale, self.sides);
             let stats = &mut self.finder.pvs.stats;
             stats.shells += 1;
             stats.cells_visited += cells;
             stats.cells_hidden += cells - in_sight;
-            let sees_passed_over = |side| self.sides.sees_passed_over(side, &scale, self.shells);
-            if ends && in_sight == 0 && !(0..6).any(sees_passed_over) {
+            let sees_passed_over = |side: &mut ShellSide| side.sees_passed_over(&scale, self.shells);
+            if ends && in_sight == 0 && !self.sides.iter_mut().any(sees_passed_over) {
                 break;
             }
             if slack.is_some() {
-                (0..6).for_each(|side| self.stamp(side, &scale, closed));
+                self.stamp(&scale, closed);
             }
         }
     }
@@ -174,10 +172,10 @@ impl CellWalk<'_> {
     /// Walks one side of a shell. Counts its cells without the parts where the grid contains
     /// nothing or the masks hide all: those are passed over.
     fn side(&mut self, index: usize, scale: &ShellScale) -> CellCounts {
-        let (side, v, record) = (Side::ALL[index], self.shells.cell, self.record.is_some());
+        let ShellSide { side, mask, cells } = &mut self.sides[index];
+        let (side, mask, matrices) = (*side, &*mask, &self.matrices);
+        let (v, record) = (self.shells.cell, self.record.is_some());
         let (axes, depth) = (side.axes, scale.shell() * side.sign);
-        let ShellSides { masks, cells } = &mut *self.sides;
-        let (masks, cells, matrices) = (&*masks, &mut cells[index], &self.matrices);
         let mut counts = CellCounts::default();
         if self.remaining.is_done(index) {
             cells.clear();
@@ -187,18 +185,16 @@ impl CellWalk<'_> {
             return counts;
         };
         let first_page = (v + side.cell(depth, 0, 0)).max(IVec3::ZERO) >> 6i32;
-        if !record && matrices.plane_is_empty(axes.normal, first_page) {
+        if !record && matrices.none_in(|pages| pages.plane_is_empty(axes.normal, first_page)) {
             return counts;
         }
         let (c0, c1) = cells.columns();
         let pass = SidePass {
-            index,
             side,
             scale,
             frustum,
-            masks,
+            mask,
             cell: v,
-            depth,
             at: v[axes.normal] + depth,
             words: cells.words,
             first_word: ((v[axes.col] + c0) >> 6) as usize,
@@ -206,11 +202,11 @@ impl CellWalk<'_> {
         };
         for number in 0..cells.bands() {
             let (first, last) = cells.rows_of_band(number);
-            if !record && matrices.row_is_empty(axes.col, (v + side.cell(depth, first, c0)) >> 6i32) {
+            let page = (v + side.cell(depth, first, c0)) >> 6i32;
+            if !record && matrices.none_in(|pages| pages.row_is_empty(axes.col, page)) {
                 continue;
             }
-            let part =
-                if record { Some((c0, c1)) } else { masks.open_part(index, scale, (first, last), (c0, c1)) };
+            let part = if record { Some((c0, c1)) } else { mask.open_part(scale, (first, last), (c0, c1)) };
             let Some(part) = part else {
                 cells.hide_band(number);
                 continue;
@@ -232,23 +228,35 @@ impl CellWalk<'_> {
                 cells.set_fresh(number, fresh);
             }
         }
-        self.finder.look_up(self.hits, matrices.lists, &side, pass.at, scale, masks);
+        let at = pass.at;
+        self.finder.look_up(self.hits, matrices.lists, &side, at, scale, self.sides);
         counts
     }
 
-    /// Draws the blocked cells of a side into its mask, unless they appear too small.
-    fn stamp(&mut self, index: usize, scale: &ShellScale, closed: bool) {
-        if !self.sides.complete(index, scale, self.shells) {
-            return;
+    /// Draws the blocked cells of the sides into their masks, unless they appear too small.
+    fn stamp(&mut self, scale: &ShellScale, closed: bool) {
+        let (least, stats) = (f64::from(self.options.min_solid_angle), &mut self.finder.pvs.stats);
+        for side in &mut *self.sides {
+            if !side.complete(scale, self.shells) {
+                continue;
+            }
+            let angle = || side.cells.blocked() as f64 / f64::from(scale.shell()).powi(2);
+            if least > 0.0 && angle() < least {
+                stats.caps_skipped += 1;
+                continue;
+            }
+            stats.caps_drawn += 1;
+            side.mask.stamp(scale, &side.cells, closed);
         }
-        let ShellSides { masks, cells } = &mut *self.sides;
-        let (cells, stats, least) = (&cells[index], &mut self.finder.pvs.stats, self.options.min_solid_angle);
-        let angle = || cells.blocked() as f64 / f64::from(scale.shell()).powi(2);
-        if least > 0.0 && angle() < f64::from(least) {
-            stats.caps_skipped += 1;
-            return;
-        }
-        stats.caps_drawn += 1;
-        masks.stamp(index, scale, cells, closed);
     }
+}
+
+/// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken to be
+/// hidden.
+fn occlusion_slack(scene: &Scene, view: &View, stats: &mut Stats) -> Option<f64> {
+    let (at, error, grid) = (view.eye()?, view.eye_box(), scene.grid());
+    stats.eye_in_occluder = rays_start_in_occluder(scene, view, &Starts::of(scene, view));
+    let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
+    let slack = if sure { 0.0 } else { error.max_element() / grid.cell_size() };
+    (!stats.eye_in_occluder && slack <= UNCERTAIN_EYE).then_some(2.0 * slack)
 }

@@ -76,11 +76,8 @@ pub(super) fn list_overhanging(finder: &mut Finder, known: bool) -> Vec<(Slot, C
         }
         let block = object.bounds().block();
         let faces = if known && grid.contains(cell) { exits(grid, &from, &block) } else { None };
-        let few = |faces: Vec<CellBox>| {
-            let count: u64 = faces.iter().map(|f| volume(f.lo, f.hi)).sum();
-            (count <= MOST_EXITS).then_some(faces)
-        };
-        match faces.and_then(|faces| few(faces.collect())) {
+        let few = |faces: &Vec<CellBox>| faces.iter().map(|f| volume(f.lo, f.hi)).sum::<u64>() <= MOST_EXITS;
+        match faces.map(Iterator::collect).filter(few) {
             Some(_) if !view.may_see(object.bounds()) => {}
             Some(faces) => {
                 let join = |a: CellBox, b: CellBox| CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) };

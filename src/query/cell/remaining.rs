@@ -9,8 +9,8 @@ use casca_slots::Slot;
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
 use crate::query::cell::finder::Finder;
-use crate::query::cell::masks::DirectionMasks;
 use crate::query::cell::shell_scale::ShellScale;
+use crate::query::cell::sides::ShellSide;
 
 /// How many slots are looked at after each shell, and how many rows walked in it pay for one more:
 /// the search costs a small part of the walk.
@@ -57,17 +57,17 @@ impl Remaining {
 
     /// Leaves the sides on which no object may be found beyond shell `m`. Returns whether a side is
     /// left to walk.
-    pub(super) fn search(&mut self, m: i32, finder: &Finder, masks: &DirectionMasks) -> bool {
+    pub(super) fn search(&mut self, m: i32, finder: &Finder, sides: &[ShellSide; 6]) -> bool {
         let rows = std::mem::take(&mut self.rows);
         self.budget = SLOTS.min(self.budget + SLOTS) + rows / ROWS_FOR_A_SLOT;
         for side in 0..6 {
-            self.done[side] = self.done[side] || !self.any_remains(side, m, finder, masks);
+            self.done[side] = self.done[side] || !self.any_remains(side, m, finder, sides);
         }
         self.done.contains(&false)
     }
 
     /// Whether some object may be found on a side beyond shell `m`, as far as the search has come.
-    fn any_remains(&mut self, index: usize, m: i32, finder: &Finder, masks: &DirectionMasks) -> bool {
+    fn any_remains(&mut self, index: usize, m: i32, finder: &Finder, sides: &[ShellSide; 6]) -> bool {
         // The grid and the frustum go on beyond the shell, or nothing is there.
         let (side, v, dims) = (&Side::ALL[index], finder.shells.cell, finder.scene.grid().dims());
         let (mut lo, mut hi, axis) = (-v, dims - 1 - v, side.axes.normal);
@@ -80,7 +80,7 @@ impl Remaining {
             return false;
         }
         while self.slots[index].index() < finder.scene.slot_count() {
-            if self.budget <= 0 || self.may_find(index, m, finder, masks) {
+            if self.budget <= 0 || self.may_find(index, m, finder, sides) {
                 return true;
             }
             self.slots[index] = self.slots[index].next();
@@ -90,7 +90,7 @@ impl Remaining {
 
     /// Whether the object in the slot that the search has come to on a side, or its volume, may be
     /// found there beyond shell `m`.
-    fn may_find(&mut self, index: usize, m: i32, finder: &Finder, masks: &DirectionMasks) -> bool {
+    fn may_find(&mut self, index: usize, m: i32, finder: &Finder, sides: &[ShellSide; 6]) -> bool {
         self.budget -= 1;
         let Some(cells) = self.cells_to_find(self.slots[index], finder) else { return false };
         let cells = CellBox { lo: cells.lo - finder.shells.cell, hi: cells.hi - finder.shells.cell };
@@ -98,16 +98,17 @@ impl Remaining {
         if !finder.shells.frustum.meets(cells.lo, cells.hi) {
             return false;
         }
-        let scales = [nearest, farthest].map(|shell| ShellScale::new(shell, masks.log(), 0.0));
+        let ShellSide { mask, .. } = &sides[index];
+        let scales = [nearest, farthest].map(|shell| ShellScale::new(shell, mask.log(), 0.0));
         let axes = Side::ALL[index].axes;
         let rows = pixels_of(&scales, cells.lo[axes.row], cells.hi[axes.row]);
         let cols = pixels_of(&scales, cells.lo[axes.col], cells.hi[axes.col]);
         let (row, col) = self.open[index];
         let within = (rows.0..=rows.1).contains(&row) && (cols.0..=cols.1).contains(&col);
-        if within && masks.is_open(index, row, col) {
+        if within && mask.is_open(row, col) {
             return true;
         }
-        let (open, words) = masks.first_open(index, rows, cols);
+        let (open, words) = mask.first_open(rows, cols);
         self.budget -= words / WORDS_FOR_A_SLOT;
         self.open[index] = open.unwrap_or((row, col));
         open.is_some()
@@ -196,6 +197,7 @@ mod tests {
                     any = true;
                     let (nearest, farthest) = around.unwrap();
                     assert!((nearest..=farthest).contains(&depth));
+                    let ShellSide { mask, .. } = &sides[index];
                     let scales = [nearest, farthest].map(|shell| ShellScale::new(shell, 8, 0.0));
                     let scale = ShellScale::new(depth, 8, 0.0);
                     for (axis, line) in [(side.axes.row, row), (side.axes.col, col)] {

@@ -4,7 +4,7 @@ use glam::IVec3;
 
 use crate::grid::side::Side;
 use crate::matrix::bits::BitMatrix;
-use crate::query::cell::masks::DirectionMasks;
+use crate::query::cell::mask::DirectionMask;
 use crate::query::cell::matrices::CellMatrices;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::walk::SideFrustum;
@@ -31,15 +31,13 @@ pub(super) struct CellCounts {
 
 /// One side of a shell as it is walked.
 pub(super) struct SidePass<'a> {
-    pub(super) index: usize,
     pub(super) side: Side,
     pub(super) scale: &'a ShellScale,
     pub(super) frustum: SideFrustum,
-    pub(super) masks: &'a DirectionMasks,
+    pub(super) mask: &'a DirectionMask,
     /// The viewer's cell V.
     pub(super) cell: IVec3,
-    /// Coordinate of its cells along its axis: relative to V, and in the grid.
-    pub(super) depth: i32,
+    /// Coordinate of its cells along its axis, in the grid.
     pub(super) at: i32,
     /// Words in a row, and the first of them in the grid.
     pub(super) words: usize,
@@ -65,8 +63,8 @@ impl SidePass<'_> {
         let (mut left, mut right) = (i32::MAX, i32::MIN);
         for (row, line) in (first..=last).zip(band[skip * words..].chunks_mut(words)) {
             let Some((lo, hi)) = self.frustum.row(row, part) else { continue };
-            let seen = self.masks.open_cells(self.index, self.scale, row, (lo, hi), self.base, line);
-            if let Some(record) = record {
+            let seen = self.mask.open_cells(self.scale, row, (lo, hi), self.base, line);
+            if record.is_some() {
                 self.record_row(row, (lo, hi), line, record);
             }
             counts.total += (hi - lo + 1) as u64;
@@ -79,15 +77,11 @@ impl SidePass<'_> {
     }
 
     /// Records the cells of a row between two columns, hidden where their bits are clear.
-    fn record_row(
-        &self,
-        row: i32,
-        (lo, hi): (i32, i32),
-        line: &[u64],
-        (visited, hidden): &mut (&mut BitMatrix, &mut BitMatrix),
-    ) {
+    fn record_row(&self, row: i32, (lo, hi): (i32, i32), line: &[u64], record: &mut Recorded) {
+        let Some((visited, hidden)) = record else { return };
+        let depth = self.at - self.cell[self.side.axes.normal];
         for col in lo..=hi {
-            let c = self.cell + self.side.cell(self.depth, row, col);
+            let c = self.cell + self.side.cell(depth, row, col);
             visited.set(c);
             let bit = (self.base + col) as usize;
             if line[bit / 64] >> (bit % 64) & 1 == 0 {
@@ -115,15 +109,13 @@ impl SidePass<'_> {
             (brick[axes.normal], brick[axes.row], brick[axes.col]) =
                 (self.at >> 3, (v[axes.row] + first) >> 3, b);
             let stop = end.min(b | 7);
-            if matrices.page_is_empty(brick >> 3i32) {
-                b = stop + 1;
-                continue;
+            if !matrices.none_in(|pages| pages.page_is_empty(brick >> 3i32)) {
+                for b in b..=stop {
+                    brick[axes.col] = b;
+                    fresh |= self.block_tile(matrices, brick, band, hits);
+                }
             }
-            while b <= stop {
-                brick[axes.col] = b;
-                fresh |= self.block_tile(matrices, brick, band, hits);
-                b += 1;
-            }
+            b = stop + 1;
         }
         fresh
     }

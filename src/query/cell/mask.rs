@@ -14,9 +14,6 @@
 //! centres, rounded inwards. Look-ups and stamps without an uncertain eye are
 //! integer arithmetic, or divisions whose rounding provably cannot change their floor.
 
-use glam::IVec3;
-
-use crate::grid::side::Side;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::SideCells;
 use crate::query::cell::spans::{clear_span, for_runs, next_clear, set_span};
@@ -24,26 +21,29 @@ use crate::query::cell::spans::{clear_span, for_runs, next_clear, set_span};
 /// Bands with more rows of pixels than this are looked at row by row.
 const MOST_PIXELS: i64 = 8;
 
-/// The six masks of a query.
+/// The mask of one side.
 #[derive(Debug, Clone)]
-pub(crate) struct DirectionMasks {
+pub(super) struct DirectionMask {
     log: u32,
+    /// Words in a row of pixels.
     words: usize,
-    bits: [Vec<u64>; 6],
-    used: [bool; 6],
+    bits: Vec<u64>,
+    /// Whether some bit may be set.
+    used: bool,
+    /// What blocks in the rows of cells around a row of pixels, and the pixels that hides.
     row: Vec<u64>,
     pattern: Vec<u64>,
 }
 
-impl DirectionMasks {
-    /// Masks of 2^log pixels along each side.
+impl DirectionMask {
+    /// A mask of 2^log pixels along each side.
     pub(super) fn new(log: u32) -> Self {
         let words = (1usize << log).div_ceil(64);
         Self {
             log,
             words,
-            bits: std::array::from_fn(|_| vec![0; words << log]),
-            used: [false; 6],
+            bits: vec![0; words << log],
+            used: false,
             row: Vec::new(),
             pattern: vec![0; words],
         }
@@ -53,56 +53,40 @@ impl DirectionMasks {
         self.log
     }
 
-    /// Clears all masks.
+    /// Clears all bits.
     pub(super) fn clear(&mut self) {
-        for (bits, used) in self.bits.iter_mut().zip(&mut self.used) {
-            if std::mem::take(used) {
-                bits.fill(0);
-            }
+        if std::mem::take(&mut self.used) {
+            self.bits.fill(0);
         }
     }
 
-    /// Whether a cell of the scale's shell is hidden by the mask of a side that it belongs to.
-    pub(super) fn hides(&self, c: IVec3, scale: &ShellScale) -> bool {
-        Side::ALL.iter().enumerate().any(|(i, side)| {
-            c[side.axes.normal] * side.sign == scale.shell()
-                && self.is_hidden(i, scale, c[side.axes.row], c[side.axes.col])
-        })
-    }
-
-    /// Whether a cell of a side of the scale's shell is hidden.
+    /// Whether a cell of the side of the scale's shell is hidden.
     #[inline]
-    fn is_hidden(&self, side: usize, scale: &ShellScale, row: i32, col: i32) -> bool {
-        if !self.used[side] {
+    pub(super) fn is_hidden(&self, scale: &ShellScale, row: i32, col: i32) -> bool {
+        if !self.used {
             return false;
         }
         let (r, c) = (scale.pixel(row) as usize, scale.pixel(col) as usize);
-        self.bits[side][r * self.words + c / 64] >> (c % 64) & 1 != 0
+        self.bits[r * self.words + c / 64] >> (c % 64) & 1 != 0
     }
 
     /// Whether a pixel is not set.
     #[inline]
-    pub(super) fn is_open(&self, side: usize, row: i64, col: i64) -> bool {
-        !self.used[side]
-            || self.bits[side][row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
+    pub(super) fn is_open(&self, row: i64, col: i64) -> bool {
+        !self.used || self.bits[row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
     }
 
     /// The first pixel between two rows and two columns, all included, that is not set, and how
     /// many words were read.
-    pub(super) fn first_open(
-        &self,
-        side: usize,
-        rows: (i64, i64),
-        cols: (i64, i64),
-    ) -> (Option<(i64, i64)>, i64) {
-        if !self.used[side] {
+    pub(super) fn first_open(&self, rows: (i64, i64), cols: (i64, i64)) -> (Option<(i64, i64)>, i64) {
+        if !self.used {
             return (Some((rows.0, cols.0)), 0);
         }
         let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
         let words = (end / 64 - from / 64) as i64 + 1;
         for row in rows.0..=rows.1 {
             let at = row as usize * self.words;
-            let col = next_clear(&self.bits[side][at..at + self.words], from, end);
+            let col = next_clear(&self.bits[at..at + self.words], from, end);
             if col < end {
                 return (Some((row, col as i64)), words * (row - rows.0 + 1));
             }
@@ -110,12 +94,11 @@ impl DirectionMasks {
         (None, words * (rows.1 - rows.0 + 1))
     }
 
-    /// The columns between which rows of a side have cells that are not hidden, as far as the
+    /// The columns between which rows of the side have cells that are not hidden, as far as the
     /// pixels around all of the rows tell; `None` if they are hidden. Near shells are not looked
     /// at: their rows have many pixels each.
     pub(super) fn open_part(
         &self,
-        side: usize,
         scale: &ShellScale,
         rows: (i32, i32),
         cols: (i32, i32),
@@ -124,7 +107,7 @@ impl DirectionMasks {
         if pixels.1 - pixels.0 > MOST_PIXELS {
             return Some(cols);
         }
-        let (first, last) = self.open_columns(side, pixels, (scale.pixel(cols.0), scale.pixel(cols.1)))?;
+        let (first, last) = self.open_columns(pixels, (scale.pixel(cols.0), scale.pixel(cols.1)))?;
         let part =
             ((scale.line_from(first) as i32).max(cols.0), (scale.line_before(last + 1) as i32).min(cols.1));
         (part.0 <= part.1).then_some(part)
@@ -132,15 +115,15 @@ impl DirectionMasks {
 
     /// The columns, of some, from the first to the last in which a pixel of some rows is not set;
     /// `None` if all are set.
-    fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
-        if !self.used[side] {
+    fn open_columns(&self, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
+        if !self.used {
             return Some(cols);
         }
         let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
         let (first, last) = (from / 64, (end - 1) / 64);
         let open = |word: usize| {
             let set = (rows.0..=rows.1)
-                .fold(u64::MAX, |all, row| all & self.bits[side][row as usize * self.words + word]);
+                .fold(u64::MAX, |all, row| all & self.bits[row as usize * self.words + word]);
             let head = if word == first { u64::MAX << (from % 64) } else { u64::MAX };
             let tail = if word == last { u64::MAX >> (63 - (end - 1) % 64) } else { u64::MAX };
             !set & head & tail
@@ -160,17 +143,16 @@ impl DirectionMasks {
     #[inline]
     pub(super) fn hidden_runs(
         &self,
-        side: usize,
         scale: &ShellScale,
         row: i32,
         (lo, hi): (i32, i32),
         mut hidden: impl FnMut(i32, i32),
     ) {
-        if !self.used[side] {
+        if !self.used {
             return;
         }
         let at = scale.pixel(row) as usize * self.words;
-        let bits = &self.bits[side][at..at + self.words];
+        let bits = &self.bits[at..at + self.words];
         let (first, last) = (scale.pixel(lo), scale.pixel(hi));
         for_runs(bits, true, first as usize, last as usize + 1, |p, q| {
             let a = (scale.line_from(p as i64) as i32).max(lo);
@@ -186,7 +168,6 @@ impl DirectionMasks {
     #[inline]
     pub(super) fn open_cells(
         &self,
-        side: usize,
         scale: &ShellScale,
         row: i32,
         (lo, hi): (i32, i32),
@@ -195,19 +176,19 @@ impl DirectionMasks {
     ) -> i32 {
         let mut open = hi - lo + 1;
         set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
-        self.hidden_runs(side, scale, row, (lo, hi), |a, b| {
+        self.hidden_runs(scale, row, (lo, hi), |a, b| {
             clear_span(line, (base + a) as usize, (base + b) as usize + 1);
             open -= b - a + 1;
         });
         open
     }
 
-    /// Draws the blocked cells of one side of the scale's shell.
+    /// Draws the blocked cells of the side of the scale's shell.
     ///
     /// Cells of the side outside the frustum count as blocked, since no segment
     /// between points of the convex frustum passes through them; where `closed`,
     /// so do cells outside the grid, for the same reason.
-    pub(super) fn stamp(&mut self, side: usize, scale: &ShellScale, cells: &SideCells, closed: bool) {
+    pub(super) fn stamp(&mut self, scale: &ShellScale, cells: &SideCells, closed: bool) {
         if cells.rows <= 0 || cells.cols <= 0 {
             return;
         }
@@ -224,7 +205,7 @@ impl DirectionMasks {
             let to = ((end + spread + m) << scale.log()) / (2 * m) + 1;
             ((from - 1).max(0), to.min(size - 1))
         };
-        self.used[side] = true;
+        self.used = true;
         let mut drawn = None;
         while j <= last {
             let (lo, hi) = scale.lines_around(j);
@@ -240,8 +221,8 @@ impl DirectionMasks {
                 self.draw_pattern(scale, cells, rows, closed);
             }
             let at = j as usize * self.words;
-            for (mask, pattern) in self.bits[side][at..at + self.words].iter_mut().zip(&self.pattern) {
-                *mask |= pattern;
+            for (bits, pattern) in self.bits[at..at + self.words].iter_mut().zip(&self.pattern) {
+                *bits |= pattern;
             }
             j += 1;
         }
@@ -285,10 +266,9 @@ mod tests {
 
     /// Shell `m` of side 0 without a grid's border, with some blocked cells.
     fn side(m: i32, blocked: impl Fn(i32, i32) -> bool) -> SideCells {
-        let count = 2 * m + 1;
-        let words = (count as usize).div_ceil(64);
         let mut cells = SideCells::default();
         cells.set_part((-m, m), (-m, m), (0, 0));
+        let words = cells.words;
         for band in 0..cells.bands() {
             let rows = cells.make_band(band);
             for (row, line) in rows.chunks_mut(words).enumerate() {
@@ -307,18 +287,18 @@ mod tests {
         let (k, log) = (5, 8);
         let blocked =
             |row: i32, col: i32| (-3..=2).contains(&row) && (-1..=4).contains(&col) && (row, col) != (0, 2);
-        let mut masks = DirectionMasks::new(log);
-        masks.stamp(0, &ShellScale::new(k, log, 0.0), &side(k, blocked), false);
+        let mut mask = DirectionMask::new(log);
+        mask.stamp(&ShellScale::new(k, log, 0.0), &side(k, blocked), false);
         let mut found = 0;
         for m in k + 1..30 {
             let scale = ShellScale::new(m, log, 0.0);
             for row in -m..=m {
                 let mut runs = vec![false; (2 * m + 1) as usize];
-                masks.hidden_runs(0, &scale, row, (-m, m), |a, b| {
+                mask.hidden_runs(&scale, row, (-m, m), |a, b| {
                     runs[(a + m) as usize..=(b + m) as usize].fill(true);
                 });
                 for col in -m..=m {
-                    let hidden = masks.is_hidden(0, &scale, row, col);
+                    let hidden = mask.is_hidden(&scale, row, col);
                     assert_eq!(hidden, runs[(col + m) as usize], "{m} {row} {col}");
                     let around = |v: i32| (v * k).div_euclid(m)..=-(-v * k).div_euclid(m);
                     let rule = around(row).all(|r| around(col).all(|c| blocked(r, c)));
@@ -328,7 +308,7 @@ mod tests {
             }
         }
         assert!(found > 1000, "{found}");
-        masks.clear();
-        assert!(!masks.is_hidden(0, &ShellScale::new(20, log, 0.0), 0, 0));
+        mask.clear();
+        assert!(!mask.is_hidden(&ShellScale::new(20, log, 0.0), 0, 0));
     }
 }
