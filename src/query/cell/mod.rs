@@ -87,8 +87,8 @@ impl CellWalk<'_> {
         scratch: &mut CellScratch,
         record: Recorded,
     ) {
-        // The walk starts at the viewer's cell, or in the middle of the grid. From the eye, the frustum
-        // is widened to contain it and all of its cell.
+        // Around the middle of the grid without a viewer's cell. From the eye, the frustum is
+        // widened to contain it and all of its cell.
         let around_eye = Shells::around_eye(scene.grid(), view, Start::Cell);
         let from_eye = around_eye.is_some();
         let shells = &around_eye.unwrap_or_else(|| Shells::around_middle(scene.grid(), view));

@@ -60,9 +60,9 @@ fn exits(grid: &Grid, from: &Block, to: &Block) -> Option<impl Iterator<Item = C
     Some(faces)
 }
 
-/// Makes the objects that reach beyond the grid pending by the cells on the border that decide
-/// about those parts. Returns those objects with a box around these cells. Objects for which no such
-/// cells are known are decided. Without `known` cells, that is all of them.
+/// Lists the objects that reach beyond the grid by the cells on the border that decide about those
+/// parts, and returns them with a box around these cells. Objects for which no such cells are known
+/// are decided. Without `known` cells, that is all of them.
 pub(super) fn list_overhanging(finder: &mut Finder, known: bool) -> Vec<(Slot, CellBox)> {
     let (scene, view, cell) = (finder.scene, finder.view, finder.shells.cell);
     let grid = scene.grid();

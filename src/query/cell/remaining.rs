@@ -68,7 +68,7 @@ impl Remaining {
 
     /// Whether some object may be found on a side beyond shell `m`, as far as the search has come.
     fn any_remains(&mut self, index: usize, m: i32, finder: &Finder, sides: &[ShellSide; 6]) -> bool {
-        // The grid and the frustum go on beyond the shell, or nothing is there.
+        // Where the grid or the frustum ends at the shell, none does.
         let (side, v, dims) = (&Side::ALL[index], finder.shells.cell, finder.scene.grid().dims());
         let (mut lo, mut hi, axis) = (-v, dims - 1 - v, side.axes.normal);
         if side.sign > 0 {
