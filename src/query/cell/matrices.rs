@@ -21,14 +21,9 @@ pub(super) struct CellMatrices<'a> {
 
 impl<'a> CellMatrices<'a> {
     pub(super) fn new(scene: &'a Scene, view: &View, lists: &'a CellLists) -> Self {
-        let opaque = scene.opacity(view.layers());
-        Self {
-            lists,
-            volumes: scene.tbv_matrix(),
-            opaque: opaque
-                .flat_map(|part| std::iter::once(part.fixed()).chain(part.known_moving()))
-                .collect(),
-        }
+        let layers = scene.opacity(view.layers());
+        let opaque = layers.flat_map(|part| std::iter::once(part.fixed()).chain(part.known_moving()));
+        Self { lists, volumes: scene.tbv_matrix(), opaque: opaque.collect() }
     }
 
     /// Whether some pages contain nothing, by a question that is put to the pages of each matrix.

@@ -197,7 +197,6 @@ mod tests {
                     any = true;
                     let (nearest, farthest) = around.unwrap();
                     assert!((nearest..=farthest).contains(&depth));
-                    let ShellSide { mask, .. } = &sides[index];
                     let scales = [nearest, farthest].map(|shell| ShellScale::new(shell, 8, 0.0));
                     let scale = ShellScale::new(depth, 8, 0.0);
                     for (axis, line) in [(side.axes.row, row), (side.axes.col, col)] {

@@ -27,8 +27,7 @@ fn scan(bits: &[u64], from: usize, end: usize, flip: u64) -> usize {
 /// Calls `run` with the runs of set, or of clear bits in `from..end`.
 #[inline]
 pub(super) fn for_runs(bits: &[u64], set: bool, from: usize, end: usize, mut run: impl FnMut(usize, usize)) {
-    let mut from = from;
-    let flip = if set { 0 } else { u64::MAX };
+    let (mut from, flip) = (from, if set { 0 } else { u64::MAX });
     while from < end {
         let start = scan(bits, from, end, flip);
         from = scan(bits, start, end, !flip);
