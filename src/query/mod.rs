@@ -14,7 +14,7 @@ use crate::matrix::bits::{BitMatrix, OcclusionMatrix};
 use crate::method::{CellOptions, Method, PointOptions};
 use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
-use crate::query::cell::scratch::CellScratch;
+use crate::query::cell::{CellScratch, CellWalk};
 use crate::query::marks::Marks;
 use crate::query::point::follow::StaticChanges;
 use crate::query::point::offered::Offered;
@@ -189,8 +189,7 @@ impl Query {
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 self.lists.follow(scene);
                 let (marks, lists, scratch) = (&mut self.marks, &self.lists, &mut self.cell);
-                let walk = cell::CellWalk::new(scene, view, options, pvs, marks, lists, scratch);
-                walk.with_record(record).run();
+                CellWalk::run((scene, view, options), pvs, marks, lists, scratch, record);
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();

@@ -3,7 +3,7 @@
 
 use casca_slots::Slot;
 
-use crate::query::cell::CellWalk;
+use crate::query::cell::finder::Finder;
 
 /// An entry of the list of all that the frustum meets, in the order in which it is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -12,53 +12,45 @@ enum Found {
     Object,
 }
 
-impl CellWalk<'_> {
-    /// Finds the volumes and objects in the frustum, in the order of the shells in which their
-    /// boxes begin. The cost follows the number of objects, whatever the size of the grid.
-    pub(super) fn find_everything(&mut self) {
-        let scene = self.scene;
-        let begins = self.shells.begins(scene.grid());
-        let mut found = Vec::new();
-        for (slot, object) in scene.living().filter(|(_, object)| object.is_shown(self.view)) {
-            let mut first = 0;
-            if object.is_hidden() {
-                if !self.may_see_volume_of(slot) {
-                    continue;
-                }
-                first = begins.shell(&scene.volume_block(slot));
-                found.push((first, slot, Found::Volume));
-                if object.on_expiry() {
-                    continue;
-                }
-            } else {
-                self.marks.decide(slot);
+/// Finds the volumes and objects in the frustum, in the order of the shells in which their boxes
+/// begin. The cost follows the number of objects, whatever the size of the grid. Where shells are
+/// `from_eye`, their frustum is wider than that of the view.
+pub(super) fn find_everything(finder: &mut Finder, from_eye: bool) {
+    let (scene, view, shells) = (finder.scene, finder.view, finder.shells);
+    let begins = shells.begins(scene.grid());
+    let may_see_volume_of = |slot: Slot| {
+        let volumes = scene.volumes();
+        let (cells, v) = (volumes.cells(slot), shells.cell);
+        let meets = || match volumes.is_outer(slot) {
+            true => from_eye && cells.contains(v),
+            false => shells.frustum.meets(cells.lo - v, cells.hi - v),
+        };
+        view.may_see_volume(&scene.volume_block(slot)) || meets()
+    };
+    let mut found = Vec::new();
+    for (slot, object) in scene.living().filter(|(_, object)| object.is_shown(view)) {
+        let mut first = 0;
+        if object.is_hidden() {
+            if !may_see_volume_of(slot) {
+                continue;
             }
-            if self.is_in_view(slot) {
-                found.push((begins.shell(&object.bounds().block()).max(first), slot, Found::Object));
+            first = begins.shell(&scene.volume_block(slot));
+            found.push((first, slot, Found::Volume));
+            if object.on_expiry() {
+                continue;
             }
+        } else {
+            finder.marks.decide(slot);
         }
-        found.sort_unstable();
-        for (_, slot, what) in found {
-            match what {
-                Found::Volume => {
-                    self.uncover(slot);
-                }
-                Found::Object => {
-                    self.marks.decide(slot);
-                    self.pvs.push(scene.id(slot));
-                }
-            }
+        if finder.is_in_view(slot) {
+            found.push((begins.shell(&object.bounds().block()).max(first), slot, Found::Object));
         }
     }
-
-    /// Whether the frustum, or the widened frustum of a walk, may meet a volume.
-    fn may_see_volume_of(&self, slot: Slot) -> bool {
-        let volumes = self.scene.volumes();
-        let (cells, v) = (volumes.cells(slot), self.shells.cell);
-        let meets = || match volumes.is_outer(slot) {
-            true => self.from_eye && cells.contains(v),
-            false => self.shells.frustum.meets(cells.lo - v, cells.hi - v),
-        };
-        self.view.may_see_volume(&self.scene.volume_block(slot)) || meets()
+    found.sort_unstable();
+    for (_, slot, what) in found {
+        match what {
+            Found::Volume => _ = finder.uncover(slot),
+            Found::Object => finder.add(slot),
+        }
     }
 }

@@ -1,229 +1,262 @@
 //! The cell method: the objects that can be seen from anywhere in the viewer's cell.
 
-mod bands;
 mod cell_ids;
-mod ending;
 mod everything;
+mod finder;
 pub(crate) mod lists;
-pub(crate) mod masks;
-mod objects;
+mod mask;
+mod matrices;
 mod overhang;
 mod remaining;
-pub(crate) mod scratch;
 mod shell_scale;
 mod side;
 mod side_cells;
+mod sides;
 mod spans;
 
 use casca_slots::Slot;
 use glam::IVec3;
-use smallvec::SmallVec;
 
-use crate::matrix::bits::BitMatrix;
+use crate::grid::side::Side;
 use crate::method::CellOptions;
 use crate::numeric::query::UNCERTAIN_EYE;
 use crate::pvs::{Pvs, Stats};
+use crate::query::cell::everything::find_everything;
+use crate::query::cell::finder::Finder;
 use crate::query::cell::lists::CellLists;
+use crate::query::cell::mask::DirectionMask;
+use crate::query::cell::matrices::CellMatrices;
+use crate::query::cell::overhang::list_overhanging;
 use crate::query::cell::remaining::Remaining;
-use crate::query::cell::scratch::CellScratch;
 use crate::query::cell::shell_scale::ShellScale;
+use crate::query::cell::side::{CellCounts, Hit, Recorded, SidePass};
 use crate::query::cell::side_cells::SideCells;
-use crate::query::cell::spans::{next_clear, next_set};
+use crate::query::cell::sides::ShellSide;
 use crate::query::marks::Marks;
 use crate::query::start::{Starts, rays_start_in_occluder};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
 
-/// The matrices of visited and of hidden cells, if they are recorded.
-pub(crate) type Recorded<'a> = Option<(&'a mut BitMatrix, &'a mut BitMatrix)>;
+/// The memory of the cell method, reused from query to query.
+#[derive(Debug, Clone)]
+pub(crate) struct CellScratch {
+    sides: [ShellSide; 6],
+    hits: Vec<Hit>,
+    pending: Vec<Vec<(IVec3, Slot)>>,
+}
+
+impl CellScratch {
+    /// Memory for masks of `resolution` pixels along each side, a power of two.
+    pub(crate) fn new(resolution: u32) -> Self {
+        let mask = DirectionMask::new(resolution.trailing_zeros());
+        let side = |side| ShellSide { side, mask: mask.clone(), cells: SideCells::default() };
+        Self { sides: Side::ALL.map(side), hits: Vec::new(), pending: Vec::new() }
+    }
+
+    /// Changes the resolution of the masks.
+    pub(crate) fn set_resolution(&mut self, resolution: u32) {
+        let log = resolution.trailing_zeros();
+        for side in self.sides.iter_mut().filter(|side| side.mask.log() != log) {
+            side.mask = DirectionMask::new(log);
+        }
+    }
+}
 
 /// One run of the cell method.
 pub(crate) struct CellWalk<'a> {
     scene: &'a Scene,
-    view: &'a View,
     options: &'a CellOptions,
-    pvs: &'a mut Pvs,
-    marks: &'a mut Marks,
-    /// The objects by cell.
-    lists: &'a CellLists,
-    scratch: &'a mut CellScratch,
-    record: Recorded<'a>,
-    /// The shells around the viewer's cell; around the middle of the grid without one.
-    shells: Shells,
-    /// Whether the walk starts at the viewer's cell: the frustum is then widened to contain the eye
-    /// and all of that cell.
-    from_eye: bool,
-    /// The cells that count as opaque.
-    opaque: SmallVec<[&'a BitMatrix; 4]>,
-    /// For each side, about where cells were last in sight: a share of its rows.
-    seen_at: [f64; 6],
+    shells: &'a Shells,
+    matrices: CellMatrices<'a>,
+    sides: &'a mut [ShellSide; 6],
+    /// What the walk came upon on the side that it is on.
+    hits: &'a mut Vec<Hit>,
+    finder: Finder<'a>,
     remaining: Remaining,
-    stats: Stats,
+    record: Recorded<'a>,
 }
 
-impl<'a> CellWalk<'a> {
-    pub(crate) fn new(
-        scene: &'a Scene,
-        view: &'a View,
-        options: &'a CellOptions,
-        pvs: &'a mut Pvs,
-        marks: &'a mut Marks,
-        lists: &'a CellLists,
-        scratch: &'a mut CellScratch,
-    ) -> Self {
-        marks.begin(scene.slot_count());
+impl CellWalk<'_> {
+    /// Fills the set. Records the cells visited and hidden, if asked to.
+    pub(crate) fn run(
+        (scene, view, options): (&Scene, &View, &CellOptions),
+        pvs: &mut Pvs,
+        marks: &mut Marks,
+        lists: &CellLists,
+        scratch: &mut CellScratch,
+        record: Recorded,
+    ) {
+        // Around the middle of the grid without a viewer's cell. From the eye, the frustum is
+        // widened to contain it and all of its cell.
         let around_eye = Shells::around_eye(scene.grid(), view, Start::Cell);
         let from_eye = around_eye.is_some();
-        let shells = around_eye.unwrap_or_else(|| Shells::around_middle(scene.grid(), view));
-        Self {
-            scene,
-            view,
-            options,
-            pvs,
-            marks,
-            lists,
-            scratch,
-            record: None,
-            shells,
-            from_eye,
-            opaque: scene
-                .opacity(view.layers())
-                .flat_map(|part| std::iter::once(part.fixed()).chain(part.known_moving()))
-                .collect(),
-            seen_at: [0.5; 6],
-            remaining: Remaining::default(),
-            stats: Stats::default(),
-        }
-    }
-
-    /// Records the cells visited and hidden.
-    pub(crate) fn with_record(self, record: Recorded<'a>) -> Self {
-        Self { record, ..self }
-    }
-
-    /// Fills the set.
-    pub(crate) fn run(mut self) {
-        match self.occlusion_slack() {
-            Some(slack) => {
-                self.pvs.cell = Some(self.shells.cell);
-                self.walk_shells(Some(slack));
-            }
-            None => {
-                self.find_everything();
-                self.record_frustum();
+        let shells = &around_eye.unwrap_or_else(|| Shells::around_middle(scene.grid(), view));
+        let CellScratch { sides, hits, pending } = scratch;
+        let matrices = CellMatrices::new(scene, view, lists);
+        marks.begin(scene.slot_count());
+        pending.iter_mut().for_each(Vec::clear);
+        let finder = Finder { scene, view, shells, pvs, marks, pending };
+        let remaining = Remaining::default();
+        let slack = occlusion_slack(scene, view, &mut finder.pvs.stats).filter(|_| from_eye);
+        let mut walk = CellWalk { scene, options, shells, matrices, sides, hits, finder, remaining, record };
+        if slack.is_some() {
+            walk.finder.pvs.cell = Some(shells.cell);
+            walk.walk_shells(slack, from_eye);
+        } else {
+            find_everything(&mut walk.finder, from_eye);
+            if walk.record.is_some() {
+                // Everything was found without cells: they are walked for the record alone.
+                Slot::below(scene.slot_count()).for_each(|slot| _ = walk.finder.marks.decide(slot));
+                walk.walk_shells(None, from_eye);
             }
         }
+        let mut finder = walk.finder;
         // Nothing is known to hide objects beyond the grid.
-        for &slot in self.scene.volumes().outer().buckets().flat_map(|bucket| bucket.slots()) {
-            if self.view.may_see_volume(&self.scene.volume_block(slot)) {
-                self.reveal(slot, 0);
-                self.decide(slot);
+        for &slot in scene.volumes().outer().buckets().flat_map(|bucket| bucket.slots()) {
+            if view.may_see_volume(&scene.volume_block(slot)) {
+                finder.reveal(slot, 0);
+                finder.decide(slot);
             }
         }
-        for slot in self.scene.always().iter().copied().chain(self.scene.overdue()) {
-            self.decide(slot);
+        for slot in scene.always().iter().copied().chain(scene.overdue()) {
+            finder.decide(slot);
         }
-        self.pvs.stats = self.stats;
-    }
-
-    /// Records the cells of the frustum, if cells are recorded, where everything was found without
-    /// them.
-    fn record_frustum(&mut self) {
-        if self.record.is_some() {
-            Slot::below(self.scene.slot_count()).for_each(|slot| _ = self.marks.decide(slot));
-            self.walk_shells(None);
-        }
-    }
-
-    /// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken
-    /// to be hidden.
-    fn occlusion_slack(&mut self) -> Option<f64> {
-        let (at, error) = (self.view.eye()?, self.view.eye_box());
-        let grid = self.scene.grid();
-        self.stats.eye_in_occluder =
-            rays_start_in_occluder(self.scene, self.view, &Starts::of(self.scene, self.view));
-        let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
-        let slack = if sure { 0.0 } else { error.max_element() / grid.cell_size() };
-        (!self.stats.eye_in_occluder && self.from_eye && slack <= UNCERTAIN_EYE).then_some(2.0 * slack)
     }
 
     /// Walks the shells outwards. Without a slack nothing is taken to be hidden.
-    fn walk_shells(&mut self, slack: Option<f64>) {
-        let grid = self.scene.grid();
-        let inside = grid.contains(self.shells.cell);
-        let interior =
-            self.shells.cell.cmpgt(IVec3::ZERO).all() && self.shells.cell.cmplt(grid.dims() - 1).all();
+    fn walk_shells(&mut self, slack: Option<f64>, from_eye: bool) {
+        let (grid, cell) = (self.scene.grid(), self.shells.cell);
+        let inside = grid.contains(cell);
+        let interior = cell.cmpgt(IVec3::ZERO).all() && cell.cmplt(grid.dims() - 1).all();
         let closed = inside && (slack == Some(0.0) || interior);
-        self.scratch.masks.clear();
-        self.scratch.pending.iter_mut().for_each(Vec::clear);
-        self.list_overhanging(slack.is_some());
-        if inside {
-            self.first_cell();
-        }
         // A segment from inside the grid to a farther cell passes each shell inside the grid, on
         // the same side.
-        let ends = inside && self.from_eye && slack.is_none_or(|s| s == 0.0 || interior);
+        let ends = inside && from_eye && slack.is_none_or(|s| s == 0.0 || interior);
+        self.sides.iter_mut().for_each(ShellSide::clear);
+        self.remaining.add_exits(list_overhanging(&mut self.finder, slack.is_some()));
+        if inside {
+            self.finder.pvs.stats.cells_visited += 1;
+            if let Some((visited, _)) = &mut self.record {
+                visited.set(cell);
+            }
+            self.finder.first_cell(self.matrices.lists);
+        }
         for m in self.shells.nearest.max(1)..=self.shells.farthest {
             // All cells are recorded, also those without objects.
-            if self.record.is_none() && !self.search_remaining(m - 1) {
+            if self.record.is_none() && !self.remaining.search(m - 1, &self.finder, self.sides) {
                 break;
             }
-            self.stats.shells += 1;
-            let scale = ShellScale::new(m, self.scratch.masks.log(), slack.unwrap_or(0.0));
+            let scale = ShellScale::new(m, self.sides[0].mask.log(), slack.unwrap_or(0.0));
             let (mut cells, mut in_sight) = (0, 0);
             for side in 0..6 {
-                let (c, v) = self.side(side, m, &scale);
-                cells += c;
-                in_sight += v;
+                let counts = self.side(side, &scale);
+                cells += counts.total;
+                in_sight += counts.in_sight;
             }
-            self.settle_pending(m, &scale);
-            self.stats.cells_visited += cells;
-            self.stats.cells_hidden += cells - in_sight;
-            if ends && in_sight == 0 && !(0..6).any(|side| self.sees_passed_over(side, m, &scale)) {
+            self.finder.settle_pending(&scale, self.sides);
+            let stats = &mut self.finder.pvs.stats;
+            stats.shells += 1;
+            stats.cells_visited += cells;
+            stats.cells_hidden += cells - in_sight;
+            let sees_passed_over = |side: &mut ShellSide| side.sees_passed_over(&scale, self.shells);
+            if ends && in_sight == 0 && !self.sides.iter_mut().any(sees_passed_over) {
                 break;
             }
             if slack.is_some() {
-                for side in 0..6 {
-                    self.stamp(side, m, &scale, closed);
-                }
+                self.stamp(&scale, closed);
             }
         }
     }
 
-    /// Draws the blocked cells of a side into its mask, unless they appear too small.
-    fn stamp(&mut self, index: usize, m: i32, scale: &ShellScale, closed: bool) {
-        if !self.scratch.sides[index].fresh.contains(&true) {
-            return;
+    /// Walks one side of a shell. Counts its cells without the parts where the grid contains
+    /// nothing or the masks hide all: those are passed over.
+    fn side(&mut self, index: usize, scale: &ShellScale) -> CellCounts {
+        let ShellSide { side, mask, cells } = &mut self.sides[index];
+        let (side, mask, matrices) = (*side, &*mask, &self.matrices);
+        let (v, record) = (self.shells.cell, self.record.is_some());
+        let (axes, depth) = (side.axes, scale.shell() * side.sign);
+        let mut counts = CellCounts::default();
+        if self.remaining.is_done(index) {
+            cells.clear();
+            return counts;
         }
-        self.complete(index, m, scale);
-        let cells = &self.scratch.sides[index];
-        if self.options.min_solid_angle > 0.0 {
-            let angle = blocked_cells(cells) as f64 / (scale.shell() as f64).powi(2);
-            if angle < f64::from(self.options.min_solid_angle) {
-                self.stats.caps_skipped += 1;
-                return;
+        let Some(frustum) = cells.begin(&side, depth, self.scene.grid().dims(), self.shells) else {
+            return counts;
+        };
+        let first_page = (v + side.cell(depth, 0, 0)).max(IVec3::ZERO) >> 6i32;
+        if !record && matrices.none_in(|pages| pages.plane_is_empty(axes.normal, first_page)) {
+            return counts;
+        }
+        let (c0, c1) = cells.columns();
+        let pass = SidePass {
+            side,
+            scale,
+            frustum,
+            mask,
+            cell: v,
+            at: v[axes.normal] + depth,
+            words: cells.words,
+            first_word: ((v[axes.col] + c0) >> 6) as usize,
+            base: cells.base(),
+        };
+        for number in 0..cells.bands() {
+            let (first, last) = cells.rows_of_band(number);
+            let page = (v + side.cell(depth, first, c0)) >> 6i32;
+            if !record && matrices.none_in(|pages| pages.row_is_empty(axes.col, page)) {
+                continue;
+            }
+            let part = if record { Some((c0, c1)) } else { mask.open_part(scale, (first, last), (c0, c1)) };
+            let Some(part) = part else {
+                cells.hide_band(number);
+                continue;
+            };
+            let brick = (v + side.cell(depth, first, part.0)) >> 3i32;
+            let columns = (v[axes.col] + part.0, v[axes.col] + part.1);
+            if !record && part != (c0, c1) && matrices.pages_are_empty(axes.col, brick, columns) {
+                continue;
+            }
+            let band = cells.make_band(number);
+            if !self.shells.frustum.meets(side.cell(depth, first, c0), side.cell(depth, last, c1)) {
+                continue;
+            }
+            self.remaining.add_rows(i64::from(last - first + 1));
+            let open = pass.open_rows((first, last), part, band, &mut counts, &mut self.record);
+            let Some(open) = open else { continue };
+            let fresh = pass.block_tiles(matrices, first, open, band, self.hits);
+            if fresh != 0 {
+                cells.set_fresh(number, fresh);
             }
         }
-        self.stats.caps_drawn += 1;
-        self.scratch.masks.stamp(index, scale, cells, closed);
+        let at = pass.at;
+        self.finder.look_up(self.hits, matrices.lists, &side, at, scale, self.sides);
+        counts
+    }
+
+    /// Draws the blocked cells of the sides into their masks, unless they appear too small.
+    fn stamp(&mut self, scale: &ShellScale, closed: bool) {
+        let (least, stats) = (f64::from(self.options.min_solid_angle), &mut self.finder.pvs.stats);
+        for side in &mut *self.sides {
+            if !side.complete(scale, self.shells) {
+                continue;
+            }
+            let angle = || side.cells.blocked() as f64 / f64::from(scale.shell()).powi(2);
+            if least > 0.0 && angle() < least {
+                stats.caps_skipped += 1;
+                continue;
+            }
+            stats.caps_drawn += 1;
+            side.mask.stamp(scale, &side.cells, closed);
+        }
     }
 }
 
-/// Number of cells of the rows with fresh occluders that block.
-fn blocked_cells(cells: &SideCells) -> usize {
-    let end = cells.offset + cells.cols as usize;
-    let fresh = cells.fresh.iter().enumerate().filter(|(_, fresh)| **fresh);
-    fresh
-        .filter_map(|(r, _)| cells.line(r))
-        .map(|open| {
-            let (mut sum, mut x) = (0, cells.offset);
-            while x < end {
-                let stop = next_set(open, x, end);
-                sum += stop - x;
-                x = next_clear(open, stop, end);
-            }
-            sum
-        })
-        .sum()
+/// How far the eye may be outside its cell, in cells, doubled; `None` if nothing may be taken to be
+/// hidden.
+fn occlusion_slack(scene: &Scene, view: &View, stats: &mut Stats) -> Option<f64> {
+    let (at, error, grid) = (view.eye()?, view.eye_box(), scene.grid());
+    stats.eye_in_occluder = rays_start_in_occluder(scene, view, &Starts::of(scene, view));
+    let sure = grid.cell_of(at - error) == grid.cell_of(at + error);
+    let slack = if sure { 0.0 } else { error.max_element() / grid.cell_size() };
+    (!stats.eye_in_occluder && slack <= UNCERTAIN_EYE).then_some(2.0 * slack)
 }

@@ -12,13 +12,14 @@
 //! share s from t to 1. Along each axis that is between the least and the greatest coordinate of
 //! V + t (B - V) and of B, the object's box.
 
+use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::grid::Grid;
 use crate::grid::cell_box::{CellBox, volume};
 use crate::numeric::query::EXIT;
-use crate::query::cell::CellWalk;
+use crate::query::cell::finder::Finder;
 
 /// Objects whose points x may lie in more cells than this are decided at once.
 const MOST_EXITS: u64 = 1 << 12;
@@ -59,40 +60,34 @@ fn exits(grid: &Grid, from: &Block, to: &Block) -> Option<impl Iterator<Item = C
     Some(faces)
 }
 
-impl CellWalk<'_> {
-    /// Lists the objects that reach beyond the grid by the cells on the border that decide about
-    /// those parts. Objects for which no such cells are known are decided. Without `known` cells,
-    /// that is all of them.
-    pub(super) fn list_overhanging(&mut self, known: bool) {
-        let (scene, cell) = (self.scene, self.shells.cell);
-        let grid = scene.grid();
-        let room = self.view.eye_box().max_element();
-        let from = Block::new(grid.cell_bounds(cell)).grown(room);
-        let (mut slots, mut listed) = (Vec::new(), Vec::new());
-        scene.overhang().slots_where(|block| self.view.may_see_volume(block), |slot| slots.push(slot));
-        for slot in slots {
-            let object = scene.object(slot);
-            if self.marks.is_decided(slot) || !object.is_shown(self.view) {
-                continue;
-            }
-            let block = object.bounds().block();
-            let faces = if known && grid.contains(cell) { exits(grid, &from, &block) } else { None };
-            let few = |faces: Vec<CellBox>| {
-                let count: u64 = faces.iter().map(|f| volume(f.lo, f.hi)).sum();
-                (count <= MOST_EXITS).then_some(faces)
-            };
-            match faces.and_then(|faces| few(faces.collect())) {
-                Some(_) if !self.view.may_see(object.bounds()) => {}
-                Some(faces) => {
-                    let join = |a: CellBox, b: CellBox| CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) };
-                    listed.extend(faces.iter().copied().reduce(join).map(|around| (slot, around)));
-                    faces.into_iter().flat_map(CellBox::cells).for_each(|c| self.pend(c, slot));
-                }
-                None => self.decide(slot),
-            }
+/// Lists the objects that reach beyond the grid by the cells on the border that decide about those
+/// parts, and returns them with a box around these cells. Objects for which no such cells are known
+/// are decided. Without `known` cells, that is all of them.
+pub(super) fn list_overhanging(finder: &mut Finder, known: bool) -> Vec<(Slot, CellBox)> {
+    let (scene, view, cell) = (finder.scene, finder.view, finder.shells.cell);
+    let grid = scene.grid();
+    let from = Block::new(grid.cell_bounds(cell)).grown(view.eye_box().max_element());
+    let (mut slots, mut listed) = (Vec::new(), Vec::new());
+    scene.overhang().slots_where(|block| view.may_see_volume(block), |slot| slots.push(slot));
+    for slot in slots {
+        let object = scene.object(slot);
+        if finder.marks.is_decided(slot) || !object.is_shown(view) {
+            continue;
         }
-        self.remaining.add_exits(listed);
+        let block = object.bounds().block();
+        let faces = if known && grid.contains(cell) { exits(grid, &from, &block) } else { None };
+        let few = |faces: &Vec<CellBox>| faces.iter().map(|f| volume(f.lo, f.hi)).sum::<u64>() <= MOST_EXITS;
+        match faces.map(Iterator::collect).filter(few) {
+            Some(_) if !view.may_see(object.bounds()) => {}
+            Some(faces) => {
+                let join = |a: CellBox, b: CellBox| CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) };
+                listed.extend(faces.iter().copied().reduce(join).map(|around| (slot, around)));
+                faces.into_iter().flat_map(CellBox::cells).for_each(|c| finder.pend(c, slot));
+            }
+            None => finder.decide(slot),
+        }
     }
+    listed
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::numeric::query::MASK;
 /// How the cells of one shell map to the pixels of a mask with 2^log pixels
 /// along each side.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ShellScale {
+pub(super) struct ShellScale {
     m: i64,
     log: u32,
     /// 1 / 2m.
@@ -15,7 +15,7 @@ pub(crate) struct ShellScale {
 }
 
 impl ShellScale {
-    pub(crate) fn new(m: i32, log: u32, slack: f64) -> Self {
+    pub(super) fn new(m: i32, log: u32, slack: f64) -> Self {
         Self { m: i64::from(m), log, inverse: 0.5 / f64::from(m), slack }
     }
 
@@ -25,8 +25,8 @@ impl ShellScale {
     }
 
     /// The number of the shell.
-    pub(crate) fn shell(&self) -> i64 {
-        self.m
+    pub(super) fn shell(&self) -> i32 {
+        self.m as i32
     }
 
     pub(super) fn size(&self) -> i64 {
@@ -42,7 +42,7 @@ impl ShellScale {
 
     /// The pixel that contains the direction of the centre of lattice line `c`.
     #[inline]
-    pub(crate) fn pixel(&self, c: i32) -> i64 {
+    pub(super) fn pixel(&self, c: i32) -> i64 {
         self.divide((i64::from(c) + self.m) << self.log).min(self.size() - 1)
     }
 
@@ -84,7 +84,7 @@ impl ShellScale {
     }
 
     /// How far apart the lattice lines around a pixel are, at most.
-    pub(crate) fn spread(&self) -> usize {
+    pub(super) fn spread(&self) -> usize {
         ((2 * self.m) >> self.log) as usize + 2 * self.slack.ceil() as usize + 4
     }
 

@@ -1,14 +1,8 @@
 //! Runs of bits in slices of words.
 
-/// The first set bit in `from..end`, or `end`.
-#[inline]
-pub(crate) fn next_set(bits: &[u64], from: usize, end: usize) -> usize {
-    scan(bits, from, end, 0)
-}
-
 /// The first clear bit in `from..end`, or `end`.
 #[inline]
-pub(crate) fn next_clear(bits: &[u64], from: usize, end: usize) -> usize {
+pub(super) fn next_clear(bits: &[u64], from: usize, end: usize) -> usize {
     scan(bits, from, end, u64::MAX)
 }
 
@@ -30,15 +24,28 @@ fn scan(bits: &[u64], from: usize, end: usize, flip: u64) -> usize {
     (i * 64 + word.trailing_zeros() as usize).min(end)
 }
 
+/// Calls `run` with the runs of set, or of clear bits in `from..end`.
+#[inline]
+pub(super) fn for_runs(bits: &[u64], set: bool, from: usize, end: usize, mut run: impl FnMut(usize, usize)) {
+    let (mut from, flip) = (from, if set { 0 } else { u64::MAX });
+    while from < end {
+        let start = scan(bits, from, end, flip);
+        from = scan(bits, start, end, !flip);
+        if start < from {
+            run(start, from);
+        }
+    }
+}
+
 /// Sets the bits `from..to`.
 #[inline]
-pub(crate) fn set_span(bits: &mut [u64], from: usize, to: usize) {
+pub(super) fn set_span(bits: &mut [u64], from: usize, to: usize) {
     for_span(bits, from, to, |word, mask| *word |= mask);
 }
 
 /// Clears the bits `from..to`.
 #[inline]
-pub(crate) fn clear_span(bits: &mut [u64], from: usize, to: usize) {
+pub(super) fn clear_span(bits: &mut [u64], from: usize, to: usize) {
     for_span(bits, from, to, |word, mask| *word &= !mask);
 }
 
@@ -68,10 +75,11 @@ mod tests {
         set_span(&mut bits, 3, 200);
         clear_span(&mut bits, 60, 130);
         assert_eq!(bits.iter().map(|w| w.count_ones()).sum::<u32>(), 197 - 70);
-        assert_eq!(next_set(&bits, 0, 256), 3);
+        let mut runs = Vec::new();
+        for_runs(&bits, true, 0, 256, |from, to| runs.push((from, to)));
+        for_runs(&bits, false, 2, 150, |from, to| runs.push((from, to)));
+        assert_eq!(runs, [(3, 60), (130, 200), (2, 3), (60, 130)]);
         assert_eq!(next_clear(&bits, 3, 256), 60);
-        assert_eq!(next_set(&bits, 60, 256), 130);
-        assert_eq!(next_set(&bits, 200, 256), 256);
         assert_eq!(next_clear(&bits, 130, 150), 150);
     }
 }

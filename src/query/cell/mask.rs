@@ -16,79 +16,77 @@
 
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::SideCells;
-use crate::query::cell::spans::{next_clear, next_set, set_span};
+use crate::query::cell::spans::{clear_span, for_runs, next_clear, set_span};
 
-/// The six masks of a query.
+/// Bands with more rows of pixels than this are looked at row by row.
+const MOST_PIXELS: i64 = 8;
+
+/// The mask of one side.
 #[derive(Debug, Clone)]
-pub(crate) struct DirectionMasks {
+pub(super) struct DirectionMask {
     log: u32,
+    /// Words in a row of pixels.
     words: usize,
-    bits: [Vec<u64>; 6],
-    used: [bool; 6],
+    bits: Vec<u64>,
+    /// Whether some bit may be set.
+    used: bool,
+    /// What blocks in the rows of cells around a row of pixels, and the pixels that hides.
     row: Vec<u64>,
     pattern: Vec<u64>,
 }
 
-impl DirectionMasks {
-    /// Masks of 2^log pixels along each side.
-    pub(crate) fn new(log: u32) -> Self {
+impl DirectionMask {
+    /// A mask of 2^log pixels along each side.
+    pub(super) fn new(log: u32) -> Self {
         let words = (1usize << log).div_ceil(64);
         Self {
             log,
             words,
-            bits: std::array::from_fn(|_| vec![0; words << log]),
-            used: [false; 6],
+            bits: vec![0; words << log],
+            used: false,
             row: Vec::new(),
             pattern: vec![0; words],
         }
     }
 
-    pub(crate) fn log(&self) -> u32 {
+    pub(super) fn log(&self) -> u32 {
         self.log
     }
 
-    /// Clears all masks.
-    pub(crate) fn clear(&mut self) {
-        for (bits, used) in self.bits.iter_mut().zip(&mut self.used) {
-            if std::mem::take(used) {
-                bits.fill(0);
-            }
+    /// Clears all bits.
+    pub(super) fn clear(&mut self) {
+        if std::mem::take(&mut self.used) {
+            self.bits.fill(0);
         }
     }
 
-    /// Whether a cell of a side of the scale's shell is hidden.
+    /// Whether a cell of the side of the scale's shell is hidden.
     #[inline]
-    pub(crate) fn is_hidden(&self, side: usize, scale: &ShellScale, row: i32, col: i32) -> bool {
-        if !self.used[side] {
+    pub(super) fn is_hidden(&self, scale: &ShellScale, row: i32, col: i32) -> bool {
+        if !self.used {
             return false;
         }
         let (r, c) = (scale.pixel(row) as usize, scale.pixel(col) as usize);
-        self.bits[side][r * self.words + c / 64] >> (c % 64) & 1 != 0
+        self.bits[r * self.words + c / 64] >> (c % 64) & 1 != 0
     }
 
     /// Whether a pixel is not set.
     #[inline]
-    pub(crate) fn is_open(&self, side: usize, row: i64, col: i64) -> bool {
-        !self.used[side]
-            || self.bits[side][row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
+    pub(super) fn is_open(&self, row: i64, col: i64) -> bool {
+        !self.used || self.bits[row as usize * self.words + col as usize / 64] >> (col % 64) & 1 == 0
     }
 
     /// The first pixel between two rows and two columns, all included, that is not set, and how
     /// many words were read.
-    pub(crate) fn first_open(
-        &self,
-        side: usize,
-        rows: (i64, i64),
-        cols: (i64, i64),
-    ) -> (Option<(i64, i64)>, i64) {
-        if !self.used[side] {
+    pub(super) fn first_open(&self, rows: (i64, i64), cols: (i64, i64)) -> (Option<(i64, i64)>, i64) {
+        if !self.used {
             return (Some((rows.0, cols.0)), 0);
         }
         let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
         let words = (end / 64 - from / 64) as i64 + 1;
         for row in rows.0..=rows.1 {
             let at = row as usize * self.words;
-            let col = next_clear(&self.bits[side][at..at + self.words], from, end);
+            let col = next_clear(&self.bits[at..at + self.words], from, end);
             if col < end {
                 return (Some((row, col as i64)), words * (row - rows.0 + 1));
             }
@@ -96,17 +94,36 @@ impl DirectionMasks {
         (None, words * (rows.1 - rows.0 + 1))
     }
 
+    /// The columns between which rows of the side have cells that are not hidden, as far as the
+    /// pixels around all of the rows tell; `None` if they are hidden. Near shells are not looked
+    /// at: their rows have many pixels each.
+    pub(super) fn open_part(
+        &self,
+        scale: &ShellScale,
+        rows: (i32, i32),
+        cols: (i32, i32),
+    ) -> Option<(i32, i32)> {
+        let pixels = (scale.pixel(rows.0), scale.pixel(rows.1));
+        if pixels.1 - pixels.0 > MOST_PIXELS {
+            return Some(cols);
+        }
+        let (first, last) = self.open_columns(pixels, (scale.pixel(cols.0), scale.pixel(cols.1)))?;
+        let part =
+            ((scale.line_from(first) as i32).max(cols.0), (scale.line_before(last + 1) as i32).min(cols.1));
+        (part.0 <= part.1).then_some(part)
+    }
+
     /// The columns, of some, from the first to the last in which a pixel of some rows is not set;
     /// `None` if all are set.
-    pub(crate) fn open_columns(&self, side: usize, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
-        if !self.used[side] {
+    fn open_columns(&self, rows: (i64, i64), cols: (i64, i64)) -> Option<(i64, i64)> {
+        if !self.used {
             return Some(cols);
         }
         let (from, end) = (cols.0 as usize, cols.1 as usize + 1);
         let (first, last) = (from / 64, (end - 1) / 64);
         let open = |word: usize| {
             let set = (rows.0..=rows.1)
-                .fold(u64::MAX, |all, row| all & self.bits[side][row as usize * self.words + word]);
+                .fold(u64::MAX, |all, row| all & self.bits[row as usize * self.words + word]);
             let head = if word == first { u64::MAX << (from % 64) } else { u64::MAX };
             let tail = if word == last { u64::MAX >> (63 - (end - 1) % 64) } else { u64::MAX };
             !set & head & tail
@@ -124,43 +141,54 @@ impl DirectionMasks {
 
     /// Calls `hidden` with the runs of hidden cells between two columns of a row.
     #[inline]
-    pub(crate) fn hidden_runs(
+    pub(super) fn hidden_runs(
         &self,
-        side: usize,
         scale: &ShellScale,
         row: i32,
         (lo, hi): (i32, i32),
         mut hidden: impl FnMut(i32, i32),
     ) {
-        if !self.used[side] {
+        if !self.used {
             return;
         }
         let at = scale.pixel(row) as usize * self.words;
-        let bits = &self.bits[side][at..at + self.words];
+        let bits = &self.bits[at..at + self.words];
         let (first, last) = (scale.pixel(lo), scale.pixel(hi));
-        let mut p = first as usize;
-        let end = last as usize + 1;
-        while p < end {
-            p = next_set(bits, p, end);
-            if p >= end {
-                break;
-            }
-            let q = next_clear(bits, p, end);
+        for_runs(bits, true, first as usize, last as usize + 1, |p, q| {
             let a = (scale.line_from(p as i64) as i32).max(lo);
             let b = (scale.line_before(q as i64) as i32).min(hi);
             if a <= b {
                 hidden(a, b);
             }
-            p = q;
-        }
+        });
     }
 
-    /// Draws the blocked cells of one side of the scale's shell.
+    /// Sets the bits of the cells between two columns of a row that are not hidden, where `base` is
+    /// the bit of column 0. Returns their number.
+    #[inline]
+    pub(super) fn open_cells(
+        &self,
+        scale: &ShellScale,
+        row: i32,
+        (lo, hi): (i32, i32),
+        base: i32,
+        line: &mut [u64],
+    ) -> i32 {
+        let mut open = hi - lo + 1;
+        set_span(line, (base + lo) as usize, (base + hi) as usize + 1);
+        self.hidden_runs(scale, row, (lo, hi), |a, b| {
+            clear_span(line, (base + a) as usize, (base + b) as usize + 1);
+            open -= b - a + 1;
+        });
+        open
+    }
+
+    /// Draws the blocked cells of the side of the scale's shell.
     ///
     /// Cells of the side outside the frustum count as blocked, since no segment
     /// between points of the convex frustum passes through them; where `closed`,
     /// so do cells outside the grid, for the same reason.
-    pub(crate) fn stamp(&mut self, side: usize, scale: &ShellScale, cells: &SideCells, closed: bool) {
+    pub(super) fn stamp(&mut self, scale: &ShellScale, cells: &SideCells, closed: bool) {
         if cells.rows <= 0 || cells.cols <= 0 {
             return;
         }
@@ -172,12 +200,12 @@ impl DirectionMasks {
             let end = cells.fresh.iter().rposition(|&f| f);
             let (Some(start), Some(end)) = (start, end) else { return };
             let (start, end) = (row_start + start as i64, row_start + end as i64);
-            let spread = scale.whole_slack() + 1;
-            let from = ((start - spread + scale.shell()).max(0) << scale.log()) / (2 * scale.shell());
-            let to = ((end + spread + scale.shell()) << scale.log()) / (2 * scale.shell()) + 1;
+            let (spread, m) = (scale.whole_slack() + 1, i64::from(scale.shell()));
+            let from = ((start - spread + m).max(0) << scale.log()) / (2 * m);
+            let to = ((end + spread + m) << scale.log()) / (2 * m) + 1;
             ((from - 1).max(0), to.min(size - 1))
         };
-        self.used[side] = true;
+        self.used = true;
         let mut drawn = None;
         while j <= last {
             let (lo, hi) = scale.lines_around(j);
@@ -193,8 +221,8 @@ impl DirectionMasks {
                 self.draw_pattern(scale, cells, rows, closed);
             }
             let at = j as usize * self.words;
-            for (mask, pattern) in self.bits[side][at..at + self.words].iter_mut().zip(&self.pattern) {
-                *mask |= pattern;
+            for (bits, pattern) in self.bits[at..at + self.words].iter_mut().zip(&self.pattern) {
+                *bits |= pattern;
             }
             j += 1;
         }
@@ -221,20 +249,14 @@ impl DirectionMasks {
         let end = cells.offset + cells.cols as usize;
         let size = scale.size();
         let column = |bit: usize| i64::from(cells.col0) + bit as i64 - cells.offset as i64;
-        let mut x = cells.offset;
-        while x < end {
-            let stop = next_set(&self.row, x, end);
-            if stop > x {
-                // Blocked from x to stop - 1.
-                let from = if closed && x == cells.offset { 0 } else { scale.pixel_from(column(x)).max(0) };
-                let to =
-                    if closed && stop == end { size } else { scale.pixel_to(column(stop - 1)).min(size) };
-                if from < to {
-                    set_span(&mut self.pattern, from as usize, to as usize);
-                }
+        // Blocked from x to stop - 1.
+        for_runs(&self.row, false, cells.offset, end, |x, stop| {
+            let from = if closed && x == cells.offset { 0 } else { scale.pixel_from(column(x)).max(0) };
+            let to = if closed && stop == end { size } else { scale.pixel_to(column(stop - 1)).min(size) };
+            if from < to {
+                set_span(&mut self.pattern, from as usize, to as usize);
             }
-            x = next_clear(&self.row, stop, end);
-        }
+        });
     }
 }
 
@@ -244,12 +266,10 @@ mod tests {
 
     /// Shell `m` of side 0 without a grid's border, with some blocked cells.
     fn side(m: i32, blocked: impl Fn(i32, i32) -> bool) -> SideCells {
-        let count = 2 * m + 1;
-        let words = (count as usize).div_ceil(64);
-        let mut cells =
-            SideCells { row0: -m, col0: -m, rows: count, cols: count, words, ..SideCells::default() };
-        cells.bands = vec![0; (count as usize).div_ceil(8)];
-        for band in 0..cells.bands.len() {
+        let mut cells = SideCells::default();
+        cells.set_part((-m, m), (-m, m), (0, 0));
+        let words = cells.words;
+        for band in 0..cells.bands() {
             let rows = cells.make_band(band);
             for (row, line) in rows.chunks_mut(words).enumerate() {
                 let row = (band * 8 + row) as i32 - m;
@@ -267,18 +287,18 @@ mod tests {
         let (k, log) = (5, 8);
         let blocked =
             |row: i32, col: i32| (-3..=2).contains(&row) && (-1..=4).contains(&col) && (row, col) != (0, 2);
-        let mut masks = DirectionMasks::new(log);
-        masks.stamp(0, &ShellScale::new(k, log, 0.0), &side(k, blocked), false);
+        let mut mask = DirectionMask::new(log);
+        mask.stamp(&ShellScale::new(k, log, 0.0), &side(k, blocked), false);
         let mut found = 0;
         for m in k + 1..30 {
             let scale = ShellScale::new(m, log, 0.0);
             for row in -m..=m {
                 let mut runs = vec![false; (2 * m + 1) as usize];
-                masks.hidden_runs(0, &scale, row, (-m, m), |a, b| {
+                mask.hidden_runs(&scale, row, (-m, m), |a, b| {
                     runs[(a + m) as usize..=(b + m) as usize].fill(true);
                 });
                 for col in -m..=m {
-                    let hidden = masks.is_hidden(0, &scale, row, col);
+                    let hidden = mask.is_hidden(&scale, row, col);
                     assert_eq!(hidden, runs[(col + m) as usize], "{m} {row} {col}");
                     let around = |v: i32| (v * k).div_euclid(m)..=-(-v * k).div_euclid(m);
                     let rule = around(row).all(|r| around(col).all(|c| blocked(r, c)));
@@ -288,7 +308,7 @@ mod tests {
             }
         }
         assert!(found > 1000, "{found}");
-        masks.clear();
-        assert!(!masks.is_hidden(0, &ShellScale::new(20, log, 0.0), 0, 0));
+        mask.clear();
+        assert!(!mask.is_hidden(&ShellScale::new(20, log, 0.0), 0, 0));
     }
 }

@@ -6,27 +6,41 @@ use glam::IVec3;
 use crate::grid::cell_box::volume;
 use crate::grid::side::Side;
 use crate::matrix::tbv::TbvMatrix;
-use crate::query::cell::CellWalk;
+use crate::pvs::Pvs;
+use crate::query::cell::lists::CellLists;
 use crate::query::cell::shell_scale::ShellScale;
+use crate::query::cell::side::Hit;
+use crate::query::cell::sides::{ShellSide, is_hidden};
+use crate::query::marks::Marks;
+use crate::scene::Scene;
 use crate::shape::Shape;
+use crate::view::View;
+use crate::walk::Shells;
 
 /// A revealed object with more cells than this is decided without testing which of them are in
 /// sight.
 const MAX_PENDING: u64 = 1 << 18;
 
-impl CellWalk<'_> {
+/// What a run has found: the set, the marks of what is decided, and the cells that will decide.
+pub(super) struct Finder<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) view: &'a View,
+    pub(super) shells: &'a Shells,
+    pub(super) pvs: &'a mut Pvs,
+    pub(super) marks: &'a mut Marks,
+    /// For each shell, the cells there of revealed objects that are not decided.
+    pub(super) pending: &'a mut Vec<Vec<(IVec3, Slot)>>,
+}
+
+impl Finder<'_> {
     /// Decides the objects in the viewer's own cell, and reveals the volumes around it.
-    pub(super) fn first_cell(&mut self) {
-        self.stats.cells_visited += 1;
-        if let Some((visited, _)) = &mut self.record {
-            visited.set(self.shells.cell);
-        }
-        self.lists.of(self.shells.cell).for_each(|slot| self.decide(slot));
+    pub(super) fn first_cell(&mut self, lists: &CellLists) {
+        lists.of(self.shells.cell).for_each(|slot| self.decide(slot));
         let mut around = Vec::new();
         self.scene.volumes().holding(self.shells.cell, |slot| around.push(slot));
         around.sort_unstable();
         around.into_iter().for_each(|slot| self.reveal(slot, 0));
-        if let Some(first) = self.scratch.pending.first_mut() {
+        if let Some(first) = self.pending.first_mut() {
             for (_, slot) in std::mem::take(first) {
                 self.decide(slot);
             }
@@ -41,9 +55,15 @@ impl CellWalk<'_> {
         }
     }
 
+    /// Adds an object to the set without a test.
+    pub(super) fn add(&mut self, slot: Slot) {
+        self.marks.decide(slot);
+        self.pvs.push(self.scene.id(slot));
+    }
+
     /// Compares the bounds of an object with the frustum.
     pub(super) fn is_in_view(&mut self, slot: Slot) -> bool {
-        self.stats.objects_tested += 1;
+        self.pvs.stats.objects_tested += 1;
         // An object whose place is not known may be anywhere.
         self.scene.is_unlocated(slot) || self.view.may_see(self.scene.object(slot).bounds())
     }
@@ -55,12 +75,11 @@ impl CellWalk<'_> {
         if self.scene.is_unlocated(slot) || !self.marks.reveal(slot) || !object.is_shown(self.view) {
             return false;
         }
-        self.stats.tbvs_revealed += 1;
+        self.pvs.stats.tbvs_revealed += 1;
         self.pvs.revealed.push(self.scene.id(slot));
         if object.on_expiry() {
             // Its bounds are old: it may be anywhere in the volume.
-            self.marks.decide(slot);
-            self.pvs.push(self.scene.id(slot));
+            self.add(slot);
             return false;
         }
         true
@@ -93,74 +112,67 @@ impl CellWalk<'_> {
     /// Lists an object to be decided if a cell is in sight.
     pub(super) fn pend(&mut self, cell: IVec3, slot: Slot) {
         let shell = (cell - self.shells.cell).abs().max_element() as usize;
-        let pending = &mut self.scratch.pending;
-        if pending.len() <= shell {
-            pending.resize_with(shell + 1, Vec::new);
+        if self.pending.len() <= shell {
+            self.pending.resize_with(shell + 1, Vec::new);
         }
-        pending[shell].push((cell, slot));
+        self.pending[shell].push((cell, slot));
     }
 
-    /// Decides the revealed objects with cells in shell `m`.
-    pub(super) fn settle_pending(&mut self, m: i32, scale: &ShellScale) {
-        let Some(list) = self.scratch.pending.get_mut(m as usize) else { return };
+    /// Decides the revealed objects with cells in the scale's shell.
+    pub(super) fn settle_pending(&mut self, scale: &ShellScale, sides: &[ShellSide; 6]) {
+        let m = scale.shell() as usize;
+        let Some(list) = self.pending.get_mut(m) else { return };
         let mut list = std::mem::take(list);
         for (c, slot) in list.drain(..) {
             let relative = c - self.shells.cell;
             if !self.marks.is_decided(slot)
                 && self.shells.frustum.meets(relative, relative)
-                && !self.is_hidden(relative, m, scale)
+                && !is_hidden(sides, relative, scale)
             {
                 self.decide(slot);
             }
         }
-        self.scratch.pending[m as usize] = list;
+        self.pending[m] = list;
     }
 
-    /// Whether a cell, relative to V, is hidden by the mask of a side that it belongs to.
-    fn is_hidden(&self, c: IVec3, m: i32, scale: &ShellScale) -> bool {
-        Side::ALL.iter().enumerate().any(|(i, side)| {
-            c[side.axes.normal] * side.sign == m
-                && self.scratch.masks.is_hidden(i, scale, c[side.axes.row], c[side.axes.col])
-        })
-    }
-
-    /// Decides the objects with cells in a tile of a side of shell `m` that are in sight.
-    pub(super) fn find_objects(
+    /// Decides the objects and reveals the volumes in tiles in sight, cells of a side that have the
+    /// coordinate `at` along its axis.
+    pub(super) fn look_up(
         &mut self,
+        hits: &mut Vec<Hit>,
+        lists: &CellLists,
         side: &Side,
-        brick: IVec3,
         at: i32,
-        tile: u64,
-        m: i32,
         scale: &ShellScale,
+        sides: &[ShellSide; 6],
     ) {
-        let axes = side.axes;
-        let mut corner = (brick << 3i32) - self.shells.cell;
-        corner[axes.normal] = at - self.shells.cell[axes.normal];
-        self.lists.for_tile(brick, &axes, at, tile, |bit, whole, own| {
-            let decided = |&slot: &Slot| self.marks.is_decided(slot);
-            if own.iter().all(decided) && whole.iter().all(decided) {
-                return;
+        let (scene, axes, m) = (self.scene, side.axes, scale.shell());
+        for Hit { brick, tile, objects } in hits.drain(..) {
+            if !objects {
+                for slot in scene.tbv_matrix().ids(brick) {
+                    if !self.marks.is_revealed(slot)
+                        && TbvMatrix::surface_tile(scene.volumes().cells(slot), brick, &axes, at) & tile != 0
+                    {
+                        self.reveal(slot, m);
+                    }
+                }
+                continue;
             }
-            let mut c = corner;
-            c[axes.row] += bit >> 3;
-            c[axes.col] += bit & 7;
-            let on_edge = c[axes.row].abs() == m || c[axes.col].abs() == m;
-            if !(on_edge && self.is_hidden(c, m, scale)) {
-                whole.iter().chain(own).for_each(|&slot| self.decide(slot));
-            }
-        });
-    }
-
-    /// Reveals the volumes with surface in a tile of a side of shell `m`.
-    pub(super) fn find_volumes(&mut self, side: &Side, brick: IVec3, at: i32, tile: u64, m: i32) {
-        let scene = self.scene;
-        for slot in scene.tbv_matrix().ids(brick) {
-            if !self.marks.is_revealed(slot)
-                && TbvMatrix::surface_tile(scene.volumes().cells(slot), brick, &side.axes, at) & tile != 0
-            {
-                self.reveal(slot, m);
-            }
+            let mut corner = (brick << 3i32) - self.shells.cell;
+            corner[axes.normal] = at - self.shells.cell[axes.normal];
+            lists.for_tile(brick, &axes, at, tile, |bit, whole, own| {
+                let decided = |&slot: &Slot| self.marks.is_decided(slot);
+                if own.iter().all(decided) && whole.iter().all(decided) {
+                    return;
+                }
+                let mut c = corner;
+                c[axes.row] += bit >> 3;
+                c[axes.col] += bit & 7;
+                let on_edge = c[axes.row].abs() == m || c[axes.col].abs() == m;
+                if !(on_edge && is_hidden(sides, c, scale)) {
+                    whole.iter().chain(own).for_each(|&slot| self.decide(slot));
+                }
+            });
         }
     }
 }
