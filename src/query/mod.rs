@@ -17,8 +17,11 @@ use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::marks::Marks;
+use crate::query::point::PointWalk;
+use crate::query::point::drawing::DrawingScratch;
 use crate::query::point::follow::StaticChanges;
 use crate::query::point::offered::Offered;
+use crate::query::point::run::Run;
 use crate::query::point::scratch::PointScratch;
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
@@ -195,10 +198,11 @@ impl Query {
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
-                let walk = point::PointWalk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
+                let run = Run::new(scene, view, options);
                 #[cfg(feature = "rayon")]
-                let walk = walk.with_parallel(self.parallel);
-                walk.with_receivers(receivers).with_fixed_only(fixed_only).run();
+                let run = run.with_parallel(self.parallel);
+                let run = run.with_receivers(receivers).with_fixed_only(fixed_only);
+                PointWalk::new(run, pvs, &mut self.marks, &mut self.point).run();
             }
         }
         match &mut pvs.view {
@@ -223,9 +227,8 @@ impl Query {
             Method::Point(options) => options.unrefined(),
             _ => PointOptions::new().unrefined(),
         };
-        let walk =
-            point::PointWalk::new(scene, view, &options, &mut self.pvs, &mut self.marks, &mut self.point);
-        walk.with_fixed_only(true).follow(changes, offered)
+        let run = Run::new(scene, view, &options).with_fixed_only(true);
+        PointWalk::new(run, &mut self.pvs, &mut self.marks, &mut self.point).follow(changes, offered)
     }
 
     /// Finds nothing, as from a view without rays. The result is valid for no view.
@@ -287,7 +290,7 @@ impl Query {
     /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a
     /// cut of the camera. The last result stays.
     pub fn reset(&mut self) {
-        self.point.coherence.reset();
+        self.point.reset();
     }
 
     /// The result of the last run; empty before the first.
@@ -296,8 +299,8 @@ impl Query {
     }
 
     /// The occlusion buffers of the last run of [`Method::Point`], with what that run drew.
-    pub(crate) fn drawn(&self) -> &PointScratch {
-        &self.point
+    pub(crate) fn drawn(&self) -> &DrawingScratch {
+        self.point.drawn()
     }
 
     /// Says whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
@@ -312,7 +315,7 @@ impl Query {
 
     /// The occlusion buffers of the last run of [`Method::Point`] as images.
     pub(crate) fn occlusion_images(&self) -> Vec<OcclusionImage> {
-        self.point.buffers.images()
+        self.point.drawn().buffers().images()
     }
 }
 

@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 use crate::occlusion::magnify::Request;
 use crate::occlusion::magnify::budget::{Budget, Purse};
 use crate::query::point::PointWalk;
-use crate::query::point::scratch::{Candidate, PointScratch};
+use crate::query::point::scratch::{Candidate, WalkScratch};
 
 /// Candidates that a thread takes at once: some hundred thousand instructions.
 const PORTION: usize = 8;
@@ -51,7 +51,7 @@ impl PointWalk<'_> {
             if hidden.len() == candidates.len() {
                 return;
             }
-            let PointScratch { magnifier, hands, .. } = &mut *self.scratch;
+            let WalkScratch { magnifier, hands, .. } = &mut *self.scratch;
             magnifier.drop_unasked(hands);
             let end = candidates.len().min(hidden.len() + alone);
             self.examine_in_order(&candidates[..end], left, hidden);

@@ -9,27 +9,27 @@ use crate::occlusion::magnify::budget::{Budget, Purse};
 use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
 use crate::occlusion::target::Target;
 use crate::query::point::PointWalk;
-use crate::query::point::scratch::{Candidate, PointScratch};
+use crate::query::point::scratch::{Candidate, WalkScratch};
 
 impl PointWalk<'_> {
     /// Whether an object that was visible in the last run stays so unless the buffers hide it at
     /// once.
     fn stays(&self, candidate: &Candidate) -> bool {
-        let (coherence, slot) = (&self.scratch.coherence, candidate.slot);
-        self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
+        let (coherence, slot) = (self.drawing.coherence(), candidate.slot);
+        self.run.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
     }
 
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
     pub(super) fn decide(&mut self) {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
-        let given = u64::from(self.options.refine_budget);
-        let mut left = Budget { squares: given, patches: Purse::Own(self.options.refine_patches) };
+        let given = u64::from(self.run.options.refine_budget);
+        let mut left = Budget { squares: given, patches: Purse::Own(self.run.options.refine_patches) };
         self.scratch.used.clear();
         self.begin_examinations();
         self.examine_all(&candidates, &mut left);
-        if self.coherent {
+        if self.run.coherent {
             self.decide_coherent(&mut candidates, &mut left);
-            candidates.iter().for_each(|candidate| self.pvs.push(self.scene.id(candidate.slot)));
+            candidates.iter().for_each(|candidate| self.pvs.push(self.run.scene.id(candidate.slot)));
         } else {
             self.push_seen(&candidates);
         }
@@ -39,13 +39,41 @@ impl PointWalk<'_> {
         self.scratch.candidates = candidates;
     }
 
+    /// Leaves those candidates that may be seen after the second test. Some are tested once more.
+    fn decide_coherent(&mut self, candidates: &mut Vec<Candidate>, left: &mut Budget) {
+        let mut suspicious = std::mem::take(&mut self.scratch.suspicious);
+        suspicious.clear();
+        let coherence = self.drawing.coherence();
+        let mut hidden = self.scratch.hidden.iter();
+        candidates.retain(|candidate| {
+            let seen = hidden.next() != Some(&true);
+            let slot = candidate.slot;
+            if seen && coherence.hid(slot, candidate.block.as_ref()) {
+                suspicious.push(slot);
+            }
+            seen
+        });
+        suspicious.sort_unstable();
+        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.slot).is_ok();
+        let blocks = candidates.iter().filter(|c| is_suspicious(c)).filter_map(|c| c.block);
+        if !suspicious.is_empty() && self.drawing.draw_before(blocks) {
+            self.end_examinations();
+            self.begin_examinations();
+            let again: Vec<Candidate> = candidates.iter().filter(|c| is_suspicious(c)).copied().collect();
+            self.examine_all(&again, left);
+            let mut hidden = self.scratch.hidden.iter();
+            candidates.retain(|candidate| !is_suspicious(candidate) || hidden.next() != Some(&true));
+        }
+        self.scratch.suspicious = suspicious;
+    }
+
     /// Adds to the set all candidates that the last examination found visible, in the order in
     /// which they were found, and the small moving objects that needed none.
     fn push_seen(&mut self, candidates: &[Candidate]) {
         for (at, candidate) in candidates.iter().enumerate() {
             // One that was not examined is visible.
             if self.scratch.hidden.get(at) != Some(&true) {
-                self.pvs.push(self.scene.id(candidate.slot));
+                self.pvs.push(self.run.scene.id(candidate.slot));
             }
         }
         self.stats.occlusion_tests += self.scratch.movers.len() as u32;
@@ -54,19 +82,19 @@ impl PointWalk<'_> {
 
     /// Forgets magnified pixels: occluders were drawn.
     pub(super) fn begin_examinations(&mut self) {
-        let PointScratch { magnifier, hands, buffers, .. } = &mut *self.scratch;
+        let WalkScratch { magnifier, hands, .. } = &mut *self.scratch;
         if hands.is_empty() {
             hands.push(Hand::default());
         }
-        magnifier.clear(hands, buffers);
+        magnifier.clear(hands, self.drawing.buffers());
     }
 
     /// Notes which occluders were of use in magnified pixels, before those are forgotten.
     pub(super) fn end_examinations(&mut self) {
-        let PointScratch { magnifier, hands, buffers, used, .. } = &mut *self.scratch;
+        let WalkScratch { magnifier, hands, used, .. } = &mut *self.scratch;
         self.stats.refine_patches += magnifier.cost(hands);
-        if self.coherent {
-            magnifier.used(hands, buffers, used);
+        if self.run.coherent {
+            magnifier.used(hands, self.drawing.buffers(), used);
         }
     }
 
@@ -75,7 +103,7 @@ impl PointWalk<'_> {
         let mut hidden = std::mem::take(&mut self.scratch.hidden);
         hidden.clear();
         #[cfg(feature = "rayon")]
-        if self.is_parallel() {
+        if self.run.is_parallel() {
             self.share(candidates, left, &mut hidden);
         }
         self.examine_in_order(candidates, left, &mut hidden);
@@ -121,12 +149,12 @@ impl PointWalk<'_> {
         if self.stays(candidate) {
             return self.hides(&block);
         }
-        let middle = (block.min + block.max) * 0.5 - self.scratch.buffers.origin();
+        let middle = (block.min + block.max) * 0.5 - self.drawing.buffers().origin();
         // Most candidates can be seen plainly.
-        if is_centered && self.scratch.buffers.shows_plainly(middle, slot) {
+        if is_centered && self.drawing.buffers().shows_plainly(middle, slot) {
             return false;
         }
-        let bounds = self.scene.object(slot).bounds();
+        let bounds = self.run.scene.object(slot).bounds();
         self.is_hidden(bounds, slot, (magnifier, hand), left)
     }
 
@@ -138,10 +166,11 @@ impl PointWalk<'_> {
         (magnifier, hand): (&Magnifier, &mut Hand),
         budget: &mut Budget,
     ) -> bool {
-        let buffers = &self.scratch.buffers;
+        let buffers = self.drawing.buffers();
         let (origin, direction) = (buffers.origin(), buffers.direction());
-        let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
-        let refines = effort.squares > 0 || self.options.refine_patches > 0;
+        let effort =
+            Effort { squares: self.run.options.refine_squares, depth: self.run.options.refine_depth };
+        let refines = effort.squares > 0 || self.run.options.refine_patches > 0;
         if let Some(middle) = bounds.kind().middle_of_parts() {
             if self.hides(&bounds.block()) {
                 return true;
@@ -158,11 +187,7 @@ impl PointWalk<'_> {
         {
             return false;
         }
-        let drawable = |id: u32| {
-            let (slot, patch) = self.scratch.patches[id as usize];
-            self.drawable(slot, patch)
-        };
-        let patches = Redrawable { drawable };
+        let patches = Redrawable { drawable: |id: u32| self.drawing.drawn_patch(id) };
         let mut target = std::mem::take(&mut hand.target);
         let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
         let mut hidden = |target: &Target| {

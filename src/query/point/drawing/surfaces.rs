@@ -7,10 +7,9 @@ use crate::geometry::Block;
 use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::query::point::PointWalk;
-use crate::query::point::drawables::Source;
-use crate::query::point::recall::{Recall, Role, Usage};
-use crate::query::point::scratch::{DrawnPatch, PointScratch, Waiting};
+use crate::query::point::drawing::drawables::Source;
+use crate::query::point::drawing::recall::{Recall, Role, Usage};
+use crate::query::point::drawing::{Drawing, DrawingScratch, DrawnPatch, Waiting};
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing:
 /// the pixels that their outlines touch do not count.
@@ -33,14 +32,30 @@ enum AfterPatch {
     Parts,
 }
 
-impl<'a> PointWalk<'a> {
+impl<'a> Drawing<'a> {
+    /// The surface of an object, if it has one.
+    pub(super) fn source(&self, slot: Slot) -> Option<Source<'a>> {
+        Source::of(self.run.scene, slot)
+    }
+
+    /// A patch of an object's surface ready to be drawn, if it can be.
+    pub(super) fn drawable(&self, slot: Slot, patch: PatchIndex) -> Option<Drawable<'a>> {
+        let source = self.source(slot)?;
+        self.drawable_in(&source, patch, &source.block(patch))
+    }
+
+    /// As [`Drawing::drawable`], for a patch in a box in world units.
+    fn drawable_in(&self, source: &Source<'a>, patch: PatchIndex, world: &Block) -> Option<Drawable<'a>> {
+        source.drawable(patch, world, (self.run.view, &self.starts), &self.scratch.buffers)
+    }
+
     /// How a patch takes part in this run, by its place and its number in the scene. Patches that
     /// wait are listed.
-    pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
-        if !self.coherent {
+    fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
+        if !self.run.coherent {
             return Role::Fresh;
         }
-        if self.scratch.drawn.get(number).epoch == self.marks.epoch() {
+        if self.scratch.drawn.get(number).epoch == self.scratch.useful.epoch() {
             return Role::Drawn;
         }
         self.scratch.coherence.patch(slot, patch, number)
@@ -48,7 +63,7 @@ impl<'a> PointWalk<'a> {
 
     /// Notes that the parts of a group were looked at.
     pub(super) fn went_into(&mut self, number: PatchNumber) {
-        if self.coherent {
+        if self.run.coherent {
             let coherence = &mut self.scratch.coherence;
             let recall = Recall { run: coherence.run, usage: Usage::Parts };
             coherence.patches.fill(number..number.after(), recall);
@@ -85,14 +100,9 @@ impl<'a> PointWalk<'a> {
         self.begins.as_ref().map_or(0, |begins| begins.shell(block))
     }
 
-    /// Whether a box relative to the origin is smaller than some pixels.
-    pub(super) fn is_small(&self, b: &Block, pixels: f64) -> bool {
-        self.scratch.is_small(b, pixels)
-    }
-
     /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are
     /// too few for a batch.
-    pub(super) fn draw_patches(&mut self, m: i32) {
+    pub(crate) fn draw_patches(&mut self, m: i32) {
         if !self.defers_patches(m) {
             self.draw_all_patches(m);
         }
@@ -100,7 +110,7 @@ impl<'a> PointWalk<'a> {
 
     /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a
     /// batch was not worth.
-    pub(super) fn draw_all_patches(&mut self, m: i32) {
+    pub(crate) fn draw_all_patches(&mut self, m: i32) {
         let last = self.waiting_up_to(m);
         if self.scratch.waiting[..last].iter().any(|shell| !shell.listed.is_empty()) {
             self.draw_waiting(last, m.max(0) as usize);
@@ -145,8 +155,8 @@ impl<'a> PointWalk<'a> {
         }
         self.collect_neighbours(&mut batch);
         self.stats.patches_drawn += batch.drawables.len() as u32;
-        let listed = self.options.refine_patches > 0;
-        let (patches, shared) = (self.scene.seams().patches(), self.is_parallel());
+        let listed = self.run.options.refine_patches > 0;
+        let (patches, shared) = (self.run.scene.seams().patches(), self.run.is_parallel());
         self.stats.patch_blocks += self.scratch.buffers.draw_surfaces(&batch, patches, listed, shared);
         self.count_useful(&batch);
         self.drew_batch(&batch);
@@ -155,11 +165,11 @@ impl<'a> PointWalk<'a> {
 
     /// Counts the objects with patches in a batch that hid more than before.
     fn count_useful(&mut self, batch: &Batch) {
-        let PointScratch { buffers, patches, useful, .. } = &mut *self.scratch;
+        let DrawingScratch { buffers, patches, useful, .. } = &mut *self.scratch;
         for &index in buffers.useful_patches() {
             let drawable = &batch.drawables[index as usize];
             let owner = match drawable.again {
-                true => self.scene.seams().owner(drawable.number),
+                true => self.run.scene.seams().owner(drawable.number),
                 false => Some(patches[drawable.id as usize].0),
             };
             let Some(slot) = owner else { continue };
@@ -171,7 +181,8 @@ impl<'a> PointWalk<'a> {
     pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: PatchIndex, batch: &mut Batch<'a>) {
         let first = batch.drawables.len();
         self.collect_patch(source, patch, &source.block(patch), Role::Fresh, batch);
-        let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: patch };
+        let drawn =
+            DrawnPatch { epoch: self.scratch.useful.epoch(), batch: self.scratch.batches, whole: patch };
         for drawable in &batch.drawables[first..] {
             self.scratch.drawn.fill(drawable.numbers(), drawn);
         }
@@ -209,9 +220,13 @@ impl<'a> PointWalk<'a> {
             };
         }
         // Only patches drawn in other batches look for their neighbours there.
-        let alone = !self.coherent && whole == PatchIndex::FIRST && !waits && source.place.links.is_empty();
-        let drawn =
-            DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: PatchIndex::FIRST };
+        let alone =
+            !self.run.coherent && whole == PatchIndex::FIRST && !waits && source.place.links.is_empty();
+        let drawn = DrawnPatch {
+            epoch: self.scratch.useful.epoch(),
+            batch: self.scratch.batches,
+            whole: PatchIndex::FIRST,
+        };
         for drawable in &mut batch.drawables[first..] {
             drawable.alone = alone;
             if !alone {
@@ -231,13 +246,13 @@ impl<'a> PointWalk<'a> {
     ) -> AfterPatch {
         let has_parts = source.surface.next(number) > number.after();
         let block = self.scratch.buffers.relative(world);
-        if self.is_small(&block, SMALLEST_PATCH) {
+        if self.scratch.is_small(&block, SMALLEST_PATCH) {
             return AfterPatch::Done;
         }
         if !batch.see(&self.scratch.buffers, &block) {
             return AfterPatch::Done;
         }
-        if has_parts && !self.view.may_see_block(world) {
+        if has_parts && !self.run.view.may_see_block(world) {
             batch.drop_sights();
             return AfterPatch::Done;
         }
@@ -262,7 +277,7 @@ impl<'a> PointWalk<'a> {
         let (thickness, height) = (hi - lo, lo.max(-hi));
         let across = (d.block.max - d.block.min).length();
         let distance = match self.scratch.buffers.direction() {
-            Some(_) => self.grid.cell_size(),
+            Some(_) => self.run.scene.grid().bricks().cell_size(),
             None => d.block.min.max(-d.block.max).max(DVec3::ZERO).length(),
         };
         thickness <= THIN * height || across <= THIN * distance
@@ -271,7 +286,7 @@ impl<'a> PointWalk<'a> {
     /// Appends the neighbours of a batch that were drawn before, so that no seam stays between
     /// batches.
     fn collect_neighbours(&mut self, batch: &mut Batch<'a>) {
-        let (epoch, number) = (self.marks.epoch(), self.scratch.batches);
+        let (epoch, number) = (self.scratch.useful.epoch(), self.scratch.batches);
         for i in 0..batch.drawables.len() {
             if batch.drawables[i].alone || batch.drawables[i].is_apart() {
                 continue;
@@ -281,7 +296,7 @@ impl<'a> PointWalk<'a> {
                 if drawn.epoch != epoch || drawn.batch == number {
                     continue;
                 }
-                let owner = self.scene.seams().owner(twin);
+                let owner = self.run.scene.seams().owner(twin);
                 let whole = DrawnPatch { batch: number, ..drawn };
                 let Some(again) = owner.and_then(|slot| self.drawable(slot, drawn.whole)) else {
                     self.scratch.drawn.fill(twin..twin.after(), whole);
