@@ -120,7 +120,7 @@ impl Still {
         let objects = query.pvs().iter().map(in_sight).collect();
         let (watch, overlay, movers) = (Watch::default(), Overlay::default(), Vec::new());
         let mut offered = Offered::default();
-        offered.append(query.drawn().offered());
+        offered.append(&query.drawn().offered);
         Self { query, view, stamp, objects, offered, opened: 0.0, watch, overlay, movers }
     }
 
@@ -178,7 +178,7 @@ impl Still {
         self.opened += self.query.follow(scene, &self.view, &changes, &self.offered);
         let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot()).bounds().block() };
         self.objects.extend(self.query.pvs().iter().map(in_sight));
-        self.offered.append(self.query.drawn().offered());
+        self.offered.append(&self.query.drawn().offered);
         let hides = |&slot: &Slot| scene.object(slot).occluder().is_some();
         if changes.fresh.iter().any(hides) {
             let drawn = self.query.drawn();

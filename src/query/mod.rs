@@ -17,12 +17,11 @@ use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::scratch::CellScratch;
 use crate::query::marks::Marks;
-use crate::query::point::PointWalk;
 use crate::query::point::drawing::DrawingScratch;
 use crate::query::point::follow::StaticChanges;
 use crate::query::point::offered::Offered;
 use crate::query::point::run::Run;
-use crate::query::point::scratch::PointScratch;
+use crate::query::point::{PointScratch, PointWalk};
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
@@ -198,10 +197,9 @@ impl Query {
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
-                let run = Run::new(scene, view, options);
+                let run = Run { fixed_only, ..Run::new(scene, view, options, receivers) };
                 #[cfg(feature = "rayon")]
-                let run = run.with_parallel(self.parallel);
-                let run = run.with_receivers(receivers).with_fixed_only(fixed_only);
+                let run = Run { parallel: self.parallel, ..run };
                 PointWalk::new(run, pvs, &mut self.marks, &mut self.point).run();
             }
         }
@@ -227,7 +225,7 @@ impl Query {
             Method::Point(options) => options.unrefined(),
             _ => PointOptions::new().unrefined(),
         };
-        let run = Run::new(scene, view, &options).with_fixed_only(true);
+        let run = Run { fixed_only: true, ..Run::new(scene, view, &options, None) };
         PointWalk::new(run, &mut self.pvs, &mut self.marks, &mut self.point).follow(changes, offered)
     }
 
@@ -290,7 +288,7 @@ impl Query {
     /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a
     /// cut of the camera. The last result stays.
     pub fn reset(&mut self) {
-        self.point.reset();
+        self.point.drawing.coherence.reset();
     }
 
     /// The result of the last run; empty before the first.
@@ -300,7 +298,7 @@ impl Query {
 
     /// The occlusion buffers of the last run of [`Method::Point`], with what that run drew.
     pub(crate) fn drawn(&self) -> &DrawingScratch {
-        self.point.drawn()
+        &self.point.drawing
     }
 
     /// Says whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.
@@ -315,7 +313,7 @@ impl Query {
 
     /// The occlusion buffers of the last run of [`Method::Point`] as images.
     pub(crate) fn occlusion_images(&self) -> Vec<OcclusionImage> {
-        self.point.drawn().buffers().images()
+        self.point.drawing.buffers.images()
     }
 }
 

@@ -58,7 +58,7 @@ impl Query {
         let pvs = self.pvs();
         let view = pvs.view.as_ref()?;
         let drawn = matches!(pvs.method, Method::Point(_)) && pvs.is_valid_for(scene, view);
-        Some(Sight::new(scene, view, drawn.then_some(self.point.drawn())))
+        Some(Sight::new(scene, view, drawn.then_some(&self.point.drawing)))
     }
 }
 

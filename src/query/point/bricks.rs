@@ -59,7 +59,7 @@ impl PointWalk<'_> {
     /// Walks the shells around the eye outwards, until every pixel is closed.
     pub(super) fn in_shells(&mut self, shells: &Shells, eye: DVec3) {
         for m in shells.nearest..=shells.farthest {
-            self.stats.shells += 1;
+            self.drawing.stats.shells += 1;
             self.shell(shells, m);
             if self.drawing.buffers().closed(self.distance_beyond(shells.cell, m, eye)) {
                 break;
@@ -105,7 +105,7 @@ impl PointWalk<'_> {
             depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
         });
         for portion in bricks.chunks(PORTION) {
-            self.stats.shells += 1;
+            self.drawing.stats.shells += 1;
             for &brick in portion {
                 self.brick(brick);
             }
@@ -245,14 +245,14 @@ impl PointWalk<'_> {
             return true;
         }
         let wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
-        wide && self.hides(&self.block(part.brick, part.at(first, c0), part.at(last, c1)))
+        wide && self.drawing.hides(&self.block(part.brick, part.at(first, c0), part.at(last, c1)))
     }
 
     /// Appends the bricks of a row.
     fn row_bricks(&self, part: &BrickSide, on_side: &SideFrustum, row: i32, out: &mut Vec<IVec3>) {
         let Some((lo, hi)) = on_side.row(row, part.cols) else { return };
         let wide = hi - lo >= WORTH_TESTING_ROW;
-        if wide && self.hides(&self.block(part.brick, part.at(row, lo), part.at(row, hi))) {
+        if wide && self.drawing.hides(&self.block(part.brick, part.at(row, lo), part.at(row, hi))) {
             return;
         }
         let mut col = lo;
@@ -275,7 +275,7 @@ impl PointWalk<'_> {
 
     /// Finds the objects of one brick, unless the brick is hidden.
     fn brick(&mut self, brick: IVec3) {
-        self.stats.bricks_visited += 1;
+        self.drawing.stats.bricks_visited += 1;
         let scene = self.run.scene;
         let volumes = !self.run.fixed_only && !scene.tbv_matrix().is_empty(brick);
         let mut open = std::mem::take(&mut self.scratch.open);
@@ -294,8 +294,8 @@ impl PointWalk<'_> {
         let has_fused = self.has_fused(brick);
         if open.len() >= WORTH_TESTING || has_fused || volumes {
             let bounds = Block::new(self.grid.cell_bounds(brick));
-            if self.hides(&bounds) {
-                self.stats.bricks_hidden += 1;
+            if self.drawing.hides(&bounds) {
+                self.drawing.stats.bricks_hidden += 1;
                 return;
             }
         }

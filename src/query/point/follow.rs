@@ -66,7 +66,7 @@ impl PointWalk<'_> {
             self.find_all();
         }
         self.decide();
-        self.pvs.stats = self.drawing.add_to(self.stats);
+        self.pvs.stats = self.drawing.stats;
         holes.iter().map(|hole| hole.pixels() as f64).sum::<f64>() / pixels
     }
 }

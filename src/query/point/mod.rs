@@ -2,10 +2,10 @@
 //!
 //! The walk goes out from the eye in chessboard shells of bricks (8x8x8 cells), inside the frustum
 //! only. A brick is tested before the objects in it ([`bricks`]), an object before it is drawn as
-//! an occluder ([`objects`], [`drawing`]), and the walk ends when every pixel is closed. Small moving objects that hide nothing are found then, zone by zone ([`movers`]).
-//! Objects that were found visible are tested once more when all occluders are drawn, so that the
-//! order matters for speed only; undecided pixels are refined ([`decide`]). Runs may build
-//! on the one before (`drawing::coherence`).
+//! an occluder ([`objects`], [`drawing`]), and the walk ends when every pixel is closed. Small
+//! moving objects that hide nothing are found then, zone by zone ([`movers`]). Objects that were
+//! found visible are tested once more when all occluders are drawn, so that the order matters for
+//! speed only; undecided pixels are refined ([`decide`]). Runs may build on the one before.
 
 #[cfg(feature = "rayon")]
 mod ahead;
@@ -19,22 +19,23 @@ pub(crate) mod offered;
 pub(crate) mod overlay;
 mod planes;
 pub(crate) mod run;
-pub(crate) mod scratch;
 mod volumes;
 
+use casca_slots::Slot;
+use glam::IVec3;
 use smallvec::SmallVec;
 
-use crate::geometry::Block;
 use crate::grid::Grid;
+use crate::id::ObjectId;
 use crate::matrix::fused::Fused;
-use crate::pvs::{Pvs, Stats};
+use crate::pvs::Pvs;
 use crate::query::marks::Marks;
-use crate::query::point::drawing::Drawing;
+use crate::query::point::decide::{Candidate, SecondTest};
+use crate::query::point::drawing::{Drawing, DrawingScratch};
 use crate::query::point::run::{Run, pitch};
-use crate::query::point::scratch::{PointScratch, WalkScratch};
 use crate::scene::LayerOpacity;
 use crate::view::Origin;
-use crate::walk::Shells;
+use crate::walk::{Shells, Start};
 
 /// The walk of one run of the point method.
 pub(crate) struct PointWalk<'a> {
@@ -42,6 +43,8 @@ pub(crate) struct PointWalk<'a> {
     pvs: &'a mut Pvs,
     drawing: Drawing<'a>,
     marks: &'a mut Marks,
+    /// Tests what was found again.
+    second: &'a mut SecondTest,
     scratch: &'a mut WalkScratch,
     /// The grid of bricks.
     grid: Grid,
@@ -49,7 +52,34 @@ pub(crate) struct PointWalk<'a> {
     fused: SmallVec<[&'a Fused; 2]>,
     /// The shells of bricks around the eye's brick, if the walk goes in shells.
     around: Option<Shells>,
-    stats: Stats,
+}
+
+/// The memory of the point method, reused from query to query.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PointScratch {
+    pub(crate) drawing: DrawingScratch,
+    second: SecondTest,
+    walk: WalkScratch,
+}
+
+/// The memory of finding objects.
+#[derive(Debug, Clone, Default)]
+struct WalkScratch {
+    bricks: Vec<IVec3>,
+    /// Bricks of a shell with temporal bounding volumes that are not hidden.
+    volumes: Vec<IVec3>,
+    /// Undecided objects of a brick.
+    open: Vec<Slot>,
+    /// Objects of a shell.
+    objects: Vec<Candidate>,
+    /// Numbers that sort them by distance, with the place of each.
+    found: Vec<u128>,
+    /// Objects found visible so far.
+    candidates: Vec<Candidate>,
+    /// Small moving objects that need no further test.
+    movers: Vec<ObjectId>,
+    /// Zones of such objects in the frustum, with their distances.
+    zones: Vec<(f64, u32)>,
 }
 
 impl<'a> PointWalk<'a> {
@@ -60,28 +90,35 @@ impl<'a> PointWalk<'a> {
         scratch: &'a mut PointScratch,
     ) -> Self {
         let Run { scene, view, .. } = run;
-        let PointScratch { drawing, walk: scratch } = scratch;
+        let PointScratch { drawing, second, walk: scratch } = scratch;
         marks.begin(scene.slot_count());
-        scratch.begin();
+        scratch.candidates.clear();
+        scratch.movers.clear();
         let grid = scene.grid().bricks();
-        let around = run.shells(&grid);
+        let around = Shells::around_eye(&grid, view, Start::Eye);
         let begins = around.as_ref().map(|shells| shells.begins(&grid));
         Self {
             run,
             pvs,
             drawing: Drawing::new(run, begins, drawing),
             marks,
+            second,
             scratch,
             grid,
             fused: scene.opacity(view.layers()).map(LayerOpacity::fused).collect(),
             around,
-            stats: Stats::default(),
         }
     }
 
     /// Fills the set.
     pub(crate) fn run(mut self) {
-        self.stats.pixels = self.drawing.begin_buffers();
+        let Run { scene, view, options, receivers, .. } = self.run;
+        let buffers = self.drawing.buffers_mut();
+        buffers.begin(view, &pitch(scene, options));
+        if let Some(receivers) = receivers {
+            buffers.keep_before(receivers, view.is_ordered());
+        }
+        self.drawing.stats.pixels = self.drawing.buffers().pixels();
         if self.run.coherent {
             self.drawing.draw_useful();
         }
@@ -92,9 +129,20 @@ impl<'a> PointWalk<'a> {
         self.find_movers();
         self.decide();
         if self.run.coherent {
-            self.drawing.remember(&self.pvs.visible, &self.scratch.used);
+            self.drawing.remember(&self.pvs.visible, &self.second.used);
         }
-        self.pvs.stats = self.drawing.add_to(self.stats);
+        self.pvs.stats = self.drawing.stats;
+    }
+
+    /// Tests again what was found, and fills the set with those found visible and the small moving
+    /// objects that need no further test.
+    fn decide(&mut self) {
+        self.second.decide(&mut self.drawing, &mut self.scratch.candidates);
+        for candidate in self.second.seen(&self.scratch.candidates) {
+            self.pvs.push(self.run.scene.id(candidate.slot));
+        }
+        self.drawing.stats.occlusion_tests += self.scratch.movers.len() as u32;
+        self.scratch.movers.iter().for_each(|&id| self.pvs.push(id));
     }
 
     /// Finds the objects of the whole scene that the buffers do not hide.
@@ -115,10 +163,5 @@ impl<'a> PointWalk<'a> {
             (Origin::Direction(d), _) => self.everywhere(d),
         }
         self.find_overhanging();
-    }
-
-    /// Whether a box in world units is hidden by the occluders drawn so far.
-    fn hides(&self, bounds: &Block) -> bool {
-        self.drawing.hides(bounds)
     }
 }

@@ -10,9 +10,9 @@ use casca_slots::Slot;
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
-use crate::query::point::PointWalk;
+use crate::query::point::decide::Candidate;
 use crate::query::point::planes::{BoxSide, Planes};
-use crate::query::point::scratch::{Candidate, WalkScratch};
+use crate::query::point::{PointWalk, WalkScratch};
 use crate::scene::Zone;
 
 /// A zone with fewer objects is not tested itself.
@@ -66,7 +66,7 @@ impl PointWalk<'_> {
         zone.others().iter().for_each(|&slot| self.find(slot));
         match outlook {
             Outlook::Open => {
-                self.stats.objects_tested += zone.plain().len() as u32;
+                self.drawing.stats.objects_tested += zone.plain().len() as u32;
                 let ids = zone.plain().iter().map(|&id| ObjectId(id));
                 if self.run.scene.any_overdue() {
                     self.scratch.movers.extend(ids.filter(|id| !self.marks.is_decided(id.slot())));
@@ -87,7 +87,7 @@ impl PointWalk<'_> {
         // A coherent run asks more of its objects.
         let close = self.run.coherent || self.run.view.eye().is_some_and(|eye| around.contains_point(eye));
         let worth = zone.plain().len() + zone.others().len() >= WORTH_TESTING;
-        if worth && self.hides(room) {
+        if worth && self.drawing.hides(room) {
             return Outlook::Hidden;
         }
         let side = planes.side_of(room);
@@ -105,7 +105,7 @@ impl PointWalk<'_> {
     fn test_boxes(&mut self, zone: &Zone, zone_side: BoxSide, planes: &Planes) {
         let scene = self.run.scene;
         let WalkScratch { movers, candidates, .. } = &mut *self.scratch;
-        let buffers = self.drawing.buffers();
+        let (buffers, mut tested) = (self.drawing.buffers(), 0);
         let origin = buffers.origin().as_vec3a();
         // Those that are overdue were found as such.
         let any_overdue = scene.any_overdue();
@@ -121,7 +121,7 @@ impl PointWalk<'_> {
             if side == BoxSide::Outside || side == BoxSide::Crosses && !sees(id.slot()) {
                 continue;
             }
-            self.stats.objects_tested += 1;
+            tested += 1;
             if buffers.is_clear(middle - origin) {
                 movers.push(ObjectId(id));
             } else {
@@ -129,5 +129,6 @@ impl PointWalk<'_> {
                 candidates.push(Candidate { slot: id.slot(), block, is_centered: true, occludes: false });
             }
         }
+        self.drawing.stats.objects_tested += tested;
     }
 }

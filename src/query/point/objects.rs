@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::query::point::PointWalk;
-use crate::query::point::scratch::Candidate;
+use crate::query::point::decide::Candidate;
 use crate::scene::ObjectBox;
 
 /// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
@@ -34,7 +34,7 @@ impl PointWalk<'_> {
         if !own.is_shown(view) && !scene.object(slot).is_shown(view) {
             return;
         }
-        self.stats.objects_tested += 1;
+        self.drawing.stats.objects_tested += 1;
         let block = own.block();
         if view.may_see_volume(&block) && (own.is_box() || view.may_see(scene.object(slot).bounds())) {
             self.list_found(Candidate {
@@ -59,7 +59,7 @@ impl PointWalk<'_> {
             self.scratch.candidates.push(anywhere);
             return;
         }
-        self.stats.objects_tested += 1;
+        self.drawing.stats.objects_tested += 1;
         let bounds = object.bounds();
         if self.run.view.may_see(bounds) {
             self.list_found(Candidate {
@@ -98,9 +98,9 @@ impl PointWalk<'_> {
         let mut seen: Vec<(f64, Slot)> = Vec::new();
         found.sort_unstable();
         for place in found.drain(..).map(|key| key as u32) {
-            self.stats.occlusion_tests += 1;
+            self.drawing.stats.occlusion_tests += 1;
             let candidate = self.scratch.objects[place as usize];
-            if !candidate.block.is_some_and(|block| self.hides(&block)) {
+            if !candidate.block.is_some_and(|block| self.drawing.hides(&block)) {
                 let slot = candidate.slot;
                 self.scratch.candidates.push(candidate);
                 if !candidate.occludes {

@@ -8,6 +8,7 @@ use crate::query::point::drawing::{Drawing, DrawingScratch};
 use crate::query::point::run::Run;
 use crate::scene::Scene;
 use crate::view::View;
+use crate::walk::{Shells, Start};
 
 /// Buffers of a view with more occluders than its query drew.
 #[derive(Debug, Clone, Default)]
@@ -29,16 +30,16 @@ impl Overlay {
     ) {
         self.drawn = 0;
         let Some(first) = slots.next() else { return };
-        self.scratch.copy_coverage(base);
+        self.scratch.buffers.copy_coverage(&base.buffers);
         // The lists that refinement asks are not copied.
         let options = PointOptions::new().unrefined();
-        let run = Run::new(scene, view, &options);
+        let run = Run::new(scene, view, &options, None);
         let bricks = scene.grid().bricks();
-        let begins = run.shells(&bricks).map(|shells| shells.begins(&bricks));
+        let begins = Shells::around_eye(&bricks, view, Start::Eye).map(|shells| shells.begins(&bricks));
         let mut drawing = Drawing::new(run, begins, &mut self.scratch);
         std::iter::once(first).chain(slots).for_each(|slot| drawing.draw(slot));
         drawing.draw_all_patches(i32::MAX);
-        self.drawn = drawing.occluders_drawn();
+        self.drawn = drawing.stats.occluders_drawn;
     }
 
     /// Whether no point of some bounds can be seen.

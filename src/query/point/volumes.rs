@@ -31,7 +31,7 @@ impl PointWalk<'_> {
             let Some(CellBox { lo, hi }) = scene.tbv_matrix().extent(brick) else { continue };
             let mut ids = scene.tbv_matrix().ids(brick);
             if ids.all(|s| self.marks.is_revealed(s))
-                || self.hides(&Block::new(scene.grid().range_bounds(lo, hi)))
+                || self.drawing.hides(&Block::new(scene.grid().range_bounds(lo, hi)))
             {
                 continue;
             }
@@ -70,7 +70,7 @@ impl PointWalk<'_> {
 
     /// Whether a box around boxes beyond the grid may be in sight.
     fn may_see_around(&self, block: &Block) -> bool {
-        self.run.view.may_see_volume(block) && !self.hides(block)
+        self.run.view.may_see_volume(block) && !self.drawing.hides(block)
     }
 
     /// Reveals a volume that is in sight.
@@ -89,7 +89,7 @@ impl PointWalk<'_> {
         if !self.marks.reveal(slot) || !self.run.scene.object(slot).is_shown(self.run.view) {
             return;
         }
-        self.stats.tbvs_revealed += 1;
+        self.drawing.stats.tbvs_revealed += 1;
         self.pvs.revealed.push(self.run.scene.id(slot));
         self.find(slot);
     }

@@ -71,7 +71,7 @@ impl<'a> Drawing<'a> {
         for of_object in patches.chunk_by(|a, b| a.0 == b.0) {
             let slot = of_object[0].0;
             if self.may_draw(slot)
-                && let Some(source) = self.source(slot)
+                && let Some(source) = Source::of(self.run.scene, slot)
             {
                 self.note_offered(slot);
                 self.collect_some(&source, of_object, &wanted, &mut batch);
@@ -213,7 +213,7 @@ impl<'a> Drawing<'a> {
         let scene = self.run.scene;
         let numbers = |slot: Slot, patch: PatchIndex| {
             let place = scene.seams().place(slot);
-            let next = self.source(slot).map_or(patch.after(), |s| s.surface.next(patch));
+            let next = Source::of(self.run.scene, slot).map_or(patch.after(), |s| s.surface.next(patch));
             place.base.of(patch)..place.base.of(next)
         };
         let mut open = vec![false; coherence.changed.len()];

@@ -22,7 +22,7 @@ use crate::pvs::Stats;
 use crate::query::marks::Marks;
 use crate::query::point::drawing::recall::Coherence;
 use crate::query::point::offered::Offered;
-use crate::query::point::run::{Run, pitch};
+use crate::query::point::run::Run;
 use crate::query::start::Starts;
 use crate::view::View;
 use crate::walk::ShellBegins;
@@ -30,7 +30,7 @@ use crate::walk::ShellBegins;
 /// Draws the occluders that the walk offers: owns the buffers, what waits to be drawn and what was
 /// drawn.
 pub(super) struct Drawing<'a> {
-    run: Run<'a>,
+    pub(super) run: Run<'a>,
     scratch: &'a mut DrawingScratch,
     /// Where rays start beside the eye.
     starts: Starts,
@@ -40,7 +40,8 @@ pub(super) struct Drawing<'a> {
     begins: Option<ShellBegins>,
     /// Whether boxes of opaque cells may be drawn, once that was found out.
     fuses: Option<bool>,
-    stats: Stats,
+    /// The counts of the run: the rest of the walk adds its own.
+    pub(super) stats: Stats,
 }
 
 /// How a patch was drawn.
@@ -73,7 +74,7 @@ impl Waiting {
 /// The buffers, and the memory of drawing in them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DrawingScratch {
-    buffers: OcclusionBuffers,
+    pub(crate) buffers: OcclusionBuffers,
     /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
     waiting: Vec<Waiting>,
     /// For each patch of the scene, how it was drawn last.
@@ -86,8 +87,8 @@ pub(crate) struct DrawingScratch {
     /// The objects of which an occluder hid more than before. Their epoch numbers the queries.
     useful: Marks,
     /// The objects whose occluders were offered in a run on static objects only.
-    offered: Offered,
-    coherence: Coherence,
+    pub(crate) offered: Offered,
+    pub(crate) coherence: Coherence,
 }
 
 impl<'a> Drawing<'a> {
@@ -96,24 +97,22 @@ impl<'a> Drawing<'a> {
     pub(super) fn new(run: Run<'a>, begins: Option<ShellBegins>, scratch: &'a mut DrawingScratch) -> Self {
         let Run { scene, view, .. } = run;
         let (slots, patches) = (scene.slot_count(), scene.seams().patches());
-        scratch.begin(slots, patches);
-        if run.options.keeps_memory() {
+        scratch.useful.begin(slots);
+        scratch.waiting.iter_mut().for_each(Waiting::clear);
+        scratch.patches.clear();
+        scratch.buffers.begin_patches();
+        scratch.offered.clear();
+        scratch.drawn.grow(patches);
+        // Numbers of queries start again.
+        if scratch.useful.epoch() == 1 {
+            scratch.drawn.clear();
+        }
+        if run.keeps_memory {
             scratch.coherence.begin(scene.tag(), slots, patches);
         }
         let starts = Starts::of(scene, view);
         let around_starts = view.eye().map(|eye| starts.around(eye));
         Self { run, scratch, starts, around_starts, begins, fuses: None, stats: Stats::default() }
-    }
-
-    /// Empties the buffers. Returns the number of their pixels.
-    pub(super) fn begin_buffers(&mut self) -> u64 {
-        let Run { scene, view, options, receivers, .. } = self.run;
-        let buffers = &mut self.scratch.buffers;
-        buffers.begin(view, &pitch(scene, options));
-        if let Some(receivers) = receivers {
-            buffers.keep_before(receivers, view.is_ordered());
-        }
-        buffers.pixels()
     }
 
     /// The buffers with all that was drawn so far.
@@ -122,7 +121,7 @@ impl<'a> Drawing<'a> {
         &self.scratch.buffers
     }
 
-    /// As [`Drawing::buffers`], to be opened again or made ready for questions.
+    /// As [`Drawing::buffers`], to be emptied, opened again or made ready for questions.
     pub(super) fn buffers_mut(&mut self) -> &mut OcclusionBuffers {
         &mut self.scratch.buffers
     }
@@ -147,60 +146,9 @@ impl<'a> Drawing<'a> {
     pub(super) fn sees_volume(&self, volume: &Block) -> bool {
         self.scratch.sees_volume(self.run.view, volume)
     }
-
-    pub(super) fn occluders_drawn(&self) -> u32 {
-        self.stats.occluders_drawn
-    }
-
-    /// Adds what was counted in drawing to the counts of the rest.
-    pub(super) fn add_to(&self, stats: Stats) -> Stats {
-        Stats {
-            occluders_drawn: self.stats.occluders_drawn,
-            occluders_useful: self.stats.occluders_useful,
-            patches_drawn: self.stats.patches_drawn,
-            patch_blocks: self.stats.patch_blocks,
-            cells_drawn: self.stats.cells_drawn,
-            occluders_skipped: self.stats.occluders_skipped,
-            eye_in_occluder: self.stats.eye_in_occluder,
-            ..stats
-        }
-    }
 }
 
 impl DrawingScratch {
-    /// Forgets the last query, for a scene with these numbers of slots and patches.
-    fn begin(&mut self, slots: usize, patches: usize) {
-        self.useful.begin(slots);
-        self.waiting.iter_mut().for_each(Waiting::clear);
-        self.patches.clear();
-        self.buffers.begin_patches();
-        self.offered.clear();
-        self.drawn.grow(patches);
-        // Numbers of queries start again.
-        if self.useful.epoch() == 1 {
-            self.drawn.clear();
-        }
-    }
-
-    pub(crate) fn buffers(&self) -> &OcclusionBuffers {
-        &self.buffers
-    }
-
-    /// Takes over the coverage of other buffers, without the lists that refinement asks.
-    pub(super) fn copy_coverage(&mut self, from: &Self) {
-        self.buffers.copy_coverage(&from.buffers);
-    }
-
-    /// The objects whose occluders were offered in a run on static objects only.
-    pub(crate) fn offered(&self) -> &Offered {
-        &self.offered
-    }
-
-    /// Forgets the runs that a coherent one builds on.
-    pub(super) fn reset(&mut self) {
-        self.coherence.reset();
-    }
-
     /// Whether a box in world units is hidden by the occluders drawn so far.
     pub(crate) fn hides(&self, bounds: &Block) -> bool {
         self.buffers.hides(&self.buffers.relative(bounds))

@@ -140,7 +140,7 @@ impl Drawing<'_> {
         if buffers.uncertainty() > 0.0 || self.starts_near(&block) {
             return false;
         }
-        let is_alike = self.is_like_solid(&block, inner.gap);
+        let is_alike = self.is_like_solids(&block, inner.gap, f64::INFINITY);
         let buffers = &mut self.scratch.buffers;
         let part = occluder.inner_from(buffers.origin());
         let Some(changed) = part.and_then(|part| buffers.draw_body(&Body::Part(part), slot)) else {
@@ -165,26 +165,24 @@ impl Drawing<'_> {
             changed |= buffers.draw_shell(part, beyond, slot) == Some(true);
         });
         self.drew_solid(slot, changed);
-        self.is_like_shells(&block, gap)
+        self.is_like_solids(&block, gap, SHELLS_ALONE)
     }
 
-    /// Whether a mesh, by the box around it, covers nearly the same pixels as its shells, and is so
-    /// small that few objects are behind the near side of one and before its far side.
-    fn is_like_shells(&self, block: &Block, gap: f64) -> bool {
-        self.scratch.is_small(&self.scratch.buffers.relative(block), (MOST_GAP / gap).min(SHELLS_ALONE))
-    }
-
-    /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh
-    /// and the width of the gap between them.
-    fn is_like_solid(&self, block: &Block, gap: f64) -> bool {
-        self.scratch.is_small(&self.scratch.buffers.relative(block), MOST_GAP / gap)
+    /// Whether a mesh covers nearly the same pixels as the solids inside it, by the box of the mesh
+    /// and the width of the gap between them, and is smaller than some pixels.
+    fn is_like_solids(&self, block: &Block, gap: f64, pixels: f64) -> bool {
+        self.scratch.is_small(&self.scratch.buffers.relative(block), (MOST_GAP / gap).min(pixels))
     }
 
     /// Whether an object is drawn as a solid and, beside it, as patches.
     fn has_patches_beside_solid(&self, slot: Slot) -> bool {
         let Some(occluder) = self.run.scene.object(slot).occluder() else { return false };
-        occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.gap))
-            || occluder.beside_shells().is_some_and(|gap| !self.is_like_shells(&occluder.block(), gap))
+        occluder
+            .inner()
+            .is_some_and(|inner| !self.is_like_solids(&occluder.block(), inner.gap, f64::INFINITY))
+            || occluder
+                .beside_shells()
+                .is_some_and(|gap| !self.is_like_solids(&occluder.block(), gap, SHELLS_ALONE))
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &

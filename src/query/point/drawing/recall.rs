@@ -100,7 +100,7 @@ impl Coherence {
     }
 
     /// Whether the turn of the number of a slot or patch comes in this run.
-    pub(crate) fn is_turn(&self, number: u32) -> bool {
+    fn is_turn(&self, number: u32) -> bool {
         number.wrapping_add(self.run).is_multiple_of(TURN)
     }
 
@@ -150,8 +150,14 @@ impl Coherence {
     }
 
     /// Whether the last run found an object visible.
-    pub(crate) fn saw(&self, slot: Slot) -> bool {
+    fn saw(&self, slot: Slot) -> bool {
         let run = self.seen[slot.index()];
         run > 0 && run + 1 == self.run
+    }
+
+    /// Whether an object that was visible in the last run stays so unless the buffers hide it at
+    /// once.
+    pub(crate) fn stays(&self, slot: Slot) -> bool {
+        self.saw(slot) && !self.is_turn(slot.get())
     }
 }

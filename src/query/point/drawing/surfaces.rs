@@ -33,32 +33,10 @@ enum AfterPatch {
 }
 
 impl<'a> Drawing<'a> {
-    /// The surface of an object, if it has one.
-    pub(super) fn source(&self, slot: Slot) -> Option<Source<'a>> {
-        Source::of(self.run.scene, slot)
-    }
-
     /// A patch of an object's surface ready to be drawn, if it can be.
     pub(super) fn drawable(&self, slot: Slot, patch: PatchIndex) -> Option<Drawable<'a>> {
-        let source = self.source(slot)?;
-        self.drawable_in(&source, patch, &source.block(patch))
-    }
-
-    /// As [`Drawing::drawable`], for a patch in a box in world units.
-    fn drawable_in(&self, source: &Source<'a>, patch: PatchIndex, world: &Block) -> Option<Drawable<'a>> {
-        source.drawable(patch, world, (self.run.view, &self.starts), &self.scratch.buffers)
-    }
-
-    /// How a patch takes part in this run, by its place and its number in the scene. Patches that
-    /// wait are listed.
-    fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
-        if !self.run.coherent {
-            return Role::Fresh;
-        }
-        if self.scratch.drawn.get(number).epoch == self.scratch.useful.epoch() {
-            return Role::Drawn;
-        }
-        self.scratch.coherence.patch(slot, patch, number)
+        let source = Source::of(self.run.scene, slot)?;
+        source.drawable(patch, &source.block(patch), (self.run.view, &self.starts), self.buffers())
     }
 
     /// Notes that the parts of a group were looked at.
@@ -72,15 +50,11 @@ impl<'a> Drawing<'a> {
 
     /// Lists an object's surface for drawing, by the shell that it begins in.
     pub(super) fn list_surface(&mut self, slot: Slot) {
-        if let Some(source) = self.source(slot)
+        let all = PatchIndex::FIRST;
+        if let Some(source) = Source::of(self.run.scene, slot)
             && source.surface.patch_count() > 0
         {
-            self.wait(
-                self.shell_of(&source.block(PatchIndex::FIRST)),
-                slot,
-                PatchIndex::FIRST,
-                source.surface.next(PatchIndex::FIRST).get(),
-            );
+            self.wait(self.shell_of(&source.block(all)), slot, all, source.surface.next(all).get());
         }
     }
 
@@ -101,38 +75,25 @@ impl<'a> Drawing<'a> {
     }
 
     /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are
-    /// too few for a batch.
+    /// too few for a batch: if the eye may go some way, a batch draws the neighbours of its patches
+    /// again, as wholes.
     pub(crate) fn draw_patches(&mut self, m: i32) {
-        if !self.defers_patches(m) {
+        let shells = &self.scratch.waiting[..self.waiting_up_to(m)];
+        let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
+        let few = || shells.iter().map(|shell| shell.count).sum::<u64>() < enough;
+        if !(self.scratch.buffers.reach() > 0.0 && few()) {
             self.draw_all_patches(m);
         }
     }
 
     /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a
-    /// batch was not worth.
+    /// batch was not worth. Parts that begin beyond it wait; which ones does not depend on the
+    /// shells that there is room for.
     pub(crate) fn draw_all_patches(&mut self, m: i32) {
         let last = self.waiting_up_to(m);
-        if self.scratch.waiting[..last].iter().any(|shell| !shell.listed.is_empty()) {
-            self.draw_waiting(last, m.max(0) as usize);
+        if self.scratch.waiting[..last].iter().all(|shell| shell.listed.is_empty()) {
+            return;
         }
-    }
-
-    /// The number of shells up to `m` with room for patches that wait.
-    fn waiting_up_to(&self, m: i32) -> usize {
-        self.scratch.waiting.len().min(m.max(0) as usize + 1)
-    }
-
-    /// Whether the patches that wait up to shell `m` are too few for a batch of their own: if the
-    /// eye may go some way, a batch draws the neighbours of its patches again, as wholes.
-    fn defers_patches(&self, m: i32) -> bool {
-        let shells = &self.scratch.waiting[..self.waiting_up_to(m)];
-        let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
-        self.scratch.buffers.reach() > 0.0 && shells.iter().map(|shell| shell.count).sum::<u64>() < enough
-    }
-
-    /// Draws patches that wait in the first shells, together. Parts that begin beyond shell `m`
-    /// wait; which ones does not depend on the shells that there is room for.
-    fn draw_waiting(&mut self, last: usize, m: usize) {
         let mut batch = std::mem::take(&mut self.scratch.batch).emptied();
         self.scratch.batches += 1;
         for shell in 0..last {
@@ -140,11 +101,16 @@ impl<'a> Drawing<'a> {
             let mut at = 0;
             while let Some(&(slot, patch)) = self.scratch.waiting[shell].listed.get(at) {
                 at += 1;
-                self.collect(slot, patch, m, &mut batch);
+                self.collect(slot, patch, m.max(0) as usize, &mut batch);
             }
             self.scratch.waiting[shell].clear();
         }
         self.draw_batch(batch);
+    }
+
+    /// The number of shells up to `m` with room for patches that wait.
+    fn waiting_up_to(&self, m: i32) -> usize {
+        self.scratch.waiting.len().min(m.max(0) as usize + 1)
     }
 
     /// Draws patches together.
@@ -191,13 +157,21 @@ impl<'a> Drawing<'a> {
     /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that
     /// begin beyond shell `m` wait.
     fn collect(&mut self, slot: Slot, whole: PatchIndex, m: usize, batch: &mut Batch<'a>) {
-        let Some(source) = self.source(slot) else { return };
+        let Some(source) = Source::of(self.run.scene, slot) else { return };
         let surface = source.surface;
         let first = batch.drawables.len();
         let (mut number, mut waits) = (whole, false);
         // Groups come before their parts.
         while number < surface.next(whole) {
-            let role = self.role(slot, number, source.place.base.of(number));
+            let scratch = &mut *self.scratch;
+            let in_scene = source.place.base.of(number);
+            let role = if !self.run.coherent {
+                Role::Fresh
+            } else if scratch.drawn.get(in_scene).epoch == scratch.useful.epoch() {
+                Role::Drawn
+            } else {
+                scratch.coherence.patch(slot, number, in_scene)
+            };
             if matches!(role, Role::Drawn | Role::Waits) {
                 number = surface.next(number);
                 continue;
@@ -214,7 +188,7 @@ impl<'a> Drawing<'a> {
             number = match next {
                 AfterPatch::Done => surface.next(number),
                 AfterPatch::Parts => {
-                    self.went_into(source.place.base.of(number));
+                    self.went_into(in_scene);
                     number.after()
                 }
             };
@@ -258,7 +232,8 @@ impl<'a> Drawing<'a> {
         }
         if (role == Role::Fresh || !has_parts)
             && source.surface.has_outline(number)
-            && let Some(mut drawable) = self.drawable_in(source, number, world)
+            && let Some(mut drawable) =
+                source.drawable(number, world, (self.run.view, &self.starts), self.buffers())
             && (!has_parts || self.is_thin(&drawable))
         {
             drawable.id = self.scratch.patches.len() as u32;
