@@ -21,10 +21,10 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
 use crate::pvs::{Pvs, Stats};
+use crate::query::point::drawing::DrawingScratch;
 use crate::query::point::follow::StaticChanges;
 use crate::query::point::offered::Offered;
 use crate::query::point::overlay::Overlay;
-use crate::query::point::scratch::PointScratch;
 use crate::query::{Extras, Query};
 use crate::scene::{Object, Scene, StaticChange};
 use crate::view::View;
@@ -135,7 +135,7 @@ impl Still {
     }
 
     /// The buffers of the static occluders.
-    pub(super) fn drawn(&self) -> &PointScratch {
+    pub(super) fn drawn(&self) -> &DrawingScratch {
         self.query.drawn()
     }
 

@@ -16,9 +16,11 @@ use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::{CellScratch, CellWalk};
 use crate::query::marks::Marks;
+use crate::query::point::drawing::DrawingScratch;
 use crate::query::point::follow::StaticChanges;
 use crate::query::point::offered::Offered;
-use crate::query::point::scratch::PointScratch;
+use crate::query::point::run::Run;
+use crate::query::point::{PointScratch, PointWalk};
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
@@ -193,10 +195,10 @@ impl Query {
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();
-                let walk = point::PointWalk::new(scene, view, options, pvs, &mut self.marks, &mut self.point);
+                let run = Run { fixed_only, ..Run::new(scene, view, options, receivers) };
                 #[cfg(feature = "rayon")]
-                let walk = walk.with_parallel(self.parallel);
-                walk.with_receivers(receivers).with_fixed_only(fixed_only).run();
+                let run = Run { parallel: self.parallel, ..run };
+                PointWalk::new(run, pvs, &mut self.marks, &mut self.point).run();
             }
         }
         match &mut pvs.view {
@@ -221,9 +223,8 @@ impl Query {
             Method::Point(options) => options.unrefined(),
             _ => PointOptions::new().unrefined(),
         };
-        let walk =
-            point::PointWalk::new(scene, view, &options, &mut self.pvs, &mut self.marks, &mut self.point);
-        walk.with_fixed_only(true).follow(changes, offered)
+        let run = Run { fixed_only: true, ..Run::new(scene, view, &options, None) };
+        PointWalk::new(run, &mut self.pvs, &mut self.marks, &mut self.point).follow(changes, offered)
     }
 
     /// Finds nothing, as from a view without rays. The result is valid for no view.
@@ -285,7 +286,7 @@ impl Query {
     /// Forgets the runs that a [coherent](crate::PointOptions::coherent) one builds on, as after a
     /// cut of the camera. The last result stays.
     pub fn reset(&mut self) {
-        self.point.coherence.reset();
+        self.point.drawing.coherence.reset();
     }
 
     /// The result of the last run; empty before the first.
@@ -294,8 +295,8 @@ impl Query {
     }
 
     /// The occlusion buffers of the last run of [`Method::Point`], with what that run drew.
-    pub(crate) fn drawn(&self) -> &PointScratch {
-        &self.point
+    pub(crate) fn drawn(&self) -> &DrawingScratch {
+        &self.point.drawing
     }
 
     /// Says whether runs of [`Method::Cell`] keep the cells that they visited and found hidden.

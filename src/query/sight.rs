@@ -8,7 +8,7 @@ use crate::numeric::view::ALONG_RAYS;
 use crate::object::{Bounds, Occluder};
 use crate::pvs::Pvs;
 use crate::query::Query;
-use crate::query::point::scratch::PointScratch;
+use crate::query::point::drawing::DrawingScratch;
 use crate::query::start::Starts;
 use crate::scene::Scene;
 use crate::view::{Origin, View};
@@ -44,7 +44,7 @@ use crate::view::{Origin, View};
 pub struct Sight<'a> {
     pub(crate) view: &'a View,
     /// The occlusion buffers, as long as they are true.
-    buffers: Option<&'a PointScratch>,
+    buffers: Option<&'a DrawingScratch>,
     /// Where rays start beside the eye.
     starts: Starts,
 }
@@ -58,13 +58,13 @@ impl Query {
         let pvs = self.pvs();
         let view = pvs.view.as_ref()?;
         let drawn = matches!(pvs.method, Method::Point(_)) && pvs.is_valid_for(scene, view);
-        Some(Sight::new(scene, view, drawn.then_some(&self.point)))
+        Some(Sight::new(scene, view, drawn.then_some(&self.point.drawing)))
     }
 }
 
 impl<'a> Sight<'a> {
     /// A view, with occlusion buffers that are true for it.
-    pub(crate) fn new(scene: &Scene, view: &'a View, buffers: Option<&'a PointScratch>) -> Self {
+    pub(crate) fn new(scene: &Scene, view: &'a View, buffers: Option<&'a DrawingScratch>) -> Self {
         Self { view, buffers, starts: Starts::of(scene, view) }
     }
 

@@ -72,7 +72,7 @@ use crate::id::ObjectId;
 use crate::method::{Method, PointOptions};
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::target::{FaceTarget, Target};
-use crate::query::point::pitch;
+use crate::query::point::run::pitch;
 use crate::query::{CameraQuery, Extras, Query};
 use crate::scene::Scene;
 use crate::view::View;

@@ -8,16 +8,16 @@
 //! pays for it. From the first other one on it examines some candidates itself, and lets the rest
 //! be looked at again: that happens where a budget ends.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use casca_slots::Slot;
 use smallvec::SmallVec;
 
 use crate::occlusion::magnify::Request;
 use crate::occlusion::magnify::budget::{Budget, Purse};
-use crate::query::point::PointWalk;
-use crate::query::point::scratch::{Candidate, PointScratch};
+use crate::query::point::decide::{Candidate, SecondTest, count, examine};
+use crate::query::point::drawing::Drawing;
 
 /// Candidates that a thread takes at once: some hundred thousand instructions.
 const PORTION: usize = 8;
@@ -41,35 +41,33 @@ struct Answer {
 /// The first candidate of a portion, and the answers for it.
 type Portion = (usize, Vec<Answer>);
 
-impl PointWalk<'_> {
+impl SecondTest {
     /// Looks at candidates by several threads, and accepts answers as far as they hold.
-    pub(super) fn share(&mut self, candidates: &[Candidate], left: &mut Budget, hidden: &mut Vec<bool>) {
+    pub(super) fn share(&mut self, drawing: &mut Drawing, candidates: &[Candidate], left: &mut Budget) {
         let mut alone = ALONE;
-        while candidates.len() - hidden.len() >= WORTH_SHARING {
-            let portions = self.look_ahead(&candidates[hidden.len()..], left);
-            self.accept(candidates, &portions, left, hidden);
-            if hidden.len() == candidates.len() {
+        while candidates.len() - self.hidden.len() >= WORTH_SHARING {
+            let portions = self.look_ahead(drawing, &candidates[self.hidden.len()..], left);
+            self.accept(drawing, candidates, &portions, left);
+            if self.hidden.len() == candidates.len() {
                 return;
             }
-            let PointScratch { magnifier, hands, .. } = &mut *self.scratch;
-            magnifier.drop_unasked(hands);
-            let end = candidates.len().min(hidden.len() + alone);
-            self.examine_in_order(&candidates[..end], left, hidden);
+            self.magnifier.drop_unasked(&mut self.hands);
+            let end = candidates.len().min(self.hidden.len() + alone);
+            self.examine_rest(drawing, &candidates[..end], left);
             alone *= 2;
         }
-        self.examine_in_order(candidates, left, hidden);
+        self.examine_rest(drawing, candidates, left);
     }
 
     /// Examines candidates by several threads. Returns the answers in portions, in order; there are
     /// none for the last portions if the budget ends before them.
-    fn look_ahead(&mut self, candidates: &[Candidate], left: &Budget) -> Vec<Portion> {
-        let hands = Mutex::new(std::mem::take(&mut self.scratch.hands));
-        let magnifier = std::mem::take(&mut self.scratch.magnifier);
+    fn look_ahead(&mut self, drawing: &Drawing, candidates: &[Candidate], left: &Budget) -> Vec<Portion> {
+        let hands = Mutex::new(std::mem::take(&mut self.hands));
         let (found, next) = (Mutex::new(Vec::new()), AtomicUsize::new(0));
         let purse = AtomicU32::new(left.patches.left());
         let has_patches = left.patches.left() > 0;
         let squares = if left.squares > 0 { u64::from(u32::MAX) << 16 } else { 0 };
-        let walk = &*self;
+        let magnifier = &self.magnifier;
         let work = || {
             let mut hand = lock(&hands).pop().unwrap_or_default();
             let mut own: Vec<Portion> = Vec::new();
@@ -82,7 +80,7 @@ impl PointWalk<'_> {
                 let portion = &candidates[first..candidates.len().min(first + PORTION)];
                 let answers = portion.iter().map(|candidate| {
                     let mut budget = Budget { squares, patches: Purse::Shared(&purse) };
-                    let hidden = walk.examine(candidate, (&magnifier, &mut hand), &mut budget);
+                    let hidden = examine(drawing, candidate, (magnifier, &mut hand), &mut budget);
                     Answer {
                         hidden,
                         spent: squares - budget.squares,
@@ -102,9 +100,8 @@ impl PointWalk<'_> {
             }
             work();
         });
-        self.scratch.magnifier = magnifier;
-        self.scratch.hands = into_inner(hands);
-        let mut portions = into_inner(found);
+        self.hands = hands.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut portions = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         portions.sort_unstable_by_key(|portion| portion.0);
         portions
     }
@@ -113,30 +110,28 @@ impl PointWalk<'_> {
     /// that does not hold.
     fn accept(
         &mut self,
+        drawing: &mut Drawing,
         candidates: &[Candidate],
         portions: &[Portion],
         left: &mut Budget,
-        hidden: &mut Vec<bool>,
     ) {
-        let start = hidden.len();
+        let start = self.hidden.len();
         for (first, answers) in portions {
-            if start + first != hidden.len() {
+            if start + first != self.hidden.len() {
                 return;
             }
             for answer in answers {
                 let before = left.patches.left();
                 // Then no limit stopped the examination.
                 let enough = answer.spent == 0 || answer.spent < left.squares;
-                if !enough
-                    || !answer.requests.iter().all(|r| self.scratch.magnifier.accept(r, &mut left.patches))
-                {
+                if !enough || !answer.requests.iter().all(|r| self.magnifier.accept(r, &mut left.patches)) {
                     return;
                 }
                 left.squares -= answer.spent;
-                self.scratch.used.solids.extend(&answer.compared);
+                self.used.solids.extend(&answer.compared);
                 let refined = answer.spent > 0 || left.patches.left() != before;
-                self.count(&candidates[hidden.len()], answer.hidden, refined);
-                hidden.push(answer.hidden);
+                count(drawing, &candidates[self.hidden.len()], answer.hidden, refined);
+                self.hidden.push(answer.hidden);
             }
         }
     }
@@ -144,9 +139,5 @@ impl PointWalk<'_> {
 
 /// What a lock guards. No thread panics while it holds one.
 fn lock<T>(guarded: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    guarded.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-fn into_inner<T>(guarded: Mutex<T>) -> T {
-    guarded.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+    guarded.lock().unwrap_or_else(PoisonError::into_inner)
 }

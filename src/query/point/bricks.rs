@@ -59,24 +59,24 @@ impl PointWalk<'_> {
     /// Walks the shells around the eye outwards, until every pixel is closed.
     pub(super) fn in_shells(&mut self, shells: &Shells, eye: DVec3) {
         for m in shells.nearest..=shells.farthest {
-            self.stats.shells += 1;
+            self.drawing.stats.shells += 1;
             self.shell(shells, m);
-            if self.scratch.buffers.closed(self.distance_beyond(shells.cell, m, eye)) {
+            if self.drawing.buffers().closed(self.distance_beyond(shells.cell, m, eye)) {
                 break;
             }
         }
-        if self.scratch.buffers.reach() > 0.0 {
-            self.draw_all_patches(shells.farthest);
+        if self.drawing.buffers().reach() > 0.0 {
+            self.drawing.draw_all_patches(shells.farthest);
         }
     }
 
     /// Tests and draws the objects found in the bricks up to shell `m`, and those of their volumes.
     fn finish_bricks(&mut self, m: i32) {
         self.settle();
-        self.draw_patches(m);
+        self.drawing.draw_patches(m);
         self.test_volumes();
         self.settle();
-        self.draw_patches(m);
+        self.drawing.draw_patches(m);
     }
 
     /// Finds the objects of the bricks of shell `m`, tests and draws them.
@@ -94,7 +94,7 @@ impl PointWalk<'_> {
     /// Walks all bricks in the frustum, sorted along a direction.
     pub(super) fn everywhere(&mut self, direction: DVec3) {
         let grid = self.grid;
-        let shells = Shells::around_middle(&grid, self.view);
+        let shells = Shells::around_middle(&grid, self.run.view);
         let mut bricks = std::mem::take(&mut self.scratch.bricks);
         bricks.clear();
         for m in 0..=shells.farthest {
@@ -105,7 +105,7 @@ impl PointWalk<'_> {
             depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
         });
         for portion in bricks.chunks(PORTION) {
-            self.stats.shells += 1;
+            self.drawing.stats.shells += 1;
             for &brick in portion {
                 self.brick(brick);
             }
@@ -114,13 +114,13 @@ impl PointWalk<'_> {
         self.scratch.bricks = bricks;
         // Rays may start inside a volume, or enter it where no brick of the view is: all are
         // tested.
-        for slot in Slot::below(self.scene.slot_count()) {
-            if self.scene.is_hidden(slot) {
+        for slot in Slot::below(self.run.scene.slot_count()) {
+            if self.run.scene.is_hidden(slot) {
                 self.test_volume(slot);
             }
         }
         self.settle();
-        self.draw_all_patches(0);
+        self.drawing.draw_all_patches(0);
     }
 
     /// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.
@@ -148,7 +148,7 @@ impl PointWalk<'_> {
     /// Whether a brick contains nothing that the walk looks for.
     #[inline]
     fn brick_is_empty(&self, brick: IVec3, page: &PageContents) -> bool {
-        let scene = self.scene;
+        let scene = self.run.scene;
         !(page.objects && scene.id_matrix().in_brick(brick).len() > 0
             || page.volumes && !scene.tbv_matrix().is_empty(brick)
             || page.opaque && self.has_fused(brick))
@@ -156,7 +156,7 @@ impl PointWalk<'_> {
 
     /// Whether a plane of pages contains nothing that the walk looks for.
     fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
-        let scene = self.scene;
+        let scene = self.run.scene;
         scene.id_matrix().pages().plane_is_empty(axis, page)
             && scene.tbv_matrix().pages().plane_is_empty(axis, page)
             && self.fused.iter().all(|fused| fused.pages().plane_is_empty(axis, page))
@@ -164,7 +164,7 @@ impl PointWalk<'_> {
 
     /// Whether a row of pages contains nothing that the walk looks for.
     fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
-        let scene = self.scene;
+        let scene = self.run.scene;
         scene.id_matrix().pages().row_is_empty(along, page)
             && scene.tbv_matrix().pages().row_is_empty(along, page)
             && self.fused.iter().all(|fused| fused.pages().row_is_empty(along, page))
@@ -173,7 +173,7 @@ impl PointWalk<'_> {
     /// The kinds of things in a page.
     #[inline]
     fn page(&self, page: IVec3) -> PageContents {
-        let scene = self.scene;
+        let scene = self.run.scene;
         PageContents {
             objects: !scene.id_matrix().pages().page_is_empty(page),
             volumes: !scene.tbv_matrix().pages().page_is_empty(page),
@@ -245,14 +245,14 @@ impl PointWalk<'_> {
             return true;
         }
         let wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
-        wide && self.hides(&self.block(part.brick, part.at(first, c0), part.at(last, c1)))
+        wide && self.drawing.hides(&self.block(part.brick, part.at(first, c0), part.at(last, c1)))
     }
 
     /// Appends the bricks of a row.
     fn row_bricks(&self, part: &BrickSide, on_side: &SideFrustum, row: i32, out: &mut Vec<IVec3>) {
         let Some((lo, hi)) = on_side.row(row, part.cols) else { return };
         let wide = hi - lo >= WORTH_TESTING_ROW;
-        if wide && self.hides(&self.block(part.brick, part.at(row, lo), part.at(row, hi))) {
+        if wide && self.drawing.hides(&self.block(part.brick, part.at(row, lo), part.at(row, hi))) {
             return;
         }
         let mut col = lo;
@@ -275,9 +275,9 @@ impl PointWalk<'_> {
 
     /// Finds the objects of one brick, unless the brick is hidden.
     fn brick(&mut self, brick: IVec3) {
-        self.stats.bricks_visited += 1;
-        let scene = self.scene;
-        let volumes = !self.fixed_only && !scene.tbv_matrix().is_empty(brick);
+        self.drawing.stats.bricks_visited += 1;
+        let scene = self.run.scene;
+        let volumes = !self.run.fixed_only && !scene.tbv_matrix().is_empty(brick);
         let mut open = std::mem::take(&mut self.scratch.open);
         open.clear();
         open.extend(scene.id_matrix().in_brick(brick).filter(|&s| !self.marks.is_decided(s)));
@@ -290,12 +290,12 @@ impl PointWalk<'_> {
     /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is
     /// hidden.
     fn open_brick(&mut self, brick: IVec3, open: &mut Vec<Slot>, volumes: bool) {
-        let scene = self.scene;
+        let scene = self.run.scene;
         let has_fused = self.has_fused(brick);
         if open.len() >= WORTH_TESTING || has_fused || volumes {
             let bounds = Block::new(self.grid.cell_bounds(brick));
-            if self.hides(&bounds) {
-                self.stats.bricks_hidden += 1;
+            if self.drawing.hides(&bounds) {
+                self.drawing.stats.bricks_hidden += 1;
                 return;
             }
         }
@@ -303,7 +303,7 @@ impl PointWalk<'_> {
         // once.
         open.retain(|&slot| {
             let own = scene.boxes().of(slot);
-            own.is_shown(self.view) || scene.object(slot).is_shown(self.view)
+            own.is_shown(self.run.view) || scene.object(slot).is_shown(self.run.view)
         });
         for &slot in open.iter() {
             self.find(slot);
@@ -311,10 +311,10 @@ impl PointWalk<'_> {
         if volumes {
             self.scratch.volumes.push(brick);
         }
-        if has_fused && self.may_fuse() {
+        if has_fused && self.drawing.may_fuse() {
             for at in 0..self.fused.len() {
                 let fused = self.fused[at];
-                fused.in_brick(brick).iter().for_each(|cells| self.draw_cells(cells));
+                fused.in_brick(brick).iter().for_each(|cells| self.drawing.draw_cells(cells));
             }
         }
     }

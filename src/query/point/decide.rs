@@ -2,190 +2,205 @@
 
 use casca_slots::Slot;
 
-use crate::object::Bounds;
+use crate::geometry::Block;
 use crate::occlusion::buffers::Verdict;
 use crate::occlusion::examine::{Effort, Examination};
 use crate::occlusion::magnify::budget::{Budget, Purse};
-use crate::occlusion::magnify::{Hand, Magnifier, Redrawable};
+use crate::occlusion::magnify::{Hand, Magnifier, Redrawable, UsedFinely};
 use crate::occlusion::target::Target;
-use crate::query::point::PointWalk;
-use crate::query::point::scratch::{Candidate, PointScratch};
+use crate::query::point::drawing::Drawing;
 
-impl PointWalk<'_> {
-    /// Whether an object that was visible in the last run stays so unless the buffers hide it at
-    /// once.
-    fn stays(&self, candidate: &Candidate) -> bool {
-        let (coherence, slot) = (&self.scratch.coherence, candidate.slot);
-        self.coherent && coherence.saw(slot) && !coherence.is_turn(slot.get())
-    }
+/// An object that may be visible, with all that a test of its box takes: objects themselves are far
+/// apart in memory.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    pub(super) slot: Slot,
+    /// A box around its bounds; `None` if it may be anywhere.
+    pub(super) block: Option<Block>,
+    /// Whether the middle of that box lies in the object.
+    pub(super) is_centered: bool,
+    pub(super) occludes: bool,
+}
 
+/// The second test of objects: owns the magnified pixels, and what was found in them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SecondTest {
+    pub(super) magnifier: Magnifier,
+    /// One for each thread that magnified pixels at the same time.
+    pub(super) hands: Vec<Hand>,
+    /// For each candidate, whether the test found it hidden.
+    pub(super) hidden: Vec<bool>,
+    /// Occluders that were of use in this test only.
+    pub(super) used: UsedFinely,
+    /// Slots of objects that came into sight, though the last view could have seen them.
+    suspicious: Vec<Slot>,
+}
+
+impl SecondTest {
     /// Tests all candidates again, with every occluder drawn, and refines the undecided ones.
-    pub(super) fn decide(&mut self) {
-        let mut candidates = std::mem::take(&mut self.scratch.candidates);
-        let given = u64::from(self.options.refine_budget);
-        let mut left = Budget { squares: given, patches: Purse::Own(self.options.refine_patches) };
-        self.scratch.used.clear();
-        self.begin_examinations();
-        self.examine_all(&candidates, &mut left);
-        if self.coherent {
-            self.decide_coherent(&mut candidates, &mut left);
-            candidates.iter().for_each(|candidate| self.pvs.push(self.scene.id(candidate.slot)));
-        } else {
-            self.push_seen(&candidates);
+    pub(super) fn decide(&mut self, drawing: &mut Drawing, candidates: &mut Vec<Candidate>) {
+        let given = u64::from(drawing.run.options.refine_budget);
+        let mut left = Budget { squares: given, patches: Purse::Own(drawing.run.options.refine_patches) };
+        self.used.clear();
+        self.begin(drawing);
+        self.examine_all(drawing, candidates, &mut left);
+        if drawing.run.coherent {
+            self.decide_coherent(drawing, candidates, &mut left);
         }
-        candidates.clear();
-        self.end_examinations();
-        self.stats.refine_squares = given - left.squares;
-        self.scratch.candidates = candidates;
+        self.end(drawing);
+        drawing.stats.refine_squares = given - left.squares;
     }
 
-    /// Adds to the set all candidates that the last examination found visible, in the order in
-    /// which they were found, and the small moving objects that needed none.
-    fn push_seen(&mut self, candidates: &[Candidate]) {
-        for (at, candidate) in candidates.iter().enumerate() {
-            // One that was not examined is visible.
-            if self.scratch.hidden.get(at) != Some(&true) {
-                self.pvs.push(self.scene.id(candidate.slot));
+    /// The candidates that the test found visible, in the order in which they were found.
+    pub(super) fn seen<'c>(&self, candidates: &'c [Candidate]) -> impl Iterator<Item = &'c Candidate> {
+        // One that was not examined is visible.
+        candidates.iter().enumerate().filter(|(at, _)| self.hidden.get(*at) != Some(&true)).map(|seen| seen.1)
+    }
+
+    /// Leaves those candidates that may be seen after the test. Some are tested once more.
+    fn decide_coherent(&mut self, drawing: &mut Drawing, candidates: &mut Vec<Candidate>, left: &mut Budget) {
+        let mut suspicious = std::mem::take(&mut self.suspicious);
+        suspicious.clear();
+        let mut hidden = self.hidden.iter();
+        candidates.retain(|candidate| {
+            let seen = hidden.next() != Some(&true);
+            let slot = candidate.slot;
+            if seen && drawing.coherence().hid(slot, candidate.block.as_ref()) {
+                suspicious.push(slot);
             }
+            seen
+        });
+        suspicious.sort_unstable();
+        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.slot).is_ok();
+        let blocks = candidates.iter().filter(|c| is_suspicious(c)).filter_map(|c| c.block);
+        if !suspicious.is_empty() && drawing.draw_before(blocks) {
+            self.end(drawing);
+            self.begin(drawing);
+            let again: Vec<Candidate> = candidates.iter().filter(|c| is_suspicious(c)).copied().collect();
+            self.examine_all(drawing, &again, left);
+            let mut hidden = self.hidden.iter();
+            candidates.retain(|candidate| !is_suspicious(candidate) || hidden.next() != Some(&true));
         }
-        self.stats.occlusion_tests += self.scratch.movers.len() as u32;
-        self.scratch.movers.iter().for_each(|&id| self.pvs.push(id));
+        self.hidden.clear();
+        self.suspicious = suspicious;
     }
 
     /// Forgets magnified pixels: occluders were drawn.
-    pub(super) fn begin_examinations(&mut self) {
-        let PointScratch { magnifier, hands, buffers, .. } = &mut *self.scratch;
-        if hands.is_empty() {
-            hands.push(Hand::default());
+    fn begin(&mut self, drawing: &Drawing) {
+        if self.hands.is_empty() {
+            self.hands.push(Hand::default());
         }
-        magnifier.clear(hands, buffers);
+        self.magnifier.clear(&mut self.hands, drawing.buffers());
     }
 
     /// Notes which occluders were of use in magnified pixels, before those are forgotten.
-    pub(super) fn end_examinations(&mut self) {
-        let PointScratch { magnifier, hands, buffers, used, .. } = &mut *self.scratch;
-        self.stats.refine_patches += magnifier.cost(hands);
-        if self.coherent {
-            magnifier.used(hands, buffers, used);
+    fn end(&mut self, drawing: &mut Drawing) {
+        drawing.stats.refine_patches += self.magnifier.cost(&self.hands);
+        if drawing.run.coherent {
+            self.magnifier.used(&self.hands, drawing.buffers(), &mut self.used);
         }
     }
 
     /// Tests candidates again, and notes which of them are hidden.
-    pub(super) fn examine_all(&mut self, candidates: &[Candidate], left: &mut Budget) {
-        let mut hidden = std::mem::take(&mut self.scratch.hidden);
-        hidden.clear();
+    fn examine_all(&mut self, drawing: &mut Drawing, candidates: &[Candidate], left: &mut Budget) {
+        self.hidden.clear();
         #[cfg(feature = "rayon")]
-        if self.is_parallel() {
-            self.share(candidates, left, &mut hidden);
+        if drawing.run.is_parallel() {
+            self.share(drawing, candidates, left);
         }
-        self.examine_in_order(candidates, left, &mut hidden);
-        self.scratch.hidden = hidden;
+        self.examine_rest(drawing, candidates, left);
     }
 
-    /// Tests candidates again by this thread, from the first on of which it is not noted whether it
-    /// is hidden.
-    pub(super) fn examine_in_order(
+    /// Tests the rest of the candidates by this thread: those not noted as hidden or not.
+    pub(super) fn examine_rest(
         &mut self,
+        drawing: &mut Drawing,
         candidates: &[Candidate],
         left: &mut Budget,
-        hidden: &mut Vec<bool>,
     ) {
-        let Some(mut hand) = self.scratch.hands.pop() else { return };
-        let magnifier = std::mem::take(&mut self.scratch.magnifier);
-        for candidate in &candidates[hidden.len()..] {
+        let Some(hand) = self.hands.last_mut() else { return };
+        for candidate in &candidates[self.hidden.len()..] {
             let before = (left.squares, left.patches.left());
-            let is_hidden = self.examine(candidate, (&magnifier, &mut hand), left);
-            self.count(candidate, is_hidden, before != (left.squares, left.patches.left()));
-            self.scratch.used.solids.append(&mut hand.compared);
-            hidden.push(is_hidden);
+            let is_hidden = examine(drawing, candidate, (&self.magnifier, hand), left);
+            count(drawing, candidate, is_hidden, before != (left.squares, left.patches.left()));
+            self.used.solids.append(&mut hand.compared);
+            self.hidden.push(is_hidden);
         }
-        self.scratch.magnifier = magnifier;
-        self.scratch.hands.push(hand);
     }
+}
 
-    /// Counts a candidate that was tested again.
-    pub(super) fn count(&mut self, candidate: &Candidate, hidden: bool, refined: bool) {
-        self.stats.occlusion_tests += u32::from(candidate.block.is_some() || self.stays(candidate));
-        self.stats.refined += u32::from(refined);
-        self.stats.refined_hidden += u32::from(hidden && refined);
+/// Whether an object that was visible in the last run stays so unless the buffers hide it at once.
+fn stays(drawing: &Drawing, candidate: &Candidate) -> bool {
+    drawing.run.coherent && drawing.coherence().stays(candidate.slot)
+}
+
+/// Counts a candidate that was tested again.
+pub(super) fn count(drawing: &mut Drawing, candidate: &Candidate, hidden: bool, refined: bool) {
+    drawing.stats.occlusion_tests += u32::from(candidate.block.is_some() || stays(drawing, candidate));
+    drawing.stats.refined += u32::from(refined);
+    drawing.stats.refined_hidden += u32::from(hidden && refined);
+}
+
+/// Whether no point of a candidate can be seen, with all occluders drawn. Several threads may ask
+/// at once.
+pub(super) fn examine(
+    drawing: &Drawing,
+    candidate: &Candidate,
+    (magnifier, hand): (&Magnifier, &mut Hand),
+    left: &mut Budget,
+) -> bool {
+    let &Candidate { slot, block: Some(block), is_centered, .. } = candidate else { return false };
+    if stays(drawing, candidate) {
+        return drawing.hides(&block);
     }
-
-    /// Whether a candidate turns out to be hidden. Several threads may ask at once.
-    pub(super) fn examine(
-        &self,
-        candidate: &Candidate,
-        (magnifier, hand): (&Magnifier, &mut Hand),
-        left: &mut Budget,
-    ) -> bool {
-        let &Candidate { slot, block: Some(block), is_centered, .. } = candidate else { return false };
-        if self.stays(candidate) {
-            return self.hides(&block);
+    let buffers = drawing.buffers();
+    let (origin, direction) = (buffers.origin(), buffers.direction());
+    // Most candidates can be seen plainly.
+    if is_centered && buffers.shows_plainly((block.min + block.max) * 0.5 - origin, slot) {
+        return false;
+    }
+    let bounds = drawing.run.scene.object(slot).bounds();
+    let options = drawing.run.options;
+    let effort = Effort { squares: options.refine_squares, depth: options.refine_depth };
+    let refines = effort.squares > 0 || options.refine_patches > 0;
+    if let Some(middle) = bounds.kind().middle_of_parts() {
+        if drawing.hides(&bounds.block()) {
+            return true;
         }
-        let middle = (block.min + block.max) * 0.5 - self.scratch.buffers.origin();
-        // Most candidates can be seen plainly.
-        if is_centered && self.scratch.buffers.shows_plainly(middle, slot) {
+        // A quick way to find objects that are plainly in sight, or hardly hidden.
+        if buffers.shows(middle - origin, slot) || refines && !effort.is_worth(buffers, bounds) {
             return false;
         }
-        let bounds = self.scene.object(slot).bounds();
-        self.is_hidden(bounds, slot, (magnifier, hand), left)
     }
-
-    /// Whether no point of an object can be seen, with all occluders drawn.
-    fn is_hidden(
-        &self,
-        bounds: &Bounds,
-        slot: Slot,
-        (magnifier, hand): (&Magnifier, &mut Hand),
-        budget: &mut Budget,
-    ) -> bool {
-        let buffers = &self.scratch.buffers;
-        let (origin, direction) = (buffers.origin(), buffers.direction());
-        let effort = Effort { squares: self.options.refine_squares, depth: self.options.refine_depth };
-        let refines = effort.squares > 0 || self.options.refine_patches > 0;
-        if let Some(middle) = bounds.kind().middle_of_parts() {
-            if self.hides(&bounds.block()) {
-                return true;
-            }
-            // A quick way to find objects that are plainly in sight, or hardly hidden.
-            if buffers.shows(middle - origin, slot) || refines && !effort.is_worth(buffers, bounds) {
-                return false;
-            }
-        }
-        // Parts of meshes cannot be grown by the uncertainty of the eye; their box can.
-        let in_parts = buffers.uncertainty() == 0.0;
-        // Then any examination finds it.
-        if in_parts && bounds.kind().any_part(origin, &mut |part| buffers.shows_plainly(part.middle(), slot))
-        {
-            return false;
-        }
-        let drawable = |id: u32| {
-            let (slot, patch) = self.scratch.patches[id as usize];
-            self.drawable(slot, patch)
-        };
-        let patches = Redrawable { drawable };
-        let mut target = std::mem::take(&mut hand.target);
-        let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget };
-        let mut hidden = |target: &Target| {
-            if refines {
-                return examination.hides(target, slot);
-            }
-            buffers.test(target, &mut examination.hand.on_face) == Verdict::Hidden
-        };
-        let parts = match in_parts {
-            true => bounds.kind().all_parts(origin, &mut |part| {
-                let block = part.bounds();
-                buffers.hides(&block) || {
-                    target.set_part(part, block, direction);
-                    hidden(&target)
-                }
-            }),
-            false => None,
-        };
-        let is_hidden = parts.unwrap_or_else(|| {
-            target.set_body(&bounds.kind().outer(origin, buffers.uncertainty()), direction);
-            hidden(&target)
-        });
-        examination.hand.target = target;
-        is_hidden
+    // Parts of meshes cannot be grown by the uncertainty of the eye; their box can.
+    let in_parts = buffers.uncertainty() == 0.0;
+    // Then any examination finds it.
+    if in_parts && bounds.kind().any_part(origin, &mut |part| buffers.shows_plainly(part.middle(), slot)) {
+        return false;
     }
+    let patches = Redrawable { drawable: |id: u32| drawing.drawn_patch(id) };
+    let mut target = std::mem::take(&mut hand.target);
+    let mut examination = Examination { buffers, magnifier, hand, patches: &patches, effort, budget: left };
+    let mut hidden = |target: &Target| {
+        if refines {
+            return examination.hides(target, slot);
+        }
+        buffers.test(target, &mut examination.hand.on_face) == Verdict::Hidden
+    };
+    let parts = match in_parts {
+        true => bounds.kind().all_parts(origin, &mut |part| {
+            let block = part.bounds();
+            buffers.hides(&block) || {
+                target.set_part(part, block, direction);
+                hidden(&target)
+            }
+        }),
+        false => None,
+    };
+    let is_hidden = parts.unwrap_or_else(|| {
+        target.set_body(&bounds.kind().outer(origin, buffers.uncertainty()), direction);
+        hidden(&target)
+    });
+    examination.hand.target = target;
+    is_hidden
 }

@@ -49,31 +49,24 @@ impl PointWalk<'_> {
         changes.known.iter().for_each(|&slot| {
             self.marks.decide(slot);
         });
-        let pixels = self.scratch.buffers.pixels().max(1) as f64;
-        let holes = self.scratch.buffers.reopen(&changes.gone);
+        let pixels = self.drawing.buffers().pixels().max(1) as f64;
+        let holes = self.drawing.buffers_mut().reopen(&changes.gone);
         if !holes.is_empty() {
             for slot in offered.slots() {
-                let block = self.scene.living_at(slot).and_then(|o| o.occluder()).map(|o| o.block());
-                if block.is_some_and(|block| self.scratch.buffers.reaches_into(&block, &holes)) {
-                    self.draw(slot);
+                let block = self.run.scene.living_at(slot).and_then(|o| o.occluder()).map(|o| o.block());
+                if block.is_some_and(|block| self.drawing.buffers().reaches_into(&block, &holes)) {
+                    self.drawing.draw(slot);
                 }
             }
         }
         changes.fresh.iter().for_each(|&slot| self.find(slot));
         self.settle();
-        self.draw_all_patches(i32::MAX);
+        self.drawing.draw_all_patches(i32::MAX);
         if !holes.is_empty() {
             self.find_all();
         }
         self.decide();
-        self.pvs.stats = self.stats;
+        self.pvs.stats = self.drawing.stats;
         holes.iter().map(|hole| hole.pixels() as f64).sum::<f64>() / pixels
-    }
-
-    /// Draws occluders over the buffers of an earlier run, and gives how many.
-    pub(crate) fn draw_over(mut self, slots: impl Iterator<Item = Slot>) -> u32 {
-        slots.for_each(|slot| self.draw(slot));
-        self.draw_all_patches(i32::MAX);
-        self.stats.occluders_drawn
     }
 }

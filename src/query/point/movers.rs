@@ -10,9 +10,9 @@ use casca_slots::Slot;
 
 use crate::geometry::Block;
 use crate::id::ObjectId;
-use crate::query::point::PointWalk;
+use crate::query::point::decide::Candidate;
 use crate::query::point::planes::{BoxSide, Planes};
-use crate::query::point::scratch::{Candidate, PointScratch};
+use crate::query::point::{PointWalk, WalkScratch};
 use crate::scene::Zone;
 
 /// A zone with fewer objects is not tested itself.
@@ -35,16 +35,16 @@ impl PointWalk<'_> {
     /// Finds the small moving objects that are in sight of all that was drawn. Those that need no
     /// further test are listed apart.
     pub(super) fn find_movers(&mut self) {
-        let scene = self.scene;
-        if self.fixed_only || self.view.layers() == 0 || scene.movers().zones().is_empty() {
+        let scene = self.run.scene;
+        if self.run.fixed_only || self.run.view.layers() == 0 || scene.movers().zones().is_empty() {
             return;
         }
-        self.scratch.buffers.read_clear();
-        let planes = Planes::new(self.view, scene.grid());
+        self.drawing.buffers_mut().read_clear();
+        let planes = Planes::new(self.run.view, scene.grid());
         let mut order = std::mem::take(&mut self.scratch.zones);
         order.clear();
         for (index, zone) in scene.movers().zones().iter().enumerate() {
-            if zone.plain().len() + zone.others().len() > 0 && self.view.may_see_volume(zone.room()) {
+            if zone.plain().len() + zone.others().len() > 0 && self.run.view.may_see_volume(zone.room()) {
                 order.push((self.distance(zone.room()), index as u32));
             }
         }
@@ -66,9 +66,9 @@ impl PointWalk<'_> {
         zone.others().iter().for_each(|&slot| self.find(slot));
         match outlook {
             Outlook::Open => {
-                self.stats.objects_tested += zone.plain().len() as u32;
+                self.drawing.stats.objects_tested += zone.plain().len() as u32;
                 let ids = zone.plain().iter().map(|&id| ObjectId(id));
-                if self.scene.any_overdue() {
+                if self.run.scene.any_overdue() {
                     self.scratch.movers.extend(ids.filter(|id| !self.marks.is_decided(id.slot())));
                 } else {
                     self.scratch.movers.extend(ids);
@@ -81,19 +81,19 @@ impl PointWalk<'_> {
 
     /// What may be said of all objects of a zone in the frustum.
     fn outlook(&self, zone: &Zone, planes: &Planes) -> Outlook {
-        let (room, scratch) = (zone.room(), &*self.scratch);
-        let reach = self.view.eye_box();
+        let room = zone.room();
+        let reach = self.run.view.eye_box();
         let around = Block { min: room.min - reach, max: room.max + reach };
         // A coherent run asks more of its objects.
-        let close = self.coherent || self.view.eye().is_some_and(|eye| around.contains_point(eye));
+        let close = self.run.coherent || self.run.view.eye().is_some_and(|eye| around.contains_point(eye));
         let worth = zone.plain().len() + zone.others().len() >= WORTH_TESTING;
-        if worth && self.hides(room) {
+        if worth && self.drawing.hides(room) {
             return Outlook::Hidden;
         }
         let side = planes.side_of(room);
         if close {
             Outlook::Close
-        } else if worth && side == BoxSide::Inside && scratch.buffers.is_clear_block(room) {
+        } else if worth && side == BoxSide::Inside && self.drawing.buffers().is_clear_block(room) {
             Outlook::Open
         } else {
             Outlook::Mixed(side)
@@ -103,8 +103,9 @@ impl PointWalk<'_> {
     /// Tests the boxes of objects. Those before all occluders are found visible, those that may lie
     /// behind one are tested with the others.
     fn test_boxes(&mut self, zone: &Zone, zone_side: BoxSide, planes: &Planes) {
-        let scene = self.scene;
-        let PointScratch { buffers, movers, candidates, .. } = &mut *self.scratch;
+        let scene = self.run.scene;
+        let WalkScratch { movers, candidates, .. } = &mut *self.scratch;
+        let (buffers, mut tested) = (self.drawing.buffers(), 0);
         let origin = buffers.origin().as_vec3a();
         // Those that are overdue were found as such.
         let any_overdue = scene.any_overdue();
@@ -116,11 +117,11 @@ impl PointWalk<'_> {
             let (min, max) = own.corners();
             let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
             let side = if zone_side == BoxSide::Inside { zone_side } else { planes.side(middle, half) };
-            let sees = |slot: Slot| self.view.may_see(scene.object(slot).bounds());
+            let sees = |slot: Slot| self.run.view.may_see(scene.object(slot).bounds());
             if side == BoxSide::Outside || side == BoxSide::Crosses && !sees(id.slot()) {
                 continue;
             }
-            self.stats.objects_tested += 1;
+            tested += 1;
             if buffers.is_clear(middle - origin) {
                 movers.push(ObjectId(id));
             } else {
@@ -128,5 +129,6 @@ impl PointWalk<'_> {
                 candidates.push(Candidate { slot: id.slot(), block, is_centered: true, occludes: false });
             }
         }
+        self.drawing.stats.objects_tested += tested;
     }
 }

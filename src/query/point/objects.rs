@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::query::point::PointWalk;
-use crate::query::point::scratch::Candidate;
+use crate::query::point::decide::Candidate;
 use crate::scene::ObjectBox;
 
 /// A number that sorts objects by distance and then by slot, with a place as its lowest part. Whole
@@ -23,18 +23,18 @@ impl PointWalk<'_> {
         if !self.marks.decide(slot) {
             return;
         }
-        let own = *self.scene.boxes().of(slot);
+        let own = *self.run.scene.boxes().of(slot);
         if own.is_static() { self.find_static(slot, &own) } else { self.find_asking(slot) }
     }
 
     /// Lists an object of which its box tells all.
     fn find_static(&mut self, slot: Slot, own: &ObjectBox) {
-        let (scene, view) = (self.scene, self.view);
+        let (scene, view) = (self.run.scene, self.run.view);
         debug_assert!(scene.is_up_to_date(slot), "the box of {slot} is old");
         if !own.is_shown(view) && !scene.object(slot).is_shown(view) {
             return;
         }
-        self.stats.objects_tested += 1;
+        self.drawing.stats.objects_tested += 1;
         let block = own.block();
         if view.may_see_volume(&block) && (own.is_box() || view.may_see(scene.object(slot).bounds())) {
             self.list_found(Candidate {
@@ -48,20 +48,20 @@ impl PointWalk<'_> {
 
     /// Lists an object that must be asked itself.
     fn find_asking(&mut self, slot: Slot) {
-        let object = self.scene.object(slot);
-        let passed_over = self.fixed_only && !object.is_static();
-        if passed_over || !object.is_shown(self.view) {
+        let object = self.run.scene.object(slot);
+        let passed_over = self.run.fixed_only && !object.is_static();
+        if passed_over || !object.is_shown(self.run.view) {
             return;
         }
-        if self.scene.is_unlocated(slot) || object.is_hidden_unreported() {
+        if self.run.scene.is_unlocated(slot) || object.is_hidden_unreported() {
             // It may be anywhere: visible, whatever its old bounds say.
             let anywhere = Candidate { slot, block: None, is_centered: false, occludes: false };
             self.scratch.candidates.push(anywhere);
             return;
         }
-        self.stats.objects_tested += 1;
+        self.drawing.stats.objects_tested += 1;
         let bounds = object.bounds();
-        if self.view.may_see(bounds) {
+        if self.run.view.may_see(bounds) {
             self.list_found(Candidate {
                 slot,
                 block: Some(bounds.block()),
@@ -81,10 +81,10 @@ impl PointWalk<'_> {
 
     /// A number by which boxes are sorted from front to back.
     pub(super) fn distance(&self, block: &Block) -> f64 {
-        match self.scratch.buffers.direction() {
+        match self.drawing.buffers().direction() {
             Some(direction) => ((block.min + block.max) * 0.5).dot(direction),
             None => {
-                let eye = self.scratch.buffers.origin();
+                let eye = self.drawing.buffers().origin();
                 (block.min - eye).max(eye - block.max).max(DVec3::ZERO).length_squared()
             }
         }
@@ -94,28 +94,28 @@ impl PointWalk<'_> {
     /// at once, or, where only some may be drawn, the largest of the shell first.
     pub(super) fn settle(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.found);
-        let limited = self.options.max_occluders < u32::MAX;
+        let limited = self.run.options.max_occluders < u32::MAX;
         let mut seen: Vec<(f64, Slot)> = Vec::new();
         found.sort_unstable();
         for place in found.drain(..).map(|key| key as u32) {
-            self.stats.occlusion_tests += 1;
+            self.drawing.stats.occlusion_tests += 1;
             let candidate = self.scratch.objects[place as usize];
-            if !candidate.block.is_some_and(|block| self.hides(&block)) {
+            if !candidate.block.is_some_and(|block| self.drawing.hides(&block)) {
                 let slot = candidate.slot;
                 self.scratch.candidates.push(candidate);
                 if !candidate.occludes {
                     continue;
                 }
                 if limited {
-                    seen.push((self.solid_angle(slot), slot));
+                    seen.push((self.drawing.solid_angle(slot), slot));
                 } else {
-                    self.offer(slot);
+                    self.drawing.offer(slot);
                 }
             }
         }
         seen.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (_, slot) in seen {
-            self.offer(slot);
+            self.drawing.offer(slot);
         }
         self.scratch.found = found;
         self.scratch.objects.clear();

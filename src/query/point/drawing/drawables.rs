@@ -9,9 +9,12 @@ use crate::mesh::surface::seams::Place;
 use crate::mesh::surface::{PatchIndex, PatchSide, PatchSlab, Surface};
 use crate::numeric::occlusion::REACH_CLEARANCE;
 use crate::numeric::query::{CUT_REGION, FRONT_SINE, SLAB};
+use crate::occlusion::buffers::OcclusionBuffers;
 use crate::occlusion::surface::drawable::Drawable;
 use crate::occlusion::surface::projector::Viewpoint;
-use crate::query::point::PointWalk;
+use crate::query::start::Starts;
+use crate::scene::Scene;
+use crate::view::View;
 
 /// The surface of an object.
 #[derive(Clone, Copy)]
@@ -34,50 +37,41 @@ struct PlacedSlab {
     slack: f64,
 }
 
-impl Source<'_> {
-    /// A box around a patch as it is placed, in world units.
-    pub(super) fn block(&self, patch: PatchIndex) -> Block {
-        let (min, max) = self.surface.extent(patch);
-        placed_block(&Block { min: min.as_dvec3(), max: max.as_dvec3() }, self.placement)
-    }
-}
-
-impl<'a> PointWalk<'a> {
+impl<'a> Source<'a> {
     /// The surface of an object, if it has one.
-    pub(super) fn source(&self, slot: Slot) -> Option<Source<'a>> {
-        let scene = self.scene;
+    pub(super) fn of(scene: &'a Scene, slot: Slot) -> Option<Self> {
         let occluder = scene.object(slot).occluder()?;
         let (surface, placement) = (occluder.surface()?, occluder.placement());
         Some(Source { slot, surface, placement, place: scene.seams().place(slot) })
     }
 
-    /// A patch of an object's surface ready to be drawn, if it can be.
-    pub(super) fn drawable(&self, slot: Slot, patch: PatchIndex) -> Option<Drawable<'a>> {
-        let source = self.source(slot)?;
-        self.drawable_in(&source, patch, &source.block(patch))
+    /// A box around a patch as it is placed, in world units.
+    pub(super) fn block(&self, patch: PatchIndex) -> Block {
+        let (min, max) = self.surface.extent(patch);
+        placed_block(&Block { min: min.as_dvec3(), max: max.as_dvec3() }, self.placement)
     }
 
-    /// As [`PointWalk::drawable`], for a patch in a box in world units.
-    pub(super) fn drawable_in(
+    /// A patch in a box in world units ready to be drawn, if it can be.
+    pub(super) fn drawable(
         &self,
-        source: &Source<'a>,
         patch: PatchIndex,
         world: &Block,
+        (view, starts): (&View, &Starts),
+        buffers: &OcclusionBuffers,
     ) -> Option<Drawable<'a>> {
-        let &Source { surface, placement, place, .. } = source;
-        let buffers = &self.scratch.buffers;
-        let eye = buffers.origin();
+        let &Source { surface, placement, place, .. } = self;
+        let (eye, direction) = (buffers.origin(), buffers.direction());
         let block = buffers.relative(world);
         let PlacedSlab { normal, lo, hi, error, slack } =
             placed_slab(surface.slab(patch), placement, buffers.uncertainty())?;
         let base = normal.dot(eye);
         let room = error + SLAB * (base.abs() + eye.abs().max_element() + lo.abs().max(hi.abs()));
         let slab = (lo.min(hi) - base - room, lo.max(hi) - base + room);
-        if buffers.direction().is_none() {
+        if direction.is_none() {
             let clear = buffers.clearance(error + slack);
             let outside = slab.0 > clear || slab.1 < -clear;
             let nearby = !outside && block.min.max(-block.max).max_element() <= clear;
-            if nearby && !self.is_beside_room(source, patch, (normal, slab), error + slack) {
+            if nearby && !self.is_beside_room(buffers.viewpoint(), patch, (normal, slab), clear) {
                 return None;
             }
         }
@@ -87,25 +81,27 @@ impl<'a> PointWalk<'a> {
         if surface.front {
             // The first is nearer for patches that are far, the second for wide ones.
             let is_front = || {
-                self.is_front(normal, &block, sine())
-                    || buffers.direction().is_none() && is_below_eye(normal, slab, &block, sine())
+                is_front(direction, normal, &block, sine())
+                    || direction.is_none() && is_below_eye(normal, slab, &block, sine())
             };
             if !(keeps_angles && is_front()) {
                 return None;
             }
         }
         // The far side of a closed surface lies behind its near side.
-        if surface.outward != 0.0 && keeps_angles && self.is_front(-surface.outward * normal, &block, sine())
+        if surface.outward != 0.0
+            && keeps_angles
+            && is_front(direction, -surface.outward * normal, &block, sine())
         {
             return None;
         }
-        if self.near_plane_cuts_slab(world, normal, slab, room)
-            || buffers.direction().is_some_and(|d| self.view.cuts_front(d, world))
+        if near_plane_cuts_slab(starts, eye, world, normal, slab, room)
+            || direction.is_some_and(|d| view.cuts_front(d, world))
         {
             return None;
         }
         // How far above the middle of its slab rays start.
-        let height = match buffers.direction() {
+        let height = match direction {
             Some(d) => -normal.dot(d),
             None => -(slab.0 + slab.1) * 0.5,
         };
@@ -133,60 +129,63 @@ impl<'a> PointWalk<'a> {
     /// nothing of it is drawn that is near ([`REACH_CLEARANCE`]).
     fn is_beside_room(
         &self,
-        source: &Source<'a>,
+        Viewpoint { origin, room, .. }: Viewpoint,
         patch: PatchIndex,
         (normal, slab): (DVec3, (f64, f64)),
-        slack: f64,
+        clear: f64,
     ) -> bool {
-        let buffers = &self.scratch.buffers;
-        let Viewpoint { origin, room, .. } = buffers.viewpoint();
         if room.radius() == 0.0 {
             return false;
         }
-        let beside = room.along(normal) + buffers.clearance(slack) - REACH_CLEARANCE * room.radius();
-        let clear = buffers.clearance(slack);
-        let end = |p: Vec3| match source.placement {
+        let beside = room.along(normal) + clear - REACH_CLEARANCE * room.radius();
+        let end = |p: Vec3| match self.placement {
             Some(placement) => placement.affine.transform_point3(p.as_dvec3()) - origin,
             None => p.as_dvec3() - origin,
         };
         let is_far = |side: PatchSide| {
-            let [a, b] = source.surface.ends(&side).map(end);
+            let [a, b] = self.surface.ends(&side).map(end);
             let way = b - a;
             let share = (-a.dot(way) / way.length_squared()).clamp(0.0, 1.0);
             // Nor if it is NaN.
             (a + way * share).length() > clear
         };
-        (slab.0 > beside || slab.1 < -beside) && source.surface.outline(patch).all(|(_, side)| is_far(side))
+        (slab.0 > beside || slab.1 < -beside) && self.surface.outline(patch).all(|(_, side)| is_far(side))
     }
+}
 
-    /// Whether every triangle of a patch is turned to every ray: the directions from its points to
-    /// the eye differ from its normal by less than a right angle less the greatest angle of its
-    /// triangles, whose sine is given.
-    fn is_front(&self, normal: DVec3, block: &Block, sine: f64) -> bool {
-        let sine = sine + FRONT_SINE;
-        match self.scratch.buffers.direction() {
-            Some(d) => -normal.dot(d) > sine,
-            None => {
-                let d = -(block.min + block.max) * 0.5;
-                let radius = (block.max - block.min).length() * 0.5;
-                normal.dot(d) - radius > sine * (d.length() + radius)
-            }
+/// Whether every triangle of a patch is turned to every ray: the directions from its points to
+/// the eye differ from its normal by less than a right angle less the greatest angle of its
+/// triangles, whose sine is given.
+fn is_front(direction: Option<DVec3>, normal: DVec3, block: &Block, sine: f64) -> bool {
+    let sine = sine + FRONT_SINE;
+    match direction {
+        Some(d) => -normal.dot(d) > sine,
+        None => {
+            let d = -(block.min + block.max) * 0.5;
+            let radius = (block.max - block.min).length() * 0.5;
+            normal.dot(d) - radius > sine * (d.length() + radius)
         }
     }
+}
 
-    /// Whether the near plane may cut into a patch: then one sees through it.
-    fn near_plane_cuts_slab(&self, world: &Block, normal: DVec3, slab: (f64, f64), room: f64) -> bool {
-        let eye = self.scratch.buffers.origin();
-        self.starts.cut().iter().any(|(region, around)| {
-            let middle = normal.dot((around.min + around.max) * 0.5 - eye);
-            let radius = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
-            around.min.cmple(world.max).all()
-                && world.min.cmple(around.max).all()
-                && middle + radius >= slab.0
-                && middle - radius <= slab.1
-                && region.may_see_block(world)
-        })
-    }
+/// Whether the near plane may cut into a patch: then one sees through it.
+fn near_plane_cuts_slab(
+    starts: &Starts,
+    eye: DVec3,
+    world: &Block,
+    normal: DVec3,
+    slab: (f64, f64),
+    room: f64,
+) -> bool {
+    starts.cut().iter().any(|(region, around)| {
+        let middle = normal.dot((around.min + around.max) * 0.5 - eye);
+        let radius = normal.abs().dot((around.max - around.min) * 0.5) * (1.0 + CUT_REGION) + room;
+        around.min.cmple(world.max).all()
+            && world.min.cmple(around.max).all()
+            && middle + radius >= slab.0
+            && middle - radius <= slab.1
+            && region.may_see_block(world)
+    })
 }
 
 /// Whether every triangle of a patch is turned to the eye, which is the origin, with the same side:

@@ -8,14 +8,14 @@ use crate::geometry::plane::HalfSpace;
 use crate::grid::cell_box::CellBox;
 use crate::numeric::shape::REGION;
 use crate::object::Occluder;
-use crate::query::point::PointWalk;
-use crate::query::point::recall::Role;
+use crate::query::point::drawing::Drawing;
+use crate::query::point::drawing::recall::Role;
 use crate::query::start::rays_start_in_occluder;
 
 /// Occluders are drawn from this radius on, in pixels. Smaller ones cover no pixel, and in finer
 /// pixels they hide too little for the time that they take: scenes of thousands lose less than one
 /// object of a thousand.
-pub(super) const SMALLEST_OCCLUDER: f64 = 0.35;
+const SMALLEST_OCCLUDER: f64 = 0.35;
 
 /// The owner of boxes of cells, which belong to no object.
 pub(super) const NOBODY: Slot = Slot::new(u32::MAX);
@@ -28,11 +28,11 @@ const MOST_GAP: f64 = 3.0;
 /// patches hide what lies inside of shells.
 const SHELLS_ALONE: f64 = 32.0;
 
-impl PointWalk<'_> {
+impl Drawing<'_> {
     /// Draws the occluder of an object in sight, unless it waits.
-    pub(super) fn offer(&mut self, slot: Slot) {
+    pub(crate) fn offer(&mut self, slot: Slot) {
         self.note_offered(slot);
-        let role = if self.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
+        let role = if self.run.coherent { self.scratch.coherence.solid(slot) } else { Role::Fresh };
         match role {
             Role::Fresh | Role::InParts => self.draw(slot),
             Role::Waits if self.has_patches_beside_solid(slot) => self.list_surface(slot),
@@ -42,31 +42,32 @@ impl PointWalk<'_> {
 
     /// Notes for a result that is kept that it may rest on the occluder of an object.
     pub(super) fn note_offered(&mut self, slot: Slot) {
-        if self.fixed_only {
+        if self.run.fixed_only {
             self.scratch.offered.push(slot);
         }
     }
 
     /// Notes that a solid was drawn, and whether it hid more than before.
-    pub(super) fn drew_solid(&mut self, slot: Slot, changed: bool) {
+    fn drew_solid(&mut self, slot: Slot, changed: bool) {
         if changed {
             self.stats.occluders_useful += u32::from(self.scratch.useful.decide(slot));
         }
-        if self.coherent {
+        if self.run.coherent {
             self.scratch.coherence.drew_solid(slot, changed);
         }
     }
 
     /// Draws the occluder of an object, or lists its surface for drawing.
-    pub(super) fn draw(&mut self, slot: Slot) {
-        if !self.view.is_ordered() {
+    pub(crate) fn draw(&mut self, slot: Slot) {
+        if !self.run.view.is_ordered() {
             return;
         }
-        let Some(occluder) = self.scene.object(slot).occluder() else { return };
-        let least = f64::from(self.options.min_solid_angle);
-        let small = self.is_small(&self.scratch.buffers.relative(&occluder.block()), SMALLEST_OCCLUDER)
-            || least > 0.0 && self.solid_angle(slot) < least;
-        if small || self.stats.occluders_drawn >= self.options.max_occluders {
+        let Some(occluder) = self.run.scene.object(slot).occluder() else { return };
+        let least = f64::from(self.run.options.min_solid_angle);
+        let small =
+            self.scratch.is_small(&self.scratch.buffers.relative(&occluder.block()), SMALLEST_OCCLUDER)
+                || least > 0.0 && self.solid_angle(slot) < least;
+        if small || self.stats.occluders_drawn >= self.run.options.max_occluders {
             self.stats.occluders_skipped += 1;
             return;
         }
@@ -80,7 +81,7 @@ impl PointWalk<'_> {
             }
             return;
         }
-        if self.starts_near(&occluder.block()) && self.starts.may_be_in(self.view, occluder) {
+        if self.starts_near(&occluder.block()) && self.starts.may_be_in(self.run.view, occluder) {
             self.stats.eye_in_occluder = true;
             return;
         }
@@ -114,7 +115,7 @@ impl PointWalk<'_> {
             part.faces().any(clear)
         };
         let starts_outside = match buffers.direction() {
-            Some(d) => !self.view.cuts_front(d, &occluder.block()),
+            Some(d) => !self.run.view.cuts_front(d, &occluder.block()),
             None => {
                 let half = buffers.room().half();
                 outside(&Block { min: origin - half, max: origin + half })
@@ -139,7 +140,7 @@ impl PointWalk<'_> {
         if buffers.uncertainty() > 0.0 || self.starts_near(&block) {
             return false;
         }
-        let is_alike = self.is_like_solid(&block, inner.gap);
+        let is_alike = self.is_like_solids(&block, inner.gap, f64::INFINITY);
         let buffers = &mut self.scratch.buffers;
         let part = occluder.inner_from(buffers.origin());
         let Some(changed) = part.and_then(|part| buffers.draw_body(&Body::Part(part), slot)) else {
@@ -164,32 +165,30 @@ impl PointWalk<'_> {
             changed |= buffers.draw_shell(part, beyond, slot) == Some(true);
         });
         self.drew_solid(slot, changed);
-        self.is_like_shells(&block, gap)
+        self.is_like_solids(&block, gap, SHELLS_ALONE)
     }
 
-    /// Whether a mesh, by the box around it, covers nearly the same pixels as its shells, and is so
-    /// small that few objects are behind the near side of one and before its far side.
-    fn is_like_shells(&self, block: &Block, gap: f64) -> bool {
-        self.is_small(&self.scratch.buffers.relative(block), (MOST_GAP / gap).min(SHELLS_ALONE))
-    }
-
-    /// Whether a mesh covers nearly the same pixels as the solid inside it, by the box of the mesh
-    /// and the width of the gap between them.
-    fn is_like_solid(&self, block: &Block, gap: f64) -> bool {
-        self.is_small(&self.scratch.buffers.relative(block), MOST_GAP / gap)
+    /// Whether a mesh covers nearly the same pixels as the solids inside it, by the box of the mesh
+    /// and the width of the gap between them, and is smaller than some pixels.
+    fn is_like_solids(&self, block: &Block, gap: f64, pixels: f64) -> bool {
+        self.scratch.is_small(&self.scratch.buffers.relative(block), (MOST_GAP / gap).min(pixels))
     }
 
     /// Whether an object is drawn as a solid and, beside it, as patches.
-    pub(super) fn has_patches_beside_solid(&self, slot: Slot) -> bool {
-        let Some(occluder) = self.scene.object(slot).occluder() else { return false };
-        occluder.inner().is_some_and(|inner| !self.is_like_solid(&occluder.block(), inner.gap))
-            || occluder.beside_shells().is_some_and(|gap| !self.is_like_shells(&occluder.block(), gap))
+    fn has_patches_beside_solid(&self, slot: Slot) -> bool {
+        let Some(occluder) = self.run.scene.object(slot).occluder() else { return false };
+        occluder
+            .inner()
+            .is_some_and(|inner| !self.is_like_solids(&occluder.block(), inner.gap, f64::INFINITY))
+            || occluder
+                .beside_shells()
+                .is_some_and(|gap| !self.is_like_solids(&occluder.block(), gap, SHELLS_ALONE))
     }
 
     /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
     /// Teller 1997). For parallel rays, the area of that ball's disc.
-    pub(super) fn solid_angle(&self, slot: Slot) -> f64 {
-        let Some(occluder) = self.scene.object(slot).occluder() else { return 0.0 };
+    pub(crate) fn solid_angle(&self, slot: Slot) -> f64 {
+        let Some(occluder) = self.run.scene.object(slot).occluder() else { return 0.0 };
         let (block, buffers) = (occluder.block(), &self.scratch.buffers);
         let area = std::f64::consts::PI * (block.max - block.min).length_squared() * 0.25;
         match buffers.direction() {
@@ -199,9 +198,9 @@ impl PointWalk<'_> {
     }
 
     /// Draws a box of opaque cells.
-    pub(super) fn draw_cells(&mut self, cells: &CellBox) {
+    pub(crate) fn draw_cells(&mut self, cells: &CellBox) {
         let buffers = &mut self.scratch.buffers;
-        let (min, max) = self.scene.grid().range_bounds(cells.lo, cells.hi);
+        let (min, max) = self.run.scene.grid().range_bounds(cells.lo, cells.hi);
         let (origin, shrink) = (buffers.origin(), buffers.uncertainty());
         let block = Block { min: min - origin + shrink, max: max - origin - shrink };
         if block.min.cmplt(block.max).all()
@@ -214,8 +213,8 @@ impl PointWalk<'_> {
 
     /// Whether opaque cells hide anything: rays must start outside the solids that make them
     /// opaque.
-    pub(super) fn may_fuse(&mut self) -> bool {
-        let in_occluder = || rays_start_in_occluder(self.scene, self.view, &self.starts);
+    pub(crate) fn may_fuse(&mut self) -> bool {
+        let in_occluder = || rays_start_in_occluder(self.run.scene, self.run.view, &self.starts);
         *self.fuses.get_or_insert_with(|| !in_occluder())
     }
 }

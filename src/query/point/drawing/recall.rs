@@ -74,8 +74,6 @@ pub(crate) struct Coherence {
     pub(super) sights: Vec<Sighting>,
     pub(super) waiting_solids: Vec<Slot>,
     pub(super) waiting_patches: Vec<(Slot, PatchIndex)>,
-    /// Slots of objects that came into sight, though the last view could have seen them.
-    pub(super) suspicious: Vec<Slot>,
 }
 
 impl Coherence {
@@ -102,7 +100,7 @@ impl Coherence {
     }
 
     /// Whether the turn of the number of a slot or patch comes in this run.
-    pub(super) fn is_turn(&self, number: u32) -> bool {
+    fn is_turn(&self, number: u32) -> bool {
         number.wrapping_add(self.run).is_multiple_of(TURN)
     }
 
@@ -146,14 +144,20 @@ impl Coherence {
     }
 
     /// Whether the last run took an object that was in its view for hidden.
-    pub(super) fn hid(&self, slot: Slot, block: Option<&Block>) -> bool {
+    pub(crate) fn hid(&self, slot: Slot, block: Option<&Block>) -> bool {
         let in_view = |block: &Block| self.view.as_ref().is_some_and(|view| view.may_see_block(block));
         !self.saw(slot) && block.is_some_and(in_view)
     }
 
     /// Whether the last run found an object visible.
-    pub(super) fn saw(&self, slot: Slot) -> bool {
+    fn saw(&self, slot: Slot) -> bool {
         let run = self.seen[slot.index()];
         run > 0 && run + 1 == self.run
+    }
+
+    /// Whether an object that was visible in the last run stays so unless the buffers hide it at
+    /// once.
+    pub(crate) fn stays(&self, slot: Slot) -> bool {
+        self.saw(slot) && !self.is_turn(slot.get())
     }
 }

@@ -7,10 +7,9 @@ use crate::geometry::Block;
 use crate::mesh::surface::{PatchIndex, PatchNumber};
 use crate::occlusion::surface::batch::Batch;
 use crate::occlusion::surface::drawable::Drawable;
-use crate::query::point::PointWalk;
-use crate::query::point::drawables::Source;
-use crate::query::point::recall::{Recall, Role, Usage};
-use crate::query::point::scratch::{DrawnPatch, PointScratch, Waiting};
+use crate::query::point::drawing::drawables::Source;
+use crate::query::point::drawing::recall::{Recall, Role, Usage};
+use crate::query::point::drawing::{Drawing, DrawingScratch, DrawnPatch, Waiting};
 
 /// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing:
 /// the pixels that their outlines touch do not count.
@@ -33,22 +32,16 @@ enum AfterPatch {
     Parts,
 }
 
-impl<'a> PointWalk<'a> {
-    /// How a patch takes part in this run, by its place and its number in the scene. Patches that
-    /// wait are listed.
-    pub(super) fn role(&mut self, slot: Slot, patch: PatchIndex, number: PatchNumber) -> Role {
-        if !self.coherent {
-            return Role::Fresh;
-        }
-        if self.scratch.drawn.get(number).epoch == self.marks.epoch() {
-            return Role::Drawn;
-        }
-        self.scratch.coherence.patch(slot, patch, number)
+impl<'a> Drawing<'a> {
+    /// A patch of an object's surface ready to be drawn, if it can be.
+    pub(super) fn drawable(&self, slot: Slot, patch: PatchIndex) -> Option<Drawable<'a>> {
+        let source = Source::of(self.run.scene, slot)?;
+        source.drawable(patch, &source.block(patch), (self.run.view, &self.starts), self.buffers())
     }
 
     /// Notes that the parts of a group were looked at.
     pub(super) fn went_into(&mut self, number: PatchNumber) {
-        if self.coherent {
+        if self.run.coherent {
             let coherence = &mut self.scratch.coherence;
             let recall = Recall { run: coherence.run, usage: Usage::Parts };
             coherence.patches.fill(number..number.after(), recall);
@@ -57,15 +50,11 @@ impl<'a> PointWalk<'a> {
 
     /// Lists an object's surface for drawing, by the shell that it begins in.
     pub(super) fn list_surface(&mut self, slot: Slot) {
-        if let Some(source) = self.source(slot)
+        let all = PatchIndex::FIRST;
+        if let Some(source) = Source::of(self.run.scene, slot)
             && source.surface.patch_count() > 0
         {
-            self.wait(
-                self.shell_of(&source.block(PatchIndex::FIRST)),
-                slot,
-                PatchIndex::FIRST,
-                source.surface.next(PatchIndex::FIRST).get(),
-            );
+            self.wait(self.shell_of(&source.block(all)), slot, all, source.surface.next(all).get());
         }
     }
 
@@ -85,44 +74,26 @@ impl<'a> PointWalk<'a> {
         self.begins.as_ref().map_or(0, |begins| begins.shell(block))
     }
 
-    /// Whether a box relative to the origin is smaller than some pixels.
-    pub(super) fn is_small(&self, b: &Block, pixels: f64) -> bool {
-        self.scratch.is_small(b, pixels)
-    }
-
     /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are
-    /// too few for a batch.
-    pub(super) fn draw_patches(&mut self, m: i32) {
-        if !self.defers_patches(m) {
+    /// too few for a batch: if the eye may go some way, a batch draws the neighbours of its patches
+    /// again, as wholes.
+    pub(crate) fn draw_patches(&mut self, m: i32) {
+        let shells = &self.scratch.waiting[..self.waiting_up_to(m)];
+        let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
+        let few = || shells.iter().map(|shell| shell.count).sum::<u64>() < enough;
+        if !(self.scratch.buffers.reach() > 0.0 && few()) {
             self.draw_all_patches(m);
         }
     }
 
     /// Draws the visible parts of all surfaces that begin up to shell `m`, also of those that a
-    /// batch was not worth.
-    pub(super) fn draw_all_patches(&mut self, m: i32) {
+    /// batch was not worth. Parts that begin beyond it wait; which ones does not depend on the
+    /// shells that there is room for.
+    pub(crate) fn draw_all_patches(&mut self, m: i32) {
         let last = self.waiting_up_to(m);
-        if self.scratch.waiting[..last].iter().any(|shell| !shell.listed.is_empty()) {
-            self.draw_waiting(last, m.max(0) as usize);
+        if self.scratch.waiting[..last].iter().all(|shell| shell.listed.is_empty()) {
+            return;
         }
-    }
-
-    /// The number of shells up to `m` with room for patches that wait.
-    fn waiting_up_to(&self, m: i32) -> usize {
-        self.scratch.waiting.len().min(m.max(0) as usize + 1)
-    }
-
-    /// Whether the patches that wait up to shell `m` are too few for a batch of their own: if the
-    /// eye may go some way, a batch draws the neighbours of its patches again, as wholes.
-    fn defers_patches(&self, m: i32) -> bool {
-        let shells = &self.scratch.waiting[..self.waiting_up_to(m)];
-        let enough = self.scratch.patches.len() as u64 / BATCH_SHARE;
-        self.scratch.buffers.reach() > 0.0 && shells.iter().map(|shell| shell.count).sum::<u64>() < enough
-    }
-
-    /// Draws patches that wait in the first shells, together. Parts that begin beyond shell `m`
-    /// wait; which ones does not depend on the shells that there is room for.
-    fn draw_waiting(&mut self, last: usize, m: usize) {
         let mut batch = std::mem::take(&mut self.scratch.batch).emptied();
         self.scratch.batches += 1;
         for shell in 0..last {
@@ -130,11 +101,16 @@ impl<'a> PointWalk<'a> {
             let mut at = 0;
             while let Some(&(slot, patch)) = self.scratch.waiting[shell].listed.get(at) {
                 at += 1;
-                self.collect(slot, patch, m, &mut batch);
+                self.collect(slot, patch, m.max(0) as usize, &mut batch);
             }
             self.scratch.waiting[shell].clear();
         }
         self.draw_batch(batch);
+    }
+
+    /// The number of shells up to `m` with room for patches that wait.
+    fn waiting_up_to(&self, m: i32) -> usize {
+        self.scratch.waiting.len().min(m.max(0) as usize + 1)
     }
 
     /// Draws patches together.
@@ -145,8 +121,8 @@ impl<'a> PointWalk<'a> {
         }
         self.collect_neighbours(&mut batch);
         self.stats.patches_drawn += batch.drawables.len() as u32;
-        let listed = self.options.refine_patches > 0;
-        let (patches, shared) = (self.scene.seams().patches(), self.is_parallel());
+        let listed = self.run.options.refine_patches > 0;
+        let (patches, shared) = (self.run.scene.seams().patches(), self.run.is_parallel());
         self.stats.patch_blocks += self.scratch.buffers.draw_surfaces(&batch, patches, listed, shared);
         self.count_useful(&batch);
         self.drew_batch(&batch);
@@ -155,11 +131,11 @@ impl<'a> PointWalk<'a> {
 
     /// Counts the objects with patches in a batch that hid more than before.
     fn count_useful(&mut self, batch: &Batch) {
-        let PointScratch { buffers, patches, useful, .. } = &mut *self.scratch;
+        let DrawingScratch { buffers, patches, useful, .. } = &mut *self.scratch;
         for &index in buffers.useful_patches() {
             let drawable = &batch.drawables[index as usize];
             let owner = match drawable.again {
-                true => self.scene.seams().owner(drawable.number),
+                true => self.run.scene.seams().owner(drawable.number),
                 false => Some(patches[drawable.id as usize].0),
             };
             let Some(slot) = owner else { continue };
@@ -171,7 +147,8 @@ impl<'a> PointWalk<'a> {
     pub(super) fn collect_alone(&mut self, source: &Source<'a>, patch: PatchIndex, batch: &mut Batch<'a>) {
         let first = batch.drawables.len();
         self.collect_patch(source, patch, &source.block(patch), Role::Fresh, batch);
-        let drawn = DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: patch };
+        let drawn =
+            DrawnPatch { epoch: self.scratch.useful.epoch(), batch: self.scratch.batches, whole: patch };
         for drawable in &batch.drawables[first..] {
             self.scratch.drawn.fill(drawable.numbers(), drawn);
         }
@@ -180,13 +157,21 @@ impl<'a> PointWalk<'a> {
     /// Appends a patch to a batch, as one or in parts, unless it is small or hidden. Parts that
     /// begin beyond shell `m` wait.
     fn collect(&mut self, slot: Slot, whole: PatchIndex, m: usize, batch: &mut Batch<'a>) {
-        let Some(source) = self.source(slot) else { return };
+        let Some(source) = Source::of(self.run.scene, slot) else { return };
         let surface = source.surface;
         let first = batch.drawables.len();
         let (mut number, mut waits) = (whole, false);
         // Groups come before their parts.
         while number < surface.next(whole) {
-            let role = self.role(slot, number, source.place.base.of(number));
+            let scratch = &mut *self.scratch;
+            let in_scene = source.place.base.of(number);
+            let role = if !self.run.coherent {
+                Role::Fresh
+            } else if scratch.drawn.get(in_scene).epoch == scratch.useful.epoch() {
+                Role::Drawn
+            } else {
+                scratch.coherence.patch(slot, number, in_scene)
+            };
             if matches!(role, Role::Drawn | Role::Waits) {
                 number = surface.next(number);
                 continue;
@@ -203,15 +188,19 @@ impl<'a> PointWalk<'a> {
             number = match next {
                 AfterPatch::Done => surface.next(number),
                 AfterPatch::Parts => {
-                    self.went_into(source.place.base.of(number));
+                    self.went_into(in_scene);
                     number.after()
                 }
             };
         }
         // Only patches drawn in other batches look for their neighbours there.
-        let alone = !self.coherent && whole == PatchIndex::FIRST && !waits && source.place.links.is_empty();
-        let drawn =
-            DrawnPatch { epoch: self.marks.epoch(), batch: self.scratch.batches, whole: PatchIndex::FIRST };
+        let alone =
+            !self.run.coherent && whole == PatchIndex::FIRST && !waits && source.place.links.is_empty();
+        let drawn = DrawnPatch {
+            epoch: self.scratch.useful.epoch(),
+            batch: self.scratch.batches,
+            whole: PatchIndex::FIRST,
+        };
         for drawable in &mut batch.drawables[first..] {
             drawable.alone = alone;
             if !alone {
@@ -231,19 +220,20 @@ impl<'a> PointWalk<'a> {
     ) -> AfterPatch {
         let has_parts = source.surface.next(number) > number.after();
         let block = self.scratch.buffers.relative(world);
-        if self.is_small(&block, SMALLEST_PATCH) {
+        if self.scratch.is_small(&block, SMALLEST_PATCH) {
             return AfterPatch::Done;
         }
         if !batch.see(&self.scratch.buffers, &block) {
             return AfterPatch::Done;
         }
-        if has_parts && !self.view.may_see_block(world) {
+        if has_parts && !self.run.view.may_see_block(world) {
             batch.drop_sights();
             return AfterPatch::Done;
         }
         if (role == Role::Fresh || !has_parts)
             && source.surface.has_outline(number)
-            && let Some(mut drawable) = self.drawable_in(source, number, world)
+            && let Some(mut drawable) =
+                source.drawable(number, world, (self.run.view, &self.starts), self.buffers())
             && (!has_parts || self.is_thin(&drawable))
         {
             drawable.id = self.scratch.patches.len() as u32;
@@ -262,7 +252,7 @@ impl<'a> PointWalk<'a> {
         let (thickness, height) = (hi - lo, lo.max(-hi));
         let across = (d.block.max - d.block.min).length();
         let distance = match self.scratch.buffers.direction() {
-            Some(_) => self.grid.cell_size(),
+            Some(_) => self.run.scene.grid().bricks().cell_size(),
             None => d.block.min.max(-d.block.max).max(DVec3::ZERO).length(),
         };
         thickness <= THIN * height || across <= THIN * distance
@@ -271,7 +261,7 @@ impl<'a> PointWalk<'a> {
     /// Appends the neighbours of a batch that were drawn before, so that no seam stays between
     /// batches.
     fn collect_neighbours(&mut self, batch: &mut Batch<'a>) {
-        let (epoch, number) = (self.marks.epoch(), self.scratch.batches);
+        let (epoch, number) = (self.scratch.useful.epoch(), self.scratch.batches);
         for i in 0..batch.drawables.len() {
             if batch.drawables[i].alone || batch.drawables[i].is_apart() {
                 continue;
@@ -281,7 +271,7 @@ impl<'a> PointWalk<'a> {
                 if drawn.epoch != epoch || drawn.batch == number {
                     continue;
                 }
-                let owner = self.scene.seams().owner(twin);
+                let owner = self.run.scene.seams().owner(twin);
                 let whole = DrawnPatch { batch: number, ..drawn };
                 let Some(again) = owner.and_then(|slot| self.drawable(slot, drawn.whole)) else {
                     self.scratch.drawn.fill(twin..twin.after(), whole);

@@ -18,19 +18,19 @@
 use casca_slots::Slot;
 
 use crate::geometry::Block;
+use crate::id::ObjectId;
 use crate::mesh::surface::PatchIndex;
-use crate::occlusion::magnify::budget::Budget;
+use crate::occlusion::magnify::UsedFinely;
 use crate::occlusion::pixels::PixelRect;
 use crate::occlusion::surface::batch::{Batch, Sighting};
-use crate::query::point::PointWalk;
-use crate::query::point::drawables::Source;
-use crate::query::point::occluders::NOBODY;
-use crate::query::point::recall::{Coherence, Recall, Usage};
-use crate::query::point::scratch::{Candidate, PointScratch};
+use crate::query::point::drawing::Drawing;
+use crate::query::point::drawing::drawables::Source;
+use crate::query::point::drawing::occluders::NOBODY;
+use crate::query::point::drawing::recall::{Coherence, Recall, Usage};
 
-impl<'a> PointWalk<'a> {
+impl<'a> Drawing<'a> {
     /// Draws the occluders that were of use in the last run.
-    pub(super) fn draw_useful(&mut self) {
+    pub(crate) fn draw_useful(&mut self) {
         let solids = std::mem::take(&mut self.scratch.coherence.useful_solids);
         for &slot in &solids {
             if self.may_draw(slot) {
@@ -46,11 +46,11 @@ impl<'a> PointWalk<'a> {
 
     /// Whether an object of which only the slot is known has an occluder that may be drawn.
     fn may_draw(&self, slot: Slot) -> bool {
-        self.scene.living_at(slot).is_some_and(|object| {
+        self.run.scene.living_at(slot).is_some_and(|object| {
             object.occluder().is_some()
-                && object.is_shown(self.view)
-                && (object.is_static() || !self.fixed_only)
-                && !self.scene.is_unlocated(slot)
+                && object.is_shown(self.run.view)
+                && (object.is_static() || !self.run.fixed_only)
+                && !self.run.scene.is_unlocated(slot)
                 && !object.is_hidden_unreported()
         })
     }
@@ -62,7 +62,7 @@ impl<'a> PointWalk<'a> {
         patches: &mut [(Slot, PatchIndex)],
         wanted: impl Fn(&Self, &Block) -> bool,
     ) {
-        if patches.is_empty() || !self.view.is_ordered() {
+        if patches.is_empty() || !self.run.view.is_ordered() {
             return;
         }
         patches.sort_unstable();
@@ -71,7 +71,7 @@ impl<'a> PointWalk<'a> {
         for of_object in patches.chunk_by(|a, b| a.0 == b.0) {
             let slot = of_object[0].0;
             if self.may_draw(slot)
-                && let Some(source) = self.source(slot)
+                && let Some(source) = Source::of(self.run.scene, slot)
             {
                 self.note_offered(slot);
                 self.collect_some(&source, of_object, &wanted, &mut batch);
@@ -106,7 +106,7 @@ impl<'a> PointWalk<'a> {
                 continue;
             }
             at = surface.next(patch);
-            let drawn = self.scratch.drawn.get(base.of(patch)).epoch == self.marks.epoch();
+            let drawn = self.scratch.drawn.get(base.of(patch)).epoch == self.scratch.useful.epoch();
             if !drawn && wanted(self, &source.block(patch)) {
                 self.collect_alone(source, patch, batch);
             }
@@ -116,7 +116,7 @@ impl<'a> PointWalk<'a> {
     /// Notes where faces see the patches of a batch that was drawn, and which of them hid more than
     /// before.
     pub(super) fn drew_batch(&mut self, batch: &Batch) {
-        if !self.coherent {
+        if !self.run.coherent {
             return;
         }
         let coherence = &mut self.scratch.coherence;
@@ -130,42 +130,15 @@ impl<'a> PointWalk<'a> {
         coherence.sights.extend(sights.map(|sight| Sighting { patch: id(sight.patch), ..*sight }));
     }
 
-    /// Leaves those candidates that may be seen after the second test. Some are tested once more.
-    pub(super) fn decide_coherent(&mut self, candidates: &mut Vec<Candidate>, left: &mut Budget) {
-        let mut suspicious = std::mem::take(&mut self.scratch.coherence.suspicious);
-        suspicious.clear();
-        let PointScratch { coherence, hidden, .. } = &*self.scratch;
-        let mut hidden = hidden.iter();
-        candidates.retain(|candidate| {
-            let seen = hidden.next() != Some(&true);
-            let slot = candidate.slot;
-            if seen && coherence.hid(slot, candidate.block.as_ref()) {
-                suspicious.push(slot);
-            }
-            seen
-        });
-        suspicious.sort_unstable();
-        let is_suspicious = |candidate: &Candidate| suspicious.binary_search(&candidate.slot).is_ok();
-        if !suspicious.is_empty() && self.draw_before(candidates.iter().filter(|c| is_suspicious(c))) {
-            self.end_examinations();
-            self.begin_examinations();
-            let again: Vec<Candidate> = candidates.iter().filter(|c| is_suspicious(c)).copied().collect();
-            self.examine_all(&again, left);
-            let mut hidden = self.scratch.hidden.iter();
-            candidates.retain(|candidate| !is_suspicious(candidate) || hidden.next() != Some(&true));
-        }
-        self.scratch.coherence.suspicious = suspicious;
-    }
-
-    /// Draws the occluders that wait before some objects. Returns whether there are any.
-    fn draw_before<'c>(&mut self, objects: impl Iterator<Item = &'c Candidate>) -> bool {
+    /// Draws the occluders that wait before some boxes. Returns whether there are any.
+    pub(crate) fn draw_before(&mut self, blocks: impl Iterator<Item = Block>) -> bool {
         let coherence = &self.scratch.coherence;
         if coherence.waiting_solids.is_empty() && coherence.waiting_patches.is_empty() {
             return false;
         }
         let buffers = &self.scratch.buffers;
         let mut tiles: Vec<Vec<f32>> = vec![Vec::new(); buffers.faces().count()];
-        for block in objects.filter_map(|candidate| candidate.block) {
+        for block in blocks {
             let relative = buffers.relative(&block);
             for (buffer, tiles) in buffers.faces().zip(&mut tiles) {
                 let Some((near, pixels)) = buffer.sight(&relative) else { continue };
@@ -182,7 +155,7 @@ impl<'a> PointWalk<'a> {
         let before = (self.scratch.coherence.drawn_solids.len(), self.scratch.patches.len());
         let mut solids = std::mem::take(&mut self.scratch.coherence.waiting_solids);
         solids.retain(|&slot| {
-            let block = self.scene.object(slot).occluder().map(|occluder| occluder.block());
+            let block = self.run.scene.object(slot).occluder().map(|occluder| occluder.block());
             let draws = block.is_some_and(|block| self.is_before(&block, &tiles));
             if draws {
                 self.draw(slot);
@@ -209,37 +182,38 @@ impl<'a> PointWalk<'a> {
         })
     }
 
-    /// Keeps for the next run which objects were found visible, and which occluders were of use.
-    pub(super) fn remember(&mut self) {
+    /// Keeps for the next run which objects were found visible, and which occluders were of use:
+    /// `used` in magnified pixels.
+    pub(crate) fn remember(&mut self, visible: &[ObjectId], used: &UsedFinely) {
         let mut coherence = std::mem::take(&mut self.scratch.coherence);
         let run = coherence.run;
-        coherence.view = Some(self.view.clone());
-        self.pvs.visible.iter().for_each(|id| coherence.seen[id.index()] = run);
+        coherence.view = Some(self.run.view.clone());
+        visible.iter().for_each(|id| coherence.seen[id.index()] = run);
         let usage = |useful: bool| Recall { run, usage: if useful { Usage::Useful } else { Usage::Idle } };
         for &slot in &coherence.waiting_solids {
             coherence.solids[slot.index()] = usage(false);
         }
         for &(slot, changed) in &coherence.drawn_solids {
-            let block = self.scene.object(slot).occluder().map(|occluder| occluder.block());
+            let block = self.run.scene.object(slot).occluder().map(|occluder| occluder.block());
             let useful = changed && block.is_some_and(|block| !self.hides(&block));
             coherence.solids[slot.index()] = usage(useful);
         }
-        for &slot in self.scratch.used.solids.iter().filter(|&&slot| slot != NOBODY) {
+        for &slot in used.solids.iter().filter(|&&slot| slot != NOBODY) {
             coherence.solids[slot.index()] = usage(true);
         }
         coherence.useful_solids.clear();
         let solids = &coherence.solids;
         let is_useful = |slot: &Slot| solids[slot.index()].usage == Usage::Useful;
         coherence.useful_solids.extend(coherence.drawn_solids.iter().map(|drawn| drawn.0).filter(is_useful));
-        self.remember_patches(&mut coherence, usage);
+        self.remember_patches(&mut coherence, used, usage);
         self.scratch.coherence = coherence;
     }
 
-    fn remember_patches(&self, coherence: &mut Coherence, usage: impl Fn(bool) -> Recall) {
-        let scene = self.scene;
+    fn remember_patches(&self, coherence: &mut Coherence, used: &UsedFinely, usage: impl Fn(bool) -> Recall) {
+        let scene = self.run.scene;
         let numbers = |slot: Slot, patch: PatchIndex| {
             let place = scene.seams().place(slot);
-            let next = self.source(slot).map_or(patch.after(), |s| s.surface.next(patch));
+            let next = Source::of(self.run.scene, slot).map_or(patch.after(), |s| s.surface.next(patch));
             place.base.of(patch)..place.base.of(next)
         };
         let mut open = vec![false; coherence.changed.len()];
@@ -250,7 +224,7 @@ impl<'a> PointWalk<'a> {
                 *is_open = !faces[sight.face as usize].hides_pixels(&sight.pixels, sight.near);
             }
         }
-        for &id in &self.scratch.used.patches {
+        for &id in &used.patches {
             open[id as usize] = true;
         }
         for &(slot, patch) in &coherence.waiting_patches {

@@ -1,0 +1,188 @@
+//! Drawing occluders: convex ones and boxes of opaque cells ([`occluders`]), surfaces of triangles
+//! ([`surfaces`], [`drawables`]), those of the last run first ([`coherence`]).
+
+mod coherence;
+mod drawables;
+mod occluders;
+mod recall;
+mod surfaces;
+
+use casca_slots::Slot;
+use glam::DVec3;
+
+use crate::geometry::Block;
+use crate::mesh::surface::PatchIndex;
+use crate::object::Bounds;
+use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
+use crate::occlusion::surface::batch::Batch;
+use crate::occlusion::surface::by_patch::ByPatch;
+use crate::occlusion::surface::drawable::Drawable;
+use crate::occlusion::target::{FaceTarget, Target};
+use crate::pvs::Stats;
+use crate::query::marks::Marks;
+use crate::query::point::drawing::recall::Coherence;
+use crate::query::point::offered::Offered;
+use crate::query::point::run::Run;
+use crate::query::start::Starts;
+use crate::view::View;
+use crate::walk::ShellBegins;
+
+/// Draws the occluders that the walk offers: owns the buffers, what waits to be drawn and what was
+/// drawn.
+pub(super) struct Drawing<'a> {
+    pub(super) run: Run<'a>,
+    scratch: &'a mut DrawingScratch,
+    /// Where rays start beside the eye.
+    starts: Starts,
+    /// A box around the eye and those regions; `None` for parallel rays.
+    around_starts: Option<Block>,
+    /// The shell that a box begins in, if the walk goes in shells.
+    begins: Option<ShellBegins>,
+    /// Whether boxes of opaque cells may be drawn, once that was found out.
+    fuses: Option<bool>,
+    /// The counts of the run: the rest of the walk adds its own.
+    pub(super) stats: Stats,
+}
+
+/// How a patch was drawn.
+#[derive(Debug, Clone, Copy, Default)]
+struct DrawnPatch {
+    /// The query.
+    epoch: u32,
+    /// The batch of that query.
+    batch: u32,
+    /// The number in its surface of the patch that it was drawn in: itself or a group.
+    whole: PatchIndex,
+}
+
+/// Patches of one shell that wait.
+#[derive(Debug, Clone, Default)]
+struct Waiting {
+    /// Object and patch.
+    listed: Vec<(Slot, PatchIndex)>,
+    /// The number of patches in those listed.
+    count: u64,
+}
+
+impl Waiting {
+    fn clear(&mut self) {
+        self.listed.clear();
+        self.count = 0;
+    }
+}
+
+/// The buffers, and the memory of drawing in them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct DrawingScratch {
+    pub(crate) buffers: OcclusionBuffers,
+    /// Patches of visible surfaces that are yet to be drawn, by the shell that they begin in.
+    waiting: Vec<Waiting>,
+    /// For each patch of the scene, how it was drawn last.
+    drawn: ByPatch<DrawnPatch>,
+    batches: u32,
+    /// Memory for one of them.
+    batch: Batch<'static>,
+    /// The patches drawn, in the order of first drawing: object and patch.
+    patches: Vec<(Slot, PatchIndex)>,
+    /// The objects of which an occluder hid more than before. Their epoch numbers the queries.
+    useful: Marks,
+    /// The objects whose occluders were offered in a run on static objects only.
+    pub(crate) offered: Offered,
+    pub(crate) coherence: Coherence,
+}
+
+impl<'a> Drawing<'a> {
+    /// Forgets what was drawn, but for the buffers. `begins` tells the shell that a box begins in,
+    /// if the walk goes in shells.
+    pub(super) fn new(run: Run<'a>, begins: Option<ShellBegins>, scratch: &'a mut DrawingScratch) -> Self {
+        let Run { scene, view, .. } = run;
+        let (slots, patches) = (scene.slot_count(), scene.seams().patches());
+        scratch.useful.begin(slots);
+        scratch.waiting.iter_mut().for_each(Waiting::clear);
+        scratch.patches.clear();
+        scratch.buffers.begin_patches();
+        scratch.offered.clear();
+        scratch.drawn.grow(patches);
+        // Numbers of queries start again.
+        if scratch.useful.epoch() == 1 {
+            scratch.drawn.clear();
+        }
+        if run.keeps_memory {
+            scratch.coherence.begin(scene.tag(), slots, patches);
+        }
+        let starts = Starts::of(scene, view);
+        let around_starts = view.eye().map(|eye| starts.around(eye));
+        Self { run, scratch, starts, around_starts, begins, fuses: None, stats: Stats::default() }
+    }
+
+    /// The buffers with all that was drawn so far.
+    #[inline]
+    pub(super) fn buffers(&self) -> &OcclusionBuffers {
+        &self.scratch.buffers
+    }
+
+    /// As [`Drawing::buffers`], to be emptied, opened again or made ready for questions.
+    pub(super) fn buffers_mut(&mut self) -> &mut OcclusionBuffers {
+        &mut self.scratch.buffers
+    }
+
+    /// The memory of coherent runs.
+    pub(super) fn coherence(&self) -> &Coherence {
+        &self.scratch.coherence
+    }
+
+    /// A patch that was drawn, by its place in the order of first drawing, to be drawn again.
+    pub(super) fn drawn_patch(&self, id: u32) -> Option<Drawable<'a>> {
+        let (slot, patch) = self.scratch.patches[id as usize];
+        self.drawable(slot, patch)
+    }
+
+    /// Whether a box in world units is hidden by the occluders drawn so far.
+    pub(super) fn hides(&self, bounds: &Block) -> bool {
+        self.scratch.hides(bounds)
+    }
+
+    /// Whether the view may see a temporal bounding volume.
+    pub(super) fn sees_volume(&self, volume: &Block) -> bool {
+        self.scratch.sees_volume(self.run.view, volume)
+    }
+}
+
+impl DrawingScratch {
+    /// Whether a box in world units is hidden by the occluders drawn so far.
+    pub(crate) fn hides(&self, bounds: &Block) -> bool {
+        self.buffers.hides(&self.buffers.relative(bounds))
+    }
+
+    /// Whether a box relative to the origin is smaller than some pixels.
+    fn is_small(&self, b: &Block, pixels: f64) -> bool {
+        let radius = self.buffers.pixel_angle() * pixels;
+        let distance = b.min.max(-b.max).max(DVec3::ZERO).length_squared();
+        self.buffers.direction().is_none()
+            && (b.max - b.min).length_squared() * 0.25 < radius * radius * distance
+    }
+
+    /// Whether no point of some bounds can be seen before the occluders drawn so far. Meshes are
+    /// tested as one convex shape.
+    pub(crate) fn hides_bounds(&self, bounds: &Bounds) -> bool {
+        let buffers = &self.buffers;
+        let block = bounds.block();
+        if self.hides(&block) {
+            return true;
+        }
+        // Most objects in sight are seen at their middle.
+        let middle = (block.min + block.max) * 0.5 - buffers.origin();
+        if bounds.kind().is_centered() && buffers.leaves_open(middle) {
+            return false;
+        }
+        let outer = bounds.kind().outer(buffers.origin(), buffers.uncertainty());
+        buffers.test(&Target::new(&outer, buffers.direction()), &mut FaceTarget::default()) == Verdict::Hidden
+    }
+
+    /// Whether the view that the buffers are of may see a temporal bounding volume.
+    pub(crate) fn sees_volume(&self, view: &View, volume: &Block) -> bool {
+        // The surface of a volume in which rays start does not come before the objects in it.
+        let starts = self.buffers.direction().is_some_and(|d| view.cuts_front(d, volume));
+        view.may_see_volume(volume) && (starts || !self.hides(volume))
+    }
+}
