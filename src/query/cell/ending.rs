@@ -89,7 +89,7 @@ impl CellWalk<'_> {
         if is_hidden && !self.marks.is_revealed(slot) {
             return (!volumes.is_outer(slot)).then(|| *volumes.cells(slot));
         }
-        if !is_hidden && !self.scene.is_in_cells(object) {
+        if !is_hidden && !object.in_cells() {
             return self.remaining.with_exits(slot, None);
         }
         let (grid, block) = (self.scene.grid(), object.bounds().block());
