@@ -44,7 +44,7 @@ impl Clock {
         self.expiries.push(Expiry { at, slot: id.slot(), generation: id.generation() });
     }
 
-    /// Whether a volume that is over now did not last for as long as it is worth, for a small object.
+    /// Whether a volume of a small object that is over now did not last long enough to pay.
     pub(super) fn was_short(&self, hidden: &Hidden, on_expiry: bool) -> bool {
         let frames = self.frame.saturating_sub(hidden.since);
         match on_expiry {

@@ -125,7 +125,7 @@ impl Scene {
                 self.reveal(id.slot(), self.last_frame.seen.contains(id.slot()));
             }
         }
-        // Of too many for one frame, those that follow the last one are first: so each has its turn.
+        // Of too many for one frame, those after the last one are first: so each has its turn.
         self.clock.resting.wake(self.clock.frame);
         let listed = self.index.movers.as_slice().iter().copied();
         let awake = listed.filter(|&slot| !self.clock.resting.contains(slot));
