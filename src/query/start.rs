@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::object::Occluder;
-use crate::scene::Scene;
+use crate::scene::{Scene, inside_occluder, occluder_touches};
 use crate::view::cut::may_start_in;
 use crate::view::{Origin, View};
 
@@ -27,7 +27,7 @@ impl Starts {
 
     /// Whether an occluder, or an opaque cell, may touch one of the regions.
     pub(crate) fn touch_occluder(&self, scene: &Scene) -> bool {
-        self.regions().any(|(region, around)| scene.occluder_touches(region, around))
+        self.regions().any(|(region, around)| occluder_touches(scene, region, around))
     }
 
     /// Those between the eye and the near plane.
@@ -59,7 +59,7 @@ impl Starts {
 /// through its inside, so the cells that it makes opaque hide nothing.
 pub(crate) fn rays_start_in_occluder(scene: &Scene, view: &View, starts: &Starts) -> bool {
     match view.origin {
-        Origin::Eye { at, .. } => scene.inside_occluder(at, view.layers()) || starts.touch_occluder(scene),
+        Origin::Eye { at, .. } => inside_occluder(scene, at, view.layers()) || starts.touch_occluder(scene),
         Origin::Direction(_) => true,
     }
 }

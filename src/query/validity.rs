@@ -3,7 +3,7 @@
 use crate::method::Method;
 use crate::pvs::Pvs;
 use crate::query::start::Starts;
-use crate::scene::Scene;
+use crate::scene::{Scene, inside_occluder};
 use crate::view::View;
 
 impl Pvs {
@@ -50,7 +50,7 @@ impl Pvs {
                 let cell_of = |p| Some(scene.grid().cell_of(p));
                 cell_of(at - error) == self.cell
                     && cell_of(at + error) == self.cell
-                    && !scene.inside_occluder(at, view.layers())
+                    && !inside_occluder(scene, at, view.layers())
                     && !Starts::of(scene, view).touch_occluder(scene)
             }
         }

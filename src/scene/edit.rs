@@ -4,10 +4,12 @@ use casca_slots::Slot;
 use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
+use crate::geometry::{Aabb, Block};
 use crate::id::ObjectId;
 use crate::object::{Bounds, ObjectDesc, Occluder, check_pair, instances_at};
 use crate::scene::Scene;
-use crate::scene::object::Object;
+use crate::scene::movers::Movers;
+use crate::scene::rooms::quick_box;
 
 impl Scene {
     /// Inserts an object. A dynamic one counts as visible until a frame ends without it.
@@ -28,17 +30,7 @@ impl Scene {
     pub fn insert(&mut self, mut desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
         let placed = desc.place()?;
-        let occluder = desc.occluder.take();
-        let user_data = desc.user_data;
-        let object = Object::new(desc, placed, self.changes.moves);
-        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
-        self.user_data.set(slot, user_data);
-        self.changes.changed();
-        self.note_report(slot);
-        self.note_static(slot);
-        self.exchange_occluder(slot, occluder);
-        self.list(slot);
-        Ok(self.id(slot))
+        self.insert_checked(desc, placed)
     }
 
     /// Reserves memory for the records of more objects, before many are inserted. The matrices
@@ -209,6 +201,53 @@ impl Scene {
         self.update(id, bounds, occluder)
     }
 
+    /// Moves many objects that hide nothing, as [`Scene::update`] without an occluder does one by
+    /// one. All moves are made but those that are refused.
+    ///
+    /// Costs a comparison for each small object that stays in its zone of 32x32x32 cells, or in its
+    /// volume, if its bounds are a sphere or a box; it is cheapest in the order of
+    /// [`ObjectId::index`].
+    ///
+    /// ```
+    /// use casca::{GridSpec, ObjectDesc, Scene, Sphere};
+    /// use glam::{UVec3, Vec3};
+    ///
+    /// # fn main() -> Result<(), casca::Error> {
+    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let ball = |x: f32| Sphere::new(Vec3::new(x, 9.0, 9.0), 0.5);
+    /// let birds = (0..20).map(|i| scene.insert(ObjectDesc::dynamic(ball(i as f32 + 1.0))));
+    /// let birds = birds.collect::<Result<Vec<_>, _>>()?;
+    /// let moves = birds.iter().zip(0..).map(|(&id, i)| (id, ball(i as f32 + 1.1)));
+    /// scene.update_many(moves).map_err(|(_, why)| why)?;
+    /// assert!(scene.bounds(birds[19])?.aabb().contains(Vec3::new(20.1, 9.0, 9.0)));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The first move that was refused, with the reasons of [`Scene::update`].
+    pub fn update_many<B: Into<Bounds>>(
+        &mut self,
+        moves: impl IntoIterator<Item = (ObjectId, B)>,
+    ) -> Result<(), (ObjectId, Error)> {
+        first_refused(moves.into_iter().map(|(id, bounds)| (id, self.update(id, bounds, None))))
+    }
+
+    /// Moves many placed objects, as [`Scene::set_transform`] does one by one. All moves are made
+    /// but those that are refused.
+    ///
+    /// Costs the shapes under their new transforms, and a comparison for each object that hides
+    /// nothing and stays in its zone of 32x32x32 cells, or in its volume.
+    ///
+    /// # Errors
+    /// The first move that was refused, with the reasons of [`Scene::set_transform`].
+    pub fn set_transforms(
+        &mut self,
+        moves: impl IntoIterator<Item = (ObjectId, Affine3A)>,
+    ) -> Result<(), (ObjectId, Error)> {
+        first_refused(moves.into_iter().map(|(id, at)| (id, self.set_transform(id, at))))
+    }
+
     /// Gives an object another number: see [`Scene::user_data`]. Costs one look-up; results keep
     /// holding.
     ///
@@ -296,4 +335,85 @@ impl Scene {
             }
         }
     }
+
+    /// Moves an object that hides nothing inside its room; false, without a change, if it is in
+    /// none, would leave it, or has bounds that are to be checked.
+    #[inline]
+    fn move_in_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
+        let Some((min, max)) = quick_box(bounds) else { return false };
+        if !self.index.rooms.hold(id.0, min, max) {
+            return false;
+        }
+        let object = &mut self.slots[id.slot()];
+        if object.is_placed() {
+            return false;
+        }
+        // Objects reported on expiry have no rooms but in zones.
+        let overdue = object.on_expiry() && self.clock.reports.report(id.slot());
+        if object.replace_bounds(bounds) || overdue {
+            object.moved = self.changes.moved();
+            // Where it is in its volume tells a result nothing.
+            if !object.is_hidden() {
+                self.changes.changed();
+                self.index.boxes.put_mover(id.slot(), min, max);
+            }
+        }
+        true
+    }
+
+    /// Moves an object that is listed in a zone to another; false, without a change, for other
+    /// objects, and for bounds that are to be checked or may not be listed by zones.
+    #[inline(never)]
+    fn move_to_room(&mut self, id: ObjectId, bounds: &Bounds) -> bool {
+        let Some((lower, upper)) = quick_box(bounds) else { return false };
+        let (slot, Some(object)) = (id.slot(), self.slots.find(id.0)) else { return false };
+        if !object.in_zone || object.is_placed() {
+            return false;
+        }
+        // Numbers that are not finite are in no grid.
+        let (min, max) = (lower.as_dvec3(), upper.as_dvec3());
+        let zone = Movers::zone_of(&self.grid, &Block { min, max }).filter(|_| min.cmple(max).all());
+        let Some(zone) = zone else { return false };
+        // The same bounds again are no change, also where a corner lies on the side of a room.
+        if object.bounds.same(bounds) {
+            return false;
+        }
+        self.note_report(slot);
+        let object = &mut self.slots[slot];
+        object.moved = self.changes.moved();
+        object.bounds = bounds.clone();
+        self.index.enter_zone(&self.grid, (id.0, zone), object.is_plain(), (lower, upper));
+        self.changes.changed();
+        true
+    }
+
+    /// Takes over bounds of an object that hides nothing, if it stays in its room with them; false,
+    /// without a change, if not.
+    pub(super) fn stay_in_room(&mut self, slot: Slot, bounds: &Bounds) -> bool {
+        let Aabb { min, max } = bounds.aabb();
+        if !self.index.rooms.hold(self.slots.id(slot), min.into(), max.into()) {
+            return false;
+        }
+        let object = &mut self.slots[slot];
+        object.bounds = bounds.clone();
+        object.moved = self.changes.moved();
+        if !object.is_hidden() {
+            self.changes.changed();
+            self.refresh_mover(slot);
+        }
+        true
+    }
+}
+
+/// Runs through all results, and gives the first error.
+fn first_refused(
+    results: impl Iterator<Item = (ObjectId, Result<(), Error>)>,
+) -> Result<(), (ObjectId, Error)> {
+    let mut first = Ok(());
+    for (id, result) in results {
+        if let (Err(why), Ok(())) = (result, first) {
+            first = Err((id, why));
+        }
+    }
+    first
 }

@@ -1,13 +1,11 @@
 //! The frame loop: the clock and the results of a frame's queries.
 
-use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
-use crate::scene::slot_bits::SlotBits;
 use crate::scene::validity::Validity;
 
 /// The changes that [`Scene::end_frame`] made.
@@ -47,45 +45,40 @@ impl Scene {
             return Err(Error::NotFinite { what: "the time", value: DVec3::splat(now) });
         }
         self.opacity.refresh();
-        let backwards = now < self.now;
-        if now != self.now {
-            self.reports.clock_moved();
+        let backwards = now < self.clock.now;
+        if now != self.clock.now {
+            self.clock.reports.clock_moved();
         }
-        self.now = now;
+        self.clock.now = now;
         let mut due = Vec::new();
         let until = if backwards { f64::INFINITY } else { now };
-        while let Some(entry) = self.expiries.pop_until(until) {
+        while let Some(entry) = self.clock.expiries.pop_until(until) {
             if self.expire(entry, backwards) {
                 due.push(self.id(entry.slot));
             }
         }
-        self.miss_unreported(&mut due);
-        Ok(due)
-    }
-
-    /// Listed objects were surely where they are listed only when they were last reported.
-    fn miss_unreported(&mut self, due: &mut Vec<ObjectId>) {
-        let frame = self.frame;
-        self.frame += 1;
-        // An object that the last frame showed is reported unasked.
-        let was_shown = self.seen_in == frame;
-        let shown = |seen: &SlotBits, slot| was_shown && seen.contains(slot);
-        for i in 0..self.members.on_expiry.as_slice().len() {
-            let slot = self.members.on_expiry.as_slice()[i];
-            if self.reports.is_current(slot) {
+        // Listed objects were surely where they are listed only when they were last reported. One
+        // that the last frame showed is reported unasked.
+        let ended = self.clock.frame;
+        self.clock.frame += 1;
+        for i in 0..self.index.on_expiry.as_slice().len() {
+            let slot = self.index.on_expiry.as_slice()[i];
+            if self.clock.reports.is_current(slot) {
                 continue;
             }
-            if !shown(&self.seen, slot) {
+            if !self.last_frame.saw_in(ended, slot) {
                 due.push(self.id(slot));
             }
             self.slots[slot].adapt(Validity::passed);
             self.miss(slot);
         }
-        if self.reports.count_overdue() > 0 {
+        if self.clock.reports.count_overdue() > 0 {
             self.changes.changed();
-            let unseen = self.reports.overdue().filter(|&slot| !shown(&self.seen, slot));
-            due.extend(unseen.map(|slot| ObjectId(self.slots.id(slot))));
+            let overdue = self.clock.reports.overdue();
+            let unseen = overdue.filter(|&slot| !self.last_frame.saw_in(ended, slot));
+            due.extend(unseen.map(|slot| self.id(slot)));
         }
+        Ok(due)
     }
 
     /// Applies the results of a frame's queries: dynamic objects that no view saw go into temporal
@@ -116,57 +109,34 @@ impl Scene {
         if views.is_empty() {
             return Ok(report);
         }
-        self.viewers.clear();
-        self.viewers.extend(views.iter().filter_map(|p| p.viewer));
-        self.see(&views);
-        for &id in views.iter().flat_map(|p| &p.revealed) {
-            if self.find(id).is_ok_and(|object| object.is_hidden()) {
-                report.revealed += 1;
-                self.reveal(id.slot(), self.seen.contains(id.slot()));
-            }
-        }
-        report.hidden = self.hide_unseen();
-        self.compact_expiries();
-        Ok(report)
-    }
-
-    /// Notes the objects that are in one of the sets.
-    fn see(&mut self, views: &[&Pvs]) {
-        self.seen.clear();
-        self.seen_in = self.frame;
-        for pvs in views {
+        self.last_frame.end(self.clock.frame, views.iter().filter_map(|p| p.viewer));
+        for pvs in &views {
             // Most results are fresh: then no object needs to be looked up.
             let fresh = pvs.is_fresh(self.revision(), self.moves());
             for id in &pvs.visible {
                 if fresh || self.slots.find(id.0).is_some() {
-                    self.seen.insert(id.slot());
+                    self.last_frame.seen.insert(id.slot());
                 }
             }
         }
-    }
-
-    /// Puts listed dynamic objects that no view saw into volumes, and counts them. Of too many for
-    /// one frame, those that follow the last one in the order of slots are first: so each slot has
-    /// its turn.
-    fn hide_unseen(&mut self) -> usize {
-        let mut unseen = std::mem::take(&mut self.unseen);
-        unseen.clear();
-        self.resting.wake(self.frame);
-        let waits = |slot: &Slot| !self.seen.contains(*slot) && !self.resting.contains(*slot);
-        unseen.extend(self.members.movers.as_slice().iter().copied().filter(waits));
-        if unseen.len() > MOST_NEW_VOLUMES {
-            let first = self.next_to_hide.get();
-            unseen.sort_unstable_by_key(|slot| slot.get().wrapping_sub(first));
-        }
-        let mut hidden = 0;
-        for &slot in &unseen {
-            if hidden == MOST_NEW_VOLUMES {
-                break;
+        for &id in views.iter().flat_map(|p| &p.revealed) {
+            if self.find(id).is_ok_and(|object| object.is_hidden()) {
+                report.revealed += 1;
+                self.reveal(id.slot(), self.last_frame.seen.contains(id.slot()));
             }
-            hidden += usize::from(self.try_hide(slot));
-            self.next_to_hide = slot.next();
         }
-        self.unseen = unseen;
-        hidden
+        // Of too many for one frame, those after the last one are first: so each has its turn.
+        self.clock.resting.wake(self.clock.frame);
+        let listed = self.index.movers.as_slice().iter().copied();
+        let awake = listed.filter(|&slot| !self.clock.resting.contains(slot));
+        let unseen = self.last_frame.unseen(awake, MOST_NEW_VOLUMES);
+        let mut tried = 0;
+        while report.hidden < MOST_NEW_VOLUMES && tried < unseen.len() {
+            report.hidden += usize::from(self.try_hide(unseen[tried]));
+            tried += 1;
+        }
+        self.last_frame.hid(unseen, tried);
+        self.clock.compact_expiries(&self.slots);
+        Ok(report)
     }
 }

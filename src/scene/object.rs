@@ -150,6 +150,20 @@ impl Object {
         &self.bounds
     }
 
+    /// Gives it other bounds, and tells whether they are others than before, for certain only if
+    /// they are a sphere or a box as before.
+    #[inline]
+    pub(super) fn replace_bounds(&mut self, new: &Bounds) -> bool {
+        match (&mut self.bounds, new) {
+            (Bounds::Sphere(old), Bounds::Sphere(new)) => std::mem::replace(old, *new) != *new,
+            (Bounds::Box(old), Bounds::Box(new)) => std::mem::replace(old, *new) != *new,
+            (bounds, _) => {
+                *bounds = new.clone();
+                true
+            }
+        }
+    }
+
     /// The shape that hides others.
     #[inline]
     pub(crate) fn occluder(&self) -> Option<&Occluder> {

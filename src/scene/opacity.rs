@@ -9,10 +9,12 @@ use std::num::NonZeroU8;
 
 use glam::IVec3;
 
+use crate::grid::Grid;
 use crate::matrix::bits::{Mask, NONE, OpacityMatrix};
 use crate::matrix::fused::Fused;
-use crate::object::ALL_LAYERS;
+use crate::object::{ALL_LAYERS, Occluder};
 use crate::scene::opaque::OpaqueCells;
+use crate::shape::pieces::Moved;
 
 /// Occluders on more masks of layers than this at a time fill no cells. Each part takes a word for
 /// each 64x64x64 cells of the grid and matrix, and each query asks all parts that its view shows.
@@ -135,19 +137,17 @@ pub(super) struct Opacity {
     dims: IVec3,
     /// Never empty.
     parts: Vec<LayerOpacity>,
+    /// Memory used again: the cells of an occluder that moves.
+    moved: Moved,
 }
 
 impl Opacity {
     pub(super) fn new(dims: IVec3) -> Self {
-        Self { dims, parts: vec![LayerOpacity::new(ALL_LAYERS, dims)] }
+        Self { dims, parts: vec![LayerOpacity::new(ALL_LAYERS, dims)], moved: Moved::default() }
     }
 
     pub(super) fn parts(&self) -> &[LayerOpacity] {
         &self.parts
-    }
-
-    pub(super) fn part(&self, part: OpacityPart) -> &LayerOpacity {
-        &self.parts[part.at()]
     }
 
     pub(super) fn part_mut(&mut self, part: OpacityPart) -> &mut LayerOpacity {
@@ -173,6 +173,23 @@ impl Opacity {
         }
         self.parts[at].occluders += 1;
         Some(OpacityPart::new(at))
+    }
+
+    /// Moves the cells of a dynamic occluder in its part.
+    pub(super) fn move_occluder(
+        &mut self,
+        grid: &Grid,
+        part: OpacityPart,
+        before: Option<&Occluder>,
+        after: Option<&Occluder>,
+    ) {
+        let cells = &mut self.parts[part.at()].moving;
+        if self.moved.opaque(before, after, grid) {
+            self.moved.iter().for_each(|(brick, old, new)| cells.exchange(brick, old, new));
+        } else {
+            before.into_iter().for_each(|o| cells.remove(o, grid));
+            after.into_iter().for_each(|o| cells.add(o, grid));
+        }
     }
 
     /// An occluder leaves its part. Its cells are cleared.
@@ -206,6 +223,7 @@ impl Opacity {
     pub(super) fn bytes(&self) -> usize {
         self.parts.capacity() * size_of::<LayerOpacity>()
             + self.parts.iter().map(LayerOpacity::bytes).sum::<usize>()
+            + self.moved.bytes()
     }
 }
 
@@ -224,7 +242,7 @@ mod tests {
         assert_ne!(opacity.join(4), Some(one), "one occluder is left");
         opacity.leave(one);
         assert_eq!(opacity.join(8), Some(one));
-        assert_eq!(opacity.part(one).layers(), 8);
+        assert_eq!(opacity.part_mut(one).layers(), 8);
     }
 
     #[test]

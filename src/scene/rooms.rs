@@ -8,8 +8,26 @@
 use casca_slots::{Id, Slot};
 use glam::Vec3A;
 
-use crate::geometry::Block;
 use crate::geometry::block::{above, below};
+use crate::geometry::{Block, Sphere};
+use crate::numeric::scene::BOX_OF_SPHERE;
+use crate::object::Bounds;
+
+/// A box around bounds, where their kind tells it in a few operations. For bounds that are refused
+/// there is none, or its corners are not finite or in the wrong order.
+#[inline]
+pub(super) fn quick_box(bounds: &Bounds) -> Option<(Vec3A, Vec3A)> {
+    match *bounds {
+        Bounds::Box(b) => Some((b.min.into(), b.max.into())),
+        Bounds::Sphere(Sphere { center, radius }) if radius >= 0.0 => {
+            let center = Vec3A::from(center);
+            let grow = (center.abs().max_element() + radius) * BOX_OF_SPHERE + f32::MIN_POSITIVE;
+            let half = Vec3A::splat(radius + grow);
+            Some((center - half, center + half))
+        }
+        _ => None,
+    }
+}
 
 /// Where one object may go. Closed rooms contain nothing.
 #[derive(Debug, Clone, Copy)]
@@ -72,9 +90,10 @@ impl Rooms {
 #[cfg(test)]
 mod tests {
     use casca_slots::Slots;
-    use glam::{DVec3, Vec3A};
+    use glam::{DVec3, Vec3, Vec3A};
 
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn rooms_contain_their_boxes_but_for_the_upper_sides() {
@@ -98,5 +117,26 @@ mod tests {
         assert!(hold(&rooms, id, 1.0, 2.0));
         rooms.close(slot);
         assert!(!hold(&rooms, id, 1.0, 2.0));
+    }
+
+    #[test]
+    fn the_quick_box_contains_the_sphere() {
+        let mut random = Random::new(5);
+        let check = |center: Vec3, radius: f32| {
+            let bounds = Bounds::from(Sphere::new(center, radius));
+            let (block, (min, max)) = (bounds.block(), quick_box(&bounds).unwrap());
+            assert!(min.as_dvec3().cmple(block.min).all(), "{center} {radius}");
+            assert!(max.as_dvec3().cmpge(block.max).all(), "{center} {radius}");
+            let off = (block.min - min.as_dvec3()).max(max.as_dvec3() - block.max).max_element();
+            let size = f64::from(center.abs().max_element() + radius);
+            assert!(off <= 5e-7 * size + 2.0 * f64::from(f32::MIN_POSITIVE), "{center} {radius} {off}");
+        };
+        for i in 0..2000 {
+            let size = 10f64.powi(i % 20 - 10);
+            check((random.point(size)).as_vec3(), (random.next().abs() * size * 2.0) as f32);
+            check((random.point(size)).as_vec3(), (random.next().abs() * size * 1e-7) as f32);
+        }
+        check(Vec3::splat(1e-45), 1e-45);
+        check(Vec3::splat(f32::MIN_POSITIVE), f32::MIN_POSITIVE);
     }
 }

@@ -8,29 +8,16 @@ use casca_slots::{AT_ONCE, Expiry, Slot};
 use crate::numeric::scene::earliest_arrival;
 use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
-use crate::scene::cells::Span;
+use crate::scene::solids::{add_static_solid, remove_static_solid};
+use crate::scene::spatial_index::{Span, zone_for};
 use crate::scene::state::{Event, Hidden, State};
+use crate::scene::static_solids::StaticSolids;
 use crate::scene::validity::Validity;
 use crate::scene::volume::{Border, Tbv};
 
 /// An unlocated object keeps its old volume if the room there is at least this share of the slack
 /// of a new one.
 const WORTH_KEEPING: f64 = 0.5;
-
-/// A small object that is reported whenever it moves, and that left its volume after fewer frames,
-/// is listed in a zone instead of getting another one: writing and erasing a volume costs as much
-/// as some thirty reports.
-const WORTH_FRAMES: u64 = 32;
-
-/// The same for an object reported on expiry, for which a volume saves reports, which cost the
-/// application time, too: one that lasts for fewer frames costs more than these reports.
-const WORTH_ASKING: u64 = 8;
-
-/// A volume that lasted for this many seconds was worth it, however few frames there were.
-const WORTH_SECONDS: f64 = 0.25;
-
-/// An object whose volume did not last gets no other for this many frames.
-const REST: u64 = 256;
 
 impl Scene {
     /// An object is reported to be somewhere.
@@ -64,7 +51,7 @@ impl Scene {
 
     /// Notes when an object was reported, where that matters.
     pub(super) fn note_report(&mut self, slot: Slot) {
-        if self.object(slot).on_expiry() && self.reports.report(slot) {
+        if self.object(slot).on_expiry() && self.clock.reports.report(slot) {
             self.changes.changed();
         }
     }
@@ -85,7 +72,7 @@ impl Scene {
         let listed = matches!(object.state(), State::Listed | State::Overdue);
         if !listed || object.occluder().is_none() {
             self.slots[slot].layers = layers;
-            self.boxes.put(slot, &self.slots[slot]);
+            self.index.boxes.put(slot, &self.slots[slot]);
             self.refresh_mover(slot);
             return;
         }
@@ -93,6 +80,118 @@ impl Scene {
         self.unlist(slot);
         self.slots[slot].layers = layers;
         self.list(slot);
+    }
+
+    /// Writes an object that is in no matrix into I and O.
+    pub(super) fn list(&mut self, slot: Slot) {
+        let object = &mut self.slots[slot];
+        object.apply(Event::Listed);
+        // A mesh finds its cells once for the bounds and the occluder.
+        let _cells = object.occluder().and_then(|o| o.cache_cells(&self.grid));
+        self.index.list(&self.grid, self.slots.id(slot), &mut self.slots[slot]);
+        let object = &self.slots[slot];
+        let on_expiry = object.on_expiry();
+        if object.in_zone {
+            if on_expiry {
+                self.clock.reports.enter_zone(slot);
+            }
+            return;
+        }
+        if let Some(occluder) = object.occluder()
+            && let Some(part) = self.opacity.join(object.layers)
+        {
+            let cells = self.opacity.part_mut(part);
+            if object.is_static() {
+                let (grid, objects, index) = (&self.grid, &self.slots, &self.index);
+                add_static_solid(cells, occluder, &StaticSolids { grid, objects, index, part });
+            } else {
+                cells.moving.add(occluder, &self.grid);
+            }
+            self.slots[slot].opacity = Some(part);
+        }
+        if on_expiry && !self.clock.reports.is_current(slot) {
+            self.miss(slot);
+        }
+    }
+
+    /// Erases a listed object from I and O.
+    fn unlist(&mut self, slot: Slot) {
+        self.clock.reports.leave_zone(slot);
+        let object = &mut self.slots[slot];
+        let _cells = object.occluder().and_then(|o| o.cache_cells(&self.grid));
+        self.index.unlist(&self.grid, slot, object);
+        let Some(part) = object.opacity.take() else { return };
+        let object = &self.slots[slot];
+        let cells = self.opacity.part_mut(part);
+        match object.occluder() {
+            Some(occluder) if object.is_static() => {
+                let (grid, objects, index) = (&self.grid, &self.slots, &self.index);
+                remove_static_solid(cells, occluder, &StaticSolids { grid, objects, index, part });
+            }
+            Some(occluder) => cells.moving.remove(occluder, &self.grid),
+            None => {}
+        }
+        self.opacity.leave(part);
+    }
+
+    /// Moves a listed object: only the cells that change are touched, unless they are many.
+    fn relist(&mut self, slot: Slot, bounds: Bounds, occluder: Option<Occluder>) {
+        let (grid, object, hides) = (&self.grid, &self.slots[slot], occluder.as_ref());
+        let by_zones = hides.is_none() && object.in_zone && zone_for(grid, object, &bounds).is_some();
+        if !by_zones {
+            if !self.index.move_cells(grid, (slot, object), &bounds, hides) {
+                self.unlist(slot);
+                self.exchange_shape(slot, bounds, occluder);
+                return self.list(slot);
+            }
+            if let Some(part) = object.opacity {
+                self.opacity.move_occluder(grid, part, object.occluder(), hides);
+            }
+        }
+        self.exchange_shape(slot, bounds, occluder);
+        self.index.boxes.put(slot, &self.slots[slot]);
+        if by_zones {
+            self.refresh_mover(slot);
+        }
+    }
+
+    /// Brings the entry of an object in the list of its zone up to date with it.
+    pub(super) fn refresh_mover(&mut self, slot: Slot) {
+        if !self.index.refresh_mover(&self.grid, self.slots.id(slot), &self.slots[slot]) {
+            self.unlist(slot);
+            self.list(slot);
+        }
+    }
+
+    /// Gives an object another occluder, in no matrix.
+    pub(super) fn exchange_occluder(&mut self, slot: Slot, occluder: Option<Occluder>) {
+        // Reports that pass over the matrices are for objects that hide nothing.
+        if occluder.is_some() {
+            self.index.rooms.close(slot);
+        }
+        let object = &mut self.slots[slot];
+        let is_static = object.is_static();
+        // Only triangles that are drawn where they are share positions with others.
+        let fixed = |o: &Occluder| is_static && o.placement().is_none();
+        let drawn =
+            |o: Option<&Occluder>| o.and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))));
+        if drawn(object.occluder()) == drawn(occluder.as_ref()) {
+            // A surface that only moves keeps the numbers of its patches.
+            object.set_occluder(occluder);
+            return;
+        }
+        if let Some(old) = object.occluder()
+            && let Some(surface) = old.surface()
+        {
+            self.seams.remove(slot, surface, fixed(old));
+        }
+        object.set_occluder(occluder);
+        if let Some(new) = object.occluder()
+            && let Some(surface) = new.surface()
+            && !self.seams.insert(slot, surface, fixed(new))
+        {
+            object.idle();
+        }
     }
 
     /// Gives an object that is in no matrix another shape.
@@ -114,12 +213,14 @@ impl Scene {
         }
         object.adapt(Validity::outlived);
         let (bounds, on_expiry) = (object.bounds.clone(), object.on_expiry());
-        self.drop_volume(slot);
+        self.index.remove_volume(slot);
         self.changes.changed();
         // Lists of zones cost less than a volume that does not last.
-        let short = self.frame.saturating_sub(hidden.since) < WORTH_FRAMES;
-        if short && !on_expiry && self.zone_to_list(slot, &bounds).is_some() {
-            self.resting.rest(slot, self.frame + REST);
+        if !on_expiry
+            && self.clock.was_short(&hidden, false)
+            && zone_for(&self.grid, self.object(slot), &bounds).is_some()
+        {
+            self.clock.rest(slot);
             return self.list(slot);
         }
         let volume = self.make_volume(slot);
@@ -129,7 +230,7 @@ impl Scene {
     /// An unlocated object was reported. Where a new volume would not last much longer, the old one
     /// stays.
     fn found_again(&mut self, slot: Slot, volume: Option<Tbv>) {
-        self.members.always.remove(slot);
+        self.index.always.remove(slot);
         self.changes.changed();
         let object = &mut self.slots[slot];
         object.adapt(Validity::outlived);
@@ -139,9 +240,9 @@ impl Scene {
             // volume would only be seen again.
             return self.list(slot);
         }
-        if self.resting.contains(slot) && self.zone_to_list(slot, &self.object(slot).bounds).is_some() {
+        if self.clock.resting.contains(slot) && zone_for(&self.grid, object, &object.bounds).is_some() {
             // Reports in each frame cost less than a volume that does not last.
-            self.drop_volume(slot);
+            self.index.remove_volume(slot);
             return self.list(slot);
         }
         let next = self.make_volume(slot);
@@ -153,9 +254,7 @@ impl Scene {
                 return;
             }
         }
-        if volume.is_some() {
-            self.drop_volume(slot);
-        }
+        self.index.remove_volume(slot);
         self.enclose_or_list(slot, next);
     }
 
@@ -166,7 +265,7 @@ impl Scene {
         let object = &mut self.slots[slot];
         if object.apply(Event::Missed) {
             self.opacity.miss(object.opacity);
-            self.members.always.insert(slot);
+            self.index.always.insert(slot);
             self.changes.changed();
         }
     }
@@ -177,7 +276,7 @@ impl Scene {
         if object.is_overdue() && object.apply(Event::Reported) {
             self.opacity.locate(object.opacity);
             if Span::of(&self.grid, &object.bounds.block()).suffices() {
-                self.members.always.remove(slot);
+                self.index.always.remove(slot);
             }
             self.changes.changed();
         }
@@ -186,14 +285,13 @@ impl Scene {
     /// The volume of an object that is reported on expiry is over. If it did not last, a small
     /// object gets none for some time.
     fn tire(&mut self, slot: Slot) {
-        let object = self.object(slot);
+        let object = &self.slots[slot];
         if let State::Hidden(hidden) = object.state()
             && object.on_expiry()
-            && self.frame.saturating_sub(hidden.since) < WORTH_ASKING
-            && self.now - hidden.made < WORTH_SECONDS
-            && self.zone_to_list(slot, &object.bounds).is_some()
+            && self.clock.was_short(&hidden, true)
+            && zone_for(&self.grid, object, &object.bounds).is_some()
         {
-            self.resting.rest(slot, self.frame + REST);
+            self.clock.rest(slot);
         }
     }
 
@@ -207,9 +305,9 @@ impl Scene {
         match object.state() {
             // Queued again since: that entry counts.
             State::Hidden(hidden) if hidden.queued != entry.at => false,
-            State::Hidden(Hidden { expires, .. }) if !backwards && expires > self.now => {
+            State::Hidden(Hidden { expires, .. }) if !backwards && expires > self.clock.now => {
                 object.apply(Event::Requeued(expires));
-                self.expiries.push(Expiry { at: expires, ..entry });
+                self.clock.queue(self.slots.id(entry.slot), expires);
                 false
             }
             State::Hidden(_) => {
@@ -217,7 +315,7 @@ impl Scene {
                 let object = &mut self.slots[entry.slot];
                 object.apply(Event::Expired);
                 object.adapt(Validity::passed);
-                self.members.always.insert(entry.slot);
+                self.index.always.insert(entry.slot);
                 self.changes.changed();
                 true
             }
@@ -229,17 +327,16 @@ impl Scene {
 
     /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
     pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
-        let outer = self.volumes.is_outer(slot);
+        let outer = self.index.volumes.is_outer(slot);
         self.tire(slot);
-        self.drop_volume(slot);
-        let generation = self.slots.id(slot).generation();
-        let object = &mut self.slots[slot];
+        self.index.remove_volume(slot);
+        let (id, object) = (self.slots.id(slot), &mut self.slots[slot]);
         object.adapt(|validity| validity.revealed(outer));
         if object.on_expiry() {
             object.apply(Event::Revealed);
-            self.members.always.insert(slot);
+            self.index.always.insert(slot);
             self.changes.changed();
-            self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
+            self.clock.queue(id, AT_ONCE);
         } else if seen {
             self.list(slot);
         } else {
@@ -270,16 +367,16 @@ impl Scene {
         self.locate(slot);
         match self.object(slot).state() {
             State::Listed | State::Overdue => self.unlist(slot),
-            State::Hidden(_) => self.drop_volume(slot),
+            State::Hidden(_) => self.index.remove_volume(slot),
             State::Unlocated { volume } => {
-                self.members.always.remove(slot);
+                self.index.always.remove(slot);
                 if volume.is_some() {
-                    self.drop_volume(slot);
+                    self.index.remove_volume(slot);
                 }
             }
         }
         self.exchange_occluder(slot, None);
-        self.seen.remove(slot);
+        self.last_frame.seen.remove(slot);
         self.slots.remove(slot);
     }
 
@@ -297,15 +394,10 @@ impl Scene {
             (true, false) => Border::Beyond,
             (true, true) => Border::Inside,
         };
-        let tbv = Tbv::around(&self.grid, &block, distance, &self.viewers, border)?;
-        let expires = earliest_arrival(self.now, tbv.room(&block), speed.unwrap_or(0.0));
-        Some(Hidden { tbv, expires, queued: f64::INFINITY, since: self.frame, made: self.now })
-    }
-
-    /// Takes the volume of an object out of the matrices.
-    pub(super) fn drop_volume(&mut self, slot: Slot) {
-        self.volumes.remove(slot);
-        self.rooms.close(slot);
+        let tbv = Tbv::around(&self.grid, &block, distance, &self.last_frame.viewers, border)?;
+        let expires = earliest_arrival(self.clock.now, tbv.room(&block), speed.unwrap_or(0.0));
+        let (since, made) = (self.clock.frame, self.clock.now);
+        Some(Hidden { tbv, expires, queued: f64::INFINITY, since, made })
     }
 
     /// Puts an object that is in no matrix into a volume, or into I and O.
@@ -318,7 +410,7 @@ impl Scene {
 
     /// Puts an object that is in no matrix into a new volume.
     fn enclose(&mut self, slot: Slot, hidden: Hidden) {
-        self.volumes.insert(slot, &hidden.tbv);
+        self.index.volumes.insert(slot, &hidden.tbv);
         self.changes.changed();
         self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, hidden);
@@ -328,39 +420,21 @@ impl Scene {
     /// in the queue, `queued` is infinite.
     fn enclose_again(&mut self, slot: Slot, hidden: Hidden, room: f64) {
         let speed = self.object(slot).promised_speed().unwrap_or(0.0);
-        self.hide(slot, Hidden { expires: earliest_arrival(self.now, room, speed), ..hidden });
+        self.hide(slot, Hidden { expires: earliest_arrival(self.clock.now, room, speed), ..hidden });
     }
 
     /// An object is in a volume from now on. Queues its expiry, unless an entry comes up in time.
     pub(super) fn hide(&mut self, slot: Slot, mut hidden: Hidden) {
-        let generation = self.slots.id(slot).generation();
-        let object = &mut self.slots[slot];
-        let early = object.on_expiry() && hidden.expires < hidden.queued;
-        if early {
+        let (id, object) = (self.slots.id(slot), &mut self.slots[slot]);
+        if object.on_expiry() && hidden.expires < hidden.queued {
             hidden.queued = hidden.expires;
-            self.expiries.push(Expiry { at: hidden.expires, slot, generation });
+            self.clock.queue(id, hidden.expires);
         }
         // Reports of other objects put off the expiry, too, and occluders go with the bounds.
         if !object.on_expiry() && object.given_occluder().is_none() {
-            self.rooms.open(self.slots.id(slot), &hidden.tbv.block);
+            self.index.rooms.open(id, &hidden.tbv.block);
         }
         self.slots[slot].apply(Event::Enclosed(hidden));
-    }
-
-    /// Drops entries of the queue that were replaced since, once there are many of them.
-    pub(super) fn compact_expiries(&mut self) {
-        if !self.expiries.is_crowded(self.slots.len()) {
-            return;
-        }
-        let slots = &self.slots;
-        self.expiries.retain(|entry| {
-            let state = slots.of_generation(entry.slot, entry.generation).map(|object| object.state());
-            match state {
-                Some(State::Hidden(hidden)) => hidden.queued == entry.at,
-                Some(State::Unlocated { .. }) => entry.at == AT_ONCE,
-                _ => false,
-            }
-        });
     }
 }
 

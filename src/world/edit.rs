@@ -35,7 +35,7 @@ impl World {
     ) -> Result<ObjectId, Error> {
         let source = ObjectSource::of(&mut desc, at, page);
         (desc.bounds, desc.occluder) = source.at(self.origin());
-        let id = self.scene.insert_checked(desc)?;
+        let id = self.scene.insert_checked(desc, None)?;
         if self.sources.len() <= id.index() {
             self.sources.resize_with(id.index() + 1, || None);
         }

@@ -126,7 +126,7 @@ impl Remaining {
         if is_hidden && !finder.marks.is_revealed(slot) {
             return (!volumes.is_outer(slot)).then(|| *volumes.cells(slot));
         }
-        if !is_hidden && !scene.is_in_cells(object) {
+        if !is_hidden && !object.in_cells() {
             return self.with_exits(slot, None);
         }
         let (grid, block) = (scene.grid(), object.bounds().block());

@@ -8,6 +8,7 @@ use crate::grid::GridSpec;
 use crate::id::ObjectId;
 use crate::object::ObjectDesc;
 use crate::query::Query;
+use crate::scene::clock::WORTH_ASKING;
 use crate::view::View;
 
 /// A state without its numbers; `Gone` for objects that were removed.
@@ -247,9 +248,9 @@ fn volumes_are_kept_while_they_serve() {
 fn nothing_is_left_of_a_removed_object() {
     for prepare in [plain_listed, listed, overdue, hidden, plain_hidden, expired, revealed] {
         let WallAndBall { scene, .. } = prepare().remove();
-        assert_eq!((scene.id_matrix().entries(), scene.volumes.matrix().volumes()), (wall_entries(), 0));
-        assert!(scene.members.movers.as_slice().is_empty() && scene.always().is_empty());
-        assert!(scene.members.on_expiry.as_slice().is_empty() && !scene.any_overdue());
+        assert_eq!((scene.id_matrix().entries(), scene.tbv_matrix().volumes()), (wall_entries(), 0));
+        assert!(scene.listed_movers().is_empty() && scene.always().is_empty());
+        assert!(scene.index.on_expiry.as_slice().is_empty() && !scene.any_overdue());
         assert_eq!(scene.opacity.overdue(), 0);
     }
 }

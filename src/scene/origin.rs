@@ -1,16 +1,17 @@
-//! Other coordinates for the whole scene: an origin that follows the camera through a large world.
+//! Other coordinates: an origin that follows the camera through a large world. All of a scene is
+//! shifted at once, or another scene in other coordinates follows it under the same ids, and takes
+//! its objects over one by one while it still answers queries.
 
-use casca_slots::{AT_ONCE, Expiry, Slot};
+use casca_slots::{AT_ONCE, Slot};
 use glam::{Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
 use crate::geometry::Block;
 use crate::grid::Grid;
-use crate::matrix::ids::IdMatrix;
+use crate::id::ObjectId;
 use crate::numeric::mesh::SINGLE;
-use crate::object::{Bounds, Occluder, Placed};
+use crate::object::{Bounds, ObjectDesc, Occluder, Placed};
 use crate::scene::Scene;
-use crate::scene::membership::Membership;
 use crate::scene::object::Object;
 use crate::scene::opacity::Opacity;
 use crate::scene::state::{Event, Hidden, State};
@@ -107,7 +108,9 @@ impl Scene {
             shapes.push((slot, Shifted::of(object, offset)?.ok_or_else(refused)?));
         }
         self.grid = grid;
-        self.clear_matrices();
+        self.opacity = Opacity::new(grid.dims());
+        self.index.clear_lists(&grid);
+        self.clock.reports.leave_all_zones();
         self.changes.changed();
         self.changes.all_static_changed();
         let moved = self.changes.moved();
@@ -117,16 +120,6 @@ impl Scene {
         }
         self.opacity.refresh();
         Ok(())
-    }
-
-    /// Empties all matrices and lists but those of volumes.
-    fn clear_matrices(&mut self) {
-        let dims = self.grid.dims();
-        (self.opacity, self.ids) = (Opacity::new(dims), IdMatrix::new(dims));
-        self.members = Membership::default();
-        self.rooms.clear();
-        self.movers.clear();
-        self.reports.leave_all_zones();
     }
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
@@ -155,7 +148,7 @@ impl Scene {
     /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still
     /// inside.
     fn shift_volume(&mut self, slot: Slot, hidden: Hidden, offset: Vec3) {
-        let is_outer = self.volumes.is_outer(slot);
+        let is_outer = self.index.volumes.is_outer(slot);
         let tbv = hidden.tbv.shifted(&self.grid, offset, is_outer);
         let object = self.object(slot);
         let inside = tbv.contains(&self.grid, &object.bounds.block());
@@ -167,16 +160,16 @@ impl Scene {
         if object.on_expiry() {
             expires = (expires - (off / speed).next_up()).next_down();
             // Also if it is NaN, for an object that does not move.
-            if !(inside && expires > self.now) {
+            if !(inside && expires > self.clock.now) {
                 return self.lose(slot, true);
             }
         } else if !inside {
-            self.volumes.remove(slot);
+            self.index.remove_volume(slot);
             return self.list(slot);
         }
         if is_outer {
-            self.volumes.remove(slot);
-            self.volumes.insert(slot, &tbv);
+            self.index.remove_volume(slot);
+            self.index.volumes.insert(slot, &tbv);
         }
         self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, Hidden { tbv, expires, ..hidden });
@@ -186,11 +179,103 @@ impl Scene {
     /// and its report is due.
     fn lose(&mut self, slot: Slot, enclosed: bool) {
         if enclosed {
-            self.volumes.remove(slot);
+            self.index.remove_volume(slot);
         }
-        let generation = self.slots.id(slot).generation();
         self.slots[slot].apply(Event::Revealed);
-        self.members.always.insert(slot);
-        self.expiries.push(Expiry { at: AT_ONCE, slot, generation });
+        self.index.always.insert(slot);
+        self.clock.queue(self.slots.id(slot), AT_ONCE);
+    }
+
+    /// Inserts an object whose description was checked, here or in other coordinates.
+    ///
+    /// # Errors
+    /// Refuses more than 2^31 objects.
+    pub(crate) fn insert_checked(
+        &mut self,
+        mut desc: ObjectDesc,
+        placed: Option<Placed>,
+    ) -> Result<ObjectId, Error> {
+        let (occluder, user_data) = (desc.occluder.take(), desc.user_data);
+        let object = Object::new(desc, placed, self.changes.moves);
+        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
+        self.user_data.set(slot, user_data);
+        self.changes.changed();
+        self.note_report(slot);
+        self.note_static(slot);
+        self.exchange_occluder(slot, occluder);
+        self.list(slot);
+        Ok(self.id(slot))
+    }
+
+    /// Takes over an object of another scene under its id, with its shapes in the coordinates of
+    /// this one. The place of one that is reported on expiry is not known until it is reported.
+    pub(crate) fn take_over(
+        &mut self,
+        from: &Self,
+        id: ObjectId,
+        bounds: Bounds,
+        occluder: Option<Occluder>,
+    ) {
+        let Ok(object) = from.find(id) else { return };
+        let user_data = from.user_data.get(id.slot());
+        let desc = ObjectDesc {
+            bounds,
+            occluder: None,
+            motion: object.motion(),
+            contradicts: false,
+            user_data,
+            layers: object.layers,
+            transform: None,
+        };
+        let object = Object::new(desc, None, self.changes.moves);
+        let slot = id.slot();
+        if !self.slots.take_over(id.0, object) {
+            return;
+        }
+        self.changes.changed();
+        self.user_data.set(slot, user_data);
+        self.clock.reports.forget(slot);
+        self.note_static(slot);
+        self.exchange_occluder(slot, occluder);
+        self.list(slot);
+    }
+
+    /// A slot of another scene, whose objects this one takes over, holds no object.
+    pub(crate) fn skip(&mut self, from: &Self, slot: Slot) {
+        self.slots.skip(slot, &from.slots);
+    }
+
+    /// Sets the clock to that of another scene.
+    pub(crate) fn set_clock(&mut self, from: &Self) {
+        self.clock.now = from.clock.now;
+    }
+
+    /// Gives out ids where another scene ends, all of whose objects were taken over.
+    pub(crate) fn succeed(&mut self, from: &mut Self) {
+        self.slots.succeed(&mut from.slots);
+    }
+
+    /// As [`Scene::update`], with shapes that were checked elsewhere, in other coordinates.
+    pub(crate) fn report_checked(&mut self, id: ObjectId, bounds: Bounds, occluder: Option<Occluder>) {
+        if self.contains(id) {
+            self.report(id.slot(), bounds, occluder);
+        }
+    }
+
+    /// Roughly what it costs to insert or to remove an object, in bricks of 8x8x8 cells: those on
+    /// the surface of its box, as far as that lies in the grid; 1 at least.
+    pub(crate) fn bricks_around(&self, id: ObjectId) -> usize {
+        let Ok(object) = self.find(id) else { return 1 };
+        let block = object.bounds().block();
+        let (lo, hi) = self.grid.cover(block.min, block.max);
+        let Some((lo, hi)) = self.grid.clip(lo, hi) else { return 1 };
+        let sides = ((hi >> 3i32) - (lo >> 3i32) + 1).to_array().map(|side| side as usize);
+        let inside: usize = sides.iter().map(|side| side.saturating_sub(2)).product();
+        sides.iter().product::<usize>() - inside
+    }
+
+    /// Brings the boxes that close seams up to date with the static solids inserted and removed.
+    pub(crate) fn refresh(&mut self) {
+        self.opacity.refresh();
     }
 }
