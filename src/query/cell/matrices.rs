@@ -27,7 +27,7 @@ impl<'a> CellMatrices<'a> {
     }
 
     /// Whether some pages contain nothing, by a question that is put to the pages of each matrix.
-    #[inline]
+    #[inline(always)]
     pub(super) fn none_in(&self, empty: impl Fn(&dyn Pages) -> bool) -> bool {
         self.lists.none_in(&empty)
             && empty(self.volumes.pages())

@@ -27,16 +27,18 @@ impl ShellSide {
     pub(super) fn sees_passed_over(&mut self, scale: &ShellScale, shells: &Shells) -> bool {
         let Self { side, mask, cells } = self;
         let (depth, columns) = (scale.shell() * side.sign, cells.columns());
-        let on_side = shells.frustum.on_side(side, depth);
-        let sees = |row: i32| {
-            let Some((lo, hi)) = on_side.row(row, columns) else { return false };
-            let mut open = hi - lo + 1;
-            mask.hidden_runs(scale, row, (lo, hi), |a, b| open -= b - a + 1);
-            open > 0
-        };
         cells.sees_passed_over(|(first, last)| {
             let (lo, hi) = (side.cell(depth, first, columns.0), side.cell(depth, last, columns.1));
-            shells.frustum.meets(lo, hi) && (first..=last).any(sees)
+            if !shells.frustum.meets(lo, hi) {
+                return false;
+            }
+            let on_side = shells.frustum.on_side(side, depth);
+            (first..=last).any(|row| {
+                let Some((lo, hi)) = on_side.row(row, columns) else { return false };
+                let mut open = hi - lo + 1;
+                mask.hidden_runs(scale, row, (lo, hi), |a, b| open -= b - a + 1);
+                open > 0
+            })
         })
     }
 
