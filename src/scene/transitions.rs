@@ -139,7 +139,8 @@ impl Scene {
         let (grid, object, hides) = (&self.grid, &self.slots[slot], occluder.as_ref());
         let by_zones = hides.is_none() && object.in_zone && zone_for(grid, object, &bounds).is_some();
         if !by_zones {
-            if !self.index.move_cells(grid, (slot, object), &bounds, hides) {
+            // Another surface may find no numbers left, and then hides nothing.
+            if !object.keeps_surface(hides) || !self.index.move_cells(grid, (slot, object), &bounds, hides) {
                 self.unlist(slot);
                 self.exchange_shape(slot, bounds, occluder);
                 return self.list(slot);
@@ -170,12 +171,7 @@ impl Scene {
             self.index.rooms.close(slot);
         }
         let object = &mut self.slots[slot];
-        let is_static = object.is_static();
-        // Only triangles that are drawn where they are share positions with others.
-        let fixed = |o: &Occluder| is_static && o.placement().is_none();
-        let drawn =
-            |o: Option<&Occluder>| o.and_then(|o| o.surface().map(|s| (std::ptr::from_ref(s), fixed(o))));
-        if drawn(object.occluder()) == drawn(occluder.as_ref()) {
+        if object.keeps_surface(occluder.as_ref()) {
             // A surface that only moves keeps the numbers of its patches.
             object.set_occluder(occluder);
             return;
@@ -183,12 +179,12 @@ impl Scene {
         if let Some(old) = object.occluder()
             && let Some(surface) = old.surface()
         {
-            self.seams.remove(slot, surface, fixed(old));
+            self.seams.remove(slot, surface, object.shares_positions(old));
         }
         object.set_occluder(occluder);
         if let Some(new) = object.occluder()
             && let Some(surface) = new.surface()
-            && !self.seams.insert(slot, surface, fixed(new))
+            && !self.seams.insert(slot, surface, object.shares_positions(new))
         {
             object.idle();
         }

@@ -76,6 +76,12 @@ impl Seams {
         count.next_power_of_two().trailing_zeros() as usize
     }
 
+    /// Leaves no numbers that were not given before.
+    #[cfg(test)]
+    pub(crate) fn use_up(&mut self) {
+        self.end = PatchNumber::new(u32::MAX - 1);
+    }
+
     /// Numbers the patches of an object's surface, for as long as it has it; false, without a
     /// change, if there are no numbers left.
     pub(crate) fn insert(&mut self, slot: Slot, surface: &Surface, fixed: bool) -> bool {
@@ -293,7 +299,7 @@ mod tests {
         let mut seams = Seams::default();
         assert!(seams.insert(Slot::new(0), &small, true) && seams.insert(Slot::new(1), &small, true));
         seams.remove(Slot::new(0), &small, true);
-        seams.end = PatchNumber::new(u32::MAX - 1);
+        seams.use_up();
         assert!(!seams.insert(Slot::new(2), &large, true), "no numbers are left");
         assert!(seams.insert(Slot::new(3), &small, true), "those of object 0 are");
         assert!(!seams.insert(Slot::new(4), &small, true));

@@ -1,11 +1,14 @@
 //! Each row of the table of transitions, played.
 
-use glam::{UVec3, Vec3};
+use std::sync::Arc;
+
+use glam::{IVec3, UVec3, Vec3};
 
 use super::*;
 use crate::geometry::{Aabb, Plane, Sphere};
 use crate::grid::GridSpec;
 use crate::id::ObjectId;
+use crate::mesh::TriMesh;
 use crate::object::ObjectDesc;
 use crate::query::Query;
 use crate::scene::clock::WORTH_ASKING;
@@ -286,5 +289,39 @@ fn only_small_objects_rest_after_a_volume_that_did_not_last() {
         world = world.begin(0.02);
         world.scene.update(world.ball, ball, None).unwrap();
         assert_eq!(world.seen_from(2.5).kind(), last, "{radius}");
+    }
+}
+
+/// Boxes of triangles, one inside of the other.
+fn boxes(count: u32, x: f32) -> Arc<TriMesh> {
+    let corner = |i: u32, half: f32| {
+        let side = |bit: u32| [-half, half][(i >> bit & 1) as usize];
+        Vec3::new(x, 16.0, 16.0) + Vec3::new(side(0), side(1), side(2))
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = |number: u32| {
+        let of_face = move |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]].map(|t| t.map(|i| i + 8 * number));
+        faces.into_iter().flat_map(of_face)
+    };
+    let positions = (0..count).flat_map(|number| (0..8).map(move |i| corner(i, 4.2 - 3.0 * number as f32)));
+    Arc::new(TriMesh::new(positions.collect(), (0..count).flat_map(triangles).collect()).unwrap())
+}
+
+#[test]
+fn an_occluder_without_numbers_leaves_no_opaque_cells() {
+    for used_up in [false, true] {
+        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
+        let mut scene = Scene::new(&spec).unwrap();
+        let (one, two, far) = (boxes(1, 8.0), boxes(2, 8.0), boxes(2, 24.0));
+        let id = scene.insert(ObjectDesc::dynamic(one.clone()).occluder(one)).unwrap();
+        let opaque = |scene: &Scene, x| scene.is_opaque(IVec3::new(x, 12, 16), u64::MAX);
+        assert!(opaque(&scene, 8));
+        if used_up {
+            scene.seams.use_up();
+        }
+        scene.update(id, two.clone(), Some(two.into())).unwrap();
+        assert_eq!(opaque(&scene, 8), !used_up);
+        scene.update(id, far.clone(), Some(far.into())).unwrap();
+        assert_eq!((opaque(&scene, 8), opaque(&scene, 24)), (false, !used_up));
     }
 }
