@@ -244,6 +244,9 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
+    /// Two ways to the same unit vector differ by some thousand units in the last place at most.
+    const ROUNDING: f64 = 1e-12;
+
     #[test]
     fn boxes_have_the_outlines_of_their_polytopes() {
         let mut random = Random::new(5);
@@ -265,7 +268,7 @@ mod tests {
                 (Outline::Cone, Outline::Cone) => {
                     cones += 1;
                     assert_eq!(own.sides.len(), other.sides.len());
-                    let near = |a: &HalfSpace, b: &HalfSpace| (a.normal - b.normal).length() < 1e-12;
+                    let near = |a: &HalfSpace, b: &HalfSpace| (a.normal - b.normal).length() < ROUNDING;
                     assert!(own.sides.iter().all(|a| other.sides.iter().any(|b| near(a, b))), "{block:?}");
                 }
                 outlines => {

@@ -14,6 +14,11 @@ impl CellBox {
         cell.cmpge(self.lo).all() && cell.cmple(self.hi).all()
     }
 
+    /// The block around both.
+    pub(crate) fn join(self, other: Self) -> Self {
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
     pub(crate) fn cells(self) -> impl Iterator<Item = IVec3> {
         let Self { lo, hi } = self;
         (lo.z..=hi.z).flat_map(move |z| {

@@ -185,8 +185,7 @@ impl Moved {
             let (lo, hi) = grid.clip(lo, hi)?;
             Some(CellBox { lo: lo >> 3i32, hi: hi >> 3i32 })
         });
-        let union = |a: CellBox, b: CellBox| CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) };
-        let all = blocks.into_iter().flatten().reduce(union);
+        let all = blocks.into_iter().flatten().reduce(CellBox::join);
         // Each alone must be few, so that it is written as if it were inserted.
         let few = |b: &CellBox, most: u64| volume(b.lo, b.hi) <= most;
         if !blocks.iter().flatten().all(|b| few(b, FEW_BRICKS)) || !all.iter().all(|b| few(b, 2 * FEW_BRICKS))

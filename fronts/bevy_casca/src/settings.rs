@@ -96,13 +96,14 @@ pub struct Occluder(pub Handle<Mesh>);
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct NotOccluder;
 
-/// On an entity: nothing hides it, and it hides nothing. It is culled by frustum only. On a camera:
-/// what it looks at is culled by frustum only.
+/// On an entity: nothing hides it, and it hides nothing; only the frustum culls it. On a camera:
+/// only the frustum culls entities for it.
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct NoOcclusionCulling;
 
 /// What the plugin does in `PostUpdate`, in this order. The first three are part of Bevy's
-/// `VisibilitySystems::CheckVisibility`: what runs before that set changes what they find.
+/// `VisibilitySystems::CheckVisibility`. A system that moves entities in this frame must run before
+/// that set.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CascaSystems {
     /// Materials are judged: [`MaterialsPlugin`](crate::MaterialsPlugin).
@@ -110,9 +111,9 @@ pub enum CascaSystems {
     /// Entities that came, moved, changed or went are brought up to date in the
     /// [`CascaScene`](crate::CascaScene).
     Sync,
-    /// Cameras find what they see.
+    /// Each camera is given the entities that it may see.
     Cameras,
-    /// Lights find what casts their shadows.
+    /// Each light is given the entities that may cast its shadows.
     Lights,
     /// The frame ends: what nobody saw is put into volumes.
     End,

@@ -124,10 +124,10 @@ pub(crate) struct Hand {
     /// Those that it filled with finer pixels.
     filled: Vec<(u32, u32)>,
     spare_tiles: Vec<Box<Tiles>>,
-    /// A target, how a face sees it, the pixels that leave it undecided, and what it is compared
-    /// with in one of those.
+    /// The target that is examined, and its outline on a face.
     pub(crate) target: Target,
     pub(crate) on_face: FaceTarget,
+    /// The pixels in which it may be visible, and the occluders that reach into one of those.
     pub(crate) open: Vec<OpenSquare>,
     pub(crate) candidates: Vec<PixelOccluder>,
     /// The pixels that targets asked for since this was emptied last.

@@ -21,7 +21,8 @@ use crate::walk::Shells;
 /// sight.
 const MAX_PENDING: u64 = 1 << 18;
 
-/// What a run has found: the set, the marks of what is decided, and the cells that will decide.
+/// Finds the objects of a run: it owns the set, the marks of decided objects, and the cells whose
+/// visibility decides about others.
 pub(super) struct Finder<'a> {
     pub(super) scene: &'a Scene,
     pub(super) view: &'a View,

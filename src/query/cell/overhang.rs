@@ -80,8 +80,7 @@ pub(super) fn list_overhanging(finder: &mut Finder, known: bool) -> Vec<(Slot, C
         match faces.map(Iterator::collect).filter(few) {
             Some(_) if !view.may_see(object.bounds()) => {}
             Some(faces) => {
-                let join = |a: CellBox, b: CellBox| CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) };
-                listed.extend(faces.iter().copied().reduce(join).map(|around| (slot, around)));
+                listed.extend(faces.iter().copied().reduce(CellBox::join).map(|around| (slot, around)));
                 faces.into_iter().flat_map(CellBox::cells).for_each(|c| finder.pend(c, slot));
             }
             None => finder.decide(slot),

@@ -140,7 +140,7 @@ impl Remaining {
     fn with_exits(&self, slot: Slot, own: Option<CellBox>) -> Option<CellBox> {
         let exits = self.exits.binary_search_by_key(&slot, |exit| exit.0).ok().map(|at| self.exits[at].1);
         match (own, exits) {
-            (Some(a), Some(b)) => Some(CellBox { lo: a.lo.min(b.lo), hi: a.hi.max(b.hi) }),
+            (Some(a), Some(b)) => Some(a.join(b)),
             (own, exits) => own.or(exits),
         }
     }

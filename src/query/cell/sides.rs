@@ -8,7 +8,8 @@ use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side_cells::SideCells;
 use crate::walk::Shells;
 
-/// One side of the shells: its cells in the present one, and what hides cells in farther ones.
+/// One of the six sides of the shells: the cells of the shell that is walked, and the mask of
+/// directions in which farther cells are hidden.
 #[derive(Debug, Clone)]
 pub(super) struct ShellSide {
     pub(super) side: Side,

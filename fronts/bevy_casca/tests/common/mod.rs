@@ -110,7 +110,7 @@ pub fn spawn_camera(world: &mut World, nr: u32, at: Transform) -> Entity {
     world.spawn((Nr(nr), Camera3d::default(), Projection::Perspective(lens), at)).id()
 }
 
-/// A box that hides what is behind it.
+/// A box that is drawn and occludes.
 pub fn opaque(world: &mut World, nr: u32, middle: Vec3, size: Vec3) -> Entity {
     let entity = spawn_box(world, nr, middle, size);
     world.entity_mut(entity).insert(Opaque::Front);

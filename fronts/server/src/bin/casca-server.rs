@@ -112,7 +112,7 @@ fn open(name: &str) -> Result<Level, Failure> {
     Ok(level)
 }
 
-/// Says what a level is made of, and lets a client look at it.
+/// Prints the parts of a level, and runs one tick with a client to show that it can be served.
 fn check(name: &str) -> Result<(), Failure> {
     let level = open(name)?;
     let occluders = level.scene.len();

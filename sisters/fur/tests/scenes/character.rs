@@ -15,6 +15,8 @@ use glam::Vec3;
 
 const DETAIL: u32 = 64;
 const LEVELS: usize = 4;
+/// Colours are divided by no darker ones: less than half a step of a byte, and not zero.
+const DARKEST: Vec3 = Vec3::splat(1e-3);
 
 fn coated(seed: u64) -> Coated {
     read_coated(&character_glb(seed, DETAIL).unwrap(), None).unwrap()
@@ -158,7 +160,7 @@ fn characters_are_read_as_they_were_written() {
             } else {
                 // The image has three colours, and mixtures of them.
                 assert!((coat.color - want.color).max_element() < 0.6 / 255.0, "bytes are linear");
-                let [red, green, blue] = (coat.color / want.color.max(Vec3::splat(1e-3))).to_array();
+                let [red, green, blue] = (coat.color / want.color.max(DARKEST)).to_array();
                 stripes += usize::from(red < 0.1);
                 plain += usize::from(red > 0.8 && green > 0.8 && blue > 0.7);
                 collar += usize::from(red > 0.4 && green < 0.2 && blue < 0.2);

@@ -19,6 +19,9 @@ use crate::truth::Mesh;
 
 /// Cells along the height of the hare: 30,114 vertices.
 const CELLS: f32 = 128.0;
+
+/// The deviation of the noise along each axis, as a share of the size of the cloud.
+const NOISE: f64 = 1e-3;
 const EYE: Vec3 = Vec3::new(3.6, 3.3, 4.2);
 const MIDDLE: Vec3 = Vec3::new(0.05, 1.4, 0.0);
 /// The best radius of HPR here.
@@ -49,7 +52,7 @@ pub fn print() -> Result<(), Box<dyn Error>> {
 
     println!("HPR, log10 R = {BEST} | {}", errors(&truth, &hpr::visible_points(&places, eye, BEST)?).1);
     let (low, high) = bounds(&places);
-    let noise = 1e-3 * low.distance(high);
+    let noise = NOISE * low.distance(high);
     let mut gauss = gauss();
     let mut moved = |p: &DVec3| *p + DVec3::new(gauss().into(), gauss().into(), gauss().into()) * noise;
     let moved: Vec<DVec3> = places.iter().map(&mut moved).collect();
