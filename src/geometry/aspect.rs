@@ -8,7 +8,6 @@
 //! For parallel rays cones become cylinders.
 
 use glam::DVec3;
-use smallvec::SmallVec;
 
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
@@ -38,26 +37,26 @@ pub(crate) enum Outline {
 pub(crate) struct Aspect {
     pub(crate) outline: Outline,
     /// The half-spaces of a cone; each plane runs along the rays.
-    pub(crate) sides: SmallVec<[HalfSpace; 8]>,
+    pub(crate) sides: Vec<HalfSpace>,
     /// The half-spaces of the faces that are turned to the eye; none of a sphere.
-    pub(crate) fronts: SmallVec<[HalfSpace; 3]>,
+    pub(crate) fronts: Vec<HalfSpace>,
     /// Its corners; none of spheres and of boxes along the axes.
-    pub(crate) vertices: SmallVec<[DVec3; 8]>,
+    pub(crate) vertices: Vec<DVec3>,
     /// A box around it.
     pub(crate) block: Block,
     /// For each face, whether it is turned to the eye.
-    turned: SmallVec<[bool; 32]>,
+    turned: Vec<bool>,
 }
 
 impl Default for Aspect {
     fn default() -> Self {
         Self {
             outline: Outline::Everything,
-            sides: SmallVec::new(),
-            fronts: SmallVec::new(),
-            vertices: SmallVec::new(),
+            sides: Vec::new(),
+            fronts: Vec::new(),
+            vertices: Vec::new(),
             block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
-            turned: SmallVec::new(),
+            turned: Vec::new(),
         }
     }
 }
@@ -146,16 +145,12 @@ impl Aspect {
     pub(crate) fn set_part(&mut self, part: &Part, block: Block, direction: Option<DVec3>, room: &Room) {
         self.clear(block);
         self.vertices.extend(part.corners());
-        for face in part.faces() {
-            let is_front = match direction {
-                Some(d) => face.normal.dot(d) > 0.0,
-                None => face.offset < 0.0,
-            };
-            self.turned.push(is_front);
-            if is_front {
-                self.fronts.push(face);
-            }
-        }
+        self.turned.extend(part.faces().map(|face| match direction {
+            Some(d) => face.normal.dot(d) > 0.0,
+            None => face.offset < 0.0,
+        }));
+        let fronts = part.faces().zip(&self.turned).filter(|(_, is_front)| **is_front);
+        self.fronts.extend(fronts.map(|(face, _)| face));
         if self.find_sides(part.edges, direction, room) && self.sides.len() >= 3 {
             self.outline = Outline::Cone;
         }
