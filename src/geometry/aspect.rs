@@ -33,7 +33,7 @@ pub(crate) enum Outline {
 
 /// What is seen of a convex shape from the origin of the rays. It is filled again for each shape,
 /// so that its lists keep their memory.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Aspect {
     pub(crate) outline: Outline,
     /// The half-spaces of a cone; each plane runs along the rays.
@@ -46,19 +46,6 @@ pub(crate) struct Aspect {
     pub(crate) block: Block,
     /// For each face, whether it is turned to the eye.
     turned: Vec<bool>,
-}
-
-impl Default for Aspect {
-    fn default() -> Self {
-        Self {
-            outline: Outline::Everything,
-            sides: Vec::new(),
-            fronts: Vec::new(),
-            vertices: Vec::new(),
-            block: Block { min: DVec3::ZERO, max: DVec3::ZERO },
-            turned: Vec::new(),
-        }
-    }
 }
 
 impl Aspect {
@@ -145,12 +132,16 @@ impl Aspect {
     pub(crate) fn set_part(&mut self, part: &Part, block: Block, direction: Option<DVec3>, room: &Room) {
         self.clear(block);
         self.vertices.extend(part.corners());
-        self.turned.extend(part.faces().map(|face| match direction {
-            Some(d) => face.normal.dot(d) > 0.0,
-            None => face.offset < 0.0,
-        }));
-        let fronts = part.faces().zip(&self.turned).filter(|(_, is_front)| **is_front);
-        self.fronts.extend(fronts.map(|(face, _)| face));
+        for face in part.faces() {
+            let is_front = match direction {
+                Some(d) => face.normal.dot(d) > 0.0,
+                None => face.offset < 0.0,
+            };
+            self.turned.push(is_front);
+            if is_front {
+                self.fronts.push(face);
+            }
+        }
         if self.find_sides(part.edges, direction, room) && self.sides.len() >= 3 {
             self.outline = Outline::Cone;
         }

@@ -18,7 +18,7 @@ pub(crate) fn below(v: f64) -> f32 {
 }
 
 /// An axis-aligned box in `f64`, in world units unless said otherwise.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Block {
     pub(crate) min: DVec3,
     pub(crate) max: DVec3,
