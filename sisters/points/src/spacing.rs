@@ -80,6 +80,12 @@ fn half(distance: f64) -> f32 {
     (distance / 2.0).min(f32::MAX.into()) as f32
 }
 
+/// The value that a part of all do not exceed; 0 of none.
+pub(crate) fn quantile(mut all: Vec<f32>, part: f32) -> f32 {
+    let rank = (all.len() as f32 * part) as usize;
+    if rank < all.len() { *all.select_nth_unstable_by(rank, f32::total_cmp).1 } else { 0.0 }
+}
+
 /// By x, then y, then z; finite.
 fn compare(a: &Vec3, b: &Vec3) -> Ordering {
     a.to_array().partial_cmp(&b.to_array()).unwrap_or(Ordering::Equal)

@@ -9,6 +9,7 @@
 //! the scenes called tuned; the others tell how well they hold. The kind `thesis` repeats the
 //! experiments of Tavares 2009.
 
+mod scans;
 mod scenes;
 mod thesis;
 mod truth;
@@ -16,19 +17,18 @@ mod truth;
 use std::error::Error;
 use std::time::Instant;
 
-use bitvec::vec::BitVec;
 use casca_points::surface::Surface;
 use casca_points::{AutoSettings, Camera, PointCloud, hpr, splat};
 use glam::Vec3;
 use scenes::Scene;
-use truth::{sample, seen};
+use truth::{Samples, sample, seen};
 
 /// Truly visible, false visible and false hidden points.
 type Counts = [f64; 3];
 
-fn count(sum: &mut Counts, truth: &BitVec, found: impl Iterator<Item = Option<bool>>) {
-    for (truth, found) in truth.iter().by_vals().zip(found) {
-        let Some(found) = found else { continue };
+/// Counts the points that have a truth and an answer.
+fn count(sum: &mut Counts, truth: &[Option<bool>], found: impl Iterator<Item = Option<bool>>) {
+    for (truth, found) in truth.iter().zip(found).filter_map(|(truth, found)| truth.zip(found)) {
         let kinds = [truth, found && !truth, truth && !found];
         sum.iter_mut().zip(kinds).for_each(|(sum, is)| *sum += f64::from(u8::from(is)));
     }
@@ -67,44 +67,76 @@ fn by_splats(points: &[Vec3], eye: Vec3, auto: &AutoSettings) -> Result<Vec<Opti
 const POINTS: usize = 30_000;
 const SEED: u64 = 3;
 
+/// How far from the automatic one the radii of `hpr` are that are tried on scans, as logarithms.
+const RADII: [f64; 7] = [-2.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0];
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let all = match std::env::args().nth(1).as_deref() {
+    let kind = std::env::args().nth(1);
+    let (all, scans) = match kind.as_deref() {
         Some("thesis") => return thesis::print(),
-        Some("held-out") => scenes::held_out(SEED),
-        _ => scenes::tuned(SEED),
+        Some("held-out") => (scenes::held_out(SEED), scans::held_out(SEED)),
+        _ => (scenes::tuned(SEED), scans::tuned(SEED)),
     };
     println!("errors (false visible + false hidden) in percent");
     println!(
-        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | ms build, eye, hpr"
+        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | us build, eye, hpr"
     );
-    all.iter().try_for_each(row)
+    for scene in &all {
+        let Samples { points, normals, triangle } = sample(scene, POINTS);
+        let samples = Samples { points: points.clone(), normals: normals.clone(), triangle };
+        row(scene.name, scene, &samples, [points, normals], &[true; POINTS], &[0.0])?;
+    }
+    for mut plan in scans {
+        for (name, part) in [("", 1.0), (", clean", 0.0)] {
+            (plan.mixed, plan.strays) = (plan.mixed * part, plan.strays * part);
+            let scan = scans::scan(&plan);
+            let name = format!("{}{name}", plan.scene.name);
+            row(&name, &plan.scene, &scan.samples, [scan.points, scan.normals], &scan.real, &RADII)?;
+        }
+    }
+    Ok(())
 }
 
-fn row(scene: &Scene) -> Result<(), Box<dyn Error>> {
-    let samples = sample(scene, POINTS);
-    let bare = PointCloud { positions: samples.points.clone(), ..Default::default() };
-    let with_normals = PointCloud { normals: samples.normals.clone(), ..bare.clone() };
+/// One line: `points` are those of the surfaces, moved, and others that are not `real`.
+fn row(
+    name: &str,
+    scene: &Scene,
+    samples: &Samples,
+    [positions, normals]: [Vec<Vec3>; 2],
+    real: &[bool],
+    radii: &[f64],
+) -> Result<(), Box<dyn Error>> {
+    let bare = PointCloud { positions, ..Default::default() };
+    let with_normals = PointCloud { normals, ..bare.clone() };
     let given = Surface::new(&with_normals)?;
     let start = Instant::now();
     let estimated = Surface::new(&bare)?;
-    let mut times = [start.elapsed().as_secs_f64() * 1e3, 0.0, 0.0];
+    let mut times = [start.elapsed().as_secs_f64() * 1e6, 0.0, 0.0];
     let auto = AutoSettings::new(&bare.positions)?;
     let places: Vec<_> = bare.positions.iter().map(|p| p.as_dvec3()).collect();
-    let mut sums = [Counts::default(); 4];
+    let mut sums = [Counts::default(); 3];
+    let mut by_radius = vec![Counts::default(); radii.len()];
+    let eyes = scene.eyes.len() as f64;
     for &eye in &scene.eyes {
-        let (truth, place) = (&seen(scene, &samples, eye), eye.as_dvec3());
-        count(&mut sums[0], truth, given.visible(place)?.iter().by_vals().map(Some));
+        let (truth, place) = (seen(scene, samples, eye), eye.as_dvec3());
+        let truth: Vec<_> = truth.iter().by_vals().zip(real).map(|(t, real)| real.then_some(t)).collect();
+        count(&mut sums[0], &truth, given.visible(place)?.iter().by_vals().map(Some));
         let start = Instant::now();
-        count(&mut sums[1], truth, estimated.visible(place)?.iter().by_vals().map(Some));
-        times[1] += start.elapsed().as_secs_f64() * 1e3 / scene.eyes.len() as f64;
-        let start = Instant::now();
-        let found = hpr::visible_points(&places, place, auto.log10_radius(&places, place))?;
-        times[2] += start.elapsed().as_secs_f64() * 1e3 / scene.eyes.len() as f64;
-        count(&mut sums[2], truth, found.iter().by_vals().map(Some));
-        count(&mut sums[3], truth, by_splats(&bare.positions, eye, &auto)?.into_iter());
+        count(&mut sums[1], &truth, estimated.visible(place)?.iter().by_vals().map(Some));
+        times[1] += start.elapsed().as_secs_f64() * 1e6 / eyes;
+        count(&mut sums[2], &truth, by_splats(&bare.positions, eye, &auto)?.into_iter());
+        for (sum, more) in by_radius.iter_mut().zip(radii) {
+            let start = Instant::now();
+            let found = hpr::visible_points(&places, place, auto.log10_radius(&places, place) + more)?;
+            times[2] += start.elapsed().as_secs_f64() * 1e6 / eyes / radii.len() as f64;
+            count(sum, &truth, found.iter().by_vals().map(Some));
+        }
     }
-    let (visible, [build, one, hpr]) = (sums[0][0] / scene.eyes.len() as f64, times);
-    let cells = sums.map(text).join(" | ");
-    println!("{:16} {visible:7.0} | {cells} | {build:.0}, {one:.0}, {hpr:.0}", scene.name);
+    let wrong = |sum: &Counts| (sum[1] + sum[2]) / sum[0];
+    let hpr = by_radius.into_iter().min_by(|a, b| wrong(a).total_cmp(&wrong(b))).unwrap_or_default();
+    let [build, one, by_hull] = times.map(|time| time / bare.len() as f64);
+    let cells = [sums[0], sums[1], hpr, sums[2]].map(text).join(" | ");
+    let visible = sums[0][0] / eyes;
+    println!("{name:16} {visible:7.0} | {cells} | {build:.1}, {one:.1}, {by_hull:.1}");
     Ok(())
 }

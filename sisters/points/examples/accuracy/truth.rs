@@ -7,7 +7,7 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
-use obvhs::ray::Ray;
+use obvhs::ray::{Ray, RayHit};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -87,6 +87,16 @@ impl<'a> Mesh<'a> {
 
     fn triangle(&self, i: u32) -> [DVec3; 3] {
         self.triangles[i as usize].map(|p| p.as_dvec3())
+    }
+
+    /// The first triangle that a ray meets, and how far away that is.
+    pub fn first(&self, from: Vec3, direction: Vec3) -> Option<(f32, u32)> {
+        let (mut hit, (start, step)) = (RayHit::none(), (from.as_dvec3(), direction.as_dvec3()));
+        let triangle = |k: u32| self.tree.primitive_indices[k as usize];
+        self.tree.ray_traverse(Ray::new_inf(from.into(), direction.into()), &mut hit, |_, k| {
+            crosses(start, step, self.triangle(triangle(k as u32))).map_or(f32::INFINITY, |far| far as f32)
+        });
+        hit.t.is_finite().then(|| (hit.t, triangle(hit.primitive_id)))
     }
 
     /// Whether a triangle that is not the point's own is between it and an eye.

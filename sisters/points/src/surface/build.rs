@@ -5,9 +5,10 @@ use super::error::SurfaceError;
 use super::fan::{self, SECTORS, axes};
 use super::plane::{self, Near};
 use super::rim;
+use super::stray::strays;
 use crate::PointCloud;
 use crate::numeric::{power_of_two_for, unit};
-use crate::spacing::{Neighbours, Places};
+use crate::spacing::{Neighbours, Places, quantile};
 use glam::{DVec3, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -30,6 +31,12 @@ const LAYER: [f32; 2] = [0.2, 3.0];
 const BEHIND: [f32; 2] = [0.05, 2.0];
 const PLATE: [f32; 2] = [0.1, 3.0];
 const BETWEEN: [f32; 2] = [0.05, 3.0];
+/// The noise of scans is as long everywhere, so that it is more spacings where points are dense.
+/// Spacings are even, so that bends may be taken for noise, if the usual one is at most so many
+/// times that of the densest part; the more it is, the more margins grow, up to this factor.
+const EVEN: f32 = 1.25;
+const DENSEST: f32 = 0.1;
+const WIDEST: f32 = 3.0;
 /// The radius of the largest circle without a point that a disc covers, and the distance of the
 /// farthest neighbour that it reaches to.
 const HOLE: f32 = 2.0;
@@ -62,6 +69,8 @@ struct Plane {
     rough: f32,
     /// It is on the rim of a plate, which the normal leads out of.
     rim: bool,
+    /// It is on no surface.
+    stray: bool,
 }
 
 /// The plane of a neighbour: a place relative to the point, a normal, and whether its sign tells
@@ -141,27 +150,30 @@ fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
     let planes = planes(input, &margins);
     let made = |i: usize| (disc(input, &planes, &margins, i), peers(input, &planes, &margins, i));
     let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
-    Discs { tree: tree(&discs), discs, peers, disc_of, margins, frame }
+    Discs { tree: tree(&discs), discs, peers, disc_of, margins, frame, show_strays: true }
 }
 
 /// The planes of all points: by given normals, or estimated ones where none is given.
 fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
     let all = 0..input.places.len();
     let near = |i: usize| -> Vec<Vec3A> { input.near[i].iter().map(|n| n.1).collect() };
-    let inlier = |i: usize| margins.inlier * input.spacing[i];
+    let inlier = |i: usize| margins.inlier * input.spacing[i].max(margins.grain);
     let of_plane = |i: usize| {
         if input.given(i) { input.normals[i] } else { plane::normal(&near(i), inlier(i)) }
     };
-    let normals: Vec<Vec3A> = all.clone().into_par_iter().map(of_plane).collect();
+    let mut normals: Vec<Vec3A> = all.clone().into_par_iter().map(of_plane).collect();
+    let strays = strays(&input.places, &input.near, &normals, margins);
+    normals.iter_mut().zip(&strays).filter(|(_, stray)| **stray).for_each(|(n, _)| *n = Vec3A::ZERO);
     let rims = if all.clone().all(|i| input.given(i)) {
         Vec::new()
     } else {
         rim::normals(&input.near, &normals, &input.spacing, margins)
     };
     let plane = |i: usize| {
-        let rim = rims.get(i).copied().flatten().filter(|_| !input.given(i));
+        let rim = rims.get(i).copied().flatten().filter(|_| !input.given(i) && !strays[i]);
         let normal = rim.unwrap_or(normals[i]);
-        Plane { normal, rough: plane::rough(&near(i), normal, 2.0 * inlier(i)), rim: rim.is_some() }
+        let rough = plane::rough(&near(i), normal, 2.0 * inlier(i));
+        Plane { normal, rough, rim: rim.is_some(), stray: strays[i] }
     };
     all.into_par_iter().map(plane).collect()
 }
@@ -172,12 +184,13 @@ fn margins(input: &Input) -> Margins {
     let some: Vec<usize> = (0..input.places.len()).step_by(step).collect();
     let noise = |i: usize| {
         let near: Vec<Vec3A> = input.near[i].iter().map(|n| n.1).collect();
-        plane::noise(&near) / input.spacing[i]
+        (plane::noise(&near), input.spacing[i])
     };
-    let mut noises: Vec<f32> = some.into_par_iter().map(noise).filter(|noise| noise.is_finite()).collect();
-    let middle = noises.len() / 2;
-    let noise =
-        if noises.is_empty() { 0.0 } else { *noises.select_nth_unstable_by(middle, f32::total_cmp).1 };
+    let all: Vec<(f32, f32)> = some.into_par_iter().map(noise).filter(|n| (n.0 / n.1).is_finite()).collect();
+    let noise = quantile(all.iter().map(|n| n.0 / n.1).collect(), 0.5);
+    let spacing = |part: f32| quantile(all.iter().map(|n| n.1).collect(), part);
+    let wider = (spacing(0.5) / spacing(DENSEST) / EVEN).powi(2).max(1.0).min(WIDEST);
+    let grain = wider * quantile(all.iter().map(|n| n.0).collect(), 0.5) / noise.max(INLIER[0] / INLIER[1]);
     let margin = |[least, by_noise]: [f32; 2]| least.max(by_noise * noise);
     Margins {
         inlier: margin(INLIER),
@@ -185,6 +198,7 @@ fn margins(input: &Input) -> Margins {
         behind: margin(BEHIND),
         plate: margin(PLATE),
         between: margin(BETWEEN),
+        grain,
     }
 }
 
@@ -195,11 +209,12 @@ fn alike(input: &Input, planes: &[Plane], [i, j]: [usize; 2], least: f32) -> boo
 }
 
 fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
-    let Plane { normal, rough, rim } = planes[i];
-    let all = input.spacing[i];
+    let Plane { normal, rough, rim, stray } = planes[i];
+    // What is on no surface is beside none.
+    let all = if stray { 0.0 } else { input.spacing[i] };
     let at = input.places[i];
     let (given, reach) = (input.given(i), [0.0; SECTORS]);
-    let mut disc = Disc { at, normal, spacing: all, rough, oriented: given, solid: rim, reach };
+    let mut disc = Disc { at, normal, spacing: all, rough, oriented: given, solid: rim, stray, reach };
     if normal == Vec3A::ZERO {
         return disc;
     }
@@ -207,7 +222,7 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
     let layer: Vec<Vec3A> = input.near[i]
         .iter()
         .filter(|(j, v)| {
-            v.dot(normal).abs() < margins.layer * all.max(v.length())
+            v.dot(normal).abs() < margins.layer * all.max(v.length()).max(margins.grain)
                 && alike(input, planes, [i, *j as usize], LAYER_TURN)
         })
         .map(|near| near.1)
@@ -276,7 +291,7 @@ fn peers(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> [u32; 
     }
     let near = input.near[i].iter().filter(|(j, v)| {
         alike(input, planes, [i, *j as usize], PEER_TURN)
-            && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i]
+            && v.dot(normal).abs() < PEER_LAYER * margins.layer * input.spacing[i].max(margins.grain)
             && v.length() < PEER * input.spacing[i]
     });
     peers.iter_mut().zip(near).for_each(|(peer, near)| *peer = near.0);

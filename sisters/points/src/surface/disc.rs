@@ -20,6 +20,8 @@ pub(super) struct Discs {
     pub disc_of: Vec<u32>,
     pub margins: Margins,
     pub frame: Frame,
+    /// Whether points of no surface are visible where nothing hides them.
+    pub show_strays: bool,
 }
 
 /// Neighbours whose answers a point's own is compared with.
@@ -49,6 +51,8 @@ pub(super) struct Margins {
     pub plate: f32,
     /// The least distance of a point between the two sides of a plate from each.
     pub between: f32,
+    /// The least spacing by which these are taken but the last: that of noise.
+    pub grain: f32,
 }
 
 /// A piece of the estimated surface.
@@ -65,6 +69,8 @@ pub(super) struct Disc {
     pub oriented: bool,
     /// It is on the rim of a plate: nobody sees it from behind.
     pub solid: bool,
+    /// It is on no surface.
+    pub stray: bool,
     /// How far the disc reaches in each of the directions in which sectors begin.
     pub reach: [f32; SECTORS],
 }

@@ -14,6 +14,8 @@
 //! Points between two parallel faces are on the rim of a thin plate, which has too few points for a
 //! plane of its own: their normals lead away from the points of the faces.
 //!
+//! Scans have points that are on no surface: mixed pixels, dust, reflections. They have no disc.
+//!
 //! Where points have normals that tell front and back, the far sides of closed bodies are hidden
 //! even where rays leak in; sheets with one side are seen from both.
 
@@ -24,6 +26,7 @@ mod fan;
 mod plane;
 mod rays;
 mod rim;
+mod stray;
 #[cfg(test)]
 mod tests;
 
@@ -105,8 +108,22 @@ impl Surface {
         Ok(self.0.disc_of.iter().map(|&disc| visible[disc as usize]).collect())
     }
 
+    /// Whether points that are on no surface are visible where nothing hides them, as they are by
+    /// default, or never. They hide nothing.
+    #[must_use]
+    pub fn with_strays(mut self, shown: bool) -> Self {
+        self.0.show_strays = shown;
+        self
+    }
+
+    /// The points that seem to be on no surface: a bit for each point. In sparse scans some of thin
+    /// leaves and wires are taken for such.
+    pub fn strays(&self) -> BitVec {
+        self.0.disc_of.iter().map(|&disc| self.0.discs[disc as usize].stray).collect()
+    }
+
     /// The normals of the discs, one for each point: those of the cloud, or estimates whose sign
-    /// tells nothing; zero where there are too few neighbours.
+    /// tells nothing; zero where there are too few neighbours, and on no surface.
     pub fn normals(&self) -> impl Iterator<Item = Vec3> {
         self.0.disc_of.iter().map(|&disc| self.0.discs[disc as usize].normal.into())
     }

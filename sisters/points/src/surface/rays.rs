@@ -90,6 +90,9 @@ impl Discs {
     /// rim of a plate, nor is the far side of a plate.
     fn is_seen(&self, eye: DVec3, i: usize) -> bool {
         let disc = &self.discs[i];
+        if disc.stray && !self.show_strays {
+            return false;
+        }
         let start = self.start(eye, i);
         if start == disc.at {
             return true;
@@ -134,7 +137,7 @@ impl Discs {
         }
         let step = to.at - start;
         let away = to.at - disc.at;
-        let near = away.length() < NEAR * disc.spacing.max(to.spacing);
+        let near = away.length() < NEAR * disc.spacing.max(to.spacing).max(self.margins.grain);
         let cosine = disc.normal.dot(to.normal);
         // The point faces away, and the disc does not; by given normals, or as the surface folds.
         let facing = to.normal.dot(step);
@@ -143,7 +146,7 @@ impl Discs {
         let behind = if back || fold {
             TURNED * disc.spacing
         } else {
-            let straight = self.margins.behind * disc.spacing + 2.0 * disc.rough;
+            let straight = self.margins.behind * disc.spacing.max(self.margins.grain) + 2.0 * disc.rough;
             let bend = (2.0 * (1.0 - cosine.abs())).max(0.0).sqrt();
             if near && cosine.abs() >= EDGE { straight + BEND * bend * away.length() } else { straight }
         };
@@ -153,7 +156,7 @@ impl Discs {
         if near && !back && !fold {
             // Two planes of which each is behind the other meet at an edge that hides neither.
             let before = -to.normal.dot(away) * -facing.signum();
-            if before <= self.margins.behind * disc.spacing {
+            if before <= self.margins.behind * disc.spacing.max(self.margins.grain) {
                 return false;
             }
         }
@@ -167,7 +170,8 @@ impl Discs {
         let direction = disc.normal * disc.normal.dot(start - disc.at).signum();
         let most = PLATE * disc.spacing;
         self.any(Ray::new(disc.at, direction, 0.0, most), |j, other| {
-            let least = self.margins.plate * disc.spacing + 2.0 * (disc.rough + other.rough);
+            let least =
+                self.margins.plate * disc.spacing.max(self.margins.grain) + 2.0 * (disc.rough + other.rough);
             let parallel = other.normal.dot(direction).abs() >= PARALLEL;
             j != i
                 && parallel

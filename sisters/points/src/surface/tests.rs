@@ -230,6 +230,66 @@ fn the_answer_moves_with_the_cloud() {
     assert!((far ^ &visible(&cloud, eye * 1e3).unwrap()).count_ones() < 20);
 }
 
+/// A wall at zero of one unit a point, and points of the air before it: some alone, some in threes.
+fn wall_behind_dust() -> (PointCloud, usize) {
+    let wall = rectangle(Vec3::new(-30.0, -30.0, 0.0), Vec3::X * 60.0, Vec3::Y * 60.0, Vec3::Z);
+    let count = wall.0.len();
+    // Multiples of roots spread them, and on no surface.
+    let at = |i: usize| Vec3::new(0.414, 0.732, 0.236) * (i as f32 + 1.0);
+    let place = |i: usize| (at(i).fract() - 0.5) * Vec3::new(36.0, 36.0, 16.0) + Vec3::Z * 18.0;
+    let alone: Vec<Vec3> = (0..40).map(place).collect();
+    let group = |p: &Vec3| [*p, *p + Vec3::new(0.3, 0.1, -0.2), *p + Vec3::new(-0.1, 0.2, 0.3)];
+    let air: Vec<Vec3> = alone[..30].iter().copied().chain(alone[30..].iter().flat_map(group)).collect();
+    let normals = vec![Vec3::Z; air.len()];
+    (join(vec![wall, (air, normals)]), count)
+}
+
+#[test]
+fn strays_hide_nothing_and_are_shown_or_not() {
+    let (cloud, wall) = wall_behind_dust();
+    let eye = DVec3::new(1.0, 2.0, 90.0);
+    for cloud in [bare(&cloud), cloud] {
+        let surface = Surface::new(&cloud).unwrap();
+        let strays = surface.strays();
+        let found = strays[wall..].count_ones();
+        assert!(!strays[..wall].any() && 10 * found >= 9 * (cloud.len() - wall), "{found} found");
+        let (shown, not) = (surface.visible(eye).unwrap(), surface.clone().with_strays(false));
+        assert!(shown[..wall].count_zeros() < 36, "{} hidden", shown[..wall].count_zeros());
+        assert_eq!(not.visible(eye).unwrap(), shown & !strays);
+        // The wall hides them.
+        assert!(!surface.visible(-eye).unwrap()[wall..].any());
+    }
+}
+
+#[test]
+fn a_thin_board_has_no_strays_and_hides() {
+    let (mut cloud, _) = board();
+    let count = cloud.len();
+    let eye = DVec3::new(6.0, 10.0, 60.0);
+    let behind = rectangle(Vec3::new(2.0, 2.0, -20.0), Vec3::X * 8.0, Vec3::Y * 16.0, Vec3::Z);
+    cloud = join(vec![(cloud.positions, cloud.normals), behind]);
+    for cloud in [bare(&cloud), cloud] {
+        let surface = Surface::new(&cloud).unwrap();
+        let strays = surface.strays().count_ones();
+        let seen = surface.visible(eye).unwrap()[count..].count_ones();
+        assert!(strays == 0 && seen == 0, "{strays} strays, {seen} seen through the board");
+    }
+}
+
+#[test]
+fn noise_hides_nothing_where_a_scan_is_dense() {
+    // A wall at a distance of 8 from a scanner that moves points by 0.03 towards itself or away.
+    let at = |i: usize| {
+        let (y, x) = (i as f32 * 2.399_963).sin_cos();
+        let far = 16.0 * (i as f32 / 6000.0).powi(2);
+        let noise = 0.06 * ((i as f32 * 0.618_034).fract() - 0.5);
+        Vec3::new(x * far, y * far, 8.0) * (1.0 + noise / 8.0)
+    };
+    let cloud = PointCloud { positions: (0..6000).map(at).collect(), ..Default::default() };
+    let found = visible(&cloud, DVec3::new(1.0, 0.0, 0.0)).unwrap().count_zeros();
+    assert!(found < 300, "{found} of 6000 hidden");
+}
+
 #[test]
 fn bad_input_is_an_error() {
     let cloud = PointCloud { positions: vec![Vec3::ZERO, Vec3::NAN], ..Default::default() };
