@@ -1,5 +1,5 @@
 //! Scans of scenes as terrestrial scanners make them: rays on a grid of angles from some places,
-//! with noise, mixed pixels and strays.
+//! with noise, mixed pixels and strays. Constants of `surface` were chosen on those called tuned.
 
 use crate::scenes::{self, Scene};
 use crate::truth::{Mesh, Samples};

@@ -189,7 +189,7 @@ fn margins(input: &Input) -> Margins {
     let all: Vec<(f32, f32)> = some.into_par_iter().map(noise).filter(|n| (n.0 / n.1).is_finite()).collect();
     let noise = quantile(all.iter().map(|n| n.0 / n.1).collect(), 0.5);
     let spacing = |part: f32| quantile(all.iter().map(|n| n.1).collect(), part);
-    let wider = (spacing(0.5) / spacing(DENSEST) / EVEN).powi(2).max(1.0).min(WIDEST);
+    let wider = (spacing(0.5) / spacing(DENSEST) / EVEN).powi(2).clamp(1.0, WIDEST);
     let grain = wider * quantile(all.iter().map(|n| n.0).collect(), 0.5) / noise.max(INLIER[0] / INLIER[1]);
     let margin = |[least, by_noise]: [f32; 2]| least.max(by_noise * noise);
     Margins {
