@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     println!("errors (false visible + false hidden) in percent");
     println!(
-        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | us build, eye, hpr"
+        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | us build, eye, hpr | found of strays, of others"
     );
     for scene in &all {
         let Samples { points, normals, triangle } = sample(scene, POINTS);
@@ -137,6 +137,16 @@ fn row(
     let [build, one, by_hull] = times.map(|time| time / bare.len() as f64);
     let cells = [sums[0], sums[1], hpr, sums[2]].map(text).join(" | ");
     let visible = sums[0][0] / eyes;
-    println!("{name:16} {visible:7.0} | {cells} | {build:.1}, {one:.1}, {by_hull:.1}");
+    // Of points that are not real, and of others.
+    let found = [false, true].map(|is| {
+        let (mut all, mut found) = (0.0, 0.0);
+        for (_, stray) in
+            real.iter().zip(estimated.strays().iter().by_vals()).filter(|(real, _)| **real == is)
+        {
+            (all, found) = (all + 1.0, found + 100.0 * f64::from(u8::from(stray)));
+        }
+        format!("{:.2}", found / f64::max(all, 1.0))
+    });
+    println!("{name:16} {visible:7.0} | {cells} | {build:.1}, {one:.1}, {by_hull:.1} | {}", found.join(", "));
     Ok(())
 }
