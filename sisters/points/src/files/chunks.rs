@@ -34,11 +34,8 @@ pub(super) struct Chunks<S: Source> {
     left: u64,
 }
 
-/// Why points are missing, and how many.
-pub(super) struct Gap {
-    pub cause: String,
-    pub points: u64,
-}
+/// Records of points; and why those behind them are missing, and how many.
+pub(super) type Batch = (Vec<u8>, Option<(String, u64)>);
 
 impl<S: Source> Chunks<S> {
     /// Of a file, whose source is at its points.
@@ -60,8 +57,8 @@ impl<S: Source> Chunks<S> {
         Ok(Self { decoder, packed, record, table: table.map(Vec::into_iter), next: first, left: 0 })
     }
 
-    /// Records of the next points, at most so many; and why those behind them are missing.
-    pub fn next(&mut self, most: u64) -> (Vec<u8>, Option<Gap>) {
+    /// The next points, at most so many.
+    pub fn next(&mut self, most: u64) -> Batch {
         let mut records = room(most, self.record);
         let mut read = 0;
         let decoded = thread::scope(|scope| {
@@ -77,7 +74,7 @@ impl<S: Source> Chunks<S> {
             let points = self.left.min(left);
             self.left = 0;
             let has_next = self.table.as_ref().is_some_and(|table| table.len() > 0);
-            Gap { cause, points: if has_next { points } else { left } }
+            (cause, if has_next { points } else { left })
         });
         (records, gap)
     }
@@ -93,7 +90,7 @@ impl<S: Source> Chunks<S> {
             self.decoder.decompress_next(record).map_err(plain)?;
             if is_first && self.left == 0 {
                 // The size of a chunk that only the chunk itself says.
-                self.left = self.decoder.get().points().max(1);
+                self.left = self.decoder.get().points.max(1);
             }
             self.left -= 1;
             *read += 1;
@@ -115,15 +112,11 @@ impl<S: Source> Chunks<S> {
         } else {
             self.left = fixed.unwrap_or(0);
         }
-        self.restart()
-    }
-
-    /// Makes the decoder ready for the first point of a chunk.
-    fn restart(&mut self) -> Result<(), String> {
         self.decoder.get_mut().begin().map_err(plain)?;
         self.decoder.reset();
         self.decoder.set_fields_from(self.packed.vlr.items()).map_err(plain)?;
-        self.decoder.set_selection(wanted());
+        // Not the layers of times: the decoder would recurse as often as a file says.
+        self.decoder.set_selection(DecompressionSelection::base().decompress_z().decompress_rgb());
         Ok(())
     }
 }
@@ -165,10 +158,4 @@ const BATCH_BYTES: u64 = 1 << 22;
 pub(super) fn room(left: u64, record: usize) -> Vec<u8> {
     let count = left.min(BATCH).min((BATCH_BYTES / record as u64).max(1));
     vec![0; count as usize * record]
-}
-
-/// The layers that are decoded, where points lie in layers. On times the decoder would recurse as
-/// often as a file says, and overflow the stack.
-fn wanted() -> DecompressionSelection {
-    DecompressionSelection::base().decompress_z().decompress_rgb()
 }

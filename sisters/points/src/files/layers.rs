@@ -4,6 +4,7 @@
 //! the depth of the stack before it overflows.
 
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
+use std::ops::Range;
 
 use laz::{LazItemType, LazVlr};
 
@@ -15,29 +16,21 @@ const MOST_STACK: usize = 1 << 20;
 /// in a build without optimisation.
 pub(super) const STACK: usize = 64 << 20;
 
-/// What the next bytes of a chunk are.
-enum Part {
-    /// Some bytes that no length stands in: the first point, or the layers.
-    Bytes(u64),
-    /// The number of points and the lengths of the layers: their bytes so far.
-    Lengths(Vec<u8>),
-}
-
 /// The source of a decoder. Each chunk is a point, the number of points, the length of each layer
 /// (u32), and the layers.
 pub(super) struct Layers<S> {
     source: S,
-    /// Bytes of a point; layers of a chunk, none where points are not in layers.
-    point: u64,
-    layers: usize,
+    /// Where the number of points and the lengths stand in a chunk; nowhere where points are not in
+    /// layers.
+    lengths: Range<usize>,
+    /// Bytes of this chunk that were read, and those of them that are lengths.
+    at: usize,
+    read: Vec<u8>,
     /// Bytes from here to the end of the file, once the chunks have begun.
     left: Option<u64>,
     length: u64,
-    part: Part,
-    /// Points of this chunk, if it says them.
-    points: u64,
-    /// Whether the layers come next.
-    after_lengths: bool,
+    /// Points of this chunk, once its first one was read, where points lie in layers; or 0.
+    pub points: u64,
     /// Where the stack was when decoding began.
     stack: Option<usize>,
 }
@@ -59,32 +52,17 @@ impl<S: BufRead + Seek> Layers<S> {
             LazItemType::Byte14(count) => count.into(),
             _ => 0,
         };
-        let point = vlr.items().iter().map(|item| u64::from(item.size())).sum();
-        let layers = vlr.items().iter().map(|item| layers(item.item_type())).sum();
-        Self {
-            source,
-            point,
-            layers,
-            left: None,
-            length,
-            part: Part::Bytes(point),
-            points: 0,
-            after_lengths: false,
-            stack: None,
-        }
-    }
-
-    /// The points of the chunk, once its first one was read, where points lie in layers; or 0.
-    pub fn points(&self) -> u64 {
-        self.points
+        let point = vlr.items().iter().map(|item| usize::from(item.size())).sum();
+        let layers: usize = vlr.items().iter().map(|item| layers(item.item_type())).sum();
+        let lengths = if layers > 0 { point..point + 4 + 4 * layers } else { 0..0 };
+        Self { source, lengths, at: 0, read: Vec::new(), left: None, length, points: 0, stack: None }
     }
 
     /// Says that the source is at a chunk.
     pub fn begin(&mut self) -> io::Result<()> {
         self.left = Some(self.length.saturating_sub(self.source.stream_position()?));
-        self.part = Part::Bytes(self.point);
-        self.points = 0;
-        self.after_lengths = false;
+        (self.at, self.points) = (0, 0);
+        self.read.clear();
         Ok(())
     }
 
@@ -93,40 +71,15 @@ impl<S: BufRead + Seek> Layers<S> {
         self.stack = Some(stack());
     }
 
-    /// The bytes of a read that lie in one part; the parts go on where one is full.
-    fn limit(&mut self, wanted: usize) -> usize {
-        let lengths = 4 + 4 * self.layers;
-        if let Part::Bytes(0) = self.part {
-            self.part = match self.after_lengths {
-                true => Part::Bytes(self.point),
-                false => Part::Lengths(Vec::with_capacity(lengths)),
-            };
-            self.after_lengths = !self.after_lengths;
-        }
-        match &self.part {
-            Part::Bytes(left) => wanted.min(usize::try_from(*left).unwrap_or(usize::MAX)),
-            Part::Lengths(bytes) => wanted.min(lengths - bytes.len()),
-        }
-    }
-
-    /// Takes note of bytes that were read.
-    fn note(&mut self, read: &[u8], left: u64) -> io::Result<()> {
-        match &mut self.part {
-            Part::Bytes(rest) => *rest -= read.len() as u64,
-            Part::Lengths(bytes) => {
-                bytes.extend_from_slice(read);
-                if bytes.len() == 4 + 4 * self.layers {
-                    let mut numbers =
-                        bytes.chunks_exact(4).map(|b| b.iter().rev().fold(0, |n, &b| n << 8 | u64::from(b)));
-                    self.points = numbers.next().unwrap_or(0);
-                    let sum: u64 = numbers.sum();
-                    if sum > left {
-                        let cause = format!("a chunk has layers of {sum} bytes, the file {left} more");
-                        return Err(io::Error::new(io::ErrorKind::InvalidData, cause));
-                    }
-                    self.part = Part::Bytes(sum);
-                }
-            }
+    /// Checks the lengths of a chunk, behind which so many bytes are left.
+    fn check(&mut self, left: u64) -> io::Result<()> {
+        let number = |bytes: &[u8]| bytes.iter().rev().fold(0, |n, &byte| n << 8 | u64::from(byte));
+        let mut numbers = self.read.chunks_exact(4).map(number);
+        self.points = numbers.next().unwrap_or(0);
+        let sum: u64 = numbers.sum();
+        if sum > left {
+            let cause = format!("a chunk has layers of {sum} bytes, the file {left} more");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, cause));
         }
         Ok(())
     }
@@ -137,12 +90,24 @@ impl<S: BufRead + Seek> Read for Layers<S> {
         if self.stack.is_some_and(|start| stack().abs_diff(start) > MOST_STACK) {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "a time refers to others without end"));
         }
-        let Some(left) = self.left.filter(|_| self.layers > 0) else { return self.source.read(into) };
-        let most = self.limit(into.len());
+        let Some(left) = self.left.filter(|_| !self.lengths.is_empty()) else {
+            return self.source.read(into);
+        };
+        // No read goes over the begin or the end of the lengths.
+        let ends = [self.lengths.start, self.lengths.end].into_iter();
+        let most = ends.filter(|&end| end > self.at).map(|end| end - self.at).min().unwrap_or(usize::MAX);
+        let most = most.min(into.len());
         let read = self.source.read(&mut into[..most])?;
         let left = left.saturating_sub(read as u64);
         self.left = Some(left);
-        self.note(&into[..read], left)?;
+        let is_length = self.lengths.contains(&self.at);
+        self.at = self.at.saturating_add(read);
+        if is_length {
+            self.read.extend_from_slice(&into[..read]);
+            if self.at == self.lengths.end {
+                self.check(left)?;
+            }
+        }
         Ok(read)
     }
 }

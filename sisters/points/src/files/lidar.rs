@@ -3,40 +3,39 @@
 
 use glam::DVec3;
 
-use super::chunks::{Chunks, Gap, room};
+use super::chunks::{Batch, Chunks, room};
 use super::head::{self, Layout};
-use super::sink::{Attributes, FileError, Sample, Sink, Source};
+use super::sink::{Attributes, FileError, Sample, Sink, Source, plain};
 
 pub(super) fn read<E: From<FileError>>(mut source: impl Source, sink: &mut Sink<'_, E>) -> Result<(), E> {
-    let head = &head::open(&mut source, sink)?;
+    let head = head::read(&mut source).map_err(|e| sink.header("LAS", e))?;
+    head.warnings.iter().for_each(|what| sink.warn(what));
     let (count, record) = (head.count, head.layout.record);
-    let Some(packed) = &head.packed else {
-        let there = count.min((head.end - head.start) / record as u64);
-        let mut read = 0;
-        while read < there {
-            let mut bytes = room(there - read, record);
-            if let Err(error) = source.read_exact(&mut bytes) {
-                sink.lose(sink.point(format!("after point {read} of {count}"), error), count - read);
-                return Ok(());
-            }
-            read += (bytes.len() / record) as u64;
-            hand_out(&bytes, &head.layout, sink)?;
+    let mut next: Box<dyn FnMut(u64) -> Batch> = match &head.packed {
+        Some(packed) => {
+            let mut chunks = Chunks::new(source, &head, packed).map_err(|e| sink.header("LAS", e))?;
+            Box::new(move |passed| chunks.next(count - passed))
         }
-        if read < count {
-            sink.lose(
-                sink.point(format!("after point {read} of {count}"), "the file ends here"),
-                count - read,
-            );
+        None => {
+            let there = count.min((head.end - head.start) / record as u64);
+            Box::new(move |passed| {
+                let mut records = room(there - passed, record);
+                match source.read_exact(&mut records) {
+                    Ok(()) if passed < there => (records, None),
+                    read => {
+                        let cause = read.err().map_or_else(|| "the file ends here".into(), plain);
+                        (Vec::new(), Some((cause, count - passed)))
+                    }
+                }
+            })
         }
-        return Ok(());
     };
-    let mut chunks = Chunks::new(source, head, packed).map_err(|e| sink.header("LAS", e))?;
     let mut passed = 0;
     while passed < count {
-        let (records, gap) = chunks.next(count - passed);
+        let (records, gap) = next(passed);
         passed += (records.len() / record) as u64;
         hand_out(&records, &head.layout, sink)?;
-        if let Some(Gap { cause, points }) = gap {
+        if let Some((cause, points)) = gap {
             sink.lose(sink.point(format!("after point {passed} of {count}"), cause), points);
             passed += points;
         }

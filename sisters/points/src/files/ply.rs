@@ -20,42 +20,59 @@ pub(super) fn read<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, 
         return Err(sink.header("PLY", "the element vertex has no x, y and z").into());
     }
     // Elements without properties take no bytes.
-    let mut elements = header.elements[..=vertex].iter().filter(|element| !element.properties.is_empty());
+    let elements = header.elements[..=vertex].iter().filter(|element| !element.properties.is_empty());
     if header.encoding == Encoding::Text {
-        return elements.try_for_each(|element| texts(&mut lines, element, sink));
+        for element in elements {
+            points(element, sink, || {
+                let line = lines.next().map(|line| line.map(|line| of_line(line, element)));
+                let fault = match line {
+                    Ok(Some(Ok(sample))) => return Ok(sample),
+                    Ok(Some(Err(cause))) => (cause, false),
+                    Ok(None) => ("the file ends here".into(), true),
+                    Err(error) => (plain(error), true),
+                };
+                Err((format!("line {}", lines.number), fault.0, fault.1))
+            })?;
+        }
+        return Ok(());
     }
     let mut source = lines.into_inner();
-    elements.try_for_each(|element| binary(&mut source, element, header.encoding == Encoding::Big, sink))
+    for element in elements {
+        points(element, sink, || {
+            of_bytes(&mut source, element, header.encoding == Encoding::Big).map_err(|error| {
+                (format!("byte {}", source.stream_position().unwrap_or(0)), plain(error), true)
+            })
+        })?;
+    }
+    Ok(())
 }
 
-/// What the points of an element have.
-fn attributes(element: &Element) -> Attributes {
-    Attributes {
+/// Hands out the points of an element, if it is that of points. In the place of one that cannot be
+/// read, `next` gives where and why, and whether it is the last.
+fn points<E: From<FileError>>(
+    element: &Element,
+    sink: &mut Sink<'_, E>,
+    mut next: impl FnMut() -> Result<Sample, (String, String, bool)>,
+) -> Result<(), E> {
+    let has = Attributes {
         colours: element.has(Field::Colour(0)),
         normals: element.has(Field::Normal(0)),
         radii: element.has(Field::Radius),
-    }
-}
-
-/// Reads an element of lines. Those that do not follow the header are left out.
-fn texts<E: From<FileError>>(
-    lines: &mut Lines<impl Source>,
-    element: &Element,
-    sink: &mut Sink<'_, E>,
-) -> Result<(), E> {
-    let (is_vertex, has) = (element.name == "vertex", attributes(element));
+    };
+    let is_vertex = element.name == "vertex";
     for index in 0..element.count {
-        let line = lines.next().map_err(|e| sink.io(e))?.map(|line| of_line(line, element));
-        let place = || format!("line {}, {} {index} of {}", lines.number, element.name, element.count);
-        match line {
-            None if is_vertex => {
-                sink.lose(sink.point(place(), "the file ends here"), element.count - index);
-                break;
+        match next() {
+            Ok(sample) if is_vertex => sink.push(sample, has)?,
+            Ok(_) => {}
+            Err((place, cause, is_last)) => {
+                if is_vertex {
+                    let place = format!("{place}, vertex {index} of {}", element.count);
+                    sink.lose(sink.point(place, cause), if is_last { element.count - index } else { 1 });
+                }
+                if is_last {
+                    break;
+                }
             }
-            None => break,
-            Some(Err(cause)) if is_vertex => sink.lose(sink.point(place(), cause), 1),
-            Some(Ok(sample)) if is_vertex => sink.push(sample, has)?,
-            Some(_) => {}
         }
     }
     Ok(())
@@ -80,39 +97,21 @@ fn of_line(line: &str, element: &Element) -> Result<Sample, String> {
     Ok(sample)
 }
 
-/// Reads an element of bytes.
-fn binary<E: From<FileError>>(
-    source: &mut impl Source,
-    element: &Element,
-    big: bool,
-    sink: &mut Sink<'_, E>,
-) -> Result<(), E> {
-    let (is_vertex, has) = (element.name == "vertex", attributes(element));
-    for index in 0..element.count {
-        match of_bytes(source, element, big) {
-            Ok(sample) if is_vertex => sink.push(sample, has)?,
-            Ok(_) => {}
-            Err(_) if !is_vertex => break,
-            Err(error) => {
-                let byte = source.stream_position().unwrap_or(0);
-                let place = format!("byte {byte}, {} {index} of {}", element.name, element.count);
-                sink.lose(sink.point(place, plain(error)), element.count - index);
-                break;
-            }
-        }
-    }
-    Ok(())
-}
-
 fn of_bytes(source: &mut impl BufRead, element: &Element, big: bool) -> io::Result<Sample> {
     let mut next = |kind: Kind| {
         let mut bytes = [0; 8];
-        let part = &mut bytes[..kind.size()];
-        source.read_exact(part)?;
+        let (Kind::Signed(size) | Kind::Unsigned(size) | Kind::Float(size)) = kind;
+        source.read_exact(&mut bytes[..size])?;
         if big {
-            part.reverse();
+            bytes[..size].reverse();
         }
-        io::Result::Ok(kind.number(u64::from_le_bytes(bytes)))
+        let word = u64::from_le_bytes(bytes);
+        io::Result::Ok(match kind {
+            Kind::Signed(_) => ((word << (64 - 8 * size)) as i64 >> (64 - 8 * size)) as f64,
+            Kind::Unsigned(_) => word as f64,
+            Kind::Float(4) => f32::from_bits(word as u32).into(),
+            Kind::Float(_) => f64::from_bits(word),
+        })
     };
     let mut sample = Sample::NONE;
     for property in &element.properties {
@@ -128,8 +127,8 @@ fn of_bytes(source: &mut impl BufRead, element: &Element, big: bool) -> io::Resu
 impl Sample {
     fn set(&mut self, field: Field, kind: Kind, value: f64) {
         let colour = || match kind {
-            Kind::F32 | Kind::F64 => unit_to_byte(value),
-            Kind::U16 => (value / 257.0).round() as u8,
+            Kind::Float(_) => unit_to_byte(value),
+            Kind::Unsigned(2) => (value / 257.0).round() as u8,
             _ => value as u8,
         };
         match field {
