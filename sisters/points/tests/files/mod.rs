@@ -113,39 +113,40 @@ fn las_with(format: las::point::Format, points: impl Iterator<Item = las::Point>
     writer.into_inner().expect("a closed writer").into_inner()
 }
 
-/// Points of a file that is not compressed, compressed in chunks of so many points.
-pub fn packed(plain: &[u8], format: u8, chunk: u32) -> Vec<u8> {
-    let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 0).expect("a known format");
-    packed_by(plain, laz::LazVlrBuilder::new(items).with_fixed_chunk_size(chunk).build(), &[])
+/// A number of 32 bits in a file.
+pub fn number(file: &[u8], at: usize) -> usize {
+    u32::from_le_bytes(std::array::from_fn(|i| file[at + i])) as usize
 }
 
-/// In chunks of these numbers of points and one of the others, as COPC files are.
-pub fn packed_in(plain: &[u8], format: u8, chunks: &[usize]) -> Vec<u8> {
-    let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 0).expect("a known format");
-    packed_by(plain, laz::LazVlrBuilder::new(items).with_variable_chunk_size().build(), chunks)
+/// A file with other bytes in some places.
+pub fn with(file: &[u8], changes: &[(usize, &[u8])]) -> Vec<u8> {
+    let mut file = file.to_vec();
+    changes.iter().for_each(|&(at, bytes)| file[at..at + bytes.len()].copy_from_slice(bytes));
+    file
 }
 
-fn packed_by(plain: &[u8], vlr: laz::LazVlr, chunks: &[usize]) -> Vec<u8> {
+/// Points of a file that is not compressed, compressed in chunks of `fixed` points; or else in
+/// chunks of these numbers of points and one of the others, as COPC files are.
+pub fn packed(plain: &[u8], format: u8, fixed: Option<u32>, chunks: &[usize]) -> Vec<u8> {
+    let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 0).expect("a known format");
+    let builder = laz::LazVlrBuilder::new(items);
+    let vlr = match fixed {
+        Some(points) => builder.with_fixed_chunk_size(points).build(),
+        None => builder.with_variable_chunk_size().build(),
+    };
     let mut record = Vec::new();
     vlr.write_to(&mut record).expect("a list takes all bytes");
-    let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| plain[at + i])) as usize;
-    let points = number(96);
-    let mut file = plain[..points].to_vec();
-    file.extend([0, 0]);
-    file.extend(b"laszip encoded\0\0");
-    file.extend(22204_u16.to_le_bytes());
-    file.extend((record.len() as u16).to_le_bytes());
-    file.extend([0; 32]);
-    file.extend(record);
-    let start = file.len() as u64;
-    file[96..100].copy_from_slice(&(start as u32).to_le_bytes());
-    file[100..104].copy_from_slice(&(number(100) as u32 + 1).to_le_bytes());
-    file[104] |= 0x80;
-    let mut out = Cursor::new(file);
-    out.set_position(start);
+    let (id, length) = (22204_u16.to_le_bytes(), (record.len() as u16).to_le_bytes());
+    let (head, mut left) = plain.split_at(number(plain, 96));
+    let file = [head, &[0, 0], b"laszip encoded\0\0", &id, &length, &[0; 32], &record].concat();
+    let (start, records) = (file.len() as u32, number(plain, 100) as u32 + 1);
+    let mut out = Cursor::new(with(
+        &file,
+        &[(96, &start.to_le_bytes()), (100, &records.to_le_bytes()), (104, &[format | 0x80])],
+    ));
+    out.set_position(start.into());
     let size = vlr.items_size() as usize;
     let mut packer = laz::LasZipCompressor::new(out, vlr).expect("a known record");
-    let mut left = &plain[points..];
     for chunk in chunks {
         let (now, rest) = left.split_at(chunk * size);
         packer.compress_many(now).expect("a list takes all bytes");
@@ -157,14 +158,9 @@ fn packed_by(plain: &[u8], vlr: laz::LazVlr, chunks: &[usize]) -> Vec<u8> {
     packer.into_inner().into_inner()
 }
 
-/// The helix, written by the crate `e57`: coordinates in doubles or in few bits, and an attribute
-/// of no bits.
-pub fn e57(count: usize, doubles: bool) -> Vec<u8> {
-    e57_moved(count, doubles, None)
-}
-
-/// With a pose that moves it along x.
-pub fn e57_moved(count: usize, doubles: bool, pose: Option<f64>) -> Vec<u8> {
+/// The helix, written by the crate `e57`: coordinates in doubles or in few bits, an attribute of no
+/// bits, and a pose that moves it along x.
+pub fn e57(count: usize, doubles: bool, pose: Option<f64>) -> Vec<u8> {
     use e57::{Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
     let mut bytes = Cursor::new(Vec::new());
     let mut file = e57::E57Writer::new(&mut bytes, "file").expect("a list takes all bytes");
@@ -213,11 +209,11 @@ pub fn all() -> Vec<Vec<u8>> {
         las(40, 7, 3, false),
         las(40, 7, 3, true),
         las(40, 10, 0, true),
-        packed(&las(40, 3, 0, false), 3, 16),
-        packed(&las(40, 7, 0, false), 7, 16),
-        packed_in(&las(40, 7, 0, false), 7, &[9, 1, 20]),
-        e57(40, true),
-        e57(40, false),
+        packed(&las(40, 3, 0, false), 3, Some(16), &[]),
+        packed(&las(40, 7, 0, false), 7, Some(16), &[]),
+        packed(&las(40, 7, 0, false), 7, None, &[9, 1, 20]),
+        e57(40, true, None),
+        e57(40, false, None),
     ]
 }
 
