@@ -172,13 +172,10 @@ impl Camera {
 mod tests {
     use super::*;
 
-    fn camera() -> Camera {
-        Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, Vec3::Y, 0.8, (641, 480), 0.5, 50.0).unwrap()
-    }
-
     #[test]
     fn a_projection_is_that_of_the_matrix() {
-        let camera = camera();
+        let eye = Vec3::new(1.0, 2.0, 3.0);
+        let camera = Camera::look_at(eye, Vec3::ZERO, Vec3::Y, 0.8, (641, 480), 0.5, 50.0).unwrap();
         for p in [Vec3::ZERO, Vec3::new(0.3, -0.5, 0.2), Vec3::new(-1.0, 0.4, 0.3)] {
             let at = camera.project(p).unwrap();
             let clip = camera.view_projection() * p.extend(1.0);
@@ -187,9 +184,9 @@ mod tests {
                 assert!((found - expected).abs() < 1e-3, "{p} {found} {expected}");
             }
         }
-        assert_eq!(camera.project(Vec3::new(2.0, 4.0, 6.0)), None, "behind the eye");
-        assert_eq!(camera.project(Vec3::NAN), None);
-        assert_eq!(camera.project(Vec3::new(1.0, 2.0, 3.0) * 0.9), None, "nearer than near");
+        for (p, why) in [(eye * 2.0, "behind the eye"), (Vec3::NAN, "nowhere"), (eye * 0.9, "too near")] {
+            assert_eq!(camera.project(p), None, "{why}");
+        }
     }
 
     #[test]
@@ -211,11 +208,13 @@ mod tests {
             |target, up, fov, size, near| Camera::look_at(Vec3::ZERO, target, up, fov, size, near, 9.0);
         let (z, y) = (Vec3::Z, Vec3::Y);
         assert_eq!(make(Vec3::NAN, y, 1.0, (1, 1), 1.0), Err(CameraError::NotFinite));
-        assert_eq!(make(Vec3::ZERO, y, 1.0, (1, 1), 1.0), Err(CameraError::NoDirection));
-        assert_eq!(make(z, z * 3.0, 1.0, (1, 1), 1.0), Err(CameraError::NoDirection));
+        for (target, up) in [(Vec3::ZERO, y), (z, z * 3.0)] {
+            assert_eq!(make(target, up, 1.0, (1, 1), 1.0), Err(CameraError::NoDirection));
+        }
         assert_eq!(make(z, y, -1.0, (1, 1), 1.0), Err(CameraError::FieldOfView { fov_y: -1.0 }));
-        assert_eq!(make(z, y, 1.0, (0, 1), 1.0), Err(CameraError::Size { size: (0, 1) }));
-        assert_eq!(make(z, y, 1.0, (8192, 8192), 1.0), Err(CameraError::Size { size: (8192, 8192) }));
+        for size in [(0, 1), (8192, 8192)] {
+            assert_eq!(make(z, y, 1.0, size, 1.0), Err(CameraError::Size { size }));
+        }
         assert_eq!(make(z, y, 1.0, (1, 1), 9.0), Err(CameraError::Depths { near: 9.0, far: 9.0 }));
         assert!(make(z * 1e-38, y * 1e38, 1.0, (8192, 4096), 1e-30).is_ok());
     }

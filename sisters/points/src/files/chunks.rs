@@ -18,17 +18,14 @@ use super::sink::{PANICKED, Source, guarded, plain};
 /// Bytes of the first point of a chunk, at least: it is not compressed.
 const LEAST_RECORD: u64 = 20;
 
-/// Points and bytes of a chunk.
-type Entry = (u64, u64);
-
 /// The points of a file, in their order.
 pub(super) struct Chunks<S: Source> {
     decoder: Box<dyn RecordDecompressor<Layers<S>> + Send + Sync>,
     packed: Packed,
     /// Bytes of a point.
     record: usize,
-    /// The chunks that come, where a table says them, and where the next one begins.
-    table: Option<IntoIter<Entry>>,
+    /// Points and bytes of the chunks that come, where a table says them, and where the next begins.
+    table: Option<IntoIter<(u64, u64)>>,
     next: u64,
     /// Points of this chunk that come.
     left: u64,
@@ -63,9 +60,8 @@ impl<S: Source> Chunks<S> {
         let mut read = 0;
         let decoded = thread::scope(|scope| {
             let decode = || self.fill(&mut records, &mut read);
-            let decoding =
-                thread::Builder::new().stack_size(STACK).spawn_scoped(scope, decode).map_err(plain)?;
-            decoding.join().unwrap_or_else(|_| Err(PANICKED.into()))
+            let decoding = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, decode);
+            decoding.map_err(plain)?.join().unwrap_or_else(|_| Err(PANICKED.into()))
         });
         records.truncate(read * self.record);
         let gap = decoded.err().map(|cause| {
@@ -125,7 +121,7 @@ impl<S: Source> Chunks<S> {
 ///
 /// Compressed points begin with the offset of the table, or -1 and the file ends with it. Each
 /// chunk has at least a point.
-fn table(source: &mut impl Source, head: &Head, packed: &Packed) -> Option<Vec<Entry>> {
+fn table(source: &mut impl Source, head: &Head, packed: &Packed) -> Option<Vec<(u64, u64)>> {
     let mut number = |from: SeekFrom| {
         let mut bytes = [0; 8];
         source.seek(from)?;
@@ -142,8 +138,7 @@ fn table(source: &mut impl Source, head: &Head, packed: &Packed) -> Option<Vec<E
     source.seek(SeekFrom::Start(at)).ok()?;
     let is_varied = packed.vlr.uses_variable_size_chunks();
     let table = guarded(|| ChunkTable::read(&mut *source, is_varied)).ok()?;
-    let entries: Vec<Entry> =
-        table.as_ref().iter().map(|entry| (entry.point_count, entry.byte_count)).collect();
+    let entries: Vec<_> = table.as_ref().iter().map(|entry| (entry.point_count, entry.byte_count)).collect();
     let bytes = entries.iter().try_fold(head.start + 8, |sum, entry| sum.checked_add(entry.1));
     let is_sound = bytes == Some(at) && entries.iter().all(|entry| !is_varied || entry.0 > 0);
     (is_sound && !entries.is_empty()).then_some(entries)

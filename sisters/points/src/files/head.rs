@@ -160,7 +160,7 @@ impl Header {
         let next = others.into_iter().filter(|other| (start + 1..length).contains(other));
         let next = next.min().unwrap_or(length);
         let room = (next - start) / record;
-        if is_plain && count < room && (next - start) % record == 0 {
+        if is_plain && count < room && (next - start).is_multiple_of(record) {
             let taken = if count == 0 { room } else { count };
             self.warn(format!(
                 "its header promises {count} points, and it has room for {room}: {taken} are read"

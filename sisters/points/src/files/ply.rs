@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Write};
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::ply_header::{self, Element, Encoding, Field, Kind};
 use super::sink::{Attributes, FileError, Sample, Sink, Source, plain, unit_to_byte};
@@ -24,14 +24,15 @@ pub(super) fn read<E: From<FileError>>(source: impl Source, sink: &mut Sink<'_, 
     if header.encoding == Encoding::Text {
         for element in elements {
             points(element, sink, || {
-                let line = lines.next().map(|line| line.map(|line| of_line(line, element)));
-                let fault = match line {
-                    Ok(Some(Ok(sample))) => return Ok(sample),
-                    Ok(Some(Err(cause))) => (cause, false),
+                let (cause, is_last) = match lines.next() {
+                    Ok(Some(line)) => match of_line(line, element) {
+                        Ok(sample) => return Ok(sample),
+                        Err(cause) => (cause, false),
+                    },
                     Ok(None) => ("the file ends here".into(), true),
                     Err(error) => (plain(error), true),
                 };
-                Err((format!("line {}", lines.number), fault.0, fault.1))
+                Err((format!("line {}", lines.number), cause, is_last))
             })?;
         }
         return Ok(());
@@ -203,14 +204,13 @@ impl<W: Write> PlyWriter<W> {
                 let position = cloud.origin + position.as_dvec3();
                 position.to_array().iter().try_for_each(|v| self.out.write_all(&v.to_le_bytes()))?;
             } else {
-                self.floats((cloud.origin.as_vec3() + *position).as_ref())?;
+                self.floats(&(cloud.origin.as_vec3() + *position).to_array())?;
             }
             if self.has.colours {
                 self.out.write_all(&cloud.colours[i])?;
             }
             if self.has.normals {
-                let normal: Vec3 = cloud.normals[i];
-                self.floats(normal.as_ref())?;
+                self.floats(&cloud.normals[i].to_array())?;
             }
             if self.has.radii {
                 self.floats(&[cloud.radii[i]])?;

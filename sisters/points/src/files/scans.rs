@@ -91,9 +91,10 @@ fn check_scan(scan: &PointCloud, room: &mut u128) -> Result<(), String> {
         return Err(format!("a point has {bits} bits; at least {LEAST_BITS} are read"));
     }
     let needed = u128::from(scan.records) * u128::from(bits) / 8;
-    let left = room.checked_sub(needed);
-    *room =
-        left.ok_or_else(|| format!("its points take {needed} bytes, and the file has room for {room}"))?;
+    if needed > *room {
+        return Err(format!("its points take {needed} bytes, and the file has room for {room}"));
+    }
+    *room -= needed;
     Ok(())
 }
 
@@ -103,8 +104,7 @@ fn bits(kind: &RecordDataType) -> u64 {
         RecordDataType::Single { .. } => 32,
         RecordDataType::Double { .. } => 64,
         RecordDataType::ScaledInteger { min, max, .. } | RecordDataType::Integer { min, max } => {
-            let range = i128::from(max) - i128::from(min);
-            if range > 0 { u64::from(range.ilog2()) + 1 } else { 0 }
+            (i128::from(max) - i128::from(min)).checked_ilog2().map_or(0, |log| u64::from(log) + 1)
         }
     }
 }

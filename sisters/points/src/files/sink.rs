@@ -177,11 +177,9 @@ impl<'a, E: From<FileError>> Sink<'a, E> {
     }
 
     fn flush(&mut self) -> Result<(), E> {
-        if self.chunk.is_empty() {
-            return Ok(());
-        }
         self.chunk.origin = self.origin.unwrap_or_default();
-        (self.each)(std::mem::take(&mut self.chunk))
+        let chunk = std::mem::take(&mut self.chunk);
+        if chunk.is_empty() { Ok(()) } else { (self.each)(chunk) }
     }
 
     /// Takes note that something is wrong with the file, but no point is lost.
