@@ -14,10 +14,6 @@ const FLIP: f64 = 4.0;
 /// example `accuracy`; the larger of them allows for more noise.
 const TOLERANCE: f32 = 1.0;
 
-/// The logarithm of the flipping radius of a cloud that has no spacing, as all points are at one
-/// place.
-const LOG_RADIUS: f64 = 3.0;
-
 /// The settings of [`hpr`](crate::hpr) and [`splat`](crate::splat) by the distances between points.
 /// [`surface`](crate::surface) needs none, and has fewer errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +42,8 @@ impl AutoSettings {
     pub fn log10_radius(&self, points: &[DVec3], eye: DVec3) -> f64 {
         let farthest = points.iter().fold(0.0, |most: f64, p| most.max(p.distance(eye)));
         let log10_radius = (FLIP * farthest / f64::from(self.radius)).log10().clamp(0.0, 10.0);
-        if log10_radius.is_nan() { LOG_RADIUS } else { log10_radius }
+        // A cloud has no spacing if all points are at one place.
+        if log10_radius.is_nan() { 3.0 } else { log10_radius }
     }
 }
 
@@ -63,10 +60,7 @@ mod tests {
         assert_eq!(auto.splats().bias, Bias::World(auto.radius));
         let log10 = AutoSettings { radius: 0.5 }.log10_radius(&[DVec3::ZERO, DVec3::X], DVec3::X * -124.0);
         assert_eq!(log10, 3.0);
-    }
-
-    #[test]
-    fn a_cloud_of_one_place_has_settings() {
+        // A cloud of one place has settings, too.
         let auto = AutoSettings::new(&[Vec3::ONE; 3]).unwrap();
         assert_eq!(auto.log10_radius(&[DVec3::ONE], DVec3::ONE), 3.0);
         assert_eq!(auto.splats().check(3), Ok(()));

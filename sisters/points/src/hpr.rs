@@ -49,8 +49,8 @@ pub enum HprError {
 /// through gaps between points. The best value depends on the distance between points.
 ///
 /// A point is visible if its flipped image is an extreme point of the hull of all images and the
-/// eye: not within the hull of the others. The answer is an estimate, and errs in both directions. The hull is exact for the images, which themselves are rounded to
-/// doubles.
+/// eye: not within the hull of the others. The answer is an estimate, and errs in both directions.
+/// The hull is exact for the images, which themselves are rounded to doubles.
 ///
 /// Points at the eye are visible, and hide nothing; so are points nearer than 10^-150 of the
 /// largest distance. Points at the same place have the same bit. If the images and the eye are in
@@ -68,20 +68,6 @@ pub fn visible_points(points: &[DVec3], eye: DVec3, log10_radius: f64) -> Result
     if count >= MAX_POINTS {
         return Err(HprError::TooMany { count });
     }
-    let mut flipped = flip(points, eye, log10_radius)?;
-    flipped.push(DVec3::ZERO);
-    let mut visible = extreme_points(&flipped);
-    visible.truncate(count);
-    // The images of points at the eye are at the eye.
-    for (index, _) in flipped[..count].iter().enumerate().filter(|(_, p)| **p == DVec3::ZERO) {
-        visible.set(index, true);
-    }
-    Ok(visible)
-}
-
-/// The images of points, relative to the eye, all within a distance of 1. Points at the eye stay
-/// there.
-fn flip(points: &[DVec3], eye: DVec3, log10_radius: f64) -> Result<Vec<DVec3>, HprError> {
     if !eye.is_finite() {
         return Err(HprError::EyeNotFinite);
     }
@@ -108,7 +94,14 @@ fn flip(points: &[DVec3], eye: DVec3, log10_radius: f64) -> Result<Vec<DVec3>, H
         let share = if farthest > 0.0 { distance / farthest } else { 0.0 };
         if share < AT_EYE { DVec3::ZERO } else { offset / distance * (1.0 - share / radius / 2.0) }
     };
-    Ok(points.iter().map(flip_one).collect())
+    // The images are relative to the eye, all within a distance of 1.
+    let flipped: Vec<DVec3> = points.iter().map(flip_one).chain([DVec3::ZERO]).collect();
+    let mut visible = extreme_points(&flipped);
+    visible.truncate(count);
+    for (mut visible, image) in visible.iter_mut().zip(&flipped) {
+        *visible |= *image == DVec3::ZERO;
+    }
+    Ok(visible)
 }
 
 #[cfg(test)]

@@ -105,8 +105,7 @@ pub(crate) fn power_of_two_for(largest: f64) -> f64 {
 /// exact.
 pub(crate) fn normalized(point: DVec3, scale: f64) -> DVec3 {
     let fine = |x: f64| if x.abs() < FINE { (x / FINEST).round_ties_even() * FINEST } else { x };
-    let scaled = point * scale;
-    DVec3::new(fine(scaled.x), fine(scaled.y), fine(scaled.z))
+    DVec3::from((point * scale).to_array().map(fine))
 }
 
 /// Positive if `p` lies above the plane of `a`, `b`, `c`, on the side from which they go
@@ -146,8 +145,7 @@ mod tests {
     fn the_largest_coordinate_comes_near_one() {
         for largest in [f64::MIN_POSITIVE, 1e-200, 0.3, 1.0, 7.0, 1e300, f64::MAX] {
             let scaled = largest * power_of_two_for(largest);
-            assert!(scaled >= 0.5 || largest < 1e-290, "{largest} {scaled}");
-            assert!(scaled < 2.0 || largest < 1e-290, "{largest} {scaled}");
+            assert!((0.5..2.0).contains(&scaled) || largest < 1e-290, "{largest} {scaled}");
         }
     }
 

@@ -122,11 +122,8 @@ impl Builder {
         let mut index = Vec::new();
         let mut first = 0;
         named(&target, out.write_all(&[0; HEADER as usize]))?;
-        loop {
-            let mut points = named(&runs.0, merge.brick(options.most_points.clamp(1, MOST) as usize))?;
-            if points.is_empty() {
-                break;
-            }
+        let most = options.most_points.clamp(1, MOST) as usize;
+        while let Some(mut points) = named(&runs.0, merge.brick(most))? {
             let brick = arrange(&mut points, first);
             named(&target, points.iter().try_for_each(|p| out.write_all(&p.to_bytes())))?;
             index.extend(brick.to_bytes());
@@ -134,12 +131,9 @@ impl Builder {
             first += points.len() as u64;
             progress(header.points + first, all);
         }
-        named(
-            &target,
-            out.write_all(&index)
-                .and_then(|()| out.rewind())
-                .and_then(|()| out.write_all(&header.to_bytes())),
-        )?;
+        named(&target, out.write_all(&index))?;
+        named(&target, out.rewind())?;
+        named(&target, out.write_all(&header.to_bytes()))?;
         named(&target, out.flush())
     }
 }
@@ -227,21 +221,20 @@ impl<F: Fn(&BrickPoint) -> u64> Merge<F> {
     }
 
     /// The points of the largest cell of the octree that begins with the next point and holds at
-    /// most `most`; of a smallest cell that holds more, `most`. Empty at the end.
-    fn brick(&mut self, most: usize) -> io::Result<Vec<BrickPoint>> {
+    /// most `most`; of a smallest cell that holds more, `most`. `None` at the end.
+    fn brick(&mut self, most: usize) -> io::Result<Option<Vec<BrickPoint>>> {
         while self.ahead.len() <= most {
             let Some(Reverse((code, run))) = self.heap.pop() else { break };
             self.ahead.extend(self.runs[run].1.map(|p| (code, p)));
             self.advance(run)?;
         }
-        let Some(&(first, _)) = self.ahead.front() else { return Ok(Vec::new()) };
+        let Some(&(first, _)) = self.ahead.front() else { return Ok(None) };
         let next = self.ahead.get(most).map(|&(code, _)| code);
-        let fits = |shift: &u32| {
-            [self.before, next].into_iter().flatten().all(|code| code >> shift != first >> shift)
-        };
+        let others = [self.before, next];
+        let fits = |shift: &u32| others.iter().flatten().all(|code| code >> shift != first >> shift);
         let shift = (0..=BITS).rev().map(|level| 3 * level).find(fits).unwrap_or(0);
         let count = self.ahead.partition_point(|(code, _)| code >> shift == first >> shift).min(most);
         self.before = self.ahead.get(count - 1).map(|&(code, _)| code);
-        Ok(self.ahead.drain(..count).map(|(_, p)| p).collect())
+        Ok(Some(self.ahead.drain(..count).map(|(_, p)| p).collect()))
     }
 }

@@ -72,30 +72,21 @@ impl Header {
     pub fn to_bytes(self) -> Vec<u8> {
         let origin = self.origin.to_array().map(f64::to_le_bytes);
         let counts = [self.points, self.bricks, 0].map(u64::to_le_bytes);
-        [
-            &MAGIC[..],
-            &VERSION.to_le_bytes(),
-            &(LEVELS as u32).to_le_bytes(),
-            origin.as_flattened(),
-            counts.as_flattened(),
-        ]
-        .concat()
+        let kind = [VERSION, LEVELS as u32].map(u32::to_le_bytes);
+        [&MAGIC, kind.as_flattened(), origin.as_flattened(), counts.as_flattened()].concat()
     }
 
     fn from_bytes(bytes: &[u8; HEADER as usize]) -> Result<Self, String> {
         if bytes[..8] != MAGIC {
-            return Err(
-                "it does not begin with CASCABRK; a build that was broken off leaves such a file".into()
-            );
+            let cause = "it does not begin with CASCABRK; a build that was broken off leaves such a file";
+            return Err(cause.into());
         }
         let [version, levels] = [8, 12].map(|at| u32::from_le_bytes(array(bytes, at)));
         if version != VERSION {
             return Err(format!("its version is {version}, and only {VERSION} is known"));
         }
         if levels != LEVELS as u32 {
-            return Err(format!(
-                "its bricks have {levels} levels of detail, and version {version} has {LEVELS}"
-            ));
+            return Err(format!("its bricks have {levels} levels of detail, version {version} has {LEVELS}"));
         }
         let origin = DVec3::from([16, 24, 32].map(|at| f64::from_le_bytes(array(bytes, at))));
         let [points, bricks] = [40, 48].map(|at| u64::from_le_bytes(array(bytes, at)));
@@ -157,7 +148,7 @@ pub struct Want {
 pub struct Bricks {
     pub(super) name: String,
     header: Header,
-    index: Vec<Brick>,
+    pub(super) index: Vec<Brick>,
     file: Mutex<File>,
 }
 
@@ -179,29 +170,25 @@ impl Bricks {
         }
         file.read_exact(&mut start).map_err(io)?;
         let header = Header::from_bytes(&start).map_err(&broken)?;
-        let index = header.points.checked_mul(POINT).and_then(|bytes| bytes.checked_add(HEADER));
-        let end =
-            header.bricks.checked_mul(ENTRY).zip(index).and_then(|(bytes, index)| index.checked_add(bytes));
-        if end != Some(length) || u32::try_from(header.bricks).is_err() {
-            let Header { points, bricks, .. } = header;
-            return Err(broken(format!(
-                "its {length} bytes are not those of {points} points in {bricks} bricks"
-            )));
+        let Header { points, bricks, .. } = header;
+        let points_end = u128::from(HEADER) + u128::from(points) * u128::from(POINT);
+        let end = points_end + u128::from(bricks) * u128::from(ENTRY);
+        if end != length.into() || u32::try_from(bricks).is_err() {
+            let cause = format!("its {length} bytes are not those of {points} points in {bricks} bricks");
+            return Err(broken(cause));
         }
-        let mut bytes = vec![0; (header.bricks * ENTRY) as usize];
-        file.seek(SeekFrom::Start(index.unwrap_or(HEADER))).map_err(io)?;
+        let mut bytes = vec![0; (bricks * ENTRY) as usize];
+        file.seek(SeekFrom::Start(points_end as u64)).map_err(io)?;
         file.read_exact(&mut bytes).map_err(io)?;
         let mut first = 0;
-        let mut index = Vec::with_capacity(header.bricks as usize);
+        let mut index = Vec::with_capacity(bricks as usize);
         for (number, entry) in bytes.chunks_exact(ENTRY as usize).enumerate() {
-            let brick = Brick::from_bytes(entry, first);
-            let brick = brick
-                .ok_or_else(|| broken(format!("the bounds or counts of brick {number} make no sense")))?;
-            first += u64::from(brick.all());
-            index.push(brick);
+            let nonsense = || broken(format!("the bounds or counts of brick {number} make no sense"));
+            index.push(Brick::from_bytes(entry, first).ok_or_else(nonsense)?);
+            first += u64::from(index[number].all());
         }
-        if first != header.points {
-            return Err(broken(format!("it has {} points, its bricks {first}", header.points)));
+        if first != points {
+            return Err(broken(format!("it has {points} points, its bricks {first}")));
         }
         Ok(Self { name, header, index, file: Mutex::new(file) })
     }
@@ -268,11 +255,6 @@ impl Bricks {
         let level = brick.counts.iter().rposition(|&n| u64::from(n) * 4 <= u64::from(points)).unwrap_or(0);
         let area = f64::from(brick.counts[level]) / f64::from(points.max(1));
         (brick.edge() * (-(level as f64)).exp2() * area.sqrt()) as f32
-    }
-
-    #[cfg(test)]
-    pub(super) fn index(&self, brick: u32) -> &Brick {
-        &self.index[brick as usize]
     }
 
     /// Reads some points of a brick. The range must lie within its points.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
-use std::mem::size_of;
+use std::panic::{self, AssertUnwindSafe};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
@@ -33,13 +33,9 @@ struct Shared {
 struct State {
     /// The wanted bricks that fit into the budget, each once.
     wants: Vec<Want>,
-    /// The bricks of `wants`.
-    wanted: BTreeSet<u32>,
-    /// The loaded bricks that are not wanted, the least recently wanted last. They are listed when
-    /// room is first needed for `wants`.
-    unwanted: Option<Vec<u32>>,
-    /// Of the wants from here on, no more points are loaded than wanted.
-    trimmed: usize,
+    /// What bricks are cut to when there is no room, the first one last: the wants, then those that
+    /// are not wanted, the least recently wanted last. Listed when room is first needed for `wants`.
+    cuts: Option<Vec<Want>>,
     /// The wants before it are loaded.
     next: usize,
     /// The number of lists of wants that came so far.
@@ -50,7 +46,6 @@ struct State {
     /// Bricks that cannot be read.
     failed: BTreeSet<u32>,
     error: Option<BrickError>,
-    idle: bool,
     closing: bool,
     /// The thread has ended.
     stopped: bool,
@@ -73,7 +68,18 @@ impl Loader {
         let budget = budget / size_of::<BrickPoint>();
         let shared = Arc::new(Shared { bricks, budget, state: Mutex::default(), changed: Condvar::new() });
         let worker = shared.clone();
-        let thread = thread::Builder::new().name("bricks".into()).spawn(move || worker.work())?;
+        let work = move || {
+            let ended = panic::catch_unwind(AssertUnwindSafe(|| worker.work()));
+            // Nobody waits for the thread from here on.
+            let mut state = worker.lock();
+            state.stopped = true;
+            if ended.is_err() {
+                let source = io::Error::other("the thread that loads bricks panicked");
+                state.error.get_or_insert(BrickError::Io { name: worker.bricks.name.clone(), source });
+            }
+            worker.changed.notify_all();
+        };
+        let thread = thread::Builder::new().name("bricks".into()).spawn(work)?;
         Ok(Self { shared, thread: Some(thread) })
     }
 
@@ -92,7 +98,6 @@ impl Loader {
         }
         let mut sum = 0_usize;
         state.wants.clear();
-        state.wanted.clear();
         for &Want { brick, .. } in wants {
             let Some(points) = most.remove(&brick) else { continue };
             if let Some(loaded) = state.loaded.get_mut(&brick) {
@@ -101,13 +106,9 @@ impl Loader {
             sum = sum.saturating_add(points as usize);
             if sum <= *budget {
                 state.wants.push(Want { brick, points });
-                state.wanted.insert(brick);
             }
         }
-        state.next = 0;
-        state.unwanted = None;
-        state.trimmed = state.wants.len();
-        state.idle = false;
+        (state.next, state.cuts) = (0, None);
         self.shared.changed.notify_all();
     }
 
@@ -142,7 +143,7 @@ impl Loader {
     /// with an error.
     pub fn settle(&self) {
         let mut state = self.shared.lock();
-        while !state.idle && !state.stopped {
+        while !state.stopped && state.next().is_some() {
             state = self.shared.wait(state);
         }
     }
@@ -163,21 +164,6 @@ impl Drop for Loader {
     }
 }
 
-/// Says that the thread has ended, so that nobody waits for it, even if it panicked.
-struct Ending<'a>(&'a Shared);
-
-impl Drop for Ending<'_> {
-    fn drop(&mut self) {
-        let mut state = self.0.lock();
-        state.stopped = true;
-        if thread::panicking() {
-            let source = io::Error::other("the thread that loads bricks panicked");
-            state.error.get_or_insert(BrickError::Io { name: self.0.bricks.name.clone(), source });
-        }
-        self.0.changed.notify_all();
-    }
-}
-
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -188,20 +174,16 @@ impl Shared {
     }
 
     fn work(&self) {
-        // Declared before the guard of the mutex, and so dropped after it.
-        let _ending = Ending(self);
         let mut state = self.lock();
         while !state.closing {
             let Some((want, have)) = state.next() else {
-                state.idle = true;
                 self.changed.notify_all();
                 state = self.wait(state);
                 continue;
             };
             state.make_room(want, self.budget);
             drop(state);
-            let start = have.len() as u32;
-            let read = self.bricks.read(want.brick, start..want.points);
+            let read = self.bricks.read(want.brick, have.len() as u32..want.points);
             // Only this thread loads and drops points, so `have` still holds.
             let points = read.map(|more| have.iter().chain(&more).copied().collect::<Arc<[BrickPoint]>>());
             state = self.lock();
@@ -241,30 +223,28 @@ impl State {
         if self.points <= limit {
             return;
         }
-        let mut unwanted = self.unwanted.take().unwrap_or_else(|| self.unwanted());
+        let mut cuts = self.cuts.take().unwrap_or_else(|| self.cuts());
         while self.points > limit {
-            let Some(brick) = unwanted.pop() else { break };
-            self.points -= self.loaded.remove(&brick).map_or(0, |l| l.points.len());
-        }
-        self.unwanted = Some(unwanted);
-        while self.points > limit && self.trimmed > 0 {
-            self.trimmed -= 1;
-            let want = self.wants[self.trimmed];
-            let Some(loaded) = self.loaded.get_mut(&want.brick) else { continue };
-            let points = want.points as usize;
-            if loaded.points.len() > points {
-                self.points -= loaded.points.len() - points;
-                loaded.points = loaded.points[..points].into();
+            let Some(Want { brick, points }) = cuts.pop() else { break };
+            let Some(loaded) = self.loaded.get_mut(&brick) else { continue };
+            let left = loaded.points.len().min(points as usize);
+            self.points -= loaded.points.len() - left;
+            if left == 0 {
+                self.loaded.remove(&brick);
+            } else if left < loaded.points.len() {
+                loaded.points = loaded.points[..left].into();
             }
         }
+        self.cuts = Some(cuts);
     }
 
-    /// The loaded bricks that are not wanted, the least recently wanted last.
-    fn unwanted(&self) -> Vec<u32> {
-        let others = self.loaded.iter().filter(|(brick, _)| !self.wanted.contains(brick));
+    fn cuts(&self) -> Vec<Want> {
+        let wanted: BTreeSet<u32> = self.wants.iter().map(|want| want.brick).collect();
+        let others = self.loaded.iter().filter(|(brick, _)| !wanted.contains(brick));
         let mut others: Vec<(u64, u32)> = others.map(|(&brick, l)| (l.time, brick)).collect();
         others.sort_unstable_by(|a, b| b.cmp(a));
-        others.into_iter().map(|(_, brick)| brick).collect()
+        let others = others.into_iter().map(|(_, brick)| Want { brick, points: 0 });
+        self.wants.iter().copied().chain(others).collect()
     }
 }
 
@@ -279,13 +259,9 @@ mod tests {
         let path = folder.path().join("none");
         Builder::create(&path, BuildOptions::default()).unwrap().finish(|_, _| ()).unwrap();
         let loader = Loader::new(Arc::new(Bricks::open(&path).unwrap()), 1 << 20).unwrap();
-        {
-            // A brick that is not in the file, past the check of `want`.
-            let mut state = loader.shared.lock();
-            state.wants = vec![Want { brick: 7, points: 5 }];
-            (state.next, state.idle) = (0, false);
-            loader.shared.changed.notify_all();
-        }
+        // A brick that is not in the file, past the check of `want`.
+        loader.shared.lock().wants = vec![Want { brick: 7, points: 5 }];
+        loader.shared.changed.notify_all();
         loader.settle();
         assert!(loader.take_error().unwrap().to_string().contains("panicked"));
     }

@@ -155,8 +155,14 @@ impl SurfelRenderer {
             let (x, y) = pane.corner;
             x <= width && w <= width - x && y <= height && h <= height - y
         };
-        let lens = |pane| (pane, lens(gpu, camera, pane));
-        let panes: Vec<_> = panes.iter().filter(within).map(lens).collect();
+        let lens = |pane: &Pane| {
+            gpu.device.create_buffer_init(&BufferInitDescriptor {
+                label: None,
+                contents: bytemuck::bytes_of(&Lens::new(camera, &pane.style)),
+                usage: BufferUsages::UNIFORM,
+            })
+        };
+        let panes: Vec<_> = panes.iter().filter(within).map(|pane| (pane, lens(pane))).collect();
         let sums = gpu.texture((width, height), SUMS).create_view(&Default::default());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let passes = [
@@ -165,22 +171,34 @@ impl SurfelRenderer {
             (&self.mean, Some((&target.colour, background)), None),
         ];
         for (pipeline, colour, depth) in passes {
-            let mut pass = begin(&mut encoder, colour, depth.map(|load| (&target.depth, load)));
+            let colour = colour.map(|(view, clear)| wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+            });
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: if colour.is_some() { std::slice::from_ref(&colour) } else { &[] },
+                depth_stencil_attachment: depth.map(|load| wgpu::RenderPassDepthStencilAttachment {
+                    view: &target.depth,
+                    depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+                    stencil_ops: None,
+                }),
+                ..Default::default()
+            });
             pass.set_pipeline(pipeline);
             for (pane, lens) in &panes {
                 let (x, y) = pane.corner;
                 pass.set_viewport(x as f32, y as f32, w as f32, h as f32, 0.0, 1.0);
                 pass.set_scissor_rect(x, y, w, h);
                 let layout = pipeline.get_bind_group_layout(0);
-                let bound = match depth {
-                    Some(_) => bind(gpu, &layout, &[0], &among(&[(0, lens)])),
-                    None => bind(gpu, &layout, &[1], &|_| Some(wgpu::BindingResource::TextureView(&sums))),
-                };
-                pass.set_bind_group(0, &bound, &[]);
                 if depth.is_some() {
+                    pass.set_bind_group(0, &bind(gpu, &layout, &[0], &among(&[(0, lens)])), &[]);
                     pass.set_vertex_buffer(0, pane.surfels.buffer.slice(..));
                     pass.draw(0..4, 0..pane.surfels.count);
                 } else {
+                    let sums = |_: u32| Some(wgpu::BindingResource::TextureView(&sums));
+                    pass.set_bind_group(0, &bind(gpu, &layout, &[1], &sums), &[]);
                     pass.draw(0..3, 0..1);
                 }
             }
@@ -189,40 +207,8 @@ impl SurfelRenderer {
     }
 }
 
-fn lens(gpu: &Gpu, camera: &Camera, pane: &Pane) -> wgpu::Buffer {
-    gpu.device.create_buffer_init(&BufferInitDescriptor {
-        label: None,
-        contents: bytemuck::bytes_of(&Lens::new(camera, &pane.style)),
-        usage: BufferUsages::UNIFORM,
-    })
-}
-
-/// A pass that draws to `colour`, cleared, and `depth`.
-fn begin<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
-    colour: Option<(&wgpu::TextureView, wgpu::Color)>,
-    depth: Option<(&wgpu::TextureView, wgpu::LoadOp<f32>)>,
-) -> wgpu::RenderPass<'a> {
-    let colour = colour.map(|(view, clear)| wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
-    });
-    let depth = depth.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-        stencil_ops: None,
-    });
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        color_attachments: if colour.is_some() { std::slice::from_ref(&colour) } else { &[] },
-        depth_stencil_attachment: depth,
-        ..Default::default()
-    })
-}
-
-/// A pipeline. `depth` says whether depths are written; without it, they are not even tested, and there are
-/// no surfels.
+/// A pipeline. `depth` says whether depths are written; without it, they are not even tested, and
+/// there are no surfels.
 fn pipeline(
     gpu: &Gpu,
     shader: &wgpu::ShaderModule,

@@ -1,16 +1,10 @@
 //! Pictures of surfels beside analytic ones.
 
 use super::*;
-use crate::Camera;
 use crate::samples::sphere;
 use casca_stage::canvas::Canvas;
-use casca_stage::gpu::{COLOUR, Gpu};
+use casca_stage::gpu::COLOUR;
 use casca_stage::wgpu::Color;
-use glam::Vec3;
-
-fn floats(points: impl IntoIterator<Item = glam::DVec3>) -> Vec<Vec3> {
-    points.into_iter().map(|p| p.as_vec3()).collect()
-}
 
 const BLUE: [u8; 4] = [0, 0, 200, 255];
 const STYLE: Style = Style { scale: 1.0, least_pixels: 0.7, offset: 0.1, lit: false };
@@ -22,7 +16,7 @@ fn ball(count: usize, axis: usize) -> Vec<Surfel> {
         let colour = if p[axis] > 0.0 { [200, 0, 0, 255] } else { [0, 200, 0, 255] };
         Surfel { position: p.to_array(), radius, normal: p.to_array(), colour }
     };
-    floats(sphere(count)).into_iter().map(surfel).collect()
+    sphere(count).into_iter().map(|p| surfel(p.as_vec3())).collect()
 }
 
 /// A blue wall of discs without normals behind the ball.
@@ -84,10 +78,9 @@ fn the_order_of_surfels_does_not_matter() {
     let first = picture(&gpu, &[(&surfels, style)]);
     // A permutation, since 5500 and 7 have no common factor.
     surfels = (0..surfels.len()).map(|i| surfels[i * 7 % surfels.len()]).collect();
-    let second = picture(&gpu, &[(&surfels, style)]);
-    surfels.reverse();
-    let third = picture(&gpu, &[(&surfels, style)]);
-    for other in [second, third] {
+    for _ in 0..2 {
+        let other = picture(&gpu, &[(&surfels, style)]);
+        surfels.reverse();
         let differences = first.iter().zip(&other).map(|(a, b)| a.abs_diff(*b));
         assert!(differences.max() <= Some(2), "rounding of sums");
     }

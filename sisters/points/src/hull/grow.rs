@@ -30,14 +30,14 @@ struct Face {
 }
 
 impl Face {
-    fn new(points: &[DVec3], corners: [u32; 3]) -> Self {
+    fn new(points: &[DVec3], corners: [u32; 3], neighbours: [u32; 3]) -> Self {
         let [a, b, c] = corners.map(|i| points[i as usize]);
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
         let error = PLANE_ERROR * ab.abs().max_element() * ac.abs().max_element();
         let offset = normal.dot(a);
-        let (neighbours, first, far, mark) = ([NONE; 3], NONE, NONE, 0);
-        Self { normal, offset, error, far_height: 0.0, corners, neighbours, first, far, mark }
+        let (first, far, far_height, mark) = (NONE, NONE, 0.0, 0);
+        Self { normal, offset, error, far_height, corners, neighbours, first, far, mark }
     }
 
     /// Positive if a point is strictly above the plane, zero on it, negative below; the sign is
@@ -50,11 +50,6 @@ impl Face {
         }
         let [a, b, c] = self.corners.map(|i| points[i as usize]);
         above(a, b, c, p)
-    }
-
-    /// The edge across which the neighbour is `face`.
-    fn edge_to(&self, face: u32) -> usize {
-        self.neighbours.iter().position(|&n| n == face).unwrap_or(0)
     }
 }
 
@@ -79,9 +74,10 @@ struct Border {
     to: u32,
     /// The face that stays, and its edge.
     beyond: u32,
-    edge: u8,
+    edge: usize,
 }
 
+#[derive(Default)]
 struct Hull<'a> {
     points: &'a [DVec3],
     faces: Vec<Face>,
@@ -107,25 +103,12 @@ struct Hull<'a> {
 impl<'a> Hull<'a> {
     fn new(points: &'a [DVec3], [a, b, c, d]: [u32; 4]) -> Self {
         let count = points.len();
-        let mut hull = Self {
-            points,
-            faces: Vec::with_capacity(64),
-            free: Vec::new(),
-            pending: VecDeque::with_capacity(64),
-            next: vec![NONE; count],
-            begins: vec![NONE; count],
-            twins: Vec::new(),
-            step: 0,
-            below: Vec::new(),
-            border: Vec::new(),
-            fresh: vec![0, 1, 2, 3],
-        };
-        for corners in [[a, b, c], [b, a, d], [c, b, d], [a, c, d]] {
-            hull.faces.push(Face::new(points, corners));
-        }
-        for (face, neighbours) in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]].into_iter().enumerate() {
-            hull.faces[face].neighbours = neighbours;
-        }
+        let (next, begins) = (vec![NONE; count], vec![NONE; count]);
+        let mut hull = Self { points, next, begins, fresh: vec![0, 1, 2, 3], ..Self::default() };
+        let corners = [[a, b, c], [b, a, d], [c, b, d], [a, c, d]];
+        let neighbours = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+        let faces = corners.into_iter().zip(neighbours);
+        hull.faces.extend(faces.map(|(corners, neighbours)| Face::new(points, corners, neighbours)));
         let simplex = [a, b, c, d];
         for p in 0..count as u32 {
             if !simplex.contains(&p) {
@@ -178,12 +161,10 @@ impl<'a> Hull<'a> {
             self.faces[old as usize].mark = NONE;
             while q != NONE {
                 let next = self.next[q as usize];
-                if q != p {
-                    if self.points[q as usize] == self.points[p as usize] {
-                        self.twins.push((q, p));
-                    } else {
-                        self.put(q);
-                    }
+                if q != p && self.points[q as usize] == self.points[p as usize] {
+                    self.twins.push((q, p));
+                } else if q != p {
+                    self.put(q);
                 }
                 q = next;
             }
@@ -219,9 +200,9 @@ impl<'a> Hull<'a> {
                     }
                 }
                 if other.mark == self.step + 1 {
-                    let edge_back = other.edge_to(id) as u8;
                     let (from, to) = (corners[edge], corners[(edge + 1) % 3]);
-                    self.border.push(Border { from, to, beyond, edge: edge_back });
+                    let edge = other.neighbours.iter().position(|&n| n == id).unwrap_or(0);
+                    self.border.push(Border { from, to, beyond, edge });
                 }
             }
         }
@@ -231,15 +212,14 @@ impl<'a> Hull<'a> {
     fn close(&mut self, p: u32) {
         self.fresh.clear();
         for &Border { from, to, beyond, edge } in &self.border {
-            let mut face = Face::new(self.points, [from, to, p]);
-            face.neighbours[0] = beyond;
+            let face = Face::new(self.points, [from, to, p], [beyond, NONE, NONE]);
             let id = self.free.pop().unwrap_or(self.faces.len() as u32);
             if id as usize == self.faces.len() {
                 self.faces.push(face);
             } else {
                 self.faces[id as usize] = face;
             }
-            self.faces[beyond as usize].neighbours[usize::from(edge)] = id;
+            self.faces[beyond as usize].neighbours[edge] = id;
             self.begins[from as usize] = id;
             self.fresh.push(id);
         }

@@ -40,19 +40,14 @@ pub(crate) fn extreme_points(points: &[DVec3]) -> BitVec {
     own
 }
 
-/// Cells along each axis: codes of three coordinates have 30 bits, which leave 32 for an index.
-const CELLS: f64 = (1 << 10) as f64;
-
 /// The indices of points along a curve through cells (Morton 1966), for points within ±2 when
 /// multiplied by `scale`. Points of a cell keep their order.
 ///
 /// The growing hull looks at the points above a face, which lie near each other. In the order of a
 /// scan, or in none, each of them is a line of the cache of its own.
 fn by_place(points: &[DVec3], scale: f64) -> Vec<u32> {
-    let code = |p: DVec3| {
-        let cell = (p * scale + 2.0) * (CELLS / 4.0);
-        morton(cell.to_array().map(|x| x as u32))
-    };
+    // 2^10 cells along each axis: codes have 30 bits, which leave 32 for an index.
+    let code = |p: DVec3| morton(((p * scale + 2.0) * 256.0).to_array().map(|x| x as u32));
     let mut codes: Vec<u64> = points.iter().zip(0_u64..).map(|(&p, i)| code(p) << 32 | i).collect();
     codes.sort_unstable();
     codes.into_iter().map(|code| code as u32).collect()
@@ -79,7 +74,7 @@ fn simplex(points: &mut Vec<DVec3>) -> Option<[u32; 4]> {
         })
     };
     let c = farthest(points, |p| (pb - pa).cross(p - pa).length_squared());
-    let c = checked_or_tip(points, c, &|&p| !is_on_line(pa, pb, p));
+    let c = checked_or_tip(points, c, &|&p| (0..3).any(|axis| turn(axis, pa, pb, p) != 0.0));
     let pc = points[c];
     let normal = (pb - pa).cross(pc - pa);
     let d = farthest(points, |p| normal.dot(p - pa).abs());
@@ -91,24 +86,13 @@ fn simplex(points: &mut Vec<DVec3>) -> Option<[u32; 4]> {
 
 /// The point for which a measure is largest.
 fn farthest(points: &[DVec3], measure: impl Fn(DVec3) -> f64) -> usize {
-    let mut best = (0, f64::NEG_INFINITY);
-    for (i, &p) in points.iter().enumerate() {
-        let value = measure(p);
-        if value > best.1 {
-            best = (i, value);
-        }
-    }
-    best.0
+    let measured = points.iter().map(|&p| measure(p)).enumerate();
+    measured.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
 }
 
 /// A point's index if it fits, else the first index that does.
 fn checked(points: &[DVec3], index: usize, fits: impl Fn(&DVec3) -> bool) -> Option<usize> {
     if fits(&points[index]) { Some(index) } else { points.iter().position(fits) }
-}
-
-/// Whether three points are on a line: they look so along each axis.
-fn is_on_line(a: DVec3, b: DVec3, c: DVec3) -> bool {
-    (0..3).all(|axis| turn(axis, a, b, c) == 0.0)
 }
 
 #[cfg(test)]

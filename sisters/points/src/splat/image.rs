@@ -12,14 +12,6 @@ pub(super) struct DepthImage {
 }
 
 impl DepthImage {
-    /// The depth of a pixel, by the columns to its left and the rows above it; infinity where there
-    /// is no square, `None` outside the picture.
-    #[inline(always)]
-    pub(super) fn get(&self, x: u32, y: u32) -> Option<f32> {
-        let x = x as usize;
-        if x < self.width { self.depths.get(y as usize * self.width + x).copied() } else { None }
-    }
-
     pub(super) fn filtered(self, filter: Filter) -> Self {
         if filter == Filter::None {
             return self;
@@ -50,12 +42,10 @@ impl DepthImage {
                     *column = both(both(rows[0][x], rows[1][x]), rows[2][x]);
                 }
                 pooled.copy_from_slice(column);
-                for (pooled, left) in pooled.iter_mut().skip(1).zip(&*column) {
-                    *pooled = both(*pooled, *left);
-                }
-                for (pooled, right) in pooled.iter_mut().zip(column.iter().skip(1)) {
-                    *pooled = both(*pooled, *right);
-                }
+                let left = pooled.iter_mut().skip(1).zip(&*column);
+                left.for_each(|(pooled, left)| *pooled = both(*pooled, *left));
+                let right = pooled.iter_mut().zip(&column[1..]);
+                right.for_each(|(pooled, right)| *pooled = both(*pooled, *right));
             },
         );
         pooled
@@ -71,18 +61,15 @@ impl DepthImage {
     pub(super) fn slanted(&self, x: i32, y: i32, half: i32) -> f32 {
         let step = 2 * half / SUBPIXELS as i32 + 1;
         let inverse = |x: i32, y: i32| {
-            let at = u32::try_from(x).ok().zip(u32::try_from(y).ok());
-            at.and_then(|(x, y)| self.get(x, y)).map(|depth| 1.0 / depth)
+            let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+            let row = self.depths.chunks(self.width).nth(y)?;
+            row.get(x).map(|depth| 1.0 / depth)
         };
         let own = inverse(x, y).unwrap_or(0.0);
-        let rise = |before: Option<f32>, after: Option<f32>| {
-            let to = before.map(|before| own - before);
-            let from = after.map(|after| after - own);
-            match to.zip(from) {
-                Some((to, from)) if (to > 0.0) == (from > 0.0) => to.abs().min(from.abs()),
-                Some(_) => 0.0,
-                None => to.or(from).map_or(0.0, f32::abs),
-            }
+        let rise = |before: Option<f32>, after: Option<f32>| match (before, after) {
+            (Some(before), Some(after)) if (own > before) != (after > own) => 0.0,
+            (Some(before), Some(after)) => (own - before).abs().min((after - own).abs()),
+            (one, other) => one.or(other).map_or(0.0, |one| (one - own).abs()),
         };
         let across = rise(inverse(x - step, y), inverse(x + step, y));
         let along = rise(inverse(x, y - step), inverse(x, y + step));

@@ -45,27 +45,19 @@ pub fn visible_points(
 ) -> Result<BitVec, SplatError> {
     options.check(points.len())?;
     let squares = Squares::new(camera.size());
-    let finite = points.par_chunks(TASK).enumerate().map(|(task, points)| {
-        let mut finite = true;
-        for (block, points) in points.chunks(BLOCK).enumerate() {
-            let first = task * TASK + block * BLOCK;
-            finite &= draw(&squares, points, first, camera, options.radius);
-        }
-        finite
-    });
-    if !finite.reduce(|| true, |a, b| a & b) {
+    // The blocks of each task, with the index of the first point.
+    let tasks = || {
+        let firsts = |task| (task * TASK..).step_by(BLOCK);
+        points.par_chunks(TASK).enumerate().map(move |(i, task)| task.chunks(BLOCK).zip(firsts(i)))
+    };
+    let draw = |all, (points, first)| all & draw(&squares, points, first, camera, options.radius);
+    if !tasks().map(|blocks| blocks.fold(true, draw)).reduce(|| true, |a, b| a & b) {
         let index = points.iter().position(|p| !p.is_finite()).unwrap_or(0);
         return Err(SplatError::PointNotFinite { index });
     }
-    let limits = squares.into_image().filtered(options.filter).limits(options.bias, camera.depths().1);
-    let words = points.par_chunks(TASK).enumerate().flat_map_iter(|(task, points)| {
-        let limits = &limits;
-        points.chunks(BLOCK).enumerate().map(move |(block, points)| {
-            let first = task * TASK + block * BLOCK;
-            test(limits, points, first, camera, options)
-        })
-    });
-    let mut visible = BitVec::from_vec(words.collect());
+    let limits = &squares.into_image().filtered(options.filter).limits(options.bias, camera.depths().1);
+    let test = |(points, first)| test(limits, points, first, camera, options);
+    let mut visible = BitVec::from_vec(tasks().flat_map_iter(|blocks| blocks.map(test)).collect());
     visible.truncate(points.len());
     Ok(visible)
 }
@@ -86,8 +78,7 @@ impl Block {
             return Self::of_all(all, camera);
         }
         // The eye is not in the picture.
-        let mut some = [camera.eye(); BLOCK];
-        some.iter_mut().zip(points).for_each(|(to, &from)| *to = from);
+        let some = std::array::from_fn(|i| points.get(i).copied().unwrap_or(camera.eye()));
         Self::of_all(&some, camera)
     }
 
@@ -103,9 +94,7 @@ impl Block {
             let (x, y) = (to_subpixels(at.x), to_subpixels(at.y));
             let inside = (x >= 0) & (x < width) & (y >= 0) & (y < height);
             let seen = (at.depth >= near) & (at.depth <= far) & inside;
-            block.x[i] = if seen { x } else { 0 };
-            block.y[i] = if seen { y } else { 0 };
-            block.depth[i] = if seen { at.depth } else { f32::NAN };
+            (block.x[i], block.y[i], block.depth[i]) = if seen { (x, y, at.depth) } else { (0, 0, f32::NAN) };
         }
         block
     }
@@ -155,13 +144,12 @@ fn test(
     }
     if options.slopes {
         let half = block.half_sides(first, camera, options.radius);
-        let nearer = bits;
-        // Those outside have no depth.
-        let behind = |i: &usize| nearer >> i & 1 == 0 && block.depth[*i] > 0.0;
-        for i in (0..BLOCK).filter(behind) {
-            let [x, y] = [block.x[i], block.y[i]].map(|v| v / SUBPIXELS as i32);
-            let seen = 1.0 / block.depth[i] >= limits.slanted(x, y, half[i]);
-            bits |= usize::from(seen) << i;
+        for i in 0..BLOCK {
+            // Those outside have no depth.
+            if bits >> i & 1 == 0 && block.depth[i] > 0.0 {
+                let [x, y] = [block.x[i], block.y[i]].map(|v| v / SUBPIXELS as i32);
+                bits |= usize::from(1.0 / block.depth[i] >= limits.slanted(x, y, half[i])) << i;
+            }
         }
     }
     bits

@@ -69,17 +69,13 @@ impl SplatOptions<'_> {
     /// [`SplatError`] names the parameter at fault.
     pub fn check(&self, count: usize) -> Result<(), SplatError> {
         let good = |radius: f32| radius >= 0.0 && radius.is_finite();
-        match self.radius {
-            Radius::Same(radius) if !good(radius) => return Err(SplatError::Radius { index: 0, radius }),
-            Radius::Each(radii) if radii.len() != count => {
-                return Err(SplatError::Radii { radii: radii.len(), points: count });
-            }
-            Radius::Each(radii) => {
-                if let Some(index) = radii.iter().position(|&radius| !good(radius)) {
-                    return Err(SplatError::Radius { index, radius: radii[index] });
-                }
-            }
-            Radius::Same(_) => {}
+        let radii = match &self.radius {
+            Radius::Same(radius) => std::slice::from_ref(radius),
+            Radius::Each(radii) if radii.len() == count => radii,
+            Radius::Each(radii) => return Err(SplatError::Radii { radii: radii.len(), points: count }),
+        };
+        if let Some(index) = radii.iter().position(|&radius| !good(radius)) {
+            return Err(SplatError::Radius { index, radius: radii[index] });
         }
         match self.bias {
             Bias::Window(part) if (0.0..1.0).contains(&part) => Ok(()),

@@ -31,46 +31,40 @@ pub(super) fn half_side(pixels: f32) -> i32 {
 pub(super) struct Squares {
     size: (u32, u32),
     /// Made when a square first needs them.
-    levels: [OnceLock<Level>; LEVELS],
+    levels: [OnceLock<Level<AtomicU32>>; LEVELS],
 }
 
 /// The nearest depths of squares of `2^k` pixels by their upper left pixel, from `2^k` pixels
-/// before the picture to one beyond it.
-struct Level {
-    border: i32,
+/// before the picture to one beyond it. While squares are drawn they are bits of floats that are
+/// not negative, which are in the same order.
+struct Level<D> {
+    border: usize,
     width: usize,
-    /// Bits of floats that are not negative, which are in the same order.
-    depths: Vec<AtomicU32>,
+    depths: Vec<D>,
 }
 
-impl Level {
+impl Level<AtomicU32> {
     fn new(size: (u32, u32), k: usize) -> Self {
         let border = 1 << k;
         let (width, height) = (size.0 as usize + border + 1, size.1 as usize + border + 1);
         let depths = (0..width * height).map(|_| AtomicU32::new(f32::INFINITY.to_bits())).collect();
-        Self { border: border as i32, width, depths }
+        Self { border, width, depths }
     }
 
     /// The depth of a square by its upper left pixel.
     #[inline(always)]
     fn depth(&self, x: i32, y: i32) -> &AtomicU32 {
-        &self.depths[(y + self.border) as usize * self.width + (x + self.border) as usize]
+        let border = self.border as i32;
+        &self.depths[(y + border) as usize * self.width + (x + border) as usize]
     }
 
-    fn into_depths(self) -> Depths {
+    fn complete(self) -> Level<f32> {
         let depths = self.depths.into_iter().map(|depth| f32::from_bits(depth.into_inner())).collect();
-        Depths { border: self.border as usize, width: self.width, depths }
+        Level { border: self.border, width: self.width, depths }
     }
 }
 
-/// A level that is complete.
-struct Depths {
-    border: usize,
-    width: usize,
-    depths: Vec<f32>,
-}
-
-impl Depths {
+impl Level<f32> {
     /// Lowers these depths to those of the level above, whose squares consist of four of these.
     fn lower_to(&mut self, above: &Self) {
         let (width, step) = (self.width, self.border);
@@ -130,25 +124,18 @@ impl Squares {
     /// The nearest depth of each pixel.
     pub fn into_image(self) -> DepthImage {
         let (width, height) = (self.size.0 as usize, self.size.1 as usize);
-        let mut above: Option<Depths> = None;
+        let mut above: Option<Level<f32>> = None;
         for (k, level) in self.levels.into_iter().enumerate().rev() {
             let made = level.into_inner();
-            above = match above {
-                None => made.map(Level::into_depths),
-                Some(above) => {
-                    let mut depths = made.unwrap_or_else(|| Level::new(self.size, k)).into_depths();
-                    depths.lower_to(&above);
-                    Some(depths)
-                }
-            };
-        }
-        let depths = match above {
-            None => vec![f32::INFINITY; width * height],
-            Some(Depths { border, width: stride, depths }) => {
-                let rows = depths.chunks(stride).skip(border).take(height);
-                rows.flat_map(|row| &row[border..border + width]).copied().collect()
+            // All levels below the first one that was made are needed, and the last one always.
+            if made.is_some() || above.is_some() || k == 0 {
+                let mut level = made.unwrap_or_else(|| Level::new(self.size, k)).complete();
+                above.iter().for_each(|above| level.lower_to(above));
+                above = Some(level);
             }
-        };
+        }
+        let rows = above.iter().flat_map(|level| level.depths.chunks(level.width).skip(1).take(height));
+        let depths = rows.flat_map(|row| &row[1..][..width]).copied().collect();
         DepthImage { width, depths }
     }
 }

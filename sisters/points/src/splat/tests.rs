@@ -66,13 +66,10 @@ fn rooms(points: &[Vec3], camera: &Camera, options: &SplatOptions) -> Vec<f64> {
         let inside =
             around.filter(|&(x, y)| (0..width.into()).contains(&x) && (0..height.into()).contains(&y));
         let depths: Vec<f32> = inside.map(|(x, y)| nearest(x, y)).collect();
-        let (most, least) = (
-            depths.iter().copied().fold(0.0, f32::max),
-            depths.iter().copied().fold(f32::INFINITY, f32::min),
-        );
+        let (most, least) = (depths.iter().copied().reduce(f32::max), depths.into_iter().reduce(f32::min));
         match options.filter {
-            Filter::Max if most < f32::INFINITY => most,
-            Filter::Min if most < f32::INFINITY => least,
+            Filter::Max if most < Some(f32::INFINITY) => most.unwrap(),
+            Filter::Min if most < Some(f32::INFINITY) => least.unwrap(),
             _ => nearest(x, y),
         }
     };
@@ -90,6 +87,9 @@ fn rooms(points: &[Vec3], camera: &Camera, options: &SplatOptions) -> Vec<f64> {
     };
     at.iter().map(|at| at.as_ref().map_or(-1.0, room)).collect()
 }
+
+const SAME: SplatOptions<'static> =
+    SplatOptions { radius: Radius::Same(0.0), bias: Bias::World(0.1), filter: Filter::Max, slopes: false };
 
 fn camera(size: (u32, u32), fov_y: f32) -> Camera {
     Camera::look_at(Vec3::new(0.5, -0.3, 4.0), Vec3::ZERO, Vec3::Y, fov_y, size, 1.0, 9.0).unwrap()
@@ -128,7 +128,7 @@ proptest! {
         let floats: Vec<[f32; 4]> = bits.iter().map(|p| p.map(f32::from_bits)).collect();
         let radii: Vec<f32> = floats.iter().map(|p| p[3].abs()).collect();
         let points: Vec<Vec3> = floats.iter().map(|p| Vec3::new(p[0], p[1], p[2])).collect();
-        let options = SplatOptions { radius: Radius::Each(&radii), bias: Bias::World(0.1), filter: Filter::Max, slopes: false };
+        let options = SplatOptions { radius: Radius::Each(&radii), ..SAME };
         let found = visible_points(&points, &camera((30, 20), 1.0), &options);
         let bad_radius = radii.iter().position(|r| !r.is_finite());
         let bad_point = points.iter().position(|p| !p.is_finite());
@@ -143,12 +143,7 @@ proptest! {
 #[test]
 fn answers_do_not_depend_on_the_number_of_threads() {
     let points: Vec<Vec3> = sphere(60_001).iter().map(|p| p.as_vec3()).collect();
-    let options = SplatOptions {
-        radius: Radius::Same(0.02),
-        bias: Bias::Window(0.05),
-        filter: Filter::Max,
-        slopes: false,
-    };
+    let options = SplatOptions { radius: Radius::Same(0.02), bias: Bias::Window(0.05), ..SAME };
     let found = [1, 2, 7].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| visible_points(&points, &camera((320, 240), 0.6), &options).unwrap())
@@ -160,43 +155,33 @@ fn answers_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn errors_name_the_cause() {
     let find = |radius, bias| {
-        let options = SplatOptions { radius, bias, filter: Filter::Max, slopes: false };
+        let options = SplatOptions { radius, bias, ..SAME };
         visible_points(&[Vec3::ZERO; 2], &camera((4, 4), 1.0), &options).map(|found| found.count_ones())
     };
     let world = Bias::World(0.0);
-    assert_eq!(find(Radius::Same(0.0), world), Ok(2));
-    assert_eq!(find(Radius::Same(f32::MAX), world), Ok(2));
+    assert_eq!([0.0, f32::MAX].map(|radius| find(Radius::Same(radius), world)), [Ok(2); 2]);
     assert_eq!(find(Radius::Same(-1.0), world), Err(SplatError::Radius { index: 0, radius: -1.0 }));
     assert_eq!(find(Radius::Each(&[1.0]), world), Err(SplatError::Radii { radii: 1, points: 2 }));
     let part = Bias::Window(1.0);
     assert_eq!(find(Radius::Same(0.0), part), Err(SplatError::Bias { bias: part }));
 }
 
-/// A point in each cell of 0.2 m of a floor and of a cellar a metre below it, up to 50 m away; the
-/// floor comes first.
-fn floor_and_cellar() -> Vec<Vec3> {
+/// A floor, and a cellar a metre below it, up to 50 m away, have a point in each cell of 0.2 m. Of
+/// those in the picture, the part of the floor that is hidden and the part of the cellar that is
+/// visible.
+fn errors_of_floor(slopes: bool) -> [f64; 2] {
     let random = |i: u32| f32::from((i.wrapping_mul(2_654_435_761) >> 16) as u16) / 65536.0;
     let cell = |i: u32| Vec3::new((i % 100) as f32 + random(i), 0.0, (i / 100) as f32 + random(i + 7)) * 0.2;
     let level = |y: f32| (0..25_000).map(move |i| cell(i) - Vec3::new(10.0, y, 50.0));
-    level(0.0).chain(level(1.0)).collect()
-}
-
-/// Of the points of the picture, the part of the floor that is hidden and the part of the cellar
-/// that is visible.
-fn errors_of_floor(slopes: bool) -> [f64; 2] {
-    let points = floor_and_cellar();
+    let points: Vec<Vec3> = level(0.0).chain(level(1.0)).collect();
     let eye = Vec3::new(0.0, 1.7, 0.0);
     let camera = Camera::look_at(eye, eye - Vec3::Z, Vec3::Y, 0.9, (1920, 1080), 0.1, 100.0).unwrap();
-    let options =
-        SplatOptions { radius: Radius::Same(0.12), bias: Bias::World(0.1), filter: Filter::Max, slopes };
+    let options = SplatOptions { radius: Radius::Same(0.12), slopes, ..SAME };
     let visible = visible_points(&points, &camera, &options).unwrap();
     [true, false].map(|floor| {
-        let of = points
-            .iter()
-            .enumerate()
-            .filter(|(i, p)| (*i < 25_000) == floor && camera.project(**p).is_some());
-        let bits: Vec<bool> = of.map(|(i, _)| visible[i] != floor).collect();
-        bits.iter().filter(|wrong| **wrong).count() as f64 / bits.len() as f64
+        let fits = |i: &usize| (*i < 25_000) == floor && camera.project(points[*i]).is_some();
+        let of = (0..points.len()).filter(fits);
+        of.clone().filter(|i| visible[*i] != floor).count() as f64 / of.count() as f64
     })
 }
 
@@ -219,7 +204,7 @@ fn a_slope_is_what_a_plane_rises_within_half_a_square() {
         let (plane, both) = (plane(slope), slope[0].abs() + slope[1].abs());
         // In the middle, and at a corner, where each axis has one side.
         for (at, half) in [(16, 0), (16, 128), (16, 700), (0, 300), (32, 1000)] {
-            let own = 1.0 / plane.get(at as u32, at as u32).unwrap();
+            let own = 1.0 / plane.depths[(33 * at + at) as usize];
             let expected = own - (half as f32 / 256.0 + 0.5) * both;
             let found = plane.slanted(at, at, half);
             assert!((found - expected).abs() < 1e-5, "{slope:?} {at} {half}: {found} {expected}");
