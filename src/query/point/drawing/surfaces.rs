@@ -252,7 +252,7 @@ impl<'a> Drawing<'a> {
         let (thickness, height) = (hi - lo, lo.max(-hi));
         let across = (d.block.max - d.block.min).length();
         let distance = match self.scratch.buffers.direction() {
-            Some(_) => self.run.scene.grid().bricks().cell_size(),
+            Some(_) => self.bricks.cell_size(),
             None => d.block.min.max(-d.block.max).max(DVec3::ZERO).length(),
         };
         thickness <= THIN * height || across <= THIN * distance
