@@ -27,7 +27,7 @@ use crate::query::point::run::Run;
 use crate::query::start::Starts;
 use crate::scene::Scene;
 use crate::view::View;
-use crate::walk::{ShellBegins, Shells, Start};
+use crate::walk::{Shells, Start};
 
 /// Draws the occluders that the walk offers: owns the buffers, what waits to be drawn and what was
 /// drawn.
@@ -38,8 +38,6 @@ pub(super) struct Drawing<'a> {
     pub(super) bricks: Grid,
     /// The shells of bricks around the eye's brick, if the walk goes in shells.
     pub(super) around: Option<Shells>,
-    /// The one of them that a box begins in.
-    begins: Option<ShellBegins>,
     /// Where rays start beside the eye.
     starts: Starts,
     /// A box around the eye and those regions; `None` for parallel rays.
@@ -149,9 +147,8 @@ impl<'a> Drawing<'a> {
         let around_starts = view.eye().map(|eye| starts.around(eye));
         let bricks = scene.grid().bricks();
         let around = Shells::around_eye(&bricks, view, Start::Eye);
-        let begins = around.as_ref().map(|shells| shells.begins(&bricks));
         let stats = Stats::default();
-        Self { run, scratch, bricks, around, begins, starts, around_starts, fuses: None, stats }
+        Self { run, scratch, bricks, around, starts, around_starts, fuses: None, stats }
     }
 
     /// The buffers with all that was drawn so far.

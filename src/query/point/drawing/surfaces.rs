@@ -71,7 +71,7 @@ impl<'a> Drawing<'a> {
 
     /// The shell of bricks around the eye that a box begins in.
     fn shell_of(&self, block: &Block) -> usize {
-        self.begins.as_ref().map_or(0, |begins| begins.shell(block))
+        self.around.as_ref().map_or(0, |shells| shells.begin_of(block))
     }
 
     /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are
