@@ -96,3 +96,30 @@ fn magnified_patches_hide_only_what_rays_find_behind_triangles() {
     });
     assert!(gained.get() > least, "magnified pixels hide only {} boxes", gained.get());
 }
+
+#[test]
+fn a_patch_hides_from_the_radius_of_the_options_on() {
+    let mut scene = sized(Vec3::splat(-20.0), 1.0, [40; 3]);
+    // Three pixels from its middle to its corners.
+    let half = 10.0 * 3f32.to_radians().tan() / 2f32.sqrt();
+    let (corners, triangles) = sheet(1, 1, |i, j| {
+        let side = |at: u32| if at == 0 { -half } else { half };
+        Vec3::new(side(i), side(j), 10.0)
+    });
+    scene.solid(mesh(corners, triangles));
+    let behind = scene.fixed(Aabb::from_center(Vec3::Z * 12.0, Vec3::splat(0.05)));
+    let clip = directx::perspective(1.2, 1.3, 0.05, 60.0) * look_to_mat4(Vec3::ZERO, Vec3::Z, Vec3::Y);
+    let view = View::perspective(Vec3::ZERO, clip).unwrap();
+    for (options, hides) in [
+        (PointOptions::balanced().patch_radius(0.0), true),
+        (PointOptions::balanced().patch_radius(2.5), true),
+        (PointOptions::balanced().patch_radius(3.5), false),
+        (PointOptions::fast(), false),
+        (PointOptions::fast().patch_radius(2.5), true),
+    ] {
+        let mut query = query_by(Method::Point(options.pixel_degrees(1.0).min_pixels(0)));
+        let pvs = query.run(&scene, &view);
+        assert_eq!(pvs.contains(behind), !hides, "{options:?}");
+        assert_eq!(pvs.stats().patches_drawn, u32::from(hides), "{options:?}");
+    }
+}

@@ -143,10 +143,12 @@ fn look() -> impl Strategy<Value = Look> {
 fn options() -> impl Strategy<Value = [Method; 2]> {
     let degrees = prop_oneof![1 => 0.1..0.4f32, 3 => 0.4..2.0f32];
     let squares = prop_oneof![Just(0u32), Just(16), Just(256), Just(4000)];
-    (degrees, prop_oneof![Just(0u32), Just(128)], squares, 0..10u32, 6..9u32, any::<bool>()).prop_map(
-        |(degrees, least, squares, depth, mask, coherent)| {
+    let radius = prop_oneof![Just(0.0f32), Just(4.0), 0.5..8.0f32];
+    (degrees, prop_oneof![Just(0u32), Just(128)], squares, 0..10u32, 6..9u32, any::<bool>(), radius).prop_map(
+        |(degrees, least, squares, depth, mask, coherent, radius)| {
             let point = PointOptions::default().pixel_degrees(degrees).min_pixels(least);
             let point = point.refine_squares(squares).refine_depth(depth).coherent(coherent);
+            let point = point.patch_radius(radius);
             [Method::Point(point), Method::Cell(CellOptions::default().mask_resolution(1 << mask))]
         },
     )
