@@ -20,7 +20,7 @@ use glam::{Mat3A, Vec3A};
 
 use crate::common::*;
 use forms::{Made, Recipe, places, recipe};
-use rays::{Blocker, Eye, Random, Triangle};
+use rays::{Blocker, Eye, Triangle, point_of};
 
 const SIZE: f64 = 16.0;
 
@@ -317,7 +317,7 @@ fn lost(
                 }
                 Tested::Triangles(all) => {
                     let which = random.below(all.len());
-                    random.point_of(&all[which])
+                    point_of(&all[which], &mut random)
                 }
             };
             if eye.sees(p, &blockers) {
@@ -353,11 +353,11 @@ fn targets(
         };
         let middle = match behind {
             Some(t) => {
-                let p = random.point_of(t);
+                let p = point_of(t, &mut random);
                 let beside = frame.scale * 10f64.powf(random.within(-5.0, -1.0));
                 eye + (p - eye) * random.within(1.001, 3.0) + random.vector(-1.0, 1.0) * beside
             }
-            None => frame.place(random.place(0.0, SIZE)),
+            None => frame.place(random.point(0.0, SIZE)),
         };
         let (min, max) = ((middle - half).as_vec3(), (middle + half).as_vec3());
         if min.is_finite() && max.is_finite() && min.abs().max_element() < 1e7 {
