@@ -3,7 +3,7 @@
 use bevy_asset::Handle;
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
-use casca::Method;
+use casca::{Method, PointOptions};
 
 /// How entities are culled. Change it at any time; it counts from the next frame on.
 ///
@@ -21,7 +21,8 @@ pub struct CascaSettings {
     /// Whether casca culls. If not, entities are culled by frustum as Bevy does it. Default: true.
     pub enabled: bool,
     /// How cameras find what they see, and lights what they shine on. [`Method::Frustum`] hides
-    /// nothing behind anything. An invalid method counts as that one. Default: [`Method::Point`].
+    /// nothing behind anything. An invalid method counts as that one. Default: [`Method::Point`],
+    /// [coherent](PointOptions::coherent).
     pub method: Method,
     /// Which shadow casters are left out. Default: [`Shadows::Lit`].
     pub shadows: Shadows,
@@ -45,7 +46,7 @@ impl Default for CascaSettings {
     fn default() -> Self {
         Self {
             enabled: true,
-            method: Method::point(),
+            method: Method::Point(PointOptions::new().coherent(true)),
             shadows: Shadows::Lit,
             still_after: 8,
             most_new: 1 << 14,

@@ -119,6 +119,7 @@ pub(crate) fn sync(
     }
     if !settings.enabled {
         casca.was_off = true;
+        casca.cameras.clear();
         return;
     }
     casca.frame = casca.frame.wrapping_add(1);
