@@ -38,7 +38,6 @@ struct Marks(Vec<Instant>);
 #[derive(Clone, Copy, PartialEq)]
 enum Culls {
     Bevy,
-    /// Casca is there, and switched off.
     Off,
     /// Casca, and Bevy for lights.
     Cameras,
@@ -110,7 +109,6 @@ fn fill(world: &mut World, size: usize, scene: &Scene) {
     let sun = DirectionalLight { shadow_maps_enabled: scene.sun, ..Default::default() };
     let down = Transform::default().looking_to(Vec3::new(0.3, -1.0, -0.5), Vec3::Y);
     world.spawn((sun, CascadeShadowConfigBuilder::default().build(), down));
-    // On the crossings around the camera.
     for i in 0..scene.lamps {
         let at = Vec3::new(24.0 * (i % 3) as f32 - 36.0, 3.0, 12.0 - 24.0 * (i / 3) as f32);
         let lamp = PointLight { shadow_maps_enabled: true, range: 30.0, ..Default::default() };

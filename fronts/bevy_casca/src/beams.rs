@@ -109,6 +109,8 @@ pub(crate) fn shine(
 ) {
     let mut old = std::mem::take(beams);
     let Some(scene) = scene.filter(|_| !matches!(method, Method::Frustum)) else { return };
+    // Results that are kept should be as small as they get.
+    let method = if let Method::Point(how) = method { Method::Point(how.coherent(false)) } else { method };
     let mut jobs: Vec<(Key, Beam)> = Vec::new();
     for (key, aim) in aims {
         let (mut query, mut lit) = (Query::new(), Vec::new());
