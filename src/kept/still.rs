@@ -2,7 +2,7 @@
 //! static occluders.
 //!
 //! Let the view of a frame be one of those that the widened view stands for. Static objects that
-//! came, went or changed since are *followed* first, by [`crate::query::point::follow`]: then the
+//! came, went or changed since are *followed* first, by [`Query::follow`]: then the
 //! set and the buffers are as if all static objects were as they are now.
 //!
 //! - *Static objects*: one that the view sees is in the set of the widened view.
@@ -21,10 +21,8 @@ use crate::geometry::Block;
 use crate::id::ObjectId;
 use crate::kept::watch::{Drawn, Watch};
 use crate::pvs::{Pvs, Stats};
-use crate::query::point::drawing::DrawingScratch;
-use crate::query::point::follow::StaticChanges;
-use crate::query::point::offered::Offered;
-use crate::query::point::overlay::Overlay;
+use crate::query::point::StaticChanges;
+use crate::query::point::drawing::{DrawingScratch, Offered};
 use crate::query::{Extras, Query};
 use crate::scene::{Object, Scene, StaticChange};
 use crate::view::View;
@@ -94,7 +92,8 @@ pub(super) struct Still {
     /// How often pixels were opened again, on average.
     opened: f64,
     watch: Watch,
-    overlay: Overlay,
+    /// The buffers with the dynamic occluders of a frame.
+    overlay: DrawingScratch,
     /// Memory used again: the dynamic objects whose boxes a frame may see.
     movers: Vec<SeenMover>,
 }
@@ -118,7 +117,7 @@ impl Still {
         query.run_with(scene, &view, Extras { fixed_only: true, ..Extras::default() });
         let in_sight = |id: ObjectId| InSight { id, block: scene.object(id.slot()).bounds().block() };
         let objects = query.pvs().iter().map(in_sight).collect();
-        let (watch, overlay, movers) = (Watch::default(), Overlay::default(), Vec::new());
+        let (watch, overlay, movers) = (Watch::default(), DrawingScratch::default(), Vec::new());
         let mut offered = Offered::default();
         offered.append(&query.drawn().offered);
         Self { query, view, stamp, objects, offered, opened: 0.0, watch, overlay, movers }
@@ -196,14 +195,15 @@ impl Still {
         let mut movers = std::mem::take(&mut self.movers);
         movers.clear();
         self.find_movers(scene, view, pvs, &mut movers);
-        self.draw_movers(scene, &movers);
-        let (overlay, drawn) = (&self.overlay, self.query.drawn());
-        let covered = overlay.drawn > 0;
+        let hides = |mover: &&SeenMover| mover.located && scene.object(mover.slot).occluder().is_some();
+        let slots = movers.iter().filter(hides).map(|mover| mover.slot);
+        let occluders = self.overlay.draw_over(self.query.drawn(), scene, &self.view, slots);
+        let (overlay, drawn, covered) = (&self.overlay, self.query.drawn(), occluders > 0);
         let hidden = |slot: Slot| covered && overlay.hides_bounds(scene.object(slot).bounds());
         let hidden_mover = |slot: Slot| {
             if covered { hidden(slot) } else { drawn.hides_bounds(scene.object(slot).bounds()) }
         };
-        pvs.stats.occluders_drawn += overlay.drawn;
+        pvs.stats.occluders_drawn += occluders;
         pvs.stats.objects_tested += self.objects.len() as u32;
         for InSight { id, block } in &self.objects {
             if view.may_see_volume(block) && !hidden(id.slot()) {
@@ -246,12 +246,5 @@ impl Still {
         }
         stats.occlusion_tests += 1;
         (!self.query.drawn().hides(&object.bounds().block())).then_some(SeenMover { slot, located: true })
-    }
-
-    /// Draws the occluders of dynamic objects over a copy of the buffers.
-    fn draw_movers(&mut self, scene: &Scene, movers: &[SeenMover]) {
-        let hides = |mover: &&SeenMover| mover.located && scene.object(mover.slot).occluder().is_some();
-        let slots = movers.iter().filter(hides).map(|mover| mover.slot);
-        self.overlay.draw(self.query.drawn(), scene, &self.view, slots);
     }
 }

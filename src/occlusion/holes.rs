@@ -39,8 +39,8 @@ impl OcclusionBuffers {
             let before = holes.len();
             for (block, close) in &gone {
                 let all = || Some(*buffer.window().pixels());
-                let area = if *close { all() } else { buffer.touched_by_block(block) };
-                holes.extend(area.map(|area| Hole { face, area: buffer.open(&area) }));
+                let area = if *close { all() } else { touched(buffer, block) };
+                holes.extend(area.map(|area| Hole { face, area: open(buffer, &area) }));
             }
             if holes.len() > before {
                 buffer.cover_outside();
@@ -57,31 +57,26 @@ impl OcclusionBuffers {
             let mut of_face = holes.iter().filter(|hole| hole.face == face).peekable();
             of_face.peek().is_some()
                 && (close
-                    || buffer
-                        .touched_by_block(&relative)
+                    || touched(buffer, &relative)
                         .is_some_and(|area| of_face.any(|hole| hole.area.overlaps(&area))))
         })
     }
 }
 
-impl FaceBuffer {
-    /// The pixels that a box may touch, if the face sees any of it.
-    fn touched_by_block(&self, block: &Block) -> Option<PixelRect> {
-        let (rect, _) = self.face().block(block)?;
-        let pixels = self.window().touched_by(&rect.grown());
-        (!pixels.is_empty()).then_some(pixels)
-    }
+/// The pixels that a box may touch, if the face sees any of it.
+fn touched(buffer: &FaceBuffer, block: &Block) -> Option<PixelRect> {
+    let (rect, _) = buffer.face().block(block)?;
+    let pixels = buffer.window().touched_by(&rect.grown());
+    (!pixels.is_empty()).then_some(pixels)
+}
 
-    /// Opens the tiles of some pixels of the window, also outside of the view. Returns the pixels
-    /// of those tiles.
-    fn open(&mut self, pixels: &PixelRect) -> PixelRect {
-        let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
-        for ty in ty0..=ty1 {
-            let row = self.window().tile_index(tx0, ty);
-            for tile in row..=row + (tx1 - tx0) as usize {
-                self.coverage_mut().open(tile);
-            }
-        }
-        PixelRect { x: (tx0 * TILE, (tx1 + 1) * TILE), y: (ty0 * TILE, (ty1 + 1) * TILE) }
+/// Opens the tiles of some pixels of the window, also outside of the view. Returns the pixels of
+/// those tiles.
+fn open(buffer: &mut FaceBuffer, pixels: &PixelRect) -> PixelRect {
+    let ((tx0, tx1), (ty0, ty1)) = (pixels.tiles_x(), pixels.tiles_y());
+    for ty in ty0..=ty1 {
+        let row = buffer.window().tile_index(tx0, ty);
+        (row..=row + (tx1 - tx0) as usize).for_each(|tile| buffer.coverage_mut().open(tile));
     }
+    PixelRect { x: (tx0 * TILE, (tx1 + 1) * TILE), y: (ty0 * TILE, (ty1 + 1) * TILE) }
 }

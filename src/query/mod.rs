@@ -16,11 +16,9 @@ use crate::pvs::Pvs;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::{CellScratch, CellWalk};
 use crate::query::marks::Marks;
-use crate::query::point::drawing::DrawingScratch;
-use crate::query::point::follow::StaticChanges;
-use crate::query::point::offered::Offered;
+use crate::query::point::drawing::{DrawingScratch, Offered};
 use crate::query::point::run::Run;
-use crate::query::point::{PointScratch, PointWalk};
+use crate::query::point::{PointScratch, StaticChanges};
 use crate::query::receivers::ReceiverScratch;
 use crate::scene::Scene;
 use crate::view::View;
@@ -198,7 +196,7 @@ impl Query {
                 let run = Run { fixed_only, ..Run::new(scene, view, options, receivers) };
                 #[cfg(feature = "rayon")]
                 let run = Run { parallel: self.parallel, ..run };
-                PointWalk::new(run, pvs, &mut self.marks, &mut self.point).run();
+                self.point.run(run, pvs, &mut self.marks);
             }
         }
         match &mut pvs.view {
@@ -224,7 +222,7 @@ impl Query {
             _ => PointOptions::new().unrefined(),
         };
         let run = Run { fixed_only: true, ..Run::new(scene, view, &options, None) };
-        PointWalk::new(run, &mut self.pvs, &mut self.marks, &mut self.point).follow(changes, offered)
+        self.point.follow(run, &mut self.pvs, &mut self.marks, changes, offered)
     }
 
     /// Finds nothing, as from a view without rays. The result is valid for no view.

@@ -16,11 +16,6 @@ use crate::shape::Shape;
 use crate::view::{Origin, View};
 
 impl View {
-    /// The half-spaces outside of which the eye lies, such as that of a near plane.
-    fn cutting_planes(&self) -> impl Iterator<Item = &HalfSpace> {
-        self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 != 0).map(|(p, _)| p)
-    }
-
     /// Whether some plane may cut off the part of a box that parallel rays along
     /// `direction` meet first.
     pub(crate) fn cuts_front(&self, direction: DVec3, b: &Block) -> bool {
@@ -34,9 +29,8 @@ impl View {
     /// The parts of the view that each cutting plane cuts away: convex regions with their
     /// bounding box, as far as they lie in the box from `min` to `max`.
     pub(crate) fn cut_regions(&self, min: DVec3, max: DVec3) -> impl Iterator<Item = (Self, Block)> {
-        let regions = self.cutting_planes().map(|cut| {
-            let others = self.planes.iter().zip(0..).filter(|(_, i)| self.cutting >> i & 1 == 0);
-            let mut planes: SmallVec<[HalfSpace; 6]> = others.map(|(p, _)| *p).collect();
+        let regions = self.marked(self.cutting).map(|cut| {
+            let mut planes: SmallVec<[HalfSpace; 6]> = self.marked(!self.cutting).copied().collect();
             planes.push(HalfSpace { normal: -cut.normal, offset: 2.0 * self.widened - cut.offset });
             self.region(planes)
         });

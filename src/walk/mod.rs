@@ -4,4 +4,4 @@ mod frustum;
 mod shells;
 
 pub(crate) use frustum::{SideFrustum, Start};
-pub(crate) use shells::{ShellBegins, Shells};
+pub(crate) use shells::Shells;

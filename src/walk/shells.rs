@@ -18,6 +18,10 @@ pub(crate) struct Shells {
     pub(crate) farthest: i32,
     /// The frustum, relative to the middle.
     pub(crate) frustum: CellFrustum,
+    /// The cell in the middle, in world units.
+    middle: Block,
+    /// Cells for one unit of length.
+    per_unit: f64,
 }
 
 impl Shells {
@@ -26,50 +30,28 @@ impl Shells {
     pub(crate) fn around_eye(grid: &Grid, view: &View, start: Start) -> Option<Self> {
         let Origin::Eye { at, .. } = view.origin else { return None };
         let cell = grid.cell_of(at);
-        let (nearest, farthest) = shell_range(grid, cell);
-        (nearest <= FAR_VIEWER).then(|| Self {
-            cell,
-            nearest,
-            farthest,
-            frustum: CellFrustum::new(grid, view, cell, start),
-        })
-    }
-
-    /// Tells in which of these shells a box begins.
-    pub(crate) fn begins(&self, grid: &Grid) -> ShellBegins {
-        ShellBegins {
-            middle: Block::new(grid.cell_bounds(self.cell)),
-            per_unit: 1.0 / grid.cell_size(),
-            farthest: self.farthest.max(0),
-        }
+        (shell_range(grid, cell).0 <= FAR_VIEWER).then(|| Self::around(grid, view, cell, start))
     }
 
     /// The shells around the middle of the grid, for walks that do not start at the eye.
     pub(crate) fn around_middle(grid: &Grid, view: &View) -> Self {
-        let cell = grid.dims() / 2;
-        let (nearest, farthest) = shell_range(grid, cell);
-        Self { cell, nearest, farthest, frustum: CellFrustum::new(grid, view, cell, Start::None) }
+        Self::around(grid, view, grid.dims() / 2, Start::None)
     }
-}
 
-/// Tells in which shell around a cell a box begins.
-#[derive(Debug, Clone)]
-pub(crate) struct ShellBegins {
-    /// The cell in the middle.
-    middle: Block,
-    /// Cells for one unit of length.
-    per_unit: f64,
-    farthest: i32,
-}
+    fn around(grid: &Grid, view: &View, cell: IVec3, start: Start) -> Self {
+        let (nearest, farthest) = shell_range(grid, cell);
+        let frustum = CellFrustum::new(grid, view, cell, start);
+        let (middle, per_unit) = (Block::new(grid.cell_bounds(cell)), 1.0 / grid.cell_size());
+        Self { cell, nearest, farthest, frustum, middle, per_unit }
+    }
 
-impl ShellBegins {
     /// The least shell that a box in world units reaches into, in the grid. Rounding may choose a
     /// neighbour where the box ends on the border of a cell.
     #[inline]
-    pub(crate) fn shell(&self, block: &Block) -> usize {
+    pub(crate) fn begin_of(&self, block: &Block) -> usize {
         let away = (block.min - self.middle.max).max(self.middle.min - block.max).max_element();
         if away >= 0.0 {
-            ((away * self.per_unit) as i32).saturating_add(1).min(self.farthest) as usize
+            ((away * self.per_unit) as i32).saturating_add(1).min(self.farthest.max(0)) as usize
         } else {
             0
         }
@@ -112,7 +94,6 @@ mod tests {
         let grid = Grid::new(&spec).unwrap();
         let view = View::omnidirectional(Vec3::new(2.3, 4.1, 1.2)).unwrap();
         let shells = Shells::around_eye(&grid, &view, Start::Eye).unwrap();
-        let begins = shells.begins(&grid);
         let mut found = [false; 40];
         for i in 0..4000 {
             let share = |by: i32| f64::from(i * by % 1009) / 1009.0;
@@ -121,17 +102,17 @@ mod tests {
             let block = Block { min, max: min + 0.3 + share(17) };
             let (lo, hi) = grid.cover(block.min, block.max);
             let expected = (lo - shells.cell).max(shells.cell - hi).max_element().clamp(0, shells.farthest);
-            assert_eq!(begins.shell(&block), expected as usize, "{block:?}");
+            assert_eq!(shells.begin_of(&block), expected as usize, "{block:?}");
             found[expected as usize] = true;
         }
         assert!(found[..20].iter().all(|&found| found), "{found:?}");
         // Boxes outside of the grid begin in its last shell, also where that is the first one.
         let single = Grid::new(&GridSpec { dims: UVec3::ONE, ..spec }).unwrap();
         let view = View::omnidirectional(Vec3::new(-2.8, 1.1, 0.1)).unwrap();
-        let begins = Shells::around_eye(&single, &view, Start::Eye).unwrap().begins(&single);
+        let shells = Shells::around_eye(&single, &view, Start::Eye).unwrap();
         for far in [1.0, 1e30, f64::INFINITY] {
             let block = Block { min: glam::DVec3::splat(far), max: glam::DVec3::splat(far) };
-            assert_eq!(begins.shell(&block), 0, "{far}");
+            assert_eq!(shells.begin_of(&block), 0, "{far}");
         }
     }
 }

@@ -82,6 +82,7 @@ fn options_out_of_range_are_refused_where_they_are_used() {
         r#"{"cell": {"mask_resolution": 65}}"#,
         r#"{"point": {"pixel_degrees": 1e30}}"#,
         r#"{"point": {"min_solid_angle": -1}}"#,
+        r#"{"point": {"patch_radius": 65}}"#,
     ] {
         let method: Method = from_str(text).unwrap();
         assert!(matches!(query.set_method(method), Err(Error::Setting { .. })), "{text}");

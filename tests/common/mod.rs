@@ -154,6 +154,10 @@ impl Random {
         lo + (hi - lo) * self.next()
     }
 
+    pub fn vector(&mut self, lo: f64, hi: f64) -> DVec3 {
+        DVec3::from_array([(); 3].map(|()| self.within(lo, hi)))
+    }
+
     pub fn between(&mut self, lo: f32, hi: f32) -> f32 {
         lo + (hi - lo) * self.unit()
     }

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use casca_scenes::world::Mesh;
 
 use crate::common::*;
-use crate::rays::Random;
 
 #[derive(Debug, Clone, Copy)]
 pub enum Form {
@@ -166,7 +165,7 @@ fn parts(form: Form, random: &mut Random) -> Parts {
         }
         Form::Fan(n) => {
             let mut p = vec![DVec3::NEG_Y, DVec3::Y];
-            p.extend((0..n).map(|_| random.place(-1.0, 1.0)));
+            p.extend((0..n).map(|_| random.point(-1.0, 1.0)));
             (p, (2..n + 2).map(|i| [0, 1, i]).collect())
         }
         Form::Junctions(n) => {
@@ -183,13 +182,13 @@ fn parts(form: Form, random: &mut Random) -> Parts {
         Form::Needles(n) => {
             let mut p = Vec::new();
             for _ in 0..n {
-                let (a, b) = (random.place(-1.0, 1.0), random.place(-1.0, 1.0));
-                p.extend([a, b, b + random.place(-1.0, 1.0) * 10f64.powf(random.within(-6.0, -1.0))]);
+                let (a, b) = (random.point(-1.0, 1.0), random.point(-1.0, 1.0));
+                p.extend([a, b, b + random.point(-1.0, 1.0) * 10f64.powf(random.within(-6.0, -1.0))]);
             }
             (p, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
         }
         Form::Soup(n) => {
-            let p = (0..n + 3).map(|_| random.place(-1.0, 1.0)).collect();
+            let p = (0..n + 3).map(|_| random.point(-1.0, 1.0)).collect();
             let mut any = || random.below(n as usize + 3) as u32;
             (p, (0..2 * n).map(|_| [any(), any(), any()]).collect())
         }
@@ -237,7 +236,7 @@ impl Recipe {
         for damage in &self.damage {
             match *damage {
                 Damage::Holes(share) => triangles.retain(|t| {
-                    let keep = random.unit() >= share;
+                    let keep = random.next() >= share;
                     if !keep {
                         holes.push(t.map(|v| positions[v as usize].as_dvec3()));
                     }
@@ -245,7 +244,7 @@ impl Recipe {
                 }),
                 Damage::Duplicates(share) => {
                     for i in 0..triangles.len() {
-                        if random.unit() < share {
+                        if random.next() < share {
                             let [a, b, c] = triangles[i];
                             triangles.push(if random.below(2) == 0 { [b, c, a] } else { [c, b, a] });
                         }
@@ -253,7 +252,7 @@ impl Recipe {
                 }
                 Damage::ZeroArea(share) => {
                     for i in 0..triangles.len() {
-                        if random.unit() < share {
+                        if random.next() < share {
                             let [a, b, _] = triangles[i];
                             triangles.push([a, b, b]);
                             let middle = positions[a as usize].midpoint(positions[b as usize]);
@@ -264,7 +263,7 @@ impl Recipe {
                 }
                 Damage::Flips(share) => {
                     for t in &mut triangles {
-                        if random.unit() < share {
+                        if random.next() < share {
                             t.swap(0, 1);
                         }
                     }

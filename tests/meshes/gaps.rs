@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::common::*;
-use crate::rays::{Random, Triangle};
+use crate::rays::Triangle;
 
 /// A wall of panels in one mesh: rows are shifted against each other, so that corners meet edges,
 /// and each corner is off by up to `crack` along each axis. It is turned about the middle of the
@@ -100,7 +100,7 @@ fn from_segment(from: DVec3, to: DVec3, t: &Triangle) -> f64 {
 fn lines_of_sight_to_what_is_hidden_pass_near_triangles() {
     let mut random = Random(23);
     let (mut culled, mut through) = (0, 0);
-    for round in 0..24 {
+    for round in 0..36 {
         let mut angle = || random.within(0.0, 6.0) as f32;
         let turn = Quat::from_euler(glam::EulerRot::XYZ, angle(), angle(), angle());
         let gap = [0.02, 0.1, 0.4][round % 3];

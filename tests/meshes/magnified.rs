@@ -5,6 +5,7 @@ use casca_truth::places::coordinates;
 
 use crate::common::worlds::cuts_triangle;
 use crate::common::*;
+use crate::work::noise;
 
 /// Quads along each side of a sheet.
 const QUADS: u32 = 5;
@@ -12,13 +13,6 @@ const QUADS: u32 = 5;
 /// A sheet of triangles: its middle, the width of a quad, its slopes, and a number that its bumps
 /// and holes follow from.
 type Sheet = (Vec3, f32, (f32, f32), u32);
-
-/// A number from 0 to 1 that follows from two others.
-fn noise(seed: u32, i: u32) -> f32 {
-    let mut x = (seed ^ i.wrapping_mul(0x9e37_79b9)).wrapping_mul(0x85eb_ca6b);
-    x = (x ^ x >> 13).wrapping_mul(0xc2b2_ae35);
-    (x >> 8) as f32 / (1 << 24) as f32
-}
 
 fn some_sheet() -> impl Strategy<Value = Sheet> {
     let on = |range| coordinates(range, 1.0);
@@ -30,10 +24,10 @@ fn some_sheet() -> impl Strategy<Value = Sheet> {
 fn holed(&(middle, width, slope, seed): &Sheet) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let at = |i: u32| i as f32 - QUADS as f32 * 0.5;
     let (corners, triangles) = sheet(QUADS, QUADS, |i, j| {
-        let (x, y, bump) = (at(i), at(j), 0.1 * noise(seed, j * (QUADS + 1) + i));
+        let (x, y, bump) = (at(i), at(j), 0.1 * noise(seed as usize, (j * (QUADS + 1) + i) as usize));
         middle + Vec3::new(x, y, x * slope.0 + y * slope.1 + bump) * width
     });
-    let quads = triangles.chunks(2).enumerate().filter(|(q, _)| noise(!seed, *q as u32) > 0.12);
+    let quads = triangles.chunks(2).enumerate().filter(|(q, _)| noise(!seed as usize, *q) > 0.12);
     (corners, quads.flat_map(|(_, quad)| quad).copied().collect())
 }
 
@@ -67,7 +61,7 @@ fn check(sheets: &[Sheet], targets: &[(Vec3, f32)]) -> Result<usize, TestCaseErr
         }
         gained += 1;
         for k in 0..200 {
-            let share = |axis: u32| f64::from(noise(k, axis));
+            let share = |axis| f64::from(noise(k, axis));
             let inside = DVec3::new(share(0), share(1), share(2));
             let point = b.min.as_dvec3() + inside * (b.max - b.min).as_dvec3();
             // Points beside the frustum prove nothing.
@@ -95,4 +89,31 @@ fn magnified_patches_hide_only_what_rays_find_behind_triangles() {
         gained.set(gained.get() + check(&sheets, &targets)?);
     });
     assert!(gained.get() > least, "magnified pixels hide only {} boxes", gained.get());
+}
+
+#[test]
+fn a_patch_hides_from_the_radius_of_the_options_on() {
+    let mut scene = sized(Vec3::splat(-20.0), 1.0, [40; 3]);
+    // Three pixels from its middle to its corners.
+    let half = 10.0 * 3f32.to_radians().tan() / 2f32.sqrt();
+    let (corners, triangles) = sheet(1, 1, |i, j| {
+        let side = |at: u32| if at == 0 { -half } else { half };
+        Vec3::new(side(i), side(j), 10.0)
+    });
+    scene.solid(mesh(corners, triangles));
+    let behind = scene.fixed(Aabb::from_center(Vec3::Z * 12.0, Vec3::splat(0.05)));
+    let clip = directx::perspective(1.2, 1.3, 0.05, 60.0) * look_to_mat4(Vec3::ZERO, Vec3::Z, Vec3::Y);
+    let view = View::perspective(Vec3::ZERO, clip).unwrap();
+    for (options, hides) in [
+        (PointOptions::balanced().patch_radius(0.0), true),
+        (PointOptions::balanced().patch_radius(2.5), true),
+        (PointOptions::balanced().patch_radius(3.5), false),
+        (PointOptions::fast(), false),
+        (PointOptions::fast().patch_radius(2.5), true),
+    ] {
+        let mut query = query_by(Method::Point(options.pixel_degrees(1.0).min_pixels(0)));
+        let pvs = query.run(&scene, &view);
+        assert_eq!(pvs.contains(behind), !hides, "{options:?}");
+        assert_eq!(pvs.stats().patches_drawn, u32::from(hides), "{options:?}");
+    }
 }

@@ -20,7 +20,7 @@ use glam::{Mat3A, Vec3A};
 
 use crate::common::*;
 use forms::{Made, Recipe, places, recipe};
-use rays::{Blocker, Eye, Random, Triangle};
+use rays::{Blocker, Eye, Triangle, point_of};
 
 const SIZE: f64 = 16.0;
 
@@ -143,10 +143,12 @@ fn look() -> impl Strategy<Value = Look> {
 fn options() -> impl Strategy<Value = [Method; 2]> {
     let degrees = prop_oneof![1 => 0.1..0.4f32, 3 => 0.4..2.0f32];
     let squares = prop_oneof![Just(0u32), Just(16), Just(256), Just(4000)];
-    (degrees, prop_oneof![Just(0u32), Just(128)], squares, 0..10u32, 6..9u32, any::<bool>()).prop_map(
-        |(degrees, least, squares, depth, mask, coherent)| {
+    let radius = prop_oneof![Just(0.0f32), Just(4.0), 0.5..8.0f32];
+    (degrees, prop_oneof![Just(0u32), Just(128)], squares, 0..10u32, 6..9u32, any::<bool>(), radius).prop_map(
+        |(degrees, least, squares, depth, mask, coherent, radius)| {
             let point = PointOptions::default().pixel_degrees(degrees).min_pixels(least);
             let point = point.refine_squares(squares).refine_depth(depth).coherent(coherent);
+            let point = point.patch_radius(radius);
             [Method::Point(point), Method::Cell(CellOptions::default().mask_resolution(1 << mask))]
         },
     )
@@ -315,7 +317,7 @@ fn lost(
                 }
                 Tested::Triangles(all) => {
                     let which = random.below(all.len());
-                    random.point_of(&all[which])
+                    point_of(&all[which], &mut random)
                 }
             };
             if eye.sees(p, &blockers) {
@@ -351,11 +353,11 @@ fn targets(
         };
         let middle = match behind {
             Some(t) => {
-                let p = random.point_of(t);
+                let p = point_of(t, &mut random);
                 let beside = frame.scale * 10f64.powf(random.within(-5.0, -1.0));
                 eye + (p - eye) * random.within(1.001, 3.0) + random.vector(-1.0, 1.0) * beside
             }
-            None => frame.place(random.place(0.0, SIZE)),
+            None => frame.place(random.point(0.0, SIZE)),
         };
         let (min, max) = ((middle - half).as_vec3(), (middle + half).as_vec3());
         if min.is_finite() && max.is_finite() && min.abs().max_element() < 1e7 {

@@ -132,52 +132,17 @@ impl Eye {
     }
 }
 
-/// Numbers that look random (splitmix64).
-#[derive(Debug, Clone)]
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+/// A point of a triangle: a corner nudged inside, a point near an edge or any.
+pub fn point_of(t: &Triangle, random: &mut Random) -> DVec3 {
+    let (mut u, mut v) = match random.below(3) {
+        0 => (1e-4, 1e-4),
+        1 => (random.next(), 1e-5),
+        _ => (random.next(), random.next()),
+    };
+    if u + v > 1.0 {
+        (u, v) = (1.0 - u, 1.0 - v);
     }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n.max(1) as u64) as usize
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
-    }
-
-    pub fn vector(&mut self, lo: f64, hi: f64) -> DVec3 {
-        DVec3::new(self.within(lo, hi), self.within(lo, hi), self.within(lo, hi))
-    }
-
-    /// A place in a scene: half of its coordinates lie on a lattice.
-    pub fn place(&mut self, lo: f64, hi: f64) -> DVec3 {
-        let (range, step) = (lo as f32..hi as f32, (hi - lo) as f32 / 8.0);
-        DVec3::from_array([(); 3].map(|()| coordinate(self.unit(), range.clone(), step).into()))
-    }
-
-    /// A point of a triangle: a corner nudged inside, a point near an edge or any.
-    pub fn point_of(&mut self, t: &Triangle) -> DVec3 {
-        let (mut u, mut v) = match self.below(3) {
-            0 => (1e-4, 1e-4),
-            1 => (self.unit(), 1e-5),
-            _ => (self.unit(), self.unit()),
-        };
-        if u + v > 1.0 {
-            (u, v) = (1.0 - u, 1.0 - v);
-        }
-        let first = self.below(3);
-        let [a, b, c] = [t[first], t[(first + 1) % 3], t[(first + 2) % 3]];
-        a + (b - a) * u + (c - a) * v
-    }
+    let first = random.below(3);
+    let [a, b, c] = [t[first], t[(first + 1) % 3], t[(first + 2) % 3]];
+    a + (b - a) * u + (c - a) * v
 }

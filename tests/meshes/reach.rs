@@ -4,7 +4,7 @@ use casca_scenes::world::Camera;
 
 use crate::common::*;
 use crate::forms::{self, Recipe, places};
-use crate::rays::{Eye, Random};
+use crate::rays::Eye;
 use crate::{
     Frame, SIZE, Solid, Tested, Thing, World, eye_at, eye_of, frame, look, lost, options, solid, targets,
     view_of, world,

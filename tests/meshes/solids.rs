@@ -6,7 +6,7 @@ use casca::internals::Shape;
 
 use crate::common::*;
 use crate::forms::{Form, Recipe, recipe};
-use crate::rays::{Random, Triangle};
+use crate::rays::{Triangle, point_of};
 
 /// How often a ray meets triangles, or nothing if it comes too close to an edge.
 fn crossings(triangles: &[Triangle], from: DVec3, way: DVec3) -> Option<usize> {
@@ -74,8 +74,8 @@ proptest! {
         }
         for _ in 0..60 {
             let t = all[random.below(all.len())];
-            let middle = if random.below(2) == 0 { random.point_of(&t) } else { random.place(0.0, 16.0) };
-            let half = random.place(0.01, 1.0);
+            let middle = if random.below(2) == 0 { point_of(&t, &mut random) } else { random.point(0.0, 16.0) };
+            let half = random.point(0.01, 1.0);
             let (min, max) = (middle - half, middle + half);
             if !mesh.contains_box(min, max) {
                 continue;
@@ -84,12 +84,12 @@ proptest! {
                 let p = min + (max - min) * random.vector(0.0, 1.0);
                 prop_assert!(is_inside(&all, p, &mut random) != Some(false), "{p}");
                 let which = random.below(all.len());
-                let on = random.point_of(&all[which]);
+                let on = point_of(&all[which], &mut random);
                 prop_assert!(on.cmple(min).any() || on.cmpge(max).any(), "{on}");
             }
         }
         for _ in 0..60 {
-            let p = random.place(0.0, 16.0);
+            let p = random.point(0.0, 16.0);
             if mesh.is_closed() && is_inside(&all, p, &mut random) == Some(true) {
                 prop_assert!(mesh.contains_point(p), "{p}");
             }

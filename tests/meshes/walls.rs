@@ -1,7 +1,6 @@
 //! Walls of panels that are objects of their own.
 
 use crate::common::*;
-use crate::rays::Random;
 
 /// A panel of a wall across z: a few triangles, with the corners it shares with its neighbours.
 pub fn panel(x: f32, y: f32, z: f32, size: f32, gap: f32) -> Arc<TriMesh> {
@@ -39,7 +38,7 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
         let new: Vec<Option<ObjectId>> =
             (0..meshes.len()).map(|i| ids[i].map(|_| insert(&mut fresh, i))).collect();
         for _ in 0..2 {
-            let eye = random.place(0.0, 24.0).as_vec3();
+            let eye = random.point(0.0, 24.0).as_vec3();
             let view = around(eye);
             let seen: Vec<bool> = {
                 let pvs = query.run(&scene, &view);

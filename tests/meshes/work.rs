@@ -35,7 +35,7 @@ fn polar(angle: f32, r: f32, y: f32) -> Vec3 {
 }
 
 /// A number from 0 to 1, without order.
-fn noise(i: usize, k: usize) -> f32 {
+pub fn noise(i: usize, k: usize) -> f32 {
     let mut x = (i as u32).wrapping_mul(0x9e37_79b9) ^ (k as u32).wrapping_mul(0x85eb_ca6b);
     for by in [0x7feb_352d, 0x846c_a68b] {
         x = (x ^ x >> 15).wrapping_mul(by);

@@ -3,54 +3,71 @@
 //!
 //! `cargo run --release -p bevy_casca --example headless`, or with numbers of entities behind `--`.
 //!
-//! Times are those of whole frames of an app that does nothing but move a twentieth of its entities
-//! and cull: `PostUpdate` without a renderer. Each draw that is left out saves time besides.
+//! Who culls is measured in turn, frame by frame, without a renderer. The step is what Bevy's sets
+//! for visibility run, with whatever stands in the place of their systems; the frame is all of it.
+//! Each draw that is left out saves time besides.
 
 use std::any::TypeId;
 use std::time::Instant;
 
-use bevy_app::{App, TaskPoolPlugin};
+use bevy_app::{App, PostUpdate, TaskPoolPlugin};
 use bevy_asset::{AssetApp, AssetPlugin, Assets};
-use bevy_camera::visibility::{CascadesVisibleEntities, VisibleEntities};
+use bevy_camera::visibility::{CascadesVisibleEntities, CubemapVisibleEntities, ViewVisibility};
+use bevy_camera::visibility::{VisibilitySystems, VisibleEntities};
 use bevy_camera::{Camera3d, CameraPlugin, PerspectiveProjection, Projection};
-use bevy_casca::casca::KeptOptions;
-use bevy_casca::{CascaDiagnostics, CascaPlugin, CascaScene, CascaSettings, Opaque, Shadows};
-use bevy_diagnostic::DiagnosticsStore;
+use bevy_casca::{CascaPlugin, CascaScene, CascaSettings, Opaque, Shadows};
 use bevy_ecs::prelude::*;
-use bevy_light::{CascadeShadowConfigBuilder, DirectionalLight, LightPlugin};
+use bevy_light::SimulationLightSystems;
+use bevy_light::{CascadeShadowConfigBuilder, DirectionalLight, LightPlugin, PointLight};
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
 use bevy_shape::Cuboid;
-use bevy_transform::TransformPlugin;
 use bevy_transform::components::Transform;
+use bevy_transform::{TransformPlugin, TransformSystems};
 
 const FRAMES: usize = 120;
 
 #[derive(Component)]
 struct Walker(f32);
 
+/// Times between which the step runs, in two parts.
+#[derive(Resource, Default)]
+struct Marks(Vec<Instant>);
+
 /// Who culls.
 #[derive(Clone, Copy, PartialEq)]
 enum Culls {
     Bevy,
+    Off,
+    /// Casca, and Bevy for lights.
+    Cameras,
     Casca,
-    /// Only for cameras: lights as Bevy does it.
-    CascaForCameras,
-    /// So, and cameras keep their results.
-    CascaKept,
 }
+
+/// What there is besides houses and things that stand still.
+#[derive(Clone, Copy)]
+struct Scene {
+    name: &'static str,
+    /// Whether one thing in twenty walks.
+    walks: bool,
+    sun: bool,
+    lamps: usize,
+}
+
+const SCENES: [Scene; 4] = [
+    Scene { name: "still", walks: false, sun: false, lamps: 0 },
+    Scene { name: "1 in 20 walks", walks: true, sun: false, lamps: 0 },
+    Scene { name: "walks, sun", walks: true, sun: true, lamps: 0 },
+    Scene { name: "still, 8 lamps", walks: false, sun: false, lamps: 8 },
+];
 
 fn main() {
     let given: Vec<usize> = std::env::args().skip(1).filter_map(|n| n.parse().ok()).collect();
     let sizes = if given.is_empty() { vec![2_000, 20_000, 200_000] } else { given };
-    println!(
-        "| entities | culled by | drawn | shadow casters | frame, ms (99%) | of it casca | ready after |"
-    );
-    println!("|---|---|---|---|---|---|---|");
+    println!("| entities | scene | by | drawn | casters | lamps | step, ms (99%) | of Bevy's | frame |");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for size in sizes {
-        for culls in [Culls::Bevy, Culls::CascaForCameras, Culls::CascaKept, Culls::Casca] {
-            measure(size, culls);
-        }
+        SCENES.iter().for_each(|scene| measure(size, scene));
     }
 }
 
@@ -61,7 +78,7 @@ fn dice(n: usize) -> f32 {
 }
 
 /// One house to twenty things that stand around or walk.
-fn fill(world: &mut World, size: usize) {
+fn fill(world: &mut World, size: usize, scene: &Scene) {
     let cube = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(1.0, 1.0, 1.0)));
     let mut put = |middle: Vec3, size: Vec3| {
         let at = Transform::from_translation(middle).with_scale(size);
@@ -89,9 +106,14 @@ fn fill(world: &mut World, size: usize) {
     }
     let lens = PerspectiveProjection { aspect_ratio: 16.0 / 9.0, far: 1e4, ..Default::default() };
     world.spawn((Camera3d::default(), Projection::Perspective(lens), street(0)));
-    let sun = DirectionalLight { shadow_maps_enabled: true, ..Default::default() };
+    let sun = DirectionalLight { shadow_maps_enabled: scene.sun, ..Default::default() };
     let down = Transform::default().looking_to(Vec3::new(0.3, -1.0, -0.5), Vec3::Y);
     world.spawn((sun, CascadeShadowConfigBuilder::default().build(), down));
+    for i in 0..scene.lamps {
+        let at = Vec3::new(24.0 * (i % 3) as f32 - 36.0, 3.0, 12.0 - 24.0 * (i / 3) as f32);
+        let lamp = PointLight { shadow_maps_enabled: true, range: 30.0, ..Default::default() };
+        world.spawn((lamp, Transform::from_translation(at)));
+    }
 }
 
 /// Where the camera is: it walks along a street and looks around.
@@ -101,65 +123,109 @@ fn street(frame: usize) -> Transform {
     Transform::from_translation(at).looking_to(Vec3::new((3.0 * t).sin(), 0.0, -(3.0 * t).cos()), Vec3::Y)
 }
 
-fn measure(size: usize, culls: Culls) {
+fn city(size: usize, scene: &Scene, culls: Culls) -> App {
     let mut app = App::new();
     app.add_plugins((TaskPoolPlugin::default(), TransformPlugin, AssetPlugin::default(), MeshPlugin));
     app.init_asset::<bevy_image::Image>().add_plugins((CameraPlugin, LightPlugin));
     if culls != Culls::Bevy {
         app.add_plugins(CascaPlugin);
         let shadows = if culls == Culls::Casca { Shadows::Lit } else { Shadows::All };
-        let kept = (culls == Culls::CascaKept).then(|| KeptOptions::new().reach(0.1).turn(0.1));
-        app.insert_resource(CascaSettings { shadows, kept, ..CascaSettings::default() });
+        app.insert_resource(CascaSettings { shadows, enabled: culls != Culls::Off, ..Default::default() });
     }
-    fill(app.world_mut(), size);
+    let mark = |mut marks: ResMut<Marks>| marks.0.push(Instant::now());
+    let first = (VisibilitySystems::CalculateBounds, VisibilitySystems::UpdateFrusta);
+    let lights = (SimulationLightSystems::AssignLightsToClusters, SimulationLightSystems::UpdateLightFrusta);
+    app.init_resource::<Marks>().add_systems(
+        PostUpdate,
+        (
+            mark.after(TransformSystems::Propagate)
+                .before(first.0)
+                .before(first.1)
+                .before(VisibilitySystems::VisibilityPropagate),
+            mark.after(VisibilitySystems::CheckVisibility).before(lights.0.clone()).before(lights.1.clone()),
+            mark.after(lights.0).after(lights.1).before(SimulationLightSystems::CheckLightVisibility),
+            mark.after(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
+        ),
+    );
+    fill(app.world_mut(), size, scene);
     let start = Instant::now();
     let mut frames = 0;
     // Until all entities are known, all meshes are prepared, and bounds have been computed.
-    while frames < 4 || culls != Culls::Bevy && !is_ready(&app, size) {
+    while frames < 4 || culls as u8 > Culls::Off as u8 && !is_ready(&app, size) {
         app.update();
         frames += 1;
         if start.elapsed().as_secs() > 60 {
             break;
         }
     }
-    let ready = start.elapsed().as_secs_f64();
-    let (mut times, mut drawn, mut casters, mut own) = (Vec::new(), 0, 0, 0.0);
-    for frame in 0..FRAMES {
-        let world = app.world_mut();
-        for (walker, mut at) in world.query::<(&Walker, &mut Transform)>().iter_mut(world) {
-            let angle = walker.0 + frame as f32 * 0.02;
-            at.translation += Vec3::new(angle.cos(), 0.0, angle.sin()) * 0.03;
-        }
-        let mut camera = world.query_filtered::<&mut Transform, With<Camera3d>>();
-        camera.iter_mut(world).for_each(|mut at| *at = street(frame));
-        let start = Instant::now();
-        app.update();
-        times.push(start.elapsed().as_secs_f64() * 1e3);
-        let world = app.world_mut();
-        let mut lists = world.query::<&VisibleEntities>();
-        drawn += lists.iter(world).map(|list| list.len(TypeId::of::<Mesh3d>())).sum::<usize>();
-        let mut lists = world.query::<&CascadesVisibleEntities>();
-        let lists = lists.iter(world).flat_map(|cascades| cascades.entities.values().flatten());
-        casters += lists.map(|list| list.entities.len()).sum::<usize>();
-        let store = world.get_resource::<DiagnosticsStore>();
-        let time = store.and_then(|store| store.get(&CascaDiagnostics::TIME)?.value());
-        own += time.unwrap_or(0.0);
+    app
+}
+
+/// Moves what moves. Runs a frame; returns the time of the step and of all.
+fn run(app: &mut App, scene: &Scene, frame: usize) -> [f64; 2] {
+    let world = app.world_mut();
+    let mut walkers = world.query::<(&Walker, &mut Transform)>();
+    for (walker, mut at) in walkers.iter_mut(world).filter(|_| scene.walks) {
+        let angle = walker.0 + frame as f32 * 0.02;
+        at.translation += Vec3::new(angle.cos(), 0.0, angle.sin()) * 0.03;
     }
-    times.sort_by(f64::total_cmp);
-    let name = match culls {
-        Culls::Bevy => "Bevy",
-        Culls::Casca => "casca",
-        Culls::CascaForCameras => "casca, cameras only",
-        Culls::CascaKept => "casca, cameras only, kept results",
-    };
-    println!(
-        "| {size} | {name} | {} | {} | {:.2} ({:.2}) | {:.2} | {frames} frames, {ready:.2} s |",
-        drawn / FRAMES,
-        casters / FRAMES,
-        times[FRAMES / 2],
-        times[FRAMES * 99 / 100],
-        own / FRAMES as f64,
-    );
+    let mut camera = world.query_filtered::<&mut Transform, With<Camera3d>>();
+    camera.iter_mut(world).for_each(|mut at| *at = street(frame));
+    let start = Instant::now();
+    app.update();
+    let all = start.elapsed();
+    let marks = std::mem::take(&mut app.world_mut().resource_mut::<Marks>().0);
+    let step = marks.chunks(2).map(|part| part[1] - part[0]).sum::<std::time::Duration>();
+    [step, all].map(|time| time.as_secs_f64() * 1e3)
+}
+
+/// How many entities are drawn and cast shadows, and how many lamps shine.
+fn counts(app: &mut App) -> [usize; 3] {
+    let world = app.world_mut();
+    let mut lists = world.query::<&VisibleEntities>();
+    let drawn = lists.iter(world).map(|list| list.len(TypeId::of::<Mesh3d>())).sum();
+    let mut lists = world.query::<&CascadesVisibleEntities>();
+    let lists = lists.iter(world).flat_map(|cascades| cascades.entities.values().flatten());
+    let mut casters = lists.map(|list| list.entities.len()).sum();
+    let mut lamps = world.query::<(&CubemapVisibleEntities, &ViewVisibility)>();
+    let lamps = lamps.iter(world).filter(|(_, shines)| shines.get());
+    let lit = lamps.map(|(lists, _)| lists.iter().map(|list| list.entities.len()).sum());
+    let lit: Vec<usize> = lit.collect();
+    casters += lit.iter().sum::<usize>();
+    [drawn, casters, lit.len()]
+}
+
+fn measure(size: usize, scene: &Scene) {
+    let mut all = vec![(Culls::Bevy, "Bevy"), (Culls::Off, "casca, off"), (Culls::Casca, "casca")];
+    if scene.sun || scene.lamps > 0 {
+        all.insert(2, (Culls::Cameras, "casca, cameras only"));
+    }
+    let mut apps: Vec<App> = all.iter().map(|(culls, _)| city(size, scene, *culls)).collect();
+    let mut times = vec![[Vec::new(), Vec::new()]; apps.len()];
+    let mut sums = vec![[0; 3]; apps.len()];
+    for frame in 0..FRAMES {
+        for ((app, times), sums) in apps.iter_mut().zip(&mut times).zip(&mut sums) {
+            times.iter_mut().zip(run(app, scene, frame)).for_each(|(times, time)| times.push(time));
+            sums.iter_mut().zip(counts(app)).for_each(|(sum, count)| *sum += count);
+        }
+    }
+    times.iter_mut().flatten().for_each(|times| times.sort_by(f64::total_cmp));
+    let bevys = times[0][0][FRAMES / 2];
+    for (((_, name), [step, frame]), [drawn, casters, lamps]) in all.iter().zip(&times).zip(&sums) {
+        let [middle, worst] = [FRAMES / 2, FRAMES * 99 / 100];
+        println!(
+            "| {size} | {} | {name} | {} | {} | {:.1} | {:.3} ({:.3}) | {:.2} | {:.2} ({:.2}) |",
+            scene.name,
+            drawn / FRAMES,
+            casters / FRAMES,
+            *lamps as f64 / FRAMES as f64,
+            step[middle],
+            step[worst],
+            step[middle] / bevys,
+            frame[middle],
+            frame[worst],
+        );
+    }
 }
 
 fn is_ready(app: &App, size: usize) -> bool {

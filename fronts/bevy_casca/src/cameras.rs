@@ -17,25 +17,26 @@ use casca::{Method, View};
 use crate::drawn::{self, Drawn};
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
-use crate::{border, layers};
+use crate::{border, layers, run};
 
-type Managed = (With<InScene>, Without<NoCpuCulling>);
-type Unmanaged = (Without<InScene>, Without<NoCpuCulling>);
+type Managed = (With<InScene>, With<GlobalTransform>, Without<NoCpuCulling>);
+type Unmanaged = (Without<InScene>, With<GlobalTransform>, Without<NoCpuCulling>);
 
-/// An entity that may be drawn.
+/// An entity that may be drawn, or cast a shadow.
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(crate) struct Candidate {
-    entity: Entity,
+    pub(crate) entity: Entity,
     inherited: &'static InheritedVisibility,
-    view_visibility: &'static mut ViewVisibility,
+    pub(crate) view_visibility: &'static mut ViewVisibility,
     classes: Option<&'static VisibilityClass>,
     layers: Option<&'static RenderLayers>,
-    aabb: Option<&'static Aabb>,
+    pub(crate) aabb: Option<&'static Aabb>,
     sphere: Option<&'static Sphere>,
-    transform: &'static GlobalTransform,
-    no_frustum_culling: Has<NoFrustumCulling>,
-    has_range: Has<VisibilityRange>,
+    pub(crate) transform: Option<&'static GlobalTransform>,
+    pub(crate) no_frustum_culling: Has<NoFrustumCulling>,
+    pub(crate) has_range: Has<VisibilityRange>,
+    pub(crate) known: Option<&'static InScene>,
 }
 
 /// A camera, as far as the test asks.
@@ -48,20 +49,23 @@ struct Viewer<'a> {
 }
 
 impl CandidateItem<'_, '_> {
+    pub(crate) fn is_drawn(&self, layers: &RenderLayers) -> bool {
+        self.inherited.get() && layers.intersects(self.layers.unwrap_or_default())
+    }
+
     /// Whether Bevy takes it to be visible.
     fn is_seen(&self, viewer: &Viewer) -> bool {
-        let drawn = self.inherited.get() && viewer.layers.intersects(self.layers.unwrap_or_default());
         let out_of_range =
             |ranges: &VisibleEntityRanges| !ranges.entity_is_in_range_of_view(self.entity, viewer.entity);
-        if !drawn || self.has_range && viewer.ranges.is_some_and(out_of_range) {
+        if !self.is_drawn(viewer.layers) || self.has_range && viewer.ranges.is_some_and(out_of_range) {
             return false;
         }
         let Some(frustum) = viewer.frustum.filter(|_| !self.no_frustum_culling) else { return true };
-        if let Some(aabb) = self.aabb {
-            let world_from_local = self.transform.affine();
+        if let (Some(aabb), Some(transform)) = (self.aabb, self.transform) {
+            let world_from_local = transform.affine();
             let around = Sphere {
                 center: world_from_local.transform_point3a(aabb.center),
-                radius: self.transform.radius_vec3a(aabb.half_extents),
+                radius: transform.radius_vec3a(aabb.half_extents),
             };
             frustum.intersects_sphere(&around, false)
                 && frustum.intersects_obb(aabb, &world_from_local, true, false)
@@ -106,10 +110,13 @@ pub(crate) fn check_cameras(
     let strays = drawn::strays(casca, &drawn, &mut commands);
     let views: Vec<(Entity, View)> = cameras
         .iter()
-        .filter(|camera| camera.camera.is_active && settings.enabled)
+        .filter(|camera| camera.camera.is_active)
         .filter_map(|camera| Some((camera.entity, camera.view()?)))
         .collect();
-    run(casca, &settings, &views);
+    match casca.scene.as_ref().filter(|_| !matches!(settings.method, Method::Frustum)) {
+        Some(scene) => run::run_all(scene, &mut casca.cameras, settings.method, &views),
+        None => casca.cameras.clear(),
+    }
     let ranges = ranges.as_deref();
     for mut camera in &mut cameras {
         if !camera.camera.is_active {
@@ -134,7 +141,7 @@ pub(crate) fn check_cameras(
         unmanaged
             .par_iter_mut()
             .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item));
-        match (casca.cameras.pvs(camera.entity), &casca.scene) {
+        match (casca.seen_by(camera.entity), &casca.scene) {
             (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
                 let mut seen = 0;
@@ -185,21 +192,11 @@ impl CamerasReadOnlyItem<'_, '_> {
     }
 }
 
-/// Runs the queries of some cameras, and forgets those of others.
-fn run(casca: &mut CascaScene, settings: &CascaSettings, views: &[(Entity, View)]) {
-    let culls = settings.enabled && !matches!(settings.method, Method::Frustum);
-    match casca.scene.as_ref().filter(|_| culls) {
-        Some(scene) => casca.cameras.run(scene, settings, views),
-        None => casca.cameras.clear(),
-    }
-}
-
-/// Ends the frame of the scene with the sets of all cameras and lights.
+/// Ends the frame of the scene with the sets of all cameras.
 pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
     let start = Instant::now();
-    let CascaScene { scene: Some(scene), cameras, suns, lamps, counts, .. } = &mut *casca else { return };
-    let lights = suns.values().chain(lamps.values());
+    let CascaScene { scene: Some(scene), cameras, counts, .. } = &mut *casca else { return };
     // All sets are of this scene and frame. Would one be refused, hidden entities only cost more.
-    let _ = scene.end_frame(cameras.all().chain(lights.map(casca::Query::pvs)));
+    let _ = scene.end_frame(cameras.values().map(casca::Query::pvs));
     counts.time += start.elapsed();
 }

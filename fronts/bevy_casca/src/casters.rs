@@ -1,40 +1,22 @@
 //! What may cast a shadow, and the test that Bevy makes of it.
 
 use bevy_camera::primitives::{Aabb, Frustum, Sphere};
-use bevy_camera::visibility::{
-    InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers, SetViewVisibility, ViewVisibility,
-    VisibilityRange, VisibleEntityRanges,
-};
+use bevy_camera::visibility::{NoCpuCulling, RenderLayers, SetViewVisibility, VisibleEntityRanges};
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use bevy_light::{DirectionalLight, NotShadowCaster};
+use bevy_math::Affine3A;
 use bevy_mesh::Mesh3d;
-use bevy_transform::components::GlobalTransform;
 use bevy_utils::Parallel;
-use casca::Scene;
 
+use crate::cameras::{Candidate, CandidateItem};
 use crate::scene::InScene;
-
-/// An entity that may cast a shadow.
-#[derive(QueryData)]
-#[query_data(mutable)]
-pub(crate) struct Caster {
-    entity: Entity,
-    inherited: &'static InheritedVisibility,
-    view_visibility: &'static mut ViewVisibility,
-    layers: Option<&'static RenderLayers>,
-    aabb: Option<&'static Aabb>,
-    transform: Option<&'static GlobalTransform>,
-    has_range: Has<VisibilityRange>,
-    no_frustum_culling: Has<NoFrustumCulling>,
-}
 
 /// All entities that may cast shadows.
 #[derive(SystemParam)]
 pub(crate) struct Casters<'w, 's> {
-    managed: Query<'w, 's, Caster, (CasterFilter, With<InScene>)>,
-    unmanaged: Query<'w, 's, Caster, (CasterFilter, Without<InScene>)>,
+    managed: Query<'w, 's, Candidate, (CasterFilter, With<InScene>)>,
+    unmanaged: Query<'w, 's, Candidate, (CasterFilter, Without<InScene>)>,
     ranges: Option<Res<'w, VisibleEntityRanges>>,
     queues: Local<'s, Parallel<Vec<Vec<Entity>>>>,
 }
@@ -53,29 +35,22 @@ pub(crate) struct Shine<'a> {
     pub(crate) near: bool,
 }
 
-/// One view of a light: a cascade, or a face of a cube.
-pub(crate) struct LightView<'a> {
-    pub(crate) frustum: &'a Frustum,
-    /// What the light may see of managed entities; `None` if they are to be culled by frustum only.
-    pub(crate) query: Option<&'a casca::Query>,
-}
-
 impl Casters<'_, '_> {
-    /// The casters in each of some views of a light, in the order that renderers need. Marks them
-    /// as visible.
+    /// The casters in each of some views of a light, in the order that renderers need: of managed
+    /// entities only those given, if any are. Marks them as visible.
     pub(crate) fn lists(
         &mut self,
-        scene: Option<&Scene>,
         shine: &Shine,
-        views: &[LightView],
+        frusta: &[Frustum],
+        managed: Option<impl Iterator<Item = Entity>>,
     ) -> Vec<Vec<Entity>> {
         let ranges = self.ranges.as_deref();
-        let note = |lists: &mut [Vec<Entity>], mut item: CasterItem, takes: &dyn Fn(usize) -> bool| {
-            if !item.is_drawn(shine, ranges) {
+        let note = |lists: &mut [Vec<Entity>], mut item: CandidateItem| {
+            if !item.casts(shine, ranges) {
                 return;
             }
-            for (i, (view, list)) in views.iter().zip(lists).enumerate() {
-                if takes(i) && item.is_lit(shine, view.frustum) {
+            for (frustum, list) in frusta.iter().zip(lists) {
+                if item.reaches(|aabb, place| frustum.intersects_obb(aabb, place, shine.near, true)) {
                     item.view_visibility.set_visible();
                     list.push(item.entity);
                 }
@@ -84,50 +59,50 @@ impl Casters<'_, '_> {
         let queues = &*self.queues;
         let begin = || {
             let mut lists = queues.borrow_local_mut();
-            let count = views.len().max(lists.len());
+            let count = frusta.len().max(lists.len());
             lists.resize_with(count, Vec::new);
             lists
         };
-        self.unmanaged.par_iter_mut().for_each_init(begin, |lists, item| note(lists, item, &|_| true));
-        let by_frustum = |i: usize| scene.is_none() || views[i].query.is_none();
-        if (0..views.len()).any(by_frustum) {
-            self.managed.par_iter_mut().for_each_init(begin, |lists, item| note(lists, item, &by_frustum));
+        self.unmanaged.par_iter_mut().for_each_init(begin, |lists, item| note(lists, item));
+        if let Some(managed) = managed {
+            let mut lists = begin();
+            for entity in managed {
+                if let Ok(item) = self.managed.get_mut(entity) {
+                    note(&mut lists, item);
+                }
+            }
+        } else {
+            self.managed.par_iter_mut().for_each_init(begin, |lists, item| note(lists, item));
         }
-        let mut out = vec![Vec::new(); views.len()];
+        let mut out = vec![Vec::new(); frusta.len()];
         for lists in self.queues.iter_mut() {
             for (out, list) in out.iter_mut().zip(lists) {
                 out.append(list);
             }
         }
-        for (i, view) in views.iter().enumerate() {
-            let Some((scene, query)) = scene.zip(view.query) else { continue };
-            for &id in query.pvs().visible() {
-                let entity = scene.user_data(id).ok().and_then(Entity::try_from_bits);
-                if let Some(item) = entity.and_then(|entity| self.managed.get_mut(entity).ok()) {
-                    note(&mut out, item, &|other| other == i);
-                }
-            }
-        }
         out.iter_mut().for_each(|list| list.sort_unstable());
         out
     }
+
+    /// Whether a managed entity moves; in doubt, it does not.
+    pub(crate) fn moves(&self, entity: Entity) -> bool {
+        self.managed.get(entity).is_ok_and(|item| item.known.is_some_and(|known| known.moves))
+    }
 }
 
-impl CasterItem<'_, '_> {
-    fn is_drawn(&self, shine: &Shine, ranges: Option<&VisibleEntityRanges>) -> bool {
+impl CandidateItem<'_, '_> {
+    fn casts(&self, shine: &Shine, ranges: Option<&VisibleEntityRanges>) -> bool {
         let out_of_range = |ranges: &VisibleEntityRanges| {
             shine.origin.is_none_or(|origin| !ranges.entity_is_in_range_of_view(self.entity, origin))
         };
-        self.inherited.get()
-            && shine.layers.intersects(self.layers.unwrap_or_default())
+        self.is_drawn(shine.layers)
             && !(self.has_range && ranges.is_some_and(out_of_range))
+            && self.reaches(|aabb, place| shine.sphere.is_none_or(|range| range.intersects_obb(aabb, place)))
     }
 
-    fn is_lit(&self, shine: &Shine, frustum: &Frustum) -> bool {
+    /// Whether it passes a test of its box, if it is to be tested.
+    fn reaches(&self, test: impl Fn(&Aabb, &Affine3A) -> bool) -> bool {
         let (Some(aabb), Some(transform)) = (self.aabb, self.transform) else { return true };
-        let place = transform.affine();
-        self.no_frustum_culling
-            || shine.sphere.is_none_or(|sphere| sphere.intersects_obb(aabb, &place))
-                && frustum.intersects_obb(aabb, &place, shine.near, true)
+        self.no_frustum_culling || test(aabb, &transform.affine())
     }
 }

@@ -13,7 +13,7 @@ use bevy_mesh::skinning::SkinnedMesh;
 use bevy_transform::components::GlobalTransform;
 
 use crate::materials;
-use crate::scene::{CascaScene, InScene};
+use crate::scene::{CascaScene, InScene, take_out};
 use crate::settings::NoOcclusionCulling;
 
 /// Components of which casca manages no entity, whatever else it has.
@@ -75,9 +75,10 @@ pub(crate) fn strays(
     drawn: &Query<(Entity, &InScene), Drawn>,
     commands: &mut Commands,
 ) -> Vec<Entity> {
-    let Some(scene) = casca.scene.as_mut().filter(|scene| scene.len() != drawn.iter().len()) else {
+    let CascaScene { scene: Some(scene), changes, movers, .. } = casca else { return Vec::new() };
+    if scene.len() == drawn.iter().len() {
         return Vec::new();
-    };
+    }
     let owner = |object: casca::ObjectRef| Entity::try_from_bits(object.user_data());
     let has_place = |id, entity| drawn.get(entity).is_ok_and(|(_, known)| known.id == id);
     let objects = scene.iter().map(|(id, object)| (id, owner(object)));
@@ -85,12 +86,12 @@ pub(crate) fn strays(
     let gone: Vec<_> = gone.collect();
     let mut strays = Vec::with_capacity(gone.len());
     for (id, entity) in gone {
-        let _ = scene.remove(id);
+        take_out(Some(&mut *scene), changes, id);
         strays.extend(entity);
     }
     strays.extend(drawn.iter().filter(|(_, known)| !scene.contains(known.id)).map(|(entity, _)| entity));
     for &entity in &strays {
-        casca.movers.remove(&entity);
+        movers.remove(&entity);
         if let Ok(mut known) = commands.get_entity(entity) {
             known.try_remove::<InScene>();
             // What its material becomes meanwhile is not seen.

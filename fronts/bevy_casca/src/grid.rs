@@ -2,7 +2,10 @@
 
 use bevy_math::Vec3A;
 use casca::glam::Vec3;
-use casca::{Aabb, GridSpec};
+use casca::{Aabb, GridSpec, Scene};
+
+use crate::border;
+use crate::scene::CascaScene;
 
 /// This share of the entities may lie beyond each side of the grid: a sky, or something lost far
 /// away. They are tested in every query.
@@ -20,8 +23,44 @@ const LEAST: f32 = 1e-3;
 /// The least side of a grid, as a share of the greatest: entities may all lie in a plane.
 const FLATTEST: f32 = 0.01;
 
+/// A grid is kept for so many frames at least.
+const GRID_FRAMES: u32 = 64;
+
+/// Of the entities in the scene, so many tell whether the grid still suits them.
+const GRID_SAMPLE: usize = 4096;
+
+/// Makes a grid if there is none, or if the world has outgrown it: then says that the scene is
+/// empty.
+pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, Vec3A)>) -> bool {
+    let make = |boxes: &[_]| around(boxes).and_then(|spec| Scene::new(&spec).ok());
+    let Some(scene) = &casca.scene else {
+        let boxes: Vec<_> = new.collect();
+        if !boxes.is_empty() {
+            casca.scene = make(&boxes);
+            casca.grid_made = casca.frame;
+        }
+        return false;
+    };
+    if casca.frame.wrapping_sub(casca.grid_made) < GRID_FRAMES {
+        return false;
+    }
+    casca.grid_made = casca.frame;
+    let step = (scene.len() / GRID_SAMPLE).max(1);
+    let known = scene.iter().step_by(step).map(|(_, object)| border::back(&object.bounds().aabb()));
+    let boxes: Vec<_> = known.chain(new).collect();
+    let outside = boxes.iter().filter(|b| is_outside(scene.grid(), **b)).count();
+    // The estimate of cells is for a sample of them.
+    let Some(scene) = make(&boxes).filter(|_| outside * 4 > boxes.len()) else { return false };
+    casca.scene = Some(scene);
+    casca.movers.clear();
+    casca.cameras.clear();
+    casca.suns.clear();
+    casca.lamps.clear();
+    true
+}
+
 /// A grid around boxes in world space. `None` without boxes, or if none suits them.
-pub(crate) fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
+fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
     let stray = if boxes.len() < FEW { 0 } else { (boxes.len() as f64 * STRAY) as usize };
     let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
     let mut sides: Vec<f32> = Vec::with_capacity(boxes.len());
@@ -51,7 +90,7 @@ fn nth(memory: &mut Vec<f32>, numbers: impl Iterator<Item = f32>, n: usize) -> O
 }
 
 /// Whether a box lies outside of a grid.
-pub(crate) fn is_outside(grid: &casca::Grid, (min, max): (Vec3A, Vec3A)) -> bool {
+fn is_outside(grid: &casca::Grid, (min, max): (Vec3A, Vec3A)) -> bool {
     let (low, high) = (grid.min(), grid.max());
     (0..3).any(|axis| f64::from(min[axis]) > high[axis] || f64::from(max[axis]) < low[axis])
 }

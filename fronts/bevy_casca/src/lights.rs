@@ -2,9 +2,8 @@
 //! the six faces of point lights.
 
 use std::any::TypeId;
-use std::f32::consts::FRAC_PI_2;
 
-use bevy_camera::primitives::{CUBE_MAP_FACES, CascadesFrusta, CubeMapFace, CubemapFrusta, Frustum, Sphere};
+use bevy_camera::primitives::{CascadesFrusta, CubemapFrusta, Frustum, Sphere};
 use bevy_camera::visibility::{
     CascadesVisibleEntities, CubemapVisibleEntities, RenderLayers, ViewVisibility, VisibleEntities,
     VisibleMeshEntities,
@@ -18,14 +17,13 @@ use bevy_light::{
     Cascades, DirectionalLight, PointLight, SpotLight, get_shadow_lod_origin, spot_light_clip_from_view,
     spot_light_world_from_view,
 };
-use bevy_math::proj::perspective_infinite_reverse;
-use bevy_math::{Affine3A, Mat4, Vec3A};
+use bevy_math::{Mat3A, Mat4, Vec3, Vec3A};
 use bevy_platform::time::Instant;
-use bevy_transform::components::{GlobalTransform, Transform};
+use bevy_transform::components::GlobalTransform;
 use casca::View;
 
-use crate::casters::{Casters, LightView, Shine};
-use crate::run::{Queries, run_lights};
+use crate::beams::{Aim, Reach, shine};
+use crate::casters::{Casters, Shine};
 use crate::scene::CascaScene;
 use crate::settings::{CascaSettings, NoOcclusionCulling};
 use crate::{border, layers};
@@ -46,23 +44,31 @@ pub(crate) fn check_suns(
     mut casca: ResMut<CascaScene>,
     settings: Res<CascaSettings>,
     mut suns: Query<Sun, Without<SpotLight>>,
+    eyes: Query<&GlobalTransform>,
     mut casters: Casters,
 ) {
     let start = Instant::now();
     let casca = &mut *casca;
-    let mut views = Vec::new();
-    for (entity, light, _, cascades, _, layers, seen, opt_out) in &suns {
+    let mut beams = std::mem::take(&mut casca.suns);
+    let mut aims = Vec::new();
+    for (entity, light, frusta, cascades, _, layers, seen, opt_out) in &suns {
         if opt_out || !light.shadow_maps_enabled || !seen.get() {
             continue;
         }
         for (&camera, cascades) in cascades.iter().flat_map(|cascades| &cascades.cascades) {
-            views.extend(cascades.iter().enumerate().filter_map(|(i, cascade)| {
-                Some(((entity, camera, i), view_of_cascade(cascade, layers, casca.farthest)?))
-            }));
+            // A cascade that does not belong to the frustum says nothing about it.
+            let alike = frusta.frusta.get(&camera).is_some_and(|frusta| frusta.len() == cascades.len());
+            let Ok(eye) = eyes.get(camera) else { continue };
+            let key = (entity, camera);
+            let old = beams.get(&key).map(|beam| &beam.aim);
+            let wanted = Shaft::around(cascades, eye.translation(), casca.farthest).filter(|_| alike);
+            let aim = wanted.and_then(|shaft| shaft.aim(layers::of_light(layers), old));
+            aims.extend(aim.map(|aim| (key, aim)));
         }
     }
-    run_lights(casca.scene.as_ref(), &mut casca.suns, &settings, &views);
-    for (entity, light, frusta, cascades, mut visible, layers, seen, _) in &mut suns {
+    let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
+    shine(&mut beams, now, settings.method, aims, |entity| casters.moves(entity));
+    for (entity, light, frusta, _, mut visible, layers, seen, _) in &mut suns {
         // If shadow maps are disabled, there must be no entities.
         if !light.shadow_maps_enabled || !seen.get() {
             visible.entities.clear();
@@ -70,16 +76,11 @@ pub(crate) fn check_suns(
         }
         visible.entities.retain(|camera, _| frusta.frusta.contains_key(camera));
         for (&camera, frusta) in &frusta.frusta {
-            // A cascade that does not belong to the frustum says nothing about it.
-            let cascades = cascades.and_then(|cascades| cascades.cascades.get(&camera));
-            let alike = cascades.is_some_and(|cascades| cascades.len() == frusta.len());
-            let query = |i| casca.suns.get(&(entity, camera, i)).filter(|_| alike);
-            let views = frusta.iter().enumerate().map(|(i, frustum)| LightView { frustum, query: query(i) });
-            let views: Vec<LightView> = views.collect();
             let layers = layers.unwrap_or_default();
             // What lies before the near plane casts a shadow, too.
             let shine = Shine { layers, origin: Some(camera), sphere: None, near: false };
-            let lists = casters.lists(casca.scene.as_ref(), &shine, &views);
+            let lit = beams.get(&(entity, camera)).map(|beam| beam.casters(&casca.movers));
+            let lists = casters.lists(&shine, frusta, lit);
             let out = visible.entities.entry(camera).or_default();
             out.resize_with(frusta.len(), VisibleMeshEntities::default);
             for (out, list) in out.iter_mut().zip(lists) {
@@ -88,31 +89,73 @@ pub(crate) fn check_suns(
             }
         }
     }
+    casca.suns = beams;
     casca.counts.time += start.elapsed();
 }
 
-/// The view of a cascade, opened towards the light as far as entities may be.
-fn view_of_cascade(cascade: &Cascade, layers: Option<&RenderLayers>, farthest: f32) -> Option<View> {
-    let layers = layers::of_light(layers);
-    let forward = -cascade.world_from_cascade.z_axis.truncate();
-    let matrix = open(cascade.clip_from_world, farthest)?;
-    let view = View::orthographic(border::vec3(forward), border::mat4(&matrix)).ok()?;
-    (layers != 0).then(|| view.with_layers(layers))
+/// A shaft of a sun's light is wider than needed by this: the camera moves on.
+const ROOM: f32 = 1.25;
+
+/// All that the cascades of a sun may hold, whichever way the camera turns.
+struct Shaft {
+    /// Across the light, and towards it.
+    to_axes: Mat3A,
+    middle: Vec3A,
+    half: f32,
+    /// How far along the light entities may be.
+    farthest: f32,
+    /// What the cascades hold now.
+    min: Vec3A,
+    max: Vec3A,
 }
 
-/// An orthographic matrix with reversed depth, of which the near plane lies before all points whose
-/// coordinates are no greater than `farthest`. Its far plane stays where it is.
-fn open(mut matrix: Mat4, farthest: f32) -> Option<Mat4> {
-    let depth = matrix.row(2);
-    let most = depth.truncate().length() * farthest * 2.0 + depth.w.abs();
-    let shrink = most.max(1.0).recip();
-    if !(shrink.is_normal() && most.is_finite()) {
-        return None;
+impl Shaft {
+    /// `None` if the cascades look into different directions.
+    fn around(cascades: &[Cascade], eye: Vec3, farthest: f32) -> Option<Self> {
+        let from_axes = Mat3A::from_mat4(cascades.first()?.world_from_cascade);
+        let to_axes = from_axes.transpose();
+        let (mut min, mut max) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        for cascade in cascades {
+            if Mat3A::from_mat4(cascade.world_from_cascade) != from_axes {
+                return None;
+            }
+            let middle = to_axes * Vec3A::from(cascade.world_from_cascade.w_axis.truncate());
+            let clip = &cascade.clip_from_cascade;
+            let half = Vec3A::new(clip.x_axis.x, clip.y_axis.y, clip.z_axis.z).recip().abs() * SLACK;
+            min = min.min(middle - half);
+            max = max.max(middle + half);
+        }
+        let middle = to_axes * Vec3A::from(eye);
+        let half = (max - middle).abs().max((min - middle).abs()).truncate().max_element() * ROOM;
+        let farthest = farthest.max(eye.abs().max_element());
+        Some(Self { to_axes, middle, half, farthest, min, max })
     }
-    for column in [&mut matrix.x_axis, &mut matrix.y_axis, &mut matrix.z_axis, &mut matrix.w_axis] {
-        column.z *= shrink;
+
+    /// The view of it: an earlier one, if that will do.
+    fn aim(&self, layers: u64, old: Option<&Aim>) -> Option<Aim> {
+        let Self { to_axes, middle, half, farthest, min, max } = *self;
+        let holds = |aim: &&Aim| {
+            let Reach { middle, half, .. } = aim.reach;
+            let inside = (middle - half).cmple(min).all() && (middle + half).cmpge(max).all();
+            inside && aim.reach.to_axes == to_axes && aim.view.layers() == layers && farthest <= half.z * 0.25
+        };
+        if let Some(old) = old.filter(holds) {
+            return Some(old.clone());
+        }
+        // The corner of a cube is less than twice as far as a side.
+        let depth = farthest.max(half) * 8.0;
+        let half = Vec3A::new(half, half, depth);
+        let middle = Vec3A::new(middle.x, middle.y, 0.0);
+        let (scale, from_axes) = (half.recip() * Vec3A::new(1.0, 1.0, 0.5), to_axes.transpose());
+        let column = |axis: Vec3A, w: f32| (to_axes * axis * scale).extend(w);
+        let at = -middle * scale + Vec3A::new(0.0, 0.0, 0.5);
+        let (x, y, z) = (column(Vec3A::X, 0.0), column(Vec3A::Y, 0.0), column(Vec3A::Z, 0.0));
+        let matrix = Mat4::from_cols(x, y, z, at.extend(1.0));
+        let view =
+            View::orthographic(border::vec3((-from_axes.z_axis).into()), border::mat4(&matrix)).ok()?;
+        let reach = Reach { to_axes, middle, half };
+        (layers != 0).then(|| Aim { view: view.with_layers(layers), reach })
     }
-    Some(matrix)
 }
 
 type Bulb = (
@@ -152,68 +195,57 @@ pub(crate) fn check_lamps(
     let casca = &mut *casca;
     let class = TypeId::of::<ClusterVisibilityClass>();
     let lit: EntityHashSet = cameras.iter().flat_map(|seen| seen.get(class)).copied().collect();
-    let mut views = Vec::new();
+    let mut beams = std::mem::take(&mut casca.lamps);
+    let mut aims = Vec::new();
     for &entity in &lit {
         if let Ok((light, transform, .., layers, false)) = bulbs.get(entity)
             && light.shadow_maps_enabled
         {
-            let faces = (0..).zip(faces(light, transform));
-            views.extend(
-                faces.filter_map(|(i, face)| {
-                    Some(((entity, entity, i), view_of_lamp(transform, face, layers)?))
-                }),
-            );
+            let view = view_of_bulb(transform.translation(), light);
+            aims.extend(aim(view, transform, light.range, layers).map(|aim| ((entity, entity), aim)));
         }
         if let Ok((light, transform, .., layers, false)) = spots.get(entity)
             && light.shadow_maps_enabled
         {
             let clip_from_view = spot_light_clip_from_view(light.outer_angle, light.shadow_map_near_z);
             let matrix = clip_from_view * Mat4::from(spot_light_world_from_view(transform).inverse());
-            views.extend(view_of_lamp(transform, matrix, layers).map(|view| ((entity, entity, SPOT), view)));
+            let eye = border::vec3(transform.translation());
+            let view = View::perspective(eye, border::mat4(&matrix)).ok();
+            aims.extend(aim(view, transform, light.range, layers).map(|aim| ((entity, entity), aim)));
         }
     }
-    run_lights(casca.scene.as_ref(), &mut casca.lamps, &settings, &views);
+    let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
+    shine(&mut beams, now, settings.method, aims, |entity| casters.moves(entity));
     let origin = get_shadow_lod_origin(
         targets.transmute_lens_filtered(),
         origins.transmute_lens_filtered(),
         all.transmute_lens_filtered(),
     );
-    let CascaScene { scene, lamps: queries, counts, .. } = casca;
-    let scene = scene.as_ref();
     for entity in lit {
+        let lit = beams.get(&(entity, entity)).map(|beam| beam.casters(&casca.movers));
         if let Ok((light, transform, frusta, mut visible, layers, _)) = bulbs.get_mut(entity)
             && light.shadow_maps_enabled
         {
-            let views: Vec<LightView> = of_faces(queries, entity, frusta);
-            let shine = shine(layers, origin, transform, light.range);
-            for (out, list) in visible.iter_mut().zip(casters.lists(scene, &shine, &views)) {
-                counts.casters += list.len();
+            let shine = shine_of(layers, origin, transform, light.range);
+            for (out, list) in visible.iter_mut().zip(casters.lists(&shine, &frusta.frusta, lit)) {
+                casca.counts.casters += list.len();
                 replace(out, list);
             }
-        }
-        if let Ok((light, transform, frustum, mut visible, layers, _)) = spots.get_mut(entity)
+        } else if let Ok((light, transform, frustum, mut visible, layers, _)) = spots.get_mut(entity)
             && light.shadow_maps_enabled
         {
-            let views = [LightView { frustum, query: queries.get(&(entity, entity, SPOT)) }];
-            let shine = shine(layers, origin, transform, light.range);
-            for list in casters.lists(scene, &shine, &views) {
-                counts.casters += list.len();
+            let shine = shine_of(layers, origin, transform, light.range);
+            for list in casters.lists(&shine, std::slice::from_ref(frustum), lit) {
+                casca.counts.casters += list.len();
                 replace(&mut visible, list);
             }
         }
     }
-    counts.time += start.elapsed();
+    casca.lamps = beams;
+    casca.counts.time += start.elapsed();
 }
 
-/// The number of a spot light's view; point lights have views 0 to 5.
-const SPOT: usize = 6;
-
-fn of_faces<'a>(queries: &'a Queries, entity: Entity, frusta: &'a CubemapFrusta) -> Vec<LightView<'a>> {
-    let view = |(i, frustum)| LightView { frustum, query: queries.get(&(entity, entity, i)) };
-    frusta.iter().enumerate().map(view).collect()
-}
-
-fn shine<'a>(
+fn shine_of<'a>(
     layers: Option<&'a RenderLayers>,
     origin: Option<Entity>,
     transform: &GlobalTransform,
@@ -224,25 +256,33 @@ fn shine<'a>(
     Shine { layers: layers.unwrap_or_default(), origin, sphere, near: true }
 }
 
-/// The matrices that the faces of a point light are drawn with.
-fn faces(light: &PointLight, transform: &GlobalTransform) -> impl Iterator<Item = Mat4> {
-    let clip_from_view = perspective_infinite_reverse(FRAC_PI_2, 1.0, light.shadow_map_near_z);
-    let place = Transform::from_translation(transform.translation());
-    CUBE_MAP_FACES.iter().map(move |CubeMapFace { target, up }| {
-        let world_from_view: Transform = place * Transform::IDENTITY.looking_at(*target, *up);
-        let view_from_world: Affine3A = world_from_view.compute_affine().inverse();
-        clip_from_view * Mat4::from(view_from_world)
-    })
+/// What a point light shines on, in all directions. What its near planes cut casts no shadow, so
+/// all that can be seen from as near as that lies in the light.
+fn view_of_bulb(at: Vec3, light: &PointLight) -> Option<View> {
+    let side =
+        |axis: Vec3| casca::Plane { normal: border::vec3(axis), offset: light.range * SLACK - axis.dot(at) };
+    let sides = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(side);
+    let near = light.shadow_map_near_z * SLACK * 3.0_f32.sqrt();
+    View::from_planes(border::vec3(at), &sides).and_then(|view| view.with_reach(near)).ok()
 }
 
-fn view_of_lamp(transform: &GlobalTransform, matrix: Mat4, layers: Option<&RenderLayers>) -> Option<View> {
+/// What rounding may add to lengths, and more.
+const SLACK: f32 = 1.001;
+
+fn aim(
+    view: Option<View>,
+    transform: &GlobalTransform,
+    range: f32,
+    layers: Option<&RenderLayers>,
+) -> Option<Aim> {
+    let (middle, half) = (transform.translation().into(), Vec3A::splat(range * SLACK));
     let layers = layers::of_light(layers);
-    let view = View::perspective(border::vec3(transform.translation()), border::mat4(&matrix)).ok()?;
-    (layers != 0).then(|| view.with_layers(layers))
+    let view = view.filter(|_| layers != 0)?.with_layers(layers);
+    Some(Aim { view, reach: Reach { to_axes: Mat3A::IDENTITY, middle, half } })
 }
 
 /// Puts another list in the place of one.
-pub(crate) fn replace(out: &mut VisibleMeshEntities, mut list: Vec<Entity>) {
+fn replace(out: &mut VisibleMeshEntities, mut list: Vec<Entity>) {
     out.entities.clear();
     out.entities.append(&mut list);
     out.shrink();
@@ -251,18 +291,23 @@ pub(crate) fn replace(out: &mut VisibleMeshEntities, mut list: Vec<Entity>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy_math::Vec3;
+
+    fn shaft(turn: f32, side: f32, farthest: f32) -> Shaft {
+        let place =
+            Mat4::from_rotation_translation(bevy_math::Quat::from_rotation_y(turn), Vec3::splat(side));
+        let clip = bevy_math::proj::orthographic(-side, side, -side, side, 9.0, 0.0);
+        let cascade = Cascade { world_from_cascade: place, clip_from_cascade: clip, ..Default::default() };
+        Shaft::around(&[cascade], Vec3::ONE, farthest).unwrap()
+    }
 
     #[test]
-    fn an_opened_cascade_keeps_its_sides_and_its_far_plane() {
-        let cascade = bevy_math::proj::orthographic(-3.0, 5.0, -2.0, 6.0, 9.0, 1.0);
-        let opened = open(cascade, 1000.0).unwrap();
-        for p in [Vec3::new(-3.0, 6.0, -9.0), Vec3::new(1.0, 1.0, -4.0), Vec3::splat(999.0)] {
-            let (old, new) = (cascade.project_point3(p), opened.project_point3(p));
-            assert_eq!(old.truncate(), new.truncate());
-            assert!(new.z <= 1.0 && (old.z > 0.0) == (new.z > 0.0), "{p}: {old} {new}");
+    fn a_shaft_is_kept_while_it_holds_the_cascades() {
+        let aim = shaft(0.5, 8.0, 50.0).aim(1, None).unwrap();
+        assert_eq!(shaft(0.5, 7.0, 50.0).aim(1, Some(&aim)).unwrap(), aim);
+        assert_ne!(shaft(0.5, 8.0, 50.0).aim(2, Some(&aim)).unwrap(), aim, "other layers");
+        for other in [shaft(0.6, 7.0, 50.0), shaft(0.5, 12.0, 50.0), shaft(0.5, 7.0, 1e4)] {
+            assert_ne!(other.aim(1, Some(&aim)).unwrap(), aim);
         }
-        assert_eq!(open(cascade, f32::INFINITY), None);
-        assert_eq!(open(cascade, f32::NAN), None);
+        assert_eq!(shaft(0.5, f32::NAN, 50.0).aim(1, None), None);
     }
 }

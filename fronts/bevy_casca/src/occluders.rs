@@ -201,31 +201,3 @@ impl Stored {
         TriMesh::prepare(positions, triangles, &how, progress).ok()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use casca::glam::{Affine3A, UVec3};
-    use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
-
-    use super::*;
-
-    #[test]
-    fn a_cuboid_of_bevys_hides_what_is_behind_it() {
-        let cube = Mesh::from(bevy_shape::Cuboid::new(1.0, 1.0, 1.0));
-        let (positions, corners) = triangles(&cube, 100).unwrap();
-        for sides in [Opaque::Front, Opaque::Both] {
-            let mesh = Stored::default().prepare(positions.clone(), corners.clone(), sides).unwrap();
-            let mesh = Arc::new(mesh);
-            assert!(mesh.is_closed());
-            let mut scene =
-                Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) }).unwrap();
-            let bounds = Aabb::new(Vec3::splat(-0.5), Vec3::splat(0.5));
-            let place = Affine3A::from_scale(Vec3::new(2.0, 20.0, 20.0));
-            let place = Affine3A::from_translation(Vec3::splat(16.0)) * place;
-            scene.insert(ObjectDesc::fixed(bounds).occluder(mesh).placed(place)).unwrap();
-            scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(24.0, 16.0, 16.0), 0.5))).unwrap();
-            let eye = View::omnidirectional(Vec3::new(8.0, 16.0, 16.0)).unwrap();
-            assert_eq!(Query::new().run(&scene, &eye).len(), 1, "{sides:?}");
-        }
-    }
-}

@@ -11,7 +11,7 @@ use bevy_log::warn;
 use bevy_transform::TransformSystems;
 
 use crate::scene::CascaScene;
-use crate::settings::{CascaSettings, CascaSystems};
+use crate::settings::{CascaSettings, CascaSystems, Shadows};
 use crate::{cameras, diagnostics, lights, materials, sync};
 
 /// Occlusion culling by casca. Add it beside Bevy's plugins, in any order; [`CascaSettings`] has
@@ -53,15 +53,30 @@ impl Plugin for CascaPlugin {
                 PostUpdate,
                 (
                     sync::sync.in_set(CascaSystems::Sync),
-                    cameras::check_cameras.in_set(CascaSystems::Cameras),
-                    (lights::check_suns, lights::check_lamps).chain().in_set(CascaSystems::Lights),
-                    (cameras::end_frame, diagnostics::measure).chain().in_set(CascaSystems::End),
+                    cameras::check_cameras.in_set(CascaSystems::Cameras).run_if(culls_for_cameras),
+                    (lights::check_suns, lights::check_lamps)
+                        .chain()
+                        .in_set(CascaSystems::Lights)
+                        .run_if(culls_for_lights),
+                    (cameras::end_frame, diagnostics::measure)
+                        .chain()
+                        .in_set(CascaSystems::End)
+                        .run_if(culls_for_cameras),
                 ),
             );
     }
 }
 
-/// Takes Bevy's systems out whose work is done here. At start, when all plugins have been added.
+fn culls_for_cameras(settings: Res<CascaSettings>) -> bool {
+    settings.enabled
+}
+
+fn culls_for_lights(settings: Res<CascaSettings>) -> bool {
+    settings.enabled && settings.shadows != Shadows::All
+}
+
+/// Takes Bevy's systems out whose work is done here, and puts them back for when it is not. At
+/// start, when all plugins have been added.
 fn take_over(world: &mut World) {
     materials::watch_unruled(world);
     let taken = world.try_schedule_scope(PostUpdate, |world, schedule| {
@@ -73,8 +88,16 @@ fn take_over(world: &mut World) {
         ]
         .into_iter()
         .all(|done| done.is_ok_and(|systems| systems == 1))
+        .then(|| {
+            schedule.add_systems((
+                check_visibility_cpu_culling.in_set(CascaSystems::Cameras).run_if(not(culls_for_cameras)),
+                (check_dir_light_mesh_visibility, check_point_light_mesh_visibility)
+                    .in_set(CascaSystems::Lights)
+                    .run_if(not(culls_for_lights)),
+            ));
+        })
     });
-    if !taken.unwrap_or(false) {
+    if !matches!(taken, Ok(Some(()))) {
         warn!("a system that culls in Bevy was not found: it may show what casca hides");
     }
 }

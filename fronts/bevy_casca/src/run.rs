@@ -1,27 +1,25 @@
 //! The queries of a frame, each in a task of its own.
 
-use std::hash::{BuildHasher, Hash};
-
-use bevy_ecs::entity::Entity;
-use bevy_platform::collections::HashMap;
+use bevy_ecs::entity::{Entity, EntityHashMap};
 use bevy_tasks::ComputeTaskPool;
 use casca::{Method, Query, Scene, View};
 
-use crate::settings::{CascaSettings, Shadows};
-
 /// Runs a query for each view, the one of the frame before if there is one, and forgets others. A
 /// view has none if the method is refused.
-pub(crate) fn run_all<K: Eq + Hash + Copy + Send, S: BuildHasher + Default>(
+pub(crate) fn run_all(
     scene: &Scene,
-    queries: &mut HashMap<K, Query, S>,
-    settings: &CascaSettings,
-    views: &[(K, View)],
+    queries: &mut EntityHashMap<Query>,
+    method: Method,
+    views: &[(Entity, View)],
 ) {
     let mut old = std::mem::take(queries);
-    let mut jobs: Vec<(K, Query, &View)> = Vec::with_capacity(views.len());
+    let mut jobs: Vec<(Entity, Query, &View)> = Vec::with_capacity(views.len());
     for (key, view) in views {
         let mut query = old.remove(key).unwrap_or_default();
-        if query.method() == settings.method || query.set_method(settings.method).is_ok() {
+        let kept = query.method() == method && query.pvs().is_valid_for(scene, view);
+        if kept {
+            queries.insert(*key, query);
+        } else if query.method() == method || query.set_method(method).is_ok() {
             jobs.push((*key, query, view));
         }
     }
@@ -38,26 +36,4 @@ pub(crate) fn each<T: Send>(all: &mut [T], does: impl Fn(&mut T) + Sync) {
     ComputeTaskPool::get_or_init(Default::default).scope(|scope| {
         all.iter_mut().for_each(|one| scope.spawn(async move { does(one) }));
     });
-}
-
-/// A view of a light: the light, for suns the camera whose cascade it is, and its number.
-pub(crate) type Key = (Entity, Entity, usize);
-
-/// The queries of the views of lights.
-pub(crate) type Queries = HashMap<Key, Query>;
-
-/// Runs the queries of some views of lights, and forgets those of others.
-pub(crate) fn run_lights(
-    scene: Option<&Scene>,
-    queries: &mut Queries,
-    settings: &CascaSettings,
-    views: &[(Key, View)],
-) {
-    let culls =
-        settings.enabled && settings.shadows != Shadows::All && !matches!(settings.method, Method::Frustum);
-    let Some(scene) = scene.filter(|_| culls) else {
-        queries.clear();
-        return;
-    };
-    run_all(scene, queries, settings, views);
 }

@@ -8,11 +8,11 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
-use casca::{ObjectId, Scene};
+use casca::{ObjectId, Query, Scene};
 
-use crate::eyes::Eyes;
+use crate::beams::{Beams, Changes, Mover};
+use crate::border;
 use crate::occluders::{Key, Occluders};
-use crate::run::Queries;
 #[cfg(doc)]
 use crate::settings::CascaSettings;
 
@@ -23,17 +23,20 @@ use crate::settings::CascaSettings;
 pub struct CascaScene {
     pub(crate) scene: Option<Scene>,
     pub(crate) occluders: Occluders,
-    pub(crate) cameras: Eyes,
-    /// Of the cascades of directional lights.
-    pub(crate) suns: Queries,
+    pub(crate) cameras: EntityHashMap<Query>,
+    /// Of directional lights.
+    pub(crate) suns: Beams,
     /// Of point lights and spot lights.
-    pub(crate) lamps: Queries,
+    pub(crate) lamps: Beams,
+    pub(crate) changes: Changes,
     /// No coordinate of an entity in the scene was greater.
     pub(crate) farthest: f32,
     /// Entities whose component went, with what it held.
     pub(crate) left: Vec<(Entity, ObjectId, Option<Key>)>,
-    /// Entities that move, and the frame from which on each counts as still if it stays.
-    pub(crate) movers: EntityHashMap<u32>,
+    /// Entities that move.
+    pub(crate) movers: EntityHashMap<Mover>,
+    /// Whether entities were not followed meanwhile.
+    pub(crate) was_off: bool,
     pub(crate) counts: Counts,
     /// How far the origin was moved since the scene was brought up to date.
     pub(crate) shifted: Option<Vec3>,
@@ -60,18 +63,13 @@ impl CascaScene {
     /// What a camera may see of the entities in the scene, found in this frame. `None` if it is
     /// culled by frustum only.
     pub fn seen_by(&self, camera: Entity) -> Option<&casca::Pvs> {
-        self.cameras.pvs(camera)
+        self.cameras.get(&camera).map(Query::pvs)
     }
 
     /// The query of a camera, for questions about anything in its view: see
-    /// [`casca::Query::sight`]. `None` if it is culled by frustum only, or keeps its results.
+    /// [`casca::Query::sight`]. `None` if it is culled by frustum only.
     pub fn camera(&self, camera: Entity) -> Option<&casca::Query> {
-        self.cameras.fresh(camera)
-    }
-
-    /// The query of a camera that [keeps its results](CascaSettings::kept).
-    pub fn kept_camera(&self, camera: Entity) -> Option<&casca::KeptQuery> {
-        self.cameras.kept(camera)
+        self.cameras.get(&camera)
     }
 
     /// Takes out of the scene what is not in it any more.
@@ -79,8 +77,7 @@ impl CascaScene {
         for (entity, id, key) in self.left.drain(..) {
             self.movers.remove(&entity);
             key.iter().for_each(|key| self.occluders.leave(*key, entity));
-            // An id of an earlier grid names nothing any more.
-            let _ = self.scene.as_mut().map(|scene| scene.remove(id));
+            take_out(self.scene.as_mut(), &mut self.changes, id);
         }
     }
 
@@ -108,6 +105,15 @@ impl CascaScene {
     /// The number of meshes that hide nothing because only the graphics processor has them.
     pub fn unreadable(&self) -> usize {
         self.occluders.unreadable
+    }
+}
+
+/// Takes an object out of the scene, if it is there: an id of an earlier grid names nothing.
+pub(crate) fn take_out(scene: Option<&mut Scene>, changes: &mut Changes, id: ObjectId) {
+    let Some(scene) = scene else { return };
+    if let Ok(bounds) = scene.bounds(id) {
+        changes.note(border::back(&bounds.aabb()));
+        let _ = scene.remove(id);
     }
 }
 

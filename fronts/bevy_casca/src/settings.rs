@@ -3,7 +3,7 @@
 use bevy_asset::Handle;
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
-use casca::{KeptOptions, Method};
+use casca::{Method, PointOptions};
 
 /// How entities are culled. Change it at any time; it counts from the next frame on.
 ///
@@ -21,7 +21,8 @@ pub struct CascaSettings {
     /// Whether casca culls. If not, entities are culled by frustum as Bevy does it. Default: true.
     pub enabled: bool,
     /// How cameras find what they see, and lights what they shine on. [`Method::Frustum`] hides
-    /// nothing behind anything. An invalid method counts as that one. Default: [`Method::Point`].
+    /// nothing behind anything. An invalid method counts as that one. Default: [`Method::Point`],
+    /// [coherent](PointOptions::coherent).
     pub method: Method,
     /// Which shadow casters are left out. Default: [`Shadows::Lit`].
     pub shadows: Shadows,
@@ -34,12 +35,6 @@ pub struct CascaSettings {
     /// Meshes with more triangles than this hide nothing by themselves; give such entities an
     /// [`Occluder`]. Default: 200,000.
     pub most_triangles: usize,
-    /// A camera keeps the result of its query and answers many frames from it. Compute tasks find
-    /// the next result in time: see [`casca::KeptQuery`]. Sets are larger. Costs a copy of the
-    /// scene for each camera, and it pays where large things hide much and few things move. Needs
-    /// [`Method::Point`]; other methods find sets anew in each frame. Default: `None`, which does
-    /// so too.
-    pub kept: Option<KeptOptions>,
     /// A folder of prepared meshes, made if it is missing: with it, a program prepares only meshes
     /// that no earlier run did. Whoever can write there can make things hide others. Default:
     /// `None`.
@@ -51,12 +46,11 @@ impl Default for CascaSettings {
     fn default() -> Self {
         Self {
             enabled: true,
-            method: Method::point(),
+            method: Method::Point(PointOptions::new().coherent(true)),
             shadows: Shadows::Lit,
             still_after: 8,
             most_new: 1 << 14,
             most_triangles: 200_000,
-            kept: None,
             #[cfg(feature = "cache")]
             cache: None,
         }

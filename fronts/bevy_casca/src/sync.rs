@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy_asset::{AssetEvent, Assets, RenderAssetUsages};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{InheritedVisibility, RenderLayers, VisibilityClass};
+use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::entity::EntityHashMap;
 use bevy_ecs::entity_disabling::Disabled;
 use bevy_ecs::prelude::*;
@@ -13,7 +14,7 @@ use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use bevy_light::NotShadowCaster;
 use bevy_log::warn_once;
-use bevy_math::Vec3;
+use bevy_math::{Vec3, Vec3A};
 use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_platform::time::Instant;
@@ -21,21 +22,16 @@ use bevy_transform::components::GlobalTransform;
 
 use casca::{ObjectDesc, Scene, TriMesh};
 
+use crate::beams::{Changes, Mover};
 use crate::drawn::{Complete, Gone, Manageable};
 use crate::materials::{Deferred, Judged};
 use crate::occluders::{Key, Occluders};
-use crate::scene::{CascaScene, InScene};
+use crate::scene::{CascaScene, InScene, take_out};
 use crate::settings::{CascaSettings, NotOccluder, Occluder, Opaque};
 use crate::{border, grid, layers};
 
 /// After a move, an entity has to rest twice as long as before to count as still, up to this.
 const MOST_PATIENCE: u32 = 1024;
-
-/// A grid is kept for so many frames at least.
-const GRID_FRAMES: u32 = 64;
-
-/// Of the entities in the scene, so many tell whether the grid still suits them.
-const GRID_SAMPLE: usize = 4096;
 
 /// All that decides how an entity is in the scene.
 #[derive(QueryData)]
@@ -60,19 +56,27 @@ pub(crate) struct Managed {
 /// Entities that are not in the scene yet.
 type New = (Complete, Manageable, Without<InScene>, Without<Refused>);
 
-type Changes = Or<(
-    Changed<GlobalTransform>,
-    Changed<Aabb>,
-    Changed<InheritedVisibility>,
-    Changed<RenderLayers>,
-    Changed<Mesh3d>,
-    Changed<Opaque>,
-    Changed<Judged>,
-    Changed<VisibilityClass>,
-    Changed<Occluder>,
-    Added<NotOccluder>,
-    Added<NotShadowCaster>,
-)>;
+/// Entities that are looked at when they change.
+type Watched = Or<(With<InScene>, With<Refused>)>;
+
+/// What of an entity may change without another trace.
+type Parts = (
+    Entity,
+    Ref<'static, GlobalTransform>,
+    Ref<'static, Aabb>,
+    Ref<'static, InheritedVisibility>,
+    Option<Ref<'static, Mesh3d>>,
+    Option<Ref<'static, VisibilityClass>>,
+    Option<Ref<'static, RenderLayers>>,
+    Option<Ref<'static, Opaque>>,
+    Option<Ref<'static, Judged>>,
+    Option<Ref<'static, Occluder>>,
+    Option<Ref<'static, NotOccluder>>,
+    Option<Ref<'static, NotShadowCaster>>,
+);
+
+/// So many entities are looked at together.
+const ROWS: usize = 64;
 
 /// On entities that casca refused, until they change.
 #[derive(Component)]
@@ -84,9 +88,8 @@ pub(crate) struct Refused;
 pub(crate) struct Candidates<'w, 's> {
     new: Query<'w, 's, (Entity, &'static Aabb, &'static GlobalTransform), New>,
     gone: Query<'w, 's, (Entity, &'static InScene), Gone>,
-    changed: Query<'w, 's, Entity, (With<InScene>, Changes)>,
-    refused: Query<'w, 's, Entity, (With<Refused>, Changes)>,
-    all: Query<'w, 's, Entity, With<InScene>>,
+    parts: Query<'w, 's, Parts, Watched>,
+    all: Query<'w, 's, Entity, Watched>,
     no_layers: RemovedComponents<'w, 's, RenderLayers>,
     no_opaque: RemovedComponents<'w, 's, Opaque>,
     not_judged: RemovedComponents<'w, 's, Judged>,
@@ -108,52 +111,64 @@ pub(crate) fn sync(
     let Some(meshes) = meshes else { return };
     let start = Instant::now();
     let casca = &mut *casca;
+    let mut look = Vec::new();
+    for event in events.iter_mut().flat_map(|events| events.read()) {
+        if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
+            casca.occluders.changed(*id, &mut look);
+        }
+    }
+    if !settings.enabled {
+        casca.was_off = true;
+        casca.cameras.clear();
+        return;
+    }
     casca.frame = casca.frame.wrapping_add(1);
+    casca.changes.clear();
     casca.forget();
     for (entity, known) in &candidates.gone {
         // At once: it may not hide any more in this frame.
-        let _ = casca.scene.as_mut().map(|scene| scene.remove(known.id));
+        take_out(casca.scene.as_mut(), &mut casca.changes, known.id);
         commands.entity(entity).try_remove::<InScene>();
     }
-    if choose_grid(casca, &candidates) {
+    let new = candidates.new.iter();
+    let new = new.map(|(_, aabb, transform)| border::world_box(aabb, &transform.affine()));
+    if grid::choose(casca, new) {
         // All are taken over anew, from the next frame on.
         candidates.all.iter().for_each(|entity| {
             commands.entity(entity).try_remove::<InScene>();
         });
         return;
     }
-    let CascaScene { scene: Some(scene), occluders, movers, farthest, frame, shifted, counts, .. } = casca
+    let CascaScene { scene: Some(scene), occluders, movers, changes, farthest, frame, shifted, .. } = casca
     else {
         return;
     };
     // The clock only has to run.
     let _ = scene.begin_frame(f64::from(*frame) / 60.0);
-    let mut look = Vec::new();
+    if std::mem::take(&mut casca.was_off) {
+        // What changed meanwhile is not known.
+        look.extend(&candidates.all);
+    }
     let shifted = shifted.take().inspect(|_| look.extend(&candidates.all));
     // If it is refused, all have moved.
     let shifted = shifted.filter(|by| scene.shift_origin(border::vec3(*by)).is_ok());
-    for event in events.iter_mut().flat_map(|events| events.read()) {
-        if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
-            occluders.changed(*id, &mut look);
-        }
-    }
     if deferred.as_ref().is_some_and(DetectChanges::is_changed) {
         look.extend(&candidates.all);
     }
     let deferred = deferred.as_deref().copied().unwrap_or_default();
     occluders.poll(&mut look);
     occluders.store(&settings);
-    look.extend(&candidates.changed);
-    look.extend(&candidates.refused);
+    candidates.extend_changed(&mut look);
     candidates.extend_removed(&mut look);
-    let rested = movers.iter().filter(|(_, at)| **at <= *frame).map(|(entity, _)| *entity);
+    let rested = movers.iter().filter(|(_, mover)| mover.rests <= *frame).map(|(entity, _)| *entity);
     look.extend(rested.take(settings.most_new));
     look.extend(candidates.new.iter().map(|(entity, ..)| entity).take(settings.most_new));
     // Twice would be two objects.
     look.sort_unstable();
     look.dedup();
     let (frame, settings, meshes) = (*frame, &*settings, &*meshes);
-    let mut sync = Sync { scene, occluders, movers, farthest, frame, shifted, settings, meshes, deferred };
+    let mut sync =
+        Sync { scene, occluders, movers, changes, farthest, frame, shifted, settings, meshes, deferred };
     for &entity in &look {
         let Ok(mut item) = managed.get_mut(entity) else { continue };
         match sync.bring_up_to_date(&mut item) {
@@ -167,10 +182,35 @@ pub(crate) fn sync(
             }
         }
     }
-    counts.time += start.elapsed();
+    casca.counts.time += start.elapsed();
 }
 
 impl Candidates<'_, '_> {
+    /// Appends entities of which a component changed.
+    fn extend_changed(&self, out: &mut Vec<Entity>) {
+        let Ok(tables) = self.parts.contiguous_iter() else { return out.extend(&self.all) };
+        for (entities, place, a, b, c, d, e, f, g, h, i, j) in tables {
+            let (last_run, this_run) = (place.last_run_tick(), place.this_run_tick());
+            let always = [Some(ticks(place)), Some(ticks(a)), Some(ticks(b)), c.map(ticks), d.map(ticks)];
+            let others = [e.map(ticks), f.map(ticks), g.map(ticks), h.map(ticks), i.map(ticks), j.map(ticks)];
+            let columns: Vec<&[Tick]> = always.into_iter().chain(others).flatten().collect();
+            let is_new = |tick: &Tick| tick.is_newer_than(last_run, this_run);
+            for (first, entities) in (0..).step_by(ROWS).zip(entities.chunks(ROWS)) {
+                let mut changed = 0_u64;
+                for column in &columns {
+                    let column = &column[first..first + entities.len()];
+                    // Mostly nothing did: that is found without a branch for each.
+                    if column.iter().fold(false, |any, tick| any | is_new(tick)) {
+                        let rows = (0..).zip(column).map(|(row, tick)| u64::from(is_new(tick)) << row);
+                        changed |= rows.fold(0, |all, row| all | row);
+                    }
+                }
+                let changed = (0..).zip(entities).filter(|(row, _)| changed >> row & 1 != 0);
+                out.extend(changed.map(|(_, entity)| *entity));
+            }
+        }
+    }
+
     /// Appends entities that lost a component which counts.
     fn extend_removed(&mut self, out: &mut Vec<Entity>) {
         out.extend(self.no_layers.read());
@@ -182,36 +222,8 @@ impl Candidates<'_, '_> {
     }
 }
 
-/// Makes a grid if there is none, or if the world has outgrown it: then says that the scene is
-/// empty.
-fn choose_grid(casca: &mut CascaScene, candidates: &Candidates) -> bool {
-    let new = candidates.new.iter();
-    let new = new.map(|(_, aabb, transform)| border::world_box(aabb, &transform.affine()));
-    let make = |boxes: &[_]| grid::around(boxes).and_then(|spec| Scene::new(&spec).ok());
-    let Some(scene) = &casca.scene else {
-        let boxes: Vec<_> = new.collect();
-        if !boxes.is_empty() {
-            casca.scene = make(&boxes);
-            casca.grid_made = casca.frame;
-        }
-        return false;
-    };
-    if casca.frame.wrapping_sub(casca.grid_made) < GRID_FRAMES {
-        return false;
-    }
-    casca.grid_made = casca.frame;
-    let step = (scene.len() / GRID_SAMPLE).max(1);
-    let known = scene.iter().step_by(step).map(|(_, object)| border::back(&object.bounds().aabb()));
-    let boxes: Vec<_> = known.chain(new).collect();
-    let outside = boxes.iter().filter(|b| grid::is_outside(scene.grid(), **b)).count();
-    // The estimate of cells is for a sample of them.
-    let Some(scene) = make(&boxes).filter(|_| outside * 4 > boxes.len()) else { return false };
-    casca.scene = Some(scene);
-    casca.movers.clear();
-    casca.cameras.clear();
-    casca.suns.clear();
-    casca.lamps.clear();
-    true
+fn ticks<T>(part: ContiguousRef<'_, T>) -> &[Tick] {
+    ContiguousRef::split(part).1.changed()
 }
 
 /// Why an entity is not in the scene.
@@ -230,7 +242,8 @@ impl From<casca::Error> for Refusal {
 struct Sync<'a> {
     scene: &'a mut Scene,
     occluders: &'a mut Occluders,
-    movers: &'a mut EntityHashMap<u32>,
+    movers: &'a mut EntityHashMap<Mover>,
+    changes: &'a mut Changes,
     farthest: &'a mut f32,
     frame: u32,
     shifted: Option<Vec3>,
@@ -245,14 +258,14 @@ impl Sync<'_> {
     /// # Errors
     /// If it may not be hidden. It is not in the scene then.
     fn bring_up_to_date(&mut self, item: &mut ManagedItem) -> Result<Option<InScene>, Refusal> {
+        let around = border::world_box(item.aabb, &item.transform.affine());
         let done = match item.known.as_deref() {
             _ if !may_be_hidden(item) => Err(Refusal::MayBeSeen),
-            None => self.put(item, item.skinned, self.settings.still_after.max(1)).map(Some),
-            Some(_) => self.change(item),
+            None => self.put(item, around, item.skinned, self.settings.still_after.max(1)).map(Some),
+            Some(_) => self.change(item, around),
         };
         if done.is_ok() {
-            let (min, max) = border::world_box(item.aabb, &item.transform.affine());
-            *self.farthest = self.farthest.max(min.abs().max(max.abs()).max_element());
+            *self.farthest = self.farthest.max(around.0.abs().max(around.1.abs()).max_element());
         }
         let Some(known) = item.known.as_deref_mut() else { return done };
         let leaves = match &done {
@@ -267,7 +280,7 @@ impl Sync<'_> {
             Ok(new) => new.into_iter().for_each(|new| *known = new),
             Err(refusal) => {
                 // Unless it was taken out already.
-                let _ = self.scene.remove(known.id);
+                take_out(Some(&mut *self.scene), self.changes, known.id);
                 return Err(refusal);
             }
         }
@@ -275,7 +288,7 @@ impl Sync<'_> {
     }
 
     /// Changes an entity that is in the scene. Returns its state if that is another one now.
-    fn change(&mut self, item: &ManagedItem) -> Result<Option<InScene>, Refusal> {
+    fn change(&mut self, item: &ManagedItem, around: (Vec3A, Vec3A)) -> Result<Option<InScene>, Refusal> {
         let Some(known) = item.known.as_deref() else { return Ok(None) };
         let id = known.id;
         let transform = border::affine(&item.transform.affine());
@@ -284,8 +297,7 @@ impl Sync<'_> {
             |before: &_| self.shifted.is_some_and(|shift| border::is_shifted(before, &transform, shift));
         let differs = before != Some(transform);
         let moved = differs && !before.as_ref().is_some_and(shifted);
-        let rested = self.movers.get(&item.entity).is_none_or(|at| *at <= self.frame);
-        let moves = moved || item.skinned || known.moves && !rested;
+        let moves = moved || item.skinned || known.moves && !self.has_rested(item.entity);
         let key = self.key(item, moves);
         let ready = key.and_then(|key| self.ask(key, item));
         let hides = self.scene.occluder(id)?.is_some();
@@ -293,23 +305,41 @@ impl Sync<'_> {
         let keeps_occluder =
             key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
         if moves != known.moves || !keeps_occluder || other_box && !item.skinned {
-            self.scene.remove(id)?;
+            take_out(Some(&mut *self.scene), self.changes, id);
             let patience = if moves && !known.moves { self.patience(known) } else { known.patience };
-            return self.put(item, moves, patience).map(Some);
+            return self.put(item, around, moves, patience).map(Some);
         }
         let layers = layers_of(item);
+        let changed = other_box || layers != known.layers;
+        if (changed || differs) && (hides || !moves) {
+            self.changes.note(border::back(&self.scene.bounds(id)?.aabb()));
+            self.changes.note(around);
+        }
         if differs {
             self.scene.set_transform(id, transform)?;
         }
-        if moved && !item.skinned {
-            self.movers.insert(item.entity, self.frame.saturating_add(known.patience));
+        if moves && (moved || differs || other_box) {
+            let rests = self.movers.get(&item.entity).filter(|_| !moved).map(|mover| mover.rests);
+            self.note_mover(item, around, rests.unwrap_or_else(|| self.frame.saturating_add(known.patience)));
         }
         if other_box {
             self.scene.set_bounds(id, border::aabb(item.aabb))?;
         }
-        self.scene.set_layers(id, layers)?;
-        let changed = other_box || layers != known.layers;
+        if layers != known.layers {
+            self.scene.set_layers(id, layers)?;
+        }
         Ok(changed.then(|| InScene { layers, aabb: *item.aabb, ..known.copy() }))
+    }
+
+    /// Whether a mover has not moved for long enough.
+    fn has_rested(&self, entity: Entity) -> bool {
+        self.movers.get(&entity).is_none_or(|mover| mover.rests <= self.frame)
+    }
+
+    fn note_mover(&mut self, item: &ManagedItem, around: (Vec3A, Vec3A), rests: u32) {
+        // What has a skin never counts as still.
+        let rests = if item.skinned { u32::MAX } else { rests };
+        self.movers.insert(item.entity, Mover { rests, around });
     }
 
     /// For how many frames an entity has to rest that begins to move: who moves often for longer.
@@ -321,7 +351,13 @@ impl Sync<'_> {
     }
 
     /// Puts an entity into the scene.
-    fn put(&mut self, item: &ManagedItem, moves: bool, patience: u32) -> Result<InScene, Refusal> {
+    fn put(
+        &mut self,
+        item: &ManagedItem,
+        around: (Vec3A, Vec3A),
+        moves: bool,
+        patience: u32,
+    ) -> Result<InScene, Refusal> {
         let (bounds, layers) = (border::aabb(item.aabb), layers_of(item));
         let desc = if moves { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
         let desc = desc
@@ -336,10 +372,13 @@ impl Sync<'_> {
         let placed = hider.and_then(|mesh| self.scene.insert(desc.clone().occluder(mesh.clone())).ok());
         let refused = mesh.is_some() && placed.is_none();
         let id = placed.map_or_else(|| self.scene.insert(desc), Ok)?;
-        if moves && !item.skinned {
-            self.movers.insert(item.entity, self.frame.saturating_add(patience));
+        if moves {
+            self.note_mover(item, around, self.frame.saturating_add(patience));
         } else {
             self.movers.remove(&item.entity);
+        }
+        if hider.is_some() || !moves {
+            self.changes.note(around);
         }
         Ok(InScene {
             id,
@@ -356,6 +395,9 @@ impl Sync<'_> {
 
     /// The mesh that an entity hides with, if it does.
     fn key(&self, item: &ManagedItem, moves: bool) -> Option<Key> {
+        if moves && item.proxy.is_none() {
+            return None;
+        }
         let determinant = item.transform.affine().matrix3.determinant();
         let layers = layers_of(item);
         let for_renderer = |mesh: &Mesh| mesh.asset_usage.contains(RenderAssetUsages::RENDER_WORLD);
@@ -373,7 +415,7 @@ impl Sync<'_> {
         let sides = item.judged.map_or(told, |judged| judged.hides(told, &self.deferred, layers))?;
         match item.proxy {
             Some(Occluder(proxy)) => Some(Key { mesh: proxy.id(), sides }),
-            None => Some(Key { mesh: item.mesh.id(), sides }).filter(|_| !moves),
+            None => Some(Key { mesh: item.mesh.id(), sides }),
         }
     }
 

@@ -3,8 +3,8 @@
 mod common;
 
 use bevy_asset::Handle;
-use bevy_camera::visibility::{ViewVisibility, VisibleEntities};
-use bevy_casca::casca::{self, KeptOptions, Method};
+use bevy_camera::visibility::VisibleEntities;
+use bevy_casca::casca::{self, Method};
 use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder};
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
@@ -73,66 +73,6 @@ fn a_walk_through_a_city() {
     }
     println!("{} entities of Bevy's set are hidden in a frame", hidden as f32 / FRAMES as f32);
     assert!(hidden > 100 * FRAMES as usize, "little is hidden: {hidden}");
-}
-
-#[test]
-fn a_walk_with_kept_results() {
-    let mut pair = city();
-    let kept = Some(KeptOptions::new().reach(0.5).turn(0.2));
-    pair.ours.world_mut().resource_mut::<CascaSettings>().kept = kept;
-    let mut hidden = 0;
-    let walker = 50_001;
-    for app in [&mut pair.ours, &mut pair.bevys] {
-        spawn_box(app.world_mut(), walker, Vec3::new(-12.0, 1.0, -37.0), Vec3::splat(0.5));
-    }
-    for frame in 0..FRAMES {
-        let t = frame as f32 / FRAMES as f32;
-        let at = Vec3::new(-12.0, 1.7, -40.0 + 12.0 * t);
-        let to = at + Vec3::new((t * 4.0).cos(), 0.0, (t * 4.0).sin());
-        // A house goes, and another one comes.
-        let change = |world: &mut World| {
-            look(world, at, to);
-            // It walks ahead until the camera turns away.
-            place(world, walker, |place| place.translation = at + Vec3::new(3.0, 0.1, 0.2));
-            if frame == 100 {
-                let house = entity(world, 80);
-                world.despawn(house);
-                opaque(world, 50_000, Vec3::new(-12.0, 4.0, -10.0), Vec3::new(5.0, 8.0, 1.0));
-            }
-        };
-        hidden += check(&mut pair, frame, change, 6);
-        if frame == 20 {
-            // Who is seen is in no volume.
-            let world = pair.ours.world_mut();
-            let walker = entity(world, walker);
-            let known = world.get::<InScene>(walker).unwrap();
-            assert!(known.moves() && world.get::<ViewVisibility>(walker).unwrap().get());
-            let scene = world.resource::<CascaScene>().scene().unwrap();
-            assert_eq!(scene.tbv(known.id()).unwrap(), None);
-        }
-    }
-    let world = pair.ours.world_mut();
-    let camera = entity(world, CAMERA);
-    let casca = world.resource::<CascaScene>();
-    assert!(casca.camera(camera).is_none());
-    let found = casca.kept_camera(camera).unwrap().refreshes();
-    println!(
-        "{found} of {FRAMES} frames waited; {} entities are hidden in a frame",
-        hidden as f32 / FRAMES as f32
-    );
-    assert!(found < u64::from(FRAMES) / 4, "{found} results were found in frames that waited for them");
-    assert!(hidden > 100 * FRAMES as usize, "little is hidden: {hidden}");
-    // From one kind of query to the other, to other options, and back.
-    for kept in [None, kept, Some(KeptOptions::new().reach(0.1)), None] {
-        pair.ours.world_mut().resource_mut::<CascaSettings>().kept = kept;
-        check(&mut pair, FRAMES, |_| {}, 1);
-        let casca = pair.ours.world().resource::<CascaScene>();
-        assert_eq!(
-            (casca.camera(camera).is_some(), casca.kept_camera(camera).is_some()),
-            (kept.is_none(), kept.is_some())
-        );
-        assert_eq!(casca.kept_camera(camera).map(casca::KeptQuery::options), kept);
-    }
 }
 
 #[test]

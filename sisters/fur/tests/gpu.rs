@@ -298,7 +298,7 @@ fn a_pass_of_ones_own_shows_what_the_renderer_shows() {
     let camera = Camera::look_at(Vec3::Z * 4.0, Vec3::ZERO, 45.0, 1.5, 0.1, 20.0);
     let stand = Stand { root: [0.4, 0.2, 0.1], tip: [1.0, 0.5, 0.2], ..STAND };
     let other = Stand { place: Affine3A::from_translation(Vec3::X * 1.5), ..stand };
-    let mut list = DrawList::new(&[(stand, 6), (other, 4)], Vec::new());
+    let mut list = DrawList::new(&[(stand, 3), (other, 2)], Vec::new());
     // The first is posed and leans, the second stands at rest.
     let (skeleton, pose) = turned(Quat::from_rotation_z(0.7));
     let up = |v: &Vertex| (v.position.y + 0.5).clamp(0.0, 1.0);

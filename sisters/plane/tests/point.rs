@@ -189,7 +189,7 @@ fn grazing(eye: Vec2) -> impl Strategy<Value = Vec2> + Clone {
 }
 
 proptest! {
-    #![proptest_config(cases(60))]
+    #![proptest_config(cases(30))]
 
     #[test]
     fn many_walls(
@@ -205,7 +205,8 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(cases(200))]
+    // Exact numbers of such sizes are long.
+    #![proptest_config(cases(80))]
 
     #[test]
     fn coordinates_of_all_sizes(
@@ -215,6 +216,10 @@ proptest! {
     ) {
         Twin::new(&spec(-8.0, 1.0, 16), &objects).check(eye, &points)?;
     }
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
 
     #[test]
     fn walls_that_graze_rays(

@@ -44,24 +44,19 @@ pub(super) fn draw_surfaces<S: Simd>(
     join(batch, viewpoint.room.radius(), &mut kept, (ids, scratch));
     scratch.joined.sort(|i| !scratch.seen[i].pixels.is_empty());
     let order = std::mem::take(&mut scratch.joined.order);
+    // Components may cover all tiles of the window.
+    let window = buffer.window();
+    let (first, count, step) = (window.first_tile(), window.tile_count(), window.step() * TILE as f64);
     for component in order.chunk_by(|a, b| a.1 == b.1) {
         let mut patches = component.iter().map(|place| &scratch.seen[place.2 as usize]);
         if !patches.all(|s| buffer.hides_pixels(&s.pixels, s.near)) {
-            draw_component(simd, &mut buffer.sheet(), component, &projector, &kept, scratch);
+            let coverage = buffer.coverage_mut();
+            let mut sheet = Sheet { coverage, base: 0, first, count, step };
+            draw_component(simd, &mut sheet, component, &projector, &kept, scratch);
         }
     }
     scratch.joined.order = order;
     scratch.kept = kept;
-}
-
-impl FaceBuffer {
-    /// All tiles of its window.
-    fn sheet(&mut self) -> Sheet<'_> {
-        let window = *self.window();
-        let step = window.step() * TILE as f64;
-        let (first, count) = (window.first_tile(), window.tile_count());
-        Sheet { coverage: self.coverage_mut(), base: 0, first, count, step }
-    }
 }
 
 /// Lists the patches that the last drawing saw for the first time, drawn or too narrow for its

@@ -17,7 +17,6 @@ enum Found {
 /// `from_eye`, their frustum is wider than that of the view.
 pub(super) fn find_everything(finder: &mut Finder, from_eye: bool) {
     let (scene, view, shells) = (finder.scene, finder.view, finder.shells);
-    let begins = shells.begins(scene.grid());
     let may_see_volume_of = |slot: Slot| {
         let volumes = scene.volumes();
         let (cells, v) = (volumes.cells(slot), shells.cell);
@@ -34,7 +33,7 @@ pub(super) fn find_everything(finder: &mut Finder, from_eye: bool) {
             if !may_see_volume_of(slot) {
                 continue;
             }
-            first = begins.shell(&scene.volume_block(slot));
+            first = shells.begin_of(&scene.volume_block(slot));
             found.push((first, slot, Found::Volume));
             if object.on_expiry() {
                 continue;
@@ -43,7 +42,7 @@ pub(super) fn find_everything(finder: &mut Finder, from_eye: bool) {
             finder.marks.decide(slot);
         }
         if finder.is_in_view(slot) {
-            found.push((begins.shell(&object.bounds().block()).max(first), slot, Found::Object));
+            found.push((shells.begin_of(&object.bounds().block()).max(first), slot, Found::Object));
         }
     }
     found.sort_unstable();

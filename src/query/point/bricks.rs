@@ -1,13 +1,21 @@
-//! The walk over bricks.
+//! The walk over bricks: which of them are in sight, near to far, and what they contain.
 
 use casca_slots::Slot;
 use glam::{DVec3, IVec3};
+use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::grid::Grid;
 use crate::grid::bricks::Pages;
+use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
-use crate::query::point::PointWalk;
-use crate::walk::{Shells, SideFrustum};
+use crate::matrix::fused::Fused;
+use crate::query::point::drawing::Drawing;
+use crate::query::point::finder::ObjectFinder;
+use crate::query::point::run::{Run, pitch};
+use crate::scene::{LayerOpacity, Scene};
+use crate::view::Origin;
+use crate::walk::Shells;
 
 /// A brick with fewer objects yet undecided is not tested itself.
 const WORTH_TESTING: usize = 3;
@@ -22,300 +30,283 @@ const WORTH_TESTING_BAND: i64 = 32;
 /// Bricks of views without shells are taken in portions of this many, front to back.
 const PORTION: usize = 64;
 
-/// A page that contains bricks with a coordinate along an axis.
-fn page_at(axis: usize, brick: i32) -> IVec3 {
-    let mut page = IVec3::ZERO;
-    page[axis] = brick >> 3;
-    page
+/// Lists of the walk, in memory that is used again.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BrickLists {
+    /// The bricks of a shell.
+    bricks: Vec<IVec3>,
+    /// Those of them with temporal bounding volumes that are not hidden.
+    volumes: Vec<IVec3>,
+    /// The undecided objects of a brick, or those beyond the grid.
+    slots: Vec<Slot>,
 }
 
-/// Which kinds of things that the walk looks for a page contains.
-struct PageContents {
-    objects: bool,
-    volumes: bool,
-    opaque: bool,
+/// What the bricks of a scene contain that a walk looks for.
+struct BrickContents<'a> {
+    scene: &'a Scene,
+    /// The boxes of opaque cells of the occluders that the view shows.
+    fused: SmallVec<[&'a Fused; 2]>,
 }
 
-/// The part of one side of a shell of bricks that is in the grid.
-struct BrickSide<'a> {
-    side: &'a Side,
-    /// The brick in the middle.
-    brick: IVec3,
-    /// Coordinate along the side's axis, relative to the middle.
-    depth: i32,
-    rows: (i32, i32),
-    cols: (i32, i32),
-}
-
-impl BrickSide<'_> {
-    /// A brick relative to the middle.
-    #[inline]
-    fn at(&self, row: i32, col: i32) -> IVec3 {
-        self.side.cell(self.depth, row, col)
-    }
-}
-
-impl PointWalk<'_> {
-    /// Walks the shells around the eye outwards, until every pixel is closed.
-    pub(super) fn in_shells(&mut self, shells: &Shells, eye: DVec3) {
-        for m in shells.nearest..=shells.farthest {
-            self.drawing.stats.shells += 1;
-            self.shell(shells, m);
-            if self.drawing.buffers().closed(self.distance_beyond(shells.cell, m, eye)) {
-                break;
-            }
-        }
-        if self.drawing.buffers().reach() > 0.0 {
-            self.drawing.draw_all_patches(shells.farthest);
-        }
-    }
-
-    /// Tests and draws the objects found in the bricks up to shell `m`, and those of their volumes.
-    fn finish_bricks(&mut self, m: i32) {
-        self.settle();
-        self.drawing.draw_patches(m);
-        self.test_volumes();
-        self.settle();
-        self.drawing.draw_patches(m);
-    }
-
-    /// Finds the objects of the bricks of shell `m`, tests and draws them.
-    fn shell(&mut self, shells: &Shells, m: i32) {
-        let mut bricks = std::mem::take(&mut self.scratch.bricks);
-        bricks.clear();
-        self.shell_bricks(shells, m, &mut bricks);
-        for &b in &bricks {
-            self.brick(b);
-        }
-        self.scratch.bricks = bricks;
-        self.finish_bricks(m);
-    }
-
-    /// Walks all bricks in the frustum, sorted along a direction.
-    pub(super) fn everywhere(&mut self, direction: DVec3) {
-        let grid = self.grid;
-        let shells = Shells::around_middle(&grid, self.run.view);
-        let mut bricks = std::mem::take(&mut self.scratch.bricks);
-        bricks.clear();
-        for m in 0..=shells.farthest {
-            self.shell_bricks(&shells, m, &mut bricks);
-        }
-        bricks.sort_unstable_by(|a, b| {
-            let depth = |c: &IVec3| c.as_dvec3().dot(direction);
-            depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
-        });
-        for portion in bricks.chunks(PORTION) {
-            self.drawing.stats.shells += 1;
-            for &brick in portion {
-                self.brick(brick);
-            }
-            self.finish_bricks(0);
-        }
-        self.scratch.bricks = bricks;
-        // Rays may start inside a volume, or enter it where no brick of the view is: all are
-        // tested.
-        for slot in Slot::below(self.run.scene.slot_count()) {
-            if self.run.scene.is_hidden(slot) {
-                self.test_volume(slot);
-            }
-        }
-        self.settle();
-        self.drawing.draw_all_patches(0);
-    }
-
-    /// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.
-    fn distance_beyond(&self, brick: IVec3, m: i32, eye: DVec3) -> f64 {
-        let (lo, hi) = self.grid.range_bounds(brick - m, brick + m);
-        let (min, max) = (self.grid.min(), self.grid.max());
-        let mut least = f64::INFINITY;
-        for axis in 0..3 {
-            if lo[axis] > min[axis] {
-                least = least.min(eye[axis] - lo[axis]);
-            }
-            if hi[axis] < max[axis] {
-                least = least.min(hi[axis] - eye[axis]);
-            }
-        }
-        least
-    }
-
-    /// Whether boxes of opaque cells that the view shows start in a brick.
+impl BrickContents<'_> {
+    /// Whether boxes of opaque cells start in a brick.
     #[inline]
     fn has_fused(&self, brick: IVec3) -> bool {
         self.fused.iter().any(|fused| !fused.in_brick(brick).is_empty())
     }
 
-    /// Whether a brick contains nothing that the walk looks for.
+    /// Whether a brick contains nothing.
     #[inline]
-    fn brick_is_empty(&self, brick: IVec3, page: &PageContents) -> bool {
-        let scene = self.run.scene;
-        !(page.objects && scene.id_matrix().in_brick(brick).len() > 0
-            || page.volumes && !scene.tbv_matrix().is_empty(brick)
-            || page.opaque && self.has_fused(brick))
+    fn is_empty(&self, brick: IVec3) -> bool {
+        self.scene.id_matrix().in_brick(brick).len() == 0
+            && self.scene.tbv_matrix().is_empty(brick)
+            && !self.has_fused(brick)
     }
 
-    /// Whether a plane of pages contains nothing that the walk looks for.
-    fn plane_is_empty(&self, axis: usize, page: IVec3) -> bool {
-        let scene = self.run.scene;
-        scene.id_matrix().pages().plane_is_empty(axis, page)
-            && scene.tbv_matrix().pages().plane_is_empty(axis, page)
-            && self.fused.iter().all(|fused| fused.pages().plane_is_empty(axis, page))
-    }
-
-    /// Whether a row of pages contains nothing that the walk looks for.
-    fn row_is_empty(&self, along: usize, page: IVec3) -> bool {
-        let scene = self.run.scene;
-        scene.id_matrix().pages().row_is_empty(along, page)
-            && scene.tbv_matrix().pages().row_is_empty(along, page)
-            && self.fused.iter().all(|fused| fused.pages().row_is_empty(along, page))
-    }
-
-    /// The kinds of things in a page.
+    /// Whether some pages contain nothing, by a question that is put to those of all kinds.
     #[inline]
-    fn page(&self, page: IVec3) -> PageContents {
-        let scene = self.run.scene;
-        PageContents {
-            objects: !scene.id_matrix().pages().page_is_empty(page),
-            volumes: !scene.tbv_matrix().pages().page_is_empty(page),
-            opaque: !self.fused.iter().all(|fused| fused.pages().page_is_empty(page)),
+    fn none_in(&self, empty: impl Fn(&dyn Pages) -> bool) -> bool {
+        empty(self.scene.id_matrix().pages())
+            && empty(self.scene.tbv_matrix().pages())
+            && self.fused.iter().all(|fused| empty(fused.pages()))
+    }
+}
+
+/// Finds the objects of the whole scene that the buffers do not hide, but for small moving ones.
+pub(super) fn find_all(finder: &mut ObjectFinder, lists: &mut BrickLists) {
+    let Run { scene, view, options, fixed_only, .. } = finder.drawing.run;
+    let fused = scene.opacity(view.layers()).map(LayerOpacity::fused).collect();
+    let contents = BrickContents { scene, fused };
+    scene.always().iter().copied().chain(scene.overdue()).for_each(|slot| finder.find(slot));
+    finder.settle();
+    if let (Some(eye), false) = (view.eye(), fixed_only) {
+        reveal_around(finder, eye);
+    }
+    match (view.origin, finder.drawing.around.clone()) {
+        (Origin::Eye { at, .. }, Some(shells)) => walk_shells(finder, &contents, lists, &shells, at),
+        (Origin::Eye { at, .. }, None) => {
+            walk_along(finder, &contents, lists, pitch(scene, options).middle - at);
+        }
+        (Origin::Direction(d), _) => walk_along(finder, &contents, lists, d),
+    }
+    // A brick out of sight, or a hidden one, tells nothing about the parts of its objects beyond
+    // the grid.
+    let slots = &mut lists.slots;
+    slots.clear();
+    scene.overhang().slots_where(|block| may_see_around(&finder.drawing, block), |slot| slots.push(slot));
+    slots.iter().for_each(|&slot| finder.find(slot));
+    if finder.settle() {
+        finder.drawing.draw_all_patches(i32::MAX);
+    }
+    if !fixed_only {
+        // Nor does the walk go where volumes leave the grid.
+        slots.clear();
+        let outer = scene.volumes().outer();
+        outer.slots_where(|block| may_see_around(&finder.drawing, block), |slot| slots.push(slot));
+        slots.iter().for_each(|&slot| finder.test_volume(slot));
+        finder.settle();
+    }
+}
+
+/// Whether a box around boxes beyond the grid may be in sight.
+fn may_see_around(drawing: &Drawing, block: &Block) -> bool {
+    drawing.run.view.may_see_volume(block) && !drawing.hides(block)
+}
+
+/// Reveals the volumes around the eye: their surface is not between the eye and the objects in
+/// them.
+fn reveal_around(finder: &mut ObjectFinder, eye: DVec3) {
+    let scene = finder.drawing.run.scene;
+    let cell = scene.grid().cell_of(eye);
+    if scene.grid().contains(cell) {
+        let mut around = Vec::new();
+        scene.volumes().holding(cell, |slot| around.push(slot));
+        around.sort_unstable();
+        around.into_iter().for_each(|slot| finder.reveal(slot));
+    }
+}
+
+/// Walks the shells around the eye outwards, until every pixel is closed.
+fn walk_shells(
+    finder: &mut ObjectFinder,
+    contents: &BrickContents,
+    lists: &mut BrickLists,
+    shells: &Shells,
+    eye: DVec3,
+) {
+    let BrickLists { bricks, volumes, slots } = lists;
+    for m in shells.nearest..=shells.farthest {
+        finder.drawing.stats.shells += 1;
+        bricks.clear();
+        list_shell(&finder.drawing, contents, shells, m, bricks);
+        bricks.iter().for_each(|&brick| visit(finder, contents, brick, slots, volumes));
+        finish_bricks(finder, volumes, m);
+        let beyond = distance_beyond(&finder.drawing.bricks, shells.cell, m, eye);
+        if finder.drawing.buffers().closed(beyond) {
+            break;
         }
     }
+    if finder.drawing.buffers().reach() > 0.0 {
+        finder.drawing.draw_all_patches(i32::MAX);
+    }
+}
 
-    /// Appends the bricks of shell `m` in the frustum that contain anything and are not hidden.
-    fn shell_bricks(&self, shells: &Shells, m: i32, out: &mut Vec<IVec3>) {
-        if m == 0 {
-            let brick = shells.cell;
-            if self.grid.contains(brick) && !self.brick_is_empty(brick, &self.page(brick >> 3i32)) {
-                out.push(brick);
-            }
-            return;
+/// Walks all bricks in the frustum, sorted along a direction.
+fn walk_along(finder: &mut ObjectFinder, contents: &BrickContents, lists: &mut BrickLists, direction: DVec3) {
+    let Run { scene, view, .. } = finder.drawing.run;
+    let BrickLists { bricks, volumes, slots } = lists;
+    let shells = Shells::around_middle(&finder.drawing.bricks, view);
+    bricks.clear();
+    for m in 0..=shells.farthest {
+        list_shell(&finder.drawing, contents, &shells, m, bricks);
+    }
+    bricks.sort_unstable_by(|a, b| {
+        let depth = |c: &IVec3| c.as_dvec3().dot(direction);
+        depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
+    });
+    for portion in bricks.chunks(PORTION) {
+        finder.drawing.stats.shells += 1;
+        portion.iter().for_each(|&brick| visit(finder, contents, brick, slots, volumes));
+        finish_bricks(finder, volumes, 0);
+    }
+    // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
+    Slot::below(scene.slot_count()).filter(|&s| scene.is_hidden(s)).for_each(|slot| finder.test_volume(slot));
+    finder.settle();
+    finder.drawing.draw_all_patches(i32::MAX);
+}
+
+/// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.
+fn distance_beyond(grid: &Grid, brick: IVec3, m: i32, eye: DVec3) -> f64 {
+    let (lo, hi) = grid.range_bounds(brick - m, brick + m);
+    let mut least = f64::INFINITY;
+    for axis in 0..3 {
+        if lo[axis] > grid.min()[axis] {
+            least = least.min(eye[axis] - lo[axis]);
         }
-        for (index, side) in Side::ALL.iter().enumerate() {
-            let Some(part) = self.side_in_grid(shells, index, side, m) else { continue };
-            let on_side = shells.frustum.on_side(side, part.depth);
-            let mut first = part.rows.0;
-            while first <= part.rows.1 {
-                let last = part.rows.1.min(first + BAND - 1);
-                if !self.band_is_hidden(&part, first, last) {
-                    (first..=last).for_each(|row| self.row_bricks(&part, &on_side, row, out));
-                }
-                first = last + 1;
-            }
+        if hi[axis] < grid.max()[axis] {
+            least = least.min(hi[axis] - eye[axis]);
         }
     }
+    least
+}
 
-    /// The part of a side of shell `m` in the grid, if it contains anything and the frustum reaches
-    /// it.
-    fn side_in_grid<'s>(
-        &self,
-        shells: &Shells,
-        index: usize,
-        side: &'s Side,
-        m: i32,
-    ) -> Option<BrickSide<'s>> {
-        let (dims, axes, brick) = (self.grid.dims(), side.axes, shells.cell);
-        let depth = m * side.sign;
-        let at = brick[axes.normal] + depth;
-        if !(0..dims[axes.normal]).contains(&at) || self.plane_is_empty(axes.normal, page_at(axes.normal, at))
+/// Appends the bricks of shell `m` in the frustum that contain anything and are not hidden.
+fn list_shell(drawing: &Drawing, contents: &BrickContents, shells: &Shells, m: i32, out: &mut Vec<IVec3>) {
+    let (grid, middle) = (&drawing.bricks, shells.cell);
+    if m == 0 {
+        out.extend((grid.contains(middle) && !contents.is_empty(middle)).then_some(middle));
+        return;
+    }
+    for (index, side) in Side::ALL.iter().enumerate() {
+        let (axes, dims, depth) = (side.axes, grid.dims(), m * side.sign);
+        let mut page = IVec3::ZERO;
+        page[axes.normal] = (middle[axes.normal] + depth) >> 3;
+        if !(0..dims[axes.normal]).contains(&(middle[axes.normal] + depth))
+            || contents.none_in(|pages| pages.plane_is_empty(axes.normal, page))
         {
-            return None;
+            continue;
         }
         // Edges belong to the first of their sides.
-        let last = |axis: usize| if axis < index / 2 { m - 1 } else { m };
         let span = |axis: usize| {
-            let r = last(axis);
-            ((-brick[axis]).max(-r), (dims[axis] - 1 - brick[axis]).min(r))
+            let last = if axis < index / 2 { m - 1 } else { m };
+            ((-middle[axis]).max(-last), (dims[axis] - 1 - middle[axis]).min(last))
         };
-        let part = BrickSide { side, brick, depth, rows: span(axes.row), cols: span(axes.col) };
-        let ((r0, r1), (c0, c1)) = (part.rows, part.cols);
-        (r0 <= r1 && c0 <= c1 && shells.frustum.meets(part.at(r0, c0), part.at(r1, c1))).then_some(part)
-    }
-
-    /// A box around the bricks of a side between two of them, relative to the middle.
-    fn block(&self, brick: IVec3, lo: IVec3, hi: IVec3) -> Block {
-        Block::new(self.grid.range_bounds(brick + lo.min(hi), brick + lo.max(hi)))
-    }
-
-    /// Whether a band of rows contains nothing, or is hidden as a whole.
-    fn band_is_hidden(&self, part: &BrickSide, first: i32, last: i32) -> bool {
-        let (along, (c0, c1)) = (part.side.axes.col, part.cols);
-        // A band of rows is in at most two rows of pages.
-        let empty = |&row: &i32| self.row_is_empty(along, (part.brick + part.at(row, c0)) >> 3i32);
-        if [first, last].iter().all(empty) {
-            return true;
+        let ((r0, r1), (c0, c1)) = (span(axes.row), span(axes.col));
+        // Relative to the middle.
+        let at = |row: i32, col: i32| side.cell(depth, row, col);
+        if r0 > r1 || c0 > c1 || !shells.frustum.meets(at(r0, c0), at(r1, c1)) {
+            continue;
         }
-        let wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
-        wide && self.drawing.hides(&self.block(part.brick, part.at(first, c0), part.at(last, c1)))
-    }
-
-    /// Appends the bricks of a row.
-    fn row_bricks(&self, part: &BrickSide, on_side: &SideFrustum, row: i32, out: &mut Vec<IVec3>) {
-        let Some((lo, hi)) = on_side.row(row, part.cols) else { return };
-        let wide = hi - lo >= WORTH_TESTING_ROW;
-        if wide && self.drawing.hides(&self.block(part.brick, part.at(row, lo), part.at(row, hi))) {
-            return;
-        }
-        let mut col = lo;
-        while col <= hi {
-            let b = part.brick + part.at(row, col);
-            let last = hi.min(col + 7 - (b[part.side.axes.col] & 7));
-            let page = self.page(b >> 3i32);
-            if page.objects || page.volumes || page.opaque {
-                let mut brick = b;
-                for _ in col..=last {
-                    if !self.brick_is_empty(brick, &page) {
-                        out.push(brick);
+        let is_hidden = |a: IVec3, b: IVec3| {
+            drawing.hides(&Block::new(grid.range_bounds(middle + a.min(b), middle + a.max(b))))
+        };
+        let on_side = shells.frustum.on_side(side, depth);
+        for first in (r0..=r1).step_by(BAND as usize) {
+            let last = r1.min(first + BAND - 1);
+            // A band of rows is in at most two rows of pages.
+            let is_empty = |row: i32| {
+                let page = (middle + at(row, c0)) >> 3i32;
+                contents.none_in(|pages| pages.row_is_empty(axes.col, page))
+            };
+            let is_wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
+            if is_empty(first) && is_empty(last) || is_wide && is_hidden(at(first, c0), at(last, c1)) {
+                continue;
+            }
+            for row in first..=last {
+                let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
+                if hi - lo >= WORTH_TESTING_ROW && is_hidden(at(row, lo), at(row, hi)) {
+                    continue;
+                }
+                let mut col = lo;
+                while col <= hi {
+                    let mut brick = middle + at(row, col);
+                    let end = hi.min(col + 7 - (brick[axes.col] & 7)) + 1;
+                    if !contents.none_in(|pages| pages.page_is_empty(brick >> 3i32)) {
+                        for _ in col..end {
+                            if !contents.is_empty(brick) {
+                                out.push(brick);
+                            }
+                            brick[axes.col] += 1;
+                        }
                     }
-                    brick[part.side.axes.col] += 1;
+                    col = end;
                 }
             }
-            col = last + 1;
         }
     }
+}
 
-    /// Finds the objects of one brick, unless the brick is hidden.
-    fn brick(&mut self, brick: IVec3) {
-        self.drawing.stats.bricks_visited += 1;
-        let scene = self.run.scene;
-        let volumes = !self.run.fixed_only && !scene.tbv_matrix().is_empty(brick);
-        let mut open = std::mem::take(&mut self.scratch.open);
-        open.clear();
-        open.extend(scene.id_matrix().in_brick(brick).filter(|&s| !self.marks.is_decided(s)));
-        if !open.is_empty() || volumes || self.has_fused(brick) {
-            self.open_brick(brick, &mut open, volumes);
-        }
-        self.scratch.open = open;
+/// Finds the undecided objects of a brick, lists it if it contains volumes, and draws its boxes of
+/// opaque cells, unless it is hidden.
+fn visit(
+    finder: &mut ObjectFinder,
+    contents: &BrickContents,
+    brick: IVec3,
+    slots: &mut Vec<Slot>,
+    volumes: &mut Vec<IVec3>,
+) {
+    let Run { scene, view, fixed_only, .. } = finder.drawing.run;
+    finder.drawing.stats.bricks_visited += 1;
+    slots.clear();
+    slots.extend(scene.id_matrix().in_brick(brick).filter(|&slot| !finder.marks.is_decided(slot)));
+    let has_volumes = !fixed_only && !scene.tbv_matrix().is_empty(brick);
+    let has_fused = contents.has_fused(brick);
+    if (slots.len() >= WORTH_TESTING || has_fused || has_volumes)
+        && finder.drawing.hides(&Block::new(finder.drawing.bricks.cell_bounds(brick)))
+    {
+        finder.drawing.stats.bricks_hidden += 1;
+        return;
     }
+    // In a loop that does little else, the processor waits for the memory of many objects at once.
+    slots.retain(|&slot| {
+        let own = scene.boxes().of(slot);
+        own.is_shown(view) || scene.object(slot).is_shown(view)
+    });
+    slots.iter().for_each(|&slot| finder.find(slot));
+    if has_volumes {
+        volumes.push(brick);
+    }
+    if has_fused && finder.drawing.may_fuse() {
+        let boxes = contents.fused.iter().flat_map(|fused| fused.in_brick(brick));
+        boxes.for_each(|cells| finder.drawing.draw_cells(cells));
+    }
+}
 
-    /// Finds the undecided objects of a brick, its volumes and boxes of opaque cells, unless it is
-    /// hidden.
-    fn open_brick(&mut self, brick: IVec3, open: &mut Vec<Slot>, volumes: bool) {
-        let scene = self.run.scene;
-        let has_fused = self.has_fused(brick);
-        if open.len() >= WORTH_TESTING || has_fused || volumes {
-            let bounds = Block::new(self.grid.cell_bounds(brick));
-            if self.drawing.hides(&bounds) {
-                self.drawing.stats.bricks_hidden += 1;
-                return;
-            }
+/// Tests and draws the objects found in the bricks up to shell `m`, and those of the volumes in
+/// them, which are tested after all objects as near are drawn.
+fn finish_bricks(finder: &mut ObjectFinder, volumes: &mut Vec<IVec3>, m: i32) {
+    let scene = finder.drawing.run.scene;
+    finder.settle();
+    finder.drawing.draw_patches(m);
+    for brick in volumes.drain(..) {
+        let Some(CellBox { lo, hi }) = scene.tbv_matrix().extent(brick) else { continue };
+        if scene.tbv_matrix().ids(brick).all(|slot| finder.marks.is_revealed(slot))
+            || finder.drawing.hides(&Block::new(scene.grid().range_bounds(lo, hi)))
+        {
+            continue;
         }
-        // In a loop that does little else, the processor waits for the memory of many objects at
-        // once.
-        open.retain(|&slot| {
-            let own = scene.boxes().of(slot);
-            own.is_shown(self.run.view) || scene.object(slot).is_shown(self.run.view)
-        });
-        for &slot in open.iter() {
-            self.find(slot);
-        }
-        if volumes {
-            self.scratch.volumes.push(brick);
-        }
-        if has_fused && self.drawing.may_fuse() {
-            for at in 0..self.fused.len() {
-                let fused = self.fused[at];
-                fused.in_brick(brick).iter().for_each(|cells| self.drawing.draw_cells(cells));
-            }
-        }
+        scene.tbv_matrix().ids(brick).for_each(|slot| finder.test_volume(slot));
     }
+    finder.settle();
+    finder.drawing.draw_patches(m);
 }

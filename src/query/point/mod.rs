@@ -2,7 +2,7 @@
 //!
 //! The walk goes out from the eye in chessboard shells of bricks (8x8x8 cells), inside the frustum
 //! only. A brick is tested before the objects in it ([`bricks`]), an object before it is drawn as
-//! an occluder ([`objects`], [`drawing`]), and the walk ends when every pixel is closed. Small
+//! an occluder ([`finder`], [`drawing`]), and the walk ends when every pixel is closed. Small
 //! moving objects that hide nothing are found then, zone by zone ([`movers`]). Objects that were
 //! found visible are tested once more when all occluders are drawn, so that the order matters for
 //! speed only; undecided pixels are refined ([`decide`]). Runs may build on the one before.
@@ -12,156 +12,131 @@ mod ahead;
 mod bricks;
 mod decide;
 pub(crate) mod drawing;
-pub(crate) mod follow;
+mod finder;
 mod movers;
-mod objects;
-pub(crate) mod offered;
-pub(crate) mod overlay;
-mod planes;
 pub(crate) mod run;
-mod volumes;
 
 use casca_slots::Slot;
-use glam::IVec3;
 use smallvec::SmallVec;
 
-use crate::grid::Grid;
-use crate::id::ObjectId;
-use crate::matrix::fused::Fused;
+use crate::geometry::Block;
 use crate::pvs::Pvs;
 use crate::query::marks::Marks;
-use crate::query::point::decide::{Candidate, SecondTest};
-use crate::query::point::drawing::{Drawing, DrawingScratch};
+use crate::query::point::bricks::{BrickLists, find_all};
+use crate::query::point::decide::SecondTest;
+use crate::query::point::drawing::{Drawing, DrawingScratch, Offered};
+use crate::query::point::finder::{FoundObjects, ObjectFinder};
+use crate::query::point::movers::find_movers;
 use crate::query::point::run::{Run, pitch};
-use crate::scene::LayerOpacity;
-use crate::view::Origin;
-use crate::walk::{Shells, Start};
-
-/// The walk of one run of the point method.
-pub(crate) struct PointWalk<'a> {
-    run: Run<'a>,
-    pvs: &'a mut Pvs,
-    drawing: Drawing<'a>,
-    marks: &'a mut Marks,
-    /// Tests what was found again.
-    second: &'a mut SecondTest,
-    scratch: &'a mut WalkScratch,
-    /// The grid of bricks.
-    grid: Grid,
-    /// The boxes of opaque cells of the occluders that the view shows.
-    fused: SmallVec<[&'a Fused; 2]>,
-    /// The shells of bricks around the eye's brick, if the walk goes in shells.
-    around: Option<Shells>,
-}
 
 /// The memory of the point method, reused from query to query.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PointScratch {
     pub(crate) drawing: DrawingScratch,
     second: SecondTest,
-    walk: WalkScratch,
-}
-
-/// The memory of finding objects.
-#[derive(Debug, Clone, Default)]
-struct WalkScratch {
-    bricks: Vec<IVec3>,
-    /// Bricks of a shell with temporal bounding volumes that are not hidden.
-    volumes: Vec<IVec3>,
-    /// Undecided objects of a brick.
-    open: Vec<Slot>,
-    /// Objects of a shell.
-    objects: Vec<Candidate>,
-    /// Numbers that sort them by distance, with the place of each.
-    found: Vec<u128>,
-    /// Objects found visible so far.
-    candidates: Vec<Candidate>,
-    /// Small moving objects that need no further test.
-    movers: Vec<ObjectId>,
-    /// Zones of such objects in the frustum, with their distances.
+    found: FoundObjects,
+    bricks: BrickLists,
+    /// Zones of small moving objects in the frustum, with their distances.
     zones: Vec<(f64, u32)>,
 }
 
-impl<'a> PointWalk<'a> {
-    pub(crate) fn new(
-        run: Run<'a>,
-        pvs: &'a mut Pvs,
-        marks: &'a mut Marks,
-        scratch: &'a mut PointScratch,
-    ) -> Self {
-        let Run { scene, view, .. } = run;
-        let PointScratch { drawing, second, walk: scratch } = scratch;
-        marks.begin(scene.slot_count());
-        scratch.candidates.clear();
-        scratch.movers.clear();
-        let grid = scene.grid().bricks();
-        let around = Shells::around_eye(&grid, view, Start::Eye);
-        let begins = around.as_ref().map(|shells| shells.begins(&grid));
-        Self {
-            run,
-            pvs,
-            drawing: Drawing::new(run, begins, drawing),
-            marks,
-            second,
-            scratch,
-            grid,
-            fused: scene.opacity(view.layers()).map(LayerOpacity::fused).collect(),
-            around,
-        }
-    }
+/// What a run must be told of the changes since the one before.
+#[derive(Debug, Default)]
+pub(crate) struct StaticChanges {
+    /// The slots of static objects that came or changed.
+    pub(crate) fresh: Vec<Slot>,
+    /// The slots of the objects in the set that stayed as they are.
+    pub(crate) known: Vec<Slot>,
+    /// Around the occluders that are gone, those that changed among them.
+    pub(crate) gone: SmallVec<[Block; 4]>,
+}
 
-    /// Fills the set.
-    pub(crate) fn run(mut self) {
-        let Run { scene, view, options, receivers, .. } = self.run;
-        let buffers = self.drawing.buffers_mut();
+impl PointScratch {
+    /// Fills a set.
+    pub(crate) fn run(&mut self, run: Run, pvs: &mut Pvs, marks: &mut Marks) {
+        let Run { scene, view, options, receivers, coherent, .. } = run;
+        let Self { drawing, second, found, bricks, zones } = self;
+        let mut finder = ObjectFinder::new(Drawing::new(run, drawing), pvs, marks, found);
+        let buffers = finder.drawing.buffers_mut();
         buffers.begin(view, &pitch(scene, options));
         if let Some(receivers) = receivers {
             buffers.keep_before(receivers, view.is_ordered());
         }
-        self.drawing.stats.pixels = self.drawing.buffers().pixels();
-        if self.run.coherent {
-            self.drawing.draw_useful();
+        finder.drawing.stats.pixels = buffers.pixels();
+        if coherent {
+            finder.drawing.draw_useful();
         }
-        self.find_all();
-        if !self.run.fixed_only {
-            self.test_outer_volumes();
-        }
-        self.find_movers();
-        self.decide();
-        if self.run.coherent {
-            self.drawing.remember(&self.pvs.visible, &self.second.used);
-        }
-        self.pvs.stats = self.drawing.stats;
+        find_all(&mut finder, bricks);
+        find_movers(&mut finder, zones);
+        decide(finder, second);
     }
 
-    /// Tests again what was found, and fills the set with those found visible and the small moving
-    /// objects that need no further test.
-    fn decide(&mut self) {
-        self.second.decide(&mut self.drawing, &mut self.scratch.candidates);
-        for candidate in self.second.seen(&self.scratch.candidates) {
-            self.pvs.push(self.run.scene.id(candidate.slot));
+    /// Goes on with the buffers of the last run, which was of the same view, after static objects
+    /// came, went or changed. `offered` are the objects that they rest on and that stayed. Fills
+    /// the set with the objects that are not known. Returns the share of the pixels that were
+    /// opened.
+    ///
+    /// Where an occluder is gone, the tiles around its box are opened, that box grown by the reach;
+    /// the occluders of other objects that reach into them are drawn again, and the walk finds the
+    /// objects that come into sight. Objects that are new are tested, and their occluders drawn,
+    /// like any others.
+    ///
+    /// Nothing visible is lost: let a pixel be covered that was not opened. Every ray that it
+    /// hides, from any eye within reach, met a solid, a patch or a box of opaque cells. A ray that
+    /// ends in a pixel that was not opened passes no point of an occluder that is gone: otherwise
+    /// the ray from the middle to the same end would pass within the reach of that point. So the
+    /// ray met others, which are there; also in a box of cells, each of which solids fill that are
+    /// there or that the ray does not meet. Occluders that were never offered need no hole: no free
+    /// ray reached them.
+    ///
+    /// Open pixels must not be [refined](crate::PointOptions::unrefined), since the lists of
+    /// occluders in the buffers name some that are gone.
+    pub(crate) fn follow(
+        &mut self,
+        run: Run,
+        pvs: &mut Pvs,
+        marks: &mut Marks,
+        changes: &StaticChanges,
+        offered: &Offered,
+    ) -> f64 {
+        let Self { drawing, second, found, bricks, .. } = self;
+        let mut finder = ObjectFinder::new(Drawing::new(run, drawing), pvs, marks, found);
+        changes.known.iter().for_each(|&slot| {
+            finder.marks.decide(slot);
+        });
+        let drawing = &mut finder.drawing;
+        let pixels = drawing.buffers().pixels().max(1) as f64;
+        let holes = drawing.buffers_mut().reopen(&changes.gone);
+        if !holes.is_empty() {
+            for slot in offered.slots() {
+                let block = run.scene.living_at(slot).and_then(|o| o.occluder()).map(|o| o.block());
+                if block.is_some_and(|block| drawing.buffers().reaches_into(&block, &holes)) {
+                    drawing.draw(slot);
+                }
+            }
         }
-        self.drawing.stats.occlusion_tests += self.scratch.movers.len() as u32;
-        self.scratch.movers.iter().for_each(|&id| self.pvs.push(id));
+        changes.fresh.iter().for_each(|&slot| finder.find(slot));
+        finder.settle();
+        finder.drawing.draw_all_patches(i32::MAX);
+        if !holes.is_empty() {
+            find_all(&mut finder, bricks);
+        }
+        decide(finder, second);
+        holes.iter().map(|hole| hole.pixels() as f64).sum::<f64>() / pixels
     }
+}
 
-    /// Finds the objects of the whole scene that the buffers do not hide.
-    fn find_all(&mut self) {
-        for slot in self.run.scene.always().iter().copied().chain(self.run.scene.overdue()) {
-            self.find(slot);
-        }
-        self.settle();
-        match (self.run.view.origin, self.around.clone()) {
-            (Origin::Eye { at, .. }, Some(shells)) => {
-                self.reveal_around(at);
-                self.in_shells(&shells, at);
-            }
-            (Origin::Eye { at, .. }, None) => {
-                self.reveal_around(at);
-                self.everywhere(pitch(self.run.scene, self.run.options).middle - at);
-            }
-            (Origin::Direction(d), _) => self.everywhere(d),
-        }
-        self.find_overhanging();
+/// Tests again what was found, and fills the set with those found visible and the small moving
+/// objects that need no further test.
+fn decide(finder: ObjectFinder, second: &mut SecondTest) {
+    let ObjectFinder { mut drawing, pvs, found, .. } = finder;
+    let Run { scene, coherent, .. } = drawing.run;
+    second.decide(&mut drawing, &mut found.candidates);
+    second.seen(&found.candidates).for_each(|candidate| pvs.push(scene.id(candidate.slot)));
+    drawing.stats.occlusion_tests += found.movers.len() as u32;
+    found.movers.iter().for_each(|&id| pvs.push(id));
+    if coherent {
+        drawing.remember(&pvs.visible, &second.used);
     }
+    pvs.stats = drawing.stats;
 }

@@ -7,128 +7,221 @@
 //! array ([`crate::scene::Scene::boxes`]).
 
 use casca_slots::Slot;
+use glam::{DVec3, Vec3A, Vec4};
+use smallvec::SmallVec;
 
 use crate::geometry::Block;
+use crate::geometry::plane::HalfSpace;
+use crate::grid::Grid;
 use crate::id::ObjectId;
+use crate::numeric::query::SINGLE_FRUSTUM;
 use crate::query::point::decide::Candidate;
-use crate::query::point::planes::{BoxSide, Planes};
-use crate::query::point::{PointWalk, WalkScratch};
+use crate::query::point::finder::ObjectFinder;
+use crate::query::point::run::Run;
 use crate::scene::Zone;
+use crate::view::View;
 
 /// A zone with fewer objects is not tested itself.
 const WORTH_TESTING: usize = 3;
 
-/// What a query may say of all objects of a zone at once.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Outlook {
-    /// None of them is in sight.
-    Hidden,
-    /// All of them are, if views show them.
-    Open,
-    /// Each is tested by its box. `BoxSide::Inside` if all are inside the frustum.
-    Mixed(BoxSide),
-    /// The eye is among them: each is tested as other objects are.
-    Close,
-}
-
-impl PointWalk<'_> {
-    /// Finds the small moving objects that are in sight of all that was drawn. Those that need no
-    /// further test are listed apart.
-    pub(super) fn find_movers(&mut self) {
-        let scene = self.run.scene;
-        if self.run.fixed_only || self.run.view.layers() == 0 || scene.movers().zones().is_empty() {
-            return;
-        }
-        self.drawing.buffers_mut().read_clear();
-        let planes = Planes::new(self.run.view, scene.grid());
-        let mut order = std::mem::take(&mut self.scratch.zones);
-        order.clear();
-        for (index, zone) in scene.movers().zones().iter().enumerate() {
-            if zone.plain().len() + zone.others().len() > 0 && self.run.view.may_see_volume(zone.room()) {
-                order.push((self.distance(zone.room()), index as u32));
-            }
-        }
-        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        for &(_, index) in &order {
-            self.zone(&scene.movers().zones()[index as usize], &planes);
-        }
-        self.scratch.zones = order;
-        self.settle();
+/// Finds the small moving objects that are in sight of all that was drawn. Those that need no
+/// further test are listed apart. `order` is memory that is used again.
+pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>) {
+    let Run { scene, view, fixed_only, coherent, .. } = finder.drawing.run;
+    let zones = scene.movers().zones();
+    if fixed_only || view.layers() == 0 || zones.is_empty() {
+        return;
     }
-
-    /// Finds the objects of a zone in the frustum.
-    fn zone(&mut self, zone: &Zone, planes: &Planes) {
-        let outlook = self.outlook(zone, planes);
-        if outlook == Outlook::Hidden {
-            return;
+    finder.drawing.buffers_mut().read_clear();
+    let planes = Planes::new(view, scene.grid());
+    order.clear();
+    for (index, zone) in zones.iter().enumerate() {
+        if zone.plain().len() + zone.others().len() > 0 && view.may_see_volume(zone.room()) {
+            order.push((finder.distance(zone.room()), index as u32));
+        }
+    }
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    for zone in order.iter().map(|&(_, index)| &zones[index as usize]) {
+        let room = zone.room();
+        let is_worth = zone.plain().len() + zone.others().len() >= WORTH_TESTING;
+        if is_worth && finder.drawing.hides(room) {
+            continue;
         }
         // Layers, forms with holes in their middles.
-        zone.others().iter().for_each(|&slot| self.find(slot));
-        match outlook {
-            Outlook::Open => {
-                self.drawing.stats.objects_tested += zone.plain().len() as u32;
-                let ids = zone.plain().iter().map(|&id| ObjectId(id));
-                if self.run.scene.any_overdue() {
-                    self.scratch.movers.extend(ids.filter(|id| !self.marks.is_decided(id.slot())));
-                } else {
-                    self.scratch.movers.extend(ids);
+        zone.others().iter().for_each(|&slot| finder.find(slot));
+        let around = Block { min: room.min - view.eye_box(), max: room.max + view.eye_box() };
+        let side = planes.side_of(room);
+        // A coherent run asks more of its objects.
+        if coherent || view.eye().is_some_and(|eye| around.contains_point(eye)) {
+            zone.plain().iter().for_each(|id| finder.find(id.slot()));
+        } else if is_worth && side == BoxSide::Inside && finder.drawing.buffers().is_clear_block(room) {
+            finder.drawing.stats.objects_tested += zone.plain().len() as u32;
+            let ids = zone.plain().iter().map(|&id| ObjectId(id));
+            if scene.any_overdue() {
+                finder.found.movers.extend(ids.filter(|id| !finder.marks.is_decided(id.slot())));
+            } else {
+                finder.found.movers.extend(ids);
+            }
+        } else {
+            test_boxes(finder, zone, side, &planes);
+        }
+    }
+    finder.settle();
+}
+
+/// Tests the boxes of the objects of a zone. Those before all occluders are found visible, those
+/// that may lie behind one are tested with the others.
+fn test_boxes(finder: &mut ObjectFinder, zone: &Zone, zone_side: BoxSide, planes: &Planes) {
+    let Run { scene, view, .. } = finder.drawing.run;
+    let (buffers, mut tested) = (finder.drawing.buffers(), 0);
+    let origin = buffers.origin().as_vec3a();
+    // Those that are overdue were found as such.
+    let any_overdue = scene.any_overdue();
+    for &id in zone.plain() {
+        if any_overdue && finder.marks.is_decided(id.slot()) {
+            continue;
+        }
+        let own = scene.boxes().of(id.slot());
+        let (min, max) = own.corners();
+        let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
+        let side = if zone_side == BoxSide::Inside { zone_side } else { planes.side(middle, half) };
+        let sees = |slot: Slot| view.may_see(scene.object(slot).bounds());
+        if side == BoxSide::Outside || side == BoxSide::Crosses && !sees(id.slot()) {
+            continue;
+        }
+        tested += 1;
+        if buffers.is_clear(middle - origin) {
+            finder.found.movers.push(ObjectId(id));
+        } else {
+            let (slot, block) = (id.slot(), Some(own.block()));
+            let candidate = Candidate { slot, block, is_centered: true, occludes: false };
+            finder.found.candidates.push(candidate);
+        }
+    }
+    finder.drawing.stats.objects_tested += tested;
+}
+
+/// Where a box is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum BoxSide {
+    /// Inside of all planes.
+    Inside,
+    /// Outside of one.
+    Outside,
+    /// Neither is certain.
+    Crosses,
+}
+
+/// Four planes: the points `p` with `x * p.x + y * p.y + z * p.z + w >= 0` are inside.
+#[derive(Debug, Clone, Copy)]
+struct Four {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+    w: Vec4,
+    /// Values nearer to 0 decide nothing.
+    margin: Vec4,
+}
+
+/// The planes of a view, in single precision by fours.
+#[derive(Debug, Clone)]
+struct Planes<'v> {
+    exact: &'v [HalfSpace],
+    fours: SmallVec<[Four; 2]>,
+}
+
+impl<'v> Planes<'v> {
+    /// For boxes inside a grid.
+    fn new(view: &'v View, grid: &Grid) -> Self {
+        let largest = grid.min().abs().max(grid.max().abs()).max_element();
+        let four = |planes: &[HalfSpace]| {
+            // A missing plane has everything far inside.
+            let of = |value: &dyn Fn(&HalfSpace) -> f64, none: f64| {
+                Vec4::from_array(std::array::from_fn(|i| planes.get(i).map_or(none, value) as f32))
+            };
+            Four {
+                x: of(&|plane| plane.normal.x, 0.0),
+                y: of(&|plane| plane.normal.y, 0.0),
+                z: of(&|plane| plane.normal.z, 0.0),
+                w: of(&|plane| plane.offset, 1.0),
+                margin: of(&|plane| SINGLE_FRUSTUM * (largest + plane.offset.abs()), 0.0),
+            }
+        };
+        Self { exact: &view.planes, fours: view.planes.chunks(4).map(four).collect() }
+    }
+
+    /// Where a box is; in doubt, it crosses.
+    #[inline]
+    fn side(&self, middle: Vec3A, half: Vec3A) -> BoxSide {
+        let mut side = BoxSide::Inside;
+        for four in &self.fours {
+            let at = four.x * middle.x + four.y * middle.y + four.z * middle.z + four.w;
+            let reach = four.x.abs() * half.x + four.y.abs() * half.y + four.z.abs() * half.z + four.margin;
+            if at.cmplt(-reach).any() {
+                return BoxSide::Outside;
+            }
+            // Not written the other way round, so that a value that is not a number is doubt.
+            if !at.cmpgt(reach).all() {
+                side = BoxSide::Crosses;
+            }
+        }
+        side
+    }
+
+    /// Whether a box is inside of all planes, or may cross one; asked in double precision.
+    fn side_of(&self, block: &Block) -> BoxSide {
+        let (middle, half) = ((block.min + block.max) * 0.5, (block.max - block.min) * 0.5);
+        let largest = block.min.abs().max(block.max.abs()).max(DVec3::ZERO).max_element();
+        let inside = self.exact.iter().all(|plane| {
+            plane.distance(middle) >= plane.normal.abs().dot(half) + 2.0 * plane.margin(largest)
+        });
+        if inside { BoxSide::Inside } else { BoxSide::Crosses }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::grid::GridSpec;
+    use crate::random::Random;
+
+    #[test]
+    fn sides_agree_with_double_precision_or_are_doubtful() {
+        let mut random = Random::new(8);
+        let mut doubtful = 0;
+        for size in [1.0, 4096.0f32] {
+            let spec = GridSpec { min: Vec3::splat(-size), cell: size / 16.0, dims: UVec3::splat(32) };
+            let grid = Grid::new(&spec).unwrap();
+            for _ in 0..60 {
+                let planes: Vec<_> = (0..7)
+                    .map(|_| crate::Plane {
+                        normal: random.point(1.0).as_vec3(),
+                        offset: (random.next() * 0.4 * f64::from(size)) as f32,
+                    })
+                    .collect();
+                let view = View::from_planes(Vec3::ZERO, &planes).unwrap();
+                let planes = Planes::new(&view, &grid);
+                for _ in 0..60 {
+                    let middle = random.point(f64::from(size)).as_vec3a();
+                    let half = random.point(f64::from(size) * 0.05).as_vec3a().abs();
+                    let (m, h) = (middle.as_dvec3(), half.as_dvec3());
+                    let reach = |plane: &HalfSpace| plane.normal.abs().dot(h);
+                    let outside = view.planes.iter().any(|p| p.distance(m) < -reach(p));
+                    let inside = view.planes.iter().all(|p| p.distance(m) > reach(p));
+                    match planes.side(middle, half) {
+                        BoxSide::Inside => assert!(inside),
+                        BoxSide::Outside => assert!(outside),
+                        BoxSide::Crosses => doubtful += usize::from(inside || outside),
+                    }
                 }
             }
-            Outlook::Mixed(side) => self.test_boxes(zone, side, planes),
-            Outlook::Hidden | Outlook::Close => zone.plain().iter().for_each(|id| self.find(id.slot())),
         }
-    }
-
-    /// What may be said of all objects of a zone in the frustum.
-    fn outlook(&self, zone: &Zone, planes: &Planes) -> Outlook {
-        let room = zone.room();
-        let reach = self.run.view.eye_box();
-        let around = Block { min: room.min - reach, max: room.max + reach };
-        // A coherent run asks more of its objects.
-        let close = self.run.coherent || self.run.view.eye().is_some_and(|eye| around.contains_point(eye));
-        let worth = zone.plain().len() + zone.others().len() >= WORTH_TESTING;
-        if worth && self.drawing.hides(room) {
-            return Outlook::Hidden;
-        }
-        let side = planes.side_of(room);
-        if close {
-            Outlook::Close
-        } else if worth && side == BoxSide::Inside && self.drawing.buffers().is_clear_block(room) {
-            Outlook::Open
-        } else {
-            Outlook::Mixed(side)
-        }
-    }
-
-    /// Tests the boxes of objects. Those before all occluders are found visible, those that may lie
-    /// behind one are tested with the others.
-    fn test_boxes(&mut self, zone: &Zone, zone_side: BoxSide, planes: &Planes) {
-        let scene = self.run.scene;
-        let WalkScratch { movers, candidates, .. } = &mut *self.scratch;
-        let (buffers, mut tested) = (self.drawing.buffers(), 0);
-        let origin = buffers.origin().as_vec3a();
-        // Those that are overdue were found as such.
-        let any_overdue = scene.any_overdue();
-        for &id in zone.plain() {
-            if any_overdue && self.marks.is_decided(id.slot()) {
-                continue;
-            }
-            let own = scene.boxes().of(id.slot());
-            let (min, max) = own.corners();
-            let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
-            let side = if zone_side == BoxSide::Inside { zone_side } else { planes.side(middle, half) };
-            let sees = |slot: Slot| self.run.view.may_see(scene.object(slot).bounds());
-            if side == BoxSide::Outside || side == BoxSide::Crosses && !sees(id.slot()) {
-                continue;
-            }
-            tested += 1;
-            if buffers.is_clear(middle - origin) {
-                movers.push(ObjectId(id));
-            } else {
-                let block = Some(own.block());
-                candidates.push(Candidate { slot: id.slot(), block, is_centered: true, occludes: false });
-            }
-        }
-        self.drawing.stats.objects_tested += tested;
+        assert!(doubtful < 20, "{doubtful}");
+        let everything = View::omnidirectional(Vec3::ZERO).unwrap();
+        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(8) };
+        let planes = Planes::new(&everything, &Grid::new(&spec).unwrap());
+        assert_eq!(planes.side(Vec3A::ONE, Vec3A::ONE), BoxSide::Inside);
     }
 }

@@ -38,6 +38,13 @@ pub(crate) fn pitch(scene: &Scene, options: &PointOptions) -> Pitch {
     }
 }
 
+impl PointOptions {
+    /// The same options, but open pixels are not refined.
+    pub(crate) fn unrefined(self) -> Self {
+        Self { refine_squares: 0, refine_patches: 0, coherent: false, ..self }
+    }
+}
+
 impl<'a> Run<'a> {
     pub(crate) fn new(
         scene: &'a Scene,

@@ -188,7 +188,7 @@ fn many_moves_are_as_if_made_anew() {
         let made = |scene: &Scene| gathered(scene, Settings { windows, ..grid(scene, 20) }, 12);
         let random = |i: usize| (((i + 10 * number) as f32 + 0.5) * 0.618_034).fract();
         let mut cache = made(&cluttered(0.3, V::new(1.0, 0.0, 2.0)));
-        for i in 0..5 {
+        for i in 0..3 {
             let at =
                 V::new(0.2 + 6.8 * random(3 * i), 1.2 * random(3 * i + 1), 0.2 + 2.6 * random(3 * i + 2));
             let scene = cluttered(random(7 * i), at);

@@ -11,7 +11,9 @@ use casca_slots::Slot;
 use glam::DVec3;
 
 use crate::geometry::Block;
+use crate::grid::Grid;
 use crate::mesh::surface::PatchIndex;
+use crate::method::PointOptions;
 use crate::object::Bounds;
 use crate::occlusion::buffers::{OcclusionBuffers, Verdict};
 use crate::occlusion::surface::batch::Batch;
@@ -21,23 +23,25 @@ use crate::occlusion::target::{FaceTarget, Target};
 use crate::pvs::Stats;
 use crate::query::marks::Marks;
 use crate::query::point::drawing::recall::Coherence;
-use crate::query::point::offered::Offered;
 use crate::query::point::run::Run;
 use crate::query::start::Starts;
+use crate::scene::Scene;
 use crate::view::View;
-use crate::walk::ShellBegins;
+use crate::walk::{Shells, Start};
 
 /// Draws the occluders that the walk offers: owns the buffers, what waits to be drawn and what was
 /// drawn.
 pub(super) struct Drawing<'a> {
     pub(super) run: Run<'a>,
     scratch: &'a mut DrawingScratch,
+    /// The grid of bricks.
+    pub(super) bricks: Grid,
+    /// The shells of bricks around the eye's brick, if the walk goes in shells.
+    pub(super) around: Option<Shells>,
     /// Where rays start beside the eye.
     starts: Starts,
     /// A box around the eye and those regions; `None` for parallel rays.
     around_starts: Option<Block>,
-    /// The shell that a box begins in, if the walk goes in shells.
-    begins: Option<ShellBegins>,
     /// Whether boxes of opaque cells may be drawn, once that was found out.
     fuses: Option<bool>,
     /// The counts of the run: the rest of the walk adds its own.
@@ -71,6 +75,36 @@ impl Waiting {
     }
 }
 
+/// The objects on whose occluders a kept result may rest: all that were not hidden when they were
+/// found, whether their occluders were drawn, waited or were too small. The occluders of others are
+/// hidden: no ray of the view reaches them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Offered(Vec<Slot>);
+
+impl Offered {
+    /// Takes over the objects of a run, and puts all in order.
+    pub(crate) fn append(&mut self, other: &Self) {
+        self.0.extend_from_slice(&other.0);
+        self.0.sort_unstable();
+        self.0.dedup();
+    }
+
+    /// Whether an object is among them, which are in order.
+    pub(crate) fn has(&self, slot: Slot) -> bool {
+        self.0.binary_search(&slot).is_ok()
+    }
+
+    /// Forgets objects, whose slots are in order.
+    pub(crate) fn forget(&mut self, slots: &[Slot]) {
+        self.0.retain(|slot| slots.binary_search(slot).is_err());
+    }
+
+    /// The slots of all.
+    pub(super) fn slots(&self) -> impl Iterator<Item = Slot> {
+        self.0.iter().copied()
+    }
+}
+
 /// The buffers, and the memory of drawing in them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DrawingScratch {
@@ -92,16 +126,15 @@ pub(crate) struct DrawingScratch {
 }
 
 impl<'a> Drawing<'a> {
-    /// Forgets what was drawn, but for the buffers. `begins` tells the shell that a box begins in,
-    /// if the walk goes in shells.
-    pub(super) fn new(run: Run<'a>, begins: Option<ShellBegins>, scratch: &'a mut DrawingScratch) -> Self {
+    /// Forgets what was drawn, but for the buffers.
+    pub(super) fn new(run: Run<'a>, scratch: &'a mut DrawingScratch) -> Self {
         let Run { scene, view, .. } = run;
         let (slots, patches) = (scene.slot_count(), scene.seams().patches());
         scratch.useful.begin(slots);
         scratch.waiting.iter_mut().for_each(Waiting::clear);
         scratch.patches.clear();
         scratch.buffers.begin_patches();
-        scratch.offered.clear();
+        scratch.offered.0.clear();
         scratch.drawn.grow(patches);
         // Numbers of queries start again.
         if scratch.useful.epoch() == 1 {
@@ -112,7 +145,10 @@ impl<'a> Drawing<'a> {
         }
         let starts = Starts::of(scene, view);
         let around_starts = view.eye().map(|eye| starts.around(eye));
-        Self { run, scratch, starts, around_starts, begins, fuses: None, stats: Stats::default() }
+        let bricks = scene.grid().bricks();
+        let around = Shells::around_eye(&bricks, view, Start::Eye);
+        let stats = Stats::default();
+        Self { run, scratch, bricks, around, starts, around_starts, fuses: None, stats }
     }
 
     /// The buffers with all that was drawn so far.
@@ -149,6 +185,29 @@ impl<'a> Drawing<'a> {
 }
 
 impl DrawingScratch {
+    /// Starts with the coverage of a query's buffers, and draws the occluders of some objects for
+    /// the view of that. Small ones are left out, and those that rays start in. Returns how many
+    /// were drawn.
+    pub(crate) fn draw_over(
+        &mut self,
+        base: &Self,
+        scene: &Scene,
+        view: &View,
+        slots: impl Iterator<Item = Slot>,
+    ) -> u32 {
+        let mut slots = slots.peekable();
+        if slots.peek().is_none() {
+            return 0;
+        }
+        self.buffers.copy_coverage(&base.buffers);
+        // The lists that refinement asks are not copied.
+        let options = PointOptions::new().unrefined();
+        let mut drawing = Drawing::new(Run::new(scene, view, &options, None), self);
+        slots.for_each(|slot| drawing.draw(slot));
+        drawing.draw_all_patches(i32::MAX);
+        drawing.stats.occluders_drawn
+    }
+
     /// Whether a box in world units is hidden by the occluders drawn so far.
     pub(crate) fn hides(&self, bounds: &Block) -> bool {
         self.buffers.hides(&self.buffers.relative(bounds))

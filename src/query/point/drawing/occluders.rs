@@ -43,7 +43,7 @@ impl Drawing<'_> {
     /// Notes for a result that is kept that it may rest on the occluder of an object.
     pub(super) fn note_offered(&mut self, slot: Slot) {
         if self.run.fixed_only {
-            self.scratch.offered.push(slot);
+            self.scratch.offered.0.push(slot);
         }
     }
 

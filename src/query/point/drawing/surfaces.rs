@@ -11,10 +11,6 @@ use crate::query::point::drawing::drawables::Source;
 use crate::query::point::drawing::recall::{Recall, Role, Usage};
 use crate::query::point::drawing::{Drawing, DrawingScratch, DrawnPatch, Waiting};
 
-/// Patches and groups are drawn from this radius on, in pixels. Smaller ones hide next to nothing:
-/// the pixels that their outlines touch do not count.
-const SMALLEST_PATCH: f64 = 4.0;
-
 /// A group is drawn as one if its slab is at most this share as thick as the eye is away from it,
 /// or all of it that share as large as its distance.
 const THIN: f64 = 0.35;
@@ -71,7 +67,7 @@ impl<'a> Drawing<'a> {
 
     /// The shell of bricks around the eye that a box begins in.
     fn shell_of(&self, block: &Block) -> usize {
-        self.begins.as_ref().map_or(0, |begins| begins.shell(block))
+        self.around.as_ref().map_or(0, |shells| shells.begin_of(block))
     }
 
     /// Draws the visible parts of surfaces that begin up to shell `m`, together, unless they are
@@ -220,7 +216,7 @@ impl<'a> Drawing<'a> {
     ) -> AfterPatch {
         let has_parts = source.surface.next(number) > number.after();
         let block = self.scratch.buffers.relative(world);
-        if self.scratch.is_small(&block, SMALLEST_PATCH) {
+        if self.scratch.is_small(&block, self.run.options.patch_radius.into()) {
             return AfterPatch::Done;
         }
         if !batch.see(&self.scratch.buffers, &block) {
@@ -252,7 +248,7 @@ impl<'a> Drawing<'a> {
         let (thickness, height) = (hi - lo, lo.max(-hi));
         let across = (d.block.max - d.block.min).length();
         let distance = match self.scratch.buffers.direction() {
-            Some(_) => self.run.scene.grid().bricks().cell_size(),
+            Some(_) => self.bricks.cell_size(),
             None => d.block.min.max(-d.block.max).max(DVec3::ZERO).length(),
         };
         thickness <= THIN * height || across <= THIN * distance

@@ -1,0 +1,137 @@
+//! The light of lamps and suns: which still entities lie in it, kept until one of them changes.
+//!
+//! What moves and hides nothing changes nothing for others. So it counts as lit where it is in
+//! reach, and a query is run anew only after another change there.
+
+use bevy_ecs::entity::{Entity, EntityHashMap};
+use bevy_math::{Mat3A, Vec3A};
+use bevy_platform::collections::HashMap;
+use casca::{Method, Query, Scene, View};
+
+use crate::run;
+
+/// More changes than this in a frame count as changes everywhere.
+const MOST_CHANGES: usize = 256;
+
+/// Where something changed in a frame, but for what moves and hides nothing.
+#[derive(Debug, Default)]
+pub(crate) struct Changes {
+    boxes: Vec<(Vec3A, Vec3A)>,
+    everywhere: bool,
+}
+
+impl Changes {
+    /// Begins a frame.
+    pub(crate) fn clear(&mut self) {
+        self.boxes.clear();
+        self.everywhere = false;
+    }
+
+    /// Notes a box, from corner to corner.
+    pub(crate) fn note(&mut self, changed: (Vec3A, Vec3A)) {
+        self.everywhere |= self.boxes.len() >= MOST_CHANGES;
+        if !self.everywhere {
+            self.boxes.push(changed);
+        }
+    }
+
+    fn reach(&self, reach: &Reach) -> bool {
+        self.everywhere || self.boxes.iter().any(|changed| reach.overlaps(changed))
+    }
+}
+
+/// A box that a light shines into, along axes of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reach {
+    pub(crate) to_axes: Mat3A,
+    /// Along these axes.
+    pub(crate) middle: Vec3A,
+    pub(crate) half: Vec3A,
+}
+
+impl Reach {
+    /// Whether a box along the world's axes may lie in it; in doubt, it does.
+    fn overlaps(&self, &(min, max): &(Vec3A, Vec3A)) -> bool {
+        let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
+        let apart = (self.to_axes * middle - self.middle).abs();
+        !apart.cmpgt(self.half + self.to_axes.abs() * half).any()
+    }
+}
+
+/// A view of all that a light shines on.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Aim {
+    pub(crate) view: View,
+    pub(crate) reach: Reach,
+}
+
+/// The result of a query.
+#[derive(Debug)]
+pub(crate) struct Beam {
+    pub(crate) aim: Aim,
+    query: Query,
+    /// The entities in the light that do not move.
+    lit: Vec<Entity>,
+    /// The last frame for which that holds.
+    frame: u32,
+}
+
+impl Beam {
+    /// The entities that may cast shadows.
+    pub(crate) fn casters(&self, movers: &EntityHashMap<Mover>) -> impl Iterator<Item = Entity> {
+        let near = movers.iter().filter(|(_, mover)| self.aim.reach.overlaps(&mover.around));
+        let near = near.map(|(entity, _)| *entity);
+        self.lit.iter().copied().chain(near)
+    }
+}
+
+/// An entity that moves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mover {
+    /// The frame from which on it counts as still if it stays.
+    pub(crate) rests: u32,
+    /// The corners of a box around it.
+    pub(crate) around: (Vec3A, Vec3A),
+}
+
+/// A light, and for suns the camera for which it shines.
+pub(crate) type Key = (Entity, Entity);
+
+pub(crate) type Beams = HashMap<Key, Beam>;
+
+/// Brings the beams of some lights up to date, and forgets others.
+pub(crate) fn shine(
+    beams: &mut Beams,
+    (scene, changes, frame): (Option<&Scene>, &Changes, u32),
+    method: Method,
+    aims: Vec<(Key, Aim)>,
+    moves: impl Fn(Entity) -> bool,
+) {
+    let mut old = std::mem::take(beams);
+    let Some(scene) = scene.filter(|_| !matches!(method, Method::Frustum)) else { return };
+    // Results that are kept should be as small as they get.
+    let method = if let Method::Point(how) = method { Method::Point(how.coherent(false)) } else { method };
+    let mut jobs: Vec<(Key, Beam)> = Vec::new();
+    for (key, aim) in aims {
+        let (mut query, mut lit) = (Query::new(), Vec::new());
+        if let Some(beam) = old.remove(&key) {
+            let held = beam.frame.wrapping_add(1) == frame && beam.query.method() == method;
+            if held && beam.aim == aim && !changes.reach(&aim.reach) {
+                beams.insert(key, Beam { frame, ..beam });
+                continue;
+            }
+            (query, lit) = (beam.query, beam.lit);
+        }
+        if query.method() == method || query.set_method(method).is_ok() {
+            lit.clear();
+            jobs.push((key, Beam { aim, query, lit, frame }));
+        }
+    }
+    run::each(&mut jobs, |(_, beam)| _ = beam.query.run(scene, &beam.aim.view));
+    for (_, beam) in &mut jobs {
+        let found = beam.query.pvs().visible().iter();
+        let found = found.filter_map(|&id| Entity::try_from_bits(scene.user_data(id).ok()?));
+        beam.lit.extend(found.filter(|&entity| !moves(entity)));
+    }
+    beams.extend(jobs);
+}
