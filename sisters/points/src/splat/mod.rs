@@ -144,11 +144,11 @@ fn test(
     }
     if options.slopes {
         let half = block.half_sides(first, camera, options.radius);
-        for i in 0..BLOCK {
+        for (i, &half) in half.iter().enumerate() {
             // Those outside have no depth.
             if bits >> i & 1 == 0 && block.depth[i] > 0.0 {
                 let [x, y] = [block.x[i], block.y[i]].map(|v| v / SUBPIXELS as i32);
-                bits |= usize::from(1.0 / block.depth[i] >= limits.slanted(x, y, half[i])) << i;
+                bits |= usize::from(1.0 / block.depth[i] >= limits.slanted(x, y, half)) << i;
             }
         }
     }
