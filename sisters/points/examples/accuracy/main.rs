@@ -14,16 +14,15 @@ mod scenes;
 mod thesis;
 mod truth;
 
-use std::error::Error;
-use std::f32::consts::FRAC_PI_2;
-use std::time::Instant;
-
 use casca_points::surface::Surface;
 use casca_points::{AutoSettings, Camera, PointCloud, hpr, splat};
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use scenes::Scene;
+use std::error::Error;
+use std::f32::consts::FRAC_PI_2;
+use std::time::Instant;
 use truth::{Mesh, Sample, sample};
 
 /// Truly visible, false visible and false hidden points.
@@ -80,7 +79,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     println!("errors (false visible + false hidden) in percent");
     println!(
-        "scene            visible | surface, normals given | surface, estimated | hpr                  | splat                | us build, eye, hpr | found of strays, of others"
+        "scene            visible | surface, normals given | surface, estimated | hpr                  | \
+         splat                | us build, eye, hpr | found of strays, of others"
     );
     for scene in &all {
         row(scene.name, scene, &sample(scene, POINTS), &[0.0])?;

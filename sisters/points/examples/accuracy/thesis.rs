@@ -5,18 +5,16 @@
 //!
 //! E is half of the false visible and false hidden points over the truly visible ones, in percent.
 
-use std::collections::{BTreeMap, HashMap};
-use std::error::Error;
-
+use crate::truth::Mesh;
+use crate::{Counts, count, gauss};
 use bitvec::vec::BitVec;
 use casca_points::splat::{Bias, Filter, Radius, SplatOptions, visible_points};
 use casca_points::{Camera, hpr};
 use glam::{DVec3, UVec3, Vec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-
-use crate::truth::Mesh;
-use crate::{Counts, count, gauss};
+use std::collections::{BTreeMap, HashMap};
+use std::error::Error;
 
 /// Cells along the height of the hare: 30,114 vertices.
 const CELLS: f32 = 128.0;
@@ -54,7 +52,6 @@ pub fn print() -> Result<(), Box<dyn Error>> {
     let eye = EYE.as_dvec3();
     let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-
     println!("HPR, log10 R = {BEST} | {}", errors(&truth, hpr::visible_points(&places, eye, BEST)?).1);
     let noise = NOISE * low.distance(high);
     let mut random = Pcg64Mcg::seed_from_u64(5);
