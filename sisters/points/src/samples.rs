@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
 
 /// Points spread evenly on the unit sphere (the golden spiral).
 pub fn sphere(count: usize) -> Vec<DVec3> {
@@ -22,12 +23,8 @@ pub fn coordinate(most: f32) -> impl Strategy<Value = f32> {
 
 /// The configuration of a property test of `n` cases: the same in every run. `CASCA_CASES`
 /// multiplies their number.
-pub fn cases(n: u32) -> proptest::test_runner::Config {
+pub fn cases(n: u32) -> Config {
     let factor = std::env::var("CASCA_CASES").ok().and_then(|v| v.parse::<u32>().ok()).unwrap_or(1);
-    proptest::test_runner::Config {
-        cases: n.saturating_mul(factor.min(100_000)),
-        rng_seed: proptest::test_runner::RngSeed::Fixed(1),
-        failure_persistence: None,
-        ..proptest::test_runner::Config::default()
-    }
+    let (cases, rng_seed) = (n.saturating_mul(factor.min(100_000)), RngSeed::Fixed(1));
+    Config { cases, rng_seed, failure_persistence: None, ..Config::default() }
 }

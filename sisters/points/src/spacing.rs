@@ -47,7 +47,9 @@ const MOST_OF_A_BOX: usize = 8 * POINTS_OF_A_BOX;
 ///
 /// [`SplatError::PointNotFinite`].
 pub fn automatic_radius(points: &[Vec3]) -> Result<f32, SplatError> {
-    check(points)?;
+    if let Some(index) = points.par_iter().position_first(|p| !p.is_finite()) {
+        return Err(SplatError::PointNotFinite { index });
+    }
     let mut random = Pcg64Mcg::seed_from_u64(1);
     let everywhere = Near { centre: Vec3::ZERO, reach: f32::INFINITY };
     let mut distances = Vec::new();
@@ -57,7 +59,13 @@ pub fn automatic_radius(points: &[Vec3]) -> Result<f32, SplatError> {
         let sample = some(points, points.len() / POINTS_OF_A_BOX * NEAREST, &mut random);
         let boxes: Vec<Near> =
             some(&sample, BOXES, &mut random).iter().map(|&p| Near::new(p, &sample)).collect();
-        for (near, inside) in boxes.iter().zip(inside(points, &boxes)) {
+        let inside = |near: &Near| {
+            let all = points.iter().copied().filter(|&p| near.room(p) >= 0.0);
+            let inside: Vec<Vec3> = all.take(MOST_OF_A_BOX + 1).collect();
+            if inside.len() > MOST_OF_A_BOX { Vec::new() } else { inside }
+        };
+        let inside: Vec<Vec<Vec3>> = boxes.par_iter().map(inside).collect();
+        for (near, inside) in boxes.iter().zip(inside) {
             distances.extend(near.distances(&inside, QUERIES / BOXES, &mut random));
         }
         if distances.is_empty() {
@@ -69,11 +77,6 @@ pub fn automatic_radius(points: &[Vec3]) -> Result<f32, SplatError> {
     }
     let at = (distances.len() - 1) as f64 * PART;
     Ok(half(*distances.select_nth_unstable_by(at as usize, f64::total_cmp).1))
-}
-
-fn check(points: &[Vec3]) -> Result<(), SplatError> {
-    let bad = points.par_iter().position_first(|p| !p.is_finite());
-    bad.map_or(Ok(()), |index| Err(SplatError::PointNotFinite { index }))
 }
 
 fn half(distance: f64) -> f32 {
@@ -158,12 +161,6 @@ impl Point<f64> for Place {
     }
 }
 
-/// The distance from a place to the neighbour that counts; 0 if there is none.
-fn distance(tree: &KDTree<f64, Place>, place: &Place) -> f64 {
-    // The nearest is the place itself.
-    tree.knn(NEIGHBOUR + 1, place).last().map_or(0.0, |neighbour| neighbour.dist2.sqrt())
-}
-
 /// A box, in which points are looked at closely.
 struct Near {
     centre: Vec3,
@@ -194,21 +191,13 @@ impl Near {
             return Vec::new();
         }
         let tree = KDTree::new(&places);
-        let distances = some(&points, count, random)
-            .into_par_iter()
-            .map(|p| (distance(&tree, &Place::new(p)), self.room(p)));
-        distances.filter(|&(distance, room)| distance <= room.into()).map(|(distance, _)| distance).collect()
+        let distance = |p: Vec3| {
+            // The nearest is the place itself.
+            let last = tree.knn(NEIGHBOUR + 1, &Place::new(p)).last().map_or(0.0, |last| last.dist2.sqrt());
+            Some(last).filter(|distance| *distance <= self.room(p).into())
+        };
+        some(&points, count, random).into_par_iter().filter_map(distance).collect()
     }
-}
-
-/// The points in each box; none for boxes with too many.
-fn inside(points: &[Vec3], boxes: &[Near]) -> Vec<Vec<Vec3>> {
-    let of_box = |near: &Near| {
-        let inside: Vec<Vec3> =
-            points.iter().copied().filter(|&p| near.room(p) >= 0.0).take(MOST_OF_A_BOX + 1).collect();
-        if inside.len() > MOST_OF_A_BOX { Vec::new() } else { inside }
-    };
-    boxes.par_iter().map(of_box).collect()
 }
 
 #[cfg(test)]

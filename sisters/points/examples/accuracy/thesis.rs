@@ -5,17 +5,16 @@
 //!
 //! E is half of the false visible and false hidden points over the truly visible ones, in percent.
 
-use std::collections::{BTreeMap, HashMap};
-use std::error::Error;
-
+use crate::truth::Mesh;
+use crate::{Counts, count, gauss};
 use bitvec::vec::BitVec;
 use casca_points::splat::{Bias, Filter, Radius, SplatOptions, visible_points};
 use casca_points::{Camera, hpr};
 use glam::{DVec3, UVec3, Vec3};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-
-use crate::truth::Mesh;
+use std::collections::{BTreeMap, HashMap};
+use std::error::Error;
 
 /// Cells along the height of the hare: 30,114 vertices.
 const CELLS: f32 = 128.0;
@@ -26,112 +25,86 @@ const EYE: Vec3 = Vec3::new(3.6, 3.3, 4.2);
 const MIDDLE: Vec3 = Vec3::new(0.05, 1.4, 0.0);
 /// The best radius of HPR here.
 const BEST: f64 = 3.25;
+/// Cells of the grid along each axis, and the most points of a leaf of the octree.
+const GRID: f64 = 37.0;
+const LEAF: usize = 17;
 
-/// Truly visible points, and E with both kinds of errors.
-fn errors(truth: &BitVec, found: &BitVec) -> (f64, String) {
-    let count = |wrong: bool| truth.iter().zip(found).filter(|(t, f)| **t != **f && **f == wrong).count();
-    let (shown, lost) = (count(true), count(false));
-    let e = 50.0 * (shown + lost) as f64 / truth.count_ones() as f64;
-    let found = found.count_ones();
+/// E, and a line with both kinds of errors.
+fn errors(truth: &[Option<bool>], found: BitVec) -> (f64, String) {
+    let mut sum = Counts::default();
+    count(&mut sum, truth, found);
+    let [visible, shown, lost] = sum;
+    let (found, e) = (visible + shown - lost, 50.0 * (shown + lost) / visible);
     (e, format!("{found:6} found | {shown:6} false visible | {lost:6} false hidden | E {e:6.2} %"))
 }
 
 pub fn print() -> Result<(), Box<dyn Error>> {
     let (points, triangles) = hare();
     let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(|i| points[i as usize])).collect();
-    let mesh = Mesh::new(&corners);
     // The triangles around a vertex do not hide it.
     let own = |i: usize, t: u32| triangles[t as usize].contains(&(i as u32));
-    let is_seen = |(i, &p): (usize, &Vec3)| !mesh.hides(p, EYE, |t| own(i, t));
-    let truth: BitVec = points.iter().enumerate().map(is_seen).collect();
+    let truth: Vec<_> = Mesh::new(&corners).seen(&points, EYE, own).into_iter().map(Some).collect();
     let area: f32 = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum();
     let spacing = (area / points.len() as f32).sqrt();
-    println!("{} points, {} truly visible, {spacing:.4} apart", points.len(), truth.count_ones());
+    let visible = truth.iter().filter(|t| **t == Some(true)).count();
+    println!("{} points, {visible} truly visible, {spacing:.4} apart", points.len());
     let places: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
     let eye = EYE.as_dvec3();
-
-    println!("HPR, log10 R = {BEST} | {}", errors(&truth, &hpr::visible_points(&places, eye, BEST)?).1);
-    let (low, high) = bounds(&places);
+    let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    println!("HPR, log10 R = {BEST} | {}", errors(&truth, hpr::visible_points(&places, eye, BEST)?).1);
     let noise = NOISE * low.distance(high);
-    let mut gauss = gauss();
-    let mut moved = |p: &DVec3| *p + DVec3::new(gauss().into(), gauss().into(), gauss().into()) * noise;
-    let moved: Vec<DVec3> = places.iter().map(&mut moved).collect();
-    println!("noise of 0.1% of the size | {}", errors(&truth, &hpr::visible_points(&moved, eye, BEST)?).1);
-    clusters(&places, eye, &truth)?;
-    splats(&points, spacing, &truth)
-}
-
-/// Normally distributed numbers.
-fn gauss() -> impl FnMut() -> f32 {
     let mut random = Pcg64Mcg::seed_from_u64(5);
-    // The sum of twelve uniform numbers is nearly Gaussian.
-    move || (0..12).map(|_| random.random::<f32>()).sum::<f32>() - 6.0
-}
-
-fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
-    points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)))
+    let mut moved = |p: &DVec3| *p + DVec3::from_array([(); 3].map(|()| gauss(&mut random).into())) * noise;
+    let moved: Vec<DVec3> = places.iter().map(&mut moved).collect();
+    println!("noise of 0.1% of the size | {}", errors(&truth, hpr::visible_points(&moved, eye, BEST)?).1);
+    clusters(&places, [low, high], &truth)?;
+    splats(&points, spacing, &truth)
 }
 
 /// HPR of one centroid for each cell, whose points have its answer: with the radius for all points,
 /// as in the thesis, and with one that is divided by the points for each cell, for a point is hidden
 /// behind a gap of the angle a if it is more than R a^2 / 4 farther away.
-fn clusters(points: &[DVec3], eye: DVec3, truth: &BitVec) -> Result<(), Box<dyn Error>> {
+fn clusters(points: &[DVec3], [low, high]: [DVec3; 2], truth: &[Option<bool>]) -> Result<(), Box<dyn Error>> {
     println!("HPR of clusters, log10 R = {BEST}");
-    let (low, high) = bounds(points);
-    for (name, grid, leaf) in [("grid 37^3", 37, 0), ("octree 17", 0, 17)] {
-        let mut cells = Vec::new();
-        match leaf {
-            0 => {
-                let cell = |p: DVec3| {
-                    ((p - low) / (high - low) * f64::from(grid)).min(DVec3::splat(f64::from(grid - 1)))
-                };
-                let mut all: BTreeMap<[u32; 3], Vec<usize>> = BTreeMap::new();
-                for (i, &p) in points.iter().enumerate() {
-                    all.entry(cell(p).as_uvec3().to_array()).or_default().push(i);
-                }
-                cells.extend(all.into_values());
-            }
-            _ => octree(points, (0..points.len()).collect(), [low, high], leaf, &mut cells),
+    let mut grid: BTreeMap<[u32; 3], Vec<usize>> = BTreeMap::new();
+    for (i, &p) in points.iter().enumerate() {
+        let cell = ((p - low) / (high - low) * GRID).min(DVec3::splat(GRID - 1.0));
+        grid.entry(cell.as_uvec3().to_array()).or_default().push(i);
+    }
+    let mut leaves: Vec<Vec<usize>> = Vec::new();
+    let mut boxes = vec![((0..points.len()).collect::<Vec<_>>(), low, high)];
+    while let Some((of, low, high)) = boxes.pop() {
+        if of.len() <= LEAF {
+            leaves.push(of);
+            continue;
         }
+        let middle = (low + high) / 2.0;
+        let mut parts: [Vec<usize>; 8] = Default::default();
+        of.into_iter().for_each(|i| parts[points[i].cmpge(middle).bitmask() as usize].push(i));
+        for (part, of) in parts.into_iter().enumerate().filter(|(_, of)| !of.is_empty()) {
+            let upper = glam::BVec3::new(part & 1 > 0, part & 2 > 0, part & 4 > 0);
+            boxes.push((of, DVec3::select(upper, middle, low), DVec3::select(upper, high, middle)));
+        }
+    }
+    for (name, cells) in [("grid 37^3", grid.into_values().collect()), ("octree 17", leaves)] {
         let centroid = |cell: &Vec<usize>| cell.iter().map(|&i| points[i]).sum::<DVec3>() / cell.len() as f64;
         let centroids: Vec<DVec3> = cells.iter().map(centroid).collect();
         let share = points.len() as f64 / cells.len() as f64;
         for (way, log10) in [("as given", BEST), ("rescaled", BEST - share.log10())] {
-            let found = hpr::visible_points(&centroids, eye, log10)?;
+            let found = hpr::visible_points(&centroids, EYE.as_dvec3(), log10)?;
             let mut visible = BitVec::repeat(false, points.len());
             for (cell, _) in cells.iter().zip(&found).filter(|(_, found)| **found) {
                 cell.iter().for_each(|&i| visible.set(i, true));
             }
-            println!("  {name}, {:5} cells, R {way} | {}", cells.len(), errors(truth, &visible).1);
+            println!("  {name}, {:5} cells, R {way} | {}", cells.len(), errors(truth, visible).1);
         }
     }
     Ok(())
 }
 
-/// The points of each leaf of an octree: boxes of more than so many are cut into eight.
-fn octree(
-    points: &[DVec3],
-    of: Vec<usize>,
-    [low, high]: [DVec3; 2],
-    most: usize,
-    cells: &mut Vec<Vec<usize>>,
-) {
-    if of.len() <= most {
-        cells.extend(Some(of).filter(|of| !of.is_empty()));
-        return;
-    }
-    let middle = (low + high) / 2.0;
-    let mut parts: [Vec<usize>; 8] = Default::default();
-    of.into_iter().for_each(|i| parts[points[i].cmpge(middle).bitmask() as usize].push(i));
-    for (part, of) in parts.into_iter().enumerate() {
-        let upper = glam::BVec3::new(part & 1 > 0, part & 2 > 0, part & 4 > 0);
-        let corners = [DVec3::select(upper, middle, low), DVec3::select(upper, high, middle)];
-        octree(points, of, corners, most, cells);
-    }
-}
-
 /// Squares with the thesis' tolerance of 0.05, the best of 29 radii for each filter.
-fn splats(points: &[Vec3], spacing: f32, truth: &BitVec) -> Result<(), Box<dyn Error>> {
+fn splats(points: &[Vec3], spacing: f32, truth: &[Option<bool>]) -> Result<(), Box<dyn Error>> {
     println!("splats, each point judged, the best radius in spacings");
     let (far, size) = (EYE.distance(MIDDLE), (640, 480));
     let camera = Camera::look_at(EYE, MIDDLE, Vec3::Y, 45_f32.to_radians(), size, far / 2.0, far * 2.0)?;
@@ -141,7 +114,7 @@ fn splats(points: &[Vec3], spacing: f32, truth: &BitVec) -> Result<(), Box<dyn E
             let part = 0.25 * 1.0905_f32.powi(step);
             let radius = Radius::Same(part * spacing);
             let options = SplatOptions { radius, bias: Bias::Window(0.05), filter, slopes: false };
-            let (e, text) = errors(truth, &visible_points(points, &camera, &options)?);
+            let (e, text) = errors(truth, visible_points(points, &camera, &options)?);
             if e < best.0 {
                 best = (e, format!("{part:4.2} | {text}"));
             }
@@ -157,8 +130,14 @@ const BLEND: f32 = 0.14;
 const LOW: Vec3 = Vec3::new(-1.6, -0.25, -1.0);
 const HIGH: Vec3 = Vec3::new(1.75, 3.25, 1.0);
 
-/// Parts on one side: from, to and radius. The z of both ends is mirrored.
-const PAIRS: [([f32; 3], [f32; 3], f32); 5] = [
+/// Parts: from, to and radius. The other side mirrors z.
+const PARTS: [([f32; 3], [f32; 3], f32); 10] = [
+    // Rump, chest, head, snout and tail.
+    ([-0.45, 0.72, 0.0], [-0.1, 0.8, 0.0], 0.62),
+    ([0.1, 0.85, 0.0], [0.45, 1.0, 0.0], 0.46),
+    ([0.8, 1.55, 0.0], [0.95, 1.52, 0.0], 0.37),
+    ([1.15, 1.42, 0.0], [1.3, 1.38, 0.0], 0.2),
+    ([-1.12, 0.72, 0.0], [-1.2, 0.8, 0.0], 0.22),
     // Ears, upper arms, paws, thighs and feet.
     ([0.85, 1.85, 0.16], [0.35, 2.9, 0.36], 0.13),
     ([0.45, 0.75, 0.35], [0.75, 0.15, 0.35], 0.16),
@@ -166,27 +145,17 @@ const PAIRS: [([f32; 3], [f32; 3], f32); 5] = [
     ([-0.55, 0.55, 0.42], [-0.3, 0.4, 0.5], 0.36),
     ([-0.5, 0.05, 0.5], [0.1, 0.0, 0.52], 0.16),
 ];
-/// Parts in the middle.
-const SINGLE: [([f32; 3], [f32; 3], f32); 5] = [
-    // Rump, chest, head, snout and tail.
-    ([-0.45, 0.72, 0.0], [-0.1, 0.8, 0.0], 0.62),
-    ([0.1, 0.85, 0.0], [0.45, 1.0, 0.0], 0.46),
-    ([0.8, 1.55, 0.0], [0.95, 1.52, 0.0], 0.37),
-    ([1.15, 1.42, 0.0], [1.3, 1.38, 0.0], 0.2),
-    ([-1.12, 0.72, 0.0], [-1.2, 0.8, 0.0], 0.22),
-];
 
 /// The distance from the hare's surface, negative inside; exact but where parts flow into each
 /// other.
 fn distance(p: Vec3) -> f32 {
-    let part = |p: Vec3, (from, to, radius): ([f32; 3], [f32; 3], f32)| {
+    let p = Vec3::new(p.x, p.y, p.z.abs());
+    let part = |(from, to, radius): ([f32; 3], [f32; 3], f32)| {
         let (from, to) = (Vec3::from(from), Vec3::from(to));
         let along = ((p - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
         p.distance(from + (to - from) * along) - radius
     };
-    let mirrored = Vec3::new(p.x, p.y, p.z.abs());
-    let parts = SINGLE.map(|s| part(p, s)).into_iter().chain(PAIRS.map(|s| part(mirrored, s)));
-    parts.fold(f32::INFINITY, |a, b| {
+    PARTS.map(part).into_iter().fold(f32::INFINITY, |a, b| {
         let share = (BLEND - (a - b).abs()).max(0.0) / BLEND;
         a.min(b) - share * share * BLEND / 4.0
     })

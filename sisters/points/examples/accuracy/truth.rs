@@ -1,7 +1,6 @@
 //! Points of triangles, and whether an eye sees them: by rays, in double precision.
 
 use crate::scenes::Scene;
-use bitvec::vec::BitVec;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -14,16 +13,21 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::time::Duration;
 
-/// Samples of a scene.
-pub struct Samples {
-    pub points: Vec<Vec3>,
-    pub normals: Vec<Vec3>,
-    pub triangle: Vec<u32>,
+/// A point, and the place on a triangle that it stands for: a point of no surface has no triangle.
+pub struct Sample {
+    pub at: Vec3,
+    pub normal: Vec3,
+    pub place: Vec3,
+    pub triangle: Option<u32>,
+}
+
+pub fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a).normalize()
 }
 
 /// Samples of triangles: each piece of area is as likely as any other, but points keep a distance
 /// from each other.
-pub fn sample(scene: &Scene, count: usize) -> Samples {
+pub fn sample(scene: &Scene, count: usize) -> Vec<Sample> {
     let mut random = Pcg64Mcg::seed_from_u64(11);
     let mut sum = 0.0;
     let mut areas = Vec::new();
@@ -33,9 +37,9 @@ pub fn sample(scene: &Scene, count: usize) -> Samples {
     }
     let distance = 0.75 * (sum / count as f64).sqrt() as f32;
     let mut cells: HashMap<[i32; 3], Vec<Vec3>> = HashMap::new();
-    let mut samples = Samples { points: Vec::new(), normals: Vec::new(), triangle: Vec::new() };
+    let mut samples = Vec::new();
     for _ in 0..count * 15 {
-        if samples.points.len() == count {
+        if samples.len() == count {
             break;
         }
         let at = random.random_range(0.0..sum);
@@ -55,9 +59,8 @@ pub fn sample(scene: &Scene, count: usize) -> Samples {
             continue;
         }
         cells.entry(cell.to_array()).or_default().push(point);
-        samples.points.push(point);
-        samples.normals.push((b - a).cross(c - a).normalize());
-        samples.triangle.push(triangle as u32);
+        let normal = normal([a, b, c]);
+        samples.push(Sample { at: point, normal, place: point, triangle: Some(triangle as u32) });
     }
     samples
 }
@@ -85,44 +88,38 @@ impl<'a> Mesh<'a> {
         Self { triangles, tree }
     }
 
-    fn triangle(&self, i: u32) -> [DVec3; 3] {
-        self.triangles[i as usize].map(|p| p.as_dvec3())
-    }
-
     /// The first triangle that a ray meets, and how far away that is.
     pub fn first(&self, from: Vec3, direction: Vec3) -> Option<(f32, u32)> {
         let (mut hit, (start, step)) = (RayHit::none(), (from.as_dvec3(), direction.as_dvec3()));
         let triangle = |k: u32| self.tree.primitive_indices[k as usize];
         self.tree.ray_traverse(Ray::new_inf(from.into(), direction.into()), &mut hit, |_, k| {
-            crosses(start, step, self.triangle(triangle(k as u32))).map_or(f32::INFINITY, |far| far as f32)
+            crosses(start, step, self.triangles[triangle(k as u32) as usize])
+                .map_or(f32::INFINITY, |far| far as f32)
         });
         hit.t.is_finite().then(|| (hit.t, triangle(hit.primitive_id)))
     }
 
-    /// Whether a triangle that is not the point's own is between it and an eye.
-    pub fn hides(&self, point: Vec3, eye: Vec3, own: impl Fn(u32) -> bool) -> bool {
-        let (from, step) = (eye.as_dvec3(), (point - eye).as_dvec3());
-        let ray = Ray::new(eye.into(), (point - eye).into(), 0.0, 1.0);
-        let mut hidden = false;
-        self.tree.ray_traverse_miss(ray, |_, i| {
-            let i = self.tree.primitive_indices[i];
-            hidden |= !own(i) && crosses(from, step, self.triangle(i)).is_some_and(|far| far < 1.0 - END);
-            if hidden { f32::NEG_INFINITY } else { f32::INFINITY }
-        });
-        hidden
+    /// Whether `eye` sees each point: no triangle but those that are its own is between them.
+    pub fn seen(&self, points: &[Vec3], eye: Vec3, own: impl Fn(usize, u32) -> bool + Sync) -> Vec<bool> {
+        let is_seen = |(i, &point): (usize, &Vec3)| {
+            let (from, step) = (eye.as_dvec3(), (point - eye).as_dvec3());
+            let ray = Ray::new(eye.into(), (point - eye).into(), 0.0, 1.0);
+            let mut hidden = false;
+            self.tree.ray_traverse_miss(ray, |_, k| {
+                let t = self.tree.primitive_indices[k];
+                hidden |= !own(i, t)
+                    && crosses(from, step, self.triangles[t as usize]).is_some_and(|far| far < 1.0 - END);
+                if hidden { f32::NEG_INFINITY } else { f32::INFINITY }
+            });
+            !hidden
+        };
+        points.par_iter().enumerate().map(is_seen).collect()
     }
 }
 
-/// Whether `eye` sees each point: no triangle but its own is between them.
-pub fn seen(scene: &Scene, samples: &Samples, eye: Vec3) -> BitVec {
-    let mesh = Mesh::new(&scene.triangles);
-    let is_seen = |i: usize| !mesh.hides(samples.points[i], eye, |own| own == samples.triangle[i]);
-    let seen: Vec<bool> = (0..samples.points.len()).into_par_iter().map(is_seen).collect();
-    seen.into_iter().collect()
-}
-
 /// Where a ray meets a triangle (Möller & Trumbore 1997), in steps from its start.
-fn crosses(from: DVec3, step: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
+fn crosses(from: DVec3, step: DVec3, triangle: [Vec3; 3]) -> Option<f64> {
+    let [a, b, c] = triangle.map(|p| p.as_dvec3());
     let (u, v) = (b - a, c - a);
     let p = step.cross(v);
     let det = u.dot(p);

@@ -1,15 +1,15 @@
 //! Discs from points.
 
+use super::SurfaceError;
 use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS, tree};
-use super::error::SurfaceError;
-use super::fan::{self, SECTORS, axes};
+use super::fan::{self, SECTORS};
 use super::plane::{self, Near};
 use super::rim;
 use super::stray::strays;
 use crate::PointCloud;
 use crate::numeric::{power_of_two_for, unit};
 use crate::spacing::{Neighbours, Places, quantile};
-use glam::{DVec3, Vec2, Vec3, Vec3A};
+use glam::{Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
@@ -78,18 +78,23 @@ struct Plane {
 type Side = (Vec3A, Vec3A, bool);
 
 /// Positions within the cube from -1 to 1, one for each place, with their normals and neighbours.
-struct Input {
-    places: Vec<Vec3A>,
+pub(super) struct Input {
+    pub places: Vec<Vec3A>,
     /// Those that are given; zero where none is.
-    normals: Vec<Vec3A>,
-    near: Vec<Vec<Near>>,
-    spacing: Vec<f32>,
+    pub normals: Vec<Vec3A>,
+    pub near: Vec<Vec<Near>>,
+    pub spacing: Vec<f32>,
 }
 
 impl Input {
     /// Whether the normal of a place is given, so that its sign tells front and back.
     fn given(&self, i: usize) -> bool {
         self.normals[i] != Vec3A::ZERO
+    }
+
+    /// The neighbours of a place.
+    fn around(&self, i: usize) -> Vec<Vec3A> {
+        self.near[i].iter().map(|near| near.1).collect()
     }
 }
 
@@ -98,13 +103,10 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     if let Some(index) = bad.or((!cloud.origin.is_finite() && !cloud.is_empty()).then_some(0)) {
         return Err(SurfaceError::PointNotFinite { index });
     }
-    let low = cloud.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min).as_dvec3();
-    let high = cloud.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max).as_dvec3();
-    let (middle, half) = if cloud.is_empty() {
-        (DVec3::ZERO, 0.0)
-    } else {
-        ((low + high) / 2.0, (high - low).max_element() / 2.0)
-    };
+    let first = cloud.positions.first().copied().unwrap_or_default();
+    let low = cloud.positions.iter().copied().fold(first, Vec3::min).as_dvec3();
+    let high = cloud.positions.iter().copied().fold(first, Vec3::max).as_dvec3();
+    let (middle, half) = ((low + high) / 2.0, (high - low).max_element() / 2.0);
     let scale = if half > 0.0 { power_of_two_for(half) / 2.0 } else { 1.0 };
     let unique = Places::new(&cloud.positions);
     let moved = |p: Vec3| ((p.as_dvec3() - middle) * scale).as_vec3a();
@@ -120,19 +122,19 @@ pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
         sum.try_normalize().unwrap_or_else(|| normal(&group[0]))
     };
     let normals: Vec<Vec3A> = unique.groups().map(given).collect();
-    let near = neighbours(&places);
+    let tree_of_places = Neighbours::new(places.iter().map(|p| p.to_vec3()));
+    let of = |p: &Vec3A| {
+        tree_of_places.of(p.to_vec3(), NEIGHBOURS).map(|j| (j, places[j as usize] - *p)).collect()
+    };
+    let near: Vec<Vec<Near>> = places.par_iter().map(of).collect();
     let spacing = near.iter().map(|near| spacing(near)).collect();
     let frame = Frame { middle: middle + cloud.origin, scale };
-    Ok(surface(&Input { places, normals, near, spacing }, disc_of, frame))
-}
-
-fn neighbours(places: &[Vec3A]) -> Vec<Vec<Near>> {
-    let all = Neighbours::new(places.iter().map(|p| p.to_vec3()));
-    let found = |p: &Vec3A| {
-        let near = all.of(p.to_vec3(), NEIGHBOURS).map(|j| (j, places[j as usize] - *p));
-        near.collect()
-    };
-    places.par_iter().map(found).collect()
+    let input = Input { places, normals, near, spacing };
+    let margins = margins(&input);
+    let planes = planes(&input, &margins);
+    let made = |i: usize| (disc(&input, &planes, &margins, i), peers(&input, &planes, &margins, i));
+    let (discs, peers): (Vec<Disc>, Vec<_>) = (0..input.places.len()).into_par_iter().map(made).unzip();
+    Ok(Discs { tree: tree(&discs), discs, peers, disc_of, margins, frame, show_strays: true })
 }
 
 /// The side of the square that a point stands for, by its neighbours, nearest first.
@@ -144,35 +146,22 @@ fn spacing(near: &[Near]) -> f32 {
     }
 }
 
-fn surface(input: &Input, disc_of: Vec<u32>, frame: Frame) -> Discs {
-    let count = input.places.len();
-    let margins = margins(input);
-    let planes = planes(input, &margins);
-    let made = |i: usize| (disc(input, &planes, &margins, i), peers(input, &planes, &margins, i));
-    let (discs, peers): (Vec<Disc>, Vec<_>) = (0..count).into_par_iter().map(made).unzip();
-    Discs { tree: tree(&discs), discs, peers, disc_of, margins, frame, show_strays: true }
-}
-
 /// The planes of all points: by given normals, or estimated ones where none is given.
 fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
     let all = 0..input.places.len();
-    let near = |i: usize| -> Vec<Vec3A> { input.near[i].iter().map(|n| n.1).collect() };
     let inlier = |i: usize| margins.inlier * input.spacing[i].max(margins.grain);
     let of_plane = |i: usize| {
-        if input.given(i) { input.normals[i] } else { plane::normal(&near(i), inlier(i)) }
+        if input.given(i) { input.normals[i] } else { plane::normal(&input.around(i), inlier(i)) }
     };
     let mut normals: Vec<Vec3A> = all.clone().into_par_iter().map(of_plane).collect();
-    let strays = strays(&input.places, &input.near, &normals, margins);
+    let strays = strays(input, &normals, margins);
     normals.iter_mut().zip(&strays).filter(|(_, stray)| **stray).for_each(|(n, _)| *n = Vec3A::ZERO);
-    let rims = if all.clone().all(|i| input.given(i)) {
-        Vec::new()
-    } else {
-        rim::normals(&input.near, &normals, &input.spacing, margins)
-    };
+    let rims =
+        if all.clone().all(|i| input.given(i)) { Vec::new() } else { rim::normals(input, &normals, margins) };
     let plane = |i: usize| {
         let rim = rims.get(i).copied().flatten().filter(|_| !input.given(i) && !strays[i]);
         let normal = rim.unwrap_or(normals[i]);
-        let rough = plane::rough(&near(i), normal, 2.0 * inlier(i));
+        let rough = plane::rough(&input.around(i), normal, 2.0 * inlier(i));
         Plane { normal, rough, rim: rim.is_some(), stray: strays[i] }
     };
     all.into_par_iter().map(plane).collect()
@@ -182,10 +171,7 @@ fn planes(input: &Input, margins: &Margins) -> Vec<Plane> {
 fn margins(input: &Input) -> Margins {
     let step = (input.places.len() / MEASURED).max(1);
     let some: Vec<usize> = (0..input.places.len()).step_by(step).collect();
-    let noise = |i: usize| {
-        let near: Vec<Vec3A> = input.near[i].iter().map(|n| n.1).collect();
-        (plane::noise(&near), input.spacing[i])
-    };
+    let noise = |i: usize| (plane::noise(&input.around(i)), input.spacing[i]);
     let all: Vec<(f32, f32)> = some.into_par_iter().map(noise).filter(|n| (n.0 / n.1).is_finite()).collect();
     let noise = quantile(all.iter().map(|n| n.0 / n.1).collect(), 0.5);
     let spacing = |part: f32| quantile(all.iter().map(|n| n.1).collect(), part);
@@ -229,7 +215,7 @@ fn disc(input: &Input, planes: &[Plane], margins: &Margins, i: usize) -> Disc {
         .collect();
     let own = layer.last().map_or(all, |last| last.length() * (PI / layer.len() as f32).sqrt());
     disc.spacing = own.min(THINNER * all);
-    let (u, v) = axes(normal);
+    let (u, v) = normal.any_orthonormal_pair();
     let near = layer.iter().filter(|p| p.length() < FARTHEST * disc.spacing);
     let flat: Vec<Vec2> = near.map(|p| Vec2::new(p.dot(u), p.dot(v))).collect();
     disc.reach = fan::reach(&flat, HOLE * disc.spacing);

@@ -1,7 +1,7 @@
 //! How far a disc reaches in each direction of its plane.
 
 use crate::numeric::SAME_DIRECTION;
-use glam::{Vec2, Vec3A};
+use glam::Vec2;
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 
 /// Directions that have a reach each.
@@ -60,12 +60,6 @@ pub(super) fn covers(reach: &[f32; SECTORS], place: Vec2) -> bool {
     (b - a).perp_dot(place - a) >= 0.0
 }
 
-/// The axes of a disc's plane.
-#[inline]
-pub(super) fn axes(normal: Vec3A) -> (Vec3A, Vec3A) {
-    normal.any_orthonormal_pair()
-}
-
 /// How far the triangles around the origin reach, by sector; 0 where there is none.
 ///
 /// They are those of the Delaunay triangulation of the origin and `others`, as far as they can be
@@ -80,8 +74,7 @@ pub(super) fn reach(others: &[Vec2], most: f32) -> [f32; SECTORS] {
         let (mut at, mut angle) = (nearest, 0.0);
         for _ in 0..STEPS {
             let Some(next) = next(at, others, way, most) else { break };
-            for (k, reach) in reach.iter_mut().enumerate() {
-                let d = DIRECTIONS[k];
+            for (reach, d) in reach.iter_mut().zip(DIRECTIONS) {
                 if way * at.perp_dot(d) >= 0.0 && way * d.perp_dot(next) >= 0.0 {
                     let edge = next - at;
                     let far = at.perp_dot(edge) / d.perp_dot(edge);

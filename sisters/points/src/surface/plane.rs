@@ -1,6 +1,5 @@
 //! The plane through a point that most of its neighbours lie on.
 
-use super::fan::axes;
 use crate::numeric::{FLAT, THIN};
 use glam::Vec3A;
 
@@ -60,7 +59,7 @@ pub(super) fn normal(near: &[Vec3A], inlier: f32) -> Vec3A {
 
 /// The plane of least squares of the neighbours near to a plane.
 fn refined(normal: Vec3A, near: &[Vec3A], inlier: f32) -> Vec3A {
-    let (u, v) = axes(normal);
+    let (u, v) = normal.any_orthonormal_pair();
     let [mut xx, mut xy, mut yy, mut xh, mut yh] = [0.0_f32; 5];
     for p in near {
         let height = p.dot(normal);

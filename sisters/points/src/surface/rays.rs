@@ -1,7 +1,7 @@
 //! Rays between discs.
 
 use super::disc::{Disc, Discs, NOBODY};
-use super::fan::{axes, covers};
+use super::fan::covers;
 use crate::numeric::ALONG;
 use glam::{DVec3, Vec2, Vec3A};
 use obvhs::ray::Ray;
@@ -53,7 +53,7 @@ impl Disc {
     /// Whether it covers a place of its plane, relative to its middle.
     #[inline]
     fn covers(&self, hit: Vec3A) -> bool {
-        let (u, v) = axes(self.normal);
+        let (u, v) = self.normal.any_orthonormal_pair();
         covers(&self.reach, Vec2::new(hit.dot(u), hit.dot(v)))
     }
 
@@ -172,10 +172,8 @@ impl Discs {
         self.any(Ray::new(disc.at, direction, 0.0, most), |j, other| {
             let least =
                 self.margins.plate * disc.spacing.max(self.margins.grain) + 2.0 * (disc.rough + other.rough);
-            let parallel = other.normal.dot(direction).abs() >= PARALLEL;
-            j != i
-                && parallel
-                && other.hit(disc.at, direction).is_some_and(|(far, _)| far > least && far <= most)
+            let parallel = j != i && other.normal.dot(direction).abs() >= PARALLEL;
+            parallel && other.hit(disc.at, direction).is_some_and(|(far, _)| far > least && far <= most)
         })
     }
 
@@ -183,7 +181,7 @@ impl Discs {
     /// closed body, and not on a sheet.
     fn is_on_body(&self, i: usize) -> bool {
         let disc = &self.discs[i];
-        let (u, v) = axes(disc.normal);
+        let (u, v) = disc.normal.any_orthonormal_pair();
         let slanted = |k: usize| {
             let turn = Vec2::from_angle(k as f32 * FRAC_PI_3);
             (SLANT * (u * turn.x + v * turn.y) - disc.normal).normalize()

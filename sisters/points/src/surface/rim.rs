@@ -1,8 +1,8 @@
 //! Points on the rims of thin plates, which have too few points for planes of their own: points
 //! between two parallel faces. They face away from the points of these.
 
+use super::build::Input;
 use super::disc::Margins;
-use super::fan::axes;
 use super::plane::Near;
 use glam::{Vec2, Vec3A};
 use rayon::prelude::*;
@@ -36,13 +36,9 @@ const DIRECTIONS: usize = 32;
 
 /// The normals of points on rims, out of their plates; none for other points. `normals` are those
 /// of planes.
-pub(super) fn normals(
-    near: &[Vec<Near>],
-    normals: &[Vec3A],
-    spacing: &[f32],
-    margins: &Margins,
-) -> Vec<Option<Vec3A>> {
-    let all = 0..near.len();
+pub(super) fn normals(input: &Input, normals: &[Vec3A], margins: &Margins) -> Vec<Option<Vec3A>> {
+    let all = 0..normals.len();
+    let Input { near, spacing, .. } = input;
     let of = |i: usize| Surroundings { near: &near[i], normals, own: normals[i], spacing: spacing[i] };
     let plates: Vec<Option<Vec3A>> = all.clone().into_par_iter().map(|i| of(i).plate(margins)).collect();
     all.into_par_iter().map(|i| of(i).outwards(plates[i]?, &plates)).collect()
@@ -98,7 +94,7 @@ impl Surroundings<'_> {
     /// The direction in the plane of a plate that leads out of it; none if the point seems to be
     /// within it.
     fn outwards(&self, plate: Vec3A, plates: &[Option<Vec3A>]) -> Option<Vec3A> {
-        let (u, v) = axes(plate);
+        let (u, v) = plate.any_orthonormal_pair();
         let flat = |p: Vec3A| Vec2::new(p.dot(u), p.dot(v)) / self.spacing;
         // The places of points, what they count, and whether they are on rims.
         let around: Vec<(Vec2, f32, bool)> = self

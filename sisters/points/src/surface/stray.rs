@@ -4,6 +4,7 @@
 //! The more thinly points are spread than those of the surfaces around, the more neighbours must be
 //! on one plane with them: a wall that is seen at a low angle has them, dust does not.
 
+use super::build::Input;
 use super::disc::Margins;
 use super::plane::Near;
 use crate::spacing::{Neighbours, quantile};
@@ -34,12 +35,7 @@ const SPARED: f32 = 4.0;
 const ENOUGH: f32 = 14.0;
 
 /// Whether each place is on no surface. `normals` are those of planes.
-pub(super) fn strays(
-    places: &[Vec3A],
-    near: &[Vec<Near>],
-    normals: &[Vec3A],
-    margins: &Margins,
-) -> Vec<bool> {
+pub(super) fn strays(Input { places, near, .. }: &Input, normals: &[Vec3A], margins: &Margins) -> Vec<bool> {
     let count = places.len();
     let thin = |near: &Vec<Near>| near.get(RANK - 1).or(near.last()).map_or(0.0, |near| near.1.length());
     let thin: Vec<f32> = near.par_iter().map(thin).collect();
