@@ -51,7 +51,7 @@ const MOST: [(&str, usize); 25] = [
     ("sisters/light", 9750),
     ("sisters/lines", 8750),
     ("sisters/plane", 11950),
-    ("sisters/points", 8850),
+    ("sisters/points", 8750),
     ("fronts/bake", 2400),
     ("fronts/baked", 1150),
     ("fronts/bevy_casca", 6950),
