@@ -1,9 +1,9 @@
 //! Discs from points.
 
-use super::SurfaceError;
 use super::disc::{Disc, Discs, Frame, Margins, NOBODY, PEERS, tree};
+use super::error::SurfaceError;
 use super::fan::{self, SECTORS};
-use super::plane::{self, Near};
+use super::plane::{self, Input, Near};
 use super::rim;
 use super::stray::strays;
 use crate::PointCloud;
@@ -76,27 +76,6 @@ struct Plane {
 /// The plane of a neighbour: a place relative to the point, a normal, and whether its sign tells
 /// inside and outside.
 type Side = (Vec3A, Vec3A, bool);
-
-/// Positions within the cube from -1 to 1, one for each place, with their normals and neighbours.
-pub(super) struct Input {
-    pub places: Vec<Vec3A>,
-    /// Those that are given; zero where none is.
-    pub normals: Vec<Vec3A>,
-    pub near: Vec<Vec<Near>>,
-    pub spacing: Vec<f32>,
-}
-
-impl Input {
-    /// Whether the normal of a place is given, so that its sign tells front and back.
-    fn given(&self, i: usize) -> bool {
-        self.normals[i] != Vec3A::ZERO
-    }
-
-    /// The neighbours of a place.
-    fn around(&self, i: usize) -> Vec<Vec3A> {
-        self.near[i].iter().map(|near| near.1).collect()
-    }
-}
 
 pub(super) fn build(cloud: &PointCloud) -> Result<Discs, SurfaceError> {
     let bad = cloud.positions.par_iter().position_first(|p| !p.is_finite());

@@ -21,6 +21,7 @@
 
 mod build;
 mod disc;
+mod error;
 mod fan;
 mod plane;
 mod rays;
@@ -29,7 +30,7 @@ mod stray;
 #[cfg(test)]
 mod tests;
 
-use crate::cloud::{LengthError, PointCloud};
+use crate::cloud::PointCloud;
 use crate::hull::MAX_POINTS;
 use crate::numeric::FARTHEST_EYE;
 
@@ -38,29 +39,7 @@ use disc::Discs;
 use glam::{DVec3, Vec3};
 use std::fmt;
 
-/// Why there is no answer.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// A coordinate of a position or of the origin is infinite or not a number.
-    #[error("point {index} has a coordinate that is not finite")]
-    PointNotFinite {
-        /// The first such point.
-        index: usize,
-    },
-    /// A coordinate of the eye is infinite or not a number.
-    #[error("the eye has a coordinate that is not finite")]
-    EyeNotFinite,
-    /// There are more points than indices.
-    #[error("{count} points are too many: at most {MAX_POINTS}")]
-    TooMany {
-        /// The number of points.
-        count: usize,
-    },
-    /// An attribute that not all points have.
-    #[error(transparent)]
-    Length(#[from] LengthError),
-}
+pub use error::SurfaceError;
 
 /// The points of a cloud that can be seen from `eye`, which is in the coordinates of the source, as
 /// the cloud's origin is: a bit for each point.

@@ -6,6 +6,27 @@ use glam::Vec3A;
 /// A neighbour: its number, and its place relative to the point.
 pub(super) type Near = (u32, Vec3A);
 
+/// Positions within the cube from -1 to 1, one for each place, with their normals and neighbours.
+pub(super) struct Input {
+    pub places: Vec<Vec3A>,
+    /// Those that are given; zero where none is.
+    pub normals: Vec<Vec3A>,
+    pub near: Vec<Vec<Near>>,
+    pub spacing: Vec<f32>,
+}
+
+impl Input {
+    /// Whether the normal of a place is given, so that its sign tells front and back.
+    pub(super) fn given(&self, i: usize) -> bool {
+        self.normals[i] != Vec3A::ZERO
+    }
+
+    /// The neighbours of a place.
+    pub(super) fn around(&self, i: usize) -> Vec<Vec3A> {
+        self.near[i].iter().map(|near| near.1).collect()
+    }
+}
+
 /// Neighbours of which all pairs are tried.
 const PAIRED: usize = 9;
 

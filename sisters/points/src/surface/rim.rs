@@ -1,9 +1,8 @@
 //! Points on the rims of thin plates, which have too few points for planes of their own: points
 //! between two parallel faces. They face away from the points of these.
 
-use super::build::Input;
 use super::disc::Margins;
-use super::plane::Near;
+use super::plane::{Input, Near};
 use glam::{Vec2, Vec3A};
 use rayon::prelude::*;
 use std::f32::consts::TAU;

@@ -4,9 +4,8 @@
 //! The more thinly points are spread than those of the surfaces around, the more neighbours must be
 //! on one plane with them: a wall that is seen at a low angle has them, dust does not.
 
-use super::build::Input;
 use super::disc::Margins;
-use super::plane::Near;
+use super::plane::{Input, Near};
 use crate::spacing::{Neighbours, quantile};
 use glam::Vec3A;
 use rand::{RngExt, SeedableRng};
