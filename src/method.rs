@@ -214,8 +214,9 @@ impl Default for PointOptions {
 
 impl PointOptions {
     /// The least time, and the largest sets: pixels of the default size decide, nothing is examined
-    /// again, and patches of triangles below 6 pixels are not drawn. Saves most, and keeps most hidden objects, where those are smaller than a
-    /// few pixels; the report of the laboratory has figures for each of its scenes.
+    /// again, and patches of triangles below 6 pixels are not drawn. Saves most, and keeps most
+    /// hidden objects, where those are smaller than a few pixels; the report of the laboratory has
+    /// figures for each of its scenes.
     pub const fn fast() -> Self {
         Self::new().refine_squares(0).refine_patches(0).patch_radius(6.0)
     }

@@ -132,11 +132,16 @@ impl Eye {
     }
 }
 
-/// A point of a triangle: a corner nudged inside, a point near an edge or any.
+/// How far from edges of a triangle its points near edges and corners are, as shares of it: where
+/// neighbours leave gaps.
+const FROM_CORNER: f64 = 1e-4;
+const FROM_EDGE: f64 = 1e-5;
+
+/// A point of a triangle: near a corner, near an edge or anywhere.
 pub fn point_of(t: &Triangle, random: &mut Random) -> DVec3 {
     let (mut u, mut v) = match random.below(3) {
-        0 => (1e-4, 1e-4),
-        1 => (random.next(), 1e-5),
+        0 => (FROM_CORNER, FROM_CORNER),
+        1 => (random.next(), FROM_EDGE),
         _ => (random.next(), random.next()),
     };
     if u + v > 1.0 {

@@ -21,12 +21,6 @@ pub(crate) struct Changes {
 }
 
 impl Changes {
-    /// Begins a frame.
-    pub(crate) fn clear(&mut self) {
-        self.boxes.clear();
-        self.everywhere = false;
-    }
-
     /// Notes a box, from corner to corner.
     pub(crate) fn note(&mut self, changed: (Vec3A, Vec3A)) {
         self.everywhere |= self.boxes.len() >= MOST_CHANGES;
@@ -127,7 +121,7 @@ pub(crate) fn shine(
             jobs.push((key, Beam { aim, query, lit, frame }));
         }
     }
-    run::each(&mut jobs, |(_, beam)| _ = beam.query.run(scene, &beam.aim.view));
+    run::each(&mut jobs, &|(_, beam)| _ = beam.query.run(scene, &beam.aim.view));
     for (_, beam) in &mut jobs {
         let found = beam.query.pvs().visible().iter();
         let found = found.filter_map(|&id| Entity::try_from_bits(scene.user_data(id).ok()?));

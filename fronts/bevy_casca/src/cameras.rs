@@ -196,7 +196,7 @@ impl CamerasReadOnlyItem<'_, '_> {
 pub(crate) fn end_frame(mut casca: ResMut<CascaScene>) {
     let start = Instant::now();
     let CascaScene { scene: Some(scene), cameras, counts, .. } = &mut *casca else { return };
-    // All sets are of this scene and frame. Would one be refused, hidden entities only cost more.
+    // Sets that are older still hold. Would one be refused, hidden entities only cost more.
     let _ = scene.end_frame(cameras.values().map(casca::Query::pvs));
     counts.time += start.elapsed();
 }

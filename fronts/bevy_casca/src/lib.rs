@@ -11,8 +11,8 @@
 //! ```
 //!
 //! The plugin takes the place of three of Bevy's systems: the one that culls for cameras, and the
-//! two that cull for lights. [`CascaSystems`] are its own, in their order. The README says what
-//! hides, what is hidden, what it costs and where its limits are.
+//! two that cull for lights. [`CascaSystems`] are its own, in their order. The README lists what
+//! hides others, what nothing hides, the times, and the limits.
 #![deny(missing_docs)]
 
 mod beams;

@@ -110,15 +110,16 @@ impl CascaScene {
 
 /// Takes an object out of the scene, if it is there: an id of an earlier grid names nothing.
 pub(crate) fn take_out(scene: Option<&mut Scene>, changes: &mut Changes, id: ObjectId) {
-    let Some(scene) = scene else { return };
-    if let Ok(bounds) = scene.bounds(id) {
+    if let Some(scene) = scene
+        && let Ok(bounds) = scene.bounds(id)
+    {
         changes.note(border::back(&bounds.aabb()));
         let _ = scene.remove(id);
     }
 }
 
 /// On entities that are in the scene. Put there and taken away by the plugin.
-#[derive(Component, Debug)]
+#[derive(Component, Debug, Clone)]
 #[component(clone_behavior = Ignore, on_remove = leave)]
 pub struct InScene {
     pub(crate) id: ObjectId,
@@ -148,12 +149,6 @@ impl InScene {
     /// Whether it counts as moving.
     pub fn moves(&self) -> bool {
         self.moves
-    }
-}
-
-impl InScene {
-    pub(crate) fn copy(&self) -> Self {
-        Self { ..*self }
     }
 }
 

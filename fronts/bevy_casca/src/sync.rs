@@ -120,10 +120,12 @@ pub(crate) fn sync(
     if !settings.enabled {
         casca.was_off = true;
         casca.cameras.clear();
+        casca.suns.clear();
+        casca.lamps.clear();
         return;
     }
     casca.frame = casca.frame.wrapping_add(1);
-    casca.changes.clear();
+    casca.changes = Changes::default();
     casca.forget();
     for (entity, known) in &candidates.gone {
         // At once: it may not hide any more in this frame.
@@ -328,7 +330,7 @@ impl Sync<'_> {
         if layers != known.layers {
             self.scene.set_layers(id, layers)?;
         }
-        Ok(changed.then(|| InScene { layers, aabb: *item.aabb, ..known.copy() }))
+        Ok(changed.then(|| InScene { layers, aabb: *item.aabb, ..known.clone() }))
     }
 
     /// Whether a mover has not moved for long enough.

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bevy_app::App;
 use bevy_camera::primitives::CUBE_MAP_FACES;
+use bevy_camera::visibility::RenderLayers;
 use bevy_camera::visibility::{CascadesVisibleEntities, CubemapVisibleEntities, VisibleMeshEntities};
 use bevy_casca::casca::glam;
 use bevy_casca::{CascaSettings, Shadows};
@@ -17,7 +18,7 @@ use bevy_math::{Affine3A, Mat4, Quat, Vec3};
 use bevy_transform::components::{GlobalTransform, Transform};
 use casca_scenes::world::{Camera, Object};
 use casca_truth::oracle::{Oracle, OracleOptions};
-use common::{CAMERA, Nr, Pair, dice, entity, opaque, spawn_box, spawn_camera, truth};
+use common::{CAMERA, Nr, Pair, dice, done, entity, opaque, spawn_box, spawn_camera, truth};
 use glam::camera::rh::proj::directx;
 
 const SUN: u32 = 1_000_001;
@@ -183,10 +184,20 @@ fn casters_that_are_left_out_are_hidden_from_the_light() {
 fn lists_are_bevys_where_all_casters_are_asked_for() {
     let mut pair = Pair::new(yard);
     for frame in 0..24 {
-        // Off and on again, too.
         let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
         (settings.shadows, settings.enabled) = (Shadows::All, frame % 8 < 6);
-        let (ours, bevys) = pair.frame(|world| tick(world, frame));
+        let (ours, bevys) = pair.frame(|world| {
+            tick(world, frame);
+            let (bulb, thing) = (entity(world, BULB), entity(world, 50));
+            // Layers and lamps change, also while casca is off.
+            match frame {
+                3 => done(world.entity_mut(thing).insert(RenderLayers::layer(4))),
+                5 => done(world.entity_mut(bulb).insert(RenderLayers::layer(3))),
+                10 => done(world.entity_mut(bulb).remove::<RenderLayers>()),
+                12 => world.get_mut::<PointLight>(bulb).unwrap().shadow_maps_enabled = false,
+                _ => {}
+            }
+        });
         assert_eq!(light_lists(&mut pair.ours), light_lists(&mut pair.bevys), "frame {frame}");
         assert_eq!(ours[&CAMERA] == bevys[&CAMERA], frame % 8 >= 6, "frame {frame}");
     }

@@ -20,7 +20,8 @@ static HEAP: PeakAlloc = PeakAlloc;
 /// The tests run one after the other: the allocator counts for all.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Reads a file in chunks: its points, none if it is refused; and what is said of it.
+/// Reads a file in chunks. Returns the number of its points, `None` if it is refused, and the
+/// warnings or the error.
 fn parse(bytes: &[u8]) -> (Option<usize>, String) {
     let mut points = 0;
     let each = |chunk: PointCloud| {

@@ -1,4 +1,4 @@
-//! The walk over bricks: which of them are in sight, near to far, and what they contain.
+//! The walk over bricks finds those in sight, from near to far, and lists their objects.
 
 use casca_slots::Slot;
 use glam::{DVec3, IVec3};

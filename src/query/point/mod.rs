@@ -126,8 +126,8 @@ impl PointScratch {
     }
 }
 
-/// Tests again what was found, and fills the set with those found visible and the small moving
-/// objects that need no further test.
+/// Tests the objects that were found again. The set gets the visible ones, and the small moving
+/// objects, which need no further test.
 fn decide(finder: ObjectFinder, second: &mut SecondTest) {
     let ObjectFinder { mut drawing, pvs, found, .. } = finder;
     let Run { scene, coherent, .. } = drawing.run;

@@ -46,11 +46,16 @@ fn text([visible, shown, lost]: Counts) -> String {
     format!("{sum:5.1} ({shown:4.1} + {lost:4.1})")
 }
 
+/// The planes of cameras, in distances of the farthest point: no point lies before the first or
+/// beyond the second.
+const NEAR_PLANE: f32 = 1e-4;
+const FAR_PLANE: f32 = 2.0;
+
 /// The points that a camera to each of six sides finds visible.
 fn by_splats(points: &[Vec3], eye: Vec3, auto: &AutoSettings) -> Result<Vec<Option<bool>>, Box<dyn Error>> {
     let mut all = vec![None; points.len()];
     let farthest = points.iter().map(|p| p.distance(eye)).fold(0.0, f32::max);
-    let (near, far) = (1e-4 * farthest, 2.0 * farthest);
+    let (near, far) = (NEAR_PLANE * farthest, FAR_PLANE * farthest);
     for way in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
         let up = if way.y == 0.0 { Vec3::Y } else { Vec3::Z };
         let camera = Camera::look_at(eye, eye + way, up, FRAC_PI_2, (1024, 1024), near, far)?;

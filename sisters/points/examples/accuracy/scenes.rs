@@ -73,7 +73,7 @@ impl Build {
         Scene { name, triangles: self.0.drain(..).filter(whole).collect(), eyes: eyes.map(Vec3::from) }
     }
 
-    /// Moves what a rule makes.
+    /// Adds the triangles of `make`, moved by an offset.
     fn moved(&mut self, by: Vec3, make: impl Fn(&mut Self)) {
         let start = self.0.len();
         make(self);

@@ -29,7 +29,7 @@ pub(super) struct Head {
     pub layout: Layout,
     /// How points are compressed.
     pub packed: Option<Packed>,
-    /// What is wrong with it, and what was done.
+    /// The faults of the header, and how they were mended.
     pub warnings: Vec<String>,
 }
 

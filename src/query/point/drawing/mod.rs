@@ -126,7 +126,7 @@ pub(crate) struct DrawingScratch {
 }
 
 impl<'a> Drawing<'a> {
-    /// Forgets what was drawn, but for the buffers.
+    /// Empties all lists of the last run; the buffers stay as they are.
     pub(super) fn new(run: Run<'a>, scratch: &'a mut DrawingScratch) -> Self {
         let Run { scene, view, .. } = run;
         let (slots, patches) = (scene.slot_count(), scene.seams().patches());
