@@ -1,11 +1,11 @@
-//! A drive through a world without borders: pages are loaded ahead and dropped behind, and the grid
-//! follows the eye.
+//! A drive through a world of any size: pages are loaded ahead and dropped behind, and the origin of
+//! coordinates follows the eye.
 //!
 //! `cargo run --release --example large_world`
 
 use std::collections::BTreeSet;
 
-use casca::glam::{BVec3, DVec3, Mat4, UVec3, Vec3, Vec4};
+use casca::glam::{DVec3, Mat4, Vec3, Vec4};
 use casca::{Aabb, Error, ObjectDesc, PageId, PageObjects, Query, View, World, WorldOptions};
 
 /// The objects of a page, relative to its corner. An engine reads them from a file, on another
@@ -28,8 +28,8 @@ fn page() -> Result<PageObjects, Error> {
 }
 
 fn main() -> Result<(), Error> {
-    // Cells of a metre, pages of 512 m, and a window of 8x1x8 of them that follows the eye along the ground.
-    let options = WorldOptions::new(1.0).window(UVec3::new(8, 1, 8)).still(BVec3::new(false, true, false));
+    // Cells of a metre, pages of 512 m, and an origin that follows the eye when that is 4 pages away.
+    let options = WorldOptions::new(1.0).reach(4);
     let mut world = World::new(options)?;
     let mut query = Query::new();
     let mut handed: BTreeSet<PageId> = BTreeSet::new();
@@ -55,7 +55,7 @@ fn main() -> Result<(), Error> {
 
         let changes = world.begin_frame(f64::from(frame) / 60.0, eye)?;
         if changes.shifted {
-            println!("frame {frame}: the window has moved, {} is its origin now", world.origin());
+            println!("frame {frame}: the origin is at {} now", world.origin());
         }
         world.set_place(car, eye + DVec3::X * 20.0)?;
         let view = world.view(eye, &View::perspective(Vec3::ZERO, projection * turn)?)?;

@@ -43,7 +43,7 @@ pub use crate::shape::Shape;
 /// The matrices of a scene.
 pub trait SceneInternals {
     /// Whether a cell is opaque (O) by occluders on the same layers, whichever these are. Costs two
-    /// look-ups for each mask of layers. Cells outside the grid are not.
+    /// look-ups for each mask of layers.
     fn is_opaque(&self, cell: IVec3) -> bool;
 
     /// The cells that listed objects touch. Costs the cells of all objects.
@@ -68,8 +68,7 @@ pub trait SceneInternals {
 /// The opaque cells of all masks of layers.
 fn of_all_layers(scene: &Scene, cells: impl Fn(&LayerOpacity) -> &OpacityMatrix) -> Cow<'_, OpacityMatrix> {
     let mut parts = scene.opacity(u64::MAX).map(cells);
-    let mut all =
-        parts.next().map_or_else(|| Cow::Owned(OpacityMatrix::new(scene.grid().dims())), Cow::Borrowed);
+    let mut all = parts.next().map_or_else(|| Cow::Owned(OpacityMatrix::default()), Cow::Borrowed);
     for part in parts {
         part.iter().for_each(|cell| all.to_mut().set(cell));
     }
@@ -82,7 +81,7 @@ impl SceneInternals for Scene {
     }
 
     fn occupied(&self) -> BitMatrix {
-        let mut cells = BitMatrix::new(self.grid().dims());
+        let mut cells = BitMatrix::default();
         for (_, object) in self.living().filter(|(_, object)| object.in_cells()) {
             touched(object.bounds(), self.grid(), &mut |piece| {
                 piece.bricks(|brick, mask| cells.set_mask(brick, mask));

@@ -20,7 +20,7 @@ pub struct Stats {
     /// Chessboard shells walked.
     pub shells: u32,
     /// Cells inside the frustum that were visited, counted once for each side of a shell that they
-    /// belong to. Large parts of the grid that are empty or hidden are passed over and not counted,
+    /// belong to. Large parts that are empty or hidden are passed over and not counted,
     /// and so are all cells where [`Method::Cell`] takes nothing to be hidden.
     pub cells_visited: u64,
     /// How many of them were hidden.
@@ -282,7 +282,7 @@ impl Pvs {
         self.method
     }
 
-    /// The cell of the grid (or beyond it) for which the set is valid, where there is one:
+    /// The cell for which the set is valid, where there is one:
     /// it contains all that any eye in this cell sees inside the view's half-spaces, as
     /// [`Method::Cell`] says. `None` for other methods, for parallel rays, and where nothing was
     /// taken to be hidden: then the set contains all that lies inside the half-spaces.

@@ -248,10 +248,9 @@ fn holds(outer: &[IVec2], hole: &[IVec2]) -> bool {
 /// The cells that the viewer's cell cannot see, and the caps that hide them, by
 /// the thesis' procedure in all directions.
 ///
-/// `opaque` is O; `viewer` is a cell of the grid.
-pub fn occlusion_by_caps(opaque: &BitMatrix, viewer: IVec3) -> (OcclusionMatrix, Vec<Cap>) {
-    let dims = opaque.dims();
-    let mut hidden = BitMatrix::new(dims);
+/// `opaque` is O, of which the cells from 0 to `dims` are looked at; `viewer` is one of these.
+pub fn occlusion_by_caps(opaque: &BitMatrix, dims: IVec3, viewer: IVec3) -> (OcclusionMatrix, Vec<Cap>) {
+    let mut hidden = BitMatrix::default();
     let mut caps = Vec::new();
     let farthest = viewer.abs().max((dims - 1 - viewer).abs()).max_element();
     for k in 1..farthest {
@@ -270,7 +269,12 @@ pub fn occlusion_by_caps(opaque: &BitMatrix, viewer: IVec3) -> (OcclusionMatrix,
                 continue;
             }
             for m in k + 1..=farthest {
-                cap.slab(m, &mut |col, row| hidden.set(viewer + cell_of(side, m, col, row)));
+                cap.slab(m, &mut |col, row| {
+                    let c = viewer + cell_of(side, m, col, row);
+                    if c.cmpge(IVec3::ZERO).all() && c.cmplt(dims).all() {
+                        hidden.set(c);
+                    }
+                });
             }
             caps.push(cap);
         }
@@ -281,10 +285,9 @@ pub fn occlusion_by_caps(opaque: &BitMatrix, viewer: IVec3) -> (OcclusionMatrix,
 /// The cells that the viewer's cell cannot see, by the lattice rule over all
 /// pairs of shells: the most that the rule finds.
 ///
-/// `opaque` is O; `viewer` is a cell of the grid.
-pub fn occlusion_by_lattice(opaque: &BitMatrix, viewer: IVec3) -> OcclusionMatrix {
-    let dims = opaque.dims();
-    let mut hidden = BitMatrix::new(dims);
+/// `opaque` is O, of which the cells from 0 to `dims` are looked at; `viewer` is one of these.
+pub fn occlusion_by_lattice(opaque: &BitMatrix, dims: IVec3, viewer: IVec3) -> OcclusionMatrix {
+    let mut hidden = BitMatrix::default();
     let farthest = viewer.abs().max((dims - 1 - viewer).abs()).max_element();
     for m in 2..=farthest {
         let mut found = Vec::new();

@@ -293,7 +293,7 @@ mod tests {
         let view = View::omnidirectional(Vec3::ZERO).unwrap();
         // Whatever its size, it is not left out.
         let item = list(&scene, &view, f32::MAX)[0];
-        assert_eq!((item.id, f64::from(item.distance)), (id, lo.x));
+        assert_eq!((item.id, item.distance), (id, lo.x as f32));
         let (radius, middle) = ((hi - lo).length() * 0.5, ((hi + lo) * 0.5).length());
         assert!((f64::from(item.size) - 2.0 * (radius / middle).asin()).abs() < 1e-6);
         assert_eq!(scene.begin_frame(1e6).unwrap(), [id]);

@@ -19,6 +19,11 @@ impl CellBox {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
+    /// A cell in the middle.
+    pub(crate) fn middle(self) -> IVec3 {
+        self.lo + (self.hi - self.lo) / 2
+    }
+
     pub(crate) fn cells(self) -> impl Iterator<Item = IVec3> {
         let Self { lo, hi } = self;
         (lo.z..=hi.z).flat_map(move |z| {

@@ -1,4 +1,4 @@
-//! The regular grid: where its cells lie and which cell contains a point.
+//! The regular grid: where its cells lie and which cell contains a point. It has no border.
 //!
 //! All grid planes are exact `f64` numbers (see [`Grid::new`]), and every
 //! decision about cells compares coordinates with those planes, so that
@@ -6,6 +6,8 @@
 
 pub(crate) mod bricks;
 pub(crate) mod cell_box;
+pub(crate) mod extent;
+pub(crate) mod mask;
 pub(crate) mod run;
 pub(crate) mod side;
 
@@ -13,10 +15,14 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 
 use crate::error::{Error, finite3};
 use crate::geometry::Aabb;
-use crate::grid::bricks::BRICK;
+use crate::grid::mask::BRICK;
 
 /// Greatest number of cells along one axis.
 pub const MAX_CELLS_PER_AXIS: u32 = 8192;
+
+/// Cells have coordinates from minus this to this, without the last. Objects beyond are found by
+/// every query.
+pub(crate) const REACH: i32 = 1 << 20;
 
 /// By default a grid has this many cells along its longest axis for each unit of the cube root of
 /// the number of objects.
@@ -34,16 +40,19 @@ fn unit_of(cell: f32) -> f64 {
     2f64.powi(cell.to_bits().wrapping_shr(23) as i32 - 127 - 23)
 }
 
-/// The measures of a grid: a corner, the edge length of its cubic cells and how
-/// many of them lie along each axis.
+/// Where the cells of a scene begin, how large they are, and how many of them the level takes.
+///
+/// A scene has no border: cells go on in all directions, 2^20 of them along each axis, and only
+/// those in which there is anything take memory and time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GridSpec {
-    /// Least corner in world units.
+    /// The least corner of cell 0, in world units.
     pub min: Vec3,
     /// Edge length of a cell in world units.
     pub cell: f32,
-    /// Cells along x, y and z: 1 to [`MAX_CELLS_PER_AXIS`] each.
+    /// Cells along x, y and z that cover the level, 1 to [`MAX_CELLS_PER_AXIS`] each: for pictures
+    /// and tools. Scenes find what lies beyond just as well.
     pub dims: UVec3,
 }
 
@@ -114,8 +123,13 @@ impl GridSpec {
     }
 }
 
-/// A grid whose planes are exact. Cells have integer coordinates from 0; a cell
-/// outside the grid has coordinates below 0 or from [`Grid::dims`] on.
+/// Whether cells in all directions around a cell have coordinates.
+pub(crate) fn reaches(cell: IVec3) -> bool {
+    cell.cmpge(IVec3::splat(-REACH)).all() && cell.cmplt(IVec3::splat(REACH)).all()
+}
+
+/// A grid whose planes are exact. Cells have integer coordinates, those of the level that
+/// [`GridSpec`] tells of from 0 to [`Grid::dims`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     origin: DVec3,
@@ -179,12 +193,12 @@ impl Grid {
         }
     }
 
-    /// Least corner in world units.
+    /// The least corner of cell 0, in world units.
     pub fn min(&self) -> DVec3 {
         self.origin
     }
 
-    /// Greatest corner in world units.
+    /// The greatest corner of the level that [`GridSpec`] tells of.
     pub fn max(&self) -> DVec3 {
         self.origin + self.dims.as_dvec3() * self.cell
     }
@@ -194,19 +208,14 @@ impl Grid {
         self.cell
     }
 
-    /// Cells along each axis.
+    /// Cells of that level along each axis.
     pub fn dims(&self) -> IVec3 {
         self.dims
     }
 
-    /// Number of cells.
+    /// The number of these cells.
     pub fn cells(&self) -> u64 {
         self.dims.to_array().iter().map(|&n| n as u64).product()
-    }
-
-    /// Whether the cell is one of the grid's.
-    pub fn contains(&self, cell: IVec3) -> bool {
-        cell.cmpge(IVec3::ZERO).all() && cell.cmplt(self.dims).all()
     }
 
     /// World coordinate of plane `i` along `axis`: the lower face of cell `i`.
@@ -224,8 +233,8 @@ impl Grid {
         (self.origin + lo.as_dvec3() * self.cell, self.origin + (hi + 1).as_dvec3() * self.cell)
     }
 
-    /// The cell that contains `point`, inside the grid or not; a point on a face
-    /// belongs to the upper cell. Coordinates saturate 2^29 cells away.
+    /// The cell that contains `point`; a point on a face belongs to the upper cell.
+    /// Coordinates saturate 2^29 cells away.
     pub fn cell_of(&self, point: DVec3) -> IVec3 {
         IVec3::from_array([0, 1, 2].map(|axis| self.cell_along(axis, point[axis])))
     }
@@ -262,17 +271,15 @@ impl Grid {
         if hi > lo && self.plane(axis, hi) >= max { (lo, hi - 1) } else { (lo, hi) }
     }
 
-    /// The cells wholly inside the box from `min` to `max`, clipped to the
-    /// grid; `None` if there is none.
+    /// The cells wholly inside the box from `min` to `max`; `None` if there is none.
     pub(crate) fn inside(&self, min: DVec3, max: DVec3) -> Option<(IVec3, IVec3)> {
         let x = self.inside_along(0, min.x, max.x);
         let y = self.inside_along(1, min.y, max.y);
         let z = self.inside_along(2, min.z, max.z);
-        self.clip(IVec3::new(x.0, y.0, z.0), IVec3::new(x.1, y.1, z.1))
+        clip(IVec3::new(x.0, y.0, z.0), IVec3::new(x.1, y.1, z.1))
     }
 
-    /// As [`Grid::inside`], along one axis and beyond the grid; the last comes before the first
-    /// where there is none.
+    /// As [`Grid::inside`], along one axis; the last comes before the first where there is none.
     pub(crate) fn inside_along(&self, axis: usize, min: f64, max: f64) -> (i32, i32) {
         let (lo, hi) = (self.cell_along(axis, min), self.cell_along(axis, max));
         (
@@ -280,12 +287,12 @@ impl Grid {
             if self.plane(axis, hi + 1) > max { hi - 1 } else { hi },
         )
     }
+}
 
-    /// The part of a block of cells inside the grid; `None` if there is none.
-    pub(crate) fn clip(&self, lo: IVec3, hi: IVec3) -> Option<(IVec3, IVec3)> {
-        let (lo, hi) = (lo.max(IVec3::ZERO), hi.min(self.dims - 1));
-        lo.cmple(hi).all().then_some((lo, hi))
-    }
+/// The part of a block of cells within [`REACH`]; `None` if there is none.
+pub(crate) fn clip(lo: IVec3, hi: IVec3) -> Option<(IVec3, IVec3)> {
+    let (lo, hi) = (lo.max(IVec3::splat(-REACH)), hi.min(IVec3::splat(REACH - 1)));
+    lo.cmple(hi).all().then_some((lo, hi))
 }
 
 #[cfg(test)]
@@ -333,7 +340,10 @@ mod tests {
         let inside = g.inside(DVec3::splat(0.5), DVec3::splat(3.0));
         assert_eq!(inside, Some((IVec3::ONE, IVec3::splat(2))));
         assert_eq!(g.inside(DVec3::splat(0.5), DVec3::splat(1.5)), None);
-        assert_eq!(g.inside(DVec3::splat(-5.0), DVec3::splat(50.0)), Some((IVec3::ZERO, IVec3::splat(9))));
+        assert_eq!(
+            g.inside(DVec3::splat(-5.0), DVec3::splat(50.0)),
+            Some((IVec3::splat(-5), IVec3::splat(49)))
+        );
         assert_eq!(g.cell_of(DVec3::splat(1e300)), IVec3::splat(1 << 29));
         assert_eq!(g.cell_of(DVec3::splat(-1e300)), IVec3::splat(-(1 << 29)));
     }

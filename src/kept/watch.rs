@@ -77,7 +77,7 @@ impl Watch {
         }
     }
 
-    /// Tests all volumes, those inside the grid brick by brick.
+    /// Tests all volumes, brick by brick.
     fn test_all(&mut self, drawn: &Drawn) {
         let scene = drawn.scene;
         self.slots = SlotSet::default();
@@ -94,9 +94,6 @@ impl Watch {
         }
         for brick in scene.tbv_matrix().bricks().filter(|&brick| drawn.may_see_brick(brick)) {
             scene.tbv_matrix().ids(brick).for_each(|slot| self.test_once(drawn, slot));
-        }
-        for bucket in scene.volumes().outer().buckets() {
-            bucket.slots().iter().for_each(|&slot| self.test_once(drawn, slot));
         }
     }
 }

@@ -5,8 +5,9 @@
 
 use glam::IVec3;
 
-use crate::grid::bricks::{Bricks, Pages};
-use crate::matrix::bits::{ALL, BitMatrix, Mask, NONE, both, places_of, without};
+use crate::grid::bricks::Bricks;
+use crate::grid::mask::{ALL, Mask, NONE, both, places_of, without};
+use crate::matrix::bits::BitMatrix;
 
 /// For each cell of a brick, the number of solids beyond the first that make it opaque.
 #[derive(Clone, Default)]
@@ -66,16 +67,12 @@ impl MoreSolids {
 }
 
 /// The number of solids that make each set cell of a [`BitMatrix`] opaque.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Counts {
     beyond: Bricks<MoreSolids>,
 }
 
 impl Counts {
-    pub(crate) fn new(dims: IVec3) -> Self {
-        Self { beyond: Bricks::new(dims) }
-    }
-
     /// Adds a solid that contains cells of a brick.
     pub(crate) fn add(&mut self, bits: &mut BitMatrix, brick: IVec3, mask: &Mask) {
         let again = both(mask, bits.brick(brick));
@@ -109,7 +106,7 @@ impl Counts {
     /// Adds a solid that contains a whole page, if no cell of the page is set yet. Returns whether
     /// it did.
     pub(crate) fn add_page(&mut self, bits: &mut BitMatrix, page: IVec3) -> bool {
-        let free = bits.pages().page_is_empty(page);
+        let free = bits.pages().is_empty(page);
         if free {
             bits.fill_page(page);
         }
@@ -118,7 +115,7 @@ impl Counts {
 
     /// Clears a page that a single solid made opaque. Returns whether it did.
     pub(crate) fn take_page(&mut self, bits: &mut BitMatrix, page: IVec3) -> bool {
-        let single = self.beyond.page_is_empty(page);
+        let single = self.beyond.pages().is_empty(page);
         if single {
             bits.clear_page(page);
         }
@@ -141,7 +138,7 @@ mod tests {
         let mut random = Random::new(11);
         let mut next = |n: u32| random.below(n);
         let brick = IVec3::new(1, 2, 1);
-        let (mut bits, mut counts) = (BitMatrix::new(IVec3::splat(64)), Counts::new(IVec3::splat(64)));
+        let (mut bits, mut counts) = (BitMatrix::default(), Counts::default());
         let mut held: Vec<Mask> = Vec::new();
         for step in 0..2000 {
             let fewer = step >= 1500 || held.len() > 8;

@@ -9,12 +9,11 @@ use std::collections::BTreeSet;
 use glam::IVec3;
 use smallvec::SmallVec;
 
-use crate::grid::bricks::{BRICK, Bricks, Pages};
+use crate::grid::bricks::{Bricks, Pages};
 use crate::grid::cell_box::CellBox;
+use crate::grid::mask::{BRICK, Mask, NONE, block_mask, both, cells_of, either, without};
 use crate::heap::in_tree;
-use crate::matrix::bits::{
-    BitMatrix, Mask, NONE, OpacityMatrix, block_mask, both, cells_of, either, without,
-};
+use crate::matrix::bits::{BitMatrix, OpacityMatrix};
 
 /// Boxes reach this far beyond the brick of their first cell.
 const MOST_SPREAD: i32 = BRICK;
@@ -23,7 +22,7 @@ const MOST_SPREAD: i32 = BRICK;
 const MOST: usize = 32;
 
 /// The fused occluders of a scene.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Fused {
     /// Opaque cells that no single drawable solid covers.
     cells: BitMatrix,
@@ -36,15 +35,6 @@ pub(crate) struct Fused {
 }
 
 impl Fused {
-    pub(crate) fn new(dims: IVec3) -> Self {
-        Self {
-            cells: BitMatrix::new(dims),
-            contacts: BitMatrix::new(dims),
-            boxes: Bricks::new(dims),
-            stale: BTreeSet::new(),
-        }
-    }
-
     /// A cell is opaque for a reason that is not drawn.
     pub(crate) fn add(&mut self, cell: IVec3) {
         self.cells.set(cell);
@@ -93,24 +83,18 @@ impl Fused {
     }
 
     fn clear(&mut self, lo: IVec3, hi: IVec3, gone: &dyn Fn(&CellBox) -> bool) {
-        let around = self.bricks_around(lo, hi);
-        let gone: SmallVec<[IVec3; 8]> = bricks_there(&self.boxes, around.lo, around.hi)
+        let around = bricks_around(lo, hi);
+        let gone: SmallVec<[IVec3; 8]> = bricks_there(self.boxes.pages(), around.lo, around.hi)
             .filter(|&b| self.boxes.get(b).iter().any(gone))
             .collect();
         for brick in gone {
             self.boxes.release(brick);
             // Its neighbours may have relied on its boxes.
-            let around = self.bricks_around(brick * BRICK, brick * BRICK + (BRICK - 1));
+            let around = bricks_around(brick * BRICK, brick * BRICK + (BRICK - 1));
             let growing =
                 around.cells().filter(|&b| *self.cells.brick(b) != NONE || *self.contacts.brick(b) != NONE);
             self.stale.extend(growing.map(|b| b.to_array()));
         }
-    }
-
-    /// The bricks of the grid whose boxes may reach into a block.
-    fn bricks_around(&self, lo: IVec3, hi: IVec3) -> CellBox {
-        let last = self.cells.dims() - 1;
-        CellBox { lo: (lo - MOST_SPREAD).max(IVec3::ZERO) >> 3i32, hi: (hi + MOST_SPREAD).min(last) >> 3i32 }
     }
 
     /// Grows the boxes of all stale bricks.
@@ -126,7 +110,7 @@ impl Fused {
             }
             let seeds = either(self.cells.brick(brick), self.contacts.brick(brick));
             let mut open = both(&seeds, opaque.brick(brick));
-            for b in self.bricks_around(corner, corner + (BRICK - 1)).cells() {
+            for b in bricks_around(corner, corner + (BRICK - 1)).cells() {
                 for held in self.boxes.get(b) {
                     open = without(&open, &block_mask(brick, held.lo, held.hi));
                 }
@@ -149,8 +133,8 @@ impl Fused {
     }
 
     /// The pages that contain boxes.
-    pub(crate) fn pages(&self) -> &impl Pages {
-        &self.boxes
+    pub(crate) fn pages(&self) -> &Pages {
+        self.boxes.pages()
     }
 
     pub(crate) fn bytes(&self) -> usize {
@@ -161,6 +145,11 @@ impl Fused {
             + in_tree::<[i32; 3]>(self.stale.len())
             + boxes.map(|b| b.capacity() * size_of::<CellBox>()).sum::<usize>()
     }
+}
+
+/// The bricks whose boxes may reach into a block.
+fn bricks_around(lo: IVec3, hi: IVec3) -> CellBox {
+    CellBox { lo: (lo - MOST_SPREAD) >> 3i32, hi: (hi + MOST_SPREAD) >> 3i32 }
 }
 
 /// Calls `out` with the set cells of all bricks that a block touches.
@@ -174,17 +163,16 @@ fn masks_there(cells: &BitMatrix, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(IVec
 }
 
 /// The bricks from `lo` to `hi` in pages that are not empty.
-fn bricks_there(pages: &impl Pages, lo: IVec3, hi: IVec3) -> impl Iterator<Item = IVec3> {
+fn bricks_there(pages: &Pages, lo: IVec3, hi: IVec3) -> impl Iterator<Item = IVec3> {
     let of = CellBox { lo: lo >> 3i32, hi: hi >> 3i32 };
     of.cells()
-        .filter(|&p| !pages.page_is_empty(p))
+        .filter(|&p| !pages.is_empty(p))
         .flat_map(move |p| CellBox { lo: lo.max(p * BRICK), hi: hi.min(p * BRICK + (BRICK - 1)) }.cells())
 }
 
 /// A box of opaque cells around one, as large as growing by a layer at a time makes it.
 fn grow(cell: IVec3, bounds: &CellBox, opaque: &OpacityMatrix) -> CellBox {
-    let dims = opaque.dims();
-    let (least, most) = (bounds.lo.max(IVec3::ZERO), bounds.hi.min(dims - 1));
+    let CellBox { lo: least, hi: most } = *bounds;
     let mut b = CellBox { lo: cell, hi: cell };
     let mut open = [true; 6];
     while open.contains(&true) {
@@ -208,8 +196,7 @@ mod tests {
 
     #[test]
     fn boxes_cover_their_cells_with_opaque_ones_only() {
-        let dims = IVec3::splat(40);
-        let (mut opaque, mut fused) = (BitMatrix::new(dims), Fused::new(dims));
+        let (mut opaque, mut fused) = (BitMatrix::default(), Fused::default());
         // A wall two cells thick and a block beside it.
         for y in 0..30 {
             for x in 3..35 {

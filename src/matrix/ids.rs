@@ -7,22 +7,18 @@ use casca_slots::Slot;
 use glam::IVec3;
 
 use crate::grid::bricks::{Bricks, Pages};
-use crate::matrix::bits::{Mask, NONE};
+use crate::grid::mask::{Mask, NONE};
 use crate::matrix::slots::SlotList;
 
 /// I: the objects that touch each brick, as indices of the scene's slots.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct IdMatrix {
     bricks: Bricks<SlotList>,
 }
 
 impl IdMatrix {
-    pub(crate) fn new(dims: IVec3) -> Self {
-        Self { bricks: Bricks::new(dims) }
-    }
-
     /// Moves an object inside a brick: it leaves the cells of `old`, which are all that it is in,
-    /// and enters those of `new`, which are inside the grid.
+    /// and enters those of `new`.
     pub(crate) fn change(&mut self, brick: IVec3, old: &Mask, new: &Mask, slot: Slot) {
         match (*old == NONE, *new == NONE) {
             (true, false) => self.bricks.get_mut(brick).push(slot),
@@ -44,8 +40,9 @@ impl IdMatrix {
     }
 
     /// The pages that contain objects.
-    pub(crate) fn pages(&self) -> &impl Pages {
-        &self.bricks
+    #[inline]
+    pub(crate) fn pages(&self) -> &Pages {
+        self.bricks.pages()
     }
 
     /// Number of pairs of a brick and an object that touches it.
@@ -70,13 +67,13 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::matrix::bits::ALL;
+    use crate::grid::mask::ALL;
     use crate::random::Random;
 
     #[test]
     fn agrees_with_a_map() {
         let bricks = [IVec3::new(1, 1, 1), IVec3::new(2, 0, 1), IVec3::new(9, 1, 2)];
-        let mut m = IdMatrix::new(IVec3::new(100, 24, 24));
+        let mut m = IdMatrix::default();
         let mut map = BTreeMap::<([i32; 3], Slot), Mask>::new();
         let mut random = Random::new(1);
         let compare = |m: &IdMatrix, map: &BTreeMap<([i32; 3], Slot), Mask>| {

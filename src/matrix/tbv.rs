@@ -13,10 +13,10 @@
 use casca_slots::Slot;
 use glam::IVec3;
 
-use crate::grid::bricks::{BRICK, Bricks, Pages};
+use crate::grid::bricks::{Bricks, Pages};
 use crate::grid::cell_box::CellBox;
+use crate::grid::mask::{BRICK, span8};
 use crate::grid::side::SideAxes;
-use crate::matrix::bits::span8;
 
 /// The part of a block of cells in a brick along one axis: a bit for each coordinate.
 #[derive(Clone, Copy)]
@@ -124,7 +124,7 @@ struct Held {
 }
 
 /// Txy, Txz and Tyz: the projections of hollow temporal bounding volumes.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct TbvMatrix {
     bricks: Bricks<TbvBrick>,
     /// By slot: its places in the lists of its bricks, so that it leaves them at once.
@@ -133,11 +133,7 @@ pub struct TbvMatrix {
 }
 
 impl TbvMatrix {
-    pub(crate) fn new(dims: IVec3) -> Self {
-        Self { bricks: Bricks::new(dims), places: Vec::new(), volumes: 0 }
-    }
-
-    /// Draws the volume of an object. It is inside the grid.
+    /// Draws the volume of an object.
     pub(crate) fn insert(&mut self, volume: &CellBox, slot: Slot) {
         self.volumes += 1;
         if self.places.len() <= slot.index() {
@@ -207,13 +203,8 @@ impl TbvMatrix {
     }
 
     /// The pages that contain surfaces of volumes.
-    pub(crate) fn pages(&self) -> &impl Pages {
-        &self.bricks
-    }
-
-    /// Whether no volume has surface in a brick.
-    pub(crate) fn is_empty(&self, brick: IVec3) -> bool {
-        self.bricks.get(brick).held.is_empty()
+    pub(crate) fn pages(&self) -> &Pages {
+        self.bricks.pages()
     }
 
     /// The cells of a tile on the surface of one volume.
@@ -254,7 +245,7 @@ mod tests {
             CellBox { lo: IVec3::new(1, 2, 3), hi: IVec3::new(2, 3, 4) },
         ];
         for volume in &boxes {
-            let mut m = TbvMatrix::new(IVec3::splat(24));
+            let mut m = TbvMatrix::default();
             m.insert(volume, Slot::new(5));
             for axes in &SideAxes::ALL {
                 for i in 0..24 * 24 * 24 {
@@ -275,7 +266,7 @@ mod tests {
 
     #[test]
     fn volumes_leave_in_any_order() {
-        let mut m = TbvMatrix::new(IVec3::splat(64));
+        let mut m = TbvMatrix::default();
         let volume = |slot: Slot| {
             let i = slot.get() as i32;
             let lo = IVec3::new(i * 7 % 23, i * 5 % 19, i * 3 % 17);

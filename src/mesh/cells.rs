@@ -8,9 +8,10 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use glam::{DVec3, IVec3};
 
-use crate::grid::Grid;
-use crate::grid::bricks::{BRICK, Bricks};
+use crate::grid::bricks::Bricks;
+use crate::grid::mask::BRICK;
 use crate::grid::run::CellRun;
+use crate::grid::{Grid, clip};
 use crate::heap::in_arc;
 use crate::mesh::raster::{CellRaster, box_of, margin};
 
@@ -107,8 +108,8 @@ impl SurfaceCells {
         (min, max): (DVec3, DVec3),
     ) -> Option<Self> {
         let (lo, hi) = grid.cover(min, max);
-        let (lo, hi) = grid.clip(lo, hi)?;
-        let mut bricks: Bricks<[u64; 8]> = Bricks::new(hi - lo + 1);
+        let (lo, hi) = clip(lo, hi)?;
+        let mut bricks: Bricks<[u64; 8]> = Bricks::default();
         let mut raster = CellRaster::new(grid, lo, hi);
         for t in triangles {
             raster.triangle(&t, |run| {

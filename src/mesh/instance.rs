@@ -7,8 +7,8 @@ use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Part, Polytope};
 use crate::geometry::{Aabb, Block};
-use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
+use crate::grid::{Grid, clip};
 use crate::heap::in_arc;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::MOST_GROWTH;
@@ -298,7 +298,7 @@ impl Shape for Instance {
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
         let (lo, hi) = grid.cover(self.inner.block.min, self.inner.block.max);
-        let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+        let Some((lo, hi)) = clip(lo, hi) else { return };
         for z in lo.z..=hi.z {
             for y in lo.y..=hi.y {
                 out(CellRun { x0: lo.x, x1: hi.x, y, z });

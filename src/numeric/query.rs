@@ -42,10 +42,6 @@ pub(crate) const CUT_REGION: f64 = 1e-9;
 /// together. What is nearer to the plane is tested in double precision.
 pub(crate) const SINGLE_FRUSTUM: f64 = 4e-6;
 
-/// Points at which segments leave the grid are known to this share of the coordinates that they
-/// come from: sums and quotients of a few numbers, each with a relative error of 1e-16.
-pub(crate) const EXIT: f64 = 1e-12;
-
 /// An eye that may be this far outside its cell, in cells, gets no occlusion by
 /// [`crate::Method::Cell`]: the shells then grow by that much at each step. The rule is made for
 /// eyes that are known roughly: with 8 in the place of this it loses what rooms of eyes see through

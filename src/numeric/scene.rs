@@ -37,12 +37,6 @@ pub(crate) fn earliest_arrival(now: f64, distance: f64, speed: f64) -> f64 {
 /// numbers that are so small that the share vanishes, sums are exact.
 pub(crate) const BOX_OF_SPHERE: f32 = 1.0 / (1 << 22) as f32;
 
-/// Objects are listed by zone only if they are as far inside the grid as this share of a cell.
-///
-/// Their boxes in single precision are larger than their bounds. The promise does not rest on it:
-/// queries test the room of a zone, which contains the bounds, and boxes with their own margin.
-pub(crate) const ZONE_BORDER: f64 = 1e-3;
-
 /// Solids that fill a cell have boxes whose common parts with it make up this share of its volume
 /// at least: all of it, less the roundings of the parts and of their sum (300 units in the last
 /// place, 1e-13). A cell that is wrongly found not filled only hides less.

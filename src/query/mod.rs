@@ -183,8 +183,7 @@ impl Query {
             Method::Frustum => run_frustum(scene, view, pvs),
             Method::Cell(options) => {
                 pvs.revision = scene.revision();
-                let dims = scene.grid().dims();
-                let record = self.record.then(|| (BitMatrix::new(dims), BitMatrix::new(dims)));
+                let record = self.record.then(|| (BitMatrix::default(), BitMatrix::default()));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 self.lists.follow(scene);

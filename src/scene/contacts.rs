@@ -8,10 +8,9 @@ use std::collections::BTreeMap;
 
 use glam::IVec3;
 
-use crate::grid::Grid;
-use crate::grid::bricks::Pages;
 use crate::grid::cell_box::CellBox;
-use crate::matrix::bits::{Mask, NONE, beside, block_mask, both, cells_of, either, without};
+use crate::grid::mask::{Mask, NONE, beside, block_mask, both, cells_of, either, without};
+use crate::grid::{Grid, clip};
 use crate::object::Occluder;
 use crate::scene::opacity::LayerOpacity;
 use crate::scene::static_solids::StaticSolids;
@@ -37,7 +36,7 @@ pub(super) fn mark_contacts(opacity: &mut LayerOpacity, occluder: &Occluder, gri
     for (&place, mask) in &near {
         let brick = IVec3::from_array(place);
         let mut contact = NONE;
-        for (next, axis, up) in bricks_beside(grid, brick) {
+        for (next, axis, up) in bricks_beside(brick) {
             let others = beside(bits.brick(brick), bits.brick(next), axis, up);
             // A cell of both is no seam. Bricks that are not here have no cells of others.
             let own = beside(mask, near.get(&next.to_array()).unwrap_or(&NONE), axis, up);
@@ -56,24 +55,23 @@ fn cells_near_others(opacity: &LayerOpacity, occluder: &Occluder, grid: &Grid) -
     let bits = opacity.fixed();
     let around = occluder.block();
     let (lo, hi) = grid.cover(around.min, around.max);
-    let Some((lo, hi)) = grid.clip(lo - 1, hi + 1) else { return near };
+    let Some((lo, hi)) = clip(lo - 1, hi + 1) else { return near };
     let pages = bits.pages();
     let empty = |lo: IVec3, hi: IVec3| {
-        CellBox { lo: lo >> 6i32, hi: hi >> 6i32 }.cells().all(|page| pages.page_is_empty(page))
+        CellBox { lo: lo >> 6i32, hi: hi >> 6i32 }.cells().all(|page| pages.is_empty(page))
     };
     if !occluder.is_solid() || empty(lo, hi) {
         return near;
     }
-    let last = grid.dims() - 1;
     opaque(occluder, grid, &mut |piece| {
         if let Piece::Page(page) = piece
-            && empty(((page << 6i32) - 1).max(IVec3::ZERO), ((page << 6i32) + 64).min(last))
+            && empty((page << 6i32) - 1, (page << 6i32) + 64)
         {
             return;
         }
         piece.bricks(|brick, mask| {
             let has_opaque = |b: IVec3| *bits.brick(b) != NONE;
-            if has_opaque(brick) || bricks_beside(grid, brick).any(|(next, ..)| has_opaque(next)) {
+            if has_opaque(brick) || bricks_beside(brick).any(|(next, ..)| has_opaque(next)) {
                 near.insert(brick.to_array(), *mask);
             }
         });
@@ -81,20 +79,16 @@ fn cells_near_others(opacity: &LayerOpacity, occluder: &Occluder, grid: &Grid) -
     near
 }
 
-/// The bricks of the grid that share a face with a brick, with the axis across it, and whether they
-/// lie above.
-fn bricks_beside(grid: &Grid, brick: IVec3) -> impl Iterator<Item = (IVec3, usize, bool)> + use<> {
-    let last = (grid.dims() - 1) >> 3i32;
-    IVec3::AXES.into_iter().enumerate().flat_map(move |(axis, step)| {
-        let inside = move |b: &IVec3| b.cmpge(IVec3::ZERO).all() && b.cmple(last).all();
-        [(brick - step, axis, false), (brick + step, axis, true)].into_iter().filter(move |n| inside(&n.0))
-    })
+/// The bricks that share a face with a brick, with the axis across it, and whether they lie above.
+fn bricks_beside(brick: IVec3) -> impl Iterator<Item = (IVec3, usize, bool)> {
+    let axes = IVec3::AXES.into_iter().enumerate();
+    axes.flat_map(move |(axis, step)| [(brick - step, axis, false), (brick + step, axis, true)])
 }
 
 /// Forgets the contacts in a block of cells around a solid that is gone, where no other solids
 /// abut.
 pub(super) fn forget_contacts(opacity: &mut LayerOpacity, (lo, hi): (IVec3, IVec3), others: &StaticSolids) {
-    let (lo, hi) = ((lo - 1).max(IVec3::ZERO), (hi + 1).min(others.grid.dims() - 1));
+    let (lo, hi) = (lo - 1, hi + 1);
     let mut idle: Vec<(IVec3, Mask)> = Vec::new();
     opacity.fused().for_contacts(lo, hi, &mut |brick, mask| {
         let mask = both(mask, &block_mask(brick, lo, hi));

@@ -16,11 +16,8 @@ impl Scene {
     ///
     /// Costs the cells around the surfaces of its bounds and its occluder, and a little for each
     /// 512 cells inside. Bounds that span more than 2^22 cells cost no cells: such an object is
-    /// tested against the view in every query instead, and so is one that lies wholly outside of
-    /// the grid. One that reaches out of the grid costs no more than others, but for a box around
-    /// it and its neighbours that queries test; [`crate::Method::Cell`] takes a part beyond a side
-    /// of the grid that the eye's cell touches to be visible. A mesh costs the cells of its
-    /// surface.
+    /// tested against the view in every query instead, and so is one that reaches farther than 2^20
+    /// cells from the corner of the grid. A mesh costs the cells of its surface.
     ///
     /// # Errors
     /// Refuses shapes that are not finite, inverted or negative, occluders that stick out of the

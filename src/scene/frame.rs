@@ -6,7 +6,6 @@ use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
 use crate::scene::Scene;
-use crate::scene::validity::Validity;
 
 /// The changes that [`Scene::end_frame`] made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -69,7 +68,6 @@ impl Scene {
             if !self.last_frame.saw_in(ended, slot) {
                 due.push(self.id(slot));
             }
-            self.slots[slot].adapt(Validity::passed);
             self.miss(slot);
         }
         if self.clock.reports.count_overdue() > 0 {

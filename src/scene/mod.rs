@@ -15,9 +15,8 @@
 //! Most moves change nothing of that: [`rooms`] tells how far an object may go, and [`reports`] who
 //! is overdue in the zones of small movers ([`movers`]).
 //!
-//! Lists beside the matrices ([`spatial_index`]): objects whose cells do not tell all - outside the
-//! grid, too large, or of unknown place - are in the set `always`, which every query tests. Those
-//! that reach out of the grid are in cells and in `overhang` ([`outer`]).
+//! Lists beside the matrices ([`spatial_index`]): objects that no cells tell of - beyond the reach of
+//! coordinates, too large, or of unknown place - are in the set `always`, which every query tests.
 //!
 //! # A frame
 //!
@@ -51,7 +50,6 @@ mod object;
 mod opacity;
 mod opaque;
 mod origin;
-mod outer;
 mod reads;
 mod reports;
 mod resting;
@@ -140,8 +138,7 @@ pub use reads::ObjectRef;
 /// - Occluders must lie inside the geometry that is drawn. What they hide is not drawn.
 /// - A frame that ends without [`Scene::end_frame`] loses nothing, but hidden movers stay in the
 ///   matrices and cost every query.
-/// - A grid that is far smaller than the scene works, but what lies outside is tested in every
-///   query.
+/// - What lies more than 2^20 cells from the corner of the grid is tested in every query.
 #[derive(Clone)]
 pub struct Scene {
     grid: Grid,

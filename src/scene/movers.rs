@@ -15,11 +15,16 @@ use glam::{DVec3, IVec3};
 use hashbrown::HashMap;
 
 use crate::geometry::Block;
-use crate::grid::Grid;
-use crate::numeric::scene::ZONE_BORDER;
+use crate::grid::cell_box::CellBox;
+use crate::grid::extent::Extent;
+use crate::grid::mask::BRICK;
+use crate::grid::{Grid, reaches};
 
 /// The edge of a zone in cells, as a power of two.
 const ZONE_BITS: i32 = 5;
+
+/// The edge of a zone in bricks.
+const ZONE_BRICKS: i32 = (1 << ZONE_BITS) / BRICK;
 
 /// How far a mover may reach out of its zone, in cells.
 const MARGIN: i32 = 4;
@@ -27,7 +32,7 @@ const MARGIN: i32 = 4;
 /// Movers are smaller than this, in cells, so that each fits in the room of the zone of its middle.
 const SMALL: f64 = 7.0;
 
-const _: () = assert!(2.0 * MARGIN as f64 > SMALL + 0.5);
+const _: () = assert!(MARGIN < BRICK && 2.0 * MARGIN as f64 > SMALL + 0.5);
 
 /// The movers of one zone.
 #[derive(Debug, Clone)]
@@ -83,20 +88,20 @@ pub(crate) struct Movers {
     /// Zones that list nobody, to be used again.
     free: Vec<u32>,
     by_place: HashMap<IVec3, u32>,
+    extent: Extent,
     /// By slot.
     places: Vec<ListPlace>,
 }
 
 impl Movers {
-    /// The zone of an object with these bounds; none if it is too large, or reaches out of the
-    /// grid.
+    /// The zone of an object with these bounds; none if it is too large, or beyond the reach of
+    /// coordinates.
     #[inline]
     pub(super) fn zone_of(grid: &Grid, bounds: &Block) -> Option<IVec3> {
         let Block { min, max } = *bounds;
-        let room = DVec3::splat(grid.cell_size() * ZONE_BORDER);
-        let inside = (min - room).cmpge(grid.min()).all() && (max + room).cmplt(grid.max()).all();
-        let small = (max - min).max_element() < SMALL * grid.cell_size();
-        (inside && small).then(|| grid.cell_of((min + max) * 0.5) >> ZONE_BITS)
+        let small = (max - min).cmplt(DVec3::splat(SMALL * grid.cell_size())).all();
+        let zone = || grid.cell_of((min + max) * 0.5) >> ZONE_BITS;
+        small.then(zone).filter(|&zone| reaches((zone - 1) << ZONE_BITS) && reaches((zone + 2) << ZONE_BITS))
     }
 
     /// Lists a mover, and returns its room. It was not listed.
@@ -124,15 +129,15 @@ impl Movers {
         if let Some(&index) = self.by_place.get(&at) {
             return index;
         }
-        let (lo, last) = (at << ZONE_BITS, grid.dims() - 1);
-        let hi = lo + ((1 << ZONE_BITS) - 1 + MARGIN);
-        let room = Block::new(grid.range_bounds((lo - MARGIN).max(IVec3::ZERO), hi.min(last)));
+        let lo = at << ZONE_BITS;
+        let room = Block::new(grid.range_bounds(lo - MARGIN, lo + ((1 << ZONE_BITS) - 1 + MARGIN)));
         let index = self.free.pop().unwrap_or(self.zones.len() as u32);
         match self.zones.get_mut(index as usize) {
             Some(zone) => (zone.at, zone.room) = (at, room),
             None => self.zones.push(Zone { at, room, plain: Vec::new(), others: Vec::new() }),
         }
         self.by_place.insert(at, index);
+        self.extent.change(at, true);
         index
     }
 
@@ -154,6 +159,7 @@ impl Movers {
         }
         if zone.is_empty() {
             self.by_place.remove(&zone.at);
+            self.extent.change(zone.at, false);
             self.free.push(index);
         }
     }
@@ -161,6 +167,13 @@ impl Movers {
     /// Takes all out.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
+    }
+
+    /// A block of bricks around all of them.
+    pub(super) fn extent(&self) -> Option<CellBox> {
+        // They reach out of their zones by less than a brick.
+        let bricks = |CellBox { lo, hi }| CellBox { lo: lo * ZONE_BRICKS - 1, hi: (hi + 1) * ZONE_BRICKS };
+        self.extent.around().map(bricks)
     }
 
     /// The zones; some list nobody.
@@ -177,6 +190,7 @@ impl Movers {
             + self.zones.iter().map(lists).sum::<usize>()
             + self.by_place.capacity() * size_of::<(IVec3, u32)>()
             + self.free.capacity() * size_of::<u32>()
+            + self.extent.bytes()
             + self.places.capacity() * size_of::<ListPlace>()
     }
 }
@@ -215,20 +229,14 @@ mod tests {
                 listed.remove(&slot);
                 continue;
             }
-            let size = grid.max() * 0.5;
-            let bounds = block(size + random.point(0.98) * size, 1.0 + random.next().abs() * 2.4);
-            let zone = Movers::zone_of(&grid, &bounds);
-            let inside = |room: f64| {
-                (grid.min() + room).cmple(bounds.min).all() && (grid.max() - room).cmpgt(bounds.max).all()
-            };
-            assert!(
-                zone.is_some() <= inside(0.0) && zone.is_some() >= inside(2.0 * ZONE_BORDER),
-                "{bounds:?}"
-            );
-            let Some(zone) = zone else { continue };
+            let bounds = block(random.point(100.0), 1.0 + random.next().abs() * 2.4);
+            let Some(zone) = Movers::zone_of(&grid, &bounds) else { panic!("{bounds:?} is small") };
             let room = movers.insert(&grid, (slots.id(slot), zone), step % 2 == 0);
             assert!(room.contains(&bounds), "{room:?} {bounds:?}");
             listed.insert(slot, (step % 2 == 0, zone));
+            let CellBox { lo, hi } = movers.extent().unwrap();
+            let extent = Block::new(grid.bricks().range_bounds(lo, hi));
+            assert!(extent.contains(&bounds), "{extent:?} {bounds:?}");
         }
         let mut found = BTreeMap::new();
         for zone in movers.zones() {
@@ -244,11 +252,11 @@ mod tests {
     }
 
     #[test]
-    fn large_objects_and_those_that_leave_the_grid_are_in_no_zone() {
+    fn large_objects_and_those_far_away_are_in_no_zone() {
         let grid = grid();
         let of = |x: f64, half: f64| Movers::zone_of(&grid, &block(DVec3::new(x, 50.0, 35.0), half));
         assert_eq!(of(40.0, 3.4), Some(IVec3::new(1, 1, 1)));
-        assert!(of(40.0, 3.6).is_none() && of(1.0, 1.0).is_none() && of(199.5, 0.6).is_none());
-        assert!(of(f64::NAN, 1.0).is_none());
+        assert!(of(40.0, 3.6).is_none() && of(f64::NAN, 1.0).is_none());
+        assert!(of(1.04e6, 1.0).is_some() && of(1.05e6, 1.0).is_none() && of(-1.05e6, 1.0).is_none());
     }
 }

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use crate::geometry::Block;
 use crate::grid::cell_box::{CellBox, volume};
+use crate::grid::clip;
 use crate::object::Occluder;
 use crate::scene::Scene;
 use crate::shape::Shape;
@@ -25,20 +26,9 @@ pub(crate) fn inside_occluder(scene: &Scene, point: DVec3, layers: u64) -> bool 
         let occluder = shown_occluder(scene, slot, layers);
         occluder.is_some_and(|o| o.block().may_meet(&around) && o.contains_point(point))
     };
-    if scene.always().iter().copied().any(contains) {
-        return true;
-    }
-    if scene.grid().contains(cell) {
-        return scene.is_opaque(cell, layers) || scene.id_matrix().in_brick(cell >> 3i32).any(contains);
-    }
-    any_overhanging(scene, &around, contains)
-}
-
-/// Whether an object that reaches beyond the grid and may meet a box passes a test.
-fn any_overhanging(scene: &Scene, around: &Block, mut test: impl FnMut(Slot) -> bool) -> bool {
-    let mut found = false;
-    scene.overhang().slots_where(|block| block.may_meet(around), |slot| found = found || test(slot));
-    found
+    scene.always().iter().copied().any(contains)
+        || scene.is_opaque(cell, layers)
+        || scene.id_matrix().in_brick(cell >> 3i32).any(contains)
 }
 
 /// The occluder of an object that views of some layers show.
@@ -53,11 +43,9 @@ pub(crate) fn occluder_touches(scene: &Scene, region: &View, around: &Block) -> 
     let layers = region.layers();
     let touches =
         |slot: Slot| shown_occluder(scene, slot, layers).is_some_and(|o| cut::may_meet(o, region, around));
-    // Cells tell nothing about what reaches beyond the grid.
-    let always =
-        || scene.always().iter().any(|&slot| touches(slot)) || any_overhanging(scene, around, touches);
+    let always = || scene.always().iter().any(|&slot| touches(slot));
     let (lo, hi) = scene.grid().cover(around.min, around.max);
-    let Some((lo, hi)) = scene.grid().clip(lo, hi) else { return always() };
+    let Some((lo, hi)) = clip(lo, hi) else { return always() };
     let anywhere = || scene.living().any(|(slot, _)| touches(slot));
     if volume(lo, hi) > MOST_CELLS {
         return anywhere();

@@ -5,6 +5,7 @@ use crate::object::{ALL_LAYERS, Bounds, Motion, ObjectDesc, Occluder, Placed, Re
 use crate::scene::opacity::OpacityPart;
 use crate::scene::state::{Event, State};
 use crate::scene::validity::Validity;
+use crate::scene::volume::Tbv;
 use crate::view::View;
 
 /// One object. What a report of a move asks for comes first, within two lines of the cache.
@@ -327,6 +328,16 @@ impl Object {
     #[inline]
     pub(crate) fn is_hidden_unreported(&self) -> bool {
         self.on_expiry() && self.is_hidden()
+    }
+
+    /// The volume that it is in, or was in before that expired.
+    #[inline]
+    pub(super) fn volume(&self) -> Option<&Tbv> {
+        match &self.mover()?.state {
+            State::Hidden(hidden) => Some(&hidden.tbv),
+            State::Unlocated { volume } => volume.as_ref(),
+            _ => None,
+        }
     }
 
     /// The volume of an object whose bounds are old: it may be anywhere in there.

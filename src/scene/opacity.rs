@@ -10,7 +10,8 @@ use std::num::NonZeroU8;
 use glam::IVec3;
 
 use crate::grid::Grid;
-use crate::matrix::bits::{Mask, NONE, OpacityMatrix};
+use crate::grid::mask::{Mask, NONE};
+use crate::matrix::bits::OpacityMatrix;
 use crate::matrix::fused::Fused;
 use crate::object::{ALL_LAYERS, Occluder};
 use crate::scene::opaque::OpaqueCells;
@@ -51,15 +52,9 @@ pub(crate) struct LayerOpacity {
 }
 
 impl LayerOpacity {
-    fn new(layers: u64, dims: IVec3) -> Self {
-        Self {
-            layers,
-            occluders: 0,
-            overdue: 0,
-            fixed: OpaqueCells::new(dims),
-            moving: OpaqueCells::new(dims),
-            fused: Fused::new(dims),
-        }
+    fn new(layers: u64) -> Self {
+        let (fixed, moving, fused) = Default::default();
+        Self { layers, occluders: 0, overdue: 0, fixed, moving, fused }
     }
 
     /// The layers that its occluders are on.
@@ -88,7 +83,7 @@ impl LayerOpacity {
         &self.fused
     }
 
-    /// Whether a cell is opaque. Cells outside the grid are not.
+    /// Whether a cell is opaque.
     pub(crate) fn is_opaque(&self, cell: IVec3) -> bool {
         self.fixed().get(cell) || self.known_moving().is_some_and(|o| o.get(cell))
     }
@@ -134,7 +129,6 @@ impl LayerOpacity {
 /// The opaque cells of a scene.
 #[derive(Clone)]
 pub(super) struct Opacity {
-    dims: IVec3,
     /// Never empty.
     parts: Vec<LayerOpacity>,
     /// Memory used again: the cells of an occluder that moves.
@@ -142,8 +136,8 @@ pub(super) struct Opacity {
 }
 
 impl Opacity {
-    pub(super) fn new(dims: IVec3) -> Self {
-        Self { dims, parts: vec![LayerOpacity::new(ALL_LAYERS, dims)], moved: Moved::default() }
+    pub(super) fn new() -> Self {
+        Self { parts: vec![LayerOpacity::new(ALL_LAYERS)], moved: Moved::default() }
     }
 
     pub(super) fn parts(&self) -> &[LayerOpacity] {
@@ -167,9 +161,9 @@ impl Opacity {
             return None;
         }
         if at == self.parts.len() {
-            self.parts.push(LayerOpacity::new(layers, self.dims));
+            self.parts.push(LayerOpacity::new(layers));
         } else if self.parts[at].layers != layers {
-            self.parts[at] = LayerOpacity::new(layers, self.dims);
+            self.parts[at] = LayerOpacity::new(layers);
         }
         self.parts[at].occluders += 1;
         Some(OpacityPart::new(at))
@@ -233,7 +227,7 @@ mod tests {
 
     #[test]
     fn a_part_is_given_to_another_mask_when_its_last_occluder_left() {
-        let mut opacity = Opacity::new(IVec3::splat(8));
+        let mut opacity = Opacity::new();
         let one = opacity.join(1).unwrap();
         assert_eq!((opacity.join(1), opacity.parts().len()), (Some(one), 1), "the idle part is used");
         let two = opacity.join(2).unwrap();
@@ -247,7 +241,7 @@ mod tests {
 
     #[test]
     fn so_many_masks_have_parts() {
-        let mut opacity = Opacity::new(IVec3::splat(8));
+        let mut opacity = Opacity::new();
         let parts: Vec<_> = (0..MOST_PARTS as u32).map(|bit| opacity.join(1 << bit).unwrap()).collect();
         assert!(opacity.join(1 << 40).is_none());
         assert_eq!(opacity.join(1), Some(parts[0]));

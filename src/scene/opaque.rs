@@ -3,23 +3,20 @@
 use glam::IVec3;
 
 use crate::grid::Grid;
-use crate::matrix::bits::{Mask, OpacityMatrix, without};
+use crate::grid::mask::{Mask, without};
+use crate::matrix::bits::OpacityMatrix;
 use crate::matrix::counts::Counts;
 use crate::object::Occluder;
 use crate::shape::pieces::{Piece, opaque};
 
 /// Opaque cells, and how many solids make each of them opaque.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct OpaqueCells {
     bits: OpacityMatrix,
     counts: Counts,
 }
 
 impl OpaqueCells {
-    pub(super) fn new(dims: IVec3) -> Self {
-        Self { bits: OpacityMatrix::new(dims), counts: Counts::new(dims) }
-    }
-
     #[inline]
     pub(super) fn bits(&self) -> &OpacityMatrix {
         &self.bits

@@ -7,7 +7,7 @@ use glam::{Vec3, Vec3A};
 
 use crate::error::{Error, finite3};
 use crate::geometry::Block;
-use crate::grid::Grid;
+use crate::grid::{Grid, clip};
 use crate::id::ObjectId;
 use crate::numeric::mesh::SINGLE;
 use crate::object::{Bounds, ObjectDesc, Occluder, Placed};
@@ -47,13 +47,11 @@ impl Shifted {
 
 impl Tbv {
     /// The volume in a grid that was shifted: its cells stay.
-    fn shifted(&self, grid: &Grid, offset: Vec3, is_outer: bool) -> Self {
-        let (by, Block { min, max }) = (offset.as_dvec3(), self.block);
-        let block = match is_outer {
-            true => Block { min: min - by, max: max - by },
-            false => Block::new(grid.range_bounds(self.cells.lo, self.cells.hi)),
-        };
-        Self { block, ..*self }
+    fn shifted(&self, grid: &Grid, offset: Vec3) -> Self {
+        let by = offset.as_dvec3();
+        let block = Block { min: self.block.min - by, max: self.block.max - by };
+        let cells = Block::new(grid.range_bounds(self.cells.lo, self.cells.hi));
+        Self { block: block.intersection(&cells), ..*self }
     }
 }
 
@@ -108,8 +106,8 @@ impl Scene {
             shapes.push((slot, Shifted::of(object, offset)?.ok_or_else(refused)?));
         }
         self.grid = grid;
-        self.opacity = Opacity::new(grid.dims());
-        self.index.clear_lists(&grid);
+        self.opacity = Opacity::new();
+        self.index.clear_lists();
         self.clock.reports.leave_all_zones();
         self.changes.changed();
         self.changes.all_static_changed();
@@ -148,8 +146,7 @@ impl Scene {
     /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still
     /// inside.
     fn shift_volume(&mut self, slot: Slot, hidden: Hidden, offset: Vec3) {
-        let is_outer = self.index.volumes.is_outer(slot);
-        let tbv = hidden.tbv.shifted(&self.grid, offset, is_outer);
+        let tbv = hidden.tbv.shifted(&self.grid, offset);
         let object = self.object(slot);
         let inside = tbv.contains(&self.grid, &object.bounds.block());
         // The place of an object that is not reported was rounded as its bounds were.
@@ -166,10 +163,6 @@ impl Scene {
         } else if !inside {
             self.index.remove_volume(slot);
             return self.list(slot);
-        }
-        if is_outer {
-            self.index.remove_volume(slot);
-            self.index.volumes.insert(slot, &tbv);
         }
         self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, Hidden { tbv, expires, ..hidden });
@@ -268,7 +261,7 @@ impl Scene {
         let Ok(object) = self.find(id) else { return 1 };
         let block = object.bounds().block();
         let (lo, hi) = self.grid.cover(block.min, block.max);
-        let Some((lo, hi)) = self.grid.clip(lo, hi) else { return 1 };
+        let Some((lo, hi)) = clip(lo, hi) else { return 1 };
         let sides = ((hi >> 3i32) - (lo >> 3i32) + 1).to_array().map(|side| side as usize);
         let inside: usize = sides.iter().map(|side| side.saturating_sub(2)).product();
         sides.iter().product::<usize>() - inside

@@ -7,6 +7,7 @@ use glam::{Affine3A, DVec3, IVec3};
 
 use crate::error::Error;
 use crate::geometry::Block;
+use crate::grid::cell_box::CellBox;
 use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
 use crate::matrix::ids::IdMatrix;
@@ -18,7 +19,6 @@ use crate::scene::clock::Clock;
 use crate::scene::last_frame::LastFrame;
 use crate::scene::memory::{MemoryUse, shape_bytes};
 use crate::scene::opacity::Opacity;
-use crate::scene::outer::Outer;
 use crate::scene::spatial_index::SpatialIndex;
 use crate::scene::state::State;
 use crate::scene::user_data::UserData;
@@ -66,7 +66,7 @@ impl fmt::Debug for Scene {
 }
 
 impl Scene {
-    /// An empty scene on a grid. Costs a word for each 64x64x64 cells of the grid and matrix.
+    /// An empty scene on a grid.
     ///
     /// # Errors
     /// As [`Grid::new`].
@@ -76,8 +76,8 @@ impl Scene {
             grid,
             slots: Slots::new(),
             user_data: UserData::default(),
-            index: SpatialIndex::new(&grid),
-            opacity: Opacity::new(grid.dims()),
+            index: SpatialIndex::default(),
+            opacity: Opacity::new(),
             seams: Seams::default(),
             clock: Clock::default(),
             last_frame: LastFrame::default(),
@@ -250,7 +250,7 @@ impl Scene {
         }
     }
 
-    /// Whether a cell is opaque (O) in views of some layers. Cells outside the grid are not.
+    /// Whether a cell is opaque (O) in views of some layers.
     pub(crate) fn is_opaque(&self, cell: IVec3, layers: u64) -> bool {
         self.opacity(layers).any(|part| part.is_opaque(cell))
     }
@@ -272,7 +272,7 @@ impl Scene {
         self.index.volumes.matrix()
     }
 
-    /// All temporal bounding volumes, those beyond the grid included.
+    /// All temporal bounding volumes.
     #[inline]
     pub(crate) fn volumes(&self) -> &Volumes {
         &self.index.volumes
@@ -280,7 +280,8 @@ impl Scene {
 
     /// The box of an object's volume, for a hidden object.
     pub(crate) fn volume_block(&self, slot: Slot) -> Block {
-        self.index.volumes.block(&self.grid, slot)
+        let object = self.object(slot);
+        object.volume().map_or_else(|| object.bounds.block(), |tbv| tbv.block)
     }
 
     #[inline]
@@ -323,13 +324,6 @@ impl Scene {
     #[inline]
     pub(crate) fn movers(&self) -> &Movers {
         &self.index.zones
-    }
-
-    /// The listed objects in cells that reach beyond the grid: hidden cells tell nothing about
-    /// their parts out there.
-    #[inline]
-    pub(crate) fn overhang(&self) -> &Outer {
-        &self.index.overhang
     }
 
     /// Number of slots: all slots of objects are below.
@@ -428,13 +422,16 @@ impl Scene {
         !self.find(id).is_ok_and(|object| object.moved <= last)
     }
 
+    /// A block of bricks around all that the cells tell of; a brick if there is nothing.
+    pub(crate) fn extent_in_bricks(&self) -> CellBox {
+        self.index.extent().unwrap_or_default()
+    }
+
     /// Corners of a box that contains all objects whose place is known, and all volumes.
     pub(crate) fn extent(&self) -> (DVec3, DVec3) {
         let always = self.always().iter().map(|&slot| self.object(slot).bounds.block());
-        let outer = self.index.volumes.outer().pages().map(|page| *page.around());
-        let overhang = self.overhang().pages().map(|page| *page.around());
-        always.chain(outer).chain(overhang).fold((self.grid.min(), self.grid.max()), |(min, max), block| {
-            (min.min(block.min), max.max(block.max))
-        })
+        let CellBox { lo, hi } = self.extent_in_bricks();
+        let cells = self.grid.bricks().range_bounds(lo, hi);
+        always.fold(cells, |(min, max), block| (min.min(block.min), max.max(block.max)))
     }
 }

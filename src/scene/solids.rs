@@ -9,15 +9,14 @@ use glam::IVec3;
 use smallvec::SmallVec;
 
 use crate::geometry::Block;
-use crate::grid::Grid;
-use crate::grid::bricks::Pages;
-use crate::matrix::bits::{ALL, Mask, NONE, block_mask, both, cells_of, without};
+use crate::grid::mask::{ALL, Mask, NONE, block_mask, both, cells_of, without};
+use crate::grid::{Grid, clip};
 use crate::numeric::scene::FILLED;
 use crate::object::{Occluder, union_contains};
 use crate::scene::contacts::{forget_contacts, mark_contacts, mask_of};
 use crate::scene::opacity::LayerOpacity;
 use crate::scene::static_solids::{Large, MOST_ASKED, NearSolids, StaticSolids};
-use crate::shape::pieces::{Asked, Piece, opaque, touched_where};
+use crate::shape::pieces::{Asked, Piece, is_too_large, opaque, touched_where};
 
 /// Whether a cell lies inside the union of `own` and other solids. `own` alone does not fill it.
 fn solid_with(grid: &Grid, cell: IVec3, near: &NearSolids, own: Option<&(&Occluder, Block)>) -> bool {
@@ -32,9 +31,19 @@ fn solid_with(grid: &Grid, cell: IVec3, near: &NearSolids, own: Option<&(&Occlud
     union_contains(&block, &solids)
 }
 
+/// Whether a solid is so large that it makes no cell opaque.
+fn is_larger_than_cells(occluder: &Occluder, grid: &Grid) -> bool {
+    let around = occluder.block();
+    let (lo, hi) = grid.cover(around.min, around.max);
+    clip(lo, hi).is_none_or(|(lo, hi)| is_too_large(lo, hi))
+}
+
 /// Adds the cells that a static solid makes opaque, alone and together with others.
 pub(super) fn add_static_solid(opacity: &mut LayerOpacity, occluder: &Occluder, others: &StaticSolids) {
     let grid = others.grid;
+    if is_larger_than_cells(occluder, grid) {
+        return;
+    }
     mark_contacts(opacity, occluder, grid);
     opacity.fixed.add(occluder, grid);
     if !occluder.is_solid() {
@@ -46,7 +55,7 @@ pub(super) fn add_static_solid(opacity: &mut LayerOpacity, occluder: &Occluder, 
     let fixed = opacity.fixed();
     // Only where others are near may cells be filled together with them.
     let page_asked = |page: IVec3| {
-        !fixed.page_is_full(page) && (!large.is_empty() || !others.index.ids.pages().page_is_empty(page))
+        !fixed.page_is_full(page) && (!large.is_empty() || !others.index.ids.pages().is_empty(page))
     };
     let brick_asked = |brick: IVec3| *fixed.brick(brick) != ALL;
     let asked = Asked { page: &page_asked, brick: &brick_asked };
@@ -64,6 +73,9 @@ pub(super) fn add_static_solid(opacity: &mut LayerOpacity, occluder: &Occluder, 
 /// The object is in no list of cells any more.
 pub(super) fn remove_static_solid(opacity: &mut LayerOpacity, occluder: &Occluder, others: &StaticSolids) {
     let grid = others.grid;
+    if is_larger_than_cells(occluder, grid) {
+        return;
+    }
     let large = others.large_near(occluder);
     let cleared = clear_solid(opacity, occluder, others, &large);
     // Cells that it filled alone may lie inside the union of others.
@@ -75,7 +87,7 @@ pub(super) fn remove_static_solid(opacity: &mut LayerOpacity, occluder: &Occlude
     }
     joint.into_iter().for_each(|cell| opacity.join_fixed(cell));
     let (lo, hi) = grid.cover(around.min, around.max);
-    if let Some((lo, hi)) = grid.clip(lo, hi) {
+    if let Some((lo, hi)) = clip(lo, hi) {
         part_solids(opacity, (lo, hi), others, &large);
         forget_contacts(opacity, (lo, hi), others);
     }
@@ -94,7 +106,7 @@ fn clear_solid(
             && opacity.clear_page(page)
         {
             let (min, max) = others.grid.range_bounds(page << 6i32, (page << 6i32) + 63);
-            if !others.index.ids.pages().page_is_empty(page) || others.large_touch(min, max, large) {
+            if !others.index.ids.pages().is_empty(page) || others.large_touch(min, max, large) {
                 piece.bricks(|brick, mask| {
                     if others.touch_brick(brick, large) {
                         cleared.push((brick, *mask));

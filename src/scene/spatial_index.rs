@@ -5,16 +5,14 @@ use casca_slots::{Id, Slot, SlotSet};
 use glam::{IVec3, Vec3A};
 
 use crate::geometry::{Aabb, Block};
-use crate::grid::Grid;
-use crate::grid::bricks::BRICK;
 use crate::grid::cell_box::{CellBox, volume};
-use crate::matrix::bits::NONE;
+use crate::grid::mask::{BRICK, NONE};
+use crate::grid::{Grid, reaches};
 use crate::matrix::ids::IdMatrix;
 use crate::object::{Bounds, Occluder};
 use crate::scene::boxes::Boxes;
 use crate::scene::movers::Movers;
 use crate::scene::object::Object;
-use crate::scene::outer::Outer;
 use crate::scene::rooms::Rooms;
 use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
@@ -26,38 +24,25 @@ const MOST_SPANNED: u64 = 1 << 22;
 /// How the cells of a box stand for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Span {
-    /// The cells, also those beyond the grid.
-    cells: CellBox,
-    /// Whether all of them lie in the grid.
+    /// Whether all have coordinates.
     inside: bool,
-    /// Whether one of them does.
-    enters: bool,
-    /// Whether those in the grid are few enough to be written into I.
+    /// Whether they are few enough to be written into I.
     few: bool,
 }
 
 impl Span {
     pub(super) fn of(grid: &Grid, block: &Block) -> Self {
         let (lo, hi) = grid.cover(block.min, block.max);
-        let inside = grid.contains(lo) && grid.contains(hi);
-        let clipped = grid.clip(lo, hi);
-        let few = clipped.is_none_or(|(lo, hi)| volume(lo, hi) <= MOST_SPANNED);
-        Self { cells: CellBox { lo, hi }, inside, enters: clipped.is_some(), few }
+        Self { inside: reaches(lo) && reaches(hi), few: volume(lo, hi) <= MOST_SPANNED }
     }
 
-    /// Whether the walk over the cells finds the object wherever it can be seen, or the boxes
-    /// around what reaches beyond the grid do.
+    /// Whether the object is in cells, so that the walk over these finds it.
     pub(super) fn suffices(self) -> bool {
-        self.enters && self.few
-    }
-
-    /// Whether it is in cells and reaches beyond the grid.
-    pub(super) fn overhangs(self) -> bool {
-        self.suffices() && !self.inside
+        self.inside && self.few
     }
 }
 
-/// Whether two shapes surely touch the same bricks, inside the grid and none of them wholly.
+/// Whether two shapes surely touch the same bricks, none of them wholly.
 fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
     // A mesh may be in several pieces, none of them in a brick between two others.
     if [old, new].iter().any(|bounds| matches!(bounds, Bounds::Mesh(_))) {
@@ -72,7 +57,7 @@ fn touch_same_bricks(grid: &Grid, old: &Bounds, new: &Bounds) -> bool {
     // A connected shape touches all bricks of its box if those are a row.
     let rows = (hi >> 3i32).cmpgt(lo >> 3i32).bitmask().count_ones() <= 1;
     let whole = |lo: IVec3, hi: IVec3| (hi - lo).min_element() >= BRICK - 1;
-    let inside = [lo, hi, old_lo, old_hi].into_iter().all(|cell| grid.contains(cell));
+    let inside = [lo, hi, old_lo, old_hi].into_iter().all(reaches);
     same && rows && inside && !whole(lo, hi) && !whole(old_lo, old_hi)
 }
 
@@ -86,7 +71,7 @@ pub(super) fn zone_for(grid: &Grid, object: &Object, bounds: &Bounds) -> Option<
 /// Where queries find objects. It owns the matrix I and the lists beside it, the zones of small
 /// movers, the volumes, the rooms that belong to both, and the boxes that queries read first. In an
 /// object, it sets whether that is in cells or in a zone.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct SpatialIndex {
     /// I: the objects that touch each brick.
     pub(super) ids: IdMatrix,
@@ -96,10 +81,9 @@ pub(super) struct SpatialIndex {
     pub(super) movers: SlotSet,
     /// Those of them that are reported on expiry and are in no zone.
     pub(super) on_expiry: SlotSet,
-    /// Objects tested in every query: outside the grid, too large, overdue or unlocated.
+    /// Objects tested in every query: beyond the reach of coordinates, too large, overdue or
+    /// unlocated.
     pub(super) always: SlotSet,
-    /// Listed objects in cells that reach beyond the grid, with their boxes.
-    pub(super) overhang: Outer,
     /// Small moving objects, by zones.
     pub(super) zones: Movers,
     /// Where objects may go without a change of the matrices.
@@ -110,21 +94,6 @@ pub(super) struct SpatialIndex {
 }
 
 impl SpatialIndex {
-    pub(super) fn new(grid: &Grid) -> Self {
-        Self {
-            ids: IdMatrix::new(grid.dims()),
-            boxes: Boxes::default(),
-            movers: SlotSet::default(),
-            on_expiry: SlotSet::default(),
-            always: SlotSet::default(),
-            overhang: Outer::default(),
-            zones: Movers::default(),
-            rooms: Rooms::default(),
-            volumes: Volumes::new(grid),
-            moved: Moved::default(),
-        }
-    }
-
     /// Writes an object that is nowhere into I or a zone, and into lists.
     pub(super) fn list(&mut self, grid: &Grid, id: Id, object: &mut Object) {
         let slot = id.slot();
@@ -137,17 +106,13 @@ impl SpatialIndex {
             self.enter_zone(grid, (id, zone), object.is_plain(), corners(&object.bounds));
             return;
         }
-        let block = object.bounds.block();
-        let span = Span::of(grid, &block);
-        object.in_cells = span.few;
-        if span.few {
+        let span = Span::of(grid, &object.bounds.block());
+        object.in_cells = span.suffices();
+        if object.in_cells {
             touched(&object.bounds, grid, &mut |p| p.bricks(|b, m| self.ids.change(b, &NONE, m, slot)));
         }
-        if !span.suffices() {
+        if !object.in_cells {
             self.always.insert(slot);
-        }
-        if span.overhangs() {
-            self.overhang.insert(&block, &span.cells, slot);
         }
         if object.on_expiry() {
             self.on_expiry.insert(slot);
@@ -165,10 +130,6 @@ impl SpatialIndex {
             touched(&object.bounds, grid, &mut |p| p.bricks(|b, m| self.ids.change(b, m, &NONE, slot)));
         }
         self.always.remove(slot);
-        let span = Span::of(grid, &object.bounds.block());
-        if span.overhangs() {
-            self.overhang.remove(&span.cells, slot);
-        }
         self.movers.remove(slot);
         self.on_expiry.remove(slot);
     }
@@ -190,18 +151,12 @@ impl SpatialIndex {
         if in_cells && !hides && touch_same_bricks(grid, &object.bounds, bounds) {
             return true;
         }
-        let (before, after) = (Span::of(grid, &object.bounds.block()), Span::of(grid, &bounds.block()));
+        let after = Span::of(grid, &bounds.block());
         // An occluder that comes or goes joins or leaves its part of the opacity.
         let same_part = object.occluder().is_some() == occluder.is_some();
         let simple = !object.is_static() && in_cells && same_part && after.suffices();
         if !simple || !self.moved.touched(&object.bounds, bounds, grid) {
             return false;
-        }
-        if before.overhangs() {
-            self.overhang.remove(&before.cells, slot);
-        }
-        if after.overhangs() {
-            self.overhang.insert(&bounds.block(), &after.cells, slot);
         }
         self.moved.iter().for_each(|(brick, old, new)| self.ids.change(brick, old, new, slot));
         true
@@ -232,6 +187,12 @@ impl SpatialIndex {
         true
     }
 
+    /// A block of bricks around all objects and volumes that are somewhere.
+    pub(super) fn extent(&self) -> Option<CellBox> {
+        let all = [self.ids.pages().extent(), self.volumes.matrix().pages().extent(), self.zones.extent()];
+        all.into_iter().flatten().reduce(CellBox::join)
+    }
+
     /// Takes an object out of its volume.
     pub(super) fn remove_volume(&mut self, slot: Slot) {
         self.volumes.remove(slot);
@@ -239,9 +200,8 @@ impl SpatialIndex {
     }
 
     /// Empties all but the volumes and the boxes.
-    pub(super) fn clear_lists(&mut self, grid: &Grid) {
-        self.ids = IdMatrix::new(grid.dims());
-        (self.movers, self.on_expiry, self.always, self.overhang) = Default::default();
+    pub(super) fn clear_lists(&mut self) {
+        (self.ids, self.movers, self.on_expiry, self.always) = Default::default();
         self.rooms.clear();
         self.zones.clear();
     }
@@ -252,7 +212,6 @@ impl SpatialIndex {
             + self.movers.bytes()
             + self.on_expiry.bytes()
             + self.always.bytes()
-            + self.overhang.bytes()
             + self.zones.bytes()
             + self.rooms.bytes()
             + self.moved.bytes()

@@ -44,7 +44,7 @@ impl<'a> StaticSolids<'a> {
 
     /// Those that touch a cell, up to a limit, and those too large to be in cells.
     pub(super) fn near_cell(&self, cell: IVec3) -> impl Iterator<Item = &'a Occluder> {
-        // Many may be there that lie wholly outside of the grid.
+        // Many may be there that lie too far away for cells.
         let large = self.index.always.as_slice().iter().copied().take(MOST_ASKED);
         let large = large.filter(|&s| !self.objects[s].in_cells);
         let block = Block::new(self.grid.cell_bounds(cell));

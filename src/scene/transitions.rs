@@ -4,7 +4,9 @@
 //! Each function causes the events that the tables of [`crate::scene::state`] name for it.
 
 use casca_slots::{AT_ONCE, Expiry, Slot};
+use glam::IVec3;
 
+use crate::grid::mask::BRICK;
 use crate::numeric::scene::earliest_arrival;
 use crate::object::{Bounds, Occluder};
 use crate::scene::Scene;
@@ -13,7 +15,7 @@ use crate::scene::spatial_index::{Span, zone_for};
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::static_solids::StaticSolids;
 use crate::scene::validity::Validity;
-use crate::scene::volume::{Border, Tbv};
+use crate::scene::volume::Tbv;
 
 /// An unlocated object keeps its old volume if the room there is at least this share of the slack
 /// of a new one.
@@ -310,7 +312,6 @@ impl Scene {
                 self.tire(entry.slot);
                 let object = &mut self.slots[entry.slot];
                 object.apply(Event::Expired);
-                object.adapt(Validity::passed);
                 self.index.always.insert(entry.slot);
                 self.changes.changed();
                 true
@@ -323,11 +324,10 @@ impl Scene {
 
     /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
     pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
-        let outer = self.index.volumes.is_outer(slot);
         self.tire(slot);
         self.index.remove_volume(slot);
         let (id, object) = (self.slots.id(slot), &mut self.slots[slot]);
-        object.adapt(|validity| validity.revealed(outer));
+        object.adapt(Validity::revealed);
         if object.on_expiry() {
             object.apply(Event::Revealed);
             self.index.always.insert(slot);
@@ -347,10 +347,7 @@ impl Scene {
         if self.is_unlocated(slot) {
             return false;
         }
-        let Some(hidden) = self.make_volume(slot) else {
-            self.slots[slot].adapt(Validity::passed);
-            return false;
-        };
+        let Some(hidden) = self.make_volume(slot) else { return false };
         self.unlist(slot);
         self.enclose(slot, hidden);
         true
@@ -383,14 +380,10 @@ impl Scene {
         let (speed, block) = (object.promised_speed(), object.bounds.block());
         // Without a promise it is taken to cross a cell in a second.
         let distance = speed.unwrap_or(self.grid.cell_size()) * object.validity().seconds();
-        let overhangs = || Span::of(&self.grid, &block).overhangs();
-        let border = match (object.on_expiry(), object.validity().is_confined()) {
-            (false, false) if overhangs() => Border::Beyond,
-            (false, _) => Border::Cut,
-            (true, false) => Border::Beyond,
-            (true, true) => Border::Inside,
-        };
-        let tbv = Tbv::around(&self.grid, &block, distance, &self.last_frame.viewers, border)?;
+        let extent = self.index.extent().map_or(IVec3::ZERO, |all| (all.hi - all.lo + 1) * BRICK);
+        // What lasts until it expires, or was seen, is where the object may be: not in all its cells.
+        let bounds = (&block, object.on_expiry() || object.validity().was_revealed());
+        let tbv = Tbv::around(&self.grid, extent, bounds, distance, &self.last_frame.viewers)?;
         let expires = earliest_arrival(self.clock.now, tbv.room(&block), speed.unwrap_or(0.0));
         let (since, made) = (self.clock.frame, self.clock.now);
         Some(Hidden { tbv, expires, queued: f64::INFINITY, since, made })

@@ -13,23 +13,18 @@ const MOST: f64 = 64.0;
 const LONGER: f64 = 1.25;
 const SHORTER: f64 = 0.5;
 
-/// When even the shortest volume beyond the grid was revealed, this many volumes stay inside: the
-/// masks of [`crate::Method::Cell`] end with the grid, so that it reveals each volume that leaves
-/// the grid inside the frustum.
-const CONFINED: u8 = 8;
-
 /// The validity of an object's next volume.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Validity {
     seconds: f64,
-    /// How many of the next volumes stay inside the grid.
-    confined: u8,
+    /// Whether the last volume was revealed.
+    was_revealed: bool,
 }
 
 impl Validity {
     /// The validity of the first volume of an object.
     pub(super) fn first() -> Self {
-        Self { seconds: FIRST, confined: 0 }
+        Self { seconds: FIRST, was_revealed: false }
     }
 
     /// How long the next volume is made to last, in seconds.
@@ -37,29 +32,21 @@ impl Validity {
         self.seconds
     }
 
-    /// Whether the next volume must stay inside the grid.
-    pub(super) fn is_confined(&self) -> bool {
-        self.confined > 0
+    /// Whether the last volume was revealed: the next one has no room that the object cannot reach.
+    pub(super) fn was_revealed(&self) -> bool {
+        self.was_revealed
     }
 
-    /// A volume was outlived. Confined volumes tell nothing about larger ones.
+    /// A volume was outlived.
     pub(super) fn outlived(&mut self) {
-        if self.confined == 0 {
-            self.seconds = (self.seconds * LONGER).min(MOST);
-        }
+        self.was_revealed = false;
+        self.seconds = (self.seconds * LONGER).min(MOST);
     }
 
-    /// A volume was revealed; `outer` says whether it reached beyond the grid.
-    pub(super) fn revealed(&mut self, outer: bool) {
+    /// A volume was revealed.
+    pub(super) fn revealed(&mut self) {
+        self.was_revealed = true;
         self.seconds = (self.seconds * SHORTER).max(LEAST);
-        if outer && self.seconds <= LEAST {
-            self.confined = CONFINED;
-        }
-    }
-
-    /// A volume, or an attempt to make one, is over.
-    pub(super) fn passed(&mut self) {
-        self.confined = self.confined.saturating_sub(1);
     }
 }
 
@@ -75,23 +62,12 @@ mod tests {
         }
         assert_eq!(validity.seconds(), MOST);
         for halvings in 1..=12 {
-            validity.revealed(false);
+            validity.revealed();
             assert_eq!(validity.seconds(), MOST / f64::from(1 << halvings));
         }
-        validity.revealed(false);
-        assert!(validity.seconds() == LEAST && !validity.is_confined());
-    }
-
-    #[test]
-    fn a_confined_object_waits_for_eight_volumes() {
-        let mut validity = Validity::first();
-        (0..10).for_each(|_| validity.revealed(true));
-        for _ in 0..CONFINED {
-            assert!(validity.is_confined());
-            validity.outlived();
-            assert_eq!(validity.seconds(), LEAST, "confined volumes do not lengthen");
-            validity.passed();
-        }
-        assert!(!validity.is_confined());
+        validity.revealed();
+        assert!(validity.seconds() == LEAST && validity.was_revealed());
+        validity.outlived();
+        assert!(!validity.was_revealed());
     }
 }

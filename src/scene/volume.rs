@@ -8,78 +8,48 @@
 use glam::IVec3;
 
 use crate::geometry::Block;
-use crate::grid::Grid;
 use crate::grid::cell_box::CellBox;
+use crate::grid::{Grid, reaches};
 
 /// Volumes are widened by at most this many cells: the cost of writing one grows with the square of
 /// the widening, the time that it lasts only with the widening.
 const MOST_CELLS: f64 = 8.0;
 
-/// A volume is no larger than a rectangle whose sides are those of the grid, divided by this
-/// (thesis, section 3.4.1).
-const GRID_PARTS: f64 = 5.0;
-
-/// A volume reaches beyond the grid where the border would leave it less than this share of the
-/// distance asked for.
-const CRAMPED: f64 = 0.5;
-
-/// No volume reaches more cells than this beyond the grid: its cells could not be counted.
-const FARTHEST: i32 = 1 << 20;
+/// A volume is no larger than a rectangle whose sides are those of all that is there, divided by
+/// this (thesis, section 3.4.1, where it is the grid).
+const PARTS: f64 = 5.0;
 
 /// One object's volume.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tbv {
     pub(super) cells: CellBox,
-    /// Its cells as a box in world units; where it leaves the grid, no larger than needed.
+    /// The box in which the object stays, inside of its cells.
     pub(super) block: Block,
     /// How far the object can move and stay inside, in world units.
     pub(super) slack: f64,
 }
 
-/// How the border of the grid bounds a volume.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Border {
-    /// It is cut off there: the object is reported when it leaves.
-    Cut,
-    /// It ends there, and the object does not get there while it is valid.
-    Inside,
-    /// It goes on beyond it where it would be cramped inside.
-    Beyond,
-}
-
 impl Tbv {
-    /// A volume around an object that may move by up to `distance` world units; none if the object
-    /// leaves the grid, is too large or too close to a viewer.
+    /// A volume around an object that may move by up to `distance` world units, in a scene of
+    /// `extent` cells; none if the object is too large, too close to a viewer or beyond the reach of
+    /// coordinates. It is as large as its cells, unless it is `tight`.
     pub(super) fn around(
         grid: &Grid,
-        bounds: &Block,
+        extent: IVec3,
+        (bounds, tight): (&Block, bool),
         distance: f64,
         viewers: &[IVec3],
-        border: Border,
     ) -> Option<Self> {
         let (lo, hi) = grid.cover(bounds.min, bounds.max);
-        let inside = grid.contains(lo) && grid.contains(hi);
-        if !inside && border != Border::Beyond {
-            return None;
-        }
-        let slack = slack_between_viewers(grid, bounds, &CellBox { lo, hi }, distance, viewers)?;
-        let room = (bounds.min - grid.min()).min(grid.max() - bounds.max).min_element();
-        let beyond = border == Border::Beyond && room < CRAMPED * slack;
-        let slack = if border == Border::Cut || beyond { slack } else { slack.min(room) };
-        if slack < 0.0 {
-            return None;
-        }
-        let (a, b) = grid.cover(bounds.min - slack, bounds.max + slack);
-        let (lo, hi) = if beyond { (a, b) } else { grid.clip(a, b)? };
-        if lo.cmplt(IVec3::splat(-FARTHEST)).any() || hi.cmpgt(grid.dims() + FARTHEST).any() {
-            return None;
-        }
+        let slack = slack_between_viewers(grid, extent, (bounds, &CellBox { lo, hi }), distance, viewers)?;
+        let (lo, hi) = grid.cover(bounds.min - slack, bounds.max + slack);
         let cells = CellBox { lo, hi };
-        if viewers.iter().any(|&v| cells.contains(v)) {
+        if !(reaches(lo) && reaches(hi)) || viewers.iter().any(|&v| cells.contains(v)) {
             return None;
         }
-        let block = if beyond { grown(bounds, slack) } else { Block::new(grid.range_bounds(lo, hi)) };
-        Some(Self { cells, block, slack })
+        let block = Block::new(grid.range_bounds(lo, hi));
+        let reached = Block { min: bounds.min - slack, max: bounds.max + slack };
+        Some(Self { cells, block: if tight { block.intersection(&reached) } else { block }, slack })
     }
 
     /// Whether the volume contains a box and every cell that the box touches: something flat on a
@@ -100,18 +70,18 @@ impl Tbv {
     }
 }
 
-/// By how much a volume may be widened for all that the grid's size, its cost and the viewers say;
+/// By how much a volume may be widened for all that the size of the scene, its cost and the viewers say;
 /// none if a viewer is too close or the object, in these cells, too large.
 fn slack_between_viewers(
     grid: &Grid,
-    bounds: &Block,
-    cells: &CellBox,
+    extent: IVec3,
+    (bounds, cells): (&Block, &CellBox),
     distance: f64,
     viewers: &[IVec3],
 ) -> Option<f64> {
     let cell = grid.cell_size();
-    let dims = grid.dims().as_dvec3();
-    let limit = (dims.x / GRID_PARTS).hypot(dims.y / GRID_PARTS) * cell;
+    let sides = extent.as_dvec3() / PARTS;
+    let limit = sides.x.hypot(sides.y) * cell;
     let half = (bounds.max - bounds.min).max_element() * 0.5;
     let mut slack = distance.min(limit.max(cell) - half).min(MOST_CELLS * cell);
     if slack.is_nan() || slack < 0.0 {
@@ -127,11 +97,6 @@ fn slack_between_viewers(
     Some(slack)
 }
 
-/// A box with all sides moved out by a distance.
-fn grown(block: &Block, by: f64) -> Block {
-    Block { min: block.min - by, max: block.max + by }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::{DVec3, UVec3, Vec3};
@@ -143,6 +108,10 @@ mod tests {
         Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(100, 60, 100) }).unwrap()
     }
 
+    fn grown(block: &Block, by: f64) -> Block {
+        Block { min: block.min - by, max: block.max + by }
+    }
+
     fn bounds(center: [f64; 3], half: f64) -> Block {
         let c = DVec3::from_array(center);
         Block { min: c - half, max: c + half }
@@ -152,22 +121,24 @@ mod tests {
     fn a_volume_contains_every_reachable_place_and_no_viewer() {
         let g = grid();
         let b = bounds([50.5, 30.5, 50.5], 1.0);
-        let v = Tbv::around(&g, &b, 4.0, &[], Border::Cut).unwrap();
+        let volume = |b: &Block, tight, distance, viewers: &[IVec3]| {
+            Tbv::around(&g, IVec3::new(100, 60, 100), (b, tight), distance, viewers)
+        };
+        let around = |b: &Block, distance, viewers: &[IVec3]| volume(b, false, distance, viewers);
+        let v = around(&b, 4.0, &[]).unwrap();
         assert!(v.block.contains(&grown(&b, 4.0)));
+        assert_eq!(v.block, Block::new(g.range_bounds(v.cells.lo, v.cells.hi)));
+        let tight = volume(&b, true, 4.25, &[]).unwrap();
+        assert_eq!(tight.block, grown(&b, 4.25), "farther it does not get");
         let viewer = IVec3::new(55, 30, 50);
-        let near = Tbv::around(&g, &b, 4.0, &[viewer], Border::Cut).unwrap();
+        let near = around(&b, 4.0, &[viewer]).unwrap();
         assert!(!near.cells.contains(viewer) && near.block.contains(&grown(&b, near.slack)));
-        assert!(Tbv::around(&g, &b, 4.0, &[IVec3::new(50, 30, 50)], Border::Cut).is_none());
-        let far = Tbv::around(&g, &b, 1e9, &[], Border::Cut).unwrap();
+        assert!(around(&b, 4.0, &[IVec3::new(50, 30, 50)]).is_none());
+        let far = around(&b, 1e9, &[]).unwrap();
         assert!(far.slack < 24.0 && (far.cells.hi - far.cells.lo).max_element() < 50);
-        assert!(Tbv::around(&g, &bounds([50.0; 3], 30.0), 1.0, &[], Border::Cut).is_none());
-        assert!(Tbv::around(&g, &bounds([0.5, 30.0, 30.0], 1.0), 1.0, &[], Border::Cut).is_none());
-        let edge = Tbv::around(&g, &bounds([3.5, 30.0, 30.0], 1.0), 9.0, &[], Border::Inside).unwrap();
-        assert!(edge.slack <= 2.5 && edge.slack > 2.0);
-        let beyond = Tbv::around(&g, &bounds([3.5, 30.0, 30.0], 1.0), 8.0, &[], Border::Beyond).unwrap();
-        assert!(beyond.slack == 8.0 && beyond.cells.lo.x == -6 && beyond.block.min.x == -5.5);
-        let roomy = Tbv::around(&g, &bounds([6.5, 30.0, 30.0], 1.0), 8.0, &[], Border::Beyond).unwrap();
-        assert!(roomy.slack == 5.5 && roomy.cells.lo.x == 0);
-        assert!(Tbv::around(&g, &bounds([1e7, 30.0, 30.0], 1.0), 8.0, &[], Border::Beyond).is_none());
+        assert!(around(&bounds([50.0; 3], 30.0), 1.0, &[]).is_none(), "it is too large");
+        let below = around(&bounds([-3.5, 30.0, 30.0], 1.0), 8.0, &[]).unwrap();
+        assert!(below.slack == 8.0 && below.cells.lo.x == -13);
+        assert!(around(&bounds([1e7, 30.0, 30.0], 1.0), 8.0, &[]).is_none(), "it is too far away");
     }
 }

@@ -4,39 +4,22 @@
 use casca_slots::Slot;
 use glam::IVec3;
 
-use crate::geometry::Block;
-use crate::grid::Grid;
 use crate::grid::cell_box::CellBox;
 use crate::matrix::tbv::TbvMatrix;
 use crate::scene::containing::Containing;
-use crate::scene::outer::Outer;
 use crate::scene::volume::Tbv;
 
 /// All volumes of a scene.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Volumes {
     matrix: TbvMatrix,
     /// By slot; only read for slots in the matrix.
     cells: Vec<CellBox>,
     containing: Containing,
-    /// Those that leave the grid are not in the matrix.
-    outer: Outer,
-    /// All cells of the grid.
-    whole: CellBox,
 }
 
 impl Volumes {
-    pub(super) fn new(grid: &Grid) -> Self {
-        Self {
-            matrix: TbvMatrix::new(grid.dims()),
-            cells: Vec::new(),
-            containing: Containing::default(),
-            outer: Outer::default(),
-            whole: CellBox { lo: IVec3::ZERO, hi: grid.dims() - 1 },
-        }
-    }
-
-    /// Txy, Txz, Tyz: the surfaces of the volumes that lie inside the grid.
+    /// Txy, Txz, Tyz: the surfaces of the volumes.
     #[inline]
     pub(crate) fn matrix(&self) -> &TbvMatrix {
         &self.matrix
@@ -48,42 +31,13 @@ impl Volumes {
             self.cells.resize(slot.index() + 1, CellBox::default());
         }
         self.cells[slot.index()] = *volume;
-        if self.leaves(volume) {
-            self.outer.insert(&tbv.block, volume, slot);
-        } else {
-            self.matrix.insert(volume, slot);
-        }
+        self.matrix.insert(volume, slot);
         self.containing.insert(volume, slot);
-    }
-
-    /// Whether a volume reaches beyond the grid.
-    fn leaves(&self, volume: &CellBox) -> bool {
-        !(self.whole.contains(volume.lo) && self.whole.contains(volume.hi))
-    }
-
-    /// Whether the volume of an object reaches beyond the grid.
-    pub(crate) fn is_outer(&self, slot: Slot) -> bool {
-        self.leaves(self.cells(slot))
-    }
-
-    /// The box of an object's volume.
-    pub(crate) fn block(&self, grid: &Grid, slot: Slot) -> Block {
-        let CellBox { lo, hi } = *self.cells(slot);
-        if self.is_outer(slot) { self.outer.block(slot) } else { Block::new(grid.range_bounds(lo, hi)) }
-    }
-
-    /// The volumes that reach beyond the grid.
-    pub(crate) fn outer(&self) -> &Outer {
-        &self.outer
     }
 
     pub(super) fn remove(&mut self, slot: Slot) {
         let volume = self.cells[slot.index()];
-        if self.leaves(&volume) {
-            self.outer.remove(&volume, slot);
-        } else {
-            self.matrix.remove(&volume, slot);
-        }
+        self.matrix.remove(&volume, slot);
         self.containing.remove(&volume, slot);
     }
 
@@ -102,10 +56,7 @@ impl Volumes {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.matrix.bytes()
-            + self.cells.capacity() * size_of::<CellBox>()
-            + self.containing.bytes()
-            + self.outer.bytes()
+        self.matrix.bytes() + self.cells.capacity() * size_of::<CellBox>() + self.containing.bytes()
     }
 }
 
@@ -114,7 +65,8 @@ mod tests {
     use glam::{UVec3, Vec3};
 
     use super::*;
-    use crate::grid::GridSpec;
+    use crate::geometry::Block;
+    use crate::grid::{Grid, GridSpec};
     use crate::random::Random;
 
     fn grid() -> Grid {
@@ -123,7 +75,7 @@ mod tests {
 
     #[test]
     fn finds_every_volume_around_a_cell() {
-        let mut volumes = Volumes::new(&grid());
+        let mut volumes = Volumes::default();
         let mut boxes = Vec::new();
         let mut random = Random::new(9);
         let mut next = |n: i32| random.below(n as u32) as i32;

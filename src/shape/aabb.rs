@@ -5,8 +5,8 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::error::Error;
 use crate::geometry::body::Body;
 use crate::geometry::{Aabb, Block};
-use crate::grid::Grid;
 use crate::grid::run::{CellRun, rows_of};
+use crate::grid::{Grid, REACH};
 use crate::shape::Shape;
 use crate::shape::kind::Kind;
 use crate::shape::traits::Rows;
@@ -17,11 +17,11 @@ impl Shape for Aabb {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+        self.opaque_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {

@@ -9,8 +9,8 @@ use crate::error::Error;
 use crate::geometry::body::Body;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::{Block, Obb};
-use crate::grid::Grid;
 use crate::grid::run::CellRun;
+use crate::grid::{Grid, REACH};
 use crate::numeric::shape::{DISTANCE, REGION};
 use crate::shape::Shape;
 use crate::shape::filter::filtered;
@@ -64,11 +64,11 @@ impl Shape for Obb {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+        self.opaque_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {

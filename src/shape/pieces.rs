@@ -2,11 +2,11 @@
 //! reported as a whole, so that large shapes cost their surface.
 
 use crate::geometry::Block;
-use crate::grid::Grid;
-use crate::grid::bricks::BRICK;
 use crate::grid::cell_box::{CellBox, volume};
+use crate::grid::mask::{ALL, BRICK, Mask, NONE, span8};
 use crate::grid::run::CellRun;
-use crate::matrix::bits::{ALL, BitMatrix, Mask, NONE, span8};
+use crate::grid::{Grid, clip};
+use crate::matrix::bits::BitMatrix;
 use crate::shape::Shape;
 use crate::shape::traits::Rows;
 use glam::{DVec3, IVec3};
@@ -16,12 +16,16 @@ use smallvec::SmallVec;
 /// Shapes that touch no more bricks are written row by row, without looking for full bricks.
 const FEW_BRICKS: u64 = 216;
 
+/// A shape whose box has more bricks than this on its surface makes no cell opaque: they would take
+/// a brick of memory each. It hides as itself.
+const MOST_OPAQUE: f64 = (1u64 << 18) as f64;
+
 /// Edge length of a page in cells.
 const PAGE: i32 = BRICK * BRICK;
 
 /// Cells of a shape.
 pub(crate) enum Piece {
-    /// All cells of a page, which lies inside the grid.
+    /// All cells of a page.
     Page(IVec3),
     /// Cells of a brick.
     Brick(IVec3, Mask),
@@ -37,7 +41,7 @@ impl Piece {
     }
 }
 
-/// The bricks of a page that lies inside the grid.
+/// The bricks of a page.
 pub(crate) fn bricks_of_page(page: IVec3) -> impl Iterator<Item = IVec3> {
     CellBox { lo: page * BRICK, hi: page * BRICK + (BRICK - 1) }.cells()
 }
@@ -68,7 +72,7 @@ pub(crate) fn touched_where(
 ) {
     let (min, max) = shape.bounds();
     let (lo, hi) = grid.cover(min, max);
-    let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+    let Some((lo, hi)) = clip(lo, hi) else { return };
     let mut out = |piece: Piece| {
         piece.bricks(|b, mask| {
             if (asked.brick)(b) {
@@ -101,7 +105,10 @@ pub(crate) fn misses(shape: &impl Parts, min: DVec3, max: DVec3) -> bool {
 fn pieces(shape: &impl Parts, grid: &Grid, which: Which, out: &mut dyn FnMut(Piece)) {
     let (min, max) = shape.bounds();
     let (lo, hi) = grid.cover(min, max);
-    let Some((lo, hi)) = grid.clip(lo, hi) else { return };
+    let Some((lo, hi)) = clip(lo, hi) else { return };
+    if which == Which::Opaque && is_too_large(lo, hi) {
+        return;
+    }
     let bricks = CellBox { lo: lo >> 3i32, hi: hi >> 3i32 };
     if volume(bricks.lo, bricks.hi) <= FEW_BRICKS {
         let mut masks = Masks::default();
@@ -111,15 +118,17 @@ fn pieces(shape: &impl Parts, grid: &Grid, which: Which, out: &mut dyn FnMut(Pie
     } else if let Some(rows) = shape.rows() {
         PieceWalk { rows, grid, which, lo, hi, asked: None, out }.pages();
     } else {
-        // Pages of the grid are pages here.
-        let corner = lo >> 6i32;
-        let mut bits = BitMatrix::new(((hi >> 6i32) - corner + 1) * PAGE);
-        let from = corner * PAGE;
-        runs(shape, grid, which, &mut |r| {
-            bits.set_run(r.x0 - from.x, r.x1 - from.x, r.y - from.y, r.z - from.z)
-        });
-        bits.masks().for_each(|(b, m)| out(Piece::Brick(b + corner * BRICK, *m)));
+        let mut bits = BitMatrix::default();
+        runs(shape, grid, which, &mut |r| bits.set_run(r.x0, r.x1, r.y, r.z));
+        bits.masks().for_each(|(b, m)| out(Piece::Brick(b, *m)));
     }
+}
+
+/// Whether a shape in a block of cells makes none of them opaque, because they are too many.
+pub(crate) fn is_too_large(lo: IVec3, hi: IVec3) -> bool {
+    let (lo, hi) = (lo >> 3i32, hi >> 3i32);
+    let all = (hi - lo + 1).as_dvec3();
+    all.element_product() - (all - 2.0).max(DVec3::ZERO).element_product() > MOST_OPAQUE
 }
 
 fn runs(shape: &dyn Shape, grid: &Grid, which: Which, out: &mut dyn FnMut(CellRun)) {
@@ -182,7 +191,7 @@ impl Moved {
         let blocks = shapes.map(|shape| {
             let (min, max) = shape?.bounds();
             let (lo, hi) = grid.cover(min, max);
-            let (lo, hi) = grid.clip(lo, hi)?;
+            let (lo, hi) = clip(lo, hi)?;
             Some(CellBox { lo: lo >> 3i32, hi: hi >> 3i32 })
         });
         let all = blocks.into_iter().flatten().reduce(CellBox::join);
@@ -249,9 +258,8 @@ impl PieceWalk<'_> {
                 continue;
             }
             let (first, last) = (page * PAGE, page * PAGE + (PAGE - 1));
-            let inside = self.grid.contains(last);
             match self.verdict(first, last) {
-                Some(true) if inside => (self.out)(Piece::Page(page)),
+                Some(true) => (self.out)(Piece::Page(page)),
                 Some(false) => {}
                 _ => self.bricks(first.max(self.lo) >> 3i32, last.min(self.hi) >> 3i32),
             }
@@ -261,9 +269,8 @@ impl PieceWalk<'_> {
     fn bricks(&mut self, lo: IVec3, hi: IVec3) {
         for brick in (CellBox { lo, hi }).cells() {
             let (first, last) = (brick * BRICK, brick * BRICK + (BRICK - 1));
-            let inside = self.grid.contains(last);
             match self.verdict(first, last) {
-                Some(true) if inside => (self.out)(Piece::Brick(brick, ALL)),
+                Some(true) => (self.out)(Piece::Brick(brick, ALL)),
                 Some(false) => {}
                 _ if self.asked.is_some_and(|a| !(a.brick)(brick)) => {}
                 _ => {

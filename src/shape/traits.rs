@@ -10,7 +10,7 @@ pub trait Shape {
     /// Least and greatest corner of a box around the shape, in world units.
     fn bounds(&self) -> (DVec3, DVec3);
 
-    /// Calls `out` with runs of cells that cover the shape's part of the grid.
+    /// Calls `out` with runs of cells that cover the shape.
     /// No cell comes twice.
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun));
 
@@ -24,13 +24,13 @@ pub trait Shape {
     fn contains_point(&self, point: DVec3) -> bool;
 }
 
-/// A shape whose cells can be asked for in any part of the grid. All cells that contain a point of
+/// A shape whose cells can be asked for anywhere. All cells that contain a point of
 /// it are touched, among them all cells of its inside.
 pub(crate) trait Rows: Shape {
-    /// Calls `out` with the touched cells between `lo` and `hi`, which lie inside the grid.
+    /// Calls `out` with the touched cells between `lo` and `hi`.
     fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun));
 
-    /// Calls `out` with the opaque cells between `lo` and `hi`, which lie inside the grid.
+    /// Calls `out` with the opaque cells between `lo` and `hi`.
     fn opaque_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun));
 
     /// Whether the box from `min` to `max` contains no point of the shape; in doubt, no.

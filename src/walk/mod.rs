@@ -3,5 +3,5 @@
 mod frustum;
 mod shells;
 
-pub(crate) use frustum::{SideFrustum, Start};
+pub(crate) use frustum::{CellFrustum, SideFrustum, Start};
 pub(crate) use shells::Shells;

@@ -14,7 +14,7 @@ impl World {
     /// ([`ObjectDesc::placed`]) leads from the space of the shapes to the one around the place. It
     /// belongs to the world and not to a page: for what moves through it.
     ///
-    /// Costs as [`Scene::insert`](crate::Scene::insert), at once; twice that while the window
+    /// Costs as [`Scene::insert`](crate::Scene::insert), at once; twice that while the origin
     /// moves.
     ///
     /// # Errors
@@ -47,7 +47,7 @@ impl World {
     }
 
     /// Takes an object out, of a page or not. Costs as [`Scene::remove`](crate::Scene::remove);
-    /// twice that while the window moves.
+    /// twice that while the origin moves.
     ///
     /// # Errors
     /// Refuses an id that names no object of this world.
@@ -64,7 +64,7 @@ impl World {
     /// goes with its page.
     ///
     /// Costs as [`Scene::update`](crate::Scene::update), and the placing of its shapes; twice that
-    /// while the window moves. Like that it is the report of an object that is reported on expiry.
+    /// while the origin moves. Like that it is the report of an object that is reported on expiry.
     ///
     /// # Errors
     /// Refuses an id that names no object of this world, and places as [`World::insert`].

@@ -1,4 +1,4 @@
-//! The frames of a world: pages that come and go, and the window that follows the eye.
+//! The frames of a world: pages that come and go, and an origin that follows the eye.
 
 use glam::DVec3;
 
@@ -24,7 +24,7 @@ pub struct WorldFrame {
     /// The pages whose objects are all gone now, in the order of the calls of
     /// [`World::drop_page`]. Until then draw those that are in the sets.
     pub dropped: Vec<PageId>,
-    /// Whether the window moved: the scene is another one, in other coordinates
+    /// Whether the origin moved: the scene is another one, in other coordinates
     /// ([`World::origin`]), with the same ids.
     pub shifted: bool,
 }
@@ -63,10 +63,9 @@ impl World {
     }
 
     /// Begins a frame at a time, in seconds, with the eye at a place: takes objects of pages into
-    /// the scene and out of it, goes on with the window where the eye comes near its border, and
-    /// lists the objects that are due for a report, as [`Scene::begin_frame`] does.
+    /// the scene and out of it, lets the origin follow an eye that is far from it, and lists the objects that are due for a report, as [`Scene::begin_frame`] does.
     ///
-    /// Costs the budget, or one object that alone costs more; where the window moves, three times
+    /// Costs the budget, or one object that alone costs more; where the origin moves, three times
     /// that; and what [`Scene::begin_frame`] costs.
     ///
     /// # Errors
@@ -88,7 +87,7 @@ impl World {
     }
 
     /// Does all at once that the next frames would do: takes in and out what waits, and moves the
-    /// window to the eye. For the first frame, and for cuts.
+    /// origin to the eye. For the first frame, and for cuts.
     ///
     /// Call [`World::begin_frame`] after it as in any frame: nothing is listed as due here.
     ///
@@ -98,7 +97,8 @@ impl World {
         let mut frame = WorldFrame::default();
         loop {
             self.work(eye, usize::MAX, &mut frame)?;
-            if self.next.is_none() && self.window.moved(&self.options, self.page_at(eye)?).is_none() {
+            if self.next.is_none() && self.options.next_origin(self.origin_page, self.page_at(eye)?).is_none()
+            {
                 return Ok(frame);
             }
         }
@@ -125,9 +125,9 @@ impl World {
         let page = self.page_at(eye)?;
         self.retired = None;
         if self.next.is_none()
-            && let Some(window) = self.window.moved(&self.options, page)
+            && let Some(origin) = self.options.next_origin(self.origin_page, page)
         {
-            self.next = Some(NextScene::new(&self.scene, window, &self.options)?);
+            self.next = Some(NextScene::new(&self.scene, origin, &self.options)?);
         }
         self.work_off(budget, frame)?;
         let (scene, sources) = (&self.scene, &self.sources);
@@ -183,9 +183,9 @@ impl World {
     /// Puts the next scene in the place of this one.
     fn replace(&mut self) {
         let Some(next) = self.next.take() else { return };
-        let (scene, window) = next.finish(&mut self.scene);
+        let (scene, origin_page) = next.finish(&mut self.scene);
         self.former.push(self.scene.tag());
         self.retired = Some(std::mem::replace(&mut self.scene, scene));
-        self.window = window;
+        self.origin_page = origin_page;
     }
 }

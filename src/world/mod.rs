@@ -1,27 +1,25 @@
-//! Worlds larger than a grid: places in double precision, pages that are loaded and dropped, and a
-//! grid that follows the eye.
+//! Worlds larger than single precision: places in double precision, pages that are loaded and
+//! dropped, and an origin that follows the eye.
 //!
-//! # Pages, anchors and the window
+//! # Pages, anchors and the origin
 //!
-//! A [`Scene`] has one grid, and shapes in single precision. A world keeps each object as it was
-//! described, relative to an *anchor* in double precision: the corner of its *page* (a cube of 512
-//! cells, named by whole numbers), or a place of its own for what moves through the world. The
-//! scene that queries read is made from these: its coordinates are relative to the corner of a page
-//! near the eye, and its grid covers a *window* of whole pages around there. What lies beyond the
-//! window is in the scene, too, and found by every query; it only costs more.
+//! A [`Scene`] has shapes in single precision. A world keeps each object as it was described,
+//! relative to an *anchor* in double precision: the corner of its *page* (a cube of 512 cells, named
+//! by whole numbers), or a place of its own for what moves through the world. The scene that queries
+//! read is made from these: its coordinates are relative to the corner of a page near the eye.
 //!
 //! Each shape is rounded once, from its description, and not again with every shift
 //! ([`source`], `geometry::offset`): bounds outwards, occluders inwards, and not at all where the
 //! sums are single numbers. Corners of pages are exact.
 //!
-//! # A window that moves
+//! # An origin that moves
 //!
-//! A grid cannot move without changing the coordinates of all that is in it. So a second scene is
-//! made, in the new coordinates, a number of objects in each frame ([`succession`]), while the
-//! first one answers queries. All changes go to both. Once everything was taken over, the second
-//! takes the place of the first, under the same ids; that costs hardly more than any frame. There
-//! is no moment in which an object is in neither: the first is whole until it goes, the second when
-//! it comes. Until then the eye may be anywhere, also beyond the window.
+//! All coordinates change with the origin. So a second scene is made, in the new coordinates, a
+//! number of objects in each frame ([`succession`]), while the first one answers queries. All
+//! changes go to both. Once everything was taken over, the second takes the place of the first,
+//! under the same ids; that costs hardly more than any frame. There is no moment in which an object
+//! is in neither: the first is whole until it goes, the second when it comes. Until then the eye may
+//! be anywhere.
 //!
 //! The second scene is another one: results from before are refused as those of a foreign scene are
 //! ([`crate::Pvs::is_valid_for`] says no, [`crate::Query::sight`] has no occlusion, a
@@ -30,8 +28,8 @@
 //! # Cost
 //!
 //! Memory follows what is loaded: an object takes its description beside its record in the scene,
-//! and both scenes while the window moves. A frame costs the objects that are loaded and dropped in
-//! it, as many of the window's shift, and the changes of movers (twice during a shift); all but the
+//! and both scenes while the origin moves. A frame costs the objects that are loaded and dropped in
+//! it, as many of the shift, and the changes of movers (twice during a shift); all but the
 //! last are bounded by [`WorldOptions::budget`]. A scene that was replaced is dropped at once, in
 //! milliseconds, unless another thread does it ([`World::take_retired`]); and movers come back into
 //! volumes in the frames after a shift ([`crate::MOST_NEW_VOLUMES`]).
@@ -43,7 +41,6 @@ mod page;
 mod source;
 mod succession;
 mod task;
-mod window;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
@@ -60,14 +57,13 @@ use crate::view::View;
 use crate::world::source::ObjectSource;
 use crate::world::succession::NextScene;
 use crate::world::task::Task;
-use crate::world::window::GridWindow;
 
 pub use frame::WorldFrame;
 pub use options::WorldOptions;
 pub use page::{PAGE_CELLS, PageId, PageObjects};
 
-/// A world without borders: objects at places in double precision, in pages that are loaded and
-/// dropped while queries run, and a [`Scene`] around the eye.
+/// A world of any size: objects at places in double precision, in pages that are loaded and dropped
+/// while queries run, and a [`Scene`] around the eye.
 ///
 /// # Use
 ///
@@ -119,7 +115,7 @@ pub use page::{PAGE_CELLS, PageId, PageObjects};
 /// # Guarantees
 ///
 /// An object that is loaded and can be seen is in every set: in the frames in which pages come and
-/// go and the window moves, across the borders of pages and beyond the window. What is not loaded
+/// go and the origin moves, and across the borders of pages. What is not loaded
 /// is not known. Visibility is that of the places and shapes as given, without rounding; transforms
 /// of shapes have the room for renderers of single precision that
 /// [`ObjectDesc::placed`](crate::ObjectDesc::placed) tells of. What is found depends only on the
@@ -130,20 +126,18 @@ pub use page::{PAGE_CELLS, PageId, PageObjects};
 /// - An object counts from the frame that reports its page as loaded, or a few before it, until its
 ///   page is reported as dropped ([`WorldFrame`]). Keep drawing what is in the sets until then: it
 ///   hides other things.
-/// - The window should cover what is loaded: objects beyond it are tested in every query. The eye
-///   is at least five sixteenths of the window from its border, 5 of 16 pages, but for the time of
-///   a shift, which depends on the [budget](WorldOptions::budget). So load no more than 3 pages
-///   away from the eye then, and give a budget by which a shift is done before the eye has gone
-///   two pages.
-/// - Coordinates that are multiples of a 2048th of a cell are not rounded in a window of up to 16
-///   pages with cells of a power of two. Others are, by up to a 4096th of a cell: walls that abut
+/// - A shift takes over all objects that are loaded. Give a budget by which it is done before the
+///   eye has gone a few pages more.
+/// - Coordinates that are multiples of a 2048th of a cell are not rounded up to 16 pages from the
+///   origin with cells of a power of two. Others are, by up to a 4096th of a cell: walls that abut
 ///   exactly then leave gaps that wide.
 /// - Meshes become instances in the scene: they fill no cells for [`crate::Method::Cell`].
 pub struct World {
     options: WorldOptions,
-    window: GridWindow,
+    /// The page whose least corner is the origin of the scene.
+    origin_page: PageId,
     scene: Scene,
-    /// The scene in the coordinates that the window moves to.
+    /// The scene around the next origin.
     next: Option<NextScene>,
     /// The objects as described, by slot.
     sources: Vec<Option<ObjectSource>>,
@@ -165,17 +159,16 @@ fn check_place(what: &'static str, at: DVec3) -> Result<(), Error> {
 }
 
 impl World {
-    /// An empty world, with the window around its origin.
+    /// An empty world.
     ///
     /// # Errors
     /// As [`WorldOptions::check`].
     pub fn new(options: WorldOptions) -> Result<Self, Error> {
         options.check()?;
-        let window = GridWindow::around(&options, PageId::default());
         Ok(Self {
-            scene: Scene::new(&window.spec(&options))?,
+            scene: Scene::new(&options.grid())?,
             options,
-            window,
+            origin_page: PageId::default(),
             next: None,
             sources: Vec::new(),
             pages: BTreeMap::new(),
@@ -200,7 +193,7 @@ impl World {
     /// The place of the origin of the scene's coordinates: the corner of a page. It changes in
     /// [`World::begin_frame`] and [`World::settle`] only, with the scene.
     pub fn origin(&self) -> DVec3 {
-        self.window.corner(&self.options)
+        self.corner(self.origin_page)
     }
 
     /// The edge length of a page in world units.
@@ -226,7 +219,7 @@ impl World {
     /// of a renderer that draws relative to the eye, whose matrix has no translation. The place is
     /// not rounded to single precision.
     ///
-    /// It is a view of the scene until the window moves: make it anew in each frame, after
+    /// It is a view of the scene until the origin moves: make it anew in each frame, after
     /// [`World::begin_frame`]. Lights are in the scene's coordinates, too: `at - world.origin()`.
     ///
     /// # Errors
@@ -277,7 +270,7 @@ impl World {
         Ok(self.source(id).and_then(|source| source.page))
     }
 
-    /// Whether the window is moving: two scenes are kept until it has.
+    /// Whether the origin is moving: two scenes are kept until it has.
     pub fn is_shifting(&self) -> bool {
         self.next.is_some()
     }

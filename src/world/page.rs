@@ -34,10 +34,6 @@ impl PageId {
         [self.x, self.y, self.z]
     }
 
-    pub(super) fn from_array([x, y, z]: [i32; 3]) -> Self {
-        Self { x, y, z }
-    }
-
     /// The page that contains a place, if it is one that may be.
     pub(super) fn containing(at: DVec3, page_size: f64) -> Option<Self> {
         let along = |p: f64| {

@@ -1,4 +1,4 @@
-//! The scene in the coordinates that the window moves to, while objects are taken over.
+//! The scene in the coordinates around the next origin, while objects are taken over.
 
 use casca_slots::Slot;
 use glam::DVec3;
@@ -7,16 +7,16 @@ use crate::error::Error;
 use crate::id::ObjectId;
 use crate::scene::Scene;
 use crate::world::options::WorldOptions;
+use crate::world::page::PageId;
 use crate::world::source::ObjectSource;
-use crate::world::window::GridWindow;
 
 /// This many slots without an object cost about as much as a brick.
 const EMPTY_SLOTS: usize = 64;
 
 /// The next scene of a world.
 pub(super) struct NextScene {
-    window: GridWindow,
-    /// The origin of its coordinates.
+    /// The page whose corner is the origin of its coordinates, and that corner.
+    page: PageId,
     origin: DVec3,
     scene: Scene,
     /// All objects in slots below this were taken over.
@@ -28,10 +28,10 @@ impl NextScene {
     ///
     /// # Errors
     /// As [`Scene::new`].
-    pub(super) fn new(from: &Scene, window: GridWindow, options: &WorldOptions) -> Result<Self, Error> {
-        let (mut scene, origin) = (Scene::new(&window.spec(options))?, window.corner(options));
+    pub(super) fn new(from: &Scene, page: PageId, options: &WorldOptions) -> Result<Self, Error> {
+        let (mut scene, origin) = (Scene::new(&options.grid())?, page.corner(options.page_size()));
         scene.set_clock(from);
-        Ok(Self { window, origin, scene, reached: 0 })
+        Ok(Self { page, origin, scene, reached: 0 })
     }
 
     pub(super) fn scene(&self) -> &Scene {
@@ -93,9 +93,9 @@ impl NextScene {
         let _ = self.scene.remove(id);
     }
 
-    /// The scene and its window, once all objects of the one before were taken over.
-    pub(super) fn finish(mut self, from: &mut Scene) -> (Scene, GridWindow) {
+    /// The scene and the page of its origin, once all objects of the one before were taken over.
+    pub(super) fn finish(mut self, from: &mut Scene) -> (Scene, PageId) {
         self.scene.succeed(from);
-        (self.scene, self.window)
+        (self.scene, self.page)
     }
 }

@@ -39,7 +39,7 @@ fn a_cleared_scene_is_an_empty_one_that_knows_no_old_id() {
         (ids, seen, scene.end_frame([query.pvs()]).unwrap())
     };
     let (old, seen, report) = walk(&mut scene);
-    assert!(scene.tbv(old[2]).unwrap().is_some() && report.hidden == 1);
+    assert!(scene.tbv(old[2]).unwrap().is_some() && report.hidden == 2);
     scene.clear();
     assert!(scene.is_empty() && scene.iter().next().is_none());
     for id in old {

@@ -45,9 +45,8 @@ fn nothing_is_lost_where_walks_pass_over_emptiness() {
                     // Of parallel views, portions of what is there are counted.
                     let (a, b) = (a.stats().shells, b.stats().shells);
                     let walks = view.eye().is_some();
-                    // Walks of the cell method end where they can find no more of the objects.
-                    let ends = if method == Method::cell() { a <= b } else { a == b };
-                    assert!(!walks || ends, "{method:?}: {a} and {b} shells");
+                    // Shells in which there is nothing are passed over.
+                    assert!(!walks || a <= b, "{method:?}: {a} and {b} shells");
                 }
             }
             // What nobody saw goes into volumes.

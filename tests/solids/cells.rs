@@ -33,7 +33,7 @@ fn box_of(solid: &Occluder) -> Aabb {
 
 /// The cells that solids make opaque each for itself.
 fn alone<'a>(scene: &Scene, solids: impl IntoIterator<Item = &'a Occluder>) -> BitMatrix {
-    let mut cells = BitMatrix::new(scene.grid().dims());
+    let mut cells = BitMatrix::default();
     for solid in solids {
         solid.opaque(scene.grid(), &mut |run| run.cells().for_each(|c| cells.set(c)));
     }

@@ -1,7 +1,6 @@
 //! Random operations on worlds, frame by frame, against rays through a model.
 
 use casca_scenes::world::Mesh;
-use glam::BVec3;
 
 use crate::common::*;
 use crate::model::{Solid, seen};
@@ -52,10 +51,9 @@ impl Player {
         let mut random = Random(seed);
         let far = [0.0, 1e4, 1e6, 3e7][random.below(4)];
         let eye = random.point(-far, far);
-        let window = [1, 2, 3, 4, 6][random.below(5)];
-        let still = BVec3::new(false, random.chance(0.3), false);
-        let budget = [1, 3, 10, usize::MAX][random.below(4)];
-        let options = WorldOptions::new(CELL).window(UVec3::splat(window)).still(still).budget(budget);
+        let reach = [1, 1, 1, 2, 3][random.below(5)];
+        let budget = [10, 100, 1000, usize::MAX][random.below(4)];
+        let options = WorldOptions::new(CELL).reach(reach).budget(budget);
         Self {
             random,
             world: World::new(options).unwrap(),
@@ -165,7 +163,7 @@ impl Player {
     fn move_eye(&mut self) {
         let far = match self.random.below(20) {
             0 => 100.0 * SIDE,
-            1..4 => SIDE,
+            1..6 => SIDE,
             _ => 0.1 * SIDE,
         };
         self.eye += self.random.point(-far, far);
@@ -252,14 +250,14 @@ impl Player {
 }
 
 #[test]
-fn nothing_that_is_seen_is_lost_while_pages_come_and_go_and_the_window_moves() {
+fn nothing_that_is_seen_is_lost_while_pages_come_and_go_and_the_origin_moves() {
     let (mut seen, mut hidden, mut shifts) = (0, 0, 0);
-    for seed in 0..u64::from(cases(10).cases) {
+    for seed in 0..u64::from(cases(8).cases) {
         let player = Player::new(seed).play(40);
         assert!(player.lost.is_empty(), "seed {seed}: {:#?}", &player.lost[..player.lost.len().min(5)]);
         (seen, hidden, shifts) = (seen + player.seen, hidden + player.hidden, shifts + player.shifts);
     }
     // It plays with what it is about; on the lattice, more comes out of the faces of walls.
     println!("{seen} seen, {hidden} hidden, {shifts} shifts");
-    assert!(seen > 10_000 && hidden > 4000 && shifts > 20, "{seen} seen, {hidden} hidden, {shifts} shifts");
+    assert!(seen > 10_000 && hidden > 1200 && shifts > 10, "{seen} seen, {hidden} hidden, {shifts} shifts");
 }

@@ -1,4 +1,4 @@
-//! Worlds larger than a grid: what an eye sees is in the sets while pages come and go and the window
+//! Worlds of any size: what an eye sees is in the sets while pages come and go and the origin
 //! moves; places are rounded to the safe side; ids stay and old results are refused.
 
 #[path = "../common/mod.rs"]

@@ -1,7 +1,5 @@
 //! Places in single precision: bounds contain the shape at its place, and it contains the occluder.
 
-use glam::BVec3;
-
 use crate::common::*;
 
 /// All places and corners are multiples of this and below 2^25, so that their sums are exact.
@@ -72,11 +70,10 @@ fn check(world: &World, id: ObjectId, min: DVec3, max: DVec3) -> f64 {
 #[test]
 fn bounds_contain_shapes_at_their_places_and_occluders_lie_in_them() {
     let mut random = Random(11);
-    let still = BVec3::FALSE;
     let mut rounded = 0;
     for round in 0..40 {
         let far = [100.0, 1e4, 1e6, 3e7][round % 4];
-        let options = WorldOptions::new(1.0).window(UVec3::splat(4)).still(still).budget(usize::MAX);
+        let options = WorldOptions::new(1.0).reach(2).budget(usize::MAX);
         let mut world = World::new(options).unwrap();
         let mut eye = point(&mut random, -far, far);
         world.begin_frame(0.0, eye).unwrap();
@@ -106,7 +103,7 @@ fn bounds_contain_shapes_at_their_places_and_occluders_lie_in_them() {
                 let off = check(&world, id, min, max);
                 rounded += usize::from(off > 0.0);
             }
-            // The window follows, and each object moves on its own.
+            // The origin follows, and each object moves on its own.
             eye += point(&mut random, -1000.0, 1000.0);
             world.settle(eye).unwrap();
             for (id, place, _, _) in &mut objects {
@@ -120,7 +117,7 @@ fn bounds_contain_shapes_at_their_places_and_occluders_lie_in_them() {
 
 #[test]
 fn shapes_with_few_digits_are_the_same_after_every_shift() {
-    let options = WorldOptions::new(1.0).window(UVec3::splat(4)).budget(usize::MAX);
+    let options = WorldOptions::new(1.0).reach(2).budget(usize::MAX);
     let mut world = World::new(options).unwrap();
     let page = PageId::new(123_456, -7, 1 << 20);
     let wall = Aabb::new(Vec3::new(0.125, 3.5, 511.75), Vec3::new(40.0, 9.25, 512.5));

@@ -1,27 +1,21 @@
-//! A grid that suits the entities of a world.
+//! Cells that suit the entities of a world.
 
 use bevy_math::Vec3A;
 use casca::glam::Vec3;
-use casca::{Aabb, GridSpec, Scene};
+use casca::{Aabb, Grid, GridSpec, Scene};
 
 use crate::border;
 use crate::scene::CascaScene;
 
-/// This share of the entities may lie beyond each side of the grid: a sky, or something lost far
-/// away. They are tested in every query.
+/// This share of the entities, at each side, has no say in the size of cells: a sky, or something
+/// lost far away.
 const STRAY: f64 = 0.01;
 
 /// Fewer entities than this all count.
 const FEW: usize = 64;
 
-/// Around the entities the grid has room for this share of its size.
-const ROOM: f32 = 0.1;
-
 /// A grid has this size at least, in world units: entities may all be in one point.
 const LEAST: f32 = 1e-3;
-
-/// The least side of a grid, as a share of the greatest: entities may all lie in a plane.
-const FLATTEST: f32 = 0.01;
 
 /// A grid is kept for so many frames at least.
 const GRID_FRAMES: u32 = 64;
@@ -29,8 +23,12 @@ const GRID_FRAMES: u32 = 64;
 /// Of the entities in the scene, so many tell whether the grid still suits them.
 const GRID_SAMPLE: usize = 4096;
 
-/// Makes a grid if there is none, or if the world has outgrown it: then says that the scene is
-/// empty.
+/// A grid stays unless its cells are this many times larger or smaller than new ones would be, or
+/// begin this many cells away.
+const MISFIT: f64 = 4.0;
+const FAR: f64 = (1 << 19) as f64;
+
+/// Makes a scene if there is none, or if its cells suit no more: then says that it is empty.
 pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, Vec3A)>) -> bool {
     let make = |boxes: &[_]| around(boxes).and_then(|spec| Scene::new(&spec).ok());
     let Some(scene) = &casca.scene else {
@@ -48,10 +46,9 @@ pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, V
     let step = (scene.len() / GRID_SAMPLE).max(1);
     let known = scene.iter().step_by(step).map(|(_, object)| border::back(&object.bounds().aabb()));
     let boxes: Vec<_> = known.chain(new).collect();
-    let outside = boxes.iter().filter(|b| is_outside(scene.grid(), **b)).count();
-    // The estimate of cells is for a sample of them.
-    let Some(scene) = make(&boxes).filter(|_| outside * 4 > boxes.len()) else { return false };
-    casca.scene = Some(scene);
+    let next = make(&boxes).filter(|next| !suits(scene.grid(), next.grid(), step));
+    let Some(next) = next else { return false };
+    casca.scene = Some(next);
     casca.movers.clear();
     casca.cameras.clear();
     casca.suns.clear();
@@ -59,7 +56,7 @@ pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, V
     true
 }
 
-/// A grid around boxes in world space. `None` without boxes, or if none suits them.
+/// A grid for boxes in world space. `None` without boxes, or if none suits them.
 fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
     let stray = if boxes.len() < FEW { 0 } else { (boxes.len() as f64 * STRAY) as usize };
     let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
@@ -70,12 +67,9 @@ fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
         min[axis] = nth(&mut sides, boxes.iter().map(|b| b.0[axis]), stray)?;
         max[axis] = nth(&mut sides, boxes.iter().map(|b| -b.1[axis]), stray).map(|m| -m)?;
     }
-    let (min, max) = (Vec3::from(min), Vec3::from(max));
     // Where many are far larger than others, sides may cross.
-    let (min, max) = (min.min(max), min.max(max));
-    let size = (max - min).max_element().max(LEAST);
-    let room = (max - min).max(Vec3::splat(size * FLATTEST)) * ROOM;
-    GridSpec::fit(Aabb::new(min - room, max + room), boxes.len()).ok()
+    let (min, max) = (Vec3::from(min).min(max.into()), Vec3::from(min).max(max.into()));
+    GridSpec::fit(Aabb::new(min - LEAST, max + LEAST), boxes.len()).ok()
 }
 
 /// The number that so many others are less than.
@@ -89,10 +83,11 @@ fn nth(memory: &mut Vec<f32>, numbers: impl Iterator<Item = f32>, n: usize) -> O
     Some(*found).filter(|x| x.is_finite())
 }
 
-/// Whether a box lies outside of a grid.
-fn is_outside(grid: &casca::Grid, (min, max): (Vec3A, Vec3A)) -> bool {
-    let (low, high) = (grid.min(), grid.max());
-    (0..3).any(|axis| f64::from(min[axis]) > high[axis] || f64::from(max[axis]) < low[axis])
+/// Whether a grid can stay where another one would be made, for one entity in `step`.
+fn suits(grid: &Grid, next: &Grid, step: usize) -> bool {
+    let ratio = next.cell_size() / (step as f64).cbrt() / grid.cell_size();
+    let away = (next.min() - grid.min()).abs().max_element() / grid.cell_size();
+    (1.0 / MISFIT..=MISFIT).contains(&ratio) && away < FAR
 }
 
 #[cfg(test)]
@@ -104,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_covers_what_there_is_but_for_strays() {
+    fn cells_follow_what_there_is_but_for_strays() {
         assert_eq!(around(&[]), None);
         let few = around(&[cube(0.0), cube(1000.0)]).unwrap();
         assert!(few.cell * few.dims.x as f32 >= 1001.0);
@@ -113,8 +108,13 @@ mod tests {
         many.push(cube(1e7));
         let grid = around(&many).unwrap();
         assert!((90.0..200.0).contains(&(grid.cell * grid.dims.x as f32)), "{grid:?}");
-        let grid = casca::Grid::new(&grid).unwrap();
-        assert!(is_outside(&grid, cube(1e7)) && !is_outside(&grid, cube(50.0)));
+        let grid = |boxes: &[_]| Grid::new(&around(boxes).unwrap()).unwrap();
+        let street =
+            |from: f32, by: f32| -> Vec<_> { (0..1000).map(|i| cube(from + i as f32 * by)).collect() };
+        let own = grid(&many);
+        assert!(suits(&own, &grid(&street(5e5, 0.1)), 1), "the same at another place");
+        assert!(!suits(&own, &grid(&street(1e7, 0.1)), 1), "too far away");
+        assert!(!suits(&own, &grid(&street(0.0, 1.0)), 1) && suits(&own, &grid(&street(0.0, 1.0)), 1000));
     }
 
     #[test]

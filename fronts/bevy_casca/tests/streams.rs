@@ -59,10 +59,10 @@ fn pages_come_and_go() {
                 judge(&mut pair.ours, &camera, &ours[&CAMERA]);
             }
             let scene = pair.ours.world().resource::<CascaScene>().scene().unwrap();
-            grids.insert(format!("{:?}", scene.grid().min()));
+            grids.insert(format!("{:?}", scene.grid()));
         }
         println!("{most_new}: {} hidden in a frame, {} grids", hidden / 160, grids.len());
-        assert!(hidden > 160 * 300 && grids.len() > 1, "{hidden} {grids:?}");
+        assert!(hidden > 160 * 300 && grids.len() < 3, "{hidden} {grids:?}");
         // The scene holds what lives, and nothing else.
         for _ in 0..20 {
             pair.frame(|_| {});

@@ -119,7 +119,10 @@ fn halves(block: &Block, axis: usize) -> [Block; 2] {
 fn distance(sight: &Sight, block: &Block, scene: &Scene) -> f64 {
     match sight.view.eye() {
         Some(eye) => block.distance_from(eye),
-        None => (scene.grid().max() - scene.grid().min()).max_element(),
+        None => {
+            let (min, max) = scene.extent();
+            (max - min).max_element()
+        }
     }
 }
 

@@ -4,8 +4,8 @@ use casca_slots::{MOST_SLOTS, Slot};
 use glam::IVec3;
 
 use crate::grid::bricks::{Bricks, Pages};
+use crate::grid::mask::{Mask, places_of, tile_of, without};
 use crate::grid::side::SideAxes;
-use crate::matrix::bits::{Mask, places_of, tile_of, without};
 use crate::matrix::slots::SlotList;
 
 /// The mark of a cell with several objects; the rest of the number is the index of their list.
@@ -121,20 +121,16 @@ impl SharedCells {
 /// The objects that touch single cells, but not all of their brick.
 ///
 /// Cells with one object cost four bytes, and one bit tells an empty cell.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct CellIds {
     bricks: Bricks<CellBrick>,
     lists: SharedCells,
 }
 
 impl CellIds {
-    pub(super) fn new(dims: IVec3) -> Self {
-        Self { bricks: Bricks::new(dims), lists: SharedCells::default() }
-    }
-
     /// The pages with cells that have objects.
-    pub(super) fn pages(&self) -> &impl Pages {
-        &self.bricks
+    pub(super) fn pages(&self) -> &Pages {
+        self.bricks.pages()
     }
 
     /// An object leaves cells of a brick and enters others.

@@ -13,18 +13,13 @@ enum Found {
 }
 
 /// Finds the volumes and objects in the frustum, in the order of the shells in which their boxes
-/// begin. The cost follows the number of objects, whatever the size of the grid. Where shells are
-/// `from_eye`, their frustum is wider than that of the view.
-pub(super) fn find_everything(finder: &mut Finder, from_eye: bool) {
+/// begin. The cost follows the number of objects, wherever they are.
+pub(super) fn find_everything(finder: &mut Finder) {
     let (scene, view, shells) = (finder.scene, finder.view, finder.shells);
     let may_see_volume_of = |slot: Slot| {
         let volumes = scene.volumes();
         let (cells, v) = (volumes.cells(slot), shells.cell);
-        let meets = || match volumes.is_outer(slot) {
-            true => from_eye && cells.contains(v),
-            false => shells.frustum.meets(cells.lo - v, cells.hi - v),
-        };
-        view.may_see_volume(&scene.volume_block(slot)) || meets()
+        view.may_see_volume(&scene.volume_block(slot)) || shells.frustum.meets(cells.lo - v, cells.hi - v)
     };
     let mut found = Vec::new();
     for (slot, object) in scene.living().filter(|(_, object)| object.is_shown(view)) {

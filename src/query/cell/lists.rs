@@ -10,9 +10,9 @@ use glam::IVec3;
 
 use crate::grid::Grid;
 use crate::grid::bricks::{Bricks, Pages};
+use crate::grid::mask::{ALL, NONE};
 use crate::grid::side::SideAxes;
 use crate::id::ObjectId;
-use crate::matrix::bits::{ALL, NONE};
 use crate::matrix::slots::SlotList;
 use crate::object::Bounds;
 use crate::query::cell::cell_ids::CellIds;
@@ -29,7 +29,7 @@ struct ListedBy {
 }
 
 /// The objects of a scene that touch each cell.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct CellLists {
     /// The tag of the scene.
     scene: Option<u32>,
@@ -42,19 +42,6 @@ pub(crate) struct CellLists {
     /// The objects that touch every cell of a brick. They are in no list of a cell.
     whole: Bricks<SlotList>,
     cells: CellIds,
-}
-
-impl Default for CellLists {
-    fn default() -> Self {
-        Self {
-            scene: None,
-            fixed: 0,
-            listed: Vec::new(),
-            movers: Vec::new(),
-            whole: Bricks::new(IVec3::ONE),
-            cells: CellIds::new(IVec3::ONE),
-        }
-    }
 }
 
 impl CellLists {
@@ -72,8 +59,7 @@ impl CellLists {
                 scene.listed_movers().iter().for_each(|&slot| self.refresh(scene, slot));
             }
             None => {
-                let dims = scene.grid().dims();
-                (self.whole, self.cells) = (Bricks::new(dims), CellIds::new(dims));
+                (self.whole, self.cells) = Default::default();
                 self.listed.clear();
                 self.listed.resize_with(scene.slot_count(), || None);
                 scene.living().for_each(|(slot, _)| self.refresh(scene, slot));
@@ -122,7 +108,7 @@ impl CellLists {
         });
     }
 
-    /// The objects that touch a cell inside the grid.
+    /// The objects that touch a cell.
     #[inline]
     pub(super) fn of(&self, cell: IVec3) -> impl Iterator<Item = Slot> {
         self.whole.get(cell >> 3i32).as_slice().iter().chain(self.cells.of(cell)).copied()
@@ -150,10 +136,9 @@ impl CellLists {
         if whole.is_empty() { self.cells.tile(brick, axes, at) } else { u64::MAX }
     }
 
-    /// Whether some pages have no objects, by a question that is put to the pages of both lists.
-    #[inline]
-    pub(super) fn none_in(&self, empty: impl Fn(&dyn Pages) -> bool) -> bool {
-        empty(self.cells.pages()) && empty(&self.whole)
+    /// The pages with objects, of both lists.
+    pub(super) fn pages(&self) -> [&Pages; 2] {
+        [self.cells.pages(), self.whole.pages()]
     }
 }
 
@@ -182,9 +167,9 @@ mod tests {
     /// The objects of all cells that have some, told cell by cell and tile by tile.
     fn all(lists: &CellLists, grid: &Grid) -> BTreeMap<[i32; 3], Vec<Slot>> {
         let mut all = BTreeMap::new();
-        let dims = grid.dims();
+        let dims = grid.dims() + 16;
         for i in 0..dims.x * dims.y * dims.z {
-            let cell = IVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y);
+            let cell = IVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y) - 8;
             let mut slots: Vec<Slot> = lists.of(cell).collect();
             slots.sort_unstable();
             for axes in &SideAxes::ALL {

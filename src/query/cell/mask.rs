@@ -187,7 +187,7 @@ impl DirectionMask {
     ///
     /// Cells of the side outside the frustum count as blocked, since no segment
     /// between points of the convex frustum passes through them; where `closed`,
-    /// so do cells outside the grid, for the same reason.
+    /// so do cells beyond all that there is, for the same reason.
     pub(super) fn stamp(&mut self, scale: &ShellScale, cells: &SideCells, closed: bool) {
         if cells.rows <= 0 || cells.cols <= 0 {
             return;

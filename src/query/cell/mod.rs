@@ -6,7 +6,6 @@ mod finder;
 pub(crate) mod lists;
 mod mask;
 mod matrices;
-mod overhang;
 mod remaining;
 mod shell_scale;
 mod side;
@@ -17,6 +16,9 @@ mod spans;
 use casca_slots::Slot;
 use glam::IVec3;
 
+use crate::geometry::Block;
+use crate::grid::cell_box::CellBox;
+use crate::grid::mask::BRICK;
 use crate::grid::side::Side;
 use crate::method::CellOptions;
 use crate::numeric::query::UNCERTAIN_EYE;
@@ -26,7 +28,6 @@ use crate::query::cell::finder::Finder;
 use crate::query::cell::lists::CellLists;
 use crate::query::cell::mask::DirectionMask;
 use crate::query::cell::matrices::CellMatrices;
-use crate::query::cell::overhang::list_overhanging;
 use crate::query::cell::remaining::Remaining;
 use crate::query::cell::shell_scale::ShellScale;
 use crate::query::cell::side::{CellCounts, Hit, Recorded, SidePass};
@@ -37,6 +38,9 @@ use crate::query::start::{Starts, rays_start_in_occluder};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::walk::{Shells, Start};
+
+/// The walk goes no farther from the eye's cell than this, in cells.
+const FARTHEST: i32 = 2048;
 
 /// The memory of the cell method, reused from query to query.
 #[derive(Debug, Clone)]
@@ -65,7 +69,6 @@ impl CellScratch {
 
 /// One run of the cell method.
 pub(crate) struct CellWalk<'a> {
-    scene: &'a Scene,
     options: &'a CellOptions,
     shells: &'a Shells,
     matrices: CellMatrices<'a>,
@@ -87,24 +90,25 @@ impl CellWalk<'_> {
         scratch: &mut CellScratch,
         record: Recorded,
     ) {
-        // Around the middle of the grid without a viewer's cell. From the eye, the frustum is
-        // widened to contain it and all of its cell.
-        let around_eye = Shells::around_eye(scene.grid(), view, Start::Cell);
+        let (extent, all) = walked(scene, view);
+        // Around the middle without a viewer's cell. From the eye, the frustum is widened to
+        // contain it and all of its cell.
+        let around_eye = Shells::around_eye(scene.grid(), extent, view, Start::Cell);
         let from_eye = around_eye.is_some();
-        let shells = &around_eye.unwrap_or_else(|| Shells::around_middle(scene.grid(), view));
+        let shells = &around_eye.unwrap_or_else(|| Shells::around_middle(scene.grid(), extent, view));
         let CellScratch { sides, hits, pending } = scratch;
-        let matrices = CellMatrices::new(scene, view, lists);
+        let matrices = CellMatrices::new(scene, view, lists, extent);
         marks.begin(scene.slot_count());
         pending.iter_mut().for_each(Vec::clear);
         let finder = Finder { scene, view, shells, pvs, marks, pending };
         let remaining = Remaining::default();
         let slack = occlusion_slack(scene, view, &mut finder.pvs.stats).filter(|_| from_eye);
-        let mut walk = CellWalk { scene, options, shells, matrices, sides, hits, finder, remaining, record };
+        let mut walk = CellWalk { options, shells, matrices, sides, hits, finder, remaining, record };
         if slack.is_some() {
             walk.finder.pvs.cell = Some(shells.cell);
             walk.walk_shells(slack, from_eye);
         } else {
-            find_everything(&mut walk.finder, from_eye);
+            find_everything(&mut walk.finder);
             if walk.record.is_some() {
                 // Everything was found without cells: they are walked for the record alone.
                 Slot::below(scene.slot_count()).for_each(|slot| _ = walk.finder.marks.decide(slot));
@@ -112,12 +116,8 @@ impl CellWalk<'_> {
             }
         }
         let mut finder = walk.finder;
-        // Nothing is known to hide objects beyond the grid.
-        for &slot in scene.volumes().outer().buckets().flat_map(|bucket| bucket.slots()) {
-            if view.may_see_volume(&scene.volume_block(slot)) {
-                finder.reveal(slot, 0);
-                finder.decide(slot);
-            }
+        if !all {
+            find_beyond(&mut finder);
         }
         for slot in scene.always().iter().copied().chain(scene.overdue()) {
             finder.decide(slot);
@@ -126,15 +126,14 @@ impl CellWalk<'_> {
 
     /// Walks the shells outwards. Without a slack nothing is taken to be hidden.
     fn walk_shells(&mut self, slack: Option<f64>, from_eye: bool) {
-        let (grid, cell) = (self.scene.grid(), self.shells.cell);
-        let inside = grid.contains(cell);
-        let interior = cell.cmpgt(IVec3::ZERO).all() && cell.cmplt(grid.dims() - 1).all();
+        let (cell, CellBox { lo, hi }) = (self.shells.cell, self.shells.extent);
+        let inside = self.shells.extent.contains(cell);
+        let interior = cell.cmpgt(lo).all() && cell.cmplt(hi).all();
         let closed = inside && (slack == Some(0.0) || interior);
-        // A segment from inside the grid to a farther cell passes each shell inside the grid, on
-        // the same side.
+        // A segment from inside the block that is walked to a farther cell passes each shell inside
+        // it, on the same side.
         let ends = inside && from_eye && slack.is_none_or(|s| s == 0.0 || interior);
         self.sides.iter_mut().for_each(ShellSide::clear);
-        self.remaining.add_exits(list_overhanging(&mut self.finder, slack.is_some()));
         if inside {
             self.finder.pvs.stats.cells_visited += 1;
             if let Some((visited, _)) = &mut self.record {
@@ -169,7 +168,7 @@ impl CellWalk<'_> {
         }
     }
 
-    /// Walks one side of a shell. Counts its cells without the parts where the grid contains
+    /// Walks one side of a shell. Counts its cells without the parts that contain
     /// nothing or the masks hide all: those are passed over.
     fn side(&mut self, index: usize, scale: &ShellScale) -> CellCounts {
         let ShellSide { side, mask, cells } = &mut self.sides[index];
@@ -181,11 +180,10 @@ impl CellWalk<'_> {
             cells.clear();
             return counts;
         }
-        let Some(frustum) = cells.begin(&side, depth, self.scene.grid().dims(), self.shells) else {
+        let Some(frustum) = cells.begin(&side, depth, self.shells) else {
             return counts;
         };
-        let first_page = (v + side.cell(depth, 0, 0)).max(IVec3::ZERO) >> 6i32;
-        if !record && matrices.none_in(|pages| pages.plane_is_empty(axes.normal, first_page)) {
+        if !record && matrices.plane_is_empty(axes.normal, (v + side.cell(depth, 0, 0)) >> 6i32) {
             return counts;
         }
         let (c0, c1) = cells.columns();
@@ -197,13 +195,13 @@ impl CellWalk<'_> {
             cell: v,
             at: v[axes.normal] + depth,
             words: cells.words,
-            first_word: ((v[axes.col] + c0) >> 6) as usize,
+            first_word: (v[axes.col] + c0) >> 6,
             base: cells.base(),
         };
         for number in 0..cells.bands() {
             let (first, last) = cells.rows_of_band(number);
             let page = (v + side.cell(depth, first, c0)) >> 6i32;
-            if !record && matrices.none_in(|pages| pages.row_is_empty(axes.col, page)) {
+            if !record && matrices.row_is_empty(axes.col, page) {
                 continue;
             }
             let part = if record { Some((c0, c1)) } else { mask.open_part(scale, (first, last), (c0, c1)) };
@@ -247,6 +245,39 @@ impl CellWalk<'_> {
             }
             stats.caps_drawn += 1;
             side.mask.stamp(scale, &side.cells, closed);
+        }
+    }
+}
+
+/// The block of cells that is walked, and whether it contains all that there is: a walk goes no
+/// farther than [`FARTHEST`] from the eye.
+fn walked(scene: &Scene, view: &View) -> (CellBox, bool) {
+    // What is in no cells may make some opaque.
+    let layers = scene.opacity(view.layers());
+    let opaque = layers.flat_map(|part| [part.fixed().pages().extent(), part.moving().pages().extent()]);
+    let CellBox { lo, hi } = opaque.flatten().fold(scene.extent_in_bricks(), CellBox::join);
+    let all = CellBox { lo: lo * BRICK, hi: hi * BRICK + (BRICK - 1) };
+    let middle = view.eye().map_or(all.middle(), |eye| scene.grid().cell_of(eye)).clamp(all.lo, all.hi);
+    let walked = CellBox { lo: all.lo.max(middle - FARTHEST), hi: all.hi.min(middle + FARTHEST) };
+    (walked, walked == all)
+}
+
+/// Finds what lies, in part or wholly, beyond the block that is walked: nothing is known to hide it.
+fn find_beyond(finder: &mut Finder) {
+    let (scene, view, extent) = (finder.scene, finder.view, finder.shells.extent);
+    for (slot, object) in scene.living() {
+        let cells = |block: Block| scene.grid().cover(block.min, block.max);
+        let is_hidden = object.is_hidden();
+        let block = if is_hidden { scene.volume_block(slot) } else { object.bounds().block() };
+        let (lo, hi) = cells(block);
+        if extent.contains(lo - 1) && extent.contains(hi + 1) {
+            continue;
+        }
+        if !is_hidden {
+            finder.decide(slot);
+        } else if view.may_see_volume(&block) {
+            finder.reveal(slot, 0);
+            finder.decide(slot);
         }
     }
 }

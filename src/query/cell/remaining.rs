@@ -33,18 +33,9 @@ pub(super) struct Remaining {
     budget: i64,
     /// Rows walked since the last search.
     rows: i64,
-    /// Slots of objects that reach beyond the grid, in order, with a box around the cells on the
-    /// border that decide about those parts.
-    exits: Vec<(Slot, CellBox)>,
 }
 
 impl Remaining {
-    /// Adds the cells by which objects are found besides their own.
-    pub(super) fn add_exits(&mut self, mut exits: Vec<(Slot, CellBox)>) {
-        exits.sort_unstable_by_key(|exit| exit.0);
-        self.exits = exits;
-    }
-
     /// Counts rows walked: they pay for the next search.
     pub(super) fn add_rows(&mut self, rows: i64) {
         self.rows += rows;
@@ -68,9 +59,9 @@ impl Remaining {
 
     /// Whether some object may be found on a side beyond shell `m`, as far as the search has come.
     fn any_remains(&mut self, index: usize, m: i32, finder: &Finder, sides: &[ShellSide; 6]) -> bool {
-        // Where the grid or the frustum ends at the shell, none does.
-        let (side, v, dims) = (&Side::ALL[index], finder.shells.cell, finder.scene.grid().dims());
-        let (mut lo, mut hi, axis) = (-v, dims - 1 - v, side.axes.normal);
+        // Where all that there is or the frustum ends at the shell, none does.
+        let (side, v, extent) = (&Side::ALL[index], finder.shells.cell, finder.shells.extent);
+        let (mut lo, mut hi, axis) = (extent.lo - v, extent.hi - v, side.axes.normal);
         if side.sign > 0 {
             lo[axis] = lo[axis].max(m + 1);
         } else {
@@ -92,7 +83,7 @@ impl Remaining {
     /// found there beyond shell `m`.
     fn may_find(&mut self, index: usize, m: i32, finder: &Finder, sides: &[ShellSide; 6]) -> bool {
         self.budget -= 1;
-        let Some(cells) = self.cells_to_find(self.slots[index], finder) else { return false };
+        let Some(cells) = Self::cells_to_find(self.slots[index], finder) else { return false };
         let cells = CellBox { lo: cells.lo - finder.shells.cell, hi: cells.hi - finder.shells.cell };
         let Some((nearest, farthest)) = shells_on_side(&cells, &Side::ALL[index], m) else { return false };
         if !finder.shells.frustum.meets(cells.lo, cells.hi) {
@@ -116,7 +107,7 @@ impl Remaining {
 
     /// The cells by which the walk may find an object: those of its volume, or its own. `None` if
     /// it was found, or is not found by cells.
-    fn cells_to_find(&self, slot: Slot, finder: &Finder) -> Option<CellBox> {
+    fn cells_to_find(slot: Slot, finder: &Finder) -> Option<CellBox> {
         let scene = finder.scene;
         if finder.marks.is_decided(slot) {
             return None;
@@ -124,25 +115,15 @@ impl Remaining {
         let object = scene.living_at(slot).filter(|object| object.is_shown(finder.view))?;
         let (is_hidden, volumes) = (object.is_hidden(), scene.volumes());
         if is_hidden && !finder.marks.is_revealed(slot) {
-            return (!volumes.is_outer(slot)).then(|| *volumes.cells(slot));
+            return Some(*volumes.cells(slot));
         }
         if !is_hidden && !object.in_cells() {
-            return self.with_exits(slot, None);
+            return None;
         }
         let (grid, block) = (scene.grid(), object.bounds().block());
         // Cells that shapes touch are rounded outwards, and these may be rounded inwards: by less
         // than a cell both.
-        let own = grid.clip(grid.cell_of(block.min) - 1, grid.cell_of(block.max) + 1);
-        self.with_exits(slot, own.map(|(lo, hi)| CellBox { lo, hi }))
-    }
-
-    /// A box around some cells of an object and those that it is found by besides.
-    fn with_exits(&self, slot: Slot, own: Option<CellBox>) -> Option<CellBox> {
-        let exits = self.exits.binary_search_by_key(&slot, |exit| exit.0).ok().map(|at| self.exits[at].1);
-        match (own, exits) {
-            (Some(a), Some(b)) => Some(a.join(b)),
-            (own, exits) => own.or(exits),
-        }
+        Some(CellBox { lo: grid.cell_of(block.min) - 1, hi: grid.cell_of(block.max) + 1 })
     }
 }
 

@@ -41,7 +41,7 @@ pub(super) struct SidePass<'a> {
     pub(super) at: i32,
     /// Words in a row, and the first of them in the grid.
     pub(super) words: usize,
-    pub(super) first_word: usize,
+    pub(super) first_word: i32,
     /// The bit of column 0 in a row.
     pub(super) base: i32,
 }
@@ -109,7 +109,7 @@ impl SidePass<'_> {
             (brick[axes.normal], brick[axes.row], brick[axes.col]) =
                 (self.at >> 3, (v[axes.row] + first) >> 3, b);
             let stop = end.min(b | 7);
-            if !matrices.none_in(|pages| pages.page_is_empty(brick >> 3i32)) {
+            if !matrices.page_is_empty(brick >> 3i32) {
                 for b in b..=stop {
                     brick[axes.col] = b;
                     fresh |= self.block_tile(matrices, brick, band, hits);
@@ -125,7 +125,7 @@ impl SidePass<'_> {
     fn block_tile(&self, matrices: &CellMatrices, brick: IVec3, band: &mut [u64], hits: &mut Vec<Hit>) -> u8 {
         let (axes, at) = (&self.side.axes, self.at);
         let shift = ((brick[axes.col] & 7) * 8) as u32;
-        let word = (brick[axes.col] >> 3) as usize - self.first_word;
+        let word = ((brick[axes.col] >> 3) - self.first_word) as usize;
         let mut tile = 0;
         for i in 0..8 {
             tile |= (band[i * self.words + word] >> shift & 0xff) << (8 * i);

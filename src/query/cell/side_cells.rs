@@ -1,8 +1,7 @@
 //! The cells of one side of a shell, in bands of eight rows: bands where the grid contains nothing
 //! are passed over, and written later if cells around them block.
 
-use glam::IVec3;
-
+use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
 use crate::query::cell::spans::for_runs;
 use crate::walk::{Shells, SideFrustum};
@@ -10,7 +9,7 @@ use crate::walk::{Shells, SideFrustum};
 /// The cells of one side of a shell, by whether they block.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SideCells {
-    /// First row and column of the grid's part of the side, relative to V.
+    /// First row and column of the part of the side where there is anything, relative to V.
     pub(super) row0: i32,
     pub(super) col0: i32,
     pub(super) rows: i32,
@@ -46,18 +45,13 @@ impl SideCells {
     }
 
     /// Prepares the cells of a side; `None` if the frustum reaches no cell of it.
-    pub(super) fn begin(
-        &mut self,
-        side: &Side,
-        depth: i32,
-        dims: IVec3,
-        shells: &Shells,
-    ) -> Option<SideFrustum> {
+    pub(super) fn begin(&mut self, side: &Side, depth: i32, shells: &Shells) -> Option<SideFrustum> {
         self.clear();
         let (axes, v, m) = (side.axes, shells.cell, depth.abs());
-        let span = |axis: usize| ((-v[axis]).max(-m), (dims[axis] - 1 - v[axis]).min(m));
+        let CellBox { lo, hi } = shells.extent;
+        let span = |axis: usize| ((lo[axis] - v[axis]).max(-m), (hi[axis] - v[axis]).min(m));
         let (rows, cols) = (span(axes.row), span(axes.col));
-        if !(0..dims[axes.normal]).contains(&(v[axes.normal] + depth))
+        if !(lo[axes.normal]..=hi[axes.normal]).contains(&(v[axes.normal] + depth))
             || rows.0 > rows.1
             || cols.0 > cols.1
             || !shells.frustum.meets(side.cell(depth, rows.0, cols.0), side.cell(depth, rows.1, cols.1))
@@ -68,7 +62,7 @@ impl SideCells {
         Some(shells.frustum.on_side(side, depth))
     }
 
-    /// Sets the rows and columns, relative to V, and the place of the first ones in the grid. All
+    /// Sets the rows and columns, relative to V, and the place of the first ones. All
     /// bands are passed over.
     pub(super) fn set_part(&mut self, rows: (i32, i32), cols: (i32, i32), place: (i32, i32)) {
         (self.row0, self.rows) = (rows.0, rows.1 - rows.0 + 1);

@@ -6,38 +6,52 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::grid::Grid;
-use crate::grid::bricks::Pages;
 use crate::grid::cell_box::CellBox;
-use crate::grid::side::Side;
+use crate::grid::mask::{BRICK, Mask, NONE, cells_of, either};
 use crate::matrix::fused::Fused;
 use crate::query::point::drawing::Drawing;
 use crate::query::point::finder::ObjectFinder;
 use crate::query::point::run::{Run, pitch};
 use crate::scene::{LayerOpacity, Scene};
 use crate::view::Origin;
-use crate::walk::Shells;
+use crate::walk::{CellFrustum, Shells, Start};
 
 /// A brick with fewer objects yet undecided is not tested itself.
 const WORTH_TESTING: usize = 3;
 
-/// More bricks in a row than this are first tested together.
-const WORTH_TESTING_ROW: i32 = 4;
-
-/// So are bands of this many rows, if they have this many bricks.
-const BAND: i32 = 8;
-const WORTH_TESTING_BAND: i64 = 32;
+/// More bricks of a page than this, in one shell or together, are first tested as one box.
+const WORTH_TESTING_TOGETHER: usize = 4;
 
 /// Bricks of views without shells are taken in portions of this many, front to back.
 const PORTION: usize = 64;
 
+/// The shells that a page may reach into: as many as it has bricks along an axis.
+const SHELLS_OF_PAGE: usize = BRICK as usize;
+
+/// What a brick contains that a walk looks for, as bits.
+const OBJECTS: u8 = 1;
+const VOLUMES: u8 = 2;
+const FUSED: u8 = 4;
+
+/// A brick that contains something.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    brick: IVec3,
+    contains: u8,
+}
+
 /// Lists of the walk, in memory that is used again.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BrickLists {
-    /// The bricks of a shell.
-    bricks: Vec<IVec3>,
-    /// Those of them with temporal bounding volumes that are not hidden.
+    /// The pages in the frustum, with the shells that they begin in, from near to far.
+    pages: Vec<(i32, IVec3)>,
+    /// The bricks of the next shells, page by page: those of shell `m` are at `m` modulo 8.
+    shells: [Vec<Found>; SHELLS_OF_PAGE],
+    /// The bricks of a shell, or of a view without shells.
+    bricks: Vec<Found>,
+    /// Bricks with temporal bounding volumes that are not hidden.
     volumes: Vec<IVec3>,
-    /// The undecided objects of a brick, or those beyond the grid.
+    /// The undecided objects of a brick.
     slots: Vec<Slot>,
 }
 
@@ -49,26 +63,35 @@ struct BrickContents<'a> {
 }
 
 impl BrickContents<'_> {
-    /// Whether boxes of opaque cells start in a brick.
-    #[inline]
-    fn has_fused(&self, brick: IVec3) -> bool {
-        self.fused.iter().any(|fused| !fused.in_brick(brick).is_empty())
+    /// Lists the pages that contain something and may be in the frustum, from near to far.
+    fn list_pages(&self, frustum: &CellFrustum, middle: IVec3, out: &mut Vec<(i32, IVec3)>) {
+        out.clear();
+        let mut add = |page: IVec3| {
+            let lo = page * BRICK - middle;
+            let hi = lo + (BRICK - 1);
+            if frustum.meets(lo, hi) {
+                out.push((lo.max(-hi).max_element().max(0), page));
+            }
+        };
+        self.scene.id_matrix().pages().iter().for_each(&mut add);
+        self.scene.tbv_matrix().pages().iter().for_each(&mut add);
+        self.fused.iter().flat_map(|fused| fused.pages().iter()).for_each(&mut add);
+        out.sort_unstable_by_key(|(nearest, page)| (*nearest, page.to_array()));
+        out.dedup();
     }
 
-    /// Whether a brick contains nothing.
-    #[inline]
-    fn is_empty(&self, brick: IVec3) -> bool {
-        self.scene.id_matrix().in_brick(brick).len() == 0
-            && self.scene.tbv_matrix().is_empty(brick)
-            && !self.has_fused(brick)
-    }
-
-    /// Whether some pages contain nothing, by a question that is put to those of all kinds.
-    #[inline]
-    fn none_in(&self, empty: impl Fn(&dyn Pages) -> bool) -> bool {
-        empty(self.scene.id_matrix().pages())
-            && empty(self.scene.tbv_matrix().pages())
-            && self.fused.iter().all(|fused| empty(fused.pages()))
+    /// Calls `found` with the bricks of a page that contain something.
+    fn for_bricks(&self, page: IVec3, mut found: impl FnMut(Found)) {
+        let (objects, volumes) =
+            (self.scene.id_matrix().pages().bricks(page), self.scene.tbv_matrix().pages().bricks(page));
+        let fused = self.fused.iter().fold(NONE, |all, fused| either(&all, fused.pages().bricks(page)));
+        let all = either(&either(objects, volumes), &fused);
+        for brick in cells_of(page, &all) {
+            let (slice, bit) = ((brick.z & 7) as usize, (brick.y & 7) << 3 | brick.x & 7);
+            let has = |mask: &Mask, what: u8| if mask[slice] >> bit & 1 != 0 { what } else { 0 };
+            let contains = has(objects, OBJECTS) | has(volumes, VOLUMES) | has(&fused, FUSED);
+            found(Found { brick, contains });
+        }
     }
 }
 
@@ -89,41 +112,16 @@ pub(super) fn find_all(finder: &mut ObjectFinder, lists: &mut BrickLists) {
         }
         (Origin::Direction(d), _) => walk_along(finder, &contents, lists, d),
     }
-    // A brick out of sight, or a hidden one, tells nothing about the parts of its objects beyond
-    // the grid.
-    let slots = &mut lists.slots;
-    slots.clear();
-    scene.overhang().slots_where(|block| may_see_around(&finder.drawing, block), |slot| slots.push(slot));
-    slots.iter().for_each(|&slot| finder.find(slot));
-    if finder.settle() {
-        finder.drawing.draw_all_patches(i32::MAX);
-    }
-    if !fixed_only {
-        // Nor does the walk go where volumes leave the grid.
-        slots.clear();
-        let outer = scene.volumes().outer();
-        outer.slots_where(|block| may_see_around(&finder.drawing, block), |slot| slots.push(slot));
-        slots.iter().for_each(|&slot| finder.test_volume(slot));
-        finder.settle();
-    }
-}
-
-/// Whether a box around boxes beyond the grid may be in sight.
-fn may_see_around(drawing: &Drawing, block: &Block) -> bool {
-    drawing.run.view.may_see_volume(block) && !drawing.hides(block)
 }
 
 /// Reveals the volumes around the eye: their surface is not between the eye and the objects in
 /// them.
 fn reveal_around(finder: &mut ObjectFinder, eye: DVec3) {
     let scene = finder.drawing.run.scene;
-    let cell = scene.grid().cell_of(eye);
-    if scene.grid().contains(cell) {
-        let mut around = Vec::new();
-        scene.volumes().holding(cell, |slot| around.push(slot));
-        around.sort_unstable();
-        around.into_iter().for_each(|slot| finder.reveal(slot));
-    }
+    let mut around = Vec::new();
+    scene.volumes().holding(scene.grid().cell_of(eye), |slot| around.push(slot));
+    around.sort_unstable();
+    around.into_iter().for_each(|slot| finder.reveal(slot));
 }
 
 /// Walks the shells around the eye outwards, until every pixel is closed.
@@ -131,17 +129,31 @@ fn walk_shells(
     finder: &mut ObjectFinder,
     contents: &BrickContents,
     lists: &mut BrickLists,
-    shells: &Shells,
+    around: &Shells,
     eye: DVec3,
 ) {
-    let BrickLists { bricks, volumes, slots } = lists;
-    for m in shells.nearest..=shells.farthest {
+    let BrickLists { pages, shells, bricks, volumes, slots } = lists;
+    contents.list_pages(&around.frustum, around.cell, pages);
+    shells.iter_mut().for_each(Vec::clear);
+    let mut pages = pages.iter().peekable();
+    let mut next = pages.peek().map(|(nearest, _)| *nearest);
+    while let Some(m) = next {
         finder.drawing.stats.shells += 1;
+        while let Some(&(_, page)) = pages.next_if(|(nearest, _)| *nearest == m) {
+            list_page(&finder.drawing, contents, around, page, shells);
+        }
         bricks.clear();
-        list_shell(&finder.drawing, contents, shells, m, bricks);
-        bricks.iter().for_each(|&brick| visit(finder, contents, brick, slots, volumes));
+        bricks.append(&mut shells[m as usize % SHELLS_OF_PAGE]);
+        for of_page in bricks.chunk_by(|a, b| a.brick >> 3i32 == b.brick >> 3i32) {
+            if of_page.len() <= WORTH_TESTING_TOGETHER || !hides_all(&finder.drawing, of_page) {
+                of_page.iter().for_each(|found| visit(finder, contents, *found, slots, volumes));
+            }
+        }
         finish_bricks(finder, volumes, m);
-        let beyond = distance_beyond(&finder.drawing.bricks, shells.cell, m, eye);
+        let in_shells =
+            (m + 1..m + SHELLS_OF_PAGE as i32).find(|k| !shells[*k as usize % SHELLS_OF_PAGE].is_empty());
+        next = in_shells.into_iter().chain(pages.peek().map(|(nearest, _)| *nearest)).min();
+        let beyond = distance_beyond(&finder.drawing.bricks, around, m, eye);
         if finder.drawing.buffers().closed(beyond) {
             break;
         }
@@ -151,22 +163,55 @@ fn walk_shells(
     }
 }
 
+/// Lists the bricks of a page in the frustum by their shells, unless the page is hidden.
+fn list_page(
+    drawing: &Drawing,
+    contents: &BrickContents,
+    around: &Shells,
+    page: IVec3,
+    shells: &mut [Vec<Found>; SHELLS_OF_PAGE],
+) {
+    let (lo, hi) = drawing.bricks.range_bounds(page * BRICK, page * BRICK + (BRICK - 1));
+    if drawing.hides(&Block { min: lo, max: hi }) {
+        return;
+    }
+    contents.for_bricks(page, |found| {
+        let at = found.brick - around.cell;
+        if around.frustum.meets(at, at) {
+            shells[at.abs().max_element() as usize % SHELLS_OF_PAGE].push(found);
+        }
+    });
+}
+
+/// Whether the box around some bricks is hidden.
+fn hides_all(drawing: &Drawing, bricks: &[Found]) -> bool {
+    let boxes = bricks.iter().map(|found| CellBox { lo: found.brick, hi: found.brick });
+    boxes
+        .reduce(CellBox::join)
+        .is_some_and(|CellBox { lo, hi }| drawing.hides(&Block::new(drawing.bricks.range_bounds(lo, hi))))
+}
+
 /// Walks all bricks in the frustum, sorted along a direction.
 fn walk_along(finder: &mut ObjectFinder, contents: &BrickContents, lists: &mut BrickLists, direction: DVec3) {
     let Run { scene, view, .. } = finder.drawing.run;
-    let BrickLists { bricks, volumes, slots } = lists;
-    let shells = Shells::around_middle(&finder.drawing.bricks, view);
+    let BrickLists { pages, bricks, volumes, slots, .. } = lists;
+    let middle = scene.extent_in_bricks().middle();
+    let frustum = CellFrustum::new(&finder.drawing.bricks, view, middle, Start::None);
+    contents.list_pages(&frustum, middle, pages);
     bricks.clear();
-    for m in 0..=shells.farthest {
-        list_shell(&finder.drawing, contents, &shells, m, bricks);
+    for (_, page) in &*pages {
+        contents.for_bricks(*page, |found| {
+            let at = found.brick - middle;
+            bricks.extend(frustum.meets(at, at).then_some(found));
+        });
     }
     bricks.sort_unstable_by(|a, b| {
-        let depth = |c: &IVec3| c.as_dvec3().dot(direction);
-        depth(a).total_cmp(&depth(b)).then(a.to_array().cmp(&b.to_array()))
+        let depth = |found: &Found| found.brick.as_dvec3().dot(direction);
+        depth(a).total_cmp(&depth(b)).then(a.brick.to_array().cmp(&b.brick.to_array()))
     });
     for portion in bricks.chunks(PORTION) {
         finder.drawing.stats.shells += 1;
-        portion.iter().for_each(|&brick| visit(finder, contents, brick, slots, volumes));
+        portion.iter().for_each(|found| visit(finder, contents, *found, slots, volumes));
         finish_bricks(finder, volumes, 0);
     }
     // Rays may start inside a volume, or enter it where no brick of the view is: all are tested.
@@ -175,85 +220,20 @@ fn walk_along(finder: &mut ObjectFinder, contents: &BrickContents, lists: &mut B
     finder.drawing.draw_all_patches(i32::MAX);
 }
 
-/// The least distance along an axis from the eye to bricks beyond shell `m` around `brick`.
-fn distance_beyond(grid: &Grid, brick: IVec3, m: i32, eye: DVec3) -> f64 {
-    let (lo, hi) = grid.range_bounds(brick - m, brick + m);
+/// The least distance along an axis from the eye to bricks beyond shell `m`.
+fn distance_beyond(bricks: &Grid, around: &Shells, m: i32, eye: DVec3) -> f64 {
+    let (lo, hi) = bricks.range_bounds(around.cell - m, around.cell + m);
+    let (min, max) = bricks.range_bounds(around.extent.lo, around.extent.hi);
     let mut least = f64::INFINITY;
     for axis in 0..3 {
-        if lo[axis] > grid.min()[axis] {
+        if lo[axis] > min[axis] {
             least = least.min(eye[axis] - lo[axis]);
         }
-        if hi[axis] < grid.max()[axis] {
+        if hi[axis] < max[axis] {
             least = least.min(hi[axis] - eye[axis]);
         }
     }
     least
-}
-
-/// Appends the bricks of shell `m` in the frustum that contain anything and are not hidden.
-fn list_shell(drawing: &Drawing, contents: &BrickContents, shells: &Shells, m: i32, out: &mut Vec<IVec3>) {
-    let (grid, middle) = (&drawing.bricks, shells.cell);
-    if m == 0 {
-        out.extend((grid.contains(middle) && !contents.is_empty(middle)).then_some(middle));
-        return;
-    }
-    for (index, side) in Side::ALL.iter().enumerate() {
-        let (axes, dims, depth) = (side.axes, grid.dims(), m * side.sign);
-        let mut page = IVec3::ZERO;
-        page[axes.normal] = (middle[axes.normal] + depth) >> 3;
-        if !(0..dims[axes.normal]).contains(&(middle[axes.normal] + depth))
-            || contents.none_in(|pages| pages.plane_is_empty(axes.normal, page))
-        {
-            continue;
-        }
-        // Edges belong to the first of their sides.
-        let span = |axis: usize| {
-            let last = if axis < index / 2 { m - 1 } else { m };
-            ((-middle[axis]).max(-last), (dims[axis] - 1 - middle[axis]).min(last))
-        };
-        let ((r0, r1), (c0, c1)) = (span(axes.row), span(axes.col));
-        // Relative to the middle.
-        let at = |row: i32, col: i32| side.cell(depth, row, col);
-        if r0 > r1 || c0 > c1 || !shells.frustum.meets(at(r0, c0), at(r1, c1)) {
-            continue;
-        }
-        let is_hidden = |a: IVec3, b: IVec3| {
-            drawing.hides(&Block::new(grid.range_bounds(middle + a.min(b), middle + a.max(b))))
-        };
-        let on_side = shells.frustum.on_side(side, depth);
-        for first in (r0..=r1).step_by(BAND as usize) {
-            let last = r1.min(first + BAND - 1);
-            // A band of rows is in at most two rows of pages.
-            let is_empty = |row: i32| {
-                let page = (middle + at(row, c0)) >> 3i32;
-                contents.none_in(|pages| pages.row_is_empty(axes.col, page))
-            };
-            let is_wide = i64::from(last - first + 1) * i64::from(c1 - c0 + 1) >= WORTH_TESTING_BAND;
-            if is_empty(first) && is_empty(last) || is_wide && is_hidden(at(first, c0), at(last, c1)) {
-                continue;
-            }
-            for row in first..=last {
-                let Some((lo, hi)) = on_side.row(row, (c0, c1)) else { continue };
-                if hi - lo >= WORTH_TESTING_ROW && is_hidden(at(row, lo), at(row, hi)) {
-                    continue;
-                }
-                let mut col = lo;
-                while col <= hi {
-                    let mut brick = middle + at(row, col);
-                    let end = hi.min(col + 7 - (brick[axes.col] & 7)) + 1;
-                    if !contents.none_in(|pages| pages.page_is_empty(brick >> 3i32)) {
-                        for _ in col..end {
-                            if !contents.is_empty(brick) {
-                                out.push(brick);
-                            }
-                            brick[axes.col] += 1;
-                        }
-                    }
-                    col = end;
-                }
-            }
-        }
-    }
 }
 
 /// Finds the undecided objects of a brick, lists it if it contains volumes, and draws its boxes of
@@ -261,16 +241,18 @@ fn list_shell(drawing: &Drawing, contents: &BrickContents, shells: &Shells, m: i
 fn visit(
     finder: &mut ObjectFinder,
     contents: &BrickContents,
-    brick: IVec3,
+    Found { brick, contains }: Found,
     slots: &mut Vec<Slot>,
     volumes: &mut Vec<IVec3>,
 ) {
     let Run { scene, view, fixed_only, .. } = finder.drawing.run;
     finder.drawing.stats.bricks_visited += 1;
     slots.clear();
-    slots.extend(scene.id_matrix().in_brick(brick).filter(|&slot| !finder.marks.is_decided(slot)));
-    let has_volumes = !fixed_only && !scene.tbv_matrix().is_empty(brick);
-    let has_fused = contents.has_fused(brick);
+    if contains & OBJECTS != 0 {
+        slots.extend(scene.id_matrix().in_brick(brick).filter(|&slot| !finder.marks.is_decided(slot)));
+    }
+    let has_volumes = !fixed_only && contains & VOLUMES != 0;
+    let has_fused = contains & FUSED != 0;
     if (slots.len() >= WORTH_TESTING || has_fused || has_volumes)
         && finder.drawing.hides(&Block::new(finder.drawing.bricks.cell_bounds(brick)))
     {

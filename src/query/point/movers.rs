@@ -12,7 +12,6 @@ use smallvec::SmallVec;
 
 use crate::geometry::Block;
 use crate::geometry::plane::HalfSpace;
-use crate::grid::Grid;
 use crate::id::ObjectId;
 use crate::numeric::query::SINGLE_FRUSTUM;
 use crate::query::point::decide::Candidate;
@@ -33,7 +32,7 @@ pub(super) fn find_movers(finder: &mut ObjectFinder, order: &mut Vec<(f64, u32)>
         return;
     }
     finder.drawing.buffers_mut().read_clear();
-    let planes = Planes::new(view, scene.grid());
+    let planes = Planes::new(view, scene.extent());
     order.clear();
     for (index, zone) in zones.iter().enumerate() {
         if zone.plain().len() + zone.others().len() > 0 && view.may_see_volume(zone.room()) {
@@ -131,9 +130,9 @@ struct Planes<'v> {
 }
 
 impl<'v> Planes<'v> {
-    /// For boxes inside a grid.
-    fn new(view: &'v View, grid: &Grid) -> Self {
-        let largest = grid.min().abs().max(grid.max().abs()).max_element();
+    /// For boxes between two corners.
+    fn new(view: &'v View, (min, max): (DVec3, DVec3)) -> Self {
+        let largest = min.abs().max(max.abs()).max_element();
         let four = |planes: &[HalfSpace]| {
             // A missing plane has everything far inside.
             let of = |value: &dyn Fn(&HalfSpace) -> f64, none: f64| {
@@ -181,10 +180,9 @@ impl<'v> Planes<'v> {
 
 #[cfg(test)]
 mod tests {
-    use glam::{UVec3, Vec3};
+    use glam::Vec3;
 
     use super::*;
-    use crate::grid::GridSpec;
     use crate::random::Random;
 
     #[test]
@@ -192,8 +190,7 @@ mod tests {
         let mut random = Random::new(8);
         let mut doubtful = 0;
         for size in [1.0, 4096.0f32] {
-            let spec = GridSpec { min: Vec3::splat(-size), cell: size / 16.0, dims: UVec3::splat(32) };
-            let grid = Grid::new(&spec).unwrap();
+            let corner = DVec3::splat(f64::from(size));
             for _ in 0..60 {
                 let planes: Vec<_> = (0..7)
                     .map(|_| crate::Plane {
@@ -202,7 +199,7 @@ mod tests {
                     })
                     .collect();
                 let view = View::from_planes(Vec3::ZERO, &planes).unwrap();
-                let planes = Planes::new(&view, &grid);
+                let planes = Planes::new(&view, (-corner, corner));
                 for _ in 0..60 {
                     let middle = random.point(f64::from(size)).as_vec3a();
                     let half = random.point(f64::from(size) * 0.05).as_vec3a().abs();
@@ -220,8 +217,7 @@ mod tests {
         }
         assert!(doubtful < 20, "{doubtful}");
         let everything = View::omnidirectional(Vec3::ZERO).unwrap();
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(8) };
-        let planes = Planes::new(&everything, &Grid::new(&spec).unwrap());
+        let planes = Planes::new(&everything, (DVec3::ZERO, DVec3::splat(8.0)));
         assert_eq!(planes.side(Vec3A::ONE, Vec3A::ONE), BoxSide::Inside);
     }
 }

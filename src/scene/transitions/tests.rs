@@ -30,7 +30,7 @@ const REVEALED: StateKind = Unlocated { volume: false };
 /// Before the wall, with the eye; behind it; and outside the grid.
 const BEFORE: f32 = 5.5;
 const BEHIND: f32 = 20.0;
-const OUTSIDE: f32 = 40.0;
+const OUTSIDE: f32 = 2e6;
 /// Seconds in which the ball hardly moves.
 const MOMENT: f64 = 1e-6;
 

@@ -6,8 +6,8 @@
 use glam::{DVec3, IVec3};
 
 use crate::geometry::plane::HalfSpace;
-use crate::grid::Grid;
 use crate::grid::run::CellRun;
+use crate::grid::{Grid, REACH};
 use crate::numeric::shape::DISTANCE;
 use crate::shape::Shape;
 use crate::shape::convex::Convex;
@@ -44,11 +44,11 @@ impl Shape for Convex {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.touched_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn opaque(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        self.opaque_rows(grid, IVec3::ZERO, grid.dims() - 1, out);
+        self.opaque_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn contains_box(&self, min: DVec3, max: DVec3) -> bool {

@@ -146,7 +146,7 @@ impl<'a> Drawing<'a> {
         let starts = Starts::of(scene, view);
         let around_starts = view.eye().map(|eye| starts.around(eye));
         let bricks = scene.grid().bricks();
-        let around = Shells::around_eye(&bricks, view, Start::Eye);
+        let around = Shells::around_eye(&bricks, run.scene.extent_in_bricks(), view, Start::Eye);
         let stats = Stats::default();
         Self { run, scratch, bricks, around, starts, around_starts, fuses: None, stats }
     }
