@@ -8,12 +8,12 @@ use crate::grid::cell_box::CellBox;
 
 /// How many there are in each plane across an axis, from the first to the last that has any.
 #[derive(Clone, Debug, Default)]
-struct Planes {
+struct PlaneCounts {
     first: i32,
     counts: VecDeque<u32>,
 }
 
-impl Planes {
+impl PlaneCounts {
     fn add(&mut self, at: i32) {
         if self.counts.is_empty() {
             self.first = at;
@@ -44,7 +44,7 @@ impl Planes {
 /// The least block around all that are there. One that is far away from all others costs four bytes
 /// for each plane between them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Extent([Planes; 3]);
+pub(crate) struct Extent([PlaneCounts; 3]);
 
 impl Extent {
     /// One comes or goes.

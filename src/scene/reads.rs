@@ -13,6 +13,7 @@ use crate::id::ObjectId;
 use crate::matrix::ids::IdMatrix;
 use crate::matrix::tbv::TbvMatrix;
 use crate::mesh::surface::seams::Seams;
+use crate::numeric::shape::{OCCLUDER_ROUNDING, OCCLUDER_SHARE};
 use crate::object::{Bounds, Motion, Occluder, transform_of_instances};
 use crate::scene::changes::{Changes, Journal};
 use crate::scene::clock::Clock;
@@ -427,11 +428,15 @@ impl Scene {
         self.index.extent().unwrap_or_default()
     }
 
-    /// Corners of a box that contains all objects whose place is known, and all volumes.
+    /// Corners of a box that contains all objects whose place is known, all volumes, and the occluders
+    /// that stick out of bounds as far as they may.
     pub(crate) fn extent(&self) -> (DVec3, DVec3) {
         let always = self.always().iter().map(|&slot| self.object(slot).bounds.block());
         let CellBox { lo, hi } = self.extent_in_bricks();
         let cells = self.grid.bricks().range_bounds(lo, hi);
-        always.fold(cells, |(min, max), block| (min.min(block.min), max.max(block.max)))
+        let (min, max) = always.fold(cells, |(min, max), block| (min.min(block.min), max.max(block.max)));
+        let largest = min.abs().max(max.abs()).max_element();
+        let room = OCCLUDER_SHARE * (max - min).length() + OCCLUDER_ROUNDING * largest;
+        (min - room, max + room)
     }
 }

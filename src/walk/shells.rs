@@ -9,8 +9,8 @@ use crate::numeric::query::FAR_VIEWER;
 use crate::view::{Origin, View};
 use crate::walk::frustum::{CellFrustum, Start};
 
-/// Boxes that begin beyond this many shells begin in the last of them: what is listed by shell takes
-/// no more lists.
+/// A box farther away than this many shells counts as if it began in the last of them. So there are
+/// never more lists by shell than this.
 const MOST_SHELLS: i32 = 4096;
 
 /// The shells of cells around a cell, as far as there is anything.

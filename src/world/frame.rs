@@ -63,7 +63,8 @@ impl World {
     }
 
     /// Begins a frame at a time, in seconds, with the eye at a place: takes objects of pages into
-    /// the scene and out of it, lets the origin follow an eye that is far from it, and lists the objects that are due for a report, as [`Scene::begin_frame`] does.
+    /// the scene and out of it, lets the origin follow an eye that is far from it, and lists the
+    /// objects that are due for a report, as [`Scene::begin_frame`] does.
     ///
     /// Costs the budget, or one object that alone costs more; where the origin moves, three times
     /// that; and what [`Scene::begin_frame`] costs.

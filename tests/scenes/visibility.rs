@@ -542,3 +542,17 @@ fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
     assert!(stats.refined > 0 && stats.refine_squares > 30 * u64::from(stats.refined), "{stats:?}");
     assert!(stats.refine_squares <= u64::from(PointOptions::default().refine_budget));
 }
+
+#[test]
+fn the_near_plane_may_cut_what_sticks_out_of_all_there_is() {
+    let mut scene = sized(Vec3::ZERO, 1.0, [32; 3]);
+    // Eight cells along x, and an occluder that ends a hundredth beyond, which is allowed.
+    let bounds = Aabb::new(Vec3::ZERO, Vec3::splat(8.0));
+    let solid = Aabb { max: Vec3::new(8.01, 8.0, 8.0), ..bounds };
+    scene.insert(ObjectDesc::fixed(bounds).occluder(solid)).unwrap();
+    let behind = scene.fixed(Sphere::new(Vec3::new(-10.0, 4.0, 4.0), 1.0));
+    let view = looking(Vec3::new(8.05, 4.0, 4.0), Vec3::NEG_X, [1.0, 1.0, 0.045, 100.0]);
+    let mut query = Query::new();
+    let pvs = query.run(&scene, &view);
+    assert!(pvs.contains(behind) && pvs.stats().eye_in_occluder);
+}

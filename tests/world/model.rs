@@ -20,8 +20,8 @@ pub struct Solid {
 /// are known to 1e-7.
 const DOUBT: f64 = 1e-6;
 
-/// An eye is surely in a box if it is this deep in it: 192 m from the origin coordinates are known to 1.5e-5 in
-/// single precision, and occluders are rounded inwards.
+/// An eye is surely in a box if it is this deep in it: coordinates of up to 192 m are known to
+/// 1.5e-5 in single precision, and occluders are rounded inwards.
 const DEEP: f64 = 1e-4;
 
 impl Solid {
