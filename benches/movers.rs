@@ -7,7 +7,7 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
+use casca::{Aabb, ObjectDesc, ObjectId, Query, Scene, Sphere, View, cell_for};
 use criterion::Criterion;
 use glam::camera::rh::{proj::directx, view::look_to_mat4};
 use glam::{DVec3, Vec3, Vec4, Vec4Swizzles};
@@ -38,8 +38,8 @@ enum Kind {
 }
 
 fn scene(balls: &[Sphere], kind: Kind) -> (Scene, Vec<ObjectId>) {
-    let spec = GridSpec::fit(Aabb::new(Vec3::ZERO, HALL), COUNT).expect("a plain region");
-    let mut scene = Scene::new(&spec).expect("a plain grid");
+    let cell = cell_for(Aabb::new(Vec3::ZERO, HALL), COUNT).expect("a plain region");
+    let mut scene = Scene::new(cell).expect("a plain grid");
     let desc = |ball| {
         let desc = ObjectDesc::dynamic(ball).max_speed(1.0);
         if kind == Kind::OnExpiry { desc.reported_on_expiry() } else { desc }

@@ -5,12 +5,11 @@
 use std::error::Error;
 
 use casca::glam::{Mat4, Vec3, Vec4};
-use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+use casca::{Aabb, ObjectDesc, Query, Scene, Sphere, View};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // A grid with cells of one metre over the level.
-    let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
-    let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+    // A grid with cells of one metre.
+    let mut scene = Scene::new(1.0)?;
 
     // The wall is tested, and it hides other objects. The balls are only tested.
     let wall = Aabb::new(Vec3::new(8.0, 0.0, 30.0), Vec3::new(56.0, 16.0, 33.0));

@@ -10,7 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 use casca::glam::{Mat4, Quat, Vec3, Vec4};
-use casca::{Aabb, GridSpec, KeptJob, KeptOptions, KeptQuery, ObjectDesc, Scene, View};
+use casca::{Aabb, KeptJob, KeptOptions, KeptQuery, ObjectDesc, Scene, View};
 
 const FRAMES: usize = 120;
 
@@ -19,8 +19,7 @@ const EARLY: usize = 4;
 
 /// Rows of houses on both sides of the street, with something small behind each.
 fn town() -> Result<Scene, casca::Error> {
-    let level = Aabb::new(Vec3::ZERO, Vec3::new(80.0, 16.0, 160.0));
-    let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+    let mut scene = Scene::new(1.0)?;
     for row in 0..16 {
         for x in [10.0, 24.0, 46.0, 60.0] {
             let corner = Vec3::new(x, 0.0, row as f32 * 10.0);

@@ -10,7 +10,7 @@ use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use casca::glam::{Affine3A, Vec3};
-use casca::{Aabb, GridSpec, Instance, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
+use casca::{Instance, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
 
 /// A rectangle from `min` to `max` in the plane z = 0.
 fn rectangle(min: (f32, f32), max: (f32, f32)) -> (Vec<Vec3>, Vec<[u32; 3]>) {
@@ -19,8 +19,7 @@ fn rectangle(min: (f32, f32), max: (f32, f32)) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let level = Aabb::new(Vec3::ZERO, Vec3::new(20.0, 5.0, 20.0));
-    let mut scene = Scene::new(&GridSpec::covering(level, 0.5)?)?;
+    let mut scene = Scene::new(0.5)?;
 
     // Three rectangles around a doorway, 1 m wide and 2 m high. The same mesh is tested and hides.
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());

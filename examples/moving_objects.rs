@@ -9,7 +9,7 @@
 use std::error::Error;
 
 use casca::glam::Vec3;
-use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+use casca::{Aabb, ObjectDesc, Query, Scene, Sphere, View};
 
 const BIRDS: usize = 100;
 const FRAMES: usize = 180;
@@ -26,8 +26,7 @@ fn bird(number: usize, seconds: f32) -> Sphere {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
-    let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+    let mut scene = Scene::new(1.0)?;
     let wall = Aabb::new(Vec3::new(0.0, 0.0, 30.0), Vec3::new(48.0, 16.0, 33.0));
     scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
     let mut birds = Vec::new();

@@ -9,11 +9,10 @@
 use std::error::Error;
 
 use casca::glam::Vec3;
-use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+use casca::{Aabb, ObjectDesc, Query, Scene, Sphere, View};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
-    let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+    let mut scene = Scene::new(1.0)?;
     // From side to side, so that nobody looks around it.
     let wall = Aabb::new(Vec3::new(0.0, 0.0, 30.0), Vec3::new(64.0, 16.0, 34.0));
     scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;

@@ -11,11 +11,10 @@
 use std::error::Error;
 
 use casca::glam::{Mat4, Vec3, Vec4};
-use casca::{Aabb, GridSpec, Light, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
+use casca::{Aabb, Light, ObjectDesc, ObjectId, Query, Scene, Sphere, View};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let level = Aabb::new(Vec3::ZERO, Vec3::new(128.0, 48.0, 128.0));
-    let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+    let mut scene = Scene::new(1.0)?;
     let mut solid = |min: [f32; 3], max: [f32; 3]| {
         let shape = Aabb::new(Vec3::from(min), Vec3::from(max));
         scene.insert(ObjectDesc::fixed(shape).occluder(shape))

@@ -8,11 +8,11 @@
 //!
 //! ```
 //! use casca::internals::{QueryInternals, SceneInternals};
-//! use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, View};
+//! use casca::{Aabb, Method, ObjectDesc, Query, Scene, View};
 //! use glam::{IVec3, UVec3, Vec3};
 //!
 //! # fn main() -> Result<(), casca::Error> {
-//! let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+//! let mut scene = Scene::new(1.0)?;
 //! let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
 //! scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 //! assert_eq!(scene.static_opacity().count(), 2 * 32 * 32);

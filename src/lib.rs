@@ -3,11 +3,10 @@
 //!
 //! ```
 //! use casca::glam::{Mat4, Vec3, Vec4};
-//! use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+//! use casca::{Aabb, ObjectDesc, Query, Scene, Sphere, View};
 //! # fn main() -> Result<(), casca::Error> {
-//! // A grid over the level, with cells of one metre.
-//! let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
-//! let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+//! // A grid with cells of one metre.
+//! let mut scene = Scene::new(1.0)?;
 //! // Bounds are tested, occluders hide. Both may be spheres, boxes, convex solids or meshes.
 //! let wall = Aabb::new(Vec3::new(0.0, 0.0, 30.0), Vec3::new(64.0, 16.0, 33.0));
 //! scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
@@ -32,7 +31,7 @@
 //! # }
 //! ```
 //!
-//! Data flows one way: [`Scene`] (objects, and the matrices of the [grid](GridSpec)) -> [`Query`]
+//! Data flows one way: [`Scene`] (objects, and the matrices of the [grid](Grid)) -> [`Query`]
 //! (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen). A [`KeptQuery`] answers
 //! many frames of a camera that moves little from one such walk. A [`World`] makes the scene around
 //! an eye that goes anywhere. A call "costs" what its time grows with: one that costs the triangles
@@ -74,7 +73,7 @@
 //!   [`DrawOptions`]). Fields that a file lacks have their defaults, and fields that are not known
 //!   are passed over, so that files of other versions are read. Ranges are checked where options
 //!   are used, as by [`Query::set_method`];
-//! - the [grid](GridSpec), which [`Scene::new`] checks;
+//! - the size of cells, which [`Scene::new`] checks;
 //! - shapes ([`Aabb`], [`Sphere`], [`Obb`], [`Plane`], [`Convex`]). Shapes that a scene would
 //!   refuse are not read, and the error says why: those that are not finite, inverted, negative,
 //!   flat or without direction. A convex solid is stored by its corners. Reading one makes its
@@ -147,7 +146,7 @@ pub use error::{Error, FileError};
 pub use glam;
 
 pub use geometry::{Aabb, Obb, Plane, Sphere};
-pub use grid::{Grid, GridSpec, MAX_CELLS_PER_AXIS};
+pub use grid::{Grid, cell_for};
 pub use id::ObjectId;
 pub use kept::{KeptJob, KeptOptions, KeptQuery, KeptResult};
 pub use mesh::{Facing, Instance, MeshOptions, TriMesh};

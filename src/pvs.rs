@@ -82,11 +82,11 @@ pub struct Stats {
 /// sets. At the end of a frame, give the sets of all cameras to [`Scene::end_frame`](crate::Scene::end_frame).
 ///
 /// ```
-/// use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+/// use casca::{ObjectDesc, Query, Scene, Sphere, View};
 /// use glam::{UVec3, Vec3};
 ///
 /// # fn main() -> Result<(), casca::Error> {
-/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+/// let mut scene = Scene::new(1.0)?;
 /// let ball = Sphere::new(Vec3::splat(4.0), 1.0);
 /// let id = scene.insert(ObjectDesc::dynamic(ball).user_data(7))?;
 /// let view = View::omnidirectional(Vec3::splat(9.5))?;
@@ -178,10 +178,10 @@ impl Pvs {
     /// The objects that can be seen, as [`Pvs::visible`] gives them.
     ///
     /// ```
-    /// # use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    /// # use casca::{ObjectDesc, Query, Scene, Sphere, View};
     /// # use glam::{UVec3, Vec3};
     /// # fn main() -> Result<(), casca::Error> {
-    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// # let mut scene = Scene::new(1.0)?;
     /// # let id = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::splat(4.0), 1.0)))?;
     /// # let mut query = Query::new();
     /// for id in query.run(&scene, &View::omnidirectional(Vec3::splat(9.5))?) {
@@ -202,11 +202,11 @@ impl Pvs {
     /// those that a clone of a scene has in common with its original.
     ///
     /// ```
-    /// use casca::{GridSpec, ObjectDesc, Plane, Query, Scene, Sphere, View};
+    /// use casca::{ObjectDesc, Plane, Query, Scene, Sphere, View};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let mut ball = |x| scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(x, 8.0, 8.0), 1.0)));
     /// let (low, high) = (ball(3.0)?, ball(13.0)?);
     /// let half = |normal: Vec3| {

@@ -31,7 +31,7 @@ fn insert(scene: &mut Scene, mut desc: impl FnMut(usize) -> ObjectDesc) {
 /// Builds a scene and compares the two counts of its bytes.
 fn check(name: &str, build: impl FnOnce(&mut Scene)) {
     let before = ALLOCATOR.current_usage();
-    let mut scene = empty(256);
+    let mut scene = empty();
     build(&mut scene);
     let counted = ALLOCATOR.current_usage() - before;
     let said = scene.memory();

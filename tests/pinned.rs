@@ -9,8 +9,8 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use casca::{Aabb, GridSpec, Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, TriMesh};
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca::{Instance, Method, ObjectDesc, ObjectId, Pvs, Query, Scene, Sphere, TriMesh};
+use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::FRAME_SECONDS;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
@@ -53,7 +53,7 @@ fn pin(
 fn walk(rows: &mut String, kind: SceneKind) {
     let scale = if kind == SceneKind::Crowd { 0.1 } else { 1.0 };
     let mut world = build(kind, &SceneOptions { seed: 5, frames: FRAMES, scale, ..Default::default() });
-    let mut driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+    let mut driver = Driver::new(&world, world.grid.cell, |_| ()).unwrap();
     let mut queries = queries();
     for frame in (0..world.frames).step_by(STEP) {
         let moved = world.set_frame(frame);
@@ -84,8 +84,7 @@ fn ball(rings: u32) -> Arc<TriMesh> {
 
 /// Walls of panels that meet in T-junctions, balls that turn about them, and small things everywhere: all meshes.
 fn meshes(rows: &mut String) {
-    let spec = GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::new(40.0, 12.0, 40.0)), 0.5).unwrap();
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = Scene::new(0.5).unwrap();
     for i in 0..24u32 {
         let (along, row) = ((i % 6) as f32 * 6.0 + 2.0, (i / 6) as f32 * 9.0 + 6.0);
         let at = |u: f32, y: f32| Vec3::new(along + u, y, row);

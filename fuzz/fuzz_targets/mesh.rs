@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use arbitrary::Arbitrary;
 use casca::{
-    Aabb, Bounds, Error, Facing, GridSpec, Instance, MeshOptions, Method, ObjectDesc, Occluder, PointOptions,
+    Aabb, Bounds, Error, Facing, Instance, MeshOptions, Method, ObjectDesc, Occluder, PointOptions,
     Query, Scene, TriMesh, View,
 };
 use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
@@ -139,7 +139,7 @@ fn may_block(t: &[DVec3; 3], wall: &Wall, eye: DVec3, target: DVec3) -> bool {
 
 fuzz_target!(|play: Play| {
     let mut scene =
-        Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).expect("a plain grid");
+        Scene::new(1.0).expect("a plain grid");
     let mut ids = Vec::new();
     let mut walls: Vec<Wall> = Vec::new();
     let mut points: Vec<Vec<DVec3>> = Vec::new();

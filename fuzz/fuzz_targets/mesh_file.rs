@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock};
 
 use arbitrary::Arbitrary;
 use casca::{
-    Facing, GridSpec, Instance, MeshOptions, Method, ObjectDesc, Plane, PointOptions, Query, Scene, Sphere,
+    Facing, Instance, MeshOptions, Method, ObjectDesc, Plane, PointOptions, Query, Scene, Sphere,
     TriMesh, View,
 };
 use glam::{Affine3A, Mat3, UVec3, Vec3};
@@ -81,7 +81,7 @@ fn bytes(mesh: &TriMesh) -> Vec<u8> {
 /// Does with a mesh what can be done with one.
 fn use_it(mesh: TriMesh, play: &Play) {
     let mesh = Arc::new(mesh);
-    let spec = GridSpec { min: Vec3::splat(-8.0), cell: 1.0, dims: UVec3::splat(16) };
+    let spec = 1.0;
     let mut scene = Scene::new(&spec).expect("a plain grid");
     let occludes = mesh.occludes();
     let fixed = || {

@@ -6,7 +6,7 @@
 use arbitrary::Arbitrary;
 use casca::internals::SceneInternals;
 use casca::{
-    Aabb, Bounds, GridSpec, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Sphere, View,
+    Aabb, Bounds, Method, ObjectDesc, ObjectId, Occluder, Plane, Query, Scene, Sphere, View,
 };
 use casca_scenes::world::{Motion, Object, Shape};
 use casca_truth::oracle::RayOracle;
@@ -76,9 +76,9 @@ fuzz_target!(|play: Play| {
     // A grid of anything must be taken or refused; the play then goes on in a plain one.
     let (min, cell, dims) = play.grid;
     let dims = UVec3::from_array(dims.map(|n| u32::from(n) % 40));
-    let _ = Scene::new(&GridSpec { min: min.value(), cell: cell.value(), dims });
+    let _ = Scene::new(cell.value());
     let mut scene =
-        Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) }).expect("a plain grid");
+        Scene::new(1.0).expect("a plain grid");
     let mut query = Query::new();
     let mut known: Vec<Known> = Vec::new();
     let mut gone: Vec<ObjectId> = Vec::new();

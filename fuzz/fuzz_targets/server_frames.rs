@@ -6,7 +6,7 @@
 use std::sync::OnceLock;
 
 use arbitrary::Arbitrary;
-use casca_server::casca::{Aabb, GridSpec, ObjectDesc, Scene};
+use casca_server::casca::{Aabb, ObjectDesc, Scene};
 use casca_server::session::{Event, Limits, Session, Token};
 use casca_server::wire::{ToClient, ToServer};
 use casca_server::{ClientDesc, ClientId, EntityDesc, EntityId, ServerOptions, VisibilityServer};
@@ -49,7 +49,7 @@ fn level() -> &'static Scene {
     static LEVEL: OnceLock<Scene> = OnceLock::new();
     LEVEL.get_or_init(|| {
         let all = Aabb::new(Vec3::splat(-16.0), Vec3::splat(16.0));
-        let mut level = Scene::new(&GridSpec::covering(all, 1.0).unwrap()).unwrap();
+        let mut level = Scene::new(1.0).unwrap();
         for z in [-4.0, 4.0] {
             let wall = Aabb::new(Vec3::new(-16.0, -16.0, z), Vec3::new(12.0, 16.0, z + 0.5));
             level.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();

@@ -56,11 +56,11 @@ impl DrawItem {
     /// pixel in world units.
     ///
     /// ```
-    /// use casca::{DrawOptions, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    /// use casca::{DrawOptions, ObjectDesc, Query, Scene, Sphere, View};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let ball = |x| ObjectDesc::fixed(Sphere::new(Vec3::new(x, 32.0, 32.0), 1.0));
     /// let (far, near) = (scene.insert(ball(60.0))?, scene.insert(ball(8.0))?);
     /// let mut query = Query::new();
@@ -112,11 +112,11 @@ impl Pvs {
     /// Costs the visible objects, and sorting them.
     ///
     /// ```
-    /// use casca::{Aabb, DrawOptions, GridSpec, ObjectDesc, Query, Scene, View};
+    /// use casca::{Aabb, DrawOptions, ObjectDesc, Query, Scene, View};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// # let mut scene = Scene::new(1.0)?;
     /// # let cube = Aabb::new(Vec3::splat(8.0), Vec3::splat(9.0));
     /// # let id = scene.insert(ObjectDesc::fixed(cube))?;
     /// # let mut query = Query::new();
@@ -201,17 +201,16 @@ mod tests {
     use std::f32::consts::{FRAC_PI_2, TAU};
 
     use glam::camera::rh::{proj::directx, view::look_to_mat4};
-    use glam::{Quat, UVec3, Vec3};
+    use glam::{Quat, Vec3};
 
     use super::*;
     use crate::geometry::Plane;
     use crate::geometry::{Aabb, Obb, Sphere};
-    use crate::grid::GridSpec;
     use crate::object::ObjectDesc;
     use crate::query::Query;
 
     fn scene() -> Scene {
-        Scene::new(&GridSpec { min: Vec3::splat(-32.0), cell: 1.0, dims: UVec3::splat(64) }).unwrap()
+        Scene::new(1.0).unwrap()
     }
 
     fn list(scene: &Scene, view: &View, least: f32) -> Vec<DrawItem> {

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use glam::{DVec3, Quat, UVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use crate::id::ObjectId;
 
@@ -58,14 +58,6 @@ pub enum Error {
     /// The cell size is not a positive normal number.
     #[error("the cell size must be a positive normal number, but is {0}")]
     CellSize(f32),
-    /// The grid has no cells or too many.
-    #[error("a grid needs 1 to {max} cells along each axis, but {dims} were asked for")]
-    GridDims {
-        /// The numbers of cells asked for.
-        dims: UVec3,
-        /// The limit along each axis.
-        max: u32,
-    },
     /// The grid lies so far from the origin that its cells cannot be told apart.
     #[error(
         "a grid at {min} with cells of {cell} is too far from the origin: its planes are not exact numbers"
@@ -312,7 +304,6 @@ codes!(
     Convex => "convex",
     Negative => "negative",
     CellSize => "cell-size",
-    GridDims => "grid-dims",
     GridTooFar => "grid-too-far",
     UnknownObject => "unknown-object",
     UnknownKey => "unknown-key",

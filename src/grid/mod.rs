@@ -11,22 +11,23 @@ pub(crate) mod mask;
 pub(crate) mod run;
 pub(crate) mod side;
 
-use glam::{DVec3, IVec3, UVec3, Vec3};
+use glam::{DVec3, IVec3};
 
-use crate::error::{Error, finite3};
+use crate::error::Error;
 use crate::geometry::Aabb;
 use crate::grid::mask::BRICK;
-
-/// Greatest number of cells along one axis.
-pub const MAX_CELLS_PER_AXIS: u32 = 8192;
 
 /// Cells have coordinates from minus this to this, without the last. Objects beyond are found by
 /// every query.
 pub(crate) const REACH: i32 = 1 << 20;
 
-/// By default a grid has this many cells along its longest axis for each unit of the cube root of
-/// the number of objects.
+/// Advice has this many cells along the longest axis for each unit of the cube root of the number
+/// of objects.
 const CELLS_OF_CUBE_ROOT: f64 = 9.0;
+
+/// And cells so large that the farthest corner is at most this many of them from the origin, so that
+/// all is within [`REACH`].
+const FARTHEST_CELLS: f64 = (1 << 18) as f64;
 
 /// Coordinates beyond this many cells from the grid's corner are clamped: far enough to be outside,
 /// and small enough that sums and differences of any two cells fit 32 bits.
@@ -40,87 +41,35 @@ fn unit_of(cell: f32) -> f64 {
     2f64.powi(cell.to_bits().wrapping_shr(23) as i32 - 127 - 23)
 }
 
-/// Where the cells of a scene begin, how large they are, and how many of them the level takes.
+/// An edge length of cells that suits a level with a number of objects: 9 times the cube root of
+/// that number along the longest axis, 32 to 512; and at most 2^18 from the origin.
 ///
-/// A scene has no border: cells go on in all directions, 2^20 of them along each axis, and only
-/// those in which there is anything take memory and time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct GridSpec {
-    /// The least corner of cell 0, in world units.
-    pub min: Vec3,
-    /// Edge length of a cell in world units.
-    pub cell: f32,
-    /// Cells along x, y and z that cover the level, 1 to [`MAX_CELLS_PER_AXIS`] each: for pictures
-    /// and tools. Scenes find what lies beyond just as well.
-    pub dims: UVec3,
-}
-
-impl GridSpec {
-    /// The grid with cells of edge `cell`, in world units, that covers `region`.
-    ///
-    /// # Errors
-    /// Refuses a region that is not finite or inverted, a cell size that is not
-    /// positive, and a region that needs more than [`MAX_CELLS_PER_AXIS`] cells along an axis.
-    pub fn covering(region: Aabb, cell: f32) -> Result<Self, Error> {
-        region.check("the region")?;
-        if !(cell.is_normal() && cell > 0.0) {
-            return Err(Error::CellSize(cell));
-        }
-        let extent = region.max.as_dvec3() - region.min.as_dvec3();
-        let dims = (extent / f64::from(cell)).ceil().max(DVec3::ONE);
-        if dims.max_element() > f64::from(MAX_CELLS_PER_AXIS) {
-            let dims = UVec3::new(dims.x as u32, dims.y as u32, dims.z as u32);
-            return Err(Error::GridDims { dims, max: MAX_CELLS_PER_AXIS });
-        }
-        let dims = UVec3::new(dims.x as u32, dims.y as u32, dims.z as u32);
-        let spec = Self { min: region.min, cell, dims };
-        let grid = Grid::new(&spec)?;
-        // The corner is snapped down by less than a cell: one more may be needed.
-        let short = region.max.as_dvec3().cmpgt(grid.max());
-        let dims = dims + UVec3::new(short.x.into(), short.y.into(), short.z.into());
-        let spec = Self { dims, ..spec };
-        Grid::new(&spec)?;
-        Ok(spec)
-    }
-
-    /// The grid that covers `region` with cells that suit a number of objects: 9 times its cube
-    /// root along the longest axis, 32 to 512.
-    ///
-    /// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones
-    /// take longer to walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, so that it
-    /// matters less. Where most objects move and are hidden, finer may be faster.
-    ///
-    /// ```
-    /// use casca::{Aabb, GridSpec};
-    /// use glam::Vec3;
-    ///
-    /// # fn main() -> Result<(), casca::Error> {
-    /// let spec = GridSpec::fit(Aabb::new(Vec3::ZERO, Vec3::new(100.0, 20.0, 60.0)), 5000)?;
-    /// assert!(spec.dims.x.abs_diff(154) <= 1);
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
-    /// # Errors
-    /// As [`GridSpec::covering`].
-    pub fn fit(region: Aabb, objects: usize) -> Result<Self, Error> {
-        let cells = (CELLS_OF_CUBE_ROOT * (objects as f64).cbrt()).round().clamp(32.0, 512.0);
-        Self::with_cells(region, cells as u32)
-    }
-
-    /// The grid that covers `region` with `cells` cells along its longest axis.
-    ///
-    /// # Errors
-    /// As [`GridSpec::covering`].
-    pub fn with_cells(region: Aabb, cells: u32) -> Result<Self, Error> {
-        region.check("the region")?;
-        let longest = (region.max - region.min).max_element().max(f32::MIN_POSITIVE);
-        if cells == 0 || cells >= MAX_CELLS_PER_AXIS {
-            return Err(Error::GridDims { dims: UVec3::splat(cells), max: MAX_CELLS_PER_AXIS });
-        }
-        Self::covering(region, longest / cells as f32)
-    }
+/// The thesis' "solution point" (section 4.6): coarser cells list more objects each, finer ones
+/// take longer to walk. [`crate::Method::Point`] walks bricks of 8x8x8 cells, so that it
+/// matters less. Where most objects move and are hidden, finer may be faster.
+///
+/// ```
+/// use casca::{Aabb, Scene, cell_for};
+/// use glam::Vec3;
+///
+/// # fn main() -> Result<(), casca::Error> {
+/// let level = Aabb::new(Vec3::ZERO, Vec3::new(100.0, 20.0, 60.0));
+/// let cell = cell_for(level, 5000)?;
+/// assert!((0.64..0.66).contains(&cell));
+/// # let _ = Scene::new(cell)?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// Refuses a level that is not finite or inverted, and one in which a cell is no normal number.
+pub fn cell_for(level: Aabb, objects: usize) -> Result<f32, Error> {
+    level.check("the level")?;
+    let cells = (CELLS_OF_CUBE_ROOT * (objects as f64).cbrt()).round().clamp(32.0, 512.0);
+    let (min, max) = (level.min.as_dvec3(), level.max.as_dvec3());
+    let farthest = min.abs().max(max.abs()).max_element();
+    let cell = ((max - min).max_element() / cells).max(farthest / FARTHEST_CELLS) as f32;
+    Grid::new(cell).map(|_| cell)
 }
 
 /// Whether cells in all directions around a cell have coordinates.
@@ -128,48 +77,34 @@ pub(crate) fn reaches(cell: IVec3) -> bool {
     cell.cmpge(IVec3::splat(-REACH)).all() && cell.cmplt(IVec3::splat(REACH)).all()
 }
 
-/// A grid whose planes are exact. Cells have integer coordinates, those of the level that
-/// [`GridSpec`] tells of from 0 to [`Grid::dims`].
+/// A grid whose planes are exact. Cells have integer coordinates; the least corner of cell 0 is the
+/// origin, until that is shifted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     origin: DVec3,
     cell: f64,
-    dims: IVec3,
 }
 
 impl Grid {
-    /// Checks `spec` and computes its planes.
+    /// The grid with cells of edge `cell`, in world units.
     ///
-    /// The corner is snapped down to a multiple of the cell size's last
-    /// binary digit (at most 2^-23 of a cell). Corner and planes are then
-    /// multiples of one power of two below 2^52 times it, so `corner + i * cell` is exact.
+    /// Corner and planes are multiples of the cell size's last binary digit, at most 2^-23 of it,
+    /// and below 2^52 times that, so `corner + i * cell` is exact.
     ///
     /// # Errors
-    /// Refuses corners that are not finite, cell sizes that are not positive
-    /// normal numbers, 0 or more than [`MAX_CELLS_PER_AXIS`] cells, and
-    /// corners more than about 2^28 cells from the origin.
-    pub fn new(spec: &GridSpec) -> Result<Self, Error> {
-        finite3("the grid's corner", spec.min)?;
-        if !(spec.cell.is_normal() && spec.cell > 0.0) {
-            return Err(Error::CellSize(spec.cell));
+    /// Refuses cell sizes that are not positive normal numbers.
+    pub fn new(cell: f32) -> Result<Self, Error> {
+        if !(cell.is_normal() && cell > 0.0) {
+            return Err(Error::CellSize(cell));
         }
-        if spec.dims.min_element() == 0 || spec.dims.max_element() > MAX_CELLS_PER_AXIS {
-            return Err(Error::GridDims { dims: spec.dims, max: MAX_CELLS_PER_AXIS });
-        }
-        let cell = f64::from(spec.cell);
-        let unit = unit_of(spec.cell);
-        let units = (spec.min.as_dvec3() / unit).floor();
-        if units.abs().max_element() > MOST_UNITS {
-            return Err(Error::GridTooFar { min: spec.min, cell: spec.cell });
-        }
-        Ok(Self { origin: units * unit, cell, dims: spec.dims.as_ivec3() })
+        Ok(Self { origin: DVec3::ZERO, cell: f64::from(cell) })
     }
 
-    /// The grid in coordinates that are less by an offset. Its corner is snapped down as that of
-    /// [`Grid::new`], by at most two units of [`Grid::unit`].
+    /// The grid in coordinates that are less by an offset. Its corner is snapped down, by at
+    /// most two units of [`Grid::unit`].
     ///
     /// # Errors
-    /// As [`Grid::new`].
+    /// Refuses a corner that would be more than about 2^28 cells from the origin.
     pub(crate) fn shifted(&self, offset: DVec3) -> Result<Self, Error> {
         let unit = self.unit();
         let units = ((self.origin - offset) / unit).floor();
@@ -186,11 +121,7 @@ impl Grid {
 
     /// The grid of bricks of 8x8x8 cells. Its planes are planes of this grid, just as exact.
     pub(crate) fn bricks(&self) -> Self {
-        Self {
-            origin: self.origin,
-            cell: self.cell * f64::from(BRICK),
-            dims: (self.dims + BRICK - 1) / BRICK,
-        }
+        Self { origin: self.origin, cell: self.cell * f64::from(BRICK) }
     }
 
     /// The least corner of cell 0, in world units.
@@ -198,24 +129,9 @@ impl Grid {
         self.origin
     }
 
-    /// The greatest corner of the level that [`GridSpec`] tells of.
-    pub fn max(&self) -> DVec3 {
-        self.origin + self.dims.as_dvec3() * self.cell
-    }
-
     /// Edge length of a cell.
     pub fn cell_size(&self) -> f64 {
         self.cell
-    }
-
-    /// Cells of that level along each axis.
-    pub fn dims(&self) -> IVec3 {
-        self.dims
-    }
-
-    /// The number of these cells.
-    pub fn cells(&self) -> u64 {
-        self.dims.to_array().iter().map(|&n| n as u64).product()
     }
 
     /// World coordinate of plane `i` along `axis`: the lower face of cell `i`.
@@ -297,29 +213,23 @@ pub(crate) fn clip(lo: IVec3, hi: IVec3) -> Option<(IVec3, IVec3)> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use glam::Vec3;
 
-    fn grid(min: Vec3, cell: f32, dims: UVec3) -> Grid {
-        Grid::new(&GridSpec { min, cell, dims }).unwrap()
-    }
+    use super::*;
 
     #[test]
     fn refuses_what_is_no_grid() {
-        let spec = |min, cell, dims| Grid::new(&GridSpec { min, cell, dims });
-        let ok = UVec3::splat(4);
-        assert!(matches!(spec(Vec3::splat(f32::NAN), 1.0, ok), Err(Error::NotFinite { .. })));
         for cell in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-45] {
-            assert!(matches!(spec(Vec3::ZERO, cell, ok), Err(Error::CellSize(_))), "{cell}");
+            assert!(matches!(Grid::new(cell), Err(Error::CellSize(_))), "{cell}");
         }
-        assert!(matches!(spec(Vec3::ZERO, 1.0, UVec3::new(4, 0, 4)), Err(Error::GridDims { .. })));
-        assert!(matches!(spec(Vec3::ZERO, 1.0, UVec3::MAX), Err(Error::GridDims { .. })));
-        assert!(matches!(spec(Vec3::splat(1e30), 1.0, ok), Err(Error::GridTooFar { .. })));
+        let far = Grid::new(1.0).unwrap().shifted(DVec3::splat(1e30));
+        assert!(matches!(far, Err(Error::GridTooFar { .. })));
     }
 
     #[test]
     fn planes_are_exact_and_cells_meet() {
-        for (min, cell) in [(-50.0, 1.0), (1e6, 0.1), (-0.3, 0.1), (123.456, 0.0625), (1e-20, 3.7)] {
-            let g = grid(Vec3::splat(min), cell, UVec3::splat(5000));
+        for (min, cell) in [(-50.0, 1.0), (1e6, 0.1), (-0.3, 0.1), (123.456, 0.0625), (1e-20, 3.7f32)] {
+            let g = Grid::new(cell).unwrap().shifted(DVec3::splat(-min)).unwrap();
             for i in [0, 1, 17, 999, 4999] {
                 let p = g.plane(0, i + 1) - g.plane(0, i);
                 assert_eq!(p, f64::from(cell), "{min} {cell} {i}");
@@ -334,7 +244,7 @@ mod tests {
 
     #[test]
     fn cover_and_inside() {
-        let g = grid(Vec3::ZERO, 1.0, UVec3::splat(10));
+        let g = Grid::new(1.0).unwrap();
         let cover = g.cover(DVec3::splat(1.0), DVec3::new(2.0, 2.5, 1.0));
         assert_eq!(cover, (IVec3::ONE, IVec3::new(1, 2, 1)));
         let inside = g.inside(DVec3::splat(0.5), DVec3::splat(3.0));
@@ -349,11 +259,13 @@ mod tests {
     }
 
     #[test]
-    fn covering_holds_its_region() {
-        for (lo, hi, cell) in [(0.0, 10.0, 1.0), (-3.3, 7.7, 0.1), (1000.1, 1000.2, 0.05), (5.0, 5.0, 1.0)] {
-            let spec = GridSpec::covering(Aabb { min: Vec3::splat(lo), max: Vec3::splat(hi) }, cell).unwrap();
-            let g = Grid::new(&spec).unwrap();
-            assert!(g.min().x <= f64::from(lo) && g.max().x >= f64::from(hi), "{spec:?}");
+    fn advice_reaches_all_of_a_level() {
+        for (lo, hi) in [(0.0, 10.0), (-3.3, 7.7), (1e6, 1e6 + 1.0), (-1e30, 1e30), (0.0, 1e-20)] {
+            let cell = cell_for(Aabb { min: Vec3::splat(lo), max: Vec3::splat(hi) }, 1000).unwrap();
+            let grid = Grid::new(cell).unwrap();
+            assert!([lo, hi].iter().all(|v| reaches(grid.cell_of(DVec3::splat(f64::from(*v))))), "{lo} {hi}");
         }
+        assert!(cell_for(Aabb { min: Vec3::ZERO, max: Vec3::ZERO }, 1000).is_err());
+        assert!(cell_for(Aabb { min: Vec3::ZERO, max: Vec3::splat(f32::NAN) }, 1000).is_err());
     }
 }

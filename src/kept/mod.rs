@@ -90,11 +90,11 @@ impl KeptOptions {
 /// calls.
 ///
 /// ```
-/// use casca::{Aabb, GridSpec, KeptOptions, KeptQuery, ObjectDesc, Scene, Sphere, View};
+/// use casca::{Aabb, KeptOptions, KeptQuery, ObjectDesc, Scene, Sphere, View};
 /// use glam::{UVec3, Vec3};
 ///
 /// # fn main() -> Result<(), casca::Error> {
-/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let mut scene = Scene::new(1.0)?;
 /// let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0));
 /// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 /// let ball = |x: f32| Sphere::new(Vec3::new(x, 16.0, 24.0), 0.5);

@@ -155,10 +155,7 @@ impl<'a> CellRaster<'a> {
 mod tests {
     use std::collections::BTreeSet;
 
-    use glam::{UVec3, Vec3};
-
     use super::*;
-    use crate::grid::GridSpec;
     use crate::mesh::triangle::triangle_meets_box;
     use crate::random::Random;
 
@@ -220,12 +217,12 @@ mod tests {
 
     #[test]
     fn rows_hold_the_cells_that_are_met_one_by_one() {
-        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(12) }).unwrap();
+        let grid = Grid::new(1.0).unwrap();
         let mut random = Random::new(3);
         let (mut met, mut more) = (0, 0);
         for round in 0..3200 {
             let t = triangle(round % 16, &mut random);
-            let hi = grid.dims() - 1;
+            let hi = IVec3::splat(11);
             let lo = if round % 5 == 0 { IVec3::new(3, 2, 4) } else { IVec3::ZERO };
             let own = rows(&t, &grid, lo, hi);
             // The test by cells errs too: by less than half of the margin.
@@ -242,18 +239,17 @@ mod tests {
     fn rows_hold_all_points_of_triangles_anywhere() {
         let mut random = Random::new(11);
         for (min, cell) in [(0.0, 1.0), (-0.3, 0.1), (1e6, 0.25), (123.456, 0.0625), (-1e-3, 1e-4)] {
-            let spec = GridSpec { min: Vec3::splat(min), cell, dims: UVec3::splat(12) };
-            let grid = Grid::new(&spec).unwrap();
+            let grid = Grid::new(cell).unwrap().shifted(DVec3::splat(-min)).unwrap();
             for round in 0..320 {
                 let place = |p: DVec3| (grid.min() + p * grid.cell_size()).as_vec3().as_dvec3();
                 let t = triangle(round % 13, &mut random).map(place);
-                let own = rows(&t, &grid, IVec3::ZERO, grid.dims() - 1);
+                let own = rows(&t, &grid, IVec3::ZERO, IVec3::splat(11));
                 for _ in 0..200 {
                     let (u, v) = (random.next(), random.next());
                     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
                     let (u, v) = if round % 2 == 0 { (u, v) } else { (u, 0.0) };
                     let cell = grid.cell_of(t[0] + (t[1] - t[0]) * u + (t[2] - t[0]) * v);
-                    let inside = cell.cmpge(IVec3::ZERO).all() && cell.cmplt(grid.dims()).all();
+                    let inside = cell.cmpge(IVec3::ZERO).all() && cell.cmplt(IVec3::splat(12)).all();
                     assert!(!inside || own.contains(&cell.to_array()), "{t:?} {cell}");
                 }
             }
@@ -263,11 +259,11 @@ mod tests {
     #[test]
     fn large_triangles_cost_their_rows() {
         // Some 8 million cells are met; the box around them has 2^36.
-        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(4096) }).unwrap();
+        let grid = Grid::new(1.0).unwrap();
         let t =
             [DVec3::new(1.0, 1.0, 1.0), DVec3::new(4095.0, 30.0, 4000.0), DVec3::new(200.0, 4090.0, 4000.0)];
         let (mut runs, mut cells) = (0u64, 0u64);
-        CellRaster::new(&grid, IVec3::ZERO, grid.dims() - 1).triangle(&t, |run| {
+        CellRaster::new(&grid, IVec3::ZERO, IVec3::splat(4095)).triangle(&t, |run| {
             runs += 1;
             cells += (run.x1 - run.x0 + 1) as u64;
         });

@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
+use glam::{DVec3, IVec3, Quat, Vec3};
 
 use crate::error::Error;
 use crate::geometry::{Aabb, Block, Obb};
+use crate::grid::Grid;
 use crate::grid::run::CellRun;
-use crate::grid::{Grid, GridSpec};
 use crate::mesh::{Facing, Instance, MeshOptions, TriMesh};
 use crate::object::{ObjectDesc, Occluder};
 use crate::scene::Scene;
@@ -38,7 +38,7 @@ fn cells(shape: &dyn Shape, grid: &Grid, opaque: bool) -> BTreeSet<[i32; 3]> {
 }
 
 fn grid(cells: u32) -> Grid {
-    Grid::new(&GridSpec { min: Vec3::ZERO, cell: 10.0 / cells as f32, dims: UVec3::splat(cells) }).unwrap()
+    Grid::new(10.0 / cells as f32).unwrap()
 }
 
 #[test]
@@ -185,8 +185,7 @@ fn what_is_bounds_only_hides_nothing_and_takes_less() {
     assert_eq!(cells(&*bounds, &g, false), cells(&*full, &g, false));
     assert!(cells(&*bounds, &g, true).is_empty());
 
-    let spec = GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(20) };
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = Scene::new(0.5).unwrap();
     let place = glam::Affine3A::from_rotation_y(0.2);
     let instance = Instance::new(bounds.clone(), place).unwrap();
     let id = scene.insert(ObjectDesc::dynamic(instance.clone())).unwrap();

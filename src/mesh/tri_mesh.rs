@@ -45,7 +45,7 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 /// ```
 /// use std::sync::Arc;
 ///
-/// use casca::{GridSpec, Instance, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
+/// use casca::{Instance, ObjectDesc, Query, Scene, Sphere, TriMesh, View};
 /// use glam::{Affine3A, UVec3, Vec3};
 ///
 /// # fn main() -> Result<(), casca::Error> {
@@ -55,7 +55,7 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 /// let square = Arc::new(TriMesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?);
 /// assert!(square.occludes() && !square.is_closed());
 ///
-/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+/// let mut scene = Scene::new(1.0)?;
 /// let at = Affine3A::from_translation(Vec3::splat(8.0));
 /// let wall = Instance::new(square, at)?;
 /// let wall = scene.insert(ObjectDesc::fixed(wall.clone()).occluder(wall))?;

@@ -166,11 +166,11 @@ impl ObjectDesc {
     /// thicker hides nothing.
     ///
     /// ```
-    /// use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+    /// use casca::{Aabb, ObjectDesc, Scene};
     /// use glam::{Affine3A, UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// // A door that turns around its hinge.
     /// let leaf = Aabb::new(Vec3::ZERO, Vec3::new(1.0, 2.0, 0.1));
     /// let at = |angle| Affine3A::from_translation(Vec3::splat(8.0)) * Affine3A::from_rotation_y(angle);

@@ -50,11 +50,11 @@ pub(crate) struct Extras<'a> {
 /// [`Query::sight`] answers about boxes and points that are no objects of the scene.
 ///
 /// ```
-/// use casca::{Aabb, GridSpec, Method, ObjectDesc, PointOptions, Query, Scene, Sphere, View};
+/// use casca::{Aabb, Method, ObjectDesc, PointOptions, Query, Scene, Sphere, View};
 /// use glam::{UVec3, Vec3};
 ///
 /// # fn main() -> Result<(), casca::Error> {
-/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let mut scene = Scene::new(1.0)?;
 /// let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
 /// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 /// let far = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(20.0, 16.0, 16.0), 1.0)))?;

@@ -22,11 +22,11 @@ use crate::view::{Origin, View};
 /// the one set of occlusion buffers, so each costs the pixels that it covers.
 ///
 /// ```
-/// use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, View};
+/// use casca::{Aabb, ObjectDesc, Query, Scene, View};
 /// use glam::{UVec3, Vec3};
 ///
 /// # fn main() -> Result<(), casca::Error> {
-/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let mut scene = Scene::new(1.0)?;
 /// let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 17.0));
 /// scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 /// let mut query = Query::new();

@@ -80,11 +80,11 @@ impl Scene {
     /// expiry.
     ///
     /// ```
-    /// use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+    /// use casca::{Aabb, ObjectDesc, Scene};
     /// use glam::{Affine3A, UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let standing = Aabb::new(Vec3::new(-0.4, 0.0, -0.4), Vec3::new(0.4, 1.8, 0.4));
     /// let at = |x| Affine3A::from_translation(Vec3::new(x, 2.0, 9.0));
     /// let person = scene.insert(ObjectDesc::dynamic(standing).placed(at(5.0)))?;
@@ -143,11 +143,11 @@ impl Scene {
     /// ```
     /// use std::sync::Arc;
     ///
-    /// use casca::{GridSpec, Instance, ObjectDesc, Scene, TriMesh};
+    /// use casca::{Instance, ObjectDesc, Scene, TriMesh};
     /// use glam::{Affine3A, UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// # let mut scene = Scene::new(1.0)?;
     /// let leaf = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
     /// let leaf = Instance::new(Arc::new(leaf), Affine3A::from_translation(Vec3::splat(8.0)))?;
     /// let leaf = scene.insert(ObjectDesc::dynamic(leaf.clone()).occluder(leaf))?;
@@ -206,11 +206,11 @@ impl Scene {
     /// [`ObjectId::index`].
     ///
     /// ```
-    /// use casca::{GridSpec, ObjectDesc, Scene, Sphere};
+    /// use casca::{ObjectDesc, Scene, Sphere};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let ball = |x: f32| Sphere::new(Vec3::new(x, 9.0, 9.0), 0.5);
     /// let birds = (0..20).map(|i| scene.insert(ObjectDesc::dynamic(ball(i as f32 + 1.0))));
     /// let birds = birds.collect::<Result<Vec<_>, _>>()?;
@@ -313,10 +313,10 @@ impl Scene {
     /// [`Scene::remove`]; the grid, the clock and the memory stay. Costs as removing each object.
     ///
     /// ```
-    /// # use casca::{Error, GridSpec, ObjectDesc, Scene, Sphere};
+    /// # use casca::{Error, ObjectDesc, Scene, Sphere};
     /// # use glam::{UVec3, Vec3};
     /// # fn main() -> Result<(), Error> {
-    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// # let mut scene = Scene::new(1.0)?;
     /// # let ball = Sphere::new(Vec3::splat(4.0), 1.0);
     /// let id = scene.insert(ObjectDesc::fixed(ball))?;
     /// scene.clear();

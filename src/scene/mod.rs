@@ -99,11 +99,11 @@ pub use reads::ObjectRef;
 /// was found on the other.
 ///
 /// ```
-/// use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+/// use casca::{Aabb, ObjectDesc, Query, Scene, Sphere, View};
 /// use glam::{UVec3, Vec3};
 ///
 /// # fn main() -> Result<(), casca::Error> {
-/// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+/// let mut scene = Scene::new(1.0)?;
 /// let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
 /// let wall = scene.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 /// let near = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::new(4.0, 16.0, 16.0), 1.0)))?;

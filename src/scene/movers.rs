@@ -200,14 +200,12 @@ mod tests {
     use std::collections::BTreeMap;
 
     use casca_slots::Slots;
-    use glam::{UVec3, Vec3};
 
     use super::*;
-    use crate::grid::GridSpec;
     use crate::random::Random;
 
     fn grid() -> Grid {
-        Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(200, 100, 70) }).unwrap()
+        Grid::new(1.0).unwrap()
     }
 
     fn block(at: DVec3, half: f64) -> Block {

@@ -79,11 +79,11 @@ impl Scene {
     /// hundred cells of the camera's way.
     ///
     /// ```
-    /// use casca::{Aabb, Error, GridSpec, ObjectDesc, Scene};
+    /// use casca::{Aabb, Error, ObjectDesc, Scene};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let wall = scene.insert(ObjectDesc::fixed(Aabb::new(Vec3::splat(8.0), Vec3::splat(10.0))))?;
     /// scene.shift_origin(Vec3::new(16.0, 0.0, 0.0))?;
     /// assert_eq!(scene.bounds(wall)?.aabb().min, Vec3::new(-8.0, 8.0, 8.0));

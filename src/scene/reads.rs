@@ -7,8 +7,8 @@ use glam::{Affine3A, DVec3, IVec3};
 
 use crate::error::Error;
 use crate::geometry::Block;
+use crate::grid::Grid;
 use crate::grid::cell_box::CellBox;
-use crate::grid::{Grid, GridSpec};
 use crate::id::ObjectId;
 use crate::matrix::ids::IdMatrix;
 use crate::matrix::tbv::TbvMatrix;
@@ -67,12 +67,14 @@ impl fmt::Debug for Scene {
 }
 
 impl Scene {
-    /// An empty scene on a grid.
+    /// An empty scene, with cells of edge `cell`, in world units. They go on in all directions, 2^20
+    /// of them along each axis, and only those in which there is anything take memory and time; an
+    /// object farther away is tested in every query. [`crate::cell_for`] tells what suits a level.
     ///
     /// # Errors
     /// As [`Grid::new`].
-    pub fn new(spec: &GridSpec) -> Result<Self, Error> {
-        let grid = Grid::new(spec)?;
+    pub fn new(cell: f32) -> Result<Self, Error> {
+        let grid = Grid::new(cell)?;
         Ok(Self {
             grid,
             slots: Slots::new(),
@@ -117,11 +119,11 @@ impl Scene {
     /// ever given.
     ///
     /// ```
-    /// use casca::{GridSpec, ObjectDesc, Scene, Sphere};
+    /// use casca::{ObjectDesc, Scene, Sphere};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let ball = Sphere::new(Vec3::splat(4.0), 1.0);
     /// let id = scene.insert(ObjectDesc::fixed(ball).occluder(ball).user_data(7))?;
     /// scene.insert(ObjectDesc::dynamic(ball))?;
@@ -212,10 +214,10 @@ impl Scene {
     /// The id that a [key](Scene::key) of this scene stands for. Costs one look-up.
     ///
     /// ```
-    /// # use casca::{Error, GridSpec, ObjectDesc, Scene, Sphere};
+    /// # use casca::{Error, ObjectDesc, Scene, Sphere};
     /// # use glam::{UVec3, Vec3};
     /// # fn main() -> Result<(), Error> {
-    /// # let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) })?;
+    /// # let mut scene = Scene::new(1.0)?;
     /// # let id = scene.insert(ObjectDesc::fixed(Sphere::new(Vec3::splat(4.0), 1.0)))?;
     /// let key: u64 = scene.key(id)?;
     /// assert_eq!(scene.id_from_key(key)?, id);

@@ -32,16 +32,15 @@ impl UserData {
 
 #[cfg(test)]
 mod tests {
-    use glam::{UVec3, Vec3};
+    use glam::Vec3;
 
     use crate::geometry::Sphere;
-    use crate::grid::GridSpec;
     use crate::object::ObjectDesc;
     use crate::scene::Scene;
 
     #[test]
     fn numbers_stay_with_their_objects() {
-        let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(8) }).unwrap();
+        let mut scene = Scene::new(1.0).unwrap();
         let desc = || ObjectDesc::fixed(Sphere::new(Vec3::splat(4.0), 1.0));
         let [plain, first, second] = [0, 7, 8].map(|n| scene.insert(desc().user_data(n)).unwrap());
         assert_eq!([plain, first, second].map(|id| scene.user_data(id)), [Ok(0), Ok(7), Ok(8)]);

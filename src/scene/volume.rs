@@ -99,13 +99,12 @@ fn slack_between_viewers(
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, UVec3, Vec3};
+    use glam::DVec3;
 
     use super::*;
-    use crate::grid::GridSpec;
 
     fn grid() -> Grid {
-        Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(100, 60, 100) }).unwrap()
+        Grid::new(1.0).unwrap()
     }
 
     fn grown(block: &Block, by: f64) -> Block {

@@ -62,15 +62,14 @@ impl Volumes {
 
 #[cfg(test)]
 mod tests {
-    use glam::{UVec3, Vec3};
 
     use super::*;
     use crate::geometry::Block;
-    use crate::grid::{Grid, GridSpec};
+    use crate::grid::Grid;
     use crate::random::Random;
 
     fn grid() -> Grid {
-        Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(100, 60, 100) }).unwrap()
+        Grid::new(1.0).unwrap()
     }
 
     #[test]

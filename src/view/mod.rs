@@ -281,13 +281,13 @@ impl View {
     /// shows nothing.
     ///
     /// ```
-    /// use casca::{GridSpec, ObjectDesc, Query, Scene, Sphere, View};
+    /// use casca::{ObjectDesc, Query, Scene, Sphere, View};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
     /// const WORLD: u64 = 1;
     /// const FIRST_PERSON: u64 = 2;
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let ball = Sphere::new(Vec3::splat(9.5), 1.0);
     /// let head = scene.insert(ObjectDesc::dynamic(ball).layers(WORLD))?;
     /// let hands = scene.insert(ObjectDesc::dynamic(ball).layers(FIRST_PERSON))?;

@@ -76,16 +76,14 @@ fn shell_range(extent: &CellBox, cell: IVec3) -> (i32, i32) {
 
 #[cfg(test)]
 mod tests {
-    use glam::{UVec3, Vec3};
+    use glam::Vec3;
 
     use super::*;
-    use crate::grid::GridSpec;
 
     #[test]
     fn shells_reach_from_the_nearest_to_the_farthest_cell() {
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::new(10, 20, 30) };
-        let grid = Grid::new(&spec).unwrap();
-        let extent = CellBox { lo: IVec3::ZERO, hi: grid.dims() - 1 };
+        let grid = Grid::new(1.0).unwrap();
+        let extent = CellBox { lo: IVec3::ZERO, hi: IVec3::new(9, 19, 29) };
         let range = |eye: Vec3| {
             let view = View::omnidirectional(eye).unwrap();
             Shells::around_eye(&grid, extent, &view, Start::Cell).map(|s| (s.cell, s.nearest, s.farthest))
@@ -99,16 +97,15 @@ mod tests {
 
     #[test]
     fn boxes_begin_in_the_shell_of_their_nearest_cell() {
-        let spec = GridSpec { min: Vec3::new(-3.0, 1.0, 0.0), cell: 0.5, dims: UVec3::new(40, 20, 10) };
-        let grid = Grid::new(&spec).unwrap();
-        let extent = CellBox { lo: IVec3::ZERO, hi: grid.dims() - 1 };
+        let grid = Grid::new(0.5).unwrap();
+        let extent = CellBox { lo: IVec3::new(-6, 2, 0), hi: IVec3::new(33, 21, 9) };
+        let (least, most) = grid.range_bounds(extent.lo, extent.hi);
         let view = View::omnidirectional(Vec3::new(2.3, 4.1, 1.2)).unwrap();
         let shells = Shells::around_eye(&grid, extent, &view, Start::Eye).unwrap();
         let mut found = [false; 40];
         for i in 0..4000 {
             let share = |by: i32| f64::from(i * by % 1009) / 1009.0;
-            let min =
-                grid.min() + (grid.max() - grid.min()) * glam::DVec3::new(share(7), share(13), share(31));
+            let min = least + (most - least) * glam::DVec3::new(share(7), share(13), share(31));
             let block = Block { min, max: min + 0.3 + share(17) };
             let (lo, hi) = grid.cover(block.min, block.max);
             let expected = (lo - shells.cell).max(shells.cell - hi).max_element().clamp(0, shells.farthest);
@@ -117,7 +114,7 @@ mod tests {
         }
         assert!(found[..20].iter().all(|&found| found), "{found:?}");
         // Boxes beyond begin in the last shell, also where that is the first one.
-        let single = CellBox::default();
+        let single = CellBox { lo: extent.lo, hi: extent.lo };
         let view = View::omnidirectional(Vec3::new(-2.8, 1.1, 0.1)).unwrap();
         let shells = Shells::around_eye(&grid, single, &view, Start::Eye).unwrap();
         for far in [1.0, 1e30, f64::INFINITY] {

@@ -166,7 +166,7 @@ impl World {
     pub fn new(options: WorldOptions) -> Result<Self, Error> {
         options.check()?;
         Ok(Self {
-            scene: Scene::new(&options.grid())?,
+            scene: Scene::new(options.cell)?,
             options,
             origin_page: PageId::default(),
             next: None,

@@ -1,9 +1,6 @@
 //! The options of a world.
 
-use glam::{UVec3, Vec3};
-
 use crate::error::Error;
-use crate::grid::GridSpec;
 use crate::numeric::world::{LARGEST_CELL, SMALLEST_CELL};
 use crate::world::page::{PAGE_CELLS, PageId};
 
@@ -74,11 +71,6 @@ impl WorldOptions {
             return out_of_range("the budget", 0.0, 1.0, usize::MAX as f64);
         }
         Ok(())
-    }
-
-    /// The grid of a scene whose origin is the corner of a page.
-    pub(super) fn grid(&self) -> GridSpec {
-        GridSpec { min: Vec3::ZERO, cell: self.cell, dims: UVec3::splat(PAGE_CELLS) }
     }
 
     /// The page whose corner is the next origin, if the eye's is too far from that of this one.

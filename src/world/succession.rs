@@ -29,7 +29,7 @@ impl NextScene {
     /// # Errors
     /// As [`Scene::new`].
     pub(super) fn new(from: &Scene, page: PageId, options: &WorldOptions) -> Result<Self, Error> {
-        let (mut scene, origin) = (Scene::new(&options.grid())?, page.corner(options.page_size()));
+        let (mut scene, origin) = (Scene::new(options.cell)?, page.corner(options.page_size()));
         scene.set_clock(from);
         Ok(Self { page, origin, scene, reached: 0 })
     }

@@ -9,7 +9,7 @@ const BALL: Sphere = Sphere { center: Vec3::new(20.0, 16.0, 16.0), radius: 1.0 }
 
 #[test]
 fn an_update_does_not_take_an_occluder_away_by_silence() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let wall = scene.solid(WALL);
     let ball = scene.fixed(BALL);
     let (mut query, view) = (Query::new(), around(Vec3::new(2.5, 16.5, 16.5)));
@@ -29,7 +29,7 @@ fn an_update_does_not_take_an_occluder_away_by_silence() {
 
 #[test]
 fn a_fixed_object_has_no_speed() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     for desc in [ObjectDesc::fixed(BALL).max_speed(3.0), ObjectDesc::fixed(BALL).reported_on_expiry()] {
         assert_eq!(scene.insert(desc), Err(Error::FixedMoves));
     }
@@ -42,7 +42,7 @@ fn a_fixed_object_has_no_speed() {
 
 #[test]
 fn an_occluder_lies_inside_its_bounds() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let larger = Aabb { max: WALL.max + Vec3::X, ..WALL };
     assert_eq!(
         scene.insert(ObjectDesc::fixed(WALL).occluder(larger)),
@@ -63,7 +63,7 @@ fn an_occluder_lies_inside_its_bounds() {
 
 #[test]
 fn a_query_that_never_ran_ends_no_frame() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let id = scene.insert(ObjectDesc::dynamic(BALL)).unwrap();
     let mut query = Query::new();
     assert_eq!(scene.end_frame([query.pvs()]).unwrap(), FrameReport::default());
@@ -74,13 +74,13 @@ fn a_query_that_never_ran_ends_no_frame() {
     query.run(&scene, &around(Vec3::splat(3.5)));
     assert!(query.pvs().contains(id));
     scene.end_frame([query.pvs(), Query::new().pvs()]).unwrap();
-    let mut other = empty(32);
+    let mut other = empty();
     assert_eq!(other.end_frame([query.pvs()]), Err(Error::ForeignPvs));
 }
 
 #[test]
 fn an_offset_moves_instances_and_no_meshes() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let mesh = mesh(vec![Vec3::ONE, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
     let fixed = scene.solid(mesh.clone());
     assert_eq!(scene.translate(fixed, Vec3::X), Err(Error::FixedMesh(fixed)));
@@ -91,7 +91,7 @@ fn an_offset_moves_instances_and_no_meshes() {
 
 #[test]
 fn messages_read_as_they_were_meant() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let fine = PointOptions::default().pixel_degrees(0.01);
     let mut refused = |bounds: Bounds| scene.insert(ObjectDesc::fixed(bounds)).unwrap_err();
     for (error, text) in [
@@ -108,7 +108,7 @@ fn messages_read_as_they_were_meant() {
             refused(Sphere::new(Vec3::new(0.1, f32::INFINITY, 0.0), 1.0).into()),
             "the bounds must be finite, not [0.1, inf, 0]",
         ),
-        (empty(1).begin_frame(f64::NAN).unwrap_err(), "the time must be finite, not NaN"),
+        (empty().begin_frame(f64::NAN).unwrap_err(), "the time must be finite, not NaN"),
     ] {
         assert_eq!(error.to_string(), text);
     }

@@ -21,7 +21,7 @@ fn what_applications_hold_crosses_threads_and_prints_itself() {
 
 #[test]
 fn a_cleared_scene_is_an_empty_one_that_knows_no_old_id() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let (empty, view) = (scene.clone().memory(), around(Vec3::new(2.5, 16.5, 16.5)));
     let fill = |scene: &mut Scene| {
         let wall = scene.solid(WALL);
@@ -56,7 +56,7 @@ fn a_cleared_scene_is_an_empty_one_that_knows_no_old_id() {
 
 #[test]
 fn all_objects_are_listed_with_their_data() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     scene.reserve(usize::MAX);
     let wall = scene.insert(ObjectDesc::fixed(WALL).occluder(WALL).user_data(u64::MAX)).unwrap();
     let gone = scene.fixed(ball(3.0));
@@ -82,7 +82,7 @@ fn all_objects_are_listed_with_their_data() {
 
 #[test]
 fn a_key_names_one_object_of_a_scene_for_ever() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let mut keys = Vec::new();
     for _ in 0..50 {
         let id = scene.fixed(ball(4.0));
@@ -97,12 +97,12 @@ fn a_key_names_one_object_of_a_scene_for_ever() {
     let id = scene.fixed(ball(4.0));
     let copy = scene.clone();
     assert_eq!(copy.id_from_key(scene.key(id).unwrap()), Ok(id), "clones have it in common");
-    assert!(scene.key(empty(32).insert(ObjectDesc::fixed(ball(4.0))).unwrap()).is_err());
+    assert!(scene.key(empty().insert(ObjectDesc::fixed(ball(4.0))).unwrap()).is_err());
 }
 
 #[test]
 fn changes_are_the_differences_of_two_sets() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let wall = scene.solid(WALL);
     let balls: Vec<ObjectId> = (0..20).map(|i| scene.fixed(ball(1.5 + 1.5 * i as f32))).collect();
     let mut query = Query::new();
@@ -131,7 +131,7 @@ fn changes_are_the_differences_of_two_sets() {
 
 #[test]
 fn an_exact_eye_sees_the_same_with_any_depth() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let wall = scene.solid(WALL);
     let near = scene.fixed(ball(5.0));
     scene.fixed(ball(20.0));

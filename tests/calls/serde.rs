@@ -35,7 +35,6 @@ fn values_come_back_as_they_were() {
     round_trip(Method::Frustum);
     round_trip(MeshOptions::default().tolerance(0.5).gap(0.25).facing(Facing::Front).occludes(false));
     round_trip(DrawOptions::default().min_size(0.25));
-    round_trip(GridSpec { min: Vec3::new(-1.0, 0.1, 1e9), cell: 0.3, dims: UVec3::new(1, 2, 8192) });
     round_trip(Aabb::new(Vec3::splat(-0.1), Vec3::splat(1e-30)));
     round_trip(Sphere::new(Vec3::new(0.1, 0.2, 0.3), 0.0));
     round_trip(Obb::new(Vec3::ONE, Vec3::splat(0.1), Quat::from_rotation_y(0.3)));
@@ -87,8 +86,6 @@ fn options_out_of_range_are_refused_where_they_are_used() {
         let method: Method = from_str(text).unwrap();
         assert!(matches!(query.set_method(method), Err(Error::Setting { .. })), "{text}");
     }
-    let spec: GridSpec = from_str(r#"{"min": [0, 0, 0], "cell": 1, "dims": [0, 1, 1]}"#).unwrap();
-    assert!(matches!(Scene::new(&spec), Err(Error::GridDims { .. })));
     refused::<Method>(r#"{"point": {"min_pixels": -1}}"#, "invalid value");
     refused::<Method>(r#""of_tomorrow""#, "unknown variant");
 }
@@ -116,7 +113,6 @@ fn values_that_are_no_shapes_are_refused() {
 
 #[test]
 fn descriptions_come_back_and_make_the_same_cells() {
-    let grid = GridSpec { min: Vec3::splat(-4.0), cell: 0.25, dims: UVec3::splat(32) };
     let turned = Obb::new(Vec3::ONE, Vec3::splat(1.3), Quat::from_rotation_y(0.3));
     let around = Aabb::new(Vec3::splat(-3.0), Vec3::splat(3.9));
     let descs = [
@@ -131,7 +127,7 @@ fn descriptions_come_back_and_make_the_same_cells() {
         let again: ObjectDesc = from_str(&text).unwrap();
         // Corners of convex solids may come in another order.
         assert!(to_string(&again).unwrap() == text || text.contains("convex"), "{text}");
-        let (mut a, mut b) = (Scene::new(&grid).unwrap(), Scene::new(&grid).unwrap());
+        let (mut a, mut b) = (Scene::new(0.25).unwrap(), Scene::new(0.25).unwrap());
         let (id, copy) = (a.insert(desc).unwrap(), b.insert(again).unwrap());
         assert_eq!((a.user_data(id), a.layers(id)), (b.user_data(copy), b.layers(copy)));
         let state =

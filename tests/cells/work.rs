@@ -21,7 +21,7 @@ fn work(query: &mut Query, scene: &Scene, eye: Vec3) -> Stats {
 
 #[test]
 fn an_eye_inside_a_large_solid_visits_no_cells() {
-    let mut scene = empty(1024);
+    let mut scene = empty();
     let whole = scene.solid(Aabb::new(Vec3::splat(0.5), Vec3::splat(SIZE - 0.5)));
     let balls: Vec<ObjectId> = (1..9).map(|i| ball(&mut scene, Vec3::splat(100.0 * i as f32))).collect();
     let movers = [false, true].map(|on_expiry| {
@@ -53,7 +53,7 @@ fn an_eye_inside_a_large_solid_visits_no_cells() {
 
 #[test]
 fn an_eye_before_a_large_solid_visits_few_cells() {
-    let mut scene = empty(1024);
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::splat(0.5), Vec3::splat(SIZE - 0.5)));
     let inside: Vec<ObjectId> = (0..200)
         .map(|i| {
@@ -85,7 +85,7 @@ fn an_eye_before_a_large_solid_visits_few_cells() {
 
 #[test]
 fn the_last_of_many_solids_ends_a_walk() {
-    let mut scene = empty(1024);
+    let mut scene = empty();
     // A wall before the eye, at the border of the grid, hides the others.
     let wall = scene.solid(Aabb::new(Vec3::new(20.0, 0.0, 0.0), Vec3::new(40.0, SIZE, SIZE)));
     let near = ball(&mut scene, Vec3::new(3.0, 500.0, 520.0));
@@ -110,7 +110,7 @@ fn the_last_of_many_solids_ends_a_walk() {
 
 #[test]
 fn empty_grids_are_answered_at_once() {
-    let mut scene = empty(1024);
+    let mut scene = empty();
     let mut query = cell();
     for eye in [Vec3::splat(512.5), Vec3::splat(-20.0), Vec3::new(0.5, 3.5, 1023.5)] {
         let stats = work(&mut query, &scene, eye);
@@ -124,7 +124,7 @@ fn empty_grids_are_answered_at_once() {
 
 #[test]
 fn walks_go_on_to_the_border_where_overhanging_objects_are_seen() {
-    let mut scene = empty(40);
+    let mut scene = empty();
     // It hides what the antenna has in the grid, not what it has above.
     let wall = Aabb::new(Vec3::new(0.0, 0.0, 15.0), Vec3::new(40.0, 40.0, 17.0));
     scene.solid(wall);
@@ -143,7 +143,7 @@ fn walks_go_on_to_the_border_where_overhanging_objects_are_seen() {
 fn objects_farther_away_than_cells_can_be_numbered_are_found() {
     for far in [1e9f32, 1e10, 1e32] {
         for axis in 0..3 {
-            let mut scene = empty(24);
+            let mut scene = empty();
             let half = 5.3;
             let mut at = Vec3::splat(11.0);
             at[axis] = far;
@@ -169,7 +169,7 @@ fn place(random: &mut Random) -> Vec3 {
 
 /// Solids, balls that move and balls that stay, some overhanging the grid, some on another layer.
 pub fn some_scene(random: &mut Random, size: u32) -> Scene {
-    let mut scene = empty(size);
+    let mut scene = empty();
     let largest = random.unit() * 0.4 * size as f32;
     for i in 0..(random.unit() * 120.0) as u32 + 4 {
         let at = place(random) * size as f32;

@@ -11,7 +11,7 @@ pub use std::collections::BTreeSet;
 pub use std::sync::Arc;
 
 pub use casca::*;
-use casca_scenes::drive::{Driver, grid_for};
+use casca_scenes::drive::Driver;
 use casca_scenes::world::FRAME_SECONDS;
 pub use casca_truth::cases;
 pub use casca_truth::places::{coordinate, points};
@@ -21,14 +21,9 @@ pub use glam::{
 };
 pub use proptest::prelude::*;
 
-/// An empty scene of so many cells along each axis, each of one unit.
-pub fn empty(cells: u32) -> Scene {
-    Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(cells) }).unwrap()
-}
-
-/// An empty scene of another size: its least corner, and the edge and number of its cells.
-pub fn sized(min: Vec3, cell: f32, dims: [u32; 3]) -> Scene {
-    Scene::new(&GridSpec { min, cell, dims: dims.into() }).unwrap()
+/// An empty scene with cells of one unit.
+pub fn empty() -> Scene {
+    Scene::new(1.0).unwrap()
 }
 
 /// What tests insert again and again.
@@ -67,7 +62,7 @@ pub fn look_away(scene: &mut Scene) -> FrameReport {
 
 /// A scene in the library, in the grid that it asks for.
 pub fn driver(world: &casca_scenes::world::World) -> Driver {
-    Driver::new(world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap()
+    Driver::new(world, world.grid.cell, |_| ()).unwrap()
 }
 
 /// Goes to a frame; what moved.

@@ -119,7 +119,7 @@ impl World {
         targets: &[impl Copy + Into<Solid>],
         describe: impl Fn(Bounds) -> ObjectDesc,
     ) -> Self {
-        let mut scene = empty(SIZE as u32);
+        let mut scene = empty();
         solids.iter().for_each(|&solid| _ = scene.solid(solid));
         let insert = |&target: &_| {
             let solid: Solid = Into::into(target);

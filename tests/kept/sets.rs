@@ -9,7 +9,7 @@ fn ball(x: f32) -> Sphere {
 
 /// A wall that ends at x = 32, and a mover behind it near its end.
 fn scene() -> (Scene, ObjectId) {
-    let mut scene = empty(64);
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(2.0, 2.0, 28.0), Vec3::new(32.0, 62.0, 34.0)));
     let id = scene.insert(ObjectDesc::dynamic(ball(30.5)).max_speed(8.0)).unwrap();
     (scene, id)
@@ -64,7 +64,7 @@ fn a_set_that_another_camera_outlives_does_not_hold_either() {
 /// may be seen.
 #[test]
 fn a_set_does_not_hold_once_an_occluder_in_a_revealed_volume_moves() {
-    let mut scene = empty(64);
+    let mut scene = empty();
     let view = around(Vec3::new(4.5, 32.5, 32.5));
     let away = around(Vec3::new(60.5, 2.5, 2.5));
     let screen = Aabb::new(Vec3::new(50.0, 0.0, 0.0), Vec3::new(51.0, 20.0, 20.0));
@@ -90,7 +90,7 @@ fn a_set_does_not_hold_once_an_occluder_in_a_revealed_volume_moves() {
 
 #[test]
 fn copies_of_a_scene_are_scenes_of_their_own() {
-    let mut a = empty(32);
+    let mut a = empty();
     let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
     let w = a.solid(wall);
     let far = a.fixed(Sphere::new(Vec3::new(20.0, 16.0, 16.0), 1.0));
@@ -145,7 +145,7 @@ fn step() -> impl Strategy<Value = Step> {
 /// Moves, queries of which only some are given to the end of the frame, and sets that are kept
 /// while they hold.
 fn play(method: Method, steps: Vec<Step>) -> Result<(), TestCaseError> {
-    let mut scene = empty(24);
+    let mut scene = empty();
     for (x, y) in [(10.0, 0.0), (10.0, 14.0)] {
         scene.solid(Aabb::new(Vec3::new(x, y, 0.0), Vec3::new(x + 2.0, y + 10.0, 24.0)));
     }

@@ -375,10 +375,8 @@ struct World {
 }
 
 fn world(solids: &[Solid], frame: Frame, cells: u32) -> World {
-    let corner = frame.place(DVec3::ZERO).as_vec3();
     let cell = (frame.scale * SIZE / f64::from(cells)) as f32;
-    let spec = GridSpec { min: corner, cell, dims: UVec3::splat(cells) };
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = Scene::new(cell).unwrap();
     let made: Vec<Made> = solids.iter().map(|s| s.recipe.make(&|p| frame.place(p))).collect();
     let meshes: Vec<Arc<TriMesh>> = solids.iter().zip(&made).map(|(s, m)| prepared(m, s)).collect();
     let mut things = Vec::new();

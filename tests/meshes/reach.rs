@@ -148,8 +148,7 @@ struct Room {
 
 impl Room {
     fn new() -> Self {
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
-        Self { scene: Scene::new(&spec).unwrap(), query: Query::new() }
+        Self { scene: Scene::new(1.0).unwrap(), query: Query::new() }
     }
 
     fn wall(&mut self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) {

@@ -61,7 +61,7 @@ proptest! {
             triangles.extend(made.triangles.iter().map(|t| t.map(|v| v + base)));
         }
         let mesh = TriMesh::new(positions, triangles).unwrap();
-        let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell, dims: UVec3::splat((16.0 / cell) as u32) }).unwrap();
+        let grid = Grid::new(cell).unwrap();
         let mut cells: Vec<IVec3> = Vec::new();
         mesh.opaque(&grid, &mut |run| cells.extend(run.cells()));
         let all = triangles_of(&mesh);
@@ -111,7 +111,7 @@ fn sound_solids_are_found_inside() {
     let made = recipe.make(&|p| p);
     let mesh = TriMesh::new(made.positions, made.triangles).unwrap();
     assert!(mesh.is_closed() && mesh.contains_box(DVec3::splat(6.0), DVec3::splat(10.0)));
-    let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(32) }).unwrap();
+    let grid = Grid::new(0.5).unwrap();
     let mut count = 0;
     mesh.opaque(&grid, &mut |run| count += run.cells().count());
     assert!(count > 5000, "{count}");
@@ -123,7 +123,7 @@ fn solids_that_hide_from_their_front_are_wound_outwards() {
     let positions: Vec<Vec3> = points.iter().map(|p| (p * 6.0 + 8.0).as_vec3()).collect();
     let mut how = casca::MeshOptions::default();
     how.facing = casca::Facing::Front;
-    let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) }).unwrap();
+    let grid = Grid::new(1.0).unwrap();
     let cells = |triangles: Vec<[u32; 3]>| {
         let mesh =
             TriMesh::prepare(positions.clone(), triangles, &how, &mut |_| ControlFlow::Continue(())).unwrap();

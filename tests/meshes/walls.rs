@@ -10,7 +10,7 @@ pub fn panel(x: f32, y: f32, z: f32, size: f32, gap: f32) -> Arc<TriMesh> {
 }
 
 fn level() -> Scene {
-    sized(Vec3::ZERO, 1.0, [48, 24, 32])
+    Scene::new(1.0).unwrap()
 }
 
 #[test]
@@ -64,7 +64,6 @@ fn crumpled(n: u32, z: f32) -> Arc<TriMesh> {
 #[test]
 fn what_moves_may_change_its_mesh() {
     let (small, large, wall) = (crumpled(2, 6.0), crumpled(9, 6.0), crumpled(6, 10.0));
-    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) };
     let fixed = |scene: &mut Scene| {
         scene.solid(wall.clone());
         for i in 0..60u8 {
@@ -76,7 +75,7 @@ fn what_moves_may_change_its_mesh() {
         Instance::new(mesh.clone(), Affine3A::from_translation(Vec3::X * x)).unwrap()
     };
     let view = around(Vec3::new(8.3, 8.2, 1.1));
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = Scene::new(1.0).unwrap();
     fixed(&mut scene);
     let ball = Sphere::new(Vec3::splat(8.0), 0.5);
     let id = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
@@ -84,7 +83,7 @@ fn what_moves_may_change_its_mesh() {
     let shapes = [None, Some(&small), Some(&large), None, Some(&large), Some(&small)];
     for (round, mesh) in shapes.into_iter().cycle().take(24).enumerate() {
         let x = round as f32 * 0.05;
-        let mut fresh = Scene::new(&spec).unwrap();
+        let mut fresh = Scene::new(1.0).unwrap();
         fixed(&mut fresh);
         match mesh {
             Some(mesh) => {
@@ -101,7 +100,7 @@ fn what_moves_may_change_its_mesh() {
         assert_eq!(count, Query::new().run(&fresh, &view).len(), "round {round}");
     }
     scene.remove(id).unwrap();
-    let mut fresh = Scene::new(&spec).unwrap();
+    let mut fresh = Scene::new(1.0).unwrap();
     fixed(&mut fresh);
     assert_eq!(query.run(&scene, &view).len(), Query::new().run(&fresh, &view).len());
 }

@@ -157,7 +157,7 @@ fn kinds(n: usize) -> Vec<(&'static str, Parts)> {
 
 /// The mesh among some balls.
 fn scene((corners, triangles): Parts) -> Scene {
-    let mut scene = sized(Vec3::splat(-16.0), 0.5, [64; 3]);
+    let mut scene = Scene::new(0.5).unwrap();
     scene.solid(mesh(corners, triangles));
     for i in 0..300 {
         scene.fixed(Sphere::new(any(i, 20) * 16.0, 0.3));

@@ -69,7 +69,7 @@ impl Mover {
 
 /// Indices of the movers that a scene without history finds visible.
 fn found_afresh(movers: &[Mover], walls: &[(ObjectId, Aabb)], view: &View) -> BTreeSet<usize> {
-    let mut scene = empty(SIZE as u32);
+    let mut scene = empty();
     for (_, wall) in walls {
         scene.solid(*wall);
     }
@@ -101,7 +101,7 @@ fn seen_point(eye: Vec3, clip: &Mat4, mover: &Mover, walls: &[(ObjectId, Aabb)])
 }
 
 fn play(steps: Vec<Step>) -> Result<(), TestCaseError> {
-    let mut scene = empty(SIZE as u32);
+    let mut scene = empty();
     let mut queries = [Query::new(), Query::new()];
     let (mut movers, mut walls): (Vec<Mover>, Vec<(ObjectId, Aabb)>) = (Vec::new(), Vec::new());
     let mut now = 0.0;
@@ -199,7 +199,7 @@ proptest! {
         views in prop::collection::vec((place(), direction()), 4..40),
         dt in 0.02..0.4f64,
     ) {
-        let mut scene = empty(SIZE as u32);
+        let mut scene = empty();
         let wall = Aabb::new(Vec3::new(10.0, 0.0, 0.0), Vec3::new(12.0, SIZE, SIZE));
         let walls = [(scene.solid(wall), wall)];
         let mut movers: Vec<Mover> = walks.iter().enumerate().map(|(i, (speed, _))| {
@@ -244,7 +244,7 @@ proptest! {
         objects in prop::collection::vec((place(), 0.01..3.0f32, any::<bool>()), 1..60),
         eye in place(), direction in direction(),
     ) {
-        let mut scene = empty(SIZE as u32);
+        let mut scene = empty();
         let movers: Vec<Mover> = objects.iter().map(|&(center, radius, boxy)| {
             let mut m = Mover { id: scene.fixed(Sphere::new(center, radius)), center, radius, boxy };
             scene.remove(m.id).unwrap();
@@ -281,7 +281,7 @@ proptest! {
 
 #[test]
 fn hidden_objects_leave_no_trace_in_the_cells() {
-    let mut scene = empty(SIZE as u32);
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(10.0, 0.0, 0.0), Vec3::new(12.0, SIZE, SIZE)));
     let before = scene.id_matrix().entries();
     let ids: Vec<_> = (0..50)
@@ -313,7 +313,7 @@ fn overlapping_solids_leave_no_opaque_cells_behind() {
         (Vec3::new(24.0, 16.0, 22.0), 10.505_371),
     ];
     for first in 0..spheres.len() {
-        let mut scene = empty(SIZE as u32);
+        let mut scene = empty();
         let mut ids: Vec<ObjectId> = Vec::new();
         for (center, radius) in spheres {
             let ball = Sphere::new(center, radius);

@@ -4,7 +4,7 @@ use crate::common::*;
 
 /// A wall across the grid.
 fn scene() -> Scene {
-    let mut scene = sized(Vec3::ZERO, 1.0, [128, 16, 128]);
+    let mut scene = Scene::new(1.0).unwrap();
     scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(128.0, 16.0, 23.0)));
     scene
 }

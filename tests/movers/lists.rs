@@ -10,7 +10,7 @@ const COUNT: usize = 300;
 const FRAMES: usize = 60;
 
 fn new_scene() -> Scene {
-    let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: SIZE.as_uvec3() }).unwrap();
+    let mut scene = Scene::new(1.0).unwrap();
     for (min, max) in [((18.0, 0.0, 4.0), (20.0, 30.0, 40.0)), ((6.0, 8.0, 20.0), (18.0, 12.0, 21.5))] {
         scene.solid(Aabb::new(min.into(), max.into()));
     }
@@ -173,7 +173,7 @@ fn clones_and_other_origins_keep_their_own_lists() {
 
 #[test]
 fn an_object_that_grows_inside_its_bricks_is_found_in_all_of_its_cells() {
-    let mut scene = empty(24);
+    let mut scene = empty();
     let ball = Sphere::new(Vec3::splat(12.0), 0.3);
     let id = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
     // It touches each cell of a brick now.
@@ -307,7 +307,7 @@ fn a_mover_whose_report_is_overdue_is_in_the_set_once_wherever_it_was() {
 
 #[test]
 fn in_an_open_zone_the_overdue_are_in_the_set_once_too() {
-    let mut scene = empty(96);
+    let mut scene = empty();
     let ball = |i: u8| Sphere::new(Vec3::new(80.0, 12.5, 10.0 + f32::from(i)), 0.2);
     let insert = |i| {
         let desc = ObjectDesc::dynamic(ball(i)).max_speed(1.0);

@@ -23,7 +23,7 @@ fn ball(x: f32) -> Sphere {
 
 /// A wall from x = 2 to 30 before the eye, and what stands behind it.
 fn scene() -> Scene {
-    let mut scene = empty(64);
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(2.0, 2.0, 28.0), Vec3::new(30.0, 62.0, 34.0)));
     scene
 }
@@ -102,7 +102,7 @@ fn a_frame_without_end_loses_nobody() {
 #[test]
 fn an_occluder_that_nobody_reports_hides_nothing() {
     for method in [Method::point(), Method::cell()] {
-        let mut scene = empty(32);
+        let mut scene = empty();
         let block = |x: f32| Aabb::new(Vec3::new(x, 10.0, 10.0), Vec3::new(x + 4.0, 22.0, 22.0));
         let desc = ObjectDesc::dynamic(block(12.0)).occluder(block(12.0));
         let mover = scene.insert(desc.max_speed(8.0).reported_on_expiry()).unwrap();
@@ -145,8 +145,8 @@ fn what_a_frame_showed_is_not_asked_for() {
 }
 
 /// How many reports are due in a frame of 100 hidden movers that stand on the floor of the level.
-fn reports_due(level: Aabb, y: f32, spec: impl Fn(Aabb) -> GridSpec) -> (f64, usize) {
-    let mut scene = Scene::new(&spec(level)).unwrap();
+fn reports_due(y: f32, cell: f32) -> (f64, usize) {
+    let mut scene = Scene::new(cell).unwrap();
     scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 60.0), Vec3::new(128.0, 16.0, 62.0)));
     let mover = |i: usize| Sphere::new(Vec3::new(20.0 + 0.8 * i as f32, y, 30.0), 1.0);
     let ids: Vec<ObjectId> = (0..100)
@@ -171,12 +171,9 @@ fn reports_due(level: Aabb, y: f32, spec: impl Fn(Aabb) -> GridSpec) -> (f64, us
 #[test]
 fn what_stands_on_the_floor_of_a_grid_is_rarely_due() {
     let level = Aabb::new(Vec3::ZERO, Vec3::new(128.0, 16.0, 128.0));
-    let fitted = |level| GridSpec::fit(level, 500).unwrap();
-    let covered = |level| GridSpec::covering(level, 1.0).unwrap();
-    let high = reports_due(Aabb { min: Vec3::new(0.0, -16.0, 0.0), ..level }, 1.0, fitted);
-    for (name, floor) in
-        [("fitted", reports_due(level, 1.0, fitted)), ("covered", reports_due(level, 1.0, covered))]
-    {
+    let fitted = cell_for(level, 500).unwrap();
+    let high = reports_due(9.0, fitted);
+    for (name, floor) in [("fitted", reports_due(1.0, fitted)), ("of a metre", reports_due(1.0, 1.0))] {
         // As rarely as far above the floor, and the wall hides them all the same.
         assert!(
             floor.0 < 2.0 * high.0 + 1.0 && high.0 < 5.0,
@@ -191,7 +188,7 @@ fn what_stands_on_the_floor_of_a_grid_is_rarely_due() {
 #[test]
 fn an_unreported_object_may_leave_the_grid() {
     for method in METHODS {
-        let mut scene = empty(32);
+        let mut scene = empty();
         let wall = Aabb::new(Vec3::new(12.0, -8.0, 0.0), Vec3::new(13.0, 20.0, 32.0));
         scene.solid(wall);
         let ball = Sphere::new(Vec3::new(16.5, 0.75, 16.5), 0.5);
@@ -220,7 +217,7 @@ fn an_unreported_object_may_leave_the_grid() {
 #[test]
 fn an_object_that_is_due_is_in_every_set_though_its_old_place_is_out_of_the_view() {
     for method in METHODS {
-        let mut scene = empty(32);
+        let mut scene = empty();
         // In the cell of the eye, and behind it.
         let ball = Sphere::new(Vec3::new(16.1, 16.5, 16.5), 0.05);
         let id = scene.insert(ObjectDesc::dynamic(ball).max_speed(1.0).reported_on_expiry()).unwrap();

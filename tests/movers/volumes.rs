@@ -11,7 +11,7 @@ fn view(eye: Vec3, forward: Vec3, degrees: f32, near: f32) -> View {
 /// A wall across the grid from z = 20 to 22, and a mover behind it in a volume that reaches before
 /// it.
 fn hidden_mover(desc: ObjectDesc) -> (Scene, ObjectId) {
-    let mut scene = empty(40);
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(40.0, 40.0, 22.0)));
     let id = scene.insert(desc).unwrap();
     let mut query = Query::new();
@@ -63,7 +63,7 @@ fn an_unreported_object_is_in_every_frustum_that_its_volume_meets() {
 fn frames_end_whatever_is_on_opposite_sides_of_the_world() {
     let places = [-3e9, 8.0, 3e9, 1e30];
     for (at, eye) in places.into_iter().flat_map(|at| places.map(|eye| (at, eye))) {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let bounds = Sphere::new(Vec3::new(at, 8.0, 8.0), 1.0);
         let desc = ObjectDesc::dynamic(bounds).max_speed(1.0);
         scene.insert(desc.clone()).unwrap();
@@ -84,7 +84,7 @@ fn frames_end_whatever_is_on_opposite_sides_of_the_world() {
 #[test]
 fn a_flat_object_may_lie_on_the_wall_of_its_volume() {
     for flat in [0.0, 0.25] {
-        let mut scene = empty(24);
+        let mut scene = empty();
         let plate = |y: f32| Aabb::new(Vec3::new(12.6, y - flat, 1.6), Vec3::new(12.8, y, 1.8));
         let id = scene.insert(ObjectDesc::dynamic(plate(4.5)).max_speed(1.0)).unwrap();
         let past = casca::Plane { normal: Vec3::Z, offset: -20.0 };

@@ -1,7 +1,7 @@
 //! Layers: views of some layers, against exact visibility of the objects on them.
 
 use casca::internals::SceneInternals;
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object};
 
@@ -38,7 +38,7 @@ proptest! {
         frames in prop::collection::vec((prop::collection::vec(change(), 0..6), vector(0.0..16.0)), 1..6),
         (one, two) in (mask(), mask()),
     ) {
-        let (mut scene, mut objects) = (empty(16), start);
+        let (mut scene, mut objects) = (empty(), start);
         let ids: Vec<ObjectId> = objects.iter().map(|(o, m)| scene.insert(describe(o).layers(*m)).unwrap()).collect();
         let queries = METHODS.iter().flat_map(|&m| [(m, one), (m, two)]);
         let mut queries: Vec<(Query, u64)> =
@@ -86,7 +86,7 @@ fn behind() -> Sphere {
 fn a_wall_hides_in_the_views_that_show_it_and_in_no_others() {
     let view = around(Vec3::new(8.5, 8.5, 2.5));
     for (method, dynamic) in METHODS[1..].iter().flat_map(|&m| [(m, false), (m, true)]) {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let desc = if dynamic { ObjectDesc::dynamic(WALL) } else { ObjectDesc::fixed(WALL) };
         let wall = scene.insert(desc.occluder(WALL).layers(1)).unwrap();
         let ball = scene.fixed(behind());
@@ -129,7 +129,7 @@ fn solids_on_different_layers_do_not_fill_cells_together() {
             ([3, 3, 3], [true, true]),
         ];
         for (masks, hidden) in cases {
-            let mut scene = empty(16);
+            let mut scene = empty();
             for (wall, mask) in walls.iter().zip(masks) {
                 scene.insert(ObjectDesc::fixed(*wall).occluder(*wall).layers(mask)).unwrap();
             }
@@ -153,7 +153,7 @@ fn an_eye_in_a_solid_of_another_layer_has_occlusion() {
     let eye = Vec3::new(8.5, 8.5, 2.5);
     let body = Aabb::from_center(eye, Vec3::splat(2.0));
     for method in &METHODS[1..] {
-        let mut scene = empty(16);
+        let mut scene = empty();
         scene.insert(ObjectDesc::fixed(WALL).occluder(WALL).layers(1)).unwrap();
         scene.insert(ObjectDesc::dynamic(body).occluder(body).layers(2)).unwrap();
         let ball = scene.insert(ObjectDesc::fixed(behind()).layers(3)).unwrap();
@@ -167,7 +167,7 @@ fn an_eye_in_a_solid_of_another_layer_has_occlusion() {
 /// Occluders on more masks than there is room for still hide by themselves.
 #[test]
 fn many_masks_lose_nothing_and_hide_by_buffers() {
-    let mut scene = empty(16);
+    let mut scene = empty();
     let wall = |i: u32| {
         let min = Vec3::new(0.0, 0.0, 4.0 + 0.2 * i as f32);
         Aabb::new(min, Vec3::new(16.0, 16.0, min.z + 0.1))
@@ -189,8 +189,8 @@ fn one_layer_for_all_changes_no_set() {
     let options = SceneOptions { seed: 5, frames: 12, ..Default::default() };
     for (kind, scale) in [(SceneKind::City, 0.5), (SceneKind::Rooms, 1.0), (SceneKind::Rocks, 0.5)] {
         let mut world = build(kind, &SceneOptions { scale, ..options });
-        let grid = grid_for(&world.grid, None).unwrap();
-        let [mut plain, mut layered] = std::array::from_fn(|_| Driver::new(&world, &grid, |_| ()).unwrap());
+        let cell = world.grid.cell;
+        let [mut plain, mut layered] = std::array::from_fn(|_| Driver::new(&world, cell, |_| ()).unwrap());
         for object in 0..world.objects.len() {
             layered.scene.set_layers(layered.id(object), 4).unwrap();
         }
@@ -219,7 +219,7 @@ fn one_layer_for_all_changes_no_set() {
 fn an_overdue_wall_changes_its_layers() {
     let view = around(Vec3::new(8.5, 8.5, 2.5));
     for method in &METHODS[1..] {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let desc = ObjectDesc::dynamic(WALL).occluder(WALL).max_speed(1.0).reported_on_expiry();
         let wall = scene.insert(desc).unwrap();
         let ball = scene.fixed(behind());
@@ -249,7 +249,7 @@ fn an_overdue_wall_changes_its_layers() {
 fn an_object_on_no_layer_in_view_gets_a_volume() {
     let view = around(Vec3::new(8.5, 8.5, 2.5));
     for method in &METHODS[1..] {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let bird = scene.insert(ObjectDesc::dynamic(behind()).layers(2)).unwrap();
         let mut query = query_by(*method);
         for frame in 0..4 {
@@ -270,7 +270,7 @@ fn an_object_on_no_layer_in_view_gets_a_volume() {
 fn a_set_holds_for_its_own_layers() {
     let view = around(Vec3::new(8.5, 8.5, 2.5));
     for method in METHODS {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let ball = scene.insert(ObjectDesc::fixed(behind()).layers(2)).unwrap();
         let mut query = query_by(method);
         let two = view.clone().with_layers(2);

@@ -85,7 +85,7 @@ fn eye() -> View {
 #[test]
 fn useful_occluders_are_objects() {
     // Meshes side by side, that are drawn together.
-    let mut scene = empty(64);
+    let mut scene = empty();
     for i in 0..9 {
         scene.solid(wall(
             Vec3::new(20.0, 2.0 + 20.0 * (i % 3) as f32, 2.0 + 20.0 * (i / 3) as f32),
@@ -107,7 +107,7 @@ fn useful_occluders_are_objects() {
     assert_eq!((stats.occluders_drawn, stats.occluders_useful), (13, 13), "{stats:?}");
 
     // One large mesh of many patches, that is drawn shell by shell.
-    let mut scene = empty(64);
+    let mut scene = empty();
     scene.solid(wall(Vec3::new(9.0, 0.5, 0.5), 63.0, 80, 4.0));
     query.run(&scene, &eye());
     let stats = point(&query);
@@ -115,7 +115,7 @@ fn useful_occluders_are_objects() {
     assert_eq!((stats.occluders_drawn, stats.occluders_useful), (1, 1), "{stats:?}");
 
     // A mesh, solid inside and drawn beside its solid, is one object.
-    let mut scene = empty(64);
+    let mut scene = empty();
     for i in 0..3 {
         scene.solid(ball(Vec3::new(20.0, 20.0 + 12.0 * i as f32, 32.0), 4.0));
     }
@@ -133,7 +133,7 @@ fn ball(middle: Vec3, radius: f32) -> Arc<TriMesh> {
 
 #[test]
 fn occluders_behind_others_are_of_no_use() {
-    let mut scene = empty(64);
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(10.0, 0.0, 0.0), Vec3::new(14.0, 64.0, 64.0)));
     // Its bounds stand out of the wall, its occluder does not.
     let inner = Aabb::new(Vec3::new(11.0, 28.0, 28.0), Vec3::new(13.0, 36.0, 36.0));
@@ -147,7 +147,7 @@ fn occluders_behind_others_are_of_no_use() {
     assert_eq!((stats.occluders_drawn, stats.occluders_useful), (2, 2), "{stats:?}");
     // With the wall nearer, the other is drawn after it, and covers nothing.
     let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(14.0, 64.0, 64.0));
-    let mut scene = empty(64);
+    let mut scene = empty();
     scene.solid(wall);
     let outer = Aabb::new(Vec3::new(8.0, 27.0, 27.0), Vec3::new(13.5, 37.0, 37.0));
     scene.insert(ObjectDesc::fixed(outer).occluder(inner)).unwrap();

@@ -33,7 +33,7 @@ fn solids_that_abut_along_planes_of_the_grid_leave_no_seam() {
         ([7.8, 9.0, 3.1], [6.0, 7.0, 11.0], [10.0, 11.0, 14.0]),
     ];
     for (number, (eye, min, max)) in cases.into_iter().enumerate() {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let halves = [4.0, 8.0].map(|x| {
             let half = Aabb::new(Vec3::new(x, 0.0, 8.0), Vec3::new(x + 4.0, 16.0, 11.0));
             scene.solid(half)
@@ -83,7 +83,7 @@ fn solids_beside_the_eye_are_not_cut_because_their_box_is() {
     let turned = Obb::new(Vec3::new(8.0, 8.0, 8.0), Vec3::new(4.0, 4.0, 3.0), Quat::from_rotation_y(0.785));
     let round = Sphere::new(Vec3::splat(8.0), 4.5);
     for is_round in [false, true] {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let desc = if is_round {
             ObjectDesc::fixed(round).occluder(round)
         } else {

@@ -117,8 +117,7 @@ proptest! {
         // Everything is shifted, so that coordinates are large; shapes keep what rounding leaves.
         let shift = |o: &Object| Object { shape: moved_by(&o.shape, Vec3::splat(offset)), ..o.clone() };
         let corner = Vec3::splat(offset);
-        let dims = UVec3::splat((SIZE / cell).ceil() as u32);
-        let mut scene = Scene::new(&GridSpec { min: corner, cell, dims }).unwrap();
+        let mut scene = Scene::new(cell).unwrap();
         let mut query = query_by(method);
         let mut objects: Vec<Object> = start.iter().map(shift).collect();
         let mut ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
@@ -170,7 +169,7 @@ proptest! {
         (width, height) in (0.5..30.0f32, 0.5..30.0f32),
         method in methods(),
     ) {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
         let mut query = query_by(method);
         for camera in cameras {
@@ -189,7 +188,7 @@ proptest! {
         eyes in prop::collection::vec(place(), 1..4),
         method in methods(),
     ) {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let ids: Vec<ObjectId> = objects.iter().map(|o| scene.insert(describe(o)).unwrap()).collect();
         let oracle = Oracle::new(&objects, OracleOptions { width: 1, height: 1, ..OracleOptions::default() });
         let mut query = query_by(method);
@@ -229,7 +228,7 @@ proptest! {
         cameras in prop::collection::vec(camera(), 1..6),
         method in methods(),
     ) {
-        let mut scene = sized(Vec3::ZERO, 0.8, [20; 3]);
+        let mut scene = Scene::new(0.8).unwrap();
         let mut objects = Vec::new();
         let mut ids = Vec::new();
         for ((b, hull), dynamic) in &boxes {
@@ -342,7 +341,7 @@ fn long_suite_of_all_scenes_and_resolutions() {
 
 #[test]
 fn a_solid_that_the_near_plane_cuts_hides_nothing() {
-    let mut scene = sized(Vec3::ZERO, 0.5, [32; 3]);
+    let mut scene = Scene::new(0.5).unwrap();
     let ball = Sphere::new(Vec3::new(5.274932, 4.053323, 5.115905), 4.1894374);
     scene.solid(ball);
     let behind = scene.fixed(Aabb::new(Vec3::new(6.0, 1.0, 2.0), Vec3::new(8.0, 3.0, 4.0)));
@@ -360,7 +359,7 @@ fn a_solid_that_the_near_plane_cuts_hides_nothing() {
 
 #[test]
 fn memory_follows_occupied_cells() {
-    let mut scene = sized(Vec3::ZERO, 1.0, [1024, 256, 1024]);
+    let mut scene = Scene::new(1.0).unwrap();
     let empty: MemoryUse = scene.memory();
     assert!(empty.total() < 1 << 20, "{empty:?}");
     let mut random = Random(1);
@@ -383,7 +382,7 @@ fn memory_follows_occupied_cells() {
 
 #[test]
 fn refused_calls_leave_the_scene_as_it_was() {
-    let mut scene = empty(16);
+    let mut scene = empty();
     let ball = Sphere::new(Vec3::splat(8.0), 3.0);
     let id = scene.insert(ObjectDesc::dynamic(ball).occluder(ball)).unwrap();
     let state = |s: &Scene| (s.len(), s.id_matrix().entries(), s.dynamic_opacity().count(), s.memory());
@@ -434,7 +433,7 @@ fn refused_calls_leave_the_scene_as_it_was() {
 
 #[test]
 fn reversed_orthographic_depth_needs_a_direction() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let slab = |z: f32| Aabb::new(Vec3::new(0.0, 0.0, z), Vec3::new(32.0, 32.0, z + 2.0));
     let mut insert = |z| scene.solid(slab(z));
     let (back, front) = (insert(4.0), insert(20.0));
@@ -453,7 +452,7 @@ fn reversed_orthographic_depth_needs_a_direction() {
 
 #[test]
 fn long_solids_seen_end_on_cover_no_more_than_their_silhouette() {
-    let mut scene = sized(Vec3::ZERO, 4.0, [40; 3]);
+    let mut scene = Scene::new(4.0).unwrap();
     scene.solid(Aabb::new(Vec3::ZERO, Vec3::new(32.0, 32.0, 56.0)));
     // Its back is this far off its front, as the rays see it; beside that a small ball shows.
     let slope = 6.5e-6f32;
@@ -469,7 +468,7 @@ fn long_solids_seen_end_on_cover_no_more_than_their_silhouette() {
 
 #[test]
 fn a_frustum_of_a_point_still_sees_what_is_at_it() {
-    let mut scene = empty(16);
+    let mut scene = empty();
     let near = scene.fixed(Aabb::new(Vec3::new(8.001, 3.0, 3.0), Vec3::new(9.0, 5.0, 5.0)));
     let eye = Vec3::new(7.999, 4.0, 4.0);
     let planes: Vec<Plane> = Vec3::AXES
@@ -483,7 +482,7 @@ fn a_frustum_of_a_point_still_sees_what_is_at_it() {
 
 #[test]
 fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
-    let mut scene = empty(96);
+    let mut scene = empty();
     let floor = Aabb::new(Vec3::new(8.0, 8.0, 40.0), Vec3::new(88.0, 88.0, 42.0));
     scene.solid(floor);
     let ball = Sphere::new(Vec3::new(48.0, 48.0, 48.0), 1.0);
@@ -512,8 +511,8 @@ fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
 
 #[test]
 fn near_planes_far_from_the_origin_still_cut() {
-    let (corner, x) = (Vec3::new(131_072.0, 0.0, 0.0), 131_082.0);
-    let mut scene = sized(corner, 1.0, [24; 3]);
+    let x = 131_082.0;
+    let mut scene = Scene::new(1.0).unwrap();
     scene.solid(Aabb::new(Vec3::new(x + 0.047, 0.0, 0.0), Vec3::new(x + 2.0, 24.0, 24.0)));
     let behind = scene.fixed(Sphere::new(Vec3::new(x + 6.0, 4.0, 4.0), 1.0));
     let eye = Vec3::new(x, 4.5, 4.5);
@@ -526,7 +525,7 @@ fn near_planes_far_from_the_origin_still_cut() {
 
 #[test]
 fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
-    let mut scene = sized(Vec3::splat(-8.0), 1.0, [16; 3]);
+    let mut scene = Scene::new(1.0).unwrap();
     for i in 0..3000u32 {
         // Long enough to be drawn, and too thin to hide another.
         let middle = Vec3::new(0.0, i as f32 / 270.0 - 5.5, (i % 15) as f32 * 0.7 - 5.0);
@@ -545,7 +544,7 @@ fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
 
 #[test]
 fn the_near_plane_may_cut_what_sticks_out_of_all_there_is() {
-    let mut scene = sized(Vec3::ZERO, 1.0, [32; 3]);
+    let mut scene = Scene::new(1.0).unwrap();
     // Eight cells along x, and an occluder that ends a hundredth beyond, which is allowed.
     let bounds = Aabb::new(Vec3::ZERO, Vec3::splat(8.0));
     let solid = Aabb { max: Vec3::new(8.01, 8.0, 8.0), ..bounds };

@@ -9,7 +9,7 @@ use casca_truth::oracle::RayOracle;
 
 use crate::common::objects::moved_by;
 use crate::common::*;
-use crate::scenes::{SILENT, SIZE, SPEED, object, place, way};
+use crate::scenes::{SILENT, SPEED, object, place, way};
 
 /// Seconds between frames.
 const STEP: f64 = 0.25;
@@ -176,7 +176,6 @@ proptest! {
         for i in 0..twins.min(objects.len()) {
             objects.push(objects[i].clone());
         }
-        let dims = UVec3::splat((SIZE / cell).ceil() as u32);
         let silent = |o: &Object| o.name == SILENT && o.motion != Motion::Static;
         let inserted = Cell::new(0);
         let adapt = |o: &Object, desc: ObjectDesc| {
@@ -184,7 +183,7 @@ proptest! {
             if silent(o) { desc.reported_on_expiry() } else { desc }
         };
         let mut driver =
-            Driver::with(&objects, &GridSpec { min: Vec3::ZERO, cell, dims }, adapt, |_| ()).unwrap();
+            Driver::with(&objects, cell, adapt, |_| ()).unwrap();
         let index: HashMap<ObjectId, usize> = (0..objects.len()).map(|i| (driver.id(i), i)).collect();
         let [mut query, mut sun] = methods.map(query_by);
         let (mut kept, mut kept_sun) = (KeptQuery::new(), sun.clone());

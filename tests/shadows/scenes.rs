@@ -56,7 +56,7 @@ pub const ABOVE: Light = Light::directional(Vec3::NEG_Y);
 
 /// An empty scene of 64x32x64 cells.
 pub fn street() -> Scene {
-    sized(Vec3::ZERO, 1.0, [64, 32, 64])
+    Scene::new(1.0).unwrap()
 }
 
 pub fn solid(scene: &mut Scene, min: [f32; 3], max: [f32; 3]) -> ObjectId {

@@ -56,7 +56,7 @@ proptest! {
 
 #[test]
 fn bounds_of_a_placed_object_are_in_its_own_space() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let body = Aabb::new(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 2.0, 0.5));
     let core = Aabb::new(Vec3::new(-0.2, 0.5, -0.2), Vec3::new(0.2, 1.0, 0.2));
     let at = |x: f32| Affine3A::from_translation(Vec3::new(x, 4.0, 9.0));
@@ -90,7 +90,7 @@ fn bounds_of_a_placed_object_are_in_its_own_space() {
 
 #[test]
 fn bounds_of_other_objects_are_in_world_units() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let wall = Aabb::new(Vec3::new(2.0, 2.0, 15.0), Vec3::new(30.0, 30.0, 18.0));
     let wall_id = scene.solid(wall);
     let ball = Sphere::new(Vec3::new(16.0, 16.0, 24.0), 0.5);

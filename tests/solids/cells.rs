@@ -55,7 +55,7 @@ fn assert_filled(cell: IVec3, solids: &[&Occluder]) {
 /// Inserts and removes solids; after each step the scene is as one that never had the others.
 fn come_and_go(seed: u64, cells: u32, most: f32, steps: usize) -> usize {
     let mut random = Random(seed);
-    let mut scene = empty(cells);
+    let mut scene = empty();
     let mut held: Vec<(ObjectId, Occluder)> = Vec::new();
     let (mut joint, mut removed) = (0, 0);
     for step in 0..steps {
@@ -68,7 +68,7 @@ fn come_and_go(seed: u64, cells: u32, most: f32, steps: usize) -> usize {
             let id = scene.insert(ObjectDesc::fixed(box_of(&solid)).occluder(solid.clone())).unwrap();
             held.push((id, solid));
         }
-        let mut fresh = empty(cells);
+        let mut fresh = empty();
         for (_, solid) in &held {
             fresh.insert(ObjectDesc::fixed(box_of(solid)).occluder(solid.clone())).unwrap();
         }
@@ -102,7 +102,7 @@ fn static_solids_leave_what_others_fill() {
 /// Solids that fill whole pages of bricks, with others in them and beside them.
 #[test]
 fn static_solids_as_large_as_pages_come_and_go() {
-    let mut scene = empty(200);
+    let mut scene = empty();
     let boxed = |a: [f32; 3], b: [f32; 3]| Occluder::from(Aabb::new(a.into(), b.into()));
     let solids = [
         boxed([0.5; 3], [199.5; 3]),
@@ -146,7 +146,7 @@ fn static_solids_as_large_as_pages_come_and_go() {
 /// A cell that a solid too large for the lists of cells fills together with another goes with it.
 #[test]
 fn a_huge_solid_takes_its_share_of_cells_with_it() {
-    let mut scene = empty(256);
+    let mut scene = empty();
     let huge = Aabb::new(Vec3::splat(0.5), Vec3::new(100.5, 255.5, 255.5));
     let small = Aabb::new(Vec3::new(100.5, 20.0, 20.0), Vec3::splat(110.0));
     let shared = IVec3::new(100, 50, 50);
@@ -168,7 +168,7 @@ fn a_huge_solid_takes_its_share_of_cells_with_it() {
 fn dynamic_solids_make_their_own_cells_opaque_and_no_others() {
     for (seed, cells, most) in [(1, 24, 14.0), (2, 24, 30.0), (3, 90, 110.0)] {
         let mut random = Random(seed);
-        let mut scene = empty(cells);
+        let mut scene = empty();
         let mut held: Vec<(ObjectId, Occluder)> = Vec::new();
         for step in 0..120 {
             match random.below(4) {
@@ -217,7 +217,7 @@ fn dynamic_solids_make_their_own_cells_opaque_and_no_others() {
 /// The inside of a solid costs neither time nor room: these would take gigabytes cell by cell.
 #[test]
 fn huge_solids_cost_their_surface() {
-    let mut scene = empty(1024);
+    let mut scene = empty();
     let bare = scene.memory().total();
     let (low, high) = (Vec3::splat(0.5), Vec3::splat(1023.5));
     let middle = (low + high) * 0.5;

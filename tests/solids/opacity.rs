@@ -9,7 +9,7 @@ use crate::common::*;
 #[test]
 fn occluders_that_nobody_reported_leave_no_opaque_cells() {
     for method in [Method::point(), Method::cell()] {
-        let mut scene = empty(24);
+        let mut scene = empty();
         let at = |x: f32| Aabb::new(Vec3::new(x, 4.0, 10.0), Vec3::new(x + 8.0, 20.0, 14.0));
         let movers = [6.0, 9.0].map(|x| {
             let desc = ObjectDesc::dynamic(at(x)).occluder(at(x)).max_speed(1.0);
@@ -39,7 +39,7 @@ fn an_eye_in_a_closed_mesh_sees_what_is_in_it_whatever_came_and_went() {
     for (abut, method) in
         [(false, Method::point()), (true, Method::point()), (false, Method::cell()), (true, Method::cell())]
     {
-        let mut scene = empty(16);
+        let mut scene = empty();
         let Mesh { positions, triangles, .. } = Mesh::cuboid(Vec3::splat(2.3), Vec3::splat(12.3));
         scene.solid(mesh(positions, triangles));
         if abut {

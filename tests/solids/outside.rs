@@ -26,7 +26,7 @@ fn turned() -> impl Iterator<Item = (Instance, Aabb)> {
 
 #[test]
 fn a_box_around_the_vertices_of_an_instance_bounds_it() {
-    let mut scene = empty(64);
+    let mut scene = empty();
     for (instance, tight) in turned() {
         for room in [0.02, 0.0] {
             let bounds = Aabb::new(tight.min - room, tight.max + room);
@@ -37,7 +37,7 @@ fn a_box_around_the_vertices_of_an_instance_bounds_it() {
 
 #[test]
 fn an_instance_that_sticks_out_is_refused_and_the_error_says_by_how_far() {
-    let mut scene = empty(64);
+    let mut scene = empty();
     for (k, (instance, tight)) in turned().enumerate() {
         let (axis, far) = (k % 3, 1.5e-3 * (tight.max - tight.min).length());
         let mut bounds = tight;

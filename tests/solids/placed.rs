@@ -40,7 +40,7 @@ fn exact(t: Affine3A) -> DAffine3 {
 
 /// Bounds and occluder of an object after it was placed.
 fn placed(desc: ObjectDesc, t: Affine3A) -> (Bounds, Option<Occluder>) {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let id = scene.insert(desc.placed(t)).unwrap();
     (scene.bounds(id).unwrap().clone(), scene.occluder(id).unwrap().cloned())
 }
@@ -144,7 +144,7 @@ fn little_is_lost_near_the_origin() {
 #[test]
 fn one_call_moves_bounds_and_occluder() {
     for method in [Method::point(), Method::cell()] {
-        let mut scene = empty(32);
+        let mut scene = empty();
         let leaf = Aabb::new(Vec3::new(0.0, 0.0, -1.5), Vec3::new(28.0, 30.0, 1.5));
         let at = |angle: f32| {
             let hinge = Vec3::new(2.0, 1.0, 16.0);
@@ -177,7 +177,7 @@ fn instances_move_without_being_described_anew() {
     let mesh = mesh(corners, vec![[0, 1, 2]]);
     let at = |x: f32| Affine3A::from_translation(Vec3::splat(x));
     let instance = |x: f32| Instance::new(mesh.clone(), at(x)).unwrap();
-    let mut scene = empty(32);
+    let mut scene = empty();
     let both = scene.insert(ObjectDesc::dynamic(instance(3.0)).occluder(instance(3.0))).unwrap();
     let bare = scene.fixed(instance(3.0));
     let local = scene.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh.clone()).placed(at(3.0))).unwrap();
@@ -201,7 +201,7 @@ fn instances_move_without_being_described_anew() {
 /// Meshes in several pieces do not touch all bricks of their box, though these be a row.
 #[test]
 fn a_piece_that_enters_a_brick_between_others_is_found() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     // The eye sees the second row of bricks between two walls, and no others.
     for (from, to) in [(0.0, 12.0), (14.0, 32.0)] {
         scene.solid(Aabb::new(Vec3::new(from, 0.0, 16.0), Vec3::new(to, 32.0, 18.0)));
@@ -227,7 +227,7 @@ fn a_piece_that_enters_a_brick_between_others_is_found() {
 
 #[test]
 fn refusals_name_the_reason_and_move_nothing() {
-    let mut scene = empty(32);
+    let mut scene = empty();
     let ball = Sphere::new(Vec3::ONE, 0.5);
     let to = Affine3A::from_translation(Vec3::splat(8.0));
     let id = scene.insert(ObjectDesc::dynamic(ball).occluder(ball).placed(to)).unwrap();
@@ -266,7 +266,7 @@ fn fronts_of_solids_hide_under_unequal_scales_but_not_mirrored() {
     let go_on = &mut |_: f32| std::ops::ControlFlow::Continue(());
     let cube = Arc::new(TriMesh::prepare(positions, triangles, &how, go_on).unwrap());
     let sees = |scale: Vec3, eye: Vec3| {
-        let mut scene = empty(32);
+        let mut scene = empty();
         let turned = Affine3A::from_rotation_y(0.2) * Affine3A::from_scale(scale);
         let place = Affine3A::from_translation(Vec3::splat(16.0)) * turned;
         let bounds = Aabb::new(Vec3::splat(-0.5), Vec3::splat(0.5));
@@ -292,7 +292,7 @@ fn a_wide_sheet_hides_from_its_front_also_from_near() {
     let go_on = &mut |_: f32| std::ops::ControlFlow::Continue(());
     let sheet = Arc::new(TriMesh::prepare(corners, vec![[0, 1, 2], [0, 2, 3]], &how, go_on).unwrap());
     let sees = |eye: f32, ball: f32| {
-        let mut scene = empty(32);
+        let mut scene = empty();
         scene.solid(sheet.clone());
         let ball = scene.fixed(Sphere::new(Vec3::new(ball, 16.0, 16.0), 0.5));
         let eye = Vec3::new(eye, 16.0, 16.0);

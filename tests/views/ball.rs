@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use casca_scenes::drive::{Driver, fitted_grid, view_of};
+use casca_scenes::drive::{Driver, fitted_cell, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::import;
 use casca_scenes::world::World;
@@ -29,9 +29,9 @@ fn reaches(random: &mut Random) -> [f32; BALLS] {
 /// Aims this many rays from balls at random frames of a scene; returns how much was looked at, and
 /// the objects that were lost by sets for `share` of the reach.
 fn chunk(world: &mut World, random: &mut Random, rays: u64, share: f32) -> (BallCounts, Vec<String>) {
-    let grid = fitted_grid(world).unwrap();
+    let cell = fitted_cell(world).unwrap();
     world.set_frame(0);
-    let mut driver = Driver::new(world, &grid, |_| ()).unwrap();
+    let mut driver = Driver::new(world, cell, |_| ()).unwrap();
     let seed = u64::from(random.unit().to_bits());
     let each = OracleOptions { width: 320, height: 180, samples_per_object: 8, max_candidates: 3000, seed };
     let options = BallOptions { each, eyes: 64, buffers: 8, past_rims: 2048 };

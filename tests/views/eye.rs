@@ -167,7 +167,7 @@ fn eyes_apart_by_what_is_accepted_lose_nothing() {
                 Vec3::new(eye.x + 10.0, wall.0, eye.z - 20.0),
                 Vec3::new(eye.x + 11.0, wall.1, eye.z + 20.0),
             );
-            let mut scene = sized((eye - 40.0).floor(), 2.0, [40; 3]);
+            let mut scene = Scene::new(2.0).unwrap();
             scene.solid(wall);
             let mut aimed = Vec::new();
             for i in 0..24 {

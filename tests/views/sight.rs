@@ -1,10 +1,10 @@
 //! Questions to the last run of a query, compared with segments cut by boxes.
 
-use crate::common::worlds::{SIZE, Solid, World, cuts_box, hiding, is_free, point, solid};
+use crate::common::worlds::{Solid, World, cuts_box, hiding, is_free, point, solid};
 use crate::common::*;
 
 fn scene(occluders: &[Aabb]) -> Scene {
-    let mut scene = empty(SIZE as u32);
+    let mut scene = empty();
     occluders.iter().for_each(|&b| _ = scene.solid(b));
     scene
 }
@@ -98,7 +98,7 @@ fn doubt_means_visible() {
 /// Boxes beyond the objects and the grid of a scene, seen along parallel rays.
 #[test]
 fn parallel_rays_beyond_the_scene_are_free() {
-    let scene = empty(32);
+    let scene = empty();
     let look = look_to_mat4(Vec3::new(16.0, 16.0, -20.0), Vec3::Z, Vec3::Y);
     let matrix = directx::orthographic(-100.0, 100.0, -100.0, 100.0, 0.1, 80.0) * look;
     let mut query = Query::new();

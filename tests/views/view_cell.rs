@@ -6,8 +6,6 @@ use casca_scenes::world::BOX_TRIANGLES;
 
 use crate::common::*;
 
-/// Cells along each axis of the grid.
-const CELLS: u32 = 16;
 /// Solids are grown or shrunk by this much where a ray would be in doubt: coordinates up to 20 in
 /// single precision are off by 1e-6.
 const DOUBT: f64 = 1e-4;
@@ -107,8 +105,7 @@ struct World {
 
 impl World {
     fn new(random: &mut Random) -> Self {
-        let grid = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(CELLS) };
-        let mut world = Self { scene: Scene::new(&grid).unwrap(), items: Vec::new() };
+        let mut world = Self { scene: Scene::new(1.0).unwrap(), items: Vec::new() };
         for _ in 0..4 + random.below(8) {
             let min = random.place(0.0, 14.0, 1.0).floor();
             let mut size = (random.place(1.0, 3.0, 1.0) + 0.5).floor();
@@ -348,7 +345,7 @@ fn bounded_results_are_valid_for_every_eye_of_the_cell() {
 
 /// A block in the way of a narrow frustum, and a ball behind it.
 fn behind_a_block() -> (Scene, ObjectId, Vec<Plane>) {
-    let mut scene = sized(Vec3::ZERO, 1.0, [16; 3]);
+    let mut scene = Scene::new(1.0).unwrap();
     scene.solid(Aabb::new(Vec3::new(6.0, 6.0, 5.0), Vec3::new(7.0, 7.0, 6.0)));
     let ball = scene.fixed(Sphere::new(Vec3::new(6.5, 7.03, 9.6), 0.02));
     // From (6.5, 6.5, 2.5) along z, up to slopes of 0.02 across and 0.05 to 0.08 along y.
@@ -390,7 +387,7 @@ fn an_eye_beside_the_first_sees_past_what_bounds_its_frustum() {
 
 #[test]
 fn an_eye_that_may_lie_in_an_occluder_sees_through_it() {
-    let mut scene = empty(CELLS);
+    let mut scene = empty();
     let wall = Aabb::new(Vec3::new(4.0, 0.0, 0.0), Vec3::new(8.0, 16.0, 16.0));
     scene.solid(wall);
     let ball = scene.fixed(Sphere::new(Vec3::new(12.0, 9.0, 9.0), 3.0));

@@ -5,7 +5,7 @@ use crate::common::worlds::{SIZE, Solid, hiding, is_free, points_of};
 use crate::common::*;
 
 fn scene(cell: f32) -> Scene {
-    Scene::new(&GridSpec { min: Vec3::ZERO, cell, dims: UVec3::splat((SIZE / cell) as u32) }).unwrap()
+    Scene::new(cell).unwrap()
 }
 
 /// Boxes whose corners are multiples of a sixteenth.
@@ -205,9 +205,8 @@ fn a_ground_of_boxes_makes_the_same_cells_opaque() {
 fn an_occluder_thinner_than_the_rounding_leaves_no_cells_behind() {
     // A ball that moves and hides: after the shift it hides nothing, and a large one has no place in
     // a zone.
-    let spec = GridSpec { min: Vec3::splat(-20.0), cell: 1.0, dims: UVec3::splat(40) };
     for (layers, time) in [(u64::MAX, 0.0), (0x0984_a428_3bd5_9140, 15.18)] {
-        let mut scene = Scene::new(&spec).unwrap();
+        let mut scene = Scene::new(1.0).unwrap();
         scene.begin_frame(time).unwrap();
         /// Less than half a unit in the last place of the coordinates below.
         const THIN: f32 = 1.438_178e-12;

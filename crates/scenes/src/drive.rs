@@ -6,13 +6,13 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use casca::{
-    Aabb, Bounds, Error, Facing, GridSpec, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene,
-    Sphere, TriMesh, View,
+    Aabb, Bounds, Error, Facing, Instance, MeshOptions, ObjectDesc, ObjectId, Occluder, Pvs, Scene, Sphere,
+    TriMesh, View, cell_for,
 };
 use casca_cache::MeshCache;
-use glam::{Affine3A, UVec3, Vec3};
+use glam::{Affine3A, Vec3};
 
-use crate::world::{Camera, GridHint, Mesh, Motion, Object, Shape, World, turn_of};
+use crate::world::{Camera, Mesh, Motion, Object, Shape, World, turn_of};
 
 /// An object as the scene is told of it: its id, its bounds, and its occluder if it has one.
 pub type Report = (ObjectId, Bounds, Option<Occluder>);
@@ -79,7 +79,7 @@ fn scales(transform: &Affine3A) -> (f32, f32) {
 }
 
 impl Shaper {
-    fn new(grid: &GridSpec, objects: &[Object]) -> Self {
+    fn new(cell: f32, objects: &[Object]) -> Self {
         let mut users: HashMap<*const Mesh, Users> = HashMap::new();
         for object in objects {
             if let Shape::Mesh { mesh, transform } = &object.shape {
@@ -88,7 +88,7 @@ impl Shaper {
                 users.scale = users.scale.max(scales(transform).1);
             }
         }
-        let how = MeshOptions::default().tolerance(grid.cell * TOLERANCE);
+        let how = MeshOptions::default().tolerance(cell * TOLERANCE);
         Self { prepared: HashMap::new(), users, how, cache: None }
     }
 
@@ -203,26 +203,13 @@ impl Shaper {
     }
 }
 
-/// The grid for a scene: as it asks, or with `dims` cells whose size fits all axes.
+/// The edge length of cells that casca recommends for the region and the number of objects of a
+/// scene.
 ///
 /// # Errors
-/// As [`GridSpec::covering`].
-pub fn grid_for(hint: &GridHint, dims: Option<UVec3>) -> Result<GridSpec, Error> {
-    match dims {
-        None => GridSpec::covering(Aabb::new(hint.min, hint.max), hint.cell),
-        Some(dims) => {
-            let cell = ((hint.max - hint.min) / dims.as_vec3()).max_element();
-            Ok(GridSpec { min: hint.min, cell, dims })
-        }
-    }
-}
-
-/// The grid that casca recommends for the region and the number of objects of a scene.
-///
-/// # Errors
-/// As [`GridSpec::fit`].
-pub fn fitted_grid(world: &World) -> Result<GridSpec, Error> {
-    GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), world.objects.len())
+/// As [`cell_for`].
+pub fn fitted_cell(world: &World) -> Result<f32, Error> {
+    cell_for(Aabb::new(world.grid.min, world.grid.max), world.objects.len())
 }
 
 /// The view of a camera.
@@ -239,8 +226,8 @@ impl Driver {
     ///
     /// # Errors
     /// As [`Scene::new`] and [`Scene::insert`].
-    pub fn new(world: &World, grid: &GridSpec, progress: impl FnMut(usize)) -> Result<Self, Error> {
-        Self::with(&world.objects, grid, |_, desc| desc, progress)
+    pub fn new(world: &World, cell: f32, progress: impl FnMut(usize)) -> Result<Self, Error> {
+        Self::with(&world.objects, cell, |_, desc| desc, progress)
     }
 
     /// As [`Driver::new`]; meshes are read from a cache if they are in it, and else written to it.
@@ -249,12 +236,12 @@ impl Driver {
     /// As [`Driver::new`].
     pub fn cached(
         world: &World,
-        grid: &GridSpec,
+        cell: f32,
         cache: Option<Arc<MeshCache>>,
         progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
-        let shaper = Shaper { cache, ..Shaper::new(grid, &world.objects) };
-        Self::insert(&world.objects, shaper, grid, |_, desc| desc, progress)
+        let shaper = Shaper { cache, ..Shaper::new(cell, &world.objects) };
+        Self::insert(&world.objects, shaper, cell, |_, desc| desc, progress)
     }
 
     /// Inserts objects with what `adapt` makes of their descriptions; `progress` as above.
@@ -263,22 +250,22 @@ impl Driver {
     /// As [`Scene::new`] and [`Scene::insert`].
     pub fn with(
         objects: &[Object],
-        grid: &GridSpec,
+        cell: f32,
         adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
         progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
-        let shaper = Shaper::new(grid, objects);
-        Self::insert(objects, shaper, grid, adapt, progress)
+        let shaper = Shaper::new(cell, objects);
+        Self::insert(objects, shaper, cell, adapt, progress)
     }
 
     fn insert(
         objects: &[Object],
         mut shaper: Shaper,
-        grid: &GridSpec,
+        cell: f32,
         adapt: impl Fn(&Object, ObjectDesc) -> ObjectDesc,
         mut progress: impl FnMut(usize),
     ) -> Result<Self, Error> {
-        let mut scene = Scene::new(grid)?;
+        let mut scene = Scene::new(cell)?;
         let mut ids = Vec::with_capacity(objects.len());
         for object in objects {
             ids.push(scene.insert(adapt(object, shaper.describe(object)?))?);
@@ -341,7 +328,7 @@ mod tests {
     fn static_objects_share_a_mesh_unless_it_is_stretched() {
         let shared = |kind| {
             let world = build(kind, &SceneOptions { scale: 0.1, ..SceneOptions::default() });
-            let driver = Driver::new(&world, &grid_for(&world.grid, None).unwrap(), |_| ()).unwrap();
+            let driver = Driver::new(&world, world.grid.cell, |_| ()).unwrap();
             let objects = driver.scene.iter().filter(|o| matches!(o.1.motion(), casca::Motion::Static));
             objects.filter(|o| matches!(o.1.bounds(), Bounds::Instance(_))).count()
         };

@@ -5,7 +5,7 @@ use std::time::Duration;
 use casca::{Error, Method, Query, View};
 use web_time::Instant;
 
-use crate::drive::{Driver, grid_for, view_of};
+use crate::drive::{Driver, view_of};
 use crate::world::World;
 
 /// A moment on the clock of a thread: the processor time that the thread has used. Waiting for a
@@ -72,7 +72,7 @@ impl Settled {
     /// # Errors
     /// As [`Driver::new`], [`view_of`] and [`Query::with_method`].
     pub fn new(world: &World, method: Method) -> Result<Self, Error> {
-        let mut driver = Driver::new(world, &grid_for(&world.grid, None)?, |_| ())?;
+        let mut driver = Driver::new(world, world.grid.cell, |_| ())?;
         let views: Result<Vec<View>, Error> =
             (0..world.frames).map(|f| view_of(&world.camera(f, 16.0 / 9.0))).collect();
         let (mut query, views) = (Query::with_method(method)?, views?);

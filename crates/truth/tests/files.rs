@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use casca::Query;
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::import;
-use casca_scenes::world::{Camera, GridHint, Mesh, Shape, World};
+use casca_scenes::world::{Camera, Mesh, Shape, World};
 use casca_truth::oracle::{Oracle, OracleOptions, Seen};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -250,8 +250,7 @@ fn options() -> OracleOptions {
 fn look(world: &mut World, lanes: &[Lane]) -> (Vec<[[bool; 2]; 2]>, usize) {
     let moved = world.set_frame(30);
     // What is in the cell of the eye is not tested.
-    let grid = grid_for(&GridHint { cell: 0.5, ..world.grid }, None).unwrap();
-    let mut driver = Driver::new(world, &grid, |_| ()).unwrap();
+    let mut driver = Driver::new(world, 0.5, |_| ()).unwrap();
     driver.update(&world.objects, &moved).unwrap();
     let mut seen = Seen::of(world);
     let mut oracle = Oracle::new(seen.objects(&world.objects), options());

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use casca::glam::{DVec3, Vec3};
 use casca::{Aabb, Error, ObjectDesc, ObjectId, Scene};
 use casca_baked::Cells;
-use casca_scenes::drive::{Driver, grid_for};
+use casca_scenes::drive::Driver;
 use casca_scenes::world::{GridHint, Motion, Object, Shape, World};
 
 use casca_walls::Walls;
@@ -56,13 +56,12 @@ impl Level {
     ///
     /// # Errors
     /// As [`Level::new`].
-    pub fn of(all: &[Object], mut hint: GridHint, cell: Option<f32>, solid: bool) -> Result<Self, Error> {
+    pub fn of(all: &[Object], grid: GridHint, cell: Option<f32>, solid: bool) -> Result<Self, Error> {
         let is_static = |object: &Object| object.motion == Motion::Static;
         let numbers: Vec<usize> = (0..all.len()).filter(|&i| is_static(&all[i])).collect();
         let objects: Vec<Object> = numbers.iter().map(|&i| all[i].clone()).collect();
-        hint.cell = cell.unwrap_or(hint.cell);
-        let grid = grid_for(&hint, None)?;
-        let driver = Driver::with(&objects, &grid, |_, desc| desc, |_| ())?;
+        let cell = cell.unwrap_or(grid.cell);
+        let driver = Driver::with(&objects, cell, |_, desc| desc, |_| ())?;
         let mut bounds = vec![None; all.len()];
         for (&number, object) in numbers.iter().zip(&objects) {
             bounds[number] = object.tested.then(|| bounds_of(&object.shape));
@@ -76,7 +75,7 @@ impl Level {
         let mut solids = solids_of(&objects, solid);
         solids.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
         let longest = solids.iter().map(|b| b.max.x - b.min.x).fold(0.0, f32::max);
-        let room = Aabb::new(hint.min, hint.max);
+        let room = Aabb::new(grid.min, grid.max);
         let origin = DVec3::ZERO;
         Ok(Self { scene, bounds, cells: None, solids, longest, walls, room, origin, objects })
     }

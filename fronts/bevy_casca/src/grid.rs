@@ -2,7 +2,7 @@
 
 use bevy_math::Vec3A;
 use casca::glam::Vec3;
-use casca::{Aabb, Grid, GridSpec, Scene};
+use casca::{Aabb, Scene, cell_for};
 
 use crate::border;
 use crate::scene::CascaScene;
@@ -14,7 +14,7 @@ const STRAY: f64 = 0.01;
 /// Fewer entities than this all count.
 const FEW: usize = 64;
 
-/// A grid has this size at least, in world units: entities may all be in one point.
+/// Entities take this much room at least, in world units: they may all be in one point.
 const LEAST: f32 = 1e-3;
 
 /// A grid is kept for so many frames at least.
@@ -23,14 +23,13 @@ const GRID_FRAMES: u32 = 64;
 /// Of the entities in the scene, so many tell whether the grid still suits them.
 const GRID_SAMPLE: usize = 4096;
 
-/// A grid stays unless its cells are this many times larger or smaller than new ones would be, or
-/// begin this many cells away.
+/// A grid stays unless its cells are this many times larger or smaller than new ones would be. Those
+/// are larger far away from the origin, too.
 const MISFIT: f64 = 4.0;
-const FAR: f64 = (1 << 19) as f64;
 
 /// Makes a scene if there is none, or if its cells suit no more: then says that it is empty.
 pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, Vec3A)>) -> bool {
-    let make = |boxes: &[_]| around(boxes).and_then(|spec| Scene::new(&spec).ok());
+    let make = |boxes: &[_]| around(boxes).and_then(|cell| Scene::new(cell).ok());
     let Some(scene) = &casca.scene else {
         let boxes: Vec<_> = new.collect();
         if !boxes.is_empty() {
@@ -46,7 +45,7 @@ pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, V
     let step = (scene.len() / GRID_SAMPLE).max(1);
     let known = scene.iter().step_by(step).map(|(_, object)| border::back(&object.bounds().aabb()));
     let boxes: Vec<_> = known.chain(new).collect();
-    let next = make(&boxes).filter(|next| !suits(scene.grid(), next.grid(), step));
+    let next = make(&boxes).filter(|next| !suits(scene, next, step));
     let Some(next) = next else { return false };
     casca.scene = Some(next);
     casca.movers.clear();
@@ -56,8 +55,8 @@ pub(crate) fn choose(casca: &mut CascaScene, new: impl Iterator<Item = (Vec3A, V
     true
 }
 
-/// A grid for boxes in world space. `None` without boxes, or if none suits them.
-fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
+/// The edge length of cells for boxes in world space. `None` without boxes, or if none suits them.
+fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<f32> {
     let stray = if boxes.len() < FEW { 0 } else { (boxes.len() as f64 * STRAY) as usize };
     let (mut min, mut max) = ([0.0; 3], [0.0; 3]);
     let mut sides: Vec<f32> = Vec::with_capacity(boxes.len());
@@ -69,7 +68,7 @@ fn around(boxes: &[(Vec3A, Vec3A)]) -> Option<GridSpec> {
     }
     // Where many are far larger than others, sides may cross.
     let (min, max) = (Vec3::from(min).min(max.into()), Vec3::from(min).max(max.into()));
-    GridSpec::fit(Aabb::new(min - LEAST, max + LEAST), boxes.len()).ok()
+    cell_for(Aabb::new(min - LEAST, max + LEAST), boxes.len()).ok()
 }
 
 /// The number that so many others are less than.
@@ -83,11 +82,10 @@ fn nth(memory: &mut Vec<f32>, numbers: impl Iterator<Item = f32>, n: usize) -> O
     Some(*found).filter(|x| x.is_finite())
 }
 
-/// Whether a grid can stay where another one would be made, for one entity in `step`.
-fn suits(grid: &Grid, next: &Grid, step: usize) -> bool {
-    let ratio = next.cell_size() / (step as f64).cbrt() / grid.cell_size();
-    let away = (next.min() - grid.min()).abs().max_element() / grid.cell_size();
-    (1.0 / MISFIT..=MISFIT).contains(&ratio) && away < FAR
+/// Whether a scene can stay where another one would be made, for one entity in `step`.
+fn suits(scene: &Scene, next: &Scene, step: usize) -> bool {
+    let ratio = next.grid().cell_size() / (step as f64).cbrt() / scene.grid().cell_size();
+    (1.0 / MISFIT..=MISFIT).contains(&ratio)
 }
 
 #[cfg(test)]
@@ -102,27 +100,27 @@ mod tests {
     fn cells_follow_what_there_is_but_for_strays() {
         assert_eq!(around(&[]), None);
         let few = around(&[cube(0.0), cube(1000.0)]).unwrap();
-        assert!(few.cell * few.dims.x as f32 >= 1001.0);
+        assert!(few * 32.0 >= 1000.0);
         let mut many: Vec<_> = (0..1000).map(|i| cube(i as f32 * 0.1)).collect();
         many.push((Vec3A::splat(-1e6), Vec3A::splat(1e6)));
         many.push(cube(1e7));
-        let grid = around(&many).unwrap();
-        assert!((90.0..200.0).contains(&(grid.cell * grid.dims.x as f32)), "{grid:?}");
-        let grid = |boxes: &[_]| Grid::new(&around(boxes).unwrap()).unwrap();
+        let cell = around(&many).unwrap();
+        assert!((90.0..200.0).contains(&(cell * 90.0)), "{cell}");
+        let scene = |boxes: &[_]| Scene::new(around(boxes).unwrap()).unwrap();
         let street =
             |from: f32, by: f32| -> Vec<_> { (0..1000).map(|i| cube(from + i as f32 * by)).collect() };
-        let own = grid(&many);
-        assert!(suits(&own, &grid(&street(5e5, 0.1)), 1), "the same at another place");
-        assert!(!suits(&own, &grid(&street(1e7, 0.1)), 1), "too far away");
-        assert!(!suits(&own, &grid(&street(0.0, 1.0)), 1) && suits(&own, &grid(&street(0.0, 1.0)), 1000));
+        let own = scene(&many);
+        assert!(suits(&own, &scene(&street(5e5, 0.1)), 1), "the same at another place");
+        assert!(!suits(&own, &scene(&street(1e7, 0.1)), 1), "too far away");
+        assert!(!suits(&own, &scene(&street(0.0, 1.0)), 1) && suits(&own, &scene(&street(0.0, 1.0)), 1000));
     }
 
     #[test]
     fn no_input_makes_a_grid_that_casca_refuses() {
         for x in [0.0, 1e-30, 1e20, f32::MAX, f32::NAN, f32::INFINITY] {
             for n in [1, 100] {
-                if let Some(spec) = around(&vec![(Vec3A::splat(-x), Vec3A::splat(x)); n]) {
-                    casca::Scene::new(&spec).unwrap();
+                if let Some(cell) = around(&vec![(Vec3A::splat(-x), Vec3A::splat(x)); n]) {
+                    casca::Scene::new(cell).unwrap();
                 }
             }
         }

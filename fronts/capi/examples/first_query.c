@@ -17,9 +17,8 @@ static void check(casca_status status) {
 }
 
 int main(void) {
-    /* A grid over the level, with cells of one metre. */
+    /* A grid with cells of one metre. */
     casca_grid grid = CASCA_INIT(casca_grid);
-    grid.max[0] = 64.0f, grid.max[1] = 16.0f, grid.max[2] = 64.0f;
     grid.cell = 1.0f;
     casca_scene scene;
     check(casca_scene_create(&grid, &scene));

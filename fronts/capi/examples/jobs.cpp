@@ -61,7 +61,6 @@ private:
 
 int main() try {
     auto grid = casca::init<casca_grid>();
-    grid.max[0] = grid.max[2] = 120.0f, grid.max[1] = 20.0f;
     grid.cell = 1.0f;
     casca::scene scene(grid);
     // Houses along streets, and people in them.

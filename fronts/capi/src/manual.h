@@ -9,7 +9,7 @@ A FIRST QUERY
 
     int main(void) {
         casca_grid grid = CASCA_INIT(casca_grid);
-        grid.max[0] = 64.0f, grid.max[1] = 16.0f, grid.max[2] = 64.0f, grid.cell = 1.0f;
+        grid.cell = 1.0f;
         casca_scene scene;
         casca_query query;
         if (casca_scene_create(&grid, &scene) || casca_query_create(NULL, &query)) goto failed;

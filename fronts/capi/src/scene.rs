@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use casca::glam::Vec3;
-use casca::{Aabb, GridSpec, ObjectId, Occluder, Scene};
+use casca::{Aabb, ObjectId, Occluder, Scene, cell_for};
 
 use crate::border::{self, Out, OutSpan, give, give_struct, grows};
 use crate::error::{Failure, call, casca_status};
@@ -20,15 +20,16 @@ pub struct casca_scene {
     pub handle: u64,
 }
 
-/// The grid of a scene. Fill it by CASCA_INIT, then set min, max, and cell or objects.
+/// The grid of a scene. It has no border. Fill it by CASCA_INIT, then set cell, or min, max and
+/// objects.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct casca_grid {
     /// sizeof(casca_grid).
     pub size: usize,
-    /// The least corner of the region where most objects are, in world units.
+    /// If cell is 0: the least corner of the region where most objects are, in world units.
     pub min: [f32; 3],
-    /// The greatest corner of it. Objects outside are found too, at a cost in every query.
+    /// If cell is 0: the greatest corner of it.
     pub max: [f32; 3],
     /// The edge of a cell in world units; 0 lets casca choose.
     pub cell: f32,
@@ -129,8 +130,8 @@ fn read_occluder(occluder: *const casca_shape) -> Result<Option<Occluder>, Failu
 
 /// Makes an empty scene on a grid. Free it by casca_scene_free.
 ///
-/// Errors: a region that is inverted or not finite, cells that are not positive, too many of them.
-/// Costs a word for each 64x64x64 cells.
+/// Errors: cells that are not positive; where casca chooses them, a region that is inverted, not
+/// finite or a point.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_scene_create(
     grid: *const casca_grid,
@@ -140,11 +141,11 @@ pub unsafe extern "C" fn casca_scene_create(
         let grid = border::read(grid)?;
         let [min, max] = [grid.min, grid.max].map(Vec3::from_array);
         let region = Aabb::new(min, max);
-        let spec = match grid.cell {
-            0.0 => GridSpec::fit(region, grid.objects as usize)?,
-            cell => GridSpec::covering(region, cell)?,
+        let cell = match grid.cell {
+            0.0 => cell_for(region, grid.objects as usize)?,
+            cell => cell,
         };
-        let state = SceneState { scene: Scene::new(&spec)?, salt: salt(), due: Vec::new() };
+        let state = SceneState { scene: Scene::new(cell)?, salt: salt(), due: Vec::new() };
         Ok(casca_scene { handle: SCENES.add(state)? })
     })
 }

@@ -39,8 +39,7 @@ impl Both {
         (grid.max, grid.cell) = ([64.0, 16.0, 64.0], 1.0);
         let mut c = casca_scene { handle: 0 };
         ok!(casca_scene_create(&grid, &mut c));
-        let region = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
-        let mut rust = Scene::new(&casca::GridSpec::covering(region, 1.0).unwrap()).unwrap();
+        let mut rust = Scene::new(1.0).unwrap();
         for (number, b) in (0..).zip(boxes()) {
             let mut object = init!(casca_object);
             object.bounds.kind = CASCA_SHAPE_BOX;

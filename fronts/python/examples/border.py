@@ -21,11 +21,11 @@ def best(call, repeats=200):
 
 def main():
     n = 100_000
-    scene = casca.Scene((0, 0, 0), (100, 100, 100), 1.0)
+    scene = casca.Scene(1.0)
     rng = np.random.default_rng(1)
     spheres = np.hstack([rng.uniform(1, 99, (n, 3)), np.full((n, 1), 0.1)]).astype(np.float32)
     ids = scene.insert_spheres(spheres, moves=True)
-    empty, away = casca.Scene((0, 0, 0), (8, 8, 8), 1.0), casca.View.omnidirectional((1, 1, 1))
+    empty, away = casca.Scene(1.0), casca.View.omnidirectional((1, 1, 1))
     query = casca.Query("frustum")
     print("| call | ns | ns an entry |\n|---|---|---|")
     rows = [

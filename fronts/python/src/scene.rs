@@ -3,16 +3,17 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use casca::glam::{Affine3A, Vec3};
-use casca::{Aabb, Bounds, GridSpec, Instance, ObjectDesc, ObjectId, Occluder};
-use casca_scenes::drive::{Driver, grid_for};
+use casca::glam::Affine3A;
+use casca::{Aabb, Bounds, Instance, ObjectDesc, ObjectId, Occluder};
+use casca_scenes::drive::Driver;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::World;
 use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
-use crate::arrays::{self, same_length, vec3};
+use crate::arrays::{self, same_length};
 use crate::error::{check, refused, refused_at, warn};
 use crate::forms::{Given, Rule, whole};
 use crate::mesh::{Mesh, Told};
@@ -35,13 +36,11 @@ pub fn names() -> Vec<&'static str> {
 impl Scene {
     /// A scene with the objects of a test scene.
     fn of(py: Python, world: World, cell: Option<f32>, progress: Option<Py<PyAny>>) -> PyResult<Self> {
-        let mut hint = world.grid;
-        hint.cell = cell.unwrap_or(hint.cell);
-        let grid = grid_for(&hint, None).map_err(refused)?;
+        let cell = cell.unwrap_or(world.grid.cell);
         let scene = py.detach(|| {
             let mut told = Told::new(progress);
             let count = world.objects.len().max(1);
-            let made = Driver::new(&world, &grid, |n| {
+            let made = Driver::new(&world, cell, |n| {
                 // A callback that raised is not called again.
                 if told.raised.is_none() {
                     let _ = told.tell(n as f32 / count as f32);
@@ -126,10 +125,13 @@ impl How {
 #[pymethods]
 impl Scene {
     #[new]
-    fn new(low: Given, high: Given, cell: f32) -> PyResult<Self> {
-        let room = Aabb::new(vec3("low", low)?, vec3("high", high)?);
-        let grid = GridSpec::covering(room, cell).map_err(refused)?;
-        Ok(Self { scene: casca::Scene::new(&grid).map_err(refused)?, world: None })
+    #[pyo3(signature = (cell, *old))]
+    fn new(cell: Given, old: &Bound<'_, PyTuple>) -> PyResult<Self> {
+        if !old.is_empty() {
+            return Err(PyTypeError::new_err("a scene takes no box any more: write Scene(cell)"));
+        }
+        let cell: f32 = cell.extract().map_err(|_| PyTypeError::new_err("cell is a number"))?;
+        Ok(Self { scene: casca::Scene::new(cell).map_err(refused)?, world: None })
     }
 
     /// A scene from a glTF 2.0 file.
@@ -329,10 +331,12 @@ impl Scene {
         self.world.as_ref().map_or([0.0; 3], |world| world.source.origin.to_array())
     }
 
-    /// The corners of the grid.
+    /// The corners of a box around all objects; None if there are none.
     #[getter]
-    fn bounds(&self) -> [[f64; 3]; 2] {
-        [self.scene.grid().min().to_array(), self.scene.grid().max().to_array()]
+    fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        let boxes = self.scene.iter().map(|(_, object)| object.bounds().aabb());
+        let all = boxes.reduce(|a, b| Aabb { min: a.min.min(b.min), max: a.max.max(b.max) });
+        all.map(|all| [all.min.to_array(), all.max.to_array()])
     }
 
     /// Bytes that the scene takes, without its meshes.
@@ -351,7 +355,6 @@ impl Scene {
     }
 
     fn __repr__(&self) -> String {
-        let size: Vec3 = (self.scene.grid().max() - self.scene.grid().min()).as_vec3();
-        format!("Scene({} objects in {:.1} x {:.1} x {:.1})", self.scene.len(), size.x, size.y, size.z)
+        format!("Scene({} objects in cells of {})", self.scene.len(), self.scene.grid().cell_size())
     }
 }

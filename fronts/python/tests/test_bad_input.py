@@ -9,7 +9,7 @@ import pytest
 
 @pytest.fixture
 def scene():
-    return casca.Scene((0, 0, 0), (8, 8, 8), 1.0)
+    return casca.Scene(1.0)
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_arrays_that_are_none(scene):
 
 def test_ids(scene):
     (one,) = scene.insert_boxes([[(1, 1, 1), (2, 2, 2)]])
-    other = casca.Scene((0, 0, 0), (8, 8, 8), 1.0)
+    other = casca.Scene(1.0)
     for wrong in ([one + 1], [2**64 - 1], [0, one, 12345]):
         with pytest.raises(casca.Error):
             scene.remove(wrong)
@@ -106,8 +106,9 @@ def test_queries_and_scenes(scene):
         lambda: casca.Query(preset="loose"),
         lambda: casca.Query("cell", preset="fast"),
         lambda: casca.Query(pixel_degrees=-1),
-        lambda: casca.Scene((0, 0, 0), (1, 1, -1), 1),
-        lambda: casca.Scene((0, 0, 0), (1, 1, 1), 0),
+        lambda: casca.Scene((0, 0, 0), (1, 1, 1), 1),
+        lambda: casca.Scene("1"),
+        lambda: casca.Scene(0),
         lambda: casca.Scene.generate("atlantis"),
         lambda: casca.Scene.generate("city", scale=0),
         lambda: casca.run_many(scene, [], threads=0),

@@ -9,7 +9,7 @@ import pytest
 
 
 def room(cell=1.0):
-    return casca.Scene((0, 0, 0), (64, 32, 64), cell)
+    return casca.Scene(cell)
 
 
 def town(seed):

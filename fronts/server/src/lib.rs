@@ -4,13 +4,13 @@
 //!
 //! ```
 //! use casca::glam::Vec3;
-//! use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+//! use casca::{Aabb, ObjectDesc, Scene};
 //! use casca_server::{ClientDesc, EntityDesc, ServerOptions, VisibilityServer};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // A level: a wall across a field.
 //! let field = Aabb::new(Vec3::new(0.0, -2.0, 0.0), Vec3::new(64.0, 8.0, 64.0));
-//! let mut level = Scene::new(&GridSpec::covering(field, 1.0)?)?;
+//! let mut level = Scene::new(1.0)?;
 //! let ground = Aabb::new(field.min, Vec3::new(64.0, 0.0, 64.0));
 //! let wall = Aabb::new(Vec3::new(0.0, 0.0, 40.0), Vec3::new(64.0, 8.0, 41.0));
 //! for solid in [ground, wall] {

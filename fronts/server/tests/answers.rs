@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use casca_server::bots::{Level, Match, MatchOptions};
 use casca_server::casca::glam::Vec3;
-use casca_server::casca::{Aabb, GridSpec, ObjectDesc, Scene};
+use casca_server::casca::{Aabb, ObjectDesc, Scene};
 use casca_server::{
     Answer, ClientDesc, ClientId, EntityDesc, EntityId, ServerError, ServerOptions, VisibilityServer,
 };
@@ -14,7 +14,7 @@ use rand::{RngExt, SeedableRng};
 /// A field of 64 m with a wall across its middle, at z from 32 to 33.
 fn field() -> Scene {
     let all = Aabb::new(Vec3::new(0.0, -1.0, 0.0), Vec3::new(64.0, 12.0, 64.0));
-    let mut level = Scene::new(&GridSpec::covering(all, 1.0).unwrap()).unwrap();
+    let mut level = Scene::new(1.0).unwrap();
     let ground = Aabb::new(all.min, Vec3::new(64.0, 0.0, 64.0));
     let wall = Aabb::new(Vec3::new(0.0, 0.0, 32.0), Vec3::new(64.0, 12.0, 33.0));
     for solid in [ground, wall] {

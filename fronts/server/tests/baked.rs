@@ -2,7 +2,7 @@
 
 use casca_baked::{Cells, ReadError, Writer};
 use casca_server::casca::glam::Vec3;
-use casca_server::casca::{Aabb, GridSpec, Scene};
+use casca_server::casca::{Aabb, Scene};
 use casca_server::{
     ClientDesc, ClientId, EntityDesc, EntityId, ServerError, ServerOptions, VisibilityServer,
 };
@@ -20,8 +20,7 @@ fn row() -> Cells {
 
 /// An empty level, with a client whose eye is at 6 m and entities at 1 to 39 m; none moves.
 fn field(options: ServerOptions) -> (VisibilityServer, ClientId, Vec<EntityId>) {
-    let all = Aabb::new(Vec3::ZERO, Vec3::splat(40.0));
-    let level = Scene::new(&GridSpec::covering(all, 1.0).unwrap()).unwrap();
+    let level = Scene::new(1.0).unwrap();
     let mut server = VisibilityServer::new(level, options).unwrap();
     let client = server.add_client(ClientDesc::new(Vec3::new(6.0, 2.0, 2.0), 0.0, 0.0), 0.0).unwrap();
     let person = |x| EntityDesc::new(Aabb::from_center(Vec3::new(x, 2.0, 2.0), Vec3::splat(0.5)), 0.0);

@@ -2,7 +2,7 @@
 //! height: what is seen was told.
 
 use casca_server::casca::glam::{DVec3, Vec3};
-use casca_server::casca::{Aabb, GridSpec, ObjectDesc, Scene};
+use casca_server::casca::{Aabb, ObjectDesc, Scene};
 use casca_server::{ClientDesc, EntityDesc, ServerOptions, VisibilityServer};
 use casca_truth::places::{coordinates, place_in, points};
 use proptest::prelude::*;
@@ -91,8 +91,7 @@ fn level() -> impl Strategy<Value = Vec<Aabb>> {
 }
 
 fn server(solids: &[Aabb]) -> VisibilityServer {
-    let field = Aabb::new(Vec3::splat(-1.0), Vec3::splat(SIZE));
-    let mut level = Scene::new(&GridSpec::covering(field, 1.0).unwrap()).unwrap();
+    let mut level = Scene::new(1.0).unwrap();
     for &solid in solids {
         level.insert(ObjectDesc::fixed(solid).occluder(solid)).unwrap();
     }

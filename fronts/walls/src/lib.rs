@@ -12,12 +12,12 @@
 //!
 //! ```
 //! use casca::glam::{DVec3, Vec3};
-//! use casca::{Aabb, GridSpec, ObjectDesc, Scene};
+//! use casca::{Aabb, ObjectDesc, Scene};
 //! use casca_walls::{Eyes, Span, Walls};
 //!
 //! # fn main() -> Result<(), casca::Error> {
 //! let field = Aabb::new(Vec3::ZERO, Vec3::splat(32.0));
-//! let mut level = Scene::new(&GridSpec::covering(field, 1.0)?)?;
+//! let mut level = Scene::new(1.0)?;
 //! let wall = Aabb::new(Vec3::new(10.0, 0.0, 4.0), Vec3::new(10.5, 6.0, 28.0));
 //! level.insert(ObjectDesc::fixed(wall).occluder(wall))?;
 //!

@@ -1,7 +1,7 @@
 //! Walls against sampled eyes and points.
 
 use casca::glam::{Affine3A, Vec3};
-use casca::{Aabb, GridSpec, ObjectDesc, Scene, TriMesh};
+use casca::{Aabb, ObjectDesc, Scene, TriMesh};
 use casca_scenes::random::{Generator, generator};
 use casca_truth::places::{self, coordinates};
 use proptest::prelude::*;
@@ -198,8 +198,7 @@ fn walls_stop_what_they_cover() {
 
 #[test]
 fn boxes_and_quads_are_walls_and_other_triangles_are_not() {
-    let mut level =
-        Scene::new(&GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::splat(9.0)), 1.0).unwrap()).unwrap();
+    let mut level = Scene::new(1.0).unwrap();
     for z in [0.0, 3.0] {
         let solid = Aabb::new(Vec3::new(4.0, 0.0, z), Vec3::new(4.5, 3.0, z + 3.0));
         level.insert(ObjectDesc::fixed(solid).occluder(solid)).unwrap();
@@ -212,8 +211,7 @@ fn boxes_and_quads_are_walls_and_other_triangles_are_not() {
     let corners =
         [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(y, z)| Vec3::new(1.0, y, z)).to_vec();
     let count = |triangles: Vec<[u32; 3]>, turn: f32| {
-        let mut level =
-            Scene::new(&GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::splat(9.0)), 1.0).unwrap()).unwrap();
+        let mut level = Scene::new(1.0).unwrap();
         let turn = Affine3A::from_rotation_y(turn);
         let corners = corners.iter().map(|&p| turn.transform_point3(p)).collect();
         let mesh = std::sync::Arc::new(TriMesh::new(corners, triangles).unwrap());
@@ -234,8 +232,7 @@ fn walls_of_meshes_that_hide_from_their_front_hide_and_stop_from_there_only() {
     let how = casca::MeshOptions::default().facing(casca::Facing::Front);
     let go_on = &mut |_| std::ops::ControlFlow::Continue(());
     let mesh = TriMesh::prepare(corners, vec![[0, 1, 2], [0, 2, 3]], &how, go_on).unwrap();
-    let mut level =
-        Scene::new(&GridSpec::covering(Aabb::new(Vec3::ZERO, Vec3::splat(9.0)), 1.0).unwrap()).unwrap();
+    let mut level = Scene::new(1.0).unwrap();
     let mesh = std::sync::Arc::new(mesh);
     level.insert(ObjectDesc::fixed(mesh.clone()).occluder(mesh)).unwrap();
     let walls = Walls::of(&level, 0.6);

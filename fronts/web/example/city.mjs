@@ -92,7 +92,7 @@ export async function run(canvas, frames) {
   const camera = new THREE.PerspectiveCamera(60, canvas.width / canvas.height, 0.1, 500);
   const { world, meshes } = city();
 
-  const scene = new Scene([0, -2, 0], [SIZE, 40, SIZE], 2);
+  const scene = new Scene(2);
   const drawn = meshes.filter((m) => m.mesh.visible && !showsThrough(m.mesh));
   const [solid, rest] = [true, false].map((wanted) => drawn.filter((m) => hides(m.mesh, camera) === wanted));
   const byId = new Map();

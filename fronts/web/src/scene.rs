@@ -4,10 +4,10 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use casca::{Aabb, Bounds, GridSpec, Instance, ObjectDesc, ObjectId, Occluder};
+use casca::{Bounds, Instance, ObjectDesc, ObjectId, Occluder};
 use wasm_bindgen::prelude::*;
 
-use crate::arrays::{affines, boxes, refused, refused_at, same_length, spheres, vec3};
+use crate::arrays::{affines, boxes, refused, refused_at, same_length, spheres};
 use crate::mesh::Mesh;
 
 /// Objects on a grid.
@@ -85,14 +85,11 @@ impl Scene {
 
 #[wasm_bindgen]
 impl Scene {
-    /// An empty scene: the box that objects lie in mostly, and the edge of a cell of its grid, both
-    /// in world units. Objects may lie outside, but are found more slowly there.
+    /// An empty scene, with cells of this edge length in world units.
     #[wasm_bindgen(constructor)]
-    pub fn new(low: &[f32], high: &[f32], cell: f32) -> Result<Scene, JsError> {
-        let room = Aabb::new(vec3("low", low)?, vec3("high", high)?);
-        let grid = GridSpec::covering(room, cell).map_err(refused)?;
+    pub fn new(cell: f32) -> Result<Scene, JsError> {
         let salt = u64::from(NEXT.fetch_add(1, Ordering::Relaxed)).reverse_bits();
-        Ok(Self { scene: casca::Scene::new(&grid).map_err(refused)?, salt })
+        Ok(Self { scene: casca::Scene::new(cell).map_err(refused)?, salt })
     }
 
     /// Inserts boxes, 6 numbers each: the least corner and the greatest. Whether they hide others,

@@ -1,7 +1,7 @@
 // What TypeScript must take, and must refuse.
 import { KeptQuery, Mesh, Query, Scene, View, fieldOfView } from "casca";
 
-const scene = new Scene(new Float32Array(3), new Float32Array([64, 16, 64]), 1);
+const scene = new Scene(1);
 const ids: BigUint64Array = scene.insertBoxes(new Float32Array(6), true);
 const mesh = new Mesh(new Float32Array(9), new Uint32Array(3), true);
 scene.insertMeshes(mesh, new Float32Array(16), undefined, 4n);

@@ -117,10 +117,10 @@ impl Query {
     ///
     /// ```
     /// use casca::glam::{Mat4, UVec3, Vec3, Vec4};
-    /// use casca::{Aabb, GridSpec, Light, ObjectDesc, Query, Scene, View};
+    /// use casca::{Aabb, Light, ObjectDesc, Query, Scene, View};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let mut solid = |min, max| {
     ///     let b = Aabb::new(min, max);
     ///     scene.insert(ObjectDesc::fixed(b).occluder(b))
@@ -181,12 +181,12 @@ impl Query {
     /// camera, one comparison of each part with each light, and a query for each light.
     ///
     /// ```
-    /// use casca::{Aabb, GridSpec, Light, ObjectDesc, Query, Scene, View};
+    /// use casca::{Aabb, Light, ObjectDesc, Query, Scene, View};
     /// use glam::camera::rh::{proj::directx::perspective, view::look_to_mat4};
     /// use glam::{UVec3, Vec3};
     ///
     /// # fn main() -> Result<(), casca::Error> {
-    /// let mut scene = Scene::new(&GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(64) })?;
+    /// let mut scene = Scene::new(1.0)?;
     /// let ground = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 1.0, 64.0));
     /// scene.insert(ObjectDesc::fixed(ground).occluder(ground))?;
     /// let mut camera = Query::new();

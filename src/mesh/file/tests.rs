@@ -4,12 +4,11 @@ use std::io::{self, Read};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use glam::{Affine3A, UVec3, Vec3};
+use glam::{Affine3A, Vec3};
 
 use super::{CHECKSUM, FLAGS, HEADER, OPEN, PARTS, PATCHES, POSITIONS, SIDES, TRIANGLES, VERSION, checksum};
 use crate::error::FileError;
 use crate::geometry::Sphere;
-use crate::grid::GridSpec;
 use crate::mesh::instance::Instance;
 use crate::mesh::surface::PatchIndex;
 use crate::mesh::{Facing, MeshOptions, TriMesh};
@@ -109,8 +108,7 @@ fn places(bytes: &[u8]) -> [usize; 7] {
 
 /// What can be seen of some objects around a mesh that is placed twice.
 fn seen(mesh: TriMesh) -> Vec<Vec<usize>> {
-    let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(16) };
-    let mut scene = Scene::new(&spec).unwrap();
+    let mut scene = Scene::new(1.0).unwrap();
     let mesh = Arc::new(mesh);
     let fixed = ObjectDesc::fixed(mesh.clone()).occluder(mesh.clone());
     let mut ids = vec![scene.insert(fixed).unwrap()];

@@ -3,11 +3,8 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use glam::UVec3;
-
 use super::*;
 use crate::geometry::Sphere;
-use crate::grid::GridSpec;
 use crate::mesh::{Facing, MeshOptions, TriMesh};
 use crate::object::ObjectDesc;
 use crate::query::Query;
@@ -180,7 +177,6 @@ fn inverted_meshes_that_hide_from_their_front_have_no_solid() {
 
 #[test]
 fn an_eye_between_solid_and_mesh_sees_past_the_solid() {
-    let grid = GridSpec { min: Vec3::splat(-64.0), cell: 1.0, dims: UVec3::splat(128) };
     for facing in [Facing::Both, Facing::Front] {
         let rough = placed(ball(0.1, DVec3::ONE, &mut Random::new(5)), |p| p * 10.0);
         // Normals outwards, so that it has a solid whichever way it faces.
@@ -195,7 +191,7 @@ fn an_eye_between_solid_and_mesh_sees_past_the_solid() {
             let steps = (0..1000).map(|i| far(f64::from(i) * 0.012));
             steps.into_iter().find(|&p| outside(p)).unwrap().as_vec3()
         });
-        let mut scene = Scene::new(&grid).unwrap();
+        let mut scene = Scene::new(1.0).unwrap();
         let mesh = Arc::new(mesh);
         let inside = |p: Vec3| winding_along(&mesh, p.as_dvec3(), DVec3::new(0.31, 0.9, 0.17)) != Some(0);
         assert!(ends.into_iter().all(inside), "{ends:?}");

@@ -152,11 +152,10 @@ impl std::fmt::Debug for CellLists {
 mod tests {
     use std::collections::BTreeMap;
 
-    use glam::{UVec3, Vec3};
+    use glam::Vec3;
 
     use super::*;
     use crate::geometry::{Aabb, Sphere};
-    use crate::grid::GridSpec;
     use crate::method::Method;
     use crate::object::ObjectDesc;
     use crate::query::Query;
@@ -165,9 +164,9 @@ mod tests {
     use crate::view::View;
 
     /// The objects of all cells that have some, told cell by cell and tile by tile.
-    fn all(lists: &CellLists, grid: &Grid) -> BTreeMap<[i32; 3], Vec<Slot>> {
+    fn all(lists: &CellLists, _grid: &Grid) -> BTreeMap<[i32; 3], Vec<Slot>> {
         let mut all = BTreeMap::new();
-        let dims = grid.dims() + 16;
+        let dims = IVec3::splat(40);
         for i in 0..dims.x * dims.y * dims.z {
             let cell = IVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y) - 8;
             let mut slots: Vec<Slot> = lists.of(cell).collect();
@@ -202,8 +201,7 @@ mod tests {
 
     #[test]
     fn lists_follow_a_scene() {
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(24) };
-        let mut scene = Scene::new(&spec).unwrap();
+        let mut scene = Scene::new(1.0).unwrap();
         let mut random = Random::new(1);
         let mut place = move |most: f64| random.point(most).as_vec3();
         let mut numbers = Random::new(2);
@@ -257,8 +255,7 @@ mod tests {
 
     #[test]
     fn objects_that_fill_bricks_cost_them_not_their_cells() {
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(128) };
-        let mut scene = Scene::new(&spec).unwrap();
+        let mut scene = Scene::new(1.0).unwrap();
         scene.insert(ObjectDesc::fixed(Aabb::new(Vec3::splat(0.5), Vec3::splat(127.5)))).unwrap();
         let mut lists = CellLists::default();
         lists.follow(&scene);

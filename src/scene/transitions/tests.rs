@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use glam::{IVec3, UVec3, Vec3};
+use glam::{IVec3, Vec3};
 
 use super::*;
 use crate::geometry::{Aabb, Plane, Sphere};
-use crate::grid::GridSpec;
 use crate::id::ObjectId;
 use crate::mesh::TriMesh;
 use crate::object::ObjectDesc;
@@ -48,8 +47,7 @@ fn ball(x: f32) -> Sphere {
 
 impl WallAndBall {
     fn new(x: f32, on_expiry: bool) -> Self {
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
-        let mut scene = Scene::new(&spec).unwrap();
+        let mut scene = Scene::new(1.0).unwrap();
         let wall = Aabb::new(Vec3::new(8.0, 0.0, 0.0), Vec3::new(10.0, 32.0, 32.0));
         scene.insert(ObjectDesc::fixed(wall).occluder(wall)).unwrap();
         let desc = ObjectDesc::dynamic(ball(x));
@@ -310,8 +308,7 @@ fn boxes(count: u32, x: f32) -> Arc<TriMesh> {
 #[test]
 fn an_occluder_without_numbers_leaves_no_opaque_cells() {
     for used_up in [false, true] {
-        let spec = GridSpec { min: Vec3::ZERO, cell: 1.0, dims: UVec3::splat(32) };
-        let mut scene = Scene::new(&spec).unwrap();
+        let mut scene = Scene::new(1.0).unwrap();
         let (one, two, far) = (boxes(1, 8.0), boxes(2, 8.0), boxes(2, 24.0));
         let id = scene.insert(ObjectDesc::dynamic(one.clone()).occluder(one)).unwrap();
         let opaque = |scene: &Scene, x| scene.is_opaque(IVec3::new(x, 12, 16), u64::MAX);

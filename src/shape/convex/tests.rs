@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use glam::{DVec3, Quat, UVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use crate::geometry::{Block, Obb, Plane};
-use crate::grid::{Grid, GridSpec};
+use crate::grid::Grid;
 use crate::random::Random;
 use crate::shape::{Convex, Shape};
 
@@ -55,7 +55,7 @@ fn refuses_what_is_no_solid() {
 
 #[test]
 fn cells_of_turned_boxes_agree_with_points() {
-    let grid = Grid::new(&GridSpec { min: Vec3::ZERO, cell: 0.5, dims: UVec3::splat(20) }).unwrap();
+    let grid = Grid::new(0.5).unwrap();
     let mut random = Random::new(5);
     for _ in 0..20 {
         let center = any(&mut random) * 10.0;

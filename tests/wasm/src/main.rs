@@ -5,7 +5,7 @@
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use casca::{Aabb, DrawOptions, Error, GridSpec, Method, ObjectDesc, ObjectId, Query, Scene};
+use casca::{Aabb, DrawOptions, Error, Method, ObjectDesc, ObjectId, Query, Scene};
 use casca::{Sphere, TriMesh, View};
 use glam::Vec3;
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
@@ -34,7 +34,7 @@ impl Level {
     /// `of_triangles` makes the wall a closed mesh.
     fn new(of_triangles: bool) -> Result<Self, Error> {
         let level = Aabb::new(Vec3::ZERO, Vec3::new(64.0, 16.0, 64.0));
-        let mut scene = Scene::new(&GridSpec::covering(level, 1.0)?)?;
+        let mut scene = Scene::new(1.0)?;
         let wall = Aabb::new(Vec3::new(0.0, 0.0, 30.0), Vec3::new(64.0, 16.0, 33.0));
         let wall = if of_triangles {
             let mesh = Arc::new(box_mesh(wall)?);

@@ -5,7 +5,7 @@ use casca::Method;
 use super::Place;
 use super::walker::{Walker, item_buffer};
 use super::{BUFFER, Contender, Lab, LabError, Section, Table, median, p99};
-use casca_scenes::drive::fitted_grid;
+use casca_scenes::drive::fitted_cell;
 use casca_scenes::generated::SceneKind;
 use casca_scenes::world::World;
 
@@ -44,7 +44,7 @@ struct BufferCost {
     in_frustum: f64,
     /// Objects of which the item buffer shows a pixel.
     visible: f64,
-    /// The point method in the grid of [`fitted_grid`].
+    /// The point method in the grid of [`fitted_cell`].
     point: Score,
     /// The buffer.
     buffer: Score,
@@ -80,9 +80,9 @@ impl Sums {
 
 /// Measures a world.
 fn measure(world: World, sampling: &Sampling) -> Result<BufferCost, LabError> {
-    let fitted = fitted_grid(&world)?;
+    let cell = fitted_cell(&world)?;
     let mut walker = Walker::new(world)?;
-    walker.add(&fitted)?;
+    walker.add(cell)?;
     let mut contenders = [Contender::hzb(BUFFER.0, BUFFER.1), Contender::casca("point", Method::point())?];
     let mut sums: [Sums; 2] = Default::default();
     let mut exact = item_buffer(sampling.width);

@@ -6,12 +6,12 @@
 
 use std::collections::HashMap;
 
-use casca::{GridSpec, Method, Query};
+use casca::{Method, Query};
 use glam::{IVec3, Vec3};
 
 use super::walker::{Walker, item_buffer};
 use super::{Lab, LabError, Place, Section, Table, places};
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::generated::SceneKind;
 use casca_scenes::world::{Motion, Object, Shape, World};
 use casca_truth::oracle::NONE;
@@ -41,7 +41,8 @@ struct Walked {
 }
 
 /// For each cell that static boxes and balls touch, the sampled points in them.
-fn fillings(world: &World, grid: &GridSpec) -> HashMap<IVec3, u64> {
+fn fillings(world: &World) -> HashMap<IVec3, u64> {
+    let size = world.grid.cell;
     let mut filled = HashMap::new();
     for object in world.objects.iter().filter(|o| o.occludes && matches!(o.motion, Motion::Static)) {
         let (min, max) = match object.shape {
@@ -53,15 +54,15 @@ fn fillings(world: &World, grid: &GridSpec) -> HashMap<IVec3, u64> {
             Shape::Sphere { center, radius } => p.distance(center) <= radius,
             _ => p.cmpge(min).all() && p.cmple(max).all(),
         };
-        let cell = |p: Vec3| ((p - grid.min) / grid.cell).floor().as_ivec3();
-        let (lo, hi) = (cell(min).max(IVec3::ZERO), cell(max).min(grid.dims.as_ivec3() - 1));
+        let cell = |p: Vec3| (p / size).floor().as_ivec3();
+        let (lo, hi) = (cell(min.max(world.grid.min)), cell(max.min(world.grid.max)));
         let cells = (lo.z..=hi.z).flat_map(|z| (lo.y..=hi.y).map(move |y| (y, z)));
         for cell in cells.flat_map(|(y, z)| (lo.x..=hi.x).map(move |x| IVec3::new(x, y, z))) {
             let points = filled.entry(cell).or_insert(0u64);
             for i in 0..SAMPLES.pow(3) {
                 let at = IVec3::new(i % SAMPLES, i / SAMPLES % SAMPLES, i / (SAMPLES * SAMPLES));
                 let share = (at.as_vec3() + 0.5) / SAMPLES as f32;
-                *points |= u64::from(holds(grid.min + (cell.as_vec3() + share) * grid.cell)) << i;
+                *points |= u64::from(holds((cell.as_vec3() + share) * size)) << i;
             }
         }
     }
@@ -69,33 +70,27 @@ fn fillings(world: &World, grid: &GridSpec) -> HashMap<IVec3, u64> {
 }
 
 /// The world in which boxes fill all cells from a share on; `None` if there are none.
-fn with_share(
-    world: &World,
-    grid: &GridSpec,
-    filled: &HashMap<IVec3, u64>,
-    share: f32,
-) -> Result<Option<Driver>, LabError> {
+fn with_share(world: &World, filled: &HashMap<IVec3, u64>, share: f32) -> Result<Option<Driver>, LabError> {
     let least = share * SAMPLES.pow(3) as f32;
     let filled = filled.iter().filter(|(_, points)| points.count_ones() as f32 >= least);
     let mut cells: Vec<IVec3> = filled.map(|(cell, _)| *cell).collect();
     cells.sort_by_key(IVec3::to_array);
     let boxes = cells.iter().map(|cell| {
-        let min = grid.min + cell.as_vec3() * grid.cell;
-        let shape = Shape::Box { min, max: min + grid.cell };
+        let min = cell.as_vec3() * world.grid.cell;
+        let shape = Shape::Box { min, max: min + world.grid.cell };
         Object { name: String::new(), shape, motion: Motion::Static, occludes: true, tested: false }
     });
     let objects: Vec<Object> = world.objects.iter().cloned().chain(boxes).collect();
-    let driver = Driver::with(&objects, grid, |_, desc| desc, |_| ())?;
+    let driver = Driver::with(&objects, world.grid.cell, |_, desc| desc, |_| ())?;
     Ok((!cells.is_empty()).then_some(driver))
 }
 
 /// Walks through a world; `None` if no threshold adds a cell.
 fn walk(lab: &Lab, frames: usize, mut walker: Walker) -> Result<Option<Walked>, LabError> {
-    let grid = grid_for(&walker.world.grid, None)?;
     let mut steps = vec![Step { share: None, found: 0, lost: 0 }];
-    let filled = fillings(&walker.world, &grid);
+    let filled = fillings(&walker.world);
     for share in SHARES {
-        if let Some(driver) = with_share(&walker.world, &grid, &filled, share)? {
+        if let Some(driver) = with_share(&walker.world, &filled, share)? {
             walker.add_driver(driver);
             steps.push(Step { share: Some(share), found: 0, lost: 0 });
         }

@@ -9,7 +9,7 @@ use rand::RngExt;
 use rayon::ThreadPoolBuilder;
 
 use super::{ASPECT, BUFFER, Contender, FrameInput, Lab, LabError, Section, Table, grouped, median, p99};
-use casca_scenes::drive::{Driver, fitted_grid, view_of};
+use casca_scenes::drive::{Driver, fitted_cell, view_of};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::{timed, timed_by_wall};
 use casca_scenes::random::generator;
@@ -34,9 +34,9 @@ struct Row {
 /// Measures a world from this many views of its walk, in the grid that fits; the least of `repeats`
 /// runs from each counts.
 fn measure(world: &World, views: usize, repeats: usize) -> Result<Row, LabError> {
-    let grid = fitted_grid(world)?;
+    let cell = fitted_cell(world)?;
     // Several threads prepare meshes.
-    let (driver, setup) = timed_by_wall(|| Driver::new(world, &grid, |_| ()));
+    let (driver, setup) = timed_by_wall(|| Driver::new(world, cell, |_| ()));
     let driver = driver?;
     let mut frustum = Query::with_method(Method::Frustum)?;
     let mut contenders = [Contender::hzb(BUFFER.0, BUFFER.1), Contender::casca("", Method::point())?];

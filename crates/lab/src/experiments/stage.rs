@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use casca::{GridSpec, Method, ObjectDesc, ObjectId, Query, View};
+use casca::{Method, ObjectDesc, ObjectId, Query, View};
 
 use super::LabError;
 use casca_scenes::drive::Driver;
@@ -44,16 +44,11 @@ impl Stage {
     ///
     /// # Errors
     /// As [`Driver::with`] and [`Query::with_method`].
-    pub(super) fn new(
-        world: &World,
-        grid: &GridSpec,
-        method: Method,
-        telling: Telling,
-    ) -> Result<Self, LabError> {
+    pub(super) fn new(world: &World, cell: f32, method: Method, telling: Telling) -> Result<Self, LabError> {
         let unreported = |o: &Object| telling == Telling::OnExpiry && o.motion != Motion::Static;
         let adapt =
             |o: &Object, desc: ObjectDesc| if unreported(o) { desc.reported_on_expiry() } else { desc };
-        let mut driver = Driver::with(&world.objects, grid, adapt, |_| ())?;
+        let mut driver = Driver::with(&world.objects, cell, adapt, |_| ())?;
         let mut objects = Vec::new();
         for i in 0..world.objects.len() {
             let slot = driver.id(i).index();

@@ -1,6 +1,6 @@
 //! Speed against accuracy: every method at several settings on every scene.
 
-use casca::{Aabb, CellOptions, GridSpec, Method, PointOptions};
+use casca::{Aabb, CellOptions, Method, PointOptions, cell_for};
 
 use super::walker::{Walker, item_buffer};
 use super::{Contender, Lab, LabError, Place, Section, Table, median, places};
@@ -53,7 +53,7 @@ struct SceneTradeoff {
     /// Objects of which the item buffer shows a pixel: the mean.
     visible: f64,
     /// The settings measured; the first is the automatic one: all defaults, in the grid of
-    /// [`GridSpec::fit`].
+    /// [`cell_for`].
     points: Vec<TradeoffPoint>,
 }
 
@@ -102,9 +102,9 @@ fn entries() -> Result<Vec<Entry>, LabError> {
 fn measure(world: World, sampling: &Sampling) -> Result<SceneTradeoff, LabError> {
     let mut entries = entries()?;
     let region = Aabb::new(world.grid.min, world.grid.max);
-    let fitted = GridSpec::fit(region, world.objects.len())?;
+    let fitted = cell_for(region, world.objects.len())?;
     let mut walker = Walker::new(world)?;
-    walker.add(&fitted)?;
+    walker.add(fitted)?;
     let mut exact = item_buffer(sampling.width);
     let (mut visible_sum, mut done) = (0usize, 0);
     let frames = walker.walk::<LabError>(sampling.frames, |walker, _, frame| {
@@ -213,7 +213,7 @@ pub fn tradeoff(lab: &Lab) -> Result<Section, LabError> {
         "Every method at several settings: the median time of a query over {} frames of each walk (the least \
          of {} runs). An object counts as visible if one of {} rays across the picture, and as many in \
          proportion down it, hits it. `hzb` gets the objects in the frustum for nothing. `point, \
-         automatic` has default settings in the grid of `GridSpec::fit`. {}",
+         automatic` has default settings in the grid of `cell_for`. {}",
         sampling.frames,
         sampling.repeats,
         sampling.width,

@@ -1,9 +1,9 @@
 //! A walk through a world, frame by frame, with the library's scene kept up to date.
 
-use casca::{Error, GridSpec, Method, Query};
+use casca::{Error, Method, Query};
 
 use super::{ASPECT, FrameInput};
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_truth::oracle::ItemBuffer;
 
@@ -28,9 +28,8 @@ impl Walker {
     /// As [`Driver::new`].
     pub(super) fn new(mut world: World) -> Result<Self, Error> {
         world.set_frame(0);
-        let grid = grid_for(&world.grid, None)?;
         let mut walker = Self { world, grids: Vec::new(), frustum: Query::with_method(Method::Frustum)? };
-        walker.add(&grid)?;
+        walker.add(walker.world.grid.cell)?;
         Ok(walker)
     }
 
@@ -38,8 +37,8 @@ impl Walker {
     ///
     /// # Errors
     /// As [`Driver::new`].
-    pub(super) fn add(&mut self, grid: &GridSpec) -> Result<(), Error> {
-        self.add_driver(Driver::new(&self.world, grid, |_| ())?);
+    pub(super) fn add(&mut self, cell: f32) -> Result<(), Error> {
+        self.add_driver(Driver::new(&self.world, cell, |_| ())?);
         Ok(())
     }
 

@@ -5,8 +5,8 @@ mod look;
 
 use casca::internals::SceneInternals;
 use casca::{
-    CellOptions, DrawOptions, Error, GridSpec, KeptOptions, KeptQuery, KeptResult, ObjectDesc, PointOptions,
-    Pvs, Query, Scene, View,
+    CellOptions, DrawOptions, Error, KeptOptions, KeptQuery, KeptResult, ObjectDesc, PointOptions, Pvs,
+    Query, Scene, View,
 };
 use glam::{DVec3, Vec3};
 
@@ -119,7 +119,7 @@ fn refused(what: &str) -> impl Fn(Error) -> (Kind, String) + use<'_> {
 impl Player {
     /// An empty scene. A thorough player looks at more points.
     pub fn new(config: &Config, thorough: bool) -> Result<Self, Error> {
-        let scene = Scene::new(&GridSpec { min: config.min, cell: config.cell, dims: config.dims })?;
+        let scene = Scene::new(config.cell)?;
         let options = |degrees, mask| {
             if config.fine {
                 return (PointOptions::default(), CellOptions::default());

@@ -1,7 +1,7 @@
 """Visibility culling for dynamic 3D scenes: conservative potentially visible sets.
 
 >>> import casca
->>> scene = casca.Scene(low=(0, 0, 0), high=(32, 32, 32), cell=1.0)
+>>> scene = casca.Scene(1.0)
 >>> wall = scene.insert_boxes([[[2, 2, 15], [30, 30, 17]]], occludes=True)
 >>> balls = scene.insert_spheres([[16, 16, 24, 0.5], [16, 16, 5, 0.5]])
 >>> view = casca.View.look_at(eye=(16, 16, 1), target=(16, 16, 20))

@@ -6,7 +6,7 @@ use std::path::Path;
 use casca::glam::{DVec3, Vec3};
 use casca::{Aabb, Scene};
 use casca_bake::{BakeError, Baker, Cells, Progress, bounds_of};
-use casca_scenes::drive::{Driver, grid_for};
+use casca_scenes::drive::Driver;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::import::{self, ImportError};
 use casca_scenes::world::{GridHint, Motion, Object, Source, World};
@@ -138,12 +138,9 @@ impl Level {
         });
         let objects = std::mem::take(&mut world.objects);
         world.objects = objects.iter().filter(hides).cloned().collect();
-        let mut grid = grid_for(&world.grid, None)?;
         // Walls are tested by themselves: cells need not be thinner.
-        let coarse =
-            grid_for(&casca_scenes::world::GridHint { cell: grid.cell.max(0.25), ..world.grid }, None);
-        grid = coarse.unwrap_or(grid);
-        let scene = Driver::new(&world, &grid, |_| ())?.scene;
+        let cell = world.grid.cell.max(0.25);
+        let scene = Driver::new(&world, cell, |_| ())?.scene;
         let track = Track { path, down };
         Ok(Self {
             name: world.name,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use casca::{Aabb, GridSpec, Method, ObjectDesc, Query, Scene, View};
+use casca::{Aabb, Method, ObjectDesc, Query, Scene, View, cell_for};
 use casca_points::Camera;
 use casca_points::bricks::{BrickError, Bricks, BuildOptions, Builder, Loader};
 use casca_points::files::{FileError, read_chunks};
@@ -96,7 +96,7 @@ impl Walk {
         let bricks = Arc::new(Bricks::open(&self.bricks)?);
         let walls = self.walls.as_deref().map_or(Ok(Vec::new()), |path| read_walls(path, bricks.origin()))?;
         say(format_args!("{} points in {} bricks, {} walls", bricks.points(), bricks.len(), walls.len()));
-        let mut scene = Scene::new(&GridSpec::fit(bricks.bounds(), bricks.len() + walls.len())?)?;
+        let mut scene = Scene::new(cell_for(bricks.bounds(), bricks.len() + walls.len())?)?;
         bricks.insert_into(&mut scene)?;
         for wall in &walls {
             scene.insert(ObjectDesc::fixed(*wall).occluder(*wall).user_data(u64::MAX))?;

@@ -47,8 +47,7 @@ pub fn drawn(
     // Counted before grounds and ceilings are set apart, so that the numbers are those of culling.
     let in_picture = overlays.in_frustum(frame.scene, watcher)?;
     let counts = COUNTED.map(|(role, ..)| in_picture.iter().filter(|&&i| roles[i] == role).count());
-    let grid = frame.scene.grid();
-    let extent = (grid.max() - grid.min()).as_vec3();
+    let extent = (frame.level.1 - frame.level.0).as_vec3();
     for (role, object) in roles.iter_mut().zip(frame.objects) {
         *role = Role::of(object, *role, frame.camera.eye, extent);
     }

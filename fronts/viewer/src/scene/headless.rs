@@ -72,9 +72,9 @@ pub fn pictures(
             let mut painter = Painter { gpu, canvas, renderer: &mut renderer };
             let check = painter.check(&frame.camera, (frame.geometry, frame.objects), &frame.visible)?;
             lost += check.lost.len();
-            let (start, grid) = (Instant::now(), frame.scene.grid());
+            let start = Instant::now();
             let watcher =
-                if is_above { above_scene((grid.min(), grid.max()), canvas.aspect()) } else { frame.camera };
+                if is_above { above_scene(frame.level, canvas.aspect()) } else { frame.camera };
             let (list, mut marks, legend) = drawn(&frame, &mut overlays, (&watcher, is_above), &check.lost)?;
             marks.lines.iter_mut().for_each(|line| line.width *= scale);
             painter.picture(&watcher, &list, &marks);

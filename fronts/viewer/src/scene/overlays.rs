@@ -69,7 +69,7 @@ impl Overlays {
             }
         }
         if self.is_on(Layer::Frustum) {
-            let mut seen = Solid::seen(&frame.camera, frame.scene.grid().min(), frame.scene.grid().max());
+            let mut seen = Solid::seen(&frame.camera, frame.level.0, frame.level.1);
             if !self.is_frustum_flat {
                 seen.faces.iter().for_each(|face| marks.outline(face, 1.0, FRUSTUM));
             }

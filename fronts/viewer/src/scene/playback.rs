@@ -5,7 +5,8 @@ use std::fmt;
 use std::time::Duration;
 
 use casca::{Query, Scene};
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use glam::DVec3;
+use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_stage::window::Done;
 
@@ -58,6 +59,8 @@ pub struct Frame<'a> {
     pub geometry: &'a Geometry,
     /// The library's scene.
     pub scene: &'a Scene,
+    /// Corners of the box of the level.
+    pub level: (DVec3, DVec3),
     /// The camera that was culled for.
     pub camera: Camera,
     /// The objects to draw, ascending.
@@ -74,7 +77,7 @@ impl Playback {
     pub fn new(mut world: World) -> Result<Self, Box<dyn Error>> {
         world.source.tell();
         world.set_frame(0);
-        let driver = Driver::new(&world, &grid_for(&world.grid, None)?, |_| ())?;
+        let driver = Driver::new(&world, world.grid.cell, |_| ())?;
         Ok(Self {
             geometry: Geometry::new(&world.objects),
             driver,
@@ -116,7 +119,8 @@ impl Playback {
             Method::Cell => &mut self.cell,
             _ => &mut self.frustum,
         };
-        let (objects, geometry) = (&self.world.objects, &self.geometry);
+        let (objects, geometry, grid) = (&self.world.objects, &self.geometry, &self.world.grid);
+        let level = (grid.min.as_dvec3(), grid.max.as_dvec3());
         frame_loop::frame(
             &mut self.driver,
             query,
@@ -128,7 +132,7 @@ impl Playback {
                     Method::All => ((0..objects.len()).collect(), Duration::ZERO),
                     Method::Frustum | Method::Point | Method::Cell => (found(query), time),
                 };
-                draw(Frame { objects, geometry, scene, camera: *camera, visible, time })
+                draw(Frame { objects, geometry, scene, level, camera: *camera, visible, time })
             },
         )
     }

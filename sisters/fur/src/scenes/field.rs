@@ -6,8 +6,8 @@ use crate::error::{Error, range};
 use crate::skin::{Ending, Pose};
 use crate::strands::{Forces, Fur, Lean};
 use crate::visibility::{furry_object, inner_ball};
-use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
-use glam::{Affine3A, Quat, UVec3, Vec3};
+use casca::{Aabb, ObjectDesc, ObjectId, Occluder, Scene, Sphere};
+use glam::{Affine3A, Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -141,10 +141,7 @@ impl Field {
         let refused = |what| move |source| Error::Scene { what, source };
         // Cells of half a unit, or coarser for large fields.
         let cell = 0.5 * (edge / 200.0).max(1.0);
-        let min = Vec3::new(-LOT - 1.0, -1.0, -LOT - 1.0);
-        let size = Vec3::new(edge + 2.0 * LOT + 2.0, WALL[1] + 2.0, edge + 2.0 * LOT + 2.0);
-        let dims = (size / cell).ceil().as_uvec3().max(UVec3::ONE);
-        let mut scene = Scene::new(&GridSpec { min, cell, dims }).map_err(refused("grid of the field"))?;
+        let mut scene = Scene::new(cell).map_err(refused("grid of the field"))?;
         let solid = |scene: &mut Scene, aabb: Aabb, number: u64, what| {
             let desc = ObjectDesc::fixed(aabb).occluder(aabb).user_data(number);
             scene.insert(desc).map_err(refused(what))

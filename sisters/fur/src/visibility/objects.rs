@@ -141,15 +141,14 @@ fn distance(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use casca::{GridSpec, ObjectId, Query, Scene, View};
-    use glam::UVec3;
+    use casca::{ObjectId, Query, Scene, View};
 
     use super::*;
     use crate::mesh::{Vertex, weld};
     use crate::samples::{ball, cube, dice};
 
     fn scene() -> Scene {
-        Scene::new(&GridSpec { min: Vec3::splat(-8.0), cell: 0.25, dims: UVec3::splat(64) }).unwrap()
+        Scene::new(0.25).unwrap()
     }
 
     fn sees(scene: &Scene, eye: Vec3, id: ObjectId) -> bool {

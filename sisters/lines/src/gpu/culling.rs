@@ -7,7 +7,7 @@
 //!
 //! [`Settings::reach`]: crate::gpu::settings::Settings::reach
 
-use casca::{Aabb, GridSpec, ObjectDesc, ObjectId, Query, Scene};
+use casca::{Aabb, ObjectDesc, ObjectId, Query, Scene, cell_for};
 use glam::Vec3;
 
 use crate::gpu::context::Context;
@@ -62,7 +62,7 @@ impl Culling {
             .max(region.max.abs().max_element() * LEAST_EXTENT)
             .max(LEAST_EXTENT);
         let region = inflate(&region, size * GRID_ROOM);
-        let mut scene = Scene::new(&GridSpec::fit(region, bounds.len() + hiding().count())?)?;
+        let mut scene = Scene::new(cell_for(region, bounds.len() + hiding().count())?)?;
         for (bounds, occluder) in hiding() {
             scene.insert(ObjectDesc::fixed(*bounds).occluder(occluder.clone()).user_data(CONTEXT))?;
         }

@@ -13,7 +13,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let camera = casca_points::Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO, glam::Vec3::Y, 0.8, (640, 480), 0.1, 1e3)?;
 //! let bricks = Arc::new(Bricks::open("town.bricks".as_ref())?);
-//! let mut scene = casca::Scene::new(&casca::GridSpec::fit(bricks.bounds(), bricks.len())?)?;
+//! let mut scene = casca::Scene::new(casca::cell_for(bricks.bounds(), bricks.len())?)?;
 //! bricks.insert_into(&mut scene)?;
 //! // Insert walls, floors and other occluders, too, with user data that is no number of a brick.
 //! # let wall = casca::Aabb::new(glam::Vec3::ZERO, glam::Vec3::ONE);

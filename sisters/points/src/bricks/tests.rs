@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use casca::{Aabb, GridSpec, ObjectDesc, Query, Scene, View};
+use casca::{Aabb, ObjectDesc, Query, Scene, View};
 use glam::{DVec3, Vec3};
 use tempfile::TempDir;
 
@@ -146,8 +146,7 @@ fn two_bricks(wall: bool) -> (TempDir, Arc<Bricks>, Scene, Camera) {
     let cloud = PointCloud { colours: vec![[9; 3]; positions.len()], positions, ..PointCloud::default() };
     let (folder, path) = build(&cloud, 100, options(400));
     let bricks = Arc::new(Bricks::open(&path).unwrap());
-    let region = Aabb::new(Vec3::new(-32.0, -32.0, -32.0), Vec3::splat(32.0));
-    let mut scene = Scene::new(&GridSpec::covering(region, 1.0).unwrap()).unwrap();
+    let mut scene = Scene::new(1.0).unwrap();
     bricks.insert_into(&mut scene).unwrap();
     if wall {
         let wall = Aabb::new(Vec3::new(-30.0, -30.0, -14.0), Vec3::new(30.0, 30.0, -12.0));

@@ -5,7 +5,7 @@ use casca::{Method, Query, View};
 use super::super::walker::item_buffer;
 use super::super::{ASPECT, LabError, p99};
 use super::ways::{Way, ways};
-use casca_scenes::drive::{Driver, fitted_grid, view_of};
+use casca_scenes::drive::{Driver, fitted_cell, view_of};
 use casca_scenes::generated::{WALK_SECONDS, WalkOptions, walking};
 use casca_scenes::measure::timed;
 use casca_scenes::world::{Camera, World};
@@ -163,8 +163,8 @@ pub fn measure(world: World, movers: usize, sampling: &Sampling) -> Result<WalkS
     let frames = sampling.frames.div_ceil(stretches).max(SETTLE + 1);
     let options = WalkOptions { movers, stretches, frames, seed: sampling.seed };
     let mut world = walking(world, ASPECT, &options);
-    let grid = fitted_grid(&world)?;
-    let driver = Driver::new(&world, &grid, |_| ())?;
+    let cell = fitted_cell(&world)?;
+    let driver = Driver::new(&world, cell, |_| ())?;
     let mut entries = Vec::new();
     for way in ways()? {
         let (driver, ms) = (driver.clone(), Vec::new());

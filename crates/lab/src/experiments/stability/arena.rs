@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::case::{ASPECT, Case, block, box_mesh, dice, glass, grid, mesh, placed, solid, sphere, still};
+use super::case::{ASPECT, Case, block, box_mesh, dice, glass, mesh, placed, solid, sphere, still};
 use crate::experiments::{Lab, LabError};
 use casca_scenes::random::Dice;
 use casca_scenes::world::{Camera, Object, Shape};
@@ -81,8 +81,7 @@ impl<'a> Arena<'a> {
     /// The arena with these objects before its own.
     pub(super) fn with(&self, name: &str, mut objects: Vec<Object>) -> Result<Case, LabError> {
         objects.extend(self.crowd.iter().cloned());
-        let grid = grid(ARENA[0], ARENA[1], CELL)?;
-        Ok(Case::new(name, objects, grid, still(self.cameras.iter().copied())))
+        Ok(Case::new(name, objects, CELL, still(self.cameras.iter().copied())))
     }
 
     pub(super) fn dice(&self, case: u64) -> Dice {

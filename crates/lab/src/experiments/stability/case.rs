@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use casca::{Aabb, GridSpec};
 use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, camera::rh::view::look_to_mat4};
 
 pub(super) use crate::experiments::ASPECT;
-use crate::experiments::LabError;
 use casca_scenes::random::Dice;
 use casca_scenes::world::{BOX_TRIANGLES, Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape, box_corners};
 
@@ -31,7 +29,7 @@ pub(super) struct Shot {
 pub(super) struct Case {
     pub(super) name: String,
     pub(super) objects: Vec<Object>,
-    pub(super) grid: GridSpec,
+    pub(super) cell: f32,
     pub(super) shots: Vec<Shot>,
     /// Count in the frames in which they are in the frustum.
     pub(super) known: Vec<Known>,
@@ -41,13 +39,8 @@ pub(super) struct Case {
 
 impl Case {
     /// A case at the usual settings.
-    pub(super) fn new(
-        name: impl Into<String>,
-        objects: Vec<Object>,
-        grid: GridSpec,
-        shots: Vec<Shot>,
-    ) -> Self {
-        Self { name: name.into(), objects, grid, shots, known: Vec::new(), unreported: false }
+    pub(super) fn new(name: impl Into<String>, objects: Vec<Object>, cell: f32, shots: Vec<Shot>) -> Self {
+        Self { name: name.into(), objects, cell, shots, known: Vec::new(), unreported: false }
     }
 
     /// With points to look at.
@@ -122,11 +115,6 @@ pub(super) fn placed(camera: &Camera, eye: Vec3, turn: Quat) -> Camera {
 /// A camera with another projection.
 pub(super) fn through(camera: &Camera, projection: Mat4) -> Camera {
     Camera { projection, ..*camera }
-}
-
-/// The grid over a box.
-pub(super) fn grid(min: Vec3, max: Vec3, cell: f32) -> Result<GridSpec, LabError> {
-    Ok(GridSpec::covering(Aabb::new(min, max), cell)?)
 }
 
 /// A power of ten in few letters.

@@ -4,10 +4,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 
-use super::arena::{ARENA, Arena, CELL, FRONT, HALF, sheet};
-use super::case::{
-    ASPECT, Case, Shot, block, box_mesh, glass, grid, mesh, placed, quad, solid, sphere, still,
-};
+use super::arena::{Arena, CELL, FRONT, HALF, sheet};
+use super::case::{ASPECT, Case, Shot, block, box_mesh, glass, mesh, placed, quad, solid, sphere, still};
 use crate::experiments::LabError;
 use casca_scenes::world::{Camera, FRAME_SECONDS, Mesh, Motion, Object, Shape};
 
@@ -123,9 +121,8 @@ impl Arena<'_> {
                     objects.push(glass("sticker", sphere(p.with_x(x), size)));
                 }
                 let cameras = turns.iter().map(|&(step, turn)| placed(&base, step, turn));
-                let grid = grid(ARENA[0], ARENA[1], CELL)?;
                 let case =
-                    Case::new(format!("eye {away} m off the face of {what}"), objects, grid, still(cameras));
+                    Case::new(format!("eye {away} m off the face of {what}"), objects, CELL, still(cameras));
                 cases.push(case);
             }
         }

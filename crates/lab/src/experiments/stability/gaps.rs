@@ -4,9 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{DVec3, Quat, Vec3};
 
-use super::case::{
-    ASPECT, Case, Known, block, dice, glass, grid, hexahedron, placed, quad, solid, sphere, still,
-};
+use super::case::{ASPECT, Case, Known, block, dice, glass, hexahedron, placed, quad, solid, sphere, still};
 use super::run::HZB;
 use crate::experiments::{Lab, LabError};
 use casca_scenes::world::{Camera, Shape};
@@ -121,9 +119,7 @@ fn case(wall: Wall, name: &str, slit: f32, lab: &Lab) -> Result<Case, LabError> 
         let turn = Quat::from_rotation_y(0.03 * (TAU * 0.37 * i as f32).sin());
         placed(&base, Vec3::ZERO, turn * roll)
     });
-    let lo = Vec3::new(-REACH * 1.1, -REACH, -26.0);
-    let grid = grid(lo, Vec3::new(REACH * 1.1, REACH, 2.0), CELL)?;
-    Ok(Case::new(name, objects, grid, still(cameras)).with_known(known))
+    Ok(Case::new(name, objects, CELL, still(cameras)).with_known(known))
 }
 
 /// Each wall with slits of each width.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::case::{ASPECT, Case, Shot, block, dice, grid, placed, solid, sphere};
+use super::case::{ASPECT, Case, Shot, block, dice, placed, solid, sphere};
 use super::walks::{Walk, shifted};
 use crate::experiments::{Lab, LabError};
 use casca_scenes::generated::SceneKind;
@@ -85,7 +85,7 @@ impl Crowd {
             let Some(camera) = camera else { continue };
             shots.push(Shot { camera, moves, time: time(number) });
         }
-        Ok(Case::new(name, self.objects.clone(), grid(Vec3::ZERO, SIZE, 0.5)?, shots))
+        Ok(Case::new(name, self.objects.clone(), 0.5, shots))
     }
 }
 

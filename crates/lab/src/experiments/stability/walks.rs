@@ -1,13 +1,11 @@
 //! Walks through the procedural scenes, and cases of them: cameras that tremble, worlds far from
 //! the origin, views at their limits.
 
-use casca::GridSpec;
 use glam::camera::rh::proj::directx::{perspective, perspective_infinite_reverse};
 use glam::{Mat4, Quat, Vec3};
 
 use super::case::{ASPECT, Case, Shot, dice, placed, plain, still, through};
 use crate::experiments::{Lab, LabError};
-use casca_scenes::drive::grid_for;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, Shape};
 
@@ -17,7 +15,7 @@ const WALK: usize = 150;
 /// Some frames of the walk through a procedural scene.
 pub(super) struct Walk {
     pub(super) objects: Vec<Object>,
-    pub(super) grid: GridSpec,
+    pub(super) cell: f32,
     pub(super) frames: Vec<usize>,
     pub(super) cameras: Vec<Camera>,
     /// Shapes of the objects that move, by frame.
@@ -36,8 +34,8 @@ impl Walk {
         }
         let cameras = frames.iter().map(|&f| world.camera(f, ASPECT)).collect();
         world.set_frame(frames.first().copied().unwrap_or(0));
-        let grid = grid_for(&world.grid, None)?;
-        Ok(Self { objects: world.objects, grid, frames, cameras, moves })
+        let cell = world.grid.cell;
+        Ok(Self { objects: world.objects, cell, frames, cameras, moves })
     }
 
     /// The walk itself.
@@ -48,12 +46,12 @@ impl Walk {
             moves: moves.clone(),
             time: frame as f64 * FRAME_SECONDS,
         });
-        Case::new(name, self.objects.clone(), self.grid, shots.collect())
+        Case::new(name, self.objects.clone(), self.cell, shots.collect())
     }
 
     /// Other cameras in the scene as it stands in the first frame.
     pub(super) fn still(&self, name: impl Into<String>, cameras: impl IntoIterator<Item = Camera>) -> Case {
-        Case::new(name, self.objects.clone(), self.grid, still(cameras))
+        Case::new(name, self.objects.clone(), self.cell, still(cameras))
     }
 }
 
@@ -122,7 +120,6 @@ pub(super) fn offset(lab: &Lab) -> Result<Vec<Case>, LabError> {
             for object in &mut case.objects {
                 object.shape = shifted(&object.shape, by);
             }
-            case.grid.min += by;
             cases.push(case);
         }
     }

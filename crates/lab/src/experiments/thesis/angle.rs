@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::super::stage::{Stage, Telling};
 use super::super::{Lab, LabError};
-use super::setting::{COARSE, FINE, Finding, grid, ratio};
+use super::setting::{COARSE, FINE, Finding, cell, ratio};
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::{Shape, World};
 
@@ -65,7 +65,7 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
         (&full, FINE, Method::cell()),
         (&full, FINE, Method::point()),
     ] {
-        let stage = Stage::new(world, &grid(world, dims)?, Method::cell(), Telling::Always)?;
+        let stage = Stage::new(world, cell(&world, dims), Method::cell(), Telling::Always)?;
         runs.push((stage, Query::with_method(kind)?));
     }
     // Milliseconds and cells visited (`cell`), by each of [`ANGLES`].
@@ -122,12 +122,12 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use casca::{Aabb, GridSpec, ObjectDesc, Scene, Sphere};
+    use casca::{Aabb, ObjectDesc, Scene, Sphere};
 
     #[test]
     fn an_opening_holds_what_lies_within_its_angle() {
-        let region = Aabb::new(Vec3::splat(-32.0), Vec3::splat(32.0));
-        let mut scene = Scene::new(&GridSpec::covering(region, 1.0).unwrap()).unwrap();
+        let _region = Aabb::new(Vec3::splat(-32.0), Vec3::splat(32.0));
+        let mut scene = Scene::new(1.0).unwrap();
         let at = |degrees: f32| {
             let (sin, cos) = degrees.to_radians().sin_cos();
             ObjectDesc::fixed(Sphere::new(Vec3::new(cos, 0.0, sin) * 20.0, 0.01))

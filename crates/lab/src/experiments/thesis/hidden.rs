@@ -6,7 +6,7 @@ use casca::Method;
 
 use super::super::stage::{Stage, Telling, frame_of, ms};
 use super::super::{ASPECT, Lab, LabError, median};
-use super::setting::{COARSE, FINE, Finding, SCREEN, grid, ratio};
+use super::setting::{COARSE, FINE, Finding, SCREEN, cell, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::timed;
@@ -44,8 +44,7 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
         let view = view_of(&camera)?;
         let mut stages = Vec::new();
         for (method, dims, telling) in ways {
-            stages
-                .push((Stage::new(&world, &grid(&world, dims)?, method, telling)?, [Vec::new(), Vec::new()]));
+            stages.push((Stage::new(&world, cell(&world, dims), method, telling)?, [Vec::new(), Vec::new()]));
         }
         let mut drawing = Vec::new();
         for step in 0..settle + frames {

@@ -1,11 +1,11 @@
 //! Where the time goes (section 4.7): upkeep of visible and of hidden objects as shares of upkeep and
 //! query. Rendering the PVS is left out.
 
-use casca::{GridSpec, Method};
+use casca::Method;
 
 use super::super::stage::{Stage, Telling};
 use super::super::{ASPECT, Lab, LabError};
-use super::setting::{Finding, ratio};
+use super::setting::{Finding, across, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::world::FRAME_SECONDS;
@@ -17,12 +17,12 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
     let (frames, repeats) = (lab.pick(100, 5), lab.pick(3, 2));
     let options = SceneOptions { seed: lab.seed, frames: frames + WARM, ..SceneOptions::default() };
     let mut world = build(SceneKind::Spheres, &options);
-    let grid = GridSpec::with_cells(casca::Aabb::new(world.grid.min, world.grid.max), 70)?;
+    let cell = across(&world, 70);
     // By `cell` and by `point`: percent of a frame for all upkeep and for hidden objects, and the
     // objects of a set.
     let mut found = [[0.0; 3]; 2];
     for (method, found) in [Method::cell(), Method::point()].into_iter().zip(&mut found) {
-        let mut stage = Stage::new(&world, &grid, method, Telling::Always)?;
+        let mut stage = Stage::new(&world, cell, method, Telling::Always)?;
         let (mut upkeep, mut of_hidden, mut queries, mut objects) = (0.0, 0.0, 0.0, 0);
         for frame in 0..frames + WARM {
             (lab.progress)(&format!("profile, frame {frame}"));

@@ -3,12 +3,12 @@
 //! longest axis. The solution point is the N of the fastest frame: query, and drawing the PVS in
 //! software.
 
-use casca::{Aabb, GridSpec, Method, View};
+use casca::{Aabb, Method, View, cell_for};
 
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{ASPECT, Lab, LabError};
-use super::setting::{EXACT, Finding, SCREEN, mean, ratio};
+use super::setting::{EXACT, Finding, SCREEN, across, mean, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::timed;
@@ -64,7 +64,7 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
     let mut world = build(SceneKind::Spheres, &SceneOptions { seed: lab.seed, ..SceneOptions::default() });
     world.objects.retain(|o| o.motion == Motion::Static);
     let region = Aabb::new(world.grid.min, world.grid.max);
-    let fit = GridSpec::fit(region, world.objects.len())?.dims.max_element();
+    let fit = ((region.max - region.min).max_element() / cell_for(region, world.objects.len())?).round();
     let cameras: Vec<Camera> = viewpoints.iter().map(|&f| world.camera(f, ASPECT)).collect();
     let views: Vec<View> = cameras.iter().map(view_of).collect::<Result<_, _>>()?;
     let mut buffer = ItemBuffer::new(EXACT.0, EXACT.1);
@@ -73,15 +73,14 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
     let mut runs = Vec::new();
     for &cells in &cells {
         (lab.progress)(&format!("{cells} cells along the longest axis"));
-        let grid = GridSpec::with_cells(region, cells)?;
+        let cell = across(&world, cells);
         for (method, kind) in METHODS.iter().enumerate() {
-            let stage = Stage::new(&world, &grid, *kind, Telling::Always)?;
+            let stage = Stage::new(&world, cell, *kind, Telling::Always)?;
             let none = || vec![f64::INFINITY; views.len()];
             runs.push(Run { cells, method, stage, query: none(), drawing: none(), found: none() });
         }
     }
-    let mut frustum =
-        Stage::new(&world, &GridSpec::with_cells(region, 64)?, Method::Frustum, Telling::Always)?;
+    let mut frustum = Stage::new(&world, across(&world, 64), Method::Frustum, Telling::Always)?;
     let mut in_frustum = vec![0.0; views.len()];
     let mut depth = Hzb::new(SCREEN.0, SCREEN.1);
     for round in 0..repeats {
@@ -120,7 +119,7 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
             "4.6, fig. 4.7",
             "The fastest frames are at about 70x70x70 cells, the solution point.".to_owned(),
             format!(
-                "`cell` is fastest at N = {} (query alone: {}), `point` by its query at {}; `GridSpec::fit` \
+                "`cell` is fastest at N = {} (query alone: {}), `point` by its query at {}; `cell_for` \
                  chooses {fit}, where a query of `point` takes {:.2} times the best.",
                 cell_best.cells,
                 best(&cell, |p| p.query).cells,

@@ -1,10 +1,7 @@
 //! What the experiments share: sizes of pictures, the grids of the thesis, and findings.
 
-use casca::GridSpec;
 use glam::UVec3;
 
-use super::super::LabError;
-use casca_scenes::drive::grid_for;
 use casca_scenes::world::World;
 
 /// Pixels of the software depth buffer that stands for the graphics card.
@@ -18,8 +15,14 @@ pub(super) const FINE: UVec3 = UVec3::new(100, 60, 100);
 /// A section of the thesis, its claim, and the figure that this run measured for it.
 pub(super) type Finding = (&'static str, String, String);
 
-pub(super) fn grid(world: &World, dims: UVec3) -> Result<GridSpec, LabError> {
-    Ok(grid_for(&world.grid, Some(dims))?)
+/// The edge length of cells of which a grid of `dims` covers a world.
+pub(super) fn cell(world: &World, dims: UVec3) -> f32 {
+    ((world.grid.max - world.grid.min) / dims.as_vec3()).max_element()
+}
+
+/// The edge length of cells of which there are so many along the longest axis of a world.
+pub(super) fn across(world: &World, cells: u32) -> f32 {
+    cell(world, UVec3::splat(cells))
 }
 
 pub(super) fn mean(values: &[f64]) -> f64 {

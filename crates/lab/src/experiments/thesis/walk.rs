@@ -7,7 +7,7 @@ use casca::Method;
 use super::super::stage::{Stage, Telling, ms};
 use super::super::walker::visible_in;
 use super::super::{ASPECT, Lab, LabError, median};
-use super::setting::{COARSE, EXACT, FINE, Finding, SCREEN, grid, mean, ratio};
+use super::setting::{COARSE, EXACT, FINE, Finding, SCREEN, cell, mean, ratio};
 use casca_scenes::drive::view_of;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
 use casca_scenes::measure::timed;
@@ -34,7 +34,7 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
         (Method::point(), FINE),
         (Method::Frustum, FINE),
     ] {
-        stages.push(Stage::new(&world, &grid(&world, dims)?, method, Telling::Always)?);
+        stages.push(Stage::new(&world, cell(&world, dims), method, Telling::Always)?);
     }
     // Of each way, frame by frame: milliseconds, and objects found.
     let mut times = vec![Vec::new(); stages.len()];

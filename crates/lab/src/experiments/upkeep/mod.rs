@@ -4,7 +4,7 @@
 mod arena;
 mod structures;
 
-use casca::{Aabb, GridSpec, MOST_NEW_VOLUMES, Method};
+use casca::{Aabb, MOST_NEW_VOLUMES, Method, cell_for};
 
 use super::stage::{Stage, Telling, frame_of, ms};
 use super::{ASPECT, Lab, LabError, Section, Table, grouped, median};
@@ -116,10 +116,10 @@ fn measure_others(
 fn measure(arena: Arena, sampling: Sampling, progress: &dyn Fn(&str)) -> Result<Vec<Row>, LabError> {
     let mut world = arena.build();
     let first = arena.first();
-    let grid = GridSpec::fit(Aabb::new(world.grid.min, world.grid.max), arena.count)?;
+    let cell = cell_for(Aabb::new(world.grid.min, world.grid.max), arena.count)?;
     let mut stages = Vec::new();
     for (_, method, telling) in WAYS {
-        stages.push(Stage::new(&world, &grid, method, telling)?);
+        stages.push(Stage::new(&world, cell, method, telling)?);
     }
     let mut buffer = ItemBuffer::new(sampling.width, (sampling.width as f32 / ASPECT) as usize);
     let mut structures: Vec<Structure> = Vec::new();

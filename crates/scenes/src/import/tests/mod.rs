@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use rand::RngExt;
 
 use super::*;
-use crate::drive::{Driver, grid_for, view_of};
+use crate::drive::{Driver, view_of};
 use crate::random::generator;
 use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 

@@ -87,8 +87,8 @@ fn roles_are_known_or_warned_of() {
         let object = &world.objects[0];
         assert_eq!((object.occludes, object.tested), roles, "{extras}");
         // What is tested only is prepared as bounds only.
-        let grid = grid_for(&world.grid, None).unwrap();
-        let driver = Driver::new(&world, &grid, |_| ()).unwrap();
+        let cell = world.grid.cell;
+        let driver = Driver::new(&world, cell, |_| ()).unwrap();
         match driver.scene.bounds(driver.id(0)).unwrap() {
             casca::Bounds::Mesh(mesh) => assert_eq!(mesh.occludes(), roles.0, "{extras}"),
             other => panic!("{other:?} is no mesh"),
@@ -141,8 +141,8 @@ fn matrices_place_nodes_and_are_not_animated() {
 
 /// Takes a world through the library, with a view of every tenth frame.
 pub(super) fn drive(mut world: World) -> World {
-    let grid = grid_for(&world.grid, None).unwrap();
-    let mut driver = Driver::new(&world, &grid, |_| {}).unwrap();
+    let cell = world.grid.cell;
+    let mut driver = Driver::new(&world, cell, |_| {}).unwrap();
     for frame in (0..world.frames).step_by(10) {
         let moved = world.set_frame(frame);
         driver.update(&world.objects, &moved).unwrap();

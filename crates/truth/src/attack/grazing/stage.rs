@@ -4,8 +4,8 @@
 mod aim;
 mod judge;
 
-use casca::{Bounds, GridSpec, ObjectDesc, ObjectId, Scene};
-use glam::{DVec3, UVec3, Vec3};
+use casca::{Bounds, ObjectDesc, ObjectId, Scene};
+use glam::{DVec3, Vec3};
 
 use super::super::dice::Dice;
 use super::super::ops::direction;
@@ -18,8 +18,6 @@ pub use aim::rounded;
 
 /// Occluders of a scene, at most: each has a bit.
 const MOST_WALLS: usize = 60;
-/// Cells along each side of the grid.
-const CELLS: u32 = 64;
 
 /// A place closely past an outline, the direction away from it, and the index of the shape.
 pub type Graze = (DVec3, DVec3, usize);
@@ -103,11 +101,8 @@ impl<'a> Stage<'a> {
             if snapped { (offset / step).round() * step } else { offset + unit * direction(&mut dice) }
         };
         let cell = unit * dice.pick(&[1.0, 1.0, 2.0]);
-        let min = middle - 0.5 * cell * CELLS as f32;
-        let min = if snapped { (min / cell).round() * cell } else { min };
-        let spec = GridSpec { min, cell, dims: UVec3::splat(CELLS) };
         #[expect(clippy::expect_used, reason = "a grid of these numbers is one")]
-        let scene = Scene::new(&spec).expect("a grid");
+        let scene = Scene::new(cell).expect("a grid");
         Self {
             dice,
             seed,

@@ -44,7 +44,7 @@ proptest! {
         let inside = [place.x / place.z / 48.0, place.y / place.z / 33.0, (-eye.z - near) / (far - near)];
         let inside = inside.map(|share| share.min(1.0 - share)).into_iter().fold(f64::MAX, f64::min);
         prop_assume!(inside.abs() > 1e-4);
-        let scene = casca::Scene::new(&casca::GridSpec { min: Vec3::splat(-4.0), cell: 1.0, dims: glam::UVec3::splat(8) }).unwrap();
+        let scene = casca::Scene::new(1.0).unwrap();
         let mut query = casca::Query::new();
         query.run(&scene, &view_of_scene(&view).unwrap());
         let sight = query.sight(&scene).unwrap();

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use casca::{Method, Query};
 use casca_lab::pictures::{FrameCounts, FramePicture, frame};
-use casca_scenes::drive::{Driver, grid_for, view_of};
+use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::{ThreadTime, timed, timed_by_wall};
 use casca_scenes::world::{FRAME_SECONDS, World};
 use casca_truth::oracle::{FrameVerdict, ItemBuffer, Oracle, OracleOptions, Seen};
@@ -119,10 +119,10 @@ impl<'a> Session<'a> {
 
 /// The library's scene with all objects of the world.
 fn fill(options: &Options, world: &World) -> Result<Driver, Failure> {
-    let grid = grid_for(&world.grid, None)?;
+    let cell = world.grid.cell;
     let cache = options.cached.open()?.map(Arc::new);
     let bar = bar(options.common.quiet, world.objects.len(), "preparing", "object");
-    let driver = Driver::cached(world, &grid, cache, |done| bar.set_position(done as u64))?;
+    let driver = Driver::cached(world, cell, cache, |done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     Ok(driver)
 }

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use casca_lab::pictures::FrameCounts;
 use casca_tools::command_line::{Outcome, say};
-use glam::IVec3;
 
 use super::options::Options;
 use super::session::{Frame, Session};
@@ -14,7 +13,7 @@ use super::session::{Frame, Session};
 pub struct Summary {
     scene: String,
     method: &'static str,
-    dims: IVec3,
+    cell: f64,
     /// Objects that are tested.
     objects: usize,
     setup: Duration,
@@ -53,7 +52,7 @@ impl Summary {
         Self {
             scene: world.name.clone(),
             method: options.query_method().name(),
-            dims: scene.grid().dims(),
+            cell: scene.grid().cell_size(),
             objects: world.objects.iter().filter(|o| o.tested).count(),
             setup: session.setup,
             grid_bytes: scene.memory().grid(),
@@ -98,7 +97,7 @@ impl Summary {
         say("");
         row("scene", self.scene.clone());
         row("method", self.method.to_owned());
-        row("grid (cells)", format!("{}x{}x{}", self.dims.x, self.dims.y, self.dims.z));
+        row("edge of a cell", format!("{} m", self.cell));
         row("frames", self.frames.len().to_string());
         row("objects", self.objects.to_string());
         row("in the frustum (mean)", format!("{:.1}", self.mean_frustum));
