@@ -7,7 +7,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use bevy_app::App;
 use bevy_camera::primitives::CUBE_MAP_FACES;
 use bevy_camera::visibility::RenderLayers;
-use bevy_camera::visibility::{CascadesVisibleEntities, CubemapVisibleEntities, VisibleMeshEntities};
 use bevy_casca::casca::glam;
 use bevy_casca::{CascaSettings, Shadows};
 use bevy_ecs::prelude::*;
@@ -18,7 +17,9 @@ use bevy_math::{Affine3A, Mat4, Quat, Vec3};
 use bevy_transform::components::{GlobalTransform, Transform};
 use casca_scenes::world::{Camera, Object};
 use casca_truth::oracle::{Oracle, OracleOptions};
-use common::{CAMERA, Nr, Pair, dice, done, entity, opaque, spawn_box, spawn_camera, truth};
+use common::{
+    CAMERA, Nr, Pair, View, dice, done, entity, light_lists, opaque, spawn_box, spawn_camera, truth,
+};
 use glam::camera::rh::proj::directx;
 
 const SUN: u32 = 1_000_001;
@@ -26,34 +27,6 @@ const BULB: u32 = 1_000_002;
 const SPOT: u32 = 1_000_003;
 /// It casts no shadow, though it hides from cameras.
 const GHOST: u32 = 40;
-
-/// A light, a camera for suns, and the number of the view.
-type Lists = BTreeMap<(u32, u32, usize), BTreeSet<u32>>;
-
-fn light_lists(app: &mut App) -> Lists {
-    let world = app.world_mut();
-    let mut found = Vec::new();
-    let mut suns = world.query::<(&Nr, &CascadesVisibleEntities)>();
-    for (nr, lists) in suns.iter(world) {
-        for (camera, lists) in &lists.entities {
-            let camera = world.get::<Nr>(*camera).unwrap().0;
-            found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, camera, i), list.clone())));
-        }
-    }
-    let mut bulbs = world.query::<(&Nr, &CubemapVisibleEntities)>();
-    for (nr, lists) in bulbs.iter(world) {
-        found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, nr.0, i), list.clone())));
-    }
-    let mut spots = world.query_filtered::<(&Nr, &VisibleMeshEntities), With<SpotLight>>();
-    found.extend(spots.iter(world).map(|(nr, list)| ((nr.0, nr.0, 0), list.clone())));
-    let numbers = |list: VisibleMeshEntities| {
-        assert!(list.entities.is_sorted(), "a list is not in order");
-        let set: BTreeSet<u32> = list.entities.iter().map(|e| world.get::<Nr>(*e).unwrap().0).collect();
-        assert_eq!(set.len(), list.entities.len(), "a caster is listed twice");
-        set
-    };
-    found.into_iter().map(|(key, list)| (key, numbers(list))).collect()
-}
 
 /// A yard with walls, a roof, a ghost, and small things all over the place, some of which move.
 fn yard(world: &mut World) {
@@ -107,7 +80,7 @@ fn camera(view: Mat4, projection: glam::Mat4) -> Camera {
 }
 
 /// The cameras of the shadow maps of all lights.
-fn shadow_cameras(app: &mut App) -> BTreeMap<(u32, u32, usize), Camera> {
+fn shadow_cameras(app: &mut App) -> BTreeMap<View, Camera> {
     let mut out = BTreeMap::new();
     let sun = entity(app.world_mut(), SUN);
     for (i, cascade) in app.world().get::<Cascades>(sun).unwrap().cascades.values().flatten().enumerate() {

@@ -7,17 +7,15 @@ use std::process::ExitCode;
 
 use bevy::prelude::Transform;
 use bevy_casca::CascaSettings;
-use bevy_casca_rendered::fur::{Ball, rmse};
-use bevy_casca_rendered::herd::{Herd, coats};
+use bevy_casca_rendered::fur::{Ball, coats, rmse};
+use bevy_casca_rendered::herd::Herd;
 use bevy_casca_rendered::rendered::{HEIGHT, WIDTH};
 use casca_tools::image::{halved, write_png};
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 
 /// Compares fur by Bevy with fur by casca-fur, and a herd with and without bevy_casca.
 #[derive(Parser)]
 struct Arguments {
-    /// The part; all if none is named
-    part: Option<Part>,
     /// Layers of the ball
     #[arg(long, default_values_t = [4, 8, 16, 24])]
     layers: Vec<u32>,
@@ -26,22 +24,9 @@ struct Arguments {
     out: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Part {
-    /// A ball by Bevy, by casca-fur and by rays
-    Ball,
-    /// A herd behind walls, with and without culling
-    Herd,
-    /// Two animals, with `--out`
-    Pair,
-}
-
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let parts =
-        [(Part::Ball, ball as fn(&Arguments) -> Result<(), String>), (Part::Herd, herd), (Part::Pair, pair)];
-    let wanted = |part: Part| arguments.part.is_none_or(|only| only == part);
-    match parts.iter().filter(|(part, _)| wanted(*part)).try_for_each(|(_, run)| run(&arguments)) {
+    match ball(&arguments).and_then(|()| herd(&arguments)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
             eprintln!("{why}");
@@ -57,6 +42,7 @@ const FRAMES: u32 = 3;
 /// of colours, but no strand that is missing.
 const ALIKE: f64 = 0.004;
 
+/// A ball by Bevy, by casca-fur and by rays.
 fn ball(arguments: &Arguments) -> Result<(), String> {
     let ball = Ball::new()?;
     let traced = ball.traced()?;
@@ -108,21 +94,9 @@ fn herd(arguments: &Arguments) -> Result<(), String> {
             herd.count(),
             drawn(&counts[1])
         );
-        if other > 0 {
-            println!("{:?}\n{:?}", counts[0], counts[1]);
-        }
         differ += other;
     }
     if differ > 0 { Err("pictures with and without culling differ".into()) } else { Ok(()) }
-}
-
-/// A picture for the README.
-fn pair(arguments: &Arguments) -> Result<(), String> {
-    if arguments.out.is_none() {
-        return Ok(());
-    }
-    let picture = Herd::pair().app(None)?.capture()?;
-    save(arguments.out.as_deref(), "pair.png", (WIDTH, HEIGHT), &picture)
 }
 
 fn save(folder: Option<&Path>, name: &str, size: (u32, u32), pixels: &[u8]) -> Result<(), String> {
