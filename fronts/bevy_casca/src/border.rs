@@ -42,6 +42,15 @@ pub(crate) fn world_box(b: &Aabb, transform: &Affine3A) -> (Vec3A, Vec3A) {
     (middle - half, middle + half)
 }
 
+/// The same with room for the roundings on the way, here and in renderers.
+pub(crate) fn placed(b: &Aabb, transform: &Affine3A) -> casca::Aabb {
+    let (min, max) = world_box(b, transform);
+    let reach = transform.matrix3.abs() * (b.center.abs() + b.half_extents.abs());
+    // Some eight roundings each, of an epsilon at most of all that is added up.
+    let room = 4.0 * rounding(reach + transform.translation.abs());
+    casca::Aabb::new(vec3((min - room).into()), vec3((max + room).into()))
+}
+
 /// A box of casca's, as its corners.
 pub(crate) fn back(b: &casca::Aabb) -> (Vec3A, Vec3A) {
     (b.min.to_array().into(), b.max.to_array().into())

@@ -62,9 +62,8 @@ impl Default for CascaSettings {
 pub enum Shadows {
     /// None but those that Bevy leaves out.
     All,
-    /// Those that lie in the shadow of others: the shadow map stays the same without them. Point
-    /// lights and spot lights with shadows are switched off if nothing that a camera sees is in
-    /// their reach.
+    /// Those that lie in the shadow of others: the shadow map stays the same without them. Lamps
+    /// whose light falls on nothing that a camera sees are switched off.
     #[default]
     Lit,
 }

@@ -66,7 +66,6 @@ fn a_walk_through_a_city() {
         let to = at + Vec3::new((t * 9.0).cos(), 0.05 * (t * 31.0).sin(), (t * 9.0).sin());
         hidden += check(&mut pair, frame, |world| look(world, at, to), 6);
     }
-    println!("{} entities of Bevy's set are hidden in a frame", hidden as f32 / FRAMES as f32);
     assert!(hidden > 100 * FRAMES as usize, "little is hidden: {hidden}");
 }
 
@@ -114,7 +113,6 @@ fn a_building_with_doors_that_open() {
         let n = check(&mut pair, frame, change, 2);
         (hidden, least, most) = (hidden + n, least.min(n), most.max(n));
     }
-    println!("{} hidden in a frame, {least} to {most}", hidden as f32 / FRAMES as f32);
     assert!(hidden > 60 * FRAMES as usize, "little is hidden: {hidden}");
     assert!(least + 5 < most, "doors change nothing");
 }

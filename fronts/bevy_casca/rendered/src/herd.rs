@@ -37,7 +37,8 @@ struct Kind {
 
 /// Where animals and walls are, and the eyes that look at them.
 pub struct Herd {
-    animals: Vec<(usize, Transform)>,
+    /// Their kinds and places.
+    pub animals: Vec<(usize, Transform)>,
     walls: Vec<(Vec3, Vec3)>,
     /// The eyes.
     pub eyes: Vec<Transform>,
@@ -60,11 +61,6 @@ impl Herd {
             eye(-3.2, 0.4, 1.2, Vec3::new(1.0, 0.2, -4.0)),
         ];
         Self { animals: (0..24).map(|i| (i % KINDS.len(), place(i))).collect(), walls, eyes }
-    }
-
-    /// The number of animals.
-    pub fn count(&self) -> usize {
-        self.animals.len()
     }
 
     /// An app with the herd, ready for pictures.

@@ -163,11 +163,6 @@ impl Rendered {
         let spots = spots.iter(world).filter(|(_, seen)| seen.get());
         count + spots.map(|(spot, _)| spot.entities.len()).sum::<usize>()
     }
-
-    /// The number of meshes that are prepared to hide others.
-    pub fn occluders(&self) -> usize {
-        self.casca().map_or(0, CascaScene::occluders)
-    }
 }
 
 /// Asks for a picture of the next frame: four bytes a pixel, or none.

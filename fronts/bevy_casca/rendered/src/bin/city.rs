@@ -45,9 +45,6 @@ struct Arguments {
     /// Draws a picture into this PNG file instead of opening a window
     #[arg(long)]
     picture: Option<PathBuf>,
-    /// The width and height of the picture
-    #[arg(long, num_args = 2, default_values_t = [1280, 720])]
-    size: Vec<u32>,
 }
 
 /// The camera that walks.
@@ -78,7 +75,6 @@ struct Walk {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let size = UVec2::from_slice(&arguments.size).clamp(UVec2::splat(16), UVec2::splat(8192));
     let mut app = App::new();
     let render = RenderPlugin { synchronous_pipeline_compilation: arguments.picture.is_some(), ..default() };
     // The window, or the picture of the page.
@@ -107,7 +103,7 @@ fn main() -> ExitCode {
             app.run();
             ExitCode::SUCCESS
         }
-        Some(file) => match picture(app, arguments.entities, size, &file) {
+        Some(file) => match picture(app, arguments.entities, &file) {
             Ok(()) => ExitCode::SUCCESS,
             Err(why) => {
                 eprintln!("{why}");
@@ -119,9 +115,10 @@ fn main() -> ExitCode {
 
 /// Runs some frames without a window, and writes the last one.
 #[cfg(not(target_family = "wasm"))]
-fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -> Result<(), String> {
+fn picture(mut app: App, entities: usize, file: &std::path::Path) -> Result<(), String> {
     /// The picture is that of the frame after so many.
     const FRAMES: u32 = 60;
+    let size = UVec2::new(1280, 720);
     while app.plugins_state() == bevy::app::PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
@@ -152,7 +149,7 @@ fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -
 
 /// A page has no files.
 #[cfg(target_family = "wasm")]
-fn picture(_: App, _: usize, _: UVec2, file: &std::path::Path) -> Result<(), String> {
+fn picture(_: App, _: usize, file: &std::path::Path) -> Result<(), String> {
     Err(format!("{}: a page has no files", file.display()))
 }
 

@@ -16,9 +16,6 @@ use clap::Parser;
 /// Compares fur by Bevy with fur by casca-fur, and a herd with and without bevy_casca.
 #[derive(Parser)]
 struct Arguments {
-    /// Layers of the ball
-    #[arg(long, default_values_t = [4, 8, 16, 24])]
-    layers: Vec<u32>,
     /// The folder of PNG files
     #[arg(long)]
     out: Option<PathBuf>,
@@ -46,7 +43,7 @@ const ALIKE: f64 = 0.004;
 fn ball(arguments: &Arguments) -> Result<(), String> {
     let ball = Ball::new()?;
     let traced = ball.traced()?;
-    for &layers in &arguments.layers {
+    for layers in [4, 8, 16, 24] {
         let (bevy, own) = (ball.by_bevy(layers)?, ball.by_casca_fur(layers)?);
         let half = |picture: &[u8]| halved(picture, (WIDTH, HEIGHT));
         println!(
@@ -91,7 +88,7 @@ fn herd(arguments: &Arguments) -> Result<(), String> {
         println!(
             "eye {i}: {other} pixels differ; {} coats of {} drawn by casca, {} by Bevy, {lag} with other layers",
             drawn(&counts[0]),
-            herd.count(),
+            herd.animals.len(),
             drawn(&counts[1])
         );
         differ += other;

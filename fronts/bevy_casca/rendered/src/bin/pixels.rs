@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use bevy_casca::CascaSettings;
+use bevy_casca::{CascaScene, CascaSettings};
 use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH};
 use bevy_casca_rendered::scenes::Scene;
 use clap::Parser;
@@ -73,7 +73,7 @@ fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String>
         of(counts[1][0]),
         of(counts[0][1]),
         of(counts[1][1]),
-        casca.occluders()
+        casca.casca().map_or(0, CascaScene::occluders)
     );
     Ok(pictures)
 }
