@@ -114,7 +114,7 @@ pub(crate) fn sync(
     let mut look = Vec::new();
     for event in events.iter_mut().flat_map(|events| events.read()) {
         if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
-            casca.occluders.changed(*id, &mut look);
+            casca.occluders.changed(*id, &meshes, settings.most_triangles, &mut look);
         }
     }
     if !settings.enabled {

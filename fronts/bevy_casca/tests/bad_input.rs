@@ -163,6 +163,9 @@ fn settings_that_make_no_sense_cull_by_frustum() {
     settings.method = casca::Method::Point(casca::PointOptions::new().pixel_degrees(f32::NAN));
     let (ours, bevys) = pair.frame(|_| {});
     assert_eq!(ours, bevys);
+    pair.ours.world_mut().resource_mut::<CascaSettings>().method = casca::Method::Frustum;
+    let (ours, bevys) = pair.frame(|_| {});
+    assert_eq!(ours, bevys);
     // Nothing is taken over, and nothing is ever still.
     let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
     *settings = CascaSettings { most_new: 0, still_after: u32::MAX, most_triangles: 0, ..Default::default() };

@@ -2,7 +2,7 @@
 
 mod common;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use bevy_app::App;
 use bevy_camera::primitives::CUBE_MAP_FACES;
@@ -15,7 +15,7 @@ use bevy_light::{
 };
 use bevy_math::{Affine3A, Mat4, Quat, Vec3};
 use bevy_transform::components::{GlobalTransform, Transform};
-use casca_scenes::world::{Camera, Object};
+use casca_scenes::world::Camera;
 use casca_truth::oracle::{Oracle, OracleOptions};
 use common::{
     CAMERA, Nr, Pair, View, dice, done, entity, light_lists, opaque, spawn_box, spawn_camera, truth,
@@ -110,15 +110,6 @@ fn shadow_cameras(app: &mut App) -> BTreeMap<View, Camera> {
     out
 }
 
-/// What is not in Bevy's list of a view is not asked for, as it lies beyond the light's range.
-fn asked(mut objects: Vec<Object>, bevys: &BTreeSet<u32>) -> Vec<Object> {
-    objects[GHOST as usize].occludes = false;
-    for (nr, object) in (0..).zip(&mut objects) {
-        object.tested = bevys.contains(&nr);
-    }
-    objects
-}
-
 #[test]
 fn casters_that_are_left_out_are_hidden_from_the_light() {
     let mut pair = Pair::new(yard);
@@ -136,7 +127,10 @@ fn casters_that_are_left_out_are_hidden_from_the_light() {
             if frame % 6 != 0 {
                 continue;
             }
-            let objects = asked(truth(&mut pair.ours).1, &bevys[key]);
+            let (_, mut objects) = truth(&mut pair.ours);
+            objects[GHOST as usize].occludes = false;
+            // What is not in Bevy's list lies beyond the light's range.
+            (0..).zip(&mut objects).for_each(|(nr, object)| object.tested = bevys[key].contains(&nr));
             let all: Vec<usize> = (0..objects.len()).collect();
             let mut oracle = Oracle::new(&objects, options);
             let verdict = oracle.frame(&objects, &all, &cameras[key], &|i| list.contains(&(i as u32)));

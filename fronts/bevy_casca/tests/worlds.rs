@@ -3,8 +3,7 @@
 mod common;
 
 use bevy_asset::Handle;
-use bevy_casca::casca::{self, Method};
-use bevy_casca::{CascaScene, CascaSettings, InScene, Occluder};
+use bevy_casca::{CascaScene, InScene, Occluder, casca};
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
 use bevy_mesh::Mesh;
@@ -163,18 +162,4 @@ fn a_crowd_of_5000_that_moves() {
     println!("{} hidden in a frame; at the end {waiting} wait in volumes", n as f32 / FRAMES as f32);
     assert!(waiting > 0, "the scene is not told that frames end");
     assert!(n > 500 * FRAMES as usize, "little is hidden: {n}");
-}
-
-#[test]
-fn without_occlusion_sets_are_bevys() {
-    for (enabled, method) in [(false, Method::point()), (true, Method::Frustum)] {
-        let mut pair = city();
-        let mut settings = pair.ours.world_mut().resource_mut::<CascaSettings>();
-        (settings.enabled, settings.method) = (enabled, method);
-        for frame in 0..30 {
-            let to = Vec3::new((frame as f32).cos(), 0.0, (frame as f32).sin());
-            let (ours, bevys) = pair.frame(|world| look(world, Vec3::Y, Vec3::Y + to));
-            assert_eq!(ours, bevys);
-        }
-    }
 }
