@@ -4,7 +4,7 @@
 //! reach, and a query is run anew only after another change there.
 
 use bevy_ecs::entity::{Entity, EntityHashMap};
-use bevy_math::{Mat3A, Vec3A};
+use bevy_math::{Affine3A, Mat3A, Vec3A};
 use bevy_platform::collections::HashMap;
 use casca::{Method, Query, Scene, View};
 
@@ -86,6 +86,8 @@ pub(crate) struct Mover {
     pub(crate) rests: u32,
     /// The corners of a box around it.
     pub(crate) around: (Vec3A, Vec3A),
+    /// Where it was last.
+    pub(crate) at: Affine3A,
 }
 
 /// A light, and for suns the camera for which it shines.

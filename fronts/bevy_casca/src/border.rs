@@ -27,11 +27,28 @@ pub(crate) fn aabb(b: &Aabb) -> casca::Aabb {
     casca::Aabb::new(vec3((b.min() - room).into()), vec3((b.max() + room).into()))
 }
 
+/// What rounding may add to the range of a light, and more.
+pub(crate) const SLACK: f32 = 1.001;
+
+/// What rounding may do to places as far away as this, and more.
+pub(crate) fn rounding(place: Vec3A) -> f32 {
+    place.abs().max_element() * ROUNDING
+}
+
 /// A box in world space around a box under a transform.
 pub(crate) fn world_box(b: &Aabb, transform: &Affine3A) -> (Vec3A, Vec3A) {
     let middle = transform.transform_point3a(b.center);
     let half = transform.matrix3.abs() * b.half_extents.abs();
     (middle - half, middle + half)
+}
+
+/// The same with room for the roundings on the way, here and in renderers.
+pub(crate) fn placed(b: &Aabb, transform: &Affine3A) -> casca::Aabb {
+    let (min, max) = world_box(b, transform);
+    let reach = transform.matrix3.abs() * (b.center.abs() + b.half_extents.abs());
+    // Some eight roundings each, of an epsilon at most of all that is added up.
+    let room = 4.0 * rounding(reach + transform.translation.abs());
+    casca::Aabb::new(vec3((min - room).into()), vec3((max + room).into()))
 }
 
 /// A box of casca's, as its corners.
@@ -58,19 +75,6 @@ pub(crate) fn is_shifted(a: &glam::Affine3A, b: &glam::Affine3A, shift: Vec3) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_cross_the_border_as_they_are() {
-        let matrix = Mat4::from_cols_array(&std::array::from_fn(|i| i as f32));
-        assert_eq!(mat4(&matrix).to_cols_array(), matrix.to_cols_array());
-        let placed = Affine3A::from_scale_rotation_translation(
-            Vec3::new(1.0, 2.0, 3.0),
-            bevy_math::Quat::from_rotation_y(0.5),
-            Vec3::new(4.0, 5.0, 6.0),
-        );
-        let point = vec3(placed.transform_point3(Vec3::ONE));
-        assert_eq!(affine(&placed).transform_point3(glam::Vec3::ONE), point);
-    }
 
     /// More than rounding makes of a box, and less than a look at it tells.
     const SLIVER: f32 = 1e-5;

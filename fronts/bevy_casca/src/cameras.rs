@@ -1,5 +1,7 @@
 //! What cameras see, and the test that Bevy makes of it.
 
+use std::any::TypeId;
+
 use bevy_camera::primitives::{Aabb, Frustum, Sphere};
 use bevy_camera::visibility::{
     InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers, SetViewVisibility, ViewVisibility,
@@ -8,6 +10,7 @@ use bevy_camera::visibility::{
 use bevy_camera::{Camera, Projection};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
+use bevy_light::cluster::ClusterVisibilityClass;
 use bevy_math::{Mat4, Vec3};
 use bevy_platform::time::Instant;
 use bevy_transform::components::GlobalTransform;
@@ -15,6 +18,7 @@ use bevy_utils::{Parallel, TypeIdHashMap};
 use casca::{Method, View};
 
 use crate::drawn::{self, Drawn};
+use crate::lamps::Lamps;
 use crate::scene::{CascaScene, InScene};
 use crate::settings::{CascaSettings, NoOcclusionCulling};
 use crate::{border, layers, run};
@@ -53,6 +57,18 @@ impl CandidateItem<'_, '_> {
         self.inherited.get() && layers.intersects(self.layers.unwrap_or_default())
     }
 
+    /// Lists it if Bevy takes it to be visible.
+    fn note(&mut self, viewer: &Viewer, queue: &mut Lists) -> bool {
+        let seen = self.is_seen(viewer);
+        if seen {
+            self.view_visibility.set_visible();
+            for class in self.classes.iter().flat_map(|classes| classes.iter()) {
+                queue.entry(*class).or_default().push(self.entity);
+            }
+        }
+        seen
+    }
+
     /// Whether Bevy takes it to be visible.
     fn is_seen(&self, viewer: &Viewer) -> bool {
         let out_of_range =
@@ -79,8 +95,8 @@ impl CandidateItem<'_, '_> {
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(crate) struct Cameras {
-    entity: Entity,
-    visible: &'static mut VisibleEntities,
+    pub(crate) entity: Entity,
+    pub(crate) visible: &'static mut VisibleEntities,
     frustum: &'static Frustum,
     layers: Option<&'static RenderLayers>,
     camera: &'static Camera,
@@ -94,6 +110,7 @@ pub(crate) struct Cameras {
 type Lists = TypeIdHashMap<Vec<Entity>>;
 
 /// Fills the lists of all active cameras.
+#[expect(clippy::too_many_arguments, reason = "it asks for what Bevy's system asks for")]
 pub(crate) fn check_cameras(
     mut queues: Local<Parallel<Lists>>,
     mut casca: ResMut<CascaScene>,
@@ -101,6 +118,7 @@ pub(crate) fn check_cameras(
     mut cameras: Query<Cameras>,
     mut managed: Query<Candidate, Managed>,
     mut unmanaged: Query<Candidate, Unmanaged>,
+    lamps: Lamps,
     (drawn, mut commands): (Query<(Entity, &InScene), Drawn>, Commands),
 ) {
     let start = Instant::now();
@@ -118,37 +136,34 @@ pub(crate) fn check_cameras(
         None => casca.cameras.clear(),
     }
     let ranges = ranges.as_deref();
-    for mut camera in &mut cameras {
-        if !camera.camera.is_active {
-            continue;
-        }
+    // They are looked at when it is known what they shine on.
+    let later = lamps.with_shadows(&settings);
+    let mut in_view = Vec::new();
+    for mut camera in cameras.iter_mut().filter(|camera| camera.camera.is_active) {
         let viewer = Viewer {
             entity: camera.entity,
             layers: camera.layers.unwrap_or_default(),
             ranges,
             frustum: Some(camera.frustum).filter(|_| !camera.no_cpu_culling),
         };
-        let note = |queue: &mut Lists, mut item: CandidateItem| {
-            let seen = item.is_seen(&viewer);
-            if seen {
-                item.view_visibility.set_visible();
-                for class in item.classes.iter().flat_map(|classes| classes.iter()) {
-                    queue.entry(*class).or_default().push(item.entity);
+        unmanaged.par_iter_mut().for_each_init(
+            || queues.borrow_local_mut(),
+            |queue, mut item| {
+                if !later.contains_key(&item.entity) {
+                    item.note(&viewer, queue);
                 }
-            }
-            seen
-        };
-        unmanaged
-            .par_iter_mut()
-            .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item));
+            },
+        );
+        let shines = |lamp: &Entity| unmanaged.get_mut(*lamp).is_ok_and(|item| item.is_seen(&viewer));
+        in_view.extend(later.keys().copied().filter(shines).map(|lamp| (lamp, camera.entity)));
         match (casca.seen_by(camera.entity), &casca.scene) {
             (Some(pvs), Some(scene)) => {
                 let mut queue = queues.borrow_local_mut();
                 let mut seen = 0;
                 let found = pvs.visible().iter().filter_map(|&id| scene.user_data(id).ok());
                 for entity in found.filter_map(Entity::try_from_bits).chain(strays.iter().copied()) {
-                    if let Ok(item) = managed.get_mut(entity) {
-                        seen += usize::from(note(&mut queue, item));
+                    if let Ok(mut item) = managed.get_mut(entity) {
+                        seen += usize::from(item.note(&viewer, &mut queue));
                     }
                 }
                 casca.counts.visible += seen;
@@ -156,7 +171,7 @@ pub(crate) fn check_cameras(
             }
             _ => managed
                 .par_iter_mut()
-                .for_each_init(|| queues.borrow_local_mut(), |queue, item| _ = note(queue, item)),
+                .for_each_init(|| queues.borrow_local_mut(), |queue, mut item| _ = item.note(&viewer, queue)),
         }
         camera.visible.clear_all();
         for (class, entities) in queues.iter_mut().flatten() {
@@ -164,6 +179,18 @@ pub(crate) fn check_cameras(
         }
         // Renderers compare the lists of two frames in their order.
         camera.visible.entities.values_mut().for_each(|list| list.sort_unstable());
+    }
+    let mut dark = later;
+    dark.retain(|lamp, _| in_view.iter().any(|(shines, _)| shines == lamp));
+    let active = cameras.iter().filter(|camera| camera.camera.is_active);
+    let active = active.map(|camera| (camera.entity, camera.visible));
+    lamps.retain_unseen(&mut dark, casca, !strays.is_empty(), active);
+    for (lamp, camera) in in_view.into_iter().filter(|(lamp, _)| !dark.contains_key(lamp)) {
+        if let (Ok(mut item), Ok(mut camera)) = (unmanaged.get_mut(lamp), cameras.get_mut(camera)) {
+            item.view_visibility.set_visible();
+            let list = camera.visible.get_mut(TypeId::of::<ClusterVisibilityClass>());
+            list.insert(list.partition_point(|other| *other < lamp), lamp);
+        }
     }
     casca.counts.time += start.elapsed();
 }

@@ -28,11 +28,13 @@ type Excluded = Or<(
 )>;
 
 /// The opposite.
-pub(crate) type Manageable = (
+pub(crate) type Manageable = (Bounded, Without<VisibilityRange>);
+
+/// What lies in its box, if it has one.
+pub(crate) type Bounded = (
     Without<NoFrustumCulling>,
     Without<NoCpuCulling>,
     Without<NoOcclusionCulling>,
-    Without<VisibilityRange>,
     Without<MorphWeights>,
     Without<MeshMorphWeights>,
     Or<(Without<SkinnedMesh>, With<DynamicSkinnedMeshBounds>)>,

@@ -22,6 +22,7 @@ mod casters;
 mod diagnostics;
 mod drawn;
 mod grid;
+mod lamps;
 mod layers;
 mod lights;
 mod materials;

@@ -11,6 +11,7 @@ use bevy_camera::visibility::{
 use bevy_camera::{Camera, RenderTarget, ShadowLodOrigin};
 use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use bevy_light::cascade::Cascade;
 use bevy_light::cluster::ClusterVisibilityClass;
 use bevy_light::{
@@ -23,10 +24,11 @@ use bevy_transform::components::GlobalTransform;
 use casca::View;
 
 use crate::beams::{Aim, Reach, shine};
+use crate::border::{self, SLACK};
 use crate::casters::{Casters, Shine};
+use crate::layers;
 use crate::scene::CascaScene;
 use crate::settings::{CascaSettings, NoOcclusionCulling};
-use crate::{border, layers};
 
 type Sun = (
     Entity,
@@ -85,7 +87,7 @@ pub(crate) fn check_suns(
             out.resize_with(frusta.len(), VisibleMeshEntities::default);
             for (out, list) in out.iter_mut().zip(lists) {
                 casca.counts.casters += list.len();
-                replace(out, list);
+                out.entities = list;
             }
         }
     }
@@ -158,23 +160,17 @@ impl Shaft {
     }
 }
 
-type Bulb = (
-    &'static PointLight,
-    &'static GlobalTransform,
-    &'static CubemapFrusta,
-    &'static mut CubemapVisibleEntities,
-    Option<&'static RenderLayers>,
-    Has<NoOcclusionCulling>,
-);
-
-type Spot = (
-    &'static SpotLight,
-    &'static GlobalTransform,
-    &'static Frustum,
-    &'static mut VisibleMeshEntities,
-    Option<&'static RenderLayers>,
-    Has<NoOcclusionCulling>,
-);
+/// A point light or a spot light, with the frusta of its shadow maps and their lists.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Lamp {
+    entity: Entity,
+    bulb: Option<(&'static PointLight, &'static CubemapFrusta, &'static mut CubemapVisibleEntities)>,
+    spot: Option<(&'static SpotLight, &'static Frustum, &'static mut VisibleMeshEntities)>,
+    transform: &'static GlobalTransform,
+    layers: Option<&'static RenderLayers>,
+    no_occlusion: Has<NoOcclusionCulling>,
+}
 
 type Lamps = Or<(With<PointLight>, With<SpotLight>)>;
 
@@ -184,8 +180,7 @@ pub(crate) fn check_lamps(
     mut casca: ResMut<CascaScene>,
     settings: Res<CascaSettings>,
     cameras: Query<&VisibleEntities>,
-    mut bulbs: Query<Bulb>,
-    mut spots: Query<Spot>,
+    mut lamps: Query<Lamp, Lamps>,
     mut casters: Casters,
     mut targets: Query<(Entity, &RenderTarget), With<Camera>>,
     mut origins: Query<Entity, With<ShadowLodOrigin>>,
@@ -196,24 +191,8 @@ pub(crate) fn check_lamps(
     let class = TypeId::of::<ClusterVisibilityClass>();
     let lit: EntityHashSet = cameras.iter().flat_map(|seen| seen.get(class)).copied().collect();
     let mut beams = std::mem::take(&mut casca.lamps);
-    let mut aims = Vec::new();
-    for &entity in &lit {
-        if let Ok((light, transform, .., layers, false)) = bulbs.get(entity)
-            && light.shadow_maps_enabled
-        {
-            let view = view_of_bulb(transform.translation(), light);
-            aims.extend(aim(view, transform, light.range, layers).map(|aim| ((entity, entity), aim)));
-        }
-        if let Ok((light, transform, .., layers, false)) = spots.get(entity)
-            && light.shadow_maps_enabled
-        {
-            let clip_from_view = spot_light_clip_from_view(light.outer_angle, light.shadow_map_near_z);
-            let matrix = clip_from_view * Mat4::from(spot_light_world_from_view(transform).inverse());
-            let eye = border::vec3(transform.translation());
-            let view = View::perspective(eye, border::mat4(&matrix)).ok();
-            aims.extend(aim(view, transform, light.range, layers).map(|aim| ((entity, entity), aim)));
-        }
-    }
+    let asked = lit.iter().filter_map(|lamp| lamps.get(*lamp).ok()).filter(|lamp| !lamp.no_occlusion);
+    let aims = asked.filter_map(|lamp| Some(((lamp.entity, lamp.entity), lamp.aim()?))).collect();
     let now = (casca.scene.as_ref(), &casca.changes, casca.frame);
     shine(&mut beams, now, settings.method, aims, |entity| casters.moves(entity));
     let origin = get_shadow_lod_origin(
@@ -222,38 +201,47 @@ pub(crate) fn check_lamps(
         all.transmute_lens_filtered(),
     );
     for entity in lit {
+        let Ok(lamp) = lamps.get_mut(entity) else { continue };
+        let (range, frusta, out): (f32, &[Frustum], Vec<_>) = match (lamp.bulb, lamp.spot) {
+            (Some((bulb, frusta, lists)), _) if bulb.shadow_maps_enabled => {
+                (bulb.range, &frusta.frusta, lists.into_inner().iter_mut().collect())
+            }
+            (_, Some((spot, frustum, list))) if spot.shadow_maps_enabled => {
+                (spot.range, std::slice::from_ref(frustum), vec![list.into_inner()])
+            }
+            _ => continue,
+        };
+        let sphere = Sphere { center: lamp.transform.translation_vec3a(), radius: range };
+        let layers = lamp.layers.unwrap_or_default();
+        let shine = Shine { layers, origin, sphere: Some(sphere), near: true };
         let lit = beams.get(&(entity, entity)).map(|beam| beam.casters(&casca.movers));
-        if let Ok((light, transform, frusta, mut visible, layers, _)) = bulbs.get_mut(entity)
-            && light.shadow_maps_enabled
-        {
-            let shine = shine_of(layers, origin, transform, light.range);
-            for (out, list) in visible.iter_mut().zip(casters.lists(&shine, &frusta.frusta, lit)) {
-                casca.counts.casters += list.len();
-                replace(out, list);
-            }
-        } else if let Ok((light, transform, frustum, mut visible, layers, _)) = spots.get_mut(entity)
-            && light.shadow_maps_enabled
-        {
-            let shine = shine_of(layers, origin, transform, light.range);
-            for list in casters.lists(&shine, std::slice::from_ref(frustum), lit) {
-                casca.counts.casters += list.len();
-                replace(&mut visible, list);
-            }
+        for (out, list) in out.into_iter().zip(casters.lists(&shine, frusta, lit)) {
+            casca.counts.casters += list.len();
+            out.entities = list;
         }
     }
     casca.lamps = beams;
     casca.counts.time += start.elapsed();
 }
 
-fn shine_of<'a>(
-    layers: Option<&'a RenderLayers>,
-    origin: Option<Entity>,
-    transform: &GlobalTransform,
-    range: f32,
-) -> Shine<'a> {
-    let center = Vec3A::from(transform.translation());
-    let sphere = Some(Sphere { center, radius: range });
-    Shine { layers: layers.unwrap_or_default(), origin, sphere, near: true }
+impl LampReadOnlyItem<'_, '_> {
+    /// What it shines on; `None` if that is not to be known.
+    fn aim(&self) -> Option<Aim> {
+        let at = self.transform.translation();
+        let (view, range) = match (self.bulb, self.spot) {
+            (Some((bulb, ..)), _) if bulb.shadow_maps_enabled => (view_of_bulb(at, bulb)?, bulb.range),
+            (_, Some((spot, ..))) if spot.shadow_maps_enabled => {
+                let clip_from_view = spot_light_clip_from_view(spot.outer_angle, spot.shadow_map_near_z);
+                let view = Mat4::from(spot_light_world_from_view(self.transform).inverse());
+                let matrix = border::mat4(&(clip_from_view * view));
+                (View::perspective(border::vec3(at), matrix).ok()?, spot.range)
+            }
+            _ => return None,
+        };
+        let reach = Reach { to_axes: Mat3A::IDENTITY, middle: at.into(), half: Vec3A::splat(range * SLACK) };
+        let layers = layers::of_light(self.layers);
+        (layers != 0).then(|| Aim { view: view.with_layers(layers), reach })
+    }
 }
 
 /// What a point light shines on, in all directions. What its near planes cut casts no shadow, so
@@ -264,28 +252,6 @@ fn view_of_bulb(at: Vec3, light: &PointLight) -> Option<View> {
     let sides = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(side);
     let near = light.shadow_map_near_z * SLACK * 3.0_f32.sqrt();
     View::from_planes(border::vec3(at), &sides).and_then(|view| view.with_reach(near)).ok()
-}
-
-/// What rounding may add to lengths, and more.
-const SLACK: f32 = 1.001;
-
-fn aim(
-    view: Option<View>,
-    transform: &GlobalTransform,
-    range: f32,
-    layers: Option<&RenderLayers>,
-) -> Option<Aim> {
-    let (middle, half) = (transform.translation().into(), Vec3A::splat(range * SLACK));
-    let layers = layers::of_light(layers);
-    let view = view.filter(|_| layers != 0)?.with_layers(layers);
-    Some(Aim { view, reach: Reach { to_axes: Mat3A::IDENTITY, middle, half } })
-}
-
-/// Puts another list in the place of one.
-fn replace(out: &mut VisibleMeshEntities, mut list: Vec<Entity>) {
-    out.entities.clear();
-    out.entities.append(&mut list);
-    out.shrink();
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bevy_asset::{AssetId, Assets};
+use bevy_asset::{AssetId, Assets, RenderAssetUsages};
 use bevy_ecs::entity::{Entity, EntityHashSet};
 use bevy_mesh::{Mesh, PrimitiveTopology, VertexAttributeValues};
 use bevy_platform::collections::HashMap;
@@ -47,6 +47,8 @@ struct Entry {
 pub(crate) struct Occluders {
     entries: HashMap<Key, Entry>,
     preparing: Vec<Key>,
+    /// Of meshes that only the renderer keeps: they can be read when they come, and no more.
+    kept: HashMap<AssetId<Mesh>, Triangles>,
     /// Meshes of which only the graphics processor has a copy.
     pub(crate) unreadable: usize,
     stored: Stored,
@@ -68,8 +70,10 @@ impl Occluders {
             .or_insert_with(|| Entry { state: State::Missing, users: EntityHashSet::default() });
         entry.users.insert(entity);
         if let (State::Missing, Some(mesh)) = (&entry.state, meshes.get(key.mesh)) {
-            self.unreadable += usize::from(mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).is_err());
-            entry.state = match triangles(mesh, most_triangles) {
+            let found = self.kept.get(&key.mesh).cloned().or_else(|| triangles(mesh, most_triangles));
+            let is_gone = || mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).is_err();
+            self.unreadable += usize::from(found.is_none() && is_gone());
+            entry.state = match found {
                 Some((positions, triangles)) => {
                     self.preparing.push(key);
                     let pool = AsyncComputeTaskPool::get_or_init(Default::default);
@@ -113,7 +117,16 @@ impl Occluders {
     }
 
     /// A mesh came, changed or went. Forgets what was prepared of it, and appends its users.
-    pub(crate) fn changed(&mut self, mesh: AssetId<Mesh>, out: &mut Vec<Entity>) {
+    pub(crate) fn changed(
+        &mut self,
+        mesh: AssetId<Mesh>,
+        meshes: &Assets<Mesh>,
+        most_triangles: usize,
+        out: &mut Vec<Entity>,
+    ) {
+        self.kept.remove(&mesh);
+        let new = meshes.get(mesh).filter(|mesh| mesh.asset_usage == RenderAssetUsages::RENDER_WORLD);
+        self.kept.extend(new.and_then(|new| Some((mesh, triangles(new, most_triangles)?))));
         for sides in [Opaque::Front, Opaque::Both] {
             if let Some(entry) = self.entries.remove(&Key { mesh, sides }) {
                 out.extend(entry.users.iter());
@@ -132,8 +145,10 @@ impl Occluders {
     }
 }
 
+type Triangles = (Vec<Vec3>, Vec<[u32; 3]>);
+
 /// The triangles of a mesh, if it is made of them and they can be read.
-fn triangles(mesh: &Mesh, most: usize) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
+fn triangles(mesh: &Mesh, most: usize) -> Option<Triangles> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return None;
     }

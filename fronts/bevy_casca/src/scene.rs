@@ -125,6 +125,8 @@ pub struct InScene {
     pub(crate) id: ObjectId,
     /// Whether it is dynamic in the scene.
     pub(crate) moves: bool,
+    /// Whether a box in world space stands for it: it moves, and hides nothing.
+    pub(crate) boxed: bool,
     /// The mesh that it hides with, or will when that is ready.
     pub(crate) key: Option<Key>,
     /// Whether that mesh was refused, because it reaches out of the box.
@@ -146,7 +148,7 @@ impl InScene {
         self.id
     }
 
-    /// Whether it counts as moving.
+    /// Whether it counts as moving. Unless it hides, its object is a box along the world's axes then.
     pub fn moves(&self) -> bool {
         self.moves
     }

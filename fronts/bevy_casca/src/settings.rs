@@ -57,12 +57,13 @@ impl Default for CascaSettings {
     }
 }
 
-/// Which shadow casters are left out of shadow maps.
+/// Which shadow casters are left out of shadow maps, and which lamps are left out whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Shadows {
     /// None but those that Bevy leaves out.
     All,
-    /// Those that lie in the shadow of others: the shadow map stays the same without them.
+    /// Those that lie in the shadow of others: the shadow map stays the same without them. Lamps
+    /// whose light falls on nothing that a camera sees are switched off.
     #[default]
     Lit,
 }
@@ -90,8 +91,8 @@ pub struct Occluder(pub Handle<Mesh>);
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct NotOccluder;
 
-/// On an entity: nothing hides it, and it hides nothing; only the frustum culls it. On a camera:
-/// only the frustum culls entities for it.
+/// On an entity: nothing hides it, and it hides nothing; only the frustum culls it. On a camera or
+/// a light: only the frustum culls entities for it, and the light is never switched off.
 #[derive(Component, Debug, Clone, Copy, Default)]
 pub struct NoOcclusionCulling;
 

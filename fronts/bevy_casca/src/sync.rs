@@ -114,7 +114,7 @@ pub(crate) fn sync(
     let mut look = Vec::new();
     for event in events.iter_mut().flat_map(|events| events.read()) {
         if let AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
-            casca.occluders.changed(*id, &mut look);
+            casca.occluders.changed(*id, &meshes, settings.most_triangles, &mut look);
         }
     }
     if !settings.enabled {
@@ -154,6 +154,9 @@ pub(crate) fn sync(
     let shifted = shifted.take().inspect(|_| look.extend(&candidates.all));
     // If it is refused, all have moved.
     let shifted = shifted.filter(|by| scene.shift_origin(border::vec3(*by)).is_ok());
+    shifted
+        .iter()
+        .for_each(|by| movers.values_mut().for_each(|mover| mover.at.translation -= Vec3A::from(*by)));
     if deferred.as_ref().is_some_and(DetectChanges::is_changed) {
         look.extend(&candidates.all);
     }
@@ -294,7 +297,10 @@ impl Sync<'_> {
         let Some(known) = item.known.as_deref() else { return Ok(None) };
         let id = known.id;
         let transform = border::affine(&item.transform.affine());
-        let before = self.scene.transform(id)?;
+        let before = match known.boxed {
+            true => self.movers.get(&item.entity).map(|mover| border::affine(&mover.at)),
+            false => self.scene.transform(id)?,
+        };
         let shifted =
             |before: &_| self.shifted.is_some_and(|shift| border::is_shifted(before, &transform, shift));
         let differs = before != Some(transform);
@@ -302,7 +308,7 @@ impl Sync<'_> {
         let moves = moved || item.skinned || known.moves && !self.has_rested(item.entity);
         let key = self.key(item, moves);
         let ready = key.and_then(|key| self.ask(key, item));
-        let hides = self.scene.occluder(id)?.is_some();
+        let hides = !known.boxed && self.scene.occluder(id)?.is_some();
         let other_box = known.aabb != *item.aabb;
         let keeps_occluder =
             key == known.key && (ready.is_some() == hides || known.refused && ready.is_some());
@@ -317,15 +323,14 @@ impl Sync<'_> {
             self.changes.note(border::back(&self.scene.bounds(id)?.aabb()));
             self.changes.note(around);
         }
-        if differs {
+        if known.boxed && (differs || other_box) {
+            self.scene.update(id, border::placed(item.aabb, &item.transform.affine()), None)?;
+        } else if differs {
             self.scene.set_transform(id, transform)?;
         }
         if moves && (moved || differs || other_box) {
             let rests = self.movers.get(&item.entity).filter(|_| !moved).map(|mover| mover.rests);
             self.note_mover(item, around, rests.unwrap_or_else(|| self.frame.saturating_add(known.patience)));
-        }
-        if other_box {
-            self.scene.set_bounds(id, border::aabb(item.aabb))?;
         }
         if layers != known.layers {
             self.scene.set_layers(id, layers)?;
@@ -341,7 +346,7 @@ impl Sync<'_> {
     fn note_mover(&mut self, item: &ManagedItem, around: (Vec3A, Vec3A), rests: u32) {
         // What has a skin never counts as still.
         let rests = if item.skinned { u32::MAX } else { rests };
-        self.movers.insert(item.entity, Mover { rests, around });
+        self.movers.insert(item.entity, Mover { rests, around, at: item.transform.affine() });
     }
 
     /// For how many frames an entity has to rest that begins to move: who moves often for longer.
@@ -360,20 +365,23 @@ impl Sync<'_> {
         moves: bool,
         patience: u32,
     ) -> Result<InScene, Refusal> {
-        let (bounds, layers) = (border::aabb(item.aabb), layers_of(item));
+        let (bounds, layers, at) = (border::aabb(item.aabb), layers_of(item), item.transform.affine());
         let desc = if moves { ObjectDesc::dynamic(bounds) } else { ObjectDesc::fixed(bounds) };
-        let desc = desc
-            .placed(border::affine(&item.transform.affine()))
-            .layers(layers)
-            .user_data(item.entity.to_bits());
+        let desc = desc.placed(border::affine(&at));
+        // A box along the axes of the world is moved in a third of the time.
+        let boxed = ObjectDesc::dynamic(border::placed(item.aabb, &at));
+        let common = |desc: ObjectDesc| desc.layers(layers).user_data(item.entity.to_bits());
         let key = self.key(item, moves);
         let mesh = key.and_then(|key| self.ask(key, item));
         // A mesh that reaches out of the box is drawn where that is not looked for.
         let fits = |mesh: &Arc<TriMesh>| border::holds(&bounds, &mesh.aabb());
         let hider = mesh.as_ref().filter(|mesh| fits(mesh));
-        let placed = hider.and_then(|mesh| self.scene.insert(desc.clone().occluder(mesh.clone())).ok());
+        let placed =
+            hider.and_then(|mesh| self.scene.insert(common(desc.clone()).occluder(mesh.clone())).ok());
         let refused = mesh.is_some() && placed.is_none();
-        let id = placed.map_or_else(|| self.scene.insert(desc), Ok)?;
+        let is_boxed = moves && placed.is_none();
+        let plain = if is_boxed { boxed } else { desc };
+        let id = placed.map_or_else(|| self.scene.insert(common(plain)), Ok)?;
         if moves {
             self.note_mover(item, around, self.frame.saturating_add(patience));
         } else {
@@ -385,6 +393,7 @@ impl Sync<'_> {
         Ok(InScene {
             id,
             moves,
+            boxed: is_boxed,
             key,
             refused,
             layers,

@@ -1,12 +1,17 @@
 //! Fur in Bevy beside fur by casca-fur, and a herd behind walls.
 
+use std::any::TypeId;
+
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::ClearColorConfig;
+use bevy::camera::visibility::VisibleEntities;
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_casca::{CascaSettings, MaterialsPlugin, Surface};
-use bevy_casca_fur::{Coat, FurExtension, FurMaterial, FurPlugin, FurSettings, Furry, fur_material};
+use bevy_casca_fur::{
+    ATTRIBUTE_FUR_LENGTH, Coat, FurExtension, FurMaterial, FurPlugin, FurSettings, Furry, fur_material,
+};
 use casca_fur::glam;
 use casca_fur::gpu::look::{Look, sky_pixel};
 use casca_fur::gpu::records::{DrawList, Stand, Sun};
@@ -108,17 +113,19 @@ impl Ball {
     /// # Errors
     /// If no picture comes, or the coat has another number of layers.
     pub fn by_bevy(&self, layers: u32) -> Result<Vec<u8>, String> {
+        let mesh = mesh_of(&self.own_mesh()?);
         let fill = |world: &mut World| {
-            let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh_of(&self.mesh));
-            let unlit = |color: Vec3| StandardMaterial {
-                base_color: Color::LinearRgba(LinearRgba::rgb(color.x, color.y, color.z)),
+            let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+            // Of the color that its vertices have, too.
+            let unlit = |light: f32| StandardMaterial {
+                base_color: Color::linear_rgb(light, light, light),
                 unlit: true,
                 fog_enabled: false,
                 ..default()
             };
-            let skin = world.resource_mut::<Assets<StandardMaterial>>().add(unlit(COLOR * DARK));
+            let skin = world.resource_mut::<Assets<StandardMaterial>>().add(unlit(DARK));
             let extension = FurExtension { dark: DARK, ..FurExtension::new(self.fur) };
-            let fur = world.resource_mut::<Assets<FurMaterial>>().add(fur_material(unlit(COLOR), extension));
+            let fur = world.resource_mut::<Assets<FurMaterial>>().add(fur_material(unlit(1.0), extension));
             world.insert_resource(FurSettings { most_layers: layers, ..default() });
             world.spawn((Mesh3d(mesh), MeshMaterial3d(skin), Furry(fur)));
         };
@@ -133,8 +140,8 @@ impl Ball {
             camera.clear_color = ClearColorConfig::Custom(color);
         }
         let picture = rendered.capture()?;
-        let coats: Vec<u32> = layers_of(&mut rendered);
-        if coats != [layers] {
+        let coats = coats(&mut rendered);
+        if coats != [(layers, true)] {
             return Err(format!("coats with {coats:?} layers instead of one with {layers}"));
         }
         Ok(picture.iter().map(|&byte| stored_again(byte)).collect())
@@ -167,11 +174,18 @@ pub fn furry(
     Ok(rendered)
 }
 
-/// The layers of all coats.
-pub fn layers_of(rendered: &mut Rendered) -> Vec<u32> {
-    let world = rendered.app().world_mut();
-    let mut coats = world.query::<&Coat>();
-    coats.iter(world).map(Coat::layers).collect()
+/// The layers of all coats, in the order of their animals, and whether the camera draws them.
+pub fn coats(rendered: &mut Rendered) -> Vec<(u32, bool)> {
+    let (world, camera) = rendered.world_and_camera();
+    let listed = world.get::<VisibleEntities>(camera).map(|seen| seen.get(TypeId::of::<Mesh3d>()).to_vec());
+    let listed = listed.unwrap_or_default();
+    let mut coats = world.query::<(Entity, &ChildOf, &Coat)>();
+    let coat = |(entity, parent, coat): (Entity, &ChildOf, &Coat)| {
+        (parent.parent(), coat.layers(), listed.contains(&entity))
+    };
+    let mut all: Vec<(Entity, u32, bool)> = coats.iter(world).map(coat).collect();
+    all.sort();
+    all.into_iter().map(|(_, layers, drawn)| (layers, drawn)).collect()
 }
 
 /// A byte of the sRGB curve as one of the power that casca-fur uses.
@@ -179,13 +193,19 @@ fn stored_again(byte: u8) -> u8 {
     (linear_of(byte).powf(1.0 / 2.2) * 255.0).round() as u8
 }
 
-/// A mesh of casca's scenes, with normals.
-pub fn mesh_of(of: &world::Mesh) -> Mesh {
-    let positions: Vec<[f32; 3]> = of.positions.iter().map(|p| p.to_array()).collect();
+/// A mesh of casca-fur, with the colours and lengths of its coat.
+pub fn mesh_of(own: &OwnMesh) -> Mesh {
+    let (vertices, coats) = (own.vertices(), own.coats());
+    let positions: Vec<[f32; 3]> = vertices.iter().map(|v| v.position.to_array()).collect();
+    let normals: Vec<[f32; 3]> = vertices.iter().map(|v| v.normal.to_array()).collect();
+    let colors: Vec<[f32; 4]> = coats.iter().map(|c| c.color.extend(1.0).to_array()).collect();
+    let lengths: Vec<f32> = coats.iter().map(|c| c.length).collect();
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, positions.clone())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_indices(Indices::U32(of.triangles.concat()))
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
+        .with_inserted_attribute(ATTRIBUTE_FUR_LENGTH, lengths)
+        .with_inserted_indices(Indices::U32(own.triangles().concat()))
 }
 
 /// The root of the mean squared difference of two pictures, of 1; alpha does not count.

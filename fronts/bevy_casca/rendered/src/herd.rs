@@ -1,25 +1,23 @@
 //! Furry animals on the ground, behind walls, under a sun with shadows and a lamp.
 
-use std::any::TypeId;
-
-use bevy::asset::RenderAssetUsages;
-use bevy::camera::visibility::VisibleEntities;
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap};
-use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_casca::{CascaScene, CascaSettings};
-use bevy_casca_fur::{
-    ATTRIBUTE_FUR_LENGTH, Coat, FurExtension, FurMaterial, FurSettings, Furry, fur_material,
-};
-use casca_fur::mesh::Mesh as OwnMesh;
+use bevy_casca_fur::{FurExtension, FurMaterial, FurSettings, Furry, fur_material};
 use casca_fur::scenes::animals::Animal;
 use casca_fur::strands::Fur;
 
-use crate::fur::furry;
+use crate::fur::{furry, mesh_of};
 use crate::rendered::Rendered;
 
 /// The seeds of the kinds of animals.
 const KINDS: [u64; 3] = [3, 4, 5];
+
+/// Cells along an animal.
+const DETAIL: u32 = 24;
+
+/// Layers of its fur at most: pictures by a software adapter take long.
+const LAYERS: u32 = 4;
 
 /// Frames until meshes are prepared, or never.
 const MOST_FRAMES: u32 = 60;
@@ -39,31 +37,14 @@ struct Kind {
 
 /// Where animals and walls are, and the eyes that look at them.
 pub struct Herd {
-    animals: Vec<(usize, Transform)>,
-    /// Cells along an animal.
-    detail: u32,
-    /// Their layers at most: pictures by a software adapter take long.
-    layers: u32,
+    /// Their kinds and places.
+    pub animals: Vec<(usize, Transform)>,
     walls: Vec<(Vec3, Vec3)>,
     /// The eyes.
     pub eyes: Vec<Transform>,
 }
 
 impl Herd {
-    /// Two animals side by side.
-    pub fn pair() -> Self {
-        let place =
-            |x: f32, turn: f32| Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_y(turn));
-        let eye = Transform::from_xyz(0.3, 0.95, 2.35).looking_at(Vec3::new(0.0, 0.27, 0.0), Vec3::Y);
-        Self {
-            animals: vec![(0, place(-0.38, 0.5)), (1, place(0.42, -0.6))],
-            walls: Vec::new(),
-            eyes: vec![eye],
-            detail: 64,
-            layers: 16,
-        }
-    }
-
     /// Rows of animals, with walls between them.
     pub fn behind_walls() -> Self {
         let place = |i: usize| {
@@ -79,18 +60,7 @@ impl Herd {
             eye(0.0, 0.5, 2.4, Vec3::new(0.0, 0.3, -3.0)),
             eye(-3.2, 0.4, 1.2, Vec3::new(1.0, 0.2, -4.0)),
         ];
-        Self {
-            animals: (0..24).map(|i| (i % KINDS.len(), place(i))).collect(),
-            walls,
-            eyes,
-            detail: 24,
-            layers: 4,
-        }
-    }
-
-    /// The number of animals.
-    pub fn count(&self) -> usize {
-        self.animals.len()
+        Self { animals: (0..24).map(|i| (i % KINDS.len(), place(i))).collect(), walls, eyes }
     }
 
     /// An app with the herd, ready for pictures.
@@ -110,7 +80,7 @@ impl Herd {
     }
 
     fn fill(&self, world: &mut World) {
-        let kinds = KINDS.map(|seed| kind(world, seed, self.detail));
+        let kinds = KINDS.map(|seed| kind(world, seed));
         for (number, place) in &self.animals {
             let Some(kind) = kinds[*number].clone() else { continue };
             let place = Transform::from_xyz(0.0, kind.high, 0.0) * *place;
@@ -129,7 +99,7 @@ impl Herd {
             let place = Transform::from_translation(middle).with_scale(size);
             world.spawn((Mesh3d(cube.clone()), MeshMaterial3d(brick.clone()), place));
         }
-        world.insert_resource(FurSettings { most_layers: self.layers, ..default() });
+        world.insert_resource(FurSettings { most_layers: LAYERS, ..default() });
         world.insert_resource(DirectionalLightShadowMap { size: 1024 });
         world.insert_resource(ClearColor(Color::linear_rgb(0.58, 0.71, 0.86)));
         let sun = DirectionalLight { illuminance: 6_500.0, shadow_maps_enabled: true, ..default() };
@@ -143,8 +113,8 @@ impl Herd {
 }
 
 /// Makes a kind of animals.
-fn kind(world: &mut World, seed: u64, detail: u32) -> Option<Kind> {
-    let animal = Animal::new(seed, detail).ok()?;
+fn kind(world: &mut World, seed: u64) -> Option<Kind> {
+    let animal = Animal::new(seed, DETAIL).ok()?;
     let own = animal.levels().first()?;
     let fur = Fur::for_radius(animal.radius(), 0.07, 0.35).ok()?;
     let bend = casca_fur::glam::Vec3::new(0.0, -0.6, 0.0);
@@ -157,33 +127,4 @@ fn kind(world: &mut World, seed: u64, detail: u32) -> Option<Kind> {
         skin: world.resource_mut::<Assets<StandardMaterial>>().add(skin),
         fur: world.resource_mut::<Assets<FurMaterial>>().add(fur),
     })
-}
-
-/// A mesh with the colours and lengths of its coat.
-fn mesh_of(own: &OwnMesh) -> Mesh {
-    let (vertices, coats) = (own.vertices(), own.coats());
-    let positions: Vec<[f32; 3]> = vertices.iter().map(|v| v.position.to_array()).collect();
-    let normals: Vec<[f32; 3]> = vertices.iter().map(|v| v.normal.to_array()).collect();
-    let colors: Vec<[f32; 4]> = coats.iter().map(|c| c.color.extend(1.0).to_array()).collect();
-    let lengths: Vec<f32> = coats.iter().map(|c| c.length).collect();
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
-        .with_inserted_attribute(ATTRIBUTE_FUR_LENGTH, lengths)
-        .with_inserted_indices(Indices::U32(own.triangles().concat()))
-}
-
-/// The layers of all coats, in the order of their animals, and whether the camera draws them.
-pub fn coats(rendered: &mut Rendered) -> Vec<(u32, bool)> {
-    let (world, camera) = rendered.world_and_camera();
-    let listed = world.get::<VisibleEntities>(camera).map(|seen| seen.get(TypeId::of::<Mesh3d>()).to_vec());
-    let listed = listed.unwrap_or_default();
-    let mut coats = world.query::<(Entity, &ChildOf, &Coat)>();
-    let coat = |(entity, parent, coat): (Entity, &ChildOf, &Coat)| {
-        (parent.parent(), coat.layers(), listed.contains(&entity))
-    };
-    let mut all: Vec<(Entity, u32, bool)> = coats.iter(world).map(coat).collect();
-    all.sort();
-    all.into_iter().map(|(_, layers, drawn)| (layers, drawn)).collect()
 }

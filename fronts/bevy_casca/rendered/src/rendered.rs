@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, channel};
 use bevy::app::PluginsState;
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::{
-    CascadesVisibleEntities, CubemapVisibleEntities, VisibleEntities, VisibleMeshEntities,
+    CascadesVisibleEntities, CubemapVisibleEntities, ViewVisibility, VisibleEntities, VisibleMeshEntities,
 };
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::log::LogPlugin;
@@ -155,16 +155,13 @@ impl Rendered {
         let mut suns = world.query::<&CascadesVisibleEntities>();
         let cascades = suns.iter(world).flat_map(|sun| sun.entities.values().flatten());
         let mut count: usize = cascades.map(|cascade| cascade.entities.len()).sum();
-        let mut bulbs = world.query::<&CubemapVisibleEntities>();
-        count +=
-            bulbs.iter(world).flat_map(|bulb| bulb.iter()).map(|face| face.entities.len()).sum::<usize>();
-        let mut spots = world.query::<&VisibleMeshEntities>();
-        count + spots.iter(world).map(|spot| spot.entities.len()).sum::<usize>()
-    }
-
-    /// The number of meshes that are prepared to hide others.
-    pub fn occluders(&self) -> usize {
-        self.casca().map_or(0, CascaScene::occluders)
+        // Lamps that shine on nothing in sight have no shadow maps.
+        let mut bulbs = world.query::<(&CubemapVisibleEntities, &ViewVisibility)>();
+        let bulbs = bulbs.iter(world).filter(|(_, seen)| seen.get()).flat_map(|(bulb, _)| bulb.iter());
+        count += bulbs.map(|face| face.entities.len()).sum::<usize>();
+        let mut spots = world.query::<(&VisibleMeshEntities, &ViewVisibility)>();
+        let spots = spots.iter(world).filter(|(_, seen)| seen.get());
+        count + spots.map(|(spot, _)| spot.entities.len()).sum::<usize>()
     }
 }
 

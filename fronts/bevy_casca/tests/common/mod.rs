@@ -141,6 +141,12 @@ pub fn entity(world: &mut World, nr: u32) -> Entity {
     all.iter(world).find(|(_, found)| found.0 == nr).map(|(entity, _)| entity).unwrap()
 }
 
+/// Changes the entity of a number.
+pub fn on(world: &mut World, nr: u32, change: impl Fn(&mut EntityWorldMut)) {
+    let entity = entity(world, nr);
+    change(&mut world.entity_mut(entity));
+}
+
 /// The numbers in the list of each camera, in its order; the lists by their classes.
 pub fn lists(app: &mut App) -> BTreeMap<u32, BTreeSet<u32>> {
     let world = app.world_mut();
@@ -158,23 +164,34 @@ pub fn lists(app: &mut App) -> BTreeMap<u32, BTreeSet<u32>> {
     out
 }
 
-/// The numbers of meshes that are culled here, and of those in any list.
-fn culled_and_listed(app: &mut App) -> (BTreeSet<u32>, BTreeSet<u32>) {
+/// A light, a camera for suns, and the number of the view.
+pub type View = (u32, u32, usize);
+
+/// The numbers in the lists of all views of lights.
+pub fn light_lists(app: &mut App) -> BTreeMap<View, BTreeSet<u32>> {
     let world = app.world_mut();
-    let mut meshes = world.query_filtered::<&Nr, (With<Mesh3d>, Without<NoCpuCulling>)>();
-    let culled = meshes.iter(world).map(|nr| nr.0).collect();
-    let mut listed = Vec::new();
-    let mut cameras = world.query::<&VisibleEntities>();
-    listed.extend(cameras.iter(world).flat_map(|seen| seen.get(TypeId::of::<Mesh3d>())).copied());
-    let mut suns = world.query::<&CascadesVisibleEntities>();
-    let cascades = suns.iter(world).flat_map(|sun| sun.entities.values().flatten());
-    listed.extend(cascades.flat_map(|list| &list.entities).copied());
-    let mut bulbs = world.query::<&CubemapVisibleEntities>();
-    listed.extend(bulbs.iter(world).flat_map(|bulb| bulb.iter()).flat_map(|list| &list.entities).copied());
-    let mut spots = world.query::<&VisibleMeshEntities>();
-    listed.extend(spots.iter(world).flat_map(|list| &list.entities).copied());
-    let number = |entity: Entity| world.get::<Nr>(entity).map(|nr| nr.0);
-    (culled, listed.into_iter().filter_map(number).collect())
+    let mut found = Vec::new();
+    let mut suns = world.query::<(&Nr, &CascadesVisibleEntities)>();
+    for (nr, lists) in suns.iter(world) {
+        for (camera, lists) in &lists.entities {
+            let camera = world.get::<Nr>(*camera).unwrap().0;
+            found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, camera, i), list.clone())));
+        }
+    }
+    let mut bulbs = world.query::<(&Nr, &CubemapVisibleEntities)>();
+    for (nr, lists) in bulbs.iter(world) {
+        found.extend(lists.iter().enumerate().map(|(i, list)| ((nr.0, nr.0, i), list.clone())));
+    }
+    let mut spots = world.query::<(&Nr, &VisibleMeshEntities)>();
+    found.extend(spots.iter(world).map(|(nr, list)| ((nr.0, nr.0, 0), list.clone())));
+    let numbers = |list: VisibleMeshEntities| {
+        assert!(list.entities.is_sorted(), "a list is not in order");
+        let numbers = list.entities.iter().map(|entity| world.get::<Nr>(*entity).map_or(u32::MAX, |nr| nr.0));
+        let set: BTreeSet<u32> = numbers.collect();
+        assert_eq!(set.len(), list.entities.len(), "a caster is listed twice");
+        set
+    };
+    found.into_iter().map(|(key, list)| (key, numbers(list))).collect()
 }
 
 /// Runs an app until no mesh is being prepared, and all that waits has been taken over.
@@ -226,8 +243,13 @@ impl Pair {
         assert!(needless.is_empty(), "marked changed, but as before: {needless:?}");
         self.before.clone_from(&changes.visible);
         let visible = changes.visible.clone();
-        let (culled, listed) = culled_and_listed(&mut self.ours);
-        let hidden: Vec<_> = visible.intersection(&culled).filter(|nr| !listed.contains(nr)).collect();
+        let mut listed: BTreeSet<u32> = ours.values().flatten().copied().collect();
+        listed.extend(light_lists(&mut self.ours).into_values().flatten());
+        let world = self.ours.world_mut();
+        let mut culled = world.query_filtered::<&Nr, (With<Mesh3d>, Without<NoCpuCulling>)>();
+        let hidden =
+            culled.iter(world).map(|nr| nr.0).filter(|nr| visible.contains(nr) && !listed.contains(nr));
+        let hidden: Vec<_> = hidden.collect();
         assert!(hidden.is_empty(), "visible, but in no list: {hidden:?}");
         assert!(ours.values().flatten().all(|nr| visible.contains(nr)), "listed, but not visible");
         (ours, bevys)

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use bevy::camera::primitives::{Aabb, Frustum};
-use bevy::camera::visibility::{CascadesVisibleEntities, NoFrustumCulling, RenderLayers, VisibleEntities};
+use bevy::camera::visibility::{CascadesVisibleEntities, RenderLayers, VisibleEntities};
 use bevy::camera::{RenderTarget, Viewport};
 use bevy::camera_controller::free_camera::{FreeCamera, FreeCameraPlugin};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
@@ -20,9 +20,7 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_casca::{
-    CascaDiagnostics, CascaPlugin, CascaSettings, NoOcclusionCulling, Shadows, standard_materials,
-};
+use bevy_casca::{CascaDiagnostics, CascaPlugin, CascaSettings, NoOcclusionCulling, standard_materials};
 use bevy_casca_rendered::town::{self, Ground, Thing, Walker};
 use clap::Parser;
 
@@ -44,18 +42,9 @@ struct Arguments {
     /// How many things are in the town
     #[arg(long, default_value_t = 5000)]
     entities: usize,
-    /// Starts with Bevy's own culling
-    #[arg(long)]
-    off: bool,
-    /// Lights are culled as Bevy does it
-    #[arg(long)]
-    all_casters: bool,
     /// Draws a picture into this PNG file instead of opening a window
     #[arg(long)]
     picture: Option<PathBuf>,
-    /// The width and height of the picture
-    #[arg(long, num_args = 2, default_values_t = [1280, 720])]
-    size: Vec<u32>,
 }
 
 /// The camera that walks.
@@ -84,20 +73,17 @@ struct Walk {
     time: f32,
 }
 
-/// Whether times are told: not in pictures, which are drawn as fast as it comes.
-#[derive(Resource)]
-struct Times(bool);
-
-/// Things in the view of the camera, hidden or not.
-#[derive(Resource, Default)]
-struct InView(usize);
-
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let size = UVec2::from_slice(&arguments.size).clamp(UVec2::splat(16), UVec2::splat(8192));
     let mut app = App::new();
     let render = RenderPlugin { synchronous_pipeline_compilation: arguments.picture.is_some(), ..default() };
-    let window = Window { title: TITLE.into(), ..canvas() };
+    // The window, or the picture of the page.
+    let window = Window {
+        title: TITLE.into(),
+        canvas: Some("#picture".into()),
+        fit_canvas_to_parent: true,
+        ..default()
+    };
     let plugins = DefaultPlugins.set(render).disable::<LogPlugin>();
     if arguments.picture.is_some() {
         let window =
@@ -106,22 +92,18 @@ fn main() -> ExitCode {
     } else {
         app.add_plugins(plugins.set(WindowPlugin { primary_window: Some(window), ..default() }));
     }
-    let shadows = if arguments.all_casters { Shadows::All } else { Shadows::Lit };
-    app.insert_resource(CascaSettings { enabled: !arguments.off, shadows, ..default() })
-        .insert_resource(ClearColor(Color::srgb(0.62, 0.74, 0.86)))
+    app.insert_resource(ClearColor(Color::srgb(0.62, 0.74, 0.86)))
         .insert_resource(Walk { goes: true, time: 0.0 })
-        .insert_resource(Times(arguments.picture.is_none()))
-        .init_resource::<InView>()
         .add_plugins((CascaPlugin, standard_materials!(bevy::pbr)))
         .add_plugins((FrameTimeDiagnosticsPlugin::default(), FreeCameraPlugin))
-        .add_systems(Update, (keys, walk, watch, paint, tell).chain());
+        .add_systems(Update, (keys, walk, watch, paint.pipe(tell)).chain());
     match arguments.picture {
         None => {
             set_up(app.world_mut(), arguments.entities, &RenderTarget::default());
             app.run();
             ExitCode::SUCCESS
         }
-        Some(file) => match picture(app, arguments.entities, size, &file) {
+        Some(file) => match picture(app, arguments.entities, &file) {
             Ok(()) => ExitCode::SUCCESS,
             Err(why) => {
                 eprintln!("{why}");
@@ -131,16 +113,12 @@ fn main() -> ExitCode {
     }
 }
 
-/// The window, or the picture of the page.
-fn canvas() -> Window {
-    Window { canvas: Some("#picture".into()), fit_canvas_to_parent: true, ..default() }
-}
-
 /// Runs some frames without a window, and writes the last one.
 #[cfg(not(target_family = "wasm"))]
-fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -> Result<(), String> {
+fn picture(mut app: App, entities: usize, file: &std::path::Path) -> Result<(), String> {
     /// The picture is that of the frame after so many.
     const FRAMES: u32 = 60;
+    let size = UVec2::new(1280, 720);
     while app.plugins_state() == bevy::app::PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();
     }
@@ -171,7 +149,7 @@ fn picture(mut app: App, entities: usize, size: UVec2, file: &std::path::Path) -
 
 /// A page has no files.
 #[cfg(target_family = "wasm")]
-fn picture(_: App, _: usize, _: UVec2, file: &std::path::Path) -> Result<(), String> {
+fn picture(_: App, _: usize, file: &std::path::Path) -> Result<(), String> {
     Err(format!("{}: a page has no files", file.display()))
 }
 
@@ -289,22 +267,22 @@ fn watch(
     }
 }
 
-/// Gives each twin the color of what became of its thing in the last frame.
+/// Gives each twin the color of what became of its thing in the last frame. Returns how many are in
+/// view, hidden or not.
 fn paint(
     eye: Single<(&VisibleEntities, &Frustum), With<Eye>>,
-    things: Query<(&Aabb, &GlobalTransform, Has<NoFrustumCulling>), With<Thing>>,
+    things: Query<(&Aabb, &GlobalTransform), With<Thing>>,
     mut twins: Query<(&Twin, &mut MeshMaterial3d<StandardMaterial>)>,
     paints: Res<Paints>,
-    mut in_view: ResMut<InView>,
-) {
+) -> usize {
     let (visible, frustum) = *eye;
     let drawn: EntityHashSet = visible.get(TypeId::of::<Mesh3d>()).iter().copied().collect();
     let [seen, hidden, out] = &paints.0;
-    in_view.0 = 0;
+    let mut in_view = 0;
     for (twin, mut material) in &mut twins {
-        let Ok((aabb, transform, _)) = things.get(twin.0) else { continue };
+        let Ok((aabb, transform)) = things.get(twin.0) else { continue };
         let inside = frustum.intersects_obb(aabb, &transform.affine(), true, true);
-        in_view.0 += usize::from(inside);
+        in_view += usize::from(inside);
         let now = match (drawn.contains(&twin.0), inside) {
             (true, _) => seen,
             (false, true) => hidden,
@@ -314,13 +292,14 @@ fn paint(
             material.0 = now.clone();
         }
     }
+    in_view
 }
 
 /// Writes the counts.
 fn tell(
+    in_view: In<usize>,
     settings: Res<CascaSettings>,
     store: Res<DiagnosticsStore>,
-    (in_view, times): (Res<InView>, Res<Times>),
     eye: Single<(Entity, &VisibleEntities), With<Eye>>,
     suns: Query<&CascadesVisibleEntities>,
     things: Query<(), With<Thing>>,
@@ -333,7 +312,9 @@ fn tell(
     let cascades = suns.iter().filter_map(|sun| sun.entities.get(&camera)).flatten();
     let who = if settings.enabled { "casca culls" } else { "Bevy culls, casca is off" };
     let (ours, all) = (time(&CascaDiagnostics::TIME), time(&FrameTimeDiagnosticsPlugin::FRAME_TIME));
-    let took = if times.0 { format!("visibility {ours:.1} ms, frame {all:.1} ms\n") } else { String::new() };
+    // Pictures are drawn as fast as it comes.
+    let took = window.as_ref().map(|_| format!("visibility {ours:.1} ms, frame {all:.1} ms\n"));
+    let took = took.unwrap_or_default();
     // Pages give the title to screen readers.
     let title = format!("{TITLE}: {who}, {drawn} of {} things in view are drawn", in_view.0);
     if let Some(window) = &mut window

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use bevy_casca::{CascaSettings, Shadows};
+use bevy_casca::{CascaScene, CascaSettings};
 use bevy_casca_rendered::rendered::{HEIGHT, Rendered, WIDTH};
 use bevy_casca_rendered::scenes::Scene;
 use clap::Parser;
@@ -20,9 +20,6 @@ struct Arguments {
     /// The scene; all if none is named
     #[arg(long)]
     scene: Option<Scene>,
-    /// Casters that lie in the shadow of others stay in shadow maps
-    #[arg(long)]
-    all_casters: bool,
     /// The folder of PNG files: the picture in the middle of each scene, and all that differ
     #[arg(long)]
     out: Option<PathBuf>,
@@ -30,11 +27,10 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let shadows = if arguments.all_casters { Shadows::All } else { Shadows::Lit };
     let mut alike = true;
     let all = arguments.scene.map_or(Scene::ALL.to_vec(), |scene| vec![scene]);
     for scene in all {
-        match compare(scene, shadows, arguments.frames, arguments.out.as_deref()) {
+        match compare(scene, arguments.frames, arguments.out.as_deref()) {
             Ok(differ) => alike &= differ == 0,
             Err(why) => {
                 eprintln!("{why}");
@@ -46,10 +42,10 @@ fn main() -> ExitCode {
 }
 
 /// Renders a scene twice. Returns the number of pictures that differ.
-fn compare(scene: Scene, shadows: Shadows, frames: u32, out: Option<&Path>) -> Result<u32, String> {
+fn compare(scene: Scene, frames: u32, out: Option<&Path>) -> Result<u32, String> {
     let of_scene = format!("{scene:?}").to_lowercase();
-    let settings = CascaSettings { shadows, ..CascaSettings::default() };
-    let (mut casca, mut bevy) = (Rendered::new(scene, Some(settings))?, Rendered::new(scene, None)?);
+    let settings = Some(CascaSettings::default());
+    let (mut casca, mut bevy) = (Rendered::new(scene, settings)?, Rendered::new(scene, None)?);
     let (mut pictures, mut pixels, mut greatest) = (0, 0, 0);
     let mut counts = [[0; 2]; 2];
     for frame in 0..frames {
@@ -77,7 +73,7 @@ fn compare(scene: Scene, shadows: Shadows, frames: u32, out: Option<&Path>) -> R
         of(counts[1][0]),
         of(counts[0][1]),
         of(counts[1][1]),
-        casca.occluders()
+        casca.casca().map_or(0, CascaScene::occluders)
     );
     Ok(pictures)
 }
