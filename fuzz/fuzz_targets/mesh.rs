@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use arbitrary::Arbitrary;
 use casca::{
-    Aabb, Bounds, Error, Facing, Instance, MeshOptions, Method, ObjectDesc, Occluder, PointOptions,
-    Query, Scene, TriMesh, View,
+    Aabb, Bounds, Error, Facing, Instance, MeshOptions, Method, ObjectDesc, Occluder, PointOptions, Query,
+    Scene, TriMesh, View,
 };
-use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, Vec3};
 use libfuzzer_sys::fuzz_target;
 
 mod coordinates;
@@ -138,8 +138,7 @@ fn may_block(t: &[DVec3; 3], wall: &Wall, eye: DVec3, target: DVec3) -> bool {
 }
 
 fuzz_target!(|play: Play| {
-    let mut scene =
-        Scene::new(1.0).expect("a plain grid");
+    let mut scene = Scene::new(1.0).expect("a plain grid");
     let mut ids = Vec::new();
     let mut walls: Vec<Wall> = Vec::new();
     let mut points: Vec<Vec<DVec3>> = Vec::new();

@@ -8,10 +8,10 @@ use std::sync::{Arc, LazyLock};
 
 use arbitrary::Arbitrary;
 use casca::{
-    Facing, Instance, MeshOptions, Method, ObjectDesc, Plane, PointOptions, Query, Scene, Sphere,
-    TriMesh, View,
+    Facing, Instance, MeshOptions, Method, ObjectDesc, Plane, PointOptions, Query, Scene, Sphere, TriMesh,
+    View,
 };
-use glam::{Affine3A, Mat3, UVec3, Vec3};
+use glam::{Affine3A, Mat3, Vec3};
 use libfuzzer_sys::fuzz_target;
 
 #[path = "../../tests/damage/mod.rs"]
@@ -81,8 +81,7 @@ fn bytes(mesh: &TriMesh) -> Vec<u8> {
 /// Does with a mesh what can be done with one.
 fn use_it(mesh: TriMesh, play: &Play) {
     let mesh = Arc::new(mesh);
-    let spec = 1.0;
-    let mut scene = Scene::new(&spec).expect("a plain grid");
+    let mut scene = Scene::new(1.0).expect("a plain grid");
     let occludes = mesh.occludes();
     let fixed = || {
         let desc = ObjectDesc::fixed(mesh.clone());

@@ -48,7 +48,6 @@ const SECRET: &[u8] = b"fuzzfuzz!";
 fn level() -> &'static Scene {
     static LEVEL: OnceLock<Scene> = OnceLock::new();
     LEVEL.get_or_init(|| {
-        let all = Aabb::new(Vec3::splat(-16.0), Vec3::splat(16.0));
         let mut level = Scene::new(1.0).unwrap();
         for z in [-4.0, 4.0] {
             let wall = Aabb::new(Vec3::new(-16.0, -16.0, z), Vec3::new(12.0, 16.0, z + 0.5));

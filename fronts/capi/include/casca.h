@@ -9,7 +9,7 @@ A FIRST QUERY
 
     int main(void) {
         casca_grid grid = CASCA_INIT(casca_grid);
-        grid.max[0] = 64.0f, grid.max[1] = 16.0f, grid.max[2] = 64.0f, grid.cell = 1.0f;
+        grid.cell = 1.0f;
         casca_scene scene;
         casca_query query;
         if (casca_scene_create(&grid, &scene) || casca_query_create(NULL, &query)) goto failed;
@@ -352,13 +352,14 @@ typedef struct {
     uint64_t handle;
 } casca_solid;
 
-/// The grid of a scene. Fill it by CASCA_INIT, then set min, max, and cell or objects.
+/// The grid of a scene. It has no border. Fill it by CASCA_INIT, then set cell, or min, max and
+/// objects.
 typedef struct {
     /// sizeof(casca_grid).
     size_t size;
-    /// The least corner of the region where most objects are, in world units.
+    /// If cell is 0: the least corner of the region where most objects are, in world units.
     float min[3];
-    /// The greatest corner of it. Objects outside are found too, at a cost in every query.
+    /// If cell is 0: the greatest corner of it.
     float max[3];
     /// The edge of a cell in world units; 0 lets casca choose.
     float cell;
@@ -680,8 +681,8 @@ casca_status casca_solid_free(casca_solid solid);
 
 /// Makes an empty scene on a grid. Free it by casca_scene_free.
 ///
-/// Errors: a region that is inverted or not finite, cells that are not positive, too many of them.
-/// Costs a word for each 64x64x64 cells.
+/// Errors: cells that are not positive; where casca chooses them, a region that is inverted, not
+/// finite or a point.
 casca_status casca_scene_create(const casca_grid *grid, casca_scene *scene);
 
 /// Frees a scene with its objects. Its handle and ids are refused from then on, and never given

@@ -73,8 +73,7 @@ pub fn pictures(
             let check = painter.check(&frame.camera, (frame.geometry, frame.objects), &frame.visible)?;
             lost += check.lost.len();
             let start = Instant::now();
-            let watcher =
-                if is_above { above_scene(frame.level, canvas.aspect()) } else { frame.camera };
+            let watcher = if is_above { above_scene(frame.level, canvas.aspect()) } else { frame.camera };
             let (list, mut marks, legend) = drawn(&frame, &mut overlays, (&watcher, is_above), &check.lost)?;
             marks.lines.iter_mut().for_each(|line| line.width *= scale);
             painter.picture(&watcher, &list, &marks);

@@ -5,10 +5,10 @@ use std::fmt;
 use std::time::Duration;
 
 use casca::{Query, Scene};
-use glam::DVec3;
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::world::{Camera, FRAME_SECONDS, Object, World};
 use casca_stage::window::Done;
+use glam::DVec3;
 
 use crate::scene::frame_loop;
 use crate::scene::geometry::Geometry;
