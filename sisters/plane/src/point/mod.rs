@@ -24,7 +24,7 @@ mod wall;
 use glam::{DVec2, Vec2};
 
 use crate::error::Error;
-use crate::geometry::{Block, Shape};
+use crate::geometry::{Block, Segment, Shape};
 use crate::point::arcs::{Arcs, Circle};
 use crate::point::bounds::Bounds;
 use crate::point::envelope::Envelope;
@@ -48,7 +48,7 @@ pub struct Query {
     view: Option<(View, Circle)>,
     /// By place in the walk: whether a wall that is all of an object is the nearest somewhere.
     shown: Vec<bool>,
-    /// A block around the grid, the objects and the eye, with room for a cell.
+    /// Where the polygon of a view without a range ends.
     extent: Option<Block>,
 }
 
@@ -85,7 +85,8 @@ impl Query {
         // Taken out, for the region borrows the rest.
         let mut pvs = std::mem::take(&mut self.pvs);
         pvs.reset(scene.slot_count());
-        let (circle, arcs) = self.start(scene, view);
+        let (circle, arcs) = self.start(view);
+        self.extent = Some(extent(scene, view.eye()));
         self.walk.run(scene, view, &circle, &arcs, &mut pvs.stats);
         let around = Around::new(&circle, &self.walk.walls);
         self.envelope.build(&around, &arcs, &self.walk.blocked);
@@ -116,17 +117,17 @@ impl Query {
         &self.pvs
     }
 
-    fn start(&mut self, scene: &Scene, view: &View) -> (Circle, Arcs) {
+    /// As [`Query::run`], among walls that are in no scene, and for the polygon alone.
+    pub(crate) fn run_among(&mut self, walls: &[Segment], view: &View) {
+        let (circle, arcs) = self.start(view);
+        self.extent = Some(Block::EMPTY.with(view.eye()));
+        self.walk.take(walls, view);
+        self.envelope.build(&Around::new(&circle, &self.walk.walls), &arcs, &[]);
+    }
+
+    fn start(&mut self, view: &View) -> (Circle, Arcs) {
         let circle = Circle::new(view.eye());
         self.view = Some((*view, circle));
-        let grid = Block { min: scene.grid().min(), max: scene.grid().max() }.with(view.eye());
-        let outer = scene.outer().iter().filter_map(|&slot| scene.object(slot));
-        let Block { min, max } = outer.fold(grid, |all, object| {
-            let block = object.bounds.block();
-            all.with(block.min).with(block.max)
-        });
-        let room = scene.grid().cell_size();
-        self.extent = Some(Block { min: min - room, max: max + room });
         let arcs = match view.sides() {
             Some([first, last]) => arcs::between(&circle, first, last).collect(),
             None => arcs::whole(&circle),
@@ -194,6 +195,18 @@ impl Query {
             _ => Vec::new(),
         }
     }
+}
+
+/// A block around the grid, the objects and the eye, with room for a cell.
+fn extent(scene: &Scene, eye: DVec2) -> Block {
+    let grid = Block { min: scene.grid().min(), max: scene.grid().max() }.with(eye);
+    let outer = scene.outer().iter().filter_map(|&slot| scene.object(slot));
+    let Block { min, max } = outer.fold(grid, |all, object| {
+        let block = object.bounds.block();
+        all.with(block.min).with(block.max)
+    });
+    let room = scene.grid().cell_size();
+    Block { min: min - room, max: max + room }
 }
 
 /// Marks the objects of which some wall is the nearest somewhere, and all of the object: they are

@@ -4,7 +4,7 @@
 use casca_slots::Slot;
 use glam::{DVec2, IVec2};
 
-use crate::geometry::{Shape, orient};
+use crate::geometry::{Segment, Shape, orient};
 use crate::point::arcs::{Arc, Arcs, Circle, between};
 use crate::point::covers::Covers;
 use crate::point::shells::Shells;
@@ -88,6 +88,14 @@ impl Walk {
                 check = 2 * self.found.len();
             }
         }
+    }
+
+    /// Takes the walls within the range of a view from a list.
+    pub(crate) fn take(&mut self, walls: &[Segment], view: &View) {
+        self.clear();
+        let near = |wall: &&Segment| view.reaches(&wall.block());
+        let sides = walls.iter().filter(near).map(|wall| [wall.a, wall.b].map(|p| p.as_dvec2()));
+        self.walls.extend(sides.filter_map(|[a, b]| Wall::new(view.eye(), a, b, NOBODY)));
     }
 
     /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide
