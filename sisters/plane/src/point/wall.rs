@@ -86,6 +86,22 @@ impl Wall {
         })
     }
 
+    pub(crate) fn is_in_one_quarter(&self) -> bool {
+        self.quarters == 1
+    }
+
+    /// As [`Wall::arcs`], with the arcs of one direction that closed arcs of other quarters have in
+    /// common with these.
+    pub(crate) fn touching(&self, circle: &Circle) -> impl Iterator<Item = Arc> + use<> {
+        let one = |p: DVec2, quarter: u8, key: u8| {
+            let ray = Ray { p, key: f64::from(key) };
+            (p.x == circle.eye.x || p.y == circle.eye.y).then_some(Arc { quarter, from: ray, to: ray })
+        };
+        let (before, after) = ((self.first + 3) % 4, (self.first + self.quarters) % 4);
+        let (before, after) = (one(self.a, before, before + 1), one(self.b, after, after));
+        before.into_iter().chain(self.arcs(circle)).chain(after)
+    }
+
     fn is(&self, other: &Self) -> bool {
         self.a == other.a && self.b == other.b
     }
@@ -212,8 +228,8 @@ impl<'a> Around<'a> {
     }
 
     /// Positive if wall `a` is nearer than wall `b` along a direction that both cover, 0 if they
-    /// meet there. `lead` is that of `a` and `b`.
-    pub(crate) fn nearer(&self, a: &Wall, b: &Wall, lead: &Lead, along: &Direction) -> f64 {
+    /// meet there.
+    pub(crate) fn nearer(&self, a: &Wall, b: &Wall, along: &Direction) -> f64 {
         if a.is(b) {
             return 0.0;
         }
@@ -225,7 +241,7 @@ impl<'a> Around<'a> {
                 return -orient(a.a, a.b, p);
             }
         }
-        let (sign, error) = self.vague(along).cross(lead.w);
+        let (sign, error) = self.vague(along).cross(self.lead(a, b).w);
         if sign.abs() > error {
             return sign;
         }
