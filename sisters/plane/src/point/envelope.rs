@@ -20,6 +20,9 @@ pub(crate) const OPEN: u32 = u32::MAX;
 /// In place of a wall: a solid stops the eye at once.
 pub(crate) const BLOCKED: u32 = u32::MAX - 1;
 
+/// Room for so many more steps and parts of walls than there are walls, as a few are cut in two.
+const MORE: usize = 8;
+
 /// From this direction on, a wall is the nearest.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
@@ -126,6 +129,7 @@ impl Envelope {
     fn collect(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
         let eye = around.eye;
         self.items.clear();
+        self.items.reserve(around.walls.len() + MORE);
         let walls = around.walls.iter().zip(0u32..);
         let walls = walls.flat_map(|(wall, number)| wall.arcs(around.circle).map(move |arc| (number, arc)));
         for (wall, part) in walls.chain(blocked.iter().map(|&arc| (BLOCKED, arc))) {
@@ -165,6 +169,7 @@ fn drop_hidden(
 ) {
     let eye = around.eye;
     kept.clear();
+    kept.reserve(sorted.len());
     // The part in front, and one that goes on behind it.
     let mut fronts: [Option<&Item>; 2] = [None; 2];
     for &key in sorted {
@@ -209,6 +214,8 @@ fn merge_all(
     let eye = around.eye;
     let [now, next] = runs;
     now.clear();
+    now.steps.reserve(2 * sorted.len() + MORE);
+    next.steps.reserve(2 * sorted.len() + MORE);
     layers.build(eye, items, sorted);
     for layer in 0..layers.count() {
         // Where the part before ends.

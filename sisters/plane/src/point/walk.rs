@@ -20,7 +20,7 @@ const MOST_LEFT: usize = 8;
 
 /// Up to so many objects, whose occluders have as many sides together, are all looked at: that costs
 /// less than to walk to them. Any number gives the same set.
-const FEW: usize = 80;
+const FEW: usize = 100;
 
 /// The memory and the result of a walk.
 #[derive(Debug, Clone, Default)]
@@ -106,6 +106,7 @@ impl Walk {
     /// Takes the walls within the range of a view from a list.
     pub(crate) fn take(&mut self, walls: &[Segment], view: &View) {
         self.clear();
+        self.walls.reserve(walls.len());
         let near = |wall: &&Segment| view.reaches(&wall.block());
         let sides = walls.iter().filter(near).map(|wall| [wall.a, wall.b].map(|p| p.as_dvec2()));
         self.walls.extend(sides.filter_map(|[a, b]| Wall::new(view.eye(), a, b, NOBODY)));

@@ -196,7 +196,11 @@ impl<'a> Around<'a> {
     #[inline]
     pub(crate) fn turn(&self, from: &Direction, to: &Direction) -> f64 {
         let apart = to.key - from.key;
-        if keys_tell(apart, from.doubt + to.doubt) { apart } else { self.turn_exactly(from, to) }
+        match (from.to, to.to) {
+            _ if keys_tell(apart, from.doubt + to.doubt) => apart,
+            (To::Point(p), To::Point(q)) if p == q => 0.0,
+            _ => self.turn_exactly(from, to),
+        }
     }
 
     /// As [`Around::turn`], for directions whose keys do not tell.
@@ -205,7 +209,6 @@ impl<'a> Around<'a> {
     fn turn_exactly(&self, from: &Direction, to: &Direction) -> f64 {
         use To::{Crossing, Point};
         match (from.to, to.to) {
-            (Point(p), Point(q)) if p == q => 0.0,
             (Point(p), Point(q)) => orient(self.eye, p, q),
             (Crossing { walls: p, .. }, Crossing { walls: q, .. }) if p == q => 0.0,
             _ => {
@@ -230,16 +233,18 @@ impl<'a> Around<'a> {
     /// Positive if wall `a` is nearer than wall `b` along a direction that both cover, 0 if they
     /// meet there.
     pub(crate) fn nearer(&self, a: &Wall, b: &Wall, along: &Direction) -> f64 {
-        if a.is(b) {
-            return 0.0;
-        }
         if let To::Point(p) = along.to {
-            if p == a.a || p == a.b {
+            // Without branches that would be guessed wrongly half of the time.
+            let is = |q: DVec2| (p.x == q.x) & (p.y == q.y);
+            if is(a.a) | is(a.b) {
                 return orient(b.a, b.b, p);
             }
-            if p == b.a || p == b.b {
+            if is(b.a) | is(b.b) {
                 return -orient(a.a, a.b, p);
             }
+        }
+        if a.is(b) {
+            return 0.0;
         }
         let (sign, error) = self.vague(along).cross(self.lead(a, b).w);
         if sign.abs() > error {
