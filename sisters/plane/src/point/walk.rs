@@ -1,6 +1,8 @@
 //! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their
 //! occluders.
 
+use std::f64::consts::PI;
+
 use casca_slots::Slot;
 use glam::{DVec2, IVec2};
 
@@ -18,9 +20,9 @@ use crate::view::View;
 /// same set.
 const MOST_LEFT: usize = 8;
 
-/// Up to so many objects, whose occluders have as many sides together, are all looked at: that costs
-/// less than to walk to them. Any number gives the same set.
-const FEW: usize = 100;
+/// Up to so many objects, whose occluders have as many sides together, are all looked at by a view
+/// all round: that costs less than to walk to them. Any number gives the same set.
+const FEW: f64 = 100.0;
 
 /// The memory and the result of a walk.
 #[derive(Debug, Clone, Default)]
@@ -61,7 +63,7 @@ impl Walk {
         self.mark_nothing(scene.slot_count());
         let eye = circle.eye;
         scene.outer().iter().for_each(|&slot| self.find(slot, scene, circle, stats));
-        let Some(shells) = Shells::new(scene.grid(), eye).filter(|_| !are_few(scene)) else {
+        let Some(shells) = Shells::new(scene.grid(), eye).filter(|_| !are_few(scene, view)) else {
             // An occluder may stick out of its bounds.
             let is_near = |object: &Object| {
                 let mut shapes = [Some(&object.bounds), object.occluder.as_ref()].into_iter().flatten();
@@ -176,10 +178,12 @@ impl Walk {
     }
 }
 
-/// Whether a scene has few objects, and few sides that hide.
-fn are_few(scene: &Scene) -> bool {
+/// Whether a scene has few objects for a view, and few sides that hide: the narrower the view, the
+/// fewer.
+fn are_few(scene: &Scene, view: &View) -> bool {
+    let most = (FEW * (view.half_angle() / PI)) as usize;
     let sides = |object: &Object| object.occluder.as_ref().map_or(0, Shape::sides);
-    scene.len() <= FEW && scene.living().map(|(_, object)| sides(object)).sum::<usize>() <= FEW
+    scene.len() <= most && scene.living().map(|(_, object)| sides(object)).sum::<usize>() <= most
 }
 
 /// The directions from an eye on the border of a solid into it; nothing for discs, which hide
