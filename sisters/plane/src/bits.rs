@@ -4,8 +4,6 @@ use std::ops::Range;
 
 use glam::UVec2;
 
-use crate::error::Error;
-
 /// The number of bits of a word.
 const WORD: u32 = u64::BITS;
 const BITS: usize = u64::BITS as usize;
@@ -27,37 +25,6 @@ impl BitGrid {
     pub fn new(width: u32, height: u32) -> Self {
         let stride = width.div_ceil(WORD) as usize;
         Self { width, height, stride, words: vec![0; stride * height as usize] }
-    }
-
-    /// The grid with given words: `ceil(width / 64)` for each row, the first row first; cell `x` is
-    /// bit `x % 64` of word `x / 64` of its row. Bits beyond the width are cleared.
-    ///
-    /// ```
-    /// use casca_plane::BitGrid;
-    ///
-    /// let bits = BitGrid::from_words(3, 2, vec![0b101, 0b010]).unwrap();
-    /// assert!(bits.get(0, 0) && bits.get(1, 1) && bits.count() == 3);
-    /// assert_eq!(bits.words(), [0b101, 0b010]);
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::Words`] if there are more or fewer words.
-    pub fn from_words(width: u32, height: u32, mut words: Vec<u64>) -> Result<Self, Error> {
-        let (stride, found) = (width.div_ceil(WORD), words.len());
-        let needed = u64::from(stride) * u64::from(height);
-        if found as u64 != needed {
-            return Err(Error::Words { width, height, found, needed });
-        }
-        if !width.is_multiple_of(WORD) {
-            let last = u64::MAX >> (WORD - width % WORD);
-            words.chunks_mut(stride as usize).for_each(|row| row[stride as usize - 1] &= last);
-        }
-        Ok(Self { width, height, stride: stride as usize, words })
-    }
-
-    /// All words, as [`Self::from_words`] takes them.
-    pub fn words(&self) -> &[u64] {
-        &self.words
     }
 
     /// The number of cells of a row.
@@ -240,30 +207,6 @@ mod tests {
                 assert_eq!(filled.count(), cells.len() as u64);
             }
         }
-    }
-
-    #[test]
-    fn words_make_the_grid_that_they_are_of() {
-        for width in [1, 63, 64, 65, 200] {
-            let mut bits = BitGrid::new(width, 3);
-            bits.fill(1, 0..width / 2 + 1);
-            bits.set(width - 1, 2, true);
-            let words = bits.words().to_vec();
-            assert_eq!(BitGrid::from_words(width, 3, words.clone()), Ok(bits));
-            // All bits set: those beyond the width are cleared.
-            let full = BitGrid::from_words(width, 3, vec![u64::MAX; words.len()]).unwrap();
-            assert_eq!((full.count(), full.get(width, 1)), (3 * u64::from(width), false));
-            for found in [0, words.len() - 1, words.len() + 1] {
-                let refused = BitGrid::from_words(width, 3, vec![0; found]);
-                let needed = words.len() as u64;
-                assert_eq!(refused, Err(Error::Words { width, height: 3, found, needed }));
-            }
-        }
-        let most = BitGrid::from_words(u32::MAX, u32::MAX, Vec::new());
-        assert!(
-            matches!(most, Err(Error::Words { needed, .. }) if needed == (1 << 26) * u64::from(u32::MAX))
-        );
-        assert_eq!(BitGrid::from_words(0, 9, Vec::new()).map(|bits| bits.count()), Ok(0));
     }
 
     #[test]

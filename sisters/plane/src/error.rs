@@ -71,20 +71,6 @@ pub enum Error {
     /// An update without occluder of an object that has one.
     #[error("{0} has an occluder: update it with the occluder, or take that away by Scene::set_occluder")]
     OccluderMissing(ObjectId),
-    /// The words of a grid of bits are not as many as its rows need.
-    #[error(
-        "{width} by {height} bits take {needed} words of 64 bits, a row beginning with a new one, not {found}"
-    )]
-    Words {
-        /// The cells of a row.
-        width: u32,
-        /// The number of rows.
-        height: u32,
-        /// How many words were given.
-        found: usize,
-        /// How many are needed.
-        needed: u64,
-    },
     /// A grid of other dimensions than those of the map.
     #[error("the tiles are {found_width} by {found_height}, but those of the map {width} by {height}")]
     Dimensions {

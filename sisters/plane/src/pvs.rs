@@ -32,7 +32,7 @@ pub struct Pvs {
 
 impl Pvs {
     /// The objects that can be seen, in the order in which the walk found them: by chessboard
-    /// shells from the eye outwards. Objects in no cells come first.
+    /// shells from the eye outwards, unless they are few. Objects in no cells come first.
     pub fn visible(&self) -> &[ObjectId] {
         &self.visible
     }

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DVec2, Vec2};
 
 use crate::error::{Error, LEAST, finite2, within};
-use crate::geometry::point_along;
-use crate::numeric::{TILT, WHOLE};
+use crate::geometry::{Block, point_along};
+use crate::numeric::{DISTANCE, TILT, WHOLE};
 
 /// The part of the plane that an eye looks at: all of it, or a sector; as far as a range, if one is
 /// given.
@@ -84,6 +84,12 @@ impl View {
     /// How far the view goes from the eye, in world units, if it ends.
     pub fn range(&self) -> Option<f64> {
         self.range
+    }
+
+    /// Whether something in a block may lie within the range.
+    pub(crate) fn reaches(&self, block: &Block) -> bool {
+        let off = (self.eye.clamp(block.min, block.max) - self.eye).abs();
+        self.range.is_none_or(|range| off.max_element() <= range * (1.0 + DISTANCE))
     }
 
     /// Points on the two sides of a sector, the first and the last counterclockwise; the directions

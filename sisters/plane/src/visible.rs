@@ -3,23 +3,13 @@
 use glam::Vec2;
 
 use crate::error::{Error, finite2};
-use crate::geometry::{Rect, Segment};
-use crate::grid::GridSpec;
-use crate::object::ObjectDesc;
+use crate::geometry::Segment;
 use crate::point::Query;
-use crate::scene::Scene;
 use crate::view::View;
 
-/// Room around the walls and the eye, as a share of their extent: none lies on the border of the
-/// grid.
-const ROOM: f32 = 0.01;
-
-/// Cells along the longer side: as many as there are walls in a row of a square, from 4 to 1024.
-const CELLS: [f32; 2] = [4.0, 1024.0];
-
 /// The corners of the region that an eye sees between walls, up to `range` from it, in world units:
-/// counter-clockwise around the eye, see [`Query::polygon`]. Costs as much as a scene of these
-/// walls and one query of it; keep a [`Scene`] to ask more than once.
+/// counter-clockwise around the eye, see [`Query::polygon`]. Costs all
+/// walls within the range: of many walls, a [`Scene`](crate::Scene) looks only at those in sight.
 ///
 /// ```
 /// use casca_plane::glam::Vec2;
@@ -37,30 +27,9 @@ const CELLS: [f32; 2] = [4.0, 1024.0];
 /// Refuses walls and an eye that are not finite, and a range that is not a positive number.
 pub fn visible_region(walls: &[Segment], eye: Vec2, range: f32) -> Result<Vec<Vec2>, Error> {
     let view = View::all_round(eye)?.with_range(range)?;
-    // Walls that cannot be seen have no part in it.
-    let reach = |at: Vec2| at.clamp(eye - range, eye + range);
-    let (mut min, mut max) = (eye, eye);
-    for wall in walls {
-        for end in [wall.a, wall.b] {
-            finite2("the end of a wall", end)?;
-            (min, max) = (min.min(reach(end)), max.max(reach(end)));
-        }
-    }
-    // Half of it: all of it may be more than the greatest number.
-    let extent = (max * 0.5 - min * 0.5).max_element().max(f32::MIN_POSITIVE.sqrt());
-    let room = Vec2::splat(extent * (2.0 * ROOM));
-    let [fewest, most] = CELLS;
-    // No finer than numbers are there.
-    let finest = min.abs().max(max.abs()).max_element() * f32::EPSILON;
-    let cell = (extent / ((walls.len() as f32).sqrt().clamp(fewest, most) * 0.5)).max(finest);
-    let end = Vec2::splat(f32::MAX);
-    let grid = GridSpec::covering(Rect::new((min - room).max(-end), (max + room).min(end)), cell)?;
-    let mut scene = Scene::new(&grid)?;
-    for &wall in walls {
-        scene.insert(ObjectDesc::new(wall).occluder(wall))?;
-    }
+    walls.iter().flat_map(|wall| [wall.a, wall.b]).try_for_each(|end| finite2("the end of a wall", end))?;
     let mut query = Query::new();
-    query.run(&scene, &view);
+    query.run_among(walls, &view);
     Ok(query.polygon())
 }
 
@@ -86,7 +55,7 @@ mod tests {
                 }
             }
         }
-        // Far walls do not make the grid coarse, nor an eye alone make it empty.
+        // Walls on both sides of the eye, and through it.
         /// From nothing to almost the greatest float.
         const FAR: [f32; 4] = [0.0, 1e-20, 1.0, 1e30];
         for far in FAR {

@@ -31,15 +31,6 @@
 use casca_plane::BitGrid;
 use glam::IVec2;
 
-/// How opaque cells hide others.
-#[derive(Debug, Clone, Copy)]
-pub struct Extension {
-    /// Whether an occluder has a second arm, round the corner that is nearest to the viewer.
-    pub l_shaped: bool,
-    /// Occluders of smaller angles, in radians, hide nothing.
-    pub least_angle: f64,
-}
-
 /// The matrix H, the cells in sight, and how many occluders hid others.
 #[derive(Debug, Clone)]
 pub struct Walk {
@@ -58,15 +49,6 @@ struct Cap {
 }
 
 impl Cap {
-    /// An estimate of the angle under which the viewer sees the occluder, in radians: its length
-    /// over its distance (Coorg & Teller 1997, with one dimension less; the occluder always faces
-    /// the viewer).
-    fn angle(&self) -> f64 {
-        let length = |a: IVec2, b: IVec2| f64::from((a - b).abs().max_element());
-        let cells = length(self.first, self.corner) + length(self.corner, self.last) + 1.0;
-        cells / (self.first + self.last).as_dvec2().length().max(1.0) * 2.0
-    }
-
     /// Linear functions `(a, b, c)` such that a cell `(x, y)` relative to V is behind the cap if no
     /// `a x + b y + c` is negative.
     fn half_planes(&self) -> impl Iterator<Item = (i64, i64, i64)> {
@@ -86,8 +68,9 @@ impl Cap {
 }
 
 impl Walk {
-    /// Walks from a cell inside the grid outwards, until a whole shell is hidden.
-    pub fn run(opaque: &BitGrid, v: IVec2, extension: Extension) -> Self {
+    /// Walks from a cell inside the grid outwards, until a whole shell is hidden. If `l_shaped`, an
+    /// occluder has a second arm, round the corner that is nearest to the viewer.
+    pub fn run(opaque: &BitGrid, v: IVec2, l_shaped: bool) -> Self {
         let (width, height) = (opaque.width(), opaque.height());
         let empty = BitGrid::new(width, height);
         let mut walk = Self { hidden: empty.clone(), seen: empty, drawn: 0 };
@@ -107,11 +90,9 @@ impl Walk {
             }
             shell.iter().for_each(|c| walk.seen.set(c.x as u32, c.y as u32, true));
             for cell in shell.into_iter().filter(|c| opaque.get(c.x as u32, c.y as u32)) {
-                let cap = walk.extend(opaque, v, cell, extension.l_shaped);
-                if cap.angle() >= extension.least_angle {
-                    walk.drawn += 1;
-                    walk.fill(v, &cap);
-                }
+                let cap = walk.extend(opaque, v, cell, l_shaped);
+                walk.drawn += 1;
+                walk.fill(v, &cap);
             }
         }
         walk

@@ -17,7 +17,7 @@ use glam::{IVec2, Vec2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::caps::{Extension, Walk};
+use crate::caps::Walk;
 
 /// Cells along each side of a map.
 const SIDE: u32 = 128;
@@ -26,27 +26,24 @@ const VIEWS: u32 = 40;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("Extended occluders: {SIDE}x{SIDE} cells, means of {VIEWS} cells.\n");
-    println!("| map | occluders | least angle | drawn | cells hidden | µs |");
-    println!("|---|---|---|---|---|---|");
+    println!("| map | occluders | drawn | cells hidden | µs |");
+    println!("|---|---|---|---|---|");
     for kind in MapKind::ALL {
         let map = kind.generate(SIDE, SIDE, 7);
         let mut random = Pcg64Mcg::seed_from_u64(1);
         let eyes: Vec<IVec2> = (0..VIEWS).map(|_| place(&map, &mut random).as_ivec2()).collect();
-        let l_shaped = [0.0, 0.1, 0.2, 0.4].map(|angle| ("L-shaped", angle));
-        for (name, least_angle) in [("straight", 0.0)].into_iter().chain(l_shaped) {
-            let extension = Extension { l_shaped: name != "straight", least_angle };
-            let walk = |eye: IVec2| {
-                let walk = Walk::run(&map, eye, extension);
+        for (name, l_shaped) in [("straight", false), ("L-shaped", true)] {
+            print(kind, name, &eyes, |eye| {
+                let walk = Walk::run(&map, eye, l_shaped);
                 (walk.seen.count(), walk.drawn)
-            };
-            print(kind, (name, least_angle), &eyes, walk);
+            });
         }
         let (opaque, mut fov) = (OpaqueTiles::new(map), FieldOfView::new());
         let exact = |eye: IVec2| {
             let seen = fov.run_from_tile(&opaque, eye.x as u32, eye.y as u32, &FovOptions::default());
             (seen.map_or(0, BitGrid::count), 0)
         };
-        print(kind, ("`FieldOfView::run_from_tile`, exact", 0.0), &eyes, exact);
+        print(kind, "`FieldOfView::run_from_tile`, exact", &eyes, exact);
     }
     println!();
     volumes::print();
@@ -54,12 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// A row of the table, of what is seen from some cells.
-fn print(
-    kind: MapKind,
-    (name, angle): (&str, f64),
-    eyes: &[IVec2],
-    mut run: impl FnMut(IVec2) -> (u64, u32),
-) {
+fn print(kind: MapKind, name: &str, eyes: &[IVec2], mut run: impl FnMut(IVec2) -> (u64, u32)) {
     let (mut seen, mut drawn) = (0, 0);
     let start = Instant::now();
     for &eye in eyes {
@@ -70,7 +62,7 @@ fn print(
     let micros = start.elapsed().as_secs_f64() * 1e6 / n;
     let hidden = 100.0 * (1.0 - seen as f64 / n / f64::from(SIDE * SIDE));
     let drawn = f64::from(drawn) / n;
-    println!("| {} | {name} | {angle} | {drawn:.0} | {hidden:.2}% | {micros:.0} |", kind.name());
+    println!("| {} | {name} | {drawn:.0} | {hidden:.2}% | {micros:.0} |", kind.name());
 }
 
 /// A place in an open cell, a third of a cell from its sides.

@@ -12,7 +12,7 @@ use glam::{DVec2, IVec2, Vec2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::caps::{Extension, Walk};
+use crate::caps::Walk;
 use crate::circle::circle;
 use crate::{SIDE, place};
 
@@ -100,7 +100,7 @@ pub fn print() {
         let now = f64::from(frame) * FRAME;
         step(&map, &mut random, &mut eye);
         let viewer = eye.place.floor().as_ivec2();
-        let seen = Walk::run(&map, viewer, Extension { l_shaped: true, least_angle: 0.0 }).seen;
+        let seen = Walk::run(&map, viewer, true).seen;
         let (mut hidden, mut drawn, mut revealed, mut due, mut validity) = (0, 0, 0, 0, 0.0);
         for walker in &mut walkers {
             step(&map, &mut random, walker);

@@ -20,8 +20,9 @@ use crate::numeric::DIRECTION;
 /// A point that lies away from an eye along a direction of length 1, to within 2^-40 radians. Its
 /// coordinates are multiples of 2^-149 if the eye's are, as all numbers of single precision.
 pub(crate) fn point_along(eye: DVec2, direction: DVec2) -> DVec2 {
-    // A power of two: products with it are exact.
-    let length = 2f64.powi(eye.abs().max_element().max(1.0).log2().ceil() as i32);
+    // The next power of two, of which all digits are zero: products with it are exact.
+    const DIGITS: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
+    let length = f64::from_bits((eye.abs().max_element().max(1.0).to_bits() + DIGITS) & !DIGITS);
     eye + (direction / DIRECTION).round() * DIRECTION * length
 }
 

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::error::Error;
 use crate::geometry::polygon::ring;
-use crate::geometry::{Block, ConvexPolygon, Disc, Polyline, Rect, Segment, orient};
+use crate::geometry::{Block, ConvexPolygon, DISC_SIDES, Disc, Polyline, Rect, Segment, orient};
 
 /// A shape of an object: its bounds, or its occluder.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +54,17 @@ impl Shape {
             Self::Polygon(polygon) => polygon.block(),
             Self::Segment(segment) => segment.block(),
             Self::Polyline(polyline) => polyline.block(),
+        }
+    }
+
+    /// How many sides it has.
+    pub(crate) fn sides(&self) -> usize {
+        match self {
+            Self::Disc(_) => DISC_SIDES,
+            Self::Rect(_) => 4,
+            Self::Polygon(polygon) => polygon.corners().len(),
+            Self::Segment(_) => 1,
+            Self::Polyline(polyline) => polyline.points().len() - 1,
         }
     }
 

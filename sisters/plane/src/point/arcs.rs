@@ -41,6 +41,21 @@ pub(crate) struct Arc {
     pub(crate) to: Ray,
 }
 
+impl Arc {
+    /// The part of it in another arc of its quarter; `None` if that is not more than one direction.
+    pub(crate) fn within(self, eye: DVec2, other: &Self) -> Option<Self> {
+        let part = self.clipped(eye, other);
+        order(eye, &part.from, &part.to).is_lt().then_some(part)
+    }
+
+    /// The directions of it in another arc of its quarter; its ends change places if there are none.
+    pub(crate) fn clipped(self, eye: DVec2, other: &Self) -> Self {
+        let from = if order(eye, &other.from, &self.from).is_lt() { self.from } else { other.from };
+        let to = if order(eye, &other.to, &self.to).is_lt() { other.to } else { self.to };
+        Self { from, to, ..self }
+    }
+}
+
 /// Some arcs, counterclockwise.
 pub(crate) type Arcs = SmallVec<[Arc; 5]>;
 
@@ -129,7 +144,8 @@ pub(crate) fn order(eye: DVec2, p: &Ray, q: &Ray) -> Ordering {
     if keys_tell(p.key - q.key, KEY) {
         return if p.key < q.key { Ordering::Less } else { Ordering::Greater };
     }
-    order_exactly(eye, p.p, q.p)
+    // Ends of arcs that meet are the same point.
+    if p.p == q.p { Ordering::Equal } else { order_exactly(eye, p.p, q.p) }
 }
 
 /// Whether keys that are known to `doubt` together tell the order of two directions.
@@ -142,9 +158,6 @@ pub(crate) fn keys_tell(apart: f64, doubt: f64) -> bool {
 #[cold]
 #[inline(never)]
 fn order_exactly(eye: DVec2, p: DVec2, q: DVec2) -> Ordering {
-    if p == q {
-        return Ordering::Equal;
-    }
     0f64.total_cmp(&(orient(eye, p, q) + 0.0))
 }
 

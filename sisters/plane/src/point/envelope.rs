@@ -10,7 +10,7 @@
 use std::ops::Range;
 
 use crate::numeric::KEY;
-use crate::point::arcs::{Arc, keys_tell, order};
+use crate::point::arcs::{Arc, Ray, keys_tell, order};
 use crate::point::layers::{Item, Layers};
 use crate::point::wall::{Around, Direction};
 
@@ -19,6 +19,9 @@ pub(crate) const OPEN: u32 = u32::MAX;
 
 /// In place of a wall: a solid stops the eye at once.
 pub(crate) const BLOCKED: u32 = u32::MAX - 1;
+
+/// Room for so many more steps and parts of walls than there are walls, as a few are cut in two.
+const MORE: usize = 8;
 
 /// From this direction on, a wall is the nearest.
 #[derive(Debug, Clone, Copy)]
@@ -57,10 +60,14 @@ pub(crate) struct Piece {
 pub(crate) struct Envelope {
     pub(crate) domains: Vec<Domain>,
     pub(crate) steps: Vec<Step>,
+    /// Walls that no direction of the view reaches, not even their ends: some of them.
+    pub(crate) hidden: Vec<u32>,
     /// Memory used again.
     items: Vec<Item>,
     /// Keys to sort the items by, and their places, in order.
     keys: Vec<(u64, u32)>,
+    /// The keys of the items in one arc of the view that one wall alone does not plainly hide.
+    kept: Vec<(u64, u32)>,
     layers: Layers,
     runs: [Runs; 2],
 }
@@ -96,20 +103,13 @@ impl Runs {
 }
 
 impl Envelope {
-    /// All pieces, in the order of the steps.
-    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> {
-        self.domains.iter().flat_map(|domain| {
-            let steps = &self.steps[domain.steps.clone()];
-            (0..steps.len()).map(move |i| domain.piece(steps, i))
-        })
-    }
-
     /// Finds the nearest walls in the arcs of a view, of which each is in one quarter. In the arcs
     /// of `blocked` nothing is seen.
     pub(crate) fn build(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
         self.collect(around, view, blocked);
         self.domains.clear();
         self.steps.clear();
+        self.hidden.clear();
         let items = &self.items[..];
         let mut rest = &self.keys[..];
         for (number, arc) in view.iter().enumerate() {
@@ -117,7 +117,8 @@ impl Envelope {
             let (own, others) = rest.split_at(count);
             rest = others;
             let first = self.steps.len();
-            merge_all(around, arc, (items, own), &mut self.layers, &mut self.runs);
+            drop_hidden(around, (items, own), &mut self.kept, &mut self.hidden);
+            merge_all(around, arc, (items, &self.kept), &mut self.layers, &mut self.runs);
             self.steps.extend_from_slice(self.runs[0].get(0));
             self.domains.push(Domain { arc: *arc, steps: first..self.steps.len() });
         }
@@ -128,15 +129,13 @@ impl Envelope {
     fn collect(&mut self, around: &Around, view: &[Arc], blocked: &[Arc]) {
         let eye = around.eye;
         self.items.clear();
+        self.items.reserve(around.walls.len() + MORE);
         let walls = around.walls.iter().zip(0u32..);
         let walls = walls.flat_map(|(wall, number)| wall.arcs(around.circle).map(move |arc| (number, arc)));
         for (wall, part) in walls.chain(blocked.iter().map(|&arc| (BLOCKED, arc))) {
             for (number, arc) in view.iter().enumerate().filter(|(_, arc)| arc.quarter == part.quarter) {
-                let from = if order(eye, &arc.from, &part.from).is_lt() { part.from } else { arc.from };
-                let to = if order(eye, &arc.to, &part.to).is_lt() { arc.to } else { part.to };
-                if order(eye, &from, &to).is_lt() {
-                    self.items.push(Item { domain: number as u8, wall, arc: Arc { from, to, ..part } });
-                }
+                let clipped = part.within(eye, arc);
+                self.items.extend(clipped.map(|arc| Item { domain: number as u8, wall, arc }));
             }
         }
         // A number from 0 to 1 has 62 bits, which grow with it; there are five arcs at most.
@@ -144,7 +143,7 @@ impl Envelope {
         let key = |item: &Item| (item.arc.from.key / 4.0).to_bits() >> 1 | u64::from(item.domain) << 61;
         self.keys.clear();
         self.keys.extend(items.iter().map(key).zip(0..));
-        self.keys.sort_unstable();
+        self.keys.sort_unstable_by_key(|key| key.0);
         // Keys tell apart all but those that are near.
         let item = |key: &(u64, u32)| &items[key.1 as usize];
         let near = |a: &(u64, u32), b: &(u64, u32)| {
@@ -160,6 +159,49 @@ impl Envelope {
     }
 }
 
+/// Drops the parts of walls that lie behind one wall that was in front when they began: most of
+/// those that are hidden, for two comparisons each.
+fn drop_hidden(
+    around: &Around,
+    (items, sorted): (&[Item], &[(u64, u32)]),
+    kept: &mut Vec<(u64, u32)>,
+    hidden: &mut Vec<u32>,
+) {
+    let eye = around.eye;
+    kept.clear();
+    kept.reserve(sorted.len());
+    // The part in front, and one that goes on behind it.
+    let mut fronts: [Option<&Item>; 2] = [None; 2];
+    for &key in sorted {
+        let item = &items[key.1 as usize];
+        let goes_on = |front: &&Item| order(eye, &item.arc.from, &front.arc.to).is_lt();
+        if fronts[0].filter(goes_on).is_none() {
+            fronts = [fronts[1].filter(goes_on), None];
+        }
+        match fronts[0] {
+            _ if item.wall == BLOCKED => {}
+            None => fronts[0] = Some(item),
+            Some(front) => {
+                let [wall, other] = [front, item].map(|item| around.wall(item.wall));
+                let hides = |along: Ray| around.nearer(wall, other, &along.into()) > 0.0;
+                let ends = order(eye, &front.arc.to, &item.arc.to);
+                let is_longer = ends.is_lt();
+                if !hides(item.arc.from) {
+                    fronts = [Some(item), (!is_longer).then_some(front)];
+                } else if is_longer {
+                    fronts[1] = Some(item);
+                } else if hides(item.arc.to) {
+                    // Beside the one in front, its end may be seen.
+                    let is_inside = ends.is_gt() && order(eye, &front.arc.from, &item.arc.from).is_lt();
+                    hidden.extend((is_inside && other.is_in_one_quarter()).then_some(item.wall));
+                    continue;
+                }
+            }
+        }
+        kept.push(key);
+    }
+}
+
 /// Makes the envelope of parts of walls in an arc: it is the only one in the first of `runs` then.
 /// `sorted` are places of items, each with a key.
 fn merge_all(
@@ -172,6 +214,8 @@ fn merge_all(
     let eye = around.eye;
     let [now, next] = runs;
     now.clear();
+    now.steps.reserve(2 * sorted.len() + MORE);
+    next.steps.reserve(2 * sorted.len() + MORE);
     layers.build(eye, items, sorted);
     for layer in 0..layers.count() {
         // Where the part before ends.
@@ -241,9 +285,7 @@ fn nearest(around: &Around, [a, b]: [u32; 2], [from, to]: [&Direction; 2], quart
         return out.push(*from, a);
     }
     let walls = [a, b].map(|number| around.wall(number));
-    let lead = around.lead(walls[0], walls[1]);
-    let first = around.nearer(walls[0], walls[1], &lead, from);
-    let last = around.nearer(walls[0], walls[1], &lead, to);
+    let [first, last] = [from, to].map(|along| around.nearer(walls[0], walls[1], along));
     if first >= 0.0 && last >= 0.0 {
         out.push(*from, a);
     } else if first <= 0.0 && last <= 0.0 {
@@ -252,6 +294,7 @@ fn nearest(around: &Around, [a, b]: [u32; 2], [from, to]: [&Direction; 2], quart
         // The first is nearer clockwise of the crossing, or else counterclockwise.
         let flipped = first < 0.0;
         out.push(*from, if flipped { b } else { a });
+        let lead = around.lead(walls[0], walls[1]);
         out.push(lead.crossing([a, b], flipped, quarter), if flipped { a } else { b });
     }
 }

@@ -10,7 +10,6 @@
 //! [`Query::run`] says what is visible.
 
 mod arcs;
-mod bounds;
 mod covers;
 mod envelope;
 mod layers;
@@ -24,15 +23,14 @@ mod wall;
 use glam::{DVec2, Vec2};
 
 use crate::error::Error;
-use crate::geometry::{Block, Shape};
+use crate::geometry::{Block, Segment, Shape};
 use crate::point::arcs::{Arcs, Circle};
-use crate::point::bounds::Bounds;
 use crate::point::envelope::Envelope;
 use crate::point::region::Region;
 use crate::point::walk::Walk;
-use crate::point::wall::Around;
+use crate::point::wall::{Around, NOBODY};
 use crate::pvs::Pvs;
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 use crate::view::View;
 
 /// Finds the objects that a view can see.
@@ -44,11 +42,10 @@ pub struct Query {
     pvs: Pvs,
     walk: Walk,
     envelope: Envelope,
-    bounds: Bounds,
     view: Option<(View, Circle)>,
-    /// By place in the walk: whether a wall that is all of an object is the nearest somewhere.
-    shown: Vec<bool>,
-    /// A block around the grid, the objects and the eye, with room for a cell.
+    /// By place in the walk: whether the object is seen, if its walls tell.
+    shown: Vec<Option<bool>>,
+    /// Where the polygon of a view without a range ends.
     extent: Option<Block>,
 }
 
@@ -85,25 +82,21 @@ impl Query {
         // Taken out, for the region borrows the rest.
         let mut pvs = std::mem::take(&mut self.pvs);
         pvs.reset(scene.slot_count());
-        let (circle, arcs) = self.start(scene, view);
+        let (circle, arcs) = self.start(view);
+        self.extent = Some(extent(scene, view.eye()));
         self.walk.run(scene, view, &circle, &arcs, &mut pvs.stats);
         let around = Around::new(&circle, &self.walk.walls);
         self.envelope.build(&around, &arcs, &self.walk.blocked);
         pvs.stats.pieces = self.envelope.steps.len() as u32;
         mark_shown(&mut self.shown, &self.walk, &self.envelope, view);
-        // Blocks around the pieces cost as much as to compare something with each.
-        let rest = self.walk.found.iter().zip(&self.shown).filter(|(_, shown)| !**shown);
-        let rest = rest.filter_map(|(&slot, _)| scene.object(slot));
-        let share: f64 = rest.map(|object| share_of_turn(circle.eye, &object.bounds.block())).sum();
-        self.bounds.clear();
-        if share > 1.0 {
-            self.bounds.build(&around, self.envelope.pieces());
-        }
         let region = self.region(view, &circle);
-        for (&slot, &shown) in self.walk.found.iter().zip(&self.shown) {
+        for ((&slot, &own), &shown) in self.walk.found.iter().zip(&self.walk.own).zip(&self.shown) {
             pvs.stats.objects_tested += 1;
-            let meets = |object: &Object| region.meets(&object.bounds);
-            if shown || scene.object(slot).is_some_and(meets) {
+            let meets = || match self.walk.walls.get(own as usize) {
+                Some(wall) => region.meets_wall(wall),
+                None => scene.object(slot).is_some_and(|object| region.meets(&object.bounds)),
+            };
+            if shown.unwrap_or_else(meets) {
                 pvs.push(scene.id(slot));
             }
         }
@@ -116,17 +109,17 @@ impl Query {
         &self.pvs
     }
 
-    fn start(&mut self, scene: &Scene, view: &View) -> (Circle, Arcs) {
+    /// As [`Query::run`], among walls that are in no scene, and for the polygon alone.
+    pub(crate) fn run_among(&mut self, walls: &[Segment], view: &View) {
+        let (circle, arcs) = self.start(view);
+        self.extent = Some(Block::EMPTY.with(view.eye()));
+        self.walk.take(walls, view);
+        self.envelope.build(&Around::new(&circle, &self.walk.walls), &arcs, &[]);
+    }
+
+    fn start(&mut self, view: &View) -> (Circle, Arcs) {
         let circle = Circle::new(view.eye());
         self.view = Some((*view, circle));
-        let grid = Block { min: scene.grid().min(), max: scene.grid().max() }.with(view.eye());
-        let outer = scene.outer().iter().filter_map(|&slot| scene.object(slot));
-        let Block { min, max } = outer.fold(grid, |all, object| {
-            let block = object.bounds.block();
-            all.with(block.min).with(block.max)
-        });
-        let room = scene.grid().cell_size();
-        self.extent = Some(Block { min: min - room, max: max + room });
         let arcs = match view.sides() {
             Some([first, last]) => arcs::between(&circle, first, last).collect(),
             None => arcs::whole(&circle),
@@ -136,7 +129,7 @@ impl Query {
 
     fn region<'a>(&'a self, view: &View, circle: &'a Circle) -> Region<'a> {
         let around = Around::new(circle, &self.walk.walls);
-        Region::new(around, &self.envelope, &self.bounds, view.range())
+        Region::new(around, &self.envelope, view.range())
     }
 
     /// Whether a point can be seen by the view of the last run: whether it belongs to the visible
@@ -196,26 +189,28 @@ impl Query {
     }
 }
 
-/// Marks the objects of which some wall is the nearest somewhere, and all of the object: they are
-/// seen, and need no comparison. Not with a range, which may end before them.
-fn mark_shown(shown: &mut Vec<bool>, walk: &Walk, envelope: &Envelope, view: &View) {
-    shown.clear();
-    shown.resize(walk.found.len(), false);
-    if view.range().is_some() {
-        return;
-    }
-    for step in &envelope.steps {
-        let wall = walk.walls.get(step.wall as usize);
-        let owner = wall.and_then(|wall| shown.get_mut(wall.owner as usize));
-        owner.into_iter().for_each(|shown| *shown = true);
-    }
+/// A block around the grid, the objects and the eye, with room for a cell.
+fn extent(scene: &Scene, eye: DVec2) -> Block {
+    let grid = Block { min: scene.grid().min(), max: scene.grid().max() }.with(eye);
+    let outer = scene.outer().iter().filter_map(|&slot| scene.object(slot));
+    let Block { min, max } = outer.fold(grid, |all, object| {
+        let block = object.bounds.block();
+        all.with(block.min).with(block.max)
+    });
+    let room = scene.grid().cell_size();
+    Block { min: min - room, max: max + room }
 }
 
-/// About which share of a turn something in a block takes up.
-fn share_of_turn(eye: DVec2, block: &Block) -> f64 {
-    let off = (eye.clamp(block.min, block.max) - eye).length();
-    let size = (block.max - block.min).length();
-    // Not a number where the eye touches a point.
-    let share = size / (size + 6.0 * off);
-    if share.is_nan() { 1.0 } else { share }
+/// Marks the objects of which walls tell whether they are seen, without a comparison: seen if a wall
+/// that is a side of the object is the nearest somewhere. Not with a range, which may end before it.
+fn mark_shown(shown: &mut Vec<Option<bool>>, walk: &Walk, envelope: &Envelope, view: &View) {
+    shown.clear();
+    shown.resize(walk.found.len(), None);
+    let owner = |number: u32| walk.walls.get(number as usize).map_or(NOBODY, |wall| wall.owner) as usize;
+    for &wall in envelope.hidden.iter().filter(|&&wall| walk.own.get(owner(wall)) == Some(&wall)) {
+        shown[owner(wall)] = Some(false);
+    }
+    for step in envelope.steps.iter().filter(|_| view.range().is_none()) {
+        shown.get_mut(owner(step.wall)).into_iter().for_each(|shown| *shown = Some(true));
+    }
 }

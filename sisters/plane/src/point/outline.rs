@@ -26,7 +26,8 @@ pub(crate) fn polygon(region: &Region, whole: bool, range: Option<f64>, extent: 
     if region.is_empty() {
         return Vec::new();
     }
-    let mut outline = Outline { eye: region.around.eye, corners: Vec::new(), before: None };
+    let corners = Vec::with_capacity(2 * region.envelope.steps.len() + 1);
+    let mut outline = Outline { eye: region.around.eye, corners, before: None };
     if !whole {
         outline.push(DVec2::ZERO);
     }
@@ -60,12 +61,14 @@ impl Outline {
     }
 
     fn add(&mut self, region: &Region, piece: &Piece, range: Option<f64>, extent: &Block) {
-        let sides = [&piece.from, &piece.to].map(|along| region.around.vague(along).v.normalize_or(DVec2::X));
+        let along = [&piece.from, &piece.to];
+        let sides = || along.map(|along| region.around.vague(along).v.normalize_or(DVec2::X));
         let before = self.before.take();
         match (piece.wall, range) {
             (BLOCKED, _) => _ = self.push(DVec2::ZERO),
-            (OPEN, Some(range)) => self.add_arc(sides, range),
+            (OPEN, Some(range)) => self.add_arc(sides(), range),
             (OPEN, None) => {
+                let sides = sides();
                 let [from, to] = sides.map(|side| self.border(side, extent));
                 self.start(from, before, OPEN);
                 self.add_corner(sides, extent);
@@ -73,9 +76,9 @@ impl Outline {
             }
             (number, _) => {
                 let wall = region.around.wall(number);
-                let ends = [&piece.from, &piece.to].map(|along| region.around.hit(wall, along).0 - self.eye);
+                let ends = along.map(|along| region.around.hit(wall, along).0 - self.eye);
                 match range.filter(|range| ends.iter().any(|end| end.length() > *range)) {
-                    Some(range) => self.add_within(ends, sides, range),
+                    Some(range) => self.add_within(ends, sides(), range),
                     None => {
                         self.start(ends[0], before, number);
                         self.end(ends[1], number);

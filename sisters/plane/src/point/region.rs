@@ -8,8 +8,7 @@ use glam::DVec2;
 
 use crate::geometry::{Disc, Shape, orient};
 use crate::numeric::DISTANCE;
-use crate::point::arcs::{order, touching};
-use crate::point::bounds::Bounds;
+use crate::point::arcs::{Arc, order, touching};
 use crate::point::envelope::{BLOCKED, Domain, Envelope, OPEN, Piece, Step};
 use crate::point::target::{self, distance};
 use crate::point::wall::{Around, Direction, NOBODY, Wall};
@@ -19,21 +18,15 @@ use crate::point::wall::{Around, Direction, NOBODY, Wall};
 pub(crate) struct Region<'a> {
     pub(crate) around: Around<'a>,
     pub(crate) envelope: &'a Envelope,
-    bounds: &'a Bounds,
     /// How far the view goes, rounded outwards; infinity if it does not end.
     pub(crate) range: f64,
 }
 
 impl<'a> Region<'a> {
-    /// The region before the walls of an envelope; `bounds` are those of its pieces.
-    pub(crate) fn new(
-        around: Around<'a>,
-        envelope: &'a Envelope,
-        bounds: &'a Bounds,
-        range: Option<f64>,
-    ) -> Self {
+    /// The region before the walls of an envelope.
+    pub(crate) fn new(around: Around<'a>, envelope: &'a Envelope, range: Option<f64>) -> Self {
         let range = range.map_or(f64::INFINITY, |range| range * (1.0 + DISTANCE));
-        Self { around, envelope, bounds, range }
+        Self { around, envelope, range }
     }
 
     /// Whether nothing is seen at all.
@@ -47,22 +40,14 @@ impl<'a> Region<'a> {
         (0..steps.len()).map(move |i| domain.piece(steps, i))
     }
 
-    /// Whether one of the pieces in the directions between those to two points, clipped to these,
-    /// satisfies a test; without some that a target does not meet, if there is one.
-    fn any(
-        &self,
-        [from, to]: [DVec2; 2],
-        target: Option<&Wall>,
-        mut test: impl FnMut(&Piece) -> bool,
-    ) -> bool {
+    /// Whether one of the pieces in some arcs, clipped to these, satisfies a test.
+    fn any(&self, arcs: impl Iterator<Item = Arc>, mut test: impl FnMut(&Piece) -> bool) -> bool {
         let eye = self.around.eye;
-        for part in touching(self.around.circle, from, to) {
+        for part in arcs {
             for domain in self.envelope.domains.iter().filter(|domain| domain.arc.quarter == part.quarter) {
-                let arc = &domain.arc;
-                let from = if order(eye, &arc.from, &part.from).is_lt() { part.from } else { arc.from };
-                let to = if order(eye, &arc.to, &part.to).is_lt() { arc.to } else { part.to };
-                let meet = order(eye, &from, &to).is_le();
-                if meet && self.any_in(domain, [from.into(), to.into()], target, &mut test) {
+                let part = part.clipped(eye, &domain.arc);
+                let meet = order(eye, &part.from, &part.to).is_le();
+                if meet && self.any_in(domain, [part.from.into(), part.to.into()], &mut test) {
                     return true;
                 }
             }
@@ -75,32 +60,23 @@ impl<'a> Region<'a> {
         &self,
         domain: &Domain,
         [from, to]: [Direction; 2],
-        target: Option<&Wall>,
         test: &mut impl FnMut(&Piece) -> bool,
     ) -> bool {
         let steps = &self.envelope.steps[domain.steps.clone()];
         let around = &self.around;
         // The first piece that does not end before.
         let before = |step: &Step| around.turn(&step.from, &from) > 0.0;
-        let start = domain.steps.start;
-        let mut next = start + steps.partition_point(before).saturating_sub(1);
-        loop {
-            next = target.map_or(next, |target| self.bounds.skip(target, next));
-            if next - start >= steps.len() || around.turn(&steps[next - start].from, &to) < 0.0 {
-                return false;
-            }
-            let mut piece = domain.piece(steps, next - start);
+        let first = steps.partition_point(before).saturating_sub(1);
+        let reached = (first..steps.len()).take_while(|&i| around.turn(&steps[i].from, &to) >= 0.0);
+        reached.map(|i| domain.piece(steps, i)).any(|mut piece| {
             if around.turn(&piece.from, &from) > 0.0 {
                 piece.from = from;
             }
             if around.turn(&piece.to, &to) <= 0.0 {
                 piece.to = to;
             }
-            if around.turn(&piece.from, &piece.to) >= 0.0 && test(&piece) {
-                return true;
-            }
-            next += 1;
-        }
+            around.turn(&piece.from, &piece.to) >= 0.0 && test(&piece)
+        })
     }
 
     /// Whether a point belongs to the region.
@@ -116,7 +92,7 @@ impl<'a> Region<'a> {
                 orient(wall.a, wall.b, p) >= 0.0
             }
         };
-        (p - self.around.eye).length() <= self.range && self.any([p, p], None, seen)
+        (p - self.around.eye).length() <= self.range && self.any(touching(self.around.circle, p, p), seen)
     }
 
     /// Whether a segment meets the region.
@@ -140,16 +116,16 @@ impl<'a> Region<'a> {
         self.contains(if a_is_nearer { a } else { b })
     }
 
-    fn meets_wall(&self, target: &Wall) -> bool {
+    /// Whether a wall meets the region.
+    pub(crate) fn meets_wall(&self, target: &Wall) -> bool {
         let ends = [target.a, target.b].map(|p| (p - self.around.eye).length());
         let within = ends[0].max(ends[1]) <= self.range;
-        self.any([target.a, target.b], Some(target), |piece| match piece.wall {
+        self.any(target.touching(self.around.circle), |piece| match piece.wall {
             BLOCKED => false,
             OPEN => within || self.is_near(target, None, piece),
             wall => {
                 let wall = self.around.wall(wall);
-                let lead = self.around.lead(target, wall);
-                let before = |along| self.around.nearer(target, wall, &lead, along) >= 0.0;
+                let before = |along| self.around.nearer(target, wall, along) >= 0.0;
                 (before(&piece.from) || before(&piece.to))
                     && (within || self.is_near(target, Some(wall), piece))
             }
@@ -162,10 +138,9 @@ impl<'a> Region<'a> {
         let eye = self.around.eye;
         let mut ends = [&piece.from, &piece.to].map(|along| self.around.hit(target, along));
         if let Some(wall) = wall {
-            let lead = self.around.lead(target, wall);
-            let signs = [&piece.from, &piece.to].map(|along| self.around.nearer(target, wall, &lead, along));
+            let signs = [&piece.from, &piece.to].map(|along| self.around.nearer(target, wall, along));
             // The end behind the wall moves to the crossing.
-            let crossing = lead.direction(signs[0] < 0.0);
+            let crossing = self.around.lead(target, wall).direction(signs[0] < 0.0);
             for i in 0..2 {
                 if signs[i] < 0.0 {
                     ends[i] = self.around.hit_along(target, crossing);
@@ -179,7 +154,9 @@ impl<'a> Region<'a> {
 
     fn meets_disc(&self, disc: &Disc) -> bool {
         let [from, to] = target::sides(self.around.eye, disc);
-        self.any([from, to], None, |piece| target::meets(&self.around, self.range, disc, piece))
+        self.any(touching(self.around.circle, from, to), |piece| {
+            target::meets(&self.around, self.range, disc, piece)
+        })
     }
 
     /// Whether a shape meets the region.

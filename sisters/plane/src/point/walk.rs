@@ -1,16 +1,18 @@
 //! The walk from the eye outwards: finds the objects in cells in sight, and the sides of their
 //! occluders.
 
+use std::f64::consts::PI;
+
 use casca_slots::Slot;
 use glam::{DVec2, IVec2};
 
-use crate::geometry::{Shape, orient};
+use crate::geometry::{Segment, Shape, orient};
 use crate::point::arcs::{Arc, Arcs, Circle, between};
 use crate::point::covers::Covers;
 use crate::point::shells::Shells;
 use crate::point::wall::{NOBODY, Wall};
 use crate::pvs::Stats;
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 use crate::view::View;
 
 /// Where so many times as many objects are left as were found, and the view is still wide open,
@@ -18,11 +20,17 @@ use crate::view::View;
 /// same set.
 const MOST_LEFT: usize = 8;
 
+/// Up to so many objects, whose occluders have as many sides together, are all looked at by a view
+/// all round: that costs less than to walk to them. Any number gives the same set.
+const FEW: f64 = 100.0;
+
 /// The memory and the result of a walk.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Walk {
     /// The slots of the objects in cells in sight, those of near shells first.
     pub(crate) found: Vec<Slot>,
+    /// By place in `found`: the wall that is all of the object, or [`NOBODY`].
+    pub(crate) own: Vec<u32>,
     /// The sides of their occluders.
     pub(crate) walls: Vec<Wall>,
     /// The directions into solids whose border the eye is on.
@@ -37,6 +45,7 @@ impl Walk {
     /// Forgets the objects and walls of the last walk.
     fn clear(&mut self) {
         self.found.clear();
+        self.own.clear();
         self.walls.clear();
         self.blocked.clear();
     }
@@ -54,8 +63,14 @@ impl Walk {
         self.mark_nothing(scene.slot_count());
         let eye = circle.eye;
         scene.outer().iter().for_each(|&slot| self.find(slot, scene, circle, stats));
-        let Some(shells) = Shells::new(scene.grid(), eye) else {
-            return scene.living().for_each(|(slot, _)| self.find(slot, scene, circle, stats));
+        let Some(shells) = Shells::new(scene.grid(), eye).filter(|_| !are_few(scene, view)) else {
+            // An occluder may stick out of its bounds.
+            let is_near = |object: &Object| {
+                let mut shapes = [Some(&object.bounds), object.occluder.as_ref()].into_iter().flatten();
+                view.range().is_none() || shapes.any(|shape| view.reaches(&shape.block()))
+            };
+            let near = scene.living().filter(|(_, object)| is_near(object));
+            return near.for_each(|(slot, _)| self.find(slot, scene, circle, stats));
         };
         self.covers.reset(eye, arcs);
         let cell = scene.grid().cell_size();
@@ -90,13 +105,26 @@ impl Walk {
         }
     }
 
+    /// Takes the walls within the range of a view from a list.
+    pub(crate) fn take(&mut self, walls: &[Segment], view: &View) {
+        self.clear();
+        self.walls.reserve(walls.len());
+        let near = |wall: &&Segment| view.reaches(&wall.block());
+        let sides = walls.iter().filter(near).map(|wall| [wall.a, wall.b].map(|p| p.as_dvec2()));
+        self.walls.extend(sides.filter_map(|[a, b]| Wall::new(view.eye(), a, b, NOBODY)));
+    }
+
     /// Drops the walls from number `first` on that lie in closed directions, where nearer ones hide
     /// them.
     fn keep_shown(&mut self, circle: &Circle, shells: &Shells, first: usize) {
         let mut kept = first;
         for i in first..self.walls.len() {
             let wall = self.walls[i];
-            if self.covers.may_show(circle, &wall) {
+            let shows = self.covers.may_show(circle, &wall);
+            if let Some(own) = self.own.get_mut(wall.owner as usize).filter(|own| **own == i as u32) {
+                *own = if shows { kept as u32 } else { NOBODY };
+            }
+            if shows {
                 self.covers.wait(shells, kept as u32, &wall);
                 self.walls[kept] = wall;
                 kept += 1;
@@ -127,12 +155,17 @@ impl Walk {
         }
         let Some(object) = scene.object(slot) else { return };
         self.found.push(slot);
+        self.own.push(NOBODY);
         let Some(occluder) = &object.occluder else { return };
         let owner = if object.bounds == *occluder { self.found.len() as u32 - 1 } else { NOBODY };
         if occluder.surrounds(circle.eye) {
             stats.eye_in_occluder = true;
         } else {
+            let first = self.walls.len();
             self.add(occluder, owner, circle);
+            if owner != NOBODY && matches!(occluder, Shape::Segment(_)) && first < self.walls.len() {
+                self.own[owner as usize] = first as u32;
+            }
         }
     }
 
@@ -143,6 +176,14 @@ impl Walk {
         let eye = circle.eye;
         occluder.front_sides(eye, |a, b| self.walls.extend(Wall::new(eye, a, b, owner)));
     }
+}
+
+/// Whether a scene has few objects for a view, and few sides that hide: the narrower the view, the
+/// fewer.
+fn are_few(scene: &Scene, view: &View) -> bool {
+    let most = (FEW * (view.half_angle() / PI)) as usize;
+    let sides = |object: &Object| object.occluder.as_ref().map_or(0, Shape::sides);
+    scene.len() <= most && scene.living().map(|(_, object)| sides(object)).sum::<usize>() <= most
 }
 
 /// The directions from an eye on the border of a solid into it; nothing for discs, which hide

@@ -86,6 +86,22 @@ impl Wall {
         })
     }
 
+    pub(crate) fn is_in_one_quarter(&self) -> bool {
+        self.quarters == 1
+    }
+
+    /// As [`Wall::arcs`], with the arcs of one direction that closed arcs of other quarters have in
+    /// common with these.
+    pub(crate) fn touching(&self, circle: &Circle) -> impl Iterator<Item = Arc> + use<> {
+        let one = |p: DVec2, quarter: u8, key: u8| {
+            let ray = Ray { p, key: f64::from(key) };
+            (p.x == circle.eye.x || p.y == circle.eye.y).then_some(Arc { quarter, from: ray, to: ray })
+        };
+        let (before, after) = ((self.first + 3) % 4, (self.first + self.quarters) % 4);
+        let (before, after) = (one(self.a, before, before + 1), one(self.b, after, after));
+        before.into_iter().chain(self.arcs(circle)).chain(after)
+    }
+
     fn is(&self, other: &Self) -> bool {
         self.a == other.a && self.b == other.b
     }
@@ -180,7 +196,11 @@ impl<'a> Around<'a> {
     #[inline]
     pub(crate) fn turn(&self, from: &Direction, to: &Direction) -> f64 {
         let apart = to.key - from.key;
-        if keys_tell(apart, from.doubt + to.doubt) { apart } else { self.turn_exactly(from, to) }
+        match (from.to, to.to) {
+            _ if keys_tell(apart, from.doubt + to.doubt) => apart,
+            (To::Point(p), To::Point(q)) if p == q => 0.0,
+            _ => self.turn_exactly(from, to),
+        }
     }
 
     /// As [`Around::turn`], for directions whose keys do not tell.
@@ -189,7 +209,6 @@ impl<'a> Around<'a> {
     fn turn_exactly(&self, from: &Direction, to: &Direction) -> f64 {
         use To::{Crossing, Point};
         match (from.to, to.to) {
-            (Point(p), Point(q)) if p == q => 0.0,
             (Point(p), Point(q)) => orient(self.eye, p, q),
             (Crossing { walls: p, .. }, Crossing { walls: q, .. }) if p == q => 0.0,
             _ => {
@@ -212,20 +231,22 @@ impl<'a> Around<'a> {
     }
 
     /// Positive if wall `a` is nearer than wall `b` along a direction that both cover, 0 if they
-    /// meet there. `lead` is that of `a` and `b`.
-    pub(crate) fn nearer(&self, a: &Wall, b: &Wall, lead: &Lead, along: &Direction) -> f64 {
-        if a.is(b) {
-            return 0.0;
-        }
+    /// meet there.
+    pub(crate) fn nearer(&self, a: &Wall, b: &Wall, along: &Direction) -> f64 {
         if let To::Point(p) = along.to {
-            if p == a.a || p == a.b {
+            // Without branches that would be guessed wrongly half of the time.
+            let is = |q: DVec2| (p.x == q.x) & (p.y == q.y);
+            if is(a.a) | is(a.b) {
                 return orient(b.a, b.b, p);
             }
-            if p == b.a || p == b.b {
+            if is(b.a) | is(b.b) {
                 return -orient(a.a, a.b, p);
             }
         }
-        let (sign, error) = self.vague(along).cross(lead.w);
+        if a.is(b) {
+            return 0.0;
+        }
+        let (sign, error) = self.vague(along).cross(self.lead(a, b).w);
         if sign.abs() > error {
             return sign;
         }

@@ -30,10 +30,6 @@ pub enum TileState {
 ///         fov.run(&map, TilePoint::center_of(2 + step, y), &FovOptions::default().in_circle(4.0)?);
 ///         fog.add(&fov)?;
 ///     }
-///     for (x, y) in fog.newly_seen().cells() {
-///         // Draw this tile for the first time.
-/// #       let _ = (x, y);
-///     }
 /// }
 /// assert_eq!(fog.state(1, 3), TileState::Remembered);
 /// # Ok(())
@@ -42,29 +38,26 @@ pub enum TileState {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fog {
     seen: Marks,
-    fresh: Marks,
     ever: BitGrid,
 }
 
 impl Fog {
-    /// A map of which nothing was seen. Takes three bits a tile.
+    /// A map of which nothing was seen. Takes two bits a tile.
     pub fn new(width: u32, height: u32) -> Self {
         Self::with_memory(BitGrid::new(width, height))
     }
 
     /// A map of which some tiles were seen before, as from a saved game.
     pub fn with_memory(ever: BitGrid) -> Self {
-        let (mut seen, mut fresh) = (Marks::default(), Marks::default());
+        let mut seen = Marks::default();
         seen.clear(&ever);
-        fresh.clear(&ever);
-        Self { seen, fresh, ever }
+        Self { seen, ever }
     }
 
     /// Ends the sight of the last frame: the tiles that were seen are remembered. Costs the tiles
     /// that were seen, by words.
     pub fn begin_frame(&mut self) {
         self.seen.clear(&self.ever);
-        self.fresh.clear(&self.ever);
     }
 
     /// Adds the tiles that the last run of a field of view found; call it once after each run.
@@ -83,16 +76,13 @@ impl Fog {
         for y in rows.clone() {
             let added = &tiles.row(y)[words.clone()];
             let seen = &mut self.seen.bits.row_mut(y)[words.clone()];
-            let fresh = &mut self.fresh.bits.row_mut(y)[words.clone()];
             let ever = &mut self.ever.row_mut(y)[words.clone()];
-            for (((added, seen), fresh), ever) in added.iter().zip(seen).zip(fresh).zip(ever) {
+            for ((added, seen), ever) in added.iter().zip(seen).zip(ever) {
                 *seen |= added;
-                *fresh |= added & !*ever;
                 *ever |= added;
             }
         }
-        self.seen.widen(columns.clone(), rows.clone());
-        self.fresh.widen(columns, rows);
+        self.seen.widen(columns, rows);
         Ok(())
     }
 
@@ -108,11 +98,6 @@ impl Fog {
     /// The tiles that are seen in this frame.
     pub fn seen(&self) -> &BitGrid {
         &self.seen.bits
-    }
-
-    /// The tiles that are seen in this frame for the first time.
-    pub fn newly_seen(&self) -> &BitGrid {
-        &self.fresh.bits
     }
 
     /// The tiles that were ever seen, also in this frame: the memory to be saved.

@@ -1,8 +1,11 @@
 //! The time of a view against the number of walls in the scene and in sight.
 //!
-//! Names are `scene/walls in the scene/pieces of the visible region`.
+//! Names are `scene/walls in the scene/pieces of the visible region`; among few walls, the calls, and
+//! a sweep in floats.
 
-use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View};
+mod sweep;
+
+use casca_plane::{Disc, GridSpec, ObjectDesc, Query, Scene, Segment, View, visible_region};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{UVec2, Vec2};
 use rand::{RngExt, SeedableRng};
@@ -106,5 +109,45 @@ fn views(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, views);
+/// Views that are run in turn: so many that their branches are not learned.
+const FEW_VIEWS: usize = 1000;
+
+/// Buildings, four walls each, in a square field with four more around it: no walls cross.
+fn buildings(count: u32) -> (Vec<Segment>, f32) {
+    let (side, mut walls) = ((count as f32).sqrt().ceil() as u32, Vec::new());
+    let mut add = |[a, c]: [Vec2; 2]| {
+        let ring = [a, Vec2::new(c.x, a.y), c, Vec2::new(a.x, c.y)];
+        walls.extend((0..4).map(|i| Segment::new(ring[i], ring[(i + 1) % 4])));
+    };
+    let size = side as f32 * 4.0;
+    add([Vec2::ZERO, Vec2::splat(size)]);
+    for i in 0..count {
+        let corner = Vec2::new((i % side) as f32, (i / side) as f32) * 4.0;
+        add([corner + 1.5, corner + 2.5]);
+    }
+    (walls, size)
+}
+
+fn few_walls(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("few walls");
+    for count in [2, 7, 14, 24] {
+        let (walls, size) = buildings(count);
+        let mut scene = scene(size);
+        walls.iter().for_each(|wall| add_wall(&mut scene, wall.a, wall.b));
+        let mut random = Pcg32::seed_from_u64(5);
+        let eyes: Vec<Vec2> = (0..FEW_VIEWS).map(|_| point(&mut random, size)).collect();
+        let (mut query, mut sweep) = (Query::new(), sweep::Sweep::default());
+        let mut run = |name: &str, look: &mut dyn FnMut(Vec2) -> usize| {
+            let mut eyes = eyes.iter().cycle();
+            let id = BenchmarkId::new(name, walls.len());
+            group.bench_function(id, |bencher| bencher.iter(|| eyes.next().map(|&eye| look(eye))));
+        };
+        run("sweep in floats", &mut |eye| sweep.run(&walls, eye).len());
+        run("sweep in floats, new", &mut |eye| sweep::Sweep::default().run(&walls, eye).len());
+        run("Query::run", &mut |eye| query.run(&scene, &View::all_round(eye).unwrap()).len());
+        run("visible_region", &mut |eye| visible_region(&walls, eye, 2.0 * size).unwrap().len());
+    }
+}
+
+criterion_group!(benches, few_walls, views);
 criterion_main!(benches);
