@@ -123,8 +123,7 @@ class View:
 class Scene:
     """Objects on a grid of cubes.
 
-    low, high: (3,), the corners of the room for objects, in world units. cell: the edge of a cube;
-    about the size of a room's parts. Objects may lie outside of the room, but cost more there.
+    cell: the edge of a cube, in world units; about the size of a room's parts. The grid has no border.
 
     Ids are (n,) integers of any width, as this scene gave them; those of removed objects are refused.
     In another scene the same id may name another object.
@@ -133,7 +132,7 @@ class Scene:
     RuntimeError.
     """
 
-    def __new__(cls, low: ArrayLike, high: ArrayLike, cell: float) -> Scene: ...
+    def __new__(cls, cell: float, *old: object) -> Scene: ...
     @staticmethod
     def from_gltf(
         path: str | PathLike[str], *, cell: float | None = None, progress: _Progress | None = None
@@ -231,8 +230,8 @@ class Scene:
         an origin near them, since single precision is too coarse there. Else zeros. Subtract it, in
         double precision, from coordinates that you pass in."""
     @property
-    def bounds(self) -> list[list[float]]:
-        """The corners of the grid, in world units."""
+    def bounds(self) -> list[list[float]] | None:
+        """The corners of a box around all objects, in world units; None without objects."""
     @property
     def memory_bytes(self) -> int:
         """Bytes that the scene takes, without its meshes."""
