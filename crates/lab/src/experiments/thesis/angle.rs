@@ -65,7 +65,7 @@ pub(super) fn run(lab: &Lab) -> Result<Vec<Finding>, LabError> {
         (&full, FINE, Method::cell()),
         (&full, FINE, Method::point()),
     ] {
-        let stage = Stage::new(world, cell(&world, dims), Method::cell(), Telling::Always)?;
+        let stage = Stage::new(world, cell(world, dims), Method::cell(), Telling::Always)?;
         runs.push((stage, Query::with_method(kind)?));
     }
     // Milliseconds and cells visited (`cell`), by each of [`ANGLES`].
