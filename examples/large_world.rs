@@ -58,7 +58,7 @@ fn main() -> Result<(), Error> {
             println!("frame {frame}: the origin is at {} now", world.origin());
         }
         world.set_place(car, eye + DVec3::X * 20.0)?;
-        let view = world.view(eye, &View::perspective(Vec3::ZERO, projection * turn)?)?;
+        let view = world.scene().view(eye, &View::perspective(Vec3::ZERO, projection * turn)?)?;
         let pvs = query.run(world.scene(), &view);
         assert!(pvs.contains(car));
         if frame % 500 == 0 {

@@ -29,6 +29,9 @@ const CELLS_OF_CUBE_ROOT: f64 = 9.0;
 /// all is within [`REACH`].
 const FARTHEST_CELLS: f64 = (1 << 18) as f64;
 
+/// Cells are numbered anew by multiples of this many.
+const RENUMBERED: f64 = 512.0;
+
 /// Coordinates beyond this many cells from the grid's corner are clamped: far enough to be outside,
 /// and small enough that sums and differences of any two cells fit 32 bits.
 const FAR_CELLS: f64 = (1u64 << 29) as f64;
@@ -100,18 +103,23 @@ impl Grid {
         Ok(Self { origin: DVec3::ZERO, cell: f64::from(cell) })
     }
 
-    /// The grid in coordinates that are less by an offset. Its corner is snapped down, by at
-    /// most two units of [`Grid::unit`].
+    /// The grid in coordinates that are greater by an offset, with its corner snapped down by at most
+    /// two units of [`Grid::unit`]. Where cell 0 would be far away, another cell becomes it: the
+    /// numbers of all become less by the second answer, a multiple of 512.
     ///
     /// # Errors
     /// Refuses a corner that would be more than about 2^28 cells from the origin.
-    pub(crate) fn shifted(&self, offset: DVec3) -> Result<Self, Error> {
+    pub(crate) fn shifted(&self, by: DVec3) -> Result<(Self, IVec3), Error> {
         let unit = self.unit();
-        let units = ((self.origin - offset) / unit).floor();
+        let units = ((self.origin + by) / unit).floor();
         if units.abs().max_element() > MOST_UNITS {
             return Err(Error::GridTooFar { min: (units * unit).as_vec3(), cell: self.cell as f32 });
         }
-        Ok(Self { origin: units * unit, ..*self })
+        let corner = units * unit;
+        let blocks = (-corner / (self.cell * RENUMBERED)).floor() * RENUMBERED;
+        let far = blocks.abs().cmpgt(DVec3::splat(FARTHEST_CELLS));
+        let renumbered = DVec3::select(far, blocks, DVec3::ZERO);
+        Ok((Self { origin: corner + renumbered * self.cell, ..*self }, renumbered.as_ivec3()))
     }
 
     /// The last binary digit of the cell size: all planes are multiples of it.
@@ -229,7 +237,7 @@ mod tests {
     #[test]
     fn planes_are_exact_and_cells_meet() {
         for (min, cell) in [(-50.0, 1.0), (1e6, 0.1), (-0.3, 0.1), (123.456, 0.0625), (1e-20, 3.7f32)] {
-            let g = Grid::new(cell).unwrap().shifted(DVec3::splat(-min)).unwrap();
+            let g = Grid::new(cell).unwrap().shifted(DVec3::splat(min)).unwrap().0;
             for i in [0, 1, 17, 999, 4999] {
                 let p = g.plane(0, i + 1) - g.plane(0, i);
                 assert_eq!(p, f64::from(cell), "{min} {cell} {i}");

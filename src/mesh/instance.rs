@@ -13,6 +13,7 @@ use crate::heap::in_arc;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::MOST_GROWTH;
 use crate::numeric::shape::{LENGTH_OF_ERROR, MOST_PULL};
+use crate::numeric::world::ONE_ROUNDING;
 use crate::shape::Shape;
 use crate::shape::convex::Convex;
 use crate::shape::kind::Kind;
@@ -49,6 +50,8 @@ struct InstanceData {
     mesh: Arc<TriMesh>,
     transform: Affine3A,
     placement: Placement,
+    /// What is not known of the offset of that.
+    error: f64,
     block: Block,
     solids: Solids,
 }
@@ -108,7 +111,9 @@ impl Instance {
         let Placement { affine, error, .. } = placement;
         let block = Block::around(vertices().map(|v| affine.transform_point3(v))).grown(error);
         let solids = Solids::default();
-        Ok(Self { inner: Arc::new(InstanceData { mesh, transform, placement, block, solids }) })
+        Ok(Self {
+            inner: Arc::new(InstanceData { mesh, transform, placement, error: offset.error, block, solids }),
+        })
     }
 
     /// The mesh.
@@ -119,6 +124,20 @@ impl Instance {
     /// From the space of the mesh to world space.
     pub fn transform(&self) -> Affine3A {
         self.inner.transform
+    }
+
+    /// The same mesh in coordinates that differ by an offset. What [`Instance::transform`] rounds is
+    /// not lost.
+    ///
+    /// # Errors
+    /// As [`Instance::new`].
+    pub(crate) fn offset_by(&self, offset: &Offset) -> Result<Self, Error> {
+        let InstanceData { mesh, transform, placement, error, .. } = &*self.inner;
+        let at = placement.affine.translation;
+        // A difference of a number and its rounding is exact.
+        let total = Offset::between(at - transform.translation.as_dvec3(), -offset.by);
+        let error = total.error + offset.error + error + ONE_ROUNDING * at.abs().max_element();
+        Self::carried(mesh.clone(), *transform, &Offset { error, ..total })
     }
 
     /// The same mesh, moved by an offset in world units, rounded to single precision.

@@ -239,7 +239,7 @@ mod tests {
     fn rows_hold_all_points_of_triangles_anywhere() {
         let mut random = Random::new(11);
         for (min, cell) in [(0.0, 1.0), (-0.3, 0.1), (1e6, 0.25), (123.456, 0.0625), (-1e-3, 1e-4)] {
-            let grid = Grid::new(cell).unwrap().shifted(DVec3::splat(-min)).unwrap();
+            let grid = Grid::new(cell).unwrap().shifted(DVec3::splat(min)).unwrap().0;
             for round in 0..320 {
                 let place = |p: DVec3| (grid.min() + p * grid.cell_size()).as_vec3().as_dvec3();
                 let t = triangle(round % 13, &mut random).map(place);

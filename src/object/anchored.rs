@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DAffine3, DMat3, Vec3};
+use glam::{Affine3A, DAffine3, DMat3};
 
 use crate::error::Error;
 use crate::geometry::block::{above, below};
@@ -20,19 +20,6 @@ use crate::object::{Bounds, Occluder};
 use crate::shape::Convex;
 
 impl Bounds {
-    /// The bounds in coordinates that are less by an offset, for an object that is not placed by a
-    /// transform; `None` for a mesh in world space, which stays where it is.
-    ///
-    /// # Errors
-    /// As [`Instance::new`](crate::Instance::new).
-    pub(crate) fn shifted(&self, offset: Vec3) -> Result<Option<Self>, Error> {
-        match self {
-            Self::Mesh(_) => Ok(None),
-            Self::Instance(instance) => Ok(Some(instance.translated(-offset)?.into())),
-            _ => self.anchored(None, &Offset::exact(-offset.as_dvec3())).map(Some),
-        }
-    }
-
     /// The bounds under a transform, if there is one, in coordinates that differ by an offset from
     /// those that it leads to.
     ///
@@ -54,26 +41,12 @@ impl Bounds {
                 Obb { center, half: half.into(), ..*b }.into()
             }
             Self::Mesh(mesh) => Instance::carried(mesh.clone(), Affine3A::IDENTITY, offset)?.into(),
-            Self::Instance(i) => Instance::carried(i.mesh().clone(), i.transform(), offset)?.into(),
+            Self::Instance(instance) => instance.offset_by(offset)?.into(),
         })
     }
 }
 
 impl Occluder {
-    /// As [`Bounds::shifted`]; inside, `None` if rounding leaves nothing of it.
-    ///
-    /// # Errors
-    /// As [`Instance::new`](crate::Instance::new) and
-    /// [`Convex::translated`](crate::Convex::translated).
-    pub(crate) fn shifted(&self, offset: Vec3) -> Result<Option<Option<Self>>, Error> {
-        match self {
-            Self::Mesh(_) => Ok(None),
-            Self::Convex(solid) => Ok(Some(Some(Arc::new(solid.translated(-offset)?).into()))),
-            Self::Instance(instance) => Ok(Some(Some(instance.translated(-offset)?.into()))),
-            _ => self.anchored(None, &Offset::exact(-offset.as_dvec3())).map(Some),
-        }
-    }
-
     /// As [`Bounds::anchored`]; `None` if hardly anything of it is left.
     ///
     /// # Errors
@@ -104,7 +77,7 @@ impl Occluder {
             }
             Self::Convex(solid) => carried(solid, offset).map(|solid| Arc::new(solid).into()),
             Self::Mesh(mesh) => Some(Instance::carried(mesh.clone(), Affine3A::IDENTITY, offset)?.into()),
-            Self::Instance(i) => Some(Instance::carried(i.mesh().clone(), i.transform(), offset)?.into()),
+            Self::Instance(instance) => Some(instance.offset_by(offset)?.into()),
         })
     }
 }

@@ -49,7 +49,7 @@ mod near;
 mod object;
 mod opacity;
 mod opaque;
-mod origin;
+pub(crate) mod origin;
 mod reads;
 mod reports;
 mod resting;
@@ -66,6 +66,7 @@ mod volume;
 mod volumes;
 
 use casca_slots::Slots;
+use glam::DVec3;
 
 use crate::grid::Grid;
 use crate::mesh::surface::seams::Seams;
@@ -141,6 +142,8 @@ pub use reads::ObjectRef;
 /// - What lies more than 2^20 cells from the corner of the grid is tested in every query.
 #[derive(Clone)]
 pub struct Scene {
+    /// The place of the coordinates' origin.
+    origin: DVec3,
     grid: Grid,
     slots: Slots<Object>,
     user_data: UserData,

@@ -1,15 +1,18 @@
-//! Other coordinates: an origin that follows the camera through a large world. All of a scene is
-//! shifted at once, or another scene in other coordinates follows it under the same ids, and takes
-//! its objects over one by one while it still answers queries.
+//! Other coordinates: an origin in double precision, which follows the eye through a large world. All
+//! of a scene is shifted at once, or another scene in other coordinates follows it under the same
+//! ids, and takes its objects over one by one while it still answers queries.
 
 use casca_slots::{AT_ONCE, Slot};
-use glam::{Vec3, Vec3A};
+use glam::{DVec3, IVec3};
 
-use crate::error::{Error, finite3};
+use crate::error::Error;
 use crate::geometry::Block;
+use crate::geometry::offset::Offset;
+use crate::grid::cell_box::CellBox;
 use crate::grid::{Grid, clip};
 use crate::id::ObjectId;
 use crate::numeric::mesh::SINGLE;
+use crate::numeric::world::FARTHEST;
 use crate::object::{Bounds, ObjectDesc, Occluder, Placed};
 use crate::scene::Scene;
 use crate::scene::object::Object;
@@ -26,19 +29,20 @@ struct Shifted {
 
 impl Shifted {
     /// The shapes of an object; `None` if one is a mesh in world space.
-    fn of(object: &Object, offset: Vec3) -> Result<Option<Self>, Error> {
+    fn of(object: &Object, offset: &Offset) -> Result<Option<Self>, Error> {
         if let Some(placed) = object.placed() {
             let mut placed = placed.clone();
-            placed.transform.translation -= Vec3A::from(offset);
+            let at = placed.transform.translation.as_dvec3() + offset.by;
+            placed.transform.translation = at.as_vec3a();
             let (bounds, occluder) = placed.at(placed.transform)?;
             return Ok(Some(Self { bounds, occluder, placed: Some(placed) }));
         }
-        let Some(bounds) = object.bounds().shifted(offset)? else { return Ok(None) };
-        let occluder = match object.given_occluder().map(|occluder| occluder.shifted(offset)).transpose()? {
-            Some(None) => return Ok(None),
-            Some(Some(occluder)) => occluder,
-            None => None,
-        };
+        let given = object.given_occluder();
+        if matches!(object.bounds(), Bounds::Mesh(_)) || matches!(given, Some(Occluder::Mesh(_))) {
+            return Ok(None);
+        }
+        let bounds = object.bounds().anchored(None, offset)?;
+        let occluder = given.map(|occluder| occluder.anchored(None, offset)).transpose()?.flatten();
         bounds.check()?;
         occluder.iter().try_for_each(Occluder::check)?;
         Ok(Some(Self { bounds, occluder, placed: None }))
@@ -46,28 +50,36 @@ impl Shifted {
 }
 
 impl Tbv {
-    /// The volume in a grid that was shifted: its cells stay.
-    fn shifted(&self, grid: &Grid, offset: Vec3) -> Self {
-        let by = offset.as_dvec3();
-        let block = Block { min: self.block.min - by, max: self.block.max - by };
-        let cells = Block::new(grid.range_bounds(self.cells.lo, self.cells.hi));
-        Self { block: block.intersection(&cells), ..*self }
+    /// The volume in coordinates that differ by an offset, where cells have numbers that are less by
+    /// `renumbered`; it stays in its cells.
+    fn shifted(&self, grid: &Grid, by: DVec3, renumbered: IVec3) -> Self {
+        let cells = CellBox { lo: self.cells.lo - renumbered, hi: self.cells.hi - renumbered };
+        let block = Block { min: self.block.min + by, max: self.block.max + by };
+        let around = Block::new(grid.range_bounds(cells.lo, cells.hi));
+        Self { block: block.intersection(&around), cells, ..*self }
     }
 }
 
+/// Refuses a place that is not finite or too far away.
+pub(crate) fn check_place(what: &'static str, at: DVec3) -> Result<(), Error> {
+    if !at.is_finite() {
+        return Err(Error::NotFinite { what, value: at });
+    }
+    if at.abs().max_element() > FARTHEST { Err(Error::TooFar { what, value: at }) } else { Ok(()) }
+}
+
 impl Scene {
-    /// Puts the origin of the coordinates at the point `offset`: every coordinate becomes less by
-    /// it, those of the grid, the objects and the volumes alike. For large worlds, whose renderer
-    /// keeps the camera near the origin. Shift everything else in the same frame: cameras, lights
-    /// and your own copies of positions.
+    /// Puts the origin of all coordinates at a place of a world in double precision: for levels that
+    /// lie far from the world's origin, and for worlds so large that the origin follows the eye.
+    /// Objects, grid and volumes stay where they are, and their coordinates become those relative to
+    /// the new origin. Give all else relative to it from then on: cameras ([`Scene::view`]), lights,
+    /// new objects, moves.
     ///
-    /// The grid goes with the objects, so that its planes lie between them as before. Its corner is
-    /// snapped down to a 2^22nd part of a cell. All sums round as those of an application that
-    /// subtracts in single precision: bounds round outwards, occluders inwards, and transforms of
-    /// [placed](crate::ObjectDesc::placed) objects and of [`Instance`](crate::Instance)s to
-    /// nearest, as [`Scene::translate`] does. Where the offset is a multiple of a power of two that
-    /// the coordinates are multiples of, nothing is rounded; multiples of the cell are a good
-    /// choice. An occluder that is thinner than the rounding hides nothing from then on.
+    /// Bounds round outwards, occluders inwards, and transforms of
+    /// [placed](crate::ObjectDesc::placed) objects to nearest. Where origins are multiples of a power
+    /// of two that the coordinates are multiples of, nothing is rounded: take multiples of 512 cells
+    /// of a power of two, or of 1024 units. With others, bounds of what stays for many shifts grow by
+    /// a digit in each. An occluder that is thinner than the rounding hides nothing from then on.
     ///
     /// No result from before is taken for one of the new coordinates:
     /// [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
@@ -75,37 +87,48 @@ impl Scene {
     /// [`KeptQuery`](crate::KeptQuery) finds a new result. [`Scene::end_frame`] still takes earlier
     /// results. Ids stay. Hidden objects stay in their volumes, unless rounding takes them out.
     ///
-    /// Costs as inserting all objects that are in no volume again. Call it rarely: every few
-    /// hundred cells of the camera's way.
+    /// Costs as inserting all objects that are in no volume again, and nothing in an empty scene. Call
+    /// it rarely: every few thousand cells of the camera's way.
     ///
     /// ```
-    /// use casca::{Aabb, Error, ObjectDesc, Scene};
-    /// use glam::{UVec3, Vec3};
+    /// use casca::{Aabb, ObjectDesc, Query, Scene, View};
+    /// use glam::{DVec3, Vec3};
     ///
-    /// # fn main() -> Result<(), Error> {
+    /// # fn main() -> Result<(), casca::Error> {
     /// let mut scene = Scene::new(1.0)?;
+    /// // A level at four thousand kilometres.
+    /// scene.set_origin(DVec3::new(4_194_304.0, 0.0, 0.0))?;
     /// let wall = scene.insert(ObjectDesc::fixed(Aabb::new(Vec3::splat(8.0), Vec3::splat(10.0))))?;
-    /// scene.shift_origin(Vec3::new(16.0, 0.0, 0.0))?;
-    /// assert_eq!(scene.bounds(wall)?.aabb().min, Vec3::new(-8.0, 8.0, 8.0));
-    /// assert_eq!(scene.grid().min().x, -16.0);
+    /// // The eye in the world, and the view of a renderer that draws relative to it.
+    /// let eye = DVec3::new(4_194_309.1, 9.0, 9.0);
+    /// let view = scene.view(eye, &View::omnidirectional(Vec3::ZERO)?)?;
+    /// assert!(Query::new().run(&scene, &view).contains(wall));
+    /// scene.set_origin(scene.origin() + 1024.0)?;
+    /// assert_eq!(scene.bounds(wall)?.aabb().min, Vec3::splat(8.0 - 1024.0));
     /// # Ok(())
     /// # }
     /// ```
     ///
     /// # Errors
-    /// Refuses an offset that is not finite or leads to coordinates that are not, a grid that would
-    /// lie too far from the origin, scenes with meshes in world space ([`Error::FixedMesh`]: give
-    /// instances of them), and convex occluders as
-    /// [`Convex::translated`](crate::Convex::translated) does. Nothing is changed then.
-    pub fn shift_origin(&mut self, offset: Vec3) -> Result<(), Error> {
-        finite3("the offset", offset)?;
-        let grid = self.grid.shifted(offset.as_dvec3())?;
+    /// Refuses a place that is not finite or farther than 2^60 units from the world's origin, one from
+    /// which there are coordinates beyond single precision or 2^28 cells, and scenes with meshes in
+    /// world space ([`Error::FixedMesh`]: give instances of them). Nothing is changed then.
+    pub fn set_origin(&mut self, at: DVec3) -> Result<(), Error> {
+        check_place("the origin", at)?;
+        if self.is_empty() {
+            self.origin = at;
+            self.changes.changed();
+            self.changes.all_static_changed();
+            return Ok(());
+        }
+        let offset = Offset::between(self.origin, at);
+        let (grid, renumbered) = self.grid.shifted(offset.by)?;
         let mut shapes = Vec::with_capacity(self.len());
         for (slot, object) in self.living() {
             let refused = || Error::FixedMesh(self.id(slot));
-            shapes.push((slot, Shifted::of(object, offset)?.ok_or_else(refused)?));
+            shapes.push((slot, Shifted::of(object, &offset)?.ok_or_else(refused)?));
         }
-        self.grid = grid;
+        (self.origin, self.grid) = (at, grid);
         self.opacity = Opacity::new();
         self.index.clear_lists();
         self.clock.reports.leave_all_zones();
@@ -114,7 +137,7 @@ impl Scene {
         let moved = self.changes.moved();
         for (slot, shape) in shapes {
             self.slots[slot].moved = moved;
-            self.place_shifted(slot, shape, offset);
+            self.place_shifted(slot, shape, (offset.by, renumbered));
         }
         self.opacity.refresh();
         Ok(())
@@ -122,7 +145,7 @@ impl Scene {
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
     /// where it was.
-    fn place_shifted(&mut self, slot: Slot, shape: Shifted, offset: Vec3) {
+    fn place_shifted(&mut self, slot: Slot, shape: Shifted, by: (DVec3, IVec3)) {
         let Shifted { bounds, occluder, placed } = shape;
         let object = &mut self.slots[slot];
         object.set_placed(placed);
@@ -135,7 +158,7 @@ impl Scene {
                 // It misses the report again.
                 self.list(slot);
             }
-            State::Hidden(hidden) => self.shift_volume(slot, hidden, offset),
+            State::Hidden(hidden) => self.shift_volume(slot, hidden, by),
             // Its report finds a new volume.
             State::Unlocated { volume } => {
                 self.lose(slot, volume.is_some());
@@ -145,8 +168,8 @@ impl Scene {
 
     /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still
     /// inside.
-    fn shift_volume(&mut self, slot: Slot, hidden: Hidden, offset: Vec3) {
-        let tbv = hidden.tbv.shifted(&self.grid, offset);
+    fn shift_volume(&mut self, slot: Slot, hidden: Hidden, (by, renumbered): (DVec3, IVec3)) {
+        let tbv = hidden.tbv.shifted(&self.grid, by, renumbered);
         let object = self.object(slot);
         let inside = tbv.contains(&self.grid, &object.bounds.block());
         // The place of an object that is not reported was rounded as its bounds were.

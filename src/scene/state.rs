@@ -34,9 +34,9 @@
 //! | `end_frame`                | hidden, volume revealed, reported on expiry   | `Revealed`                                    |
 //! | `end_frame`                | hidden, volume revealed, in a set             | `Listed`                                      |
 //! | `end_frame`                | hidden, volume revealed, in no set            | `Enclosed` if a new volume fits, else `Listed`|
-//! | `shift_origin`             | hidden, surely still inside its volume        | `Enclosed` (the same volume)                  |
-//! | `shift_origin`             | hidden or unlocated, reported on expiry       | `Revealed` if it may be outside               |
-//! | `shift_origin`             | hidden, reported when moved, outside by now   | `Listed`                                      |
+//! | `set_origin`               | hidden, surely still inside its volume        | `Enclosed` (the same volume)                  |
+//! | `set_origin`               | hidden or unlocated, reported on expiry       | `Revealed` if it may be outside               |
+//! | `set_origin`               | hidden, reported when moved, outside by now   | `Listed`                                      |
 //!
 //! An overdue object gets no volume: a volume around an old place contains nothing for certain. One
 //! that is listed in a zone is overdue without an event: [`crate::scene::reports`] tells.

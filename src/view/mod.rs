@@ -73,7 +73,7 @@ pub const MAX_PLANES: usize = 32;
 ///
 /// - [`View::from_view_projection`] has to find the eye from the matrix, and knows it only roughly:
 ///   occluders then hide less. Give the eye where you have it.
-/// - Far from the origin single precision is coarse: see [`crate::Scene::shift_origin`].
+/// - Far from the origin single precision is coarse: see [`crate::Scene::set_origin`].
 /// - Parallel rays get occlusion only from [`View::orthographic`], which is told where they start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {

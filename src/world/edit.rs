@@ -5,9 +5,10 @@ use glam::{Affine3A, DVec3};
 use crate::error::Error;
 use crate::id::ObjectId;
 use crate::object::{Bounds, ObjectDesc, Occluder};
+use crate::scene::origin::check_place;
+use crate::world::World;
 use crate::world::page::{PageId, check};
 use crate::world::source::ObjectSource;
-use crate::world::{World, check_place};
 
 impl World {
     /// Inserts an object at a place. Its shapes are relative to that, in world units; a transform

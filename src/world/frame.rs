@@ -5,11 +5,12 @@ use glam::DVec3;
 use crate::error::Error;
 use crate::id::ObjectId;
 use crate::pvs::Pvs;
+use crate::scene::origin::check_place;
 use crate::scene::{FrameReport, Scene};
+use crate::world::World;
 use crate::world::page::{PageId, PageObjects};
 use crate::world::succession::NextScene;
 use crate::world::task::Task;
-use crate::world::{World, check_place};
 
 /// The changes that [`World::begin_frame`] made.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -51,9 +51,8 @@ use crate::error::Error;
 use crate::geometry::offset::Offset;
 use crate::geometry::{Aabb, Block};
 use crate::id::ObjectId;
-use crate::numeric::world::FARTHEST;
 use crate::scene::Scene;
-use crate::view::View;
+use crate::scene::origin::check_place;
 use crate::world::source::ObjectSource;
 use crate::world::succession::NextScene;
 use crate::world::task::Task;
@@ -71,7 +70,7 @@ pub use page::{PAGE_CELLS, PageId, PageObjects};
 /// them over ([`World::load`]). Insert what moves through the world at its place
 /// ([`World::insert`]). A frame is [`World::begin_frame`] with the time and the eye, the moves
 /// ([`World::set_place`]), queries of [`World::scene`], and [`World::end_frame`] with their
-/// results. Views are those of a renderer that draws relative to the eye ([`World::view`]). All
+/// results. Views are those of a renderer that draws relative to the eye ([`Scene::view`]). All
 /// queries, kept ones and other answers work on the scene as usual.
 ///
 /// ```
@@ -98,7 +97,7 @@ pub use page::{PAGE_CELLS, PageId, PageObjects};
 ///     world.begin_frame(f64::from(frame) / 60.0, eye)?;
 ///     world.set_place(bird, eye + DVec3::new(5.0, 0.1 * f64::from(frame), 0.0))?;
 ///     // The view as it is at the origin; `View::perspective` takes the matrix without the eye.
-///     let view = world.view(eye, &View::omnidirectional(Vec3::ZERO)?)?;
+///     let view = world.scene().view(eye, &View::omnidirectional(Vec3::ZERO)?)?;
 ///     let seen: Vec<u64> = query
 ///         .run(world.scene(), &view)
 ///         .iter()
@@ -150,14 +149,6 @@ pub struct World {
     former: Vec<u32>,
 }
 
-/// Refuses a place that is not finite or too far away.
-fn check_place(what: &'static str, at: DVec3) -> Result<(), Error> {
-    if !at.is_finite() {
-        return Err(Error::NotFinite { what, value: at });
-    }
-    if at.abs().max_element() > FARTHEST { Err(Error::TooFar { what, value: at }) } else { Ok(()) }
-}
-
 impl World {
     /// An empty world.
     ///
@@ -193,7 +184,7 @@ impl World {
     /// The place of the origin of the scene's coordinates: the corner of a page. It changes in
     /// [`World::begin_frame`] and [`World::settle`] only, with the scene.
     pub fn origin(&self) -> DVec3 {
-        self.corner(self.origin_page)
+        self.scene.origin()
     }
 
     /// The edge length of a page in world units.
@@ -213,20 +204,6 @@ impl World {
     /// The least corner of a page, which its objects are relative to.
     pub fn corner(&self, page: PageId) -> DVec3 {
         page.corner(self.options.page_size())
-    }
-
-    /// A view in coordinates relative to a place, such as the eye, in those of the scene: the view
-    /// of a renderer that draws relative to the eye, whose matrix has no translation. The place is
-    /// not rounded to single precision.
-    ///
-    /// It is a view of the scene until the origin moves: make it anew in each frame, after
-    /// [`World::begin_frame`]. Lights are in the scene's coordinates, too: `at - world.origin()`.
-    ///
-    /// # Errors
-    /// Refuses a place that is not finite or farther than 2^60 world units from the origin.
-    pub fn view(&self, from: DVec3, view: &View) -> Result<View, Error> {
-        check_place("the place of the view", from)?;
-        Ok(view.carried(from - self.origin()))
     }
 
     /// A box in the scene's coordinates, rounded outwards, for [`crate::Sight::may_see_box`].

@@ -30,6 +30,7 @@ impl NextScene {
     /// As [`Scene::new`].
     pub(super) fn new(from: &Scene, page: PageId, options: &WorldOptions) -> Result<Self, Error> {
         let (mut scene, origin) = (Scene::new(options.cell)?, page.corner(options.page_size()));
+        scene.set_origin(origin)?;
         scene.set_clock(from);
         Ok(Self { page, origin, scene, reached: 0 })
     }

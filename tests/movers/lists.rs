@@ -163,8 +163,8 @@ fn clones_and_other_origins_keep_their_own_lists() {
         }
         if frame % 9 == 4 {
             let by = Vec3::new(8.0, -16.0, 3.5);
-            scene.shift_origin(by).unwrap();
-            scene.shift_origin(-by).unwrap();
+            scene.set_origin(by.as_dvec3()).unwrap();
+            scene.set_origin(DVec3::ZERO).unwrap();
         }
     };
     let (found, extra) = play(6, Method::point(), act);

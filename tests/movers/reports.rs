@@ -271,8 +271,8 @@ fn whoever_is_overdue_is_in_each_set_once_until_it_is_reported() {
                 }
                 3 => {
                     let by = Vec3::new(8.0, -16.0, 3.5);
-                    scene.shift_origin(by).unwrap();
-                    scene.shift_origin(-by).unwrap();
+                    scene.set_origin(by.as_dvec3()).unwrap();
+                    scene.set_origin(DVec3::ZERO).unwrap();
                 }
                 4 => scene.set_layers(balls[i].0, 1 << dice.below(3)).unwrap(),
                 5 => {

@@ -232,7 +232,7 @@ impl Player {
             let ids = self.ids();
             let solids: Vec<Solid> = ids.iter().map(|&(i, _)| self.solids[i]).collect();
             let seen = seen(&solids, self.eye, &mut self.random);
-            let view = self.world.view(self.eye, &around(Vec3::ZERO)).unwrap();
+            let view = self.world.scene().view(self.eye, &around(Vec3::ZERO)).unwrap();
             // The walk through single cells takes longer than all others together.
             let asked = if frame % 5 == 0 { 4 } else { 3 };
             for (name, query) in &mut queries[..asked] {

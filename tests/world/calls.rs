@@ -16,7 +16,7 @@ fn ball(x: f32, y: f32, z: f32) -> ObjectDesc {
 }
 
 fn view_at(world: &World, eye: DVec3) -> View {
-    world.view(eye, &around(Vec3::ZERO)).unwrap()
+    world.scene().view(eye, &around(Vec3::ZERO)).unwrap()
 }
 
 fn see(world: &World, eye: DVec3) -> Pvs {
@@ -311,7 +311,7 @@ fn what_makes_no_sense_is_refused_and_changes_nothing() {
     let end = DVec3::new((1u64 << 36) as f64, 100.0, -((1u64 << 36) as f64));
     world.settle(end).unwrap();
     assert!(see(&world, end).contains(id));
-    assert!(world.view(end * 1e30, &around(Vec3::ZERO)).is_err());
+    assert!(world.scene().view(end * 1e30, &around(Vec3::ZERO)).is_err());
     let b = world.scene_box(end - 0.3, end + 0.3).unwrap();
     assert!(b.contains((end - world.origin()).as_vec3()) && (b.max - b.min).max_element() < 0.7);
     world.remove(id).unwrap();

@@ -1,4 +1,4 @@
-//! An origin that is shifted: what an eye sees stays in the set, nothing from before is taken for a
+//! An origin that is set elsewhere: what an eye sees stays in the set, nothing from before is taken for a
 //! result of now, and where nothing rounds, the sets are the same.
 
 use crate::common::worlds::{SIZE, Solid, hiding, is_free, points_of};
@@ -30,8 +30,12 @@ proptest! {
         dynamic in prop::collection::vec(exact_box(), 1..20),
         eye in vector(0.0..SIZE),
         offset in prop::array::uniform3(-4096i32..4096),
+        far in prop::sample::select(vec![0.0, 1e5, 1e6, 4_194_304.5]),
+        times in prop::sample::select(vec![0.5, 250.0]),
     ) {
         let mut scene = scene(0.5);
+        // A level far away is as near as any to an origin near it.
+        scene.set_origin(DVec3::splat(far)).unwrap();
         for &b in &walls {
             scene.solid(b);
         }
@@ -44,8 +48,9 @@ proptest! {
         }
         // Eyes and offsets are multiples of a sixteenth, too.
         let eye = (eye * 16.0).round() / 16.0;
-        let offset = Vec3::from_array(offset.map(|v| v as f32)) * 0.5;
-        let view = around(eye);
+        let offset = DVec3::from_array(offset.map(f64::from)) * times;
+        let (place, own) = (eye.as_dvec3() + far, around(Vec3::ZERO));
+        let view = scene.view(place, &own).unwrap();
         let mut queries = methods().map(query_by);
         scene.begin_frame(0.0).unwrap();
         // What is hidden goes into volumes.
@@ -55,17 +60,18 @@ proptest! {
         let mut kept = KeptQuery::new();
         kept.run(&scene, &view);
 
-        scene.shift_origin(offset).unwrap();
-        let shifted = around(eye - offset);
+        scene.set_origin(scene.origin() + offset).unwrap();
+        let shifted = scene.view(place, &own).unwrap();
         prop_assert!(!kept.is_valid_for(&scene, &view) && !kept.is_valid_for(&scene, &shifted));
-        for (query, seen) in queries.iter_mut().zip(seen) {
+        for (query, seen) in queries.iter_mut().zip(&seen) {
             prop_assert!(!query.pvs().is_valid_for(&scene, &view));
             prop_assert!(!query.pvs().is_valid_for(&scene, &shifted));
             prop_assert!(!query.sight(&scene).is_some_and(|sight| sight.has_occlusion()));
             let found = sorted(query.run(&scene, &shifted));
-            if !matches!(query.method(), Method::Point(options) if options.coherent) {
-                prop_assert_eq!(found, seen, "{:?}", query.method());
-            }
+            // Far away, margins are large, and what is reported on expiry may have left its volume.
+            let alike = if times < 1.0 { found == *seen } else { seen.iter().all(|id| found.contains(id)) };
+            let coherent = matches!(query.method(), Method::Point(options) if options.coherent);
+            prop_assert!(alike || coherent, "{:?}: {:?} {:?}", query.method(), found, seen);
         }
     }
 
@@ -100,7 +106,7 @@ proptest! {
                 let i = ids.iter().position(|other| *other == id).unwrap();
                 scene.update(id, targets[i], None).unwrap();
             }
-            scene.shift_origin(*offset).unwrap();
+            scene.set_origin(scene.origin() + offset.as_dvec3()).unwrap();
             origin += *offset;
             // As an application does, in single precision.
             for b in walls.iter_mut().chain(&mut targets) {
@@ -158,7 +164,7 @@ fn every_kind_of_shape_goes_with_the_origin() {
     for offset in
         [Vec3::new(100.25, -3.5, 0.1), Vec3::splat(1e5), Vec3::splat(-1e5), Vec3::new(-100.25, 3.5, -0.1)]
     {
-        scene.shift_origin(offset).unwrap();
+        scene.set_origin(scene.origin() + offset.as_dvec3()).unwrap();
     }
     for (id, before) in ids.iter().zip(before) {
         let after = scene.bounds(*id).unwrap().aabb();
@@ -176,10 +182,10 @@ fn every_kind_of_shape_goes_with_the_origin() {
 
     let fixed = scene.fixed(mesh());
     let grid = *scene.grid();
-    assert_eq!(scene.shift_origin(Vec3::ONE), Err(Error::FixedMesh(fixed)));
+    assert_eq!(scene.set_origin(DVec3::ONE), Err(Error::FixedMesh(fixed)));
     scene.remove(fixed).unwrap();
-    assert!(matches!(scene.shift_origin(Vec3::NAN), Err(Error::NotFinite { .. })));
-    assert!(matches!(scene.shift_origin(Vec3::splat(1e30)), Err(Error::GridTooFar { .. })));
+    assert!(matches!(scene.set_origin(DVec3::NAN), Err(Error::NotFinite { .. })));
+    assert!(matches!(scene.set_origin(DVec3::splat(1e15)), Err(Error::GridTooFar { .. })));
     assert_eq!(*scene.grid(), grid);
     assert!(matches!(scene.bounds(ids[1]).unwrap(), Bounds::Box(_)));
 }
@@ -193,7 +199,7 @@ fn a_ground_of_boxes_makes_the_same_cells_opaque() {
         scene.solid(Aabb::new(Vec3::new(a, 2.0, 2.0), Vec3::new(b, 5.0, 5.0)));
     }
     let count = scene.static_opacity().count();
-    scene.shift_origin(Vec3::new(1024.0, -64.0, 3.0)).unwrap();
+    scene.set_origin(DVec3::new(1024.0, -64.0, 3.0)).unwrap();
     assert_eq!(scene.static_opacity().count(), count);
     for id in scene.ids().collect::<Vec<_>>() {
         scene.remove(id).unwrap();
@@ -213,7 +219,7 @@ fn an_occluder_thinner_than_the_rounding_leaves_no_cells_behind() {
         let ball = Sphere::new(Vec3::new(9.9, -14.009_999, 5.85), THIN);
         let desc = ObjectDesc::dynamic(ball).occluder(ball).max_speed(19.78).layers(layers);
         let id = scene.insert(desc).unwrap();
-        scene.shift_origin(Vec3::new(13.219_999, 6.15, 8.32)).unwrap();
+        scene.set_origin(DVec3::new(13.219_999, 6.15, 8.32)).unwrap();
         let everywhere = Aabb::new(Vec3::splat(-30.0), Vec3::splat(30.0));
         scene.set_bounds(id, everywhere).unwrap();
         let mut query = Query::new();

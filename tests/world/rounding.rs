@@ -152,7 +152,7 @@ fn an_eye_far_from_the_origin_sees_through_a_slit() {
         };
         let (seen, hidden) = (ball(&mut world, 0.0), ball(&mut world, 1.0));
         let around = around(Vec3::ZERO);
-        let view = world.view(eye, &around).unwrap();
+        let view = world.scene().view(eye, &around).unwrap();
         assert_eq!(view.eye(), Some(eye - world.origin()));
         let mut query = Query::new();
         let pvs = query.run(world.scene(), &view);

@@ -153,7 +153,8 @@ pub(crate) fn sync(
     }
     let shifted = shifted.take().inspect(|_| look.extend(&candidates.all));
     // If it is refused, all have moved.
-    let shifted = shifted.filter(|by| scene.shift_origin(border::vec3(*by)).is_ok());
+    let shifted =
+        shifted.filter(|by| scene.set_origin(scene.origin() + border::vec3(*by).as_dvec3()).is_ok());
     shifted
         .iter()
         .for_each(|by| movers.values_mut().for_each(|mover| mover.at.translation -= Vec3A::from(*by)));

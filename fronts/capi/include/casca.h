@@ -836,10 +836,12 @@ casca_status casca_scene_set_transform(casca_scene scene,
 /// world space (code "fixed-mesh"): give CASCA_PLACED for meshes that move.
 casca_status casca_scene_translate(casca_scene scene, uint64_t id, const float *offset);
 
-/// Moves the origin of the world to a place, three floats: the coordinates of all objects and of
-/// the grid become less by them. For worlds so large that floats get coarse. Costs all
+/// Puts the origin of all coordinates at a place of the world, three doubles: the coordinates of all
+/// objects and of the grid become those relative to it, and what is given later is taken so. It is at
+/// zero at first. For levels far away, and for worlds so large that floats get coarse. Costs all
 /// objects.
-casca_status casca_scene_shift_origin(casca_scene scene, const float *offset);
+casca_status casca_scene_set_origin(casca_scene scene,
+                                    const double *origin);
 
 /// Begins a frame at a time in seconds. due_count, unless null, gets how many objects reported on
 /// expiry are due: read them by casca_scene_get_due and report where they are. Until then they

@@ -22,6 +22,8 @@ unsafe impl Plain for u64 {}
 // SAFETY: as above.
 unsafe impl<const N: usize> Plain for [f32; N] {}
 // SAFETY: as above.
+unsafe impl<const N: usize> Plain for [f64; N] {}
+// SAFETY: as above.
 unsafe impl<const N: usize> Plain for [u32; N] {}
 /// Says that all bits are values of a struct: numbers, handles, and pointers that only this module
 /// follows.

@@ -1,6 +1,6 @@
 //! Frames: moves in bulk, the clock, and what queries found.
 
-use casca::glam::{Affine3A, Vec3};
+use casca::glam::{Affine3A, DVec3, Vec3};
 use casca::{Aabb, Bounds, Pvs, Sphere};
 
 use crate::border::{self, Out, OutSpan, OutStruct, grows};
@@ -137,15 +137,16 @@ pub unsafe extern "C" fn casca_scene_translate(
     })
 }
 
-/// Moves the origin of the world to a place, three floats: the coordinates of all objects and of
-/// the grid become less by them. For worlds so large that floats get coarse. Costs all
+/// Puts the origin of all coordinates at a place of the world, three doubles: the coordinates of all
+/// objects and of the grid become those relative to it, and what is given later is taken so. It is at
+/// zero at first. For levels far away, and for worlds so large that floats get coarse. Costs all
 /// objects.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn casca_scene_shift_origin(scene: casca_scene, offset: *const f32) -> casca_status {
+pub unsafe extern "C" fn casca_scene_set_origin(scene: casca_scene, origin: *const f64) -> casca_status {
     call(|| {
-        let offset = border::array(offset.cast::<[f32; 3]>(), "offset")?;
+        let origin = border::array(origin.cast::<[f64; 3]>(), "origin")?;
         let mut state = SCENES.exclusive(scene.handle)?;
-        Ok(state.scene.shift_origin(Vec3::from_array(offset))?)
+        Ok(state.scene.set_origin(DVec3::from_array(origin))?)
     })
 }
 

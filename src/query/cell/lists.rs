@@ -152,7 +152,7 @@ impl std::fmt::Debug for CellLists {
 mod tests {
     use std::collections::BTreeMap;
 
-    use glam::Vec3;
+    use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::geometry::{Aabb, Sphere};
@@ -231,8 +231,8 @@ mod tests {
                 }
             }
             if step % 97 == 96 {
-                scene.shift_origin(Vec3::new(2.0, 0.0, -2.0)).unwrap();
-                scene.shift_origin(Vec3::new(-2.0, 0.0, 2.0)).unwrap();
+                scene.set_origin(DVec3::new(2.0, 0.0, -2.0)).unwrap();
+                scene.set_origin(DVec3::ZERO).unwrap();
             }
             // Movers behind the wall go into volumes, and come out of them.
             scene.begin_frame(f64::from(step)).unwrap();

@@ -166,7 +166,10 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
                 dice.flags(1),
             ),
             12 => casca_scene_translate(scene, id, numbers.as_ptr()),
-            13 if dice.below(8) == 0 => casca_scene_shift_origin(scene, numbers.as_ptr()),
+            13 if dice.below(8) == 0 => {
+                let origin = [0, 1, 2].map(|i| f64::from(numbers[i]));
+                casca_scene_set_origin(scene, origin.as_ptr())
+            }
             13 => casca_scene_begin_frame(scene, f64::from(dice.float()), &mut count),
             14 => casca_scene_end_frame(scene, &query, 1, null_mut()),
             15..18 => casca_query_run(query, scene, &seen, &mut count),

@@ -70,7 +70,8 @@ static void objects(void) {
     CHECK(min[0] == by_rows);
     float offset[3] = {0, 0, 1};
     OK(casca_scene_translate(scene, ball, offset));
-    OK(casca_scene_shift_origin(scene, offset));
+    double origin[3] = {0, 0, 1};
+    OK(casca_scene_set_origin(scene, origin));
     OK(casca_scene_get_box(scene, ball, min, max));
     CHECK(max[2] > 16.9f && max[2] < 17.1f);
 
