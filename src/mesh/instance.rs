@@ -13,7 +13,6 @@ use crate::heap::in_arc;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::MOST_GROWTH;
 use crate::numeric::shape::{LENGTH_OF_ERROR, MOST_PULL};
-use crate::numeric::world::ONE_ROUNDING;
 use crate::shape::Shape;
 use crate::shape::convex::Convex;
 use crate::shape::kind::Kind;
@@ -35,7 +34,6 @@ use glam::{Affine3A, DVec3, IVec3, Vec3, Vec3A};
 /// let leaf = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
 /// let door = Instance::new(Arc::new(leaf), Affine3A::from_rotation_y(0.5))?;
 /// let desc = ObjectDesc::dynamic(door.clone()).occluder(door);
-/// # let _ = desc;
 /// # Ok(())
 /// # }
 /// ```
@@ -126,20 +124,6 @@ impl Instance {
         self.inner.transform
     }
 
-    /// The same mesh in coordinates that differ by an offset. What [`Instance::transform`] rounds is
-    /// not lost.
-    ///
-    /// # Errors
-    /// As [`Instance::new`].
-    pub(crate) fn offset_by(&self, offset: &Offset) -> Result<Self, Error> {
-        let InstanceData { mesh, transform, placement, error, .. } = &*self.inner;
-        let at = placement.affine.translation;
-        // A difference of a number and its rounding is exact.
-        let total = Offset::between(at - transform.translation.as_dvec3(), -offset.by);
-        let error = total.error + offset.error + error + ONE_ROUNDING * at.abs().max_element();
-        Self::carried(mesh.clone(), *transform, &Offset { error, ..total })
-    }
-
     /// The same mesh, moved by an offset in world units, rounded to single precision.
     ///
     /// # Errors
@@ -169,6 +153,11 @@ impl Instance {
     /// ```
     pub fn aabb(&self) -> Aabb {
         self.least_block().grown(self.inner.placement.error).to_aabb()
+    }
+
+    /// What is not known of the offset of its placement.
+    pub(crate) fn error(&self) -> f64 {
+        self.inner.error
     }
 
     pub(crate) fn placement(&self) -> &Placement {

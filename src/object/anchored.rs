@@ -41,7 +41,7 @@ impl Bounds {
                 Obb { center, half: half.into(), ..*b }.into()
             }
             Self::Mesh(mesh) => Instance::carried(mesh.clone(), Affine3A::IDENTITY, offset)?.into(),
-            Self::Instance(instance) => instance.offset_by(offset)?.into(),
+            Self::Instance(instance) => moved(instance, offset)?.into(),
         })
     }
 }
@@ -77,9 +77,19 @@ impl Occluder {
             }
             Self::Convex(solid) => carried(solid, offset).map(|solid| Arc::new(solid).into()),
             Self::Mesh(mesh) => Some(Instance::carried(mesh.clone(), Affine3A::IDENTITY, offset)?.into()),
-            Self::Instance(instance) => Some(instance.offset_by(offset)?.into()),
+            Self::Instance(instance) => Some(moved(instance, offset)?.into()),
         })
     }
+}
+
+/// An instance in other coordinates. What its transform, in single precision, rounds is not lost.
+fn moved(instance: &Instance, offset: &Offset) -> Result<Instance, Error> {
+    let (transform, at) = (instance.transform(), instance.placement().affine.translation);
+    // The difference of a number and its rounding is exact.
+    let total = Offset::between(at - transform.translation.as_dvec3(), -offset.by);
+    let rounding = ONE_ROUNDING * at.abs().max_element();
+    let error = total.error + offset.error + instance.error() + rounding;
+    Instance::carried(instance.mesh().clone(), transform, &Offset { error, ..total })
 }
 
 /// A length that is not less than the sum of two.

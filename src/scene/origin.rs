@@ -19,6 +19,7 @@ use crate::scene::object::Object;
 use crate::scene::opacity::Opacity;
 use crate::scene::state::{Event, Hidden, State};
 use crate::scene::volume::Tbv;
+use crate::view::View;
 
 /// The shapes of an object in other coordinates.
 struct Shifted {
@@ -69,6 +70,26 @@ pub(crate) fn check_place(what: &'static str, at: DVec3) -> Result<(), Error> {
 }
 
 impl Scene {
+    /// The place of the origin of all coordinates: see [`Scene::set_origin`]. Zero at first.
+    #[inline]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// A view in coordinates relative to a place, such as the eye, in those of the scene: the view
+    /// of a renderer that draws relative to the eye, whose matrix has no translation. The place is
+    /// not rounded to single precision.
+    ///
+    /// It is a view of the scene until the origin is set: make it anew in each frame. Lights are in
+    /// the scene's coordinates, too: `at - scene.origin()`.
+    ///
+    /// # Errors
+    /// Refuses a place that is not finite or farther than 2^60 world units from the world's origin.
+    pub fn view(&self, from: DVec3, view: &View) -> Result<View, Error> {
+        check_place("the place of the view", from)?;
+        Ok(view.carried(from - self.origin))
+    }
+
     /// Puts the origin of all coordinates at a place of a world in double precision: for levels that
     /// lie far from the world's origin, and for worlds so large that the origin follows the eye.
     /// Objects, grid and volumes stay where they are, and their coordinates become those relative to

@@ -20,13 +20,11 @@ use crate::scene::clock::Clock;
 use crate::scene::last_frame::LastFrame;
 use crate::scene::memory::{MemoryUse, shape_bytes};
 use crate::scene::opacity::Opacity;
-use crate::scene::origin::check_place;
 use crate::scene::spatial_index::SpatialIndex;
 use crate::scene::state::State;
 use crate::scene::user_data::UserData;
 use crate::scene::volumes::Volumes;
 use crate::scene::{Boxes, LayerOpacity, Movers, Object, ObjectBox, Scene, StaticChange};
-use crate::view::View;
 
 /// An object of a scene, to read. [`Scene::iter`] gives them.
 #[derive(Debug, Clone, Copy)]
@@ -89,26 +87,6 @@ impl Scene {
             last_frame: LastFrame::default(),
             changes: Changes::default(),
         })
-    }
-
-    /// The place of the origin of all coordinates: see [`Scene::set_origin`]. Zero at first.
-    #[inline]
-    pub fn origin(&self) -> DVec3 {
-        self.origin
-    }
-
-    /// A view in coordinates relative to a place, such as the eye, in those of the scene: the view
-    /// of a renderer that draws relative to the eye, whose matrix has no translation. The place is
-    /// not rounded to single precision.
-    ///
-    /// It is a view of the scene until the origin is set: make it anew in each frame. Lights are in
-    /// the scene's coordinates, too: `at - scene.origin()`.
-    ///
-    /// # Errors
-    /// Refuses a place that is not finite or farther than 2^60 world units from the world's origin.
-    pub fn view(&self, from: DVec3, view: &View) -> Result<View, Error> {
-        check_place("the place of the view", from)?;
-        Ok(view.carried(from - self.origin))
     }
 
     /// The grid.

@@ -152,7 +152,6 @@ pub(crate) fn sync(
         look.extend(&candidates.all);
     }
     let shifted = shifted.take().inspect(|_| look.extend(&candidates.all));
-    // If it is refused, all have moved.
     let shifted =
         shifted.filter(|by| scene.set_origin(scene.origin() + border::vec3(*by).as_dvec3()).is_ok());
     shifted
