@@ -100,14 +100,18 @@ def test_views():
             wrong()
 
 
+def test_a_scene_takes_a_number():
+    for wrong in (lambda: casca.Scene((0, 0, 0), (1, 1, 1), 1), lambda: casca.Scene("1")):
+        with pytest.raises(TypeError, match=r"Scene\(cell\)|a number"):
+            wrong()
+
+
 def test_queries_and_scenes(scene):
     for wrong in (
         lambda: casca.Query("rays"),
         lambda: casca.Query(preset="loose"),
         lambda: casca.Query("cell", preset="fast"),
         lambda: casca.Query(pixel_degrees=-1),
-        lambda: casca.Scene((0, 0, 0), (1, 1, 1), 1),
-        lambda: casca.Scene("1"),
         lambda: casca.Scene(0),
         lambda: casca.Scene.generate("atlantis"),
         lambda: casca.Scene.generate("city", scale=0),
