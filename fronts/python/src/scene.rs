@@ -355,6 +355,6 @@ impl Scene {
     }
 
     fn __repr__(&self) -> String {
-        format!("Scene({} objects in cells of {})", self.scene.len(), self.scene.grid().cell_size())
+        format!("Scene({} objects in cells of {})", self.scene.len(), self.scene.grid().cell_size() as f32)
     }
 }
