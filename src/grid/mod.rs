@@ -104,12 +104,12 @@ impl Grid {
     }
 
     /// The grid in coordinates that are greater by an offset, with its corner snapped down by at most
-    /// two units of [`Grid::unit`]. Where cell 0 would be far away, another cell becomes it: the
-    /// numbers of all become less by the second answer, a multiple of 512.
+    /// two units of [`Grid::unit`]; and whether cells keep their numbers. Where cell 0 would be far
+    /// away, another one becomes it.
     ///
     /// # Errors
     /// Refuses a corner that would be more than about 2^28 cells from the origin.
-    pub(crate) fn shifted(&self, by: DVec3) -> Result<(Self, IVec3), Error> {
+    pub(crate) fn shifted(&self, by: DVec3) -> Result<(Self, bool), Error> {
         let unit = self.unit();
         let units = ((self.origin + by) / unit).floor();
         if units.abs().max_element() > MOST_UNITS {
@@ -119,7 +119,7 @@ impl Grid {
         let blocks = (-corner / (self.cell * RENUMBERED)).floor() * RENUMBERED;
         let far = blocks.abs().cmpgt(DVec3::splat(FARTHEST_CELLS));
         let renumbered = DVec3::select(far, blocks, DVec3::ZERO);
-        Ok((Self { origin: corner + renumbered * self.cell, ..*self }, renumbered.as_ivec3()))
+        Ok((Self { origin: corner + renumbered * self.cell, ..*self }, !far.any()))
     }
 
     /// The last binary digit of the cell size: all planes are multiples of it.

@@ -3,12 +3,11 @@
 //! ids, and takes its objects over one by one while it still answers queries.
 
 use casca_slots::{AT_ONCE, Slot};
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::geometry::offset::Offset;
-use crate::grid::cell_box::CellBox;
 use crate::grid::{Grid, clip};
 use crate::id::ObjectId;
 use crate::numeric::mesh::SINGLE;
@@ -51,13 +50,11 @@ impl Shifted {
 }
 
 impl Tbv {
-    /// The volume in coordinates that differ by an offset, where cells have numbers that are less by
-    /// `renumbered`; it stays in its cells.
-    fn shifted(&self, grid: &Grid, by: DVec3, renumbered: IVec3) -> Self {
-        let cells = CellBox { lo: self.cells.lo - renumbered, hi: self.cells.hi - renumbered };
+    /// The volume in coordinates that differ by an offset; it stays in its cells.
+    fn shifted(&self, grid: &Grid, by: DVec3) -> Self {
         let block = Block { min: self.block.min + by, max: self.block.max + by };
-        let around = Block::new(grid.range_bounds(cells.lo, cells.hi));
-        Self { block: block.intersection(&around), cells, ..*self }
+        let cells = Block::new(grid.range_bounds(self.cells.lo, self.cells.hi));
+        Self { block: block.intersection(&cells), ..*self }
     }
 }
 
@@ -106,7 +103,8 @@ impl Scene {
     /// [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
     /// [`Query::sight`](crate::Query::sight) has no occlusion until the query runs again, and a
     /// [`KeptQuery`](crate::KeptQuery) finds a new result. [`Scene::end_frame`] still takes earlier
-    /// results. Ids stay. Hidden objects stay in their volumes, unless rounding takes them out.
+    /// results. Ids stay. Hidden objects stay in their volumes, unless rounding takes them out or cells
+    /// are numbered anew, every 2^18 of them.
     ///
     /// Costs as inserting all objects again, a third of a microsecond to one for each, and nothing in
     /// an empty scene. Call it rarely: every few thousand cells of the camera's way.
@@ -143,7 +141,7 @@ impl Scene {
             return Ok(());
         }
         let offset = Offset::between(self.origin, at);
-        let (grid, renumbered) = self.grid.shifted(offset.by)?;
+        let (grid, keeps_numbers) = self.grid.shifted(offset.by)?;
         let mut shapes = Vec::with_capacity(self.len());
         for (slot, object) in self.living() {
             let refused = || Error::FixedMesh(self.id(slot));
@@ -158,7 +156,7 @@ impl Scene {
         let moved = self.changes.moved();
         for (slot, shape) in shapes {
             self.slots[slot].moved = moved;
-            self.place_shifted(slot, shape, (offset.by, renumbered));
+            self.place_shifted(slot, shape, offset.by, keeps_numbers);
         }
         self.opacity.refresh();
         Ok(())
@@ -166,7 +164,7 @@ impl Scene {
 
     /// Gives an object that is in no matrix its shapes in the coordinates of the grid, and puts it
     /// where it was.
-    fn place_shifted(&mut self, slot: Slot, shape: Shifted, by: (DVec3, IVec3)) {
+    fn place_shifted(&mut self, slot: Slot, shape: Shifted, by: DVec3, keeps_numbers: bool) {
         let Shifted { bounds, occluder, placed } = shape;
         let object = &mut self.slots[slot];
         object.set_placed(placed);
@@ -179,7 +177,7 @@ impl Scene {
                 // It misses the report again.
                 self.list(slot);
             }
-            State::Hidden(hidden) => self.shift_volume(slot, hidden, by),
+            State::Hidden(hidden) => self.shift_volume(slot, hidden, by, keeps_numbers),
             // Its report finds a new volume.
             State::Unlocated { volume } => {
                 self.lose(slot, volume.is_some());
@@ -189,10 +187,11 @@ impl Scene {
 
     /// Shifts the volume of a hidden object, and leaves the object in it if it surely is still
     /// inside.
-    fn shift_volume(&mut self, slot: Slot, hidden: Hidden, (by, renumbered): (DVec3, IVec3)) {
-        let tbv = hidden.tbv.shifted(&self.grid, by, renumbered);
+    fn shift_volume(&mut self, slot: Slot, hidden: Hidden, by: DVec3, keeps_numbers: bool) {
+        let tbv = hidden.tbv.shifted(&self.grid, by);
         let object = self.object(slot);
-        let inside = tbv.contains(&self.grid, &object.bounds.block());
+        // The matrices know the volume by the numbers of its cells.
+        let inside = keeps_numbers && tbv.contains(&self.grid, &object.bounds.block());
         // The place of an object that is not reported was rounded as its bounds were.
         let largest = |b: &Block| b.min.abs().max(b.max.abs()).max_element();
         let off = SINGLE * (largest(&tbv.block) + largest(&hidden.tbv.block)) + 2.0 * self.grid.unit();
