@@ -9,7 +9,7 @@ use crate::common::*;
 
 /// A scene whose opaque cells are exactly those of the blocks given.
 fn scene_of(dims: IVec3, blocks: &[(IVec3, IVec3)]) -> Scene {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     for (lo, size) in blocks {
         let hi = (lo + size).min(dims);
         scene.solid(Aabb::new(lo.as_vec3(), hi.as_vec3()));

@@ -61,7 +61,7 @@ fn nothing_is_lost_where_walks_pass_over_emptiness() {
 
 #[test]
 fn an_eye_in_a_closed_room_ends_the_walk_in_an_empty_grid() {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     let (low, high) = (Vec3::splat(1000.0), Vec3::splat(1040.0));
     for axis in 0..3 {
         for side in [low, high] {

@@ -343,7 +343,7 @@ fn walls_that_come_and_go_are_followed() {
 /// What stands in the streets of a small town, and a box far away that comes or goes in each frame.
 fn stream(comes_and_goes: bool, hides: bool) -> (u64, usize, usize, usize) {
     let _level = Aabb::new(Vec3::ZERO, Vec3::new(80.0, 16.0, 80.0));
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (i, j))) {
         let corner = Vec3::new(i as f32, 0.0, j as f32) * 10.0;
         scene.solid(Aabb::new(corner + Vec3::new(2.0, 0.0, 2.0), corner + Vec3::new(8.0, 9.0, 8.0)));

@@ -32,7 +32,7 @@ fn prepared((positions, triangles): &(Vec<Vec3>, Vec<[u32; 3]>), how: &MeshOptio
 
 /// The targets that are hidden from an eye.
 fn hidden(mesh: &Arc<TriMesh>, targets: &[Aabb], eye: Vec3) -> Vec<Aabb> {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     let wall = scene.solid(mesh.clone());
     let ids: Vec<_> = targets.iter().map(|&b| scene.fixed(b)).collect();
     let mut query = query_by(Method::Point(PointOptions::tight()));

@@ -40,7 +40,7 @@ fn found(scene: &Scene, view: &View, objects: &[ObjectId], patches: u32) -> Vec<
 }
 
 fn check(sheets: &[Sheet], targets: &[(Vec3, f32)]) -> Result<usize, TestCaseError> {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     let mut triangles = Vec::new();
     for sheet in sheets {
         let (corners, indices) = holed(sheet);
@@ -93,7 +93,7 @@ fn magnified_patches_hide_only_what_rays_find_behind_triangles() {
 
 #[test]
 fn a_patch_hides_from_the_radius_of_the_options_on() {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     // Three pixels from its middle to its corners.
     let half = 10.0 * 3f32.to_radians().tan() / 2f32.sqrt();
     let (corners, triangles) = sheet(1, 1, |i, j| {

@@ -148,7 +148,7 @@ struct Room {
 
 impl Room {
     fn new() -> Self {
-        Self { scene: Scene::new(1.0).unwrap(), query: Query::new() }
+        Self { scene: empty(), query: Query::new() }
     }
 
     fn wall(&mut self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) {

@@ -9,10 +9,6 @@ pub fn panel(x: f32, y: f32, z: f32, size: f32, gap: f32) -> Arc<TriMesh> {
     mesh(corners, triangles)
 }
 
-fn level() -> Scene {
-    Scene::new(1.0).unwrap()
-}
-
 #[test]
 fn panels_streamed_in_and_out_hide_as_if_new() {
     let mut random = Random(5);
@@ -21,7 +17,7 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
         .collect();
     let meshes: Vec<Arc<TriMesh>> = places.iter().map(|&(x, y, z)| panel(x, y, z, 2.0, 0.0)).collect();
     let insert = |scene: &mut Scene, i: usize| scene.solid(meshes[i].clone());
-    let mut scene = level();
+    let mut scene = empty();
     let mut ids: Vec<Option<ObjectId>> = vec![None; meshes.len()];
     let mut query = Query::new();
     for frame in 0..12 {
@@ -34,7 +30,7 @@ fn panels_streamed_in_and_out_hide_as_if_new() {
                 None => ids[i] = Some(insert(&mut scene, i)),
             }
         }
-        let mut fresh = level();
+        let mut fresh = empty();
         let new: Vec<Option<ObjectId>> =
             (0..meshes.len()).map(|i| ids[i].map(|_| insert(&mut fresh, i))).collect();
         for _ in 0..2 {
@@ -75,7 +71,7 @@ fn what_moves_may_change_its_mesh() {
         Instance::new(mesh.clone(), Affine3A::from_translation(Vec3::X * x)).unwrap()
     };
     let view = around(Vec3::new(8.3, 8.2, 1.1));
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     fixed(&mut scene);
     let ball = Sphere::new(Vec3::splat(8.0), 0.5);
     let id = scene.insert(ObjectDesc::dynamic(ball)).unwrap();
@@ -83,7 +79,7 @@ fn what_moves_may_change_its_mesh() {
     let shapes = [None, Some(&small), Some(&large), None, Some(&large), Some(&small)];
     for (round, mesh) in shapes.into_iter().cycle().take(24).enumerate() {
         let x = round as f32 * 0.05;
-        let mut fresh = Scene::new(1.0).unwrap();
+        let mut fresh = empty();
         fixed(&mut fresh);
         match mesh {
             Some(mesh) => {
@@ -100,7 +96,7 @@ fn what_moves_may_change_its_mesh() {
         assert_eq!(count, Query::new().run(&fresh, &view).len(), "round {round}");
     }
     scene.remove(id).unwrap();
-    let mut fresh = Scene::new(1.0).unwrap();
+    let mut fresh = empty();
     fixed(&mut fresh);
     assert_eq!(query.run(&scene, &view).len(), Query::new().run(&fresh, &view).len());
 }

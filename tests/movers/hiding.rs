@@ -4,7 +4,7 @@ use crate::common::*;
 
 /// A wall across the grid.
 fn scene() -> Scene {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 20.0), Vec3::new(128.0, 16.0, 23.0)));
     scene
 }

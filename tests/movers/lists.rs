@@ -10,7 +10,7 @@ const COUNT: usize = 300;
 const FRAMES: usize = 60;
 
 fn new_scene() -> Scene {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     for (min, max) in [((18.0, 0.0, 4.0), (20.0, 30.0, 40.0)), ((6.0, 8.0, 20.0), (18.0, 12.0, 21.5))] {
         scene.solid(Aabb::new(min.into(), max.into()));
     }

@@ -113,7 +113,7 @@ proptest! {
 /// A wall across the grid, and boxes that stand behind it, below the floor of the grid by a
 /// distance.
 fn street(below: f32) -> (Scene, Vec<ObjectId>) {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(0.0, 0.0, 60.0), Vec3::new(128.0, 16.0, 62.0)));
     let corner = |i: u32| Vec3::new(1.0 + (i % 50) as f32 * 2.5, 0.0, 64.0 + (i / 50) as f32);
     let boxes = (0..2500).map(|i| Aabb::new(corner(i) - Vec3::Y * below, corner(i) + 0.5));

@@ -166,7 +166,7 @@ impl Ground {
 #[test]
 fn a_slot_with_another_mesh_is_no_trap() {
     let grounds = [Ground::new(12, 0.5), Ground::new(40, 0.31), Ground::new(24, 0.9)];
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     let spot = |i: u32| {
         Vec3::new((i * 7 % 39) as f32 - 19.0, (i % 5) as f32 * 0.5 - 1.0, (i * 11 % 37) as f32 - 18.0)
     };

@@ -29,7 +29,7 @@ fn holed(random: &mut Random) -> Arc<TriMesh> {
 
 /// A scene of spheres, boxes that stand askew, meshes and movers, in two layers, and the movers.
 fn scene(random: &mut Random) -> (Scene, Vec<ObjectId>) {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     let meshes = [holed(random), holed(random), holed(random)];
     let mut movers = Vec::new();
     for i in 0..700 {

@@ -359,7 +359,7 @@ fn a_solid_that_the_near_plane_cuts_hides_nothing() {
 
 #[test]
 fn memory_follows_occupied_cells() {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     let empty: MemoryUse = scene.memory();
     assert!(empty.total() < 1 << 20, "{empty:?}");
     let mut random = Random(1);
@@ -512,7 +512,7 @@ fn parallel_rays_that_start_in_a_volume_find_what_it_holds() {
 #[test]
 fn near_planes_far_from_the_origin_still_cut() {
     let x = 131_082.0;
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(x + 0.047, 0.0, 0.0), Vec3::new(x + 2.0, 24.0, 24.0)));
     let behind = scene.fixed(Sphere::new(Vec3::new(x + 6.0, 4.0, 4.0), 1.0));
     let eye = Vec3::new(x, 4.5, 4.5);
@@ -525,7 +525,7 @@ fn near_planes_far_from_the_origin_still_cut() {
 
 #[test]
 fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     for i in 0..3000u32 {
         // Long enough to be drawn, and too thin to hide another.
         let middle = Vec3::new(0.0, i as f32 / 270.0 - 5.5, (i % 15) as f32 * 0.7 - 5.0);
@@ -544,7 +544,7 @@ fn thousands_of_objects_in_one_pixel_are_refined_within_the_budget() {
 
 #[test]
 fn the_near_plane_may_cut_what_sticks_out_of_all_there_is() {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     // Eight cells along x, and an occluder that ends a hundredth beyond, which is allowed.
     let bounds = Aabb::new(Vec3::ZERO, Vec3::splat(8.0));
     let solid = Aabb { max: Vec3::new(8.01, 8.0, 8.0), ..bounds };

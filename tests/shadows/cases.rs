@@ -1,11 +1,11 @@
 //! The sun on small scenes: which objects are casters, and which are not.
 
 use crate::common::*;
-use crate::scenes::{ABOVE, ahead, casters, solid, street};
+use crate::scenes::{ABOVE, ahead, casters, solid};
 
 #[test]
 fn casters_are_those_whose_shadow_may_be_seen() {
-    let mut scene = street();
+    let mut scene = empty();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let wall = solid(&mut scene, [20.0, 1.0, 28.0], [44.0, 12.0, 30.0]);
     // Behind the camera, with the sun behind it: its shadow falls before the camera.
@@ -40,7 +40,7 @@ fn casters_are_those_whose_shadow_may_be_seen() {
 
 #[test]
 fn what_lies_behind_all_receivers_casts_nothing_on_them() {
-    let mut scene = street();
+    let mut scene = empty();
     // None hides another; only depth along the light tells them apart.
     let mut ball = |y: f32| scene.fixed(Sphere::new(Vec3::new(32.0, y, 30.0), 1.5));
     let (above, seen, below) = (ball(25.0), ball(4.0), ball(0.9));
@@ -61,7 +61,7 @@ fn what_lies_behind_all_receivers_casts_nothing_on_them() {
 
 #[test]
 fn casters_may_lie_deeper_than_the_nearest_point_of_a_receiver() {
-    let mut scene = street();
+    let mut scene = empty();
     // A slope, and a ball close above its lower end.
     let corners = [[31.0, 5.9, 30.0], [31.0, 5.9, 31.9], [32.9, 4.0, 31.9], [32.9, 4.0, 30.0]];
     let slope = TriMesh::new(corners.map(Vec3::from).to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
@@ -77,7 +77,7 @@ fn casters_may_lie_deeper_than_the_nearest_point_of_a_receiver() {
 
 #[test]
 fn moving_casters_that_no_camera_sees_are_found_in_their_volumes() {
-    let mut scene = street();
+    let mut scene = empty();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let bird = Sphere::new(Vec3::new(32.0, 28.0, 30.0), 0.5);
     let dynamic = ObjectDesc::dynamic(bird).max_speed(4.0).occluder(bird);
@@ -112,7 +112,7 @@ fn moving_casters_that_no_camera_sees_are_found_in_their_volumes() {
 
 #[test]
 fn receivers_of_unknown_place_may_be_shaded_by_all_that_the_light_meets() {
-    let mut scene = street();
+    let mut scene = empty();
     let ball = Sphere::new(Vec3::new(32.0, 4.0, 30.0), 0.5);
     let lost = ObjectDesc::dynamic(ball).max_speed(4.0).reported_on_expiry();
     let lost = scene.insert(lost).unwrap();
@@ -130,7 +130,7 @@ fn receivers_of_unknown_place_may_be_shaded_by_all_that_the_light_meets() {
 
 #[test]
 fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
-    let mut scene = street();
+    let mut scene = empty();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let huge = Sphere::new(Vec3::ZERO, 3e38);
     let (mut camera, mut sun) = (Query::new(), Query::new());
@@ -147,7 +147,7 @@ fn what_makes_no_sense_is_refused_and_nothing_seen_gets_no_casters() {
             .to_string();
         assert!(message.contains("direction of the light"), "{message}");
     }
-    assert_eq!(sun.shadow_casters(&street(), &camera, &ABOVE, &mut out), Err(Error::ForeignPvs));
+    assert_eq!(sun.shadow_casters(&empty(), &camera, &ABOVE, &mut out), Err(Error::ForeignPvs));
     assert_eq!((out.as_slice(), sun.pvs().visible()), (&[ground][..], &[ground][..]));
 
     let nothing = Plane { normal: Vec3::Y, offset: -1000.0 };

@@ -1,7 +1,7 @@
 //! Point and spot lights on small scenes.
 
 use crate::common::*;
-use crate::scenes::{ahead, solid, street};
+use crate::scenes::{ahead, solid};
 
 const LAMP: Vec3 = Vec3::new(32.0, 10.0, 36.0);
 
@@ -37,7 +37,7 @@ fn ball(scene: &mut Scene, at: [f32; 3], radius: f32) -> ObjectId {
 
 #[test]
 fn a_lamp_has_the_casters_between_it_and_what_is_seen() {
-    let mut scene = street();
+    let mut scene = empty();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let below = ball(&mut scene, [32.0, 8.0, 36.0], 0.5);
     let above = ball(&mut scene, [32.0, 12.0, 36.0], 0.5);
@@ -70,7 +70,7 @@ fn a_lamp_has_the_casters_between_it_and_what_is_seen() {
 
 #[test]
 fn a_spot_light_has_the_casters_inside_its_view() {
-    let mut scene = street();
+    let mut scene = empty();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let below = ball(&mut scene, [32.0, 6.0, 36.0], 0.4);
     let beside = ball(&mut scene, [36.0, 6.0, 36.0], 0.4);
@@ -96,7 +96,7 @@ fn a_spot_light_has_the_casters_inside_its_view() {
 
 #[test]
 fn a_lamp_shines_out_of_the_occluder_around_it() {
-    let mut scene = street();
+    let mut scene = empty();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let shade = ball(&mut scene, LAMP.to_array(), 0.5);
     let below = ball(&mut scene, [32.0, 6.0, 36.0], 0.4);
@@ -106,7 +106,7 @@ fn a_lamp_shines_out_of_the_occluder_around_it() {
 
 #[test]
 fn lights_that_make_no_sense_are_refused() {
-    let mut scene = street();
+    let mut scene = empty();
     solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let (mut camera, mut lamp, mut out) = (Query::new(), Query::new(), Vec::new());
     assert_eq!(lamp.shadow_casters(&scene, &camera, &bulb(1.0), &mut out), Err(Error::ForeignPvs));

@@ -2,7 +2,7 @@
 //! everything a caster.
 
 use crate::common::*;
-use crate::scenes::{ABOVE, ahead, solid, street};
+use crate::scenes::{ABOVE, ahead, solid};
 
 /// A ground with a wall across the view, crates behind the wall, and a tower behind them.
 struct Walled {
@@ -14,7 +14,7 @@ struct Walled {
 }
 
 fn walled() -> Walled {
-    let mut scene = street();
+    let mut scene = empty();
     let ground = solid(&mut scene, [0.0, 0.0, 0.0], [64.0, 1.0, 64.0]);
     let wall = solid(&mut scene, [0.0, 1.0, 30.0], [64.0, 12.0, 32.0]);
     let tower = solid(&mut scene, [30.0, 1.0, 24.0], [34.0, 31.0, 28.0]);

@@ -54,11 +54,6 @@ pub fn object() -> impl Strategy<Value = Object> {
 /// The sun at noon.
 pub const ABOVE: Light = Light::directional(Vec3::NEG_Y);
 
-/// An empty scene of 64x32x64 cells.
-pub fn street() -> Scene {
-    Scene::new(1.0).unwrap()
-}
-
 pub fn solid(scene: &mut Scene, min: [f32; 3], max: [f32; 3]) -> ObjectId {
     let b = Aabb::new(min.into(), max.into());
     scene.solid(b)

@@ -81,7 +81,7 @@ fn what_one_corner_of_a_view_cell_sees_through_a_hole_is_found() {
         let slope = Vec3::new(1.0, 2.4 * next() - 1.2, 2.4 * next() - 1.2);
         let at = |x: f32| corner + slope * (x - corner.x);
         let (low, high) = (at(from).min(at(to)) - wide, at(from).max(at(to)) + wide);
-        let mut scene = Scene::new(1.0).unwrap();
+        let mut scene = empty();
         let mut ball = |at: Vec3| scene.fixed(Sphere::new(at, 0.05));
         let seen = ball(at(to + 3.0 + 3.0 * next()));
         let behind = ball(Vec3::new(to + 4.0, 36.0, 36.0));

@@ -105,7 +105,7 @@ struct World {
 
 impl World {
     fn new(random: &mut Random) -> Self {
-        let mut world = Self { scene: Scene::new(1.0).unwrap(), items: Vec::new() };
+        let mut world = Self { scene: empty(), items: Vec::new() };
         for _ in 0..4 + random.below(8) {
             let min = random.place(0.0, 14.0, 1.0).floor();
             let mut size = (random.place(1.0, 3.0, 1.0) + 0.5).floor();
@@ -345,7 +345,7 @@ fn bounded_results_are_valid_for_every_eye_of_the_cell() {
 
 /// A block in the way of a narrow frustum, and a ball behind it.
 fn behind_a_block() -> (Scene, ObjectId, Vec<Plane>) {
-    let mut scene = Scene::new(1.0).unwrap();
+    let mut scene = empty();
     scene.solid(Aabb::new(Vec3::new(6.0, 6.0, 5.0), Vec3::new(7.0, 7.0, 6.0)));
     let ball = scene.fixed(Sphere::new(Vec3::new(6.5, 7.03, 9.6), 0.02));
     // From (6.5, 6.5, 2.5) along z, up to slopes of 0.02 across and 0.05 to 0.08 along y.

@@ -136,7 +136,7 @@ pub(crate) fn check_cameras(
         None => casca.cameras.clear(),
     }
     let ranges = ranges.as_deref();
-    // They are looked at when it is known what they shine on.
+    // Whether they are seen is decided after the lists are filled: what is in them may be lit.
     let later = lamps.with_shadows(&settings);
     let mut in_view = Vec::new();
     for mut camera in cameras.iter_mut().filter(|camera| camera.camera.is_active) {

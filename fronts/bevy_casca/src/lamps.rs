@@ -96,7 +96,7 @@ impl Lamps<'_, '_> {
                 // What has no place may be anywhere.
                 let Ok((aabb, at, known)) = self.parts.get(entity) else { return lamps.clear() };
                 let around = border::world_box(aabb, &at.affine());
-                // Of what is in the scene nothing is seen where no point is in sight.
+                // The sight of a camera tells only of things that are in the scene.
                 lamps.retain(|_, glow| known && !glow.in_sight || !glow.reaches(around));
                 if lamps.is_empty() {
                     return;

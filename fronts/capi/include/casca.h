@@ -836,10 +836,9 @@ casca_status casca_scene_set_transform(casca_scene scene,
 /// world space (code "fixed-mesh"): give CASCA_PLACED for meshes that move.
 casca_status casca_scene_translate(casca_scene scene, uint64_t id, const float *offset);
 
-/// Puts the origin of all coordinates at a place of the world, three doubles: the coordinates of all
-/// objects and of the grid become those relative to it, and what is given later is taken so. It is at
-/// zero at first. For levels far away, and for worlds so large that floats get coarse. Costs all
-/// objects.
+/// Puts the origin of all coordinates at a place of the world, three doubles. The scene changes the
+/// coordinates of its objects; give new ones relative to the new origin. The first origin is zero. For
+/// levels far away, and for worlds so large that floats get coarse. Costs all objects.
 casca_status casca_scene_set_origin(casca_scene scene,
                                     const double *origin);
 

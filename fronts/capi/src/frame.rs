@@ -137,10 +137,9 @@ pub unsafe extern "C" fn casca_scene_translate(
     })
 }
 
-/// Puts the origin of all coordinates at a place of the world, three doubles: the coordinates of all
-/// objects and of the grid become those relative to it, and what is given later is taken so. It is at
-/// zero at first. For levels far away, and for worlds so large that floats get coarse. Costs all
-/// objects.
+/// Puts the origin of all coordinates at a place of the world, three doubles. The scene changes the
+/// coordinates of its objects; give new ones relative to the new origin. The first origin is zero. For
+/// levels far away, and for worlds so large that floats get coarse. Costs all objects.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn casca_scene_set_origin(scene: casca_scene, origin: *const f64) -> casca_status {
     call(|| {
