@@ -98,10 +98,6 @@ pub struct CellOptions {
     /// Directions along each side of the view cube: a power of two from 64 to 4096. The six masks
     /// have this many bits squared each. Finer masks hide more and cost more. Default: 256.
     pub mask_resolution: u32,
-    /// Opaque cells in sight on one side of a shell are not drawn if together they appear smaller
-    /// than this, in steradians from 0 to 1 (Coorg & Teller 1997: area over squared distance).
-    /// Default: 0, which draws all.
-    pub min_solid_angle: f32,
 }
 
 impl Default for CellOptions {
@@ -113,7 +109,7 @@ impl Default for CellOptions {
 impl CellOptions {
     /// The default options, as a constant.
     pub const fn new() -> Self {
-        Self { mask_resolution: 256, min_solid_angle: 0.0 }
+        Self { mask_resolution: 256 }
     }
 
     /// Sets [`CellOptions::mask_resolution`].
@@ -123,21 +119,13 @@ impl CellOptions {
         self
     }
 
-    /// Sets [`CellOptions::min_solid_angle`], in steradians.
-    #[must_use]
-    pub const fn min_solid_angle(mut self, steradians: f32) -> Self {
-        self.min_solid_angle = steradians;
-        self
-    }
-
     fn check(&self) -> Result<(), Error> {
         let n = self.mask_resolution;
         let what = "the mask resolution (a power of two)";
         if !n.is_power_of_two() {
             return Err(Error::Setting { what, value: f64::from(n), min: 64.0, max: 4096.0 });
         }
-        within(what, f64::from(n), 64.0, 4096.0)?;
-        within(LEAST_ANGLE, f64::from(self.min_solid_angle), 0.0, 1.0)
+        within(what, f64::from(n), 64.0, 4096.0)
     }
 }
 
@@ -161,10 +149,6 @@ impl CellOptions {
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct PointOptions {
-    /// Occluders that appear smaller than this are not drawn, in steradians from 0 to 1 (Coorg &
-    /// Teller 1997: area over squared distance; for parallel rays their area in square world units
-    /// counts instead). Default: 0, which draws all.
-    pub min_solid_angle: f32,
     /// Width of a pixel of the occlusion buffers in the middle of a face of the view cube, in
     /// degrees from 0.03 to 11.25. Finer pixels hide more and cost more. For orthographic views 90
     /// degrees mean the width of the view. Default: 0.25.
@@ -172,9 +156,6 @@ pub struct PointOptions {
     /// The longer side of the view gets at least this many pixels, up to 4096, so that narrow views
     /// stay sharp. Default: 128.
     pub min_pixels: u32,
-    /// The most occluders drawn in a query: shell by shell from the eye, and within a shell those
-    /// of the largest solid angle first. Default: no limit.
-    pub max_occluders: u32,
     /// The most squares of directions that are examined again for one object that only undecided
     /// pixels show. 0 takes such objects for visible. More than the default also allow an object
     /// more undecided pixels, in proportion, before it is taken for visible. A mesh whose box has
@@ -201,8 +182,7 @@ pub struct PointOptions {
     /// cameras that move little from frame to frame this costs 48 to 86 percent of a run that knows
     /// nothing. Sets are up to 4 percent larger, with thousands of movers in sight up to 12, since
     /// objects that were visible are examined in one of sixteen runs only; they depend on the runs
-    /// since the last [`crate::Query::reset`]. Without effect where [`PointOptions::max_occluders`]
-    /// or [`PointOptions::min_solid_angle`] leave out occluders. Default: false.
+    /// since the last [`crate::Query::reset`]. Default: false.
     pub coherent: bool,
 }
 
@@ -241,10 +221,8 @@ impl PointOptions {
     /// The default options, as a constant.
     pub const fn new() -> Self {
         Self {
-            min_solid_angle: 0.0,
             pixel_degrees: 0.25,
             min_pixels: 128,
-            max_occluders: u32::MAX,
             refine_squares: 256,
             refine_depth: 6,
             refine_budget: 1 << 16,
@@ -252,13 +230,6 @@ impl PointOptions {
             patch_radius: 4.0,
             coherent: false,
         }
-    }
-
-    /// Sets [`PointOptions::min_solid_angle`], in steradians.
-    #[must_use]
-    pub const fn min_solid_angle(mut self, steradians: f32) -> Self {
-        self.min_solid_angle = steradians;
-        self
     }
 
     /// Sets [`PointOptions::pixel_degrees`], in degrees.
@@ -272,13 +243,6 @@ impl PointOptions {
     #[must_use]
     pub const fn min_pixels(mut self, pixels: u32) -> Self {
         self.min_pixels = pixels;
-        self
-    }
-
-    /// Sets [`PointOptions::max_occluders`].
-    #[must_use]
-    pub const fn max_occluders(mut self, occluders: u32) -> Self {
-        self.max_occluders = occluders;
         self
     }
 
@@ -325,7 +289,6 @@ impl PointOptions {
     }
 
     fn check(&self) -> Result<(), Error> {
-        within(LEAST_ANGLE, f64::from(self.min_solid_angle), 0.0, 1.0)?;
         let degrees = f64::from(self.pixel_degrees);
         within("the width of a pixel in degrees", degrees, f64::from(0.03f32), 11.25)?;
         within("the least number of pixels", f64::from(self.min_pixels), 0.0, 4096.0)?;
@@ -333,8 +296,6 @@ impl PointOptions {
         within("the depth of refinement", f64::from(self.refine_depth), 0.0, 16.0)
     }
 }
-
-const LEAST_ANGLE: &str = "the least solid angle";
 
 /// Refuses a value out of its range; NaN lies in none.
 fn within(what: &'static str, value: f64, min: f64, max: f64) -> Result<(), Error> {

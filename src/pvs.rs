@@ -27,8 +27,6 @@ pub struct Stats {
     pub cells_hidden: u64,
     /// Sides of shells whose blocked cells were drawn as occluders.
     pub caps_drawn: u32,
-    /// Sides of shells with opaque cells in sight that were too small to draw.
-    pub caps_skipped: u32,
     /// Objects whose bounds were compared with the frustum.
     pub objects_tested: u32,
     /// [`Method::Point`]: bricks of 8x8x8 cells inside the frustum with objects in them.
@@ -54,7 +52,7 @@ pub struct Stats {
     pub patch_blocks: u64,
     /// [`Method::Point`]: boxes of opaque cells drawn, where solids abut or meshes are filled.
     pub cells_drawn: u32,
-    /// [`Method::Point`]: occluders too small to draw, or beyond the number allowed.
+    /// [`Method::Point`]: occluders too small to draw.
     pub occluders_skipped: u32,
     /// [`Method::Point`]: objects that only undecided pixels showed, or seemed to, and
     /// were examined again.

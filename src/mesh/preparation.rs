@@ -52,27 +52,6 @@ pub struct MeshOptions {
     /// 80, or 40 for triangles that hide from their front only: a group of those hides only where
     /// all of it is seen from the front.
     pub max_angle: Option<f32>,
-    /// Closes gaps up to about half as wide in the surface that hides others, in world units:
-    /// cracks between panels that nearly meet, and corners that nearly lie on edges. `None` is 0:
-    /// the triangles hide as they are.
-    ///
-    /// It is for levels modelled with cracks that nobody is meant to look through. A vertex within
-    /// half of the gap of another moves there, and edges are split at vertices as near as that. All
-    /// that the mesh hides is then hidden by *the triangles grown by the gap*: each line of sight
-    /// to it passes a point that is no farther than the gap from a triangle, or ends at one. So
-    /// objects may be lost that are seen through an opening as narrow, past an edge as near, or
-    /// that lie as near to a triangle. Choose it smaller than all openings that matter, and
-    /// than the distance of posters from their walls: a few millimetres for a building.
-    ///
-    /// With [`Facing::Front`] such a triangle may be seen from its back, as those that are not much
-    /// larger than the gap may tilt; those that turn over are left out.
-    ///
-    /// Bounds, the solids that meshes are drawn as, opaque cells and
-    /// [`TriMesh::is_closed`](crate::TriMesh::is_closed) come from the triangles as given. Parts
-    /// thinner than half of the gap become sheets, and of closed ones may hide from one side only.
-    /// Gaps between different meshes stay open. Preparation takes up to twice as long; queries take
-    /// less time where many gaps are closed.
-    pub gap: Option<f32>,
     /// From which side triangles hide.
     pub facing: Facing,
     /// Whether the mesh will hide others. One that will not is prepared faster and takes less
@@ -96,7 +75,7 @@ pub enum Facing {
 impl Default for MeshOptions {
     fn default() -> Self {
         let facing = Facing::Both;
-        Self { tolerance: None, min_radius: None, max_angle: None, gap: None, facing, occludes: true }
+        Self { tolerance: None, min_radius: None, max_angle: None, facing, occludes: true }
     }
 }
 
@@ -122,13 +101,6 @@ impl MeshOptions {
         self
     }
 
-    /// Sets [`MeshOptions::gap`], in world units.
-    #[must_use]
-    pub const fn gap(mut self, gap: f32) -> Self {
-        self.gap = Some(gap);
-        self
-    }
-
     /// Sets [`MeshOptions::facing`].
     #[must_use]
     pub const fn facing(mut self, facing: Facing) -> Self {
@@ -141,13 +113,6 @@ impl MeshOptions {
     pub const fn occludes(mut self, occludes: bool) -> Self {
         self.occludes = occludes;
         self
-    }
-
-    /// How wide gaps are that the surface closes: 0 if there is none to close.
-    pub(crate) fn closed_gap(&self) -> Result<f64, Error> {
-        let gap = f64::from(self.gap.unwrap_or(0.0));
-        not_negative("the gap that is closed", gap)?;
-        Ok(if self.occludes { gap } else { 0.0 })
     }
 
     /// The rules for a mesh with a diagonal of this length.
@@ -199,22 +164,5 @@ impl<'a> Progress<'a> {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(Error::Cancelled),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gaps_are_lengths() {
-        let gap = |gap: f32| MeshOptions::default().gap(gap).closed_gap();
-        assert_eq!(MeshOptions::default().closed_gap(), Ok(0.0));
-        assert_eq!((gap(0.5), gap(f32::MAX)), (Ok(0.5), Ok(f64::from(f32::MAX))));
-        assert!(matches!(gap(-0.5), Err(Error::Negative { .. })));
-        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            assert!(matches!(gap(bad), Err(Error::NotFinite { .. })));
-        }
-        assert_eq!(MeshOptions::default().gap(0.5).occludes(false).closed_gap(), Ok(0.0));
     }
 }

@@ -78,10 +78,8 @@ fn check_size(triangles: usize) -> Result<(), Error> {
 /// # Guarantees
 ///
 /// It hides no more than its triangles do, wherever these are and however they are wound: what an
-/// outline simplifies is a margin when it is drawn. Only
-/// [`MeshOptions::gap`](crate::MeshOptions::gap) lets it hide more, up to a distance that is
-/// chosen. The same triangles give the same mesh on every machine and with any number of threads.
-/// Triangles of no area hide nothing and are kept.
+/// outline simplifies is a margin when it is drawn. The same triangles give the same mesh on every
+/// machine and with any number of threads. Triangles of no area hide nothing and are kept.
 ///
 /// # Pitfalls
 ///
@@ -189,10 +187,9 @@ impl TriMesh {
         let corners = triangles.iter().flatten().map(|&v| positions[v as usize]);
         let bounds = Aabb::from_points(corners).ok_or(Error::EmptyMesh)?;
         let rules = how.rules((bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())?;
-        let gap = how.closed_gap()?;
         let mut progress = Progress::new(progress);
         progress.tell(0.0)?;
-        let welded = Welded::closing(&positions, &triangles, gap, rules.front);
+        let welded = Welded::new(&positions, &triangles);
         let topology = welded.topology;
         progress.tell(0.2)?;
         let (parts, surface) = parallel::both(
@@ -202,11 +199,7 @@ impl TriMesh {
                 false => Ok(Surface::default()),
             },
         );
-        let mut surface = surface?;
-        if gap > 0.0 {
-            // Its triangles may be others.
-            surface.lone.clear();
-        }
+        let surface = surface?;
         let Welded { first, .. } = welded;
         progress.tell(1.0)?;
         let flags = (topology, how.occludes);

@@ -61,16 +61,6 @@ pub(crate) const MOST_GROWTH: f64 = 1.1;
 /// follows from others: far above all roundings of the preparation.
 pub(crate) const FILE_ROUNDING: f64 = 1e-6;
 
-/// Vertices move by this share less than half of a gap, which covers the roundings of distances
-/// between vertices (below 1e-15).
-pub(crate) const GAP_ROOM: f64 = 1e-9;
-
-/// A vertex splits an edge only if it is nearer than half of a gap by this share of the edge's
-/// length. A foot point and the distance from it err by fewer than 16 units in the last place of
-/// the distances from the vertex to the edge's ends: 4e-15 of the length, and of the distance
-/// itself, which [`GAP_ROOM`] covers.
-pub(crate) const GAP_LENGTH: f64 = 1e-14;
-
 /// A mesh counts as convex if no vertex lies farther before the plane of a triangle than this share
 /// of its size. Its solid is smaller by twice the distance found, so a larger share costs tightness
 /// only.

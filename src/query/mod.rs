@@ -181,14 +181,14 @@ impl Query {
         pvs.viewer = view.eye().map(|e| scene.grid().cell_of(e));
         match &self.method {
             Method::Frustum => run_frustum(scene, view, pvs),
-            Method::Cell(options) => {
+            Method::Cell(_) => {
                 pvs.revision = scene.revision();
                 let record = self.record.then(|| (BitMatrix::default(), BitMatrix::default()));
                 (self.visited, self.hidden) = record.unzip();
                 let record = self.visited.as_mut().zip(self.hidden.as_mut());
                 self.lists.follow(scene);
                 let (marks, lists, scratch) = (&mut self.marks, &self.lists, &mut self.cell);
-                CellWalk::run((scene, view, options), pvs, marks, lists, scratch, record);
+                CellWalk::run((scene, view), pvs, marks, lists, scratch, record);
             }
             Method::Point(options) => {
                 pvs.revision = scene.revision();

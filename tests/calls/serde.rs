@@ -33,7 +33,7 @@ fn values_come_back_as_they_were() {
     }
     round_trip(Method::Cell(CellOptions::new().mask_resolution(512)));
     round_trip(Method::Frustum);
-    round_trip(MeshOptions::default().tolerance(0.5).gap(0.25).facing(Facing::Front).occludes(false));
+    round_trip(MeshOptions::default().tolerance(0.5).facing(Facing::Front).occludes(false));
     round_trip(DrawOptions::default().min_size(0.25));
     round_trip(Aabb::new(Vec3::splat(-0.1), Vec3::splat(1e-30)));
     round_trip(Sphere::new(Vec3::new(0.1, 0.2, 0.3), 0.0));
@@ -69,8 +69,8 @@ fn names_in_files_are_those_of_the_documentation() {
 fn options_of_other_versions_are_read() {
     assert_eq!(from_str::<PointOptions>("{}").unwrap(), PointOptions::default());
     assert_eq!(from_str::<MeshOptions>("{}").unwrap(), MeshOptions::default());
-    let newer: CellOptions = from_str(r#"{"min_solid_angle": 0.1, "of_tomorrow": [1, 2]}"#).unwrap();
-    assert_eq!(newer, CellOptions::new().min_solid_angle(0.1));
+    let newer: CellOptions = from_str(r#"{"mask_resolution": 64, "of_tomorrow": [1, 2]}"#).unwrap();
+    assert_eq!(newer, CellOptions::new().mask_resolution(64));
     assert_eq!(from_str::<DrawOptions>(r#"{"x": null}"#).unwrap(), DrawOptions::default());
 }
 
@@ -80,7 +80,7 @@ fn options_out_of_range_are_refused_where_they_are_used() {
     for text in [
         r#"{"cell": {"mask_resolution": 65}}"#,
         r#"{"point": {"pixel_degrees": 1e30}}"#,
-        r#"{"point": {"min_solid_angle": -1}}"#,
+        r#"{"point": {"refine_depth": 17}}"#,
         r#"{"point": {"patch_radius": 65}}"#,
     ] {
         let method: Method = from_str(text).unwrap();

@@ -5,7 +5,6 @@
 mod common;
 
 mod forms;
-mod gaps;
 mod magnified;
 mod rays;
 mod reach;

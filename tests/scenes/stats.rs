@@ -7,15 +7,9 @@ use casca_scenes::world::Mesh;
 
 use crate::common::*;
 
-fn methods() -> [Method; 5] {
+fn methods() -> [Method; 4] {
     let options = PointOptions::default;
-    [
-        Method::point(),
-        Method::Point(options().max_occluders(20)),
-        Method::Point(options().refine_budget(50)),
-        Method::cell(),
-        Method::Frustum,
-    ]
+    [Method::point(), Method::Point(options().refine_budget(50)), Method::cell(), Method::Frustum]
 }
 
 fn point(query: &Query) -> Stats {

@@ -61,24 +61,14 @@ fn methods() -> impl Strategy<Value = Method> {
     let cell = prop::bool::weighted(0.25);
     let pixels = prop_oneof![1 => 8.0..80.0f32, 3 => 80.0..1280.0f32];
     let squares = prop_oneof![Just(0u32), Just(16), Just(256), Just(100_000)];
-    let limits = prop_oneof![
-        3 => Just((u32::MAX, 0.0f32)),
-        1 => (0..12u32, Just(0.0f32)),
-        1 => (Just(u32::MAX), 0.0..0.5f32)
-    ];
-    let limits = (limits, any::<bool>());
-    (cell, 6..10u32, pixels, prop_oneof![Just(0u32), Just(128)], squares, 0..12u32, limits).prop_map(
-        |(cell, mask, pixels, least, squares, depth, ((occluders, angle), coherent))| {
+    let least = prop_oneof![Just(0u32), Just(128)];
+    (cell, 6..10u32, pixels, least, squares, 0..12u32, any::<bool>()).prop_map(
+        |(cell, mask, pixels, least, squares, depth, coherent)| {
             if cell {
-                let options = CellOptions::default().mask_resolution(1 << mask);
-                return Method::Cell(options.min_solid_angle(angle));
+                return Method::Cell(CellOptions::default().mask_resolution(1 << mask));
             }
-            let options = PointOptions::default()
-                .pixel_degrees(90.0 / pixels)
-                .min_pixels(least)
-                .refine_squares(squares)
-                .refine_depth(depth);
-            Method::Point(options.max_occluders(occluders).min_solid_angle(angle).coherent(coherent))
+            let options = PointOptions::default().pixel_degrees(90.0 / pixels).min_pixels(least);
+            Method::Point(options.refine_squares(squares).refine_depth(depth).coherent(coherent))
         },
     )
 }

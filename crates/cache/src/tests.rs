@@ -72,7 +72,6 @@ fn options() -> Vec<MeshOptions> {
         how.tolerance(0.050_000_004),
         how.min_radius(0.3),
         how.max_angle(30.0),
-        how.gap(0.01),
         how.facing(Facing::Front),
         how.occludes(false),
     ]

@@ -69,9 +69,6 @@ pub struct casca_mesh_desc {
     /// With CASCA_MESH_MIN_RADIUS, connected groups of triangles of a smaller radius hide nothing;
     /// else a 1000th of the diagonal.
     pub min_radius: f32,
-    /// Closes gaps in the surface that hides, up to about half as wide, in world units; 0 closes
-    /// none. What is seen through such a gap may be hidden: a few millimetres at most.
-    pub gap: f32,
     /// Told of the progress, or null.
     pub progress: casca_progress,
     /// Passed on to progress.
@@ -121,7 +118,7 @@ fn options(desc: &casca_mesh_desc) -> Result<MeshOptions, Failure> {
     if is(CASCA_MESH_MIN_RADIUS) {
         how = how.min_radius(desc.min_radius);
     }
-    Ok(if desc.gap == 0.0 { how } else { how.gap(desc.gap) })
+    Ok(how)
 }
 
 /// Prepares triangles, open or closed, of any winding. The mesh serves as bounds and occluder of

@@ -54,10 +54,6 @@ pub struct casca_query_options {
     pub flags: u32,
     /// The width of a pixel of the occlusion buffers, in degrees from 0.03 to 11.25; 0: 0.25.
     pub pixel_degrees: f32,
-    /// Occluders that appear smaller hide nothing, in steradians from 0 to 1.
-    pub min_solid_angle: f32,
-    /// The most occluders that are drawn; 0: no limit.
-    pub max_occluders: u32,
     /// Of CASCA_METHOD_CELL: directions along each side, a power of two from 64 to 4096; 0: 256.
     pub mask_resolution: u32,
     /// With CASCA_KEPT, how far the eye may go, in world units; 0: 0.1.
@@ -141,11 +137,8 @@ fn point_options(options: &casca_query_options) -> Result<PointOptions, Failure>
     if options.pixel_degrees != 0.0 {
         point = point.pixel_degrees(options.pixel_degrees);
     }
-    if options.max_occluders != 0 {
-        point = point.max_occluders(options.max_occluders);
-    }
     let coherent = options.flags & (CASCA_COHERENT | CASCA_KEPT) != 0;
-    Ok(point.min_solid_angle(options.min_solid_angle).coherent(coherent))
+    Ok(point.coherent(coherent))
 }
 
 fn make(options: &casca_query_options) -> Result<Way, Failure> {
@@ -157,8 +150,7 @@ fn make(options: &casca_query_options) -> Result<Way, Failure> {
         }
         CASCA_METHOD_CELL => {
             let resolution = if options.mask_resolution == 0 { 256 } else { options.mask_resolution };
-            let cell = CellOptions::new().mask_resolution(resolution);
-            Method::Cell(cell.min_solid_angle(options.min_solid_angle))
+            Method::Cell(CellOptions::new().mask_resolution(resolution))
         }
         CASCA_METHOD_FRUSTUM => Method::Frustum,
         other => return Err(Failure::unknown("casca_query_options.method", other)),

@@ -19,7 +19,6 @@ mod build;
 mod chain;
 mod equal;
 mod facets;
-mod gap;
 mod gather;
 mod groups;
 mod grow;

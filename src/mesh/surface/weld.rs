@@ -4,7 +4,6 @@ use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
 use crate::mesh::surface::equal::first_of_equals;
-use crate::mesh::surface::gap::{join, split_near};
 use crate::mesh::surface::interior::drop_interior;
 use crate::mesh::surface::patch::NONE;
 use crate::mesh::surface::split::split;
@@ -69,26 +68,13 @@ pub(crate) struct Topology {
 }
 
 impl Welded {
-    #[cfg(test)]
+    /// Welds positions and triangles. The topology is that of the triangles given.
     pub(crate) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        Self::closing(positions, triangles, 0.0, false)
-    }
-
-    /// Closes gaps up to this length, if it is not 0. The topology is that of the triangles given.
-    /// `front` says whether they hide from their front only.
-    pub(crate) fn closing(positions: &[Vec3], triangles: &[[u32; 3]], gap: f64, front: bool) -> Self {
         let first = first_of_equals(positions);
-        let (mut names, mut triangles) = number(positions, triangles, &first);
-        let mut positions = at(positions, &names);
+        let (names, mut triangles) = number(positions, triangles, &first);
+        let positions = at(positions, &names);
         let mut edges = edges_of(positions.len(), &triangles);
         let topology = Topology::new(&edges);
-        if gap > 0.0 {
-            let joined = join(&positions, &triangles, gap, front);
-            let (kept, numbered) = number(&positions, &joined, &first_of_equals(&positions));
-            (positions, triangles) = (at(&positions, &kept), numbered);
-            names = at(&names, &kept);
-            edges = edges_of(positions.len(), &triangles);
-        }
         let hollow = drop_interior(&positions, &mut triangles, |a, b, found| {
             let ends = [a.min(b), a.max(b)];
             let first = edges.partition_point(|edge| edge.ends < ends);
@@ -98,8 +84,7 @@ impl Welded {
             edges = edges_of(positions.len(), &triangles);
         }
         let dropped = drop_repeated(&mut triangles, &edges);
-        let near = gap > 0.0 && split_near(&positions, &mut triangles, gap, front);
-        let cut = split(&positions, &mut triangles) || near;
+        let cut = split(&positions, &mut triangles);
         if dropped || cut {
             edges = edges_of(positions.len(), &triangles);
         }

@@ -20,7 +20,6 @@ use crate::geometry::Block;
 use crate::grid::cell_box::CellBox;
 use crate::grid::mask::BRICK;
 use crate::grid::side::Side;
-use crate::method::CellOptions;
 use crate::numeric::query::UNCERTAIN_EYE;
 use crate::pvs::{Pvs, Stats};
 use crate::query::cell::everything::find_everything;
@@ -69,7 +68,6 @@ impl CellScratch {
 
 /// One run of the cell method.
 pub(crate) struct CellWalk<'a> {
-    options: &'a CellOptions,
     shells: &'a Shells,
     matrices: CellMatrices<'a>,
     sides: &'a mut [ShellSide; 6],
@@ -83,7 +81,7 @@ pub(crate) struct CellWalk<'a> {
 impl CellWalk<'_> {
     /// Fills the set. Records the cells visited and hidden, if asked to.
     pub(crate) fn run(
-        (scene, view, options): (&Scene, &View, &CellOptions),
+        (scene, view): (&Scene, &View),
         pvs: &mut Pvs,
         marks: &mut Marks,
         lists: &CellLists,
@@ -103,7 +101,7 @@ impl CellWalk<'_> {
         let finder = Finder { scene, view, shells, pvs, marks, pending };
         let remaining = Remaining::default();
         let slack = occlusion_slack(scene, view, &mut finder.pvs.stats).filter(|_| from_eye);
-        let mut walk = CellWalk { options, shells, matrices, sides, hits, finder, remaining, record };
+        let mut walk = CellWalk { shells, matrices, sides, hits, finder, remaining, record };
         if slack.is_some() {
             walk.finder.pvs.cell = Some(shells.cell);
             walk.walk_shells(slack, from_eye);
@@ -231,19 +229,13 @@ impl CellWalk<'_> {
         counts
     }
 
-    /// Draws the blocked cells of the sides into their masks, unless they appear too small.
+    /// Draws the blocked cells of the sides into their masks.
     fn stamp(&mut self, scale: &ShellScale, closed: bool) {
-        let (least, stats) = (f64::from(self.options.min_solid_angle), &mut self.finder.pvs.stats);
         for side in &mut *self.sides {
             if !side.complete(scale, self.shells) {
                 continue;
             }
-            let angle = || side.cells.blocked() as f64 / f64::from(scale.shell()).powi(2);
-            if least > 0.0 && angle() < least {
-                stats.caps_skipped += 1;
-                continue;
-            }
-            stats.caps_drawn += 1;
+            self.finder.pvs.stats.caps_drawn += 1;
             side.mask.stamp(scale, &side.cells, closed);
         }
     }

@@ -3,7 +3,6 @@
 
 use crate::grid::cell_box::CellBox;
 use crate::grid::side::Side;
-use crate::query::cell::spans::for_runs;
 use crate::walk::{Shells, SideFrustum};
 
 /// The cells of one side of a shell, by whether they block.
@@ -174,20 +173,6 @@ impl SideCells {
         let band = self.bands[at >> 3];
         let first = (band as usize * 8 + (at & 7)) * self.words;
         (band != PASSED_OVER).then(|| &self.open[first..first + self.words])
-    }
-
-    /// Number of cells of the rows with fresh occluders that block.
-    pub(super) fn blocked(&self) -> usize {
-        let end = self.offset + self.cols as usize;
-        let fresh = self.fresh.iter().enumerate().filter(|(_, fresh)| **fresh);
-        fresh
-            .filter_map(|(r, _)| self.line(r))
-            .map(|open| {
-                let mut sum = 0;
-                for_runs(open, false, self.offset, end, |from, to| sum += to - from);
-                sum
-            })
-            .sum()
     }
 }
 

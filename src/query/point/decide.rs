@@ -190,10 +190,12 @@ pub(super) fn examine(
     let parts = match in_parts {
         true => bounds.kind().all_parts(origin, &mut |part| {
             let block = part.bounds();
-            buffers.hides(&block) || {
-                target.set_part(part, block, direction);
-                hidden(&target)
-            }
+            buffers.hides(&block)
+                // Without refinement an open pixel shows the part, and a corner finds one fastest.
+                || (refines || !part.corners().any(|corner| buffers.leaves_open(corner))) && {
+                    target.set_part(part, block, direction);
+                    hidden(&target)
+                }
         }),
         false => None,
     };

@@ -111,13 +111,10 @@ impl<'a> ObjectFinder<'a> {
         }
     }
 
-    /// Tests the listed objects, front to back, and draws the occluders of those that may be seen:
-    /// at once, or, where only some may be drawn, the largest of the listed ones first. Returns
-    /// whether any was listed.
+    /// Tests the listed objects, front to back, and draws the occluders of those that may be seen.
+    /// Returns whether any was listed.
     pub(super) fn settle(&mut self) -> bool {
         let Self { drawing, found: FoundObjects { listed, order, candidates, .. }, .. } = self;
-        let limited = drawing.run.options.max_occluders < u32::MAX;
-        let mut seen: Vec<(f64, Slot)> = Vec::new();
         order.sort_unstable();
         for place in order.drain(..).map(|key| key as u32) {
             drawing.stats.occlusion_tests += 1;
@@ -126,17 +123,10 @@ impl<'a> ObjectFinder<'a> {
                 continue;
             }
             candidates.push(candidate);
-            if !candidate.occludes {
-                continue;
-            }
-            if limited {
-                seen.push((drawing.solid_angle(candidate.slot), candidate.slot));
-            } else {
+            if candidate.occludes {
                 drawing.offer(candidate.slot);
             }
         }
-        seen.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        seen.iter().for_each(|&(_, slot)| drawing.offer(slot));
         let any = !listed.is_empty();
         listed.clear();
         any

@@ -52,17 +52,14 @@ impl<'a> Run<'a> {
         options: &'a PointOptions,
         receivers: Option<&'a [Block]>,
     ) -> Self {
-        // Limits choose by rules of their own among all occluders.
-        let limited = options.max_occluders < u32::MAX || options.min_solid_angle != 0.0;
-        let keeps_memory = options.coherent && !limited;
         Self {
             scene,
             view,
             options,
             receivers,
             fixed_only: false,
-            keeps_memory,
-            coherent: keeps_memory && receivers.is_none(),
+            keeps_memory: options.coherent,
+            coherent: options.coherent && receivers.is_none(),
             #[cfg(feature = "rayon")]
             parallel: false,
         }

@@ -190,7 +190,7 @@ fn throw(dice: &mut Dice, known: &mut Known) -> casca_status {
                 let mut desc = init!(casca_mesh_desc);
                 (desc.positions, desc.position_count) = (numbers.as_ptr(), dice.below(17));
                 (desc.indices, desc.index_count) = (indices.as_ptr(), dice.below(13));
-                (desc.flags, desc.gap) = (dice.flags(3), if dice.below(3) == 0 { dice.float() } else { 0.0 });
+                (desc.flags, desc.tolerance) = (dice.flags(7), dice.float());
                 let status = casca_mesh_create(&desc, (&raw mut made).cast());
                 known.meshes.extend((status == casca_status::CASCA_OK).then_some(made));
                 let solid = casca_solid_create(numbers.as_ptr(), dice.below(17), (&raw mut made).cast());

@@ -63,11 +63,7 @@ impl Drawing<'_> {
             return;
         }
         let Some(occluder) = self.run.scene.object(slot).occluder() else { return };
-        let least = f64::from(self.run.options.min_solid_angle);
-        let small =
-            self.scratch.is_small(&self.scratch.buffers.relative(&occluder.block()), SMALLEST_OCCLUDER)
-                || least > 0.0 && self.solid_angle(slot) < least;
-        if small || self.stats.occluders_drawn >= self.run.options.max_occluders {
+        if self.scratch.is_small(&self.scratch.buffers.relative(&occluder.block()), SMALLEST_OCCLUDER) {
             self.stats.occluders_skipped += 1;
             return;
         }
@@ -183,18 +179,6 @@ impl Drawing<'_> {
             || occluder
                 .beside_shells()
                 .is_some_and(|gap| !self.is_like_solids(&occluder.block(), gap, SHELLS_ALONE))
-    }
-
-    /// How large an object's occluder appears, in steradians, as if it were a ball (Coorg &
-    /// Teller 1997). For parallel rays, the area of that ball's disc.
-    pub(crate) fn solid_angle(&self, slot: Slot) -> f64 {
-        let Some(occluder) = self.run.scene.object(slot).occluder() else { return 0.0 };
-        let (block, buffers) = (occluder.block(), &self.scratch.buffers);
-        let area = std::f64::consts::PI * (block.max - block.min).length_squared() * 0.25;
-        match buffers.direction() {
-            Some(_) => area,
-            None => area / ((block.min + block.max) * 0.5 - buffers.origin()).length_squared(),
-        }
     }
 
     /// Draws a box of opaque cells.
