@@ -33,9 +33,8 @@
 //!
 //! Data flows one way: [`Scene`] (objects, and the matrices of the [grid](Grid)) -> [`Query`]
 //! (the walk of one [`View`] over that grid) -> [`Pvs`] (what can be seen). A [`KeptQuery`] answers
-//! many frames of a camera that moves little from one such walk. A [`World`] makes the scene around
-//! an eye that goes anywhere. A call "costs" what its time grows with: one that costs the triangles
-//! takes time in proportion to their number.
+//! many frames of a camera that moves little from one such walk. A call "costs" what its time grows
+//! with: one that costs the triangles takes time in proportion to their number.
 //!
 //! The method is that of H. C. Batagelo's thesis on visibility in dynamic scenes
 //! on a regular grid (Unicamp 2002), with the occlusion of its view cells restated as a
@@ -138,7 +137,6 @@ mod shape;
 mod simd;
 mod view;
 mod walk;
-mod world;
 
 pub use derived::{DrawItem, DrawOptions, Light};
 pub use error::{Error, FileError};
@@ -157,7 +155,6 @@ pub use query::{CameraQuery, Query, Sight};
 pub use scene::{FrameReport, MOST_NEW_VOLUMES, MemoryUse, ObjectRef, Scene};
 pub use shape::{Convex, MAX_CONVEX};
 pub use view::{MAX_PLANES, View};
-pub use world::{PAGE_CELLS, PageId, PageObjects, World, WorldFrame, WorldOptions};
 
 #[doc = include_str!("../README.md")]
 #[cfg(doctest)]

@@ -78,23 +78,13 @@ pub enum Error {
     /// The scene holds as many objects as ids can name.
     #[error("the scene is full: it already holds {0} objects")]
     SceneFull(usize),
-    /// A place or a page of a world that is too far from its origin.
+    /// A place that is too far from the origin of the world.
     #[error("{what} is too far from the origin of the world: {}", Components(*value))]
     TooFar {
         /// The argument.
         what: &'static str,
-        /// Its value: a place in world units, or the numbers of a page.
+        /// Its value, in world units.
         value: DVec3,
-    },
-    /// A page of a world of which nothing is loaded.
-    #[error("nothing of the page ({x}, {y}, {z}) is loaded, or waits for it")]
-    UnknownPage {
-        /// The number of the page along x.
-        x: i32,
-        /// Along y.
-        y: i32,
-        /// Along z.
-        z: i32,
     },
     /// The caller ended a preparation.
     #[error("the preparation of the mesh was cancelled")]
@@ -309,7 +299,6 @@ codes!(
     UnknownKey => "unknown-key",
     SceneFull => "scene-full",
     TooFar => "too-far",
-    UnknownPage => "unknown-page",
     Cancelled => "cancelled",
     EmptyMesh => "empty-mesh",
     MeshTooLarge => "mesh-too-large",

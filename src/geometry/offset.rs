@@ -28,11 +28,6 @@ impl Offset {
     /// Coordinates that stay as they are.
     pub(crate) const NONE: Self = Self { by: DVec3::ZERO, error: 0.0 };
 
-    /// An offset that is exact.
-    pub(crate) const fn exact(by: DVec3) -> Self {
-        Self { by, error: 0.0 }
-    }
-
     /// Of shapes relative to a place, to coordinates relative to an origin.
     pub(crate) fn between(place: DVec3, origin: DVec3) -> Self {
         let sums = [0, 1, 2].map(|axis| two_sum(place[axis], -origin[axis]));

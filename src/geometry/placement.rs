@@ -5,7 +5,7 @@ use glam::{Affine3A, DAffine3, DMat3, DVec3, Mat3, Vec3};
 use crate::error::Error;
 use crate::geometry::offset::Offset;
 use crate::numeric::mesh::{ANGLES, FLATTENS, SINGLE};
-use crate::numeric::world::ONE_ROUNDING;
+use crate::numeric::place::ONE_ROUNDING;
 
 /// A transform, with the numbers that follow from it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,11 +7,11 @@
 
 pub(crate) mod mesh;
 pub(crate) mod occlusion;
+pub(crate) mod place;
 pub(crate) mod query;
 pub(crate) mod scene;
 pub(crate) mod shape;
 pub(crate) mod view;
-pub(crate) mod world;
 
 /// The lesser of two numbers; the second one if they are not ordered. Quicker than `min` of floats,
 /// which treats NaN in another way.

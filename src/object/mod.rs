@@ -1,11 +1,11 @@
 //! Objects as the application describes them.
 
-mod anchored;
 mod bounds;
 mod desc;
 mod kinds;
 mod occluder;
 mod placed;
+mod shifted;
 #[cfg(feature = "serde")]
 mod stored;
 mod union;

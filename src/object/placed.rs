@@ -193,15 +193,10 @@ fn middle_of_sphere(sphere: &Sphere, placement: &Placement) -> (Vec3, f64) {
     (center, (center.as_dvec3() - exact).abs().element_sum())
 }
 
-/// The transform of a shape and the offset that follows, with the numbers that follow from both.
-fn placement(
-    what: &'static str,
-    shape: &dyn Kind,
-    transform: Affine3A,
-    offset: &Offset,
-) -> Result<Placement, Error> {
+/// The transform of a shape, with the numbers that follow from it.
+fn placement(what: &'static str, shape: &dyn Kind, transform: Affine3A) -> Result<Placement, Error> {
     let block = shape.block();
-    Placement::new(what, transform, block.min.abs().max(block.max.abs()).max_element(), offset)
+    Placement::new(what, transform, block.min.abs().max(block.max.abs()).max_element(), &Offset::NONE)
 }
 
 impl Bounds {
@@ -211,16 +206,8 @@ impl Bounds {
     /// Refuses transforms that are not finite or lead to coordinates that are not, instances, and
     /// spheres that would not stay spheres.
     pub(crate) fn placed(&self, transform: Affine3A) -> Result<Self, Error> {
-        self.placed_at(transform, &Offset::NONE)
-    }
-
-    /// As [`Bounds::placed`], in coordinates that differ by an offset.
-    ///
-    /// # Errors
-    /// As [`Bounds::placed`].
-    pub(super) fn placed_at(&self, transform: Affine3A, offset: &Offset) -> Result<Self, Error> {
         const WHAT: &str = "the bounds as placed";
-        let p = placement(WHAT, self.kind(), transform, offset)?;
+        let p = placement(WHAT, self.kind(), transform)?;
         let room = LENGTH_OF_ERROR * p.error;
         match self {
             Self::Sphere(sphere) => {
@@ -230,7 +217,7 @@ impl Bounds {
             }
             Self::Box(b) => Ok(Cuboid::of_box(b, &p).bounds(room)),
             Self::Oriented(b) => Ok(Cuboid::of_turned(b, &p).bounds(room)),
-            Self::Mesh(mesh) => Instance::carried(mesh.clone(), transform, offset).map(Into::into),
+            Self::Mesh(mesh) => Instance::new(mesh.clone(), transform).map(Into::into),
             Self::Instance(_) => Err(Error::PlacedTwice { what: WHAT }),
         }
     }
@@ -242,16 +229,8 @@ impl Occluder {
     /// # Errors
     /// As [`Bounds::placed`].
     pub(crate) fn placed(&self, transform: Affine3A) -> Result<Option<Self>, Error> {
-        self.placed_at(transform, &Offset::NONE)
-    }
-
-    /// As [`Occluder::placed`], in coordinates that differ by an offset.
-    ///
-    /// # Errors
-    /// As [`Bounds::placed`].
-    pub(super) fn placed_at(&self, transform: Affine3A, offset: &Offset) -> Result<Option<Self>, Error> {
         const WHAT: &str = "the occluder as placed";
-        let p = placement(WHAT, self.kind(), transform, offset)?;
+        let p = placement(WHAT, self.kind(), transform)?;
         let room = LENGTH_OF_ERROR * p.error;
         // A flat solid hides nothing. Triangles need no inside.
         let flat = p.normals.is_none();
@@ -262,7 +241,7 @@ impl Occluder {
                 let radius = f64::from(sphere.radius) * scale - off - room;
                 Ok((radius > 0.0).then(|| Sphere::new(center, below(radius)).into()))
             }
-            Self::Mesh(mesh) => Instance::carried(mesh.clone(), transform, offset).map(|i| Some(i.into())),
+            Self::Mesh(mesh) => Instance::new(mesh.clone(), transform).map(|i| Some(i.into())),
             Self::Instance(_) => Err(Error::PlacedTwice { what: WHAT }),
             _ if flat => Ok(None),
             Self::Box(b) => Ok(Cuboid::of_box(b, &p).occluder(room)),

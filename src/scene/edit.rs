@@ -9,6 +9,7 @@ use crate::id::ObjectId;
 use crate::object::{Bounds, ObjectDesc, Occluder, check_pair, instances_at};
 use crate::scene::Scene;
 use crate::scene::movers::Movers;
+use crate::scene::object::Object;
 use crate::scene::rooms::quick_box;
 
 impl Scene {
@@ -27,7 +28,16 @@ impl Scene {
     pub fn insert(&mut self, mut desc: ObjectDesc) -> Result<ObjectId, Error> {
         desc.check()?;
         let placed = desc.place()?;
-        self.insert_checked(desc, placed)
+        let (occluder, user_data) = (desc.occluder.take(), desc.user_data);
+        let object = Object::new(desc, placed, self.changes.moves);
+        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
+        self.user_data.set(slot, user_data);
+        self.changes.changed();
+        self.note_report(slot);
+        self.note_static(slot);
+        self.exchange_occluder(slot, occluder);
+        self.list(slot);
+        Ok(self.id(slot))
     }
 
     /// Reserves memory for the records of more objects, before many are inserted. The matrices

@@ -1,6 +1,4 @@
-//! Other coordinates: an origin in double precision, which follows the eye through a large world. All
-//! of a scene is shifted at once, or another scene in other coordinates follows it under the same
-//! ids, and takes its objects over one by one while it still answers queries.
+//! Other coordinates: an origin in double precision, which follows the eye through a large world.
 
 use casca_slots::{AT_ONCE, Slot};
 use glam::DVec3;
@@ -8,11 +6,10 @@ use glam::DVec3;
 use crate::error::Error;
 use crate::geometry::Block;
 use crate::geometry::offset::Offset;
-use crate::grid::{Grid, clip};
-use crate::id::ObjectId;
+use crate::grid::Grid;
 use crate::numeric::mesh::SINGLE;
-use crate::numeric::world::FARTHEST;
-use crate::object::{Bounds, ObjectDesc, Occluder, Placed};
+use crate::numeric::place::FARTHEST;
+use crate::object::{Bounds, Occluder, Placed};
 use crate::scene::Scene;
 use crate::scene::object::Object;
 use crate::scene::opacity::Opacity;
@@ -28,24 +25,20 @@ struct Shifted {
 }
 
 impl Shifted {
-    /// The shapes of an object; `None` if one is a mesh in world space.
-    fn of(object: &Object, offset: &Offset) -> Result<Option<Self>, Error> {
+    /// The shapes of an object.
+    fn of(object: &Object, offset: &Offset) -> Result<Self, Error> {
         if let Some(placed) = object.placed() {
             let mut placed = placed.clone();
             let at = placed.transform.translation.as_dvec3() + offset.by;
             placed.transform.translation = at.as_vec3a();
             let (bounds, occluder) = placed.at(placed.transform)?;
-            return Ok(Some(Self { bounds, occluder, placed: Some(placed) }));
+            return Ok(Self { bounds, occluder, placed: Some(placed) });
         }
-        let given = object.given_occluder();
-        if matches!(object.bounds(), Bounds::Mesh(_)) || matches!(given, Some(Occluder::Mesh(_))) {
-            return Ok(None);
-        }
-        let bounds = object.bounds().anchored(None, offset)?;
-        let occluder = given.map(|occluder| occluder.anchored(None, offset)).transpose()?.flatten();
+        let bounds = object.bounds().shifted(offset)?;
+        let occluder = object.given_occluder().map(|given| given.shifted(offset)).transpose()?.flatten();
         bounds.check()?;
         occluder.iter().try_for_each(Occluder::check)?;
-        Ok(Some(Self { bounds, occluder, placed: None }))
+        Ok(Self { bounds, occluder, placed: None })
     }
 }
 
@@ -98,6 +91,7 @@ impl Scene {
     /// of two that the coordinates are multiples of, nothing is rounded: take multiples of 512 cells
     /// of a power of two, or of 1024 units. With others, bounds of what stays for many shifts grow by
     /// a digit in each. An occluder that is thinner than the rounding hides nothing from then on.
+    /// Meshes in world space become instances, which fill no cells for [`crate::Method::Cell`].
     ///
     /// No result from before is taken for one of the new coordinates:
     /// [`Pvs::is_valid_for`](crate::Pvs::is_valid_for) says no,
@@ -129,9 +123,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// Refuses a place that is not finite or farther than 2^60 units from the world's origin, one from
-    /// which there are coordinates beyond single precision or 2^28 cells, and scenes with meshes in
-    /// world space ([`Error::FixedMesh`]: give instances of them). Nothing is changed then.
+    /// Refuses a place that is not finite or farther than 2^60 units from the world's origin, and one
+    /// from which there are coordinates beyond single precision or 2^28 cells. Nothing is changed then.
     pub fn set_origin(&mut self, at: DVec3) -> Result<(), Error> {
         check_place("the origin", at)?;
         if self.is_empty() {
@@ -144,8 +137,7 @@ impl Scene {
         let (grid, keeps_numbers) = self.grid.shifted(offset.by)?;
         let mut shapes = Vec::with_capacity(self.len());
         for (slot, object) in self.living() {
-            let refused = || Error::FixedMesh(self.id(slot));
-            shapes.push((slot, Shifted::of(object, &offset)?.ok_or_else(refused)?));
+            shapes.push((slot, Shifted::of(object, &offset)?));
         }
         (self.origin, self.grid) = (at, grid);
         self.opacity = Opacity::new();
@@ -220,98 +212,5 @@ impl Scene {
         self.slots[slot].apply(Event::Revealed);
         self.index.always.insert(slot);
         self.clock.queue(self.slots.id(slot), AT_ONCE);
-    }
-
-    /// Inserts an object whose description was checked, here or in other coordinates.
-    ///
-    /// # Errors
-    /// Refuses more than 2^31 objects.
-    pub(crate) fn insert_checked(
-        &mut self,
-        mut desc: ObjectDesc,
-        placed: Option<Placed>,
-    ) -> Result<ObjectId, Error> {
-        let (occluder, user_data) = (desc.occluder.take(), desc.user_data);
-        let object = Object::new(desc, placed, self.changes.moves);
-        let slot = self.slots.insert(object).ok_or(Error::SceneFull(self.slots.len()))?;
-        self.user_data.set(slot, user_data);
-        self.changes.changed();
-        self.note_report(slot);
-        self.note_static(slot);
-        self.exchange_occluder(slot, occluder);
-        self.list(slot);
-        Ok(self.id(slot))
-    }
-
-    /// Takes over an object of another scene under its id, with its shapes in the coordinates of
-    /// this one. The place of one that is reported on expiry is not known until it is reported.
-    pub(crate) fn take_over(
-        &mut self,
-        from: &Self,
-        id: ObjectId,
-        bounds: Bounds,
-        occluder: Option<Occluder>,
-    ) {
-        let Ok(object) = from.find(id) else { return };
-        let user_data = from.user_data.get(id.slot());
-        let desc = ObjectDesc {
-            bounds,
-            occluder: None,
-            motion: object.motion(),
-            contradicts: false,
-            user_data,
-            layers: object.layers,
-            transform: None,
-        };
-        let object = Object::new(desc, None, self.changes.moves);
-        let slot = id.slot();
-        if !self.slots.take_over(id.0, object) {
-            return;
-        }
-        self.changes.changed();
-        self.user_data.set(slot, user_data);
-        self.clock.reports.forget(slot);
-        self.note_static(slot);
-        self.exchange_occluder(slot, occluder);
-        self.list(slot);
-    }
-
-    /// A slot of another scene, whose objects this one takes over, holds no object.
-    pub(crate) fn skip(&mut self, from: &Self, slot: Slot) {
-        self.slots.skip(slot, &from.slots);
-    }
-
-    /// Sets the clock to that of another scene.
-    pub(crate) fn set_clock(&mut self, from: &Self) {
-        self.clock.now = from.clock.now;
-    }
-
-    /// Gives out ids where another scene ends, all of whose objects were taken over.
-    pub(crate) fn succeed(&mut self, from: &mut Self) {
-        self.slots.succeed(&mut from.slots);
-    }
-
-    /// As [`Scene::update`], with shapes that were checked elsewhere, in other coordinates.
-    pub(crate) fn report_checked(&mut self, id: ObjectId, bounds: Bounds, occluder: Option<Occluder>) {
-        if self.contains(id) {
-            self.report(id.slot(), bounds, occluder);
-        }
-    }
-
-    /// Roughly what it costs to insert or to remove an object, in bricks of 8x8x8 cells: those on
-    /// the surface of its box, as far as that lies in the grid; 1 at least.
-    pub(crate) fn bricks_around(&self, id: ObjectId) -> usize {
-        let Ok(object) = self.find(id) else { return 1 };
-        let block = object.bounds().block();
-        let (lo, hi) = self.grid.cover(block.min, block.max);
-        let Some((lo, hi)) = clip(lo, hi) else { return 1 };
-        let sides = ((hi >> 3i32) - (lo >> 3i32) + 1).to_array().map(|side| side as usize);
-        let inside: usize = sides.iter().map(|side| side.saturating_sub(2)).product();
-        sides.iter().product::<usize>() - inside
-    }
-
-    /// Brings the boxes that close seams up to date with the static solids inserted and removed.
-    pub(crate) fn refresh(&mut self) {
-        self.opacity.refresh();
     }
 }

@@ -48,13 +48,6 @@ impl ReportLog {
         overdue
     }
 
-    /// An object comes to a slot, and is not reported yet.
-    pub(super) fn forget(&mut self, slot: Slot) {
-        if let Some(last) = self.last.get_mut(slot.index()) {
-            *last = 0;
-        }
-    }
-
     /// Whether an object was reported since the clock last moved.
     #[inline]
     pub(super) fn is_current(&self, slot: Slot) -> bool {
@@ -131,10 +124,6 @@ mod tests {
                 6..11 => {
                     log.enter_zone(slot);
                     zoned.insert(slot);
-                }
-                11 if !zoned.contains(&slot) => {
-                    log.forget(slot);
-                    last.remove(&slot);
                 }
                 _ => {
                     assert_eq!(log.report(slot), zoned.contains(&slot) && !current);

@@ -4,7 +4,7 @@
 use glam::{DQuat, DVec3};
 
 use crate::geometry::plane::HalfSpace;
-use crate::numeric::world::CARRIED;
+use crate::numeric::place::CARRIED;
 use crate::view::{Origin, View};
 
 /// A step of the eye, and a turn about it.

@@ -176,14 +176,37 @@ fn every_kind_of_shape_goes_with_the_origin() {
     scene.set_transform(ids[6], moved).unwrap();
     assert_eq!(scene.transform(ids[6]).unwrap(), Some(moved));
 
-    let fixed = scene.fixed(mesh());
     let grid = *scene.grid();
-    assert_eq!(scene.set_origin(DVec3::ONE), Err(Error::FixedMesh(fixed)));
-    scene.remove(fixed).unwrap();
     assert!(matches!(scene.set_origin(DVec3::NAN), Err(Error::NotFinite { .. })));
     assert!(matches!(scene.set_origin(DVec3::splat(1e15)), Err(Error::GridTooFar { .. })));
     assert_eq!(*scene.grid(), grid);
     assert!(matches!(scene.bounds(ids[1]).unwrap(), Bounds::Box(_)));
+}
+
+#[test]
+fn meshes_in_world_space_become_instances_and_hide_on() {
+    let mut scene = empty();
+    // Two panels side by side, which share an edge.
+    let panel = |y: f32| {
+        let corners = [(y, -6.0), (y + 6.0, -6.0), (y + 6.0, 6.0), (y, 6.0)];
+        let positions = corners.map(|(y, z)| Vec3::new(4.0, y, z)).to_vec();
+        Arc::new(TriMesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap())
+    };
+    let panels = [-6.0, 0.0].map(|y| scene.solid(panel(y)));
+    let hidden = scene.fixed(Aabb::new(Vec3::new(8.0, 1.0, -1.0), Vec3::new(9.0, 2.0, 1.0)));
+    let seen = scene.fixed(Aabb::new(Vec3::new(8.0, 11.0, -1.0), Vec3::new(9.0, 13.0, 1.0)));
+    for origin in [DVec3::ZERO, DVec3::new(1000.3, -20.7, 3.1), DVec3::splat(-512.0)] {
+        scene.set_origin(origin).unwrap();
+        let is_instance = |id| matches!(scene.bounds(id).unwrap(), Bounds::Instance(_));
+        assert!(origin == DVec3::ZERO || panels.into_iter().all(is_instance));
+        let view = scene.view(DVec3::ZERO, &around(Vec3::ZERO)).unwrap();
+        let mut query = Query::new();
+        let pvs = query.run(&scene, &view);
+        assert!(panels.iter().all(|&id| pvs.contains(id)), "from {origin}");
+        assert!(pvs.contains(seen) && !pvs.contains(hidden), "from {origin}");
+    }
+    scene.remove(panels[0]).unwrap();
+    assert_eq!(scene.len(), 3);
 }
 
 #[test]

@@ -165,26 +165,6 @@ impl<T> Slots<T> {
         true
     }
 
-    /// Gives an empty slot the generation that it has in another store, whose values this one takes
-    /// over.
-    pub fn skip(&mut self, slot: Slot, of: &Self) {
-        let Some(place) = of.places.get(slot.index()) else { return };
-        if self.places.len() <= slot.index() {
-            self.places.resize_with(slot.index() + 1, || Place::EMPTY);
-        }
-        let own = &mut self.places[slot.index()];
-        if own.value.is_none() {
-            own.generation = place.generation;
-        }
-    }
-
-    /// Goes on where another store ends, all of whose values were [taken over](Slots::take_over)
-    /// and all of whose other slots were [skipped](Slots::skip): gives out the slots that are free
-    /// there. Generations go on too, so that no pair of slot and generation comes twice.
-    pub fn succeed(&mut self, of: &mut Self) {
-        self.free = std::mem::take(&mut of.free);
-    }
-
     /// Empties a slot, and gives the value that was there, if there was one. Its id names nothing
     /// from now on.
     pub fn remove(&mut self, slot: Slot) -> Option<T> {
@@ -291,29 +271,6 @@ mod tests {
         let [_, b] = ["a", "b"].map(|value| slots.insert(value).unwrap());
         assert!(copy.take_over(slots.id(b), "b") && !copy.take_over(slots.id(b), "c"));
         assert_eq!((copy.find(slots.id(b)), copy.len(), copy.count()), (Some(&"b"), 1, 2));
-    }
-
-    #[test]
-    fn a_successor_goes_on_with_slots_and_generations() {
-        let mut old = Slots::new();
-        let [a, b, c] = ["a", "b", "c"].map(|value| old.insert(value).unwrap());
-        let gone = old.id(b);
-        old.remove(b);
-        let mut new = Slots::new();
-        for slot in [a, c] {
-            assert!(new.take_over(old.id(slot), old[slot]));
-        }
-        new.skip(b, &old);
-        // Changes of both while values are taken over.
-        let (again, first) = (old.insert("d").unwrap(), old.id(a));
-        assert!(again == b && new.take_over(old.id(again), "d"));
-        assert!(old.remove(a).is_some() && new.remove(a).is_some());
-        new.succeed(&mut old);
-        assert_eq!((new.find(first), new.find(gone), new.len()), (None, None, 2));
-        let next = new.insert("e").unwrap();
-        assert_eq!((next, new.id(next).generation()), (a, first.generation() + 1));
-        let last = new.insert("f").unwrap();
-        assert_eq!(last.index(), 3);
     }
 
     #[test]

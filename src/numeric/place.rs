@@ -1,5 +1,4 @@
-//! Margins of worlds: places in double precision, and what becomes of them near the origin of a
-//! scene.
+//! Margins of places in double precision, and of what they become near the origin of a scene.
 //!
 //! Sums of a place and a coordinate need no margin: [`crate::geometry::offset`] knows their
 //! rounding exactly. The eye needs none of its own: its place is rounded once, by 2^-53 of its
@@ -22,16 +21,3 @@ pub(crate) const CARRIED: f64 = 8.0 * f64::EPSILON;
 /// Coordinates of shapes and sums of two places stay far below the greatest number in single
 /// precision (2^128), also after transforms that scale.
 pub(crate) const FARTHEST: f64 = (1u64 << 60) as f64;
-
-/// No page is farther than this many pages from the first one.
-///
-/// The corner of a page is its number times 512 times the size of a cell, which has 24 digits: 28 +
-/// 24 of them are an exact double.
-pub(crate) const FARTHEST_PAGE: i32 = 1 << 28;
-
-/// The cells of a world are no larger than this, so that no page lies beyond [`FARTHEST`]: 2^28
-/// pages of 2^9 cells of 2^20.
-pub(crate) const LARGEST_CELL: f32 = (1u32 << 20) as f32;
-
-/// The cells of a world are no smaller than this: their last digits stay normal numbers.
-pub(crate) const SMALLEST_CELL: f32 = 1.0 / (1u32 << 30) as f32;

@@ -1,5 +1,4 @@
-//! Shapes relative to a place in a large world, in the coordinates of a scene: bounds rounded
-//! outwards, occluders inwards.
+//! Shapes in the coordinates of another origin: bounds rounded outwards, occluders inwards.
 //!
 //! Boxes, spheres and turned boxes are stored in single precision: they round by the exact error of
 //! their sums, and where those are single numbers, not at all. Convex solids and meshes keep
@@ -15,20 +14,16 @@ use crate::geometry::offset::Offset;
 use crate::geometry::placement::Placement;
 use crate::geometry::{Aabb, Obb, Sphere};
 use crate::mesh::Instance;
-use crate::numeric::world::ONE_ROUNDING;
+use crate::numeric::place::ONE_ROUNDING;
 use crate::object::{Bounds, Occluder};
 use crate::shape::Convex;
 
 impl Bounds {
-    /// The bounds under a transform, if there is one, in coordinates that differ by an offset from
-    /// those that it leads to.
+    /// The bounds in coordinates that differ by an offset. A mesh becomes an instance of it.
     ///
     /// # Errors
-    /// As [`Bounds::placed`].
-    pub(crate) fn anchored(&self, transform: Option<Affine3A>, offset: &Offset) -> Result<Self, Error> {
-        if let Some(transform) = transform {
-            return self.placed_at(transform, offset);
-        }
+    /// Refuses instances whose coordinates would leave single precision.
+    pub(crate) fn shifted(&self, offset: &Offset) -> Result<Self, Error> {
         Ok(match self {
             Self::Sphere(sphere) => {
                 let (center, off) = offset.nearest(sphere.center);
@@ -47,18 +42,11 @@ impl Bounds {
 }
 
 impl Occluder {
-    /// As [`Bounds::anchored`]; `None` if hardly anything of it is left.
+    /// As [`Bounds::shifted`]; `None` if hardly anything of it is left.
     ///
     /// # Errors
-    /// As [`Bounds::placed`].
-    pub(crate) fn anchored(
-        &self,
-        transform: Option<Affine3A>,
-        offset: &Offset,
-    ) -> Result<Option<Self>, Error> {
-        if let Some(transform) = transform {
-            return self.placed_at(transform, offset);
-        }
+    /// As [`Bounds::shifted`].
+    pub(crate) fn shifted(&self, offset: &Offset) -> Result<Option<Self>, Error> {
         Ok(match self {
             Self::Sphere(sphere) => {
                 let (center, off) = offset.nearest(sphere.center);
