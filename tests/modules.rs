@@ -39,12 +39,12 @@ const LONGEST: usize = 450;
 
 /// The most lines of Rust in each member, with tests and comments. These numbers only go down.
 const MOST: [(&str, usize); 25] = [
-    ("src", 43800),
-    ("tests", 12600),
+    ("src", 42000),
+    ("tests", 11850),
     ("crates/cache", 400),
     ("crates/lab", 6450),
     ("crates/scenes", 8650),
-    ("crates/slots", 700),
+    ("crates/slots", 650),
     ("crates/tools", 1200),
     ("crates/truth", 9200),
     ("sisters/fur", 9000),

@@ -314,7 +314,9 @@ impl Silhouette {
             SilhouetteKind::Polygon => {
                 let mut pixels = u64::MAX;
                 for half in &self.halves {
-                    if half.most(&tile) < CONE_MARGIN {
+                    let most = half.most(&tile);
+                    // Nothing is inside one that is no number.
+                    if most < CONE_MARGIN || most.is_nan() {
                         return 0;
                     }
                     if half.least(&tile) < CONE_MARGIN {

@@ -15,7 +15,7 @@ const WALL: Aabb = Aabb { min: Vec3::new(8.0, 0.0, 0.0), max: Vec3::new(10.0, 32
 #[test]
 fn what_applications_hold_crosses_threads_and_prints_itself() {
     fn crosses_and_prints<T: Send + Sync + std::fmt::Debug>() {}
-    crosses_and_prints::<(Scene, Query, Pvs, View, World, TriMesh, Convex, Error)>();
+    crosses_and_prints::<(Scene, Query, Pvs, View, TriMesh, Convex, Error)>();
     crosses_and_prints::<(KeptQuery, KeptJob, KeptResult, ObjectDesc, Sight<'static>, PvsChanges<'static>)>();
 }
 

@@ -94,7 +94,7 @@ fn bounds_contain_shapes_at_their_places_and_occluders_lie_in_them() {
             scene.set_origin(origin).unwrap();
         }
     }
-    assert!(rounded > 1000, "places are between the steps of single precision: {rounded}");
+    assert!(rounded > 500, "places are between the steps of single precision: {rounded}");
 }
 
 #[test]

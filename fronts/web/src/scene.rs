@@ -4,11 +4,13 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use casca::glam::DVec3;
 use casca::{Bounds, Instance, ObjectDesc, ObjectId, Occluder};
 use wasm_bindgen::prelude::*;
 
 use crate::arrays::{affines, boxes, refused, refused_at, same_length, spheres};
 use crate::mesh::Mesh;
+use crate::view::View;
 
 /// Objects on a grid.
 #[wasm_bindgen]
@@ -177,6 +179,23 @@ impl Scene {
     pub fn begin_frame(&mut self, now: f64) -> Result<Vec<u64>, JsError> {
         let expired = self.scene.begin_frame(now).map_err(refused)?;
         keys(self, expired)
+    }
+
+    /// The place of the origin of all coordinates, in double precision.
+    #[wasm_bindgen(getter)]
+    pub fn origin(&self) -> Vec<f64> {
+        self.scene.origin().to_array().to_vec()
+    }
+
+    /// Puts the origin elsewhere. Objects stay; give all coordinates relative to it from then on.
+    #[wasm_bindgen(js_name = setOrigin)]
+    pub fn set_origin(&mut self, x: f64, y: f64, z: f64) -> Result<(), JsError> {
+        self.scene.set_origin(DVec3::new(x, y, z)).map_err(refused)
+    }
+
+    /// A view that is relative to a place, such as the eye, in the coordinates of the scene.
+    pub fn view(&self, x: f64, y: f64, z: f64, view: &View) -> Result<View, JsError> {
+        Ok(View { view: self.scene.view(DVec3::new(x, y, z), &view.view).map_err(refused)? })
     }
 
     /// The ids of all objects.

@@ -87,6 +87,25 @@ test("no object that rays see is missing, and walls hide", () => {
   assert(found < 1.5 * truly && found < all / 2, `${found} ${truly} of ${all}`);
 });
 
+test("a level far from the world's origin is as near as any to an origin near it", () => {
+  const { boxes, eye } = field(generator(7), 100);
+  const set = (far) => {
+    const scene = room();
+    scene.setOrigin(...far);
+    const ids = [...scene.insertBoxes(boxes.flat(), true)];
+    // The view of a renderer that draws relative to the eye.
+    const view = () => scene.view(...eye.map((e, i) => e + far[i]), View.omnidirectional([0, 0, 0]));
+    const before = [...new Query().run(scene, view())].map((id) => ids.indexOf(id)).sort();
+    scene.setOrigin(...far.map((c) => c + 1024));
+    assert.deepEqual([...scene.origin], far.map((c) => c + 1024));
+    const after = [...new Query().run(scene, view())].map((id) => ids.indexOf(id)).sort();
+    for (const i of before) assert(after.includes(i), `${i} is gone after the origin moved`);
+    return before;
+  };
+  assert.deepEqual(set([4194304, 0, -65536]), set([0, 0, 0]));
+  assert.throws(() => room().setOrigin(NaN, 0, 0));
+});
+
 test("a frame: objects move, are hidden, cast shadows and go", () => {
   const scene = room();
   const [wall] = scene.insertBoxes([10, 0, 20, 50, 12, 21], true);
