@@ -311,9 +311,6 @@ typedef struct {
     /// With CASCA_MESH_MIN_RADIUS, connected groups of triangles of a smaller radius hide nothing;
     /// else a 1000th of the diagonal.
     float min_radius;
-    /// Closes gaps in the surface that hides, up to about half as wide, in world units; 0 closes
-    /// none. What is seen through such a gap may be hidden: a few millimetres at most.
-    float gap;
     /// Told of the progress, or null.
     casca_progress progress;
     /// Passed on to progress.
@@ -450,10 +447,6 @@ typedef struct {
     uint32_t flags;
     /// The width of a pixel of the occlusion buffers, in degrees from 0.03 to 11.25; 0: 0.25.
     float pixel_degrees;
-    /// Occluders that appear smaller hide nothing, in steradians from 0 to 1.
-    float min_solid_angle;
-    /// The most occluders that are drawn; 0: no limit.
-    uint32_t max_occluders;
     /// Of CASCA_METHOD_CELL: directions along each side, a power of two from 64 to 4096; 0: 256.
     uint32_t mask_resolution;
     /// With CASCA_KEPT, how far the eye may go, in world units; 0: 0.1.
