@@ -7,8 +7,8 @@ use crate::geometry::placement::Placement;
 use crate::geometry::plane::HalfSpace;
 use crate::geometry::polytope::{Part, Polytope};
 use crate::geometry::{Aabb, Block};
-use crate::grid::run::{CellRun, rows_of};
-use crate::grid::{Grid, clip};
+use crate::grid::run::CellRun;
+use crate::grid::{Grid, REACH};
 use crate::heap::in_arc;
 use crate::mesh::tri_mesh::TriMesh;
 use crate::numeric::mesh::MOST_GROWTH;
@@ -16,7 +16,7 @@ use crate::numeric::shape::{LENGTH_OF_ERROR, MOST_PULL};
 use crate::shape::Shape;
 use crate::shape::convex::Convex;
 use crate::shape::kind::Kind;
-use crate::shape::traits::Rows;
+use crate::shape::traits::{Rows, Which};
 use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3A, DVec3, IVec3, Vec3, Vec3A};
@@ -305,13 +305,7 @@ impl Shape for Instance {
     }
 
     fn touched(&self, grid: &Grid, out: &mut dyn FnMut(CellRun)) {
-        let (lo, hi) = grid.cover(self.inner.block.min, self.inner.block.max);
-        let Some((lo, hi)) = clip(lo, hi) else { return };
-        for z in lo.z..=hi.z {
-            for y in lo.y..=hi.y {
-                out(CellRun { x0: lo.x, x1: hi.x, y, z });
-            }
-        }
+        self.touched_rows(grid, IVec3::splat(-REACH), IVec3::splat(REACH - 1), out);
     }
 
     fn opaque(&self, _: &Grid, _: &mut dyn FnMut(CellRun)) {}
@@ -332,16 +326,10 @@ impl PartialEq for Instance {
 }
 
 impl Rows for Instance {
-    fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
+    /// It fills none, as its mesh may be open.
+    fn corners(&self, grid: &Grid, which: Which) -> Option<(IVec3, IVec3)> {
         let (min, max) = self.bounds();
-        let (a, b) = grid.cover(min, max);
-        rows_of(a.max(lo), b.min(hi), out);
-    }
-
-    fn opaque_rows(&self, _: &Grid, _: IVec3, _: IVec3, _: &mut dyn FnMut(CellRun)) {}
-
-    fn misses(&self, min: DVec3, max: DVec3) -> bool {
-        !Block::new(self.bounds()).meets(&Block { min, max })
+        Some(if which == Which::Touched { grid.cover(min, max) } else { (IVec3::ONE, IVec3::ZERO) })
     }
 
     fn fills(&self, min: DVec3, max: DVec3) -> bool {

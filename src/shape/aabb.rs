@@ -5,11 +5,11 @@ use glam::{DVec3, IVec3, Vec3};
 use crate::error::Error;
 use crate::geometry::body::Body;
 use crate::geometry::{Aabb, Block};
-use crate::grid::run::{CellRun, rows_of};
+use crate::grid::run::CellRun;
 use crate::grid::{Grid, REACH};
 use crate::shape::Shape;
 use crate::shape::kind::Kind;
-use crate::shape::traits::Rows;
+use crate::shape::traits::{Rows, Which};
 
 impl Shape for Aabb {
     fn bounds(&self) -> (DVec3, DVec3) {
@@ -34,19 +34,12 @@ impl Shape for Aabb {
 }
 
 impl Rows for Aabb {
-    fn touched_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
-        let (a, b) = grid.cover(self.min.as_dvec3(), self.max.as_dvec3());
-        rows_of(a.max(lo), b.min(hi), out);
-    }
-
-    fn opaque_rows(&self, grid: &Grid, lo: IVec3, hi: IVec3, out: &mut dyn FnMut(CellRun)) {
-        if let Some((a, b)) = grid.inside(self.min.as_dvec3(), self.max.as_dvec3()) {
-            rows_of(a.max(lo), b.min(hi), out);
-        }
-    }
-
-    fn misses(&self, min: DVec3, max: DVec3) -> bool {
-        !Block::from(*self).meets(&Block { min, max })
+    fn corners(&self, grid: &Grid, which: Which) -> Option<(IVec3, IVec3)> {
+        let (min, max) = self.bounds();
+        Some(match which {
+            Which::Touched => grid.cover(min, max),
+            Which::Opaque => grid.inside(min, max).unwrap_or((IVec3::ONE, IVec3::ZERO)),
+        })
     }
 }
 

@@ -3,12 +3,12 @@
 
 use crate::geometry::Block;
 use crate::grid::cell_box::{CellBox, volume};
-use crate::grid::mask::{ALL, BRICK, Mask, NONE, span8};
+use crate::grid::mask::{ALL, BRICK, Mask, NONE, block_mask, span8};
 use crate::grid::run::CellRun;
 use crate::grid::{Grid, clip};
 use crate::matrix::bits::BitMatrix;
 use crate::shape::Shape;
-use crate::shape::traits::Rows;
+use crate::shape::traits::{Rows, Which};
 use glam::{DVec3, IVec3};
 
 use smallvec::SmallVec;
@@ -49,13 +49,6 @@ pub(crate) fn bricks_of_page(page: IVec3) -> impl Iterator<Item = IVec3> {
 /// A shape, and its rows if it can be asked for them.
 pub(crate) trait Parts: Shape {
     fn rows(&self) -> Option<&dyn Rows>;
-}
-
-/// Which cells of a shape are asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Which {
-    Touched,
-    Opaque,
 }
 
 /// Calls `out` with the cells that a shape touches.
@@ -103,14 +96,21 @@ pub(crate) fn misses(shape: &impl Parts, min: DVec3, max: DVec3) -> bool {
 }
 
 fn pieces(shape: &impl Parts, grid: &Grid, which: Which, out: &mut dyn FnMut(Piece)) {
-    let (min, max) = shape.bounds();
-    let (lo, hi) = grid.cover(min, max);
+    let corners = shape.rows().and_then(|rows| rows.corners(grid, which));
+    let (lo, hi) = corners.unwrap_or_else(|| {
+        let (min, max) = shape.bounds();
+        grid.cover(min, max)
+    });
     let Some((lo, hi)) = clip(lo, hi) else { return };
     if which == Which::Opaque && is_too_large(lo, hi) {
         return;
     }
     let bricks = CellBox { lo: lo >> 3i32, hi: hi >> 3i32 };
     if volume(bricks.lo, bricks.hi) <= FEW_BRICKS {
+        if corners.is_some() {
+            bricks.cells().for_each(|b| out(Piece::Brick(b, block_mask(b, lo, hi))));
+            return;
+        }
         let mut masks = Masks::default();
         masks.begin(&bricks);
         masks.write(shape, grid, which);
@@ -153,7 +153,12 @@ impl Masks {
         self.masks.resize(volume(bricks.lo, bricks.hi) as usize, NONE);
     }
 
-    fn write(&mut self, shape: &dyn Shape, grid: &Grid, which: Which) {
+    fn write(&mut self, shape: &impl Parts, grid: &Grid, which: Which) {
+        if let Some((lo, hi)) = shape.rows().and_then(|rows| rows.corners(grid, which)) {
+            let bricks = CellBox { lo: self.lo, hi: self.lo + self.per - 1 }.cells();
+            bricks.zip(&mut self.masks).for_each(|(brick, mask)| *mask = block_mask(brick, lo, hi));
+            return;
+        }
         runs(shape, grid, which, &mut |r| {
             let at = IVec3::new(r.x0 >> 3, r.y >> 3, r.z >> 3) - self.lo;
             let row = (at.z * self.per.y + at.y) * self.per.x;
