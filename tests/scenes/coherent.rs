@@ -82,7 +82,7 @@ fn walks_lose_nothing() {
         (SceneKind::Rocks, 0.3),
         (SceneKind::Forest, 0.3),
         (SceneKind::Terrain, 0.2),
-        (SceneKind::SpheresMeshes, 0.2),
+        (SceneKind::Harbour, 0.2),
     ];
     for (kind, scale) in scenes {
         let mut world = world(kind, scale, 60);

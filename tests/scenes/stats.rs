@@ -26,7 +26,7 @@ fn queries_that_ran_before_count_as_fresh_ones() {
         (SceneKind::City, 0.3),
         (SceneKind::Rocks, 0.2),
         (SceneKind::Town, 0.1),
-        (SceneKind::SpheresMeshes, 0.2),
+        (SceneKind::Harbour, 0.2),
         (SceneKind::Crowd, 0.02),
     ] {
         let mut world = build(kind, &SceneOptions { seed: 4, frames: 40, scale, ..Default::default() });

@@ -64,7 +64,7 @@ fn the_named_options_find_ever_fewer_objects() {
         SceneKind::Forest,
         SceneKind::Terrain,
         SceneKind::Rocks,
-        SceneKind::SpheresMeshes,
+        SceneKind::Harbour,
     ] {
         let mut world = build(kind, &SceneOptions { frames: 6, ..SceneOptions::default() });
         world.set_frame(0);

@@ -255,7 +255,7 @@ proptest! {
 #[test]
 fn the_procedural_scenes_lose_nothing() {
     for kind in SceneKind::ALL {
-        let many = [SceneKind::Crowd, SceneKind::Spheres16, SceneKind::City10].contains(&kind);
+        let many = kind == SceneKind::Crowd;
         let options =
             SceneOptions { seed: 3, frames: 60, scale: if many { 0.1 } else { 1.0 }, ..Default::default() };
         let mut world = build(kind, &options);
@@ -280,12 +280,12 @@ fn the_procedural_scenes_lose_nothing() {
 }
 
 /// All scenes, two seeds, and every resolution of the point method against exact
-/// visibility with hundreds of millions of aimed rays.
+/// visibility with a thousand million aimed rays.
 ///
 /// `cargo test --release --test scenes -- --ignored --nocapture long_suite`; `CASCA_SEED` is the
 /// first of two seeds.
 #[test]
-#[ignore = "takes six minutes with optimisation"]
+#[ignore = "takes a quarter of an hour with optimisation"]
 fn long_suite_of_all_scenes_and_resolutions() {
     const PIXELS: [f32; 5] = [80.0, 160.0, 360.0, 640.0, 1280.0];
     let mut rays = 0;
@@ -301,7 +301,7 @@ fn long_suite_of_all_scenes_and_resolutions() {
             let options = OracleOptions {
                 width: 960,
                 height: 540,
-                samples_per_object: 160,
+                samples_per_object: 440,
                 max_candidates: 1500,
                 seed,
             };
@@ -326,7 +326,7 @@ fn long_suite_of_all_scenes_and_resolutions() {
         }
     }
     println!("{rays} aimed rays");
-    assert!(rays >= 100_000_000, "only {rays} rays");
+    assert!(rays >= 1_000_000_000, "only {rays} rays");
 }
 
 #[test]

@@ -313,6 +313,11 @@ impl Driver {
         pvs.contains(self.ids[object])
     }
 
+    /// The objects of the world that a result holds, ascending.
+    pub fn found(&self, pvs: &Pvs) -> Vec<usize> {
+        (0..self.ids.len()).filter(|&i| self.sees(pvs, i)).collect()
+    }
+
     /// How many objects whose visibility is asked for a result holds.
     pub fn count(&self, pvs: &Pvs, objects: &[Object]) -> usize {
         self.ids.iter().zip(objects).filter(|(id, o)| o.tested && pvs.contains(**id)).count()
@@ -332,8 +337,8 @@ mod tests {
             let objects = driver.scene.iter().filter(|o| matches!(o.1.motion(), casca::Motion::Static));
             objects.filter(|o| matches!(o.1.bounds(), Bounds::Instance(_))).count()
         };
-        assert_eq!(shared(SceneKind::SpheresMeshes), 480, "balls of any size");
-        let small = shared(SceneKind::CityMeshes);
-        assert!((50..300).contains(&small), "small things are, buildings are not: {small}");
+        assert_eq!(shared(SceneKind::Rocks), 25, "rocks of any size");
+        let some = shared(SceneKind::Terrain);
+        assert!((45..72).contains(&some), "crowns and houses are, trunks and the ground are not: {some}");
     }
 }

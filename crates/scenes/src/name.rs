@@ -77,14 +77,6 @@ impl SceneName {
 mod tests {
     use super::*;
 
-    /// A folder of its own for a test.
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("casca-scene-{}-{name}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
-        folder
-    }
-
     #[test]
     fn scenes_are_told_by_name_or_ending_and_missing_files_are_found_by_trying() {
         assert_eq!("city".parse(), Ok(SceneName::Built(SceneKind::City)));
@@ -94,7 +86,8 @@ mod tests {
             assert!(said.contains("crowd") && said.contains(".gltf"), "{said}");
         }
         assert!(SceneName::Built(SceneKind::City).check().is_ok());
-        let folder = folder("scenes.glb");
+        let folder = std::env::temp_dir().join(format!("casca-scene-{}.glb", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
         let file = folder.join("none.glb");
         for bad in [file.clone(), folder.clone()] {
             let said = SceneName::File(bad.clone()).check().unwrap_err().to_string();

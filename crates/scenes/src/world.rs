@@ -222,6 +222,17 @@ pub enum Shape {
     },
 }
 
+impl Shape {
+    /// The least and the greatest corner of what it fills.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        match self {
+            Self::Sphere { center, radius } => (*center - *radius, *center + *radius),
+            Self::Box { min, max } => (*min, *max),
+            Self::Mesh { mesh, transform } => mesh.bounds(transform),
+        }
+    }
+}
+
 /// How an object moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {

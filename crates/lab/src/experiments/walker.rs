@@ -74,7 +74,7 @@ impl Walker {
             if number % step == step / 2 && seen < count {
                 let driver = &self.grids[0].0;
                 let pvs = self.frustum.run(&driver.scene, &view);
-                let in_frustum = (0..self.world.objects.len()).filter(|&i| driver.sees(pvs, i)).collect();
+                let in_frustum = driver.found(pvs);
                 look(self, number, &Snapshot { camera, in_frustum })?;
                 seen += 1;
             }

@@ -15,22 +15,11 @@ fn read_back(world: &mut World, test: &str) -> World {
     read
 }
 
-fn bounds(shape: &Shape) -> (Vec3, Vec3) {
-    match shape {
-        Shape::Sphere { center, radius } => (*center - *radius, *center + *radius),
-        Shape::Box { min, max } => (*min, *max),
-        Shape::Mesh { mesh, transform } => {
-            let points = || mesh.positions.iter().map(|&p| transform.transform_point3(p));
-            (points().reduce(Vec3::min).unwrap(), points().reduce(Vec3::max).unwrap())
-        }
-    }
-}
-
 /// A ball of triangles stays inside its sphere, by at most this share of the radius.
 const WITHIN: f32 = 0.05;
 
 fn same(written: &Object, read: &Object) -> bool {
-    let ((lo, hi), (read_lo, read_hi)) = (bounds(&written.shape), bounds(&read.shape));
+    let ((lo, hi), (read_lo, read_hi)) = (written.shape.bounds(), read.shape.bounds());
     let near = match &written.shape {
         Shape::Sphere { radius, .. } => radius * WITHIN,
         _ => 1e-4,

@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::motion::{Path, Sliding, Walk};
+use super::motion::{Moving, Path, Walk, Way};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
@@ -84,8 +84,8 @@ fn small_things(dice: &mut Dice, count: usize, objects: &mut Vec<Object>) {
 }
 
 /// Cars, each of which goes to and fro on its lane between two crossings.
-fn cars(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
-    let mut sliding = Vec::new();
+fn cars(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Moving> {
+    let mut moving = Vec::new();
     for i in 0..CARS {
         let lane = if i % 2 == 0 { 3.9 } else { 8.1 };
         let across = dice.range(0.0, 4.99).floor() * PITCH + lane;
@@ -99,9 +99,9 @@ fn cars(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
         };
         objects.push(standing_box("car", base, size));
         let (rate, phase) = (dice.range(0.3, 1.0), dice.range(0.0, TAU));
-        sliding.push(Sliding::last(objects, way, rate, phase));
+        moving.push(Moving::last(objects, Way::Slide { way, rate, phase }));
     }
-    sliding
+    moving
 }
 
 pub(super) fn build(options: &SceneOptions) -> World {
@@ -109,7 +109,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
     let mut objects = vec![solid_box("ground", Vec3::ZERO, Vec3::new(SIZE, GROUND, SIZE))];
     blocks(&mut dice, &mut objects);
     small_things(&mut dice, (SMALL * options.scale) as usize, &mut objects);
-    let sliding = cars(&mut dice, &mut objects);
-    let walk = Walk { sliding, glance: 0.5, ..Walk::along(path(), options) };
+    let moving = cars(&mut dice, &mut objects);
+    let walk = Walk { moving, glance: 0.5, ..Walk::along(path(), options) };
     walk.through("city", objects, [Vec3::ZERO, Vec3::new(SIZE, HEIGHT, SIZE)], 1.0)
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::motion::{Path, Swing, Swinging, Walk};
+use super::motion::{Moving, Path, Walk, Way};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
@@ -54,7 +54,7 @@ pub(super) fn build(options: &SceneOptions) -> World {
             }
         }
     }
-    let mut swinging = Vec::new();
+    let mut moving = Vec::new();
     let people = (PEOPLE * options.scale) as usize;
     let yards = YARDS * YARDS;
     for i in 0..people {
@@ -75,8 +75,8 @@ pub(super) fn build(options: &SceneOptions) -> World {
             objects.push(standing_box("person", base, Vec3::new(0.4, height, 0.3)));
         }
         let reach = Vec3::new(dice.range(0.05, 0.4), 0.0, dice.range(0.05, 0.4));
-        swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 1.5)));
+        moving.push(Moving::last(&mut objects, Way::swing(&mut dice, reach, 1.5)));
     }
-    let walk = Walk { swinging, glance: 0.7, ..Walk::along(path(), options) };
+    let walk = Walk { moving, glance: 0.7, ..Walk::along(path(), options) };
     walk.through("crowd", objects, [Vec3::ZERO, Vec3::new(SIZE, HEIGHT, SIZE)], 1.0)
 }

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::motion::{Path, Swing, Swinging, Walk};
+use super::motion::{Moving, Path, Walk, Way};
 use super::options::SceneOptions;
-use super::parts::{object, solid_box, standing_box};
+use super::parts::{beside, object, solid_box, standing_box};
 use crate::random::Dice;
 use crate::world::{Object, Shape, World};
 
@@ -28,15 +28,8 @@ fn path() -> Path {
 pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 4);
     let path = path();
-    let samples: Vec<Vec3> = (0..=600).map(|i| path.at(path.length() * i as f32 / 600.0)).collect();
-    let flat = Vec3::new(1.0, 0.0, 1.0);
-    let spot = |dice: &mut Dice, margin: f32| loop {
-        let p =
-            dice.point(Vec3::new(margin, GROUND, margin), Vec3::new(SIZE - margin, GROUND, SIZE - margin));
-        if samples.iter().all(|s| ((*s - p) * flat).length() > margin) {
-            return p;
-        }
-    };
+    let eyes = path.samples(600);
+    let spot = |dice: &mut Dice, margin: f32| beside(&eyes, dice, (SIZE, GROUND), margin);
     let see_through = |name: &str, center: Vec3, radius: f32| Object {
         occludes: false,
         ..object(name, Shape::Sphere { center, radius })
@@ -57,13 +50,13 @@ pub(super) fn build(options: &SceneOptions) -> World {
         let (center, radius) = (spot(&mut dice, 1.5), dice.range(0.2, 0.8));
         objects.push(object("stone", Shape::Sphere { center, radius }));
     }
-    let mut swinging = Vec::new();
+    let mut moving = Vec::new();
     for _ in 0..20 {
         let base = spot(&mut dice, 6.0);
         objects.push(standing_box("animal", base, Vec3::new(0.5, 0.7, 1.1)));
         let reach = Vec3::new(dice.range(0.5, 3.0), 0.0, dice.range(0.5, 3.0));
-        swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, 3.0)));
+        moving.push(Moving::last(&mut objects, Way::swing(&mut dice, reach, 3.0)));
     }
-    let walk = Walk { swinging, far: 250.0, ..Walk::along(path, options) };
+    let walk = Walk { moving, far: 250.0, ..Walk::along(path, options) };
     walk.through("forest", objects, [Vec3::ZERO, Vec3::new(SIZE, HEIGHT, SIZE)], 1.0)
 }

@@ -68,12 +68,9 @@ impl Ground {
     pub(super) fn path(&self, stops: &[(f32, f32)]) -> Path {
         let stops: Vec<Vec3> = stops.iter().map(|&(x, z)| Vec3::new(x, 0.0, z)).collect();
         let flat = Path::new(&stops);
-        let steps = (flat.length() / STRIDE) as usize;
-        let at = |i: usize| {
-            let p = flat.at(flat.length() * i as f32 / steps as f32);
-            p + Vec3::Y * (self.at(p.x, p.z) + EYE)
-        };
-        Path::new(&(0..=steps).map(at).collect::<Vec<_>>())
+        let mut eyes = flat.samples((flat.length() / STRIDE) as usize);
+        eyes.iter_mut().for_each(|p| p.y = self.at(p.x, p.z) + EYE);
+        Path::new(&eyes)
     }
 }
 
@@ -105,9 +102,8 @@ pub(super) struct Places {
 
 impl Places {
     pub(super) fn new(ground: Ground, path: &Path) -> Self {
-        let steps = (path.length() / STRIDE) as usize;
-        let at = |i: usize| path.at(path.length() * i as f32 / steps as f32);
-        Self { ground, path: (0..=steps).map(|i| Vec2::new(at(i).x, at(i).z)).collect() }
+        let eyes = path.samples((path.length() / STRIDE) as usize);
+        Self { ground, path: eyes.iter().map(|eye| Vec2::new(eye.x, eye.z)).collect() }
     }
 
     /// A place farther than `margin` from the path and the border.
@@ -156,7 +152,31 @@ pub(super) fn world(name: &str, objects: Vec<Object>, path: Path, options: &Scen
 
 #[cfg(test)]
 mod tests {
+    use super::super::{SceneKind, build};
     use super::*;
+    use crate::world::Shape;
+
+    #[test]
+    fn the_eye_is_at_a_walkers_height_and_things_stand_on_the_ground() {
+        for kind in [SceneKind::Terrain, SceneKind::Valley, SceneKind::Leaves] {
+            let world = build(kind, &SceneOptions::default());
+            let mut meshes = world.objects.iter().filter_map(|o| match &o.shape {
+                Shape::Mesh { mesh, transform } => Some((o.name.as_str(), mesh, transform.translation)),
+                _ => None,
+            });
+            let ground = Ground(meshes.next().unwrap().1.positions.iter().map(|p| p.y).collect());
+            let stand = ["crate", "fir", "broadleaf", "tree", "fern"];
+            let bases: Vec<_> = meshes.filter(|(name, ..)| stand.contains(name)).map(|m| m.2).collect();
+            assert!(bases.len() > 100 && bases.iter().all(|b| (b.y - ground.at(b.x, b.z)).abs() < 1e-3));
+            for frame in 0..world.frames {
+                let eye = world.camera(frame, 1.5).eye;
+                let height = eye.y - ground.at(eye.x, eye.z);
+                assert!((height - EYE).abs() < 0.05, "{kind:?} frame {frame}: {height} m above the ground");
+                let off = bases.iter().map(|b| (eye.x - b.x).hypot(eye.z - b.z)).fold(f32::MAX, f32::min);
+                assert!(off > 1.9, "{kind:?} frame {frame}: {off} m off what stands there");
+            }
+        }
+    }
 
     #[test]
     fn the_ground_between_corners_is_that_of_the_mesh() {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::motion::{Path, Sliding, Walk};
+use super::motion::{Moving, Path, Walk, Way};
 use super::options::SceneOptions;
 use super::parts::{beams, mesh, object, placed, prism, standing_box};
 use crate::random::Dice;
@@ -258,7 +258,7 @@ fn small_place(dice: &mut Dice) -> Vec3 {
 }
 
 fn small_things(dice: &mut Dice, path: &Path, count: usize, objects: &mut Vec<Object>) {
-    let samples: Vec<Vec3> = (0..=1000).map(|i| path.at(path.length() * i as f32 / 1000.0)).collect();
+    let samples = path.samples(1000);
     let free = |p: Vec3| samples.iter().all(|s| (s.x - p.x).hypot(s.z - p.z) > OFF);
     let (bollard, barrel) = (Arc::new(prism(8)), Arc::new(prism(10)));
     let cube = Arc::new(Mesh::cuboid(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)));
@@ -287,8 +287,8 @@ fn small_things(dice: &mut Dice, path: &Path, count: usize, objects: &mut Vec<Ob
 
 /// Trucks on the quay, and straddle carriers in the lanes that the walk keeps off, each along one
 /// block.
-fn vehicles(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
-    let mut sliding = Vec::new();
+fn vehicles(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Moving> {
+    let mut moving = Vec::new();
     for i in 0..4 * BLOCKS.0 {
         let (block, kind) = (i % BLOCKS.0, i / BLOCKS.0);
         let (name, z, size) = match kind {
@@ -301,9 +301,9 @@ fn vehicles(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
         let way = PITCH.x - LANE - size.x;
         objects.push(standing_box(name, Vec3::new(start, QUAY + 0.2, z), size));
         let (rate, phase) = (dice.range(0.1, 0.4), dice.range(0.0, TAU));
-        sliding.push(Sliding::last(objects, Vec3::X * way, rate, phase));
+        moving.push(Moving::last(objects, Way::Slide { way: Vec3::X * way, rate, phase }));
     }
-    sliding
+    moving
 }
 
 pub(super) fn build(options: &SceneOptions) -> World {
@@ -315,8 +315,8 @@ pub(super) fn build(options: &SceneOptions) -> World {
     cranes(&mut dice, &mut objects);
     ship(&mut objects);
     small_things(&mut dice, &path, (SMALL * options.scale) as usize, &mut objects);
-    let sliding = vehicles(&mut dice, &mut objects);
-    let walk = Walk { sliding, ..Walk::along(path, options) };
+    let moving = vehicles(&mut dice, &mut objects);
+    let walk = Walk { moving, ..Walk::along(path, options) };
     walk.through("harbour", objects, [Vec3::ZERO, SIZE], 1.25)
 }
 

@@ -14,60 +14,70 @@ pub(super) fn seconds(frame: usize) -> f32 {
     (frame as f64 * FRAME_SECONDS) as f32
 }
 
-/// A swing around a place: a sine along each axis.
+/// How an object moves.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Swing {
-    pub(super) reach: Vec3,
-    pub(super) rate: Vec3,
-    pub(super) phase: Vec3,
+pub(super) enum Way {
+    /// Around a place: a sine along each axis.
+    Swing { reach: Vec3, rate: Vec3, phase: Vec3 },
+    /// To and fro along a line, slowing down at its ends, by radians a second.
+    Slide { way: Vec3, rate: f32, phase: f32 },
 }
 
-impl Swing {
+impl Way {
     /// A swing of at most `reach` along each axis whose speed stays below `speed`.
-    pub(super) fn random(dice: &mut Dice, reach: Vec3, speed: f32) -> Self {
+    pub(super) fn swing(dice: &mut Dice, reach: Vec3, speed: f32) -> Self {
         let phase = dice.point(Vec3::ZERO, Vec3::splat(TAU));
         let share = speed / 3f32.sqrt();
         let rate = Vec3::from_array(
             reach.to_array().map(|r| if r > 0.0 { (share / r).min(6.0) * dice.range(0.4, 1.0) } else { 0.0 }),
         );
-        Self { reach, rate, phase }
+        Self::Swing { reach, rate, phase }
     }
 
-    pub(super) fn offset(&self, t: f32) -> Vec3 {
-        let a = self.phase + self.rate * t;
-        self.reach * Vec3::new(a.x.sin(), a.y.sin(), a.z.sin())
+    fn offset(&self, t: f32) -> Vec3 {
+        match *self {
+            Self::Swing { reach, rate, phase } => {
+                let a = phase + rate * t;
+                reach * Vec3::new(a.x.sin(), a.y.sin(), a.z.sin())
+            }
+            Self::Slide { way, rate, phase } => way * (0.5 - 0.5 * (phase + rate * t).cos()),
+        }
     }
 
     /// No point moves faster.
-    pub(super) fn max_speed(&self) -> f32 {
-        (self.reach * self.rate).length() * SPEED_ROOM + SPEED_ROUNDING
+    fn max_speed(&self) -> f32 {
+        let speed = match *self {
+            Self::Swing { reach, rate, .. } => (reach * rate).length(),
+            Self::Slide { way, rate, .. } => way.length() * 0.5 * rate,
+        };
+        speed * SPEED_ROOM + SPEED_ROUNDING
     }
 }
 
-/// A moving object: its shape at rest, and how it swings.
+/// A moving object: its shape at rest, and how it moves.
 #[derive(Debug, Clone)]
-pub(super) struct Swinging {
+pub(super) struct Moving {
     pub(super) index: usize,
-    pub(super) rest: Shape,
-    pub(super) swing: Swing,
+    rest: Shape,
+    way: Way,
 }
 
-impl Swinging {
-    /// Makes the last object of a list swing.
-    pub(super) fn last(objects: &mut [Object], swing: Swing) -> Self {
+impl Moving {
+    /// Makes the last object of a list move.
+    pub(super) fn last(objects: &mut [Object], way: Way) -> Self {
         let index = objects.len() - 1;
-        objects[index].motion = Motion::Dynamic { max_speed: swing.max_speed() };
-        let swinging = Self { index, rest: objects[index].shape.clone(), swing };
-        objects[index].shape = swinging.shape(0.0);
-        swinging
+        objects[index].motion = Motion::Dynamic { max_speed: way.max_speed() };
+        let moving = Self { index, rest: objects[index].shape.clone(), way };
+        objects[index].shape = moving.shape(0.0);
+        moving
     }
 
     pub(super) fn shape(&self, t: f32) -> Shape {
-        moved(&self.rest, self.swing.offset(t))
+        moved(&self.rest, self.way.offset(t))
     }
 }
 
-pub(super) fn moved(shape: &Shape, by: Vec3) -> Shape {
+fn moved(shape: &Shape, by: Vec3) -> Shape {
     match shape {
         Shape::Sphere { center, radius } => Shape::Sphere { center: *center + by, radius: *radius },
         Shape::Box { min, max } => Shape::Box { min: *min + by, max: *max + by },
@@ -113,6 +123,11 @@ impl Path {
         Self::new(&corners)
     }
 
+    /// Evenly spread places, from the start to the end.
+    pub(super) fn samples(&self, steps: usize) -> Vec<Vec3> {
+        (0..=steps).map(|i| self.at(self.length() * i as f32 / steps as f32)).collect()
+    }
+
     pub(super) fn length(&self) -> f32 {
         self.lengths[self.lengths.len() - 1]
     }
@@ -126,11 +141,9 @@ impl Path {
     }
 }
 
-/// Swinging objects and a walker who looks where they go.
+/// Moving objects, in order of their indices, and a walker who looks where they go.
 pub(super) struct Walk {
-    pub(super) swinging: Vec<Swinging>,
-    /// Sliding objects: index, shape at rest, and their offset at a time.
-    pub(super) sliding: Vec<Sliding>,
+    pub(super) moving: Vec<Moving>,
     pub(super) path: Path,
     pub(super) frames: usize,
     pub(super) fov_y: f32,
@@ -142,8 +155,7 @@ pub(super) struct Walk {
 impl Walk {
     /// A walk on which nothing moves, with a lens of 60 degrees that shows 400 m.
     pub(super) fn along(path: Path, options: &SceneOptions) -> Self {
-        let (swinging, sliding) = (Vec::new(), Vec::new());
-        Self { swinging, sliding, path, frames: options.frames, fov_y: 60.0, glance: 0.6, far: 400.0 }
+        Self { moving: Vec::new(), path, frames: options.frames, fov_y: 60.0, glance: 0.6, far: 400.0 }
     }
 
     /// The scene that it goes through, in a box of cells.
@@ -159,54 +171,10 @@ impl Walk {
     }
 }
 
-/// An object that goes to and fro along a line, slowing down at its ends.
-#[derive(Debug, Clone)]
-pub(super) struct Sliding {
-    pub(super) index: usize,
-    pub(super) rest: Shape,
-    pub(super) way: Vec3,
-    /// Radians a second.
-    pub(super) rate: f32,
-    pub(super) phase: f32,
-}
-
-impl Sliding {
-    pub(super) fn last(objects: &mut [Object], way: Vec3, rate: f32, phase: f32) -> Self {
-        let index = objects.len() - 1;
-        let max_speed = way.length() * 0.5 * rate * SPEED_ROOM + SPEED_ROUNDING;
-        objects[index].motion = Motion::Dynamic { max_speed };
-        let sliding = Self { index, rest: objects[index].shape.clone(), way, rate, phase };
-        objects[index].shape = sliding.shape(0.0);
-        sliding
-    }
-
-    pub(super) fn shape(&self, t: f32) -> Shape {
-        let share = 0.5 - 0.5 * (self.phase + self.rate * t).cos();
-        moved(&self.rest, self.way * share)
-    }
-}
-
 impl Animation for Walk {
     fn shapes(&self, frame: usize, set: &mut dyn FnMut(usize, Shape)) {
         let t = seconds(frame);
-        let (mut a, mut b) = (self.swinging.iter().peekable(), self.sliding.iter().peekable());
-        loop {
-            match (a.peek(), b.peek()) {
-                (Some(s), Some(l)) if s.index < l.index => {
-                    set(s.index, s.shape(t));
-                    a.next();
-                }
-                (Some(s), None) => {
-                    set(s.index, s.shape(t));
-                    a.next();
-                }
-                (_, Some(l)) => {
-                    set(l.index, l.shape(t));
-                    b.next();
-                }
-                (None, None) => break,
-            }
-        }
+        self.moving.iter().for_each(|m| set(m.index, m.shape(t)));
     }
 
     fn camera(&self, frame: usize, aspect: f32) -> Camera {

@@ -7,8 +7,7 @@ use crate::random::Dice;
 /// Values along each side of the lattice; it repeats beyond.
 const SIDE: usize = 16;
 
-/// A function that goes smoothly between random values from -1 to 1 at points with whole
-/// coordinates.
+/// Goes smoothly between random values from -1 to 1 at points with whole coordinates.
 pub(super) struct Noise(Vec<f32>);
 
 impl Noise {

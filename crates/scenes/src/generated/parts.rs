@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 
+use crate::random::Dice;
 use crate::world::{Mesh, Motion, Object, Shape};
 
 pub(super) fn solid_box(name: &str, min: Vec3, max: Vec3) -> Object {
@@ -30,6 +31,17 @@ pub(super) fn placed(mesh: &Arc<Mesh>, size: Vec3, turn: f32, at: Vec3) -> Shape
 pub(super) fn standing_box(name: &str, base: Vec3, size: Vec3) -> Object {
     let half = Vec3::new(size.x * 0.5, 0.0, size.z * 0.5);
     solid_box(name, base - half, base + half + Vec3::Y * size.y)
+}
+
+/// A place on a square of flat ground, farther than `margin` from its border and the eyes of a walk.
+pub(super) fn beside(eyes: &[Vec3], dice: &mut Dice, (size, ground): (f32, f32), margin: f32) -> Vec3 {
+    let (flat, lo, hi) = (Vec3::new(1.0, 0.0, 1.0), Vec3::splat(margin), Vec3::splat(size - margin));
+    loop {
+        let p = dice.point(lo.with_y(ground), hi.with_y(ground));
+        if eyes.iter().all(|eye| ((*eye - p) * flat).length() > margin) {
+            return p;
+        }
+    }
 }
 
 /// Boxes by their least and greatest corners, as one mesh.

@@ -9,7 +9,7 @@ use glam::{Affine3A, Quat, Vec3};
 use super::motion::{Path, Walk};
 use super::noise::Noise;
 use super::options::SceneOptions;
-use super::parts::{mesh, object, standing_box};
+use super::parts::{beside, mesh, object, standing_box};
 use crate::random::Dice;
 use crate::world::{Mesh, Shape, World};
 
@@ -40,15 +40,8 @@ fn path() -> Path {
 pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 7);
     let path = path();
-    let samples: Vec<Vec3> = (0..=500).map(|i| path.at(path.length() * i as f32 / 500.0)).collect();
-    let flat = Vec3::new(1.0, 0.0, 1.0);
-    let spot = |dice: &mut Dice, margin: f32| loop {
-        let p =
-            dice.point(Vec3::new(margin, GROUND, margin), Vec3::new(SIZE - margin, GROUND, SIZE - margin));
-        if samples.iter().all(|s| ((*s - p) * flat).length() > margin) {
-            return p;
-        }
-    };
+    let eyes = path.samples(500);
+    let spot = |dice: &mut Dice, margin: f32| beside(&eyes, dice, (SIZE, GROUND), margin);
     let ground = Mesh::cuboid(Vec3::ZERO, Vec3::new(SIZE, GROUND, SIZE));
     let mut objects = vec![object("ground", mesh(ground))];
     let models: Vec<Arc<Mesh>> = (0..MODELS).map(|_| Arc::new(rock(&mut dice))).collect();

@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::motion::{Path, Sliding, Walk};
+use super::motion::{Moving, Path, Walk, Way};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box, standing_box};
 use crate::random::Dice;
@@ -52,9 +52,9 @@ fn wall_box(name: &str, along_z: bool, along: (f32, f32), up: (f32, f32), across
 }
 
 /// The walls between rooms, with doorways and doors.
-fn inner_walls(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
+fn inner_walls(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Moving> {
     let full = (FLOOR, CEILING);
-    let mut sliding = Vec::new();
+    let mut moving = Vec::new();
     for along_z in [false, true] {
         for line in 1..ROOMS {
             let at = line as f32 * PITCH;
@@ -78,11 +78,11 @@ fn inner_walls(dice: &mut Dice, objects: &mut Vec<Object>) -> Vec<Sliding> {
                 let way = if along_z { Vec3::Z } else { Vec3::X } * (DOOR_WIDTH + 0.1);
                 let (rate, phase) =
                     if on_route(a, b) { (0.0, PI) } else { (dice.range(0.4, 2.0), dice.range(0.0, TAU)) };
-                sliding.push(Sliding::last(objects, way, rate, phase));
+                moving.push(Moving::last(objects, Way::Slide { way, rate, phase }));
             }
         }
     }
-    sliding
+    moving
 }
 
 /// Furniture in all rooms, but where the walk goes.
@@ -115,7 +115,7 @@ fn furniture(dice: &mut Dice, scale: f32, walk: &[Vec3], objects: &mut Vec<Objec
 pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 3);
     let path = path();
-    let samples: Vec<Vec3> = (0..=2000).map(|i| path.at(path.length() * i as f32 / 2000.0)).collect();
+    let samples = path.samples(2000);
     let mut objects = vec![
         solid_box("floor", Vec3::ZERO, Vec3::new(SIZE, FLOOR, SIZE)),
         solid_box("ceiling", Vec3::new(0.0, CEILING, 0.0), Vec3::new(SIZE, CEILING + 0.2, SIZE)),
@@ -126,10 +126,10 @@ pub(super) fn build(options: &SceneOptions) -> World {
             objects.push(wall_box("outer wall", along_z, (0.0, SIZE), full, border));
         }
     }
-    let sliding = inner_walls(&mut dice, &mut objects);
+    let moving = inner_walls(&mut dice, &mut objects);
     furniture(&mut dice, options.scale, &samples, &mut objects);
     let max = Vec3::new(SIZE, CEILING + 0.2, SIZE);
-    let walk = Walk { sliding, glance: 0.7, far: 100.0, ..Walk::along(path, options) };
+    let walk = Walk { moving, glance: 0.7, far: 100.0, ..Walk::along(path, options) };
     // Two cells are a little thinner than a wall, so that every wall holds a
     // whole layer of them wherever it stands.
     walk.through("rooms", objects, [Vec3::ZERO, max], 0.0999)

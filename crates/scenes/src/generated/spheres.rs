@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::motion::{Path, Swing, Swinging, Walk};
+use super::motion::{Moving, Path, Walk, Way};
 use super::options::SceneOptions;
 use super::parts::{object, solid_box};
 use crate::random::Dice;
@@ -39,14 +39,14 @@ fn shell(name: &str, inner: [Vec3; 2], outer: [Vec3; 2]) -> Vec<Object> {
 }
 
 /// A closed bunker beside the hall, with small spheres that move in it.
-fn bunker(dice: &mut Dice, hidden: usize, objects: &mut Vec<Object>, swinging: &mut Vec<Swinging>) {
+fn bunker(dice: &mut Dice, hidden: usize, objects: &mut Vec<Object>, moving: &mut Vec<Moving>) {
     let (lo, hi) = (Vec3::new(102.0, 2.0, 20.0), Vec3::new(130.0, 30.0, 80.0));
     objects.extend(shell("bunker", [lo + 2.0, hi - 2.0], [lo, hi]));
     for _ in 0..hidden {
         let reach = dice.point(Vec3::splat(0.1), Vec3::splat(1.0));
         let center = dice.point(lo + 2.0 + reach + 0.3, hi - 2.0 - reach - 0.3);
         objects.push(object("hidden sphere", Shape::Sphere { center, radius: 0.3 }));
-        swinging.push(Swinging::last(objects, Swing::random(dice, reach, 1.0)));
+        moving.push(Moving::last(objects, Way::swing(dice, reach, 1.0)));
     }
 }
 
@@ -81,7 +81,7 @@ fn beyond_walls(
 pub(super) fn build(options: &SceneOptions) -> World {
     let mut dice = Dice::new(options.seed, 1);
     let path = path();
-    let samples: Vec<Vec3> = (0..=400).map(|i| path.at(path.length() * i as f32 / 400.0)).collect();
+    let samples = path.samples(400);
     let free = |center: Vec3, reach: f32| samples.iter().all(|p| p.distance(center) > reach + CLEARANCE);
     let clusters: Vec<(Vec3, f32)> =
         (0..70).map(|_| (dice.point(Vec3::ZERO, SIZE), dice.range(4.0, 16.0))).collect();
@@ -106,24 +106,24 @@ pub(super) fn build(options: &SceneOptions) -> World {
         let shape = place(&mut dice, Vec3::ZERO);
         objects.push(object("sphere", shape));
     }
-    let mut swinging = Vec::new();
+    let mut moving = Vec::new();
     for _ in 0..(DYNAMIC * options.scale) as usize {
         let reach = dice.point(Vec3::splat(0.5), Vec3::splat(4.0));
         let shape = place(&mut dice, reach);
         objects.push(object("moving sphere", shape));
         let speed = dice.range(0.5, 4.0);
-        swinging.push(Swinging::last(&mut objects, Swing::random(&mut dice, reach, speed)));
+        moving.push(Moving::last(&mut objects, Way::swing(&mut dice, reach, speed)));
     }
     let mut max = SIZE;
     if options.bunker || options.hidden_extra > 0 {
         max.x = 132.0;
-        bunker(&mut dice, options.hidden_extra, &mut objects, &mut swinging);
+        bunker(&mut dice, options.hidden_extra, &mut objects, &mut moving);
     }
     let mut min = Vec3::ZERO;
     if let Some(extra) = options.beyond_walls {
         let density = STATIC * options.scale;
         (min, max) = beyond_walls(&mut dice, [min, max], extra, density, &mut objects);
     }
-    let walk = Walk { swinging, fov_y: 55.0, far: 300.0, ..Walk::along(path, options) };
+    let walk = Walk { moving, fov_y: 55.0, far: 300.0, ..Walk::along(path, options) };
     walk.through("spheres", objects, [min, max], 1.0)
 }

@@ -44,25 +44,3 @@ pub(super) fn build(options: &SceneOptions) -> World {
     ground::small_things(&mut dice, &places, count(SMALL), &mut objects);
     ground::world("terrain", objects, path, options)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::world::Shape;
-
-    #[test]
-    fn the_eye_is_at_a_walkers_height_and_things_stand_on_the_ground() {
-        let ground = Ground::new(&mut Dice::new(1, 6));
-        let world = build(&SceneOptions::default());
-        for frame in 0..world.frames {
-            let eye = world.camera(frame, 1.5).eye;
-            let height = eye.y - ground.at(eye.x, eye.z);
-            assert!((height - ground::EYE).abs() < 0.05, "frame {frame}: {height} m above the ground");
-        }
-        for crate_ in world.objects.iter().filter(|o| o.name == "crate") {
-            let Shape::Mesh { transform, .. } = &crate_.shape else { panic!("a crate is a mesh") };
-            let base = transform.translation;
-            assert!((base.y - ground.at(base.x, base.z)).abs() < 1e-3);
-        }
-    }
-}

@@ -3,14 +3,14 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::Vec3;
 
 use super::city::{self, BLOCKS, GROUND, PITCH, SIZE, STREET};
 use super::motion::Walk;
 use super::options::SceneOptions;
-use super::parts::{mesh, object, standing_box};
+use super::parts::{mesh, object, placed, standing_box};
 use crate::random::Dice;
-use crate::world::{Mesh, Object, Shape, World};
+use crate::world::{Mesh, Object, World};
 
 const HEIGHT: f32 = 40.0;
 /// Length of a side of a building.
@@ -126,8 +126,7 @@ fn small_thing(dice: &mut Dice, ball: &Arc<Mesh>, base: Vec3) -> Object {
     let mut thing = if dice.chance(0.15) {
         let radius = size.x * 0.5;
         let at = base + Vec3::Y * radius;
-        let transform = Affine3A::from_scale_rotation_translation(Vec3::splat(radius), Quat::IDENTITY, at);
-        object("ball", Shape::Mesh { mesh: ball.clone(), transform })
+        object("ball", placed(ball, Vec3::splat(radius), 0.0, at))
     } else {
         standing_box("thing", base, size)
     };

@@ -6,7 +6,7 @@ use std::f32::consts::{PI, TAU};
 use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec2, Vec3};
 
-use super::motion::{Path, Swing, Swinging};
+use super::motion::{Moving, Path, Way};
 use crate::random::Dice;
 use crate::world::{Animation, Camera, Motion, Object, Shape, World};
 
@@ -105,12 +105,10 @@ fn there_and_back(path: &Path, way: f32) -> (Vec3, Vec2) {
 }
 
 /// Adds the movers around the height of the path, off the eye.
-fn movers(world: &mut World, path: &Path, unit: f32, options: &WalkOptions) -> Vec<Swinging> {
+fn movers(world: &mut World, path: &Path, unit: f32, options: &WalkOptions) -> Vec<Moving> {
     let mut dice = Dice::new(options.seed, 99);
     let (radius, reach, speed) = (MOVER.0 * unit, MOVER.1 * unit, MOVER.2 * unit);
-    let steps = (path.length() / unit).ceil().min(10_000.0);
-    let eyes: Vec<Vec3> =
-        (0..=steps as usize).map(|i| path.at(i as f32 * path.length() / steps.max(1.0))).collect();
+    let eyes = path.samples((path.length() / unit).ceil().clamp(1.0, 10_000.0) as usize);
     let heights =
         eyes.iter().map(|e| e.y).fold((f32::INFINITY, f32::NEG_INFINITY), |a, y| (a.0.min(y), a.1.max(y)));
     let margin = Vec3::splat(radius + reach);
@@ -118,7 +116,7 @@ fn movers(world: &mut World, path: &Path, unit: f32, options: &WalkOptions) -> V
     (lo.y, hi.y) = (lo.y.max(heights.0 - reach), hi.y.min(heights.1 + reach));
     let mut movers = Vec::with_capacity(options.movers);
     for i in 0..options.movers {
-        let swing = Swing::random(&mut dice, Vec3::splat(reach * 0.5), speed);
+        let swing = Way::swing(&mut dice, Vec3::splat(reach * 0.5), speed);
         let radius = dice.range(0.5, 1.0) * radius;
         let free = |p: &Vec3| eyes.iter().all(|e| e.distance(*p) > 2.0 * radius + reach);
         let place = (0..TRIES).map(|_| dice.point(lo.min(hi), hi.max(lo))).find(free);
@@ -130,7 +128,7 @@ fn movers(world: &mut World, path: &Path, unit: f32, options: &WalkOptions) -> V
             occludes: i % 2 == 0,
             tested: true,
         });
-        movers.push(Swinging::last(&mut world.objects, swing));
+        movers.push(Moving::last(&mut world.objects, swing));
     }
     movers
 }
@@ -138,7 +136,7 @@ fn movers(world: &mut World, path: &Path, unit: f32, options: &WalkOptions) -> V
 struct Walking {
     /// For the projection of its camera.
     scene: Box<dyn Animation>,
-    movers: Vec<Swinging>,
+    movers: Vec<Moving>,
     cameras: Vec<(Vec3, Vec3)>,
 }
 

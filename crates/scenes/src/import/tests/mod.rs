@@ -2,11 +2,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
-use rand::RngExt;
 
 use super::*;
 use crate::drive::{Driver, view_of};
-use crate::random::generator;
 use crate::world::{FRAME_SECONDS, Mesh, Motion, Shape};
 
 mod accessors;
@@ -153,18 +151,4 @@ fn animated(node: usize, path: &str, output: usize, interpolation: &str) -> Stri
     format!(
         r#"{{"channels":[{{"sampler":0,"target":{{"node":{node},"path":"{path}"}}}}],"samplers":[{{"input":1,"output":{output},"interpolation":"{interpolation}"}}]}}"#
     )
-}
-
-/// Reads a file with random bits flipped. Either way is fine; it must not panic.
-fn flip(file: &[u8], times: usize) {
-    let mut random = generator(3, 0);
-    let mut next = |n: usize| random.random_range(0..n);
-    for _ in 0..times {
-        let mut broken = file.to_vec();
-        for _ in 0..1 + next(3) {
-            let at = next(broken.len());
-            broken[at] ^= 1 << next(8);
-        }
-        let _ = read("flipped", &broken, None);
-    }
 }

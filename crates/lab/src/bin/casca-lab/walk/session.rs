@@ -90,9 +90,7 @@ impl<'a> Session<'a> {
         });
         let pvs = self.query.pvs();
         let cells = pvs.stats().cells_visited;
-        let in_frustum = self.frustum.run(&self.driver.scene, &view);
-        let in_frustum: Vec<usize> =
-            (0..objects.len()).filter(|&i| self.driver.sees(in_frustum, i)).collect();
+        let in_frustum = self.driver.found(self.frustum.run(&self.driver.scene, &view));
         let sees = |object: usize| self.driver.sees(pvs, object);
         let verdict = self.oracle.frame(self.seen.follow(objects, &moved), &moved, &camera, &sees);
         let tested = |object: &usize| objects[*object].tested;
