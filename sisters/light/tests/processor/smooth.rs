@@ -41,6 +41,17 @@ fn means_take_away_most_of_the_noise() {
     few.smooth(0);
     assert_eq!(ask(&few), raw);
     few.smooth(2);
+    let smoothed = ask(&few);
+    few.converge(1.0, 1);
+    let by_default = ask(&few);
+    few.smooth(0);
+    assert!(
+        apart(&by_default, &smoothed) < 0.02 && by_default != ask(&few),
+        "{}",
+        apart(&by_default, &smoothed)
+    );
+    few = cache(24);
+    few.smooth(2);
     few.pass();
     let mut other = cache(24);
     other.pass();
