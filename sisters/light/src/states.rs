@@ -91,13 +91,10 @@ impl Voxels {
         let (candidates, middle) = self.candidates(state, key);
         let fine = self.lattice.fine(self.lattice.place(self.entries[state as usize / 2].cell));
         let Some(best) = self.most_open(&candidates, middle, fine, key) else { return Starts::new() };
-        let first = candidates[best].at.as_dvec3();
-        let is_covered =
-            |i: usize| self.is_covered(candidates[i].at.as_dvec3(), candidates[i].normal.as_dvec3(), fine);
-        let covered = is_covered(best);
-        let joined = |i: &usize| {
-            *i != best && self.free(first, candidates[*i].at.as_dvec3()) && is_covered(*i) == covered
-        };
+        let is_covered = |s: &Start| self.is_covered(s.at.as_dvec3(), s.normal.as_dvec3(), fine);
+        let (first, covered) = (candidates[best].at.as_dvec3(), is_covered(&candidates[best]));
+        let is_free = |s: &Start| self.free(first, s.at.as_dvec3()) && is_covered(s) == covered;
+        let joined = |i: &usize| *i != best && is_free(&candidates[*i]);
         std::iter::once(best)
             .chain((0..candidates.len()).filter(joined))
             .take(STARTS)
