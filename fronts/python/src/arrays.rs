@@ -2,6 +2,7 @@
 
 use casca::glam::{Affine3A, Mat3A, Mat4, Vec3, Vec3A};
 use casca::{Aabb, ObjectId, Sphere};
+use casca_plane::Segment;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -10,17 +11,17 @@ use crate::forms::{Float, Form, Given, Rule, entries, integers, one};
 
 /// A place or a direction.
 pub fn vec3(name: &'static str, object: Given) -> PyResult<Vec3> {
-    place(name, object).map(Vec3::from_array)
+    place(name, object)
 }
 
 /// The same, of floats of one of two sizes.
-pub fn place<T: Float>(name: &'static str, object: Given) -> PyResult<[T; 3]> {
-    one(&Form::new(name, &[3], "x, y and z"), object)
+pub fn place<T: Float, P: From<[T; 3]>>(name: &'static str, object: Given) -> PyResult<P> {
+    one(&Form::new(name, &[3], "x, y and z"), object).map(P::from)
 }
 
 /// A place or a direction in the plane.
-pub fn place2<T: Float>(name: &'static str, object: Given) -> PyResult<[T; 2]> {
-    one(&Form::new(name, &[2], "x and y"), object)
+pub fn place2<P: From<[f32; 2]>>(name: &'static str, object: Given) -> PyResult<P> {
+    one(&Form::new(name, &[2], "x and y"), object).map(P::from)
 }
 
 /// A box.
@@ -69,10 +70,11 @@ pub fn points<T: Float, P: From<[T; 3]>>(name: &'static str, object: Given, rule
     entries(&Form::new(name, &[0, 3], "n points, each x, y and z"), object, rule, |&point| point.into())
 }
 
-/// Walls in the plane: the ends of each.
-pub fn walls(object: Given) -> PyResult<Vec<[f32; 4]>> {
+/// Walls in the plane.
+pub fn walls(object: Given) -> PyResult<Vec<Segment>> {
     let form = Form::new("walls", &[0, 2, 2], "n walls, each two ends of x and y");
-    entries(&form, object, Rule::Finite, |ends| *ends)
+    let wall = |&[a, b, c, d]: &[f32; 4]| Segment::new([a, b].into(), [c, d].into());
+    entries(&form, object, Rule::Finite, wall)
 }
 
 /// Triangles: indices of points.
@@ -111,9 +113,4 @@ pub fn keys<'py>(
 ) -> PyResult<Bound<'py, PyArray1<u64>>> {
     let keys: Vec<u64> = ids.map(|id| scene.key(id)).collect::<Result<_, _>>().map_err(refused)?;
     Ok(PyArray1::from_vec(py, keys))
-}
-
-/// Refuses lists of two lengths.
-pub fn same_length(ids: usize, others: usize) -> PyResult<()> {
-    check(ids == others, || format!("{ids} ids do not fit {others} shapes"))
 }

@@ -154,28 +154,19 @@ fn cast<'py, T: Element + Copy>(form: &Form, array: &Bound<'py, PyUntypedArray>)
 }
 
 /// A float of one of two sizes.
-pub trait Float: Element + Copy {
+pub trait Float: Element + Copy + Into<f64> {
     fn of(number: f64) -> Self;
-    fn is_finite(self) -> bool;
 }
 
 impl Float for f32 {
     fn of(number: f64) -> Self {
         number as f32
     }
-
-    fn is_finite(self) -> bool {
-        self.is_finite()
-    }
 }
 
 impl Float for f64 {
     fn of(number: f64) -> Self {
         number
-    }
-
-    fn is_finite(self) -> bool {
-        self.is_finite()
     }
 }
 
@@ -190,7 +181,7 @@ pub enum Rule {
 fn floats<'py, T: Float>(form: &Form, object: Given<'_, 'py>, rule: Rule) -> PyResult<Flat<'py, T>> {
     if let Some(few) = few(form, object) {
         let few: Vec<T> = few.into_iter().map(T::of).collect();
-        if few.iter().all(|number| number.is_finite()) {
+        if few.iter().all(|&number| number.into().is_finite()) {
             return Ok(Flat::Made(few, form.shape.to_vec()));
         }
     }
@@ -202,7 +193,7 @@ fn floats<'py, T: Float>(form: &Form, object: Given<'_, 'py>, rule: Rule) -> PyR
             Flat::Made(wide.numbers().iter().map(|n| T::of(*n)).collect(), wide.shape().to_vec())
         }
     };
-    let bad = flat.numbers().iter().position(|number| rule == Rule::Finite && !number.is_finite());
+    let bad = flat.numbers().iter().position(|&n| rule == Rule::Finite && !n.into().is_finite());
     if let Some(bad) = bad {
         let (at, was) = (form.at(flat.shape(), bad), cast::<f64>(form, &array)?.numbers()[bad]);
         return Err(refused(match was.is_finite() {

@@ -47,18 +47,6 @@ impl Mesh {
         self.mesh.is_closed()
     }
 
-    /// Whether it may hide others.
-    #[getter]
-    fn occludes(&self) -> bool {
-        self.mesh.occludes()
-    }
-
-    /// Bytes that it takes.
-    #[getter]
-    fn memory_bytes(&self) -> usize {
-        self.mesh.memory_bytes()
-    }
-
     fn __len__(&self) -> usize {
         self.mesh.triangles().len()
     }

@@ -1,7 +1,7 @@
 //! Visibility in the plane.
 
 use casca_plane::glam::Vec2;
-use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, Segment, TilePoint};
+use casca_plane::{BitGrid, FieldOfView, FovOptions, OpaqueTiles, TilePoint};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
@@ -36,14 +36,13 @@ pub fn field_of_view<'py>(
     }
     match (&direction, half_angle) {
         (Some(direction), Some(angle)) => {
-            let direction = Vec2::from_array(place2("direction", direction)?);
-            options = options.in_sector(direction, angle).map_err(refused)?;
+            options = options.in_sector(place2("direction", direction)?, angle).map_err(refused)?;
         }
         (None, None) => {}
         _ => return Err(refused("direction and half_angle belong together")),
     }
-    let [x, y] = place2("eye", eye)?;
-    let eye = TilePoint::new(x, y).map_err(refused)?;
+    let Vec2 { x, y } = place2("eye", eye)?;
+    let eye = TilePoint::new(x.into(), y.into()).map_err(refused)?;
     let mut fov = FieldOfView::new();
     let seen = fov.run(&OpaqueTiles::new(opaque), eye, &options);
     let mut tiles = Array2::from_elem((height, width), false);
@@ -59,9 +58,7 @@ pub fn visible_region<'py>(
     eye: Given<'_, 'py>,
     range: f32,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let eye = Vec2::from_array(place2("eye", eye)?);
-    let wall = |[a, b, c, d]: [f32; 4]| Segment::new(Vec2::new(a, b), Vec2::new(c, d));
-    let walls: Vec<Segment> = self::walls(walls)?.into_iter().map(wall).collect();
+    let (eye, walls): (Vec2, _) = (place2("eye", eye)?, self::walls(walls)?);
     let polygon = py.detach(|| casca_plane::visible_region(&walls, eye, range)).map_err(refused)?;
     let numbers = polygon.iter().flat_map(|at| at.to_array()).collect();
     let corners = Array2::from_shape_vec((polygon.len(), 2), numbers).map_err(refused)?;

@@ -47,6 +47,19 @@ pub fn method(name: &str, preset: Option<&str>, pixel_degrees: Option<f32>) -> P
     }
 }
 
+impl Query {
+    /// What the sight of the last run says.
+    fn may_see<'py>(
+        &self,
+        py: Python<'py>,
+        scene: &casca::Scene,
+        of: impl Sync + Fn(&casca::Sight) -> Vec<bool>,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let seen = py.detach(|| self.query.sight(scene).map(|sight| of(&sight)));
+        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run yet"))?))
+    }
+}
+
 #[pymethods]
 impl Query {
     #[new]
@@ -79,12 +92,7 @@ impl Query {
         boxes: Given,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let boxes = arrays::boxes(boxes, Rule::Any)?;
-        let (query, scene) = (&self.query, &scene.scene);
-        let seen = py.detach(|| {
-            let sight = query.sight(scene)?;
-            Some(boxes.iter().map(|b| sight.may_see_box(b)).collect::<Vec<bool>>())
-        });
-        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run yet"))?))
+        self.may_see(py, &scene.scene, |sight| boxes.iter().map(|b| sight.may_see_box(b)).collect())
     }
 
     /// Whether the view of the last run may see each of some points.
@@ -95,12 +103,7 @@ impl Query {
         points: Given,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let points: Vec<Vec3> = arrays::points("points", points, Rule::Any)?;
-        let (query, scene) = (&self.query, &scene.scene);
-        let seen = py.detach(|| {
-            let sight = query.sight(scene)?;
-            Some(points.iter().map(|at| sight.may_see_point(*at)).collect::<Vec<bool>>())
-        });
-        Ok(PyArray1::from_vec(py, seen.ok_or_else(|| refused("the query has not run yet"))?))
+        self.may_see(py, &scene.scene, |sight| points.iter().map(|at| sight.may_see_point(*at)).collect())
     }
 
     /// The objects whose shadows may fall on what the view of the last run sees.
@@ -122,11 +125,6 @@ impl Query {
         let mut casters: Vec<ObjectId> = Vec::new();
         py.detach(|| lamp.shadow_casters(scene, query, &light, &mut casters)).map_err(refused)?;
         arrays::keys(py, scene, casters.into_iter())
-    }
-
-    /// What the last run found.
-    fn visible<'py>(&self, py: Python<'py>, scene: PyRef<'py, Scene>) -> PyResult<Bound<'py, PyArray1<u64>>> {
-        arrays::keys(py, &scene.scene, self.query.pvs().iter())
     }
 
     fn __repr__(&self) -> String {

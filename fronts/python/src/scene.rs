@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use casca::glam::Affine3A;
 use casca::{Aabb, Bounds, Instance, ObjectDesc, ObjectId, Occluder};
 use casca_scenes::drive::Driver;
 use casca_scenes::generated::{SceneKind, SceneOptions, build};
@@ -11,9 +10,8 @@ use casca_scenes::world::World;
 use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
-use crate::arrays::{self, same_length};
+use crate::arrays;
 use crate::error::{check, refused, refused_at, warn};
 use crate::forms::{Given, Rule, whole};
 use crate::mesh::{Mesh, Told};
@@ -55,24 +53,22 @@ impl Scene {
     fn insert<'py>(
         &mut self,
         py: Python<'py>,
-        shapes: impl IntoIterator<Item = (Bounds, Option<Occluder>, Option<Affine3A>)>,
-        how: &How,
+        shapes: impl IntoIterator<Item = (Bounds, Option<Occluder>)>,
+        (moves, max_speed, layers): How,
     ) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        check(moves || max_speed.is_none(), || "only objects that move have a greatest speed".into())?;
         let mut ids = Vec::new();
-        for (index, (bounds, occluder, place)) in shapes.into_iter().enumerate() {
-            let mut desc = match how.moves {
+        for (index, (bounds, occluder)) in shapes.into_iter().enumerate() {
+            let mut desc = match moves {
                 true => ObjectDesc::dynamic(bounds),
                 false => ObjectDesc::fixed(bounds),
             };
-            desc = desc.layers(how.layers);
-            if let Some(speed) = how.max_speed {
+            desc = desc.layers(layers);
+            if let Some(speed) = max_speed {
                 desc = desc.max_speed(speed);
             }
             if let Some(occluder) = occluder {
                 desc = desc.occluder(occluder);
-            }
-            if let Some(place) = place {
-                desc = desc.placed(place);
             }
             match self.scene.insert(desc) {
                 Ok(id) => ids.push(id),
@@ -84,6 +80,10 @@ impl Scene {
             }
         }
         arrays::keys(py, &self.scene, ids.into_iter())
+    }
+
+    fn ids_or_all(&self, ids: Option<Bound<PyAny>>) -> PyResult<Vec<ObjectId>> {
+        ids.map_or_else(|| Ok(self.scene.ids().collect()), |ids| arrays::ids(&self.scene, &ids))
     }
 
     /// Moves objects to other shapes. What hides by a box or sphere hides by the new one. What hides
@@ -108,29 +108,18 @@ impl Scene {
     }
 }
 
-/// What is the same for all objects of a call.
-struct How {
-    moves: bool,
-    max_speed: Option<f32>,
-    layers: u64,
+/// Refuses lists of two lengths.
+fn same_length(ids: usize, shapes: usize) -> PyResult<()> {
+    check(ids == shapes, || format!("{ids} ids do not fit {shapes} shapes"))
 }
 
-impl How {
-    fn new(moves: bool, max_speed: Option<f32>, layers: u64) -> PyResult<Self> {
-        check(moves || max_speed.is_none(), || "only objects that move have a greatest speed".into())?;
-        Ok(Self { moves, max_speed, layers })
-    }
-}
+/// What is the same for all objects of a call: whether they move, how fast at most, and their layers.
+type How = (bool, Option<f32>, u64);
 
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (cell, *old))]
-    fn new(cell: Given, old: &Bound<'_, PyTuple>) -> PyResult<Self> {
-        if !old.is_empty() {
-            return Err(PyTypeError::new_err("a scene takes no box any more: write Scene(cell)"));
-        }
-        let cell: f32 = cell.extract().map_err(|_| PyTypeError::new_err("cell is a number"))?;
+    fn new(cell: f32) -> PyResult<Self> {
         Ok(Self { scene: casca::Scene::new(cell).map_err(refused)?, world: None })
     }
 
@@ -185,8 +174,8 @@ impl Scene {
         layers: u64,
     ) -> PyResult<Bound<'py, PyArray1<u64>>> {
         let shapes = arrays::boxes(boxes, Rule::Finite)?;
-        let shapes = shapes.into_iter().map(|b| (b.into(), occludes.then_some(b.into()), None));
-        self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
+        let shapes = shapes.into_iter().map(|b| (b.into(), occludes.then_some(b.into())));
+        self.insert(py, shapes, (moves, max_speed, layers))
     }
 
     /// Inserts spheres.
@@ -201,8 +190,8 @@ impl Scene {
         layers: u64,
     ) -> PyResult<Bound<'py, PyArray1<u64>>> {
         let shapes = arrays::spheres(spheres)?;
-        let shapes = shapes.into_iter().map(|s| (s.into(), occludes.then_some(s.into()), None));
-        self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
+        let shapes = shapes.into_iter().map(|s| (s.into(), occludes.then_some(s.into())));
+        self.insert(py, shapes, (moves, max_speed, layers))
     }
 
     /// Inserts a mesh under each of some transforms.
@@ -220,9 +209,9 @@ impl Scene {
         for (index, place) in arrays::affines(transforms)?.into_iter().enumerate() {
             let mesh = Instance::new(Arc::clone(&mesh.mesh), place).map_err(|why| refused_at(index, why))?;
             let occluder = mesh.mesh().occludes().then(|| mesh.clone().into());
-            shapes.push((mesh.into(), occluder, None));
+            shapes.push((mesh.into(), occluder));
         }
-        self.insert(py, shapes, &How::new(moves, max_speed, layers)?)
+        self.insert(py, shapes, (moves, max_speed, layers))
     }
 
     /// Moves many objects to other boxes.
@@ -242,9 +231,8 @@ impl Scene {
         let ids = arrays::ids(&self.scene, ids)?;
         let transforms = arrays::affines(transforms)?;
         same_length(ids.len(), transforms.len())?;
-        self.scene
-            .set_transforms(ids.into_iter().zip(transforms))
-            .map_err(|(id, why)| refused(format!("{id}: {why}")))
+        let moved = self.scene.set_transforms(ids.into_iter().zip(transforms));
+        moved.map_err(|(id, why)| refused(format!("{id}: {why}")))
     }
 
     /// Removes objects.
@@ -281,10 +269,7 @@ impl Scene {
         py: Python<'py>,
         ids: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let ids = match ids {
-            Some(ids) => arrays::ids(&self.scene, &ids)?,
-            None => self.scene.ids().collect(),
-        };
+        let ids = self.ids_or_all(ids)?;
         let mut numbers = Vec::with_capacity(6 * ids.len());
         for &id in &ids {
             let b = self.scene.bounds(id).map_err(refused)?.aabb();
@@ -301,10 +286,7 @@ impl Scene {
         py: Python<'py>,
         ids: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let ids = match ids {
-            Some(ids) => arrays::ids(&self.scene, &ids)?,
-            None => self.scene.ids().collect(),
-        };
+        let ids = self.ids_or_all(ids)?;
         let hides = |id: &ObjectId| Ok(self.scene.occluder(*id).map_err(refused)?.is_some());
         Ok(PyArray1::from_vec(py, ids.iter().map(hides).collect::<PyResult<_>>()?))
     }
@@ -337,12 +319,6 @@ impl Scene {
         let boxes = self.scene.iter().map(|(_, object)| object.bounds().aabb());
         let all = boxes.reduce(|a, b| Aabb { min: a.min.min(b.min), max: a.max.max(b.max) });
         all.map(|all| [all.min.to_array(), all.max.to_array()])
-    }
-
-    /// Bytes that the scene takes, without its meshes.
-    #[getter]
-    fn memory_bytes(&self) -> usize {
-        self.scene.memory().total()
     }
 
     fn __len__(&self) -> usize {

@@ -40,6 +40,19 @@ pub fn exact_visible<'py>(
     arrays::keys(py, scene, exact.into_iter().map(|object| ids[object]))
 }
 
+/// What is drawn of bounds or of an occluder.
+macro_rules! drawn {
+    ($kind:ident, $shape:expr) => {
+        match $shape {
+            $kind::Sphere(s) => Some(Shape::Sphere { center: s.center, radius: s.radius }),
+            $kind::Box(b) => Some(Shape::Box { min: b.min, max: b.max }),
+            $kind::Mesh(mesh) => Some(of_mesh(mesh, Affine3A::IDENTITY)),
+            $kind::Instance(instance) => Some(of_mesh(instance.mesh(), instance.transform())),
+            _ => None,
+        }
+    };
+}
+
 /// The objects of a scene as the truth takes them. What hides by another shape than its bounds
 /// comes twice: once to be tested, and once to hide.
 fn objects(scene: &casca::Scene) -> PyResult<(Vec<Object>, Vec<ObjectId>)> {
@@ -50,12 +63,13 @@ fn objects(scene: &casca::Scene) -> PyResult<(Vec<Object>, Vec<ObjectId>)> {
             ids.push(id);
         };
         let bounds = object.bounds();
-        let drawn = of_bounds(bounds).ok_or_else(|| refused(format!("{id} has no shape that is drawn")))?;
+        let drawn =
+            drawn!(Bounds, bounds).ok_or_else(|| refused(format!("{id} has no shape that is drawn")))?;
         match object.occluder() {
             None => put(drawn, false, true),
             Some(occluder) if is_same(bounds, occluder) => put(drawn, true, true),
             Some(occluder) => {
-                let hides = of_occluder(occluder);
+                let hides = drawn!(Occluder, occluder);
                 let hides =
                     hides.ok_or_else(|| refused(format!("{id} hides by a shape that is not drawn")))?;
                 put(drawn, false, true);
@@ -76,26 +90,6 @@ fn is_same(bounds: &Bounds, occluder: &Occluder) -> bool {
             Arc::ptr_eq(a.mesh(), b.mesh()) && a.transform() == b.transform()
         }
         _ => false,
-    }
-}
-
-fn of_bounds(bounds: &Bounds) -> Option<Shape> {
-    match bounds {
-        Bounds::Sphere(s) => Some(Shape::Sphere { center: s.center, radius: s.radius }),
-        Bounds::Box(b) => Some(Shape::Box { min: b.min, max: b.max }),
-        Bounds::Mesh(mesh) => Some(of_mesh(mesh, Affine3A::IDENTITY)),
-        Bounds::Instance(instance) => Some(of_mesh(instance.mesh(), instance.transform())),
-        _ => None,
-    }
-}
-
-fn of_occluder(occluder: &Occluder) -> Option<Shape> {
-    match occluder {
-        Occluder::Sphere(s) => Some(Shape::Sphere { center: s.center, radius: s.radius }),
-        Occluder::Box(b) => Some(Shape::Box { min: b.min, max: b.max }),
-        Occluder::Mesh(mesh) => Some(of_mesh(mesh, Affine3A::IDENTITY)),
-        Occluder::Instance(instance) => Some(of_mesh(instance.mesh(), instance.transform())),
-        _ => None,
     }
 }
 

@@ -1,6 +1,5 @@
 //! Views.
 
-use casca::glam::Vec3;
 use casca_scenes::world::Camera;
 use pyo3::prelude::*;
 
@@ -96,25 +95,7 @@ impl View {
         self.view.eye().map(|eye| eye.to_array())
     }
 
-    #[getter]
-    fn reach(&self) -> f64 {
-        self.view.reach()
-    }
-
-    #[getter]
-    fn turn(&self) -> f64 {
-        self.view.turn()
-    }
-
-    #[getter]
-    fn layers(&self) -> u64 {
-        self.view.layers()
-    }
-
     fn __repr__(&self) -> String {
-        match self.view.eye() {
-            Some(eye) => format!("View(eye={:?})", Vec3::as_dvec3(eye.as_vec3()).to_array()),
-            None => "View(orthographic)".into(),
-        }
+        self.eye().map_or("View(orthographic)".into(), |eye| format!("View(eye={eye:?})"))
     }
 }

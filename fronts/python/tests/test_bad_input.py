@@ -102,7 +102,7 @@ def test_views():
 
 def test_a_scene_takes_a_number():
     for wrong in (lambda: casca.Scene((0, 0, 0), (1, 1, 1), 1), lambda: casca.Scene("1")):
-        with pytest.raises(TypeError, match=r"Scene\(cell\)|a number"):
+        with pytest.raises(TypeError, match="cell|positional"):
             wrong()
 
 

@@ -361,9 +361,12 @@ impl Cache {
         if sum > 0.0 { change / sum } else { 0.0 }
     }
 
-    /// Passes until a pass changes less than a share, `most` at most; returns their number.
+    /// Passes until a pass changes less than a share, `most` at most; returns their number. Answers
+    /// are smoothed then, as often as [`Settings::smooth`] says.
     pub fn converge(&mut self, share: f64, most: u32) -> u32 {
-        (1..=most).find(|_| self.pass() < share).unwrap_or(most)
+        let passes = (1..=most).find(|_| self.pass() < share).unwrap_or(most);
+        self.smooth(self.settings.smooth);
+        passes
     }
 
     /// Replaces the lights. No ray is sent again: call [`Cache::direct`] and then passes.

@@ -59,9 +59,9 @@ impl Cache {
                 if other == state || like.abs() < LINK_NORMAL || self.blocks[other as usize].count == 0 {
                     continue;
                 }
-                let Some(start) = self.starts(other).first() else { continue };
-                let way = start.at.as_dvec3() - at;
-                if way.dot(normal).abs() < height {
+                let Some(link) = self.starts(other).first() else { continue };
+                let way = link.at.as_dvec3() - at;
+                if way.dot(normal).abs() < height && link.covered == start.covered {
                     near.push((way.length_squared(), other));
                 }
             }

@@ -143,6 +143,13 @@ pub(crate) const LEAST_HEIGHT: f64 = 2.0;
 /// The 27 cells around a hit on a wall have nine entries of its kind; four times as many in a fold.
 pub(crate) const STAND_INS: usize = 32;
 
+/// What has a surface so near above it, in cells of its size, is covered: states and hits of both
+/// kinds do not stand for each other.
+///
+/// Behind a lamp that is flush with a ceiling there is much light, of which next to none comes out.
+/// More than [`GAP`], so that other surfaces are entries of their own.
+pub(crate) const COVER: f64 = 0.125;
+
 /// Answers are means over starts within so many cells; where there are none, twice as many.
 pub(crate) const ANSWER_REACH: f64 = 1.5;
 

@@ -134,6 +134,7 @@ impl Cache {
         };
         let cells = lattice.block(middle, reach.ceil() as i32).filter(is_in_reach);
         let mut last = NONE;
+        let covered = self.voxels.is_covered(spot.at, spot.normal, fine);
         for cell in cells {
             for entry in self.voxels.entries_of(cell) {
                 let e = &self.voxels.entries[entry as usize];
@@ -146,7 +147,8 @@ impl Cache {
                 let weight = weight(spot, starts, fine, reach) * (like.abs() - ANSWER_NORMAL);
                 let area = ANSWER_AREA + (1.0 - ANSWER_AREA) * f64::from(e.area).min(1.0);
                 let sees = |s: &Start| self.voxels.free_of(spot.at, s.at.as_dvec3(), &mut last);
-                if weight > 0.0 && starts.iter().any(sees) {
+                let is_like = starts.first().is_some_and(|s| s.covered == covered);
+                if weight > 0.0 && is_like && starts.iter().any(sees) {
                     near.push((state, weight * area));
                 }
             }
@@ -158,7 +160,7 @@ impl Cache {
     fn seen(&self, spot: &Spot) -> Vec<(u32, DVec3)> {
         let count = self.settings.answer_rays;
         let ways = Hemisphere::new(spot.normal, count, spot.key);
-        let start = Start { at: spot.at.as_vec3(), normal: spot.normal.as_vec3() };
+        let start = Start { at: spot.at.as_vec3(), normal: spot.normal.as_vec3(), covered: false };
         let of = |i| {
             let direction = ways.direction(i);
             (self.voxels.trace(&start, direction, &|s| self.starts(s)).target, direction)

@@ -11,8 +11,8 @@ use smallvec::SmallVec;
 
 use crate::clip::{Polygon, cross, point_of};
 use crate::numeric::{
-    CANDIDATES, DOUBT, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE, OPEN_RAYS,
-    OPEN_REACH, STAND_INS, STARTS, TOUCH,
+    CANDIDATES, COVER, DOUBT, LEAST_HEIGHT, LEAST_NORMAL, LIFT, LIKE_HEIGHT, LIKE_NORMAL, OFF_CENTRE,
+    OPEN_RAYS, OPEN_REACH, STAND_INS, STARTS, TOUCH,
 };
 use crate::spread::{Hemisphere, mix, unit};
 use crate::surfaces::Surface;
@@ -30,6 +30,8 @@ pub(crate) struct Start {
     pub(crate) at: Vec3,
     /// Unit normal of its side of the surface.
     pub(crate) normal: Vec3,
+    /// See [`Voxels::is_covered`]. All starts of a state are alike.
+    pub(crate) covered: bool,
 }
 
 /// The starts of a state, the most open one first. None if all candidates are buried.
@@ -89,13 +91,21 @@ impl Voxels {
         let (candidates, middle) = self.candidates(state, key);
         let fine = self.lattice.fine(self.lattice.place(self.entries[state as usize / 2].cell));
         let Some(best) = self.most_open(&candidates, middle, fine, key) else { return Starts::new() };
-        let first = candidates[best].at.as_dvec3();
-        let joined = |i: &usize| *i != best && self.free(first, candidates[*i].at.as_dvec3());
+        let is_covered = |s: &Start| self.is_covered(s.at.as_dvec3(), s.normal.as_dvec3(), fine);
+        let (first, covered) = (candidates[best].at.as_dvec3(), is_covered(&candidates[best]));
+        let is_free = |s: &Start| self.free(first, s.at.as_dvec3()) && is_covered(s) == covered;
+        let joined = |i: &usize| *i != best && is_free(&candidates[*i]);
         std::iter::once(best)
             .chain((0..candidates.len()).filter(joined))
             .take(STARTS)
-            .map(|i| candidates[i])
+            .map(|i| Start { covered, ..candidates[i] })
             .collect()
+    }
+
+    /// Whether a surface lies less than [`COVER`] above a point, where so many cells are along an
+    /// edge of one of the grid.
+    pub(crate) fn is_covered(&self, at: DVec3, normal: DVec3, fine: f64) -> bool {
+        !self.free(at, at + normal * (COVER / fine))
     }
 
     /// Points spread over the triangles of a state that are not buried, and the middle of them all.
@@ -118,7 +128,7 @@ impl Voxels {
             let point = point_of(&parts[at].1, share - before, unit(key, dimension + 1));
             middle += point / f64::from(CANDIDATES);
             let normal = self.surfaces[parts[at].0 as usize].normal * sign(state);
-            let start = Start { at: lifted(point, normal), normal: normal.as_vec3() };
+            let start = Start { at: lifted(point, normal), normal: normal.as_vec3(), covered: false };
             if self.free(point + normal * TOUCH, start.at.as_dvec3()) {
                 points.push(start);
             }
@@ -191,19 +201,25 @@ impl Voxels {
         let mut last = NONE;
         let mut sees = |s: &Start| self.free_of(spot, s.at.as_dvec3(), &mut last);
         let own = own.map(|e| 2 * e + side);
-        if let Some(state) = own.filter(|s| starts(*s).iter().any(&mut sees)) {
+        let fine = self.lattice.fine(self.lattice.at(spot));
+        let covered = self.is_covered(spot, normal, fine);
+        let is_like = |state: u32| starts(state).first().is_some_and(|s| s.covered == covered);
+        if let Some(state) = own.filter(|s| is_like(*s) && starts(*s).iter().any(&mut sees)) {
             return (state, false);
         }
-        let mut tried: SmallVec<[u32; STAND_INS]> = own.into_iter().collect();
-        for rule in [(LIKE_NORMAL, LIKE_HEIGHT), (LEAST_NORMAL, LEAST_HEIGHT)] {
-            for state in self.stand_ins(spot, normal, rule) {
-                if tried.contains(&state) {
-                    continue;
+        let mut tried: SmallVec<[u32; STAND_INS]> = SmallVec::new();
+        // What is covered as the hit is stands in before what is not.
+        for like in [true, false] {
+            for rule in [(LIKE_NORMAL, LIKE_HEIGHT), (LEAST_NORMAL, LEAST_HEIGHT)] {
+                for state in self.stand_ins(spot, normal, rule) {
+                    if tried.contains(&state) || is_like(state) != like {
+                        continue;
+                    }
+                    if starts(state).iter().any(&mut sees) {
+                        return (state, false);
+                    }
+                    tried.push(state);
                 }
-                if starts(state).iter().any(&mut sees) {
-                    return (state, false);
-                }
-                tried.push(state);
             }
         }
         (DARK, false)

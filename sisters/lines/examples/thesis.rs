@@ -9,7 +9,7 @@ use std::error::Error;
 
 use casca_lines::buffers::{Fragment, nearest_lines};
 use casca_lines::cells::Cells;
-use casca_lines::glam::{Vec2, Vec3};
+use casca_lines::glam::{DVec3, Vec2, Vec3};
 use casca_lines::numeric::{ALONG_VIEW, USUAL_RAYS, USUAL_SIDE_RAYS, hash};
 use casca_lines::occlusion::{AoOptions, Occlusion, Sides};
 use casca_lines::samples::SampleSets;
@@ -189,8 +189,7 @@ struct Case {
 }
 
 impl Case {
-    fn new(family: Family, most: usize) -> Result<Self, Box<dyn Error>> {
-        let lines = Recipe::new(family, 1).make()?;
+    fn new(lines: LineSet, most: usize) -> Result<Self, Box<dyn Error>> {
         let view = View::around(lines.bounds(), Vec3::new(0.5, 0.6, 1.0), Some(40f64.to_radians()), SIZE)?;
         let place = |i: usize| [i as u32 % SIZE[0], i as u32 / SIZE[0]];
         let nearest = nearest_lines(&lines, &view);
@@ -206,8 +205,8 @@ impl Case {
     }
 
     /// The occlusion by rays in double precision.
-    fn truth(&self) -> Vec<f64> {
-        let tubes = Tubes::new(&self.lines, f64::from(self.tube));
+    fn truth(&self, solid: bool) -> Vec<f64> {
+        let tubes = Tubes::new(&self.lines, f64::from(self.tube), solid);
         let one = |(i, (_, f)): (usize, &Receiver)| {
             tubes.occlusion(&self.view, f, f64::from(self.radius), RAYS, &mut Random::new(i as u64))
         };
@@ -215,15 +214,15 @@ impl Case {
     }
 
     /// By the thesis' columns, rays and places.
-    fn estimates(&self, view: &View, receivers: &[Receiver]) -> [Vec<f64>; 3] {
+    fn estimates(&self, view: &View, receivers: &[Receiver], solid: bool) -> [Vec<f64>; 3] {
         let thesis = Thesis::new(&self.lines, view, self.radius);
         let thesis = receivers.iter().map(|(pixel, f)| f64::from(thesis.at(*pixel, f))).collect();
         let values = |by: Occlusion<'_>| receivers.iter().map(|(_, f)| f64::from(by.at(f))).collect();
-        let options = AoOptions::rays(self.radius, self.tube);
+        let options = AoOptions { solid, ..AoOptions::rays(self.radius, self.tube) };
         let cells = Cells::new(&self.lines, options.margin());
         let sets = SampleSets::spirals(USUAL_RAYS, SETS, 1).expect("sets");
         let rays = values(Occlusion::by_rays(&cells, view, &sets, options).expect("options"));
-        let options = AoOptions::places(self.radius, self.tube);
+        let options = AoOptions { solid, ..AoOptions::places(self.radius, self.tube) };
         let sets = SampleSets::spirals(USUAL_SIDE_RAYS, SETS, 1).expect("sets");
         let sides = Sides::new(&self.lines, &cells, &sets, options).expect("options");
         [thesis, rays, values(Occlusion::by_places(&sides, view))]
@@ -240,7 +239,7 @@ impl Case {
         };
         let pairs = self.receivers.iter().filter_map(|old| Some((*old, moved(old)?)));
         let (old, new): (Vec<_>, Vec<_>) = pairs.unzip();
-        let (old, new) = (self.estimates(&self.view, &old), self.estimates(view, &new));
+        let (old, new) = (self.estimates(&self.view, &old, false), self.estimates(view, &new, false));
         std::array::from_fn(|i| agreement(&old[i], &new[i])[1])
     }
 }
@@ -255,31 +254,65 @@ fn fitted(found: &[f64], wanted: &[f64]) -> f64 {
     all.min_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap_or(1.0)
 }
 
+/// Tufts of strands beside each other, less than a pixel apart: `strands` in each, `wide` from its
+/// middle at most.
+fn tufts(strands: u32, wide: f64) -> Result<LineSet, Box<dyn Error>> {
+    let mut random = Random::new(5);
+    let mut point = |s: f64| DVec3::from_array(std::array::from_fn(|_| random.within(-s, s)));
+    let mut lines = Vec::new();
+    for _ in 0..40 {
+        let (from, to, bend) = (point(1.0), point(1.0), point(0.8));
+        for _ in 0..strands {
+            let (root, tip) = (point(wide), point(wide));
+            lines.push((0..=40).map(move |i| {
+                let t = f64::from(i) / 40.0;
+                let middle = from.lerp(to, t) + bend * (t * (1.0 - t) * 4.0);
+                (middle + root.lerp(tip, t)).as_vec3()
+            }));
+        }
+    }
+    Ok(LineSet::new(lines)?)
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let most = std::env::args().nth(1).and_then(|word| word.parse().ok()).unwrap_or(300);
-    let cases: Vec<(Family, Case)> = Family::ALL
-        .into_iter()
-        .map(|f| Ok((f, Case::new(f, most)?)))
-        .collect::<Result<_, Box<dyn Error>>>()?;
+    let mut cases: Vec<(&str, Case)> = Vec::new();
+    for family in Family::ALL {
+        cases.push((family.name(), Case::new(Recipe::new(family, 1).make()?, most)?));
+    }
+    for (name, strands, wide) in
+        [("loose tufts", 60, 0.06), ("tufts", 300, 0.05), ("dense tufts", 1000, 0.03)]
+    {
+        cases.push((name, Case::new(tufts(strands, wide)?, most)?));
+    }
+    let cell = |found: &[f64], wanted: &[f64]| agreement(found, wanted).map(|v| format!("{v:.3}")).join(", ");
     println!("Pearson correlation and RMSE to {} rays, {} x {} pixels:\n", RAYS * RAYS, SIZE[0], SIZE[1]);
     println!(
         "| set | thesis, factor 4 | thesis, fitted | {USUAL_RAYS} rays | places |\n|---|---:|---:|---:|---:|"
     );
-    for (family, case) in &cases {
-        let wanted = case.truth();
-        let [thesis, rays, places] = case.estimates(&case.view, &case.receivers);
+    let mut solid = Vec::new();
+    for (name, case) in &cases {
+        let [wanted, of_solid] = [false, true].map(|solid| case.truth(solid));
+        let [thesis, open, places] = case.estimates(&case.view, &case.receivers, false);
         let factor = fitted(&thesis, &wanted);
         let scaled: Vec<f64> = thesis.iter().map(|v| (v * factor).min(1.0)).collect();
-        let cell = |found: &[f64]| agreement(found, &wanted).map(|v| format!("{v:.3}")).join(", ");
-        let fit = format!("{} ({:.1})", cell(&scaled), f64::from(FACTOR) * factor);
-        println!("| {} | {} | {fit} | {} | {} |", family.name(), cell(&thesis), cell(&rays), cell(&places));
+        let fit = format!("{} ({:.1})", cell(&scaled, &wanted), f64::from(FACTOR) * factor);
+        let [rough, rays, places] = [&thesis, &open, &places].map(|found| cell(found, &wanted));
+        println!("| {name} | {rough} | {fit} | {rays} | {places} |");
+        let buried = wanted.iter().zip(&of_solid).filter(|(open, solid)| solid > open).count();
+        let [_, rays, places] = case.estimates(&case.view, &case.receivers, true);
+        let [open, rays, places] = [&open, &rays, &places].map(|found| cell(found, &of_solid));
+        let buried = 100.0 * buried as f64 / wanted.len() as f64;
+        solid.push(format!("| {name} | {buried:.0}% | {open} | {rays} | {places} |"));
     }
+    println!("\nBeside solid tubes:\n\n| set | buried | rays | solid rays | solid places |");
+    println!("|---|---:|---:|---:|---:|\n{}", solid.join("\n"));
     println!("\nRMS change at the same places of lines: thesis, rays, places\n");
     println!("| set | a pixel to the right | turned by 0.2° |\n|---|---:|---:|");
-    for (family, case) in &cases {
+    for (name, case) in &cases {
         let cells = [case.view.moved_by_pixels(1.0, 0.0), case.view.turned(0.2f64.to_radians())]
             .map(|view| case.change(&view).map(|v| format!("{v:.3}")).join(", "));
-        println!("| {} | {} |", family.name(), cells.join(" | "));
+        println!("| {name} | {} |", cells.join(" | "));
     }
     Ok(())
 }

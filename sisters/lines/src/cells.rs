@@ -25,6 +25,7 @@ pub const NONE: u32 = 0x8000_8000;
 pub struct Cells {
     ends: Vec<[Vec3; 2]>,
     neighbours: Vec<[u32; 2]>,
+    lines: Vec<u32>,
     margin: f32,
     origin: Vec3,
     side: f32,
@@ -39,15 +40,15 @@ impl Cells {
     /// Dots and other segments without length are left out. A margin that is negative or not a
     /// number counts as 0.
     ///
-    /// Time: n log n for n segments. Memory: 32 bytes a segment, 4 bytes for each cell that names
+    /// Time: n log n for n segments. Memory: 36 bytes a segment, 4 bytes for each cell that names
     /// it, about 10, and 4 bytes a cell, of which there are 2 a segment; while it is made, 40 bytes
     /// a segment and 4 bytes a cell more.
     pub fn new(lines: &LineSet, margin: f32) -> Self {
         let margin = if margin > 0.0 && margin.is_finite() { margin } else { 0.0 };
-        let (ends, neighbours) = segments(lines);
+        let (ends, neighbours, numbers) = segments(lines);
         let (origin, side, dims) = shape(&ends, lines.bounds(), f64::from(margin));
         let (starts, lists) = (Vec::new(), Vec::new());
-        let mut grid = Self { ends, neighbours, margin, origin, side, dims, starts, lists };
+        let mut grid = Self { ends, neighbours, lines: numbers, margin, origin, side, dims, starts, lists };
         grid.order();
         grid.fill();
         grid
@@ -64,6 +65,7 @@ impl Cells {
         keyed.par_sort_unstable();
         self.ends = keyed.iter().map(|[_, old]| self.ends[*old as usize]).collect();
         self.neighbours = keyed.iter().map(|[_, old]| self.neighbours[*old as usize]).collect();
+        self.lines = keyed.iter().map(|[_, old]| self.lines[*old as usize]).collect();
     }
 
     /// Counting sort: how many segments each cell names, then which.
@@ -177,6 +179,11 @@ impl Cells {
         &self.neighbours
     }
 
+    /// The number of the line of each segment.
+    pub fn lines(&self) -> &[u32] {
+        &self.lines
+    }
+
     /// The segments that a cell names.
     pub(crate) fn named(&self, cell: UVec3) -> &[u32] {
         let at = self.number(cell) as usize;
@@ -184,12 +191,13 @@ impl Cells {
     }
 }
 
-/// All segments of lines that have a length, and the directions of their neighbours.
-fn segments(lines: &LineSet) -> (Vec<[Vec3; 2]>, Vec<[u32; 2]>) {
+/// All segments of lines that have a length, the directions of their neighbours, and their lines.
+fn segments(lines: &LineSet) -> (Vec<[Vec3; 2]>, Vec<[u32; 2]>, Vec<u32>) {
     let (mut ends, mut neighbours): (Vec<[Vec3; 2]>, Vec<[u32; 2]>) = (Vec::new(), Vec::new());
+    let mut numbers = Vec::new();
     // An eighth: sums of the huge coordinates do not overflow.
     let way = |[a, b]: [Vec3; 2]| coded(b * 0.125 - a * 0.125);
-    for line in lines.iter() {
+    for (number, line) in lines.iter().enumerate() {
         let first = ends.len();
         for pair in line.windows(2).filter(|pair| pair[0] != pair[1]) {
             let now = [pair[0], pair[1]];
@@ -199,9 +207,10 @@ fn segments(lines: &LineSet) -> (Vec<[Vec3; 2]>, Vec<[u32; 2]>) {
             }
             ends.push(now);
             neighbours.push([before, NONE]);
+            numbers.push(number as u32);
         }
     }
-    (ends, neighbours)
+    (ends, neighbours, numbers)
 }
 
 /// The least corner, the side of a cell and the cells in each direction.

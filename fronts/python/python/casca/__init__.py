@@ -13,7 +13,7 @@ Ids are numpy arrays of ``uint64``. Any array or list of the shape is taken; con
 ``float32`` are read where they are. Queries, scenes from files and exact visibility release the GIL.
 """
 
-from . import bake, plane, points
+from . import bake, lines, plane, points
 from ._casca import SCENES, Error, Mesh, Query, Scene, View, __version__, exact_visible, run_many
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "__version__",
     "bake",
     "exact_visible",
+    "lines",
     "plane",
     "points",
     "run_many",

@@ -5,7 +5,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import bake as bake, plane as plane, points as points
+from . import bake as bake, lines as lines, plane as plane, points as points
 
 _Ids = NDArray[np.uint64]
 _Method = Literal["point", "cell", "frustum"]
@@ -22,6 +22,7 @@ __all__ = [
     "__version__",
     "exact_visible",
     "bake",
+    "lines",
     "plane",
     "points",
     "run_many",
@@ -62,12 +63,6 @@ class Mesh:
     @property
     def is_closed(self) -> bool:
         """Whether every edge has two triangles."""
-    @property
-    def occludes(self) -> bool:
-        """Whether it may hide others."""
-    @property
-    def memory_bytes(self) -> int:
-        """Bytes that it takes."""
     def __len__(self) -> int:
         """The number of triangles."""
 
@@ -112,12 +107,6 @@ class View:
     @property
     def eye(self) -> list[float] | None:
         """Where the eye is; None for an orthographic camera."""
-    @property
-    def reach(self) -> float: ...
-    @property
-    def turn(self) -> float: ...
-    @property
-    def layers(self) -> int: ...
 
 @final
 class Scene:
@@ -132,7 +121,7 @@ class Scene:
     RuntimeError.
     """
 
-    def __new__(cls, cell: float, *old: object) -> Scene: ...
+    def __new__(cls, cell: float) -> Scene: ...
     @staticmethod
     def from_gltf(
         path: str | PathLike[str], *, cell: float | None = None, progress: _Progress | None = None
@@ -232,9 +221,6 @@ class Scene:
     @property
     def bounds(self) -> list[list[float]] | None:
         """The corners of a box around all objects, in world units; None without objects."""
-    @property
-    def memory_bytes(self) -> int:
-        """Bytes that the scene takes, without its meshes."""
     def __len__(self) -> int: ...
     def __contains__(self, id: int, /) -> bool: ...
 
@@ -260,8 +246,6 @@ class Query:
     ) -> Query: ...
     def run(self, scene: Scene, view: View) -> _Ids:
         """Finds the objects that a view can see, roughly front to back."""
-    def visible(self, scene: Scene) -> _Ids:
-        """What the last run found."""
     def may_see_boxes(self, scene: Scene, boxes: ArrayLike) -> NDArray[np.bool_]:
         """Whether the view of the last run may see each of some boxes, (n, 2, 3), which need not be
         objects. "No" is certain; of numbers that are not finite the answer is true."""

@@ -35,7 +35,7 @@ const MOST_APART: f64 = 2.0;
 #[command(
     after_help = EXIT_CODES, allow_negative_numbers = true,
     mut_arg("set", |set| set.help(format!("A generated set: {}", family_names()))),
-    mut_arg("file", |file| file.help("A file of lines: .txt (number of lines, vertices of each, coordinates), .obj, .ply, .tck, .trk or .vtk"))
+    mut_arg("file", |file| file.help("A file of lines: .obj, .ply, .tck, .trk or .vtk"))
 )]
 pub struct Options {
     /// What all systems take.
@@ -87,6 +87,9 @@ pub struct Options {
     /// How the lines around a pixel become an occlusion
     #[arg(long, value_enum, default_value = "auto")]
     pub estimator: Way,
+    /// Tubes of other lines also stop rays that start in them: dense bundles come out darker
+    #[arg(long)]
+    pub solid: bool,
     /// The radius of the tubes that lines are taken for, in pixels; a slider.
     #[arg(skip = 0.5_f32)]
     pub tube: f32,
@@ -244,7 +247,7 @@ mod tests {
             std::fs::write(&path, text).unwrap();
             path.to_str().unwrap().to_owned()
         };
-        let (broken, empty) = (file("broken.txt", "2\n3 x"), file("empty.obj", "# nothing\n"));
+        let (broken, empty) = (file("broken.obj", "v 3 x 1"), file("empty.obj", "# nothing\n"));
         // Pictures of these would be empty, or have no depths.
         let [huge, tiny] = ["1e20", "1e-20"]
             .map(|far| file(&format!("{far}.obj"), &format!("v {far} 0 0\nv 0 {far} 0\nl 1 2\n")));

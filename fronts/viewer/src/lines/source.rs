@@ -171,7 +171,8 @@ impl Source {
         let [near, far] = view.depths();
         let tube = view.pixel_size((near + far) / 2.0) as f32 * options.tube;
         let radius = options.radius * self.extent();
-        let ao = AoOptions { radius, estimator: options.estimator.estimator([radius, tube]) };
+        let estimator = options.estimator.estimator([radius, tube]);
+        let ao = AoOptions { radius, estimator, solid: options.solid };
         let samples = options.samples();
         let (sets, antialiasing) = (sets(samples), options.antialiasing());
         Settings { ao, samples, sets, antialiasing, ..Settings::new(radius, tube) }

@@ -18,7 +18,8 @@ pub(super) struct State {
     middle: [f32; 3],
     first: u32,
     count: u32,
-    unused: [u32; 3],
+    covered: u32,
+    unused: [u32; 2],
 }
 
 /// `CascaGrid` of the shader.
@@ -95,7 +96,13 @@ pub(super) fn states(cache: &Cache) -> (Vec<State>, Vec<[f32; 4]>) {
         }
         let middle = of_state.iter().map(|s| s.at).sum::<Vec3>() / of_state.len() as f32;
         let (first, count) = (starts.len() as u32, of_state.len() as u32);
-        states[state as usize] = State { middle: middle.to_array(), first, count, unused: [0; 3] };
+        states[state as usize] = State {
+            middle: middle.to_array(),
+            first,
+            count,
+            covered: of_state[0].covered.into(),
+            unused: [0; 2],
+        };
         starts.extend(of_state.iter().map(|s| four(s.at, 0.0)));
     }
     (states, starts)

@@ -21,8 +21,8 @@ struct CascaGrid {
     levels: array<CascaLevel, 3>,
 }
 
-// The place of the middle of its starts, their number, and the first of them. None if not gathered.
-struct CascaState { middle: vec3f, first: u32, count: u32 }
+// The place of the middle of its starts, the first of them, their number, and whether a surface is just above them. None if not gathered.
+struct CascaState { middle: vec3f, first: u32, count: u32, covered: u32 }
 
 @group(1) @binding(0) var<uniform> casca_grid: CascaGrid;
 @group(1) @binding(1) var<storage, read> casca_cells: array<u32>;
@@ -90,6 +90,7 @@ fn casca_within(spot: vec3f, normal: vec3f, size: u32, reach: f32) -> vec4f {
     let place = spot * fine;
     let middle = vec3i(floor(place));
     let most = i32(ceil(reach));
+    let covered = select(1u, 0u, casca_free(spot, spot + normal * (COVER / fine)));
     for (var z = -most; z <= most; z++) { for (var y = -most; y <= most; y++) { for (var x = -most; x <= most; x++) {
         let cell = middle + vec3i(x, y, z);
         let nearest = clamp(place, vec3f(cell) - ABOVE * fine, vec3f(cell) + 1.0 + ABOVE * fine);
@@ -107,7 +108,7 @@ fn casca_within(spot: vec3f, normal: vec3f, size: u32, reach: f32) -> vec4f {
             let low = max(1.0 - ANSWER_HEIGHT * abs(dot(way, normal)), 0.0);
             let area = ANSWER_AREA + (1.0 - ANSWER_AREA) * min(entry.w, 1.0);
             let weight = near * near * low * (abs(like) - ANSWER_NORMAL) * area;
-            if state.count > 0u && weight > 0.0 && casca_sees(spot, state) {
+            if state.count > 0u && state.covered == covered && weight > 0.0 && casca_sees(spot, state) {
                 sum += weight * vec4f(casca_held(number), 1.0);
             }
         }

@@ -7,8 +7,8 @@ use wgpu::{
 use super::data::LOW;
 use super::{GpuCache, bind, pipeline};
 use crate::numeric::{
-    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, BOX, FAR, GROW, LEAST_SHARE, LEAVES,
-    LIFT, NO_WAY,
+    ABOVE, ANSWER_AREA, ANSWER_HEIGHT, ANSWER_NORMAL, ANSWER_REACH, BOX, COVER, FAR, GROW, LEAST_SHARE,
+    LEAVES, LIFT, NO_WAY,
 };
 
 /// Which light is found.
@@ -76,6 +76,7 @@ pub(super) fn shader(parts: &[&str]) -> String {
         ("GROW", GROW),
         ("BOX", BOX),
         ("ABOVE", ABOVE),
+        ("COVER", COVER),
         ("ANSWER_REACH", ANSWER_REACH),
         ("ANSWER_NORMAL", ANSWER_NORMAL),
         ("ANSWER_HEIGHT", ANSWER_HEIGHT),

@@ -33,7 +33,8 @@ pub fn load_lit(path: &Path) -> Result<LitScene, ImportError> {
 ///   leave of it; its specular part is 0.04, and its colour for metals; its gloss is one minus its
 ///   roughness.
 /// - Lights are those of `KHR_lights_punctual`, where the file says; their units are taken as
-///   radiometric. A file without lights and without emission gets a sun and a sky.
+///   radiometric. A file without lights and without emission gets a sun and a sky; beside suns of its
+///   own it gets that sky, as many times as bright as they are.
 ///
 /// # Errors
 /// As [`casca_scenes::import::load`].
@@ -56,8 +57,11 @@ pub fn read_lit(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<LitSc
     let lights = lights_of(&file, world.source.origin)?;
     let mut used = known.values().flat_map(|materials| materials.iter());
     if !lights.is_empty() || used.any(|&m| scene.materials[m as usize].emits()) {
+        let of =
+            |l: &Light| if let Light::Sun { irradiance, .. } = l { irradiance.max_element() } else { 0.0 };
+        let [new, old] = [&lights, &scene.lights].map(|all| all.iter().map(of).sum::<f32>());
+        scene.sky *= new / old;
         scene.lights = lights;
-        scene.sky = Vec3::ZERO;
     }
     Ok(scene)
 }

@@ -1,6 +1,5 @@
 //! Pictures of linear light.
 
-use casca_tools::image::srgb;
 use glam::Vec3;
 
 /// Pixels that a picture has at most.
@@ -70,11 +69,6 @@ impl HdrImage {
         let square = |(a, b): (&Vec3, &Vec3)| (sound(*a) - sound(*b)).as_dvec3().length_squared();
         let sum: f64 = self.pixels.iter().zip(&other.pixels).map(square).sum();
         Ok((sum / (3 * self.pixels.len()) as f64).sqrt())
-    }
-
-    /// Bytes of sRGB, three a pixel, after a factor; brighter values are cut off.
-    pub fn srgb(&self, exposure: f32) -> Vec<u8> {
-        self.pixels.iter().flat_map(|p| sound(*p).to_array().map(|c| srgb(c * exposure))).collect()
     }
 }
 

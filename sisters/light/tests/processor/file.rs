@@ -73,9 +73,12 @@ fn materials_and_lights_are_read() {
     assert_eq!(scene.lights[0].incident(Vec3::new(3.0, 0.0, 0.0)), None);
     assert_eq!(scene.sky, Vec3::ZERO);
     flip(&file, 5_000);
-    // Without lights there is a sun.
+    // Without lights there is a sun of irradiance 3; a sky beside other suns is as bright as they are.
     let plain = read_lit("plain", &triangle().glb(ONE), None).unwrap();
     assert!(plain.lights.len() == 1 && plain.sky != Vec3::ZERO && plain.triangles().len() == 1);
+    let sunny =
+        read_lit("sunny", &triangle().glb(&LIT.replace("\"spot\",", "\"directional\",")), None).unwrap();
+    assert!((sunny.sky - plain.sky * 4.0 / 3.0).length() < 1e-6 && sunny.lights.len() == 1, "{}", sunny.sky);
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod closed;
 mod common;
 #[cfg(feature = "lit")]
 mod file;
+mod flush;
 mod lattice;
 mod moves;
 mod open;

@@ -41,6 +41,11 @@ fn means_take_away_most_of_the_noise() {
     few.smooth(0);
     assert_eq!(ask(&few), raw);
     few.smooth(2);
+    let (smoothed, _) = (ask(&few), few.converge(1.0, 1));
+    // Converging smooths as well: only a pass more has changed it.
+    assert!(apart(&ask(&few), &smoothed) < 0.02 && apart(&ask(&few), &raw) > 0.05);
+    few = cache(24);
+    few.smooth(2);
     few.pass();
     let mut other = cache(24);
     other.pass();

@@ -39,7 +39,7 @@ impl GpuCells {
         let grid = GpuGrid { origin, side: cells.side(), dims, margin: cells.margin() };
         Ok(Self {
             grid: filled(gpu, &[grid], BufferUsages::UNIFORM)?,
-            starts: filled(gpu, cells.starts(), BufferUsages::STORAGE)?,
+            starts: filled(gpu, &[cells.starts(), cells.lines()].concat(), BufferUsages::STORAGE)?,
             lists: filled(gpu, cells.lists(), BufferUsages::STORAGE)?,
             ends: filled(gpu, &rows, BufferUsages::STORAGE)?,
         })

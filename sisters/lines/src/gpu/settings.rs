@@ -67,7 +67,7 @@ pub(super) struct GpuAo {
     samples: u32,
     size: [u32; 2],
     tangents: u32,
-    padding: u32,
+    solid: u32,
 }
 
 impl GpuAo {
@@ -75,6 +75,6 @@ impl GpuAo {
     pub(super) fn new(settings: &Settings, size: [u32; 2], tangents: u32) -> Self {
         let Settings { sets, samples, ao, .. } = *settings;
         let tube = ao.estimator.line_radius();
-        Self { radius: ao.radius, tube, sets, samples, size, tangents, padding: 0 }
+        Self { radius: ao.radius, tube, sets, samples, size, tangents, solid: ao.solid.into() }
     }
 }

@@ -9,7 +9,7 @@ use casca_stage::wgpu::{Buffer, BufferUsages, ShaderModule};
 
 use crate::gpu::settings::Settings;
 use crate::numeric::SIDES;
-use crate::occlusion::Estimator;
+use crate::occlusion::AoOptions;
 use crate::places::Places;
 
 /// The bindings of cells, as in rays.wgsl.
@@ -31,7 +31,7 @@ pub(super) struct GpuSides {
 }
 
 /// The settings that values depend on.
-type Known = (Estimator, f32, [u32; 2], u64);
+type Known = (AoOptions, [u32; 2], u64);
 
 impl GpuSides {
     /// Places that are `step` apart.
@@ -81,7 +81,7 @@ impl GpuSides {
     /// Whether values must be computed anew; from then on they are those of these settings.
     fn is_new(&self, settings: &Settings) -> bool {
         let Settings { ao, samples, sets, seed, .. } = *settings;
-        let now = Some((ao.estimator, ao.radius, [samples, sets], seed));
+        let now = Some((ao, [samples, sets], seed));
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::replace(&mut *known, now) != now
     }

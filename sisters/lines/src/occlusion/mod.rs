@@ -31,8 +31,7 @@ pub struct Occlusion<'a> {
 /// What an estimate looks through.
 #[derive(Debug, Clone, Copy)]
 enum Through<'a> {
-    /// Rays at tubes of a radius.
-    Cells(&'a Cells, &'a SampleSets, f32),
+    Cells(&'a Cells, &'a SampleSets, f32, bool),
     Places(&'a Sides<'a>),
 }
 
@@ -50,7 +49,8 @@ impl<'a> Occlusion<'a> {
     ) -> Result<Self, OptionsError> {
         options.check_with(cells)?;
         let Estimator::Rays { line_radius } = options.estimator else { return Err(OptionsError::Source) };
-        Ok(Self { through: Through::Cells(cells, samples, line_radius), view, radius: options.radius })
+        let through = Through::Cells(cells, samples, line_radius, options.solid);
+        Ok(Self { through, view, radius: options.radius })
     }
 
     /// By rays from places along the lines, for receivers of a view.
@@ -63,10 +63,11 @@ impl<'a> Occlusion<'a> {
     pub fn at(&self, fragment: &Fragment) -> f32 {
         let Some(above) = Hemisphere::new(fragment, self.radius, self.view) else { return 0.0 };
         let value = match self.through {
-            Through::Cells(cells, samples, line_radius) => {
+            Through::Cells(cells, samples, line_radius, solid) => {
                 let step = (fragment.along / (self.radius * SET_STEP)) as u32;
                 let set = samples.set(hash(fragment.line, step) as usize);
-                stopped(cells, self.view, &above, fragment.tangent, (set, line_radius))
+                let own = solid.then_some(fragment.line);
+                stopped(cells, self.view, &above, fragment.tangent, (set, line_radius, own))
             }
             Through::Places(sides) => {
                 let pole = self.view.eye_from_world().matrix3.transpose() * above.pole.as_dvec3();

@@ -46,6 +46,9 @@ pub struct AoOptions {
     pub radius: f32,
     /// How lines become an occlusion.
     pub estimator: Estimator,
+    /// Whether tubes are solid: where another line's tube holds the start of the rays, nothing gets
+    /// through. Otherwise such a tube stops nothing.
+    pub solid: bool,
 }
 
 /// Why options were refused.
@@ -73,12 +76,12 @@ pub enum OptionsError {
 impl AoOptions {
     /// Rays at tubes of a radius.
     pub fn rays(radius: f32, line_radius: f32) -> Self {
-        Self { radius, estimator: Estimator::Rays { line_radius } }
+        Self { radius, estimator: Estimator::Rays { line_radius }, solid: false }
     }
 
     /// Rays from places along the lines, at tubes of a radius.
     pub fn places(radius: f32, line_radius: f32) -> Self {
-        Self { radius, estimator: Estimator::places(radius, line_radius) }
+        Self { radius, estimator: Estimator::places(radius, line_radius), solid: false }
     }
 
     /// The margin of the cells that suits rays, in units of the scene: a share of the radius within

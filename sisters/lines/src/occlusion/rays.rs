@@ -52,14 +52,14 @@ pub(super) fn stopped(
     view: &View,
     above: &Hemisphere,
     tangent: Vec3,
-    (set, line_radius): (&[Vec2], f32),
+    (set, line_radius, own): (&[Vec2], f32, Option<u32>),
 ) -> f32 {
     let across = (tangent - above.pole * tangent.dot(above.pole)).try_normalize().unwrap_or(above.across);
     let to_world = view.eye_from_world().matrix3.transpose();
     let [x, y, z] =
         [across, above.pole.cross(across), above.pole].map(|v| (to_world * v.as_dvec3()).as_vec3());
     let rays = Rays::new(cells, [above.radius, line_radius], view.to_world(above.middle).as_vec3(), z);
-    rays.stopped([x, y, z], set, 1.0)
+    rays.stopped([x, y, z], set, 1.0, own)
 }
 
 /// The rays of a receiver.
@@ -92,14 +92,31 @@ impl<'a> Rays<'a> {
     }
 
     /// The share that is stopped of the rays of a set, in a frame of the world whose last direction
-    /// is the pole. Each is as wide as its share of the hemisphere times `wide`.
-    pub(super) fn stopped(self, [x, y, z]: [Vec3; 3], set: &[Vec2], wide: f32) -> f32 {
+    /// is the pole. Each is as wide as its share of the hemisphere times `wide`. With the number of
+    /// the receiver's own line, tubes of other lines are solid.
+    pub(super) fn stopped(self, [x, y, z]: [Vec3; 3], set: &[Vec2], wide: f32, own: Option<u32>) -> f32 {
+        if own.is_some_and(|own| self.is_buried(own)) {
+            return 1.0;
+        }
         let rays = Self { spread: wide / (set.len() as f32).sqrt(), ..self };
         let hidden = |at: &Vec2| {
             let up = (1.0 - at.length_squared()).max(0.0).sqrt();
             1.0 - rays.passed(x * at.x + y * at.y + z * up)
         };
         set.iter().map(hidden).sum::<f32>() / set.len() as f32
+    }
+
+    /// Whether the tube of another line than `own` holds the start.
+    fn is_buried(&self, own: u32) -> bool {
+        let at = ((self.start - self.cells.origin()) / self.cells.side()).floor();
+        // Whatever holds a start is named by its cell; outside of the grid there is nothing.
+        let is_inside = at.cmpge(Vec3::ZERO).all() && at.cmplt(self.cells.dims().as_vec3()).all();
+        is_inside
+            && self.cells.named(at.as_uvec3()).iter().any(|&segment| {
+                let [a, b] = self.cells.ends()[segment as usize];
+                let is_other = self.cells.lines()[segment as usize] != own;
+                is_other && self.holds((a - self.start) * self.scale, (b - a) * self.scale)
+            })
     }
 
     /// The share of a ray of length 1 in a direction that gets through.

@@ -117,8 +117,8 @@ impl<'a> Sides<'a> {
         let (sine, cosine) = (side as f32 * (TAU / SIDES as f32)).sin_cos();
         let pole = x * cosine + y * sine;
         let set = self.samples.set(hash(place, side) as usize);
-        let AoOptions { radius, estimator } = self.options;
+        let AoOptions { radius, estimator, solid } = self.options;
         let rays = Rays::new(self.cells, [radius, estimator.line_radius()], a.lerp(b, share), pole);
-        rays.stopped([along, pole.cross(along), pole], set, SIDE_SPREAD)
+        rays.stopped([along, pole.cross(along), pole], set, SIDE_SPREAD, solid.then_some(line))
     }
 }

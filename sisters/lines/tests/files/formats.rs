@@ -104,12 +104,7 @@ pub fn vtk(lines: &Lines, ascii: bool, new: bool) -> Vec<u8> {
             file.extend(
                 format!("{name} {} {}\nOFFSETS vtktypeint64\n", ranges.len() + 1, list.len()).into_bytes(),
             );
-            let ends = ranges.iter().scan(0, |end, r| {
-                Some({
-                    *end += r.len() as i32;
-                    *end
-                })
-            });
+            let ends = ranges.iter().map(|r| r.end);
             whole(&mut file, &std::iter::once(0).chain(ends).collect::<Vec<_>>(), true);
             file.extend(b"CONNECTIVITY vtktypeint64\n");
             whole(&mut file, &list, true);
@@ -120,14 +115,11 @@ pub fn vtk(lines: &Lines, ascii: bool, new: bool) -> Vec<u8> {
         }
     };
     let mut next = 0;
-    let ranges: Vec<_> = lines
-        .iter()
-        .map(|l| {
-            let from = next;
-            next += l.len() as i32;
-            from..next
-        })
-        .collect();
+    let mut range = |l: &Vec<_>| {
+        next += l.len() as i32;
+        next - l.len() as i32..next
+    };
+    let ranges: Vec<_> = lines.iter().map(&mut range).collect();
     cells("VERTICES", std::slice::from_ref(&(0..1)));
     cells("LINES", &ranges);
     file.extend(

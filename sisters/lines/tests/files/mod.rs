@@ -8,10 +8,8 @@ use casca_lines::sets::files::Format;
 mod formats;
 
 /// All formats.
-pub const FORMATS: [Format; 6] =
-    [Format::Text, Format::Obj, Format::Ply, Format::Tck, Format::Trk, Format::Vtk];
+pub const FORMATS: [Format; 5] = [Format::Obj, Format::Ply, Format::Tck, Format::Trk, Format::Vtk];
 
-const TEXT: &str = "2\n3 1\n0 0 0\n1 0 0\n1 4 0.5\n7 7 7\n";
 const OBJ: &str = "# lines\nv 0 0 0\nv 1 0 0\nv 1 4 0.5\nvn 0 0 1\nl 1 2 3\nl -1 -2\n";
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement edge 2\n\
     property int vertex1\nproperty int vertex2\nelement polyline 1\nproperty list uchar int vertex_indices\nend_header\n\
@@ -35,7 +33,7 @@ fn binary_ply() -> Vec<u8> {
 pub fn all() -> Vec<(Format, Vec<u8>)> {
     let lines = [vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 4.0, 0.5]], vec![[7.0; 3]]];
     let matrix = [[-2.0, 0.1, 0.0, 9.0], [0.0, 2.0, 0.0, -5.0], [0.0, 0.2, 3.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
-    let mut all = vec![(Format::Text, TEXT.into()), (Format::Obj, OBJ.into()), (Format::Ply, PLY.into())];
+    let mut all = vec![(Format::Obj, OBJ.into()), (Format::Ply, PLY.into())];
     all.push((Format::Ply, binary_ply()));
     for (a, b) in [(false, false), (false, true), (true, false), (true, true)] {
         all.push((Format::Tck, formats::tck(&lines, a, b)));

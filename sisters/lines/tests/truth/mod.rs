@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 use casca_lines::buffers::Fragment;
 use casca_lines::glam::DVec3;
-use casca_lines::sets::LineSet;
 use casca_lines::sets::random::Random;
+use casca_lines::sets::{LineSet, Segment};
 use casca_lines::view::View;
 
 /// Rays start this many radii of a tube above the middle of the receiver's own.
@@ -15,14 +15,18 @@ const LIFT: f64 = 1.01;
 
 /// The segments of a set in double precision.
 pub struct Tubes {
-    ends: Vec<[DVec3; 2]>,
+    /// With the number of the line.
+    ends: Vec<([DVec3; 2], u32)>,
     radius: f64,
+    /// Whether rays stop at once in tubes of other lines that hold their start.
+    solid: bool,
 }
 
 impl Tubes {
-    pub fn new(lines: &LineSet, radius: f64) -> Self {
-        let pair = |w: &[_]| [w[0], w[1]].map(|p: casca_lines::glam::Vec3| p.as_dvec3());
-        Self { ends: lines.iter().flat_map(|l| l.windows(2).map(pair)).collect(), radius }
+    pub fn new(lines: &LineSet, radius: f64, solid: bool) -> Self {
+        let points = lines.points();
+        let ends = |s: Segment| ([s.a, s.b].map(|v| points[v as usize].as_dvec3()), s.line);
+        Self { ends: lines.segments().map(ends).collect(), radius, solid }
     }
 
     /// The share of cosine-weighted rays of a length that stop, around the direction that is normal
@@ -38,15 +42,16 @@ impl Tubes {
         let pole = view.eye_from_world().matrix3.transpose() * pole;
         let start = view.to_world(at.position) + pole * self.radius * LIFT;
         let reach = length + self.radius;
-        let near: Vec<[DVec3; 2]> = self
-            .ends
-            .iter()
-            .map(|[a, b]| [*a - start, *b - start])
-            .filter(|&ends| {
-                let nearest = from_origin(ends);
-                nearest <= reach && nearest > self.radius
-            })
-            .collect();
+        let mut near: Vec<[DVec3; 2]> = Vec::new();
+        for ([a, b], line) in &self.ends {
+            let ends = [*a - start, *b - start];
+            let nearest = from_origin(ends);
+            if nearest > self.radius && nearest <= reach {
+                near.push(ends);
+            } else if nearest <= self.radius && self.solid && *line != at.line && a != b {
+                return 1.0;
+            }
+        }
         let right = pole.any_orthonormal_vector();
         let up = pole.cross(right);
         let mut stopped = 0;

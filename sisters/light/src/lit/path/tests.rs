@@ -235,21 +235,6 @@ fn lights_and_emitters_together_shine_as_the_sum_of_their_closed_forms() {
 }
 
 #[test]
-fn what_is_in_the_shade_gets_nothing_of_a_light() {
-    let black = Material::matt(Vec3::ZERO);
-    let mut shaded = scene(vec![(square(0.0, 5.0), WHITE), (square(1.0, 0.5), black)]);
-    let position = Vec3::new(0.0, 2.0, 0.0);
-    for radius in [0.0, 0.2] {
-        shaded.lights = vec![Light::Point { position, intensity: Vec3::ONE, radius }];
-        let tracer = PathTracer::new(&shaded);
-        let on_floor = |x: f64| look(&tracer, DVec3::new(x, 0.5, 0.2), DVec3::new(x, 0.0, 0.2), 1..=1, 2000);
-        assert_eq!([on_floor(0.0).0, on_floor(0.7).0], [0.0; 2]);
-        let (found, error) = on_floor(2.0);
-        near(found, 2.0 / (4.0f64 + 4.0 + 0.04).powf(1.5) / PI, 5.0 * error + 1e-6);
-    }
-}
-
-#[test]
 fn a_ceiling_takes_its_form_factor_of_the_sky() {
     let ceiling = square(1.0, 0.7);
     let corners: Vec<DVec3> = ceiling.positions.iter().map(|p| p.as_dvec3()).collect();

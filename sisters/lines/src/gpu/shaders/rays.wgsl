@@ -10,7 +10,8 @@ struct Ao {
     size: vec2u,
     // Where the tangents of places begin in their buffer.
     tangents: u32,
-    padding: u32,
+    // 1 if tubes of other lines are solid.
+    solid: u32,
 }
 
 @group(0) @binding(12) var<storage, read> fragments: array<Fragment>;
@@ -55,7 +56,7 @@ struct Grid {
 }
 
 @group(0) @binding(19) var<uniform> grid: Grid;
-// Where the list of each cell starts.
+// Where the list of each cell starts, and behind that the line of each segment.
 @group(0) @binding(20) var<storage, read> starts: array<u32>;
 // The numbers of segments in the lists.
 @group(0) @binding(21) var<storage, read> lists: array<u32>;
@@ -78,6 +79,22 @@ struct Ray {
 fn holds(ray: Ray, to_a: vec3f, axis: vec3f) -> bool {
     let along = clamp(-dot(to_a, axis) / dot(axis, axis), 0.0, 1.0);
     return length(to_a + axis * along) <= ray.tube;
+}
+
+// Whether the tube of another line than `own` holds the start, if tubes are solid.
+fn is_buried(ray: Ray, own: u32) -> bool {
+    let at = floor((ray.start - grid.origin) / grid.side);
+    if ao.solid == 0u || any(at < vec3f(0.0)) || any(at >= vec3f(grid.dims)) { return false; }
+    let place = vec3u(at);
+    let cell = (place.z * grid.dims.y + place.y) * grid.dims.x + place.x;
+    let lines = grid.dims.x * grid.dims.y * grid.dims.z + 1u;
+    for (var i = starts[cell]; i < starts[cell + 1u]; i++) {
+        let row = lists[i] * 2u;
+        let a = bitcast<vec3f>(ends[row].xyz);
+        let axis = (bitcast<vec3f>(ends[row + 1u].xyz) - a) / ao.radius;
+        if starts[lines + lists[i]] != own && holds(ray, (a - ray.start) / ao.radius, axis) { return true; }
+    }
+    return false;
 }
 
 fn part_of(bits: u32) -> f32 {
@@ -239,11 +256,12 @@ fn traced(fragment: Fragment, lane: u32) -> f32 {
         ray.soft = max(grid.margin - ao.tube, 0.0) / ao.radius;
         ray.spread = 1.0 / sqrt(f32(ao.samples));
         let chosen = set_of(fragment);
+        let buried = is_buried(ray, fragment.line);
         for (var i = lane; i < ao.samples; i += LANES) {
             let place = samples[chosen * ao.samples + i];
             let way = across * place.x + upwards * place.y + above.pole * sqrt(max(1.0 - dot(place, place), 0.0));
             ray.way = to_world(way);
-            hidden += 1.0 - passed(ray);
+            if buried { hidden += 1.0; } else { hidden += 1.0 - passed(ray); }
         }
     }
     return hidden;

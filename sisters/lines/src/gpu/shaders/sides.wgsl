@@ -170,8 +170,11 @@ fn ray_of(side: Side, i: u32) -> Ray {
 // Some rays of a value, from the one numbered `lane` on.
 fn traced_side(value: u32, lane: u32) -> f32 {
     let side = side_of(value);
+    let buried = is_buried(side.ray, line_of(value / SIDES));
     var hidden = 0.0;
-    for (var i = lane; i < ao.samples; i += SIDE_LANES) { hidden += 1.0 - passed(ray_of(side, i)); }
+    for (var i = lane; i < ao.samples; i += SIDE_LANES) {
+        if buried { hidden += 1.0; } else { hidden += 1.0 - passed(ray_of(side, i)); }
+    }
     return hidden;
 }
 

@@ -36,7 +36,8 @@ fn the_occlusion_is_that_of_the_processor() {
         for (turn, view) in views(lines.bounds()).into_iter().enumerate() {
             let by_places = (number / 2 + turn) % 2 == 0;
             let make = if by_places { AoOptions::places } else { AoOptions::rays };
-            let settings = settings(make(radius, tube));
+            let solid = number >= 3;
+            let settings = settings(AoOptions { solid, ..make(radius, tube) });
             let renderer = run(&gpu, &lines, &view, settings);
             let found = renderer.read_occlusion(&gpu).unwrap();
             // The same receivers: others are the matter of another test.

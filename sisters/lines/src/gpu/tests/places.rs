@@ -42,6 +42,7 @@ fn other_settings_and_other_lines_are_computed_anew() {
         Settings { samples: 8, ..settings },
         Settings { sets: 3, ..settings },
         Settings { ao: AoOptions { radius: 0.2, ..settings.ao }, ..settings },
+        Settings { ao: AoOptions { solid: true, ..settings.ao }, ..settings },
         Settings {
             ao: AoOptions { estimator: Settings::of_places(0.3, 0.009).ao.estimator, ..settings.ao },
             ..settings

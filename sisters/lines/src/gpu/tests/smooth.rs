@@ -4,34 +4,29 @@ use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::gpu::antialiasing::Antialiasing;
+use crate::testing::rmse;
 
 /// How much larger pictures are that stand for the truth.
 const LARGER: u32 = 8;
 const ONE: Antialiasing = Antialiasing::None;
 
 /// A picture, in shares of white.
-fn painted(gpu: &Gpu, set: &LineSet, view: &View, antialiasing: Antialiasing, look: Look) -> Vec<f64> {
+fn painted(gpu: &Gpu, set: &LineSet, view: &View, antialiasing: Antialiasing, look: Look) -> Vec<f32> {
     let settings = Settings { samples: 8, antialiasing, ..Settings::new(0.3, 0.01) };
     let renderer = run(gpu, set, view, settings);
     let canvas = Canvas::new(gpu, view.size().into());
     renderer.paint(gpu, &canvas.picture(), look, 1.0, Vec3::ONE, &mut Clock::off()).unwrap();
     let bytes = canvas.read_picture(gpu).unwrap();
-    bytes.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).map(|b| f64::from(b) / 255.0).collect()
-}
-
-/// The root of the mean square of differences.
-fn rmse(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+    bytes.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).map(|b| f32::from(b) / 255.0).collect()
 }
 
 /// The means of squares of pixels.
-fn scaled_down(large: &[f64], width: usize, side: usize) -> Vec<f64> {
+fn scaled_down(large: &[f32], width: usize, side: usize) -> Vec<f32> {
     let mut sums = vec![0.0; large.len() / (side * side)];
     for (i, value) in large.iter().enumerate() {
         let (pixel, channel) = (i / 3, i % 3);
         let (x, y) = (pixel % width / side, pixel / width / side);
-        sums[(y * (width / side) + x) * 3 + channel] += value / (side * side) as f64;
+        sums[(y * (width / side) + x) * 3 + channel] += value / (side * side) as f32;
     }
     sums
 }

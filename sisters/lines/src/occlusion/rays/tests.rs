@@ -177,6 +177,25 @@ fn a_line_alone_is_open_and_half_of_the_sky_behind_a_wall_is_hidden() {
 }
 
 #[test]
+fn solid_tubes_of_other_lines_stop_rays_that_start_in_them() {
+    let view = View::around([-Vec3::ONE, Vec3::ONE], Vec3::Z, None, [32; 2]).unwrap();
+    let samples = SampleSets::spirals(60, 1, 1).unwrap();
+    // A line whose bend is narrower than its tube, and one beside its other end. The rays start
+    // 0.101 above the middle of the line.
+    let bent = vec![vec3(0.0, 0.05, 0.08), Vec3::ZERO, Vec3::X * 0.9];
+    let lines = |z: f32| LineSet::new([bent.clone(), vec![vec3(0.9, -1.0, z), vec3(0.9, 1.0, z)]]).unwrap();
+    for (z, x, wanted) in [(0.03, 0.9, 1.0), (0.03, 0.0, 0.0), (-0.01, 0.9, 0.0)] {
+        let (cells, position) = (Cells::new(&lines(z), 0.1), view.to_eye(Vec3::X * x).as_vec3());
+        let fragment = Fragment { position, tangent: Vec3::X, line: 0, along: 0.0 };
+        let at = |solid| {
+            let options = AoOptions { solid, ..AoOptions::rays(0.5, 0.1) };
+            Occlusion::by_rays(&cells, &view, &samples, options).unwrap().at(&fragment)
+        };
+        assert_eq!([at(true), at(false)], [wanted, 0.0], "{z} {x}");
+    }
+}
+
+#[test]
 fn margins_of_cells_keep_the_rays_of_thin_tubes_wide_within_bounds() {
     let margin = |tube: f32| AoOptions::rays(2.0, tube).margin();
     // Three tubes, a twentieth of the radius, nine tubes.

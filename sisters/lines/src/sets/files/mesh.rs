@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::bytes::unmarked;
 use super::error::{FileError, refused};
-use super::{Format, ending, of_file, ply, text};
+use super::{Format, ending, obj, of_file, ply};
 use crate::mesh::Mesh;
 
 /// The triangles of a file whose ending is .obj (`v` and `f`) or .ply (`vertex` and `face`);
@@ -31,7 +31,7 @@ pub fn open_mesh(path: &Path) -> Result<Mesh, FileError> {
 pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Mesh, FileError> {
     let bytes = unmarked(bytes);
     let (positions, polygons) = match format {
-        Format::Obj => text::lists(bytes, "f")?,
+        Format::Obj => obj::lists(bytes, "f")?,
         Format::Ply => ply::lists(bytes, &["face"])?,
         _ => return Err(refused(format!("{format:?} has no meshes"))),
     };

@@ -1,4 +1,4 @@
-//! Lines from files: the thesis' text format, OBJ, PLY, the tractograms TCK and TRK, and VTK, with the numbers and colours that they have; and triangle meshes from OBJ and PLY.
+//! Lines from files: OBJ, PLY, the tractograms TCK and TRK, and VTK, with the numbers and colours that they have; and triangle meshes from OBJ and PLY.
 //!
 //! Readers take bytes and need memory in proportion to them, whatever a header promises. Lines may
 //! be of any number of vertices.
@@ -6,11 +6,11 @@
 mod bytes;
 mod error;
 mod mesh;
+mod obj;
 mod ply;
 mod tck;
 #[cfg(test)]
 mod tests;
-mod text;
 mod trk;
 mod vtk;
 mod words;
@@ -27,9 +27,6 @@ use error::refused;
 /// The formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// The number of lines, the number of vertices of each, then all coordinates; separated by
-    /// white space (Benevides 2015, section 4.1).
-    Text,
     /// Wavefront OBJ: `v` and `l`.
     Obj,
     /// PLY, ASCII or binary: vertices, and elements `edge`, `line` or `polyline` with the two
@@ -49,14 +46,13 @@ pub enum Format {
 /// If the file cannot be read, has an unknown ending, or breaks its format.
 pub fn open(path: &Path) -> Result<LineSet, FileError> {
     let format = match &*ending(path) {
-        "txt" => Format::Text,
         "obj" => Format::Obj,
         "ply" => Format::Ply,
         "tck" => Format::Tck,
         "trk" => Format::Trk,
         "vtk" => Format::Vtk,
         _ => {
-            let endings = "the ending must be .txt, .obj, .ply, .tck, .trk or .vtk";
+            let endings = "the ending must be .obj, .ply, .tck, .trk or .vtk";
             return Err(refused(format!("{}: {endings}", path.display())));
         }
     };
@@ -82,8 +78,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<LineSet, FileError> {
     // The offset that a TCK names counts from the start of the file.
     let bytes = if format == Format::Tck { bytes } else { unmarked(bytes) };
     Ok(match format {
-        Format::Text => LineSet::new(text::thesis(bytes)?)?,
-        Format::Obj => LineSet::new(text::obj(bytes)?)?,
+        Format::Obj => LineSet::new(obj::read(bytes)?)?,
         Format::Ply => LineSet::new(ply::read(bytes)?)?,
         Format::Tck => tck::read(bytes)?,
         Format::Trk => trk::read(bytes)?,

@@ -14,7 +14,7 @@ mod tractograms;
 
 /// Files of lines in all formats, and whether they have the numbers of [`formats`].
 fn all_written(lines: &[Vec<Vec3>]) -> Vec<(Format, Vec<u8>, bool)> {
-    let plain = [Format::Text, Format::Obj, Format::Ply].map(|f| (f, written(lines, f), false));
+    let plain = [Format::Obj, Format::Ply].map(|f| (f, written(lines, f), false));
     let lines: Vec<Vec<[f32; 3]>> = lines.iter().map(|l| l.iter().map(Vec3::to_array).collect()).collect();
     let mut all = plain.to_vec();
     for (a, b) in [(false, false), (false, true), (true, false), (true, true)] {
@@ -31,11 +31,6 @@ fn written(lines: &[Vec<Vec3>], format: Format) -> Vec<u8> {
     let points: Vec<Vec3> = lines.concat();
     let mut text = String::new();
     match format {
-        Format::Text => {
-            let _ = writeln!(text, "{}", lines.len());
-            lines.iter().for_each(|l| text += &format!("{} ", l.len()));
-            points.iter().for_each(|p| text += &format!("\n{}", coordinates(p)));
-        }
         Format::Obj => {
             text += "# hair\no strand\n";
             for line in lines {
@@ -104,7 +99,7 @@ fn text_with_a_byte_order_mark_is_read() {
         b"v 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nv 0 0 0\nl 1 2\nl 3 4 5\n".to_vec(),
         false,
     ));
-    let kinds = [Format::Text, Format::Obj, Format::Ply, Format::Vtk];
+    let kinds = [Format::Obj, Format::Ply, Format::Vtk];
     for (format, file, _) in text.into_iter().filter(|(format, ..)| kinds.contains(format)) {
         let marked = [b"\xef\xbb\xbf", &*file].concat();
         let (marked, plain) = (read(&marked, format).unwrap(), read(&file, format).unwrap());
@@ -115,13 +110,9 @@ fn text_with_a_byte_order_mark_is_read() {
 #[test]
 fn errors_name_place_and_cause() {
     let fail = |bytes: &[u8], format| read(bytes, format).unwrap_err().to_string();
-    let huge = "99999999999999999";
     for (format, text, said) in [
-        (Format::Text, "1\n2\n0 0 0\n0 x 0", "line 4: \"x\" is not a coordinate"),
-        (Format::Text, huge, "line 1: the file ends before a number of vertices"),
-        (Format::Text, "1\n99999999999999\n1 1 1", "line 3: the file ends before a coordinate"),
-        (Format::Text, "1\n1\n1 1 1\n2", "line 4: the file goes on after the last vertex"),
-        (Format::Text, "1 1 nan 1 1", "vertex 0 of line 0 is not finite"),
+        (Format::Obj, "v 0 0 0\nv 0 x 0\n", "line 2: \"x\" is not a coordinate"),
+        (Format::Obj, "v 1 nan 1\nl 1", "vertex 0 of line 0 is not finite"),
         (Format::Obj, "v 1 2\n", "line 1: a vertex of less than 3 numbers"),
         (Format::Obj, "v 1 2 3\n\nl 1 2", "line 3: there is no vertex 2"),
         (Format::Ply, "plx\n", "line 1: a PLY file starts with \"ply\""),
@@ -183,15 +174,15 @@ fn errors_name_place_and_cause() {
             fail(&formats::tck(&[vec![[1.0; 3], damaged.to_array(), [0.0; 3]]], false, false), Format::Tck);
         assert!(why.contains(said), "{why}");
     }
-    let path = std::env::temp_dir().join(format!("casca-lines-files-{}.txt", std::process::id()));
-    for (text, said) in [("1 x", "line 1: \"x\" is not"), ("1 1 nan 1 1", "vertex 0 of line 0 is not finite")]
+    let path = std::env::temp_dir().join(format!("casca-lines-files-{}.obj", std::process::id()));
+    for (text, said) in [("v x 1 1", "line 1: \"x\" is not"), ("v 1 nan 1\nl 1", "vertex 0 of line 0 is not")]
     {
         std::fs::write(&path, text).unwrap();
         let why = open(&path).unwrap_err().to_string();
         assert!(why.starts_with(&format!("{}: {said}", path.display())), "{why}");
     }
     std::fs::remove_file(&path).unwrap();
-    assert!(matches!(open(Path::new("nothing.txt")), Err(FileError::Io { .. })));
+    assert!(matches!(open(Path::new("nothing.obj")), Err(FileError::Io { .. })));
     assert!(open(Path::new("hair.doc")).unwrap_err().to_string().contains(".tck, .trk or .vtk"));
 }
 

@@ -1,32 +1,12 @@
-//! The thesis' text format and Wavefront OBJ.
+//! Wavefront OBJ.
 
 use glam::Vec3;
 
-use super::error::{FileError, Lines, Lists, broken};
-use super::words::{Scan, lines, parse, real, words};
-
-/// The thesis' format: the number of lines, the number of vertices of each, and the vertices.
-pub(super) fn thesis(bytes: &[u8]) -> Lines {
-    let mut file = Scan::new(bytes, "line");
-    let lines: usize = file.number("the number of lines")?;
-    // Each line needs at least a digit and a space: a header cannot ask for more than the file
-    // holds.
-    let mut counts = Vec::with_capacity(lines.min(bytes.len() / 2));
-    for _ in 0..lines {
-        counts.push(file.number::<usize>("a number of vertices")?);
-    }
-    let mut next = || file.real("a coordinate");
-    let mut point = || Ok::<_, FileError>(Vec3::new(next()?, next()?, next()?));
-    let mut line = |n: usize| (0..n).map(|_| point()).collect::<Result<Vec<Vec3>, FileError>>();
-    let all = counts.into_iter().map(&mut line).collect::<Result<_, _>>()?;
-    match file.word() {
-        Some(_) => Err(file.fail("the file goes on after the last vertex")),
-        None => Ok(all),
-    }
-}
+use super::error::{Lines, Lists, broken};
+use super::words::{lines, parse, real, words};
 
 /// The lines of an OBJ file; statements other than `v` and `l` are passed over.
-pub(super) fn obj(bytes: &[u8]) -> Lines {
+pub(super) fn read(bytes: &[u8]) -> Lines {
     let (points, lines) = lists(bytes, "l")?;
     Ok(lines.iter().map(|line| line.iter().map(|&v| points[v as usize]).collect()).collect())
 }
