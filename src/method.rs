@@ -145,7 +145,15 @@ impl CellOptions {
 /// that can be seen.
 ///
 /// Three sets of them have names, from the fastest to the one with the smallest sets:
-/// [`PointOptions::fast`], [`PointOptions::balanced`] and [`PointOptions::tight`].
+/// [`PointOptions::fast`], [`PointOptions::balanced`] and [`PointOptions::tight`]. Which one to take
+/// depends on what an object of the set costs you, measured on a city, a forest, a harbour, a town
+/// and a world of blocks:
+///
+/// | | time | objects found | cheapest where an object costs |
+/// |---|---|---|---|
+/// | `fast` | 0.49 to 0.81 | 1.24 to 1.71 | less than 7 to 9 µs, among blocks 39 |
+/// | `balanced` | 1 | 1 | more than that |
+/// | `tight` | 1.3 to 2.1 | 0.91 to 1.00 | more than 110 µs to 1.6 ms |
 ///
 /// ```
 /// use casca::{Method, PointOptions, Query};
