@@ -42,7 +42,7 @@ const MOST: [(&str, usize); 25] = [
     ("src", 42000),
     ("tests", 11850),
     ("crates/cache", 400),
-    ("crates/lab", 6450),
+    ("crates/lab", 6350),
     ("crates/scenes", 8650),
     ("crates/slots", 650),
     ("crates/tools", 1200),

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use casca_lab::experiments::{EXPERIMENTS, Lab, Section, write};
+use casca_lab::experiments::{EXPERIMENTS, Lab, Section, finding, lines_of, write};
+use casca_lab::pictures::worth;
 
 const MOST_WORDS: usize = 2500;
 
@@ -35,48 +36,26 @@ fn the_report_in_the_repository_is_short_and_complete() {
     check(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/report.md"));
 }
 
-/// The part of a text between two others.
-fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
-    let rest = text.split_once(from).unwrap_or_else(|| panic!("{from} is missing")).1;
-    rest.split_once(to).unwrap_or_else(|| panic!("{to} is missing")).0
-}
-
 #[test]
-fn the_front_page_quotes_the_report() {
+fn the_front_page_says_what_the_chart_shows() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let read = |file: &str| std::fs::read_to_string(root.join(file)).unwrap();
-    let (readme, report) = (read("README.md"), read("docs/report.md"));
-    assert_eq!(
-        between(&readme, "Measured at commit ", " "),
-        between(&report, "- Commit: ", ","),
-        "the commit measured"
-    );
-    let rows = |file: &str| -> Vec<Vec<String>> {
-        read(file).lines().skip(1).map(|row| row.split(',').map(str::to_owned).collect()).collect()
-    };
-    let (against, shadows) = (rows("docs/report/against.csv"), rows("docs/report/shadows.csv"));
-    let tables = "<!-- tables from docs/report/against.csv and docs/report/shadows.csv -->\n";
-    let table = between(&readme, tables, "<!-- end of table -->");
-    let mut checked = 0;
-    for line in table.lines().skip(2) {
-        let scene = between(line, "| ", " |");
-        let of = |rows: &'_ [Vec<String>]| rows.iter().find(|row| row[0] == scene).cloned();
-        let row = of(&against).unwrap_or_else(|| panic!("{scene} is not in the table"));
-        let two = |number: &str| format!("{:.2}", number.parse::<f64>().unwrap());
-        let [ms, p99, ratio, hzb_ms, hzb_p99, hzb_ratio, lost] =
-            [3, 4, 5, 7, 8, 9, 10].map(|column: usize| two(&row[column]));
-        let (frustum, visible) = (&row[1], &row[2]);
-        // Without a row, the scene's shadows were not measured.
-        let shadows = of(&shadows)
-            .map_or("-".to_owned(), |row| format!("{} of {}, {} ms", row[4], row[3], two(&row[6])));
-        let quoted = format!(
-            "| {scene} | {frustum} | {visible} | {ms} ({p99}) ms, {ratio} | \
-             {hzb_ms} ({hzb_p99}) ms, {hzb_ratio}, {lost} lost | {shadows} |"
-        );
-        assert_eq!(line, quoted);
-        checked += 1;
+    let said = finding(&lines_of(&read("docs/report/worth.csv")));
+    for page in ["README.md", "docs/report.md"] {
+        assert!(read(page).replace('\n', " ").contains(&said), "{page} lacks: {said}");
     }
-    assert!(checked >= 10);
+    assert!(read("README.md").contains("](docs/report/worth.svg)"));
+}
+
+/// `CASCA_CHART=write` draws it anew.
+#[test]
+fn the_chart_is_that_of_its_table() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/report");
+    let lines = lines_of(&std::fs::read_to_string(folder.join("worth.csv")).unwrap());
+    let (there, drawn) = (folder.join("worth.svg"), std::env::temp_dir().join("casca-worth.svg"));
+    let path = if std::env::var("CASCA_CHART").is_ok_and(|v| v == "write") { &there } else { &drawn };
+    worth(path, &lines).unwrap();
+    assert_eq!(std::fs::read(path).unwrap(), std::fs::read(there).unwrap());
 }
 
 /// The least and the greatest of some numbers, with two digits after the point.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use casca::{Error, Method, Query};
+use casca::{Error, KeptOptions, KeptQuery, Method, Query};
 
 use casca_scenes::drive::{Driver, view_of};
 use casca_scenes::measure::ThreadTime;
@@ -27,6 +27,7 @@ pub struct FrameInput<'a> {
 
 enum Engine {
     Casca(Box<Query>),
+    Kept(Box<KeptQuery>),
     Hzb(Box<Hzb>),
 }
 
@@ -51,6 +52,15 @@ impl Contender {
     /// As [`Query::with_method`].
     pub fn casca(setting: impl Into<String>, method: Method) -> Result<Self, Error> {
         Ok(Self::new(method.name(), setting.into(), Engine::Casca(Box::new(Query::with_method(method)?))))
+    }
+
+    /// The library by results that are kept for many frames.
+    ///
+    /// # Errors
+    /// As [`KeptQuery::with_options`].
+    pub fn kept(setting: &str, options: KeptOptions) -> Result<Self, Error> {
+        let query = Box::new(KeptQuery::with_options(options)?);
+        Ok(Self::new("kept", setting.to_owned(), Engine::Kept(query)))
     }
 
     /// A rasterised depth buffer of `width` by `height` pixels.
@@ -79,13 +89,16 @@ impl Contender {
                 query.run(&driver.scene, &view);
                 None
             }
+            Engine::Kept(query) => {
+                query.run(&driver.scene, &view);
+                None
+            }
             Engine::Hzb(hzb) => Some(hzb.frame(objects, in_frustum, camera)),
         };
         let time = start.elapsed();
         self.found = match (&self.engine, visible) {
-            (Engine::Casca(query), _) => {
-                (0..objects.len()).filter(|&i| driver.sees(query.pvs(), i)).collect()
-            }
+            (Engine::Casca(query), _) => driver.found(query.pvs()),
+            (Engine::Kept(query), _) => driver.found(query.pvs()),
             (_, visible) => visible.unwrap_or_default(),
         };
         self.found.retain(|&i| objects[i].tested);

@@ -15,9 +15,9 @@ mod shadows;
 mod stability;
 mod stage;
 mod thesis;
-mod tradeoff;
 mod upkeep;
 mod walker;
+mod worth;
 
 pub use against::against;
 pub use aggressive::aggressive;
@@ -29,15 +29,15 @@ pub use scaling::scaling;
 pub use shadows::shadows;
 pub use stability::stability;
 pub use thesis::thesis;
-pub use tradeoff::tradeoff;
 pub use upkeep::upkeep;
+pub use worth::{finding, lines_of, worth};
 
 /// An experiment: a section of the report.
 pub type Experiment = fn(&Lab) -> Result<Section, LabError>;
 
 /// All experiments by name, in the order of the report.
 pub const EXPERIMENTS: &[(&str, Experiment)] = &[
-    ("tradeoff", tradeoff),
+    ("worth", worth),
     ("against", against),
     ("stability", stability),
     ("thesis", thesis),
