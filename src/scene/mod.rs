@@ -7,7 +7,7 @@
 //! - *listed*: its cells are in the matrices I (objects) and O (opaque cells). Static objects
 //!   always are.
 //! - *hidden*: no view saw a dynamic object in the last frames, and it is inside a temporal
-//!   bounding volume. Only the surface of the volume is in the matrices ([`volumes`]), so that
+//!   bounding volume. Only the surface of the volume is in the matrices ([`crate::matrix::tbv`]), so that
 //!   motion inside changes no matrix.
 //! - *overdue* or *unlocated*: an object that is reported on expiry may be anywhere, since no
 //!   report came. It is visible to every query and hides nothing.
@@ -39,7 +39,6 @@ mod boxes;
 mod changes;
 mod clock;
 mod contacts;
-mod containing;
 mod edit;
 mod frame;
 mod last_frame;
@@ -63,7 +62,6 @@ mod transitions;
 mod user_data;
 mod validity;
 mod volume;
-mod volumes;
 
 use casca_slots::Slots;
 use glam::DVec3;

@@ -179,9 +179,7 @@ impl Scene {
             }
             State::Hidden(hidden) => self.shift_volume(slot, hidden, by, keeps_numbers),
             // Its report finds a new volume.
-            State::Unlocated { volume } => {
-                self.lose(slot, volume.is_some());
-            }
+            State::Unlocated { .. } => self.lose(slot),
         }
     }
 
@@ -201,10 +199,10 @@ impl Scene {
             expires = (expires - (off / speed).next_up()).next_down();
             // Also if it is NaN, for an object that does not move.
             if !(inside && expires > self.clock.now) {
-                return self.lose(slot, true);
+                return self.lose(slot);
             }
         } else if !inside {
-            self.index.remove_volume(slot);
+            self.remove_volume(slot);
             return self.list(slot);
         }
         self.changes.volume_is_new(slot, self.slots.len());
@@ -213,10 +211,8 @@ impl Scene {
 
     /// Takes an object out of its volume, if it is in one. It may be anywhere until it is reported,
     /// and its report is due.
-    fn lose(&mut self, slot: Slot, enclosed: bool) {
-        if enclosed {
-            self.index.remove_volume(slot);
-        }
+    fn lose(&mut self, slot: Slot) {
+        self.remove_volume(slot);
         self.slots[slot].apply(Event::Revealed);
         self.index.always.insert(slot);
         self.clock.queue(self.slots.id(slot), AT_ONCE);

@@ -23,7 +23,6 @@ use crate::scene::opacity::Opacity;
 use crate::scene::spatial_index::SpatialIndex;
 use crate::scene::state::State;
 use crate::scene::user_data::UserData;
-use crate::scene::volumes::Volumes;
 use crate::scene::{Boxes, LayerOpacity, Movers, Object, ObjectBox, Scene, StaticChange};
 
 /// An object of a scene, to read. [`Scene::iter`] gives them.
@@ -273,13 +272,21 @@ impl Scene {
     /// Txy, Txz, Tyz: the temporal bounding volumes.
     #[inline]
     pub(crate) fn tbv_matrix(&self) -> &TbvMatrix {
-        self.index.volumes.matrix()
+        &self.index.volumes
     }
 
-    /// All temporal bounding volumes.
+    /// The cells of an object's volume, if it is in one.
     #[inline]
-    pub(crate) fn volumes(&self) -> &Volumes {
-        &self.index.volumes
+    pub(crate) fn volume_cells(&self, slot: Slot) -> Option<&CellBox> {
+        self.object(slot).volume().map(|tbv| &tbv.cells)
+    }
+
+    /// The objects whose volumes contain a cell, on their surface or inside, in the order of slots.
+    pub(crate) fn volumes_around(&self, cell: IVec3) -> Vec<Slot> {
+        let contains = |&slot: &Slot| self.volume_cells(slot).is_some_and(|cells| cells.contains(cell));
+        let mut around: Vec<Slot> = self.tbv_matrix().ids(cell >> 3i32).filter(contains).collect();
+        around.sort_unstable();
+        around
     }
 
     /// The box of an object's volume, for a hidden object.

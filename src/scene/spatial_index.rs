@@ -9,12 +9,12 @@ use crate::grid::cell_box::{CellBox, volume};
 use crate::grid::mask::{BRICK, NONE};
 use crate::grid::{Grid, reaches};
 use crate::matrix::ids::IdMatrix;
+use crate::matrix::tbv::TbvMatrix;
 use crate::object::{Bounds, Occluder};
 use crate::scene::boxes::Boxes;
 use crate::scene::movers::Movers;
 use crate::scene::object::Object;
 use crate::scene::rooms::Rooms;
-use crate::scene::volumes::Volumes;
 use crate::shape::pieces::{Moved, touched};
 
 /// An object whose bounds span more cells than this is not written into I, which would take a
@@ -88,7 +88,8 @@ pub(super) struct SpatialIndex {
     pub(super) zones: Movers,
     /// Where objects may go without a change of the matrices.
     pub(super) rooms: Rooms,
-    pub(super) volumes: Volumes,
+    /// Txy, Txz, Tyz: the surfaces of the volumes.
+    pub(super) volumes: TbvMatrix,
     /// Memory used again: the cells of an object that moves.
     moved: Moved,
 }
@@ -189,14 +190,8 @@ impl SpatialIndex {
 
     /// A block of bricks around all objects and volumes that are somewhere.
     pub(super) fn extent(&self) -> Option<CellBox> {
-        let all = [self.ids.pages().extent(), self.volumes.matrix().pages().extent(), self.zones.extent()];
+        let all = [self.ids.pages().extent(), self.volumes.pages().extent(), self.zones.extent()];
         all.into_iter().flatten().reduce(CellBox::join)
-    }
-
-    /// Takes an object out of its volume.
-    pub(super) fn remove_volume(&mut self, slot: Slot) {
-        self.volumes.remove(slot);
-        self.rooms.close(slot);
     }
 
     /// Empties all but the volumes and the boxes.

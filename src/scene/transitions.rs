@@ -211,7 +211,7 @@ impl Scene {
         }
         object.adapt(Validity::outlived);
         let (bounds, on_expiry) = (object.bounds.clone(), object.on_expiry());
-        self.index.remove_volume(slot);
+        self.remove_volume(slot);
         self.changes.changed();
         // Lists of zones cost less than a volume that does not last.
         if !on_expiry
@@ -240,7 +240,7 @@ impl Scene {
         }
         if self.clock.resting.contains(slot) && zone_for(&self.grid, object, &object.bounds).is_some() {
             // Reports in each frame cost less than a volume that does not last.
-            self.index.remove_volume(slot);
+            self.remove_volume(slot);
             return self.list(slot);
         }
         let next = self.make_volume(slot);
@@ -252,7 +252,7 @@ impl Scene {
                 return;
             }
         }
-        self.index.remove_volume(slot);
+        self.remove_volume(slot);
         self.enclose_or_list(slot, next);
     }
 
@@ -325,7 +325,7 @@ impl Scene {
     /// A view saw the volume of a hidden object; `seen` says whether the object is in a set.
     pub(super) fn reveal(&mut self, slot: Slot, seen: bool) {
         self.tire(slot);
-        self.index.remove_volume(slot);
+        self.remove_volume(slot);
         let (id, object) = (self.slots.id(slot), &mut self.slots[slot]);
         object.adapt(Validity::revealed);
         if object.on_expiry() {
@@ -360,17 +360,23 @@ impl Scene {
         self.locate(slot);
         match self.object(slot).state() {
             State::Listed | State::Overdue => self.unlist(slot),
-            State::Hidden(_) => self.index.remove_volume(slot),
-            State::Unlocated { volume } => {
+            State::Hidden(_) => self.remove_volume(slot),
+            State::Unlocated { .. } => {
                 self.index.always.remove(slot);
-                if volume.is_some() {
-                    self.index.remove_volume(slot);
-                }
+                self.remove_volume(slot);
             }
         }
         self.exchange_occluder(slot, None);
         self.last_frame.seen.remove(slot);
         self.slots.remove(slot);
+    }
+
+    /// Takes an object out of its volume, if it is in one.
+    pub(super) fn remove_volume(&mut self, slot: Slot) {
+        if let Some(tbv) = self.slots[slot].volume() {
+            self.index.volumes.remove(&tbv.cells, slot);
+            self.index.rooms.close(slot);
+        }
     }
 
     /// A volume around the place of an object, if one fits. It is not in the matrices yet, nor in
@@ -399,7 +405,7 @@ impl Scene {
 
     /// Puts an object that is in no matrix into a new volume.
     fn enclose(&mut self, slot: Slot, hidden: Hidden) {
-        self.index.volumes.insert(slot, &hidden.tbv);
+        self.index.volumes.insert(&hidden.tbv.cells, slot);
         self.changes.changed();
         self.changes.volume_is_new(slot, self.slots.len());
         self.hide(slot, hidden);
