@@ -22,7 +22,7 @@
 //! | `update`       | listed, overdue or not                      | listed where it is now        |
 //! | `update`       | volume, inside of it                        | the same, until another time  |
 //! | `update`       | volume, overdue, with enough room left      | the same, until another time  |
-//! | `update`       | volume, outside or with too little room     | listed                        |
+//! | `update`       | volume, outside or with too little room     | listed; on expiry a new volume |
 //! | `end_frame`    | listed, in no set, not overdue, not resting | a new volume, if one fits     |
 //! | `end_frame`    | volume, revealed                            | listed; on expiry overdue      |
 //! | `set_origin`   | volume, surely still inside of it           | the same                      |

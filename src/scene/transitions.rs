@@ -186,8 +186,8 @@ impl Scene {
         self.slots[slot].bounds = bounds;
     }
 
-    /// An object in a volume was reported: where that serves it stays, else it is listed. A new volume
-    /// is for the end of the frame to make.
+    /// An object in a volume was reported: where that serves it stays. Else it is listed, or, where
+    /// reports are saved by it, gets a new volume at once.
     fn hidden_moved(&mut self, slot: Slot, hidden: Hidden) {
         let object = &mut self.slots[slot];
         let (block, expired, on_expiry) = (object.bounds.block(), object.is_expired(), object.on_expiry());
@@ -218,6 +218,10 @@ impl Scene {
         }
         self.remove_volume(slot);
         self.list(slot);
+        if on_expiry && !self.clock.is_resting(slot) {
+            // It would be due in each frame until its turn comes.
+            self.try_hide(slot);
+        }
     }
 
     /// The volume of an object is over. If it did not last, a small object gets none for some time:
@@ -239,8 +243,9 @@ impl Scene {
             return false;
         }
         let object = &mut self.slots[entry.slot];
-        let Some(&hidden) = object.volume().filter(|hidden| hidden.queued == entry.at) else {
-            // It was queued again since, or is in no volume.
+        let queued = object.volume().filter(|hidden| hidden.queued == entry.at);
+        let Some(&hidden) = queued.filter(|_| object.is_hidden()) else {
+            // It was queued again since, or is due already, or in no volume.
             return false;
         };
         if !backwards && hidden.expires > self.clock.now {
